@@ -1,0 +1,141 @@
+//! The continuous and counting laws that the generators draw from.
+//!
+//! `rand_distr` has these laws too, but its floating-point functions are libm's or the platform's
+//! depending on which other crates of a build turn on `num-traits/std`. A seed would then give
+//! different worlds in different programs, so the few laws needed are here, on `libm` alone.
+
+use crate::seed::Stream;
+
+/// A standard normal number (Marsaglia's polar method).
+pub fn standard_normal(stream: &mut Stream) -> f64 {
+    loop {
+        let x = 2.0 * stream.unit() - 1.0;
+        let y = 2.0 * stream.unit() - 1.0;
+        let s = x * x + y * y;
+        if s > 0.0 && s < 1.0 {
+            return x * (-2.0 * libm::log(s) / s).sqrt();
+        }
+    }
+}
+
+/// A Poisson count of the given mean, which must be finite, not negative and at most 1e15.
+///
+/// Knuth's product of uniform numbers below a mean of 10, Hörmann's transformed rejection PTRS above
+/// (W. Hörmann, The transformed rejection method for generating Poisson random variables,
+/// Insurance: Mathematics and Economics 12, 1993).
+pub fn poisson(stream: &mut Stream, mean: f64) -> u64 {
+    debug_assert!((0.0..=1e15).contains(&mean), "Poisson mean {mean}");
+    if mean < 10.0 {
+        let limit = libm::exp(-mean);
+        let mut product = stream.unit();
+        let mut count = 0;
+        while product > limit {
+            product *= stream.unit();
+            count += 1;
+        }
+        return count;
+    }
+    let b = 0.931 + 2.53 * mean.sqrt();
+    let a = -0.059 + 0.024_83 * b;
+    let inverse_alpha = 1.1239 + 1.1328 / (b - 3.4);
+    let v_r = 0.9277 - 3.6224 / (b - 2.0);
+    let ln_mean = libm::log(mean);
+    loop {
+        let u = stream.unit() - 0.5;
+        let v = stream.unit();
+        let us = 0.5 - u.abs();
+        let k = ((2.0 * a / us + b) * u + mean + 0.43).floor();
+        if us >= 0.07 && v <= v_r {
+            return k as u64;
+        }
+        if k < 0.0 || (us < 0.013 && v > us) {
+            continue;
+        }
+        let left = libm::log(v) + libm::log(inverse_alpha) - libm::log(a / (us * us) + b);
+        if left <= k * ln_mean - mean - libm::lgamma(k + 1.0) {
+            return k as u64;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seed::Seed;
+    use statrs::distribution::{ChiSquared, ContinuousCDF, Discrete, Normal, Poisson};
+
+    /// Chi-square of binned draws against expected bin probabilities; returns the p-value.
+    fn p_value(observed: &[u64], expected: &[f64]) -> f64 {
+        let n: u64 = observed.iter().sum();
+        let chi2: f64 = observed
+            .iter()
+            .zip(expected)
+            .map(|(&o, &p)| {
+                let e = p * n as f64;
+                (o as f64 - e) * (o as f64 - e) / e
+            })
+            .sum();
+        1.0 - ChiSquared::new((observed.len() - 1) as f64).unwrap().cdf(chi2)
+    }
+
+    #[test]
+    fn poisson_follows_its_law() {
+        // Seven means, false-alarm rate 1e-4 each.
+        for (case, mean) in [0.05, 1.0, 4.0, 9.9, 10.0, 57.0, 1000.0].into_iter().enumerate() {
+            let law = Poisson::new(mean).unwrap();
+            let mut stream = Seed(case as u64).stream("poisson", 0);
+            let half = 3.0 * mean.sqrt() + 1.0;
+            let low = (mean - half).max(0.0).floor() as u64;
+            let high = (mean + half).ceil() as u64;
+            let bins = (high - low + 1) as usize;
+            let mut observed = vec![0_u64; bins];
+            for _ in 0..100_000 {
+                observed[poisson(&mut stream, mean).clamp(low, high) as usize - low as usize] += 1;
+            }
+            let mut expected: Vec<f64> = (low..=high).map(|k| law.pmf(k)).collect();
+            expected[0] += (0..low).map(|k| law.pmf(k)).sum::<f64>();
+            expected[bins - 1] = 1.0 - expected[..bins - 1].iter().sum::<f64>();
+            // Bins that expect under five draws are joined to their neighbour.
+            let (mut o, mut e) = (vec![0], vec![0.0]);
+            for (a, b) in observed.iter().zip(&expected) {
+                if *e.last().unwrap() * 1e5 >= 5.0 {
+                    o.push(0);
+                    e.push(0.0);
+                }
+                *o.last_mut().unwrap() += a;
+                *e.last_mut().unwrap() += b;
+            }
+            if e.len() > 1 && *e.last().unwrap() * 1e5 < 5.0 {
+                let (a, b) = (o.pop().unwrap(), e.pop().unwrap());
+                *o.last_mut().unwrap() += a;
+                *e.last_mut().unwrap() += b;
+            }
+            let p = p_value(&o, &e);
+            assert!(p > 1e-4, "mean {mean}: p = {p}");
+        }
+    }
+
+    #[test]
+    fn normal_follows_its_law() {
+        let law = Normal::standard();
+        let mut stream = Seed(1).stream("normal", 0);
+        let edges: Vec<f64> = (-12..=12).map(|i| f64::from(i) * 0.25).collect();
+        let mut observed = vec![0_u64; edges.len() + 1];
+        for _ in 0..100_000 {
+            let x = standard_normal(&mut stream);
+            observed[edges.iter().filter(|&&e| x >= e).count()] += 1;
+        }
+        let mut cdf = vec![0.0];
+        cdf.extend(edges.iter().map(|&e| law.cdf(e)));
+        cdf.push(1.0);
+        let expected: Vec<f64> = cdf.windows(2).map(|w| w[1] - w[0]).collect();
+        let p = p_value(&observed, &expected);
+        assert!(p > 1e-4, "p = {p}");
+    }
+
+    #[test]
+    fn poisson_of_zero_is_zero() {
+        let mut stream = Seed(2).stream("zero", 0);
+        assert!((0..1000).all(|_| poisson(&mut stream, 0.0) == 0));
+    }
+}

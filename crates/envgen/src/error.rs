@@ -1,0 +1,44 @@
+//! What can go wrong between a spec and a world.
+
+use std::fmt;
+
+use thiserror::Error;
+
+use crate::forest::ForestError;
+
+/// A value of a spec that is not allowed.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("`{field}` is {value}, allowed is {allowed}")]
+pub struct SpecError {
+    /// The setting, for instance `p_st`.
+    pub field: String,
+    /// The value that was given.
+    pub value: String,
+    /// What would have been allowed, with the numbers that decide it.
+    pub allowed: String,
+}
+
+impl SpecError {
+    /// An error from its three parts; a value of very many digits is given by its exponent.
+    pub fn new(field: &str, value: impl fmt::Display, allowed: impl Into<String>) -> Self {
+        let mut value = value.to_string();
+        if value.len() > 24
+            && let Ok(number) = value.parse::<f64>()
+        {
+            value = format!("{number:e}");
+        }
+        SpecError { field: field.to_owned(), value, allowed: allowed.into() }
+    }
+}
+
+/// Why no blueprint could be generated.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum GenerateError {
+    /// The spec asks for something that is not allowed.
+    #[error(transparent)]
+    Spec(#[from] SpecError),
+    /// A forest could not be made.
+    #[error(transparent)]
+    Forest(#[from] ForestError),
+}

@@ -1,0 +1,5 @@
+//! Poisson forests.
+
+mod spec;
+
+pub use spec::{Forest, ForestError, ForestMetrics, ForestSpec};

@@ -1,0 +1,59 @@
+//! What all kinds have in common: a spec with a seed gives a blueprint, a blueprint gives a world.
+
+use std::fmt::Debug;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use crate::error::{GenerateError, SpecError};
+use crate::provenance::Provenance;
+use crate::seed::Seed;
+use crate::settings::Setting;
+use crate::world::World;
+
+/// What is asked of one kind of world.
+pub trait Spec: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned {
+    /// What the generator makes of it.
+    type Blueprint: Blueprint;
+
+    /// The kind's name, as on the command line.
+    const KIND: &'static str;
+
+    /// Raised by every change of what a seed yields.
+    const VALUE_VERSION: u32;
+
+    /// Every field of the spec.
+    const SETTINGS: &'static [Setting];
+
+    /// Checks every field, and the fields together.
+    ///
+    /// # Errors
+    /// The first setting that is not allowed, with its value and what is.
+    fn validate(&self) -> Result<(), SpecError>;
+
+    /// Generates a blueprint; the same spec and seed always give the same one.
+    ///
+    /// # Errors
+    /// When the spec is not valid, or when this seed has no blueprint that keeps it.
+    fn generate(&self, seed: Seed) -> Result<Self::Blueprint, GenerateError>;
+
+    /// The provenance of what `seed` makes of this spec.
+    fn provenance(&self, seed: Seed) -> Provenance {
+        let spec = serde_json::to_value(self).unwrap_or(Value::Null);
+        Provenance::generated(Self::KIND, spec, seed, Self::VALUE_VERSION)
+    }
+}
+
+/// What a generator makes: the abstract plan of a world, in the generator's own terms. It
+/// serialises to the `blueprint` field of `envgen sample`.
+pub trait Blueprint: Clone + Debug + PartialEq + Serialize {
+    /// Numbers that describe it: the `metrics` field of `envgen sample`.
+    type Metrics: Clone + Debug + PartialEq + Serialize;
+
+    /// Measures the blueprint.
+    fn metrics(&self) -> Self::Metrics;
+
+    /// Builds the world in metres.
+    fn to_world(&self) -> World;
+}

@@ -1,0 +1,358 @@
+//! Plane geometry in metres and radians: x right, y up, headings counter-clockwise from +x.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+/// The unit vector of a heading in radians, the same bits on every platform.
+pub fn unit_vector(heading: f64) -> DVec2 {
+    let (sin, cos) = libm::sincos(heading);
+    DVec2::new(cos, sin)
+}
+
+/// A heading in (-pi, pi] that points the same way.
+pub fn wrap_angle(heading: f64) -> f64 {
+    let wrapped = libm::fmod(heading, TAU);
+    if wrapped > PI {
+        wrapped - TAU
+    } else if wrapped <= -PI {
+        wrapped + TAU
+    } else {
+        wrapped
+    }
+}
+
+/// A position in metres with a heading in radians.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pose {
+    /// Position in metres.
+    pub position: DVec2,
+    /// Heading in radians, counter-clockwise from +x.
+    pub heading: f64,
+}
+
+impl Pose {
+    /// A pose at (`x`, `y`) metres.
+    pub const fn new(x: f64, y: f64, heading: f64) -> Self {
+        Pose { position: DVec2::new(x, y), heading }
+    }
+}
+
+/// An axis-aligned rectangle in metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rect {
+    /// Corner of least x and y.
+    pub min: DVec2,
+    /// Corner of greatest x and y.
+    pub max: DVec2,
+}
+
+impl Rect {
+    /// The rectangle between two corners, of which `min` is the lower left.
+    pub const fn new(min: DVec2, max: DVec2) -> Self {
+        Rect { min, max }
+    }
+
+    /// The smallest rectangle that holds all points; `None` when there are none.
+    pub fn around(points: impl IntoIterator<Item = DVec2>) -> Option<Self> {
+        points.into_iter().fold(None, |rect, p| {
+            Some(rect.map_or(Rect::new(p, p), |r: Rect| Rect::new(r.min.min(p), r.max.max(p))))
+        })
+    }
+
+    /// The smallest rectangle that holds both.
+    pub fn union(self, other: Rect) -> Rect {
+        Rect::new(self.min.min(other.min), self.max.max(other.max))
+    }
+
+    /// The rectangle grown by `margin` on every side.
+    pub fn grown(self, margin: f64) -> Rect {
+        Rect::new(self.min - DVec2::splat(margin), self.max + DVec2::splat(margin))
+    }
+
+    /// Width and height.
+    pub fn size(self) -> DVec2 {
+        self.max - self.min
+    }
+
+    /// The middle.
+    pub fn center(self) -> DVec2 {
+        (self.min + self.max) * 0.5
+    }
+
+    /// Whether a point lies inside or on the border.
+    pub fn contains(self, p: DVec2) -> bool {
+        p.cmpge(self.min).all() && p.cmple(self.max).all()
+    }
+
+    /// Whether another rectangle lies inside.
+    pub fn contains_rect(self, other: Rect) -> bool {
+        self.contains(other.min) && self.contains(other.max)
+    }
+
+    /// Whether two rectangles share a point.
+    pub fn overlaps(self, other: Rect) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+}
+
+/// A shape in world coordinates: what colliders, rays, rasters and pictures are made of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Shape {
+    /// A line without thickness.
+    Segment {
+        /// One end.
+        a: DVec2,
+        /// The other end.
+        b: DVec2,
+    },
+    /// A filled circle.
+    Disc {
+        /// Middle.
+        center: DVec2,
+        /// Radius in metres.
+        radius: f64,
+    },
+    /// A filled rectangle, turned about its middle.
+    Box {
+        /// Middle.
+        center: DVec2,
+        /// Half the width (along the heading) and half the height.
+        half_size: DVec2,
+        /// Direction of the width, in radians.
+        heading: f64,
+    },
+    /// A filled simple polygon, counter-clockwise, not closed by a repeated vertex.
+    Polygon {
+        /// At least three corners.
+        vertices: Vec<DVec2>,
+    },
+}
+
+impl Shape {
+    /// A box that fills an axis-aligned rectangle.
+    pub fn from_rect(rect: Rect) -> Shape {
+        Shape::Box { center: rect.center(), half_size: rect.size() * 0.5, heading: 0.0 }
+    }
+
+    /// A box of the given thickness around the line from `a` to `b`, lengthened at both ends by
+    /// `extension` metres.
+    pub fn thick_segment(a: DVec2, b: DVec2, thickness: f64, extension: f64) -> Shape {
+        let along = b - a;
+        Shape::Box {
+            center: (a + b) * 0.5,
+            half_size: DVec2::new(along.length() * 0.5 + extension, thickness * 0.5),
+            heading: libm::atan2(along.y, along.x),
+        }
+    }
+
+    /// The corners of a box or polygon, counter-clockwise, or the ends of a segment; a disc has
+    /// none.
+    pub fn corners(&self) -> Vec<DVec2> {
+        match self {
+            Shape::Segment { a, b } => vec![*a, *b],
+            Shape::Disc { .. } => Vec::new(),
+            Shape::Box { center, half_size, heading } => {
+                let u = box_axis(*heading);
+                let (u, v) = (u * half_size.x, u.perp() * half_size.y);
+                vec![*center - u - v, *center + u - v, *center + u + v, *center - u + v]
+            }
+            Shape::Polygon { vertices } => vertices.clone(),
+        }
+    }
+
+    /// The smallest axis-aligned rectangle around the shape.
+    pub fn bounds(&self) -> Rect {
+        match self {
+            Shape::Disc { center, radius } => Rect::new(*center, *center).grown(*radius),
+            Shape::Segment { a, b } => Rect::new(a.min(*b), a.max(*b)),
+            Shape::Box { center, half_size, heading } => {
+                let u = box_axis(*heading).abs();
+                let half = DVec2::new(
+                    u.x * half_size.x + u.y * half_size.y,
+                    u.y * half_size.x + u.x * half_size.y,
+                );
+                Rect::new(*center - half, *center + half)
+            }
+            Shape::Polygon { vertices } => Rect::around(vertices.iter().copied())
+                .unwrap_or(Rect::new(DVec2::ZERO, DVec2::ZERO)),
+        }
+    }
+
+    /// Whether a point lies inside the shape or on its border (up to rounding); never for a
+    /// segment, which has no inside.
+    pub fn contains(&self, p: DVec2) -> bool {
+        match self {
+            Shape::Segment { .. } => false,
+            Shape::Disc { center, radius } => p.distance_squared(*center) <= radius * radius,
+            Shape::Box { center, half_size, heading } => {
+                let local = into_box(p - *center, *heading);
+                local.abs().cmple(*half_size).all()
+            }
+            Shape::Polygon { vertices } => polygon_contains(vertices, p),
+        }
+    }
+
+    /// Distance from a point to the shape in metres, 0 inside it.
+    pub fn distance(&self, p: DVec2) -> f64 {
+        match self {
+            Shape::Segment { a, b } => distance_to_segment(p, *a, *b),
+            Shape::Disc { center, radius } => (p.distance(*center) - radius).max(0.0),
+            Shape::Box { center, half_size, heading } => {
+                let local = into_box(p - *center, *heading);
+                (local.abs() - *half_size).max(DVec2::ZERO).length()
+            }
+            Shape::Polygon { vertices } if polygon_contains(vertices, p) => 0.0,
+            Shape::Polygon { vertices } => edges(vertices)
+                .map(|(a, b)| distance_to_segment(p, a, b))
+                .fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// Area in square metres, 0 for a segment.
+    pub fn area(&self) -> f64 {
+        match self {
+            Shape::Segment { .. } => 0.0,
+            Shape::Disc { radius, .. } => PI * radius * radius,
+            Shape::Box { half_size, .. } => 4.0 * half_size.x * half_size.y,
+            Shape::Polygon { vertices } => signed_area(vertices).abs(),
+        }
+    }
+}
+
+/// The direction of a box's width. Quarter turns, which most boxes have, are exact.
+pub fn box_axis(heading: f64) -> DVec2 {
+    if heading == 0.0 {
+        DVec2::X
+    } else if heading == PI / 2.0 {
+        DVec2::Y
+    } else if heading == PI || heading == -PI {
+        DVec2::NEG_X
+    } else if heading == -PI / 2.0 {
+        DVec2::NEG_Y
+    } else {
+        unit_vector(heading)
+    }
+}
+
+/// An offset from a box's middle in the box's own axes.
+fn into_box(offset: DVec2, heading: f64) -> DVec2 {
+    let u = box_axis(heading);
+    DVec2::new(offset.dot(u), u.perp_dot(offset))
+}
+
+/// The sides of a closed polygon.
+pub fn edges(vertices: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
+    vertices.iter().copied().zip(vertices.iter().copied().cycle().skip(1))
+}
+
+/// The area of a polygon in square metres, positive when it runs counter-clockwise.
+pub fn signed_area(vertices: &[DVec2]) -> f64 {
+    let Some(&origin) = vertices.first() else { return 0.0 };
+    0.5 * edges(vertices).map(|(a, b)| (a - origin).perp_dot(b - origin)).sum::<f64>()
+}
+
+/// Distance from a point to the line from `a` to `b`.
+pub fn distance_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    let along = b - a;
+    let length2 = along.length_squared();
+    let t = if length2 > 0.0 { ((p - a).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    p.distance(a + along * t)
+}
+
+/// Whether two lines share a point, ends and overlaps included.
+pub fn segments_cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
+    let side = |p: DVec2, q: DVec2, r: DVec2| {
+        let s = (q - p).perp_dot(r - p);
+        if s > 0.0 {
+            1
+        } else if s < 0.0 {
+            -1
+        } else {
+            0
+        }
+    };
+    let within = |p: DVec2, q: DVec2, r: DVec2| Rect::new(p.min(q), p.max(q)).contains(r);
+    // Far pieces of one line would pass for crossing when rounding puts them on both its sides.
+    if !Rect::new(a.min(b), a.max(b)).overlaps(Rect::new(c.min(d), c.max(d))) {
+        return false;
+    }
+    let (s1, s2, s3, s4) = (side(a, b, c), side(a, b, d), side(c, d, a), side(c, d, b));
+    (s1 != s2 && s3 != s4)
+        || (s1 == 0 && within(a, b, c))
+        || (s2 == 0 && within(a, b, d))
+        || (s3 == 0 && within(c, d, a))
+        || (s4 == 0 && within(c, d, b))
+}
+
+/// Even-odd rule.
+fn polygon_contains(vertices: &[DVec2], p: DVec2) -> bool {
+    edges(vertices).fold(false, |inside, (a, b)| {
+        let crosses =
+            (a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x;
+        inside != crosses
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn unit_box(heading: f64) -> Shape {
+        Shape::Box { center: DVec2::new(1.0, 2.0), half_size: DVec2::new(2.0, 0.5), heading }
+    }
+
+    #[test]
+    fn a_box_is_the_polygon_of_its_corners() {
+        let shape = unit_box(0.7);
+        let polygon = Shape::Polygon { vertices: shape.corners() };
+        assert!((shape.area() - polygon.area()).abs() < 1e-12);
+        assert!(signed_area(&shape.corners()) > 0.0);
+        let (a, b) = (shape.bounds(), polygon.bounds());
+        assert!(a.min.distance(b.min) < 1e-12 && a.max.distance(b.max) < 1e-12);
+    }
+
+    #[test]
+    fn wrapped_angles_point_the_same_way() {
+        assert_eq!(wrap_angle(PI), PI);
+        assert_eq!(wrap_angle(-PI), PI);
+        assert!((wrap_angle(5.0 * PI) - PI).abs() < 1e-12);
+        assert_eq!(wrap_angle(0.25), 0.25);
+    }
+
+    #[test]
+    fn crossing_counts_ends_and_overlaps() {
+        let v = DVec2::new;
+        assert!(segments_cross(v(0., 0.), v(2., 2.), v(0., 2.), v(2., 0.)));
+        assert!(segments_cross(v(0., 0.), v(2., 0.), v(2., 0.), v(3., 1.)));
+        assert!(segments_cross(v(0., 0.), v(2., 0.), v(1., 0.), v(3., 0.)));
+        assert!(!segments_cross(v(0., 0.), v(1., 0.), v(2., 0.), v(3., 0.)));
+        assert!(!segments_cross(v(0., 0.), v(1., 0.), v(0., 1.), v(1., 1.)));
+    }
+
+    proptest! {
+        #[test]
+        fn distance_is_zero_exactly_inside(
+            x in -5.0..5.0_f64, y in -5.0..5.0_f64, heading in -4.0..4.0_f64,
+        ) {
+            let p = DVec2::new(x, y);
+            let shape = unit_box(heading);
+            let polygon = Shape::Polygon { vertices: shape.corners() };
+            prop_assert!((shape.distance(p) - polygon.distance(p)).abs() < 1e-9);
+            prop_assert_eq!(shape.contains(p), shape.distance(p) == 0.0);
+            prop_assert!(!shape.contains(p) || shape.bounds().grown(1e-9).contains(p));
+        }
+
+        #[test]
+        fn wrap_angle_stays_in_range(heading in -1e6..1e6_f64) {
+            let wrapped = wrap_angle(heading);
+            prop_assert!(wrapped > -PI && wrapped <= PI);
+            prop_assert!(unit_vector(wrapped).distance(unit_vector(heading)) < 1e-9);
+        }
+    }
+}

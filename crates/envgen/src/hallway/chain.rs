@@ -1,0 +1,411 @@
+//! The Markov chain of straight segments and turns.
+
+use std::fmt;
+
+use glam::DVec2;
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use thiserror::Error;
+
+use crate::error::SpecError;
+use crate::seed::Stream;
+
+/// A state of the chain, 1 to 8 as the paper numbers them.
+///
+/// | state | segment | after | straight on | turn next |
+/// |---|---|---|---|---|
+/// | 1 | straight, left | left turn 5 | 1 | 7 |
+/// | 2 | straight, up | right turn 7 | 2 | 8 |
+/// | 3 | straight, up | left turn 6 | 3 | 5 |
+/// | 4 | straight, right | right turn 8 | 4 | 6 |
+/// | 5 | left turn, up to left | straight 3 | 1 | 7 |
+/// | 6 | left turn, right to up | straight 4 | 3 | 5 |
+/// | 7 | right turn, left to up | straight 1 | 2 | 8 |
+/// | 8 | right turn, up to right | straight 2 | 4 | 6 |
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct State(u8);
+
+/// The next state of each state 1..=8: straight, turn.
+const NEXT: [[u8; 2]; 9] = [[0, 0], [1, 7], [2, 8], [3, 5], [4, 6], [1, 7], [3, 5], [2, 8], [4, 6]];
+
+impl State {
+    /// Every state, in order.
+    pub const ALL: [State; 8] =
+        [State(1), State(2), State(3), State(4), State(5), State(6), State(7), State(8)];
+
+    /// A straight segment that goes up after a left turn: where a hallway starts by default.
+    pub const UP: State = State(3);
+
+    /// The state of a number; `None` outside 1..=8.
+    pub const fn new(number: u8) -> Option<State> {
+        if number >= 1 && number <= 8 { Some(State(number)) } else { None }
+    }
+
+    /// The paper's number, 1..=8.
+    pub const fn number(self) -> u8 {
+        self.0
+    }
+
+    /// Whether it is one of the four turns.
+    pub const fn is_turn(self) -> bool {
+        self.0 > 4
+    }
+
+    /// The straight segment that can follow.
+    #[inline]
+    pub const fn straight(self) -> State {
+        State(NEXT[self.0 as usize][0])
+    }
+
+    /// The turn that can follow.
+    #[inline]
+    pub const fn turn(self) -> State {
+        State(NEXT[self.0 as usize][1])
+    }
+
+    /// Unit vector of the direction in which one enters the segment.
+    #[inline]
+    pub const fn entry(self) -> DVec2 {
+        match self.0 {
+            1 | 7 => DVec2::NEG_X,
+            4 | 6 => DVec2::X,
+            _ => DVec2::Y,
+        }
+    }
+
+    /// Unit vector of the direction in which one leaves the segment. It is never down, which is why
+    /// a hallway cannot cross itself.
+    #[inline]
+    pub const fn exit(self) -> DVec2 {
+        match self.0 {
+            1 | 5 => DVec2::NEG_X,
+            4 | 8 => DVec2::X,
+            _ => DVec2::Y,
+        }
+    }
+
+    /// The state of the mirrored hallway, left and right exchanged.
+    pub const fn mirrored(self) -> State {
+        State([0, 4, 3, 2, 1, 8, 7, 6, 5][self.0 as usize])
+    }
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl fmt::Debug for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl Serialize for State {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_u8(self.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for State {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let number = u8::deserialize(deserializer)?;
+        State::new(number).ok_or_else(|| de::Error::custom(format!("{number} is no state 1 to 8")))
+    }
+}
+
+/// The chain: equation (1) of the paper, with p_ss = 1 - p_st and p_ts = 1 - p_tt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HallwayChain {
+    p_st: f64,
+    p_tt: f64,
+}
+
+impl HallwayChain {
+    /// The chain in which a turn follows a straight segment with probability `p_st`, and a turn
+    /// with probability `p_tt`.
+    ///
+    /// # Errors
+    /// When a probability lies outside [0, 1].
+    pub fn new(p_st: f64, p_tt: f64) -> Result<Self, SpecError> {
+        super::spec::P_ST.check(p_st)?;
+        super::spec::P_TT.check(p_tt)?;
+        Ok(HallwayChain { p_st, p_tt })
+    }
+
+    /// The transition matrix: row and column `k` belong to state `k + 1`.
+    pub fn matrix(&self) -> [[f64; 8]; 8] {
+        let mut rows = [[0.0; 8]; 8];
+        for state in State::ALL {
+            let row = &mut rows[usize::from(state.0 - 1)];
+            let p = self.turn_probability(state);
+            row[usize::from(state.straight().0 - 1)] = 1.0 - p;
+            row[usize::from(state.turn().0 - 1)] = p;
+        }
+        rows
+    }
+
+    /// The probability that a turn follows a state.
+    #[inline]
+    pub fn turn_probability(&self, state: State) -> f64 {
+        if state.is_turn() { self.p_tt } else { self.p_st }
+    }
+
+    /// The stationary law: the shares of states 1..=8 in the long run.
+    ///
+    /// With `p_st` = 0 and `p_tt` < 1 every straight segment keeps itself for ever, and the law
+    /// given is the limit for `p_st` to 0: a quarter each.
+    ///
+    /// # Errors
+    /// With `p_st` = 0 and `p_tt` = 1, where straights and turns both keep themselves for ever and
+    /// no share of turns is better than another.
+    pub fn stationary(&self) -> Result<[f64; 8], SpecError> {
+        let leave = self.p_st + (1.0 - self.p_tt);
+        if leave <= 0.0 {
+            return Err(SpecError::new(
+                "start",
+                "stationary",
+                "a state 1 to 8 when p_st = 0 and p_tt = 1: there the stationary law is not unique",
+            ));
+        }
+        let straight = (1.0 - self.p_tt) / (4.0 * leave);
+        let turn = self.p_st / (4.0 * leave);
+        Ok([straight, straight, straight, straight, turn, turn, turn, turn])
+    }
+
+    /// The expected number of turns among `n` states, the start state included.
+    pub fn expected_turns(&self, start: State, n: usize) -> f64 {
+        let p_ts = 1.0 - self.p_tt;
+        let leave = self.p_st + p_ts;
+        let t0 = if start.is_turn() { 1.0 } else { 0.0 };
+        let n = n as f64;
+        if leave <= 0.0 {
+            return t0 * n;
+        }
+        let tau = self.p_st / leave;
+        let rho = 1.0 - leave;
+        // (1 - rho^n) / (1 - rho), where 1 - rho is `leave`.
+        n * tau + (t0 - tau) * (1.0 - libm::pow(rho, n)) / leave
+    }
+
+    /// Draws a history of `n` states that begins with `start`: one uniform number a transition.
+    pub fn sample(&self, start: State, n: usize, stream: &mut Stream) -> Vec<State> {
+        let mut state = start;
+        let mut states = Vec::with_capacity(n);
+        if n > 0 {
+            states.push(state);
+        }
+        states.extend((1..n).map(|_| {
+            let turns = stream.chance(self.turn_probability(state));
+            state = State(NEXT[usize::from(state.0)][usize::from(turns)]);
+            state
+        }));
+        states
+    }
+
+    /// Estimates both probabilities from a history of states by maximum likelihood.
+    ///
+    /// # Errors
+    /// At the first transition that the chain does not have.
+    pub fn estimate(states: &[State]) -> Result<Estimate, HistoryError> {
+        let mut estimate = Estimate::default();
+        for (step, pair) in states.windows(2).enumerate() {
+            let (from, to) = (pair[0], pair[1]);
+            if to != from.straight() && to != from.turn() {
+                return Err(HistoryError { step, from, to });
+            }
+            let proportion = if from.is_turn() { &mut estimate.p_tt } else { &mut estimate.p_st };
+            proportion.trials += 1;
+            proportion.hits += u64::from(to.is_turn());
+        }
+        Ok(estimate)
+    }
+}
+
+/// A history that no hallway has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("state {to} cannot follow state {from} (transition {step}, counted from 0)")]
+pub struct HistoryError {
+    /// The transition, counted from 0.
+    pub step: usize,
+    /// The state it leaves.
+    pub from: State,
+    /// The state it reaches.
+    pub to: State,
+}
+
+/// What a history of states tells of the chain that made it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Estimate {
+    /// Turns among the transitions that leave a straight segment.
+    pub p_st: Proportion,
+    /// Turns among the transitions that leave a turn.
+    pub p_tt: Proportion,
+}
+
+/// A share of trials.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Proportion {
+    /// Trials that hit.
+    pub hits: u64,
+    /// All trials.
+    pub trials: u64,
+}
+
+impl Proportion {
+    /// The maximum-likelihood estimate; `None` without trials.
+    pub fn value(self) -> Option<f64> {
+        (self.trials > 0).then(|| self.hits as f64 / self.trials as f64)
+    }
+
+    /// Wilson's score interval for a standard normal quantile `z` (1.96 for 95 %): E. B. Wilson,
+    /// Probable Inference, JASA 22, 1927. Without trials it is [0, 1].
+    pub fn wilson(self, z: f64) -> (f64, f64) {
+        let Some(p) = self.value() else { return (0.0, 1.0) };
+        let n = self.trials as f64;
+        let z2n = z * z / n;
+        let centre = (p + 0.5 * z2n) / (1.0 + z2n);
+        let half = z / (1.0 + z2n) * (p * (1.0 - p) / n + 0.25 * z2n / n).sqrt();
+        ((centre - half).max(0.0), (centre + half).min(1.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seed::Seed;
+    use proptest::prelude::*;
+
+    fn chain(p_st: f64, p_tt: f64) -> HallwayChain {
+        HallwayChain::new(p_st, p_tt).unwrap()
+    }
+
+    #[test]
+    fn the_matrix_is_the_printed_one() {
+        let (st, tt) = (0.4, 0.3);
+        let (ss, ts) = (1.0 - st, 1.0 - tt);
+        let printed = [
+            [ss, 0., 0., 0., 0., 0., st, 0.],
+            [0., ss, 0., 0., 0., 0., 0., st],
+            [0., 0., ss, 0., st, 0., 0., 0.],
+            [0., 0., 0., ss, 0., st, 0., 0.],
+            [ts, 0., 0., 0., 0., 0., tt, 0.],
+            [0., 0., ts, 0., tt, 0., 0., 0.],
+            [0., ts, 0., 0., 0., 0., 0., tt],
+            [0., 0., 0., ts, 0., tt, 0., 0.],
+        ];
+        assert_eq!(chain(st, tt).matrix(), printed);
+    }
+
+    #[test]
+    fn expected_turns_are_the_known_numbers() {
+        let state = |n| State::new(n).unwrap();
+        for (p_st, p_tt, n, start, turns) in [
+            (0.4, 0.0, 50, 3, 14.0816),
+            (0.4, 0.0, 50, 5, 14.7959),
+            (0.2, 0.3, 80, 3, 17.5309),
+            (0.2, 0.3, 80, 5, 18.6420),
+            (0.0, 1.0, 10, 5, 10.0),
+            (0.0, 1.0, 10, 3, 0.0),
+            (1.0, 1.0, 10, 3, 9.0),
+        ] {
+            let expected = chain(p_st, p_tt).expected_turns(state(start), n);
+            assert!((expected - turns).abs() < 5e-5, "{p_st} {p_tt} {n} {start}: {expected}");
+        }
+    }
+
+    #[test]
+    fn no_unique_stationary_law_is_an_error() {
+        let error = chain(0.0, 1.0).stationary().unwrap_err();
+        assert_eq!((error.field.as_str(), error.value.as_str()), ("start", "stationary"));
+        assert_eq!(chain(0.0, 0.5).stationary().unwrap()[..4], [0.25; 4]);
+    }
+
+    #[test]
+    fn bad_probabilities_are_refused() {
+        for p in [-1e-9, 1.000_000_1, f64::NAN, f64::INFINITY] {
+            assert_eq!(HallwayChain::new(p, 0.0).unwrap_err().field, "p_st");
+            assert_eq!(HallwayChain::new(0.0, p).unwrap_err().field, "p_tt");
+        }
+    }
+
+    #[test]
+    fn wilson_interval_is_the_textbook_one() {
+        // 4 of 10 at 95 %: 0.1682 to 0.6873 (Brown, Cai and DasGupta 2001).
+        let (low, high) = Proportion { hits: 4, trials: 10 }.wilson(1.959_964);
+        assert!((low - 0.1682).abs() < 1e-4 && (high - 0.6873).abs() < 1e-4, "{low} {high}");
+        assert_eq!(Proportion::default().wilson(1.96), (0.0, 1.0));
+    }
+
+    #[test]
+    fn an_impossible_history_is_named() {
+        let states: Vec<_> = [3, 3, 5, 2].into_iter().filter_map(State::new).collect();
+        let error = HallwayChain::estimate(&states).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "state 2 cannot follow state 5 (transition 2, counted from 0)"
+        );
+    }
+
+    #[test]
+    fn estimates_find_the_probabilities() {
+        // Wilson intervals at z = 4: both miss with probability under 1.3e-4.
+        for (case, (p_st, p_tt)) in
+            [(0.4, 0.0), (0.2, 0.3), (0.9, 0.9), (0.05, 1.0)].into_iter().enumerate()
+        {
+            let mut stream = Seed(case as u64).stream("test", 0);
+            let states = chain(p_st, p_tt).sample(State::UP, 100_000, &mut stream);
+            let estimate = HallwayChain::estimate(&states).unwrap();
+            for (proportion, p) in [(estimate.p_st, p_st), (estimate.p_tt, p_tt)] {
+                let (low, high) = proportion.wilson(4.0);
+                assert!(low <= p && p <= high, "{p}: [{low}, {high}]");
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_stationary_law_is_a_fixed_point(p_st in 0.0..=1.0_f64, p_tt in 0.0..=1.0_f64) {
+            let chain = chain(p_st, p_tt);
+            prop_assume!(p_st > 0.0 || p_tt < 1.0);
+            let law = chain.stationary().unwrap();
+            let matrix = chain.matrix();
+            prop_assert!((law.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            for to in 0..8 {
+                let flow: f64 = (0..8).map(|from| law[from] * matrix[from][to]).sum();
+                prop_assert!((flow - law[to]).abs() < 1e-12);
+            }
+        }
+
+        #[test]
+        fn mirrored_histories_are_histories(seed: u64, p_st in 0.0..=1.0_f64, p_tt in 0.0..=1.0_f64) {
+            let mut stream = Seed(seed).stream("test", 0);
+            let states = chain(p_st, p_tt).sample(State::UP, 200, &mut stream);
+            let mirrored: Vec<_> = states.iter().map(|s| s.mirrored()).collect();
+            prop_assert_eq!(HallwayChain::estimate(&states), HallwayChain::estimate(&mirrored));
+            for (a, b) in states.iter().zip(&mirrored) {
+                prop_assert_eq!(a.exit() * DVec2::new(-1.0, 1.0), b.exit());
+                prop_assert_eq!(a.entry() * DVec2::new(-1.0, 1.0), b.entry());
+            }
+        }
+
+        #[test]
+        fn turns_alternate_in_pairs_from_the_second_on(
+            seed: u64, start in 1..=8_u8, p_st in 0.0..=1.0_f64, p_tt in 0.0..=1.0_f64,
+        ) {
+            let mut stream = Seed(seed).stream("test", 0);
+            let start = State::new(start).unwrap();
+            let states = chain(p_st, p_tt).sample(start, 300, &mut stream);
+            let left: Vec<bool> =
+                states.iter().filter(|s| s.is_turn()).map(|s| s.number() <= 6).collect();
+            for four in left.get(1..).unwrap_or_default().windows(3) {
+                // Among three turns in a row two are alike and neighbours, and never all three.
+                prop_assert!(four[0] != four[1] || four[1] != four[2]);
+                prop_assert!(four[0] == four[1] || four[1] == four[2]);
+            }
+            for pair in states.windows(2) {
+                prop_assert_eq!(pair[0].exit(), pair[1].entry());
+            }
+        }
+    }
+}

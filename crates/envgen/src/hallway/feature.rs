@@ -1,0 +1,204 @@
+//! Alcoves, door frames and crates: what tells one piece of a corridor from another.
+//!
+//! Zwennes (2011) asks for "different hallway pieces" because plain corridors were the predictable
+//! part of his maps. Every inner straight cell draws at most one feature, with probability rate x
+//! pitch, so that the expected number a metre is the rate.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use super::layout::HallwayLayout;
+use super::spec::{Hallway, HallwaySpec};
+use crate::geometry::Rect;
+
+/// Depth of a door frame and of a crate along the corridor, in metres, where the cell has it.
+const FRAME_DEPTH: f64 = 0.2;
+const CRATE_DEPTH: f64 = 0.6;
+
+/// A feature of a straight piece of corridor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Feature {
+    /// What it is.
+    pub kind: FeatureKind,
+    /// Index of the state whose cell holds it.
+    pub cell: usize,
+    /// Its middle on the centreline, in metres.
+    pub at: DVec2,
+    /// Unit vector of travel there.
+    pub direction: DVec2,
+    /// Which wall it stands at; a door frame stands at both.
+    pub side: Side,
+    /// Its length along the corridor in metres.
+    pub length: f64,
+    pub(super) leg: usize,
+}
+
+/// What a feature is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FeatureKind {
+    /// A recess in the wall.
+    Alcove,
+    /// Two posts.
+    DoorFrame,
+    /// A crate at the wall.
+    Narrowing,
+}
+
+/// A side of the corridor, seen in the direction of travel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// To the left.
+    Left,
+    /// To the right.
+    Right,
+}
+
+impl Side {
+    /// 1 to the left, -1 to the right.
+    pub(super) fn sign(self) -> f64 {
+        match self {
+            Side::Left => 1.0,
+            Side::Right => -1.0,
+        }
+    }
+}
+
+pub(super) struct Placed {
+    pub(super) features: Vec<Feature>,
+    pub(super) dropped: u64,
+}
+
+/// Draws the features of a hallway and drops those for which there is no room: beside a corner, or
+/// where an alcove would reach another arm.
+pub(super) fn place(hallway: &Hallway, layout: &HallwayLayout) -> Placed {
+    let spec = hallway.spec();
+    let mut placed = Placed { features: Vec::new(), dropped: 0 };
+    if spec.alcove_rate + spec.door_frame_rate + spec.narrowing_rate == 0.0 {
+        return placed;
+    }
+    let mut taken = Taken::new(layout, spec);
+    let mut stream = hallway.seed().stream("hallway/features", 0);
+    for (k, leg) in layout.legs.iter().enumerate() {
+        let end =
+            layout.legs.get(k + 1).map_or(hallway.states().len() - 1, |next| next.first_cell - 1);
+        for cell in leg.first_cell.max(1)..end {
+            // Always the same three draws a cell, so that one cell's luck does not move the next.
+            let (which, jitter, left) = (stream.unit(), stream.unit(), stream.chance(0.5));
+            let Some((kind, length)) = draw(spec, which) else { continue };
+            let side = if left { Side::Left } else { Side::Right };
+            let slack = (spec.pitch - length - 2.0 * spec.wall).max(0.0);
+            let at = layout.cells()[cell] + leg.direction * slack * (jitter - 0.5);
+            let feature =
+                Feature { kind, cell, at, direction: leg.direction, side, length, leg: k };
+            if fits_on_leg(layout, spec, &feature) && taken.claim(spec, &feature) {
+                placed.features.push(feature);
+            } else {
+                placed.dropped += 1;
+            }
+        }
+    }
+    placed
+}
+
+fn draw(spec: &HallwaySpec, which: f64) -> Option<(FeatureKind, f64)> {
+    let alcove = spec.alcove_rate * spec.pitch;
+    let frame = alcove + spec.door_frame_rate * spec.pitch;
+    let crate_ = frame + spec.narrowing_rate * spec.pitch;
+    let room = spec.pitch - 2.0 * spec.wall;
+    if which < alcove {
+        Some((FeatureKind::Alcove, spec.alcove_width))
+    } else if which < frame {
+        Some((FeatureKind::DoorFrame, FRAME_DEPTH.min(room.max(0.5 * spec.pitch))))
+    } else if which < crate_ {
+        Some((FeatureKind::Narrowing, CRATE_DEPTH.min(room.max(0.5 * spec.pitch))))
+    } else {
+        None
+    }
+}
+
+/// Whether both walls stand straight beside the whole feature, with a wall's thickness to spare.
+fn fits_on_leg(layout: &HallwayLayout, spec: &HallwaySpec, feature: &Feature) -> bool {
+    let half = 0.5 * feature.length + spec.wall;
+    let at = feature.at.dot(feature.direction);
+    [0.5, -0.5].iter().all(|side| {
+        let (a, b) = layout.run(feature.leg, side * spec.width);
+        // The outer wall runs on past the corner, where there is no wall to the other side.
+        a.dot(feature.direction) + half <= at && at + half <= b.dot(feature.direction)
+    })
+}
+
+impl Feature {
+    /// The rectangle of an alcove with its walls, behind the corridor's own wall face.
+    pub(super) fn alcove_outline(&self, spec: &HallwaySpec) -> Rect {
+        let outward = self.direction.perp() * self.side.sign();
+        let along = self.direction * (0.5 * self.length + spec.wall);
+        let near = self.at + outward * (0.5 * spec.width);
+        let far = near + outward * (spec.alcove_depth + spec.wall);
+        let corners = [near - along, near + along, far - along, far + along];
+        corners.into_iter().fold(Rect::new(near, far), |r, p| r.union(Rect::new(p, p)))
+    }
+}
+
+/// The lattice cells that the corridor and the alcoves placed so far use.
+struct Taken {
+    cells: BTreeMap<(i64, i64), Vec<Owner>>,
+    /// Half the side of the square around a cell's middle that its piece of corridor stays in.
+    reach: f64,
+}
+
+enum Owner {
+    Corridor { leg: usize, corner_of: Option<usize> },
+    Alcove(Rect),
+}
+
+impl Taken {
+    fn new(layout: &HallwayLayout, spec: &HallwaySpec) -> Self {
+        let mut cells: BTreeMap<_, Vec<Owner>> = BTreeMap::new();
+        for (k, leg) in layout.legs.iter().enumerate() {
+            let end = layout.legs.get(k + 1).map_or(layout.cells().len(), |next| next.first_cell);
+            for cell in leg.first_cell..end {
+                let corner = k + 1 < layout.legs.len() && cell + 1 == end;
+                let corner_of = corner.then_some(k + 1);
+                let owner = Owner::Corridor { leg: k, corner_of };
+                cells.entry(key(layout.cells()[cell], spec)).or_default().push(owner);
+            }
+        }
+        Taken { cells, reach: (0.5 * spec.pitch).max(0.5 * spec.width + spec.wall) }
+    }
+
+    /// Takes the place of an alcove; false when something is there. Other features stand inside the
+    /// corridor and always have their place.
+    fn claim(&mut self, spec: &HallwaySpec, feature: &Feature) -> bool {
+        if feature.kind != FeatureKind::Alcove {
+            return true;
+        }
+        let outline = feature.alcove_outline(spec);
+        // Corridor cells reach `reach` from their middle, other alcoves at most pitch and wall.
+        let around = outline.grown(self.reach + spec.pitch + spec.wall);
+        let (low, high) = (key(around.min, spec), key(around.max, spec));
+        for x in low.0..=high.0 {
+            for (&(_, y), owners) in self.cells.range((x, low.1)..=(x, high.1)) {
+                let center = DVec2::new(x as f64, y as f64) * spec.pitch;
+                let square = Rect::new(center, center).grown(self.reach);
+                let blocked = owners.iter().any(|owner| match owner {
+                    Owner::Alcove(other) => outline.overlaps(*other),
+                    Owner::Corridor { leg, corner_of } => {
+                        let own = *leg == feature.leg || *corner_of == Some(feature.leg);
+                        !own && outline.overlaps(square)
+                    }
+                });
+                if blocked {
+                    return false;
+                }
+            }
+        }
+        self.cells.entry(key(outline.center(), spec)).or_default().push(Owner::Alcove(outline));
+        true
+    }
+}
+
+fn key(p: DVec2, spec: &HallwaySpec) -> (i64, i64) {
+    let cell = (p / spec.pitch).round();
+    (cell.x as i64, cell.y as i64)
+}

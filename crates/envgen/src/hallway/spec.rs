@@ -1,0 +1,372 @@
+//! What is asked of a hallway, and the states that are drawn.
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+use super::chain::{HallwayChain, State};
+use super::layout::HallwayLayout;
+use crate::error::{GenerateError, SpecError};
+use crate::generate::{Blueprint, Spec};
+use crate::seed::Seed;
+use crate::settings::Setting;
+use crate::world::World;
+
+/// A hallway to generate.
+///
+/// The default is the paper's figure 1: `p_st` = 0.4 and `p_tt` = 0.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+///
+/// let spec = HallwaySpec { segments: 80, p_st: 0.2, ..Default::default() };
+/// let hallway = spec.generate(Seed(7))?;
+/// assert_eq!(hallway.states().len(), 80);
+/// assert!(hallway.to_world().check().is_ok());
+/// # Ok::<(), envgen::GenerateError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct HallwaySpec {
+    /// Number of segments, the start included.
+    pub segments: u64,
+    /// Probability that a turn follows a straight segment.
+    pub p_st: f64,
+    /// Probability that a turn follows a turn; 0 prevents U-turns.
+    pub p_tt: f64,
+    /// The first state.
+    pub start: Start,
+    /// Side of the lattice cell that each segment owns, in metres.
+    pub pitch: f64,
+    /// Clear width of the corridor in metres.
+    pub width: f64,
+    /// Thickness of the walls in metres.
+    pub wall: f64,
+    /// How the walls turn.
+    pub corners: Corners,
+    /// Whether walls close the corridor's two ends.
+    pub ends: Ends,
+    /// Alcoves a metre of straight corridor.
+    pub alcove_rate: f64,
+    /// Width of an alcove along the corridor in metres.
+    pub alcove_width: f64,
+    /// Depth of an alcove behind the wall's inner face in metres.
+    pub alcove_depth: f64,
+    /// Door frames a metre of straight corridor.
+    pub door_frame_rate: f64,
+    /// Clear width between the posts of a door frame in metres.
+    pub door_frame_width: f64,
+    /// Narrow places a metre of straight corridor, each a crate at one wall.
+    pub narrowing_rate: f64,
+    /// Clear width beside a crate in metres.
+    pub narrowing_width: f64,
+}
+
+impl Default for HallwaySpec {
+    fn default() -> Self {
+        HallwaySpec {
+            segments: 50,
+            p_st: 0.4,
+            p_tt: 0.0,
+            start: Start::State(State::UP),
+            pitch: 2.5,
+            width: 2.0,
+            wall: 0.1,
+            corners: Corners::Square,
+            ends: Ends::Closed,
+            alcove_rate: 0.0,
+            alcove_width: 1.2,
+            alcove_depth: 0.6,
+            door_frame_rate: 0.0,
+            door_frame_width: 0.94,
+            narrowing_rate: 0.0,
+            narrowing_width: 1.0,
+        }
+    }
+}
+
+/// The first state of a hallway: 1 to 8 or `stationary`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// This state.
+    State(State),
+    /// Drawn from the stationary law.
+    Stationary,
+}
+
+impl Serialize for Start {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Start::State(state) => state.serialize(serializer),
+            Start::Stationary => serializer.serialize_str("stationary"),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Start {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Visitor;
+        impl de::Visitor<'_> for Visitor {
+            type Value = Start;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a state from 1 to 8 or \"stationary\"")
+            }
+
+            fn visit_u64<E: de::Error>(self, number: u64) -> Result<Start, E> {
+                u8::try_from(number)
+                    .ok()
+                    .and_then(State::new)
+                    .map(Start::State)
+                    .ok_or_else(|| E::invalid_value(de::Unexpected::Unsigned(number), &self))
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<Start, E> {
+                match text {
+                    "stationary" => Ok(Start::Stationary),
+                    _ => Err(E::invalid_value(de::Unexpected::Str(text), &self)),
+                }
+            }
+        }
+        deserializer.deserialize_any(Visitor)
+    }
+}
+
+/// How a hallway's walls turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Corners {
+    /// At right angles.
+    Square,
+    /// Along arcs around a common centre.
+    Rounded,
+}
+
+/// What stands at a hallway's two ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ends {
+    /// A wall at each.
+    Closed,
+    /// Nothing.
+    Open,
+}
+
+const SEGMENTS: Setting =
+    Setting::integer("segments", 1, 1_000_000, "number of segments, the start included");
+pub(super) const P_ST: Setting =
+    Setting::number("p_st", "", 0.0, 1.0, "probability of a turn after a straight segment");
+pub(super) const P_TT: Setting =
+    Setting::number("p_tt", "", 0.0, 1.0, "probability of a turn after a turn (0: no U-turns)");
+const START: Setting = Setting::other("start", "", "a state 1 to 8 or stationary", "first state");
+const PITCH: Setting =
+    Setting::number("pitch", "m", 0.1, 1000.0, "side of the cell that a segment owns");
+const WIDTH: Setting = Setting::number("width", "m", 0.05, 1000.0, "clear width of the corridor");
+const WALL: Setting = Setting::number("wall", "m", 0.001, 100.0, "thickness of the walls");
+const CORNERS: Setting = Setting::choice("corners", &["square", "rounded"], "how the walls turn");
+const ENDS: Setting = Setting::choice("ends", &["closed", "open"], "what stands at the two ends");
+const ALCOVE_RATE: Setting = rate("alcove_rate", "alcoves a metre of straight corridor");
+const ALCOVE_WIDTH: Setting =
+    Setting::number("alcove_width", "m", 0.01, 1000.0, "width of an alcove along the corridor");
+const ALCOVE_DEPTH: Setting =
+    Setting::number("alcove_depth", "m", 0.01, 1000.0, "depth of an alcove behind the wall's face");
+const DOOR_FRAME_RATE: Setting =
+    rate("door_frame_rate", "door frames a metre of straight corridor");
+const DOOR_FRAME_WIDTH: Setting =
+    Setting::number("door_frame_width", "m", 0.01, 1000.0, "clear width of a door frame");
+const NARROWING_RATE: Setting =
+    rate("narrowing_rate", "crates that narrow the corridor, a metre of straight corridor");
+const NARROWING_WIDTH: Setting =
+    Setting::number("narrowing_width", "m", 0.01, 1000.0, "clear width beside a crate");
+
+const fn rate(name: &'static str, help: &'static str) -> Setting {
+    Setting::number(name, "1/m", 0.0, 10.0, help)
+}
+
+impl Spec for HallwaySpec {
+    type Blueprint = Hallway;
+
+    const KIND: &'static str = "hallway";
+
+    const VALUE_VERSION: u32 = 1;
+
+    const SETTINGS: &'static [Setting] = &[
+        SEGMENTS,
+        P_ST,
+        P_TT,
+        START,
+        PITCH,
+        WIDTH,
+        WALL,
+        CORNERS,
+        ENDS,
+        ALCOVE_RATE,
+        ALCOVE_WIDTH,
+        ALCOVE_DEPTH,
+        DOOR_FRAME_RATE,
+        DOOR_FRAME_WIDTH,
+        NARROWING_RATE,
+        NARROWING_WIDTH,
+    ];
+
+    fn validate(&self) -> Result<(), SpecError> {
+        SEGMENTS.check_integer(self.segments)?;
+        let chain = HallwayChain::new(self.p_st, self.p_tt)?;
+        if self.start == Start::Stationary {
+            chain.stationary()?;
+        }
+        PITCH.check(self.pitch)?;
+        WIDTH.check(self.width)?;
+        WALL.check(self.wall)?;
+        self.check_spacing()?;
+        ALCOVE_RATE.check(self.alcove_rate)?;
+        ALCOVE_WIDTH.check(self.alcove_width)?;
+        ALCOVE_DEPTH.check(self.alcove_depth)?;
+        DOOR_FRAME_RATE.check(self.door_frame_rate)?;
+        DOOR_FRAME_WIDTH.check(self.door_frame_width)?;
+        NARROWING_RATE.check(self.narrowing_rate)?;
+        NARROWING_WIDTH.check(self.narrowing_width)?;
+        self.check_features()
+    }
+
+    fn generate(&self, seed: Seed) -> Result<Hallway, GenerateError> {
+        self.validate()?;
+        let chain = HallwayChain::new(self.p_st, self.p_tt)?;
+        let start = match self.start {
+            Start::State(state) => state,
+            Start::Stationary => {
+                let drawn = seed.stream("hallway/start", 0).weighted(&chain.stationary()?);
+                State::ALL[drawn.unwrap_or(0)]
+            }
+        };
+        let mut stream = seed.stream("hallway/chain", 0);
+        let states = chain.sample(start, self.segments as usize, &mut stream);
+        Ok(Hallway { states, spec: self.clone(), seed })
+    }
+}
+
+impl HallwaySpec {
+    /// Parallel arms must not share space: with U-turns they lie in neighbouring rows of cells,
+    /// without in every other row.
+    fn check_spacing(&self) -> Result<(), SpecError> {
+        let (rows, rule) = if self.p_tt > 0.0 { (1.0, "p_tt > 0") } else { (2.0, "p_tt = 0") };
+        let room = rows * self.pitch;
+        if self.width + self.wall <= room {
+            return Ok(());
+        }
+        Err(SpecError::new(
+            "width",
+            self.width,
+            format!(
+                "at most {} m: with {rule} parallel arms lie {room} m apart, and the wall between \
+                 them is {} m thick",
+                room - self.wall,
+                self.wall
+            ),
+        ))
+    }
+
+    fn check_features(&self) -> Result<(), SpecError> {
+        let rate = self.alcove_rate + self.door_frame_rate + self.narrowing_rate;
+        if rate * self.pitch > 1.0 {
+            return Err(SpecError::new(
+                "alcove_rate + door_frame_rate + narrowing_rate",
+                rate,
+                format!("at most {} 1/m: one a segment of {} m", 1.0 / self.pitch, self.pitch),
+            ));
+        }
+        let length = self.pitch - 2.0 * self.wall;
+        if self.alcove_rate > 0.0 && self.alcove_width > length {
+            let allowed = format!("at most {length} m, what a segment has between its walls");
+            return Err(SpecError::new("alcove_width", self.alcove_width, allowed));
+        }
+        if self.alcove_rate > 0.0 && self.alcove_depth > self.pitch {
+            let allowed = format!("at most the pitch of {} m", self.pitch);
+            return Err(SpecError::new("alcove_depth", self.alcove_depth, allowed));
+        }
+        for (name, rate, width) in [
+            ("door_frame_width", self.door_frame_rate, self.door_frame_width),
+            ("narrowing_width", self.narrowing_rate, self.narrowing_width),
+        ] {
+            if rate > 0.0 && width >= self.width {
+                let allowed = format!("under the corridor's width of {} m", self.width);
+                return Err(SpecError::new(name, width, allowed));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The states of a hallway, with the spec and seed that they were drawn for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Hallway {
+    states: Vec<State>,
+    #[serde(skip)]
+    spec: HallwaySpec,
+    #[serde(skip)]
+    seed: Seed,
+}
+
+impl Hallway {
+    /// The history of states, `segments` of them.
+    pub fn states(&self) -> &[State] {
+        &self.states
+    }
+
+    /// What was asked.
+    pub fn spec(&self) -> &HallwaySpec {
+        &self.spec
+    }
+
+    /// The seed it was drawn with.
+    pub fn seed(&self) -> Seed {
+        self.seed
+    }
+
+    /// The corridor in metres.
+    pub fn layout(&self) -> HallwayLayout {
+        HallwayLayout::new(&self.states, &self.spec)
+    }
+}
+
+/// Numbers that describe a hallway.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HallwayMetrics {
+    /// Number of turns.
+    pub turns: u64,
+    /// Number of turns that the chain expects for this start and length.
+    pub turns_expected: f64,
+    /// Turns among the transitions that leave a straight segment.
+    pub p_st: super::Proportion,
+    /// Turns among the transitions that leave a turn.
+    pub p_tt: super::Proportion,
+    /// Length of the centreline in metres.
+    pub length: f64,
+    /// Alcoves, door frames and narrow places that were placed.
+    pub features: u64,
+    /// Those that were drawn where there was no room for them.
+    pub features_dropped: u64,
+}
+
+impl Blueprint for Hallway {
+    type Metrics = HallwayMetrics;
+
+    fn metrics(&self) -> HallwayMetrics {
+        let chain = HallwayChain::new(self.spec.p_st, self.spec.p_tt);
+        let estimate = HallwayChain::estimate(&self.states).unwrap_or_default();
+        let layout = self.layout();
+        let placed = super::feature::place(self, &layout);
+        HallwayMetrics {
+            turns: self.states.iter().filter(|state| state.is_turn()).count() as u64,
+            turns_expected: chain
+                .map_or(0.0, |chain| chain.expected_turns(self.states[0], self.states.len())),
+            p_st: estimate.p_st,
+            p_tt: estimate.p_tt,
+            length: layout.length(),
+            features: placed.features.len() as u64,
+            features_dropped: placed.dropped,
+        }
+    }
+
+    fn to_world(&self) -> World {
+        super::build::world(self)
+    }
+}

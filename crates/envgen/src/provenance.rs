@@ -1,0 +1,58 @@
+//! Where a world comes from.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::seed::{STREAM_ALGORITHM, Seed};
+
+/// What made a world, complete enough to make it again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// The kind of world, such as `hallway`; `import` for one that was read from another format
+    /// and `manual` for one that was put together by hand.
+    pub kind: String,
+    /// The settings, by name, or what is known of the source.
+    pub spec: Value,
+    /// The seed, absent from worlds that no seed made.
+    pub seed: Option<Seed>,
+    /// The algorithm of the random streams, [`STREAM_ALGORITHM`] when it was generated.
+    pub algorithm: String,
+    /// The version of the crate `envgen`.
+    pub crate_version: String,
+    /// The version of the values of this kind: the same spec and seed give the same world as long
+    /// as it stays.
+    pub value_version: u32,
+    /// Whether the world was changed after it was generated, so that it may no longer be what the
+    /// spec asked for.
+    pub edited: bool,
+}
+
+impl Provenance {
+    /// The provenance of a generated world.
+    pub fn generated(kind: &str, spec: Value, seed: Seed, value_version: u32) -> Self {
+        Provenance {
+            kind: kind.to_owned(),
+            spec,
+            seed: Some(seed),
+            algorithm: STREAM_ALGORITHM.to_owned(),
+            crate_version: env!("CARGO_PKG_VERSION").to_owned(),
+            value_version,
+            edited: false,
+        }
+    }
+
+    /// The provenance of a world that was put together by hand (`manual`) or read from another
+    /// format (`import`), with what is known of it.
+    pub fn other(kind: &str, source: Value) -> Self {
+        Provenance {
+            kind: kind.to_owned(),
+            spec: source,
+            seed: None,
+            algorithm: String::new(),
+            crate_version: env!("CARGO_PKG_VERSION").to_owned(),
+            value_version: 0,
+            edited: false,
+        }
+    }
+}

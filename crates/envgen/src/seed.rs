@@ -1,0 +1,229 @@
+//! Seeds, and the named random streams that are derived from them.
+
+use std::convert::Infallible;
+use std::fmt;
+use std::str::FromStr;
+
+use chacha20::ChaCha8Rng;
+use rand_core::{Rng, SeedableRng, TryRng};
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the algorithm behind every [`Stream`], as it stands in a world's provenance.
+pub const STREAM_ALGORITHM: &str = "chacha8-v1";
+
+/// The number from which everything random in a world follows. Seed 0 is a seed like any other.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+#[serde(transparent)]
+pub struct Seed(pub u64);
+
+impl Seed {
+    /// The stream of one stage of a generator, for instance `("forest/tile", 12)`.
+    ///
+    /// Streams of different seeds, stages or indices are independent, so that a stage added to a
+    /// generator, or another order of the stages, changes nothing in the others.
+    pub fn stream(self, stage: &str, index: u64) -> Stream {
+        self.attempt(stage, index, 0)
+    }
+
+    /// The stream of a retry: attempt 0 is [`Seed::stream`] itself.
+    pub fn attempt(self, stage: &str, index: u64, attempt: u64) -> Stream {
+        // ChaCha's key is 256 bits wide: the four numbers are the key, nothing is mixed or lost.
+        let mut key = [0; 32];
+        for (bytes, word) in
+            key.chunks_exact_mut(8).zip([self.0, stage_hash(stage), index, attempt])
+        {
+            bytes.copy_from_slice(&word.to_le_bytes());
+        }
+        Stream { rng: ChaCha8Rng::from_seed(key) }
+    }
+
+    /// The `n`-th seed after this one, wrapping at the end of the range.
+    pub fn offset(self, n: u64) -> Seed {
+        Seed(self.0.wrapping_add(n))
+    }
+}
+
+impl From<u64> for Seed {
+    fn from(value: u64) -> Self {
+        Seed(value)
+    }
+}
+
+impl fmt::Display for Seed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl FromStr for Seed {
+    type Err = std::num::ParseIntError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        text.parse().map(Seed)
+    }
+}
+
+/// FNV-1a, 64 bits: stage names are few and fixed, so a short published hash is enough.
+const fn stage_hash(stage: &str) -> u64 {
+    let bytes = stage.as_bytes();
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut i = 0;
+    while i < bytes.len() {
+        hash = (hash ^ bytes[i] as u64).wrapping_mul(0x0100_0000_01b3);
+        i += 1;
+    }
+    hash
+}
+
+/// A stream of random numbers: ChaCha8 under a key made of seed, stage, index and attempt.
+///
+/// The draws that the generators use are defined here, bit for bit, so that no release of another
+/// crate can change a world. Continuous laws are in [`crate::distribution`]. It is also a
+/// [`rand_core`] generator, so that other crates' distributions can be drawn from it.
+#[derive(Debug)]
+pub struct Stream {
+    rng: ChaCha8Rng,
+}
+
+impl Stream {
+    /// The next 64 random bits.
+    #[inline]
+    pub fn bits(&mut self) -> u64 {
+        self.rng.next_u64()
+    }
+
+    /// Uniform in [0, 1): a multiple of 2^-53.
+    #[inline]
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
+    }
+
+    /// Uniform in [`low`, `high`), or `low` when the two are equal.
+    #[inline]
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// True with probability `p`; never for 0, always for 1.
+    #[inline]
+    pub fn chance(&mut self, p: f64) -> bool {
+        self.unit() < p
+    }
+
+    /// Uniform in 0..`n`, without bias (Lemire, Fast Random Integer Generation in an Interval,
+    /// ACM TOMACS 29, 2019). `n` = 0 counts as 1.
+    #[inline]
+    pub fn below(&mut self, n: u64) -> u64 {
+        let n = n.max(1);
+        let mut wide = u128::from(self.bits()) * u128::from(n);
+        if (wide as u64) < n {
+            let threshold = n.wrapping_neg() % n;
+            while (wide as u64) < threshold {
+                wide = u128::from(self.bits()) * u128::from(n);
+            }
+        }
+        (wide >> 64) as u64
+    }
+
+    /// The index of a weight, drawn in proportion to it; `None` when no weight is positive.
+    pub fn weighted(&mut self, weights: &[f64]) -> Option<usize> {
+        let total: f64 = weights.iter().sum();
+        let mut left = self.unit() * total;
+        let mut last = None;
+        for (i, &weight) in weights.iter().enumerate() {
+            if weight > 0.0 {
+                if left < weight {
+                    return Some(i);
+                }
+                left -= weight;
+                last = Some(i);
+            }
+        }
+        last
+    }
+
+    /// Puts a slice into uniformly random order (Fisher-Yates, from the end).
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
+        for i in (1..items.len()).rev() {
+            items.swap(i, self.below(i as u64 + 1) as usize);
+        }
+    }
+}
+
+impl TryRng for Stream {
+    type Error = Infallible;
+
+    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
+        self.rng.try_next_u32()
+    }
+
+    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
+        self.rng.try_next_u64()
+    }
+
+    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
+        self.rng.try_fill_bytes(bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn streams_are_frozen() {
+        // Frozen values: a change here changes every world of every seed.
+        let mut stream = Seed(7).attempt("stage", 3, 1);
+        assert_eq!(stream.bits(), 6_540_101_256_199_365_920);
+        assert_eq!(stream.unit(), 0.586_838_354_198_182_4);
+        assert_eq!(stream.below(1000), 821);
+    }
+
+    #[test]
+    fn every_part_of_the_key_changes_the_stream() {
+        let first = |mut stream: Stream| stream.bits();
+        let draws = [
+            first(Seed(1).stream("a", 0)),
+            first(Seed(2).stream("a", 0)),
+            first(Seed(1).stream("b", 0)),
+            first(Seed(1).stream("a", 1)),
+            first(Seed(1).attempt("a", 0, 1)),
+        ];
+        for (i, a) in draws.iter().enumerate() {
+            for b in &draws[i + 1..] {
+                assert_ne!(a, b);
+            }
+        }
+    }
+
+    #[test]
+    fn below_is_uniform() {
+        // Chi-square with 5 degrees of freedom, false-alarm rate 1e-4 (critical value 25.7).
+        let mut stream = Seed(11).stream("below", 0);
+        let mut counts = [0_u32; 6];
+        for _ in 0..60_000 {
+            counts[stream.below(6) as usize] += 1;
+        }
+        let chi2: f64 =
+            counts.iter().map(|&c| (f64::from(c) - 1e4) * (f64::from(c) - 1e4) / 1e4).sum();
+        assert!(chi2 < 25.7, "chi-square {chi2} of {counts:?}");
+    }
+
+    #[test]
+    fn weighted_never_draws_an_impossible_index() {
+        let mut stream = Seed(5).stream("weighted", 0);
+        for _ in 0..1000 {
+            assert_eq!(stream.weighted(&[0.0, 2.0, 0.0]), Some(1));
+        }
+        assert_eq!(stream.weighted(&[0.0, 0.0]), None);
+        assert_eq!(stream.weighted(&[]), None);
+    }
+
+    #[test]
+    fn edge_probabilities_are_certain() {
+        let mut stream = Seed(6).stream("chance", 0);
+        assert!((0..1000).all(|_| stream.chance(1.0) && !stream.chance(0.0)));
+    }
+}

@@ -1,0 +1,351 @@
+//! [`WorldSpec`]: any kind of spec, as a RON file holds it, and any kind of blueprint.
+
+use std::fmt;
+use std::str::FromStr;
+
+use ron::extensions::Extensions;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use thiserror::Error;
+
+use crate::error::{GenerateError, SpecError};
+use crate::generate::{Blueprint, Spec};
+use crate::provenance::Provenance;
+use crate::seed::Seed;
+use crate::settings::Setting;
+use crate::world::World;
+
+/// Why settings do not make a spec.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SettingsError {
+    /// There is no such kind.
+    #[error("`{name}` is no kind of world, there are: {known}")]
+    UnknownKind {
+        /// The name given.
+        name: String,
+        /// The kinds that exist.
+        known: String,
+    },
+    /// The kind has no such setting.
+    #[error("a {kind} has no setting `{name}`, it has: {known}")]
+    UnknownSetting {
+        /// The kind.
+        kind: Kind,
+        /// The name given.
+        name: String,
+        /// The settings that exist.
+        known: String,
+    },
+    /// The value is not allowed.
+    #[error(transparent)]
+    Value(#[from] SpecError),
+    /// The text is not the RON of a spec.
+    #[error("not the RON of a world spec, at {0}")]
+    Ron(Box<ron::error::SpannedError>),
+}
+
+/// One line a kind: variant, name on the command line, spec and blueprint.
+macro_rules! kinds {
+    ($($variant:ident, $name:literal, $doc:literal, $spec:ty, $blueprint:ty;)+) => {
+        /// The kinds of world.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[non_exhaustive]
+        pub enum Kind {
+            $(#[doc = $doc] $variant,)+
+        }
+
+        impl Kind {
+            /// Every kind, in the order of the documentation.
+            pub const ALL: &'static [Kind] = &[$(Kind::$variant),+];
+
+            /// The name on the command line.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Kind::$variant => $name,)+
+                }
+            }
+
+            /// What the kind is, in one sentence.
+            pub fn summary(self) -> &'static str {
+                match self {
+                    $(Kind::$variant => $doc.trim_ascii(),)+
+                }
+            }
+
+            /// The settings of its specs.
+            pub fn settings(self) -> &'static [Setting] {
+                match self {
+                    $(Kind::$variant => <$spec>::SETTINGS,)+
+                }
+            }
+
+            /// Raised by every change of what a seed yields.
+            pub fn value_version(self) -> u32 {
+                match self {
+                    $(Kind::$variant => <$spec>::VALUE_VERSION,)+
+                }
+            }
+
+            /// The spec with every setting at its default.
+            pub fn default_spec(self) -> WorldSpec {
+                match self {
+                    $(Kind::$variant => WorldSpec::$variant(Default::default()),)+
+                }
+            }
+
+            fn spec_from_json(self, settings: Value) -> Result<WorldSpec, serde_json::Error> {
+                Ok(match self {
+                    $(Kind::$variant => WorldSpec::$variant(serde_json::from_value(settings)?),)+
+                })
+            }
+        }
+
+        /// A spec of any kind. In a RON file it is the kind's name with the settings that differ
+        /// from the default, such as `Hallway(segments: 80, p_st: 0.2)`.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[non_exhaustive]
+        pub enum WorldSpec {
+            $(#[doc = $doc] #[serde(alias = $name)] $variant($spec),)+
+        }
+
+        impl WorldSpec {
+            /// Which kind it is.
+            pub fn kind(&self) -> Kind {
+                match self {
+                    $(WorldSpec::$variant(_) => Kind::$variant,)+
+                }
+            }
+
+            /// The settings as a JSON object, without the kind.
+            pub fn settings_json(&self) -> Value {
+                match self {
+                    $(WorldSpec::$variant(spec) => serde_json::to_value(spec),)+
+                }
+                .unwrap_or(Value::Null)
+            }
+
+            /// Checks every setting, and the settings together.
+            ///
+            /// # Errors
+            /// The first setting that is not allowed, with its value and what is.
+            pub fn validate(&self) -> Result<(), SpecError> {
+                match self {
+                    $(WorldSpec::$variant(spec) => spec.validate(),)+
+                }
+            }
+
+            /// Generates a blueprint; the same spec and seed always give the same one.
+            ///
+            /// # Errors
+            /// When the spec is not valid, or when this seed has no blueprint that keeps it.
+            pub fn generate(&self, seed: Seed) -> Result<WorldBlueprint, GenerateError> {
+                Ok(match self {
+                    $(WorldSpec::$variant(spec) => {
+                        WorldBlueprint::$variant(spec.generate(seed)?)
+                    })+
+                })
+            }
+        }
+
+        /// A blueprint of any kind; serialises to the blueprint alone.
+        #[derive(Clone, Debug, PartialEq, Serialize)]
+        #[serde(untagged)]
+        #[non_exhaustive]
+        pub enum WorldBlueprint {
+            $(#[doc = $doc] $variant($blueprint),)+
+        }
+
+        /// The metrics of any kind; serialises to the metrics alone.
+        #[derive(Clone, Debug, PartialEq, Serialize)]
+        #[serde(untagged)]
+        #[non_exhaustive]
+        pub enum WorldMetrics {
+            $(#[doc = $doc] $variant(<$blueprint as Blueprint>::Metrics),)+
+        }
+
+        impl WorldBlueprint {
+            /// Builds the world in metres.
+            pub fn to_world(&self) -> World {
+                match self {
+                    $(WorldBlueprint::$variant(blueprint) => blueprint.to_world(),)+
+                }
+            }
+
+            /// Measures the blueprint.
+            pub fn metrics(&self) -> WorldMetrics {
+                match self {
+                    $(WorldBlueprint::$variant(blueprint) => {
+                        WorldMetrics::$variant(blueprint.metrics())
+                    })+
+                }
+            }
+        }
+
+        $(impl From<$spec> for WorldSpec {
+            fn from(spec: $spec) -> Self {
+                WorldSpec::$variant(spec)
+            }
+        })+
+    };
+}
+
+kinds! {
+    Hallway, "hallway", " A corridor whose turns follow a Markov chain.",
+        crate::hallway::HallwaySpec, crate::hallway::Hallway;
+    Forest, "forest", " Trees scattered by a Poisson law.",
+        crate::forest::ForestSpec, crate::forest::Forest;
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Kind {
+    type Err = SettingsError;
+
+    fn from_str(name: &str) -> Result<Self, SettingsError> {
+        Kind::ALL.iter().copied().find(|kind| kind.name() == name).ok_or_else(|| {
+            let known = Kind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
+            SettingsError::UnknownKind { name: name.to_owned(), known }
+        })
+    }
+}
+
+impl Serialize for Kind {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl Kind {
+    /// The setting of a name.
+    ///
+    /// # Errors
+    /// Lists the settings that exist.
+    pub fn setting(self, name: &str) -> Result<&'static Setting, SettingsError> {
+        self.settings().iter().find(|setting| setting.name == name).ok_or_else(|| {
+            let known: Vec<_> = self.settings().iter().map(|setting| setting.name).collect();
+            SettingsError::UnknownSetting {
+                kind: self,
+                name: name.to_owned(),
+                known: known.join(", "),
+            }
+        })
+    }
+}
+
+impl WorldSpec {
+    /// Sets one setting from text, as `--set name=value` does. On an error the spec is unchanged.
+    ///
+    /// # Errors
+    /// When the setting does not exist (the error lists those that do) or the text is not one of
+    /// its values.
+    pub fn set(&mut self, name: &str, value: &str) -> Result<(), SettingsError> {
+        let setting = self.kind().setting(name)?;
+        let mut settings = self.settings_json();
+        settings[name] = setting.parse(value)?;
+        *self = self.kind().spec_from_json(settings).map_err(|_| setting.error(value))?;
+        Ok(())
+    }
+
+    /// Reads a spec from RON.
+    ///
+    /// # Errors
+    /// Line and column of what is wrong.
+    pub fn from_ron(text: &str) -> Result<Self, SettingsError> {
+        ron_options().from_str(text).map_err(|error| SettingsError::Ron(Box::new(error)))
+    }
+
+    /// Writes a spec as RON, with every setting.
+    pub fn to_ron(&self) -> String {
+        let config = ron::ser::PrettyConfig::default();
+        ron_options().to_string_pretty(self, config).unwrap_or_default()
+    }
+
+    /// The spec that a generated world came from.
+    ///
+    /// # Errors
+    /// When the provenance names no kind of this crate, or settings that the kind does not have.
+    pub fn from_provenance(provenance: &Provenance) -> Result<Self, SettingsError> {
+        let kind: Kind = provenance.kind.parse()?;
+        kind.spec_from_json(provenance.spec.clone()).map_err(|error| {
+            SpecError::new("spec", &provenance.spec, format!("settings of a {kind}: {error}"))
+                .into()
+        })
+    }
+}
+
+/// How specs stand in RON: `Hallway(segments: 80)`, without a second pair of brackets.
+fn ron_options() -> ron::Options {
+    ron::Options::default()
+        .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
+        .with_default_extension(Extensions::IMPLICIT_SOME)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Allowed;
+
+    #[test]
+    fn the_table_of_settings_is_the_spec() {
+        for &kind in Kind::ALL {
+            let fields = kind.default_spec().settings_json();
+            let mut fields: Vec<_> = fields.as_object().unwrap().keys().cloned().collect();
+            let mut table: Vec<_> = kind.settings().iter().map(|s| s.name.to_owned()).collect();
+            fields.sort();
+            table.sort();
+            assert_eq!(fields, table, "{kind}");
+        }
+    }
+
+    #[test]
+    fn defaults_are_allowed_and_every_choice_can_be_set() {
+        for &kind in Kind::ALL {
+            assert_eq!(kind.default_spec().validate(), Ok(()), "{kind}");
+            for setting in kind.settings() {
+                let mut spec = kind.default_spec();
+                match setting.allowed {
+                    Allowed::Choice(names) => {
+                        for name in names {
+                            spec.set(setting.name, name).unwrap();
+                            assert_eq!(spec.settings_json()[setting.name], *name);
+                        }
+                    }
+                    Allowed::Flag => {
+                        spec.set(setting.name, "true").unwrap();
+                        spec.set(setting.name, "false").unwrap();
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn ron_gives_the_same_spec_back() {
+        for &kind in Kind::ALL {
+            let spec = kind.default_spec();
+            assert_eq!(WorldSpec::from_ron(&spec.to_ron()), Ok(spec));
+        }
+    }
+
+    #[test]
+    fn either_spelling_of_the_kind_is_read() {
+        let spec = WorldSpec::from_ron("Hallway(segments: 80)").unwrap();
+        assert_eq!(WorldSpec::from_ron("hallway(segments: 80)"), Ok(spec));
+    }
+
+    #[test]
+    fn unknown_names_list_what_exists() {
+        let mut spec = Kind::Hallway.default_spec();
+        let error = spec.set("segmens", "3").unwrap_err().to_string();
+        assert!(error.contains("segments, p_st"), "{error}");
+        let error = "lake".parse::<Kind>().unwrap_err().to_string();
+        assert!(error.contains("hallway, forest"), "{error}");
+        assert!(WorldSpec::from_ron("Hallway(segmens: 3)").is_err());
+    }
+}

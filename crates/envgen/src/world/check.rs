@@ -1,0 +1,315 @@
+//! The invariants of a world.
+
+use glam::DVec2;
+use thiserror::Error;
+
+use super::{PartId, PartKind, World};
+use crate::geometry::{Pose, Rect, Shape, edges, segments_cross, signed_area};
+
+/// Parts may reach this far over the bounds, in metres: rounding, no more.
+const TOLERANCE: f64 = 1e-6;
+
+/// An invariant that a world breaks.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Violation {
+    /// The bounds are not finite, or empty.
+    #[error("the bounds {0:?} are not a finite rectangle")]
+    Bounds(Rect),
+    /// A number of a part is not finite.
+    #[error("{0} holds a number that is not finite")]
+    NotFinite(PartId),
+    /// A size of a part is not positive, or a factor is negative.
+    #[error("{0} holds a size that is not positive")]
+    Size(PartId),
+    /// A polygon is not simple, has under three corners or runs clockwise.
+    #[error("{0} is not a simple counter-clockwise polygon")]
+    Polygon(PartId),
+    /// A part reaches over the bounds.
+    #[error("{0} reaches over the bounds")]
+    OutOfBounds(PartId),
+    /// A doorway names a room that does not exist.
+    #[error("{part} names room {room}, which does not exist")]
+    UnknownRoom {
+        /// The doorway.
+        part: PartId,
+        /// The room it names.
+        room: u32,
+    },
+    /// The start or goal pose is not finite or out of bounds.
+    #[error("the {0} pose is not finite or out of bounds")]
+    Pose(&'static str),
+    /// The start or goal pose lies inside a solid part.
+    #[error("the {pose} pose lies inside {part}")]
+    Blocked {
+        /// `start` or `goal`.
+        pose: &'static str,
+        /// The part in the way.
+        part: PartId,
+    },
+    /// The class raster's sizes do not fit together.
+    #[error("the class raster has {cells} cells in {rows} rows of {cols}, of {cell} m each")]
+    Raster {
+        /// Rows it claims.
+        rows: u32,
+        /// Columns it claims.
+        cols: u32,
+        /// Cells it holds.
+        cells: usize,
+        /// Side of a cell.
+        cell: f64,
+    },
+}
+
+impl World {
+    /// Checks every invariant: finite numbers, positive sizes, simple counter-clockwise polygons,
+    /// parts inside the bounds, doorways between rooms that exist, start and goal in free space,
+    /// a whole raster.
+    ///
+    /// # Errors
+    /// The first invariant that does not hold.
+    pub fn check(&self) -> Result<(), Violation> {
+        let b = self.bounds;
+        if !(b.min.is_finite() && b.max.is_finite() && b.min.cmplt(b.max).all()) {
+            return Err(Violation::Bounds(b));
+        }
+        let rooms = numbered(PartKind::Room, self.rooms.iter().map(|room| &room.shape));
+        let surfaces = numbered(PartKind::Surface, self.surfaces.iter().map(|s| &s.shape));
+        let openings = numbered(PartKind::Doorway, self.doorways.iter().map(|d| &d.shape));
+        for (id, shape) in rooms.chain(surfaces).chain(openings) {
+            self.check_shape(id, shape)?;
+        }
+        for solid in self.solids() {
+            self.check_shape(solid.id, &solid.shape)?;
+        }
+        for (id, strip) in numbered(PartKind::RoadStrip, &self.road_strips) {
+            let finite = strip
+                .centreline
+                .iter()
+                .all(|point| finite_pose(point.pose) && point.curvature.is_finite());
+            if !(finite && strip.width.is_finite()) {
+                return Err(Violation::NotFinite(id));
+            }
+            if strip.width <= 0.0 || strip.centreline.len() < 2 || strip.lanes == 0 {
+                return Err(Violation::Size(id));
+            }
+            let around = Rect::around(strip.centreline.iter().map(|point| point.pose.position));
+            self.check_inside(id, around.unwrap_or(b))?;
+        }
+        for (id, surface) in numbered(PartKind::Surface, &self.surfaces) {
+            if !(surface.speed.is_finite() && surface.odometry_noise.is_finite()) {
+                return Err(Violation::NotFinite(id));
+            }
+            if surface.speed < 0.0 || surface.odometry_noise < 0.0 {
+                return Err(Violation::Size(id));
+            }
+        }
+        for (id, room) in numbered(PartKind::Room, &self.rooms) {
+            if room.difficulty.is_some_and(|d| !d.is_finite()) {
+                return Err(Violation::NotFinite(id));
+            }
+        }
+        for (part, door) in numbered(PartKind::Doorway, &self.doorways) {
+            for room in door.rooms.into_iter().flatten() {
+                if room as usize >= self.rooms.len() {
+                    return Err(Violation::UnknownRoom { part, room });
+                }
+            }
+        }
+        self.check_pose("start", self.start)?;
+        self.check_pose("goal", self.goal)?;
+        self.check_raster()
+    }
+
+    fn check_shape(&self, id: PartId, shape: &Shape) -> Result<(), Violation> {
+        let (finite, sized) = match shape {
+            Shape::Segment { a, b } => (a.is_finite() && b.is_finite(), a != b),
+            Shape::Disc { center, radius } => {
+                (center.is_finite() && radius.is_finite(), *radius > 0.0)
+            }
+            Shape::Box { center, half_size, heading } => (
+                center.is_finite() && half_size.is_finite() && heading.is_finite(),
+                half_size.cmpgt(DVec2::ZERO).all(),
+            ),
+            Shape::Polygon { vertices } => (vertices.iter().all(|v| v.is_finite()), true),
+        };
+        if !finite {
+            return Err(Violation::NotFinite(id));
+        }
+        if !sized {
+            return Err(Violation::Size(id));
+        }
+        if let Shape::Polygon { vertices } = shape
+            && !(signed_area(vertices) > 0.0 && is_simple(vertices))
+        {
+            return Err(Violation::Polygon(id));
+        }
+        self.check_inside(id, shape.bounds())
+    }
+
+    fn check_inside(&self, id: PartId, around: Rect) -> Result<(), Violation> {
+        if self.bounds.grown(TOLERANCE).contains_rect(around) {
+            Ok(())
+        } else {
+            Err(Violation::OutOfBounds(id))
+        }
+    }
+
+    fn check_pose(&self, name: &'static str, pose: Option<Pose>) -> Result<(), Violation> {
+        let Some(pose) = pose else { return Ok(()) };
+        if !finite_pose(pose) || !self.bounds.grown(TOLERANCE).contains(pose.position) {
+            return Err(Violation::Pose(name));
+        }
+        match self.solids().find(|solid| solid.shape.contains(pose.position)) {
+            Some(solid) => Err(Violation::Blocked { pose: name, part: solid.id }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_raster(&self) -> Result<(), Violation> {
+        let Some(raster) = &self.raster else { return Ok(()) };
+        let count = u64::from(raster.rows) * u64::from(raster.cols);
+        let whole = count > 0 && count == raster.cells.len() as u64;
+        if whole && raster.cell.is_finite() && raster.cell > 0.0 && raster.origin.is_finite() {
+            return Ok(());
+        }
+        let (rows, cols, cells) = (raster.rows, raster.cols, raster.cells.len());
+        Err(Violation::Raster { rows, cols, cells, cell: raster.cell })
+    }
+}
+
+fn numbered<T>(
+    kind: PartKind,
+    parts: impl IntoIterator<Item = T>,
+) -> impl Iterator<Item = (PartId, T)> {
+    parts.into_iter().enumerate().map(move |(i, part)| (PartId { kind, index: i as u32 }, part))
+}
+
+fn finite_pose(pose: Pose) -> bool {
+    pose.position.is_finite() && pose.heading.is_finite()
+}
+
+/// Whether no two sides of a polygon touch, but for neighbours at their common corner. Sides are
+/// swept in order of x, so that common outlines cost little more than sorting.
+fn is_simple(vertices: &[DVec2]) -> bool {
+    let n = vertices.len();
+    if n < 3 {
+        return false;
+    }
+    let mut sides: Vec<(usize, DVec2, DVec2)> =
+        edges(vertices).enumerate().map(|(i, (a, b))| (i, a, b)).collect();
+    sides.sort_by(|a, b| a.1.x.min(a.2.x).total_cmp(&b.1.x.min(b.2.x)));
+    for (k, &(i, a, b)) in sides.iter().enumerate() {
+        if a == b {
+            return false;
+        }
+        let right = a.x.max(b.x);
+        for &(j, c, d) in sides[k + 1..].iter().take_while(|side| side.1.x.min(side.2.x) <= right) {
+            let touches = if (i + 1) % n == j {
+                folds_back(a, b, d)
+            } else if (j + 1) % n == i {
+                folds_back(c, d, b)
+            } else {
+                segments_cross(a, b, c, d)
+            };
+            if touches {
+                return false;
+            }
+        }
+    }
+    true
+}
+
+/// Whether the side from `b` to `c` runs back over the side from `a` to `b`.
+fn folds_back(a: DVec2, b: DVec2, c: DVec2) -> bool {
+    (b - a).perp_dot(c - b) == 0.0 && (b - a).dot(c - b) < 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::provenance::Provenance;
+    use crate::world::{
+        ClassRaster, Doorway, Obstacle, ObstacleKind, Surface, SurfaceKind, Tree, Wall, WallKind,
+    };
+
+    fn world() -> World {
+        let mut world = World::new(
+            Provenance::other("manual", serde_json::Value::Null),
+            Rect::new(DVec2::ZERO, DVec2::new(10.0, 5.0)),
+        );
+        world.trees.push(Tree { center: DVec2::new(3.0, 3.0), radius: 1.0 });
+        let shape = Shape::thick_segment(DVec2::new(1.0, 1.0), DVec2::new(4.0, 1.0), 0.1, 0.0);
+        world.walls.push(Wall { kind: WallKind::Wall, shape });
+        world.start = Some(Pose::new(0.5, 0.5, 0.0));
+        world.goal = Some(Pose::new(9.0, 4.0, 1.0));
+        world
+    }
+
+    fn polygon(points: &[(f64, f64)]) -> Shape {
+        Shape::Polygon { vertices: points.iter().map(|&(x, y)| DVec2::new(x, y)).collect() }
+    }
+
+    fn with_obstacle(shape: Shape) -> Result<(), Violation> {
+        let mut world = world();
+        world.obstacles.push(Obstacle { kind: ObstacleKind::Other, shape });
+        world.check()
+    }
+
+    #[test]
+    fn a_whole_world_passes() {
+        assert_eq!(world().check(), Ok(()));
+        assert_eq!(with_obstacle(polygon(&[(5., 1.), (6., 1.), (6., 2.)])), Ok(()));
+    }
+
+    #[test]
+    fn each_broken_invariant_is_named() {
+        let obstacle = PartId { kind: PartKind::Obstacle, index: 0 };
+        let tree = PartId { kind: PartKind::Tree, index: 0 };
+
+        let mut broken = world();
+        broken.bounds.max.x = f64::NAN;
+        assert!(matches!(broken.check(), Err(Violation::Bounds(_))));
+
+        let mut broken = world();
+        broken.trees[0].radius = f64::INFINITY;
+        assert_eq!(broken.check(), Err(Violation::NotFinite(tree)));
+        broken.trees[0].radius = 0.0;
+        assert_eq!(broken.check(), Err(Violation::Size(tree)));
+        broken.trees[0].radius = 4.0;
+        assert_eq!(broken.check(), Err(Violation::OutOfBounds(tree)));
+
+        for outline in [
+            &[(5., 1.), (6., 2.), (6., 1.)][..],
+            &[(5., 1.), (6., 2.), (6., 1.), (5., 2.)],
+            &[(5., 1.), (6., 1.)],
+            &[(5., 1.), (7., 1.), (6., 1.), (6., 2.)],
+        ] {
+            assert_eq!(with_obstacle(polygon(outline)), Err(Violation::Polygon(obstacle)));
+        }
+
+        let mut broken = world();
+        broken.start = Some(Pose::new(3.0, 3.5, 0.0));
+        assert_eq!(broken.check(), Err(Violation::Blocked { pose: "start", part: tree }));
+        broken.start = None;
+        broken.goal = Some(Pose::new(30.0, 3.5, 0.0));
+        assert_eq!(broken.check(), Err(Violation::Pose("goal")));
+
+        let mut broken = world();
+        let part = PartId { kind: PartKind::Doorway, index: 0 };
+        let shape = Shape::from_rect(Rect::new(DVec2::ONE, DVec2::new(2.0, 2.0)));
+        broken.doorways.push(Doorway { shape: shape.clone(), open: true, rooms: [None, Some(3)] });
+        assert_eq!(broken.check(), Err(Violation::UnknownRoom { part, room: 3 }));
+
+        let mut broken = world();
+        let kind = SurfaceKind::Water;
+        broken.surfaces.push(Surface { kind, shape, speed: -1.0, odometry_noise: 1.0 });
+        assert!(matches!(broken.check(), Err(Violation::Size(_))));
+
+        let mut broken = world();
+        let cells = vec![1; 5];
+        let raster = ClassRaster { rows: 2, cols: 3, cell: 1.0, origin: DVec2::ZERO, cells };
+        broken.raster = Some(raster);
+        assert!(matches!(broken.check(), Err(Violation::Raster { .. })));
+    }
+}

@@ -1,0 +1,62 @@
+//! A world's fingerprint.
+
+use std::fmt;
+use std::io::{self, Write};
+
+use serde::Serialize;
+use sha2::{Digest as _, Sha256};
+
+use super::World;
+
+/// SHA-256 of a value's canonical JSON: two worlds of equal digest are equal to the last bit.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Digest([u8; 32]);
+
+impl Digest {
+    /// The digest of anything that can be written as JSON.
+    pub fn of<T: Serialize + ?Sized>(value: &T) -> Digest {
+        let mut hash = io::BufWriter::with_capacity(1 << 16, Hash(Sha256::new()));
+        let written = serde_json::to_writer(&mut hash, value);
+        debug_assert!(written.is_ok(), "{written:?}");
+        match hash.into_inner() {
+            Ok(Hash(sha)) => Digest(sha.finalize().into()),
+            Err(_) => unreachable!("a hash takes every byte"),
+        }
+    }
+}
+
+impl World {
+    /// The digest of everything but the provenance and the certificate: of the geometry alone.
+    pub fn digest(&self) -> Digest {
+        Digest::of(&(
+            (self.bounds, self.start, self.goal),
+            (&self.walls, &self.trees, &self.road_strips, &self.rooms),
+            (&self.doorways, &self.obstacles, &self.surfaces, &self.raster),
+        ))
+    }
+}
+
+impl fmt::Display for Digest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+impl fmt::Debug for Digest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+struct Hash(Sha256);
+
+impl Write for Hash {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

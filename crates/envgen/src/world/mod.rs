@@ -1,0 +1,182 @@
+//! [`World`]: what every generator makes and everything else reads.
+
+mod check;
+mod digest;
+mod part;
+mod raster;
+
+use std::borrow::Cow;
+use std::fmt;
+
+use glam::DVec2;
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+pub use check::Violation;
+pub use digest::Digest;
+pub use part::{
+    Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind, Tree, Wall,
+    WallKind,
+};
+pub use raster::ClassRaster;
+
+use crate::certificate::Claim;
+use crate::geometry::{Pose, Rect, Shape};
+use crate::provenance::Provenance;
+
+/// Version of the world files' layout; a file of another version is refused.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// A world in metres: typed parts, bounds, start and goal, and where it comes from.
+///
+/// Frame: x right, y up, headings counter-clockwise from +x. A part's [`PartId`] is its list and
+/// its place in it, so that the same spec and seed give every part the same id.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct World {
+    schema: Schema,
+    /// What made the world.
+    pub provenance: Provenance,
+    /// A rectangle around all parts, start and goal.
+    pub bounds: Rect,
+    /// Where a robot starts; absent where the generator found no free place.
+    pub start: Option<Pose>,
+    /// Where it is to go.
+    pub goal: Option<Pose>,
+    /// Walls, kerbs and partitions.
+    pub walls: Vec<Wall>,
+    /// Trees.
+    pub trees: Vec<Tree>,
+    /// Roads.
+    pub road_strips: Vec<RoadStrip>,
+    /// Rooms.
+    pub rooms: Vec<Room>,
+    /// Openings in walls, and their doors.
+    pub doorways: Vec<Doorway>,
+    /// Things that stand in the way.
+    pub obstacles: Vec<Obstacle>,
+    /// Grounds that change how a robot drives.
+    pub surfaces: Vec<Surface>,
+    /// A landscape's cells.
+    pub raster: Option<ClassRaster>,
+    /// What is promised of this world.
+    pub certificate: Vec<Claim>,
+}
+
+/// The list that a part stands in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[expect(missing_docs, reason = "the names say it: each is one of World's lists")]
+pub enum PartKind {
+    Wall,
+    Tree,
+    RoadStrip,
+    Room,
+    Doorway,
+    Obstacle,
+    Surface,
+}
+
+/// The stable name of a part: its kind and its place in the world's list of that kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct PartId {
+    /// The list.
+    pub kind: PartKind,
+    /// The place in the list.
+    pub index: u32,
+}
+
+impl fmt::Display for PartId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = match self.kind {
+            PartKind::Wall => "wall",
+            PartKind::Tree => "tree",
+            PartKind::RoadStrip => "road_strip",
+            PartKind::Room => "room",
+            PartKind::Doorway => "doorway",
+            PartKind::Obstacle => "obstacle",
+            PartKind::Surface => "surface",
+        };
+        write!(f, "{name} {}", self.index)
+    }
+}
+
+/// A part that stops a robot and a ray, with its shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid<'a> {
+    /// Which part it is.
+    pub id: PartId,
+    /// Its shape in world coordinates.
+    pub shape: Cow<'a, Shape>,
+}
+
+impl World {
+    /// An empty world.
+    pub fn new(provenance: Provenance, bounds: Rect) -> Self {
+        World {
+            schema: Schema,
+            provenance,
+            bounds,
+            start: None,
+            goal: None,
+            walls: Vec::new(),
+            trees: Vec::new(),
+            road_strips: Vec::new(),
+            rooms: Vec::new(),
+            doorways: Vec::new(),
+            obstacles: Vec::new(),
+            surfaces: Vec::new(),
+            raster: None,
+            certificate: Vec::new(),
+        }
+    }
+
+    /// Everything that stops a robot and a ray: walls, trees, closed doors and obstacles, in this
+    /// order. Rooms, roads and surfaces do not.
+    pub fn solids(&self) -> impl Iterator<Item = Solid<'_>> {
+        let solid =
+            |kind, index: usize, shape| Solid { id: PartId { kind, index: index as u32 }, shape };
+        let walls = self.walls.iter().enumerate();
+        let trees = self.trees.iter().enumerate();
+        let doors = self.doorways.iter().enumerate().filter(|(_, door)| !door.open);
+        let obstacles = self.obstacles.iter().enumerate();
+        walls
+            .map(move |(i, wall)| solid(PartKind::Wall, i, Cow::Borrowed(&wall.shape)))
+            .chain(trees.map(move |(i, tree)| {
+                let shape = Shape::Disc { center: tree.center, radius: tree.radius };
+                solid(PartKind::Tree, i, Cow::Owned(shape))
+            }))
+            .chain(
+                doors.map(move |(i, door)| solid(PartKind::Doorway, i, Cow::Borrowed(&door.shape))),
+            )
+            .chain(obstacles.map(move |(i, obstacle)| {
+                solid(PartKind::Obstacle, i, Cow::Borrowed(&obstacle.shape))
+            }))
+    }
+
+    /// Distance in metres from a point to the nearest solid part, infinite when there is none.
+    /// Costs one step a part.
+    pub fn clearance(&self, p: DVec2) -> f64 {
+        self.solids().map(|solid| solid.shape.distance(p)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The layout version, written first and checked on reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Schema;
+
+impl Serialize for Schema {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_u32(SCHEMA_VERSION)
+    }
+}
+
+impl<'de> Deserialize<'de> for Schema {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match u32::deserialize(deserializer)? {
+            SCHEMA_VERSION => Ok(Schema),
+            other => Err(de::Error::custom(format!(
+                "world file of schema version {other}, this crate reads version {SCHEMA_VERSION}"
+            ))),
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The parts of a world.
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::{Pose, Shape};
+
+/// A wall.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wall {
+    /// What the wall is part of.
+    pub kind: WallKind,
+    /// Its outline.
+    pub shape: Shape,
+}
+
+/// What a wall is part of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum WallKind {
+    /// The shell of a building or corridor.
+    Wall,
+    /// The wall across a corridor's end.
+    EndCap,
+    /// The side of an alcove.
+    Alcove,
+    /// A wall inside a room.
+    Partition,
+    /// The edge of a road.
+    Kerb,
+}
+
+/// A tree trunk.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tree {
+    /// Middle of the trunk, in metres.
+    pub center: DVec2,
+    /// Radius in metres.
+    pub radius: f64,
+}
+
+/// A road: a strip of constant width along a centreline.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RoadStrip {
+    /// The centreline, in travel order.
+    pub centreline: Vec<RoadPoint>,
+    /// Full width in metres.
+    pub width: f64,
+    /// Number of lanes side by side.
+    pub lanes: u32,
+    /// Whether the last point joins the first.
+    pub closed: bool,
+}
+
+/// A point of a road's centreline.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RoadPoint {
+    /// Where the road is and where it leads.
+    pub pose: Pose,
+    /// Curvature in 1/m, positive to the left.
+    pub curvature: f64,
+}
+
+/// A room.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Room {
+    /// Name, not necessarily unique.
+    pub name: String,
+    /// The floor.
+    pub shape: Shape,
+    /// Difficulty on the scale from 0 to 10, where one is annotated.
+    pub difficulty: Option<f64>,
+    /// Whether there is light.
+    pub lit: bool,
+}
+
+/// An opening in a wall, with a door that may be closed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Doorway {
+    /// The opening, as thick as the wall; a closed door fills it.
+    pub shape: Shape,
+    /// Whether one can pass.
+    pub open: bool,
+    /// The places in [`World::rooms`](crate::World::rooms) of the rooms that it joins; `None` is a
+    /// hallway or the open.
+    pub rooms: [Option<u32>; 2],
+}
+
+/// A thing that stands in the way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Obstacle {
+    /// What it is.
+    pub kind: ObstacleKind,
+    /// Its outline.
+    pub shape: Shape,
+}
+
+/// What an obstacle is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum ObstacleKind {
+    /// One of the two posts that narrow a corridor at a door frame.
+    DoorPost,
+    /// A crate that narrows a corridor.
+    Crate,
+    /// Anything else.
+    Other,
+}
+
+/// Ground that changes how a robot drives.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Surface {
+    /// What it is.
+    pub kind: SurfaceKind,
+    /// The ground it covers.
+    pub shape: Shape,
+    /// Factor on a robot's greatest speed, 1 for plain ground, 0 where it cannot drive.
+    pub speed: f64,
+    /// Factor on the variances of a robot's odometry, 1 for plain ground.
+    pub odometry_noise: f64,
+}
+
+/// What a surface is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum SurfaceKind {
+    /// Uneven ground.
+    Uneven,
+    /// Strewn with debris.
+    Debris,
+    /// Water, which a robot must not enter.
+    Water,
+    /// Stairs, which also block the view.
+    Stairs,
+    /// A class of a landscape, counted from 1.
+    Class(u16),
+}

@@ -1,0 +1,57 @@
+//! A grid of classes that lies under a world.
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+/// A landscape's cells: square, row by row, the top row (greatest y) first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClassRaster {
+    /// Number of rows.
+    pub rows: u32,
+    /// Number of columns.
+    pub cols: u32,
+    /// Side of a cell in metres.
+    pub cell: f64,
+    /// Lower left corner in metres.
+    pub origin: DVec2,
+    /// Class of each cell, counted from 1; 0 is no data. Row by row from the top, `rows * cols`
+    /// of them.
+    pub cells: Vec<u16>,
+}
+
+impl ClassRaster {
+    /// The class at a point; `None` outside the raster.
+    pub fn class_at(&self, p: DVec2) -> Option<u16> {
+        let cell = ((p - self.origin) / self.cell).floor();
+        let inside = cell.cmpge(DVec2::ZERO).all()
+            && cell.x < f64::from(self.cols)
+            && cell.y < f64::from(self.rows);
+        if !inside {
+            return None;
+        }
+        let row = self.rows as usize - 1 - cell.y as usize;
+        self.cells.get(row * self.cols as usize + cell.x as usize).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_top_row_comes_first() {
+        let raster = ClassRaster {
+            rows: 2,
+            cols: 3,
+            cell: 2.0,
+            origin: DVec2::new(-1.0, 0.0),
+            cells: vec![1, 2, 3, 4, 5, 6],
+        };
+        assert_eq!(raster.class_at(DVec2::new(-0.5, 3.5)), Some(1));
+        assert_eq!(raster.class_at(DVec2::new(4.5, 0.5)), Some(6));
+        assert_eq!(raster.class_at(DVec2::new(5.0, 0.5)), None);
+        assert_eq!(raster.class_at(DVec2::new(0.0, -0.1)), None);
+        assert_eq!(raster.class_at(DVec2::new(f64::NAN, 0.0)), None);
+    }
+}

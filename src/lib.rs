@@ -1,0 +1,1 @@
+//! Examples and headless integration tests of `envgen`: see the folders `examples` and `tests`.
