@@ -1,13 +1,16 @@
 //! Seeded random worlds for robots.
 
 pub mod certificate;
+pub mod curve;
 pub mod distribution;
 mod error;
+pub mod export;
 pub mod forest;
 mod generate;
 pub mod geometry;
 pub mod hallway;
 mod provenance;
+pub mod road;
 mod seed;
 pub mod settings;
 mod spec;
