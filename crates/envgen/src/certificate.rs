@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::geometry::Rect;
+
 /// A promise that a generator makes of a world, and that can be checked on the world alone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -17,8 +19,10 @@ pub enum Claim {
         /// Least distance in metres.
         distance: f64,
     },
-    /// Whether a disc of this radius can cross the forest's area from west to east.
+    /// Whether a disc can cross an area from its west to its east side with its middle inside.
     CrossesWestEast {
+        /// The area.
+        area: Rect,
         /// Radius of the disc in metres.
         radius: f64,
         /// Whether it can.
