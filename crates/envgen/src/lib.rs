@@ -1,13 +1,17 @@
 //! Seeded random worlds for robots.
 
 pub mod certificate;
+mod distance_transform;
 pub mod distribution;
 mod error;
 pub mod forest;
 mod generate;
 pub mod geometry;
 pub mod hallway;
+mod lattice;
+pub mod occupancy;
 mod provenance;
+pub mod raycast;
 mod seed;
 pub mod settings;
 mod spec;
