@@ -193,6 +193,16 @@ impl OccupancyGrid {
         }
     }
 
+    /// Occupies the cells whose middle lies outside an area.
+    pub(crate) fn occupy_middles_outside(&mut self, area: Rect) {
+        for row in 0..self.lattice.rows {
+            for col in 0..self.lattice.cols {
+                let outside = !area.contains(self.cell_centre(col, row));
+                self.occupied[row * self.lattice.cols + col] |= outside;
+            }
+        }
+    }
+
     fn occupy_touched(&mut self, shape: &Convex<'_>) {
         let (cols, occupied) = (self.lattice.cols, &mut self.occupied);
         self.lattice.touched_runs(shape, |row, from, to| {
