@@ -3,10 +3,15 @@
 pub mod certificate;
 pub mod distribution;
 mod error;
+pub mod export;
+pub mod file;
 pub mod forest;
 mod generate;
 pub mod geometry;
 pub mod hallway;
+pub mod import;
+#[cfg(feature = "picture")]
+pub mod picture;
 mod provenance;
 mod seed;
 pub mod settings;
