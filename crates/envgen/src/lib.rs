@@ -1,6 +1,7 @@
 //! Seeded random worlds for robots.
 
 pub mod certificate;
+mod distance_transform;
 pub mod distribution;
 mod error;
 pub mod export;
@@ -10,9 +11,12 @@ mod generate;
 pub mod geometry;
 pub mod hallway;
 pub mod import;
+mod lattice;
+pub mod occupancy;
 #[cfg(feature = "picture")]
 pub mod picture;
 mod provenance;
+pub mod raycast;
 mod seed;
 pub mod settings;
 mod spec;
