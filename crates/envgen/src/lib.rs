@@ -2,14 +2,22 @@
 
 pub mod certificate;
 pub mod curve;
+mod distance_transform;
 pub mod distribution;
 mod error;
 pub mod export;
+pub mod file;
 pub mod forest;
 mod generate;
 pub mod geometry;
 pub mod hallway;
+pub mod import;
+mod lattice;
+pub mod occupancy;
+#[cfg(feature = "picture")]
+pub mod picture;
 mod provenance;
+pub mod raycast;
 pub mod road;
 mod seed;
 pub mod settings;

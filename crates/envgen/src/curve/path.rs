@@ -80,6 +80,22 @@ impl<'a> Path<'a> {
         range
     }
 
+    /// The distance along the path, near `s` metres, at which a point lies beside it: the zero of
+    /// the squared distance's derivative that Newton's method finds from `s`. Unlike
+    /// [`PathIndex::locate`](super::PathIndex::locate) it is not misled where a path meets itself.
+    pub fn foot_from(&self, s: f64, point: DVec2) -> f64 {
+        let mut s = s;
+        for _ in 0..8 {
+            let pose = self.pose_at(s);
+            let step = unit_vector(pose.heading).dot(point - pose.position);
+            s += step;
+            if step.abs() <= 1e-15 * (1.0 + s.abs()) {
+                break;
+            }
+        }
+        s
+    }
+
     /// The piece at `s` metres, and how far into it.
     pub(super) fn piece_at(&self, s: f64) -> Option<(usize, f64)> {
         let last = self.curves.len().checked_sub(1)?;
