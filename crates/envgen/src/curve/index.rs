@@ -176,3 +176,81 @@ impl Leaf {
         t
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn path(pieces: &[(f64, f64, f64)]) -> Path<'static> {
+        let mut pose = Pose::new(3.0, -2.0, 0.4);
+        let curves: Vec<Curve> = pieces
+            .iter()
+            .map(|&(length, start_curvature, end_curvature)| {
+                let curve = Curve { start: pose, length, start_curvature, end_curvature };
+                pose = curve.end();
+                curve
+            })
+            .collect();
+        Path::new(curves)
+    }
+
+    #[test]
+    fn offsets_are_positive_to_the_left() {
+        let index = PathIndex::new(&path(&[(10.0, 0.0, 0.0), (31.0, 0.1, 0.1)]));
+        let start = Pose::new(3.0, -2.0, 0.4);
+        let along = unit_vector(start.heading);
+        let at = index.locate(start.position + along * 4.0 + along.perp() * 1.5).unwrap();
+        assert!((at.s - 4.0).abs() < 1e-14 && (at.offset - 1.5).abs() < 1e-14);
+        let at = index.locate(start.position + along * 4.0 - along.perp() * 2.0).unwrap();
+        assert!((at.offset + 2.0).abs() < 1e-14);
+        let at = index.locate(start.position - along * 7.0).unwrap();
+        assert!(at.s == 0.0 && (at.offset.abs() - 7.0).abs() < 1e-14);
+        // The arc's centre is equally near to all of it: the first point wins.
+        let center = start.position + along * 10.0 + along.perp() * 10.0;
+        assert!((index.locate(center).unwrap().offset - 10.0).abs() < 1e-12);
+        assert_eq!(index.locate(DVec2::NAN), None);
+        assert_eq!(PathIndex::new(&Path::new(Vec::new())).locate(DVec2::ZERO), None);
+    }
+
+    #[test]
+    fn the_faintest_bend_keeps_its_digits() {
+        let index = PathIndex::new(&path(&[(1e5, 1e-10, 1e-10)]));
+        let at = index.locate(DVec2::new(3.0, -2.0) + unit_vector(0.4) * 777.0).unwrap();
+        assert!((at.s - 777.0).abs() < 1e-9, "{at:?}");
+    }
+
+    proptest! {
+        #[test]
+        fn nothing_is_nearer_than_what_is_located(
+            pieces in prop::collection::vec(
+                (1.0..40.0_f64, -0.15..0.15_f64, -0.15..0.15_f64, 0..3_u8), 1..12,
+            ),
+            x in -150.0..150.0_f64,
+            y in -150.0..150.0_f64,
+        ) {
+            let pieces: Vec<_> = pieces
+                .into_iter()
+                .map(|(length, a, b, kind)| match kind {
+                    0 => (length, 0.0, 0.0),
+                    1 => (length, a, a),
+                    _ => (length, a, b),
+                })
+                .collect();
+            let path = path(&pieces);
+            let p = DVec2::new(x, y);
+            let at = PathIndex::new(&path).locate(p).unwrap();
+            prop_assert!((0.0..=path.length() + 1e-9).contains(&at.s));
+            let there = path.pose_at(at.s).position;
+            prop_assert!(there.distance(at.pose.position) < 1e-9);
+            prop_assert!((there.distance(p) - at.offset.abs()).abs() < 1e-9);
+            let steps = (path.length() / 0.05) as u32;
+            let mut walk = path.walk();
+            for i in 0..=steps {
+                let (pose, _) = walk.to(f64::from(i) * 0.05);
+                let distance = pose.position.distance(p);
+                prop_assert!(distance >= at.offset.abs() - 1e-9, "{distance} < {at:?}");
+            }
+        }
+    }
+}

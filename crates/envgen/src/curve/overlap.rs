@@ -378,3 +378,144 @@ fn circles(a: &Arc, b: &Arc, found: &mut impl FnMut(DVec2)) {
         found(foot + side);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::PathIndex;
+    use crate::geometry::{Pose, segments_cross};
+    use proptest::prelude::*;
+
+    /// A path of (length, angle) pieces; an angle of 0 is a line.
+    fn path(pieces: &[(f64, f64)]) -> Path<'static> {
+        let mut pose = Pose::default();
+        let curves: Vec<Curve> = pieces
+            .iter()
+            .map(|&(length, angle)| {
+                let curve = Curve::arc(pose, length, angle / length);
+                pose = curve.end();
+                curve
+            })
+            .collect();
+        Path::new(curves)
+    }
+
+    /// Whether two normals of a path meet, of those taken every `step` metres.
+    fn normals_meet(path: &Path<'_>, half: f64, step: f64) -> bool {
+        let stations: Vec<f64> =
+            (0..=(path.length() / step) as u32).map(|i| f64::from(i) * step).collect();
+        let left = path.beside(half, &stations);
+        let right = path.beside(-half, &stations);
+        let n = stations.len();
+        (0..n).any(|i| (i + 1..n).any(|j| segments_cross(left[i], right[i], left[j], right[j])))
+    }
+
+    #[test]
+    fn a_loop_crosses_itself_and_a_bend_does_not() {
+        let quarter = (20.0, 0.5 * PI);
+        assert!(strip_overlap(&path(&[quarter; 3]), 3.0, false).is_none());
+        let round = [(30.0, 0.0), quarter, quarter, quarter, (30.0, 0.0)];
+        let (first, second) = strip_overlap(&path(&round), 3.0, false).unwrap();
+        // The last straight crosses the first one 12.7 m from its end.
+        assert!((14.0..=21.0).contains(&first), "{first}");
+        assert!((90.0..=120.0).contains(&second), "{second}");
+    }
+
+    #[test]
+    fn parallel_arms_overlap_when_they_are_wider_than_their_distance() {
+        // A gentle S that comes back beside itself: two arms 2 x 10 m apart.
+        let turn = (10.0 * PI, PI);
+        let arms = path(&[(50.0, 0.0), turn, (50.0, 0.0)]);
+        assert!(strip_overlap(&arms, 9.9, false).is_none());
+        let back = path(&[(50.0, 0.0), (10.0 * PI, PI), (20.0, 0.0), (5.0 * PI, 1.0), (60.0, 0.0)]);
+        assert!(strip_overlap(&back, 2.0, false).is_some());
+    }
+
+    #[test]
+    fn driving_the_same_circle_twice_is_found() {
+        // Lines and circles that coincide have no crossing points, only common stretches.
+        let side = [(40.0, 0.0), (10.0, 0.5 * PI)];
+        let twice: Vec<_> = side.iter().copied().cycle().take(12).collect();
+        assert!(strip_overlap(&path(&twice), 2.0, false).is_some());
+        let once: Vec<_> = side.iter().copied().cycle().take(8).collect();
+        assert!(strip_overlap(&path(&once), 2.0, true).is_none());
+    }
+
+    #[test]
+    fn a_figure_of_eight_crosses_itself_though_it_closes() {
+        let angle = 1.5 * PI;
+        let eight = path(&[(angle * 10.0, angle), (20.0, 0.0), (angle * 10.0, -angle), (20.0, 0.0)]);
+        assert!(strip_overlap(&eight, 2.0, true).is_some());
+    }
+
+    #[test]
+    fn a_short_piece_between_two_turns_is_no_crossing() {
+        for length in [1e-12, 1e-7, 1e-5, 1e-3] {
+            let bends = path(&[(30.0, 1.5), (length, 0.0), (30.0, 1.0), (length, 0.0), (40.0, -1.0)]);
+            assert!(strip_overlap(&bends, 5.0, false).is_none(), "{length}");
+        }
+    }
+
+    #[test]
+    fn kerbs_stop_where_the_road_crosses() {
+        let quarter = (20.0, 0.5 * PI);
+        let round = path(&[(30.0, 0.0), quarter, quarter, quarter, (30.0, 0.0)]);
+        let index = PathIndex::new(&round);
+        let clear = clear_stretches(&round, &index, [3.0, 3.2], 3.0, false);
+        let length: f64 = clear.iter().map(|(from, to)| to - from).sum();
+        // Six metres of each arm are covered by the other, and a little more by the kerb's width.
+        assert!((round.length() - length - 12.8).abs() < 1.0, "{clear:?}");
+        for (from, to) in clear {
+            for i in 1..200 {
+                let s = from + (to - from) * f64::from(i) / 200.0;
+                let p = round.beside(3.0, &[s])[0];
+                assert!(index.locate(p).unwrap().offset.abs() > 3.0 - 1e-4);
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn overlaps_are_those_of_the_normals(
+            pieces in prop::collection::vec((8.0..60.0_f64, -1.5..1.5_f64, any::<bool>()), 1..9),
+        ) {
+            // Radii stay over 4.2 m, so that the wider strip's normals meet only where it overlaps.
+            let pieces: Vec<(f64, f64)> = pieces
+                .into_iter()
+                .map(|(length, angle, straight)| (length, if straight { 0.0 } else { angle }))
+                .filter(|(length, angle)| angle.abs() * 5.0 < *length)
+                .chain([(10.0, 0.0)])
+                .collect();
+            let path = path(&pieces);
+            let half = 3.0;
+            if strip_overlap(&path, half, false).is_some() {
+                prop_assert!(normals_meet(&path, half + 0.6, 0.5), "no normals meet");
+            } else {
+                prop_assert!(!normals_meet(&path, half - 1e-6, 1.0), "normals meet");
+            }
+        }
+
+        #[test]
+        fn clothoids_overlap_like_their_arcs(scale in 0.5..2.0_f64, half in 1.0..4.0_f64) {
+            // A loop of clothoids: out, around and back over the start.
+            let mut pose = Pose::default();
+            let mut curves = Vec::new();
+            for (length, from, to) in [
+                (40.0, 0.0, 0.0), (30.0, 0.0, 0.1), (20.0, 0.1, 0.1), (30.0, 0.1, 0.0), (60.0, 0.0, 0.0),
+            ] {
+                let (length, from, to) = (length * scale, from / scale, to / scale);
+                let curve =
+                    Curve { start: pose, length, start_curvature: from, end_curvature: to };
+                pose = curve.end();
+                curves.push(curve);
+            }
+            let path = Path::new(curves);
+            let found = strip_overlap(&path, half, false).is_some();
+            if found {
+                prop_assert!(normals_meet(&path, half + 0.6, 0.5));
+            } else {
+                prop_assert!(!normals_meet(&path, half - 1e-4, 0.5));
+            }
+        }
+    }
+}

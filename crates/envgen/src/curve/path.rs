@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use glam::DVec2;
 
 use super::Curve;
-use crate::geometry::{Pose, unit_vector};
+use crate::geometry::{Pose, unit_vector, wrap_angle};
 
 /// A path of pieces, each starting where the one before ends.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +59,26 @@ impl<'a> Path<'a> {
     /// is the later one's.
     pub fn curvature_at(&self, s: f64) -> f64 {
         self.piece_at(s).map_or(0.0, |(i, t)| self.curves[i].curvature_at(t))
+    }
+
+    /// The path with neighbouring lines, and neighbouring arcs of one curvature, made one piece.
+    pub fn merged(&self) -> Path<'static> {
+        let mut merged: Vec<Curve> = Vec::with_capacity(self.curves.len());
+        for curve in self.curves.iter() {
+            match merged.last_mut() {
+                Some(last)
+                    if last.is_arc()
+                        && curve.is_arc()
+                        && last.start_curvature == curve.start_curvature
+                        && wrap_angle(last.start.heading + last.turn() - curve.start.heading).abs()
+                            < 1e-12 =>
+                {
+                    last.length += curve.length;
+                }
+                _ => merged.push(*curve),
+            }
+        }
+        Path::new(merged)
     }
 
     /// A walk along the path.
@@ -133,5 +153,61 @@ impl Walk<'_> {
         let t = s - path.starts[self.piece];
         let position = curve.position_from(self.axis, t);
         (Pose { position, heading: curve.heading_at(t) }, curve.curvature_at(t))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn path() -> Path<'static> {
+        let straight = Curve::line(Pose::new(1.0, 1.0, 0.0), 10.0);
+        let clothoid = Curve { end_curvature: 0.05, ..Curve::line(straight.end(), 8.0) };
+        let arc = Curve::arc(clothoid.end(), 30.0, 0.05);
+        Path::new(vec![straight, clothoid, arc])
+    }
+
+    #[test]
+    fn walking_is_jumping() {
+        let path = path();
+        assert_eq!(path.length(), 48.0);
+        let mut walk = path.walk();
+        for i in 0..=480 {
+            let s = f64::from(i) * 0.1;
+            let (pose, curvature) = walk.to(s);
+            assert_eq!(pose, path.pose_at(s));
+            assert_eq!(curvature, path.curvature_at(s));
+            assert!((path.foot_from(s + 0.3, pose.position) - s).abs() < 1e-12);
+        }
+        assert_eq!(path.curvature_at(10.0), 0.0);
+        assert_eq!(path.curvature_at(18.0), 0.05);
+    }
+
+    #[test]
+    fn merging_keeps_the_curve() {
+        let line = Curve::line(Pose::default(), 4.0);
+        let further = Curve::line(line.end(), 5.0);
+        let arc = Curve::arc(further.end(), 6.0, 0.1);
+        let path = Path::new(vec![line, further, arc, Curve::arc(arc.end(), 2.0, 0.1)]);
+        let merged = path.merged();
+        assert_eq!(merged.curves(), [Curve::line(Pose::default(), 9.0), Curve::arc(further.end(), 8.0, 0.1)]);
+        assert_eq!(path.stations(0.0, 1e3), [0.0, 9.0, 15.0, 17.0]);
+    }
+
+    #[test]
+    fn chords_stay_within_the_tolerance() {
+        let path = path();
+        for (offset, tolerance) in [(0.0, 0.01), (4.0, 0.01), (-4.0, 1e-4), (4.0, 0.3)] {
+            let stations = path.stations(offset, tolerance);
+            let line = path.beside(offset, &stations);
+            for (pair, s) in line.windows(2).zip(stations.windows(2)) {
+                for i in 0..=10 {
+                    let p = path.beside(offset, &[s[0] + (s[1] - s[0]) * f64::from(i) / 10.0])[0];
+                    let stray = crate::geometry::distance_to_segment(p, pair[0], pair[1]);
+                    assert!(stray <= tolerance * (1.0 + 1e-9), "{stray}");
+                }
+            }
+        }
+        assert!(path.stations(4.0, 0.01).len() < 40);
     }
 }

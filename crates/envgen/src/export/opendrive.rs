@@ -45,7 +45,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
 }
 
 fn road(xml: &mut Xml<'_>, id: usize, strip: &RoadStrip) -> Result<(), ExportError> {
-    let path = strip.path();
+    let path = strip.path().merged();
     let attributes = [
         ("name", format!("road {id}")),
         ("length", number(path.length())),

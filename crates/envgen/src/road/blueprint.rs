@@ -65,7 +65,7 @@ pub struct RoadSegment {
 /// `segments` and `waypoints` (each x, y, heading, curvature).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Road {
-    pub(super) spec: RoadSpec,
+    pub(super) spec: Box<RoadSpec>,
     pub(super) seed: Seed,
     pub(super) attempts: u64,
     pub(super) step: f64,

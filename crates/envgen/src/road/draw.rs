@@ -397,7 +397,7 @@ impl Attempt<'_> {
             })
             .collect();
         let index = PathIndex::new(&path);
-        let (spec, seed, attempts) = (spec.clone(), self.seed, self.number + 1);
+        let (spec, seed, attempts) = (Box::new(spec.clone()), self.seed, self.number + 1);
         Road { spec, seed, attempts, step, segments, waypoints, path, index }
     }
 }
