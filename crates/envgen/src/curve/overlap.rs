@@ -28,7 +28,7 @@ const EDGE: f64 = 1e-12;
 const TOUCH: f64 = 1e-9;
 
 /// Whether the strip of half width `half` along the path, whose bends must all be wider than
-/// `half`, covers itself: two distances along the path where it does, or `None`.
+/// `half`, covers itself: two distances along the path where it does, the lesser first, or `None`.
 ///
 /// A path whose headings span less than pi never does: for each of its points the two circles of
 /// the tightest bend's radius that touch the path there stay clear of the rest of it, because the
@@ -48,8 +48,9 @@ pub fn strip_overlap(path: &Path<'_>, half: f64, closed: bool) -> Option<(f64, f
             if j <= i || border.adjacent(i, j) {
                 return false;
             }
-            edge.meets(other, |a, _| {
-                found = found.or(Some((edge.s_at(a), other.middle())));
+            edge.meets(other, |a, b| {
+                let (a, b) = (edge.s_at(a), other.s_at(b));
+                found = found.or(Some((a.min(b), a.max(b))));
             });
             found.is_some()
         });
@@ -280,10 +281,6 @@ impl Edge {
         self.s0 + fraction * (self.s1 - self.s0)
     }
 
-    fn middle(&self) -> f64 {
-        0.5 * (self.s0 + self.s1)
-    }
-
     fn bounds(&self) -> Rect {
         let chord = Rect::new(self.a.min(self.b), self.a.max(self.b));
         let Some(arc) = self.arc else { return chord.grown(TOUCH) };
@@ -444,14 +441,16 @@ mod tests {
     #[test]
     fn a_figure_of_eight_crosses_itself_though_it_closes() {
         let angle = 1.5 * PI;
-        let eight = path(&[(angle * 10.0, angle), (20.0, 0.0), (angle * 10.0, -angle), (20.0, 0.0)]);
+        let eight =
+            path(&[(angle * 10.0, angle), (20.0, 0.0), (angle * 10.0, -angle), (20.0, 0.0)]);
         assert!(strip_overlap(&eight, 2.0, true).is_some());
     }
 
     #[test]
     fn a_short_piece_between_two_turns_is_no_crossing() {
         for length in [1e-12, 1e-7, 1e-5, 1e-3] {
-            let bends = path(&[(30.0, 1.5), (length, 0.0), (30.0, 1.0), (length, 0.0), (40.0, -1.0)]);
+            let bends =
+                path(&[(30.0, 1.5), (length, 0.0), (30.0, 1.0), (length, 0.0), (40.0, -1.0)]);
             assert!(strip_overlap(&bends, 5.0, false).is_none(), "{length}");
         }
     }

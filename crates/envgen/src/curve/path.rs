@@ -70,7 +70,8 @@ impl<'a> Path<'a> {
                     if last.is_arc()
                         && curve.is_arc()
                         && last.start_curvature == curve.start_curvature
-                        && wrap_angle(last.start.heading + last.turn() - curve.start.heading).abs()
+                        && wrap_angle(last.start.heading + last.turn() - curve.start.heading)
+                            .abs()
                             < 1e-12 =>
                 {
                     last.length += curve.length;
@@ -190,7 +191,10 @@ mod tests {
         let arc = Curve::arc(further.end(), 6.0, 0.1);
         let path = Path::new(vec![line, further, arc, Curve::arc(arc.end(), 2.0, 0.1)]);
         let merged = path.merged();
-        assert_eq!(merged.curves(), [Curve::line(Pose::default(), 9.0), Curve::arc(further.end(), 8.0, 0.1)]);
+        assert_eq!(
+            merged.curves(),
+            [Curve::line(Pose::default(), 9.0), Curve::arc(further.end(), 8.0, 0.1)]
+        );
         assert_eq!(path.stations(0.0, 1e3), [0.0, 9.0, 15.0, 17.0]);
     }
 

@@ -68,6 +68,7 @@ pub struct Road {
     pub(super) spec: Box<RoadSpec>,
     pub(super) seed: Seed,
     pub(super) attempts: u64,
+    pub(super) length: f64,
     pub(super) step: f64,
     pub(super) segments: Vec<RoadSegment>,
     pub(super) waypoints: Vec<RoadPoint>,
@@ -93,7 +94,7 @@ impl Road {
 
     /// Length in metres: the spec's, unless the road aims at a point.
     pub fn length(&self) -> f64 {
-        self.path.length()
+        self.length
     }
 
     /// Distance between waypoints in metres: the length divided by their number. As published, each
@@ -202,7 +203,8 @@ impl Blueprint for Road {
         let count = turns().count() as u64;
         let turning: f64 = turns().map(|turn| turn.angle.abs()).sum::<f64>().to_degrees();
         let min_radius = turns().filter_map(|turn| turn.radius).reduce(f64::min);
-        let straight: f64 = self.segments.iter().filter(|s| !s.kind.is_turn()).map(|s| s.length).sum();
+        let straight: f64 =
+            self.segments.iter().filter(|s| !s.kind.is_turn()).map(|s| s.length).sum();
         let speed = self.spec.speed;
         let between = self.end().position.distance(self.spec.start().position);
         RoadMetrics {

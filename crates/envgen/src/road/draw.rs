@@ -149,11 +149,10 @@ impl Attempt<'_> {
                     return Ok(Part::straight(length));
                 }
                 let mut stream = self.seed.attempt("road/turn", i as u64, self.number);
-                let radius =
-                    limits.draw(length, spec.turns, &mut stream).ok_or_else(|| {
-                        let (least, greatest) = limits.radii(length);
-                        RoadError::TurnTooShort { segment: i + 1, length, least, greatest }
-                    })?;
+                let radius = limits.draw(length, spec.turns, &mut stream).ok_or_else(|| {
+                    let (least, greatest) = limits.radii(length);
+                    RoadError::TurnTooShort { segment: i + 1, length, least, greatest }
+                })?;
                 Ok(Part { kind, length, angle: limits.effective(length) / radius, radius })
             })
             .collect()
@@ -203,9 +202,8 @@ impl Attempt<'_> {
             parts.iter().filter(|p| !p.kind.is_turn()).map(|p| p.length).collect();
         let least = vec![spec.shortest; wanted.len()];
         for _ in 0..4 {
-            let lengths = nearest_lengths(&wanted, &least, &columns, target.to_array()).ok_or(
-                RoadError::Unreachable { x: aim.x, y: aim.y, shortest: spec.shortest },
-            )?;
+            let lengths = nearest_lengths(&wanted, &least, &columns, target.to_array())
+                .ok_or(RoadError::Unreachable { x: aim.x, y: aim.y, shortest: spec.shortest })?;
             let straights = parts.iter_mut().filter(|part| !part.kind.is_turn());
             straights.zip(lengths).for_each(|(part, length)| part.length = length);
             self.check_length(parts)?;
@@ -271,7 +269,8 @@ impl Attempt<'_> {
         let right = signs.len() as f64 - left;
         let (low, high) = (left * least - right * most, left * most - right * least);
         let drawn: f64 = signs.iter().zip(angles).map(|(sign, angle)| sign * angle).sum();
-        let (first, last) = ((low / TAU - 1e-12).ceil() as i64, (high / TAU + 1e-12).floor() as i64);
+        let (first, last) =
+            ((low / TAU - 1e-12).ceil() as i64, (high / TAU + 1e-12).floor() as i64);
         let mut turns: Vec<i64> = (first..=last)
             .filter(|turn| self.spec.crossing == Crossing::Allow || turn.abs() == 1)
             .collect();
@@ -359,14 +358,15 @@ impl Attempt<'_> {
         let inside = |p: DVec2| {
             p.min_element() >= AREA_TOLERANCE && p.max_element() <= side - AREA_TOLERANCE
         };
-        let all_inside =
-            [half, -half].into_iter().all(|offset| path.beside(offset, &stations).into_iter().all(inside));
+        let all_inside = [half, -half]
+            .into_iter()
+            .all(|offset| path.beside(offset, &stations).into_iter().all(inside));
         if all_inside { Ok(()) } else { Err(RoadError::OutOfArea { side }) }
     }
 
     fn build(&self, parts: &[Part], path: Path<'static>) -> Road {
         let spec = self.spec;
-        let length: f64 = path.length();
+        let length = if spec.aim().is_some() { path.length() } else { spec.length };
         let count = (length / spec.step).round().max(1.0) as u64;
         let step = length / count as f64;
         let starts = self.starts(parts, &path);
@@ -398,7 +398,7 @@ impl Attempt<'_> {
             .collect();
         let index = PathIndex::new(&path);
         let (spec, seed, attempts) = (Box::new(spec.clone()), self.seed, self.number + 1);
-        Road { spec, seed, attempts, step, segments, waypoints, path, index }
+        Road { spec, seed, attempts, length, step, segments, waypoints, path, index }
     }
 }
 

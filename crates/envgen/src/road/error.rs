@@ -22,7 +22,9 @@ pub enum RoadError {
         greatest: f64,
     },
     /// The road covers itself.
-    #[error("the road covers itself: {first:.3} m from the start it meets its part at {second:.3} m")]
+    #[error(
+        "the road covers itself: {first:.3} m from the start it meets its part at {second:.3} m"
+    )]
     Crossing {
         /// Distance along the road in metres.
         first: f64,

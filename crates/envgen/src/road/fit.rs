@@ -159,3 +159,93 @@ pub(super) fn nearest_angles(
     }
     Some(angles)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Whether directions can be added with positive factors to reach a point: it lies between two
+    /// of them, or on one.
+    fn in_cone(directions: &[[f64; 2]], p: [f64; 2], slack: f64) -> bool {
+        let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+        let inside = |a: [f64; 2], b: [f64; 2]| {
+            let turn = cross(a, b);
+            turn > 1e-9 && cross(a, p) >= -slack && cross(p, b) >= -slack
+        };
+        directions.iter().any(|&a| directions.iter().any(|&b| inside(a, b)))
+    }
+
+    proptest! {
+        #[test]
+        fn lengths_are_found_exactly_where_there_are_some(
+            angles in prop::collection::vec(-3.0..3.0_f64, 2..8),
+            wanted in 1.0..100.0_f64,
+            x in -200.0..200.0_f64,
+            y in -200.0..200.0_f64,
+        ) {
+            let columns: Vec<[f64; 2]> =
+                angles.iter().map(|&a| [libm::cos(a), libm::sin(a)]).collect();
+            let n = columns.len();
+            let found = nearest_lengths(&vec![wanted; n], &vec![1.0; n], &columns, [x, y]);
+            let rest: [f64; 2] =
+                [x - columns.iter().map(|c| c[0]).sum::<f64>(), y - columns.iter().map(|c| c[1]).sum::<f64>()];
+            match found {
+                Some(lengths) => {
+                    prop_assert!(in_cone(&columns, rest, 1e-6));
+                    prop_assert!(lengths.iter().all(|&l| l >= 1.0));
+                    let sum = |k: usize| -> f64 { lengths.iter().zip(&columns).map(|(l, c)| l * c[k]).sum() };
+                    prop_assert!((sum(0) - x).abs() < 1e-8 && (sum(1) - y).abs() < 1e-8);
+                }
+                None => prop_assert!(!in_cone(&columns, rest, -1e-3)),
+            }
+        }
+
+        #[test]
+        fn the_lengths_found_are_the_nearest(
+            angles in prop::collection::vec(-3.0..3.0_f64, 4..8),
+            by in prop::collection::vec(-1.0..1.0_f64, 8),
+        ) {
+            // Any other solution is a feasible step away; none along random ones is nearer.
+            let columns: Vec<[f64; 2]> =
+                angles.iter().map(|&a| [libm::cos(a), libm::sin(a)]).collect();
+            let wanted: Vec<f64> = (0..angles.len()).map(|i| 3.0 + i as f64).collect();
+            let least = vec![1.0; wanted.len()];
+            let target = [5.0, 2.0];
+            let Some(best) = nearest_lengths(&wanted, &least, &columns, target) else { return Ok(()) };
+            let cost = |x: &[f64]| -> f64 { x.iter().zip(&wanted).map(|(a, b)| (a - b) * (a - b)).sum() };
+            let shifted: Vec<f64> = best.iter().zip(&by).map(|(x, d)| (x + d).max(1.0)).collect();
+            let Some(other) = nearest_lengths(&shifted, &least, &columns, target) else { return Ok(()) };
+            prop_assert!(cost(&best) <= cost(&other) + 1e-6, "{} > {}", cost(&best), cost(&other));
+        }
+
+        #[test]
+        fn angles_add_up(
+            wanted in prop::collection::vec((0.5..1.5_f64, any::<bool>()), 1..30), target in -10.0..10.0_f64,
+        ) {
+            let signs: Vec<f64> = wanted.iter().map(|w| if w.1 { 1.0 } else { -1.0 }).collect();
+            let wanted: Vec<f64> = wanted.iter().map(|w| w.0).collect();
+            let left = signs.iter().filter(|s| **s > 0.0).count() as f64;
+            let right = signs.len() as f64 - left;
+            let (low, high) = (0.5 * left - 1.5 * right, 1.5 * left - 0.5 * right);
+            match nearest_angles(&wanted, &signs, (0.5, 1.5), target) {
+                Some(angles) => {
+                    prop_assert!(angles.iter().all(|a| (0.5..=1.5).contains(a)));
+                    let sum: f64 = angles.iter().zip(&signs).map(|(a, s)| a * s).sum();
+                    prop_assert!((sum - target).abs() < 1e-12, "{sum} {target}");
+                }
+                None => prop_assert!(target < low || target > high),
+            }
+        }
+    }
+
+    #[test]
+    fn one_direction_reaches_its_line_alone() {
+        let columns = [[1.0, 0.0], [1.0, 0.0]];
+        let found = nearest_lengths(&[3.0, 5.0], &[1.0; 2], &columns, [10.0, 0.0]).unwrap();
+        assert!((found[0] - 4.0).abs() < 1e-12 && (found[1] - 6.0).abs() < 1e-12);
+        assert_eq!(nearest_lengths(&[3.0, 5.0], &[1.0; 2], &columns, [10.0, 0.1]), None);
+        assert_eq!(nearest_lengths(&[3.0, 5.0], &[1.0; 2], &columns, [1.9, 0.0]), None);
+        assert_eq!(nearest_lengths(&[], &[], &[], [1.0, 0.0]), None);
+    }
+}

@@ -401,8 +401,7 @@ impl<'de> Deserialize<'de> for Concentration {
             /// The command line's form, `1,2,1`.
             fn visit_str<E: de::Error>(self, text: &str) -> Result<Concentration, E> {
                 let number = |part: &str| part.trim().parse().map_err(E::custom);
-                let mut alphas: Vec<f64> =
-                    text.split(',').map(number).collect::<Result<_, E>>()?;
+                let mut alphas: Vec<f64> = text.split(',').map(number).collect::<Result<_, E>>()?;
                 Ok(match alphas.len() {
                     1 => Concentration::Same(alphas.remove(0)),
                     _ => Concentration::Each(alphas),

@@ -57,3 +57,35 @@ impl TurnLimits {
         Some(radius.clamp(low, high))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seed::Seed;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn turns_keep_their_limits(
+            seed: u64,
+            theta_min in 0.1..1.0_f64,
+            more in 0.0..2.0_f64,
+            least_radius in 1.0..200.0_f64,
+            transition in 0.0..=0.5_f64,
+            factor in 1.0..50.0_f64,
+            uniform_angle: bool,
+        ) {
+            let limits =
+                TurnLimits { theta_min, theta_max: theta_min + more, least_radius, transition };
+            let law = if uniform_angle { TurnLaw::UniformAngle } else { TurnLaw::UniformRadius };
+            let mut stream = Seed(seed).stream("test", 0);
+            let length = limits.shortest() * factor;
+            let radius = limits.draw(length, law, &mut stream).unwrap();
+            let angle = limits.effective(length) / radius;
+            prop_assert!(radius >= least_radius);
+            prop_assert!(angle >= theta_min * (1.0 - 1e-12));
+            prop_assert!(angle <= limits.theta_max * (1.0 + 1e-12));
+            prop_assert_eq!(limits.draw(limits.shortest() * 0.999, law, &mut stream), None);
+        }
+    }
+}
