@@ -47,7 +47,7 @@ fn every_road_keeps_what_it_promises() {
     for seed in 0..SEEDS {
         let road = generate(&spec, seed);
         let sum: f64 = road.segments().iter().map(|segment| segment.length).sum();
-        assert!((sum - 1000.0).abs() < 1e-9, "seed {seed}: {sum}");
+        assert_eq!(sum, 1000.0, "seed {seed}");
         for turn in turns(&road) {
             let radius = turn.radius.unwrap();
             let angle = (turn.length / radius).to_degrees();
@@ -489,6 +489,38 @@ fn infeasible_roads_fail_at_once_with_three_numbers() {
     let text = error.to_string();
     for number in [format!("{needed:.3} m"), "is 1000,".to_owned(), format!("{speed:.4}")] {
         assert!(text.contains(&number), "{text} lacks {number}");
+    }
+}
+
+#[test]
+fn reserved_lengths_are_enough_even_where_nothing_is_left_over() {
+    // The tightest cases: a concentration that leaves all but one segment its bare minimum, and a
+    // length that is just what the minima need.
+    for length in [1e6, 12_345.678, 300.0] {
+        for transition in [0.0, 0.3, 0.5] {
+            let mut spec = RoadSpec {
+                length,
+                transition,
+                random: 15,
+                p_turn: 0.8,
+                width: 0.2,
+                speed: 3.0,
+                step: length / 10.0,
+                kerb: 0.0,
+                alpha: Concentration::Same(1e-6),
+                ..Default::default()
+            };
+            for seed in 0..100 {
+                assert!(spec.generate(Seed(seed)).is_ok());
+            }
+            let too_short = RoadSpec { length: 0.2, step: 0.1, ..spec.clone() };
+            let words = too_short.validate().unwrap_err().allowed;
+            let needed: f64 = words.split(' ').nth(2).unwrap().parse().unwrap();
+            (spec.length, spec.step) = (needed + 1e-3, 1.0);
+            for seed in 0..100 {
+                assert!(spec.generate(Seed(seed)).is_ok());
+            }
+        }
     }
 }
 

@@ -25,18 +25,34 @@ pub fn dirichlet(alpha: &Concentration, count: usize, stream: &mut Stream) -> Ve
 }
 
 /// Lengths of the segments: each its minimum and its proportion of what is left of `length`. They
-/// sum to `length` up to one rounding; a length of under a nanometre becomes 0.
+/// are multiples of the [`quantum`] and sum to `length` exactly, in whatever order; a length of
+/// under a nanometre becomes 0.
 pub fn lengths(length: f64, minima: &[f64], proportions: &[f64]) -> Vec<f64> {
     let free = length - minima.iter().sum::<f64>();
     let mut lengths: Vec<f64> =
         minima.iter().zip(proportions).map(|(minimum, p)| minimum + free * p).collect();
     lengths.iter_mut().filter(|l| **l < VANISHING).for_each(|l| *l = 0.0);
+    settle(&mut lengths, length);
+    lengths
+}
+
+/// Rounds lengths that sum to about `length` so that they sum to it exactly: down to multiples of
+/// the quantum, with the rest in the longest.
+pub(super) fn settle(lengths: &mut [f64], length: f64) {
+    let quantum = quantum(length);
+    lengths.iter_mut().for_each(|l| *l = (*l / quantum).floor() * quantum);
     let longest = (0..lengths.len()).max_by(|&a, &b| lengths[a].total_cmp(&lengths[b]));
     if let Some(longest) = longest {
         let missing = length - lengths.iter().sum::<f64>();
         lengths[longest] += missing;
     }
-    lengths
+}
+
+/// The least power of two whose multiples up to `length` are all numbers without rounding, so that
+/// sums of them up to `length` are exact.
+pub fn quantum(length: f64) -> f64 {
+    let (_, exponent) = libm::frexp(length);
+    libm::ldexp(1.0, exponent - 53)
 }
 
 /// Shares `count` out in proportion to `lengths` by largest remainder: each gets the whole part of
@@ -112,8 +128,9 @@ mod tests {
             let shares = dirichlet(&alpha, count, &mut Seed(seed).stream("test", 0));
             prop_assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
             let lengths = lengths(length, &vec![minimum; count], &shares);
-            prop_assert!((lengths.iter().sum::<f64>() - length).abs() < 1e-9);
-            prop_assert!(lengths.iter().all(|l| *l >= minimum.min(1e-9) || *l == 0.0));
+            prop_assert_eq!(lengths.iter().sum::<f64>(), length);
+            prop_assert_eq!(lengths.iter().rev().sum::<f64>(), length);
+            prop_assert!(lengths.iter().all(|l| *l > minimum - 1e-9 || *l == 0.0));
         }
 
         #[test]

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 
-use super::apportion::{dirichlet, largest_remainder, lengths};
+use super::apportion::{dirichlet, largest_remainder, lengths, quantum, settle};
 use super::blueprint::{Road, RoadSegment, SegmentKind};
 use super::error::RoadError;
 use super::fit::{nearest_angles, nearest_lengths};
@@ -21,8 +21,8 @@ use crate::world::RoadPoint;
 /// Draws of the angles of a closed road, where it is not drawn anew as a whole.
 const CLOSING_TRIES: u64 = 64;
 
-/// An end as near as this to where it must be, in metres, is there.
-const ON_POINT: f64 = 1e-10;
+/// An end as near as this to where it must be, in metres, is there: half of what is promised.
+const ON_POINT: f64 = 5e-10;
 
 /// How far in metres the border of the strip may stray from the points that the area is checked at.
 const AREA_TOLERANCE: f64 = 1e-3;
@@ -54,14 +54,15 @@ impl RoadError {
 struct Part {
     kind: SegmentKind,
     length: f64,
-    /// 0 for a straight.
-    angle: f64,
+    /// Length of each of its two clothoids.
+    ramp: f64,
+    /// Infinite for a straight.
     radius: f64,
 }
 
 impl Part {
     fn straight(length: f64) -> Part {
-        Part { kind: SegmentKind::Straight, length, angle: 0.0, radius: f64::INFINITY }
+        Part { kind: SegmentKind::Straight, length, ramp: 0.0, radius: f64::INFINITY }
     }
 
     /// Signed curvature where it is tightest, in 1/m.
@@ -73,15 +74,16 @@ impl Part {
         }
     }
 
-    fn signed_angle(&self) -> f64 {
-        self.kind.sign() * self.angle
+    /// Angle by which it turns, positive to the left.
+    fn angle(&self) -> f64 {
+        (self.length - self.ramp) * self.curvature()
     }
 
     /// The pieces of curve that it is made of, from a pose on.
-    fn pieces(&self, start: Pose, transition: f64) -> impl Iterator<Item = Curve> {
+    fn pieces(&self, start: Pose) -> impl Iterator<Item = Curve> {
         let k = self.curvature();
-        let ramp = if k == 0.0 { 0.0 } else { transition * self.length };
-        let steps = [(ramp, 0.0, k), (self.length - 2.0 * ramp, k, k), (ramp, k, 0.0)];
+        let steps =
+            [(self.ramp, 0.0, k), (self.length - 2.0 * self.ramp, k, k), (self.ramp, k, 0.0)];
         let mut pose = start;
         steps.into_iter().filter(|step| step.0 > 0.0).map(
             move |(length, start_curvature, end_curvature)| {
@@ -92,9 +94,10 @@ impl Part {
         )
     }
 
-    /// Where it leads in its own frame.
-    fn displacement(&self, transition: f64) -> DVec2 {
-        self.pieces(Pose::default(), transition).last().map_or(DVec2::ZERO, |c| c.end().position)
+    /// Where it leads, for the heading that it starts with.
+    fn displacement(&self, heading: f64) -> DVec2 {
+        let start = Pose { position: DVec2::ZERO, heading };
+        self.pieces(start).last().map_or(DVec2::ZERO, |curve| curve.end().position)
     }
 }
 
@@ -153,7 +156,7 @@ impl Attempt<'_> {
                     let (least, greatest) = limits.radii(length);
                     RoadError::TurnTooShort { segment: i + 1, length, least, greatest }
                 })?;
-                Ok(Part { kind, length, angle: limits.effective(length) / radius, radius })
+                Ok(Part { kind, length, ramp: ramp(length, spec), radius })
             })
             .collect()
     }
@@ -189,31 +192,32 @@ impl Attempt<'_> {
         let mut target = aim - spec.start().position;
         let mut columns = Vec::new();
         for part in parts.iter() {
-            let axis = unit_vector(heading);
             if part.kind.is_turn() {
-                let local = part.displacement(spec.transition);
-                target -= axis * local.x + axis.perp() * local.y;
-                heading += part.signed_angle();
+                target -= part.displacement(heading);
+                heading += part.angle();
             } else {
-                columns.push(axis.to_array());
+                columns.push(unit_vector(heading).to_array());
             }
         }
         let wanted: Vec<f64> =
             parts.iter().filter(|p| !p.kind.is_turn()).map(|p| p.length).collect();
         let least = vec![spec.shortest; wanted.len()];
+        let unreachable = RoadError::Unreachable { x: aim.x, y: aim.y, shortest: spec.shortest };
         for _ in 0..4 {
-            let lengths = nearest_lengths(&wanted, &least, &columns, target.to_array())
-                .ok_or(RoadError::Unreachable { x: aim.x, y: aim.y, shortest: spec.shortest })?;
+            let Some(lengths) = nearest_lengths(&wanted, &least, &columns, target.to_array())
+            else {
+                break;
+            };
             let straights = parts.iter_mut().filter(|part| !part.kind.is_turn());
             straights.zip(lengths).for_each(|(part, length)| part.length = length);
             self.check_length(parts)?;
             let missing = aim - end_of(&self.path(parts), spec.start()).position;
             if missing.length() <= ON_POINT {
-                break;
+                return Ok(());
             }
             target += missing;
         }
-        Ok(())
+        Err(unreachable)
     }
 
     fn check_length(&self, parts: &[Part]) -> Result<(), RoadError> {
@@ -238,17 +242,16 @@ impl Attempt<'_> {
         let tries = if spec.crossing == Crossing::Resample { 1 } else { CLOSING_TRIES };
         for number in 0..tries {
             let angles: Vec<f64> = if number == 0 {
-                turns.iter().map(|&i| parts[i].angle).collect()
+                turns.iter().map(|&i| parts[i].angle().abs()).collect()
             } else {
                 let mut stream = self.seed.attempt("road/closing", number, self.number);
                 turns.iter().map(|_| stream.between(range.0, range.1)).collect()
             };
             for turning in self.whole_turns(&signs, &angles, range)? {
-                let Some(angles) = nearest_angles(&angles, &signs, range, turning) else {
-                    continue;
-                };
-                turns.iter().zip(angles).for_each(|(&i, angle)| parts[i].angle = angle);
-                if self.close_lengths(parts, &limits) {
+                if let Some(angles) = nearest_angles(&angles, &signs, range, turning)
+                    && let Some(closed) = self.close_lengths(parts, &angles, &limits)
+                {
+                    parts.copy_from_slice(&closed);
                     return Ok(());
                 }
             }
@@ -286,51 +289,66 @@ impl Attempt<'_> {
         Ok(turns.into_iter().map(|turn| turn as f64 * TAU).collect())
     }
 
-    /// Solves the lengths for the angles that the turns have; whether they exist.
-    fn close_lengths(&self, parts: &mut [Part], limits: &TurnLimits) -> bool {
+    /// Solves the lengths for given angles of the turns; `None` where there are none.
+    fn close_lengths(
+        &self,
+        parts: &[Part],
+        angles: &[f64],
+        limits: &TurnLimits,
+    ) -> Option<Vec<Part>> {
         let spec = self.spec;
+        let mut angles = angles.iter();
+        let angles: Vec<f64> = parts
+            .iter()
+            .map(|part| if part.kind.is_turn() { *angles.next().unwrap_or(&0.0) } else { 0.0 })
+            .collect();
+        // A turn keeps its angle, hence its shape: where it leads grows with its length.
+        let of_length = |part: &Part, angle: f64, length: f64| match part.kind.is_turn() {
+            false => Part::straight(length),
+            true => {
+                let ramp = ramp(length, spec);
+                Part { length, ramp, radius: (length - ramp) / angle, ..*part }
+            }
+        };
         let mut heading = spec.start().heading;
         let mut columns = Vec::with_capacity(parts.len());
         let mut least = Vec::with_capacity(parts.len());
-        for part in parts.iter() {
-            // A turn keeps its shape: where it leads grows with its length.
-            let unit = Part { length: 1.0, radius: limits.effective(1.0) / part.angle, ..*part };
-            let local = unit.displacement(spec.transition);
-            let axis = unit_vector(heading);
-            let along = axis * local.x + axis.perp() * local.y;
+        for (part, &angle) in parts.iter().zip(&angles) {
+            let unit = of_length(part, angle, 1.0);
+            let along = unit.displacement(heading);
             columns.push([along.x, along.y, 1.0]);
-            let turn = part.angle * limits.least_radius / limits.effective(1.0);
-            least.push(if part.kind.is_turn() { spec.shortest.max(turn) } else { spec.shortest });
-            heading += part.signed_angle();
+            // Rounding must not take a radius under its limit.
+            let turn = angle * limits.least_radius / limits.effective(1.0) * (1.0 + 1e-12);
+            least.push(spec.shortest.max(turn) + quantum(spec.length));
+            heading += part.kind.sign() * angle;
         }
         let wanted: Vec<f64> = parts.iter().map(|part| part.length).collect();
         let mut target = [0.0, 0.0, spec.length];
         for _ in 0..4 {
-            let Some(lengths) = nearest_lengths(&wanted, &least, &columns, target) else {
-                return false;
-            };
-            for (part, length) in parts.iter_mut().zip(lengths) {
-                part.length = length;
-                if part.kind.is_turn() {
-                    part.radius = limits.effective(length) / part.angle;
-                }
-            }
-            let path = self.path(parts);
-            let missing = spec.start().position - end_of(&path, spec.start()).position;
+            let mut lengths = nearest_lengths(&wanted, &least, &columns, target)?;
+            settle(&mut lengths, spec.length);
+            let closed: Vec<Part> = parts
+                .iter()
+                .zip(&angles)
+                .zip(lengths)
+                .map(|((part, &angle), length)| of_length(part, angle, length))
+                .collect();
+            let end = end_of(&self.path(&closed), spec.start());
+            let missing = spec.start().position - end.position;
             if missing.length() <= ON_POINT {
-                break;
+                return Some(closed);
             }
             target[0] += missing.x;
             target[1] += missing.y;
         }
-        true
+        None
     }
 
     fn path(&self, parts: &[Part]) -> Path<'static> {
         let mut pose = self.spec.start();
         let mut curves = Vec::with_capacity(parts.len());
         for part in parts {
-            for curve in part.pieces(pose, self.spec.transition) {
+            for curve in part.pieces(pose) {
                 pose = curve.end();
                 curves.push(curve);
             }
@@ -343,7 +361,7 @@ impl Attempt<'_> {
         let mut piece = 0;
         let mut starts = vec![0.0];
         for part in parts {
-            piece += part.pieces(Pose::default(), self.spec.transition).count();
+            piece += part.pieces(Pose::default()).count();
             starts.push(path.start_of(piece));
         }
         starts
@@ -393,7 +411,7 @@ impl Attempt<'_> {
                 curvature: part.curvature(),
                 start,
                 length: part.length,
-                angle: part.signed_angle(),
+                angle: part.angle(),
             })
             .collect();
         let index = PathIndex::new(&path);
@@ -432,6 +450,12 @@ fn by_segment(starts: &[f64], count: u64) -> (Vec<f64>, Vec<u64>) {
         *first = 0.0;
     }
     (stations, counts)
+}
+
+/// Length of each of the two clothoids of a turn, rounded such that sums of lengths stay exact.
+fn ramp(length: f64, spec: &RoadSpec) -> f64 {
+    let quantum = quantum(spec.length);
+    (spec.transition * length / quantum).floor() * quantum
 }
 
 fn end_of(path: &Path<'_>, start: Pose) -> Pose {

@@ -20,7 +20,7 @@ mod fit;
 mod spec;
 mod turn;
 
-pub use apportion::{dirichlet, largest_remainder, lengths};
+pub use apportion::{dirichlet, largest_remainder, lengths, quantum};
 pub use blueprint::{Road, RoadMetrics, RoadSegment, SegmentKind};
 pub use build::KERB_TOLERANCE;
 pub use error::RoadError;

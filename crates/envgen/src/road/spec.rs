@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
+use super::apportion::quantum;
 use super::blueprint::Road;
 use super::turn::{GRAVITY, TurnLimits};
 use crate::error::{GenerateError, SpecError};
@@ -189,7 +190,10 @@ impl RoadSpec {
 
     /// The length that `reserve` keeps for a turn or a straight, in metres.
     pub(super) fn reserve(&self, turn: bool) -> f64 {
-        if turn { self.shortest.max(self.turn_limits().shortest()) } else { self.shortest }
+        let least = if turn { self.turn_limits().shortest() } else { 0.0 };
+        // Rounded up, so that rounding a length down to a multiple of the quantum leaves enough.
+        let quantum = quantum(self.length);
+        (self.shortest.max(least) / quantum).ceil() * quantum
     }
 
     /// The most turns that the road can have.
