@@ -17,8 +17,9 @@ use crate::world::{SCHEMA_VERSION, Violation, World};
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// The deepest nesting of the provenance's spec that is written. The readers follow no file deeper
-/// than 128 levels, so that none can exhaust the stack.
-pub const MAX_SPEC_DEPTH: usize = 64;
+/// than 128 levels, of which RON counts two for each of a value's, so that none can exhaust the
+/// stack.
+pub const MAX_SPEC_DEPTH: usize = 32;
 
 /// Why a world file could not be read or written.
 #[derive(Debug, Error)]

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 use svg::node::element::{Group, Path};
 
+use super::furniture::symbols;
 use super::ink::{Ink, MANY_PARTS, Shadow};
 use super::path::PathData;
 use super::style::{self, Color, Style};
@@ -47,7 +48,7 @@ pub(super) fn draw(
     trees(world, view, &mut groups)?;
     obstacles(world, view, &mut groups)?;
     if options.names {
-        groups.extend(names(&world.rooms, view, typesetter));
+        groups.extend(names(world, view, typesetter));
     }
     Ok(groups)
 }
@@ -433,11 +434,13 @@ impl Hatch {
     }
 }
 
-/// Names in the middle of their rooms, where they fit, with the difficulty below.
-fn names(rooms: &[Room], view: &View, typesetter: &Typesetter) -> Option<Group> {
+/// Names in the middle of their rooms, where they fit, with the difficulty below; above or below
+/// the middle where start, goal or another name are in the way.
+fn names(world: &World, view: &View, typesetter: &Typesetter) -> Option<Group> {
     let [mut dark, mut light] = [PathData::new(2), PathData::new(2)];
-    let mut taken: Vec<Rect> = Vec::new();
-    for room in rooms {
+    let mut taken = symbols(world, view);
+    let free = taken.len();
+    for room in &world.rooms {
         let around = view.px_rect(room.shape.bounds());
         let size = around.size();
         // A picture has no room for more names than these.
@@ -458,10 +461,13 @@ fn names(rooms: &[Room], view: &View, typesetter: &Typesetter) -> Option<Group> 
         let height: f64 = lines.iter().map(|line| 1.25 * line.1).sum();
         let width = lines.iter().map(|l| typesetter.width(&l.0, l.1)).fold(0.0, f64::max);
         let half = DVec2::new(0.5 * width, 0.5 * height);
-        let label = Rect::new(around.center() - half, around.center() + half);
-        if lines.is_empty() || taken.iter().any(|other| other.overlaps(label)) {
-            continue;
-        }
+        let aside = 0.5 * size.y - half.y - 4.0;
+        let places = [0.0, 0.5, -0.5, 1.0, -1.0].into_iter().map(|share| {
+            let center = around.center() + DVec2::new(0.0, share * aside.max(0.0));
+            Rect::new(center - half, center + half)
+        });
+        let label = places.into_iter().find(|&at| taken.iter().all(|other| !other.overlaps(at)));
+        let Some(label) = label.filter(|_| !lines.is_empty()) else { continue };
         taken.push(label);
         let ink = if room_color(room).lightness() > 0.52 { &mut dark } else { &mut light };
         let mut top = label.min.y;
@@ -472,14 +478,14 @@ fn names(rooms: &[Room], view: &View, typesetter: &Typesetter) -> Option<Group> 
             top += 1.25 * font;
         }
     }
-    if taken.is_empty() {
+    if taken.len() == free {
         return None;
     }
     let label = |path, color: Color, halo: Color| {
         filled(path, color)
             .set("stroke", halo.to_string())
             .set("stroke-width", 2.4)
-            .set("stroke-opacity", 0.5)
+            .set("stroke-opacity", 0.7)
             .set("stroke-linejoin", "round")
             .set("paint-order", "stroke")
     };
