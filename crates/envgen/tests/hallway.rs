@@ -184,7 +184,7 @@ fn digests_are_frozen() {
             ),
             (
                 "d2672062b4150c229eab6839e1265f1ff1a53f4770d5f943f254cfea0221a3ec".to_owned(),
-                "1397cfe02cd93cf99df39d5e821769b7276d4a4ea2f4c3b19d0bbe22db93dc22".to_owned()
+                "7ae456415d5b46aca0aa3e90e50099ce59f4889f3f52fa1b6fe6b46de0caa4a1".to_owned()
             )
         ]
     );
