@@ -500,7 +500,7 @@ proptest! {
         }
         if scale != 0 {
             // Another scale: the same world in a much larger area.
-            world.bounds = world.bounds.union(Rect::new(DVec2::ZERO, DVec2::splat(f64::from(scale).exp2())));
+            world.bounds = world.bounds.union(Rect::new(DVec2::ZERO, DVec2::splat(libm::exp2(f64::from(scale)))));
         }
         let (width, height, margin, [legend, names, grid, curvature_profile]) = options;
         let options = PictureOptions {

@@ -1,5 +1,4 @@
 //! Worlds put together by hand, which hold every kind of part.
-#![allow(dead_code, reason = "each test file uses some of them")]
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
