@@ -17,6 +17,9 @@ use crate::world::World;
 
 /// Space between the frame and the world's bounds in px.
 const BORDER: f64 = 14.0;
+
+/// The same where the symbol of start or goal would reach over the frame.
+const WIDE_BORDER: f64 = 30.0;
 const TITLE_SIZE: f64 = 15.0;
 const TITLE_HEIGHT: f64 = 26.0;
 
@@ -41,8 +44,13 @@ pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Docume
     }
     let corner = DVec2::new(margin, top);
     let fit = |most: DVec2| {
-        View::new(extent, corner, LEAST_PLAN.min(most), most, BORDER)
-            .ok_or(PictureError::Scale(extent))
+        let fit = |border| {
+            View::new(extent, corner, LEAST_PLAN.min(most), most, border)
+                .ok_or(PictureError::Scale(extent))
+        };
+        let view = fit(BORDER)?;
+        let inside = symbols(world, &view).into_iter().all(|s| view.plan.contains_rect(s));
+        if inside { Ok(view) } else { fit(WIDE_BORDER) }
     };
     let mut view = fit(most)?;
     // High worlds have the legend at their side.
