@@ -21,13 +21,16 @@
 //! they cover.
 
 mod furniture;
+mod hatch;
 mod ink;
 mod legend;
+mod names;
 mod parts;
 mod path;
 mod pixels;
 mod profile;
 mod raster;
+mod roads;
 mod style;
 mod text;
 mod view;
