@@ -646,6 +646,15 @@ fn settings_are_read_from_text() {
 }
 
 #[test]
+fn the_worlds_on_file_are_read() {
+    let file = include_str!("../../../assets/worlds/sbft_road.envgen.ron");
+    assert_eq!(envgen::WorldSpec::from_ron(file), Ok(RoadSpec::sbft().into()));
+    let file = include_str!("../../../assets/worlds/paper_road.envgen.ron");
+    let paper = RoadSpec { speed: 13.9, ..Default::default() };
+    assert_eq!(envgen::WorldSpec::from_ron(file), Ok(paper.into()));
+}
+
+#[test]
 fn kerbs_leave_the_road_free_even_where_it_crosses_itself() {
     let spec = RoadSpec {
         length: 900.0,
@@ -730,17 +739,39 @@ fn golden_digests() {
         turns: TurnLaw::UniformAngle,
         ..Default::default()
     };
-    let digests: Vec<String> = [RoadSpec::default(), RoadSpec::sbft(), closed, aimed, published]
-        .iter()
-        .map(|spec| {
-            let road = generate(spec, 7);
-            format!("{} {}", Digest::of(&road), road.to_world().digest())
-        })
-        .collect();
+    let digests: Vec<[String; 2]> =
+        [RoadSpec::default(), RoadSpec::sbft(), closed, aimed, published]
+            .iter()
+            .map(|spec| {
+                let road = generate(spec, 7);
+                [Digest::of(&road).to_string(), road.to_world().digest().to_string()]
+            })
+            .collect();
     assert_eq!(digests, GOLDEN);
 }
 
-const GOLDEN: [&str; 5] = ["", "", "", "", ""];
+const GOLDEN: [[&str; 2]; 5] = [
+    [
+        "bcab40af6b1bca4d204f4489cae9adc3eef297147e0102b686e5895cf58b6689",
+        "b4d12c8ea9270dd63035e3af231479935ff3d50ccaf53f62cc89d4bc90c77642",
+    ],
+    [
+        "be6151761b24afe771b1a5b3833256fb1adccf7c838aa4aafde4e0d3e4b46897",
+        "948153bfb772da1c9e668e60b2015b60e8e43ffc8a17c67cdf349cd7b5a11a51",
+    ],
+    [
+        "b6494ef824fd4d8e6cf6786300cac533c887670fddd56aa2aebea0437f9eb573",
+        "f7fa1c8909cac30f8cea77d4ddfe2bc9e36262dd0b9265f45e54b92ee86f09c4",
+    ],
+    [
+        "b63c39a2e85cc5241cbf673e6ee35218104f5763ddd61d04efffd600841507ec",
+        "d53b4ef0f4fdcac11c6b0d58ff8d623d5d7cc95efe8d0192adb20058f0e11a11",
+    ],
+    [
+        "c98011da516959eb9159efb45e4c208e5e8eb51749f7471120c791348c70f57b",
+        "408187f52aaa69899cda2c4f9a4712fe6566c0a7e9b33894ff75e78894181a08",
+    ],
+];
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]

@@ -2,18 +2,30 @@
 
 use glam::DVec2;
 
+use super::series::Polynomial;
 use super::tree::BoxTree;
 use super::{Curve, Path};
-use crate::geometry::{Pose, Rect, unit_vector};
+use crate::geometry::{Pose, Rect, distance_to_segment, unit_vector};
 
 /// Pieces are cut where their heading has changed by this much, in radians, so that their boxes are
-/// tight and the distance to them has few minima.
-const LEAF_TURN: f64 = 0.4;
+/// tight and few of them need more than their chord looked at.
+const LEAF_TURN: f64 = 0.2;
 
-/// No piece is cut more often than this.
+/// Straight pieces are cut too, so that the box of one that runs askew is not mostly empty: into
+/// lengths of the average piece over this.
+const CUTS: f64 = 2.0;
+
+/// Coefficients of a leaf: its turn to the power of so many, over their factorial, is under 1e-16.
+const DEGREE: usize = 14;
+
+/// No piece is cut more often than this, so that one that turns by over 20,000 rad is located
+/// roughly; a world's pieces turn by 1,000 at most.
 const MOST_LEAVES: f64 = 100_000.0;
 
-/// Where a clothoid is probed for a minimum of the distance.
+/// Leaves that are kept to be looked at together.
+const KEPT: usize = 16;
+
+/// Where a clothoid is probed for minima of the distance, when there may be several.
 const PROBES: usize = 8;
 
 /// Where a point lies relative to a path.
@@ -37,35 +49,56 @@ pub struct PathIndex {
     tree: BoxTree,
 }
 
-/// A stretch of one piece, as a curve of its own, and where it starts along the path.
+/// A stretch of one piece, as a curve of its own.
 #[derive(Clone, Debug, PartialEq)]
 struct Leaf {
     curve: Curve,
+    /// Where it starts along the path.
     s: f64,
+    /// Unit vector of the heading at its start.
     axis: DVec2,
+    end: DVec2,
+    end_axis: DVec2,
+    /// How far it strays from its chord at most, in metres.
+    sagitta: f64,
 }
 
 impl PathIndex {
     /// Indexes a path; costs time and memory in proportion to its pieces and their turning.
     pub fn new(path: &Path<'_>) -> Self {
-        let mut leaves = Vec::with_capacity(path.curves().len());
+        let count = path.curves().len();
+        let longest = path.length() / (CUTS * count as f64);
+        let mut leaves = Vec::with_capacity(2 * count);
         for (i, curve) in path.curves().iter().enumerate() {
-            let turn = curve.length * curve.tightest();
-            let parts = (turn / LEAF_TURN).ceil().clamp(1.0, MOST_LEAVES);
+            let by_turn = (curve.length * curve.tightest() / LEAF_TURN).ceil();
+            let parts = by_turn.max((curve.length / longest).ceil()).clamp(1.0, MOST_LEAVES);
             let length = curve.length / parts;
+            let mut start = curve.start;
+            let mut axis = unit_vector(start.heading);
             for part in 0..parts as u32 {
                 let t = f64::from(part) * length;
-                let start = if part == 0 { curve.start } else { curve.pose_at(t) };
+                let end = curve.pose_at(t + length);
+                let end_axis = unit_vector(end.heading);
                 let leaf = Curve {
                     start,
                     length,
                     start_curvature: curve.curvature_at(t),
                     end_curvature: curve.curvature_at(t + length),
                 };
-                let axis = unit_vector(start.heading);
-                leaves.push(Leaf { curve: leaf, s: path.start_of(i) + t, axis });
+                // An arc of the greatest curvature strays farthest from its chord; a little more
+                // covers the rounding of the start.
+                let sagitta = 0.126 * length * length * leaf.tightest()
+                    + 1e-12 * (1.0 + start.position.abs().max_element());
+                let s = path.start_of(i) + t;
+                leaves.push(Leaf { curve: leaf, s, axis, end: end.position, end_axis, sagitta });
+                (start, axis) = (end, end_axis);
             }
         }
+        // A path may come back to where it was: what is near in space is put near in the tree.
+        let middles: Vec<DVec2> = leaves.iter().map(|leaf| leaf.bounds().center()).collect();
+        let mut order: Vec<usize> = (0..leaves.len()).collect();
+        arrange(&mut order, leaves.len().next_power_of_two(), &middles);
+        let leaves: Vec<Leaf> = order.into_iter().map(|i| leaves[i].clone()).collect();
         let boxes: Vec<Rect> = leaves.iter().map(Leaf::bounds).collect();
         PathIndex { leaves, tree: BoxTree::new(&boxes) }
     }
@@ -76,65 +109,134 @@ impl PathIndex {
         if !p.is_finite() {
             return None;
         }
-        let mut best: Option<(f64, f64, usize, f64)> = None;
+        let mut best = Nearest { squared: f64::INFINITY, s: f64::INFINITY, leaf: 0, t: 0.0 };
+        // A leaf's chord bounds its distance from both sides. What may be the nearest is kept, and
+        // looked at exactly when all bounds are known.
+        let mut bound = f64::INFINITY;
+        let mut kept = [(0.0, 0); KEPT];
+        let mut count = 0;
         self.tree.nearest(p, |i| {
             let leaf = &self.leaves[i];
-            let (t, distance) = leaf.nearest(p);
-            let found = (distance, leaf.s + t, i, t);
-            if best.is_none_or(|best| (found.0, found.1) < (best.0, best.1)) {
-                best = Some(found);
+            let chord = distance_to_segment(p, leaf.curve.start.position, leaf.end);
+            let (least, most) = ((chord - leaf.sagitta).max(0.0), chord + leaf.sagitta);
+            bound = bound.min(most * most);
+            if least * least <= bound {
+                if count == KEPT {
+                    self.look(&kept, p, bound, &mut best);
+                    count = 0;
+                }
+                kept[count] = (least * least, i);
+                count += 1;
             }
-            best.map_or(f64::INFINITY, |best| best.0)
+            bound
         });
-        let (distance, s, i, t) = best?;
-        let curve = &self.leaves[i].curve;
-        let pose = curve.pose_at(t);
+        self.look(&kept[..count], p, bound, &mut best);
+        if best.squared == f64::INFINITY {
+            return None;
+        }
+        let leaf = &self.leaves[best.leaf];
+        let curve = &leaf.curve;
+        let pose = Pose { position: leaf.at(best.t), heading: curve.heading_at(best.t) };
         let left = unit_vector(pose.heading).perp_dot(p - pose.position) >= 0.0;
+        let distance = pose.position.distance(p);
         let offset = if left { distance } else { -distance };
-        Some(Located { s, offset, pose, curvature: curve.curvature_at(t) })
+        Some(Located { s: best.s, offset, pose, curvature: curve.curvature_at(best.t) })
     }
+
+    /// Offers the leaves that may be as near as the bound.
+    fn look(&self, kept: &[(f64, usize)], p: DVec2, bound: f64, best: &mut Nearest) {
+        for &(least, i) in kept.iter().filter(|(least, _)| *least <= bound) {
+            if least <= best.squared {
+                self.leaves[i].offer(i, p, best);
+            }
+        }
+    }
+}
+
+/// Orders the leaves below a node of a tree so that its two halves lie apart: along the longer side
+/// of what they span.
+fn arrange(order: &mut [usize], room: usize, middles: &[DVec2]) {
+    let Some(span) = Rect::around(order.iter().map(|&i| middles[i])) else { return };
+    if order.len() < 2 {
+        return;
+    }
+    let wide = span.size().x >= span.size().y;
+    let key = |i: usize| if wide { middles[i].x } else { middles[i].y };
+    order.sort_unstable_by(|&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)));
+    let half = room / 2;
+    let (first, second) = order.split_at_mut(half.min(order.len()));
+    arrange(first, half, middles);
+    arrange(second, half, middles);
+}
+
+/// The nearest point so far.
+struct Nearest {
+    squared: f64,
+    s: f64,
+    leaf: usize,
+    t: f64,
 }
 
 impl Leaf {
     fn bounds(&self) -> Rect {
-        let (a, b) = (self.curve.start.position, self.at(self.curve.length));
-        // The curve strays from its chord by no more than an arc of its greatest curvature.
-        let sagitta = 0.125 * self.curve.length * self.curve.length * self.curve.tightest();
-        Rect::new(a.min(b), a.max(b)).grown(sagitta * 1.1)
+        let (a, b) = (self.curve.start.position, self.end);
+        Rect::new(a.min(b), a.max(b)).grown(self.sagitta)
     }
 
     fn at(&self, t: f64) -> DVec2 {
         self.curve.position_from(self.axis, t)
     }
 
-    /// The nearest point: how far along the leaf, and its distance.
-    fn nearest(&self, p: DVec2) -> (f64, f64) {
-        let length = self.curve.length;
-        let mut best = (0.0, p.distance(self.curve.start.position));
-        let mut offer = |t: f64| {
-            let distance = p.distance(self.at(t));
-            if distance < best.1 {
-                best = (t, distance);
+    /// Offers the leaf's points as the nearest to `p`.
+    fn offer(&self, leaf: usize, p: DVec2, best: &mut Nearest) {
+        let start = self.curve.start.position;
+        let mut take = |t: f64, at: DVec2| {
+            let (squared, s) = (at.distance_squared(p), self.s + t);
+            if (squared, s) < (best.squared, best.s) {
+                *best = Nearest { squared, s, leaf, t };
             }
         };
+        let length = self.curve.length;
+        take(0.0, start);
+        take(length, self.end);
         if self.curve.is_arc() {
             let t = self.foot_on_arc(p);
             if t > 0.0 && t < length {
-                offer(t);
+                take(t, self.at(t));
             }
-        } else {
-            let mut before = (0.0, self.slope(p, 0.0));
-            for k in 1..=PROBES {
-                let t = length * k as f64 / PROBES as f64;
-                let here = (t, self.slope(p, t));
-                if before.1 < 0.0 && here.1 >= 0.0 {
-                    offer(self.foot_between(p, before.0, here.0));
-                }
-                before = here;
-            }
+            return;
         }
-        offer(length);
-        best
+        // Half the derivative of the squared distance, at both ends.
+        let slopes = ((start - p).dot(self.axis), (self.end - p).dot(self.end_axis));
+        // It rises all along the leaf unless `p` lies about as far inside the bend as the bend's
+        // centre. Along the leaf the offset changes by less than the leaf's turn times the distance.
+        let offsets = [self.axis.perp_dot(p - start), self.end_axis.perp_dot(p - self.end)];
+        let inside = [self.curve.start_curvature, self.curve.end_curvature]
+            .into_iter()
+            .flat_map(|k| offsets.map(|offset| k * offset))
+            .fold(0.0, f64::max);
+        let slack = LEAF_TURN * (start.distance(p) + length) * self.curve.tightest();
+        let rises = inside + slack < 1.0;
+        if rises && !(slopes.0 < 0.0 && slopes.1 > 0.0) {
+            return;
+        }
+        let polynomial =
+            Polynomial::new(start, self.axis, self.curve.start_curvature, self.curve.sharpness());
+        if rises {
+            let t = self.foot_between(&polynomial, p, (0.0, length));
+            take(t, polynomial.position(t));
+            return;
+        }
+        let mut before = (0.0, slopes.0);
+        for k in 1..=PROBES {
+            let t = length * k as f64 / PROBES as f64;
+            let slope = (polynomial.position(t) - p).dot(polynomial.direction(t));
+            if before.1 < 0.0 && slope >= 0.0 {
+                let foot = self.foot_between(&polynomial, p, (before.0, t));
+                take(foot, polynomial.position(foot));
+            }
+            before = (t, slope);
+        }
     }
 
     /// Where the perpendicular from `p` meets the line or circle that the leaf is part of.
@@ -145,18 +247,21 @@ impl Leaf {
         if k == 0.0 { x } else { libm::atan2(k * x, 1.0 - k * y) / k }
     }
 
-    /// Half the derivative of the squared distance to `p`.
-    fn slope(&self, p: DVec2, t: f64) -> f64 {
-        (self.at(t) - p).dot(unit_vector(self.curve.heading_at(t)))
-    }
-
-    /// The zero of [`Leaf::slope`] between two distances where it changes sign: Newton's method,
-    /// kept inside the bracket.
-    fn foot_between(&self, p: DVec2, mut low: f64, mut high: f64) -> f64 {
-        let mut t = 0.5 * (low + high);
+    /// Where half the derivative of the squared distance to `p` is 0, between two distances where it
+    /// changes sign: Newton's method, kept inside the bracket.
+    fn foot_between(
+        &self,
+        polynomial: &Polynomial<DEGREE>,
+        p: DVec2,
+        (mut low, mut high): (f64, f64),
+    ) -> f64 {
+        // Begin where the chord's foot would be, were the leaf one.
+        let (from, to) = (self.curve.start.position, self.end);
+        let share = (p - from).dot(to - from) / to.distance_squared(from);
+        let mut t = (share * self.curve.length).clamp(low, high);
         for _ in 0..60 {
-            let direction = unit_vector(self.curve.heading_at(t));
-            let from = self.at(t) - p;
+            let direction = polynomial.direction(t);
+            let from = polynomial.position(t) - p;
             let slope = from.dot(direction);
             if slope < 0.0 {
                 low = t;
@@ -165,10 +270,10 @@ impl Leaf {
             }
             let bend = 1.0 + self.curve.curvature_at(t) * direction.perp_dot(from);
             let mut next = t - slope / bend;
-            if !(next > low && next < high) {
+            if !(next >= low && next <= high) {
                 next = 0.5 * (low + high);
             }
-            if (next - t).abs() <= 1e-14 * (1.0 + self.curve.length) {
+            if (next - t).abs() <= 1e-12 * self.curve.length {
                 return next;
             }
             t = next;

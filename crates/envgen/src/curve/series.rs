@@ -70,3 +70,41 @@ fn series(k: f64, q: f64) -> DVec2 {
     }
     sum
 }
+
+/// A short stretch of a clothoid as a polynomial of the distance from a point of it.
+#[derive(Clone, Debug)]
+pub(super) struct Polynomial<const N: usize> {
+    start: DVec2,
+    /// Taylor coefficients of the direction.
+    direction: [DVec2; N],
+}
+
+impl<const N: usize> Polynomial<N> {
+    /// Around a point with its direction, its curvature `k` and the change of curvature a metre
+    /// `c`: the direction f has f' = i (k + c u) f.
+    pub(super) fn new(start: DVec2, axis: DVec2, k: f64, c: f64) -> Self {
+        let mut direction = [axis; N];
+        let mut last = DVec2::ZERO;
+        for n in 1..N {
+            let term = direction[n - 1];
+            direction[n] = (term * k + last * c).perp() * INVERSE[n];
+            last = term;
+        }
+        Polynomial { start, direction }
+    }
+
+    /// The position at a signed distance `u` in metres. It errs by the distance times the angle
+    /// turned to the power of N over N factorial.
+    #[inline]
+    pub(super) fn position(&self, u: f64) -> DVec2 {
+        let sum =
+            (0..N).rev().fold(DVec2::ZERO, |sum, n| sum * u + self.direction[n] * INVERSE[n + 1]);
+        self.start + sum * u
+    }
+
+    /// The unit vector of the heading at a signed distance `u` in metres.
+    #[inline]
+    pub(super) fn direction(&self, u: f64) -> DVec2 {
+        self.direction.iter().rev().fold(DVec2::ZERO, |sum, c| sum * u + *c)
+    }
+}

@@ -9,22 +9,20 @@ use crate::geometry::Rect;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct BoxTree {
     /// Node 1 is the root, the children of `n` are `2 n` and `2 n + 1`; leaves from `leaves` on.
-    nodes: Vec<Option<Rect>>,
+    nodes: Vec<Rect>,
     leaves: usize,
 }
+
+/// A box of nothing: it overlaps none, and lies infinitely far away.
+const NOTHING: Rect = Rect::new(DVec2::INFINITY, DVec2::NEG_INFINITY);
 
 impl BoxTree {
     pub(super) fn new(boxes: &[Rect]) -> Self {
         let leaves = boxes.len().next_power_of_two();
-        let mut nodes = vec![None; 2 * leaves];
-        for (node, rect) in nodes[leaves..].iter_mut().zip(boxes) {
-            *node = Some(*rect);
-        }
+        let mut nodes = vec![NOTHING; 2 * leaves];
+        nodes[leaves..leaves + boxes.len()].copy_from_slice(boxes);
         for n in (1..leaves).rev() {
-            nodes[n] = match (nodes[2 * n], nodes[2 * n + 1]) {
-                (Some(a), Some(b)) => Some(a.union(b)),
-                (a, b) => a.or(b),
-            };
+            nodes[n] = nodes[2 * n].union(nodes[2 * n + 1]);
         }
         BoxTree { nodes, leaves }
     }
@@ -34,7 +32,7 @@ impl BoxTree {
     pub(super) fn any_overlap(&self, area: Rect, mut visit: impl FnMut(usize) -> bool) -> bool {
         let mut stack = vec![1];
         while let Some(n) = stack.pop() {
-            if !self.nodes[n].is_some_and(|rect| rect.overlaps(area)) {
+            if !self.nodes[n].overlaps(area) {
                 continue;
             }
             if n >= self.leaves {
@@ -48,13 +46,17 @@ impl BoxTree {
         false
     }
 
-    /// Calls `visit` with boxes, nearer ones first, that lie no farther from `p` than the distance
-    /// it last returned.
+    /// Calls `visit` with boxes, nearer ones first, whose squared distance from `p` does not exceed
+    /// the number that it last returned.
     pub(super) fn nearest(&self, p: DVec2, mut visit: impl FnMut(usize) -> f64) {
         let mut best = f64::INFINITY;
-        let distance = |n: usize| self.nodes[n].map_or(f64::INFINITY, |rect| distance(rect, p));
-        let mut stack = vec![(1, distance(1))];
-        while let Some((n, d)) = stack.pop() {
+        // A path down a tree of 2^62 leaves leaves no more than 62 others open.
+        let mut stack = [(0, 0.0); 64];
+        stack[0] = (1, distance_squared(self.nodes[1], p));
+        let mut open = 1;
+        while open > 0 {
+            open -= 1;
+            let (n, d) = stack[open];
             if d > best || d == f64::INFINITY {
                 continue;
             }
@@ -62,12 +64,22 @@ impl BoxTree {
                 best = visit(n - self.leaves);
                 continue;
             }
-            let (a, b) = ((2 * n, distance(2 * n)), (2 * n + 1, distance(2 * n + 1)));
-            stack.extend(if a.1 <= b.1 { [b, a] } else { [a, b] });
+            let a = (2 * n, distance_squared(self.nodes[2 * n], p));
+            let b = (2 * n + 1, distance_squared(self.nodes[2 * n + 1], p));
+            // Of two boxes around the point, the one whose middle is nearer is the better guess.
+            let b_first = if a.1 == b.1 {
+                let middle = |n: usize| self.nodes[n].center().distance_squared(p);
+                middle(a.0) > middle(b.0)
+            } else {
+                a.1 > b.1
+            };
+            (stack[open], stack[open + 1]) = if b_first { (a, b) } else { (b, a) };
+            open += 2;
         }
     }
 }
 
-fn distance(rect: Rect, p: DVec2) -> f64 {
-    (rect.min - p).max(p - rect.max).max(DVec2::ZERO).length()
+#[inline]
+fn distance_squared(rect: Rect, p: DVec2) -> f64 {
+    (rect.min - p).max(p - rect.max).max(DVec2::ZERO).length_squared()
 }

@@ -1,5 +1,7 @@
 //! A road: its segments, its waypoints and the exact centreline behind them.
 
+use std::sync::OnceLock;
+
 use glam::DVec2;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
@@ -63,7 +65,7 @@ pub struct RoadSegment {
 ///
 /// As JSON it is an object of `length`, `step`, `closed`, `attempts`, `end` (x, y, heading),
 /// `segments` and `waypoints` (each x, y, heading, curvature).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Road {
     pub(super) spec: Box<RoadSpec>,
     pub(super) seed: Seed,
@@ -73,7 +75,18 @@ pub struct Road {
     pub(super) segments: Vec<RoadSegment>,
     pub(super) waypoints: Vec<RoadPoint>,
     pub(super) path: Path<'static>,
-    pub(super) index: PathIndex,
+    pub(super) index: OnceLock<PathIndex>,
+}
+
+/// Roads are equal when all that was drawn is; whether the index is made yet is no part of it.
+impl PartialEq for Road {
+    fn eq(&self, other: &Road) -> bool {
+        self.spec == other.spec
+            && (self.seed, self.attempts) == (other.seed, other.attempts)
+            && self.segments == other.segments
+            && self.path == other.path
+            && self.waypoints == other.waypoints
+    }
 }
 
 impl Road {
@@ -135,9 +148,15 @@ impl Road {
     }
 
     /// Where a point lies relative to the road: the nearest point of the exact centreline. `None`
-    /// for a point that is not finite. Costs about the logarithm of the number of segments.
+    /// for a point that is not finite. Costs about the logarithm of the number of segments; the
+    /// first call also makes the index.
     pub fn locate(&self, point: DVec2) -> Option<Located> {
-        self.index.locate(point)
+        self.index().locate(point)
+    }
+
+    /// The index behind [`Road::locate`].
+    pub fn index(&self) -> &PathIndex {
+        self.index.get_or_init(|| PathIndex::new(&self.path))
     }
 }
 

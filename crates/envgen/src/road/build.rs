@@ -92,7 +92,7 @@ fn kerbs(road: &Road) -> Vec<Wall> {
             vec![(0.0, path.length())]
         } else {
             let offsets = [side * half, side * (half + kerb)];
-            clear_stretches(path, &road.index, offsets, half, spec.closed)
+            clear_stretches(path, road.index(), offsets, half, spec.closed)
         };
         for stretch in stretches {
             let shapes = kerb_along(path, side, half, kerb, stretch);

@@ -1,6 +1,7 @@
 //! From a spec and a seed to a road.
 
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
 use glam::DVec2;
 
@@ -11,7 +12,7 @@ use super::fit::{nearest_angles, nearest_lengths};
 use super::spec::{Crossing, LENGTH, Lengths, MAX_WAYPOINTS, Prefab, RoadSpec};
 use super::turn::TurnLimits;
 use crate::curve::overlap::strip_overlap;
-use crate::curve::{Curve, Path, PathIndex};
+use crate::curve::{Curve, Path};
 use crate::error::GenerateError;
 use crate::geometry::{Pose, unit_vector};
 use crate::seed::Seed;
@@ -414,7 +415,7 @@ impl Attempt<'_> {
                 angle: part.angle(),
             })
             .collect();
-        let index = PathIndex::new(&path);
+        let index = OnceLock::new();
         let (spec, seed, attempts) = (Box::new(spec.clone()), self.seed, self.number + 1);
         Road { spec, seed, attempts, length, step, segments, waypoints, path, index }
     }
