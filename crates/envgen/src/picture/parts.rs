@@ -32,8 +32,13 @@ pub(super) fn draw(
     if options.grid {
         groups.push(grid(view));
     }
-    groups.extend(draw_layers("surfaces", surface_layers(world), view, |s| &s.shape)?);
+    // Plain floors and classes lie below the rooms; what makes driving hard shows on them.
+    let (floors, grounds): (Vec<_>, Vec<_>) =
+        surface_layers(world).into_iter().partition(|layer| layer.style.texture == Texture::Plain);
+    groups.extend(draw_layers("surfaces", floors, view, |s| &s.shape)?);
     rooms(world, view, &mut groups)?;
+    let grounds = draw_layers("surfaces", grounds, view, |s| &s.shape)?;
+    groups.extend(grounds.into_iter().map(|group| group.set("fill-opacity", 0.65)));
     groups.extend(roads::draw(world, view));
     groups.extend(draw_layers("walls", wall_layers(world), view, |wall| &wall.shape)?);
     groups.extend(draw_layers("doorways", doorway_layers(world), view, |door| &door.shape)?);
