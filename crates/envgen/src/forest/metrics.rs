@@ -42,7 +42,7 @@ pub struct ForestMetrics {
     pub nearest_neighbour: Option<f64>,
     /// 1 / (2 sqrt lambda).
     pub nearest_neighbour_predicted: Option<f64>,
-    /// Mean free path in metres of a robot that drives straight on, 1 / (2 lambda (E[r] + rho)).
+    /// Mean free path in metres of a robot that drives straight on, `1 / (2 lambda (E[r] + rho))`.
     pub free_path_predicted: Option<f64>,
     /// lambda pi E[(r + rho)^2]: above [`PERCOLATION_THRESHOLD`] a wide forest has no way through.
     pub filling: f64,
