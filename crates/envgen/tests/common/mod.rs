@@ -140,7 +140,13 @@ pub(crate) fn road() -> World {
     world.bounds = around;
     world.start = points.first().map(|point| point.pose);
     world.goal = points.last().map(|point| point.pose);
-    world.road_strips.push(RoadStrip { centreline: points, width: 7.0, lanes: 2, closed: false });
+    world.road_strips.push(RoadStrip {
+        centreline: points,
+        pieces: Vec::new(),
+        width: 7.0,
+        lanes: 2,
+        closed: false,
+    });
     let center = v(around.max.x - 28.0, around.min.y + 24.0);
     let ring = (0..60).map(|i| f64::from(i) * TAU / 60.0).map(|angle| RoadPoint {
         pose: Pose { position: center + unit_vector(angle) * 14.0, heading: angle + FRAC_PI_2 },
@@ -148,6 +154,7 @@ pub(crate) fn road() -> World {
     });
     world.road_strips.push(RoadStrip {
         centreline: ring.collect(),
+        pieces: Vec::new(),
         width: 3.5,
         lanes: 1,
         closed: true,
