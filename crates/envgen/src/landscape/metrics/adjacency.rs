@@ -302,7 +302,7 @@ mod tests {
     fn four_sides_a_cell() {
         let cells = [1, 1, 0, 2, 1, 1];
         let sides = Adjacency::new(&cells, 3).class_sides();
-        assert_eq!(sides[0], ClassSides { class: 1, cells: 4, other: 2, own: 2, border: 10 });
+        assert_eq!(sides[0], ClassSides { class: 1, cells: 4, other: 2, own: 3, border: 8 });
         assert_eq!(sides[1], ClassSides { class: 2, cells: 1, other: 2, own: 0, border: 2 });
         assert!(Adjacency::new(&[], 0).classes().is_empty());
         assert_eq!(Adjacency::new(&[3], 1).entropies(), None);
