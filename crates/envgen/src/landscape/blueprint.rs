@@ -190,7 +190,7 @@ pub struct LandscapeMetrics {
     pub swaps: u64,
     /// The measures of the raster.
     #[serde(flatten)]
-    pub report: RasterReport,
+    pub report: Box<RasterReport>,
 }
 
 impl Blueprint for Landscape {
@@ -209,7 +209,12 @@ impl Blueprint for Landscape {
             total_edge_least_built: least_built(rows, cols, counts),
             total_edge_upper_bound: edge_upper_bound(rows, cols, counts),
             swaps: self.swaps,
-            report: RasterReport::of_grid(&self.cells, self.cols(), self.spec.cell, Border::Free),
+            report: Box::new(RasterReport::of_grid(
+                &self.cells,
+                self.cols(),
+                self.spec.cell,
+                Border::Free,
+            )),
         }
     }
 

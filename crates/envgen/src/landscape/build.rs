@@ -155,50 +155,48 @@ fn outline(raster: &ClassRaster, piece: &Piece) -> Shape {
     Shape::Polygon { vertices: corners }
 }
 
-/// The middles of two cells of the largest region that can be passed, cells joined by their sides:
-/// its cells nearest to the lower left and to the upper right corner.
-fn ends(raster: &ClassRaster) -> Option<(DVec2, DVec2)> {
-    let cols = raster.cols as usize;
-    let passable: Vec<u16> = raster
-        .cells
-        .iter()
-        .map(|&class| u16::from(class != 0 && raster.speed_of(class) > 0.0))
-        .collect();
-    let (mut seen, mut stack) = (vec![false; passable.len()], Vec::new());
-    let mut best: Option<(usize, usize, usize)> = None;
-    for start in 0..passable.len() {
-        if seen[start] || passable[start] == 0 {
+/// The cells of the largest region that can be passed, cells joined by their sides; of equal
+/// regions the first.
+pub(crate) fn largest_region(raster: &ClassRaster) -> Vec<u32> {
+    let (cols, total) = (raster.cols as usize, raster.cells.len());
+    let mut open: Vec<bool> =
+        raster.cells.iter().map(|&class| class != 0 && raster.speed_of(class) > 0.0).collect();
+    let (mut best, mut region) = (Vec::new(), Vec::new());
+    for start in 0..total {
+        if !std::mem::take(&mut open[start]) {
             continue;
         }
-        let (mut many, mut low, mut high) = (0, start, start);
-        // Steps to the right minus steps down: least at the lower left, most at the upper right.
-        let rise = |at: usize| (at % cols) as i64 - (at / cols) as i64;
-        seen[start] = true;
-        stack.push(start);
-        while let Some(at) = stack.pop() {
-            many += 1;
-            if (rise(at), at) < (rise(low), low) {
-                low = at;
-            }
-            if (rise(at), at) > (rise(high), high) {
-                high = at;
-            }
-            for next in neighbours(at, cols, passable.len(), Neighbourhood::Four) {
-                if passable[next] == 1 && !seen[next] {
-                    seen[next] = true;
-                    stack.push(next);
+        region.clear();
+        region.push(start as u32);
+        let mut next = 0;
+        while let Some(&at) = region.get(next) {
+            next += 1;
+            for to in neighbours(at as usize, cols, total, Neighbourhood::Four) {
+                if std::mem::take(&mut open[to]) {
+                    region.push(to as u32);
                 }
             }
         }
-        if best.is_none_or(|found| many > found.0) {
-            best = Some((many, low, high));
+        if region.len() > best.len() {
+            std::mem::swap(&mut best, &mut region);
         }
     }
-    let middle = |at: usize| {
-        let (r, c) = ((at / cols) as f64, (at % cols) as f64);
+    best
+}
+
+/// The middles of the two cells of the largest region that lie nearest to the lower left and to
+/// the upper right corner.
+fn ends(raster: &ClassRaster) -> Option<(DVec2, DVec2)> {
+    let cols = raster.cols as usize;
+    let region = largest_region(raster);
+    let rise = |&at: &u32| (i64::from(at) % cols as i64 - i64::from(at) / cols as i64, at);
+    let middle = |at: u32| {
+        let (r, c) = ((at as usize / cols) as f64, (at as usize % cols) as f64);
         raster.origin + DVec2::new(c + 0.5, f64::from(raster.rows) - r - 0.5) * raster.cell
     };
-    best.map(|(_, low, high)| (middle(low), middle(high)))
+    let low = region.iter().copied().min_by_key(rise)?;
+    let high = region.iter().copied().max_by_key(rise)?;
+    Some((middle(low), middle(high)))
 }
 
 /// The neighbours of a cell of a grid of `cells` cells, the four of its sides first.
@@ -208,7 +206,8 @@ pub(super) fn neighbours(
     cells: usize,
     neighbourhood: Neighbourhood,
 ) -> impl Iterator<Item = usize> {
-    let (left, right) = (at % cols > 0, at % cols + 1 < cols);
+    let column = at % cols;
+    let (left, right) = (column > 0, column + 1 < cols);
     let (up, down) = (at >= cols, at + cols < cells);
     let corners = neighbourhood == Neighbourhood::Eight;
     [
@@ -224,4 +223,78 @@ pub(super) fn neighbours(
     .into_iter()
     .filter(|step| step.0)
     .map(move |(_, step)| at.wrapping_add_signed(step))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::Blueprint;
+    use crate::landscape::LandscapeSpec;
+    use crate::provenance::Provenance;
+    use crate::seed::Seed;
+    use proptest::prelude::*;
+
+    fn world_of(rows: u32, cols: u32, cells: Vec<u16>, speeds: Vec<f64>) -> World {
+        let origin = DVec2::new(-3.0, 1.5);
+        let raster = ClassRaster { rows, cols, cell: 0.5, origin, cells, speeds };
+        raster_world(raster, Provenance::other("test", serde_json::Value::Null))
+    }
+
+    #[test]
+    fn a_ring_falls_into_pieces_without_holes() {
+        let cells = vec![2, 2, 2, 2, 1, 2, 2, 2, 2];
+        let world = world_of(3, 3, cells, vec![0.0, 1.0, 0.0]);
+        assert_eq!(world.check(), Ok(()));
+        assert_eq!(world.obstacles.len(), 4);
+        assert_eq!(world.start.map(|pose| pose.position), Some(DVec2::new(-2.25, 2.25)));
+    }
+
+    #[test]
+    fn nothing_to_pass_leaves_no_start() {
+        let world = world_of(1, 2, vec![1, 1], vec![0.0, 0.0]);
+        assert_eq!((world.start, world.goal, world.obstacles.len()), (None, None, 1));
+        assert_eq!(world.check(), Ok(()));
+    }
+
+    #[test]
+    fn a_landscape_of_very_many_pieces_keeps_its_speeds_in_the_raster() {
+        let spec = LandscapeSpec {
+            rows: 600,
+            cols: 600,
+            classes: 2,
+            entropy: 0.69,
+            speeds: vec![0.5, 0.7],
+            ..Default::default()
+        };
+        let world = spec.generate(Seed(1)).unwrap().to_world();
+        assert!(world.surfaces.is_empty());
+        assert!([0.5, 0.7].contains(&world.raster.unwrap().speed_at(DVec2::ONE).unwrap()));
+    }
+
+    proptest! {
+        #[test]
+        fn the_world_is_the_raster(rows in 1_u32..12, cols in 1_u32..12, seed: u64) {
+            let mut stream = Seed(seed).stream("test", 0);
+            let cells: Vec<u16> = (0..rows * cols).map(|_| stream.below(4) as u16).collect();
+            let world = world_of(rows, cols, cells, vec![0.0, 1.0, 0.5, 0.0]);
+            prop_assert_eq!(world.check(), Ok(()));
+            let raster = world.raster.as_ref().unwrap();
+            for r in 0..rows {
+                for c in 0..cols {
+                    let middle = DVec2::new(f64::from(c) + 0.5, f64::from(rows - r) - 0.5);
+                    let p = raster.origin + middle * raster.cell;
+                    let speed = raster.speed_at(p).unwrap();
+                    let solids = world.obstacles.iter().filter(|o| o.shape.contains(p)).count();
+                    let slow: Vec<f64> = world
+                        .surfaces
+                        .iter()
+                        .filter(|s| s.shape.contains(p))
+                        .map(|s| s.speed)
+                        .collect();
+                    prop_assert_eq!(solids, usize::from(speed == 0.0));
+                    prop_assert_eq!(slow, if speed == 0.5 { vec![0.5] } else { vec![] });
+                }
+            }
+        }
+    }
 }

@@ -238,8 +238,7 @@ fn move_single_cells(counts: &mut Vec<u32>, entropy: f64, floor: u32) {
         for &(from, many) in groups.iter().filter(|group| group.0 > floor) {
             let ideal = marginal(from) - miss;
             let at = groups.partition_point(|group| marginal(group.0 + 1) < ideal);
-            for k in at.saturating_sub(2)..(at + 2).min(groups.len()) {
-                let to = groups[k].0;
+            for &(to, _) in &groups[at.saturating_sub(2)..(at + 2).min(groups.len())] {
                 if to == from && many < 2 {
                     continue;
                 }

@@ -55,7 +55,7 @@ pub fn least_cut(rows: u64, cols: u64, k: u64) -> u64 {
     if k == 0 || k >= cells {
         return 0;
     }
-    let strip = |across: u64| across + u64::from(k % across != 0);
+    let strip = |across: u64| across + u64::from(!k.is_multiple_of(across));
     let one = |k: u64| {
         // A block of a rows and ceil(k / a) columns: the sum is least near the square.
         let (low, high) = (k.div_ceil(cols), rows.min(k));

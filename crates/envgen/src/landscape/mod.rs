@@ -30,6 +30,7 @@ mod spec;
 
 pub use automaton::automaton_fill;
 pub use blueprint::{Landscape, LandscapeMetrics};
+pub(crate) use build::{largest_region, raster_world};
 pub use composition::{Composition, entropy_of, largest_entropy};
 pub use edge::{
     edge_count, edge_lower_bound, edge_upper_bound, inner_sides, least_cut, mean_edge_count,

@@ -28,6 +28,18 @@ pub enum RasterError {
     Cell(f64),
 }
 
+/// Whether a raster's sizes fit together.
+pub(in crate::landscape) fn check(raster: &ClassRaster) -> Result<(), RasterError> {
+    let ClassRaster { rows, cols, cell, .. } = *raster;
+    if u64::from(rows) * u64::from(cols) != raster.cells.len() as u64 {
+        return Err(RasterError::Size { rows, cols, cells: raster.cells.len() });
+    }
+    if !(cell.is_finite() && cell > 0.0) {
+        return Err(RasterError::Cell(cell));
+    }
+    Ok(())
+}
+
 /// Whether the raster's end, and the sides beside no data, count as edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Border {
@@ -86,7 +98,7 @@ pub struct PatchReport {
     pub density_per_100ha: Option<f64>,
     /// Share of the largest patch in the landscape, in percent (LPI).
     pub largest_percent: Option<f64>,
-    /// Mean area of a patch in square metres (AREA_MN).
+    /// Mean area of a patch in square metres (`AREA_MN`).
     pub mean_area_m2: Option<f64>,
     /// Effective mesh size in square metres (MESH): sum of squared areas by the landscape's area.
     pub mesh_m2: Option<f64>,
@@ -118,14 +130,8 @@ impl RasterReport {
     /// # Errors
     /// When the raster's sizes do not fit together, or its cells have no positive side.
     pub fn new(raster: &ClassRaster, border: Border) -> Result<Self, RasterError> {
-        let ClassRaster { rows, cols, cell, .. } = *raster;
-        if u64::from(rows) * u64::from(cols) != raster.cells.len() as u64 {
-            return Err(RasterError::Size { rows, cols, cells: raster.cells.len() });
-        }
-        if !(cell.is_finite() && cell > 0.0) {
-            return Err(RasterError::Cell(cell));
-        }
-        Ok(RasterReport::of_grid(&raster.cells, cols as usize, cell, border))
+        check(raster)?;
+        Ok(RasterReport::of_grid(&raster.cells, raster.cols as usize, raster.cell, border))
     }
 
     /// Names each class by its label, `labels[k]` for class `k + 1`: the number that it had in the
