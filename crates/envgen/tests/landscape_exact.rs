@@ -115,7 +115,7 @@ fn every_value_of_a_small_grid_is_met_or_does_not_exist() {
     for value in edge_lower_bound(3, 4, &counts)..=edge_upper_bound(3, 4, &counts) {
         spec.total_edge = Some(value);
         let found = spec.generate(Seed(value)).unwrap().total_edge();
-        let nearest = (0..18).filter(|&k| exists[k as usize]).map(|k| k.abs_diff(value)).min();
+        let nearest = (0_u64..18).filter(|&k| exists[k as usize]).map(|k| k.abs_diff(value)).min();
         assert_eq!(Some(found.abs_diff(value)), nearest, "{value}: {found}");
     }
 }

@@ -4,7 +4,7 @@ use super::spec::{CLASSES, ENTROPY, MAX_CELLS};
 use crate::error::SpecError;
 
 /// At most this many ways to part the cells are tried one by one.
-const EXHAUSTIVE: u64 = 1 << 18;
+const EXHAUSTIVE: u64 = 1 << 19;
 
 /// Above this many cells there are always more ways than [`EXHAUSTIVE`], but for two classes, where
 /// moving single cells finds the closest counts anyway.
@@ -14,8 +14,8 @@ const EXHAUSTIVE_CELLS: u64 = 4096;
 ///
 /// Kuznetsov (2017), section 2: the counts fall as a geometric sequence of ratio `beta`, which
 /// solves his equation (4). That equation cancels near `beta` = 1, so its defining sum is solved
-/// instead. The counts are then rounded by largest remainders, and single cells move between
-/// classes as long as this brings the entropy nearer to its target. Where there are at most 2^18
+/// instead. The counts are then rounded by largest remainders, and cells move between classes, a
+/// few at a time, as long as this brings the entropy nearer to its target. Where there are at most 2^19
 /// ways to part the cells among the classes, all are tried, so that none is nearer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Composition {
@@ -93,16 +93,13 @@ impl Composition {
 }
 
 /// The entropy of class counts in nats: Kuznetsov's definition 2, the Shannon diversity index of
-/// ecology. 0 when there is no cell.
+/// ecology. 0 when there is no cell; the same to the last bit in whatever order the classes are.
 pub fn entropy_of(counts: &[u32]) -> f64 {
-    let cells: u64 = counts.iter().map(|&n| u64::from(n)).sum();
-    if cells == 0 {
-        return 0.0;
-    }
-    let cells = cells as f64;
+    let mut counts: Vec<u32> = counts.iter().copied().filter(|&n| n > 0).collect();
+    counts.sort_unstable();
+    let cells = counts.iter().map(|&n| u64::from(n)).sum::<u64>() as f64;
     let sum: f64 = counts
         .iter()
-        .filter(|&&n| n > 0)
         .map(|&n| {
             let share = f64::from(n) / cells;
             -share * libm::log(share)
@@ -214,31 +211,80 @@ fn marginal(n: u32) -> f64 {
     n_ln_n(n) - n_ln_n(n - 1)
 }
 
-/// Moves single cells between classes, the best move first, while the entropy comes nearer.
+/// Moves single cells between classes, the best move first, while the entropy comes nearer; then
+/// pairs of a few cells each, whose changes can nearly cancel.
 fn move_single_cells(counts: &mut Vec<u32>, entropy: f64, floor: u32) {
     let cells: u64 = counts.iter().map(|&n| u64::from(n)).sum();
     let cells = cells as f64;
-    // Classes of equal count are alike: few counts differ.
-    let mut groups: Vec<(u32, usize)> = Vec::new();
-    for &n in counts.iter() {
-        match groups.last_mut() {
-            Some((value, many)) if *value == n => *many += 1,
-            _ => groups.push((n, 1)),
-        }
-    }
-    groups.reverse();
+    let mut moves = Moves::new(counts, floor);
     // S = ln N - sum / N, so the sum of n ln n is what must come near this.
     let wanted = (libm::log(cells) - entropy) * cells;
-    let error =
-        |groups: &[(u32, usize)]| groups.iter().map(|&(n, m)| n_ln_n(n) * m as f64).sum::<f64>();
-    let mut miss = error(&groups) - wanted;
-    loop {
-        // A move from a to b lowers the sum by marginal(a) - marginal(b + 1).
+    let mut miss = moves.sum() - wanted;
+    for best in [Moves::best_single, Moves::best_pair] {
+        while let Some(next) = best(&moves, miss) {
+            let left = next.sum() - wanted;
+            if left.abs() >= miss.abs() {
+                break;
+            }
+            (moves, miss) = (next, left);
+        }
+    }
+    counts.clear();
+    for &(n, many) in moves.groups.iter().rev() {
+        counts.extend(std::iter::repeat_n(n, many));
+    }
+}
+
+/// Pairs of moves are tried while there are at most this many moves; where counts are of more
+/// kinds, single moves come near enough.
+const PAIRED: usize = 1 << 13;
+
+/// The most cells of a move of a pair. The counts being nearly geometric, single cells change the
+/// sum by multiples of one number; more cells at once do not.
+const LARGEST_MOVE: usize = 8;
+
+/// The counts as a sorted list of (count, number of classes): classes of equal count are alike,
+/// and few counts differ.
+#[derive(Clone)]
+struct Moves {
+    groups: Vec<(u32, usize)>,
+    floor: u32,
+}
+
+impl Moves {
+    /// From counts in descending order.
+    fn new(counts: &[u32], floor: u32) -> Self {
+        let mut groups: Vec<(u32, usize)> =
+            counts.chunk_by(|a, b| a == b).map(|run| (run[0], run.len())).collect();
+        groups.reverse();
+        Moves { groups, floor }
+    }
+
+    /// The sum of n ln n.
+    fn sum(&self) -> f64 {
+        self.groups.iter().map(|&(n, many)| n_ln_n(n) * many as f64).sum()
+    }
+
+    /// The counts after `cells` cells went from a class of `from` cells to one that then has `to`;
+    /// `None` where there are no such classes, or the first may not lose as many.
+    fn moved(&self, from: u32, to: u32, cells: u32) -> Option<Moves> {
+        if from < self.floor + cells {
+            return None;
+        }
+        let mut moved = self.clone();
+        regroup(&mut moved.groups, from, from - cells)?;
+        regroup(&mut moved.groups, to, to + cells)?;
+        Some(moved)
+    }
+
+    /// The move that leaves the least of `miss`, the sum's excess: a cell from a to b lowers the
+    /// sum by marginal(a) - marginal(b + 1).
+    fn best_single(&self, miss: f64) -> Option<Moves> {
         let mut best: Option<(f64, u32, u32)> = None;
-        for &(from, many) in groups.iter().filter(|group| group.0 > floor) {
+        for &(from, many) in self.groups.iter().filter(|group| group.0 > self.floor) {
             let ideal = marginal(from) - miss;
-            let at = groups.partition_point(|group| marginal(group.0 + 1) < ideal);
-            for &(to, _) in &groups[at.saturating_sub(2)..(at + 2).min(groups.len())] {
+            let at = self.groups.partition_point(|group| marginal(group.0 + 1) < ideal);
+            for &(to, _) in &self.groups[at.saturating_sub(2)..(at + 2).min(self.groups.len())] {
                 if to == from && many < 2 {
                     continue;
                 }
@@ -248,34 +294,61 @@ fn move_single_cells(counts: &mut Vec<u32>, entropy: f64, floor: u32) {
                 }
             }
         }
-        let Some((_, from, to)) = best else { break };
-        let mut moved = groups.clone();
-        regroup(&mut moved, from, from - 1);
-        regroup(&mut moved, to, to + 1);
-        let next = error(&moved) - wanted;
-        if next.abs() >= miss.abs() {
-            break;
-        }
-        (groups, miss) = (moved, next);
+        best.and_then(|(_, from, to)| self.moved(from, to, 1))
     }
-    counts.clear();
-    for &(n, many) in groups.iter().rev() {
-        counts.extend(std::iter::repeat_n(n, many));
+
+    /// The two moves that together leave the least of `miss`.
+    fn best_pair(&self, miss: f64) -> Option<Moves> {
+        let kinds = self.groups.len();
+        let largest = (PAIRED / (kinds * kinds)).min(LARGEST_MOVE) as u32;
+        let mut moves = Vec::new();
+        for &(from, _) in &self.groups {
+            for cells in 1..=largest.min(from.saturating_sub(self.floor)) {
+                let loss = n_ln_n(from - cells) - n_ln_n(from);
+                moves.extend(
+                    self.groups.iter().map(|&(to, _)| {
+                        (loss + n_ln_n(to + cells) - n_ln_n(to), (from, to, cells))
+                    }),
+                );
+            }
+        }
+        moves.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let apply = |counts: &Moves, (from, to, cells)| counts.moved(from, to, cells);
+        let sum = self.sum();
+        let mut best: Option<(f64, Moves)> = None;
+        for &(change, first) in &moves {
+            let ideal = -miss - change;
+            let at = moves.partition_point(|step| step.0 < ideal);
+            for &(other, second) in &moves[at.saturating_sub(2)..(at + 2).min(moves.len())] {
+                let least = best.as_ref().map_or(miss.abs(), |found| found.0);
+                if (miss + change + other).abs() >= least {
+                    continue;
+                }
+                // Moves of the same class change each other's effect.
+                if let Some(both) = apply(self, first).and_then(|next| apply(&next, second)) {
+                    let left = (miss + both.sum() - sum).abs();
+                    if left < least {
+                        best = Some((left, both));
+                    }
+                }
+            }
+        }
+        best.map(|found| found.1)
     }
 }
 
-/// Changes the count of one class in the sorted list of (count, number of classes).
-fn regroup(groups: &mut Vec<(u32, usize)>, from: u32, to: u32) {
-    if let Ok(i) = groups.binary_search_by_key(&from, |group| group.0) {
-        groups[i].1 -= 1;
-        if groups[i].1 == 0 {
-            groups.remove(i);
-        }
+/// Changes the count of one class in the sorted list; `None` where there is no such class.
+fn regroup(groups: &mut Vec<(u32, usize)>, from: u32, to: u32) -> Option<()> {
+    let at = groups.binary_search_by_key(&from, |group| group.0).ok()?;
+    groups[at].1 -= 1;
+    if groups[at].1 == 0 {
+        groups.remove(at);
     }
     match groups.binary_search_by_key(&to, |group| group.0) {
         Ok(i) => groups[i].1 += 1,
         Err(i) => groups.insert(i, (to, 1)),
     }
+    Some(())
 }
 
 /// In how many ways `cells` cells fall into `classes` classes of at least `floor` cells, whatever
@@ -467,7 +540,7 @@ mod tests {
             let entropy = part * libm::log(65_535.0);
             let found = Composition::closest(1 << 20, 65_535, entropy, false).unwrap();
             let error = (found.entropy() - entropy).abs();
-            assert!(error < 1e-6, "{part}: off by {error}");
+            assert!(error < 1e-8, "{part}: off by {error}");
         }
     }
 
