@@ -12,8 +12,8 @@ use std::{env, fs};
 use envgen::export::class_png::colour;
 use envgen::landscape::published::{TABLE_1, published_ted, random_ted};
 use envgen::landscape::{
-    Algorithm, Composition, Landscape, LandscapeSpec, automaton_fill, edge_count,
-    edge_upper_bound, largest_entropy, mean_edge_count, random_fill,
+    Algorithm, Composition, Landscape, LandscapeSpec, automaton_fill, edge_count, edge_upper_bound,
+    largest_entropy, mean_edge_count, random_fill,
 };
 use envgen::{Seed, Spec};
 use plotters::prelude::*;

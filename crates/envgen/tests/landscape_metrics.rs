@@ -156,8 +156,7 @@ fn check(raster: &ClassRaster) {
 
     let mut contagion = 1.0;
     for (&(a, b), n) in &pairs {
-        let of_a: f64 =
-            pairs.range((a, 0)..=(a, u16::MAX)).map(|(_, n)| *n).sum();
+        let of_a: f64 = pairs.range((a, 0)..=(a, u16::MAX)).map(|(_, n)| *n).sum();
         let p = count[&a] / total * n / of_a;
         contagion += p * p.ln() / (2.0 * m.ln());
         assert_eq!(pairs[&(b, a)], *n);
@@ -173,9 +172,11 @@ fn check(raster: &ClassRaster) {
     let sides: f64 = pairs.values().sum();
     let bits = 2.0_f64.ln();
     let joint = entropy(&mut pairs.values().map(|n| n / sides)) / bits;
-    let marginal = entropy(&mut count.keys().map(|&class| {
-        pairs.iter().filter(|(p, _)| p.0 == class).map(|p| p.1 / sides).sum()
-    })) / bits;
+    let marginal = entropy(
+        &mut count
+            .keys()
+            .map(|&class| pairs.iter().filter(|(p, _)| p.0 == class).map(|p| p.1 / sides).sum()),
+    ) / bits;
     let or_none = |value: f64| if sides > 0.0 { value } else { f64::NAN };
     near(report.joint_entropy_bits, or_none(joint), "H(x, y)");
     near(report.conditional_entropy_bits, or_none(joint - marginal), "H(y | x)");
@@ -183,7 +184,8 @@ fn check(raster: &ClassRaster) {
 
     let (eight, four) = (patch_sizes(raster, true), patch_sizes(raster, false));
     if total > 0.0 {
-        let all = |sizes: &BTreeMap<u16, Vec<f64>>| sizes.values().flatten().copied().collect::<Vec<_>>();
+        let all =
+            |sizes: &BTreeMap<u16, Vec<f64>>| sizes.values().flatten().copied().collect::<Vec<_>>();
         check_patches(&report.patches_8, &all(&eight), total, side * side);
         check_patches(&report.patches_4, &all(&four), total, side * side);
     }
@@ -260,9 +262,22 @@ fn the_keys_are_those_agreed() {
         value.as_object().unwrap().keys().cloned().collect()
     };
     let mut expected = vec![
-        "edge_count", "ted", "total_edge_m", "edge_density_m_per_ha", "shdi", "shei", "sidi",
-        "contag_percent", "iji_percent", "lsi", "joint_entropy_bits", "conditional_entropy_bits",
-        "mutual_information_bits", "patches_8", "patches_4", "by_class",
+        "edge_count",
+        "ted",
+        "total_edge_m",
+        "edge_density_m_per_ha",
+        "shdi",
+        "shei",
+        "sidi",
+        "contag_percent",
+        "iji_percent",
+        "lsi",
+        "joint_entropy_bits",
+        "conditional_entropy_bits",
+        "mutual_information_bits",
+        "patches_8",
+        "patches_4",
+        "by_class",
     ];
     expected.sort_unstable();
     let mut found = keys(&json);

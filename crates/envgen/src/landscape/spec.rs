@@ -77,7 +77,7 @@ impl Default for LandscapeSpec {
             epsilon: None,
             sigma: None,
             total_edge: None,
-            mixing: 1.0,
+            mixing: 8.0,
             cell: 1.0,
             speeds: Vec::new(),
         }

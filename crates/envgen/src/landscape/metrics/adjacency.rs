@@ -2,6 +2,9 @@
 
 use std::collections::BTreeMap;
 
+/// Classes below this number fit into 4 bits.
+const FEW: usize = 16;
+
 /// Up to this many classes are counted in a full table.
 const TABLE: usize = 512;
 
@@ -18,26 +21,44 @@ pub struct Adjacency {
 
 impl Adjacency {
     /// Counts the sides of cells given row by row. O(N); with up to 15 classes one table access a
-    /// cell, with up to 512 two.
+    /// cell, with up to 512 two, and with more a sort.
     pub fn new(cells: &[u16], cols: usize) -> Self {
-        let mut histogram = vec![0_u64; 1 << 16];
-        cells.iter().for_each(|&class| histogram[usize::from(class)] += 1);
-        let classes: Vec<(u16, u64)> = (0..=u16::MAX)
-            .zip(histogram)
-            .filter(|&(class, n): &(u16, u64)| class > 0 && n > 0)
-            .collect();
-        let mut index = vec![0_u16; 1 << 16];
-        for (i, &(class, _)) in (1..=u16::MAX).zip(&classes) {
-            index[usize::from(class)] = i;
+        let most = cells.iter().copied().max().unwrap_or(0);
+        let few = usize::from(most) < FEW;
+        let (index, classes) = if few { Default::default() } else { numbered(cells) };
+        if few || classes.len() < FEW {
+            return Adjacency::of_few(cells, cols, &index, &classes);
         }
-        let pairs = if classes.len() < 16 {
-            by_triples(cells, cols, &index)
-        } else if classes.len() <= TABLE {
+        let pairs = if classes.len() <= TABLE {
             by_table(cells, cols, &index, classes.len() + 1)
         } else {
             by_sorting(cells, cols, &index)
         };
-        // The number of a class is its place, so that pairs sort as the classes do.
+        Adjacency::named(classes, pairs)
+    }
+
+    /// With few classes: without `index` they are their own numbers.
+    fn of_few(cells: &[u16], cols: usize, index: &[u16], classes: &[(u16, u64)]) -> Self {
+        let triples = triples(cells, cols, index);
+        let mut pairs = Pairs::new();
+        let mut own_counts = [0_u64; FEW];
+        for (code, &n) in (0_u16..=u16::MAX).zip(&triples) {
+            let (own, right, down) = (code & 15, code >> 4 & 15, code >> 8);
+            own_counts[usize::from(own)] += n;
+            add(&mut pairs, own, right, n);
+            add(&mut pairs, own, down, n);
+        }
+        if !classes.is_empty() {
+            return Adjacency::named(classes.to_vec(), pairs);
+        }
+        let counted = (0_u16..).zip(own_counts).filter(|&(class, n)| class > 0 && n > 0);
+        let sides = pairs.into_iter().map(|((a, b), n)| (a, b, n)).collect();
+        Adjacency { classes: counted.collect(), sides }
+    }
+
+    /// From pairs of numbers, which are the classes' places from 1 on, so that pairs sort as the
+    /// classes do.
+    fn named(classes: Vec<(u16, u64)>, pairs: Pairs) -> Self {
         let class = |i: u16| classes[usize::from(i) - 1].0;
         let sides = pairs.into_iter().map(|((a, b), n)| (class(a), class(b), n)).collect();
         Adjacency { classes, sides }
@@ -148,8 +169,21 @@ fn add(pairs: &mut Pairs, a: u16, b: u16, n: u64) {
     }
 }
 
-/// Counts cell, right and lower neighbour in one go, as a number of 12 bits.
-fn by_triples(cells: &[u16], cols: usize, index: &[u16]) -> Pairs {
+/// The classes that occur, with their numbers of cells, and the place of each from 1 on.
+fn numbered(cells: &[u16]) -> (Vec<u16>, Vec<(u16, u64)>) {
+    let mut histogram = vec![0_u64; 1 << 16];
+    cells.iter().for_each(|&class| histogram[usize::from(class)] += 1);
+    let counted = (0..=u16::MAX).zip(histogram).filter(|&(class, n)| class > 0 && n > 0);
+    let classes: Vec<(u16, u64)> = counted.collect();
+    let mut index = vec![0_u16; 1 << 16];
+    for (i, &(class, _)) in (1..=u16::MAX).zip(&classes) {
+        index[usize::from(class)] = i;
+    }
+    (index, classes)
+}
+
+/// How often each cell stands with its right and its lower neighbour, all three in 12 bits.
+fn triples(cells: &[u16], cols: usize, index: &[u16]) -> Vec<u64> {
     // Two tables by turns: a count need not wait for the one before it.
     let mut tables = [[0_u32; 4096]; 2];
     let mut triples = vec![0_u64; 4096];
@@ -157,12 +191,15 @@ fn by_triples(cells: &[u16], cols: usize, index: &[u16]) -> Pairs {
     let mut below = vec![0_u16; cols];
     let mut rows = cells.chunks_exact(cols.max(1));
     let number = |from: &[u16], to: &mut [u16]| {
-        // Classes up to 15 are mostly their own numbers, or gaps do no harm.
+        if index.is_empty() {
+            to.copy_from_slice(from);
+            return;
+        }
         for (n, &class) in to.iter_mut().zip(from) {
             *n = index[usize::from(class)];
         }
     };
-    let Some(first) = rows.next() else { return Pairs::new() };
+    let Some(first) = rows.next() else { return triples };
     number(first, &mut row);
     let mut counted = 0_usize;
     loop {
@@ -197,13 +234,7 @@ fn by_triples(cells: &[u16], cols: usize, index: &[u16]) -> Pairs {
         }
         std::mem::swap(&mut row, &mut below);
     }
-    let mut pairs = Pairs::new();
-    for (code, &n) in (0_u16..=u16::MAX).zip(&triples) {
-        let (own, right, down) = (code & 15, code >> 4 & 15, code >> 8);
-        add(&mut pairs, own, right, n);
-        add(&mut pairs, own, down, n);
-    }
-    pairs
+    triples
 }
 
 fn by_table(cells: &[u16], cols: usize, index: &[u16], width: usize) -> Pairs {
@@ -282,6 +313,7 @@ mod tests {
         let mut stream = Seed(1).stream("test", 0);
         for (rows, cols, classes, spread) in [
             (20, 30, 3, 1),
+            (20, 30, 15, 1),
             (1, 50, 15, 1000),
             (50, 1, 15, 7),
             (13, 17, 16, 3),
