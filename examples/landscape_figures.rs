@@ -115,7 +115,7 @@ fn figure_2(out: &Path, report: &mut String) -> Result {
     let mut curves = Vec::new();
     for fit in TABLE_1 {
         let most = largest_entropy(CELLS, 152);
-        let entropy = (fit.relative_entropy * 152.0_f64.ln()).min(most);
+        let entropy = (fit.relative_entropy * libm::log(152.0)).min(most);
         let composition = Composition::closest(CELLS, 152, entropy, false)?;
         let found = epsilons.map(|epsilon| automaton_ted(composition.counts(), epsilon));
         let model = epsilons.map(|epsilon| published_ted(&fit, epsilon).unwrap_or(f64::NAN));
@@ -193,7 +193,7 @@ fn figure_4(out: &Path, report: &mut String) -> Result {
         let (mut exact, mut simulated, mut fitted) = (Vec::new(), Vec::new(), Vec::new());
         for &part in &parts {
             let most = largest_entropy(CELLS, u64::from(l));
-            let entropy = (part * f64::from(l).ln()).min(most);
+            let entropy = (part * libm::log(f64::from(l))).min(most);
             let composition = Composition::closest(CELLS, u64::from(l), entropy, false)?;
             let counts = composition.counts();
             let side = SIDE as u64;

@@ -146,11 +146,11 @@ fn check(raster: &ClassRaster) {
     near(with_border.edge_density_m_per_ha, (edges + outer) * side / hectares, "ED with border");
 
     let entropy = |p: &mut dyn Iterator<Item = f64>| -> f64 {
-        p.map(|p| if p > 0.0 { -p * p.ln() } else { 0.0 }).sum()
+        p.map(|p| if p > 0.0 { -p * libm::log(p) } else { 0.0 }).sum()
     };
     let shdi = entropy(&mut count.values().map(|n| n / total));
     near(report.shdi, if total > 0.0 { shdi } else { f64::NAN }, "SHDI");
-    near(report.shei, if m > 1.0 { shdi / m.ln() } else { f64::NAN }, "SHEI");
+    near(report.shei, if m > 1.0 { shdi / libm::log(m) } else { f64::NAN }, "SHEI");
     let simpson = 1.0 - count.values().map(|n| n / total * (n / total)).sum::<f64>();
     near(report.sidi, if total > 0.0 { simpson } else { f64::NAN }, "SIDI");
 
@@ -158,19 +158,19 @@ fn check(raster: &ClassRaster) {
     for (&(a, b), n) in &pairs {
         let of_a: f64 = pairs.range((a, 0)..=(a, u16::MAX)).map(|(_, n)| *n).sum();
         let p = count[&a] / total * n / of_a;
-        contagion += p * p.ln() / (2.0 * m.ln());
+        contagion += p * libm::log(p) / (2.0 * libm::log(m));
         assert_eq!(pairs[&(b, a)], *n);
     }
     near(report.contag_percent, if m > 1.0 { 100.0 * contagion } else { f64::NAN }, "CONTAG");
     let mixing = entropy(&mut pairs.iter().filter(|(p, _)| p.0 < p.1).map(|p| p.1 / edges));
-    let most = (m * (m - 1.0) / 2.0).ln();
+    let most = libm::log(m * (m - 1.0) / 2.0);
     let defined = m > 2.0 && edges > 0.0;
     near(report.iji_percent, if defined { 100.0 * mixing / most } else { f64::NAN }, "IJI");
     let lsi = if total > 0.0 { (edges + outer) / least_border(total) } else { f64::NAN };
     near(report.lsi, lsi, "LSI");
 
     let sides: f64 = pairs.values().sum();
-    let bits = 2.0_f64.ln();
+    let bits = libm::log(2.0);
     let joint = entropy(&mut pairs.values().map(|n| n / sides)) / bits;
     let marginal = entropy(
         &mut count

@@ -14,7 +14,7 @@ use crate::geometry::Pose;
 use crate::world::{SurfaceKind, World};
 
 const LABEL_SIZE: f64 = 12.0;
-const ROW: f64 = 22.0;
+const ROW: f64 = 23.0;
 const GAP: f64 = 18.0;
 const SAMPLE: DVec2 = DVec2::new(16.0, 11.0);
 const BAR: f64 = 130.0;
@@ -53,8 +53,8 @@ impl Entry {
     fn sample_width(&self) -> f64 {
         match self {
             Entry::Difficulty => BAR,
-            Entry::Note(_) => 0.0,
-            Entry::Start => 28.0,
+            Entry::Note(_) => -6.0,
+            Entry::Start => 32.0,
             _ => SAMPLE.x,
         }
     }
@@ -118,7 +118,7 @@ fn entries(world: &World) -> Vec<Entry> {
     entries
 }
 
-/// Scale bar and legend, row by row within `width` px, and their height.
+/// Scale bar and legend, row by row within `width` px or one to a row, and their size.
 pub(super) fn draw(
     world: &World,
     view: &View,
@@ -126,15 +126,17 @@ pub(super) fn draw(
     width: f64,
     legend: bool,
     typesetter: &Typesetter,
-) -> (Group, f64) {
+) -> (Group, DVec2) {
     let mut group = Group::new().set("id", "legend");
     let mut labels = PathData::new(2);
     let mut small = PathData::new(2);
     let mut x = 0.0;
     let mut rows = 0.0;
+    let mut widest: f64 = 0.0;
     let baseline = |rows: f64| corner.y + rows * ROW + 15.0;
     if let Some((bar, long)) = scale_bar(view, DVec2::new(corner.x, baseline(0.0)), typesetter) {
         group = group.add(bar);
+        widest = long;
         x += long + 1.5 * GAP;
     }
     let entries = if legend { entries(world) } else { Vec::new() };
@@ -181,7 +183,7 @@ pub(super) fn draw(
             Entry::Start => {
                 group.add(arrow(DVec2::new(min.x + 7.0, middle), Pose::new(0.0, 0.0, 0.0)))
             }
-            Entry::Goal => group.add(flag(DVec2::new(min.x + 3.0, base.y + 1.5))),
+            Entry::Goal => group.add(flag(DVec2::new(min.x + 3.0, base.y + 2.0), 0.72)),
             Entry::Difficulty => {
                 last_is_bar = true;
                 let at = DVec2::new(min.x, middle - 5.0);
@@ -191,6 +193,7 @@ pub(super) fn draw(
         };
         let at = DVec2::new(base.x + entry.sample_width() + 6.0, base.y);
         typesetter.write(&mut labels, entry.label(), at, LABEL_SIZE, Align::Left);
+        widest = widest.max(x + long);
         x += long + GAP;
     }
     if !labels.is_empty() {
@@ -199,5 +202,5 @@ pub(super) fn draw(
     if !small.is_empty() {
         group = group.add(filled(small, style::QUIET_INK));
     }
-    (group, (rows + 1.0) * ROW + if last_is_bar { 8.0 } else { 0.0 })
+    (group, DVec2::new(widest, (rows + 1.0) * ROW + if last_is_bar { 8.0 } else { 0.0 }))
 }

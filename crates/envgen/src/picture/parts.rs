@@ -5,25 +5,19 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 use svg::node::element::{Group, Path};
 
+use super::hatch::{FALLING, Hatch, RISING, across, outline};
 use super::ink::{Ink, MANY_PARTS, Shadow};
 use super::path::PathData;
 use super::style::{self, Color, Style};
-use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
+use super::text::Typesetter;
 use super::view::{View, round_number};
-use super::{PictureError, PictureOptions, raster};
-use crate::geometry::{Rect, Shape, unit_vector};
-use crate::world::{ObstacleKind, RoadStrip, Room, SurfaceKind, WallKind, World};
+use super::{PictureError, PictureOptions, names, raster, roads};
+use crate::world::{ObstacleKind, Room, SurfaceKind, WallKind, World};
 
 pub(super) const WALLS: [WallKind; 5] =
     [WallKind::Kerb, WallKind::Partition, WallKind::Alcove, WallKind::Wall, WallKind::EndCap];
 pub(super) const OBSTACLES: [ObstacleKind; 3] =
     [ObstacleKind::Other, ObstacleKind::Crate, ObstacleKind::DoorPost];
-
-/// Sine and cosine of 45 degrees.
-const DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
-
-/// Hatches stop when they are this many lines: worlds of very many overlapping grounds stay small.
-const MOST_HATCHES: usize = 100_000;
 
 /// Everything inside the plan's frame but start and goal.
 pub(super) fn draw(
@@ -41,13 +35,13 @@ pub(super) fn draw(
     }
     surfaces(world, view, &mut groups)?;
     rooms(world, view, &mut groups)?;
-    roads(world, view, &mut groups);
+    groups.extend(roads::draw(world, view));
     walls(world, view, &mut groups)?;
     doorways(world, view, &mut groups)?;
     trees(world, view, &mut groups)?;
     obstacles(world, view, &mut groups)?;
     if options.names {
-        groups.extend(names(&world.rooms, view, typesetter));
+        groups.extend(names::draw(world, view, typesetter));
     }
     Ok(groups)
 }
@@ -205,11 +199,11 @@ fn surfaces(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), P
             let outline = outline(&surface.shape, view);
             match kind {
                 SurfaceKind::Uneven => {
-                    hatch.add(&outline, DVec2::new(DIAGONAL, -DIAGONAL), 8.0);
+                    hatch.add(&outline, RISING, 8.0);
                 }
                 SurfaceKind::Debris => {
-                    hatch.add(&outline, DVec2::new(DIAGONAL, -DIAGONAL), 7.0);
-                    hatch.add(&outline, DVec2::new(DIAGONAL, DIAGONAL), 7.0);
+                    hatch.add(&outline, RISING, 7.0);
+                    hatch.add(&outline, FALLING, 7.0);
                 }
                 SurfaceKind::Water => hatch.add(&outline, DVec2::X, 6.0),
                 SurfaceKind::Stairs => hatch.add(&outline, across(&outline), 6.0),
@@ -271,7 +265,7 @@ fn rooms(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), Pict
         let ink = colors.entry(room_color(room)).or_insert_with(|| Ink::without_shadow(view, many));
         ink.shape(&room.shape);
         if !room.lit {
-            hatch.add(&outline(&room.shape, view), DVec2::new(DIAGONAL, -DIAGONAL), 7.0);
+            hatch.add(&outline(&room.shape, view), RISING, 7.0);
         }
     }
     let mut group = Group::new().set("id", "rooms");
@@ -293,202 +287,4 @@ pub(super) fn room_color(room: &Room) -> Color {
         .difficulty
         .map_or(style::ROOM, |difficulty| style::difficulty((difficulty * 10.0).round() / 10.0));
     if room.lit { color } else { color.mix(style::DARK, 0.18) }
-}
-
-fn roads(world: &World, view: &View, groups: &mut Vec<Group>) {
-    if world.road_strips.is_empty() {
-        return;
-    }
-    // Widths in tenths of a pixel; strips of one width are one path.
-    let mut widths: BTreeMap<u32, PathData> = BTreeMap::new();
-    let mut markings = PathData::new(1);
-    let mut dashes = PathData::new(1);
-    for strip in &world.road_strips {
-        let width = strip.width * view.scale;
-        let path = widths
-            .entry((width * 10.0).round().max(10.0) as u32)
-            .or_insert_with(|| PathData::new(1));
-        lane_line(strip, 0.0, view, path);
-        let lane = width / f64::from(strip.lanes);
-        if width >= 8.0 {
-            let edge = 0.5 * strip.width - 1.8 / view.scale;
-            lane_line(strip, edge, view, &mut markings);
-            lane_line(strip, -edge, view, &mut markings);
-        }
-        if lane >= 4.0 && strip.lanes <= 16 {
-            for i in 1..strip.lanes {
-                let offset = (f64::from(i) / f64::from(strip.lanes) - 0.5) * strip.width;
-                lane_line(strip, offset, view, &mut dashes);
-            }
-        }
-    }
-    let round = |path: Path| path.set("stroke-linejoin", "round");
-    let mut group = Group::new().set("id", "roads");
-    for (tenths, path) in &widths {
-        let width = f64::from(*tenths) / 10.0;
-        let edge = if width >= 3.0 { 1.6 } else { 0.0 };
-        group = group.add(round(stroked(path.clone(), style::ROAD_EDGE, width + edge)));
-    }
-    for (tenths, path) in widths {
-        group = group.add(round(stroked(path, style::ASPHALT, f64::from(tenths) / 10.0)));
-    }
-    if !markings.is_empty() {
-        group = group.add(stroked(markings, style::MARKING, 0.8).set("stroke-opacity", 0.85));
-    }
-    if !dashes.is_empty() {
-        // Lines of 3 m with gaps of 6 m, or as short as can still be seen.
-        let dash = (3.0 * view.scale).clamp(4.0, 200.0);
-        let path = stroked(dashes, style::MARKING, 1.1);
-        group = group.add(path.set("stroke-dasharray", format!("{dash:.1} {:.1}", 1.5 * dash)));
-    }
-    groups.push(group);
-}
-
-/// A line beside a road's centreline, `offset` metres to its left. Points nearer to each other
-/// than can be seen are left out.
-fn lane_line(strip: &RoadStrip, offset: f64, view: &View, path: &mut PathData) {
-    let last = strip.centreline.len() - 1;
-    let mut previous = None;
-    for (i, point) in strip.centreline.iter().enumerate() {
-        let left = unit_vector(point.pose.heading).perp();
-        let at = view.px(point.pose.position + left * offset);
-        match previous {
-            None => path.move_to(at),
-            Some(previous) if i < last && at.distance_squared(previous) < 0.25 => continue,
-            Some(_) => path.line_to(at),
-        }
-        previous = Some(at);
-    }
-    if strip.closed {
-        path.close();
-    }
-}
-
-/// The outline of any shape in px; discs have 24 corners.
-fn outline(shape: &Shape, view: &View) -> Vec<DVec2> {
-    match shape {
-        Shape::Disc { center, radius } => (0..24)
-            .map(|i| unit_vector(f64::from(i) * std::f64::consts::TAU / 24.0))
-            .map(|direction| view.px(*center) + direction * *radius * view.scale)
-            .collect(),
-        _ => view.outline(shape),
-    }
-}
-
-/// The direction of treads: along the shorter sides of an outline.
-fn across(outline: &[DVec2]) -> DVec2 {
-    let sides = [(0, 1), (1, 2)].map(|(i, j)| match (outline.get(i), outline.get(j)) {
-        (Some(&a), Some(&b)) => b - a,
-        _ => DVec2::X,
-    });
-    let shorter = if sides[0].length() < sides[1].length() { sides[0] } else { sides[1] };
-    shorter.try_normalize().unwrap_or(DVec2::X)
-}
-
-/// Parallel lines inside outlines.
-#[derive(Debug)]
-struct Hatch {
-    path: PathData,
-    lines: usize,
-}
-
-impl Default for Hatch {
-    fn default() -> Self {
-        Hatch { path: PathData::new(1), lines: 0 }
-    }
-}
-
-impl Hatch {
-    /// Adds the lines of a direction (a unit vector) that are multiples of `spacing` px from the
-    /// picture's corner, so that the lines of neighbours meet.
-    fn add(&mut self, outline: &[DVec2], direction: DVec2, spacing: f64) {
-        let normal = direction.perp();
-        let heights = outline.iter().map(|p| p.dot(normal));
-        let (low, high) = heights
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
-        let (first, last) = ((low / spacing).ceil(), (high / spacing).floor());
-        if !(last - first).is_finite() || last - first > 1e5 {
-            return;
-        }
-        let mut crossings = Vec::new();
-        for k in 0..=(last - first).max(-1.0) as i64 {
-            let height = (first + k as f64) * spacing;
-            crossings.clear();
-            for (a, b) in crate::geometry::edges(outline) {
-                let (ha, hb) = (a.dot(normal), b.dot(normal));
-                if (ha > height) != (hb > height) {
-                    crossings.push((a + (b - a) * ((height - ha) / (hb - ha))).dot(direction));
-                }
-            }
-            crossings.sort_by(f64::total_cmp);
-            for pair in crossings.chunks_exact(2) {
-                if self.lines == MOST_HATCHES {
-                    return;
-                }
-                self.lines += 1;
-                let at = |along: f64| direction * along + normal * height;
-                self.path.line(at(pair[0]), at(pair[1]));
-            }
-        }
-    }
-}
-
-/// Names in the middle of their rooms, where they fit, with the difficulty below.
-fn names(rooms: &[Room], view: &View, typesetter: &Typesetter) -> Option<Group> {
-    let [mut dark, mut light] = [PathData::new(2), PathData::new(2)];
-    let mut taken: Vec<Rect> = Vec::new();
-    for room in rooms {
-        let around = view.px_rect(room.shape.bounds());
-        let size = around.size();
-        // A picture has no room for more names than these.
-        if size.x < 24.0 || size.y < 10.0 || taken.len() > 2000 {
-            continue;
-        }
-        let font = (size.x / 7.0).min(size.y / 2.6).clamp(8.0, 13.0);
-        let mut lines = Vec::new();
-        if let Some(name) = typesetter.fitted(&room.name, font, size.x - 6.0) {
-            lines.push((name, font));
-        }
-        if let Some(difficulty) = room.difficulty {
-            lines.push((format!("{difficulty:.1}"), 0.85 * font));
-        }
-        while lines.iter().map(|line| 1.25 * line.1).sum::<f64>() > size.y - 2.0 {
-            lines.pop();
-        }
-        let height: f64 = lines.iter().map(|line| 1.25 * line.1).sum();
-        let width = lines.iter().map(|l| typesetter.width(&l.0, l.1)).fold(0.0, f64::max);
-        let half = DVec2::new(0.5 * width, 0.5 * height);
-        let label = Rect::new(around.center() - half, around.center() + half);
-        if lines.is_empty() || taken.iter().any(|other| other.overlaps(label)) {
-            continue;
-        }
-        taken.push(label);
-        let ink = if room_color(room).lightness() > 0.52 { &mut dark } else { &mut light };
-        let mut top = label.min.y;
-        for (line, font) in lines {
-            let baseline = top + (1.25 + CAPITAL_HEIGHT) * 0.5 * font;
-            let at = DVec2::new(around.center().x, baseline);
-            typesetter.write(ink, &line, at, font, Align::Middle);
-            top += 1.25 * font;
-        }
-    }
-    if taken.is_empty() {
-        return None;
-    }
-    let label = |path, color: Color, halo: Color| {
-        filled(path, color)
-            .set("stroke", halo.to_string())
-            .set("stroke-width", 2.4)
-            .set("stroke-opacity", 0.5)
-            .set("stroke-linejoin", "round")
-            .set("paint-order", "stroke")
-    };
-    let mut group = Group::new().set("id", "names");
-    if !dark.is_empty() {
-        group = group.add(label(dark, style::INK, style::PAGE));
-    }
-    if !light.is_empty() {
-        group = group.add(label(light, style::PAGE, style::INK));
-    }
-    Some(group)
 }

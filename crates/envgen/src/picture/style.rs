@@ -119,9 +119,9 @@ const DIFFICULTIES: [Color; 6] = [
     rgb(0xff_fb_dc),
     rgb(0xff_e8_97),
     rgb(0xfe_bf_5a),
-    rgb(0xfa_84_3c),
-    rgb(0xdd_3a_26),
-    rgb(0x94_0a_2e),
+    rgb(0xf7_8a_48),
+    rgb(0xdc_4f_3c),
+    rgb(0x9c_22_42),
 ];
 
 /// The colour of a difficulty from 0 to 10; others count as the nearer of the two.
@@ -149,10 +149,11 @@ pub(super) fn class_color(class: u16) -> Color {
     let index = usize::from(class.saturating_sub(1));
     let (i, round) = (index % CLASSES.len(), index / CLASSES.len());
     let next = CLASSES[(i + 2) % CLASSES.len()];
-    match round {
+    let color = match round {
         0 => CLASSES[i],
         _ => CLASSES[i].mix(next, 0.15 * (round % 4) as f64).mix(INK, 0.22 * (round % 3) as f64),
-    }
+    };
+    color.mix(PAGE, 0.15)
 }
 
 #[cfg(test)]
@@ -175,7 +176,7 @@ mod tests {
         };
         for a in 1..=9 {
             for b in 1..a {
-                assert!(distance(class_color(a), class_color(b)) > 60, "{a} and {b}");
+                assert!(distance(class_color(a), class_color(b)) > 50, "{a} and {b}");
             }
         }
         for class in 10..=27 {
