@@ -51,12 +51,25 @@ pub(super) fn bands(
     cells
 }
 
-/// Bands whose height suits the largest classes: a good start in one go.
-pub(super) fn quick_bands(rows: usize, cols: usize, counts: &[u32]) -> Vec<u16> {
-    let runs = descending(counts);
-    let typical = runs.get(runs.len() / 4).map_or(1, |run| run.1 as usize);
-    let parts = (rows as f64 / (typical as f64).sqrt()).round().max(1.0) as usize;
-    bands(rows, cols, &runs, rows.div_ceil(parts), false)
+/// Bands whose height suits the larger classes, in random order and direction: a start of little
+/// Total Edge in one go.
+pub(super) fn random_bands(
+    rows: usize,
+    cols: usize,
+    counts: &[u32],
+    stream: &mut Stream,
+) -> Vec<u16> {
+    let mut runs = descending(counts);
+    let typical = runs.get(runs.len() / 4).map_or(1, |run| run.1);
+    stream.shuffle(&mut runs);
+    let upright = stream.chance(0.5);
+    let lines = if upright { cols } else { rows };
+    let parts = (lines as f64 / f64::from(typical).sqrt()).round().max(1.0) as usize;
+    let mut cells = bands(rows, cols, &runs, lines.div_ceil(parts), upright);
+    if stream.chance(0.5) {
+        cells.reverse();
+    }
+    cells
 }
 
 /// The bands of least Total Edge: of all heights both ways where the grid is small enough to try
@@ -84,8 +97,7 @@ pub(super) fn best_bands(rows: usize, cols: usize, counts: &[u32]) -> (Vec<u16>,
 }
 
 /// Rows that repeat every class `repeats` times, along a serpentine of height 1.
-pub(super) fn stripes(rows: usize, cols: usize, counts: &[u32], repeats: u32) -> Vec<u16> {
-    let classes = descending(counts);
+pub(super) fn stripes(rows: usize, cols: usize, classes: &Runs, repeats: u32) -> Vec<u16> {
     // Integer parts of n (i + 1) / repeats: every class's pieces differ by one cell at most.
     let share = |n: u32, i: u32| (u64::from(n) * u64::from(i) / u64::from(repeats)) as u32;
     let runs: Runs = (0..repeats)
@@ -203,9 +215,9 @@ mod tests {
             let mut stream = Seed(1).stream("test", 0);
             for cells in [
                 bands(rows, cols, &descending(&counts), height, upright),
-                quick_bands(rows, cols, &counts),
+                random_bands(rows, cols, &counts, &mut stream),
                 best_bands(rows, cols, &counts).0,
-                stripes(rows, cols, &counts, repeats),
+                stripes(rows, cols, &descending(&counts), repeats),
                 checkerboard(rows, cols, &counts, &mut stream),
             ] {
                 let mut found = vec![0; counts.len()];

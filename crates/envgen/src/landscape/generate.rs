@@ -2,7 +2,7 @@
 
 use super::automaton::automaton_fill;
 use super::blueprint::Landscape;
-use super::construct::{best_bands, checkerboard, quick_bands, stripes};
+use super::construct::{best_bands, checkerboard, descending, random_bands, stripes};
 use super::edge::{edge_count, mean_edge_count};
 use super::random_fill::random_fill;
 use super::search::Board;
@@ -123,7 +123,8 @@ impl Grid<'_> {
             let mut stream = self.seed.stream("landscape/checkerboard", 0);
             return checkerboard(rows, cols, counts, &mut stream);
         }
-        let quick = quick_bands(rows, cols, counts);
+        let mut stream = self.seed.stream("landscape/bands", 0);
+        let quick = random_bands(rows, cols, counts, &mut stream);
         if edge_count(&quick, cols) <= target { quick } else { best_bands(rows, cols, counts).0 }
     }
 
@@ -180,7 +181,9 @@ impl Grid<'_> {
         if target as f64 > mean {
             return self.mixed(target, 0.0);
         }
-        let edges = |repeats: u32| edge_count(&stripes(rows, cols, self.counts, repeats), cols);
+        let mut classes = descending(self.counts);
+        self.seed.stream("landscape/bands", 0).shuffle(&mut classes);
+        let edges = |repeats: u32| edge_count(&stripes(rows, cols, &classes, repeats), cols);
         if edges(1) > target {
             return self.mixed(target, 0.0);
         }
@@ -194,7 +197,7 @@ impl Grid<'_> {
                 high = middle;
             }
         }
-        self.repaired(&stripes(rows, cols, self.counts, low), target)
+        self.repaired(&stripes(rows, cols, &classes, low), target)
     }
 
     fn smooth(&self, sigma: f64) -> Arranged {
