@@ -224,12 +224,12 @@ fn every_kind_of_part_is_seen() {
         (SurfaceKind::Debris, "debris"),
         (SurfaceKind::Water, "water"),
         (SurfaceKind::Stairs, "stairs"),
-        (SurfaceKind::Class(3), "class-3"),
+        (SurfaceKind::Class(3), "class"),
     ] {
         let surface = Surface { kind, shape: block(), speed: 0.5, odometry_noise: 1.0 };
         worlds.push((format!("surfaces-{id}"), with(|w| w.surfaces.push(surface))));
     }
-    for (open, id) in [(true, "doorways-open"), (false, "doorways-closed")] {
+    for (open, id) in [(true, "doorways-open-doorway"), (false, "doorways-closed-door")] {
         let door = Doorway { shape: block(), open, rooms: [None, None] };
         worlds.push((id.to_owned(), with(|w| w.doorways.push(door))));
     }

@@ -3,15 +3,17 @@
 use glam::DVec2;
 
 use super::path::PathData;
+use super::style::Texture;
 use super::view::View;
 use crate::geometry::{Shape, edges, unit_vector};
 
 /// Sine and cosine of 45 degrees.
 const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Up to the right and down to the right.
+/// Up to the right.
 pub(super) const RISING: DVec2 = DVec2::new(HALF, -HALF);
-pub(super) const FALLING: DVec2 = DVec2::new(HALF, HALF);
+/// Down to the right.
+const FALLING: DVec2 = DVec2::new(HALF, HALF);
 
 /// Hatches stop when they are this many lines: worlds of very many overlapping grounds stay small.
 const MOST_LINES: usize = 100_000;
@@ -28,7 +30,7 @@ pub(super) fn outline(shape: &Shape, view: &View) -> Vec<DVec2> {
 }
 
 /// The direction of treads: along the shorter sides of an outline.
-pub(super) fn across(outline: &[DVec2]) -> DVec2 {
+fn across(outline: &[DVec2]) -> DVec2 {
     let sides = [(0, 1), (1, 2)].map(|(i, j)| match (outline.get(i), outline.get(j)) {
         (Some(&a), Some(&b)) => b - a,
         _ => DVec2::X,
@@ -51,6 +53,24 @@ impl Default for Hatch {
 }
 
 impl Hatch {
+    /// Adds the lines of a texture.
+    pub(super) fn texture(&mut self, texture: Texture, shape: &Shape, view: &View) {
+        let outline = match texture {
+            Texture::Plain => return,
+            _ => outline(shape, view),
+        };
+        match texture {
+            Texture::Plain => {}
+            Texture::Dots => self.add(&outline, RISING, 8.0),
+            Texture::Crosses => {
+                self.add(&outline, RISING, 7.0);
+                self.add(&outline, FALLING, 7.0);
+            }
+            Texture::Waves => self.add(&outline, DVec2::X, 6.0),
+            Texture::Treads => self.add(&outline, across(&outline), 6.0),
+        }
+    }
+
     /// Adds the lines of a direction (a unit vector) that are multiples of `spacing` px from the
     /// picture's corner, so that the lines of neighbours meet.
     pub(super) fn add(&mut self, outline: &[DVec2], direction: DVec2, spacing: f64) {

@@ -44,10 +44,6 @@ impl<'a> Ink<'a> {
         Ink { shadows: false, ..Ink::new(view, many) }
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.filled.is_empty() && self.lines.is_empty() && self.shadow.is_none()
-    }
-
     pub(super) fn shape(&mut self, shape: &Shape) {
         if self.shadows && self.shade(shape) {
             return;

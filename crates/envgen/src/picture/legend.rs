@@ -69,38 +69,28 @@ fn entries(world: &World) -> Vec<Entry> {
     if world.goal.is_some() {
         entries.push(Entry::Goal);
     }
-    for kind in parts::WALLS.into_iter().rev() {
-        if world.walls.iter().any(|wall| wall.kind == kind) {
-            entries.push(Entry::Part(style::wall(kind)));
-        }
-    }
-    for (open, style) in [(true, parts::OPEN_DOOR), (false, parts::CLOSED_DOOR)] {
-        if world.doorways.iter().any(|door| door.open == open) {
-            entries.push(Entry::Part(style));
-        }
-    }
+    let mut part = |style| entries.push(Entry::Part(style));
+    parts::wall_layers(world).iter().rev().for_each(|layer| part(layer.style));
+    parts::doorway_layers(world).iter().for_each(|layer| part(layer.style));
     if !world.trees.is_empty() {
         entries.push(Entry::Tree);
     }
-    for kind in parts::OBSTACLES {
-        if world.obstacles.iter().any(|obstacle| obstacle.kind == kind) {
-            entries.push(Entry::Part(style::obstacle(kind)));
-        }
-    }
+    let obstacles = parts::obstacle_layers(world);
+    entries.extend(obstacles.iter().map(|layer| Entry::Part(layer.style)));
     if !world.road_strips.is_empty() {
         entries.push(Entry::Road);
     }
     let mut classes = world.raster.as_ref().map(raster::classes).unwrap_or_default();
-    for (kind, style) in parts::surface_styles(world) {
-        match kind {
+    for layer in parts::surface_layers(world) {
+        match layer.parts[0].kind {
             SurfaceKind::Class(class) => {
                 classes.insert(class);
             }
-            _ => entries.push(Entry::Part(style)),
+            _ => entries.push(Entry::Part(layer.style)),
         }
     }
     for &class in classes.iter().take(MOST_CLASSES) {
-        let style = style::surface(SurfaceKind::Class(class));
+        let (_, style) = style::surface(SurfaceKind::Class(class));
         entries.push(Entry::Named(style, format!("class {class}")));
     }
     if classes.len() > MOST_CLASSES {
@@ -112,8 +102,7 @@ fn entries(world: &World) -> Vec<Entry> {
     if world.rooms.iter().any(|room| room.difficulty.is_some()) {
         entries.push(Entry::Difficulty);
     } else if !world.rooms.is_empty() {
-        let (fill, edge) = (style::ROOM, style::ROOM_EDGE);
-        entries.push(Entry::Part(Style { name: "room", fill, edge, edge_width: 0.8 }));
+        entries.push(Entry::Part(style::ROOM_STYLE));
     }
     entries
 }

@@ -6,7 +6,7 @@ use svg::node::element::Group;
 use super::furniture::symbols;
 use super::parts::{filled, room_color};
 use super::path::PathData;
-use super::style::{self, Color};
+use super::style::{self, Color, Texture};
 use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
 use super::view::View;
 use crate::geometry::Rect;
@@ -28,8 +28,11 @@ pub(super) fn draw(world: &World, view: &View, typesetter: &Typesetter) -> Optio
     let mut taken = symbols(world, view);
     let unnamed = taken.len();
     let mut tried = 0;
-    let obstacles = world.obstacles.iter().take(MOST_OBSTACLES);
-    let obstacles: Vec<_> = obstacles.map(|o| view.px_rect(o.shape.bounds())).collect();
+    let grounds =
+        world.surfaces.iter().filter(|s| style::surface(s.kind).1.texture != Texture::Plain);
+    let obstacles = world.obstacles.iter().map(|o| &o.shape).chain(grounds.map(|s| &s.shape));
+    let obstacles: Vec<_> =
+        obstacles.take(MOST_OBSTACLES).map(|shape| view.px_rect(shape.bounds())).collect();
     for room in &world.rooms {
         let around = view.px_rect(room.shape.bounds());
         let size = around.size();
@@ -47,7 +50,7 @@ pub(super) fn draw(world: &World, view: &View, typesetter: &Typesetter) -> Optio
         let height = height_of(&lines);
         let width = lines.iter().map(|l| typesetter.width(&l.0, l.1)).fold(0.0, f64::max);
         let half = DVec2::new(0.5 * width, 0.5 * height);
-        let aside = 0.5 * size.y - half.y - 4.0;
+        let aside = 0.5 * size.y - half.y - 7.0;
         let places = [0.0, 0.5, -0.5, 1.0, -1.0].map(|share| {
             let center = around.center() + DVec2::new(0.0, share * aside.max(0.0));
             Rect::new(center - half, center + half)

@@ -1,23 +1,22 @@
 //! The parts of a world, from the ground up.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use glam::DVec2;
 use svg::node::element::{Group, Path};
 
-use super::hatch::{FALLING, Hatch, RISING, across, outline};
+use super::hatch::{Hatch, RISING, outline};
 use super::ink::{Ink, MANY_PARTS, Shadow};
 use super::path::PathData;
-use super::style::{self, Color, Style};
+use super::style::{self, Color, Style, Texture};
 use super::text::Typesetter;
 use super::view::{View, round_number};
 use super::{PictureError, PictureOptions, names, raster, roads};
-use crate::world::{ObstacleKind, Room, SurfaceKind, WallKind, World};
+use crate::geometry::Shape;
+use crate::world::{Doorway, Obstacle, Room, Surface, Wall, World};
 
-pub(super) const WALLS: [WallKind; 5] =
-    [WallKind::Kerb, WallKind::Partition, WallKind::Alcove, WallKind::Wall, WallKind::EndCap];
-pub(super) const OBSTACLES: [ObstacleKind; 3] =
-    [ObstacleKind::Other, ObstacleKind::Crate, ObstacleKind::DoorPost];
+/// With more styles than these in a list, none has a shadow.
+const MOST_SHADOWS: usize = 40;
 
 /// Everything inside the plan's frame but start and goal.
 pub(super) fn draw(
@@ -33,13 +32,18 @@ pub(super) fn draw(
     if options.grid {
         groups.push(grid(view));
     }
-    surfaces(world, view, &mut groups)?;
+    // Plain floors and classes lie below the rooms; what makes driving hard shows on them.
+    let (floors, grounds): (Vec<_>, Vec<_>) =
+        surface_layers(world).into_iter().partition(|layer| layer.style.texture == Texture::Plain);
+    groups.extend(draw_layers("surfaces", floors, view, |s| &s.shape)?);
     rooms(world, view, &mut groups)?;
+    let grounds = draw_layers("surfaces", grounds, view, |s| &s.shape)?;
+    groups.extend(grounds.into_iter().map(|group| group.set("fill-opacity", 0.65)));
     groups.extend(roads::draw(world, view));
-    walls(world, view, &mut groups)?;
-    doorways(world, view, &mut groups)?;
+    groups.extend(draw_layers("walls", wall_layers(world), view, |wall| &wall.shape)?);
+    groups.extend(draw_layers("doorways", doorway_layers(world), view, |door| &door.shape)?);
     trees(world, view, &mut groups)?;
-    obstacles(world, view, &mut groups)?;
+    groups.extend(draw_layers("obstacles", obstacle_layers(world), view, |o| &o.shape)?);
     if options.names {
         groups.extend(names::draw(world, view, typesetter));
     }
@@ -85,68 +89,82 @@ fn grid(view: &View) -> Group {
     Group::new().set("id", "grid").add(stroked(path, style::GRID, 0.8))
 }
 
-fn walls(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), PictureError> {
-    let many = world.walls.len() > MANY_PARTS;
-    for kind in WALLS {
-        let style = style::wall(kind);
-        let mut ink = Ink::new(view, many);
-        for wall in world.walls.iter().filter(|wall| wall.kind == kind) {
-            ink.shape(&wall.shape);
+/// Parts of one style, which are drawn together.
+#[derive(Debug)]
+pub(super) struct Layer<'a, T> {
+    pub(super) style: Style,
+    pub(super) parts: Vec<&'a T>,
+}
+
+/// The styles in a list of parts, in the order in which they are drawn.
+pub(super) fn layers<T>(parts: &[T], style: impl Fn(&T) -> (u32, Style)) -> Vec<Layer<'_, T>> {
+    let mut layers = BTreeMap::new();
+    for part in parts {
+        let (order, style) = style(part);
+        layers.entry(order).or_insert(Layer { style, parts: Vec::new() }).parts.push(part);
+    }
+    layers.into_values().collect()
+}
+
+pub(super) fn wall_layers(world: &World) -> Vec<Layer<'_, Wall>> {
+    layers(&world.walls, |wall| style::wall(wall.kind))
+}
+
+pub(super) fn obstacle_layers(world: &World) -> Vec<Layer<'_, Obstacle>> {
+    layers(&world.obstacles, |obstacle| style::obstacle(obstacle.kind))
+}
+
+pub(super) fn surface_layers(world: &World) -> Vec<Layer<'_, Surface>> {
+    layers(&world.surfaces, |surface| style::surface(surface.kind))
+}
+
+pub(super) fn doorway_layers(world: &World) -> Vec<Layer<'_, Doorway>> {
+    layers(
+        &world.doorways,
+        |door| {
+            if door.open { (0, style::OPEN_DOOR) } else { (1, style::CLOSED_DOOR) }
+        },
+    )
+}
+
+/// Draws layers in groups named like `walls-end-cap`.
+fn draw_layers<T>(
+    list: &str,
+    layers: Vec<Layer<'_, T>>,
+    view: &View,
+    shape: impl Fn(&T) -> &Shape,
+) -> Result<Vec<Group>, PictureError> {
+    let many = layers.iter().map(|layer| layer.parts.len()).sum::<usize>() > MANY_PARTS;
+    let shadows = layers.len() <= MOST_SHADOWS;
+    let mut groups = Vec::new();
+    let mut named = BTreeMap::new();
+    for Layer { style, parts } in layers {
+        let mut ink = if shadows { Ink::new(view, many) } else { Ink::without_shadow(view, many) };
+        let mut hatch = Hatch::default();
+        for part in parts {
+            ink.shape(shape(part));
+            hatch.texture(style.texture, shape(part), view);
         }
-        push(ink, &id("walls", style), style, groups)?;
-    }
-    Ok(())
-}
-
-fn obstacles(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), PictureError> {
-    let many = world.obstacles.len() > MANY_PARTS;
-    for kind in OBSTACLES {
-        let style = style::obstacle(kind);
-        let mut ink = Ink::new(view, many);
-        for obstacle in world.obstacles.iter().filter(|obstacle| obstacle.kind == kind) {
-            ink.shape(&obstacle.shape);
+        let mut id = format!("{list}-{}", style.name.replace(' ', "-"));
+        // Classes share a name.
+        let count = named.entry(style.name).or_insert(0_u32);
+        *count += 1;
+        if *count > 1 {
+            id = format!("{id}-{count}");
         }
-        push(ink, &id("obstacles", style), style, groups)?;
-    }
-    Ok(())
-}
-
-/// `walls-end-cap`.
-fn id(list: &str, style: Style) -> String {
-    format!("{list}-{}", style.name.replace(' ', "-"))
-}
-
-fn push(ink: Ink<'_>, id: &str, style: Style, groups: &mut Vec<Group>) -> Result<(), PictureError> {
-    if !ink.is_empty() {
-        groups.push(ink.into_group(id, style)?);
-    }
-    Ok(())
-}
-
-fn doorways(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), PictureError> {
-    let many = world.doorways.len() > MANY_PARTS;
-    for (open, style) in [(true, OPEN_DOOR), (false, CLOSED_DOOR)] {
-        let mut ink = Ink::new(view, many);
-        for door in world.doorways.iter().filter(|door| door.open == open) {
-            ink.shape(&door.shape);
+        let mut group = ink.into_group(&id, style)?;
+        if !hatch.path.is_empty() {
+            let dashes = match style.texture {
+                Texture::Waves => "7 5",
+                Texture::Dots => "1.5 3",
+                _ => "none",
+            };
+            group = group.add(stroked(hatch.path, style.edge, 0.9).set("stroke-dasharray", dashes));
         }
-        push(ink, if open { "doorways-open" } else { "doorways-closed" }, style, groups)?;
+        groups.push(group);
     }
-    Ok(())
+    Ok(groups)
 }
-
-pub(super) const OPEN_DOOR: Style = Style {
-    name: "open doorway",
-    fill: style::DOOR_OPEN,
-    edge: style::DOOR_OPEN_EDGE,
-    edge_width: 1.0,
-};
-pub(super) const CLOSED_DOOR: Style = Style {
-    name: "closed door",
-    fill: style::DOOR_CLOSED,
-    edge: style::DOOR_CLOSED_EDGE,
-    edge_width: 1.0,
-};
 
 /// Trees are dots of a round line cap: two for each, the edge and the crown. Radii are rounded to
 /// a tenth of a pixel, so that all trees of a size are one path.
@@ -189,70 +207,6 @@ fn trees(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), Pict
     Ok(())
 }
 
-fn surfaces(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), PictureError> {
-    let many = world.surfaces.len() > MANY_PARTS;
-    for (kind, style) in surface_styles(world) {
-        let mut ink = Ink::new(view, many);
-        let mut hatch = Hatch::default();
-        for surface in world.surfaces.iter().filter(|surface| surface.kind == kind) {
-            ink.shape(&surface.shape);
-            let outline = outline(&surface.shape, view);
-            match kind {
-                SurfaceKind::Uneven => {
-                    hatch.add(&outline, RISING, 8.0);
-                }
-                SurfaceKind::Debris => {
-                    hatch.add(&outline, RISING, 7.0);
-                    hatch.add(&outline, FALLING, 7.0);
-                }
-                SurfaceKind::Water => hatch.add(&outline, DVec2::X, 6.0),
-                SurfaceKind::Stairs => hatch.add(&outline, across(&outline), 6.0),
-                SurfaceKind::Class(_) => {}
-            }
-        }
-        if ink.is_empty() {
-            continue;
-        }
-        let mut id = id("surfaces", style);
-        if let SurfaceKind::Class(class) = kind {
-            id = format!("{id}-{class}");
-        }
-        let mut group = ink.into_group(&id, style)?;
-        if !hatch.path.is_empty() {
-            let dashes = match kind {
-                SurfaceKind::Water => "7 5",
-                SurfaceKind::Uneven => "1.5 3",
-                _ => "none",
-            };
-            group = group.add(stroked(hatch.path, style.edge, 0.9).set("stroke-dasharray", dashes));
-        }
-        groups.push(group);
-    }
-    Ok(())
-}
-
-/// The kinds of surface in a world, each with its style.
-pub(super) fn surface_styles(world: &World) -> Vec<(SurfaceKind, Style)> {
-    let plain = [SurfaceKind::Uneven, SurfaceKind::Debris, SurfaceKind::Water, SurfaceKind::Stairs];
-    let mut found = [false; 4];
-    let mut classes = BTreeSet::new();
-    for surface in &world.surfaces {
-        match surface.kind {
-            SurfaceKind::Class(class) => {
-                classes.insert(class);
-            }
-            kind => {
-                if let Some(i) = plain.iter().position(|&known| known == kind) {
-                    found[i] = true;
-                }
-            }
-        }
-    }
-    let classes = classes.into_iter().map(SurfaceKind::Class);
-    let plain = plain.into_iter().zip(found).filter_map(|(kind, found)| found.then_some(kind));
-    classes.chain(plain).map(|kind| (kind, style::surface(kind))).collect()
-}
-
 fn rooms(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), PictureError> {
     if world.rooms.is_empty() {
         return Ok(());
@@ -270,7 +224,7 @@ fn rooms(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), Pict
     }
     let mut group = Group::new().set("id", "rooms");
     for (color, ink) in colors {
-        let style = Style { name: "room", fill: color, edge: style::ROOM_EDGE, edge_width: 0.8 };
+        let style = Style { fill: color, ..style::ROOM_STYLE };
         group = group.add(ink.into_group(&format!("rooms-{}", &color.to_string()[1..]), style)?);
     }
     if !hatch.path.is_empty() {

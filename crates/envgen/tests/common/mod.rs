@@ -89,6 +89,7 @@ pub(crate) fn indoor() -> World {
         surface(SurfaceKind::Uneven, rect(2.0, 6.2, 5.0, 7.8), 0.7),
         surface(SurfaceKind::Debris, rect(8.0, 6.2, 10.5, 7.8), 0.5),
         surface(SurfaceKind::Water, Shape::Disc { center: v(14.5, 6.9), radius: 0.7 }, 0.0),
+        surface(SurfaceKind::Debris, rect(8.6, 2.0, 11.4, 3.4), 0.5),
         surface(SurfaceKind::Stairs, rect(18.5, 6.2, 22.0, 7.8), 0.3),
     ];
     world.start = Some(Pose::new(1.0, 7.0, 0.0));
