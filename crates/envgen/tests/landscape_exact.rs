@@ -181,6 +181,10 @@ fn bad_input_is_named() {
     has(error(&|s| s.epsilon = Some(f64::NAN)), "`epsilon` is NaN");
     has(error(&|s| s.sigma = Some(-1.0)), "`sigma` is -1");
     has(error(&|s| s.mixing = f64::NAN), "`mixing` is NaN");
+    has(
+        error(&|s| (s.rows, s.cols, s.mixing) = (8192, 8192, 15.0)),
+        "`mixing` is 15, allowed is at most 14.9",
+    );
     has(error(&|s| s.cell = 0.0), "`cell` is 0");
     has(error(&|s| s.speeds = vec![1.0; 8]), "as many as the 9 classes");
     has(error(&|s| s.speeds = vec![f64::NAN; 9]), "`speeds` is NaN");

@@ -23,16 +23,16 @@ pub(super) fn descending(counts: &[u32]) -> Runs {
 pub(super) fn bands(
     rows: usize,
     cols: usize,
-    runs: &[(u16, u32)],
+    runs: impl IntoIterator<Item = (u16, u32)>,
     height: usize,
     upright: bool,
 ) -> Vec<u16> {
     let mut cells = vec![0; rows * cols];
     let (lines, length) = if upright { (cols, rows) } else { (rows, cols) };
-    let (mut runs, mut class, mut left) = (runs.iter(), 0, 0);
+    let (mut runs, mut class, mut left) = (runs.into_iter(), 0, 0);
     let mut next = || {
         while left == 0 {
-            let Some(&(c, n)) = runs.next() else { return class };
+            let Some((c, n)) = runs.next() else { return class };
             (class, left) = (c, n);
         }
         left -= 1;
@@ -65,7 +65,7 @@ pub(super) fn random_bands(
     let upright = stream.chance(0.5);
     let lines = if upright { cols } else { rows };
     let parts = (lines as f64 / f64::from(typical).sqrt()).round().max(1.0) as usize;
-    let mut cells = bands(rows, cols, &runs, lines.div_ceil(parts), upright);
+    let mut cells = bands(rows, cols, runs, lines.div_ceil(parts), upright);
     if stream.chance(0.5) {
         cells.reverse();
     }
@@ -86,7 +86,7 @@ pub(super) fn best_bands(rows: usize, cols: usize, counts: &[u32]) -> (Vec<u16>,
         };
         heights.dedup();
         for height in heights {
-            let cells = bands(rows, cols, &runs, height, upright);
+            let cells = bands(rows, cols, runs.iter().copied(), height, upright);
             let edges = edge_count(&cells, cols);
             if best.as_ref().is_none_or(|found| edges < found.1) {
                 best = Some((cells, edges));
@@ -97,13 +97,13 @@ pub(super) fn best_bands(rows: usize, cols: usize, counts: &[u32]) -> (Vec<u16>,
 }
 
 /// Rows that repeat every class `repeats` times, along a serpentine of height 1.
-pub(super) fn stripes(rows: usize, cols: usize, classes: &Runs, repeats: u32) -> Vec<u16> {
+pub(super) fn stripes(rows: usize, cols: usize, classes: &[(u16, u32)], repeats: u32) -> Vec<u16> {
     // Integer parts of n (i + 1) / repeats: every class's pieces differ by one cell at most.
     let share = |n: u32, i: u32| (u64::from(n) * u64::from(i) / u64::from(repeats)) as u32;
-    let runs: Runs = (0..repeats)
-        .flat_map(|i| classes.iter().map(move |&(class, n)| (class, share(n, i + 1) - share(n, i))))
-        .collect();
-    bands(rows, cols, &runs, 1, false)
+    let runs = (0..repeats).flat_map(|i| {
+        classes.iter().map(move |&(class, n)| (class, share(n, i + 1) - share(n, i)))
+    });
+    bands(rows, cols, runs, 1, false)
 }
 
 /// Much Total Edge: where one class has half the cells or more, the others stand apart on the
@@ -180,7 +180,7 @@ mod tests {
     fn the_serpentine_is_not_the_minimum() {
         // As Kuznetsov (2017), section 3, says it is.
         let counts = [576; 4];
-        let serpentine = bands(48, 48, &descending(&counts), 1, false);
+        let serpentine = bands(48, 48, descending(&counts), 1, false);
         assert_eq!(edge_count(&serpentine, 48), 144);
         assert_eq!(best_bands(48, 48, &counts).1, 96);
         assert_eq!(edge_lower_bound(48, 48, &counts), 96);
@@ -214,7 +214,7 @@ mod tests {
             let counts: Vec<u32> = cuts.windows(2).map(|w| w[1] - w[0]).collect();
             let mut stream = Seed(1).stream("test", 0);
             for cells in [
-                bands(rows, cols, &descending(&counts), height, upright),
+                bands(rows, cols, descending(&counts), height, upright),
                 random_bands(rows, cols, &counts, &mut stream),
                 best_bands(rows, cols, &counts).0,
                 stripes(rows, cols, &descending(&counts), repeats),

@@ -187,8 +187,10 @@ impl Grid<'_> {
         if edges(1) > target {
             return self.mixed(target, 0.0);
         }
-        // More repeats than rows make no more bands of whole rows.
-        let (mut low, mut high) = (1, rows as u32 + 1);
+        // More repeats than rows make no more bands of whole rows, and more than the cells of a
+        // class, on average, leave classes out.
+        let most = rows.min(rows * cols / classes.len().max(1)) as u32;
+        let (mut low, mut high) = (1, most.max(1) + 1);
         while high - low > 1 {
             let middle = low.midpoint(high);
             if edges(middle) <= target {

@@ -18,6 +18,9 @@ pub const MAX_CELLS: u64 = 1 << 26;
 /// The most cells a smoothed landscape can have: 4096 x 4096. Smoothing takes 28 bytes a cell.
 pub const MAX_SMOOTH_CELLS: u64 = 1 << 24;
 
+/// The most swaps that mixing tries: a minute or so.
+const MAX_SWAPS: f64 = 1e9;
+
 /// A landscape to generate.
 ///
 /// ```
@@ -242,6 +245,11 @@ impl LandscapeSpec {
             SIGMA.check(sigma)?;
         }
         MIXING.check(self.mixing)?;
+        let most = MAX_SWAPS / cells as f64;
+        if self.mixing > most {
+            let allowed = format!("at most {most} for {cells} cells");
+            return Err(MIXING.error_with(self.mixing, allowed));
+        }
         CELL.check(self.cell)?;
         if let Some(&speed) = self.speeds.iter().find(|speed| !(0.0..=10.0).contains(*speed)) {
             return Err(SPEEDS.error(speed));
