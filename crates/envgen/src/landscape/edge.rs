@@ -5,7 +5,7 @@ const LANE: usize = 1 << 12;
 
 /// The number of sides between two cells of different class, each once, the border not counted:
 /// Kuznetsov's Total Edge. Every cell counts as of a class; see
-/// [`Adjacency`](super::Adjacency) for rasters with no-data cells. O(N), in two vectorised passes
+/// [`Adjacency`](super::metrics::Adjacency) for rasters with no-data cells. O(N), in two vectorised passes
 /// over rows that the first has left in the cache.
 pub fn edge_count(cells: &[u16], cols: usize) -> u64 {
     let mut rows = cells.chunks_exact(cols.max(1));
