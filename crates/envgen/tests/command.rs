@@ -195,6 +195,7 @@ fn bad_arguments_are_exit_code_two_and_leave_nothing() {
         (vec!["generate", "hallway", "--out", "world.xyz"], ".json, .ron"),
         (vec!["generate", "hallway"], "--out"),
         (vec!["inspect", "world.xyz"], ".json, .ron"),
+        (vec!["generate", "hallway", "--picture-width", "1", "--out", out], "width is 1"),
         (vec!["sample", "hallway", "--count", "-1"], "--count"),
     ] {
         let (code, text) = failure(&arguments);
