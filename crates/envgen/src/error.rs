@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use crate::forest::ForestError;
 use crate::landscape::LandscapeError;
+use crate::road::RoadError;
 
 /// A value of a spec that is not allowed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -45,4 +46,7 @@ pub enum GenerateError {
     /// A landscape could not be made.
     #[error(transparent)]
     Landscape(#[from] LandscapeError),
+    /// A road could not be made.
+    #[error(transparent)]
+    Road(#[from] RoadError),
 }

@@ -195,6 +195,8 @@ kinds! {
         crate::hallway::HallwaySpec, crate::hallway::Hallway;
     Forest, "forest", " Trees scattered by a Poisson law.",
         crate::forest::ForestSpec, crate::forest::Forest;
+    Road, "road", " A road of straights and turns, whose lengths follow a Dirichlet law.",
+        crate::road::RoadSpec, crate::road::Road;
     Landscape, "landscape", " A grid of classes with a given entropy and Total Edge.",
         crate::landscape::LandscapeSpec, crate::landscape::Landscape;
 }

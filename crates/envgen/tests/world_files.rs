@@ -64,7 +64,7 @@ fn formats_write_what_readers_read() {
             assert_eq!(reader(&mut written(&world).unwrap().as_slice()).unwrap(), world);
         } else {
             // Of a world these formats hold the raster alone.
-            assert!(matches!(written(&common::indoor()), Err(ExportError::NoRaster)));
+            assert!(matches!(written(&common::indoor()), Err(ExportError::Empty { .. })));
             let world = common::landscape();
             let read = reader(&mut written(&world).unwrap().as_slice()).unwrap();
             let size = |world: &World| world.raster.as_ref().map(|r| (r.rows, r.cols));

@@ -19,7 +19,9 @@
 mod asc;
 #[cfg(feature = "picture")]
 pub mod class_png;
+mod csv;
 pub mod movingai;
+mod opendrive;
 
 use std::fmt;
 use std::io::{self, Write};
@@ -56,12 +58,15 @@ pub enum ExportError {
     /// The world cannot stand in a world file.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The format holds a raster of classes, and the world has none.
-    #[error("the world has no raster of classes: only landscapes can be written so")]
-    NoRaster,
     /// The world's raster is broken.
     #[error(transparent)]
     Raster(#[from] RasterError),
+    /// The world holds nothing that the format is for.
+    #[error("the world holds no {part}, which is all that a file of this format can hold")]
+    Empty {
+        /// What the format is for.
+        part: &'static str,
+    },
     /// The world cannot be drawn.
     #[cfg(feature = "picture")]
     #[error(transparent)]
@@ -101,7 +106,7 @@ impl<'a> Job<'a> {
     }
 
     fn raster(&self) -> Result<&'a ClassRaster, ExportError> {
-        self.world.raster.as_ref().ok_or(ExportError::NoRaster)
+        self.world.raster.as_ref().ok_or(ExportError::Empty { part: "raster of classes" })
     }
 
     fn write_scenarios(&self, out: &mut dyn Write) -> Result<(), ExportError> {
@@ -152,6 +157,10 @@ formats! {
         ["json" => |job, out| Ok(job.world.write_json(out)?)];
     Ron, " The whole world as RON, one line a part, for reading back.",
         ["ron" => |job, out| Ok(job.world.write_ron(out)?)];
+    OpenDrive, " The roads as OpenDRIVE 1.7.",
+        ["xodr" => |job, out| opendrive::write(job.world, out)];
+    Csv, " The waypoints of the roads as comma-separated values.",
+        ["csv" => |job, out| csv::write(job.world, out)];
     #[cfg(feature = "picture")]
     Svg, " A vector picture.",
         ["svg" => |job, out| Ok(crate::picture::write_svg(job.world, &job.picture, out)?)];
