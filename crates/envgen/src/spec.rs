@@ -197,6 +197,8 @@ kinds! {
         crate::forest::ForestSpec, crate::forest::Forest;
     Road, "road", " A road of straights and turns, whose lengths follow a Dirichlet law.",
         crate::road::RoadSpec, crate::road::Road;
+    Landscape, "landscape", " A grid of classes with a given entropy and Total Edge.",
+        crate::landscape::LandscapeSpec, crate::landscape::Landscape;
 }
 
 impl fmt::Display for Kind {

@@ -322,8 +322,14 @@ fn large_rasters_are_sampled() {
     let mut world = common::empty(3000.0, 2000.0);
     let cells = (0..6_000_000_u32).map(|i| (i % 3000 / 1000 + 1) as u16).collect();
     let origin = DVec2::ZERO;
-    world.raster =
-        Some(envgen::world::ClassRaster { rows: 2000, cols: 3000, cell: 1.0, origin, cells });
+    world.raster = Some(envgen::world::ClassRaster {
+        rows: 2000,
+        cols: 3000,
+        cell: 1.0,
+        origin,
+        cells,
+        speeds: Vec::new(),
+    });
     let svg = picture::svg(&world, &small(300)).unwrap();
     assert!(svg.len() < 60_000, "{}", svg.len());
     let pixels = Pixels::of(&world, &small(300));

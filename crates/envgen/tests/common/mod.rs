@@ -194,7 +194,8 @@ pub(crate) fn landscape() -> World {
     };
     let cells = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));
     let cells = cells.map(|(row, col)| class(row, col)).collect();
-    world.raster = Some(ClassRaster { rows, cols, cell, origin: DVec2::ZERO, cells });
+    world.raster =
+        Some(ClassRaster { rows, cols, cell, origin: DVec2::ZERO, cells, speeds: Vec::new() });
     let shape = Shape::Disc { center: v(20.0, 9.0), radius: 2.5 };
     let pond = Surface { kind: SurfaceKind::Water, shape, speed: 0.0, odometry_noise: 1.0 };
     let shape = rect(28.0, 16.0, 33.0, 20.0);
