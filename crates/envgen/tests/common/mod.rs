@@ -154,7 +154,6 @@ pub(crate) fn road() -> World {
     });
     world.road_strips.push(RoadStrip {
         centreline: ring.collect(),
-        pieces: Vec::new(),
         width: 3.5,
         lanes: 1,
         closed: true,
