@@ -64,9 +64,7 @@ pub(super) trait Standing {
 
     /// Reads the memory that [`Standing::conflicts`] will read, and nothing else: many such reads
     /// are under way at once, where those of a whole look-up would wait for each other.
-    fn touch(&self, _p: DVec2) -> u32 {
-        0
-    }
+    fn touch(&self, p: DVec2) -> u32;
 
     /// Adds a point that does not conflict.
     fn insert(&mut self, p: DVec2);

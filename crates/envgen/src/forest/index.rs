@@ -91,6 +91,10 @@ impl Standing for FineGrid {
         let at = self.scaled(p);
         let cell = at.floor();
         let first = self.first_around(at);
+        // No two points share a cell.
+        if self.codes[first + MARGIN * self.stride + MARGIN] != 0 {
+            return true;
+        }
         // Steps from the lower left corner of the five by five cells around to the place, less half
         // a step, which puts the coded points into the middle of their steps.
         let from = (at - cell + MARGIN as f64) * STEPS - 0.5;
@@ -133,7 +137,8 @@ impl Standing for FineGrid {
 
     fn touch(&self, p: DVec2) -> u32 {
         let first = self.first_around(self.scaled(p));
-        (0..=2 * MARGIN).map(|row| u32::from(self.codes[first + row * self.stride])).sum()
+        let rows = (0..=2 * MARGIN).map(|row| u32::from(self.codes[first + row * self.stride]));
+        rows.fold(self.exact.touch(p), |sum, code| sum ^ code)
     }
 
     fn into_points(self) -> Vec<DVec2> {
@@ -289,6 +294,11 @@ impl Standing for CellList {
         self.next.push(*head);
         *head = self.points.len() as u32;
         self.points.push(p);
+    }
+
+    fn touch(&self, p: DVec2) -> u32 {
+        let (col, row) = self.cell(p);
+        self.head[row * self.cols + col]
     }
 
     fn into_points(self) -> Vec<DVec2> {
