@@ -24,4 +24,15 @@ pub enum Claim {
         /// Whether it can.
         crosses: bool,
     },
+    /// From the start a disc of this radius can reach every room, or every part of a room that its
+    /// contents divide, and every piece of the hallways and open areas.
+    EveryPlaceReachable {
+        /// Radius of the disc in metres.
+        radius: f64,
+    },
+    /// This doorway was added, and is open, so that some place can be reached.
+    AddedDoorway {
+        /// Its place in [`World::doorways`](crate::World::doorways).
+        doorway: u32,
+    },
 }

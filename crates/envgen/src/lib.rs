@@ -7,6 +7,7 @@ pub mod forest;
 mod generate;
 pub mod geometry;
 pub mod hallway;
+pub mod indoor;
 mod provenance;
 mod seed;
 pub mod settings;
