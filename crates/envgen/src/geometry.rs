@@ -290,7 +290,7 @@ pub fn segments_cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
 }
 
 /// Even-odd rule.
-fn polygon_contains(vertices: &[DVec2], p: DVec2) -> bool {
+pub(crate) fn polygon_contains(vertices: &[DVec2], p: DVec2) -> bool {
     edges(vertices).fold(false, |inside, (a, b)| {
         let crosses =
             (a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x;

@@ -1,14 +1,23 @@
 //! Seeded random worlds for robots.
 
 pub mod certificate;
+mod distance_transform;
 pub mod distribution;
 mod error;
+pub mod export;
+pub mod file;
 pub mod forest;
 mod generate;
 pub mod geometry;
 pub mod hallway;
+pub mod import;
 pub mod indoor;
+mod lattice;
+pub mod occupancy;
+#[cfg(feature = "picture")]
+pub mod picture;
 mod provenance;
+pub mod raycast;
 mod seed;
 pub mod settings;
 mod spec;

@@ -1,5 +1,25 @@
-//! Poisson forests.
+//! Poisson forests: trees scattered uniformly, their number drawn from a Poisson law.
+//!
+//! Source: C. Richter, W. Vega-Brown and N. Roy, Markov Chain Hallway and Poisson Forest
+//! Environment Generating Distributions, MIT-CSAIL-TR-2015-014, section 2.
+//!
+//! - [`ForestSpec`] and [`Forest`]: a rectangular forest, with a least distance between trees, a
+//!   law of radii and a density that may vary.
+//! - [`EndlessForest`]: a forest without borders, tile by tile.
+//! - [`ForestMetrics`]: what the theory predicts of a forest, beside what was drawn.
 
+mod density;
+mod endless;
+mod hard_core;
+mod index;
+mod metrics;
+mod place;
+mod poisson;
+mod radius;
 mod spec;
 
-pub use spec::{Forest, ForestError, ForestMetrics, ForestSpec};
+pub use density::{Density, DensityMap};
+pub use endless::EndlessForest;
+pub use metrics::{ForestMetrics, PERCOLATION_THRESHOLD};
+pub use radius::RadiusLaw;
+pub use spec::{Border, Forest, ForestError, ForestSpec, MAX_SPACED_TREES, MAX_TREES};

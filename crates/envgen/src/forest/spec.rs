@@ -1,73 +1,420 @@
-//! What is asked of a forest.
-use serde::{Deserialize, Serialize};
+//! What is asked of a forest, and the trees that are drawn.
+
+use std::f64::consts::PI;
+
+use glam::DVec2;
+use serde::ser::SerializeSeq;
+use serde::{Deserialize, Serialize, Serializer};
 use thiserror::Error;
 
+use super::density::{Density, DensityMap};
+use super::metrics::ForestMetrics;
+use super::radius::RadiusLaw;
+use super::{hard_core, metrics, place, poisson, radius};
 use crate::error::{GenerateError, SpecError};
 use crate::generate::{Blueprint, Spec};
 use crate::geometry::Rect;
 use crate::seed::Seed;
 use crate::settings::Setting;
-use crate::world::World;
+use crate::world::{Tree, World};
 
-/// A forest to generate.
+/// The most trees that a forest may be expected to hold.
+pub const MAX_TREES: f64 = 2e7;
+
+/// The most trees that a forest with a least distance may be expected to hold: it keeps a grid of
+/// up to 256 bytes a tree while it is made.
+pub const MAX_SPACED_TREES: f64 = 5e6;
+
+/// A forest to generate: the rectangle from (0, 0) to (`width`, `height`).
+///
+/// The default has the density and radius of the paper's figure 2.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
+///
+/// let spec = ForestSpec { width: 100.0, min_distance: 3.0, ..Default::default() };
+/// let forest = spec.generate(Seed(1))?;
+/// assert!(forest.to_world().trees.len() > 100);
+/// # Ok::<(), envgen::GenerateError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ForestSpec {
     /// Width of the area in metres.
     pub width: f64,
+    /// Height of the area in metres.
+    pub height: f64,
+    /// Mean number of trees a square metre.
+    pub intensity: f64,
+    /// Radius of the trunks in metres; the median of `log_normal`, unused by `uniform`.
+    pub radius: f64,
+    /// The law of the radii.
+    pub radius_law: RadiusLaw,
+    /// Least radius of a varying law in metres.
+    pub radius_min: f64,
+    /// Greatest radius of a varying law in metres.
+    pub radius_max: f64,
+    /// Standard deviation of the logarithm of a `log_normal` radius.
+    pub radius_sigma: f64,
+    /// Least distance between two trees' centres in metres; 0 for none.
+    pub min_distance: f64,
+    /// What the border does.
+    pub border: Border,
+    /// Radius in metres around start and goal that no trunk reaches into; 0 clears nothing.
+    pub clearing: f64,
+    /// Radius in metres of the robot for which start, goal and the ways through are found.
+    pub robot_radius: f64,
+    /// Where the forest is dense and where it is light: factors on `intensity`.
+    pub density: Option<DensityMap>,
 }
 
 impl Default for ForestSpec {
     fn default() -> Self {
-        ForestSpec { width: 50.0 }
+        ForestSpec {
+            width: 50.0,
+            height: 50.0,
+            intensity: 0.05,
+            radius: 1.0,
+            radius_law: RadiusLaw::Fixed,
+            radius_min: 0.5,
+            radius_max: 2.0,
+            radius_sigma: 0.4,
+            min_distance: 0.0,
+            border: Border::Open,
+            clearing: 0.0,
+            robot_radius: 0.36,
+            density: None,
+        }
     }
 }
 
-const WIDTH: Setting = Setting::number("width", "m", 0.1, 1e6, "width of the area");
+/// What a forest's border does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Border {
+    /// Centres lie inside; trunks may stick out by their radius.
+    Open,
+    /// Whole trunks lie inside; `intensity` counts on the area that is left for the centres.
+    Inset,
+    /// Opposite sides are joined: distances count across, so that copies of the forest tile the
+    /// plane.
+    Torus,
+}
+
+const WIDTH: Setting = Setting::number("width", "m", 0.01, 1e6, "width of the area");
+const HEIGHT: Setting = Setting::number("height", "m", 0.01, 1e6, "height of the area");
+const INTENSITY: Setting =
+    Setting::number("intensity", "1/m^2", 0.0, 1e6, "mean number of trees a square metre");
+const RADIUS: Setting = Setting::number(
+    "radius",
+    "m",
+    1e-4,
+    1e4,
+    "radius of the trunks (log_normal: median; uniform: unused)",
+);
+const RADIUS_LAW: Setting =
+    Setting::choice("radius_law", &["fixed", "uniform", "log_normal"], "law of the radii");
+const RADIUS_MIN: Setting =
+    Setting::number("radius_min", "m", 1e-4, 1e4, "least radius of a varying law");
+const RADIUS_MAX: Setting =
+    Setting::number("radius_max", "m", 1e-4, 1e4, "greatest radius of a varying law");
+const RADIUS_SIGMA: Setting = Setting::number(
+    "radius_sigma",
+    "",
+    1e-3,
+    5.0,
+    "standard deviation of the logarithm of a log_normal radius",
+);
+const MIN_DISTANCE: Setting = Setting::number(
+    "min_distance",
+    "m",
+    0.0,
+    1e5,
+    "least distance between two trees' centres (0: none)",
+);
+const BORDER: Setting =
+    Setting::choice("border", &["open", "inset", "torus"], "what the border does");
+const CLEARING: Setting =
+    Setting::number("clearing", "m", 0.0, 1e5, "radius kept free of trunks around start and goal");
+const ROBOT_RADIUS: Setting = Setting::number(
+    "robot_radius",
+    "m",
+    0.0,
+    1e4,
+    "radius of the robot for which start, goal and the ways through are found",
+);
+const DENSITY: Setting = Setting::other(
+    "density",
+    "",
+    "none, or rows of factors of at least 0, the top row first: [[0, 1], [1, 0.5]]",
+    "where the forest is dense: a raster of factors on the intensity",
+);
 
 /// Why a forest could not be made.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
-pub enum ForestError {}
+pub enum ForestError {
+    /// The number of trees that was drawn cannot keep their distance.
+    #[error(
+        "`min_distance` is {distance} m, allowed is less: {trees} trees were drawn and the area \
+         takes at most {capacity} at this distance"
+    )]
+    Capacity {
+        /// The number of trees drawn.
+        trees: u64,
+        /// The number from which on random placement does not come to an end.
+        capacity: f64,
+        /// The least distance asked.
+        distance: f64,
+    },
+    /// Random placement did not find a place for every tree.
+    #[error(
+        "{placed} of {trees} trees were placed at a distance of {distance} m in {attempts} \
+         attempts; ask for a lower `intensity` or `min_distance`"
+    )]
+    Attempts {
+        /// The number of trees drawn.
+        trees: u64,
+        /// Those that found a place.
+        placed: u64,
+        /// The attempts made.
+        attempts: u64,
+        /// The least distance asked.
+        distance: f64,
+    },
+    /// A density gave a value that it had promised not to give.
+    #[error("the density at ({x}, {y}) is {value}, allowed is a number from 0 to {max}")]
+    Density {
+        /// Where, in metres.
+        x: f64,
+        /// Where, in metres.
+        y: f64,
+        /// What it gave.
+        value: f64,
+        /// The greatest value it promised.
+        max: f64,
+    },
+}
 
 impl Spec for ForestSpec {
     type Blueprint = Forest;
+
     const KIND: &'static str = "forest";
+
     const VALUE_VERSION: u32 = 1;
-    const SETTINGS: &'static [Setting] = &[WIDTH];
+
+    const SETTINGS: &'static [Setting] = &[
+        WIDTH,
+        HEIGHT,
+        INTENSITY,
+        RADIUS,
+        RADIUS_LAW,
+        RADIUS_MIN,
+        RADIUS_MAX,
+        RADIUS_SIGMA,
+        MIN_DISTANCE,
+        BORDER,
+        CLEARING,
+        ROBOT_RADIUS,
+        DENSITY,
+    ];
 
     fn validate(&self) -> Result<(), SpecError> {
-        WIDTH.check(self.width)
+        WIDTH.check(self.width)?;
+        HEIGHT.check(self.height)?;
+        INTENSITY.check(self.intensity)?;
+        RADIUS.check(self.radius)?;
+        RADIUS_MIN.check(self.radius_min)?;
+        RADIUS_MAX.check(self.radius_max)?;
+        RADIUS_SIGMA.check(self.radius_sigma)?;
+        MIN_DISTANCE.check(self.min_distance)?;
+        CLEARING.check(self.clearing)?;
+        ROBOT_RADIUS.check(self.robot_radius)?;
+        if let Some(density) = &self.density {
+            density.validate()?;
+        }
+        radius::validate(self)?;
+        self.check_border()?;
+        self.check_count()?;
+        self.check_filling()
     }
 
     fn generate(&self, seed: Seed) -> Result<Forest, GenerateError> {
         self.validate()?;
-        Ok(Forest { spec: self.clone(), seed })
+        match &self.density {
+            None => self.plant(seed, None),
+            Some(map) => self.plant(seed, Some(&map.over(self))),
+        }
     }
 }
 
-/// The trees of a forest.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Forest {
-    #[serde(skip)]
-    spec: ForestSpec,
-    #[serde(skip)]
-    seed: Seed,
+impl ForestSpec {
+    /// Generates a forest of varying density: `density` takes the place of `intensity` and of the
+    /// spec's own raster. It cannot stand in the provenance, which is therefore marked as edited.
+    ///
+    /// # Errors
+    /// As [`Spec::generate`], and when the density gives a value outside its own limits.
+    pub fn generate_with(
+        &self,
+        seed: Seed,
+        density: &dyn Density,
+    ) -> Result<Forest, GenerateError> {
+        let peak = ForestSpec { intensity: density.max(), density: None, ..self.clone() };
+        peak.validate()?;
+        let mut forest = peak.plant(seed, Some(density))?;
+        forest.edited = true;
+        Ok(forest)
+    }
+
+    /// The rectangle of the forest.
+    pub fn area(&self) -> Rect {
+        Rect::new(DVec2::ZERO, DVec2::new(self.width, self.height))
+    }
+
+    /// The rectangle in which centres lie.
+    pub(super) fn centre_area(&self) -> Rect {
+        match self.border {
+            Border::Open | Border::Torus => self.area(),
+            Border::Inset => self.area().grown(-self.largest_radius()),
+        }
+    }
+
+    /// The greatest radius that the law can give, in metres.
+    pub(super) fn largest_radius(&self) -> f64 {
+        match self.radius_law {
+            RadiusLaw::Fixed => self.radius,
+            RadiusLaw::Uniform | RadiusLaw::LogNormal => self.radius_max,
+        }
+    }
+
+    fn plant(&self, seed: Seed, density: Option<&dyn Density>) -> Result<Forest, GenerateError> {
+        let centres = if self.min_distance > 0.0 {
+            hard_core::centres(self, seed, density)?
+        } else {
+            poisson::centres(self, seed, density)?
+        };
+        let trees = radius::grow(self, seed, centres);
+        let (trees, cleared) = place::clear(self, trees);
+        Ok(Forest { trees, cleared, spec: self.clone(), seed, edited: false })
+    }
+
+    fn check_border(&self) -> Result<(), SpecError> {
+        let side = self.width.min(self.height);
+        if self.border == Border::Inset && 2.0 * self.largest_radius() >= side {
+            let allowed =
+                format!("under {} m with border inset, half the shorter side", 0.5 * side);
+            let name = if self.radius_law == RadiusLaw::Fixed { "radius" } else { "radius_max" };
+            return Err(SpecError::new(name, self.largest_radius(), allowed));
+        }
+        if self.border == Border::Torus && 2.0 * self.min_distance > side {
+            let allowed =
+                format!("at most {} m with border torus, half the shorter side", 0.5 * side);
+            return Err(SpecError::new("min_distance", self.min_distance, allowed));
+        }
+        Ok(())
+    }
+
+    fn check_count(&self) -> Result<(), SpecError> {
+        let size = self.centre_area().size();
+        let area = size.x * size.y;
+        let peak = self.density.as_ref().map_or(1.0, DensityMap::max);
+        let most = if self.min_distance > 0.0 { MAX_SPACED_TREES } else { MAX_TREES };
+        if self.intensity * peak * area <= most {
+            return Ok(());
+        }
+        let allowed = format!("at most {} 1/m^2: {most} trees on {area} m^2", most / (area * peak));
+        Err(SpecError::new("intensity", self.intensity, allowed))
+    }
+
+    fn check_filling(&self) -> Result<(), SpecError> {
+        let grown = self.largest_radius() + self.robot_radius;
+        let peak = self.density.as_ref().map_or(1.0, DensityMap::max);
+        let most = MAX_FILLING / (PI * grown * grown * peak);
+        if self.intensity <= most {
+            return Ok(());
+        }
+        let allowed = format!(
+            "at most {most} 1/m^2: trunks of {} m with a robot of {} m would lie {MAX_FILLING} deep",
+            self.largest_radius(),
+            self.robot_radius
+        );
+        Err(SpecError::new("intensity", self.intensity, allowed))
+    }
 }
 
-/// Numbers that describe a forest.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ForestMetrics {}
+/// The most trunks, grown by the robot's radius, that may lie over a point on average: far beyond
+/// any way through, and what bounds the time that overlaps cost.
+const MAX_FILLING: f64 = 100.0;
+
+/// The trees of a forest, with the spec and seed that they were drawn for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forest {
+    trees: Vec<Tree>,
+    cleared: u64,
+    spec: ForestSpec,
+    seed: Seed,
+    edited: bool,
+}
+
+impl Forest {
+    /// The trees, in the order in which they were drawn.
+    pub fn trees(&self) -> &[Tree] {
+        &self.trees
+    }
+
+    /// How many trees the clearings took away.
+    pub fn cleared(&self) -> u64 {
+        self.cleared
+    }
+
+    /// What was asked.
+    pub fn spec(&self) -> &ForestSpec {
+        &self.spec
+    }
+
+    /// The seed it was drawn with.
+    pub fn seed(&self) -> Seed {
+        self.seed
+    }
+}
+
+impl Serialize for Forest {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Fields<'a> {
+            width: f64,
+            height: f64,
+            trees: Triples<'a>,
+        }
+        let Forest { trees, spec, .. } = self;
+        Fields { width: spec.width, height: spec.height, trees: Triples(trees) }
+            .serialize(serializer)
+    }
+}
+
+/// Trees as `[x, y, radius]`.
+struct Triples<'a>(&'a [Tree]);
+
+impl Serialize for Triples<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut list = serializer.serialize_seq(Some(self.0.len()))?;
+        for tree in self.0 {
+            list.serialize_element(&[tree.center.x, tree.center.y, tree.radius])?;
+        }
+        list.end()
+    }
+}
 
 impl Blueprint for Forest {
     type Metrics = ForestMetrics;
 
     fn metrics(&self) -> ForestMetrics {
-        ForestMetrics {}
+        metrics::measure(self)
     }
 
     fn to_world(&self) -> World {
-        let size = glam::DVec2::new(self.spec.width, 50.0);
-        World::new(self.spec.provenance(self.seed), Rect::new(glam::DVec2::ZERO, size))
+        let mut provenance = self.spec.provenance(self.seed);
+        provenance.edited = self.edited;
+        place::world(self, provenance)
     }
 }

@@ -114,7 +114,7 @@ impl<'de> Deserialize<'de> for State {
     }
 }
 
-/// The chain: equation (1) of the paper, with p_ss = 1 - p_st and p_ts = 1 - p_tt.
+/// The chain: equation (1) of the paper, with `p_ss` = 1 - `p_st` and `p_ts` = 1 - `p_tt`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HallwayChain {
     p_st: f64,

@@ -78,6 +78,7 @@ pub(super) fn place(hallway: &Hallway, layout: &HallwayLayout) -> Placed {
         return placed;
     }
     let mut taken = Taken::new(layout, spec);
+    let passage = passage(spec);
     let mut stream = hallway.seed().stream("hallway/features", 0);
     for (k, leg) in layout.legs.iter().enumerate() {
         let end =
@@ -87,11 +88,14 @@ pub(super) fn place(hallway: &Hallway, layout: &HallwayLayout) -> Placed {
             let (which, jitter, left) = (stream.unit(), stream.unit(), stream.chance(0.5));
             let Some((kind, length)) = draw(spec, which) else { continue };
             let side = if left { Side::Left } else { Side::Right };
-            let slack = (spec.pitch - length - 2.0 * spec.wall).max(0.0);
+            let apart = if kind == FeatureKind::Alcove { 2.0 * spec.wall } else { passage };
+            let slack = (spec.pitch - length - apart).max(0.0);
             let at = layout.cells()[cell] + leg.direction * slack * (jitter - 0.5);
             let feature =
                 Feature { kind, cell, at, direction: leg.direction, side, length, leg: k };
-            if fits_on_leg(layout, spec, &feature) && taken.claim(spec, &feature) {
+            let room =
+                fits_on_leg(layout, spec, &feature) && clear_of_last(&placed, &feature, passage);
+            if room && taken.claim(spec, &feature) {
                 placed.features.push(feature);
             } else {
                 placed.dropped += 1;
@@ -99,6 +103,26 @@ pub(super) fn place(hallway: &Hallway, layout: &HallwayLayout) -> Placed {
         }
     }
     placed
+}
+
+/// The narrowest way through that the spec asks for, in metres.
+fn passage(spec: &HallwaySpec) -> f64 {
+    let frame = if spec.door_frame_rate > 0.0 { spec.door_frame_width } else { spec.width };
+    let crate_ = if spec.narrowing_rate > 0.0 { spec.narrowing_width } else { spec.width };
+    frame.min(crate_)
+}
+
+/// Whether what fits through the narrowest way can also move aside between this feature and the
+/// last one: a crate right behind a door frame would close the corridor.
+fn clear_of_last(placed: &Placed, feature: &Feature, passage: f64) -> bool {
+    let in_the_way = |other: &&Feature| other.kind != FeatureKind::Alcove;
+    let last = placed.features.iter().rev().find(in_the_way);
+    feature.kind == FeatureKind::Alcove
+        || last.is_none_or(|last| {
+            let apart = (feature.at - last.at).dot(feature.direction).abs();
+            let lengths = 0.5 * (feature.length + last.length);
+            last.leg != feature.leg || apart >= lengths + passage - 1e-9
+        })
 }
 
 fn draw(spec: &HallwaySpec, which: f64) -> Option<(FeatureKind, f64)> {

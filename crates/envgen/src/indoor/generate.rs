@@ -9,8 +9,40 @@ use super::spec::{Cycles, IndoorSpec, Layout, Profile};
 use crate::distribution::standard_normal;
 use crate::seed::Seed;
 
-/// The plan of a valid spec.
-pub(super) fn plan(spec: &IndoorSpec, seed: Seed) -> FloorPlan {
+/// A step of the generator, in the order in which they run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Stage {
+    /// The distances between hallways are drawn, and the hallways placed or grown.
+    Hallways,
+    /// Cycles are prevented, where drawn.
+    Cycles,
+    /// Rooms are drawn and placed.
+    Rooms,
+    /// What is left becomes open area.
+    OpenAreas,
+    /// Contents are moved, where a clearance is asked.
+    Contents,
+    /// Doorways are drawn and walls opened.
+    Doorways,
+    /// What cannot be reached gets doorways, in the profile `guaranteed`.
+    Access,
+}
+
+impl Stage {
+    /// Every stage, in order.
+    pub const ALL: [Stage; 7] = [
+        Stage::Hallways,
+        Stage::Cycles,
+        Stage::Rooms,
+        Stage::OpenAreas,
+        Stage::Contents,
+        Stage::Doorways,
+        Stage::Access,
+    ];
+}
+
+/// The plan of a valid spec; `after` is called behind every stage.
+pub(super) fn plan(spec: &IndoorSpec, seed: Seed, after: &mut dyn FnMut(Stage)) -> FloorPlan {
     let mut stream = seed.stream("indoor/spacing", 0);
     let mut space = |given: Option<u32>, size: u32| {
         // Drawn even where it is given, so that one setting does not change the other's draw.
@@ -33,6 +65,7 @@ pub(super) fn plan(spec: &IndoorSpec, seed: Seed) -> FloorPlan {
     match spec.layout {
         Layout::Grid => {
             hallways::place(&mut grid, spacing_h, spacing_v);
+            after(Stage::Hallways);
             if cycles_prevented {
                 removed = cycles::prevent(&mut grid, spacing_h, spacing_v, &mut stream);
             }
@@ -44,8 +77,10 @@ pub(super) fn plan(spec: &IndoorSpec, seed: Seed) -> FloorPlan {
                 loops: !cycles_prevented,
             };
             l_system::grow(&mut grid, &law, &mut seed.stream("indoor/l_system", 0));
+            after(Stage::Hallways);
         }
     }
+    after(Stage::Cycles);
 
     let allowed = spec.allowed_rooms();
     let probabilities = spec.room_probabilities();
@@ -53,9 +88,11 @@ pub(super) fn plan(spec: &IndoorSpec, seed: Seed) -> FloorPlan {
         rooms::Choice { rooms: &allowed, probabilities: &probabilities, turn: spec.may_turn() };
     let rooms::Placed { mut rooms, first_choice } =
         rooms::place(&mut grid, &choice, &mut seed.stream("indoor/rooms", 0));
+    after(Stage::Rooms);
     if spec.open_areas {
         open_areas::fill(&mut grid, &removed);
     }
+    after(Stage::OpenAreas);
 
     let mut variations = Vec::new();
     if let Some(wanted) = spec.clearance {
@@ -67,17 +104,20 @@ pub(super) fn plan(spec: &IndoorSpec, seed: Seed) -> FloorPlan {
         }
     }
 
+    after(Stage::Contents);
     let guaranteed = spec.profile == Profile::Guaranteed;
     let probability =
         spec.doorway_probability.unwrap_or_else(|| adapt::doorway_probability(spec.difficulty));
     let interiors = guaranteed.then(|| Interiors::new(&grid, &rooms, spec.dimensions()));
     let mut stream = seed.stream("indoor/doorways", 0);
     let drawn = doorways::place(&grid, &mut rooms, probability, interiors.as_ref(), &mut stream);
+    after(Stage::Doorways);
     let mut openings = drawn.openings;
-    if guaranteed {
+    if let Some(interiors) = interiors {
         let mut stream = seed.stream("indoor/access", 0);
-        repair(&grid, &mut rooms, &mut openings, spec.dimensions(), &mut stream);
+        repair(&grid, &mut rooms, &mut openings, interiors, spec.dimensions(), &mut stream);
     }
+    after(Stage::Access);
     FloorPlan {
         spec: spec.clone(),
         seed: Some(seed),

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::adaptation;
 use super::catalogue::{Catalogue, SharedRoom};
+use super::generate::Stage;
 use super::interior::Dimensions;
 use super::plan::FloorPlan;
 use crate::error::{GenerateError, SpecError};
@@ -283,12 +284,25 @@ impl Spec for IndoorSpec {
     }
 
     fn generate(&self, seed: Seed) -> Result<FloorPlan, GenerateError> {
-        self.validate()?;
-        Ok(super::generate::plan(self, seed))
+        self.generate_observed(seed, &mut |_| ())
     }
 }
 
 impl IndoorSpec {
+    /// Generates a plan as [`Spec::generate`] does, and calls `after` behind every stage: for clocks
+    /// and progress bars, which this crate has none of.
+    ///
+    /// # Errors
+    /// As [`Spec::generate`].
+    pub fn generate_observed(
+        &self,
+        seed: Seed,
+        after: &mut dyn FnMut(Stage),
+    ) -> Result<FloorPlan, GenerateError> {
+        self.validate()?;
+        Ok(super::generate::plan(self, seed, after))
+    }
+
     /// The catalogue: its own, or the built-in one.
     pub fn catalogue(&self) -> &Catalogue {
         self.catalogue.as_ref().unwrap_or(Catalogue::builtin())

@@ -28,17 +28,18 @@ pub(in crate::indoor) fn repair(
     grid: &Grid,
     rooms: &mut [PlacedRoom],
     openings: &mut Vec<Opening>,
+    mut interiors: Interiors,
     dimensions: Dimensions,
     stream: &mut Stream,
 ) {
     let Some(root) = grid.cells().iter().position(|&cell| cell == Cell::Hallway) else { return };
     loop {
-        let interiors = Interiors::new(grid, rooms, dimensions);
         let unreached = connect(grid, rooms, openings, &interiors, root, stream);
         doorways::sort(openings);
         if unreached.is_empty() || !empty(grid, rooms, &unreached) {
             return;
         }
+        interiors = Interiors::new(grid, rooms, dimensions);
     }
 }
 

@@ -71,7 +71,7 @@ impl Catalogue {
             .map_err(|source| FolderError::Catalogue { path: folder.to_owned(), source })
     }
 
-    /// This catalogue with the rooms of a folder behind its own.
+    /// This catalogue with the rooms of a folder, as [`Catalogue::with`] joins them.
     ///
     /// # Errors
     /// As [`Catalogue::read_folder`].
@@ -136,7 +136,13 @@ mod tests {
             read(&[("b.room.ron", CELL), ("a.room.ron", &hall), ("notes.txt", "no room")]).unwrap();
         let names: Vec<_> = rooms.rooms().iter().map(|room| room.name.as_str()).collect();
         assert_eq!(names, ["hall", "cell"]);
-        assert!(Catalogue::builtin().with(rooms.rooms().iter().map(|r| (**r).clone())).is_ok());
+        let all = Catalogue::builtin().with(rooms.rooms().iter().map(|r| (**r).clone())).unwrap();
+        assert_eq!((all.rooms().len(), all.rooms()[21].name.as_str()), (22, "cell"));
+        // A room of a known name takes its place.
+        let dark = [RoomDesign::bare("dark", 2, 2, 1.0)];
+        let all = all.with(dark).unwrap();
+        assert_eq!((all.rooms().len(), all.rooms()[0].width), (22, 2));
+        assert_eq!(all.with([]), Err(CatalogueError::Count(0)));
     }
 
     #[test]

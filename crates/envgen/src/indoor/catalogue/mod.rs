@@ -158,15 +158,26 @@ impl Catalogue {
         self.rooms.iter().find(|room| room.name == name)
     }
 
-    /// This catalogue with further rooms behind its own.
+    /// This catalogue with further rooms: one of a name that is there already takes its place, the
+    /// others stand behind.
     ///
     /// # Errors
-    /// As [`Catalogue::new`].
+    /// As [`Catalogue::new`] for the further rooms, and when there are too many together.
     pub fn with(
         &self,
         rooms: impl IntoIterator<Item = RoomDesign>,
     ) -> Result<Self, CatalogueError> {
-        Catalogue::new(self.rooms.iter().map(|room| (**room).clone()).chain(rooms))
+        let mut all = self.rooms.to_vec();
+        for room in Catalogue::new(rooms)?.rooms.iter() {
+            match all.iter_mut().find(|known| known.name == room.name) {
+                Some(known) => *known = room.clone(),
+                None => all.push(room.clone()),
+            }
+        }
+        if all.len() > MAX_ROOMS {
+            return Err(CatalogueError::Count(all.len()));
+        }
+        Ok(Catalogue { rooms: all.into() })
     }
 }
 

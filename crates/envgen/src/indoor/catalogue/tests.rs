@@ -125,9 +125,6 @@ fn what_is_destroyed_is_harder_to_pass() {
         ("cubicle unlit", "cubicle unlit destroyed"),
     ] {
         assert!(way(destroyed) < 0.9 * way(intact), "{destroyed}");
-        let free =
-            |name| -> f64 { room(name).interior(ROBOT).parts().iter().map(|part| part.area).sum() };
-        assert!(free(destroyed) < free(intact), "{destroyed}");
         assert!(room(destroyed).surfaces.iter().any(|s| s.kind == SurfaceKind::Debris));
     }
     // Slanted walls: not one of the panels runs along an axis.

@@ -1,0 +1,135 @@
+//! `envgen inspect`.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use envgen::certificate::{Claim, Verdict, verify};
+use envgen::geometry::{Pose, Rect};
+use envgen::{Provenance, World, WorldMetrics, WorldSpec};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::failure::Failure;
+use crate::source::read_world;
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// A world file, JSON or RON.
+    file: PathBuf,
+
+    /// Prints JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a world file holds.
+#[derive(Serialize)]
+struct Report<'a> {
+    provenance: &'a Provenance,
+    digest: String,
+    /// Whether this crate makes the same world of the same spec and seed.
+    reproducible: bool,
+    bounds: Rect,
+    start: Option<Pose>,
+    goal: Option<Pose>,
+    parts: Parts,
+    certificate: Vec<Checked>,
+    /// Absent when the world is no longer what its spec and seed make.
+    metrics: Option<WorldMetrics>,
+}
+
+#[derive(Serialize)]
+struct Parts {
+    walls: usize,
+    trees: usize,
+    road_strips: usize,
+    rooms: usize,
+    doorways: usize,
+    obstacles: usize,
+    surfaces: usize,
+    raster_cells: usize,
+}
+
+#[derive(Serialize)]
+struct Checked {
+    claim: Claim,
+    text: String,
+    verdict: Verdict,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let world = read_world(&arguments.file)?;
+    let report = report(&world);
+    let mut out = io::stdout().lock();
+    if arguments.json {
+        serde_json::to_writer_pretty(&mut out, &report)?;
+        writeln!(out)?;
+    } else {
+        let tree = serde_json::to_value(&report)?;
+        print(&mut out, &tree, 0)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn report(world: &World) -> Report<'_> {
+    let digest = world.digest();
+    let again = world.provenance.seed.and_then(|seed| {
+        let blueprint = WorldSpec::from_provenance(&world.provenance).ok()?.generate(seed).ok()?;
+        (blueprint.to_world().digest() == digest).then(|| blueprint.metrics())
+    });
+    let checked =
+        |(claim, verdict): (Claim, Verdict)| Checked { claim, text: claim.to_string(), verdict };
+    Report {
+        provenance: &world.provenance,
+        digest: digest.to_string(),
+        reproducible: again.is_some(),
+        bounds: world.bounds,
+        start: world.start,
+        goal: world.goal,
+        parts: Parts {
+            walls: world.walls.len(),
+            trees: world.trees.len(),
+            road_strips: world.road_strips.len(),
+            rooms: world.rooms.len(),
+            doorways: world.doorways.len(),
+            obstacles: world.obstacles.len(),
+            surfaces: world.surfaces.len(),
+            raster_cells: world.raster.as_ref().map_or(0, |raster| raster.cells.len()),
+        },
+        certificate: verify(world).into_iter().map(checked).collect(),
+        metrics: again,
+    }
+}
+
+/// Prints a tree of values, two spaces a level; lists of plain values stand in one line.
+fn print(out: &mut impl Write, value: &Value, level: usize) -> io::Result<()> {
+    let Value::Object(fields) = value else { return writeln!(out, "{}", plain(value)) };
+    for (name, value) in fields {
+        write!(out, "{:indent$}{name}:", "", indent = 2 * level)?;
+        match value {
+            Value::Object(fields) if !fields.is_empty() => {
+                writeln!(out)?;
+                print(out, value, level + 1)?;
+            }
+            Value::Array(items) if items.iter().any(Value::is_object) => {
+                writeln!(out)?;
+                for item in items {
+                    writeln!(out, "{:indent$}-", "", indent = 2 * level + 2)?;
+                    print(out, item, level + 2)?;
+                }
+            }
+            _ => writeln!(out, " {}", plain(value))?,
+        }
+    }
+    Ok(())
+}
+
+fn plain(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Null => "none".to_owned(),
+        other => other.to_string(),
+    }
+}

@@ -1,0 +1,88 @@
+//! `envgen kinds`.
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clap::Args;
+use envgen::Kind;
+use serde_json::{Value, json};
+
+use crate::failure::Failure;
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Prints JSON.
+    #[arg(long)]
+    json: bool,
+
+    /// Only this kind.
+    kind: Option<String>,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let kinds = match &arguments.kind {
+        Some(name) => vec![name.parse()?],
+        None => Kind::ALL.to_vec(),
+    };
+    let mut out = io::stdout().lock();
+    if arguments.json {
+        let list: Vec<Value> = kinds.iter().map(|kind| describe(*kind)).collect();
+        serde_json::to_writer_pretty(&mut out, &list)?;
+        writeln!(out)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    for (i, kind) in kinds.into_iter().enumerate() {
+        if i > 0 {
+            writeln!(out)?;
+        }
+        writeln!(out, "{kind}: {}", kind.summary())?;
+        let defaults = kind.default_spec().settings_json();
+        let column = kind.settings().iter().map(|setting| setting.name.len()).max().unwrap_or(0);
+        for setting in kind.settings() {
+            let default = plain(&defaults[setting.name]);
+            let unit = if setting.unit.is_empty() { "" } else { " " };
+            writeln!(
+                out,
+                "  {:column$}  {}\n  {:column$}  {}{unit}{}; default {default}",
+                setting.name, setting.help, "", setting.allowed, setting.unit
+            )?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn describe(kind: Kind) -> Value {
+    let defaults = kind.default_spec().settings_json();
+    let settings: Vec<Value> = kind
+        .settings()
+        .iter()
+        .map(|setting| {
+            json!({
+                "name": setting.name,
+                "unit": setting.unit,
+                "allowed": setting.allowed.to_string(),
+                "default": defaults[setting.name],
+                "help": setting.help,
+            })
+        })
+        .collect();
+    json!({
+        "kind": kind,
+        "summary": kind.summary(),
+        "value_version": kind.value_version(),
+        "settings": settings,
+    })
+}
+
+/// A value as one would give it to `--set`.
+fn plain(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Null => "none".to_owned(),
+        Value::Array(items) => items.iter().map(plain).collect::<Vec<_>>().join(","),
+        Value::Number(number) => {
+            number.as_f64().map_or_else(|| number.to_string(), |number| number.to_string())
+        }
+        other => other.to_string(),
+    }
+}

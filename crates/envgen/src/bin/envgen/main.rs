@@ -1,0 +1,52 @@
+//! The command `envgen`: generates, samples, inspects and checks worlds.
+//!
+//! Exit codes: 0 done, 1 a check did not hold or generation failed, 2 bad arguments.
+
+mod check;
+mod failure;
+mod generate;
+mod inspect;
+mod kinds;
+mod output;
+mod sample;
+mod source;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Random worlds for robots: hallways, forests and more, from a kind, its settings and a seed.
+#[derive(Parser)]
+#[command(version, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Lists every kind with its settings, units, defaults and limits.
+    Kinds(kinds::Arguments),
+    /// Generates one world and writes it to files; the format follows a file's ending.
+    Generate(generate::Arguments),
+    /// Prints blueprints of consecutive seeds as JSON lines.
+    Sample(sample::Arguments),
+    /// Tells what a world file holds: provenance, certificate, metrics.
+    Inspect(inspect::Arguments),
+    /// Verifies a world's certificate on the world alone; exit code 1 if it does not hold.
+    Check(check::Arguments),
+}
+
+fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        Command::Kinds(arguments) => kinds::run(&arguments),
+        Command::Generate(arguments) => generate::run(&arguments),
+        Command::Sample(arguments) => sample::run(&arguments),
+        Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+    };
+    match done {
+        Ok(code) => code,
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,53 @@
+//! Files that appear whole or not at all.
+
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use crate::failure::Failure;
+
+/// Files under temporary names beside their places. Dropped without [`Pending::commit`], nothing
+/// is left.
+#[derive(Default)]
+pub(crate) struct Pending(Vec<(NamedTempFile, PathBuf)>);
+
+impl Pending {
+    /// Writes one file.
+    pub(crate) fn write(
+        &mut self,
+        path: &Path,
+        write: impl FnOnce(&mut dyn Write) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let file = new_file(folder).map_err(|error| Failure::of_file(path, error))?;
+        let mut out = BufWriter::with_capacity(1 << 16, file);
+        write(&mut out)?;
+        let file = out.into_inner().map_err(|error| Failure::of_file(path, error.error()))?;
+        self.0.push((file, path.to_owned()));
+        Ok(())
+    }
+
+    /// Gives every file its name.
+    pub(crate) fn commit(self) -> Result<(), Failure> {
+        for (file, path) in self.0 {
+            file.persist(&path).map_err(|error| Failure::of_file(&path, error.error))?;
+        }
+        Ok(())
+    }
+}
+
+fn new_file(folder: &Path) -> std::io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".envgen-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // What a new file usually gets, less the user's umask; a temporary file is private.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
+}

@@ -1,0 +1,195 @@
+//! Writing worlds: every format that a world can be written in, by the ending of the file's name.
+//!
+//! A [`Format`] is one line of the table below: what it is, and for each of its files the ending
+//! and the function that writes it. Most formats are one file; a format of several, such as an
+//! image with its description, names the file that the others belong to first.
+//!
+//! ```
+//! use envgen::export::{Format, Job};
+//! use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+//!
+//! let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+//! let format = Format::from_path("hallway.json".as_ref())?;
+//! let mut file = Vec::new();
+//! format.write(&Job::new(&world), &mut file)?;
+//! assert_eq!(envgen::import::read_json(&mut file.as_slice())?, world);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use std::fmt;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::file::FileError;
+#[cfg(feature = "picture")]
+use crate::picture::{PictureError, PictureOptions};
+use crate::world::World;
+
+/// Why a world could not be written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// The file's name ends like that of no format.
+    #[error("no format for `{path}`, there are: {known}")]
+    UnknownEnding {
+        /// The file's name.
+        path: PathBuf,
+        /// The endings that exist.
+        known: String,
+    },
+    /// Writing failed.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// The world cannot stand in a world file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The world cannot be drawn.
+    #[cfg(feature = "picture")]
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+}
+
+/// What is to be written, and how.
+#[derive(Clone, Debug)]
+pub struct Job<'a> {
+    /// The world.
+    pub world: &'a World,
+    /// The file's name without its ending, for formats of several files that name each other.
+    pub stem: String,
+    /// How pictures are drawn.
+    #[cfg(feature = "picture")]
+    pub picture: PictureOptions,
+}
+
+impl<'a> Job<'a> {
+    /// A world to write, with every option at its default and the stem `world`.
+    pub fn new(world: &'a World) -> Self {
+        Job {
+            world,
+            stem: "world".to_owned(),
+            #[cfg(feature = "picture")]
+            picture: PictureOptions::default(),
+        }
+    }
+
+    /// The job for a file of this name.
+    pub fn for_path(world: &'a World, path: &Path) -> Self {
+        let mut job = Job::new(world);
+        if let Some(stem) = path.file_stem() {
+            job.stem = stem.to_string_lossy().into_owned();
+        }
+        job
+    }
+}
+
+/// Writes one file of a format.
+pub type Writer = fn(&Job<'_>, &mut dyn Write) -> Result<(), ExportError>;
+
+/// One line a format: variant, what it is, and its files, each an ending and a writer.
+macro_rules! formats {
+    ($($(#[$when:meta])? $variant:ident, $doc:literal, [$($ending:literal => $writer:expr),+];)+) => {
+        /// A file format that worlds can be written in.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[non_exhaustive]
+        pub enum Format {
+            $($(#[$when])? #[doc = $doc] $variant,)+
+        }
+
+        impl Format {
+            /// Every format of this build.
+            pub const ALL: &'static [Format] = &[$($(#[$when])? Format::$variant),+];
+
+            /// What the format is, in one sentence.
+            pub fn summary(self) -> &'static str {
+                match self {
+                    $($(#[$when])? Format::$variant => $doc.trim_ascii(),)+
+                }
+            }
+
+            /// The format's files: the ending of each and its writer. The first is the one that
+            /// [`Format::from_path`] knows the format by.
+            pub fn files(self) -> &'static [(&'static str, Writer)] {
+                match self {
+                    $($(#[$when])? Format::$variant => &[$(($ending, $writer as Writer)),+],)+
+                }
+            }
+        }
+    };
+}
+
+formats! {
+    Json, " The whole world as JSON, for reading back.",
+        ["json" => |job, out| Ok(job.world.write_json(out)?)];
+    Ron, " The whole world as RON, one line a part, for reading back.",
+        ["ron" => |job, out| Ok(job.world.write_ron(out)?)];
+    #[cfg(feature = "picture")]
+    Svg, " A vector picture.",
+        ["svg" => |job, out| Ok(crate::picture::write_svg(job.world, &job.picture, out)?)];
+    #[cfg(feature = "picture")]
+    Png, " A picture in pixels.",
+        ["png" => |job, out| Ok(crate::picture::write_png(job.world, &job.picture, out)?)];
+}
+
+impl Format {
+    /// The ending of the format's first file, without the dot.
+    pub fn ending(self) -> &'static str {
+        self.files()[0].0
+    }
+
+    /// The format that a file's name asks for by its ending; upper and lower case are one.
+    ///
+    /// # Errors
+    /// Lists the endings that exist.
+    pub fn from_path(path: &Path) -> Result<Format, ExportError> {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+        let known = || Format::ALL.iter().copied();
+        known().find(|format| Some(format.ending()) == ending.as_deref()).ok_or_else(|| {
+            let known: Vec<_> = known().map(|format| format!(".{}", format.ending())).collect();
+            ExportError::UnknownEnding { path: path.to_owned(), known: known.join(", ") }
+        })
+    }
+
+    /// Writes the format's first file; for most formats it is the only one.
+    ///
+    /// # Errors
+    /// When the world does not fit the format, or writing fails.
+    pub fn write(self, job: &Job<'_>, out: &mut dyn Write) -> Result<(), ExportError> {
+        (self.files()[0].1)(job, out)
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.ending())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn endings_find_their_format() {
+        let mut endings = BTreeSet::new();
+        for &format in Format::ALL {
+            assert!(endings.insert(format.ending()), "{format} stands twice");
+            for name in [format!("a.b.{format}"), format!("A.{format}").to_uppercase()] {
+                assert_eq!(Format::from_path(Path::new(&name)).unwrap(), format);
+            }
+        }
+    }
+
+    #[test]
+    fn unknown_endings_list_what_exists() {
+        for name in ["world", "world.xyz", ".json", ""] {
+            let error = Format::from_path(Path::new(name)).unwrap_err().to_string();
+            assert!(
+                error.contains(&format!("`{name}`")) && error.contains(".json, .ron"),
+                "{error}"
+            );
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! World files: a whole world as JSON or RON, read back to the last bit.
+//!
+//! Both hold the same fields, those of [`World`], the schema version first. JSON is compact; RON
+//! has one line a part, so that a world can be edited by hand and its changes reviewed.
+
+use std::io::{self, Read, Write};
+
+use ron::ser::PrettyConfig;
+use serde::Deserialize;
+use serde_json::Value;
+use thiserror::Error;
+
+use crate::world::{SCHEMA_VERSION, Violation, World};
+
+/// The longest world file that is read, in bytes; longer ones are refused before they fill the
+/// memory.
+pub const MAX_FILE_BYTES: u64 = 1 << 30;
+
+/// The deepest nesting of the provenance's spec that is written. The readers follow no file deeper
+/// than 128 levels, so that none can exhaust the stack.
+pub const MAX_SPEC_DEPTH: usize = 64;
+
+/// Why a world file could not be read or written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FileError {
+    /// Reading or writing failed.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// The file has another layout.
+    #[error("a world file of schema version {found}; this crate reads version {SCHEMA_VERSION}")]
+    Schema {
+        /// Its version.
+        found: u64,
+    },
+    /// The text is not the JSON of a world.
+    #[error("not the JSON of a world: {0}")]
+    Json(serde_json::Error),
+    /// The text is not the RON of a world.
+    #[error("not the RON of a world, at {0}")]
+    Ron(Box<ron::error::SpannedError>),
+    /// The world cannot be written as RON.
+    #[error("the world cannot be written as RON: {0}")]
+    WriteRon(Box<ron::Error>),
+    /// The world breaks an invariant.
+    #[error("the world is broken: {0}")]
+    World(#[from] Violation),
+    /// The file is too long.
+    #[error("the file is longer than {MAX_FILE_BYTES} bytes")]
+    TooLong,
+    /// The provenance's spec is nested too deeply to be read back.
+    #[error("the provenance's spec is nested more than {MAX_SPEC_DEPTH} levels deep")]
+    TooDeep,
+}
+
+/// The one field that every version of the layout has.
+#[derive(Deserialize)]
+#[serde(rename = "World")]
+struct AnyVersion {
+    schema: u64,
+}
+
+impl World {
+    /// The world as JSON, on one line.
+    ///
+    /// # Errors
+    /// When the world breaks an invariant, or its provenance is nested too deeply.
+    pub fn to_json(&self) -> Result<String, FileError> {
+        let mut text = Vec::new();
+        self.write_json(&mut text)?;
+        // JSON is UTF-8 throughout.
+        Ok(String::from_utf8_lossy(&text).into_owned())
+    }
+
+    /// Writes the world as JSON, on one line with a line break at its end.
+    ///
+    /// # Errors
+    /// When the world breaks an invariant, its provenance is nested too deeply, or writing fails.
+    pub fn write_json(&self, out: &mut dyn Write) -> Result<(), FileError> {
+        self.check_writable()?;
+        let mut out = io::BufWriter::with_capacity(1 << 16, out);
+        serde_json::to_writer(&mut out, self).map_err(io::Error::from)?;
+        out.write_all(b"\n")?;
+        Ok(out.flush()?)
+    }
+
+    /// Reads a world from JSON and checks it.
+    ///
+    /// # Errors
+    /// When the text is not the JSON of a world, has another schema version, or holds a world that
+    /// breaks an invariant.
+    pub fn from_json(text: &str) -> Result<World, FileError> {
+        let world: World =
+            serde_json::from_str(text).map_err(|error| {
+                match serde_json::from_str::<AnyVersion>(text) {
+                    Ok(AnyVersion { schema }) => other_schema(schema, FileError::Json(error)),
+                    Err(_) => FileError::Json(error),
+                }
+            })?;
+        world.check()?;
+        Ok(world)
+    }
+
+    /// The world as RON, one line a part.
+    ///
+    /// # Errors
+    /// When the world breaks an invariant, or its provenance is nested too deeply.
+    pub fn to_ron(&self) -> Result<String, FileError> {
+        self.check_writable()?;
+        let layout = PrettyConfig::new().depth_limit(2).indentor("  ").new_line("\n");
+        let mut text = ron_options()
+            .to_string_pretty(self, layout)
+            .map_err(|error| FileError::WriteRon(Box::new(error)))?;
+        text.push('\n');
+        Ok(text)
+    }
+
+    /// Writes the world as RON, one line a part.
+    ///
+    /// # Errors
+    /// When the world breaks an invariant, its provenance is nested too deeply, or writing fails.
+    pub fn write_ron(&self, out: &mut dyn Write) -> Result<(), FileError> {
+        Ok(out.write_all(self.to_ron()?.as_bytes())?)
+    }
+
+    /// Reads a world from RON and checks it.
+    ///
+    /// # Errors
+    /// When the text is not the RON of a world, has another schema version, or holds a world that
+    /// breaks an invariant.
+    pub fn from_ron(text: &str) -> Result<World, FileError> {
+        let world: World = ron_options().from_str(text).map_err(|error| {
+            let error = FileError::Ron(Box::new(error));
+            match ron_options().from_str::<AnyVersion>(text) {
+                Ok(AnyVersion { schema }) => other_schema(schema, error),
+                Err(_) => error,
+            }
+        })?;
+        world.check()?;
+        Ok(world)
+    }
+
+    /// Whether a file of this world could be read back.
+    fn check_writable(&self) -> Result<(), FileError> {
+        self.check()?;
+        if is_deeper(&self.provenance.spec, MAX_SPEC_DEPTH) {
+            return Err(FileError::TooDeep);
+        }
+        Ok(())
+    }
+}
+
+/// Reads a text file of at most [`MAX_FILE_BYTES`].
+pub(crate) fn read_text(input: &mut dyn Read) -> Result<String, FileError> {
+    let mut text = String::new();
+    let read = input.take(MAX_FILE_BYTES + 1).read_to_string(&mut text)?;
+    if read as u64 > MAX_FILE_BYTES { Err(FileError::TooLong) } else { Ok(text) }
+}
+
+fn other_schema(found: u64, otherwise: FileError) -> FileError {
+    if found == u64::from(SCHEMA_VERSION) { otherwise } else { FileError::Schema { found } }
+}
+
+fn ron_options() -> ron::Options {
+    ron::Options::default().with_recursion_limit(128)
+}
+
+/// Whether arrays and objects of a value are nested more than `limit` deep. It follows no more than
+/// that, so that it costs no more stack than the limit.
+fn is_deeper(value: &Value, limit: usize) -> bool {
+    match value {
+        Value::Array(items) => limit == 0 || items.iter().any(|item| is_deeper(item, limit - 1)),
+        Value::Object(items) => limit == 0 || items.values().any(|item| is_deeper(item, limit - 1)),
+        _ => false,
+    }
+}

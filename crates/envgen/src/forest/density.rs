@@ -1,0 +1,106 @@
+//! Where a forest is dense and where it is light.
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use super::spec::ForestSpec;
+use crate::error::SpecError;
+use crate::geometry::Rect;
+use crate::world::ClassRaster;
+
+/// The most cells that a density map may have.
+const MAX_CELLS: usize = 1 << 24;
+
+/// The greatest factor of a density map.
+const MAX_FACTOR: f64 = 1e6;
+
+/// Mean number of trees a square metre, as a function of the place.
+pub trait Density {
+    /// The greatest value anywhere, in trees a square metre.
+    fn max(&self) -> f64;
+
+    /// The value at a point, from 0 to [`Density::max`].
+    fn at(&self, p: DVec2) -> f64;
+}
+
+/// A density given by a function: its greatest value, and the function.
+impl<F: Fn(DVec2) -> f64> Density for (f64, F) {
+    fn max(&self) -> f64 {
+        self.0
+    }
+
+    fn at(&self, p: DVec2) -> f64 {
+        (self.1)(p)
+    }
+}
+
+/// A raster of factors on a forest's intensity, stretched over its area: rows of equal length, the
+/// top row (greatest y) first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct DensityMap {
+    /// The factors, each at least 0.
+    pub rows: Vec<Vec<f64>>,
+}
+
+impl DensityMap {
+    /// The map of a landscape: class `k` of the raster has the factor `factors[k - 1]`; no data and
+    /// classes without a factor have 0.
+    pub fn from_classes(raster: &ClassRaster, factors: &[f64]) -> Self {
+        let factor = |&class: &u16| {
+            usize::from(class).checked_sub(1).and_then(|i| factors.get(i)).copied().unwrap_or(0.0)
+        };
+        let cols = (raster.cols as usize).max(1);
+        DensityMap {
+            rows: raster.cells.chunks(cols).map(|row| row.iter().map(factor).collect()).collect(),
+        }
+    }
+
+    /// The greatest factor.
+    pub fn max(&self) -> f64 {
+        self.rows.iter().flatten().copied().fold(0.0, f64::max)
+    }
+
+    pub(super) fn validate(&self) -> Result<(), SpecError> {
+        let error = |value: String, allowed: &str| Err(SpecError::new("density", value, allowed));
+        let cols = self.rows.first().map_or(0, Vec::len);
+        if cols == 0 || self.rows.iter().any(|row| row.len() != cols) {
+            return error("ragged or empty".to_owned(), "rows of equal length, at least one cell");
+        }
+        if self.rows.len() * cols > MAX_CELLS {
+            let size = format!("{} x {cols} cells", self.rows.len());
+            return error(size, &format!("at most {MAX_CELLS} cells"));
+        }
+        let bad = |factor: &&f64| !(**factor >= 0.0 && **factor <= MAX_FACTOR);
+        match self.rows.iter().flatten().find(bad) {
+            Some(factor) => error(factor.to_string(), &format!("factors from 0 to {MAX_FACTOR}")),
+            None => Ok(()),
+        }
+    }
+
+    /// The density over the area of a spec.
+    pub(super) fn over<'a>(&'a self, spec: &ForestSpec) -> impl Density + 'a {
+        MapDensity { map: self, area: spec.area(), intensity: spec.intensity }
+    }
+}
+
+struct MapDensity<'a> {
+    map: &'a DensityMap,
+    area: Rect,
+    intensity: f64,
+}
+
+impl Density for MapDensity<'_> {
+    fn max(&self) -> f64 {
+        self.intensity * self.map.max()
+    }
+
+    fn at(&self, p: DVec2) -> f64 {
+        let rows = &self.map.rows;
+        let (height, width) = (rows.len(), rows[0].len());
+        let unit = (p - self.area.min) / self.area.size();
+        let col = ((unit.x * width as f64) as usize).min(width - 1);
+        let row = ((unit.y * height as f64) as usize).min(height - 1);
+        self.intensity * rows[height - 1 - row][col]
+    }
+}

@@ -1,0 +1,290 @@
+//! A forest without borders, tile by tile.
+
+use std::f64::consts::PI;
+
+use glam::DVec2;
+
+use super::radius;
+use super::spec::{ForestSpec, MAX_TREES};
+use crate::distribution::poisson;
+use crate::error::SpecError;
+use crate::generate::Spec;
+use crate::geometry::Rect;
+use crate::seed::{Seed, Stream};
+use crate::world::Tree;
+
+/// The most trees that one tile may be expected to hold, before thinning.
+const MAX_TREES_A_TILE: f64 = 1e6;
+
+/// Thinning by marks keeps at most 1 / (pi d^2) trees a square metre, and needs ever more trees to
+/// choose from as one comes near: up to this share of it the choice is among at most 3 a tree.
+const MOST_OF_MATERN: f64 = 0.95;
+
+/// A forest that covers the whole plane, in square tiles whose trees are a function of the seed and
+/// the tile alone: any window holds the same trees, whatever was asked for before.
+///
+/// Of the spec it reads `intensity`, the radii and `min_distance`; size, border, density and
+/// clearing belong to rectangular forests.
+///
+/// - Without a least distance: a Poisson process. Counts in disjoint windows are independent Poisson
+///   numbers of mean intensity x area.
+/// - With a least distance d: Matern's second hard-core process (B. Matern, Spatial Variation,
+///   1960). A Poisson process of intensity -ln(1 - lambda pi d^2) / (pi d^2) gives every
+///   tree a mark, uniform in [0, 1); a tree stays if no tree within d has a lower mark. That leaves
+///   exactly `intensity` trees a square metre, and needs to look no further than d over a tile's
+///   border. Sequential addition, which packs tighter, has no such local rule.
+///
+/// ```
+/// use envgen::{Seed, forest::{EndlessForest, ForestSpec}};
+/// use envgen::geometry::Rect;
+/// use envgen::glam::DVec2;
+///
+/// let forest = EndlessForest::new(&ForestSpec::default(), 20.0, Seed(1))?;
+/// let far = Rect::new(DVec2::splat(1e6), DVec2::splat(1e6 + 100.0));
+/// assert!(forest.window(far)?.len() > 300);
+/// # Ok::<(), envgen::SpecError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct EndlessForest {
+    spec: ForestSpec,
+    tile: f64,
+    seed: Seed,
+    /// Trees a square metre before thinning.
+    parents: f64,
+}
+
+/// A tree before thinning.
+struct Parent {
+    tree: Tree,
+    mark: u64,
+}
+
+impl EndlessForest {
+    /// A forest in tiles of `tile` metres.
+    ///
+    /// # Errors
+    /// When a setting is not allowed, when the intensity is beyond what marks can thin to (19 in
+    /// 20 of 1 / (pi d^2)), and when a tile is narrower than the least distance or would hold more
+    /// than a million trees.
+    pub fn new(spec: &ForestSpec, tile: f64, seed: Seed) -> Result<Self, SpecError> {
+        let spec = ForestSpec { width: 1.0, height: 1.0, density: None, ..spec.clone() };
+        let distance = spec.min_distance;
+        // The rectangle's own limits do not matter here.
+        ForestSpec { min_distance: 0.0, border: super::Border::Open, ..spec.clone() }.validate()?;
+        if !(distance >= 0.0 && distance.is_finite()) {
+            let allowed = "a finite number, at least 0".to_owned();
+            return Err(SpecError::new("min_distance", distance, allowed));
+        }
+        let disc = PI * distance * distance;
+        let most = MOST_OF_MATERN / disc;
+        if spec.intensity > most {
+            let allowed = format!("at most {most} 1/m^2 at a min_distance of {distance} m");
+            return Err(SpecError::new("intensity", spec.intensity, allowed));
+        }
+        let parents = if disc > 0.0 && spec.intensity * disc > 1e-12 {
+            -libm::log1p(-spec.intensity * disc) / disc
+        } else {
+            spec.intensity
+        };
+        let widest = (MAX_TREES_A_TILE / parents).sqrt().min(1e5);
+        if !(tile >= distance && tile > 0.0 && tile <= widest) {
+            let allowed = format!("over 0 m, from {distance} m (min_distance) to {widest} m");
+            return Err(SpecError::new("tile", tile, allowed));
+        }
+        Ok(EndlessForest { spec, tile, seed, parents })
+    }
+
+    /// Side of a tile in metres.
+    pub fn tile_side(&self) -> f64 {
+        self.tile
+    }
+
+    /// The rectangle of tile (`i`, `j`): its lower left corner is (`i`, `j`) x the side of a tile.
+    pub fn tile_rect(&self, i: i32, j: i32) -> Rect {
+        let corner = |i: i32, j: i32| DVec2::new(f64::from(i), f64::from(j)) * self.tile;
+        Rect::new(corner(i, j), corner(i, j) + DVec2::splat(self.tile))
+    }
+
+    /// The trees whose centres lie in tile (`i`, `j`), always in the same order.
+    pub fn tile(&self, i: i32, j: i32) -> Vec<Tree> {
+        let own = self.parents_of(i, j);
+        let distance = self.spec.min_distance;
+        if distance <= 0.0 {
+            return own.into_iter().map(|parent| parent.tree).collect();
+        }
+        // Trees of the tiles around matter where they come near enough to this one.
+        let around = self.tile_rect(i, j).grown(distance);
+        let mut all: Vec<(Parent, bool)> = own.into_iter().map(|parent| (parent, true)).collect();
+        for (di, dj) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
+            let (Some(i), Some(j)) = (i.checked_add(di), j.checked_add(dj)) else { continue };
+            let near = |parent: &Parent| around.contains(parent.tree.center);
+            all.extend(self.parents_of(i, j).into_iter().filter(near).map(|p| (p, false)));
+        }
+        let grid = super::index::CellList::of(
+            around,
+            distance,
+            false,
+            all.iter().map(|(parent, _)| parent.tree.center),
+        );
+        let stays = |parent: &Parent| {
+            let mut stays = true;
+            grid.visit(parent.tree.center, |k, offset| {
+                stays &= offset.length_squared() >= distance * distance
+                    || all[k as usize].0.mark >= parent.mark;
+            });
+            stays
+        };
+        all.iter().filter(|(p, own)| *own && stays(p)).map(|(p, _)| p.tree).collect()
+    }
+
+    /// The trees whose centres lie in a window: tile by tile, row by row from the lowest.
+    ///
+    /// # Errors
+    /// When the window reaches beyond the tiles that can be numbered, or would hold more than
+    /// [`MAX_TREES`].
+    pub fn window(&self, window: Rect) -> Result<Vec<Tree>, SpecError> {
+        let size = window.size();
+        let finite = window.min.is_finite() && window.max.is_finite();
+        if !finite
+            || size.x * size.y * self.spec.intensity.max(1.0 / (self.tile * self.tile)) > MAX_TREES
+        {
+            let allowed = format!("finite and small enough for {MAX_TREES} trees or tiles");
+            return Err(SpecError::new(
+                "window",
+                format!("{} to {}", window.min, window.max),
+                allowed,
+            ));
+        }
+        let (low, high) = ((window.min / self.tile).floor(), (window.max / self.tile).floor());
+        let most = DVec2::splat(f64::from(i32::MAX));
+        if low.min_element() < -most.x || high.max_element() > most.x {
+            let allowed = format!("within {} m of the origin", f64::from(i32::MAX) * self.tile);
+            return Err(SpecError::new(
+                "window",
+                format!("{} to {}", window.min, window.max),
+                allowed,
+            ));
+        }
+        let mut trees = Vec::new();
+        for j in low.y as i32..=high.y as i32 {
+            for i in low.x as i32..=high.x as i32 {
+                let inside = |tree: &Tree| {
+                    tree.center.cmpge(window.min).all() && tree.center.cmplt(window.max).all()
+                };
+                trees.extend(self.tile(i, j).into_iter().filter(inside));
+            }
+        }
+        Ok(trees)
+    }
+
+    fn parents_of(&self, i: i32, j: i32) -> Vec<Parent> {
+        let index = u64::from(i as u32) << 32 | u64::from(j as u32);
+        let mut places = self.seed.stream("forest/tile", index);
+        let mut radii = self.seed.stream("forest/tile/radii", index);
+        let area = self.tile_rect(i, j);
+        let count = poisson(&mut places, self.parents * self.tile * self.tile);
+        let marked = self.spec.min_distance > 0.0;
+        let mut parent = |places: &mut Stream| {
+            let offset = DVec2::new(places.unit(), places.unit()) * self.tile;
+            let mark = if marked { places.bits() } else { 0 };
+            let radius = radius::draw(&self.spec, &mut radii);
+            Parent { tree: Tree { center: area.min + offset, radius }, mark }
+        };
+        (0..count).map(|_| parent(&mut places)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Shape;
+
+    fn forest(min_distance: f64, intensity: f64, tile: f64) -> EndlessForest {
+        let spec = ForestSpec { min_distance, intensity, ..Default::default() };
+        EndlessForest::new(&spec, tile, Seed(9)).unwrap()
+    }
+
+    fn window(x: f64, y: f64, width: f64, height: f64) -> Rect {
+        Rect::new(DVec2::new(x, y), DVec2::new(x + width, y + height))
+    }
+
+    fn sorted(mut trees: Vec<Tree>) -> Vec<Tree> {
+        trees.sort_by(|a, b| {
+            a.center.x.total_cmp(&b.center.x).then(a.center.y.total_cmp(&b.center.y))
+        });
+        trees
+    }
+
+    #[test]
+    fn windows_hold_the_same_trees_however_they_are_cut() {
+        for forest in [forest(0.0, 0.2, 7.0), forest(1.0, 0.2, 7.0)] {
+            let whole = forest.window(window(-31.0, -8.5, 60.0, 33.0)).unwrap();
+            let mut parts = Vec::new();
+            for (x, y, w, h) in
+                [(9.0, -8.5, 20.0, 33.0), (-31.0, 4.0, 40.0, 20.5), (-31.0, -8.5, 40.0, 12.5)]
+            {
+                parts.extend(forest.window(window(x, y, w, h)).unwrap());
+            }
+            assert!(whole.len() > 200);
+            assert_eq!(sorted(whole), sorted(parts));
+        }
+    }
+
+    #[test]
+    fn counts_in_windows_are_poisson() {
+        // 4000 windows of 6 x 6 m that cut tiles: variance / mean within 5 sigma of 1, where sigma
+        // is sqrt(2 / 4000); mean within 5 standard errors of 7.2.
+        let forest = forest(0.0, 0.2, 10.0);
+        let counts: Vec<f64> = (0..4000)
+            .map(|k| {
+                let (x, y) = (f64::from(k % 64) * 6.0 - 190.0, f64::from(k / 64) * 6.0 - 190.0);
+                forest.window(window(x, y, 6.0, 6.0)).unwrap().len() as f64
+            })
+            .collect();
+        let mean = counts.iter().sum::<f64>() / 4000.0;
+        let variance = counts.iter().map(|c| (c - mean) * (c - mean)).sum::<f64>() / 3999.0;
+        assert!((mean - 7.2).abs() < 5.0 * (7.2_f64 / 4000.0).sqrt(), "{mean}");
+        assert!((variance / mean - 1.0).abs() < 5.0 * (2.0_f64 / 4000.0).sqrt(), "{variance}");
+    }
+
+    #[test]
+    fn marks_thin_to_the_asked_intensity_and_keep_the_distance_across_tiles() {
+        let forest = forest(1.5, 0.12, 4.0);
+        let trees = forest.window(window(-200.0, -200.0, 400.0, 400.0)).unwrap();
+        // Matern's process is more regular than Poisson's, so 5 Poisson sigmas are over 5 of its.
+        let expected = 0.12 * 160_000.0_f64;
+        assert!((trees.len() as f64 - expected).abs() < 5.0 * expected.sqrt(), "{}", trees.len());
+        let trees = sorted(trees);
+        for (i, a) in trees.iter().enumerate() {
+            for b in trees[i + 1..].iter().take_while(|b| b.center.x - a.center.x < 1.5) {
+                assert!(a.center.distance(b.center) >= 1.5);
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused() {
+        let new = |min_distance, intensity, tile| {
+            let spec = ForestSpec { min_distance, intensity, ..Default::default() };
+            EndlessForest::new(&spec, tile, Seed(0)).map(|_| ()).unwrap_err().field
+        };
+        assert_eq!(new(2.0, 0.1, 10.0), "intensity");
+        assert_eq!(new(2.0, 0.01, 1.0), "tile");
+        assert_eq!(new(0.0, 0.01, f64::NAN), "tile");
+        assert_eq!(new(0.0, 0.01, 1e9), "tile");
+        assert_eq!(new(f64::NAN, 0.01, 10.0), "min_distance");
+        let forest = forest(0.0, 1.0, 10.0);
+        assert!(forest.window(window(0.0, 0.0, 1e9, 1e9)).is_err());
+        assert!(forest.window(window(1e15, 0.0, 1.0, 1.0)).is_err());
+        assert!(forest.window(window(f64::NAN, 0.0, 1.0, 1.0)).is_err());
+    }
+
+    #[test]
+    fn trees_stand_in_their_tile() {
+        let forest = forest(0.0, 0.5, 3.0);
+        for (i, j) in [(0, 0), (-4, 7), (i32::MIN, i32::MAX)] {
+            let tile = Shape::from_rect(forest.tile_rect(i, j).grown(1e-6));
+            assert!(forest.tile(i, j).iter().all(|tree| tile.contains(tree.center)));
+        }
+    }
+}

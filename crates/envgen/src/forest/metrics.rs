@@ -1,0 +1,219 @@
+//! What theory predicts of a forest, and what was drawn.
+
+use std::f64::consts::PI;
+
+use glam::DVec2;
+use serde::Serialize;
+
+use super::index::CellList;
+use super::radius::RadiusLaw;
+use super::spec::{Border, Forest, ForestSpec};
+use crate::geometry::Rect;
+use crate::world::Tree;
+
+/// Discs of equal radius r and intensity lambda percolate at lambda pi r^2 = 1.128: beyond, they
+/// form a cluster without end (J. Quintanilla, S. Torquato and R. M. Ziff, Efficient measurement of
+/// the percolation threshold for fully penetrable discs, J. Phys. A 33, 2000).
+pub const PERCOLATION_THRESHOLD: f64 = 1.128;
+
+/// The cover is measured on a raster of about this many cells along the longer side.
+const COVER_CELLS: f64 = 256.0;
+
+/// Numbers that describe a forest. Predictions are those of the Poisson process with the spec's
+/// intensity and radii; a least distance or a varying density makes them wrong.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ForestMetrics {
+    /// Number of trees.
+    pub count: u64,
+    /// Number that the intensity predicts.
+    pub count_predicted: f64,
+    /// Trees that the clearings took away.
+    pub cleared: u64,
+    /// Share of the area under trunks.
+    pub cover: f64,
+    /// 1 - exp(-lambda pi E[r^2]).
+    pub cover_predicted: f64,
+    /// Share of trees whose trunk touches no other; absent without trees.
+    pub untouched: Option<f64>,
+    /// exp(-4 lambda pi r^2) for a fixed radius r.
+    pub untouched_predicted: Option<f64>,
+    /// Mean distance from a tree's centre to the nearest other in metres; absent under two trees.
+    /// Trees at the border miss neighbours beyond it, unless the border is a torus.
+    pub nearest_neighbour: Option<f64>,
+    /// 1 / (2 sqrt lambda).
+    pub nearest_neighbour_predicted: Option<f64>,
+    /// Mean free path in metres of a robot that drives straight on, 1 / (2 lambda (E[r] + rho)).
+    pub free_path_predicted: Option<f64>,
+    /// lambda pi E[(r + rho)^2]: above [`PERCOLATION_THRESHOLD`] a wide forest has no way through.
+    pub filling: f64,
+    /// Whether a wide forest of this filling has ways through.
+    pub traversable_predicted: bool,
+    /// Whether the robot's middle can go from the west side of the area to its east side, inside.
+    pub traversable: bool,
+}
+
+pub(super) fn measure(forest: &Forest) -> ForestMetrics {
+    let (spec, trees) = (forest.spec(), forest.trees());
+    let size = spec.centre_area().size();
+    let lambda = spec.intensity;
+    let (mean, mean_square) = radius_moments(spec);
+    let rho = spec.robot_radius;
+    let filling = lambda * PI * (mean_square + 2.0 * mean * rho + rho * rho);
+    let fixed = spec.radius_law == RadiusLaw::Fixed;
+    let some = |value: f64| (lambda > 0.0).then_some(value);
+    let (untouched, nearest_neighbour) = neighbours(spec, trees);
+    ForestMetrics {
+        count: trees.len() as u64,
+        count_predicted: lambda * size.x * size.y,
+        cleared: forest.cleared(),
+        cover: cover(spec, trees),
+        cover_predicted: -libm::expm1(-lambda * PI * mean_square),
+        untouched,
+        untouched_predicted: fixed.then(|| libm::exp(-4.0 * lambda * PI * mean_square)),
+        nearest_neighbour,
+        nearest_neighbour_predicted: some(0.5 / lambda.sqrt()),
+        free_path_predicted: some(0.5 / (lambda * (mean + rho))),
+        filling,
+        traversable_predicted: filling < PERCOLATION_THRESHOLD,
+        traversable: crosses_west_east(forest),
+    }
+}
+
+/// E[r] and E[r^2] of the law of radii.
+fn radius_moments(spec: &ForestSpec) -> (f64, f64) {
+    let (a, b) = (spec.radius_min, spec.radius_max);
+    match spec.radius_law {
+        RadiusLaw::Fixed => (spec.radius, spec.radius * spec.radius),
+        RadiusLaw::Uniform => (0.5 * (a + b), (a * a + a * b + b * b) / 3.0),
+        RadiusLaw::LogNormal => {
+            // E[r^k; a < r < b] = m^k exp(k^2 s^2 / 2) (Phi(z_b - k s) - Phi(z_a - k s)).
+            let (m, s) = (spec.radius, spec.radius_sigma);
+            let normal_cdf = |z: f64| 0.5 * libm::erfc(-z / std::f64::consts::SQRT_2);
+            let z = |r: f64| libm::log(r / m) / s;
+            let part = |k: f64| {
+                libm::pow(m, k)
+                    * libm::exp(0.5 * k * k * s * s)
+                    * (normal_cdf(z(b) - k * s) - normal_cdf(z(a) - k * s))
+            };
+            (part(1.0) / part(0.0), part(2.0) / part(0.0))
+        }
+    }
+}
+
+/// The share of trees that touch no other, and the mean distance to the nearest neighbour.
+fn neighbours(spec: &ForestSpec, trees: &[Tree]) -> (Option<f64>, Option<f64>) {
+    if trees.is_empty() {
+        return (None, None);
+    }
+    let largest = trees.iter().map(|tree| tree.radius).fold(0.0, f64::max);
+    let size = spec.area().size();
+    let spacing = (size.x * size.y / trees.len() as f64).sqrt();
+    let torus = spec.border == Border::Torus;
+    let near = CellList::of(spec.area(), spacing, torus, trees.iter().map(|tree| tree.center));
+    let touching =
+        CellList::of(spec.area(), 2.0 * largest, torus, trees.iter().map(|tree| tree.center));
+    let mut untouched = 0_u64;
+    let mut sum = 0.0;
+    for (i, tree) in trees.iter().enumerate() {
+        let mut touched = false;
+        touching.visit(tree.center, |j, offset| {
+            let reach = tree.radius + trees[j as usize].radius;
+            touched |= j as usize != i && offset.length_squared() < reach * reach;
+        });
+        untouched += u64::from(!touched);
+        sum += near.nearest(tree.center, i as u32);
+    }
+    let n = trees.len() as f64;
+    (Some(untouched as f64 / n), (trees.len() > 1).then_some(sum / n))
+}
+
+/// The share of the area under trunks, on a raster of cell middles; on a torus trunks reach across.
+fn cover(spec: &ForestSpec, trees: &[Tree]) -> f64 {
+    let size = spec.area().size();
+    let counts = (size * (COVER_CELLS / size.max_element())).ceil().max(DVec2::ONE);
+    let (cols, rows) = (counts.x as usize, counts.y as usize);
+    let cell = size / counts;
+    let mut covered = vec![false; cols * rows];
+    let copies: &[f64] = if spec.border == Border::Torus { &[-1.0, 0.0, 1.0] } else { &[0.0] };
+    for tree in trees {
+        for &i in copies {
+            for &j in copies {
+                let center = tree.center + size * DVec2::new(i, j);
+                let around = Rect::new(center, center).grown(tree.radius);
+                if !around.overlaps(spec.area()) {
+                    continue;
+                }
+                let first = (around.min.y / cell.y - 0.5).ceil().max(0.0) as usize;
+                let last = (around.max.y / cell.y - 0.5).floor().min(counts.y - 1.0);
+                for row in (first..rows).take_while(|&row| row as f64 <= last) {
+                    let dy = (row as f64 + 0.5) * cell.y - center.y;
+                    let half = (tree.radius * tree.radius - dy * dy).max(0.0).sqrt();
+                    let from = ((center.x - half) / cell.x - 0.5).ceil().max(0.0) as usize;
+                    let to = ((center.x + half) / cell.x + 0.5).floor().clamp(0.0, counts.x);
+                    if from < to as usize {
+                        covered[row * cols + from..row * cols + to as usize].fill(true);
+                    }
+                }
+            }
+        }
+    }
+    covered.iter().filter(|c| **c).count() as f64 / covered.len() as f64
+}
+
+/// Whether the middle of a disc robot can go from the west side of the area to its east side
+/// without leaving the area.
+///
+/// Exact: it cannot if and only if trunks grown by the robot's radius form a chain that overlaps
+/// from the south side to the north side. Union-find over the trunks that overlap, nearly linear in
+/// their number.
+pub(super) fn crosses_west_east(forest: &Forest) -> bool {
+    let (spec, trees) = (forest.spec(), forest.trees());
+    let rho = spec.robot_radius;
+    let largest = trees.iter().map(|tree| tree.radius).fold(0.0, f64::max);
+    let reach = 2.0 * (largest + rho);
+    let grid = CellList::of(spec.area(), reach, false, trees.iter().map(|tree| tree.center));
+    let (south, north) = (trees.len(), trees.len() + 1);
+    let mut sets = DisjointSets::new(trees.len() + 2);
+    for (i, tree) in trees.iter().enumerate() {
+        if sets.root(south) == sets.root(north) {
+            return false;
+        }
+        let grown = tree.radius + rho;
+        if tree.center.y - grown < 0.0 {
+            sets.join(i, south);
+        }
+        if tree.center.y + grown > spec.height {
+            sets.join(i, north);
+        }
+        grid.visit(tree.center, |j, offset| {
+            let reach = grown + trees[j as usize].radius + rho;
+            if (j as usize) < i && offset.length_squared() < reach * reach {
+                sets.join(i, j as usize);
+            }
+        });
+    }
+    sets.root(south) != sets.root(north)
+}
+
+/// Sets of numbers that can be joined (Tarjan's union-find with path halving).
+struct DisjointSets(Vec<u32>);
+
+impl DisjointSets {
+    fn new(n: usize) -> Self {
+        DisjointSets((0..n as u32).collect())
+    }
+
+    fn root(&mut self, i: usize) -> usize {
+        let mut i = i;
+        while self.0[i] as usize != i {
+            self.0[i] = self.0[self.0[i] as usize];
+            i = self.0[i] as usize;
+        }
+        i
+    }
+
+    fn join(&mut self, i: usize, j: usize) {
+        let (i, j) = (self.root(i), self.root(j));
+        self.0[i.max(j)] = i.min(j) as u32;
+    }
+}

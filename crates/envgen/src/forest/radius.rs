@@ -1,0 +1,112 @@
+//! The radii of trees.
+
+use std::f64::consts::SQRT_2;
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use super::spec::ForestSpec;
+use crate::distribution::standard_normal;
+use crate::error::SpecError;
+use crate::seed::{Seed, Stream};
+use crate::world::Tree;
+
+/// The least share of a log-normal law that must lie between the limits, so that redrawing what
+/// lies outside ends soon.
+const LEAST_SHARE: f64 = 1e-3;
+
+/// The law of the radii.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RadiusLaw {
+    /// All trees have `radius`.
+    Fixed,
+    /// Uniform from `radius_min` to `radius_max`.
+    Uniform,
+    /// Log-normal with median `radius` and `radius_sigma`, drawn again outside `radius_min` to
+    /// `radius_max`.
+    LogNormal,
+}
+
+pub(super) fn validate(spec: &ForestSpec) -> Result<(), SpecError> {
+    if spec.radius_law == RadiusLaw::Fixed {
+        return Ok(());
+    }
+    if spec.radius_min > spec.radius_max {
+        let allowed = format!("at most radius_max, which is {} m", spec.radius_max);
+        return Err(SpecError::new("radius_min", spec.radius_min, allowed));
+    }
+    if spec.radius_law == RadiusLaw::LogNormal {
+        let below = |r: f64| {
+            let z = libm::log(r / spec.radius) / spec.radius_sigma;
+            0.5 * libm::erfc(-z / SQRT_2)
+        };
+        let share = below(spec.radius_max) - below(spec.radius_min);
+        if share < LEAST_SHARE {
+            let allowed = format!(
+                "a median with at least {LEAST_SHARE} of the law between radius_min = {} m and \
+                 radius_max = {} m; here it is {share:.2e}",
+                spec.radius_min, spec.radius_max
+            );
+            return Err(SpecError::new("radius", spec.radius, allowed));
+        }
+    }
+    Ok(())
+}
+
+/// Gives every centre its radius.
+pub(super) fn grow(spec: &ForestSpec, seed: Seed, centres: Vec<DVec2>) -> Vec<Tree> {
+    let mut stream = seed.stream("forest/radii", 0);
+    centres.into_iter().map(|center| Tree { center, radius: draw(spec, &mut stream) }).collect()
+}
+
+pub(super) fn draw(spec: &ForestSpec, stream: &mut Stream) -> f64 {
+    match spec.radius_law {
+        RadiusLaw::Fixed => spec.radius,
+        RadiusLaw::Uniform => stream.between(spec.radius_min, spec.radius_max),
+        RadiusLaw::LogNormal => loop {
+            let radius = spec.radius * libm::exp(spec.radius_sigma * standard_normal(stream));
+            if (spec.radius_min..=spec.radius_max).contains(&radius) {
+                return radius;
+            }
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::Spec;
+
+    fn radii(spec: &ForestSpec) -> Vec<f64> {
+        let mut stream = Seed(4).stream("test", 0);
+        (0..20_000).map(|_| draw(spec, &mut stream)).collect()
+    }
+
+    #[test]
+    fn laws_stay_in_their_limits_and_keep_their_middle() {
+        let uniform = ForestSpec { radius_law: RadiusLaw::Uniform, ..Default::default() };
+        let drawn = radii(&uniform);
+        let mean = drawn.iter().sum::<f64>() / drawn.len() as f64;
+        // Standard error 0.433 / sqrt(20,000) = 0.0031; five of them.
+        assert!((mean - 1.25).abs() < 0.0155, "{mean}");
+        assert!(drawn.iter().all(|r| (0.5..2.0).contains(r)));
+
+        // Limits at e^(+-1.73 sigma) are symmetric in the logarithm, so the median stays.
+        let log_normal = ForestSpec { radius_law: RadiusLaw::LogNormal, ..uniform };
+        let mut drawn = radii(&log_normal);
+        drawn.sort_by(f64::total_cmp);
+        assert!(drawn[0] >= 0.5 && drawn[19_999] <= 2.0);
+        assert!((drawn[10_000] - 1.0).abs() < 0.02, "{}", drawn[10_000]);
+    }
+
+    #[test]
+    fn limits_that_cannot_be_kept_are_refused() {
+        let law = RadiusLaw::LogNormal;
+        let far =
+            ForestSpec { radius_law: law, radius: 0.01, radius_sigma: 0.1, ..Default::default() };
+        assert_eq!(far.validate().unwrap_err().field, "radius");
+        let crossed = ForestSpec { radius_law: law, radius_min: 3.0, ..Default::default() };
+        assert_eq!(crossed.validate().unwrap_err().field, "radius_min");
+    }
+}

@@ -1,0 +1,78 @@
+//! Reading worlds: every format that a world can be read from, by the ending of the file's name.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::file::{self, FileError};
+use crate::world::World;
+
+/// Why a world could not be read.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ImportError {
+    /// The file's name ends like that of no format.
+    #[error("no format for `{path}`, there are: {known}")]
+    UnknownEnding {
+        /// The file's name.
+        path: PathBuf,
+        /// The endings that exist.
+        known: String,
+    },
+    /// The file holds no world.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+/// Reads a world and checks it.
+pub type Reader = fn(&mut dyn Read) -> Result<World, ImportError>;
+
+/// The formats: the ending of the file's name and the reader.
+pub const READERS: &[(&str, Reader)] = &[("json", read_json), ("ron", read_ron)];
+
+/// The reader of a file, by the ending of its name; upper and lower case are one.
+///
+/// # Errors
+/// Lists the endings that exist.
+pub fn reader(path: &Path) -> Result<Reader, ImportError> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    let found = READERS.iter().find(|(known, _)| Some(*known) == ending.as_deref());
+    found.map(|&(_, reader)| reader).ok_or_else(|| {
+        let known: Vec<_> = READERS.iter().map(|(ending, _)| format!(".{ending}")).collect();
+        ImportError::UnknownEnding { path: path.to_owned(), known: known.join(", ") }
+    })
+}
+
+/// Reads a world from its JSON file.
+///
+/// # Errors
+/// When the file holds no world of this crate's schema, or a broken one.
+pub fn read_json(input: &mut dyn Read) -> Result<World, ImportError> {
+    Ok(World::from_json(&file::read_text(input)?)?)
+}
+
+/// Reads a world from its RON file.
+///
+/// # Errors
+/// When the file holds no world of this crate's schema, or a broken one.
+pub fn read_ron(input: &mut dyn Read) -> Result<World, ImportError> {
+    Ok(World::from_ron(&file::read_text(input)?)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endings_find_their_reader() {
+        assert!(reader(Path::new("a.JSON")).is_ok() && reader(Path::new("a.b.ron")).is_ok());
+        for name in ["world", "world.png", ".ron"] {
+            let error = reader(Path::new(name)).unwrap_err().to_string();
+            assert!(
+                error.contains(&format!("`{name}`")) && error.contains(".json, .ron"),
+                "{error}"
+            );
+        }
+    }
+}

@@ -1,0 +1,364 @@
+//! A [`World`] as a grid of free and occupied cells.
+
+use glam::DVec2;
+use thiserror::Error;
+
+use crate::distance_transform::squared_distances;
+use crate::geometry::{Rect, Shape, edges};
+use crate::lattice::{Convex, Lattice};
+use crate::world::World;
+
+/// The most cells that a grid may have: one byte each.
+pub const MAX_CELLS: u64 = 1 << 28;
+
+/// When a solid part occupies a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coverage {
+    /// When it touches the cell anywhere: no free cell holds a solid point.
+    Conservative,
+    /// When it covers the cell's middle: areas come out right on average. Parts without an inside
+    /// (segments) still occupy every cell that they touch.
+    Centre,
+}
+
+/// Why a world has no grid.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum OccupancyError {
+    /// The resolution is not a positive number.
+    #[error("`resolution` is {0} m, allowed is a positive number")]
+    Resolution(f64),
+    /// The grid would take too much memory.
+    #[error(
+        "`resolution` is {resolution} m, allowed is a coarser one: {cols} x {rows} cells are more \
+         than {MAX_CELLS}"
+    )]
+    Size {
+        /// The side of a cell asked, in metres.
+        resolution: f64,
+        /// Columns it would take.
+        cols: f64,
+        /// Rows it would take.
+        rows: f64,
+    },
+}
+
+/// Square cells over a rectangle, free or occupied. Row 0 is the lowest (least y), column 0 the
+/// leftmost; cell (`col`, `row`) covers `origin` + [`col`, `col` + 1) x `resolution`, and likewise
+/// in y.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use envgen::occupancy::{Coverage, OccupancyGrid};
+///
+/// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+/// let grid = OccupancyGrid::of(&world, 0.05, Coverage::Conservative)?;
+/// let start = world.start.expect("hallways have a start").position;
+/// assert_eq!(grid.occupied_at(start), Some(false));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct OccupancyGrid {
+    lattice: Lattice,
+    occupied: Vec<bool>,
+}
+
+impl OccupancyGrid {
+    /// The grid over a world's bounds. Time: one step a cell at most, and one a row that a part
+    /// crosses.
+    ///
+    /// # Errors
+    /// When the resolution is not positive or makes more than [`MAX_CELLS`] cells; nothing is
+    /// allocated then.
+    pub fn of(world: &World, resolution: f64, coverage: Coverage) -> Result<Self, OccupancyError> {
+        let mut grid = OccupancyGrid::empty(world.bounds, resolution)?;
+        for solid in world.solids() {
+            grid.occupy(&solid.shape, coverage);
+        }
+        Ok(grid)
+    }
+
+    /// A free grid over an area.
+    ///
+    /// # Errors
+    /// As [`OccupancyGrid::of`].
+    pub fn empty(area: Rect, resolution: f64) -> Result<Self, OccupancyError> {
+        if !(resolution > 0.0 && resolution.is_finite()) {
+            return Err(OccupancyError::Resolution(resolution));
+        }
+        // A side that is a whole number of cells, up to rounding, takes no further cell.
+        let size = (area.size() / resolution - 1e-9).ceil().max(DVec2::ONE);
+        let fits = size.x * size.y <= MAX_CELLS as f64;
+        if !fits {
+            return Err(OccupancyError::Size { resolution, cols: size.x, rows: size.y });
+        }
+        let (cols, rows) = (size.x as usize, size.y as usize);
+        let occupied = vec![false; cols * rows];
+        let lattice = Lattice { origin: area.min, side: resolution, cols, rows };
+        Ok(OccupancyGrid { lattice, occupied })
+    }
+
+    /// Number of columns.
+    pub fn cols(&self) -> usize {
+        self.lattice.cols
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.lattice.rows
+    }
+
+    /// Side of a cell in metres.
+    pub fn resolution(&self) -> f64 {
+        self.lattice.side
+    }
+
+    /// Lower left corner of cell (0, 0) in metres.
+    pub fn origin(&self) -> DVec2 {
+        self.lattice.origin
+    }
+
+    /// Every cell, row by row from the lowest: whether it is occupied.
+    pub fn cells(&self) -> &[bool] {
+        &self.occupied
+    }
+
+    /// Whether a cell is occupied; `None` outside the grid.
+    pub fn occupied(&self, col: usize, row: usize) -> Option<bool> {
+        (col < self.lattice.cols && row < self.lattice.rows)
+            .then(|| self.occupied[row * self.lattice.cols + col])
+    }
+
+    /// Whether the cell around a point is occupied; `None` outside the grid.
+    pub fn occupied_at(&self, p: DVec2) -> Option<bool> {
+        let (col, row) = self.cell_at(p)?;
+        self.occupied(col, row)
+    }
+
+    /// Column and row of the cell around a point; `None` outside the grid.
+    pub fn cell_at(&self, p: DVec2) -> Option<(usize, usize)> {
+        let cell = ((p - self.lattice.origin) / self.lattice.side).floor();
+        let inside = cell.x >= 0.0
+            && cell.y >= 0.0
+            && cell.x < self.lattice.cols as f64
+            && cell.y < self.lattice.rows as f64;
+        inside.then_some((cell.x as usize, cell.y as usize))
+    }
+
+    /// Middle of a cell in metres.
+    pub fn cell_centre(&self, col: usize, row: usize) -> DVec2 {
+        self.lattice.origin + (DVec2::new(col as f64, row as f64) + 0.5) * self.lattice.side
+    }
+
+    /// Occupies the cells of a shape.
+    pub fn occupy(&mut self, shape: &Shape, coverage: Coverage) {
+        match (shape, coverage) {
+            (Shape::Segment { a, b }, _) => self.occupy_touched(&Convex::Polygon(&[*a, *b])),
+            (Shape::Disc { center, radius }, Coverage::Conservative) => {
+                self.occupy_touched(&Convex::Disc(*center, *radius));
+            }
+            (Shape::Disc { center, radius }, Coverage::Centre) => {
+                self.occupy_centres(shape.bounds(), |y, runs| {
+                    let dy = y - center.y;
+                    let half = (radius * radius - dy * dy).max(0.0).sqrt();
+                    runs.push((center.x - half, center.x + half));
+                });
+            }
+            (Shape::Box { .. }, Coverage::Conservative) => {
+                self.occupy_touched(&Convex::Polygon(&shape.corners()));
+            }
+            (Shape::Polygon { vertices }, Coverage::Conservative) => {
+                // Every cell that the outline touches, and every cell inside.
+                for (a, b) in edges(vertices) {
+                    self.occupy_touched(&Convex::Polygon(&[a, b]));
+                }
+                self.occupy_polygon_centres(vertices, shape.bounds());
+            }
+            (Shape::Box { .. } | Shape::Polygon { .. }, Coverage::Centre) => {
+                self.occupy_polygon_centres(&shape.corners(), shape.bounds());
+            }
+        }
+    }
+
+    /// The grid in which every cell is occupied whose middle lies within `radius` metres of an
+    /// occupied cell's middle: where the middle of a disc robot cannot be. Nothing beyond the grid
+    /// counts. Linear in the number of cells, whatever the radius.
+    pub fn inflated(&self, radius: f64) -> OccupancyGrid {
+        let cells = radius / self.lattice.side;
+        let limit = cells * cells;
+        let distances = squared_distances(self.lattice.cols, self.lattice.rows, &self.occupied);
+        OccupancyGrid {
+            lattice: self.lattice,
+            occupied: distances.into_iter().map(|d| f64::from(d) <= limit).collect(),
+        }
+    }
+
+    /// Occupies the cells whose middle lies outside an area.
+    pub(crate) fn occupy_middles_outside(&mut self, area: Rect) {
+        for row in 0..self.lattice.rows {
+            for col in 0..self.lattice.cols {
+                let outside = !area.contains(self.cell_centre(col, row));
+                self.occupied[row * self.lattice.cols + col] |= outside;
+            }
+        }
+    }
+
+    fn occupy_touched(&mut self, shape: &Convex<'_>) {
+        let (cols, occupied) = (self.lattice.cols, &mut self.occupied);
+        self.lattice.touched_runs(shape, |row, from, to| {
+            occupied[row * cols + from..=row * cols + to].fill(true);
+        });
+    }
+
+    fn occupy_polygon_centres(&mut self, vertices: &[DVec2], bounds: Rect) {
+        let mut crossings = Vec::new();
+        self.occupy_centres(bounds, |y, runs| {
+            crossings.clear();
+            crossings.extend(
+                edges(vertices)
+                    .filter(|(a, b)| (a.y > y) != (b.y > y))
+                    .map(|(a, b)| a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y)),
+            );
+            crossings.sort_by(f64::total_cmp);
+            runs.extend(crossings.chunks_exact(2).map(|pair| (pair[0], pair[1])));
+        });
+    }
+
+    /// Occupies the cells whose middles lie in the runs of x that `runs_at` gives for a height y.
+    fn occupy_centres(&mut self, bounds: Rect, mut runs_at: impl FnMut(f64, &mut Vec<(f64, f64)>)) {
+        let Lattice { origin, side, cols, rows } = self.lattice;
+        let (low, high) = (bounds.min.y - origin.y, bounds.max.y - origin.y);
+        let Some((first, last)) = self.lattice.middles(low, high, rows) else { return };
+        let mut runs = Vec::new();
+        for row in first..=last {
+            runs.clear();
+            runs_at(origin.y + (row as f64 + 0.5) * side, &mut runs);
+            for &(from, to) in &runs {
+                let middles = self.lattice.middles(from - origin.x, to - origin.x, cols);
+                if let Some((from, to)) = middles {
+                    self.occupied[row * cols + from..=row * cols + to].fill(true);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn grid(cols: f64, rows: f64, resolution: f64) -> OccupancyGrid {
+        let area = Rect::new(DVec2::ZERO, DVec2::new(cols, rows) * resolution);
+        OccupancyGrid::empty(area, resolution).unwrap()
+    }
+
+    fn picture(grid: &OccupancyGrid) -> Vec<String> {
+        (0..grid.rows())
+            .rev()
+            .map(|row| {
+                (0..grid.cols())
+                    .map(|col| if grid.occupied(col, row).unwrap() { '#' } else { '.' })
+                    .collect()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_disc_by_hand() {
+        let disc = Shape::Disc { center: DVec2::new(2.5, 2.5), radius: 1.1 };
+        let mut centre = grid(5., 5., 1.);
+        centre.occupy(&disc, Coverage::Centre);
+        assert_eq!(picture(&centre), [".....", "..#..", ".###.", "..#..", "....."]);
+        let mut conservative = grid(5., 5., 1.);
+        conservative.occupy(&disc, Coverage::Conservative);
+        assert_eq!(picture(&conservative), [".....", ".###.", ".###.", ".###.", "....."]);
+    }
+
+    #[test]
+    fn a_concave_polygon_by_hand() {
+        let v = DVec2::new;
+        let vertices =
+            vec![v(0.2, 0.2), v(4.8, 0.2), v(4.8, 4.8), v(3.8, 4.8), v(3.8, 1.2), v(0.2, 1.2)];
+        let mut centre = grid(5., 5., 1.);
+        centre.occupy(&Shape::Polygon { vertices }, Coverage::Centre);
+        assert_eq!(picture(&centre), ["....#", "....#", "....#", "....#", "#####"]);
+    }
+
+    #[test]
+    fn sizes_are_checked_before_anything_is_allocated() {
+        let area = Rect::new(DVec2::ZERO, DVec2::splat(1e6));
+        assert!(matches!(OccupancyGrid::empty(area, 1e-3), Err(OccupancyError::Size { .. })));
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(OccupancyGrid::empty(area, bad), Err(OccupancyError::Resolution(_))));
+        }
+    }
+
+    #[test]
+    fn outside_there_is_nothing() {
+        let grid = grid(3., 2., 0.5);
+        assert_eq!((grid.cols(), grid.rows()), (3, 2));
+        assert_eq!(grid.occupied_at(DVec2::new(1.4, 0.9)), Some(false));
+        for p in [(1.6, 0.5), (0.5, 1.1), (-0.1, 0.5), (f64::NAN, 0.5)] {
+            assert_eq!(grid.occupied_at(DVec2::from(p)), None);
+        }
+        assert_eq!(grid.cell_centre(2, 1), DVec2::new(1.25, 0.75));
+    }
+
+    fn shapes() -> impl Strategy<Value = Shape> {
+        let point = || (0.0..10.0_f64, 0.0..10.0_f64).prop_map(DVec2::from);
+        prop_oneof![
+            (point(), point()).prop_map(|(a, b)| Shape::Segment { a, b }),
+            (point(), 0.05..4.0_f64).prop_map(|(center, radius)| Shape::Disc { center, radius }),
+            (point(), (0.05..3.0_f64, 0.05..3.0_f64), -4.0..4.0_f64).prop_map(
+                |(center, half, heading)| Shape::Box { center, half_size: half.into(), heading }
+            ),
+            (point(), prop::collection::vec(0.3..3.0_f64, 3..9)).prop_map(|(center, radii)| {
+                let n = radii.len() as f64;
+                let vertices = radii
+                    .iter()
+                    .enumerate()
+                    .map(|(i, r)| {
+                        let angle = std::f64::consts::TAU * i as f64 / n;
+                        center + crate::geometry::unit_vector(angle) * *r
+                    })
+                    .collect();
+                Shape::Polygon { vertices }
+            }),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn both_rules_agree_with_distances(shape in shapes(), resolution in 0.1..1.0_f64) {
+            let area = Rect::new(DVec2::new(-1.0, -2.0), DVec2::new(11.0, 12.0));
+            let mut centre = OccupancyGrid::empty(area, resolution).unwrap();
+            let mut conservative = centre.clone();
+            centre.occupy(&shape, Coverage::Centre);
+            conservative.occupy(&shape, Coverage::Conservative);
+            let thin = matches!(shape, Shape::Segment { .. });
+            for row in 0..centre.rows() {
+                for col in 0..centre.cols() {
+                    let p = centre.cell_centre(col, row);
+                    let distance = shape.distance(p);
+                    let (by_centre, by_touch) = (
+                        centre.occupied(col, row).unwrap(),
+                        conservative.occupied(col, row).unwrap(),
+                    );
+                    if !thin {
+                        prop_assert!(by_centre == (distance == 0.0) || distance < 1e-9);
+                        prop_assert!(by_touch || !by_centre);
+                    }
+                    // Inside half a side the shape touches the cell, beyond half a diagonal not.
+                    prop_assert!(by_touch || distance >= 0.5 * resolution - 1e-9);
+                    prop_assert!(!by_touch || distance <= 0.5_f64.sqrt() * resolution + 1e-9);
+                    // Points of the cell that lie inside need the cell to be occupied.
+                    for (dx, dy) in [(0.3, 0.4), (-0.4, 0.1), (0.2, -0.45), (-0.3, -0.3)] {
+                        let q = p + DVec2::new(dx, dy) * resolution;
+                        prop_assert!(by_touch || !shape.contains(q));
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! What stands around the world: page, frame, title, start and goal, scale bar, legend.
+
+use glam::DVec2;
+use svg::Document;
+use svg::node::element::{
+    ClipPath, Definitions, Group, LinearGradient, Path, Rectangle, Stop, Title,
+};
+
+use super::parts::{self, filled, stroked};
+use super::path::PathData;
+use super::style::{self, Color, Style};
+use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
+use super::view::{self, View};
+use super::{MAX_PIXELS, PictureError, PictureOptions, legend, profile};
+use crate::geometry::{Pose, Rect, unit_vector};
+use crate::world::World;
+
+/// Space between the frame and the world's bounds in px.
+const BORDER: f64 = 14.0;
+const TITLE_SIZE: f64 = 15.0;
+const TITLE_HEIGHT: f64 = 26.0;
+
+/// The narrowest and lowest plan in px.
+const LEAST_PLAN: DVec2 = DVec2::new(200.0, 40.0);
+
+/// The whole picture.
+pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Document, PictureError> {
+    let typesetter = Typesetter::new();
+    let title = title(world, options);
+    let margin = f64::from(options.margin);
+    let top = if title.is_empty() { margin } else { margin + TITLE_HEIGHT };
+    let extent = view::extent(world);
+    let most = DVec2::new(f64::from(options.width) - 2.0 * margin, options.height.into());
+    let most = most.max(DVec2::splat(40.0));
+    let (width, height) = (most.x as u64, most.y as u64);
+    if width * height > MAX_PIXELS {
+        return Err(PictureError::TooLarge { width, height });
+    }
+    let view = View::new(extent, DVec2::new(margin, top), LEAST_PLAN.min(most), most, BORDER)
+        .ok_or(PictureError::Scale(extent))?;
+
+    let plan = view.plan;
+    let mut bottom = plan.max.y;
+    let mut furniture = Vec::new();
+    if options.curvature_profile
+        && let Some((group, height)) = profile::draw(world, &view, bottom + 10.0, &typesetter)
+    {
+        furniture.push(group);
+        bottom += 10.0 + height;
+    }
+    let left = DVec2::new(plan.min.x, bottom + 8.0);
+    let (group, height) =
+        legend::draw(world, &view, left, plan.size().x, options.legend, &typesetter);
+    furniture.push(group);
+    bottom = left.y + height;
+
+    let size = DVec2::new(plan.max.x + margin, (bottom + margin).ceil());
+    let mut document = Document::new()
+        .set("width", size.x)
+        .set("height", size.y)
+        .set("viewBox", (0, 0, size.x, size.y))
+        .set("role", "img")
+        .add(Title::new(printable(&title)))
+        .add(rectangle(Rect::new(DVec2::ZERO, size)).set("fill", style::PAGE.to_string()))
+        .add(rectangle(plan).set("fill", style::PLAN.to_string()));
+    if !title.is_empty() {
+        document = document.add(title_row(&title, &view, &typesetter));
+    }
+    let clip = ClipPath::new().set("id", "plan").add(rectangle(plan));
+    document = document.add(Definitions::new().add(clip).add(difficulty_gradient()));
+    let inside = parts::draw(world, &view, options, &typesetter)?
+        .into_iter()
+        .fold(Group::new().set("clip-path", "url(#plan)"), Group::add);
+    document = document.add(inside);
+    let frame = rectangle(Rect::new(plan.min + 0.5, plan.max - 0.5))
+        .set("fill", "none")
+        .set("stroke", style::FRAME.to_string());
+    document = document.add(frame);
+    if let Some(goal) = world.goal {
+        document = document.add(flag(view.px(goal.position)).set("id", "goal"));
+    }
+    if let Some(start) = world.start {
+        document = document.add(arrow(view.px(start.position), start).set("id", "start"));
+    }
+    Ok(furniture.into_iter().fold(document, Document::add))
+}
+
+fn rectangle(rect: Rect) -> Rectangle {
+    let size = rect.size();
+    Rectangle::new()
+        .set("x", rect.min.x)
+        .set("y", rect.min.y)
+        .set("width", size.x)
+        .set("height", size.y)
+}
+
+fn title(world: &World, options: &PictureOptions) -> String {
+    match (&options.title, world.provenance.seed) {
+        (Some(title), _) => title.clone(),
+        (None, Some(seed)) => format!("{}, seed {seed}", world.provenance.kind),
+        (None, None) => world.provenance.kind.clone(),
+    }
+}
+
+/// A text without the characters that XML cannot hold.
+fn printable(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}')).collect()
+}
+
+/// The title, and at the right the size of the world where there is room for it.
+fn title_row(title: &str, view: &View, typesetter: &Typesetter) -> Group {
+    let (plan, size) = (view.plan, view.world.size());
+    let baseline = plan.min.y - 9.0;
+    let [mut dark, mut quiet] = [PathData::new(2), PathData::new(2)];
+    let room = plan.size().x;
+    let title = typesetter.fitted(title, TITLE_SIZE, room).unwrap_or_default();
+    let at = DVec2::new(plan.min.x, baseline);
+    typesetter.write(&mut dark, &title, at, TITLE_SIZE, Align::Left);
+    let bounds = format!("{} × {}", view::length(size.x), view::length(size.y));
+    let used = typesetter.width(&title, TITLE_SIZE) + typesetter.width(&bounds, 12.0);
+    if used + 20.0 <= room && size.is_finite() {
+        let at = DVec2::new(plan.max.x, baseline);
+        typesetter.write(&mut quiet, &bounds, at, 12.0, Align::Right);
+    }
+    let mut group = Group::new().set("id", "title").add(filled(dark, style::INK));
+    if !quiet.is_empty() {
+        group = group.add(filled(quiet, style::QUIET_INK));
+    }
+    group
+}
+
+fn difficulty_gradient() -> LinearGradient {
+    (0..=10).fold(LinearGradient::new().set("id", "difficulty"), |gradient, i| {
+        let color = style::difficulty(f64::from(i));
+        gradient.add(
+            Stop::new().set("offset", f64::from(i) / 10.0).set("stop-color", color.to_string()),
+        )
+    })
+}
+
+/// The start: a disc with an arrow along the heading.
+pub(super) fn arrow(at: DVec2, pose: Pose) -> Group {
+    let heading = unit_vector(pose.heading);
+    let along = DVec2::new(heading.x, -heading.y);
+    let across = along.perp();
+    let [mut disc, mut head] = [PathData::new(2), PathData::new(2)];
+    disc.circle(at, 5.5);
+    head.polygon([
+        at + along * 19.0,
+        at + along * 8.5 + across * 5.5,
+        at + along * 10.5,
+        at + along * 8.5 - across * 5.5,
+    ]);
+    let halo = |path: Path| {
+        path.set("stroke", style::PAGE.to_string())
+            .set("stroke-width", 1.6)
+            .set("stroke-linejoin", "round")
+    };
+    Group::new().add(halo(filled(disc, style::START))).add(halo(filled(head, style::START)))
+}
+
+/// The goal: a flag whose pole stands on it.
+pub(super) fn flag(at: DVec2) -> Group {
+    let v = DVec2::new;
+    let [mut pole, mut cloth, mut foot] = [PathData::new(2), PathData::new(2), PathData::new(2)];
+    pole.line(at, at + v(0.0, -19.0));
+    cloth.polygon([at + v(0.0, -19.0), at + v(13.0, -14.5), at + v(0.0, -10.0)]);
+    foot.circle(at, 3.0);
+    let round = |path: Path| path.set("stroke-linecap", "round").set("stroke-linejoin", "round");
+    let halo = |path: Path| round(path.set("stroke", "#ffffff").set("stroke-width", 1.4));
+    Group::new()
+        .add(round(stroked(pole.clone(), style::PAGE, 4.0)))
+        .add(halo(filled(cloth, style::GOAL)))
+        .add(round(stroked(pole, style::INK, 1.7)))
+        .add(halo(filled(foot, style::INK)))
+}
+
+/// The scale bar with its lower left corner at `at`, and its width with the label; `None` when
+/// nothing round is long enough to be seen.
+pub(super) fn scale_bar(view: &View, at: DVec2, typesetter: &Typesetter) -> Option<(Group, f64)> {
+    let metres = view::round_number(130.0_f64.min(0.5 * view.plan.size().x) / view.scale)?;
+    let long = metres * view.scale;
+    if !(4.0..1e4).contains(&long) {
+        return None;
+    }
+    let [mut bar, mut label] = [PathData::new(2), PathData::new(2)];
+    let v = DVec2::new;
+    bar.polyline([at + v(0.5, -5.0), at + v(0.5, 0.0), at + v(long, 0.0), at + v(long, -5.0)]);
+    let text = view::length(metres);
+    typesetter.write(&mut label, &text, at + v(long + 6.0, 0.5), 12.0, Align::Left);
+    let group = Group::new()
+        .set("id", "scale-bar")
+        .add(stroked(bar, style::INK, 1.5))
+        .add(filled(label, style::INK));
+    Some((group, long + 6.0 + typesetter.width(&text, 12.0)))
+}
+
+/// A legend's sample of a filled part.
+pub(super) fn sample(style: Style, min: DVec2, max: DVec2) -> Path {
+    let mut path = PathData::new(2);
+    path.rect(min, max);
+    filled(path, style.fill)
+        .set("stroke", style.edge.to_string())
+        .set("stroke-width", style.edge_width.max(0.8))
+}
+
+/// A colour bar from 0 to 10 of the difficulties, `width` px wide, and its numbers.
+pub(super) fn difficulty_bar(
+    min: DVec2,
+    width: f64,
+    label: &mut PathData,
+    typesetter: &Typesetter,
+) -> Group {
+    let edge: Color = style::FRAME;
+    let bar = rectangle(Rect::new(min, min + DVec2::new(width, 10.0)))
+        .set("fill", "url(#difficulty)")
+        .set("stroke", edge.to_string())
+        .set("stroke-width", 0.8);
+    for tenth in [0.0, 5.0, 10.0] {
+        let at = min + DVec2::new(width * tenth / 10.0, 12.5 + CAPITAL_HEIGHT * 9.0);
+        typesetter.write(label, &view::short(tenth), at, 9.0, Align::Middle);
+    }
+    Group::new().add(bar)
+}

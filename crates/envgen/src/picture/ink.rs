@@ -1,0 +1,216 @@
+//! Everything of one style in one path, and what is too small for one as a shadow.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use glam::DVec2;
+use svg::node::element::{Group, Image, Path};
+
+use super::PictureError;
+use super::path::PathData;
+use super::style::{Color, Style};
+use super::view::View;
+use crate::geometry::Shape;
+
+/// Parts that go into paths whatever their size; with more of them in a world, those that are
+/// smaller than a pixel are drawn as a shadow.
+pub(super) const MANY_PARTS: usize = 30_000;
+
+/// Shapes of one style.
+#[derive(Debug)]
+pub(super) struct Ink<'a> {
+    view: &'a View,
+    filled: PathData,
+    lines: PathData,
+    shadow: Option<Shadow>,
+    shadows: bool,
+}
+
+impl<'a> Ink<'a> {
+    /// Nothing yet. With `many` parts in the world, coordinates are coarser and the smallest parts
+    /// become a shadow.
+    pub(super) fn new(view: &'a View, many: bool) -> Self {
+        let decimals = if many { 1 } else { 2 };
+        Ink {
+            view,
+            filled: PathData::new(decimals),
+            lines: PathData::new(decimals),
+            shadow: None,
+            shadows: many,
+        }
+    }
+
+    /// Nothing yet, for styles so many that each cannot have a shadow of its own.
+    pub(super) fn without_shadow(view: &'a View, many: bool) -> Self {
+        Ink { shadows: false, ..Ink::new(view, many) }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.filled.is_empty() && self.lines.is_empty() && self.shadow.is_none()
+    }
+
+    pub(super) fn shape(&mut self, shape: &Shape) {
+        if self.shadows && self.shade(shape) {
+            return;
+        }
+        match shape {
+            Shape::Segment { a, b } => self.lines.line(self.view.px(*a), self.view.px(*b)),
+            Shape::Disc { center, radius } => {
+                self.filled.circle(self.view.px(*center), radius * self.view.scale);
+            }
+            Shape::Box { .. } | Shape::Polygon { .. } => {
+                self.filled.polygon(self.view.outline(shape));
+            }
+        }
+    }
+
+    /// Takes a shape that is smaller than a pixel.
+    fn shade(&mut self, shape: &Shape) -> bool {
+        let around = self.view.px_rect(shape.bounds());
+        if around.size().max_element() >= 1.0 {
+            return false;
+        }
+        // A line of no thickness counts as a fifth of a pixel wide.
+        let area = match shape {
+            Shape::Segment { .. } => around.size().length() * 0.2,
+            _ => shape.area() * self.view.scale * self.view.scale,
+        };
+        let view = self.view;
+        self.shadow.get_or_insert_with(|| Shadow::new(view)).add(around.center(), area);
+        true
+    }
+
+    /// The group of what was taken.
+    pub(super) fn into_group(self, id: &str, style: Style) -> Result<Group, PictureError> {
+        let mut group = Group::new().set("id", id);
+        if let Some(shadow) = self.shadow {
+            group = group.add(shadow.into_image(style.fill)?);
+        }
+        if !self.filled.is_empty() {
+            let path = Path::new()
+                .set("d", self.filled.into_text())
+                .set("fill", style.fill.to_string())
+                .set("stroke", style.edge.to_string())
+                .set("stroke-width", style.edge_width)
+                .set("stroke-linejoin", "round");
+            group = group.add(path);
+        }
+        if !self.lines.is_empty() {
+            let path = Path::new()
+                .set("d", self.lines.into_text())
+                .set("fill", "none")
+                .set("stroke", style.edge.to_string())
+                .set("stroke-width", 1.5)
+                .set("stroke-linecap", "round");
+            group = group.add(path);
+        }
+        Ok(group)
+    }
+}
+
+/// How much of each pixel of the plan is covered by parts smaller than it.
+#[derive(Debug)]
+pub(super) struct Shadow {
+    corner: DVec2,
+    width: usize,
+    height: usize,
+    /// In 1/4096 of a pixel.
+    covered: Vec<u16>,
+}
+
+impl Shadow {
+    pub(super) fn new(view: &View) -> Self {
+        let size = view.plan.size();
+        let (width, height) = (size.x as usize, size.y as usize);
+        Shadow { corner: view.plan.min, width, height, covered: vec![0; width * height] }
+    }
+
+    /// Adds `area` square pixels at a point, shared out between the four nearest pixels.
+    pub(super) fn add(&mut self, at: DVec2, area: f64) {
+        let at = at - self.corner - DVec2::splat(0.5);
+        let first = at.floor();
+        let part = at - first;
+        let shares = [
+            (0.0, 0.0, (1.0 - part.x) * (1.0 - part.y)),
+            (1.0, 0.0, part.x * (1.0 - part.y)),
+            (0.0, 1.0, (1.0 - part.x) * part.y),
+            (1.0, 1.0, part.x * part.y),
+        ];
+        for (dx, dy, share) in shares {
+            let (x, y) = (first.x + dx, first.y + dy);
+            if x >= 0.0 && y >= 0.0 && x < self.width as f64 && y < self.height as f64 {
+                let pixel = &mut self.covered[y as usize * self.width + x as usize];
+                *pixel = pixel.saturating_add((area * share * 4096.0).round() as u16);
+            }
+        }
+    }
+
+    pub(super) fn into_image(self, color: Color) -> Result<Image, PictureError> {
+        let alphas: Vec<u8> = (0..=255).collect();
+        let pixels: Vec<u8> =
+            self.covered.iter().map(|&c| (u32::from(c.min(4096)) * 255 / 4096) as u8).collect();
+        let size = DVec2::new(self.width as f64, self.height as f64);
+        let image = Indexed {
+            width: self.width as u32,
+            height: self.height as u32,
+            colors: vec![color; 256],
+            alphas,
+            pixels,
+        };
+        image.to_element(self.corner, size)
+    }
+}
+
+/// An image of at most 256 colours.
+#[derive(Debug)]
+pub(super) struct Indexed {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) colors: Vec<Color>,
+    /// Opacities of the first colours; the others are opaque.
+    pub(super) alphas: Vec<u8>,
+    /// Row by row from the top, one index each.
+    pub(super) pixels: Vec<u8>,
+}
+
+impl Indexed {
+    /// The image as an element whose pixels stay sharp, stretched to `size` px.
+    pub(super) fn to_element(&self, corner: DVec2, size: DVec2) -> Result<Image, PictureError> {
+        let mut file = Vec::new();
+        let mut encoder = png::Encoder::new(&mut file, self.width, self.height);
+        encoder.set_color(png::ColorType::Indexed);
+        let depth = match self.colors.len() {
+            0..=2 => png::BitDepth::One,
+            3..=4 => png::BitDepth::Two,
+            5..=16 => png::BitDepth::Four,
+            _ => png::BitDepth::Eight,
+        };
+        encoder.set_depth(depth);
+        encoder.set_palette(self.colors.iter().flat_map(|c| c.0).collect::<Vec<_>>());
+        encoder.set_trns(self.alphas.clone());
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&self.packed(depth))?;
+        writer.finish()?;
+        Ok(Image::new()
+            .set("x", corner.x)
+            .set("y", corner.y)
+            .set("width", size.x)
+            .set("height", size.y)
+            .set("preserveAspectRatio", "none")
+            .set("style", "image-rendering:pixelated")
+            .set("href", format!("data:image/png;base64,{}", STANDARD.encode(&file))))
+    }
+
+    /// Rows of pixels with as many in a byte as the depth allows, the first in the highest bits.
+    fn packed(&self, depth: png::BitDepth) -> Vec<u8> {
+        let bits = depth as usize;
+        if bits == 8 {
+            return self.pixels.clone();
+        }
+        let pack = |pixels: &[u8]| {
+            let bytes = pixels.iter().enumerate();
+            bytes.fold(0, |byte, (i, &pixel)| byte | pixel << (8 - bits * (i + 1)))
+        };
+        let rows = self.pixels.chunks(self.width.max(1) as usize);
+        rows.flat_map(|row| row.chunks(8 / bits).map(pack)).collect()
+    }
+}

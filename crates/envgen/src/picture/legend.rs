@@ -1,0 +1,206 @@
+//! The row under the plan: scale bar, and what the colours mean.
+
+use glam::DVec2;
+use svg::node::element::Group;
+
+use super::furniture::{arrow, difficulty_bar, flag, sample, scale_bar};
+use super::parts::{self, filled, stroked};
+use super::path::PathData;
+use super::raster;
+use super::style::{self, Style};
+use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
+use super::view::View;
+use crate::geometry::Pose;
+use crate::world::{SurfaceKind, World};
+
+const LABEL_SIZE: f64 = 12.0;
+const ROW: f64 = 22.0;
+const GAP: f64 = 18.0;
+const SAMPLE: DVec2 = DVec2::new(16.0, 11.0);
+const BAR: f64 = 130.0;
+
+/// More classes than these are named by their number.
+const MOST_CLASSES: usize = 12;
+
+/// One entry of the legend.
+#[derive(Clone, Debug)]
+enum Entry {
+    Part(Style),
+    Named(Style, String),
+    Tree,
+    Road,
+    Unlit,
+    Start,
+    Goal,
+    Difficulty,
+    Note(String),
+}
+
+impl Entry {
+    fn label(&self) -> &str {
+        match self {
+            Entry::Part(style) => style.name,
+            Entry::Named(_, label) | Entry::Note(label) => label,
+            Entry::Tree => "tree",
+            Entry::Road => "road",
+            Entry::Unlit => "unlit",
+            Entry::Start => "start",
+            Entry::Goal => "goal",
+            Entry::Difficulty => "difficulty",
+        }
+    }
+
+    fn sample_width(&self) -> f64 {
+        match self {
+            Entry::Difficulty => BAR,
+            Entry::Note(_) => 0.0,
+            Entry::Start => 28.0,
+            _ => SAMPLE.x,
+        }
+    }
+}
+
+/// What a world's picture has to explain.
+fn entries(world: &World) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    if world.start.is_some() {
+        entries.push(Entry::Start);
+    }
+    if world.goal.is_some() {
+        entries.push(Entry::Goal);
+    }
+    for kind in parts::WALLS.into_iter().rev() {
+        if world.walls.iter().any(|wall| wall.kind == kind) {
+            entries.push(Entry::Part(style::wall(kind)));
+        }
+    }
+    for (open, style) in [(true, parts::OPEN_DOOR), (false, parts::CLOSED_DOOR)] {
+        if world.doorways.iter().any(|door| door.open == open) {
+            entries.push(Entry::Part(style));
+        }
+    }
+    if !world.trees.is_empty() {
+        entries.push(Entry::Tree);
+    }
+    for kind in parts::OBSTACLES {
+        if world.obstacles.iter().any(|obstacle| obstacle.kind == kind) {
+            entries.push(Entry::Part(style::obstacle(kind)));
+        }
+    }
+    if !world.victims.is_empty() {
+        entries.push(Entry::Part(style::VICTIM));
+    }
+    if !world.road_strips.is_empty() {
+        entries.push(Entry::Road);
+    }
+    let mut classes = world.raster.as_ref().map(raster::classes).unwrap_or_default();
+    for (kind, style) in parts::surface_styles(world) {
+        match kind {
+            SurfaceKind::Class(class) => {
+                classes.insert(class);
+            }
+            _ => entries.push(Entry::Part(style)),
+        }
+    }
+    for &class in classes.iter().take(MOST_CLASSES) {
+        let style = style::surface(SurfaceKind::Class(class));
+        entries.push(Entry::Named(style, format!("class {class}")));
+    }
+    if classes.len() > MOST_CLASSES {
+        entries.push(Entry::Note(format!("and {} more", classes.len() - MOST_CLASSES)));
+    }
+    if world.rooms.iter().any(|room| !room.lit) {
+        entries.push(Entry::Unlit);
+    }
+    if world.rooms.iter().any(|room| room.difficulty.is_some()) {
+        entries.push(Entry::Difficulty);
+    } else if !world.rooms.is_empty() {
+        let (fill, edge) = (style::ROOM, style::ROOM_EDGE);
+        entries.push(Entry::Part(Style { name: "room", fill, edge, edge_width: 0.8 }));
+    }
+    entries
+}
+
+/// Scale bar and legend, row by row within `width` px, and their height.
+pub(super) fn draw(
+    world: &World,
+    view: &View,
+    corner: DVec2,
+    width: f64,
+    legend: bool,
+    typesetter: &Typesetter,
+) -> (Group, f64) {
+    let mut group = Group::new().set("id", "legend");
+    let mut labels = PathData::new(2);
+    let mut small = PathData::new(2);
+    let mut x = 0.0;
+    let mut rows = 0.0;
+    let baseline = |rows: f64| corner.y + rows * ROW + 15.0;
+    if let Some((bar, long)) = scale_bar(view, DVec2::new(corner.x, baseline(0.0)), typesetter) {
+        group = group.add(bar);
+        x += long + 1.5 * GAP;
+    }
+    let entries = if legend { entries(world) } else { Vec::new() };
+    let mut last_is_bar = false;
+    for entry in entries {
+        let long = entry.sample_width() + 6.0 + typesetter.width(entry.label(), LABEL_SIZE);
+        if x > 0.0 && x + long > width {
+            (x, rows) = (0.0, rows + 1.0);
+        }
+        let base = DVec2::new(corner.x + x, baseline(rows));
+        let middle = base.y - 0.5 * CAPITAL_HEIGHT * LABEL_SIZE;
+        let min = DVec2::new(base.x, middle - 0.5 * SAMPLE.y);
+        let max = min + SAMPLE;
+        let center = (min + max) * 0.5;
+        group = match &entry {
+            Entry::Part(style) | Entry::Named(style, _) => group.add(sample(*style, min, max)),
+            Entry::Tree => {
+                let [mut edge, mut crown] = [PathData::new(2), PathData::new(2)];
+                edge.circle(center, 6.0);
+                crown.circle(center, 5.0);
+                group.add(filled(edge, style::TREE_EDGE)).add(filled(crown, style::TREE))
+            }
+            Entry::Road => {
+                let [mut path, mut marks] = [PathData::new(2), PathData::new(2)];
+                path.rect(min, max);
+                marks.line(DVec2::new(min.x + 2.0, center.y), DVec2::new(min.x + 6.5, center.y));
+                marks.line(DVec2::new(max.x - 6.5, center.y), DVec2::new(max.x - 2.0, center.y));
+                let road = filled(path, style::ASPHALT).set("stroke", style::ROAD_EDGE.to_string());
+                group.add(road).add(stroked(marks, style::MARKING, 1.1))
+            }
+            Entry::Unlit => {
+                let [mut path, mut lines] = [PathData::new(2), PathData::new(2)];
+                path.rect(min, max);
+                for shift in [1.0, 6.0] {
+                    let from = DVec2::new(min.x + shift, max.y);
+                    lines.line(from, from + DVec2::new(SAMPLE.y, -SAMPLE.y) * 0.9);
+                }
+                let fill = style::ROOM.mix(style::DARK, 0.18);
+                let room = filled(path, fill).set("stroke", style::ROOM_EDGE.to_string());
+                group
+                    .add(room.set("stroke-width", 0.8))
+                    .add(stroked(lines, style::DARK, 1.1).set("stroke-opacity", 0.55))
+            }
+            Entry::Start => {
+                group.add(arrow(DVec2::new(min.x + 7.0, middle), Pose::new(0.0, 0.0, 0.0)))
+            }
+            Entry::Goal => group.add(flag(DVec2::new(min.x + 3.0, base.y + 1.5))),
+            Entry::Difficulty => {
+                last_is_bar = true;
+                let at = DVec2::new(min.x, middle - 5.0);
+                group.add(difficulty_bar(at, BAR, &mut small, typesetter))
+            }
+            Entry::Note(_) => group,
+        };
+        let at = DVec2::new(base.x + entry.sample_width() + 6.0, base.y);
+        typesetter.write(&mut labels, entry.label(), at, LABEL_SIZE, Align::Left);
+        x += long + GAP;
+    }
+    if !labels.is_empty() {
+        group = group.add(filled(labels, style::INK));
+    }
+    if !small.is_empty() {
+        group = group.add(filled(small, style::QUIET_INK));
+    }
+    (group, (rows + 1.0) * ROW + if last_is_bar { 8.0 } else { 0.0 })
+}

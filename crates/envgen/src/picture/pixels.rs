@@ -1,0 +1,38 @@
+//! From the SVG to pixels.
+
+use std::io::Write;
+
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg;
+
+use super::{MAX_PIXELS, PictureError};
+
+/// Renders an SVG, whose background must be opaque, with `ratio` pixels a px.
+pub(super) fn write(svg: &str, ratio: f64, out: &mut dyn Write) -> Result<(), PictureError> {
+    let tree = usvg::Tree::from_str(svg, &usvg::Options::default())?;
+    let pixels = |px: f32| (f64::from(px) * ratio).ceil().max(1.0) as u64;
+    let (width, height) = (pixels(tree.size().width()), pixels(tree.size().height()));
+    let too_large = PictureError::TooLarge { width, height };
+    if width.saturating_mul(height) > MAX_PIXELS {
+        return Err(too_large);
+    }
+    let Some(mut pixmap) = Pixmap::new(width as u32, height as u32) else { return Err(too_large) };
+    let ratio = ratio as f32;
+    resvg::render(&tree, Transform::from_scale(ratio, ratio), &mut pixmap.as_mut());
+    drop(tree);
+
+    let mut encoder = png::Encoder::new(out, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    let mut writer = encoder.write_header()?;
+    let mut rows = writer.stream_writer()?;
+    let mut row = Vec::with_capacity(3 * width as usize);
+    for pixels in pixmap.data().chunks_exact(4 * width as usize) {
+        row.clear();
+        row.extend(pixels.chunks_exact(4).flat_map(|rgba| &rgba[..3]));
+        rows.write_all(&row)?;
+    }
+    rows.finish()?;
+    Ok(writer.finish()?)
+}

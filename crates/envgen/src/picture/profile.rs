@@ -1,0 +1,134 @@
+//! The curvature of roads over their length, drawn under the plan.
+
+use glam::DVec2;
+use svg::node::element::{Group, Rectangle};
+
+use super::parts::{filled, stroked};
+use super::path::PathData;
+use super::style;
+use super::text::{Align, Typesetter};
+use super::view::{self, View, round_number};
+use crate::world::World;
+
+const HEIGHT: f64 = 110.0;
+/// Room for the numbers below the axis.
+const FOOT: f64 = 18.0;
+/// Room for the title above the curve.
+const HEAD: f64 = 18.0;
+
+/// The profile with its upper border at `top`, and its height; `None` without roads.
+///
+/// Roads follow each other in the order of the world's list. Each pixel shows the greatest
+/// curvature to the left and to the right that lies in it.
+pub(super) fn draw(
+    world: &World,
+    view: &View,
+    top: f64,
+    typesetter: &Typesetter,
+) -> Option<(Group, f64)> {
+    let samples = samples(world);
+    let length = samples.last().map(|sample| sample.0).filter(|l| l.is_finite() && *l > 0.0)?;
+    let greatest = samples.iter().map(|sample| sample.1.abs()).fold(0.0, f64::max);
+    let steepest = if greatest > 0.0 { greatest } else { 1.0 };
+
+    let (left, right) = (view.plan.min.x, view.plan.max.x);
+    let width = right - left;
+    let axis = top + HEAD + 0.5 * (HEIGHT - HEAD - FOOT);
+    let half = 0.5 * (HEIGHT - HEAD - FOOT) - 2.0;
+    let columns = width.ceil().max(1.0) as usize;
+    let mut range = vec![[0.0_f64; 2]; columns];
+    for pair in samples.windows(2) {
+        let column = |s: f64| ((s / length * columns as f64) as usize).min(columns - 1);
+        for column in &mut range[column(pair[0].0)..=column(pair[1].0)] {
+            column[0] = column[0].max(pair[0].1);
+            column[1] = column[1].min(pair[0].1);
+        }
+    }
+    let mut group = Group::new().set("id", "curvature-profile").add(
+        Rectangle::new()
+            .set("x", left)
+            .set("y", top)
+            .set("width", width)
+            .set("height", HEIGHT - FOOT)
+            .set("fill", style::PLAN.to_string()),
+    );
+    for (side, color) in [(0, style::CURVE_LEFT), (1, style::CURVE_RIGHT)] {
+        let mut path = PathData::new(1);
+        path.move_to(DVec2::new(left, axis));
+        for (i, curvature) in range.iter().enumerate() {
+            let y = axis - half * curvature[side] / steepest;
+            path.line_to(DVec2::new(left + i as f64, y));
+            path.line_to(DVec2::new((left + i as f64 + 1.0).min(right), y));
+        }
+        path.line_to(DVec2::new(right, axis));
+        path.close();
+        group = group.add(filled(path, color).set("fill-opacity", 0.75));
+    }
+    let mut zero = PathData::new(1);
+    zero.line(DVec2::new(left, axis), DVec2::new(right, axis));
+    let mut ticks = PathData::new(1);
+    let [mut label, mut quiet] = [PathData::new(2), PathData::new(2)];
+    let bottom = top + HEIGHT - FOOT;
+    if let Some(step) = round_number(length * 110.0 / width) {
+        let count = (length / step * (1.0 + 1e-9)).floor().min(1000.0) as u32;
+        for i in 0..=count {
+            let x = left + width * (f64::from(i) * step / length).min(1.0);
+            ticks.line(DVec2::new(x, bottom), DVec2::new(x, bottom + 4.0));
+            let text = view::length(f64::from(i) * step);
+            let align = match i {
+                0 => Align::Left,
+                _ if x + 20.0 > right => Align::Right,
+                _ => Align::Middle,
+            };
+            let text = if i == 0 { "0" } else { &text };
+            typesetter.write(&mut quiet, text, DVec2::new(x, bottom + 14.5), 10.0, align);
+        }
+    }
+    let at = |x, y| DVec2::new(x, y);
+    let title = "curvature: left above, right below";
+    typesetter.write(&mut label, title, at(left + 6.0, top + 13.0), 11.0, Align::Left);
+    let radius = if greatest > 0.0 {
+        format!("sharpest {}/m, radius {}", view::short(greatest), view::length(1.0 / greatest))
+    } else {
+        "straight".to_owned()
+    };
+    if typesetter.width(title, 11.0) + typesetter.width(&radius, 11.0) + 30.0 < width {
+        typesetter.write(&mut quiet, &radius, at(right - 6.0, top + 13.0), 11.0, Align::Right);
+    }
+    let frame = Rectangle::new()
+        .set("x", left + 0.5)
+        .set("y", top + 0.5)
+        .set("width", width - 1.0)
+        .set("height", HEIGHT - FOOT - 1.0)
+        .set("fill", "none")
+        .set("stroke", style::FRAME.to_string());
+    let group = group
+        .add(stroked(zero, style::INK, 0.8))
+        .add(frame)
+        .add(stroked(ticks, style::QUIET_INK, 0.8))
+        .add(filled(label, style::INK))
+        .add(filled(quiet, style::QUIET_INK));
+    Some((group, HEIGHT))
+}
+
+/// Length from the start and curvature from there on, of all roads one after another.
+fn samples(world: &World) -> Vec<(f64, f64)> {
+    let mut samples = Vec::new();
+    let mut length = 0.0;
+    for strip in &world.road_strips {
+        let points = strip.centreline.iter();
+        let closing = strip.centreline.first().filter(|_| strip.closed);
+        let mut previous: Option<DVec2> = None;
+        for point in points.chain(closing) {
+            let at = point.pose.position;
+            length += previous.map_or(0.0, |previous| previous.distance(at));
+            samples.push((length, point.curvature));
+            previous = Some(at);
+        }
+        // Nothing between one road and the next.
+        if let Some(last) = samples.last_mut() {
+            last.1 = 0.0;
+        }
+    }
+    samples
+}

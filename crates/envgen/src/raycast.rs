@@ -1,0 +1,372 @@
+//! Exact ranges from a [`World`]'s solid parts.
+
+use glam::DVec2;
+
+use crate::geometry::{Pose, Rect, Shape, edges, polygon_contains, unit_vector};
+use crate::lattice::{Convex, Lattice};
+use crate::world::{PartId, World};
+
+/// Cells that the index has for each shape, about, where parts are spread evenly.
+const CELLS_A_SHAPE: f64 = 2.0;
+
+/// Cells of the index, at most: 8 bytes each.
+const MAX_CELLS: f64 = (1 << 22) as f64;
+
+/// Cells that list a shape, on average over all shapes, at most. Worlds whose parts lie over each
+/// other get a coarser index, so that its memory is bounded.
+const MAX_LISTINGS: usize = 24;
+
+/// What a ray met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance in metres; 0 for a ray that starts inside a part.
+    pub distance: f64,
+    /// The part.
+    pub part: PartId,
+}
+
+/// The directions of a laser scan, relative to the scanner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fan {
+    directions: Vec<DVec2>,
+}
+
+impl Fan {
+    /// `beams` rays spread evenly over `field_of_view` radians, centred on the scanner's heading,
+    /// from right to left; both ends have a ray.
+    pub fn new(field_of_view: f64, beams: usize) -> Self {
+        let step = field_of_view / beams.saturating_sub(1).max(1) as f64;
+        let first = if beams > 1 { -0.5 * field_of_view } else { 0.0 };
+        let directions = (0..beams).map(|i| unit_vector(first + step * i as f64)).collect();
+        Fan { directions }
+    }
+
+    /// Number of rays.
+    pub fn len(&self) -> usize {
+        self.directions.len()
+    }
+
+    /// Whether there is no ray.
+    pub fn is_empty(&self) -> bool {
+        self.directions.is_empty()
+    }
+}
+
+/// An index of a world's solid parts for casting rays.
+///
+/// A coarse uniform grid, of which a ray visits the cells that it crosses in order; each cell lists
+/// the shapes that touch it. Ranges are exact: the shapes themselves are intersected, not cells.
+/// The index is a copy: a world that changes needs a new one.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec, raycast::Raycaster};
+///
+/// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+/// let rays = Raycaster::new(&world);
+/// let start = world.start.expect("hallways have a start");
+/// // The first segment goes up: the corridor's walls stand 1 m to the left and right.
+/// let hit = rays.cast(start.position, std::f64::consts::PI, 8.0).expect("a wall");
+/// assert!((hit.distance - 1.0).abs() < 1e-12);
+/// # Ok::<(), envgen::GenerateError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Raycaster {
+    lattice: Lattice,
+    per_cell: f64,
+    shapes: Lists<Listing>,
+    /// The filled polygons around each cell: they are listed by their sides, and only where a ray
+    /// starts does it matter whether it starts inside.
+    fillings: Lists<u32>,
+    polygons: Vec<(PartId, Vec<DVec2>)>,
+}
+
+/// A shape as a cell lists it: all that a ray needs, in one place.
+#[derive(Clone, Copy, Debug)]
+struct Listing {
+    outline: Outline,
+    part: PartId,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Outline {
+    /// Start, and the way to the end.
+    Side(DVec2, DVec2),
+    /// Middle and squared radius, filled.
+    Disc(DVec2, f64),
+    /// Corners of an axis-aligned box, filled.
+    Aligned(DVec2, DVec2),
+}
+
+impl Raycaster {
+    /// Indexes the solid parts of a world.
+    pub fn new(world: &World) -> Self {
+        let mut shapes = Vec::new();
+        let mut polygons = Vec::new();
+        let mut around: Option<Rect> = None;
+        for solid in world.solids() {
+            let bounds = solid.shape.bounds();
+            around = Some(around.map_or(bounds, |rect| rect.union(bounds)));
+            let part = solid.id;
+            let listing = |outline| Listing { outline, part };
+            match &*solid.shape {
+                Shape::Segment { a, b } => shapes.push(listing(Outline::Side(*a, *b - *a))),
+                Shape::Disc { center, radius } => {
+                    shapes.push(listing(Outline::Disc(*center, radius * radius)));
+                }
+                Shape::Box { center, half_size, heading: 0.0 } => {
+                    shapes.push(listing(Outline::Aligned(center - half_size, center + half_size)));
+                }
+                turned => {
+                    let corners = turned.corners();
+                    shapes.extend(edges(&corners).map(|(a, b)| listing(Outline::Side(a, b - a))));
+                    polygons.push((part, corners));
+                }
+            }
+        }
+        // Shapes on the border, and rays that graze it, stay inside by a little.
+        let around = around.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
+        let around = around.grown(1e-9 * (1.0 + around.size().max_element()));
+        let numbers: Vec<u32> = (0..polygons.len() as u32).collect();
+        let mut target = (shapes.len() as f64 * CELLS_A_SHAPE).clamp(1.0, MAX_CELLS);
+        loop {
+            let lattice = lattice(around, target);
+            let most = (lattice.cols * lattice.rows > 1).then_some(MAX_LISTINGS * shapes.len());
+            let listed = Lists::build(&lattice, &shapes, most, Listing::touched_runs);
+            let filled = Lists::build(&lattice, &numbers, most, |&i, lattice, visit| {
+                filled_runs(&polygons[i as usize].1, lattice, visit);
+            });
+            if let (Some(shapes), Some(fillings)) = (listed, filled) {
+                let per_cell = 1.0 / lattice.side;
+                return Raycaster { lattice, per_cell, shapes, fillings, polygons };
+            }
+            target *= 0.25;
+        }
+    }
+
+    /// The first part that a ray meets within `max_range` metres; `None` when there is none.
+    /// `heading` is in radians.
+    pub fn cast(&self, from: DVec2, heading: f64, max_range: f64) -> Option<Hit> {
+        self.cast_along(from, unit_vector(heading), max_range)
+    }
+
+    /// As [`Raycaster::cast`], in the direction of a unit vector.
+    pub fn cast_along(&self, from: DVec2, direction: DVec2, max_range: f64) -> Option<Hit> {
+        let inverse = direction.recip();
+        let Lattice { origin, side, cols, rows } = self.lattice;
+
+        // Where the ray enters the grid, and the cell there.
+        let far = origin + DVec2::new(cols as f64, rows as f64) * side;
+        let (enter, leave) = slab(from, inverse, origin, far);
+        let enter = enter.max(0.0);
+        if !(enter <= leave && enter <= max_range) {
+            return None;
+        }
+        let entry = (from + direction * enter - origin) * self.per_cell;
+        let mut col = (entry.x as usize).min(cols - 1);
+        let mut row = (entry.y as usize).min(rows - 1);
+        if enter == 0.0
+            && let Some(part) = self.filling(col + row * cols, from)
+        {
+            return Some(Hit { distance: 0.0, part });
+        }
+
+        // Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, 1987.
+        let forward = direction.cmpge(DVec2::ZERO);
+        let ahead = |cell: usize, forward: bool| (cell + usize::from(forward)) as f64 * side;
+        let border = |row: usize, col: usize| {
+            let line = DVec2::new(ahead(col, forward.x), ahead(row, forward.y)) + origin;
+            (line - from) * inverse
+        };
+        let step = (inverse * side).abs();
+        let mut next = border(row, col);
+        let mut best = max_range;
+        let mut met = None;
+        loop {
+            for listing in self.shapes.of(row * cols + col) {
+                if let Some(distance) = listing.outline.distance(from, direction, inverse)
+                    && distance <= best
+                {
+                    // Of two parts at the same distance the first in the world's order is met.
+                    if distance < best || met.is_none_or(|part| listing.part < part) {
+                        best = distance;
+                        met = Some(listing.part);
+                    }
+                }
+            }
+            // A ray along an axis has an infinite or undefined border on the other one.
+            let across_x = next.x < next.y || next.y.is_nan();
+            let crossing = if across_x { next.x } else { next.y };
+            let inside = crossing < best
+                && if across_x {
+                    next.x += step.x;
+                    shift(&mut col, forward.x, cols)
+                } else {
+                    next.y += step.y;
+                    shift(&mut row, forward.y, rows)
+                };
+            if !inside {
+                return met.map(|part| Hit { distance: best, part });
+            }
+        }
+    }
+
+    /// A whole scan: the ranges of all rays of `fan` from a pose, in metres, `max_range` where a
+    /// ray meets nothing. `ranges` is overwritten.
+    pub fn scan(&self, pose: Pose, fan: &Fan, max_range: f64, ranges: &mut Vec<f64>) {
+        let heading = unit_vector(pose.heading);
+        ranges.clear();
+        ranges.extend(fan.directions.iter().map(|&direction| {
+            let hit = self.cast_along(pose.position, heading.rotate(direction), max_range);
+            hit.map_or(max_range, |hit| hit.distance)
+        }));
+    }
+
+    /// The polygon that a point lies in.
+    fn filling(&self, cell: usize, p: DVec2) -> Option<PartId> {
+        let polygons = self.fillings.of(cell).iter().map(|&i| &self.polygons[i as usize]);
+        let inside = |(_, vertices): &&(PartId, Vec<DVec2>)| polygon_contains(vertices, p);
+        polygons.filter(inside).map(|(part, _)| *part).min()
+    }
+}
+
+/// Steps to the next cell of an axis; false at the grid's end.
+fn shift(cell: &mut usize, forward: bool, len: usize) -> bool {
+    let next = if forward { *cell + 1 } else { cell.wrapping_sub(1) };
+    *cell = next;
+    next < len
+}
+
+/// A lattice of about `target` cells over an area.
+fn lattice(area: Rect, target: f64) -> Lattice {
+    let size = area.size();
+    let longest = size.max_element();
+    let side = (size.x * size.y / target).sqrt().max(longest / MAX_CELLS.sqrt()).min(longest);
+    let cells = (size / side).ceil().max(DVec2::ONE);
+    Lattice { origin: area.min, side, cols: cells.x as usize, rows: cells.y as usize }
+}
+
+/// The cells around a filled polygon's bounding box: only where rays start does a listing too many
+/// cost anything.
+fn filled_runs(vertices: &[DVec2], lattice: &Lattice, visit: &mut dyn FnMut(usize, usize, usize)) {
+    let Some(bounds) = Rect::around(vertices.iter().copied()) else { return };
+    let corners = Shape::from_rect(bounds).corners();
+    lattice.touched_runs(&Convex::Polygon(&corners), visit);
+}
+
+impl Listing {
+    fn touched_runs(&self, lattice: &Lattice, visit: &mut dyn FnMut(usize, usize, usize)) {
+        match self.outline {
+            Outline::Side(a, way) => lattice.touched_runs(&Convex::Polygon(&[a, a + way]), visit),
+            Outline::Disc(center, radius2) => {
+                lattice.touched_runs(&Convex::Disc(center, radius2.sqrt()), visit);
+            }
+            Outline::Aligned(min, max) => {
+                let corners = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
+                lattice.touched_runs(&Convex::Polygon(&corners), visit);
+            }
+        }
+    }
+}
+
+impl Outline {
+    /// Distance along a ray, 0 inside; `None` when the ray misses.
+    #[inline]
+    fn distance(&self, from: DVec2, direction: DVec2, inverse: DVec2) -> Option<f64> {
+        match *self {
+            Outline::Side(a, way) => {
+                let to = a - from;
+                let across = direction.perp_dot(way);
+                let off = to.perp_dot(direction);
+                if across == 0.0 {
+                    // Along the side: the nearer end, when the ray runs on its line.
+                    let (s, e) = (to.dot(direction), (to + way).dot(direction));
+                    return (off == 0.0 && s.max(e) >= 0.0).then(|| s.min(e).max(0.0));
+                }
+                let distance = to.perp_dot(way) / across;
+                let along = off / across;
+                (distance >= 0.0 && (0.0..=1.0).contains(&along)).then_some(distance)
+            }
+            Outline::Disc(center, radius2) => {
+                let to = center - from;
+                let middle = to.dot(direction);
+                let off = to.perp_dot(direction);
+                let half2 = radius2 - off * off;
+                if half2 < 0.0 {
+                    return None;
+                }
+                let half = half2.sqrt();
+                (middle + half >= 0.0).then(|| (middle - half).max(0.0))
+            }
+            Outline::Aligned(min, max) => {
+                let (enter, leave) = slab(from, inverse, min, max);
+                (enter <= leave && leave >= 0.0).then(|| enter.max(0.0))
+            }
+        }
+    }
+}
+
+/// Where a ray's line enters and leaves an axis-aligned box. NaN, from a ray that runs in a side's
+/// line, falls out of `min` and `max`.
+#[inline]
+fn slab(from: DVec2, inverse: DVec2, min: DVec2, max: DVec2) -> (f64, f64) {
+    let (a, b) = ((min - from) * inverse, (max - from) * inverse);
+    (a.x.min(b.x).max(a.y.min(b.y)), a.x.max(b.x).min(a.y.max(b.y)))
+}
+
+/// A list a cell, all in one piece of memory.
+#[derive(Clone, Debug)]
+struct Lists<T> {
+    /// Where each cell's list starts; one more than there are cells.
+    starts: Vec<u32>,
+    items: Vec<T>,
+}
+
+impl<T: Copy> Lists<T> {
+    /// Lists each item in every cell that `runs` names for it; `None` when that would be more than
+    /// `most` listings.
+    fn build(
+        lattice: &Lattice,
+        items: &[T],
+        most: Option<usize>,
+        runs: impl Fn(&T, &Lattice, &mut dyn FnMut(usize, usize, usize)),
+    ) -> Option<Self> {
+        let mut starts = vec![0_u32; lattice.cols * lattice.rows + 1];
+        let mut total = 0;
+        for item in items {
+            runs(item, lattice, &mut |row, from, to| {
+                total += to + 1 - from;
+                let cells = row * lattice.cols;
+                starts[cells + from..=cells + to].iter_mut().for_each(|count| *count += 1);
+            });
+            if most.is_some_and(|most| total > most) {
+                return None;
+            }
+        }
+        let mut end = 0;
+        for start in &mut starts {
+            end += *start;
+            *start = end;
+        }
+        // Filled from the back, each start moves from the end of its list to its beginning.
+        let Some(&any) = items.first() else { return Some(Lists { starts, items: Vec::new() }) };
+        let mut listed = vec![any; total];
+        for item in items.iter().rev() {
+            runs(item, lattice, &mut |row, from, to| {
+                let cells = row * lattice.cols;
+                for start in &mut starts[cells + from..=cells + to] {
+                    *start -= 1;
+                    listed[*start as usize] = *item;
+                }
+            });
+        }
+        Some(Lists { starts, items: listed })
+    }
+
+    #[inline]
+    fn of(&self, cell: usize) -> &[T] {
+        match self.starts.get(cell..cell + 2) {
+            Some(&[from, to]) => &self.items[from as usize..to as usize],
+            _ => &[],
+        }
+    }
+}

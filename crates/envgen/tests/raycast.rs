@@ -1,0 +1,210 @@
+//! Rays against brute force and against the raster.
+
+use envgen::forest::ForestSpec;
+use envgen::geometry::{Pose, Rect, Shape, edges, unit_vector};
+use envgen::glam::DVec2;
+use envgen::hallway::{Corners, HallwaySpec};
+use envgen::occupancy::{Coverage, OccupancyGrid};
+use envgen::raycast::{Fan, Raycaster};
+use envgen::world::{Obstacle, ObstacleKind};
+use envgen::{Blueprint, Provenance, Seed, Spec, World};
+use proptest::prelude::*;
+
+/// Range to one shape, by another way than the library's: sides by Cramer's rule, discs by the
+/// quadratic formula, insides by `contains`.
+fn range_to(shape: &Shape, from: DVec2, direction: DVec2) -> f64 {
+    if shape.contains(from) {
+        return 0.0;
+    }
+    if let Shape::Disc { center, radius } = shape {
+        let f = from - *center;
+        let (b, c) = (2.0 * f.dot(direction), f.length_squared() - radius * radius);
+        let discriminant = b * b - 4.0 * c;
+        let near = (-b - discriminant.sqrt()) / 2.0;
+        return if discriminant >= 0.0 && near >= 0.0 { near } else { f64::INFINITY };
+    }
+    let corners = shape.corners();
+    edges(&corners)
+        .filter_map(|(a, b)| {
+            let determinant = direction.x * (a.y - b.y) - direction.y * (a.x - b.x);
+            let (rx, ry) = (a.x - from.x, a.y - from.y);
+            let t = (rx * (a.y - b.y) - ry * (a.x - b.x)) / determinant;
+            let s = (direction.x * ry - direction.y * rx) / determinant;
+            (determinant != 0.0 && t >= 0.0 && (0.0..=1.0).contains(&s)).then_some(t)
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+fn brute(world: &World, from: DVec2, direction: DVec2, max_range: f64) -> Option<f64> {
+    let range = world
+        .solids()
+        .map(|solid| range_to(&solid.shape, from, direction))
+        .fold(f64::INFINITY, f64::min);
+    (range.is_finite() && range <= max_range).then_some(range)
+}
+
+fn empty_world() -> World {
+    let bounds = Rect::new(DVec2::splat(-20.0), DVec2::splat(20.0));
+    World::new(Provenance::other("manual", serde_json::Value::Null), bounds)
+}
+
+fn world_of(shapes: Vec<Shape>) -> World {
+    let mut world = empty_world();
+    world.obstacles =
+        shapes.into_iter().map(|shape| Obstacle { kind: ObstacleKind::Other, shape }).collect();
+    world
+}
+
+fn shapes() -> impl Strategy<Value = Shape> {
+    let point = || (-9.0..9.0_f64, -9.0..9.0_f64).prop_map(DVec2::from);
+    prop_oneof![
+        (point(), point()).prop_map(|(a, b)| Shape::Segment { a, b }),
+        (point(), 0.05..2.0_f64).prop_map(|(center, radius)| Shape::Disc { center, radius }),
+        (point(), (0.05..2.0_f64, 0.05..2.0_f64), prop_oneof![Just(0.0), -4.0..4.0_f64]).prop_map(
+            |(center, half, heading)| Shape::Box { center, half_size: half.into(), heading }
+        ),
+        (point(), prop::collection::vec(0.3..2.0_f64, 3..9)).prop_map(|(center, radii)| {
+            let step = std::f64::consts::TAU / radii.len() as f64;
+            let corner = |(i, r): (usize, &f64)| center + unit_vector(step * i as f64) * *r;
+            Shape::Polygon { vertices: radii.iter().enumerate().map(corner).collect() }
+        }),
+    ]
+}
+
+proptest! {
+    #[test]
+    fn rays_agree_with_brute_force(
+        shapes in prop::collection::vec(shapes(), 0..60),
+        rays in prop::collection::vec(
+            (
+                (-12.0..12.0_f64, -12.0..12.0_f64),
+                prop_oneof![
+                    -4.0..4.0_f64,
+                    (-4..=4_i32).prop_map(|k| f64::from(k) * std::f64::consts::FRAC_PI_2),
+                ],
+                prop_oneof![Just(f64::INFINITY), Just(1e9), 0.0..30.0_f64],
+            ),
+            1..40,
+        ),
+    ) {
+        let world = world_of(shapes);
+        let rays_index = Raycaster::new(&world);
+        for (from, heading, max_range) in rays {
+            let (from, direction) = (DVec2::from(from), unit_vector(heading));
+            let expected = brute(&world, from, direction, max_range);
+            let hit = rays_index.cast(from, heading, max_range);
+            match (hit, expected) {
+                (None, None) => {}
+                (Some(hit), Some(range)) => {
+                    prop_assert!((hit.distance - range).abs() < 1e-9, "{hit:?} {range}");
+                    let part = world.solids().find(|solid| solid.id == hit.part).unwrap();
+                    let own = range_to(&part.shape, from, direction);
+                    prop_assert!((own - hit.distance).abs() < 1e-9);
+                }
+                // At a corner or at the end of the range rounding decides.
+                (Some(hit), None) => {
+                    let near = brute(&world, from, direction, max_range + 1e-9);
+                    let end = from + direction * hit.distance;
+                    prop_assert!(near.is_some() || world.clearance(end) < 1e-9, "{hit:?}");
+                }
+                (None, Some(range)) => {
+                    let end = from + direction * range;
+                    let corner = world.solids().any(|solid| {
+                        solid.shape.corners().iter().any(|c| c.distance(end) < 1e-6)
+                    });
+                    prop_assert!(corner || range > max_range - 1e-9, "missed at {range}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rays_end_where_the_raster_says(seed: u64, heading in -4.0..4.0_f64, rounded: bool) {
+        // One geometry: a ray of the index, and a march over the raster, agree within its cells.
+        let corners = if rounded { Corners::Rounded } else { Corners::Square };
+        let hallway = HallwaySpec { corners, ..Default::default() };
+        let forest = ForestSpec { width: 20.0, height: 20.0, ..Default::default() };
+        for world in [
+            hallway.generate(Seed(seed)).unwrap().to_world(),
+            forest.generate(Seed(seed)).unwrap().to_world(),
+        ] {
+            let Some(start) = world.start else { continue };
+            let cell = 0.02;
+            let grid = OccupancyGrid::of(&world, cell, Coverage::Conservative).unwrap();
+            let range = Raycaster::new(&world)
+                .cast(start.position, heading, 30.0)
+                .map_or(f64::INFINITY, |hit| hit.distance);
+            let direction = unit_vector(heading);
+            let mut march = 0.0;
+            while march < range.min(30.0)
+                && grid.occupied_at(start.position + direction * march) == Some(false)
+            {
+                march += 0.25 * cell;
+            }
+            let end = start.position + direction * march;
+            if grid.occupied_at(end).is_some() {
+                // The march may only stop short within a cell of a solid part.
+                prop_assert!(march <= range + cell);
+                prop_assert!(world.clearance(end) < 1.5 * cell, "stopped at {end}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_ray_that_starts_inside_has_range_zero() {
+    for shape in [
+        Shape::Disc { center: DVec2::ZERO, radius: 1.0 },
+        Shape::Box { center: DVec2::ZERO, half_size: DVec2::ONE, heading: 0.0 },
+        Shape::Box { center: DVec2::ZERO, half_size: DVec2::ONE, heading: 0.3 },
+        Shape::Polygon {
+            vertices: vec![DVec2::new(-1.0, -1.0), DVec2::new(1.0, -1.0), DVec2::new(0.0, 1.5)],
+        },
+    ] {
+        let rays = Raycaster::new(&world_of(vec![shape.clone()]));
+        let hit = rays.cast(DVec2::new(0.1, 0.2), 1.0, 5.0);
+        assert_eq!(hit.map(|hit| hit.distance), Some(0.0), "{shape:?}");
+    }
+}
+
+#[test]
+fn an_empty_world_has_no_ranges() {
+    let rays = Raycaster::new(&empty_world());
+    assert_eq!(rays.cast(DVec2::ZERO, 1.0, f64::INFINITY), None);
+    let mut ranges = vec![1.0];
+    rays.scan(Pose::default(), &Fan::new(3.0, 5), 8.0, &mut ranges);
+    assert_eq!(ranges, [8.0; 5]);
+}
+
+#[test]
+fn nonsense_rays_meet_nothing_and_end() {
+    let disc = Shape::Disc { center: DVec2::new(3.0, 0.0), radius: 1.0 };
+    let rays = Raycaster::new(&world_of(vec![disc]));
+    for from in [DVec2::NAN, DVec2::splat(f64::INFINITY), DVec2::splat(1e300)] {
+        assert_eq!(rays.cast(from, 0.5, f64::INFINITY), None);
+    }
+    assert_eq!(rays.cast(DVec2::ZERO, f64::NAN, 10.0), None);
+    assert_eq!(rays.cast(DVec2::ZERO, 0.0, f64::NAN), None);
+    assert_eq!(rays.cast(DVec2::ZERO, 0.0, -1.0), None);
+}
+
+#[test]
+fn a_scan_runs_from_right_to_left() {
+    let wall = Shape::from_rect(Rect::new(DVec2::new(-1.0, 2.0), DVec2::new(1.0, 2.5)));
+    let rays = Raycaster::new(&world_of(vec![wall]));
+    let mut ranges = Vec::new();
+    let pose = Pose::new(0.0, 0.0, 0.0);
+    rays.scan(pose, &Fan::new(std::f64::consts::PI, 3), 8.0, &mut ranges);
+    assert_eq!(ranges[..2], [8.0, 8.0]);
+    assert!((ranges[2] - 2.0).abs() < 1e-12);
+}
+
+#[test]
+fn parts_piled_on_each_other_do_not_blow_up_the_index() {
+    // 20,000 discs that each cover everything: an even grid would list each in every cell.
+    let disc = Shape::Disc { center: DVec2::ZERO, radius: 9.0 };
+    let rays = Raycaster::new(&world_of(vec![disc; 20_000]));
+    let hit = rays.cast(DVec2::new(-10.0, 0.0), 0.0, 10.0).unwrap();
+    assert!((hit.distance - 1.0).abs() < 1e-12);
+    assert_eq!(hit.part.index, 0);
+}
