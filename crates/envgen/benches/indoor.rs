@@ -93,9 +93,11 @@ fn main() -> ExitCode {
     println!("targets");
     let guaranteed = spec(5.0, Profile::Guaranteed, 16);
     let count = 400;
-    let repaired = best(|| after(&guaranteed, count, |plan| {
-        black_box(plan);
-    }));
+    let repaired = best(|| {
+        after(&guaranteed, count, |plan| {
+            black_box(plan);
+        })
+    });
     let verified = best(|| after(&guaranteed, count, |plan| assert_eq!(plan.access().parts(), 1)));
     let built = best(|| after(&guaranteed, count, |plan| drop(black_box(plan.to_world()))));
     let rate = |seconds: f64| count as f64 / seconds;

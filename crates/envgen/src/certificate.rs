@@ -53,6 +53,23 @@ pub enum Claim {
     },
 }
 
+impl Claim {
+    /// Whether its distances are finite and not negative, and its area finite and not empty.
+    pub(crate) fn is_definite(&self) -> bool {
+        let distance = |d: f64| d.is_finite() && d >= 0.0;
+        match *self {
+            Claim::Connected { radius } => distance(radius),
+            Claim::TreeDistance { distance: least } => distance(least),
+            Claim::CrossesWestEast { area, radius, .. } => {
+                let finite = area.min.is_finite() && area.max.is_finite();
+                distance(radius) && finite && area.min.cmplt(area.max).all()
+            }
+            Claim::EveryPlaceReachable { radius } => distance(radius),
+            Claim::AddedDoorway { .. } => true,
+        }
+    }
+}
+
 /// What became of a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

@@ -17,8 +17,9 @@ use crate::world::{SCHEMA_VERSION, Violation, World};
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// The deepest nesting of the provenance's spec that is written. The readers follow no file deeper
-/// than 128 levels, so that none can exhaust the stack.
-pub const MAX_SPEC_DEPTH: usize = 64;
+/// than 128 levels, of which RON counts two for each of a value's, so that none can exhaust the
+/// stack.
+pub const MAX_SPEC_DEPTH: usize = 32;
 
 /// Why a world file could not be read or written.
 #[derive(Debug, Error)]
@@ -152,9 +153,13 @@ impl World {
 
 /// Reads a text file of at most [`MAX_FILE_BYTES`].
 pub(crate) fn read_text(input: &mut dyn Read) -> Result<String, FileError> {
+    read_at_most(input, MAX_FILE_BYTES)
+}
+
+fn read_at_most(input: &mut dyn Read, limit: u64) -> Result<String, FileError> {
     let mut text = String::new();
-    let read = input.take(MAX_FILE_BYTES + 1).read_to_string(&mut text)?;
-    if read as u64 > MAX_FILE_BYTES { Err(FileError::TooLong) } else { Ok(text) }
+    let read = input.take(limit + 1).read_to_string(&mut text)?;
+    if read as u64 > limit { Err(FileError::TooLong) } else { Ok(text) }
 }
 
 fn other_schema(found: u64, otherwise: FileError) -> FileError {
@@ -172,5 +177,19 @@ fn is_deeper(value: &Value, limit: usize) -> bool {
         Value::Array(items) => limit == 0 || items.iter().any(|item| is_deeper(item, limit - 1)),
         Value::Object(items) => limit == 0 || items.values().any(|item| is_deeper(item, limit - 1)),
         _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endless_files_are_refused() {
+        let read = |mut file: &[u8]| read_at_most(&mut file, 5);
+        assert_eq!(read(b"12345").unwrap(), "12345");
+        assert!(matches!(read(b"123456"), Err(FileError::TooLong)));
+        assert!(matches!(read(b"\xff"), Err(FileError::Io(_))));
+        assert!(matches!(read_at_most(&mut io::repeat(b' '), 1000), Err(FileError::TooLong)));
     }
 }

@@ -1,4 +1,48 @@
-//! Seeded random worlds for robots.
+//! Seeded random worlds for robots: what is asked (a spec) and a seed become a blueprint, a
+//! blueprint becomes a [`World`] in metres, and everything else reads that one world.
+//!
+//! ```
+//! use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+//! use envgen::raycast::{Fan, Raycaster};
+//!
+//! let spec = HallwaySpec { segments: 80, p_st: 0.2, ..Default::default() };
+//! let hallway = spec.generate(Seed(7))?;
+//! let world = hallway.to_world();
+//!
+//! // A laser scan from the start.
+//! let mut ranges = Vec::new();
+//! let scanner = Fan::new(std::f64::consts::PI, 181);
+//! let start = world.start.expect("a hallway has a start");
+//! Raycaster::new(&world).scan(start, &scanner, 8.0, &mut ranges);
+//! assert_eq!(ranges.len(), 181);
+//! # Ok::<(), envgen::GenerateError>(())
+//! ```
+//!
+//! # Finding one's way
+//!
+//! | what | where |
+//! |---|---|
+//! | generators, one module a kind | [`hallway`], [`forest`] |
+//! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`Kind`], [`settings`] |
+//! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
+//! | what generators make | [`World`], [`world`], [`geometry`] |
+//! | what reads a world | [`occupancy`], [`raycast`], [`certificate`], `picture` |
+//! | files | [`export`], [`import`], [`mod@file`] |
+//!
+//! # What holds
+//!
+//! - The same spec, seed and crate version give the same world, to the last bit, on every platform,
+//!   with every set of features and any number of threads.
+//! - Metres, radians and seconds in `f64`; x right, y up, headings counter-clockwise from +x.
+//! - Every spec is validated; an error names the field, the value and what is allowed. Nothing
+//!   panics or takes unbounded time or memory on any spec.
+//!
+//! # Features
+//!
+//! | feature | default | what it adds |
+//! |---|---|---|
+//! | `picture` | yes | SVG and PNG pictures, drawn on the CPU |
+//! | `cli` | no | the command `envgen` |
 
 pub mod certificate;
 mod distance_transform;

@@ -25,6 +25,7 @@ use thiserror::Error;
 use crate::file::FileError;
 #[cfg(feature = "picture")]
 use crate::picture::{PictureError, PictureOptions};
+use crate::spec::WorldBlueprint;
 use crate::world::World;
 
 /// Why a world could not be written.
@@ -42,6 +43,14 @@ pub enum ExportError {
     /// Writing failed.
     #[error(transparent)]
     Io(#[from] io::Error),
+    /// The format holds plans of another kind than this world's.
+    #[error("{format} holds {wanted}, which this world was not built from")]
+    Blueprint {
+        /// The format.
+        format: &'static str,
+        /// What it holds.
+        wanted: &'static str,
+    },
     /// The world cannot stand in a world file.
     #[error(transparent)]
     File(#[from] FileError),
@@ -56,6 +65,9 @@ pub enum ExportError {
 pub struct Job<'a> {
     /// The world.
     pub world: &'a World,
+    /// The blueprint that the world was built from, for formats that hold plans. Worlds that were
+    /// read from a file have none.
+    pub blueprint: Option<&'a WorldBlueprint>,
     /// The file's name without its ending, for formats of several files that name each other.
     pub stem: String,
     /// How pictures are drawn.
@@ -68,6 +80,7 @@ impl<'a> Job<'a> {
     pub fn new(world: &'a World) -> Self {
         Job {
             world,
+            blueprint: None,
             stem: "world".to_owned(),
             #[cfg(feature = "picture")]
             picture: PictureOptions::default(),
@@ -124,12 +137,26 @@ formats! {
         ["json" => |job, out| Ok(job.world.write_json(out)?)];
     Ron, " The whole world as RON, one line a part, for reading back.",
         ["ron" => |job, out| Ok(job.world.write_ron(out)?)];
+    WorldGenerator, " An indoor plan as a project of the World Generator for USARSim.",
+        ["xml" => write_world_generator];
     #[cfg(feature = "picture")]
     Svg, " A vector picture.",
         ["svg" => |job, out| Ok(crate::picture::write_svg(job.world, &job.picture, out)?)];
     #[cfg(feature = "picture")]
     Png, " A picture in pixels.",
         ["png" => |job, out| Ok(crate::picture::write_png(job.world, &job.picture, out)?)];
+}
+
+fn write_world_generator(job: &Job<'_>, mut out: &mut dyn Write) -> Result<(), ExportError> {
+    match job.blueprint {
+        Some(WorldBlueprint::Indoor(plan)) => {
+            Ok(crate::indoor::world_generator::write_project(plan, &job.stem, &mut out)?)
+        }
+        _ => Err(ExportError::Blueprint {
+            format: "a World Generator project",
+            wanted: "the plan of an indoor map",
+        }),
+    }
 }
 
 impl Format {

@@ -104,3 +104,38 @@ impl Density for MapDensity<'_> {
         self.intensity * rows[height - 1 - row][col]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::Spec;
+    use crate::seed::Seed;
+
+    #[test]
+    fn a_landscape_says_where_trees_grow() {
+        // Grass above water: trees on class 1 alone.
+        let raster =
+            ClassRaster { rows: 2, cols: 1, cell: 25.0, origin: DVec2::ZERO, cells: vec![1, 2] };
+        let map = DensityMap::from_classes(&raster, &[2.0]);
+        assert_eq!(map.rows, [[2.0], [0.0]]);
+        let spec = ForestSpec { density: Some(map), ..Default::default() };
+        let trees = spec.generate(Seed(1)).unwrap();
+        assert!(trees.trees().len() > 50);
+        assert!(trees.trees().iter().all(|tree| tree.center.y >= 25.0));
+    }
+
+    #[test]
+    fn bad_maps_are_refused() {
+        for rows in [
+            vec![],
+            vec![vec![]],
+            vec![vec![1.0], vec![1.0, 2.0]],
+            vec![vec![-1.0]],
+            vec![vec![f64::NAN]],
+            vec![vec![f64::INFINITY]],
+            vec![vec![0.0; 1 << 13]; (1 << 11) + 1],
+        ] {
+            assert_eq!(DensityMap { rows }.validate().unwrap_err().field, "density");
+        }
+    }
+}

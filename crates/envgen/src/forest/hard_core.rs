@@ -4,6 +4,8 @@
 //! phase": the number of trees is drawn first, then each tree is thrown again until it keeps its
 //! distance to all that stand.
 
+use std::hint::black_box;
+
 use glam::DVec2;
 
 use super::density::Density;
@@ -21,8 +23,7 @@ const FILLING_LIMIT: f64 = 0.65;
 /// Attempts a tree, on average over all.
 const ATTEMPTS: u64 = 400;
 
-/// Throws whose places are looked up before any of them is placed. The look-ups do not depend on
-/// each other, so that the processor has many memory reads under way at once.
+/// Throws whose places are looked up together before any of them is placed.
 const BATCH: usize = 64;
 
 pub(super) fn centres(
@@ -45,7 +46,7 @@ pub(super) fn centres(
     let torus = spec.border == Border::Torus;
     let thrower = Thrower { area, density, stream: seed.stream("forest/throws", 0) };
     if FineGrid::suits(area, distance, count) {
-        add(FineGrid::new(area, distance, torus), thrower, count, distance)
+        add(FineGrid::new(area, distance, count, torus), thrower, count, distance)
     } else {
         add(CellList::new(area, distance, count, torus), thrower, count, distance)
     }
@@ -56,8 +57,17 @@ pub(super) trait Standing {
     /// Whether a point stands nearer than the least distance.
     fn conflicts(&self, p: DVec2) -> bool;
 
+    /// Reads the memory that [`Standing::conflicts`] will read, and nothing else: many such reads
+    /// are under way at once, where those of a whole look-up would wait for each other.
+    fn touch(&self, _p: DVec2) -> u32 {
+        0
+    }
+
     /// Adds a point that does not conflict.
     fn insert(&mut self, p: DVec2);
+
+    /// The points, in the order in which they were added.
+    fn into_points(self) -> Vec<DVec2>;
 }
 
 fn add(
@@ -66,34 +76,34 @@ fn add(
     count: u64,
     distance: f64,
 ) -> Result<Vec<DVec2>, ForestError> {
-    let mut centres = Vec::with_capacity(count as usize);
+    let mut placed = 0;
     let most = count.saturating_mul(ATTEMPTS);
     let mut attempts = 0;
     let mut batch = [DVec2::ZERO; BATCH];
     let mut free = [false; BATCH];
-    while (centres.len() as u64) < count {
+    while placed < count {
         if attempts >= most {
-            let placed = centres.len() as u64;
             return Err(ForestError::Attempts { trees: count, placed, attempts, distance });
         }
         let thrown = BATCH.min((most - attempts) as usize);
         for p in &mut batch[..thrown] {
             *p = thrower.throw()?;
         }
+        black_box(batch[..thrown].iter().fold(0, |sum, &p| sum ^ standing.touch(p)));
         for (free, &p) in free[..thrown].iter_mut().zip(&batch) {
             *free = !standing.conflicts(p);
         }
         for (_, &p) in free.iter().zip(&batch[..thrown]).filter(|(free, _)| **free) {
             attempts += 1;
             // Those of this batch that stand by now may be in the way.
-            if (centres.len() as u64) < count && !standing.conflicts(p) {
+            if placed < count && !standing.conflicts(p) {
                 standing.insert(p);
-                centres.push(p);
+                placed += 1;
             }
         }
         attempts += free[..thrown].iter().filter(|free| !**free).count() as u64;
     }
-    Ok(centres)
+    Ok(standing.into_points())
 }
 
 /// Draws places: uniform, or in proportion to a density.

@@ -7,81 +7,137 @@ use glam::DVec2;
 use super::hard_core::Standing;
 use crate::geometry::Rect;
 
-/// A grid whose cells are so small that each holds at most one point, stored in the cell itself.
+/// A grid whose cells are so small that each holds at most one point.
 ///
-/// With a cell side of distance / sqrt 2 a conflicting point stands at most two cells away. Looking
-/// at a place reads five short runs of memory and follows no index.
+/// With a cell side of distance / sqrt 2 a conflicting point stands at most two cells away. A cell
+/// holds two bytes, its point to within 1/255 of the side: enough to decide all but one place in a
+/// hundred, and so little that the grid of a million points fits into a processor's cache. Places
+/// that it cannot decide are looked up in a [`CellList`].
 pub(super) struct FineGrid {
-    area: Rect,
-    torus: bool,
-    distance2: f64,
     per_cell: f64,
-    /// Columns, two more on each side included: no look-up checks a border, and on a torus the
-    /// border cells hold copies of the points from the other side.
+    /// Columns, margins included: no look-up checks a border, and on a torus the margins hold
+    /// copies of the points from the other side.
     stride: usize,
-    /// NaN where no point stands: comparisons with it are false.
-    cells: Vec<[f64; 2]>,
+    /// 0 where no point stands, else its place in the cell in steps of 1/255 of the side: that
+    /// along x plus one in the high byte, that along y in the low byte.
+    codes: Vec<u16>,
+    /// The points themselves, with the area and whether it is a torus.
+    exact: CellList,
 }
 
+/// Cells around the area, on every side.
 const MARGIN: usize = 2;
 
+/// Cells of a row that a look-up reads: the five that matter and three that fill a register; those
+/// lie too far away to conflict.
+const RUN: usize = 8;
+
+/// Steps of a code along a cell's side.
+const STEPS: f64 = 255.0;
+
+/// The least distance in steps, and how far a distance between a place and a coded point can be off:
+/// half a step along both axes, and rounding.
+const DISTANCE_IN_STEPS: f64 = STEPS * std::f64::consts::SQRT_2;
+const CODE_ERROR: f64 = 0.75;
+
 impl FineGrid {
-    /// Whether the grid takes at most 16 cells a point, 256 bytes.
+    /// Whether the grid takes at most 16 cells a point, 32 bytes.
     pub(super) fn suits(area: Rect, distance: f64, count: u64) -> bool {
         let size = (area.size() / (distance * FRAC_1_SQRT_2)).ceil();
         size.x * size.y <= 16.0 * count as f64 + 4096.0
     }
 
-    pub(super) fn new(area: Rect, distance: f64, torus: bool) -> Self {
+    pub(super) fn new(area: Rect, distance: f64, count: u64, torus: bool) -> Self {
         let per_cell = 1.0 / (distance * FRAC_1_SQRT_2);
         let size = (area.size() * per_cell).floor();
         let (cols, rows) = (size.x as usize + 1, size.y as usize + 1);
-        let stride = cols + 2 * MARGIN;
-        let cells = vec![[f64::NAN; 2]; stride * (rows + 2 * MARGIN)];
-        FineGrid { area, torus, distance2: distance * distance, per_cell, stride, cells }
+        let stride = cols + MARGIN + RUN;
+        let cells = stride * (rows + 2 * MARGIN);
+        let exact = CellList::new(area, distance, count, torus);
+        FineGrid { per_cell, stride, codes: vec![0; cells], exact }
     }
 
-    fn cell(&self, p: DVec2) -> usize {
-        let cell = (p - self.area.min) * self.per_cell;
-        (cell.y as usize + MARGIN) * self.stride + cell.x as usize + MARGIN
+    /// A place in cells from the lower left corner of the grid, margins included.
+    fn scaled(&self, p: DVec2) -> DVec2 {
+        (p - self.exact.area.min) * self.per_cell + MARGIN as f64
     }
+
+    /// The cell at the lower left of the five by five around a place.
+    fn first_around(&self, at: DVec2) -> usize {
+        (at.y as usize - MARGIN) * self.stride + at.x as usize - MARGIN
+    }
+
+    /// Codes a point into the cell that a copy of it lies in.
+    fn set(&mut self, at: DVec2) {
+        let cell = at.floor();
+        let steps = ((at - cell) * STEPS).floor().min(DVec2::splat(STEPS - 1.0));
+        let index = cell.y as usize * self.stride + cell.x as usize;
+        self.codes[index] = ((steps.x as u16 + 1) << 8) | steps.y as u16;
+    }
+}
+
+/// An offset, on a torus the shorter way round.
+fn shorter_way(offset: DVec2, area: Rect, torus: bool) -> DVec2 {
+    if !torus {
+        return offset;
+    }
+    let size = area.size();
+    offset - size * (offset / size).round()
 }
 
 impl Standing for FineGrid {
     #[inline]
     fn conflicts(&self, p: DVec2) -> bool {
-        let cell = self.cell(p);
-        let near = |q: &[f64; 2]| {
-            let (dx, dy) = (q[0] - p.x, q[1] - p.y);
-            dx * dx + dy * dy < self.distance2
-        };
-        // The corners of the five by five cells are too far away to matter, but skipping them costs
-        // more than looking.
-        (0..=2 * MARGIN).any(|row| {
-            let first = cell + row * self.stride - MARGIN * self.stride - MARGIN;
-            let run = &self.cells[first..=first + 2 * MARGIN];
-            // Without a short cut inside the run: five comparisons cost less than a wrong guess.
-            run.iter().fold(false, |any, q| any | near(q))
-        })
+        let at = self.scaled(p);
+        let cell = at.floor();
+        let first = self.first_around(at);
+        // Steps from the lower left corner of the five by five cells around to the place, less half
+        // a step, which puts the coded points into the middle of their steps.
+        let from = (at - cell + MARGIN as f64) * STEPS - 0.5;
+        let (x, y) = (from.x as f32, from.y as f32);
+        let mut nearest = [f32::INFINITY; RUN];
+        for row in 0..=2 * MARGIN {
+            let run = &self.codes[first + row * self.stride..][..RUN];
+            let bottom = row as f32 * STEPS as f32 - y;
+            for (col, (&code, nearest)) in run.iter().zip(&mut nearest).enumerate() {
+                let dx = f32::from(code >> 8) + (col as f32 * STEPS as f32 - 1.0 - x);
+                let dy = f32::from(code & 0xff) + bottom;
+                let squared = dx * dx + dy * dy;
+                *nearest = nearest.min(if code == 0 { f32::INFINITY } else { squared });
+            }
+        }
+        let nearest = nearest.into_iter().fold(f32::INFINITY, f32::min);
+        const SURELY: f64 = DISTANCE_IN_STEPS - CODE_ERROR;
+        const HARDLY: f64 = DISTANCE_IN_STEPS + CODE_ERROR;
+        nearest < (SURELY * SURELY) as f32
+            || (nearest < (HARDLY * HARDLY) as f32 && self.exact.conflicts(p))
     }
 
     fn insert(&mut self, p: DVec2) {
-        let cell = self.cell(p);
-        self.cells[cell] = p.into();
-        if !self.torus {
+        self.exact.insert(p);
+        self.set(self.scaled(p));
+        if !self.exact.torus {
             return;
         }
-        let size = self.area.size();
+        let size = self.exact.area.size();
         let margin = MARGIN as f64;
-        let reach = (size * self.per_cell).floor() + margin + 1.0;
+        // The cells that places of the area lie in, and the margins around them.
+        let high = (size * self.per_cell).floor() + 1.0 + 2.0 * margin;
         for (i, j) in [(-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)] {
-            let copy = p + size * DVec2::new(f64::from(i), f64::from(j));
-            let at = ((copy - self.area.min) * self.per_cell + margin).floor();
-            if at.cmpge(DVec2::ZERO).all() && at.cmplt(reach + margin).all() {
-                let cell = at.y as usize * self.stride + at.x as usize;
-                self.cells[cell] = copy.into();
+            let at = self.scaled(p + size * DVec2::new(f64::from(i), f64::from(j)));
+            if at.cmpge(DVec2::ZERO).all() && at.cmplt(high).all() {
+                self.set(at);
             }
         }
+    }
+
+    fn touch(&self, p: DVec2) -> u32 {
+        let first = self.first_around(self.scaled(p));
+        (0..=2 * MARGIN).map(|row| u32::from(self.codes[first + row * self.stride])).sum()
+    }
+
+    fn into_points(self) -> Vec<DVec2> {
+        self.exact.into_points()
     }
 }
 
@@ -201,12 +257,7 @@ impl CellList {
     }
 
     fn offset(&self, from: DVec2, to: DVec2) -> DVec2 {
-        let offset = to - from;
-        if !self.torus {
-            return offset;
-        }
-        let size = self.area.size();
-        offset - size * (offset / size).round()
+        shorter_way(to - from, self.area, self.torus)
     }
 
     fn cell(&self, p: DVec2) -> (usize, usize) {
@@ -228,6 +279,10 @@ impl Standing for CellList {
         *head = self.points.len() as u32;
         self.points.push(p);
     }
+
+    fn into_points(self) -> Vec<DVec2> {
+        self.points
+    }
 }
 
 #[cfg(test)]
@@ -245,7 +300,7 @@ mod tests {
             torus: bool,
         ) {
             let area = Rect::new(DVec2::new(-1.0, 3.0), DVec2::new(width - 1.0, height + 3.0));
-            let mut fine = FineGrid::new(area, distance, torus);
+            let mut fine = FineGrid::new(area, distance, 80, torus);
             let mut coarse = CellList::new(area, distance, points.len() as u64, torus);
             let mut standing: Vec<DVec2> = Vec::new();
             for (x, y) in points {

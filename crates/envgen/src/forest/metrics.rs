@@ -8,7 +8,8 @@ use serde::Serialize;
 use super::index::CellList;
 use super::radius::RadiusLaw;
 use super::spec::{Border, Forest, ForestSpec};
-use crate::geometry::Rect;
+use crate::geometry::Shape;
+use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::world::Tree;
 
 /// Discs of equal radius r and intensity lambda percolate at lambda pi r^2 = 1.128: beyond, they
@@ -42,7 +43,7 @@ pub struct ForestMetrics {
     pub nearest_neighbour: Option<f64>,
     /// 1 / (2 sqrt lambda).
     pub nearest_neighbour_predicted: Option<f64>,
-    /// Mean free path in metres of a robot that drives straight on, 1 / (2 lambda (E[r] + rho)).
+    /// Mean free path in metres of a robot that drives straight on, `1 / (2 lambda (E[r] + rho))`.
     pub free_path_predicted: Option<f64>,
     /// lambda pi E[(r + rho)^2]: above [`PERCOLATION_THRESHOLD`] a wide forest has no way through.
     pub filling: f64,
@@ -129,35 +130,29 @@ fn neighbours(spec: &ForestSpec, trees: &[Tree]) -> (Option<f64>, Option<f64>) {
 
 /// The share of the area under trunks, on a raster of cell middles; on a torus trunks reach across.
 fn cover(spec: &ForestSpec, trees: &[Tree]) -> f64 {
-    let size = spec.area().size();
-    let counts = (size * (COVER_CELLS / size.max_element())).ceil().max(DVec2::ONE);
-    let (cols, rows) = (counts.x as usize, counts.y as usize);
-    let cell = size / counts;
-    let mut covered = vec![false; cols * rows];
+    let (area, size) = (spec.area(), spec.area().size());
+    let Ok(mut grid) = OccupancyGrid::empty(area, size.max_element() / COVER_CELLS) else {
+        return 0.0;
+    };
     let copies: &[f64] = if spec.border == Border::Torus { &[-1.0, 0.0, 1.0] } else { &[0.0] };
     for tree in trees {
-        for &i in copies {
-            for &j in copies {
-                let center = tree.center + size * DVec2::new(i, j);
-                let around = Rect::new(center, center).grown(tree.radius);
-                if !around.overlaps(spec.area()) {
-                    continue;
-                }
-                let first = (around.min.y / cell.y - 0.5).ceil().max(0.0) as usize;
-                let last = (around.max.y / cell.y - 0.5).floor().min(counts.y - 1.0);
-                for row in (first..rows).take_while(|&row| row as f64 <= last) {
-                    let dy = (row as f64 + 0.5) * cell.y - center.y;
-                    let half = (tree.radius * tree.radius - dy * dy).max(0.0).sqrt();
-                    let from = ((center.x - half) / cell.x - 0.5).ceil().max(0.0) as usize;
-                    let to = ((center.x + half) / cell.x + 0.5).floor().clamp(0.0, counts.x);
-                    if from < to as usize {
-                        covered[row * cols + from..row * cols + to as usize].fill(true);
-                    }
-                }
+        for offset in copies.iter().flat_map(|&i| copies.iter().map(move |&j| DVec2::new(i, j))) {
+            let trunk = Shape::Disc { center: tree.center + size * offset, radius: tree.radius };
+            grid.occupy(&trunk, Coverage::Centre);
+        }
+    }
+    // The last row or column of cells may lie outside.
+    let mut inside = 0_u32;
+    let mut covered = 0_u32;
+    for row in 0..grid.rows() {
+        for col in 0..grid.cols() {
+            if area.contains(grid.cell_centre(col, row)) {
+                inside += 1;
+                covered += u32::from(grid.occupied(col, row) == Some(true));
             }
         }
     }
-    covered.iter().filter(|c| **c).count() as f64 / covered.len() as f64
+    f64::from(covered) / f64::from(inside.max(1))
 }
 
 /// Whether the middle of a disc robot can go from the west side of the area to its east side

@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use crate::file::{self, FileError};
+use crate::generate::Blueprint;
+use crate::indoor::Catalogue;
+use crate::indoor::world_generator::{WorldGeneratorError, read_project};
 use crate::world::World;
 
 /// Why a world could not be read.
@@ -23,13 +26,17 @@ pub enum ImportError {
     /// The file holds no world.
     #[error(transparent)]
     File(#[from] FileError),
+    /// The file is no project of the World Generator.
+    #[error(transparent)]
+    WorldGenerator(#[from] WorldGeneratorError),
 }
 
 /// Reads a world and checks it.
 pub type Reader = fn(&mut dyn Read) -> Result<World, ImportError>;
 
 /// The formats: the ending of the file's name and the reader.
-pub const READERS: &[(&str, Reader)] = &[("json", read_json), ("ron", read_ron)];
+pub const READERS: &[(&str, Reader)] =
+    &[("json", read_json), ("ron", read_ron), ("xml", read_world_generator)];
 
 /// The reader of a file, by the ending of its name; upper and lower case are one.
 ///
@@ -58,6 +65,15 @@ pub fn read_json(input: &mut dyn Read) -> Result<World, ImportError> {
 /// When the file holds no world of this crate's schema, or a broken one.
 pub fn read_ron(input: &mut dyn Read) -> Result<World, ImportError> {
     Ok(World::from_ron(&file::read_text(input)?)?)
+}
+
+/// Reads a project of the World Generator for `USARSim`, with the built-in rooms.
+///
+/// # Errors
+/// When the file is no project, or a room is unknown, overlaps another or leaves the world.
+pub fn read_world_generator(input: &mut dyn Read) -> Result<World, ImportError> {
+    let text = file::read_text(input)?;
+    Ok(read_project(&text, Catalogue::builtin(), &[])?.plan.to_world())
 }
 
 #[cfg(test)]

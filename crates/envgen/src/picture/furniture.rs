@@ -17,11 +17,17 @@ use crate::world::World;
 
 /// Space between the frame and the world's bounds in px.
 const BORDER: f64 = 14.0;
+
+/// The same where the symbol of start or goal would reach over the frame.
+const WIDE_BORDER: f64 = 30.0;
 const TITLE_SIZE: f64 = 15.0;
 const TITLE_HEIGHT: f64 = 26.0;
 
 /// The narrowest and lowest plan in px.
-const LEAST_PLAN: DVec2 = DVec2::new(200.0, 40.0);
+const LEAST_PLAN: DVec2 = DVec2::new(120.0, 40.0);
+
+/// What a legend at the side takes of the width in px.
+const SIDE: f64 = 200.0;
 
 /// The whole picture.
 pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Document, PictureError> {
@@ -36,11 +42,26 @@ pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Docume
     if width * height > MAX_PIXELS {
         return Err(PictureError::TooLarge { width, height });
     }
-    let view = View::new(extent, DVec2::new(margin, top), LEAST_PLAN.min(most), most, BORDER)
-        .ok_or(PictureError::Scale(extent))?;
+    let corner = DVec2::new(margin, top);
+    let fit = |most: DVec2| {
+        let fit = |border| {
+            View::new(extent, corner, LEAST_PLAN.min(most), most, border)
+                .ok_or(PictureError::Scale(extent))
+        };
+        let view = fit(BORDER)?;
+        let inside = symbols(world, &view).into_iter().all(|s| view.plan.contains_rect(s));
+        if inside { Ok(view) } else { fit(WIDE_BORDER) }
+    };
+    let mut view = fit(most)?;
+    // High worlds have the legend at their side.
+    let shape = view.plan.size();
+    let beside = options.legend && shape.x < 0.6 * shape.y && most.x >= 2.0 * SIDE;
+    if beside {
+        view = fit(most - DVec2::new(SIDE, 0.0))?;
+    }
 
     let plan = view.plan;
-    let mut bottom = plan.max.y;
+    let (mut right, mut bottom) = (plan.max.x, plan.max.y);
     let mut furniture = Vec::new();
     if options.curvature_profile
         && let Some((group, height)) = profile::draw(world, &view, bottom + 10.0, &typesetter)
@@ -48,13 +69,20 @@ pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Docume
         furniture.push(group);
         bottom += 10.0 + height;
     }
-    let left = DVec2::new(plan.min.x, bottom + 8.0);
-    let (group, height) =
-        legend::draw(world, &view, left, plan.size().x, options.legend, &typesetter);
-    furniture.push(group);
-    bottom = left.y + height;
+    if beside {
+        let corner = DVec2::new(right + 14.0, plan.min.y);
+        let (group, size) = legend::draw(world, &view, corner, 0.0, true, &typesetter);
+        furniture.push(group);
+        (right, bottom) = (corner.x + size.x, bottom.max(corner.y + size.y));
+    } else {
+        let corner = DVec2::new(plan.min.x, bottom + 8.0);
+        let room = plan.size().x;
+        let (group, size) = legend::draw(world, &view, corner, room, options.legend, &typesetter);
+        furniture.push(group);
+        bottom = corner.y + size.y;
+    }
 
-    let size = DVec2::new(plan.max.x + margin, (bottom + margin).ceil());
+    let size = DVec2::new(right + margin, bottom + margin).ceil();
     let mut document = Document::new()
         .set("width", size.x)
         .set("height", size.y)
@@ -64,7 +92,7 @@ pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Docume
         .add(rectangle(Rect::new(DVec2::ZERO, size)).set("fill", style::PAGE.to_string()))
         .add(rectangle(plan).set("fill", style::PLAN.to_string()));
     if !title.is_empty() {
-        document = document.add(title_row(&title, &view, &typesetter));
+        document = document.add(title_row(&title, &view, right, &typesetter));
     }
     let clip = ClipPath::new().set("id", "plan").add(rectangle(plan));
     document = document.add(Definitions::new().add(clip).add(difficulty_gradient()));
@@ -77,7 +105,7 @@ pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Docume
         .set("stroke", style::FRAME.to_string());
     document = document.add(frame);
     if let Some(goal) = world.goal {
-        document = document.add(flag(view.px(goal.position)).set("id", "goal"));
+        document = document.add(flag(view.px(goal.position), 1.0).set("id", "goal"));
     }
     if let Some(start) = world.start {
         document = document.add(arrow(view.px(start.position), start).set("id", "start"));
@@ -108,18 +136,18 @@ fn printable(text: &str) -> String {
 }
 
 /// The title, and at the right the size of the world where there is room for it.
-fn title_row(title: &str, view: &View, typesetter: &Typesetter) -> Group {
+fn title_row(title: &str, view: &View, right: f64, typesetter: &Typesetter) -> Group {
     let (plan, size) = (view.plan, view.world.size());
     let baseline = plan.min.y - 9.0;
     let [mut dark, mut quiet] = [PathData::new(2), PathData::new(2)];
-    let room = plan.size().x;
+    let room = right - plan.min.x;
     let title = typesetter.fitted(title, TITLE_SIZE, room).unwrap_or_default();
     let at = DVec2::new(plan.min.x, baseline);
     typesetter.write(&mut dark, &title, at, TITLE_SIZE, Align::Left);
     let bounds = format!("{} × {}", view::length(size.x), view::length(size.y));
     let used = typesetter.width(&title, TITLE_SIZE) + typesetter.width(&bounds, 12.0);
     if used + 20.0 <= room && size.is_finite() {
-        let at = DVec2::new(plan.max.x, baseline);
+        let at = DVec2::new(right, baseline);
         typesetter.write(&mut quiet, &bounds, at, 12.0, Align::Right);
     }
     let mut group = Group::new().set("id", "title").add(filled(dark, style::INK));
@@ -139,40 +167,49 @@ fn difficulty_gradient() -> LinearGradient {
 }
 
 /// The start: a disc with an arrow along the heading.
-pub(super) fn arrow(at: DVec2, pose: Pose) -> Group {
+pub(super) fn arrow(at: DVec2, pose: Pose) -> Path {
     let heading = unit_vector(pose.heading);
     let along = DVec2::new(heading.x, -heading.y);
     let across = along.perp();
-    let [mut disc, mut head] = [PathData::new(2), PathData::new(2)];
-    disc.circle(at, 5.5);
-    head.polygon([
-        at + along * 19.0,
-        at + along * 8.5 + across * 5.5,
-        at + along * 10.5,
-        at + along * 8.5 - across * 5.5,
-    ]);
-    let halo = |path: Path| {
-        path.set("stroke", style::PAGE.to_string())
-            .set("stroke-width", 1.6)
-            .set("stroke-linejoin", "round")
-    };
-    Group::new().add(halo(filled(disc, style::START))).add(halo(filled(head, style::START)))
+    let p = |x: f64, y: f64| at + along * x + across * y;
+    let mut path = PathData::new(2);
+    path.circle(at, 5.5);
+    path.polygon([p(4.0, 1.4), p(4.0, -1.4), p(14.0, -1.4), p(14.0, 1.4)].into_iter().rev());
+    path.polygon([p(23.0, 0.0), p(11.5, -6.0), p(13.5, 0.0), p(11.5, 6.0)].into_iter().rev());
+    haloed(filled(path, style::START))
 }
 
-/// The goal: a flag whose pole stands on it.
-pub(super) fn flag(at: DVec2) -> Group {
-    let v = DVec2::new;
-    let [mut pole, mut cloth, mut foot] = [PathData::new(2), PathData::new(2), PathData::new(2)];
-    pole.line(at, at + v(0.0, -19.0));
-    cloth.polygon([at + v(0.0, -19.0), at + v(13.0, -14.5), at + v(0.0, -10.0)]);
-    foot.circle(at, 3.0);
-    let round = |path: Path| path.set("stroke-linecap", "round").set("stroke-linejoin", "round");
-    let halo = |path: Path| round(path.set("stroke", "#ffffff").set("stroke-width", 1.4));
-    Group::new()
-        .add(round(stroked(pole.clone(), style::PAGE, 4.0)))
-        .add(halo(filled(cloth, style::GOAL)))
-        .add(round(stroked(pole, style::INK, 1.7)))
-        .add(halo(filled(foot, style::INK)))
+/// A symbol with a white rim, which sets it off from whatever lies below.
+fn haloed(path: Path) -> Path {
+    path.set("stroke", style::PAGE.to_string())
+        .set("stroke-width", 3)
+        .set("stroke-linejoin", "round")
+        .set("paint-order", "stroke")
+}
+
+/// The goal: a flag whose pole stands on it, 23 px high at a size of 1.
+pub(super) fn flag(at: DVec2, size: f64) -> Group {
+    let p = |x: f64, y: f64| at + DVec2::new(x, y) * size;
+    let [mut pole, mut cloth] = [PathData::new(2), PathData::new(2)];
+    pole.circle(at, 3.4 * size);
+    pole.rect(p(-1.0, -23.0), p(1.0, 0.0));
+    cloth.polygon([p(1.0, -23.0), p(17.0, -17.5), p(1.0, -12.0)]);
+    Group::new().add(haloed(filled(pole, style::INK))).add(haloed(filled(cloth, style::GOAL)))
+}
+
+/// What the symbols of start and goal cover.
+pub(super) fn symbols(world: &World, view: &View) -> Vec<Rect> {
+    let start = world.start.map(|start| {
+        let at = view.px(start.position);
+        let heading = unit_vector(start.heading);
+        let tip = at + DVec2::new(heading.x, -heading.y) * 23.0;
+        Rect::new(at.min(tip), at.max(tip)).grown(6.0)
+    });
+    let goal = world.goal.map(|goal| {
+        let at = view.px(goal.position);
+        Rect::new(at - DVec2::new(4.0, 24.0), at + DVec2::new(18.0, 4.0))
+    });
+    start.into_iter().chain(goal).collect()
 }
 
 /// The scale bar with its lower left corner at `at`, and its width with the label; `None` when

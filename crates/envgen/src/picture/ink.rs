@@ -44,10 +44,6 @@ impl<'a> Ink<'a> {
         Ink { shadows: false, ..Ink::new(view, many) }
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.filled.is_empty() && self.lines.is_empty() && self.shadow.is_none()
-    }
-
     pub(super) fn shape(&mut self, shape: &Shape) {
         if self.shadows && self.shade(shape) {
             return;
@@ -113,9 +109,15 @@ pub(super) struct Shadow {
     corner: DVec2,
     width: usize,
     height: usize,
-    /// In 1/4096 of a pixel.
+    /// In [`FULL`]ths of a pixel.
     covered: Vec<u16>,
 }
+
+/// A pixel that is covered altogether.
+const FULL: f64 = 4096.0;
+
+/// Parts count as at least this many square pixels, lest they round to nothing.
+const LEAST_AREA: f64 = 0.02;
 
 impl Shadow {
     pub(super) fn new(view: &View) -> Self {
@@ -126,6 +128,7 @@ impl Shadow {
 
     /// Adds `area` square pixels at a point, shared out between the four nearest pixels.
     pub(super) fn add(&mut self, at: DVec2, area: f64) {
+        let area = area.max(LEAST_AREA);
         let at = at - self.corner - DVec2::splat(0.5);
         let first = at.floor();
         let part = at - first;
@@ -139,15 +142,18 @@ impl Shadow {
             let (x, y) = (first.x + dx, first.y + dy);
             if x >= 0.0 && y >= 0.0 && x < self.width as f64 && y < self.height as f64 {
                 let pixel = &mut self.covered[y as usize * self.width + x as usize];
-                *pixel = pixel.saturating_add((area * share * 4096.0).round() as u16);
+                *pixel = pixel.saturating_add((area * share * FULL).round() as u16);
             }
         }
     }
 
+    /// The shadow as an image: darker where more is covered, and all the stronger the fainter it
+    /// would be.
     pub(super) fn into_image(self, color: Color) -> Result<Image, PictureError> {
         let alphas: Vec<u8> = (0..=255).collect();
+        let strength = 255.0 * (0.85 / self.upper_percentile()).max(1.0) / FULL;
         let pixels: Vec<u8> =
-            self.covered.iter().map(|&c| (u32::from(c.min(4096)) * 255 / 4096) as u8).collect();
+            self.covered.iter().map(|&c| (f64::from(c) * strength).round() as u8).collect();
         let size = DVec2::new(self.width as f64, self.height as f64);
         let image = Indexed {
             width: self.width as u32,
@@ -157,6 +163,21 @@ impl Shadow {
             pixels,
         };
         image.to_element(self.corner, size)
+    }
+
+    /// The share of a pixel that 95 of 100 shaded pixels are covered to or less.
+    fn upper_percentile(&self) -> f64 {
+        let mut counts = vec![0_u64; FULL as usize + 1];
+        for &covered in self.covered.iter().filter(|&&covered| covered > 0) {
+            counts[usize::from(covered).min(FULL as usize)] += 1;
+        }
+        let above = counts.iter().sum::<u64>() / 20;
+        let mut seen = 0;
+        let value = (1..counts.len()).rev().find(|&value| {
+            seen += counts[value];
+            seen > above
+        });
+        value.map_or(1.0, |value| value as f64 / FULL)
     }
 }
 

@@ -14,7 +14,7 @@ use crate::geometry::Pose;
 use crate::world::{SurfaceKind, World};
 
 const LABEL_SIZE: f64 = 12.0;
-const ROW: f64 = 22.0;
+const ROW: f64 = 23.0;
 const GAP: f64 = 18.0;
 const SAMPLE: DVec2 = DVec2::new(16.0, 11.0);
 const BAR: f64 = 130.0;
@@ -53,8 +53,8 @@ impl Entry {
     fn sample_width(&self) -> f64 {
         match self {
             Entry::Difficulty => BAR,
-            Entry::Note(_) => 0.0,
-            Entry::Start => 28.0,
+            Entry::Note(_) => -6.0,
+            Entry::Start => 32.0,
             _ => SAMPLE.x,
         }
     }
@@ -69,24 +69,14 @@ fn entries(world: &World) -> Vec<Entry> {
     if world.goal.is_some() {
         entries.push(Entry::Goal);
     }
-    for kind in parts::WALLS.into_iter().rev() {
-        if world.walls.iter().any(|wall| wall.kind == kind) {
-            entries.push(Entry::Part(style::wall(kind)));
-        }
-    }
-    for (open, style) in [(true, parts::OPEN_DOOR), (false, parts::CLOSED_DOOR)] {
-        if world.doorways.iter().any(|door| door.open == open) {
-            entries.push(Entry::Part(style));
-        }
-    }
+    let mut part = |style| entries.push(Entry::Part(style));
+    parts::wall_layers(world).iter().rev().for_each(|layer| part(layer.style));
+    parts::doorway_layers(world).iter().for_each(|layer| part(layer.style));
     if !world.trees.is_empty() {
         entries.push(Entry::Tree);
     }
-    for kind in parts::OBSTACLES {
-        if world.obstacles.iter().any(|obstacle| obstacle.kind == kind) {
-            entries.push(Entry::Part(style::obstacle(kind)));
-        }
-    }
+    let obstacles = parts::obstacle_layers(world);
+    entries.extend(obstacles.iter().map(|layer| Entry::Part(layer.style)));
     if !world.victims.is_empty() {
         entries.push(Entry::Part(style::VICTIM));
     }
@@ -94,16 +84,16 @@ fn entries(world: &World) -> Vec<Entry> {
         entries.push(Entry::Road);
     }
     let mut classes = world.raster.as_ref().map(raster::classes).unwrap_or_default();
-    for (kind, style) in parts::surface_styles(world) {
-        match kind {
+    for layer in parts::surface_layers(world) {
+        match layer.parts[0].kind {
             SurfaceKind::Class(class) => {
                 classes.insert(class);
             }
-            _ => entries.push(Entry::Part(style)),
+            _ => entries.push(Entry::Part(layer.style)),
         }
     }
     for &class in classes.iter().take(MOST_CLASSES) {
-        let style = style::surface(SurfaceKind::Class(class));
+        let (_, style) = style::surface(SurfaceKind::Class(class));
         entries.push(Entry::Named(style, format!("class {class}")));
     }
     if classes.len() > MOST_CLASSES {
@@ -115,13 +105,12 @@ fn entries(world: &World) -> Vec<Entry> {
     if world.rooms.iter().any(|room| room.difficulty.is_some()) {
         entries.push(Entry::Difficulty);
     } else if !world.rooms.is_empty() {
-        let (fill, edge) = (style::ROOM, style::ROOM_EDGE);
-        entries.push(Entry::Part(Style { name: "room", fill, edge, edge_width: 0.8 }));
+        entries.push(Entry::Part(style::ROOM_STYLE));
     }
     entries
 }
 
-/// Scale bar and legend, row by row within `width` px, and their height.
+/// Scale bar and legend, row by row within `width` px or one to a row, and their size.
 pub(super) fn draw(
     world: &World,
     view: &View,
@@ -129,15 +118,17 @@ pub(super) fn draw(
     width: f64,
     legend: bool,
     typesetter: &Typesetter,
-) -> (Group, f64) {
+) -> (Group, DVec2) {
     let mut group = Group::new().set("id", "legend");
     let mut labels = PathData::new(2);
     let mut small = PathData::new(2);
     let mut x = 0.0;
     let mut rows = 0.0;
+    let mut widest: f64 = 0.0;
     let baseline = |rows: f64| corner.y + rows * ROW + 15.0;
     if let Some((bar, long)) = scale_bar(view, DVec2::new(corner.x, baseline(0.0)), typesetter) {
         group = group.add(bar);
+        widest = long;
         x += long + 1.5 * GAP;
     }
     let entries = if legend { entries(world) } else { Vec::new() };
@@ -184,7 +175,7 @@ pub(super) fn draw(
             Entry::Start => {
                 group.add(arrow(DVec2::new(min.x + 7.0, middle), Pose::new(0.0, 0.0, 0.0)))
             }
-            Entry::Goal => group.add(flag(DVec2::new(min.x + 3.0, base.y + 1.5))),
+            Entry::Goal => group.add(flag(DVec2::new(min.x + 3.0, base.y + 2.0), 0.72)),
             Entry::Difficulty => {
                 last_is_bar = true;
                 let at = DVec2::new(min.x, middle - 5.0);
@@ -194,6 +185,7 @@ pub(super) fn draw(
         };
         let at = DVec2::new(base.x + entry.sample_width() + 6.0, base.y);
         typesetter.write(&mut labels, entry.label(), at, LABEL_SIZE, Align::Left);
+        widest = widest.max(x + long);
         x += long + GAP;
     }
     if !labels.is_empty() {
@@ -202,5 +194,5 @@ pub(super) fn draw(
     if !small.is_empty() {
         group = group.add(filled(small, style::QUIET_INK));
     }
-    (group, (rows + 1.0) * ROW + if last_is_bar { 8.0 } else { 0.0 })
+    (group, DVec2::new(widest, (rows + 1.0) * ROW + if last_is_bar { 8.0 } else { 0.0 }))
 }

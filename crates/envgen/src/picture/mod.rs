@@ -21,13 +21,16 @@
 //! they cover.
 
 mod furniture;
+mod hatch;
 mod ink;
 mod legend;
+mod names;
 mod parts;
 mod path;
 mod pixels;
 mod profile;
 mod raster;
+mod roads;
 mod style;
 mod text;
 mod view;
@@ -164,7 +167,7 @@ pub fn svg(world: &World, options: &PictureOptions) -> Result<String, PictureErr
 /// Writes the picture of a world as SVG.
 ///
 /// # Errors
-/// Those of [`svg`], and when writing fails.
+/// Those of [`svg()`], and when writing fails.
 pub fn write_svg(
     world: &World,
     options: &PictureOptions,
@@ -176,10 +179,10 @@ pub fn write_svg(
     Ok(writeln!(out)?)
 }
 
-/// The picture of a world as a PNG file: [`svg`] rendered by `resvg`.
+/// The picture of a world as a PNG file: [`svg()`] rendered by `resvg`.
 ///
 /// # Errors
-/// Those of [`svg`], and when there would be more than [`MAX_PIXELS`].
+/// Those of [`svg()`], and when there would be more than [`MAX_PIXELS`].
 pub fn png(world: &World, options: &PictureOptions) -> Result<Vec<u8>, PictureError> {
     let mut file = Vec::new();
     write_png(world, options, &mut file)?;
@@ -189,7 +192,7 @@ pub fn png(world: &World, options: &PictureOptions) -> Result<Vec<u8>, PictureEr
 /// Writes the picture of a world as a PNG file.
 ///
 /// # Errors
-/// Those of [`png`], and when writing fails.
+/// Those of [`png()`], and when writing fails.
 pub fn write_png(
     world: &World,
     options: &PictureOptions,

@@ -67,15 +67,11 @@ pub(super) const ROOM: Color = rgb(0xe8_ea_ee);
 pub(super) const ROOM_EDGE: Color = rgb(0xa9_a4_9a);
 pub(super) const DARK: Color = rgb(0x2b_32_52);
 
-/// People who wait to be found.
-pub(super) const VICTIM: Style =
-    Style { name: "victim", fill: rgb(0xcc_79_a7), edge: rgb(0x7a_2f_5a), edge_width: 1.0 };
-
 pub(super) const CURVE_LEFT: Color = rgb(0x00_72_b2);
 pub(super) const CURVE_RIGHT: Color = rgb(0xd5_5e_00);
 
 /// How a filled part looks.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Style {
     /// In the legend.
     pub(super) name: &'static str,
@@ -83,63 +79,127 @@ pub(super) struct Style {
     pub(super) edge: Color,
     /// Width of the edge in px. Walls get one of their own colour, so that thin ones stay visible.
     pub(super) edge_width: f64,
+    pub(super) texture: Texture,
 }
 
-pub(super) fn wall(kind: WallKind) -> Style {
-    let solid = |name, fill| Style { name, fill, edge: fill, edge_width: 0.7 };
-    match kind {
-        WallKind::Wall => solid("wall", rgb(0x3b_42_4d)),
-        WallKind::EndCap => solid("end cap", rgb(0xa3_3b_78)),
-        WallKind::Alcove => solid("alcove", rgb(0x3a_7c_a8)),
-        WallKind::Partition => solid("partition", rgb(0x8a_90_9b)),
-        WallKind::Kerb => solid("kerb", rgb(0xb5_9f_7b)),
+/// What is drawn onto a ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Texture {
+    Plain,
+    Dots,
+    Crosses,
+    Waves,
+    Treads,
+}
+
+impl Style {
+    const fn solid(name: &'static str, fill: u32) -> Style {
+        let fill = rgb(fill);
+        Style { name, fill, edge: fill, edge_width: 0.7, texture: Texture::Plain }
+    }
+
+    pub(super) const fn edged(name: &'static str, fill: Color, edge: Color) -> Style {
+        Style { name, fill, edge, edge_width: 0.8, texture: Texture::Plain }
+    }
+
+    const fn textured(self, texture: Texture) -> Style {
+        Style { texture, ..self }
     }
 }
 
-pub(super) fn obstacle(kind: ObstacleKind) -> Style {
-    let edged = |name, fill, edge| Style { name, fill, edge, edge_width: 0.8 };
-    match kind {
-        ObstacleKind::DoorPost => edged("door post", rgb(0xe6_9f_00), rgb(0x8a_5a_00)),
-        ObstacleKind::Crate => edged("crate", rgb(0xd8_b3_7a), rgb(0x7a_55_25)),
-        ObstacleKind::Desk => edged("desk", rgb(0xc9_9a_6b), rgb(0x6f_49_22)),
-        ObstacleKind::Chair => edged("chair", rgb(0x5f_86_b3), rgb(0x2b_46_69)),
-        ObstacleKind::Screen => edged("screen", rgb(0x4a_4f_58), rgb(0x16_19_1e)),
-        ObstacleKind::Cabinet => edged("cupboard", rgb(0x9c_84_6a), rgb(0x4d_3d_2c)),
-        ObstacleKind::Counter => edged("counter", rgb(0x8f_b8_c9), rgb(0x33_5f_73)),
-        ObstacleKind::Container => edged("container", rgb(0x2f_8f_8b), rgb(0x0f_4d_4a)),
-        ObstacleKind::Boiler => edged("boiler", rgb(0xb8_6b_52), rgb(0x5c_2a_1b)),
-        ObstacleKind::Pipe => edged("pipe", rgb(0x9a_a3_ad), rgb(0x4b_53_5e)),
-        ObstacleKind::Statue => edged("statue", rgb(0x8d_8f_86), rgb(0x3f_41_3a)),
-        ObstacleKind::Panel => edged("fallen wall", rgb(0x6f_77_85), rgb(0x33_39_44)),
-        ObstacleKind::Rubble => edged("rubble", rgb(0x8a_7a_6c), rgb(0x45_3a_30)),
-        ObstacleKind::Stairs => edged("flight of stairs", rgb(0xc3_c7_d0), rgb(0x5a_62_70)),
-        ObstacleKind::Other => edged("obstacle", rgb(0xb7_9c_c8), rgb(0x5d_43_70)),
-    }
+/// Walls, in the order in which they are drawn.
+const WALLS: &[(WallKind, Style)] = &[
+    (WallKind::Kerb, Style::solid("kerb", 0xb5_9f_7b)),
+    (WallKind::Partition, Style::solid("partition", 0x8a_90_9b)),
+    (WallKind::Alcove, Style::solid("alcove", 0x3a_7c_a8)),
+    (WallKind::Wall, Style::solid("wall", 0x3b_42_4d)),
+    (WallKind::EndCap, Style::solid("end cap", 0xa3_3b_78)),
+];
+
+/// Obstacles, in the order in which they are drawn; kinds that are not here look like `Other`.
+const OBSTACLES: &[(ObstacleKind, Style)] = &[
+    (ObstacleKind::Other, OTHER),
+    (ObstacleKind::Stairs, Style::edged("flight of stairs", rgb(0xc3_c7_d0), rgb(0x5a_62_70))),
+    (ObstacleKind::Pipe, Style::edged("pipe", rgb(0x9a_a3_ad), rgb(0x4b_53_5e))),
+    (ObstacleKind::Boiler, Style::edged("boiler", rgb(0xb8_6b_52), rgb(0x5c_2a_1b))),
+    (ObstacleKind::Statue, Style::edged("statue", rgb(0x8d_8f_86), rgb(0x3f_41_3a))),
+    (ObstacleKind::Counter, Style::edged("counter", rgb(0x8f_b8_c9), rgb(0x33_5f_73))),
+    (ObstacleKind::Container, Style::edged("container", rgb(0x2f_8f_8b), rgb(0x0f_4d_4a))),
+    (ObstacleKind::Cabinet, Style::edged("cupboard", rgb(0x9c_84_6a), rgb(0x4d_3d_2c))),
+    (ObstacleKind::Panel, Style::edged("fallen wall", rgb(0x6f_77_85), rgb(0x33_39_44))),
+    (ObstacleKind::Desk, Style::edged("desk", rgb(0xc9_9a_6b), rgb(0x6f_49_22))),
+    (ObstacleKind::Chair, Style::edged("chair", rgb(0x5f_86_b3), rgb(0x2b_46_69))),
+    (ObstacleKind::Screen, Style::edged("screen", rgb(0x4a_4f_58), rgb(0x16_19_1e))),
+    (ObstacleKind::Rubble, Style::edged("rubble", rgb(0x8a_7a_6c), rgb(0x45_3a_30))),
+    (ObstacleKind::Crate, Style::edged("crate", rgb(0xd8_b3_7a), rgb(0x7a_55_25))),
+    (ObstacleKind::DoorPost, Style::edged("door post", rgb(0xe6_9f_00), rgb(0x8a_5a_00))),
+];
+const OTHER: Style = Style::edged("obstacle", rgb(0xb7_9c_c8), rgb(0x5d_43_70));
+
+/// Grounds, in the order in which they are drawn; kinds that are not here look like a floor.
+const SURFACES: &[(SurfaceKind, Style)] = &[
+    (SurfaceKind::OpenArea, Style::edged("open area", rgb(0xe9_f5_d8), rgb(0xe9_f5_d8))),
+    (SurfaceKind::Hallway, Style::edged("hallway", rgb(0xd3_ec_c8), rgb(0xd3_ec_c8))),
+    (
+        SurfaceKind::Uneven,
+        Style::edged("uneven", rgb(0xee_e2_bf), rgb(0xb9_a0_5f)).textured(Texture::Dots),
+    ),
+    (
+        SurfaceKind::Debris,
+        Style::edged("debris", rgb(0xdd_d5_cd), rgb(0x8c_7d_6f)).textured(Texture::Crosses),
+    ),
+    (
+        SurfaceKind::Water,
+        Style::edged("water", rgb(0xb5_dc_f2), rgb(0x4f_9b_c8)).textured(Texture::Waves),
+    ),
+    (
+        SurfaceKind::Stairs,
+        Style::edged("stairs", rgb(0xe3_e4_e8), rgb(0x7d_84_90)).textured(Texture::Treads),
+    ),
+];
+const FLOOR: Style = Style::edged("floor", rgb(0xf1_ef_ea), rgb(0xe2_df_d8));
+
+pub(super) const ROOM_STYLE: Style = Style::edged("room", ROOM, ROOM_EDGE);
+/// People who wait to be found.
+pub(super) const VICTIM: Style =
+    Style { edge_width: 1.0, ..Style::edged("victim", rgb(0xcc_79_a7), rgb(0x7a_2f_5a)) };
+pub(super) const OPEN_DOOR: Style =
+    Style { edge_width: 1.0, ..Style::edged("open doorway", DOOR_OPEN, DOOR_OPEN_EDGE) };
+pub(super) const CLOSED_DOOR: Style =
+    Style { edge_width: 1.0, ..Style::edged("closed door", DOOR_CLOSED, DOOR_CLOSED_EDGE) };
+
+fn find<K: PartialEq>(table: &[(K, Style)], kind: &K) -> Option<(u32, Style)> {
+    let place = table.iter().position(|(known, _)| known == kind)?;
+    Some((place as u32 + 1, table[place].1))
 }
 
-pub(super) fn surface(kind: SurfaceKind) -> Style {
-    let edged = |name, fill, edge| Style { name, fill, edge, edge_width: 0.6 };
-    match kind {
-        SurfaceKind::Uneven => edged("uneven", rgb(0xee_e2_bf), rgb(0xb9_a0_5f)),
-        SurfaceKind::Debris => edged("debris", rgb(0xdd_d5_cd), rgb(0x8c_7d_6f)),
-        SurfaceKind::Water => edged("water", rgb(0xb5_dc_f2), rgb(0x4f_9b_c8)),
-        SurfaceKind::Stairs => edged("stairs", rgb(0xe3_e4_e8), rgb(0x7d_84_90)),
-        SurfaceKind::Hallway => edged("hallway", rgb(0xd3_ec_c8), rgb(0xd3_ec_c8)),
-        SurfaceKind::OpenArea => edged("open area", rgb(0xe9_f5_d8), rgb(0xe9_f5_d8)),
-        SurfaceKind::Class(class) => {
-            let fill = class_color(class);
-            edged("class", fill, fill.mix(INK, 0.35))
-        }
+/// A wall's place in the order of drawing, and its style.
+pub(super) fn wall(kind: WallKind) -> (u32, Style) {
+    find(WALLS, &kind).unwrap_or((0, WALLS[3].1))
+}
+
+/// An obstacle's place in the order of drawing, and its style.
+pub(super) fn obstacle(kind: ObstacleKind) -> (u32, Style) {
+    find(OBSTACLES, &kind).unwrap_or((1, OTHER))
+}
+
+/// A ground's place in the order of drawing, and its style: floors, classes by their number, then
+/// the others.
+pub(super) fn surface(kind: SurfaceKind) -> (u32, Style) {
+    if let SurfaceKind::Class(class) = kind {
+        let fill = class_color(class);
+        return (1 + u32::from(class), Style::edged("class", fill, fill.mix(INK, 0.35)));
     }
+    find(SURFACES, &kind).map_or((0, FLOOR), |(place, style)| (place + (1 << 17), style))
 }
 
 const DIFFICULTIES: [Color; 6] = [
     rgb(0xff_fb_dc),
     rgb(0xff_e8_97),
     rgb(0xfe_bf_5a),
-    rgb(0xfa_84_3c),
-    rgb(0xdd_3a_26),
-    rgb(0x94_0a_2e),
+    rgb(0xf7_8a_48),
+    rgb(0xdc_4f_3c),
+    rgb(0x9c_22_42),
 ];
 
 /// The colour of a difficulty from 0 to 10; others count as the nearer of the two.
@@ -167,10 +227,11 @@ pub(super) fn class_color(class: u16) -> Color {
     let index = usize::from(class.saturating_sub(1));
     let (i, round) = (index % CLASSES.len(), index / CLASSES.len());
     let next = CLASSES[(i + 2) % CLASSES.len()];
-    match round {
+    let color = match round {
         0 => CLASSES[i],
         _ => CLASSES[i].mix(next, 0.15 * (round % 4) as f64).mix(INK, 0.22 * (round % 3) as f64),
-    }
+    };
+    color.mix(PAGE, 0.15)
 }
 
 #[cfg(test)]
@@ -193,7 +254,7 @@ mod tests {
         };
         for a in 1..=9 {
             for b in 1..a {
-                assert!(distance(class_color(a), class_color(b)) > 60, "{a} and {b}");
+                assert!(distance(class_color(a), class_color(b)) > 50, "{a} and {b}");
             }
         }
         for class in 10..=27 {

@@ -47,6 +47,10 @@ pub enum Violation {
         /// The part in the way.
         part: PartId,
     },
+    /// A claim of the certificate holds a number that is not finite, a negative distance, or an
+    /// empty area.
+    #[error("claim {0} of the certificate is about no finite distance or area")]
+    Claim(usize),
     /// The class raster's sizes do not fit together.
     #[error("the class raster has {cells} cells in {rows} rows of {cols}, of {cell} m each")]
     Raster {
@@ -64,7 +68,7 @@ pub enum Violation {
 impl World {
     /// Checks every invariant: finite numbers, positive sizes, simple counter-clockwise polygons,
     /// parts inside the bounds, doorways between rooms that exist, start and goal in free space,
-    /// a whole raster.
+    /// claims about finite numbers, a whole raster.
     ///
     /// # Errors
     /// The first invariant that does not hold.
@@ -123,6 +127,9 @@ impl World {
         }
         self.check_pose("start", self.start)?;
         self.check_pose("goal", self.goal)?;
+        if let Some(i) = self.certificate.iter().position(|claim| !claim.is_definite()) {
+            return Err(Violation::Claim(i));
+        }
         self.check_raster()
     }
 
@@ -233,6 +240,7 @@ fn folds_back(a: DVec2, b: DVec2, c: DVec2) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::certificate::Claim;
     use crate::provenance::Provenance;
     use crate::world::{
         ClassRaster, Doorway, Obstacle, ObstacleKind, Surface, SurfaceKind, Tree, Wall, WallKind,
@@ -310,6 +318,20 @@ mod tests {
         let kind = SurfaceKind::Water;
         broken.surfaces.push(Surface { kind, shape, speed: -1.0, odometry_noise: 1.0 });
         assert!(matches!(broken.check(), Err(Violation::Size(_))));
+
+        let mut broken = world();
+        broken.certificate = vec![Claim::TreeDistance { distance: 1.0 }];
+        assert_eq!(broken.check(), Ok(()));
+        let (area, crosses) = (Rect::new(DVec2::ONE, DVec2::ZERO), true);
+        for claim in [
+            Claim::Connected { radius: f64::NAN },
+            Claim::TreeDistance { distance: -1.0 },
+            Claim::CrossesWestEast { area, radius: 1.0, crosses },
+        ] {
+            broken.certificate.truncate(1);
+            broken.certificate.push(claim);
+            assert_eq!(broken.check(), Err(Violation::Claim(1)));
+        }
 
         let mut broken = world();
         let cells = vec![1; 5];

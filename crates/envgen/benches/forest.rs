@@ -1,0 +1,98 @@
+//! Forests against two uniform numbers a tree, against the crate `fast_poisson` and against brute
+//! force.
+#![expect(clippy::print_stdout, reason = "the result of a benchmark")]
+
+use bench_ratio::{at_most, contest, faster, seconds};
+use envgen::forest::ForestSpec;
+use envgen::glam::DVec2;
+use envgen::{Seed, Spec};
+use fast_poisson::Poisson2D;
+
+fn main() {
+    plain();
+    spaced();
+    brute_force();
+}
+
+/// A square forest of `trees` trees whose intensity x distance^2 is `filling`; 1 m apart.
+fn spec(trees: f64, filling: f64) -> ForestSpec {
+    let side = (trees / filling).sqrt();
+    ForestSpec {
+        width: side,
+        height: side,
+        intensity: filling,
+        radius: 0.1,
+        min_distance: 1.0,
+        ..Default::default()
+    }
+}
+
+fn plain() {
+    let plain = ForestSpec { min_distance: 0.0, ..spec(1e6, 0.05) };
+    let times = contest(
+        || plain.generate(Seed(1)),
+        || {
+            let mut stream = Seed(1).stream("uniform", 0);
+            let mut places = Vec::with_capacity(1_000_000);
+            for _ in 0..1_000_000 {
+                places.push(DVec2::new(stream.unit(), stream.unit()));
+            }
+            places
+        },
+    );
+    at_most("plain forest of 1e6 trees, against two uniforms a tree", times, 3.0);
+}
+
+fn trees(spec: &ForestSpec) -> usize {
+    spec.generate(Seed(1)).map_or(0, |forest| forest.trees().len())
+}
+
+fn spaced() {
+    for (count, rounds) in [(1e4, 5), (1e5, 3), (1e6, 1)] {
+        // fast_poisson fills its area as densely as it can: about 0.63 by this measure.
+        let side = f64::sqrt(count / 0.63);
+        let mut made = 1;
+        let peer = (0..rounds)
+            .map(|_| {
+                let points = Poisson2D::new().with_dimensions([side, side], 1.0).with_seed(1);
+                seconds(|| made = points.generate().len())
+            })
+            .fold(f64::INFINITY, f64::min);
+        for filling in [0.2, 0.5, 0.6] {
+            let spec = spec(count, filling);
+            let ours = (0..5).map(|_| seconds(|| trees(&spec))).fold(f64::INFINITY, f64::min);
+            let per_tree = (ours / trees(&spec) as f64, peer / made as f64);
+            let what = format!("{count:e} trees at intensity x distance^2 = {filling}");
+            let target = if count == 1e6 && filling == 0.5 { 50.0 } else { 1.0 };
+            faster(&format!("{what}, a tree, against fast_poisson"), per_tree, target);
+        }
+    }
+    for filling in [0.2, 0.5, 0.6] {
+        let (small, large) = (spec(1e4, filling), spec(1e6, filling));
+        let hundred_small = || (0..100).map(|_| trees(&small)).sum::<usize>();
+        let times = (0..5).fold((f64::INFINITY, f64::INFINITY), |best: (f64, f64), _| {
+            (best.0.min(seconds(|| trees(&large))), best.1.min(seconds(hundred_small)))
+        });
+        at_most(&format!("a tree of 1e6, against one of 1e4, at {filling}"), times, 3.0);
+        println!("  {:.2} million trees a second at 1e6", trees(&large) as f64 / times.0 / 1e6);
+    }
+}
+
+fn brute_force() {
+    let spec = spec(2000.0, 0.5);
+    let times = contest(
+        || spec.generate(Seed(1)),
+        || {
+            let mut stream = Seed(1).stream("uniform", 0);
+            let mut standing: Vec<DVec2> = Vec::new();
+            while standing.len() < 2000 {
+                let p = DVec2::new(stream.unit() * spec.width, stream.unit() * spec.height);
+                if standing.iter().all(|q| q.distance_squared(p) >= 1.0) {
+                    standing.push(p);
+                }
+            }
+            standing
+        },
+    );
+    faster("2000 spaced trees, against comparing each with each", times, 20.0);
+}

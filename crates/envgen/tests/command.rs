@@ -1,0 +1,234 @@
+//! The command `envgen` as a user runs it.
+
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+fn command() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_envgen"))
+}
+
+fn run(arguments: &[&str]) -> Output {
+    command().args(arguments).output().unwrap()
+}
+
+fn lines(arguments: &[&str]) -> Vec<Value> {
+    let output = run(arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout)
+        .unwrap()
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
+}
+
+/// Exit code and stderr of a run that must not print to stdout.
+fn failure(arguments: &[&str]) -> (i32, String) {
+    let output = run(arguments);
+    assert!(output.stdout.is_empty());
+    (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
+}
+
+#[test]
+fn every_kind_is_listed_with_its_settings() {
+    let output = run(&["kinds"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    let json: Value = serde_json::from_slice(&run(&["kinds", "--json"]).stdout).unwrap();
+    for kind in json.as_array().unwrap() {
+        assert!(text.contains(&format!("{}: ", kind["kind"].as_str().unwrap())));
+        for setting in kind["settings"].as_array().unwrap() {
+            assert!(text.contains(setting["name"].as_str().unwrap()));
+            assert!(text.contains(setting["help"].as_str().unwrap()));
+        }
+    }
+}
+
+#[test]
+fn sampled_lines_have_the_promised_fields() {
+    let hallways =
+        lines(&["sample", "hallway", "--count", "3", "--seed", "5", "--set", "segments=7"]);
+    assert_eq!(hallways.len(), 3);
+    for (n, line) in hallways.iter().enumerate() {
+        let keys: Vec<_> = line.as_object().unwrap().keys().map(String::as_str).collect();
+        assert_eq!(keys, ["blueprint", "kind", "metrics", "seed", "spec"]);
+        assert_eq!(line["kind"], "hallway");
+        assert_eq!(line["seed"], 5 + n as u64);
+        assert_eq!(line["spec"]["segments"], 7);
+        let states = line["blueprint"]["states"].as_array().unwrap();
+        assert_eq!(states.len(), 7);
+        assert!(states.iter().all(|state| (1..=8).contains(&state.as_u64().unwrap())));
+    }
+    let forests = lines(&["sample", "forest", "--count", "2", "--set", "width=20"]);
+    let forest = &forests[1]["blueprint"];
+    assert_eq!((&forest["width"], &forest["height"]), (&Value::from(20.0), &Value::from(50.0)));
+    let trees = forest["trees"].as_array().unwrap();
+    assert!(trees.iter().all(|tree| tree.as_array().unwrap().len() == 3 && tree[2] == 1.0));
+}
+
+#[test]
+fn a_seed_is_the_same_alone_and_in_a_row() {
+    let row = lines(&["sample", "forest", "--count", "4", "--seed", "18446744073709551614"]);
+    for line in &row {
+        let seed = line["seed"].to_string();
+        assert_eq!(&lines(&["sample", "forest", "--count", "1", "--seed", &seed])[0], line);
+    }
+    // Seeds go on at 0 behind the greatest one.
+    assert_eq!(row[2]["seed"], 0);
+}
+
+#[test]
+fn sample_ends_quietly_when_its_reader_has_enough() {
+    let mut child = command()
+        .args(["sample", "hallway", "--count", "1000000000"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut line = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    assert!(line.starts_with('{'));
+    let mut complaints = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut complaints).unwrap();
+    assert_eq!((child.wait().unwrap().code(), complaints.as_str()), (Some(0), ""));
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn sampling_keeps_its_memory_flat() {
+    // Peak memory after 1000 and after 200,000 lines.
+    let peak = |count: u64| {
+        let mut child = command()
+            .args(["sample", "hallway", "--count", &(count + 1_000_000).to_string()])
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut out = BufReader::new(child.stdout.take().unwrap());
+        let mut line = String::new();
+        for _ in 0..count {
+            line.clear();
+            out.read_line(&mut line).unwrap();
+        }
+        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+        drop(out);
+        child.wait().unwrap();
+        let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
+        peak.trim().trim_end_matches(" kB").parse::<u64>().unwrap()
+    };
+    let (few, many) = (peak(1000), peak(200_000));
+    assert!(many < few + 10_000 && many < 50_000, "{few} kB, then {many} kB");
+}
+
+#[test]
+fn several_files_come_of_one_world() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let mut arguments = vec!["generate".to_owned(), "hallway".to_owned(), "--seed=7".to_owned()];
+    for name in ["h.svg", "h.png", "h.ron", "h.json"] {
+        arguments.extend(["--out".to_owned(), at(name)]);
+    }
+    let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
+    assert!(run(&arguments).status.success());
+    assert_eq!(names(folder.path()), ["h.json", "h.png", "h.ron", "h.svg"]);
+
+    let report = |name: &str| -> Value {
+        let output = run(&["inspect", "--json", &at(name)]);
+        assert!(output.status.success());
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let (json, ron) = (report("h.json"), report("h.ron"));
+    assert_eq!(json, ron);
+    assert_eq!(json["provenance"]["seed"], 7);
+    assert_eq!(json["reproducible"], true);
+    assert_eq!(json["certificate"][0]["verdict"], "holds");
+    assert!(json["metrics"]["turns"].as_u64().unwrap() > 0);
+    assert!(run(&["check", &at("h.ron")]).status.success());
+}
+
+#[test]
+fn a_spec_file_is_a_source_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("narrow.ron");
+    std::fs::write(&path, "Hallway(segments: 12, width: 1.0)").unwrap();
+    let path = path.to_str().unwrap();
+    let line = &lines(&["sample", path, "--count", "1", "--set", "pitch=3"])[0];
+    assert_eq!((&line["spec"]["width"], &line["spec"]["pitch"]), (&1.0.into(), &3.0.into()));
+
+    std::fs::write(path, "Hallway(segments: 12, widht: 1.0)").unwrap();
+    let (code, text) = failure(&["sample", path, "--count", "1"]);
+    assert_eq!(code, 2);
+    assert!(text.contains("narrow.ron") && text.contains("widht"), "{text}");
+}
+
+#[test]
+fn a_certificate_that_does_not_hold_is_exit_code_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("h.json");
+    let path = path.to_str().unwrap();
+    assert!(run(&["generate", "hallway", "--out", path]).status.success());
+    let text = std::fs::read_to_string(path).unwrap();
+    // The hallway is 2 m wide.
+    std::fs::write(path, text.replace("\"radius\":0.8", "\"radius\":1.2")).unwrap();
+    let output = run(&["check", path]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8(output.stdout).unwrap().contains("broken: a disc of radius 1.2"));
+}
+
+#[test]
+fn bad_arguments_are_exit_code_two_and_leave_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("world.svg");
+    let out = out.to_str().unwrap();
+    for (arguments, expected) in [
+        (vec!["generate", "lake", "--out", out], "hallway, forest"),
+        (vec!["generate", "forest", "--set", "widht=3", "--out", out], "width, height, intensity"),
+        (vec!["generate", "forest", "--set", "width=wide", "--out", out], "from 0.01 to 1000000"),
+        (vec!["generate", "forest", "--set", "width=NaN", "--out", out], "`width` is NaN"),
+        (vec!["generate", "forest", "--set", "width=1e300", "--out", out], "`width` is 1e300"),
+        (vec!["generate", "forest", "--set", "border=round", "--out", out], "open, inset, torus"),
+        (vec!["generate", "forest", "--set", "width", "--out", out], "--set name=value"),
+        (vec!["generate", "forest", "--set", "intensity=1e5", "--out", out], "`intensity`"),
+        (vec!["generate", "hallway", "--set", "p_st=1.0000001", "--out", out], "from 0 to 1"),
+        (vec!["generate", "hallway", "--set", "width=6", "--out", out], "at most 4.9 m"),
+        (vec!["generate", "hallway", "--set", "start=9", "--out", out], "1 to 8 or stationary"),
+        (vec!["generate", "hallway", "--out", "world.xyz"], ".json, .ron"),
+        (vec!["generate", "hallway"], "--out"),
+        (vec!["inspect", "world.xyz"], ".json, .ron"),
+        (vec!["generate", "hallway", "--picture-width", "1", "--out", out], "width is 1"),
+        (vec!["sample", "hallway", "--count", "-1"], "--count"),
+    ] {
+        let (code, text) = failure(&arguments);
+        assert_eq!(code, 2, "{arguments:?}: {text}");
+        assert!(text.contains(expected), "{arguments:?}: {text}");
+    }
+    assert!(names(folder.path()).is_empty());
+}
+
+#[test]
+fn what_fails_on_the_way_is_exit_code_one_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (code, text) =
+        failure(&["generate", "forest", "--set", "min_distance=4", "--out", &at("f.svg")]);
+    assert_eq!(code, 1);
+    assert!(text.contains("the area takes at most"), "{text}");
+    // The second file cannot be written, so the first is not either.
+    let (code, text) =
+        failure(&["generate", "forest", "--out", &at("f.svg"), "--out", &at("no/where.svg")]);
+    assert_eq!(code, 1);
+    assert!(text.contains("where.svg"), "{text}");
+    let (code, text) = failure(&["inspect", &at("missing.ron")]);
+    assert_eq!(code, 1);
+    assert!(text.contains("missing.ron"), "{text}");
+    assert!(names(folder.path()).is_empty());
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
