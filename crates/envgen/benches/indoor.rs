@@ -17,8 +17,14 @@ use envgen::{Blueprint, Seed, Spec};
 
 const ROUNDS: usize = 7;
 
-/// Seconds of each stage and of the whole, for `count` plans.
-fn stages(spec: &IndoorSpec, count: u64) -> ([f64; 7], f64) {
+/// Seconds of each stage and of the whole.
+struct Times {
+    stages: [f64; 7],
+    all: f64,
+}
+
+/// The times of `count` plans.
+fn stages(spec: &IndoorSpec, count: u64) -> Times {
     let mut times = [0.0; 7];
     let begin = Instant::now();
     for seed in 0..count {
@@ -30,7 +36,7 @@ fn stages(spec: &IndoorSpec, count: u64) -> ([f64; 7], f64) {
         });
         black_box(plan).expect("the spec is valid");
     }
-    (times, begin.elapsed().as_secs_f64())
+    Times { stages: times, all: begin.elapsed().as_secs_f64() }
 }
 
 /// Seconds for something to be done to `count` plans, their making included.
@@ -80,13 +86,13 @@ fn main() -> ExitCode {
         let count = 200;
         let rounds: Vec<_> = (0..ROUNDS).map(|_| stages(&spec, count)).collect();
         print!("{name:<28}");
-        let least = |time: &dyn Fn(&([f64; 7], f64)) -> f64| {
+        let least = |time: &dyn Fn(&Times) -> f64| {
             1e6 / count as f64 * rounds.iter().map(time).fold(f64::INFINITY, f64::min)
         };
         for stage in 0..7 {
-            print!("{:>10.2}", least(&|round| round.0[stage]));
+            print!("{:>10.2}", least(&|round| round.stages[stage]));
         }
-        println!("{:>10.2}", least(&|round| round.1));
+        println!("{:>10.2}", least(&|round| round.all));
     }
 
     let mut met = true;
@@ -110,7 +116,7 @@ fn main() -> ExitCode {
             let mut least = [f64::INFINITY; 2];
             for _ in 0..ROUNDS {
                 // 256 small maps have the cells of one large one.
-                let times = [stages(&small, 1024).1, stages(&large, 4).1];
+                let times = [stages(&small, 1024).all, stages(&large, 4).all];
                 least = [least[0].min(times[0]), least[1].min(times[1])];
             }
             let what = format!("cost a cell, 256 x 256 to 16 x 16, {name}, d = {difficulty}");

@@ -132,7 +132,7 @@ fn first_choices_follow_the_probabilities() {
     for d in [0.0, 4.3, 9.0] {
         let spec = thesis(d, 16);
         let mut counts = vec![0_u64; 20];
-        for plan in plans(&spec, 2000) {
+        for plan in plans(&spec, SEEDS) {
             for (count, (name, n)) in counts.iter_mut().zip(&plan.draws().unwrap().first_choice) {
                 assert!(spec.allowed_rooms().iter().any(|room| room.name == *name));
                 *count += n;
@@ -206,17 +206,52 @@ fn base_rules_by_hand() {
 
 #[test]
 fn guaranteed_plans_are_one_free_space() {
-    for (seed, d) in (0..400).zip([0.0, 1.0, 3.0, 5.0, 7.0, 9.0, 10.0].into_iter().cycle()) {
-        let mut spec = IndoorSpec { difficulty: d, ..Default::default() };
-        if seed % 3 == 0 {
-            spec.layout = Layout::LSystem;
-        }
+    let difficulties = [0.0, 1.0, 3.0, 5.0, 7.0, 9.0, 10.0];
+    let (mut rooms, mut emptied) = (0, 0);
+    for (seed, d) in (0..SEEDS).zip(difficulties.into_iter().cycle()) {
+        let layout = if seed % 3 == 0 { Layout::LSystem } else { Layout::Grid };
+        let spec = IndoorSpec { difficulty: d, layout, ..Default::default() };
         let plan = spec.generate(Seed(seed)).unwrap();
         let access = plan.access();
         assert_eq!(access.parts(), 1, "d = {d}, seed {seed}");
         assert!(access.doors_by_room().iter().all(|&doors| doors > 0));
         for opening in plan.openings() {
             assert!(rules::doorways::is_whole(plan.grid(), opening.gate));
+        }
+        rooms += plan.rooms().len();
+        emptied += plan.rooms().iter().filter(|room| room.emptied).count();
+    }
+    // Emptying is the last resort.
+    assert!(emptied * 250 < rooms, "{emptied} of {rooms} rooms were emptied");
+}
+
+#[test]
+fn contents_keep_away_from_open_doorways_when_guaranteed() {
+    use crate::geometry::Shape;
+    for seed in 0..60 {
+        let difficulty = (seed % 11) as f64;
+        let spec = IndoorSpec { difficulty, ..Default::default() };
+        let world = spec.generate(Seed(seed)).unwrap().to_world();
+        let partitions =
+            world.walls.iter().filter(|wall| wall.kind == crate::world::WallKind::Partition);
+        let contents: Vec<&Shape> = partitions
+            .map(|wall| &wall.shape)
+            .chain(world.obstacles.iter().map(|obstacle| &obstacle.shape))
+            .chain(world.surfaces.iter().filter(|s| s.speed == 0.0).map(|s| &s.shape))
+            .collect();
+        for door in &world.doorways {
+            let opening = door.shape.bounds();
+            let horizontal = opening.size().x > opening.size().y;
+            // Points of the zone that is 0.94 m wide and 0.5 m deep on both sides.
+            for along in 0..=10 {
+                for across in -10..=10 {
+                    let (u, v) = (f64::from(along) / 10.0 - 0.5, f64::from(across) / 10.0);
+                    let (u, v) = (0.938 * u, 0.548 * v);
+                    let offset = if horizontal { (u, v) } else { (v, u) };
+                    let p = opening.center() + glam::DVec2::from(offset);
+                    assert!(contents.iter().all(|shape| !shape.contains(p)), "seed {seed}: {p}");
+                }
+            }
         }
     }
 }

@@ -106,19 +106,27 @@ fn connect(
             parts == 0 || (first..first + parts).any(|part| sets.find(part) != reached)
         })
         .collect();
+    let all = rooms;
+    // An unreached piece of floor is opened by emptying one of the rooms around it.
+    let mut beside: BTreeMap<usize, usize> = BTreeMap::new();
     for y in 0..grid.height() {
         for x in 0..grid.width() {
-            if floor(x, y).is_none_or(|here| sets.find(here) == reached) {
+            let Some(piece) = floor(x, y).map(|here| sets.find(here)) else { continue };
+            if piece == reached || beside.contains_key(&piece) {
                 continue;
             }
             let (left, up) = (x.wrapping_sub(1), y.wrapping_sub(1));
-            for (x, y) in [(x + 1, y), (x, y + 1), (left, y), (x, up)] {
-                if let Some(Cell::Room(room)) = grid.get(x, y) {
-                    unreached.push(room as usize);
-                }
+            let around = [(x + 1, y), (x, y + 1), (left, y), (x, up)];
+            let mut rooms = around.into_iter().filter_map(|(x, y)| match grid.get(x, y) {
+                Some(Cell::Room(room)) => Some(room as usize),
+                _ => None,
+            });
+            if let Some(room) = rooms.find(|&room| furnished(&all[room])) {
+                beside.insert(piece, room);
             }
         }
     }
+    unreached.extend(beside.into_values());
     unreached.sort_unstable();
     unreached.dedup();
     unreached
@@ -156,10 +164,13 @@ fn candidates(
     candidates
 }
 
+fn furnished(room: &PlacedRoom) -> bool {
+    !room.emptied
+}
+
 /// Takes the contents out of rooms, or out of their neighbours when they have none; whether any
 /// were left to take.
 fn empty(grid: &Grid, rooms: &mut [PlacedRoom], unreached: &[usize]) -> bool {
-    let furnished = |room: &PlacedRoom| !room.emptied;
     let mut which: Vec<usize> =
         unreached.iter().copied().filter(|&i| furnished(&rooms[i])).collect();
     if which.is_empty() {
