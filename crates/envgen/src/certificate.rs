@@ -12,9 +12,9 @@ use std::fmt;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::geometry::Rect;
+use crate::geometry::{Rect, wrap_angle};
 use crate::occupancy::{Coverage, OccupancyGrid};
-use crate::world::World;
+use crate::world::{RoadStrip, World};
 
 /// A promise that a generator makes of a world.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,6 +40,11 @@ pub enum Claim {
         /// Whether it can.
         crosses: bool,
     },
+    /// No bend of a road is tighter than this.
+    BendRadius {
+        /// Least radius in metres.
+        radius: f64,
+    },
     /// From the start a disc of this radius can reach every room, or every part of a room that its
     /// contents divide, and every piece of the hallways and open areas.
     EveryPlaceReachable {
@@ -64,6 +69,7 @@ impl Claim {
                 let finite = area.min.is_finite() && area.max.is_finite();
                 distance(radius) && finite && area.min.cmplt(area.max).all()
             }
+            Claim::BendRadius { radius } => distance(radius),
             Claim::EveryPlaceReachable { radius } => distance(radius),
             Claim::AddedDoorway { .. } => true,
         }
@@ -94,6 +100,9 @@ impl fmt::Display for Claim {
             Claim::CrossesWestEast { radius, crosses, .. } => {
                 let can = if *crosses { "can" } else { "cannot" };
                 write!(f, "a disc of radius {radius} m {can} cross from west to east")
+            }
+            Claim::BendRadius { radius } => {
+                write!(f, "no bend of a road is tighter than {radius} m")
             }
             Claim::EveryPlaceReachable { radius } => {
                 write!(f, "a disc of radius {radius} m can reach every room and hallway")
@@ -132,6 +141,13 @@ fn verdict(world: &World, claim: &Claim) -> Verdict {
                 move |grid: &OccupancyGrid| (0..grid.rows()).map(|row| (col(grid), row)).collect()
             };
             decide(world, area, radius, crosses, &side(|_| 0), &side(|grid| grid.cols() - 1))
+        }
+        Claim::BendRadius { radius } => {
+            if world.road_strips.iter().all(|strip| bends_keep(strip, radius)) {
+                Verdict::Holds
+            } else {
+                Verdict::Broken
+            }
         }
         Claim::EveryPlaceReachable { radius } => places::every_place_reachable(world, radius),
         Claim::AddedDoorway { doorway } => match world.doorways.get(doorway as usize) {
@@ -233,6 +249,27 @@ fn trees_keep(world: &World, distance: f64) -> bool {
     })
 }
 
+/// Whether no bend of a road is tighter than a radius: by the curvatures that it states, and by the
+/// places that it leads through. Where the curvature stays within 1 / radius and the heading
+/// changes by an angle under pi, the chord is at least 2 radius sin(angle / 2).
+fn bends_keep(strip: &RoadStrip, radius: f64) -> bool {
+    let path = strip.path();
+    let stated = strip.centreline.iter().map(|point| point.curvature.abs());
+    let mut stated = stated.chain(path.curves().iter().map(|curve| curve.tightest()));
+    let parts = (path.length() / (0.5 * radius)).ceil().clamp(1.0, MOST_CELLS);
+    let mut walk = path.walk();
+    let mut before = path.pose_at(0.0);
+    stated.all(|curvature| curvature * radius <= 1.0 + 1e-9)
+        && (1..=parts as u64).all(|i| {
+            let (pose, _) = walk.to(path.length() * (i as f64 / parts));
+            let angle = wrap_angle(pose.heading - before.heading).abs();
+            let chord = pose.position.distance(before.position);
+            let slack = 1e-9 * (1.0 + pose.position.length());
+            before = pose;
+            2.0 * radius * libm::sin(0.5 * angle) <= chord + slack
+        })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -241,6 +278,7 @@ mod tests {
     use crate::geometry::{Pose, Shape};
     use crate::hallway::HallwaySpec;
     use crate::provenance::Provenance;
+    use crate::road::RoadSpec;
     use crate::seed::Seed;
     use crate::world::{Wall, WallKind};
 
@@ -285,6 +323,27 @@ mod tests {
             verify(&world).last().unwrap(),
             &(Claim::TreeDistance { distance: 2.0 }, Verdict::Broken)
         );
+    }
+
+    #[test]
+    fn roads_keep_their_promises() {
+        for seed in 0..20 {
+            let transition = 0.02 * seed as f64;
+            let spec = RoadSpec { random: 8, transition, ..Default::default() };
+            let mut world = spec.generate(Seed(seed)).unwrap().to_world();
+            for (claim, verdict) in verify(&world) {
+                assert_eq!(verdict, Verdict::Holds, "seed {seed}: {claim}");
+            }
+            let turning = world.road_strips[0].pieces.iter().any(|piece| !piece.is_line());
+            for claim in &mut world.certificate {
+                if let Claim::BendRadius { radius } = claim {
+                    *radius *= 1.01;
+                    assert!(turning);
+                }
+            }
+            let broken = verify(&world).iter().any(|(_, verdict)| *verdict == Verdict::Broken);
+            assert_eq!(broken, turning, "seed {seed}");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::fmt;
 use thiserror::Error;
 
 use crate::forest::ForestError;
+use crate::road::RoadError;
 
 /// A value of a spec that is not allowed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -41,4 +42,7 @@ pub enum GenerateError {
     /// A forest could not be made.
     #[error(transparent)]
     Forest(#[from] ForestError),
+    /// A road could not be made.
+    #[error(transparent)]
+    Road(#[from] RoadError),
 }

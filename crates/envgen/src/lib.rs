@@ -45,6 +45,7 @@
 //! | `cli` | no | the command `envgen` |
 
 pub mod certificate;
+pub mod curve;
 mod distance_transform;
 pub mod distribution;
 mod error;
@@ -62,6 +63,7 @@ pub mod occupancy;
 pub mod picture;
 mod provenance;
 pub mod raycast;
+pub mod road;
 mod seed;
 pub mod settings;
 mod spec;

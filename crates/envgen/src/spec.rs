@@ -195,6 +195,8 @@ kinds! {
         crate::hallway::HallwaySpec, crate::hallway::Hallway;
     Forest, "forest", " Trees scattered by a Poisson law.",
         crate::forest::ForestSpec, crate::forest::Forest;
+    Road, "road", " A road of straights and turns, whose lengths follow a Dirichlet law.",
+        crate::road::RoadSpec, crate::road::Road;
     Indoor, "indoor", " Hallways, rooms and doorways that adapt to a difficulty.",
         crate::indoor::IndoorSpec, crate::indoor::FloorPlan;
 }

@@ -27,11 +27,11 @@ fn maps_are_frozen() {
     assert_eq!(
         found,
         [
-            ["0c45f62b5c67c91c", "3a83095a4c33f308"],
-            ["43f07f8e3f4fa806", "dcd78ec6769479d2"],
-            ["da02795b7400741e", "dca00e6d0f228139"],
-            ["06d199327156f53f", "db75f7a230462b16"],
-            ["ef9ea22e29e9955a", "6133d814a62a27ea"]
+            ["0c45f62b5c67c91c", "5edca5fe4ef4cd96"],
+            ["43f07f8e3f4fa806", "d81fce8483a876fd"],
+            ["96bbf6ed373b1117", "8c631fbffa7f5dfc"],
+            ["3f6e7306ac5fb87e", "5bd3ec4c407e786c"],
+            ["4176ab100c51e977", "cd339aaba42c2ecc"]
         ]
     );
 }

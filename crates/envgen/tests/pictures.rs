@@ -242,7 +242,7 @@ fn every_kind_of_part_is_seen() {
     worlds.push(("trees".to_owned(), with(|w| w.trees.push(tree))));
     let point = |x, curvature| RoadPoint { pose: Pose::new(x, 5.0, 0.0), curvature };
     let centreline = vec![point(1.0, 0.1), point(5.0, -0.2), point(9.0, 0.0)];
-    let strip = RoadStrip { centreline, width: 3.0, lanes: 2, closed: false };
+    let strip = RoadStrip { centreline, width: 3.0, lanes: 2, closed: false, pieces: Vec::new() };
     worlds.push(("roads".to_owned(), with(|w| w.road_strips.push(strip))));
     worlds.push(("start".to_owned(), with(|w| w.start = Some(Pose::new(5.0, 5.0, 0.0)))));
     worlds.push(("goal".to_owned(), with(|w| w.goal = Some(Pose::new(5.0, 5.0, 0.0)))));
@@ -496,7 +496,7 @@ proptest! {
             .map(|(x, y, curvature)| RoadPoint { pose: Pose::new(x, y, x), curvature })
             .collect::<Vec<_>>();
         if centreline.len() > 1 {
-            world.road_strips.push(RoadStrip { centreline, width: 7.0, lanes, closed: lanes % 2 == 0 });
+            world.road_strips.push(RoadStrip { centreline, width: 7.0, lanes, closed: lanes % 2 == 0, pieces: Vec::new() });
         }
         if scale != 0 {
             // Another scale: the same world in a much larger area.

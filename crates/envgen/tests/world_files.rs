@@ -54,7 +54,8 @@ fn ron_has_one_line_a_part() {
 #[test]
 fn formats_write_what_readers_read() {
     let world = common::indoor();
-    for &(ending, reader) in import::READERS {
+    // A project of the World Generator holds a plan, not a world.
+    for &(ending, reader) in import::READERS.iter().filter(|(ending, _)| *ending != "xml") {
         let format = Format::from_path(format!("a.{ending}").as_ref()).unwrap();
         let mut file = Vec::new();
         format.write(&Job::new(&world), &mut file).unwrap();

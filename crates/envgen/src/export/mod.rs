@@ -16,6 +16,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod csv;
+mod opendrive;
+
 use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -54,6 +57,12 @@ pub enum ExportError {
     /// The world cannot stand in a world file.
     #[error(transparent)]
     File(#[from] FileError),
+    /// The world holds nothing that the format is for.
+    #[error("the world holds no {part}, which is all that a file of this format can hold")]
+    Empty {
+        /// What the format is for.
+        part: &'static str,
+    },
     /// The world cannot be drawn.
     #[cfg(feature = "picture")]
     #[error(transparent)]
@@ -137,6 +146,10 @@ formats! {
         ["json" => |job, out| Ok(job.world.write_json(out)?)];
     Ron, " The whole world as RON, one line a part, for reading back.",
         ["ron" => |job, out| Ok(job.world.write_ron(out)?)];
+    OpenDrive, " The roads as OpenDRIVE 1.7.",
+        ["xodr" => |job, out| opendrive::write(job.world, out)];
+    Csv, " The waypoints of the roads as comma-separated values.",
+        ["csv" => |job, out| csv::write(job.world, out)];
     WorldGenerator, " An indoor plan as a project of the World Generator for USARSim.",
         ["xml" => write_world_generator];
     #[cfg(feature = "picture")]

@@ -4,10 +4,17 @@ use glam::DVec2;
 use thiserror::Error;
 
 use super::{PartId, PartKind, World};
-use crate::geometry::{Pose, Rect, Shape, edges, segments_cross, signed_area};
+use crate::curve::Curve;
+use crate::geometry::{Pose, Rect, Shape, edges, segments_cross, signed_area, wrap_angle};
 
 /// Parts may reach this far over the bounds, in metres: rounding, no more.
 const TOLERANCE: f64 = 1e-6;
+
+/// Consecutive pieces of a road join this well, in metres and radians.
+const JOINT: f64 = 1e-6;
+
+/// A piece of a road turns by no more than this, in radians.
+const MOST_TURNING: f64 = 1e3;
 
 /// An invariant that a world breaks.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -25,6 +32,9 @@ pub enum Violation {
     /// A polygon is not simple, has under three corners or runs clockwise.
     #[error("{0} is not a simple counter-clockwise polygon")]
     Polygon(PartId),
+    /// The pieces of a road do not join, or turn more often than can be computed exactly.
+    #[error("the pieces of {0} do not join, or one turns by more than {MOST_TURNING} rad")]
+    Pieces(PartId),
     /// A part reaches over the bounds.
     #[error("{0} reaches over the bounds")]
     OutOfBounds(PartId),
@@ -97,6 +107,7 @@ impl World {
             if strip.width <= 0.0 || strip.centreline.len() < 2 || strip.lanes == 0 {
                 return Err(Violation::Size(id));
             }
+            check_pieces(id, &strip.pieces)?;
             let around = Rect::around(strip.centreline.iter().map(|point| point.pose.position));
             self.check_inside(id, around.unwrap_or(b))?;
         }
@@ -195,6 +206,27 @@ fn numbered<T>(
     parts: impl IntoIterator<Item = T>,
 ) -> impl Iterator<Item = (PartId, T)> {
     parts.into_iter().enumerate().map(move |(i, part)| (PartId { kind, index: i as u32 }, part))
+}
+
+fn check_pieces(id: PartId, pieces: &[Curve]) -> Result<(), Violation> {
+    for piece in pieces {
+        let numbers = [piece.length, piece.start_curvature, piece.end_curvature];
+        if !(finite_pose(piece.start) && numbers.iter().all(|x| x.is_finite())) {
+            return Err(Violation::NotFinite(id));
+        }
+        if piece.length <= 0.0 {
+            return Err(Violation::Size(id));
+        }
+        if piece.length * piece.tightest() > MOST_TURNING {
+            return Err(Violation::Pieces(id));
+        }
+    }
+    let joined = pieces.windows(2).all(|pair| {
+        let (end, start) = (pair[0].end(), pair[1].start);
+        end.position.distance(start.position) <= JOINT
+            && wrap_angle(end.heading - start.heading).abs() <= JOINT
+    });
+    if joined { Ok(()) } else { Err(Violation::Pieces(id)) }
 }
 
 fn finite_pose(pose: Pose) -> bool {

@@ -4,6 +4,7 @@ mod check;
 mod digest;
 mod part;
 mod raster;
+mod road;
 
 use std::borrow::Cow;
 use std::fmt;
@@ -18,6 +19,7 @@ pub use part::{
     WallKind,
 };
 pub use raster::ClassRaster;
+pub use road::RoadMesh;
 
 use crate::certificate::Claim;
 use crate::geometry::{Pose, Rect, Shape};

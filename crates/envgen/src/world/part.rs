@@ -3,6 +3,7 @@
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+use crate::curve::Curve;
 use crate::geometry::{Pose, Shape};
 
 /// A wall.
@@ -46,8 +47,12 @@ pub struct Tree {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoadStrip {
-    /// The centreline, in travel order.
+    /// Points of the centreline, in travel order, the end included.
     pub centreline: Vec<RoadPoint>,
+    /// The exact centreline, piece by piece; empty where only points of it are known, which
+    /// straight lines then join.
+    #[serde(default)]
+    pub pieces: Vec<Curve>,
     /// Full width in metres.
     pub width: f64,
     /// Number of lanes side by side.

@@ -140,7 +140,13 @@ pub(crate) fn road() -> World {
     world.bounds = around;
     world.start = points.first().map(|point| point.pose);
     world.goal = points.last().map(|point| point.pose);
-    world.road_strips.push(RoadStrip { centreline: points, width: 7.0, lanes: 2, closed: false });
+    world.road_strips.push(RoadStrip {
+        centreline: points,
+        width: 7.0,
+        lanes: 2,
+        closed: false,
+        pieces: Vec::new(),
+    });
     let center = v(around.max.x - 28.0, around.min.y + 24.0);
     let ring = (0..60).map(|i| f64::from(i) * TAU / 60.0).map(|angle| RoadPoint {
         pose: Pose { position: center + unit_vector(angle) * 14.0, heading: angle + FRAC_PI_2 },
@@ -151,6 +157,7 @@ pub(crate) fn road() -> World {
         width: 3.5,
         lanes: 1,
         closed: true,
+        pieces: Vec::new(),
     });
     for i in 0..8 {
         let angle = f64::from(i) * PI / 4.0;

@@ -1,0 +1,62 @@
+//! Polylines beside a path.
+
+use glam::DVec2;
+
+use super::{Curve, Path};
+use crate::geometry::unit_vector;
+
+/// No piece is cut into more chords than this.
+const MOST_CHORDS: f64 = 100_000.0;
+
+impl Path<'_> {
+    /// The distances along the path between which chords of the lines up to `offset` metres beside
+    /// it stray by at most `tolerance` metres: start, cuts and end. Straight pieces that go on
+    /// straight are one chord.
+    pub fn stations(&self, offset: f64, tolerance: f64) -> Vec<f64> {
+        self.stations_between(0.0, self.length(), offset, tolerance)
+    }
+
+    /// As [`Path::stations`], from `from` to `to` metres.
+    pub fn stations_between(&self, from: f64, to: f64, offset: f64, tolerance: f64) -> Vec<f64> {
+        let mut stations = vec![from];
+        let first = self.piece_at(from).map_or(0, |(i, _)| i);
+        let mut straight = false;
+        for (i, curve) in self.curves().iter().enumerate().skip(first) {
+            let start = self.start_of(i).max(from);
+            if start >= to {
+                break;
+            }
+            let end = self.start_of(i + 1).min(to);
+            if i > first && start > from && !(straight && curve.is_line()) {
+                stations.push(start);
+            }
+            straight = curve.is_line();
+            let chords = chords(curve, end - start, offset.abs(), tolerance);
+            let length = (end - start) / chords;
+            stations.extend((1..chords as u64).map(|k| start + k as f64 * length));
+        }
+        stations.push(to);
+        stations
+    }
+
+    /// The points at `offset` metres to the left of the path at given distances along it, which
+    /// must not fall.
+    pub fn beside(&self, offset: f64, stations: &[f64]) -> Vec<DVec2> {
+        let mut walk = self.walk();
+        stations
+            .iter()
+            .map(|&s| {
+                let (pose, _) = walk.to(s);
+                pose.position + unit_vector(pose.heading).perp() * offset
+            })
+            .collect()
+    }
+}
+
+/// Into how many chords a stretch of a piece is cut. A chord over `l` metres of the centre strays
+/// from a line at `offset` by k l^2 (1 + k offset) / 8 on the outer side, less on the inner.
+fn chords(curve: &Curve, length: f64, offset: f64, tolerance: f64) -> f64 {
+    let k = curve.tightest();
+    let longest = (8.0 * tolerance / (k * (1.0 + k * offset))).sqrt();
+    (length / longest).ceil().clamp(1.0, MOST_CHORDS)
+}

@@ -1,0 +1,41 @@
+//! The waypoints of the roads as comma-separated values.
+//!
+//! One line a waypoint under the header `road,s,x,y,heading,curvature`: the road's number from 0,
+//! distance along it in metres, position in metres, heading in radians and curvature in 1/m.
+//! Numbers have as many digits as it takes to read the same ones back.
+
+use std::io::{self, Write};
+
+use super::ExportError;
+use crate::world::World;
+
+/// Writes the waypoints of a world's roads.
+pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportError> {
+    if world.road_strips.is_empty() {
+        return Err(ExportError::Empty { part: "road" });
+    }
+    let mut table = csv::Writer::from_writer(out);
+    table.write_record(["road", "s", "x", "y", "heading", "curvature"]).map_err(io_error)?;
+    for (number, strip) in world.road_strips.iter().enumerate() {
+        let path = strip.path();
+        let mut s = 0.0;
+        for (i, point) in strip.centreline.iter().enumerate() {
+            let at = point.pose.position;
+            if let Some(before) = i.checked_sub(1) {
+                let chord = at.distance(strip.centreline[before].pose.position);
+                s = path.foot_from(s + chord, at);
+            }
+            let row = (number, s, at.x, at.y, point.pose.heading, point.curvature);
+            table.serialize(row).map_err(io_error)?;
+        }
+    }
+    table.flush()?;
+    Ok(())
+}
+
+fn io_error(error: csv::Error) -> io::Error {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        kind => io::Error::other(format!("{kind:?}")),
+    }
+}

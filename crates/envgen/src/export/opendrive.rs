@@ -1,0 +1,198 @@
+//! Roads as ASAM OpenDRIVE 1.7.
+//!
+//! Each road strip is a `road` whose reference line is the strip's centreline: lines, arcs and
+//! spirals, exactly as the world holds them. Numbers are written with as many digits as it takes to
+//! read the same ones back, at most 17. Lanes lie beside the reference line, the even half of them
+//! to each side; of an odd number one more lies to the right, and a lane offset puts the border
+//! between them where it belongs. A closed strip is linked to itself.
+
+use std::io::Write;
+
+use quick_xml::Writer;
+use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
+
+use super::ExportError;
+use crate::curve::{Curve, Path};
+use crate::world::{RoadStrip, World};
+
+/// Writes the roads of a world.
+pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportError> {
+    if world.road_strips.is_empty() {
+        return Err(ExportError::Empty { part: "road" });
+    }
+    let mut xml = Xml(Writer::new_with_indent(out, b' ', 2));
+    xml.0.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+    let bounds = world.bounds;
+    xml.nest("OpenDRIVE", &[], |xml| {
+        xml.leaf(
+            "header",
+            &[
+                ("revMajor", "1".into()),
+                ("revMinor", "7".into()),
+                ("name", world.provenance.kind.clone()),
+                ("version", "1".into()),
+                ("north", number(bounds.max.y)),
+                ("south", number(bounds.min.y)),
+                ("east", number(bounds.max.x)),
+                ("west", number(bounds.min.x)),
+                ("vendor", concat!("envgen ", env!("CARGO_PKG_VERSION")).into()),
+            ],
+        )?;
+        world.road_strips.iter().enumerate().try_for_each(|(id, strip)| road(xml, id, strip))
+    })?;
+    xml.0.get_mut().write_all(b"\n")?;
+    Ok(())
+}
+
+fn road(xml: &mut Xml<'_>, id: usize, strip: &RoadStrip) -> Result<(), ExportError> {
+    let path = strip.path().merged();
+    let attributes = [
+        ("name", format!("road {id}")),
+        ("length", number(path.length())),
+        ("id", id.to_string()),
+        ("junction", "-1".into()),
+        ("rule", "RHT".into()),
+    ];
+    xml.nest("road", &attributes, |xml| {
+        if strip.closed {
+            xml.nest("link", &[], |xml| {
+                for (name, contact) in [("predecessor", "end"), ("successor", "start")] {
+                    let to = [
+                        ("elementType", "road".into()),
+                        ("elementId", id.to_string()),
+                        ("contactPoint", contact.into()),
+                    ];
+                    xml.leaf(name, &to)?;
+                }
+                Ok(())
+            })?;
+        }
+        xml.nest("planView", &[], |xml| {
+            path.curves()
+                .iter()
+                .enumerate()
+                .try_for_each(|(i, curve)| geometry(xml, &path, i, curve))
+        })?;
+        lanes(xml, strip)
+    })
+}
+
+fn geometry(
+    xml: &mut Xml<'_>,
+    path: &Path<'_>,
+    i: usize,
+    curve: &Curve,
+) -> Result<(), ExportError> {
+    let attributes = [
+        ("s", number(path.start_of(i))),
+        ("x", number(curve.start.position.x)),
+        ("y", number(curve.start.position.y)),
+        ("hdg", number(curve.start.heading)),
+        ("length", number(curve.length)),
+    ];
+    xml.nest("geometry", &attributes, |xml| {
+        if curve.is_line() {
+            xml.leaf("line", &[])
+        } else if curve.is_arc() {
+            xml.leaf("arc", &[("curvature", number(curve.start_curvature))])
+        } else {
+            let ends = [
+                ("curvStart", number(curve.start_curvature)),
+                ("curvEnd", number(curve.end_curvature)),
+            ];
+            xml.leaf("spiral", &ends)
+        }
+    })
+}
+
+fn lanes(xml: &mut Xml<'_>, strip: &RoadStrip) -> Result<(), ExportError> {
+    let left = i64::from(strip.lanes / 2);
+    let right = i64::from(strip.lanes) - left;
+    let width = strip.lane_width();
+    xml.nest("lanes", &[], |xml| {
+        if left != right {
+            xml.leaf("laneOffset", &cubic("s", 0.5 * width))?;
+        }
+        xml.nest("laneSection", &[("s", number(0.0))], |xml| {
+            if left > 0 {
+                xml.nest("left", &[], |xml| {
+                    (1..=left).rev().try_for_each(|id| lane(xml, strip, id, id == left))
+                })?;
+            }
+            xml.nest("center", &[], |xml| {
+                let attributes = lane_attributes(0, "none");
+                xml.nest("lane", &attributes, |xml| road_mark(xml, left == 0))
+            })?;
+            xml.nest("right", &[], |xml| {
+                (1..=right).try_for_each(|id| lane(xml, strip, -id, id == right))
+            })
+        })
+    })
+}
+
+fn lane(xml: &mut Xml<'_>, strip: &RoadStrip, id: i64, outer: bool) -> Result<(), ExportError> {
+    xml.nest("lane", &lane_attributes(id, "driving"), |xml| {
+        if strip.closed {
+            xml.nest("link", &[], |xml| {
+                xml.leaf("predecessor", &[("id", id.to_string())])?;
+                xml.leaf("successor", &[("id", id.to_string())])
+            })?;
+        }
+        xml.leaf("width", &cubic("sOffset", strip.lane_width()))?;
+        road_mark(xml, outer)
+    })
+}
+
+/// The line at a lane's outer side: solid at the road's edge, else broken.
+fn road_mark(xml: &mut Xml<'_>, edge: bool) -> Result<(), ExportError> {
+    let attributes = [
+        ("sOffset", number(0.0)),
+        ("type", if edge { "solid" } else { "broken" }.into()),
+        ("weight", "standard".into()),
+        ("color", "standard".into()),
+        ("width", number(0.12)),
+    ];
+    xml.leaf("roadMark", &attributes)
+}
+
+fn lane_attributes(id: i64, kind: &str) -> [Attribute; 3] {
+    [("id", id.to_string()), ("type", kind.into()), ("level", "false".into())]
+}
+
+/// A cubic polynomial that is constant.
+fn cubic(from: &'static str, value: f64) -> [Attribute; 5] {
+    let zero = || number(0.0);
+    [(from, zero()), ("a", number(value)), ("b", zero()), ("c", zero()), ("d", zero())]
+}
+
+type Attribute = (&'static str, String);
+
+/// As many digits as it takes to read the same number back.
+fn number(value: f64) -> String {
+    let plain = value.to_string();
+    if plain.len() <= 24 { plain } else { format!("{value:e}") }
+}
+
+struct Xml<'a>(Writer<&'a mut dyn Write>);
+
+impl Xml<'_> {
+    fn leaf(&mut self, name: &str, attributes: &[Attribute]) -> Result<(), ExportError> {
+        Ok(self.0.write_event(Event::Empty(element(name, attributes)))?)
+    }
+
+    fn nest(
+        &mut self,
+        name: &str,
+        attributes: &[Attribute],
+        inner: impl FnOnce(&mut Self) -> Result<(), ExportError>,
+    ) -> Result<(), ExportError> {
+        self.0.write_event(Event::Start(element(name, attributes)))?;
+        inner(self)?;
+        Ok(self.0.write_event(Event::End(BytesEnd::new(name)))?)
+    }
+}
+
+fn element<'a>(name: &'a str, attributes: &'a [Attribute]) -> BytesStart<'a> {
+    BytesStart::new(name)
+        .with_attributes(attributes.iter().map(|(name, value)| (*name, value.as_str())))
+}

@@ -1,0 +1,124 @@
+//! From a road to a world.
+
+use super::blueprint::Road;
+use crate::certificate::Claim;
+use crate::curve::Path;
+use crate::curve::overlap::{clear_stretches, strip_overlap};
+use crate::generate::Spec;
+use crate::geometry::{Pose, Rect, Shape};
+use crate::world::{RoadPoint, RoadStrip, Wall, WallKind, World};
+
+/// How far the faces of the kerbs stray from the road's edge at most, in metres: on the outer side
+/// of a bend into the road, on the inner side away from it.
+pub const KERB_TOLERANCE: f64 = 0.01;
+
+pub(super) fn world(road: &Road) -> World {
+    let spec = road.spec();
+    let half = 0.5 * spec.width;
+    let path = road.path();
+    let mut centreline = road.waypoints().to_vec();
+    if !spec.closed {
+        let curvature = path.curves().last().map_or(0.0, |curve| curve.end_curvature);
+        centreline.push(RoadPoint { pose: road.end(), curvature });
+    }
+    let strip = RoadStrip {
+        centreline,
+        pieces: path.curves().to_vec(),
+        width: spec.width,
+        lanes: spec.lanes as u32,
+        closed: spec.closed,
+    };
+    let walls = kerbs(road);
+
+    let stations = path.stations(half, KERB_TOLERANCE);
+    let edges = [half, -half].map(|offset| path.beside(offset, &stations));
+    let around = Rect::around(edges.into_iter().flatten())
+        .into_iter()
+        .map(|rect| rect.grown(KERB_TOLERANCE))
+        .chain(walls.iter().map(|wall| wall.shape.bounds()))
+        .reduce(Rect::union);
+    let bounds = around.unwrap_or(Rect::new(glam::DVec2::ZERO, glam::DVec2::ONE));
+    let mut world = World::new(spec.provenance(road.seed()), bounds);
+    world.start = Some(spec.start());
+    world.goal = Some(goal(road));
+    world.walls = walls;
+    world.road_strips = vec![strip];
+    world.certificate = promises(road, bounds);
+    world
+}
+
+/// What the road promises. That one can drive along it is promised where a raster fine enough to
+/// see that fits into the checker's memory.
+fn promises(road: &Road, bounds: Rect) -> Vec<Claim> {
+    let mut claims = Vec::new();
+    let radius = 0.4 * road.spec().width;
+    let cells = bounds.size() / (CELLS * radius);
+    if cells.x * cells.y <= MOST_CELLS {
+        claims.push(Claim::Connected { radius });
+    }
+    let radii = road.segments().iter().filter_map(|segment| segment.radius);
+    claims.extend(radii.reduce(f64::min).map(|radius| Claim::BendRadius { radius }));
+    claims
+}
+
+/// Side of a cell that shows a disc's way along the road, as a share of the disc's radius: half of
+/// the room that is left beside the disc, 0.25 of its radius, over the square root of 2.
+const CELLS: f64 = 0.08;
+
+/// Cells of the finest raster that a certificate is checked on.
+const MOST_CELLS: f64 = 4e6;
+
+/// Where a robot is to go: the end, or on a circuit the last waypoint of the lap.
+fn goal(road: &Road) -> Pose {
+    if road.spec().closed {
+        road.waypoints().last().map_or(road.end(), |point| point.pose)
+    } else {
+        road.end()
+    }
+}
+
+/// The kerbs: along both edges, but not where they would stand on another part of the road.
+fn kerbs(road: &Road) -> Vec<Wall> {
+    let spec = road.spec();
+    let (half, kerb) = (0.5 * spec.width, spec.kerb);
+    if kerb == 0.0 {
+        return Vec::new();
+    }
+    let path = road.path();
+    let free = strip_overlap(path, half + kerb, spec.closed).is_none();
+    let mut walls = Vec::new();
+    for side in [1.0, -1.0] {
+        let stretches = if free {
+            vec![(0.0, path.length())]
+        } else {
+            let offsets = [side * half, side * (half + kerb)];
+            clear_stretches(path, road.index(), offsets, half, spec.closed)
+        };
+        for stretch in stretches {
+            let shapes = kerb_along(path, side, half, kerb, stretch);
+            walls.extend(shapes.map(|shape| Wall { kind: WallKind::Kerb, shape }));
+        }
+    }
+    walls
+}
+
+/// A kerb along one edge (1 for the left, -1 for the right) between two distances along the road,
+/// in pieces as long as the tolerance allows, which join without a gap.
+fn kerb_along(
+    path: &Path<'_>,
+    side: f64,
+    half: f64,
+    kerb: f64,
+    (from, to): (f64, f64),
+) -> impl Iterator<Item = Shape> {
+    let stations = path.stations_between(from, to, half + kerb, KERB_TOLERANCE);
+    let face = path.beside(side * half, &stations);
+    let back = path.beside(side * (half + kerb), &stations);
+    (1..stations.len()).filter(move |&i| stations[i] - stations[i - 1] > SHORTEST).map(move |i| {
+        let (a, b) = if side > 0.0 { (i - 1, i) } else { (i, i - 1) };
+        Shape::Polygon { vertices: vec![face[a], face[b], back[b], back[a]] }
+    })
+}
+
+/// A kerb shorter than this, in metres, is rounding.
+const SHORTEST: f64 = 1e-6;

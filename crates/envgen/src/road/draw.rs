@@ -1,0 +1,464 @@
+//! From a spec and a seed to a road.
+
+use std::f64::consts::TAU;
+use std::sync::OnceLock;
+
+use glam::DVec2;
+
+use super::apportion::{dirichlet, largest_remainder, lengths, quantum, settle};
+use super::blueprint::{Road, RoadSegment, SegmentKind};
+use super::error::RoadError;
+use super::fit::{nearest_angles, nearest_lengths};
+use super::spec::{Crossing, LENGTH, Lengths, MAX_WAYPOINTS, Prefab, RoadSpec};
+use super::turn::TurnLimits;
+use crate::curve::overlap::strip_overlap;
+use crate::curve::{Curve, Path};
+use crate::error::GenerateError;
+use crate::geometry::{Pose, unit_vector};
+use crate::seed::Seed;
+use crate::settings::Allowed;
+use crate::world::RoadPoint;
+
+/// Draws of the angles of a closed road, where it is not drawn anew as a whole.
+const CLOSING_TRIES: u64 = 64;
+
+/// An end as near as this to where it must be, in metres, is there: half of what is promised.
+const ON_POINT: f64 = 5e-10;
+
+/// How far in metres the border of the strip may stray from the points that the area is checked at.
+const AREA_TOLERANCE: f64 = 1e-3;
+
+pub(super) fn road(spec: &RoadSpec, seed: Seed) -> Result<Road, GenerateError> {
+    if spec.crossing != Crossing::Resample {
+        return Ok(Attempt { spec, seed, number: 0 }.road()?);
+    }
+    let mut last = None;
+    for number in 0..spec.attempts {
+        match (Attempt { spec, seed, number }).road() {
+            Err(error) if error.is_chance() => last = Some(error),
+            other => return Ok(other?),
+        }
+    }
+    let last = Box::new(last.unwrap_or(RoadError::OutOfArea { side: spec.area }));
+    Err(RoadError::Attempts { attempts: spec.attempts, last }.into())
+}
+
+impl RoadError {
+    /// Whether another draw may do better.
+    fn is_chance(&self) -> bool {
+        !matches!(self, RoadError::TurnTooShort { .. })
+    }
+}
+
+/// A segment before it has its place.
+#[derive(Clone, Copy)]
+struct Part {
+    kind: SegmentKind,
+    length: f64,
+    /// Length of each of its two clothoids.
+    ramp: f64,
+    /// Infinite for a straight.
+    radius: f64,
+}
+
+impl Part {
+    fn straight(length: f64) -> Part {
+        Part { kind: SegmentKind::Straight, length, ramp: 0.0, radius: f64::INFINITY }
+    }
+
+    /// Signed curvature where it is tightest, in 1/m.
+    fn curvature(&self) -> f64 {
+        match self.kind {
+            SegmentKind::Straight => 0.0,
+            SegmentKind::Left => 1.0 / self.radius,
+            SegmentKind::Right => -1.0 / self.radius,
+        }
+    }
+
+    /// Angle by which it turns, positive to the left.
+    fn angle(&self) -> f64 {
+        (self.length - self.ramp) * self.curvature()
+    }
+
+    /// The pieces of curve that it is made of, from a pose on.
+    fn pieces(&self, start: Pose) -> impl Iterator<Item = Curve> {
+        let k = self.curvature();
+        let steps =
+            [(self.ramp, 0.0, k), (self.length - 2.0 * self.ramp, k, k), (self.ramp, k, 0.0)];
+        let mut pose = start;
+        steps.into_iter().filter(|step| step.0 > 0.0).map(
+            move |(length, start_curvature, end_curvature)| {
+                let curve = Curve { start: pose, length, start_curvature, end_curvature };
+                pose = curve.end();
+                curve
+            },
+        )
+    }
+
+    /// Where it leads, for the heading that it starts with.
+    fn displacement(&self, heading: f64) -> DVec2 {
+        let start = Pose { position: DVec2::ZERO, heading };
+        self.pieces(start).last().map_or(DVec2::ZERO, |curve| curve.end().position)
+    }
+}
+
+/// One attempt at a road.
+struct Attempt<'a> {
+    spec: &'a RoadSpec,
+    seed: Seed,
+    number: u64,
+}
+
+impl Attempt<'_> {
+    fn road(&self) -> Result<Road, RoadError> {
+        let spec = self.spec;
+        let mut parts = self.parts()?;
+        if let Some(aim) = spec.aim() {
+            self.aim(&mut parts, aim)?;
+        } else if spec.closed {
+            self.close(&mut parts)?;
+        }
+        let path = self.path(&parts);
+        let half = 0.5 * spec.width;
+        self.check_area(&path)?;
+        if spec.crossing != Crossing::Allow
+            && let Some((first, second)) = strip_overlap(&path, half, spec.closed)
+        {
+            return Err(RoadError::Crossing { first, second });
+        }
+        Ok(self.build(&parts, path))
+    }
+
+    /// The segments as drawn: kinds, lengths and radii.
+    fn parts(&self) -> Result<Vec<Part>, RoadError> {
+        let spec = self.spec;
+        let kinds = self.kinds();
+        let minima: Vec<f64> = match spec.lengths {
+            Lengths::Reserve => {
+                let (straight, turn) = (spec.reserve(false), spec.reserve(true));
+                kinds.iter().map(|kind| if kind.is_turn() { turn } else { straight }).collect()
+            }
+            Lengths::AsPublished => vec![0.0; kinds.len()],
+        };
+        let mut stream = self.seed.attempt("road/lengths", 0, self.number);
+        let proportions = dirichlet(&spec.alpha, kinds.len(), &mut stream);
+        let lengths = lengths(spec.length, &minima, &proportions);
+        let limits = spec.turn_limits();
+        kinds
+            .into_iter()
+            .zip(lengths)
+            .enumerate()
+            .map(|(i, (kind, length))| {
+                if !kind.is_turn() {
+                    return Ok(Part::straight(length));
+                }
+                let mut stream = self.seed.attempt("road/turn", i as u64, self.number);
+                let radius = limits.draw(length, spec.turns, &mut stream).ok_or_else(|| {
+                    let (least, greatest) = limits.radii(length);
+                    RoadError::TurnTooShort { segment: i + 1, length, least, greatest }
+                })?;
+                Ok(Part { kind, length, ramp: ramp(length, spec), radius })
+            })
+            .collect()
+    }
+
+    fn kinds(&self) -> Vec<SegmentKind> {
+        let spec = self.spec;
+        (0..spec.count())
+            .map(|i| {
+                let i = i as u64;
+                let turns = || self.seed.attempt("road/random", i, self.number).chance(spec.p_turn);
+                let prefab = match spec.random {
+                    0 => spec.prefabs[i as usize],
+                    _ if turns() => Prefab::Turn,
+                    _ => Prefab::Straight,
+                };
+                match prefab {
+                    Prefab::Straight => SegmentKind::Straight,
+                    Prefab::Left => SegmentKind::Left,
+                    Prefab::Right => SegmentKind::Right,
+                    Prefab::Turn => {
+                        let bit = self.seed.attempt("road/side", i, self.number).below(2);
+                        if bit == 0 { SegmentKind::Left } else { SegmentKind::Right }
+                    }
+                }
+            })
+            .collect()
+    }
+
+    /// Solves the straights' lengths so that the road ends at a point; angles and arcs stay.
+    fn aim(&self, parts: &mut [Part], aim: DVec2) -> Result<(), RoadError> {
+        let spec = self.spec;
+        let mut heading = spec.start().heading;
+        let mut target = aim - spec.start().position;
+        let mut columns = Vec::new();
+        for part in parts.iter() {
+            if part.kind.is_turn() {
+                target -= part.displacement(heading);
+                heading += part.angle();
+            } else {
+                columns.push(unit_vector(heading).to_array());
+            }
+        }
+        let wanted: Vec<f64> =
+            parts.iter().filter(|p| !p.kind.is_turn()).map(|p| p.length).collect();
+        let least = vec![spec.shortest; wanted.len()];
+        let unreachable = RoadError::Unreachable { x: aim.x, y: aim.y, shortest: spec.shortest };
+        for _ in 0..4 {
+            let Some(lengths) = nearest_lengths(&wanted, &least, &columns, target.to_array())
+            else {
+                break;
+            };
+            let straights = parts.iter_mut().filter(|part| !part.kind.is_turn());
+            straights.zip(lengths).for_each(|(part, length)| part.length = length);
+            self.check_length(parts)?;
+            let missing = aim - end_of(&self.path(parts), spec.start()).position;
+            if missing.length() <= ON_POINT {
+                return Ok(());
+            }
+            target += missing;
+        }
+        Err(unreachable)
+    }
+
+    fn check_length(&self, parts: &[Part]) -> Result<(), RoadError> {
+        let length: f64 = parts.iter().map(|part| part.length).sum();
+        let most = match LENGTH.allowed {
+            Allowed::Number { max, .. } => max,
+            _ => f64::INFINITY,
+        };
+        if length > most || length / self.spec.step > MAX_WAYPOINTS as f64 {
+            return Err(RoadError::TooLong { length, most, waypoints: MAX_WAYPOINTS });
+        }
+        Ok(())
+    }
+
+    /// Solves angles and lengths so that the road returns to its start with the heading it had.
+    fn close(&self, parts: &mut [Part]) -> Result<(), RoadError> {
+        let spec = self.spec;
+        let limits = spec.turn_limits();
+        let range = (limits.theta_min, limits.theta_max);
+        let turns: Vec<usize> = (0..parts.len()).filter(|&i| parts[i].kind.is_turn()).collect();
+        let signs: Vec<f64> = turns.iter().map(|&i| parts[i].kind.sign()).collect();
+        let tries = if spec.crossing == Crossing::Resample { 1 } else { CLOSING_TRIES };
+        for number in 0..tries {
+            let angles: Vec<f64> = if number == 0 {
+                turns.iter().map(|&i| parts[i].angle().abs()).collect()
+            } else {
+                let mut stream = self.seed.attempt("road/closing", number, self.number);
+                turns.iter().map(|_| stream.between(range.0, range.1)).collect()
+            };
+            for turning in self.whole_turns(&signs, &angles, range)? {
+                if let Some(angles) = nearest_angles(&angles, &signs, range, turning)
+                    && let Some(closed) = self.close_lengths(parts, &angles, &limits)
+                {
+                    parts.copy_from_slice(&closed);
+                    return Ok(());
+                }
+            }
+        }
+        Err(RoadError::NotClosed { tries })
+    }
+
+    /// The multiples of a full turn that the angles can add up to, in the order in which they are
+    /// tried: once around first, as every circuit goes that does not cross itself; then the others
+    /// from the nearest to the drawn angles on.
+    fn whole_turns(
+        &self,
+        signs: &[f64],
+        angles: &[f64],
+        (least, most): (f64, f64),
+    ) -> Result<Vec<f64>, RoadError> {
+        let left = signs.iter().filter(|sign| **sign > 0.0).count() as f64;
+        let right = signs.len() as f64 - left;
+        let (low, high) = (left * least - right * most, left * most - right * least);
+        let drawn: f64 = signs.iter().zip(angles).map(|(sign, angle)| sign * angle).sum();
+        let (first, last) =
+            ((low / TAU - 1e-12).ceil() as i64, (high / TAU + 1e-12).floor() as i64);
+        let mut turns: Vec<i64> = (first..=last)
+            .filter(|turn| self.spec.crossing == Crossing::Allow || turn.abs() == 1)
+            .collect();
+        if turns.is_empty() {
+            let (least, greatest) = (low.to_degrees(), high.to_degrees());
+            return Err(RoadError::NoFullTurn { least, greatest });
+        }
+        let distance = |turn: i64| (turn as f64 * TAU - drawn).abs();
+        turns.sort_by(|&a, &b| {
+            (a.abs() != 1).cmp(&(b.abs() != 1)).then(distance(a).total_cmp(&distance(b)))
+        });
+        turns.truncate(4);
+        Ok(turns.into_iter().map(|turn| turn as f64 * TAU).collect())
+    }
+
+    /// Solves the lengths for given angles of the turns; `None` where there are none.
+    fn close_lengths(
+        &self,
+        parts: &[Part],
+        angles: &[f64],
+        limits: &TurnLimits,
+    ) -> Option<Vec<Part>> {
+        let spec = self.spec;
+        let mut angles = angles.iter();
+        let angles: Vec<f64> = parts
+            .iter()
+            .map(|part| if part.kind.is_turn() { *angles.next().unwrap_or(&0.0) } else { 0.0 })
+            .collect();
+        // A turn keeps its angle, hence its shape: where it leads grows with its length.
+        let of_length = |part: &Part, angle: f64, length: f64| match part.kind.is_turn() {
+            false => Part::straight(length),
+            true => {
+                let ramp = ramp(length, spec);
+                Part { length, ramp, radius: (length - ramp) / angle, ..*part }
+            }
+        };
+        let mut heading = spec.start().heading;
+        let mut columns = Vec::with_capacity(parts.len());
+        let mut least = Vec::with_capacity(parts.len());
+        for (part, &angle) in parts.iter().zip(&angles) {
+            let unit = of_length(part, angle, 1.0);
+            let along = unit.displacement(heading);
+            columns.push([along.x, along.y, 1.0]);
+            // Rounding must not take a radius under its limit.
+            let turn = angle * limits.least_radius / limits.effective(1.0) * (1.0 + 1e-12);
+            least.push(spec.shortest.max(turn) + quantum(spec.length));
+            heading += part.kind.sign() * angle;
+        }
+        let wanted: Vec<f64> = parts.iter().map(|part| part.length).collect();
+        let mut target = [0.0, 0.0, spec.length];
+        for _ in 0..4 {
+            let mut lengths = nearest_lengths(&wanted, &least, &columns, target)?;
+            settle(&mut lengths, spec.length);
+            let closed: Vec<Part> = parts
+                .iter()
+                .zip(&angles)
+                .zip(lengths)
+                .map(|((part, &angle), length)| of_length(part, angle, length))
+                .collect();
+            let end = end_of(&self.path(&closed), spec.start());
+            let missing = spec.start().position - end.position;
+            if missing.length() <= ON_POINT {
+                return Some(closed);
+            }
+            target[0] += missing.x;
+            target[1] += missing.y;
+        }
+        None
+    }
+
+    fn path(&self, parts: &[Part]) -> Path<'static> {
+        let mut pose = self.spec.start();
+        let mut curves = Vec::with_capacity(parts.len());
+        for part in parts {
+            for curve in part.pieces(pose) {
+                pose = curve.end();
+                curves.push(curve);
+            }
+        }
+        Path::new(curves)
+    }
+
+    /// The distances along the road at which the segments start, and its length.
+    fn starts(&self, parts: &[Part], path: &Path<'_>) -> Vec<f64> {
+        let mut piece = 0;
+        let mut starts = vec![0.0];
+        for part in parts {
+            piece += part.pieces(Pose::default()).count();
+            starts.push(path.start_of(piece));
+        }
+        starts
+    }
+
+    fn check_area(&self, path: &Path<'_>) -> Result<(), RoadError> {
+        let (side, half) = (self.spec.area, 0.5 * self.spec.width);
+        if side == 0.0 {
+            return Ok(());
+        }
+        let stations = path.stations(half, AREA_TOLERANCE);
+        let inside = |p: DVec2| {
+            p.min_element() >= AREA_TOLERANCE && p.max_element() <= side - AREA_TOLERANCE
+        };
+        let all_inside = [half, -half]
+            .into_iter()
+            .all(|offset| path.beside(offset, &stations).into_iter().all(inside));
+        if all_inside { Ok(()) } else { Err(RoadError::OutOfArea { side }) }
+    }
+
+    fn build(&self, parts: &[Part], path: Path<'static>) -> Road {
+        let spec = self.spec;
+        let length = if spec.aim().is_some() { path.length() } else { spec.length };
+        let count = (length / spec.step).round().max(1.0) as u64;
+        let step = length / count as f64;
+        let starts = self.starts(parts, &path);
+        let (stations, counts) = match spec.lengths {
+            Lengths::Reserve => evenly(&starts, count, step),
+            Lengths::AsPublished => by_segment(&starts, count),
+        };
+        let mut walk = path.walk();
+        let waypoints = stations
+            .into_iter()
+            .map(|s| {
+                let (pose, curvature) = walk.to(s);
+                RoadPoint { pose, curvature }
+            })
+            .collect();
+        let segments = parts
+            .iter()
+            .zip(&starts)
+            .zip(counts)
+            .map(|((part, &start), waypoints)| RoadSegment {
+                kind: part.kind,
+                waypoints,
+                radius: part.kind.is_turn().then_some(part.radius),
+                curvature: part.curvature(),
+                start,
+                length: part.length,
+                angle: part.angle(),
+            })
+            .collect();
+        let index = OnceLock::new();
+        let (spec, seed, attempts) = (Box::new(spec.clone()), self.seed, self.number + 1);
+        Road { spec, seed, attempts, length, step, segments, waypoints, path, index }
+    }
+}
+
+/// Waypoints every `step` metres, and how many lie on each segment; one where two segments meet
+/// lies on the later.
+fn evenly(starts: &[f64], count: u64, step: f64) -> (Vec<f64>, Vec<u64>) {
+    let stations: Vec<f64> = (0..count).map(|j| j as f64 * step).collect();
+    let before: Vec<u64> = starts[..starts.len() - 1]
+        .iter()
+        .map(|&start| stations.partition_point(|&s| s < start) as u64)
+        .chain([count])
+        .collect();
+    (stations, before.windows(2).map(|pair| pair[1] - pair[0]).collect())
+}
+
+/// The published way: each segment gets its share of the waypoints, which lie evenly on it from its
+/// start on.
+fn by_segment(starts: &[f64], count: u64) -> (Vec<f64>, Vec<u64>) {
+    let lengths: Vec<f64> = starts.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let counts = largest_remainder(&lengths, count);
+    let mut stations: Vec<f64> = starts
+        .iter()
+        .zip(lengths)
+        .zip(&counts)
+        .flat_map(|((&start, length), &share)| {
+            (0..share).map(move |k| start + length * (k as f64 / share as f64))
+        })
+        .collect();
+    // The start is a waypoint even where the first segment is too short for one.
+    if let Some(first) = stations.first_mut() {
+        *first = 0.0;
+    }
+    (stations, counts)
+}
+
+/// Length of each of the two clothoids of a turn, rounded such that sums of lengths stay exact.
+fn ramp(length: f64, spec: &RoadSpec) -> f64 {
+    let quantum = quantum(spec.length);
+    (spec.transition * length / quantum).floor() * quantum
+}
+
+fn end_of(path: &Path<'_>, start: Pose) -> Pose {
+    path.curves().last().map_or(start, Curve::end)
+}

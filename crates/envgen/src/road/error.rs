@@ -1,0 +1,91 @@
+//! Why a road could not be made.
+
+use thiserror::Error;
+
+/// Why a road could not be made from a spec that is valid.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RoadError {
+    /// The drawn length of a turn is too short for every radius that is allowed.
+    #[error(
+        "segment {segment}, a turn, got {length:.3} m, which allows radii up to {greatest:.3} m, \
+         but at least {least:.3} m are needed; `lengths` = reserve always leaves enough"
+    )]
+    TurnTooShort {
+        /// Which segment, counted from 1.
+        segment: usize,
+        /// Its length in metres.
+        length: f64,
+        /// The least radius in metres that speed, friction and width allow.
+        least: f64,
+        /// The greatest radius in metres that the least angle allows.
+        greatest: f64,
+    },
+    /// The road covers itself.
+    #[error(
+        "the road covers itself: {first:.3} m from the start it meets its part at {second:.3} m"
+    )]
+    Crossing {
+        /// Distance along the road in metres.
+        first: f64,
+        /// The other distance along the road in metres.
+        second: f64,
+    },
+    /// The road leaves its area.
+    #[error("the road reaches over the square of {side} m that it must stay in")]
+    OutOfArea {
+        /// Side of the square in metres.
+        side: f64,
+    },
+    /// No lengths of the straights let the road end at the point asked for.
+    #[error(
+        "the road cannot end at ({x}, {y}): with the drawn turns no lengths of its straights of at \
+         least {shortest} m each lead there"
+    )]
+    Unreachable {
+        /// x of the point in metres.
+        x: f64,
+        /// y of the point in metres.
+        y: f64,
+        /// Least length of a straight in metres.
+        shortest: f64,
+    },
+    /// The straights that would lead to the point asked for are too long.
+    #[error(
+        "the road could end there only with a length of {length:.0} m, and {most} m or {waypoints} \
+         waypoints are the most"
+    )]
+    TooLong {
+        /// Length in metres that it would need.
+        length: f64,
+        /// Greatest length in metres.
+        most: f64,
+        /// Greatest number of waypoints.
+        waypoints: u64,
+    },
+    /// The turns of the road cannot add up to whole circles.
+    #[error(
+        "the road cannot close: its turns add up to {least:.1} to {greatest:.1} degrees, which \
+         holds no multiple of 360"
+    )]
+    NoFullTurn {
+        /// Least sum in degrees.
+        least: f64,
+        /// Greatest sum in degrees.
+        greatest: f64,
+    },
+    /// No lengths within their limits close the road.
+    #[error("the road cannot close: for {tries} draws of its angles no lengths of its segments do")]
+    NotClosed {
+        /// Draws of the angles that were tried.
+        tries: u64,
+    },
+    /// Every attempt failed.
+    #[error("no road in {attempts} attempts; the last: {last}")]
+    Attempts {
+        /// Attempts made.
+        attempts: u64,
+        /// What was wrong with the last one.
+        last: Box<RoadError>,
+    },
+}

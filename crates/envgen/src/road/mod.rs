@@ -1,0 +1,30 @@
+//! Procedural roads: a length is shared out at random among straights and turns.
+//!
+//! Source: Pseudo-random procedural roads (web page): the lengths of a list of prefabs follow a
+//! Dirichlet law, the radius of a turn is uniform between what speed and angle allow.
+//!
+//! - [`RoadSpec`] and [`Road`]: what is asked and what was drawn, with its exact centreline.
+//! - [`dirichlet`], [`lengths`], [`largest_remainder`]: how the length is shared out.
+//! - [`TurnLimits`]: the radii that a turn can have.
+//!
+//! Where this differs from the source: lengths are metres throughout, where the source's code takes
+//! waypoints for metres and its radii change with the step; `lengths` = `reserve` leaves every turn
+//! the length that it needs, where the source's radii have no range when a turn comes out short.
+
+mod apportion;
+mod blueprint;
+mod build;
+mod draw;
+mod error;
+mod fit;
+mod spec;
+mod turn;
+
+pub use apportion::{dirichlet, largest_remainder, lengths, quantum};
+pub use blueprint::{Road, RoadMetrics, RoadSegment, SegmentKind};
+pub use build::KERB_TOLERANCE;
+pub use error::RoadError;
+pub use spec::{
+    Concentration, Crossing, Lengths, MAX_SEGMENTS, MAX_WAYPOINTS, Prefab, RoadSpec, TurnLaw,
+};
+pub use turn::{GRAVITY, TurnLimits};

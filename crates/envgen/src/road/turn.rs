@@ -1,0 +1,91 @@
+//! The radius of a turn of a given length.
+
+use super::spec::TurnLaw;
+use crate::seed::Stream;
+
+/// Acceleration of gravity in m/s^2.
+pub const GRAVITY: f64 = 9.81;
+
+/// The limits of a road's turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TurnLimits {
+    /// Least angle in radians.
+    pub theta_min: f64,
+    /// Greatest angle in radians.
+    pub theta_max: f64,
+    /// Least radius in metres: what friction, the road's width and the spec demand.
+    pub least_radius: f64,
+    /// Share of a turn's length that each of its two clothoids takes, 0 to 0.5.
+    pub transition: f64,
+}
+
+impl TurnLimits {
+    /// The length in metres of a turn as if it kept its tightest curvature throughout: a clothoid
+    /// counts half, so this is the turn's angle times its least radius.
+    pub fn effective(&self, length: f64) -> f64 {
+        (1.0 - self.transition) * length
+    }
+
+    /// The shortest turn that the limits allow, in metres.
+    pub fn shortest(&self) -> f64 {
+        self.theta_min * self.least_radius / (1.0 - self.transition)
+    }
+
+    /// Least and greatest radius in metres of a turn of the given length; the first exceeds the
+    /// second when there is none.
+    pub fn radii(&self, length: f64) -> (f64, f64) {
+        let effective = self.effective(length);
+        (self.least_radius.max(effective / self.theta_max), effective / self.theta_min)
+    }
+
+    /// Draws the least radius, in metres, of a turn of the given length: uniform between its
+    /// limits, or such that the angle is. `None` when no radius is allowed.
+    pub fn draw(&self, length: f64, law: TurnLaw, stream: &mut Stream) -> Option<f64> {
+        let (low, high) = self.radii(length);
+        // A turn of just the reserved length has one radius, which rounding may put on either side.
+        if low > high * (1.0 + 1e-12) {
+            return None;
+        }
+        let high = high.max(low);
+        let radius = match law {
+            TurnLaw::UniformRadius => stream.between(low, high),
+            TurnLaw::UniformAngle => {
+                let effective = self.effective(length);
+                effective / stream.between(effective / high, effective / low)
+            }
+        };
+        Some(radius.clamp(low, high))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seed::Seed;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn turns_keep_their_limits(
+            seed: u64,
+            theta_min in 0.1..1.0_f64,
+            more in 0.0..2.0_f64,
+            least_radius in 1.0..200.0_f64,
+            transition in 0.0..=0.5_f64,
+            factor in 1.0..50.0_f64,
+            uniform_angle: bool,
+        ) {
+            let limits =
+                TurnLimits { theta_min, theta_max: theta_min + more, least_radius, transition };
+            let law = if uniform_angle { TurnLaw::UniformAngle } else { TurnLaw::UniformRadius };
+            let mut stream = Seed(seed).stream("test", 0);
+            let length = limits.shortest() * factor;
+            let radius = limits.draw(length, law, &mut stream).unwrap();
+            let angle = limits.effective(length) / radius;
+            prop_assert!(radius >= least_radius);
+            prop_assert!(angle >= theta_min * (1.0 - 1e-12));
+            prop_assert!(angle <= limits.theta_max * (1.0 + 1e-12));
+            prop_assert_eq!(limits.draw(limits.shortest() * 0.999, law, &mut stream), None);
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! The geometry of a road strip: what every exporter, picture and collider reads of it.
+
+use std::borrow::Cow;
+
+use glam::DVec2;
+
+use super::RoadStrip;
+use crate::curve::{Curve, Path};
+use crate::geometry::Pose;
+
+/// A road's surface as triangles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RoadMesh {
+    /// Corners in metres: left and right edge in turn, in travel order.
+    pub vertices: Vec<DVec2>,
+    /// Distance along the road of each corner in metres, for textures.
+    pub distances: Vec<f64>,
+    /// Three corners a triangle, counter-clockwise.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl RoadStrip {
+    /// The centreline as a path: the exact pieces where they are known, else lines between the
+    /// points.
+    pub fn path(&self) -> Path<'_> {
+        if !self.pieces.is_empty() {
+            return Path::new(self.pieces.as_slice());
+        }
+        let joined = self.closed.then(|| self.centreline.first()).flatten();
+        let ends = self.centreline.iter().skip(1).chain(joined);
+        let lines: Vec<Curve> = self
+            .centreline
+            .iter()
+            .zip(ends)
+            .filter_map(|(a, b)| {
+                let (a, along) = (a.pose.position, b.pose.position - a.pose.position);
+                let length = along.length();
+                let start = Pose { position: a, heading: libm::atan2(along.y, along.x) };
+                (length > 0.0).then(|| Curve::line(start, length))
+            })
+            .collect();
+        Path::new(Cow::Owned(lines))
+    }
+
+    /// Width of a lane in metres.
+    pub fn lane_width(&self) -> f64 {
+        self.width / f64::from(self.lanes.max(1))
+    }
+
+    /// The lines between and beside the lanes, from left to right: one more than there are lanes.
+    /// Chords stray from the exact lines by at most `tolerance` metres.
+    pub fn lane_lines(&self, tolerance: f64) -> Vec<Vec<DVec2>> {
+        let path = self.path();
+        let stations = path.stations(0.5 * self.width, tolerance);
+        (0..=self.lanes)
+            .map(|i| path.beside(0.5 * self.width - f64::from(i) * self.lane_width(), &stations))
+            .collect()
+    }
+
+    /// The surface as triangles, whose edges stray from the road's by at most `tolerance` metres.
+    pub fn mesh(&self, tolerance: f64) -> RoadMesh {
+        let path = self.path();
+        let distances = path.stations(0.5 * self.width, tolerance);
+        let left = path.beside(0.5 * self.width, &distances);
+        let right = path.beside(-0.5 * self.width, &distances);
+        let quads = distances.len().saturating_sub(1) as u32;
+        RoadMesh {
+            vertices: left.into_iter().zip(right).flat_map(|(l, r)| [l, r]).collect(),
+            distances: distances.into_iter().flat_map(|s| [s, s]).collect(),
+            triangles: (0..quads)
+                .flat_map(|i| {
+                    let (l, r) = (2 * i, 2 * i + 1);
+                    [[l, r, r + 2], [l, r + 2, l + 2]]
+                })
+                .collect(),
+        }
+    }
+}
