@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "indoor_l_system",
             "Difficulty 3, hallways grown by an L-system",
             IndoorSpec { difficulty: 3.0, layout: Layout::LSystem, ..Default::default() },
-            7,
+            2,
         ),
     ];
     for (name, title, spec, seed) in figures {

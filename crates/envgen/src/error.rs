@@ -5,6 +5,7 @@ use std::fmt;
 use thiserror::Error;
 
 use crate::forest::ForestError;
+use crate::landscape::LandscapeError;
 use crate::road::RoadError;
 
 /// A value of a spec that is not allowed.
@@ -42,6 +43,9 @@ pub enum GenerateError {
     /// A forest could not be made.
     #[error(transparent)]
     Forest(#[from] ForestError),
+    /// A landscape could not be made.
+    #[error(transparent)]
+    Landscape(#[from] LandscapeError),
     /// A road could not be made.
     #[error(transparent)]
     Road(#[from] RoadError),

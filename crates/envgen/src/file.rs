@@ -162,6 +162,14 @@ fn read_at_most(input: &mut dyn Read, limit: u64) -> Result<String, FileError> {
     if read as u64 > limit { Err(FileError::TooLong) } else { Ok(text) }
 }
 
+/// Reads a binary file of at most [`MAX_FILE_BYTES`].
+#[cfg(feature = "picture")]
+pub(crate) fn read_bytes(input: &mut dyn Read) -> Result<Vec<u8>, FileError> {
+    let mut bytes = Vec::new();
+    let read = input.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes)?;
+    if read as u64 > MAX_FILE_BYTES { Err(FileError::TooLong) } else { Ok(bytes) }
+}
+
 fn other_schema(found: u64, otherwise: FileError) -> FileError {
     if found == u64::from(SCHEMA_VERSION) { otherwise } else { FileError::Schema { found } }
 }

@@ -57,6 +57,7 @@ pub mod geometry;
 pub mod hallway;
 pub mod import;
 pub mod indoor;
+pub mod landscape;
 mod lattice;
 pub mod occupancy;
 #[cfg(feature = "picture")]

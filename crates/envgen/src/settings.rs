@@ -116,7 +116,12 @@ impl Setting {
 
     /// The error for a value of this setting that is not allowed.
     pub fn error(&self, value: impl fmt::Display) -> SpecError {
-        SpecError::new(self.name, value, self.allowed.to_string())
+        self.error_with(value, self.allowed.to_string())
+    }
+
+    /// The error for a value of this setting that something else than its limits forbids.
+    pub fn error_with(&self, value: impl fmt::Display, allowed: impl Into<String>) -> SpecError {
+        SpecError::new(self.name, value, allowed)
     }
 
     /// Checks a number against the limits; NaN never passes.

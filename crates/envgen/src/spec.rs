@@ -199,6 +199,8 @@ kinds! {
         crate::road::RoadSpec, crate::road::Road;
     Indoor, "indoor", " Hallways, rooms and doorways that adapt to a difficulty.",
         crate::indoor::IndoorSpec, crate::indoor::FloorPlan;
+    Landscape, "landscape", " A grid of classes with a given entropy and Total Edge.",
+        crate::landscape::LandscapeSpec, crate::landscape::Landscape;
 }
 
 impl fmt::Display for Kind {

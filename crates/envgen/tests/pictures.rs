@@ -242,7 +242,7 @@ fn every_kind_of_part_is_seen() {
     worlds.push(("trees".to_owned(), with(|w| w.trees.push(tree))));
     let point = |x, curvature| RoadPoint { pose: Pose::new(x, 5.0, 0.0), curvature };
     let centreline = vec![point(1.0, 0.1), point(5.0, -0.2), point(9.0, 0.0)];
-    let strip = RoadStrip { centreline, width: 3.0, lanes: 2, closed: false, pieces: Vec::new() };
+    let strip = RoadStrip { centreline, pieces: Vec::new(), width: 3.0, lanes: 2, closed: false };
     worlds.push(("roads".to_owned(), with(|w| w.road_strips.push(strip))));
     worlds.push(("start".to_owned(), with(|w| w.start = Some(Pose::new(5.0, 5.0, 0.0)))));
     worlds.push(("goal".to_owned(), with(|w| w.goal = Some(Pose::new(5.0, 5.0, 0.0)))));
@@ -322,8 +322,14 @@ fn large_rasters_are_sampled() {
     let mut world = common::empty(3000.0, 2000.0);
     let cells = (0..6_000_000_u32).map(|i| (i % 3000 / 1000 + 1) as u16).collect();
     let origin = DVec2::ZERO;
-    world.raster =
-        Some(envgen::world::ClassRaster { rows: 2000, cols: 3000, cell: 1.0, origin, cells });
+    world.raster = Some(envgen::world::ClassRaster {
+        rows: 2000,
+        cols: 3000,
+        cell: 1.0,
+        origin,
+        cells,
+        speeds: Vec::new(),
+    });
     let svg = picture::svg(&world, &small(300)).unwrap();
     assert!(svg.len() < 60_000, "{}", svg.len());
     let pixels = Pixels::of(&world, &small(300));
@@ -496,7 +502,7 @@ proptest! {
             .map(|(x, y, curvature)| RoadPoint { pose: Pose::new(x, y, x), curvature })
             .collect::<Vec<_>>();
         if centreline.len() > 1 {
-            world.road_strips.push(RoadStrip { centreline, width: 7.0, lanes, closed: lanes % 2 == 0, pieces: Vec::new() });
+            world.road_strips.push(RoadStrip { centreline, pieces: Vec::new(), width: 7.0, lanes, closed: lanes % 2 == 0 });
         }
         if scale != 0 {
             // Another scale: the same world in a much larger area.

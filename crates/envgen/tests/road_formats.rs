@@ -88,10 +88,8 @@ fn read(xml: &[u8]) -> Vec<ReadRoad> {
         let number = |name: &str| attributes[name].parse::<f64>().unwrap();
         let inside = open.last().map_or("", String::as_str).to_owned();
         match (inside.as_str(), name.as_str()) {
-            ("", "OpenDRIVE") | ("OpenDRIVE", "header") => {
-                if name == "header" {
-                    assert_eq!((number("revMajor"), number("revMinor")), (1.0, 7.0));
-                }
+            ("OpenDRIVE", "header") => {
+                assert_eq!((number("revMajor"), number("revMinor")), (1.0, 7.0));
             }
             ("OpenDRIVE", "road") => {
                 roads.push(ReadRoad { attributes: attributes.clone(), ..Default::default() });

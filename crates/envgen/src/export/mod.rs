@@ -16,20 +16,30 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod asc;
+#[cfg(feature = "picture")]
+pub mod class_png;
 mod csv;
+pub mod movingai;
 mod opendrive;
 
 use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+pub use asc::write_asc;
 use thiserror::Error;
 
 use crate::file::FileError;
+use crate::landscape::metrics::RasterError;
 #[cfg(feature = "picture")]
 use crate::picture::{PictureError, PictureOptions};
+use crate::seed::Seed;
 use crate::spec::WorldBlueprint;
-use crate::world::World;
+use crate::world::{ClassRaster, World};
+
+/// How many tasks stand in a MovingAI scenario file.
+const TASKS: usize = 100;
 
 /// Why a world could not be written.
 #[derive(Debug, Error)]
@@ -57,6 +67,9 @@ pub enum ExportError {
     /// The world cannot stand in a world file.
     #[error(transparent)]
     File(#[from] FileError),
+    /// The world's raster is broken.
+    #[error(transparent)]
+    Raster(#[from] RasterError),
     /// The world holds nothing that the format is for.
     #[error("the world holds no {part}, which is all that a file of this format can hold")]
     Empty {
@@ -103,6 +116,17 @@ impl<'a> Job<'a> {
             job.stem = stem.to_string_lossy().into_owned();
         }
         job
+    }
+
+    fn raster(&self) -> Result<&'a ClassRaster, ExportError> {
+        self.world.raster.as_ref().ok_or(ExportError::Empty { part: "raster of classes" })
+    }
+
+    fn write_scenarios(&self, out: &mut dyn Write) -> Result<(), ExportError> {
+        let seed = self.world.provenance.seed.unwrap_or(Seed(0));
+        let map = format!("{}.map", self.stem);
+        let tasks = movingai::scenarios(self.raster()?, &map, TASKS, seed)?;
+        Ok(movingai::write_scenarios(&tasks, out)?)
     }
 }
 
@@ -158,6 +182,14 @@ formats! {
     #[cfg(feature = "picture")]
     Png, " A picture in pixels.",
         ["png" => |job, out| Ok(crate::picture::write_png(job.world, &job.picture, out)?)];
+    Asc, " A landscape's classes as an ESRI ASCII grid.",
+        ["asc" => |job, out| Ok(write_asc(job.raster()?, out)?)];
+    #[cfg(feature = "picture")]
+    ClassPng, " A landscape's classes as an image, a pixel a cell.",
+        ["classes.png" => |job, out| Ok(class_png::write_class_png(job.raster()?, out)?)];
+    MovingAi, " Where a landscape can be passed as a MovingAI map, with a scenario of 100 tasks.",
+        ["map" => |job, out| Ok(movingai::write_map(job.raster()?, out)?),
+         "scen" => |job, out| job.write_scenarios(out)];
 }
 
 fn write_world_generator(job: &Job<'_>, mut out: &mut dyn Write) -> Result<(), ExportError> {
@@ -183,9 +215,15 @@ impl Format {
     /// # Errors
     /// Lists the endings that exist.
     pub fn from_path(path: &Path) -> Result<Format, ExportError> {
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+        let name = path.file_name().map(|name| name.to_string_lossy().to_ascii_lowercase());
         let known = || Format::ALL.iter().copied();
-        known().find(|format| Some(format.ending()) == ending.as_deref()).ok_or_else(|| {
+        let ends = |format: &Format| {
+            let stem = name.as_ref()?.strip_suffix(format.ending())?.strip_suffix('.')?;
+            (!stem.is_empty()).then_some(())
+        };
+        // Of two endings that fit, such as `classes.png` and `png`, the longer one says more.
+        let fitting = known().filter(|format| ends(format).is_some());
+        fitting.max_by_key(|format| format.ending().len()).ok_or_else(|| {
             let known: Vec<_> = known().map(|format| format!(".{}", format.ending())).collect();
             ExportError::UnknownEnding { path: path.to_owned(), known: known.join(", ") }
         })

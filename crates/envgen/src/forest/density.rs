@@ -114,8 +114,14 @@ mod tests {
     #[test]
     fn a_landscape_says_where_trees_grow() {
         // Grass above water: trees on class 1 alone.
-        let raster =
-            ClassRaster { rows: 2, cols: 1, cell: 25.0, origin: DVec2::ZERO, cells: vec![1, 2] };
+        let raster = ClassRaster {
+            rows: 2,
+            cols: 1,
+            cell: 25.0,
+            origin: DVec2::ZERO,
+            cells: vec![1, 2],
+            speeds: Vec::new(),
+        };
         let map = DensityMap::from_classes(&raster, &[2.0]);
         assert_eq!(map.rows, [[2.0], [0.0]]);
         let spec = ForestSpec { density: Some(map), ..Default::default() };

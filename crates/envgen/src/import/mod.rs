@@ -1,14 +1,28 @@
 //! Reading worlds: every format that a world can be read from, by the ending of the file's name.
 
+mod asc;
+#[cfg(feature = "picture")]
+mod class_png;
+mod movingai;
+mod raster;
+
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+pub use asc::read_asc;
+#[cfg(feature = "picture")]
+pub use class_png::read_class_png;
+pub use movingai::{read_map, read_scenarios};
+pub use raster::{ImportedRaster, RasterFileError, read_raster_json};
+
 use crate::file::{self, FileError};
 use crate::generate::Blueprint;
 use crate::indoor::Catalogue;
 use crate::indoor::world_generator::{WorldGeneratorError, read_project};
+use crate::landscape::raster_world;
+use crate::provenance::Provenance;
 use crate::world::World;
 
 /// Why a world could not be read.
@@ -26,6 +40,9 @@ pub enum ImportError {
     /// The file holds no world.
     #[error(transparent)]
     File(#[from] FileError),
+    /// The file holds no raster.
+    #[error(transparent)]
+    Raster(#[from] RasterFileError),
     /// The file is no project of the World Generator.
     #[error(transparent)]
     WorldGenerator(#[from] WorldGeneratorError),
@@ -35,8 +52,13 @@ pub enum ImportError {
 pub type Reader = fn(&mut dyn Read) -> Result<World, ImportError>;
 
 /// The formats: the ending of the file's name and the reader.
-pub const READERS: &[(&str, Reader)] =
-    &[("json", read_json), ("ron", read_ron), ("xml", read_world_generator)];
+pub const READERS: &[(&str, Reader)] = &[
+    ("json", read_json),
+    ("ron", read_ron),
+    ("asc", |input| world_of_raster("esri_ascii_grid", read_asc(input)?)),
+    ("map", |input| world_of_raster("movingai_map", read_map(input)?)),
+    ("xml", read_world_generator),
+];
 
 /// The reader of a file, by the ending of its name; upper and lower case are one.
 ///
@@ -76,9 +98,30 @@ pub fn read_world_generator(input: &mut dyn Read) -> Result<World, ImportError> 
     Ok(read_project(&text, Catalogue::builtin(), &[])?.plan.to_world())
 }
 
+/// The world of a raster that was read: all ground can be passed where the format tells no speeds.
+fn world_of_raster(format: &str, read: ImportedRaster) -> Result<World, ImportError> {
+    let source = serde_json::json!({ "format": format, "labels": read.labels });
+    let world = raster_world(read.raster, Provenance::other("import", source));
+    world.check().map_err(FileError::World)?;
+    Ok(world)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_map_becomes_a_world_with_obstacles() {
+        let map = "type octile\nheight 3\nwidth 5\nmap\n.....\n.@@S.\n.@..T\n";
+        let world = reader(Path::new("a.map")).unwrap()(&mut map.as_bytes()).unwrap();
+        let area: f64 = world.obstacles.iter().map(|obstacle| obstacle.shape.area()).sum();
+        assert_eq!(area, 4.0);
+        assert_eq!(world.surfaces.len(), 1);
+        assert!(world.start.is_some());
+        let grid = "ncols 2\nnrows 1\nxllcorner 5\nyllcorner 6\ncellsize 2\n3 4\n";
+        let world = reader(Path::new("a.asc")).unwrap()(&mut grid.as_bytes()).unwrap();
+        assert_eq!(world.bounds.max, glam::DVec2::new(9.0, 8.0));
+    }
 
     #[test]
     fn endings_find_their_reader() {

@@ -193,7 +193,9 @@ impl World {
         let Some(raster) = &self.raster else { return Ok(()) };
         let count = u64::from(raster.rows) * u64::from(raster.cols);
         let whole = count > 0 && count == raster.cells.len() as u64;
-        if whole && raster.cell.is_finite() && raster.cell > 0.0 && raster.origin.is_finite() {
+        let speeds = raster.speeds.iter().all(|speed| speed.is_finite() && *speed >= 0.0);
+        let placed = raster.cell.is_finite() && raster.cell > 0.0 && raster.origin.is_finite();
+        if whole && placed && speeds {
             return Ok(());
         }
         let (rows, cols, cells) = (raster.rows, raster.cols, raster.cells.len());
@@ -367,7 +369,14 @@ mod tests {
 
         let mut broken = world();
         let cells = vec![1; 5];
-        let raster = ClassRaster { rows: 2, cols: 3, cell: 1.0, origin: DVec2::ZERO, cells };
+        let raster = ClassRaster {
+            rows: 2,
+            cols: 3,
+            cell: 1.0,
+            origin: DVec2::ZERO,
+            cells,
+            speeds: Vec::new(),
+        };
         broken.raster = Some(raster);
         assert!(matches!(broken.check(), Err(Violation::Raster { .. })));
     }

@@ -18,6 +18,9 @@ pub struct ClassRaster {
     /// Class of each cell, counted from 1; 0 is no data. Row by row from the top, `rows * cols`
     /// of them.
     pub cells: Vec<u16>,
+    /// Factor on a robot's greatest speed by class, from class 0 (no data) on; empty is 1 for all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub speeds: Vec<f64>,
 }
 
 impl ClassRaster {
@@ -33,6 +36,17 @@ impl ClassRaster {
         let row = self.rows as usize - 1 - cell.y as usize;
         self.cells.get(row * self.cols as usize + cell.x as usize).copied()
     }
+
+    /// The factor on a robot's greatest speed at a point, 0 where it cannot pass; `None` outside
+    /// the raster.
+    pub fn speed_at(&self, p: DVec2) -> Option<f64> {
+        self.class_at(p).map(|class| self.speed_of(class))
+    }
+
+    /// The factor on a robot's greatest speed on a class, 1 where none is given.
+    pub fn speed_of(&self, class: u16) -> f64 {
+        self.speeds.get(usize::from(class)).copied().unwrap_or(1.0)
+    }
 }
 
 #[cfg(test)]
@@ -47,11 +61,14 @@ mod tests {
             cell: 2.0,
             origin: DVec2::new(-1.0, 0.0),
             cells: vec![1, 2, 3, 4, 5, 6],
+            speeds: vec![0.0, 0.5],
         };
         assert_eq!(raster.class_at(DVec2::new(-0.5, 3.5)), Some(1));
         assert_eq!(raster.class_at(DVec2::new(4.5, 0.5)), Some(6));
         assert_eq!(raster.class_at(DVec2::new(5.0, 0.5)), None);
         assert_eq!(raster.class_at(DVec2::new(0.0, -0.1)), None);
         assert_eq!(raster.class_at(DVec2::new(f64::NAN, 0.0)), None);
+        assert_eq!(raster.speed_at(DVec2::new(-0.5, 3.5)), Some(0.5));
+        assert_eq!(raster.speed_at(DVec2::new(4.5, 0.5)), Some(1.0));
     }
 }

@@ -142,10 +142,10 @@ pub(crate) fn road() -> World {
     world.goal = points.last().map(|point| point.pose);
     world.road_strips.push(RoadStrip {
         centreline: points,
+        pieces: Vec::new(),
         width: 7.0,
         lanes: 2,
         closed: false,
-        pieces: Vec::new(),
     });
     let center = v(around.max.x - 28.0, around.min.y + 24.0);
     let ring = (0..60).map(|i| f64::from(i) * TAU / 60.0).map(|angle| RoadPoint {
@@ -154,10 +154,10 @@ pub(crate) fn road() -> World {
     });
     world.road_strips.push(RoadStrip {
         centreline: ring.collect(),
+        pieces: Vec::new(),
         width: 3.5,
         lanes: 1,
         closed: true,
-        pieces: Vec::new(),
     });
     for i in 0..8 {
         let angle = f64::from(i) * PI / 4.0;
@@ -194,7 +194,8 @@ pub(crate) fn landscape() -> World {
     };
     let cells = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));
     let cells = cells.map(|(row, col)| class(row, col)).collect();
-    world.raster = Some(ClassRaster { rows, cols, cell, origin: DVec2::ZERO, cells });
+    world.raster =
+        Some(ClassRaster { rows, cols, cell, origin: DVec2::ZERO, cells, speeds: Vec::new() });
     let shape = Shape::Disc { center: v(20.0, 9.0), radius: 2.5 };
     let pond = Surface { kind: SurfaceKind::Water, shape, speed: 0.0, odometry_noise: 1.0 };
     let shape = rect(28.0, 16.0, 33.0, 20.0);

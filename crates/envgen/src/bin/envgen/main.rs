@@ -7,6 +7,7 @@ mod failure;
 mod generate;
 mod inspect;
 mod kinds;
+mod metrics;
 mod output;
 mod sample;
 mod source;
@@ -33,6 +34,8 @@ enum Command {
     Sample(sample::Arguments),
     /// Tells what a world file holds: provenance, certificate, metrics.
     Inspect(inspect::Arguments),
+    /// Measures a raster of classes as landscape ecology does.
+    Metrics(metrics::Arguments),
     /// Verifies a world's certificate on the world alone; exit code 1 if it does not hold.
     Check(check::Arguments),
 }
@@ -43,6 +46,7 @@ fn main() -> ExitCode {
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Sample(arguments) => sample::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Metrics(arguments) => metrics::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
     };
     match done {

@@ -1,0 +1,134 @@
+//! ESRI ASCII grids.
+
+use std::io::Read;
+
+use glam::DVec2;
+
+use super::raster::{ImportedRaster, RasterFileError, check_size};
+use crate::file;
+
+/// The value that is no data where the header names none.
+const NO_DATA: f64 = -9999.0;
+
+/// Reads an ESRI ASCII grid of whole numbers: `ncols`, `nrows`, `xllcorner` or `xllcenter`,
+/// `yllcorner` or `yllcenter`, `cellsize` and, optionally, `NODATA_value`, then the values, the
+/// top row first. Source: ESRI ASCII raster format, `ArcGIS` documentation.
+///
+/// # Errors
+/// Names the line that is wrong.
+pub fn read_asc(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError> {
+    let text = file::read_text(input)?;
+    let wrong = |line: usize, what: String| RasterFileError::Line { line, what };
+    let (mut cols, mut rows, mut cell, mut no_data) = (None, None, None, NO_DATA);
+    let (mut x, mut y, mut centred) = (0.0, 0.0, [false; 2]);
+    let mut lines = (1..).zip(text.lines()).peekable();
+    while let Some(&(number, line)) = lines.peek() {
+        let mut words = line.split_whitespace();
+        let Some(key) = words.next() else {
+            lines.next();
+            continue;
+        };
+        let key = key.to_ascii_lowercase();
+        if !key.starts_with(|c: char| c.is_ascii_alphabetic()) || key == "nan" || key == "inf" {
+            break;
+        }
+        let word = words.next().unwrap_or_default();
+        let value: f64 = word
+            .parse()
+            .ok()
+            .filter(|value: &f64| value.is_finite())
+            .ok_or_else(|| wrong(number, format!("`{key}` is `{word}`, which is no number")))?;
+        let whole = || {
+            let wrong = || wrong(number, format!("`{key}` is `{word}`, which is no whole number"));
+            word.parse::<u64>().map_err(|_| wrong())
+        };
+        match key.as_str() {
+            "ncols" => cols = Some(whole()?),
+            "nrows" => rows = Some(whole()?),
+            "cellsize" => cell = Some((number, value)),
+            "nodata_value" => no_data = value,
+            "xllcorner" => x = value,
+            "yllcorner" => y = value,
+            "xllcenter" => (x, centred[0]) = (value, true),
+            "yllcenter" => (y, centred[1]) = (value, true),
+            _ => return Err(wrong(number, format!("`{key}` is no key of an ESRI ASCII grid"))),
+        }
+        lines.next();
+    }
+    let next = lines.peek().map_or(1, |line| line.0);
+    let missing = |key: &str| wrong(next, format!("the header has no `{key}`"));
+    let cols = cols.ok_or_else(|| missing("ncols"))?;
+    let rows = rows.ok_or_else(|| missing("nrows"))?;
+    let (at, cell) = cell.ok_or_else(|| missing("cellsize"))?;
+    if cell <= 0.0 {
+        return Err(wrong(at, format!("`cellsize` is {cell}, it must be positive")));
+    }
+    check_size(rows, cols)?;
+    let mut values = Vec::new();
+    for (number, line) in lines {
+        for word in line.split_ascii_whitespace() {
+            let value: f64 =
+                word.parse().map_err(|_| wrong(number, format!("`{word}` is no number")))?;
+            values.push(if value == no_data {
+                None
+            } else if value.fract() == 0.0 && value.abs() < 9e15 {
+                Some(value as i64)
+            } else {
+                return Err(wrong(number, format!("`{word}` is no whole number")));
+            });
+        }
+        // Values beyond what the header says are counted, but not kept.
+        if values.len() as u64 > rows * cols {
+            break;
+        }
+    }
+    let shift = |centred: bool| if centred { 0.5 * cell } else { 0.0 };
+    let origin = DVec2::new(x - shift(centred[0]), y - shift(centred[1]));
+    ImportedRaster::new(rows, cols, cell, origin, &values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GRID: &str = "ncols 3\nNROWS 2\nxllcenter 10.5\nyllcorner 20\ncellsize 1.0\n\
+                        NODATA_value -1\n1 2 -1\n 3 3 1\n";
+
+    #[test]
+    fn a_grid_is_read() {
+        let ImportedRaster { raster, labels } = read_asc(&mut GRID.as_bytes()).unwrap();
+        assert_eq!((raster.rows, raster.cols, raster.cell), (2, 3, 1.0));
+        assert_eq!(raster.origin, DVec2::new(10.0, 20.0));
+        assert_eq!((raster.cells, labels), (vec![1, 2, 0, 3, 3, 1], None));
+    }
+
+    #[test]
+    fn values_that_are_no_class_numbers_are_labels() {
+        let text = GRID.replace("1 2 -1", "0 311 -1");
+        let ImportedRaster { raster, labels } = read_asc(&mut text.as_bytes()).unwrap();
+        assert_eq!(raster.cells, [1, 4, 0, 3, 3, 2]);
+        assert_eq!(labels, Some(vec![0, 1, 3, 311]));
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        for (from, to, what) in [
+            ("ncols 3", "ncols x", "line 1: `ncols` is `x`"),
+            ("ncols 3\n", "", "the header has no `ncols`"),
+            ("ncols 3", "ncols -3", "no whole number"),
+            ("ncols 3", "ncols 1000000000", "1000000000 cells; a raster has from 1 to"),
+            ("NROWS 2", "NROWS 0", "a raster has from 1 to"),
+            ("cellsize 1.0", "cellsize 0", "line 5: `cellsize` is 0"),
+            ("cellsize 1.0", "cellsize inf", "line 5"),
+            ("1 2 -1", "1 2", "5 values, but 2 rows of 3"),
+            ("1 2 -1", "1 2 3 4", "7 values, but 2 rows of 3"),
+            ("1 2 -1", "1 2.5 3", "line 7: `2.5` is no whole number"),
+            ("1 2 -1", "1 NaN 3", "line 7: `NaN` is no whole number"),
+            ("1 2 -1", "1 two 3", "line 7: `two` is no number"),
+            ("cellsize", "cellsise", "no key"),
+        ] {
+            let error = read_asc(&mut GRID.replace(from, to).as_bytes()).unwrap_err().to_string();
+            assert!(error.contains(what), "{to}: {error}");
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! The landscape that is made of a spec.
+
+use serde::ser::SerializeSeq;
+use serde::{Serialize, Serializer};
+
+use super::composition::{Composition, entropy_of};
+use super::edge::{edge_count, edge_lower_bound, edge_upper_bound, mean_edge_count};
+use super::generate::least_built;
+use super::metrics::{Border, RasterReport};
+use super::spec::LandscapeSpec;
+use crate::generate::Blueprint;
+use crate::seed::Seed;
+use crate::world::{ClassRaster, World};
+
+/// A landscape: the class of each cell, with the spec and seed it was made for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Landscape {
+    beta: f64,
+    counts: Vec<u32>,
+    total_edge: u64,
+    cells: Vec<u16>,
+    epsilon: Option<f64>,
+    sigma: Option<f64>,
+    swaps: u64,
+    spec: LandscapeSpec,
+    seed: Seed,
+}
+
+impl Landscape {
+    pub(super) fn new(
+        spec: &LandscapeSpec,
+        seed: Seed,
+        composition: &Composition,
+        counts: Vec<u32>,
+        cells: Vec<u16>,
+        (epsilon, sigma, swaps): (Option<f64>, Option<f64>, u64),
+    ) -> Self {
+        let total_edge = edge_count(&cells, spec.cols as usize);
+        let (spec, beta) = (spec.clone(), composition.beta());
+        Landscape { beta, counts, total_edge, cells, epsilon, sigma, swaps, spec, seed }
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.spec.rows as usize
+    }
+
+    /// Number of columns.
+    pub fn cols(&self) -> usize {
+        self.spec.cols as usize
+    }
+
+    /// The class of each cell, counted from 1, row by row from the top.
+    pub fn cells(&self) -> &[u16] {
+        &self.cells
+    }
+
+    /// Cells of each class, class 1 first.
+    pub fn counts(&self) -> &[u32] {
+        &self.counts
+    }
+
+    /// The ratio of the geometric sequence that the counts follow.
+    pub fn beta(&self) -> f64 {
+        self.beta
+    }
+
+    /// Entropy of the classes' shares in nats.
+    pub fn entropy(&self) -> f64 {
+        entropy_of(&self.counts)
+    }
+
+    /// Number of sides between cells of different class. It is the one asked, or the nearest that
+    /// was found where no landscape of these counts has it.
+    pub fn total_edge(&self) -> u64 {
+        self.total_edge
+    }
+
+    /// Total Edge per cell.
+    pub fn ted(&self) -> f64 {
+        self.total_edge as f64 / self.cells.len() as f64
+    }
+
+    /// The automaton's probability of a change out of turn, where the automaton was used.
+    pub fn epsilon(&self) -> Option<f64> {
+        self.epsilon
+    }
+
+    /// The smoothing in cells, where the landscape was smoothed.
+    pub fn sigma(&self) -> Option<f64> {
+        self.sigma
+    }
+
+    /// What was asked.
+    pub fn spec(&self) -> &LandscapeSpec {
+        &self.spec
+    }
+
+    /// The seed it was drawn with.
+    pub fn seed(&self) -> Seed {
+        self.seed
+    }
+
+    /// The cells as a raster, its lower left corner at the origin.
+    pub fn to_raster(&self) -> ClassRaster {
+        let mut speeds = Vec::new();
+        if !self.spec.speeds.is_empty() {
+            speeds.push(0.0);
+            speeds.extend(&self.spec.speeds);
+        }
+        ClassRaster {
+            rows: self.spec.rows as u32,
+            cols: self.spec.cols as u32,
+            cell: self.spec.cell,
+            origin: glam::DVec2::ZERO,
+            cells: self.cells.clone(),
+            speeds,
+        }
+    }
+}
+
+impl Serialize for Landscape {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct View<'a> {
+            rows: u64,
+            cols: u64,
+            classes: u64,
+            cell: f64,
+            beta: f64,
+            counts: &'a [u32],
+            entropy: f64,
+            total_edge: u64,
+            total_edge_asked: Option<u64>,
+            ted: f64,
+            epsilon: Option<f64>,
+            sigma: Option<f64>,
+            cells: Rows<'a>,
+        }
+        let view = View {
+            rows: self.spec.rows,
+            cols: self.spec.cols,
+            classes: self.spec.classes,
+            cell: self.spec.cell,
+            beta: self.beta,
+            counts: &self.counts,
+            entropy: self.entropy(),
+            total_edge: self.total_edge,
+            total_edge_asked: self.spec.total_edge,
+            ted: self.ted(),
+            epsilon: self.epsilon,
+            sigma: self.sigma,
+            cells: Rows(&self.cells, self.cols()),
+        };
+        view.serialize(serializer)
+    }
+}
+
+/// Cells as a list of rows.
+struct Rows<'a>(&'a [u16], usize);
+
+impl Serialize for Rows<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let rows = self.0.chunks_exact(self.1);
+        let mut list = serializer.serialize_seq(Some(rows.len()))?;
+        for row in rows {
+            list.serialize_element(row)?;
+        }
+        list.end()
+    }
+}
+
+/// Numbers that describe a landscape: how near it is to what was asked, what would have been
+/// possible, and the measures of its raster.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LandscapeMetrics {
+    /// Entropy minus the one asked, in nats.
+    pub entropy_error: f64,
+    /// Total Edge minus the one asked, where one was: not 0 only where no landscape was found.
+    pub total_edge_error: Option<i64>,
+    /// Exact mean of Total Edge over all arrangements of the counts.
+    pub total_edge_mean: f64,
+    /// No arrangement has less.
+    pub total_edge_lower_bound: u64,
+    /// The least that bands have.
+    pub total_edge_least_built: u64,
+    /// No arrangement has more.
+    pub total_edge_upper_bound: u64,
+    /// Swaps by which the Total Edge was met.
+    pub swaps: u64,
+    /// The measures of the raster.
+    #[serde(flatten)]
+    pub report: Box<RasterReport>,
+}
+
+impl Blueprint for Landscape {
+    type Metrics = LandscapeMetrics;
+
+    fn metrics(&self) -> LandscapeMetrics {
+        let (rows, cols, counts) = (self.spec.rows, self.spec.cols, &self.counts);
+        LandscapeMetrics {
+            entropy_error: self.entropy() - self.spec.entropy,
+            total_edge_error: self
+                .spec
+                .total_edge
+                .map(|target| self.total_edge as i64 - target as i64),
+            total_edge_mean: mean_edge_count(rows, cols, counts),
+            total_edge_lower_bound: edge_lower_bound(rows, cols, counts),
+            total_edge_least_built: least_built(rows, cols, counts),
+            total_edge_upper_bound: edge_upper_bound(rows, cols, counts),
+            swaps: self.swaps,
+            report: Box::new(RasterReport::of_grid(
+                &self.cells,
+                self.cols(),
+                self.spec.cell,
+                Border::Free,
+            )),
+        }
+    }
+
+    fn to_world(&self) -> World {
+        super::build::world(self)
+    }
+}

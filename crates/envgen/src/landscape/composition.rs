@@ -1,0 +1,575 @@
+//! From an entropy to how many cells each class has.
+
+use super::spec::{CLASSES, ENTROPY, MAX_CELLS};
+use crate::error::SpecError;
+
+/// At most this many ways to part the cells are tried one by one.
+const EXHAUSTIVE: u64 = 1 << 19;
+
+/// Above this many cells there are always more ways than [`EXHAUSTIVE`], but for two classes, where
+/// moving single cells finds the closest counts anyway.
+const EXHAUSTIVE_CELLS: u64 = 4096;
+
+/// How many cells each class has, greatest count first.
+///
+/// Kuznetsov (2017), section 2: the counts fall as a geometric sequence of ratio `beta`, which
+/// solves his equation (4). That equation cancels near `beta` = 1, so its defining sum is solved
+/// instead. The counts are then rounded by largest remainders, and cells move between classes, a
+/// few at a time, as long as this brings the entropy nearer to its target. Where there are at most 2^19
+/// ways to part the cells among the classes, all are tried, so that none is nearer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Composition {
+    counts: Vec<u32>,
+    beta: f64,
+    entropy: f64,
+}
+
+impl Composition {
+    /// The counts of `cells` cells in `classes` classes whose entropy is nearest to `entropy`
+    /// (nats). With `keep_classes` no class is empty.
+    ///
+    /// # Errors
+    /// When `cells` or `classes` is out of range, when there are more classes than cells, or when
+    /// no counts reach the entropy: the error names the least or the largest that can be reached.
+    pub fn closest(
+        cells: u64,
+        classes: u64,
+        entropy: f64,
+        keep_classes: bool,
+    ) -> Result<Composition, SpecError> {
+        CLASSES.check_integer(classes)?;
+        if cells == 0 || cells > MAX_CELLS {
+            return Err(SpecError::new("cells", cells, format!("from 1 to {MAX_CELLS}")));
+        }
+        if classes > cells {
+            return Err(CLASSES.error_with(classes, format!("at most the {cells} cells there are")));
+        }
+        ENTROPY.check(entropy)?;
+        let (cells, l) = (cells as u32, classes as usize);
+        let most = entropy_of(&even_counts(cells, l));
+        // An entropy that was written with few digits may round to just over the maximum.
+        if entropy > most + 1e-9 {
+            return Err(ENTROPY.error_with(
+                entropy,
+                format!("at most {most} nats, what {cells} cells in {l} classes reach"),
+            ));
+        }
+        let floor = u32::from(keep_classes);
+        if keep_classes {
+            let mut least = vec![1; l];
+            least[0] = cells - (l as u32 - 1);
+            let least = entropy_of(&least);
+            if entropy < least - 1e-9 {
+                let allowed =
+                    format!("at least {least} nats, what {l} classes reach of which none is empty");
+                return Err(ENTROPY.error_with(entropy, allowed));
+            }
+        }
+        let beta = geometric_ratio(l, entropy);
+        let mut counts = rounded(cells, l, beta);
+        fill_empty(&mut counts, floor);
+        move_single_cells(&mut counts, entropy, floor);
+        if partitions(cells, l, floor) <= EXHAUSTIVE {
+            try_all(&mut counts, entropy, floor);
+        }
+        let entropy = entropy_of(&counts);
+        Ok(Composition { counts, beta, entropy })
+    }
+
+    /// Cells of each class, greatest first.
+    pub fn counts(&self) -> &[u32] {
+        &self.counts
+    }
+
+    /// The ratio of the geometric sequence, from 0 to 1.
+    pub fn beta(&self) -> f64 {
+        self.beta
+    }
+
+    /// The entropy of the counts in nats.
+    pub fn entropy(&self) -> f64 {
+        self.entropy
+    }
+}
+
+/// The entropy of class counts in nats: Kuznetsov's definition 2, the Shannon diversity index of
+/// ecology. 0 when there is no cell; the same to the last bit in whatever order the classes are.
+pub fn entropy_of(counts: &[u32]) -> f64 {
+    let mut counts: Vec<u32> = counts.iter().copied().filter(|&n| n > 0).collect();
+    counts.sort_unstable();
+    let cells = counts.iter().map(|&n| u64::from(n)).sum::<u64>() as f64;
+    let sum: f64 = counts
+        .iter()
+        .map(|&n| {
+            let share = f64::from(n) / cells;
+            -share * libm::log(share)
+        })
+        .sum();
+    sum.max(0.0)
+}
+
+/// The largest entropy, in nats, that `cells` cells in `classes` classes reach; 0 without either.
+pub fn largest_entropy(cells: u64, classes: u64) -> f64 {
+    let (cells, classes) = (cells.min(MAX_CELLS), classes.min(65_535));
+    if classes == 0 { 0.0 } else { entropy_of(&even_counts(cells as u32, classes as usize)) }
+}
+
+fn even_counts(cells: u32, classes: usize) -> Vec<u32> {
+    let l = classes as u32;
+    (0..l).map(|i| cells / l + u32::from(i < cells % l)).collect()
+}
+
+/// The entropy of the sequence 1, beta, beta^2 ... of `classes` terms.
+fn geometric_entropy(classes: usize, beta: f64) -> f64 {
+    let ln_beta = libm::log(beta);
+    let (mut weight, mut total, mut logs) = (1.0, 0.0, 0.0);
+    for i in 0..classes {
+        if weight == 0.0 {
+            break;
+        }
+        total += weight;
+        logs += weight * i as f64 * ln_beta;
+        weight *= beta;
+    }
+    libm::log(total) - logs / total
+}
+
+/// Bisection: the entropy rises with beta, from 0 to ln l.
+fn geometric_ratio(classes: usize, entropy: f64) -> f64 {
+    if entropy <= 0.0 || classes == 1 {
+        return 0.0;
+    }
+    if entropy >= geometric_entropy(classes, 1.0) {
+        return 1.0;
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return high;
+        }
+        if geometric_entropy(classes, middle) < entropy {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+}
+
+/// The geometric counts, rounded by largest remainders.
+fn rounded(cells: u32, classes: usize, beta: f64) -> Vec<u32> {
+    let weights: Vec<f64> =
+        std::iter::successors(Some(1.0), |w| Some(w * beta)).take(classes).collect();
+    let total: f64 = weights.iter().sum();
+    let shares: Vec<f64> = weights.iter().map(|w| w / total * f64::from(cells)).collect();
+    let mut counts: Vec<u32> = shares.iter().map(|share| *share as u32).collect();
+    let given: u64 = counts.iter().map(|&n| u64::from(n)).sum();
+    let mut order: Vec<usize> = (0..classes).collect();
+    let remainder = |i: usize| shares[i] - f64::from(counts[i]);
+    order.sort_by(|&a, &b| remainder(b).total_cmp(&remainder(a)).then(a.cmp(&b)));
+    // Rounding of the shares can leave a cell too many as well as cells to give.
+    let mut left = i64::from(cells) - given as i64;
+    for &i in order.iter().cycle().take(2 * classes) {
+        if left > 0 {
+            counts[i] += 1;
+            left -= 1;
+        }
+    }
+    counts[0] = (i64::from(counts[0]) + left) as u32;
+    counts.sort_unstable_by(|a, b| b.cmp(a));
+    counts
+}
+
+/// Raises every class to `floor` cells, from the largest classes.
+fn fill_empty(counts: &mut [u32], floor: u32) {
+    let mut missing = 0;
+    for n in counts.iter_mut().filter(|n| **n < floor) {
+        missing += floor - *n;
+        *n = floor;
+    }
+    while missing > 0 {
+        // Many classes can be empty only when the largest are large: a few turns suffice.
+        let (largest, next) = (counts[0], counts.iter().find(|&&n| n < counts[0]));
+        let ties = counts.iter().take_while(|&&n| n == largest).count() as u32;
+        let step = (largest - next.copied().unwrap_or(floor)).min(missing.div_ceil(ties)).max(1);
+        for n in counts.iter_mut().take(ties as usize) {
+            let taken = step.min(missing);
+            *n -= taken;
+            missing -= taken;
+        }
+        counts.sort_unstable_by(|a, b| b.cmp(a));
+    }
+}
+
+fn n_ln_n(n: u32) -> f64 {
+    let n = f64::from(n);
+    if n > 0.0 { n * libm::log(n) } else { 0.0 }
+}
+
+/// What the `n`-th cell of a class adds to the sum of n ln n; rises with `n`.
+fn marginal(n: u32) -> f64 {
+    n_ln_n(n) - n_ln_n(n - 1)
+}
+
+/// Moves single cells between classes, the best move first, while the entropy comes nearer; then
+/// pairs of a few cells each, whose changes can nearly cancel.
+fn move_single_cells(counts: &mut Vec<u32>, entropy: f64, floor: u32) {
+    let cells: u64 = counts.iter().map(|&n| u64::from(n)).sum();
+    let cells = cells as f64;
+    let mut moves = Moves::new(counts, floor);
+    // S = ln N - sum / N, so the sum of n ln n is what must come near this.
+    let wanted = (libm::log(cells) - entropy) * cells;
+    let mut miss = moves.sum() - wanted;
+    for best in [Moves::best_single, Moves::best_pair] {
+        while let Some(next) = best(&moves, miss) {
+            let left = next.sum() - wanted;
+            if left.abs() >= miss.abs() {
+                break;
+            }
+            (moves, miss) = (next, left);
+        }
+    }
+    counts.clear();
+    for &(n, many) in moves.groups.iter().rev() {
+        counts.extend(std::iter::repeat_n(n, many));
+    }
+}
+
+/// Pairs of moves are tried while there are at most this many moves; where counts are of more
+/// kinds, single moves come near enough.
+const PAIRED: usize = 1 << 13;
+
+/// The most cells of a move of a pair. The counts being nearly geometric, single cells change the
+/// sum by multiples of one number; more cells at once do not.
+const LARGEST_MOVE: usize = 8;
+
+/// The counts as a sorted list of (count, number of classes): classes of equal count are alike,
+/// and few counts differ.
+#[derive(Clone)]
+struct Moves {
+    groups: Vec<(u32, usize)>,
+    floor: u32,
+}
+
+impl Moves {
+    /// From counts in descending order.
+    fn new(counts: &[u32], floor: u32) -> Self {
+        let mut groups: Vec<(u32, usize)> =
+            counts.chunk_by(|a, b| a == b).map(|run| (run[0], run.len())).collect();
+        groups.reverse();
+        Moves { groups, floor }
+    }
+
+    /// The sum of n ln n.
+    fn sum(&self) -> f64 {
+        self.groups.iter().map(|&(n, many)| n_ln_n(n) * many as f64).sum()
+    }
+
+    /// The counts after `cells` cells went from a class of `from` cells to one that then has `to`;
+    /// `None` where there are no such classes, or the first may not lose as many.
+    fn moved(&self, from: u32, to: u32, cells: u32) -> Option<Moves> {
+        if from < self.floor + cells {
+            return None;
+        }
+        let mut moved = self.clone();
+        regroup(&mut moved.groups, from, from - cells)?;
+        regroup(&mut moved.groups, to, to + cells)?;
+        Some(moved)
+    }
+
+    /// The move that leaves the least of `miss`, the sum's excess: a cell from a to b lowers the
+    /// sum by marginal(a) - marginal(b + 1).
+    fn best_single(&self, miss: f64) -> Option<Moves> {
+        let mut best: Option<(f64, u32, u32)> = None;
+        for &(from, many) in self.groups.iter().filter(|group| group.0 > self.floor) {
+            let ideal = marginal(from) - miss;
+            let at = self.groups.partition_point(|group| marginal(group.0 + 1) < ideal);
+            for &(to, _) in &self.groups[at.saturating_sub(2)..(at + 2).min(self.groups.len())] {
+                if to == from && many < 2 {
+                    continue;
+                }
+                let left = (miss - marginal(from) + marginal(to + 1)).abs();
+                if best.is_none_or(|(least, ..)| left < least) {
+                    best = Some((left, from, to));
+                }
+            }
+        }
+        best.and_then(|(_, from, to)| self.moved(from, to, 1))
+    }
+
+    /// The two moves that together leave the least of `miss`.
+    fn best_pair(&self, miss: f64) -> Option<Moves> {
+        let kinds = self.groups.len();
+        let largest = (PAIRED / (kinds * kinds)).min(LARGEST_MOVE) as u32;
+        let mut moves = Vec::new();
+        for &(from, _) in &self.groups {
+            for cells in 1..=largest.min(from.saturating_sub(self.floor)) {
+                let loss = n_ln_n(from - cells) - n_ln_n(from);
+                moves.extend(
+                    self.groups.iter().map(|&(to, _)| {
+                        (loss + n_ln_n(to + cells) - n_ln_n(to), (from, to, cells))
+                    }),
+                );
+            }
+        }
+        moves.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let apply = |counts: &Moves, (from, to, cells)| counts.moved(from, to, cells);
+        let sum = self.sum();
+        let mut best: Option<(f64, Moves)> = None;
+        for &(change, first) in &moves {
+            let ideal = -miss - change;
+            let at = moves.partition_point(|step| step.0 < ideal);
+            for &(other, second) in &moves[at.saturating_sub(2)..(at + 2).min(moves.len())] {
+                let least = best.as_ref().map_or(miss.abs(), |found| found.0);
+                if (miss + change + other).abs() >= least {
+                    continue;
+                }
+                // Moves of the same class change each other's effect.
+                if let Some(both) = apply(self, first).and_then(|next| apply(&next, second)) {
+                    let left = (miss + both.sum() - sum).abs();
+                    if left < least {
+                        best = Some((left, both));
+                    }
+                }
+            }
+        }
+        best.map(|found| found.1)
+    }
+}
+
+/// Changes the count of one class in the sorted list; `None` where there is no such class.
+fn regroup(groups: &mut Vec<(u32, usize)>, from: u32, to: u32) -> Option<()> {
+    let at = groups.binary_search_by_key(&from, |group| group.0).ok()?;
+    groups[at].1 -= 1;
+    if groups[at].1 == 0 {
+        groups.remove(at);
+    }
+    match groups.binary_search_by_key(&to, |group| group.0) {
+        Ok(i) => groups[i].1 += 1,
+        Err(i) => groups.insert(i, (to, 1)),
+    }
+    Some(())
+}
+
+/// In how many ways `cells` cells fall into `classes` classes of at least `floor` cells, whatever
+/// the order of the classes; `u64::MAX` when they are many.
+fn partitions(cells: u32, classes: usize, floor: u32) -> u64 {
+    let free = u64::from(cells) - classes as u64 * u64::from(floor);
+    if free > EXHAUSTIVE_CELLS {
+        return u64::MAX;
+    }
+    let free = free as usize;
+    let mut ways = vec![0_u64; free + 1];
+    ways[0] = 1;
+    for part in 1..=classes.min(free) {
+        for n in part..=free {
+            ways[n] = ways[n].saturating_add(ways[n - part]);
+        }
+        if ways[free] > EXHAUSTIVE {
+            return u64::MAX;
+        }
+    }
+    ways[free]
+}
+
+/// Tries every way to part the cells; equally near ones leave the counts as they are.
+fn try_all(counts: &mut Vec<u32>, entropy: f64, floor: u32) {
+    let cells: u32 = counts.iter().sum();
+    let n = f64::from(cells);
+    let table: Vec<f64> = (0..=cells).map(n_ln_n).collect();
+    let wanted = (libm::log(n) - entropy) * n;
+    let sum: f64 = counts.iter().map(|&n| table[n as usize]).sum();
+    let mut search = Search {
+        table: &table,
+        wanted,
+        floor,
+        least: (sum - wanted).abs(),
+        best: counts.clone(),
+        current: vec![floor; counts.len()],
+    };
+    search.part(0, cells - floor * counts.len() as u32, cells, 0.0);
+    *counts = search.best;
+}
+
+struct Search<'a> {
+    table: &'a [f64],
+    wanted: f64,
+    floor: u32,
+    least: f64,
+    best: Vec<u32>,
+    current: Vec<u32>,
+}
+
+impl Search<'_> {
+    /// Gives class `i` and those after it `free` cells above the floor, `most` at most each.
+    fn part(&mut self, i: usize, free: u32, most: u32, sum: f64) {
+        let after = (self.current.len() - i - 1) as u32;
+        let most = most.min(self.floor + free);
+        if after == 0 || free == 0 {
+            let first = self.floor + free;
+            if first > most {
+                return;
+            }
+            let rest = self.table[self.floor as usize] * f64::from(after);
+            let miss = (sum + self.table[first as usize] + rest - self.wanted).abs();
+            // Sums of the same terms in another order differ in their last digits.
+            if miss < self.least - 1e-11 * self.wanted.abs().max(1.0) {
+                self.current[i] = first;
+                self.current[i + 1..].fill(self.floor);
+                self.least = miss;
+                self.best.clone_from(&self.current);
+            }
+            return;
+        }
+        // The classes after this one hold no more each, so this one must take its share.
+        let least = self.floor + free.div_ceil(after + 1);
+        for n in (least..=most).rev() {
+            self.current[i] = n;
+            self.part(i + 1, free - (n - self.floor), n, sum + self.table[n as usize]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Every list of counts, in any order: slow and obvious.
+    fn least_error(cells: u32, classes: usize, entropy: f64, floor: u32) -> f64 {
+        fn walk(left: u32, counts: &mut Vec<u32>, classes: usize, visit: &mut impl FnMut(&[u32])) {
+            if counts.len() + 1 == classes {
+                counts.push(left);
+                visit(counts);
+                counts.pop();
+                return;
+            }
+            for n in 0..=left {
+                counts.push(n);
+                walk(left - n, counts, classes, visit);
+                counts.pop();
+            }
+        }
+        let mut least = f64::INFINITY;
+        walk(cells, &mut Vec::new(), classes, &mut |counts| {
+            if counts.iter().all(|&n| n >= floor) {
+                least = least.min((entropy_of(counts) - entropy).abs());
+            }
+        });
+        least
+    }
+
+    #[test]
+    fn no_counts_of_few_cells_are_nearer() {
+        for cells in 1..=14_u32 {
+            for classes in 1..=cells.min(5) as usize {
+                let most = largest_entropy(u64::from(cells), classes as u64);
+                for floor in 0..=1 {
+                    for step in 0..=10 {
+                        let entropy = most * f64::from(step) / 10.0;
+                        let found = Composition::closest(
+                            u64::from(cells),
+                            classes as u64,
+                            entropy,
+                            floor == 1,
+                        );
+                        // Below what non-empty classes reach.
+                        let Ok(found) = found else {
+                            assert_eq!(floor, 1);
+                            continue;
+                        };
+                        let error = (found.entropy() - entropy).abs();
+                        let least = least_error(cells, classes, entropy, floor);
+                        assert!(error <= least + 1e-10, "{cells} {classes} {entropy} {found:?}");
+                        assert_eq!(found.counts().iter().sum::<u32>(), cells);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn equation_4_is_the_sum() {
+        for (classes, beta) in [(2, 0.3), (10, 0.5), (9, 0.811), (150, 0.97)] {
+            let (l, b): (f64, f64) = (f64::from(classes), beta);
+            let power = libm::pow(b, l);
+            let printed = -(b * (1.0 - power) - (1.0 - b) * l * power)
+                / ((1.0 - b) * (1.0 - power))
+                * libm::log(b)
+                + libm::log((1.0 - power) / (1.0 - b));
+            assert!((geometric_entropy(classes as usize, beta) - printed).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_ends_of_the_range() {
+        let none = Composition::closest(100, 7, 0.0, false).unwrap();
+        assert_eq!((none.counts(), none.beta()), (&[100, 0, 0, 0, 0, 0, 0][..], 0.0));
+        let all = Composition::closest(100, 4, libm::log(4.0), false).unwrap();
+        assert_eq!((all.counts(), all.beta()), (&[25; 4][..], 1.0));
+        let one = Composition::closest(100, 1, 0.0, true).unwrap();
+        assert_eq!(one.counts(), [100]);
+        let kept = Composition::closest(100, 7, 0.4, true).unwrap();
+        assert!(kept.counts().iter().all(|&n| n >= 1));
+    }
+
+    #[test]
+    fn errors_name_what_can_be_reached() {
+        let error = |cells, classes, entropy, keep| {
+            Composition::closest(cells, classes, entropy, keep).unwrap_err().to_string()
+        };
+        assert!(error(100, 7, 1.9459, false).contains("at most 1.945"), "maximum for integers");
+        assert!(error(100, 7, 3.0, false).contains("at most 1.945"));
+        assert!(
+            error(100, 7, 0.01, true).contains("at least 0.3"),
+            "{}",
+            error(100, 7, 0.01, true)
+        );
+        assert!(error(100, 7, f64::NAN, false).contains("`entropy` is NaN"));
+        assert!(error(100, 7, -0.1, false).contains("`entropy` is -0.1"));
+        assert!(error(100, 101, 1.0, false).contains("at most the 100 cells"));
+        assert!(error(100, 0, 1.0, false).contains("`classes` is 0"));
+        assert!(error(1 << 20, 65_536, 1.0, false).contains("`classes` is 65536"));
+        assert!(error(1_000_000_000_000_000_000, 5, 1.0, false).contains("from 1 to"));
+        assert!(error(0, 5, 1.0, false).contains("from 1 to"));
+    }
+
+    #[test]
+    fn many_classes_of_many_cells() {
+        for part in [0.05, 0.5, 0.9, 0.999] {
+            let entropy = part * libm::log(65_535.0);
+            let found = Composition::closest(1 << 20, 65_535, entropy, false).unwrap();
+            let error = (found.entropy() - entropy).abs();
+            assert!(error < 1e-8, "{part}: off by {error}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn counts_sum_up_and_no_single_move_is_better(
+            cells in 1_u64..3000, classes in 1_u64..40, part in 0.0..1.0_f64, keep: bool,
+        ) {
+            prop_assume!(classes <= cells);
+            let entropy = part * largest_entropy(cells, classes);
+            let Ok(found) = Composition::closest(cells, classes, entropy, keep) else {
+                prop_assert!(keep);
+                return Ok(());
+            };
+            let counts = found.counts();
+            prop_assert_eq!(counts.iter().map(|&n| u64::from(n)).sum::<u64>(), cells);
+            prop_assert!(counts.is_sorted_by(|a, b| a >= b));
+            prop_assert!(!keep || counts.iter().all(|&n| n > 0));
+            let error = (found.entropy() - entropy).abs();
+            for i in 0..counts.len() {
+                for j in 0..counts.len() {
+                    if i != j && counts[i] > u32::from(keep) {
+                        let mut moved = counts.to_vec();
+                        moved[i] -= 1;
+                        moved[j] += 1;
+                        prop_assert!((entropy_of(&moved) - entropy).abs() >= error - 1e-10);
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! The measures of landscape ecology, for any raster of classes.
+//!
+//! Definitions: K. `McGarigal`, S. A. Cushman and E. Ene, FRAGSTATS v4, and M. H. K. Hesselbarth and
+//! others, landscapemetrics, Ecography 42, 2019; the entropies of adjacency: J. Nowosad and
+//! T. F. Stepinski, Information theory as a consistent framework for quantification and
+//! classification of landscape patterns, Landscape Ecology 34, 2019. No-data cells belong to no
+//! class, and a side next to one, as at the raster's end, is border.
+//!
+//! - [`RasterReport`]: every measure, of the landscape and of each class.
+//! - [`Adjacency`]: how often which class lies beside which.
+//! - [`patches`]: connected cells of one class.
+
+mod adjacency;
+mod patches;
+mod report;
+
+pub use adjacency::{Adjacency, ClassSides, Entropies};
+pub use patches::{Neighbourhood, Patch, patches};
+pub(super) use report::check;
+pub use report::{Border, ClassReport, PatchReport, RasterError, RasterReport};

@@ -1,0 +1,248 @@
+//! Costs of travel over a raster of classes: cost rasters, least-cost paths, cost fields.
+//!
+//! Kuznetsov's classes are the greatest speeds at which cells can be crossed. A step between the
+//! middles of two cells costs its length times the mean of their slowness, 1 / speed. A diagonal
+//! step needs both cells beside it to be passable, as in the MovingAI benchmarks
+//! (N. R. Sturtevant, Benchmarks for grid-based pathfinding, IEEE TCIAIG 4, 2012).
+
+use std::cmp::Ordering;
+use std::f64::consts::SQRT_2;
+use std::ops::Add;
+
+use pathfinding::directed::{astar::astar, dijkstra::dijkstra_reach};
+use pathfinding::num_traits::Zero;
+
+use super::build::neighbours;
+use super::metrics::{Neighbourhood, RasterError};
+use crate::world::ClassRaster;
+
+/// What it costs to travel over a raster.
+#[derive(Clone, Debug)]
+pub struct TravelMap<'a> {
+    raster: &'a ClassRaster,
+    slowness: Vec<f64>,
+    least: f64,
+    moves: Neighbourhood,
+}
+
+/// A least-cost path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TravelPath {
+    /// The cells from start to goal, by their place in the raster's list.
+    pub cells: Vec<usize>,
+    /// Its cost: metres by speed. Where speeds are in m/s these are seconds, where they are
+    /// factors of a robot's greatest speed they are metres of plain ground.
+    pub cost: f64,
+}
+
+impl<'a> TravelMap<'a> {
+    /// The map of a raster with the speeds that it holds; class 0 and classes of speed 0 cannot be
+    /// passed.
+    ///
+    /// # Errors
+    /// When the raster's sizes do not fit together.
+    pub fn new(raster: &'a ClassRaster, moves: Neighbourhood) -> Result<Self, RasterError> {
+        super::metrics::check(raster)?;
+        let slowness: Vec<f64> = (0..=u16::MAX)
+            .map(|class| if class == 0 { f64::INFINITY } else { 1.0 / raster.speed_of(class) })
+            .collect();
+        let least = raster
+            .cells
+            .iter()
+            .map(|&class| slowness[usize::from(class)])
+            .fold(f64::INFINITY, f64::min);
+        Ok(TravelMap { raster, slowness, least, moves })
+    }
+
+    /// Cost of a metre in each cell, infinite where it cannot be passed.
+    pub fn cost_raster(&self) -> Vec<f64> {
+        self.raster.cells.iter().map(|&class| self.slowness[usize::from(class)]).collect()
+    }
+
+    /// Whether a cell can be passed; `false` outside the raster.
+    pub fn is_passable(&self, cell: usize) -> bool {
+        self.raster
+            .cells
+            .get(cell)
+            .is_some_and(|&class| self.slowness[usize::from(class)] < f64::INFINITY)
+    }
+
+    /// The cells that can be reached from a cell in one step, with the cost of the step.
+    pub fn steps(&self, from: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let cols = self.raster.cols as usize;
+        let cells = self.raster.cells.len();
+        let slow = |cell: usize| self.slowness[usize::from(self.raster.cells[cell])];
+        neighbours(from, cols, cells, self.moves).filter_map(move |to| {
+            let straight = from / cols == to / cols || from % cols == to % cols;
+            let free = straight || {
+                let (r, c) = (to / cols, to % cols);
+                self.is_passable(from / cols * cols + c) && self.is_passable(r * cols + from % cols)
+            };
+            let length = if straight { 1.0 } else { SQRT_2 } * self.raster.cell;
+            let cost = length * 0.5 * (slow(from) + slow(to));
+            (free && cost < f64::INFINITY).then_some((to, cost))
+        })
+    }
+
+    /// A least-cost path between two cells (A* with the straight distance over the fastest
+    /// ground); `None` when there is none, or a cell cannot be passed.
+    pub fn path(&self, from: usize, to: usize) -> Option<TravelPath> {
+        if !(self.is_passable(from) && self.is_passable(to)) {
+            return None;
+        }
+        // A little less than the distance, so that rounding does not make it too much.
+        let pace = self.least * self.raster.cell * (1.0 - 1e-9);
+        let cols = self.raster.cols as usize;
+        let ahead = |&cell: &u32| {
+            let dr = (cell as usize / cols).abs_diff(to / cols) as f64;
+            let dc = (cell as usize % cols).abs_diff(to % cols) as f64;
+            Cost(
+                pace * match self.moves {
+                    Neighbourhood::Four => dr + dc,
+                    Neighbourhood::Eight => dr.max(dc) + (SQRT_2 - 1.0) * dr.min(dc),
+                },
+            )
+        };
+        let (cells, cost) =
+            astar(&(from as u32), |&cell| self.priced(cell), ahead, |&cell| cell as usize == to)?;
+        let cells = cells.into_iter().map(|cell| cell as usize).collect();
+        Some(TravelPath { cells, cost: cost.0 })
+    }
+
+    /// The least cost from a cell to every cell, infinite where there is no way (Dijkstra).
+    pub fn cost_field(&self, from: usize) -> Vec<f64> {
+        let mut field = vec![f64::INFINITY; self.raster.cells.len()];
+        if self.is_passable(from) {
+            for reached in dijkstra_reach(&(from as u32), |&cell| self.priced(cell)) {
+                field[reached.node as usize] = reached.total_cost.0;
+            }
+        }
+        field
+    }
+
+    fn priced(&self, cell: u32) -> impl Iterator<Item = (u32, Cost)> + '_ {
+        self.steps(cell as usize).map(|(to, cost)| (to as u32, Cost(cost)))
+    }
+}
+
+/// A finite cost, which can be ordered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cost(f64);
+
+impl Eq for Cost {}
+
+impl Ord for Cost {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+impl PartialOrd for Cost {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Add for Cost {
+    type Output = Cost;
+
+    fn add(self, other: Cost) -> Cost {
+        Cost(self.0 + other.0)
+    }
+}
+
+impl Zero for Cost {
+    fn zero() -> Self {
+        Cost(0.0)
+    }
+
+    fn is_zero(&self) -> bool {
+        self.0 == 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seed::Seed;
+    use proptest::prelude::*;
+
+    fn raster(rows: u32, cols: u32, cells: Vec<u16>, speeds: Vec<f64>) -> ClassRaster {
+        ClassRaster { rows, cols, cell: 2.0, origin: glam::DVec2::ZERO, cells, speeds }
+    }
+
+    /// Bellman-Ford: every step again and again until nothing changes.
+    fn slow_field(map: &TravelMap<'_>, from: usize) -> Vec<f64> {
+        let mut field = vec![f64::INFINITY; map.raster.cells.len()];
+        field[from] = 0.0;
+        loop {
+            let mut changed = false;
+            for cell in 0..field.len() {
+                if field[cell] == f64::INFINITY {
+                    continue;
+                }
+                for (to, cost) in map.steps(cell) {
+                    if field[cell] + cost < field[to] - 1e-12 {
+                        field[to] = field[cell] + cost;
+                        changed = true;
+                    }
+                }
+            }
+            if !changed {
+                return field;
+            }
+        }
+    }
+
+    #[test]
+    fn corners_are_not_cut() {
+        let raster = raster(2, 2, vec![1, 2, 2, 1], vec![0.0, 1.0, 0.0]);
+        let map = TravelMap::new(&raster, Neighbourhood::Eight).unwrap();
+        assert_eq!(map.path(0, 3), None);
+        assert_eq!(map.path(0, 1), None);
+        assert_eq!(map.path(0, 99), None);
+        assert_eq!(map.path(0, 0), Some(TravelPath { cells: vec![0], cost: 0.0 }));
+    }
+
+    #[test]
+    fn slow_ground_is_gone_around() {
+        let cells = vec![1, 1, 1, 1, 2, 1, 1, 1, 1];
+        let raster = raster(3, 3, cells, vec![0.0, 1.0, 0.1]);
+        let map = TravelMap::new(&raster, Neighbourhood::Four).unwrap();
+        let path = map.path(3, 5).unwrap();
+        assert_eq!((path.cost, path.cells.len()), (8.0, 5));
+        assert_eq!(map.cost_raster()[4], 10.0);
+    }
+
+    proptest! {
+        #[test]
+        fn paths_and_fields_agree_with_the_slow_way(
+            rows in 1_u32..9, cols in 1_u32..9, seed: u64, eight: bool,
+        ) {
+            let mut stream = Seed(seed).stream("test", 0);
+            let cells = (0..rows * cols).map(|_| stream.below(5) as u16).collect();
+            let raster = raster(rows, cols, cells, vec![0.0, 1.0, 0.5, 0.0, 2.0]);
+            let moves = if eight { Neighbourhood::Eight } else { Neighbourhood::Four };
+            let map = TravelMap::new(&raster, moves).unwrap();
+            let from = stream.below(u64::from(rows * cols)) as usize;
+            prop_assume!(map.is_passable(from));
+            let (field, slow) = (map.cost_field(from), slow_field(&map, from));
+            for (to, &least) in slow.iter().enumerate() {
+                prop_assert!(field[to] == least || (field[to] - least).abs() < 1e-9);
+                match map.path(from, to) {
+                    None => prop_assert_eq!(least, f64::INFINITY),
+                    Some(path) => {
+                        prop_assert!((path.cost - least).abs() < 1e-9);
+                        let cost: f64 = path
+                            .cells
+                            .windows(2)
+                            .map(|w| map.steps(w[0]).find(|step| step.0 == w[1]).unwrap().1)
+                            .sum();
+                        prop_assert!((cost - path.cost).abs() < 1e-9);
+                        prop_assert_eq!((path.cells[0], path.cells[path.cells.len() - 1]), (from, to));
+                    }
+                }
+            }
+        }
+    }
+}

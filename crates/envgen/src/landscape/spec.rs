@@ -1,0 +1,285 @@
+//! What is asked of a landscape.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::blueprint::Landscape;
+use super::composition::Composition;
+use super::edge::{edge_lower_bound, edge_upper_bound};
+use super::generate;
+use crate::error::{GenerateError, SpecError};
+use crate::generate::Spec;
+use crate::seed::Seed;
+use crate::settings::Setting;
+
+/// The most cells a landscape can have: 8192 x 8192, which take 128 MiB.
+pub const MAX_CELLS: u64 = 1 << 26;
+
+/// The most cells a smoothed landscape can have: 4096 x 4096. Smoothing takes 28 bytes a cell.
+pub const MAX_SMOOTH_CELLS: u64 = 1 << 24;
+
+/// The most swaps that mixing tries: a minute or so.
+const MAX_SWAPS: f64 = 1e9;
+
+/// A landscape to generate.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, landscape::LandscapeSpec};
+///
+/// let spec = LandscapeSpec { classes: 10, total_edge: Some(2376), ..Default::default() };
+/// let landscape = spec.generate(Seed(7))?;
+/// assert_eq!(landscape.total_edge(), 2376);
+/// assert!((landscape.entropy() - 1.9).abs() < 1e-5);
+/// # Ok::<(), envgen::GenerateError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LandscapeSpec {
+    /// Number of rows.
+    pub rows: u64,
+    /// Number of columns.
+    pub cols: u64,
+    /// Number of classes.
+    pub classes: u64,
+    /// Entropy of the classes' shares in nats.
+    pub entropy: f64,
+    /// Whether every class has a cell.
+    pub keep_classes: bool,
+    /// Which class gets which count.
+    pub order: ClassOrder,
+    /// How the classes are arranged.
+    pub algorithm: Algorithm,
+    /// Probability that the automaton changes its class out of turn; `None` is the one that the
+    /// Total Edge needs, or 0.1 where none is asked.
+    pub epsilon: Option<f64>,
+    /// Standard deviation of the smoothing in cells; `None` is the one that the Total Edge needs,
+    /// or 3 where none is asked.
+    pub sigma: Option<f64>,
+    /// Total Edge to reach exactly, in cell sides; `None` takes what the arrangement gives.
+    pub total_edge: Option<u64>,
+    /// Swaps tried per cell at the Total Edge that is asked, by which a mixed landscape forgets
+    /// what it was built from.
+    pub mixing: f64,
+    /// Side of a cell in metres.
+    pub cell: f64,
+    /// Factor on a robot's greatest speed for each class, 0 where it cannot pass; empty is 1 for
+    /// all.
+    pub speeds: Vec<f64>,
+}
+
+impl Default for LandscapeSpec {
+    fn default() -> Self {
+        LandscapeSpec {
+            rows: 48,
+            cols: 48,
+            classes: 9,
+            entropy: 1.9,
+            keep_classes: false,
+            order: ClassOrder::Shuffled,
+            algorithm: Algorithm::Random,
+            epsilon: None,
+            sigma: None,
+            total_edge: None,
+            mixing: 8.0,
+            cell: 1.0,
+            speeds: Vec::new(),
+        }
+    }
+}
+
+/// Which class gets which count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ClassOrder {
+    /// Drawn at random.
+    Shuffled,
+    /// Class 1 has the most cells, class 2 the second most, and so on.
+    Descending,
+}
+
+/// How a landscape's cells are arranged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Algorithm {
+    /// The paper's algorithm 1, uniformly random; with a Total Edge the same as `Mixed`.
+    Random,
+    /// The paper's algorithm 2, the probabilistic automaton, repaired to the Total Edge.
+    Automaton,
+    /// Salt and pepper: from bands or a checkerboard by random swaps.
+    Mixed,
+    /// Bands, which repeat as often as the Total Edge needs.
+    Bands,
+    /// Natural patches: smoothed noise, cut at the counts.
+    Smooth,
+}
+
+impl Algorithm {
+    /// The name, as in the settings.
+    pub fn name(self) -> &'static str {
+        match self {
+            Algorithm::Random => "random",
+            Algorithm::Automaton => "automaton",
+            Algorithm::Mixed => "mixed",
+            Algorithm::Bands => "bands",
+            Algorithm::Smooth => "smooth",
+        }
+    }
+}
+
+/// Why a landscape could not be made.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LandscapeError {
+    /// The look has no landscape of this Total Edge, though other looks may.
+    #[error(
+        "`total_edge` is {target}, but {} landscapes of this seed have from {low} to {high}; \
+         `mixed` and `bands` reach further", algorithm.name()
+    )]
+    Look {
+        /// The look.
+        algorithm: Algorithm,
+        /// The least Total Edge that it reaches.
+        low: u64,
+        /// The most.
+        high: u64,
+        /// What was asked.
+        target: u64,
+    },
+}
+
+const ROWS: Setting = Setting::integer("rows", 1, MAX_CELLS, "number of rows");
+const COLS: Setting = Setting::integer("cols", 1, MAX_CELLS, "number of columns");
+pub(super) const CLASSES: Setting = Setting::integer("classes", 1, 65_535, "number of classes");
+pub(super) const ENTROPY: Setting =
+    Setting::number("entropy", "nats", 0.0, 12.0, "Shannon entropy of the classes' shares");
+const KEEP_CLASSES: Setting = Setting::flag("keep_classes", "whether every class has a cell");
+const ORDER: Setting =
+    Setting::choice("order", &["shuffled", "descending"], "which class gets which count");
+const ALGORITHM: Setting = Setting::choice(
+    "algorithm",
+    &["random", "automaton", "mixed", "bands", "smooth"],
+    "how the cells are arranged",
+);
+const EPSILON: Setting = Setting::number(
+    "epsilon",
+    "",
+    0.0,
+    1.0,
+    "probability that the automaton changes its class out of turn (absent: as total_edge needs, \
+     or 0.1)",
+);
+const SIGMA: Setting = Setting::number(
+    "sigma",
+    "cells",
+    0.0,
+    1e6,
+    "standard deviation of the smoothing (absent: as total_edge needs, or 3)",
+);
+const TOTAL_EDGE: Setting = Setting::integer(
+    "total_edge",
+    0,
+    2 * MAX_CELLS,
+    "number of sides between cells of different class to reach exactly (absent: not asked)",
+);
+const MIXING: Setting =
+    Setting::number("mixing", "1/cell", 0.0, 1000.0, "swaps tried at the Total Edge asked");
+const CELL: Setting = Setting::number("cell", "m", 1e-3, 1e4, "side of a cell");
+const SPEEDS: Setting = Setting::list(
+    "speeds",
+    "",
+    "numbers from 0 to 10, one a class",
+    "factor on a robot's greatest speed for each class, 0 where it cannot pass (empty: 1)",
+);
+
+impl Spec for LandscapeSpec {
+    type Blueprint = Landscape;
+
+    const KIND: &'static str = "landscape";
+
+    const VALUE_VERSION: u32 = 1;
+
+    const SETTINGS: &'static [Setting] = &[
+        ROWS,
+        COLS,
+        CLASSES,
+        ENTROPY,
+        KEEP_CLASSES,
+        ORDER,
+        ALGORITHM,
+        EPSILON,
+        SIGMA,
+        TOTAL_EDGE,
+        MIXING,
+        CELL,
+        SPEEDS,
+    ];
+
+    fn validate(&self) -> Result<(), SpecError> {
+        self.composition().map(|_| ())
+    }
+
+    fn generate(&self, seed: Seed) -> Result<Landscape, GenerateError> {
+        generate::landscape(self, seed)
+    }
+}
+
+impl LandscapeSpec {
+    /// Checks every setting, and the settings together; the composition that they give.
+    ///
+    /// # Errors
+    /// The first setting that is not allowed, with its value and what is.
+    pub fn composition(&self) -> Result<Composition, SpecError> {
+        ROWS.check_integer(self.rows)?;
+        COLS.check_integer(self.cols)?;
+        let cells = self.rows * self.cols;
+        let limit = if self.algorithm == Algorithm::Smooth { MAX_SMOOTH_CELLS } else { MAX_CELLS };
+        if cells > limit {
+            let allowed =
+                format!("at most {limit} cells with the algorithm `{}`", self.algorithm.name());
+            return Err(SpecError::new("rows * cols", cells, allowed));
+        }
+        if let Some(epsilon) = self.epsilon {
+            EPSILON.check(epsilon)?;
+        }
+        if let Some(sigma) = self.sigma {
+            SIGMA.check(sigma)?;
+        }
+        MIXING.check(self.mixing)?;
+        let most = MAX_SWAPS / cells as f64;
+        if self.mixing > most {
+            let allowed = format!("at most {most} for {cells} cells");
+            return Err(MIXING.error_with(self.mixing, allowed));
+        }
+        CELL.check(self.cell)?;
+        if let Some(&speed) = self.speeds.iter().find(|speed| !(0.0..=10.0).contains(*speed)) {
+            return Err(SPEEDS.error(speed));
+        }
+        if !self.speeds.is_empty() && self.speeds.len() as u64 != self.classes {
+            let allowed = format!("empty, or as many as the {} classes", self.classes);
+            let given = format!("a list of {}", self.speeds.len());
+            return Err(SpecError::new(SPEEDS.name, given, allowed));
+        }
+        let composition =
+            Composition::closest(cells, self.classes, self.entropy, self.keep_classes)?;
+        if let Some(target) = self.total_edge {
+            let counts = composition.counts();
+            let low = edge_lower_bound(self.rows, self.cols, counts);
+            let high = edge_upper_bound(self.rows, self.cols, counts);
+            if !(low..=high).contains(&target) {
+                let allowed =
+                    format!("from {low} to {high}, the bounds for these classes on this grid");
+                return Err(SpecError::new(TOTAL_EDGE.name, target, allowed));
+            }
+        }
+        Ok(composition)
+    }
+
+    /// Landscapes of the seeds from `seed` on, without end: equal in entropy and, where it is
+    /// asked, in Total Edge, and otherwise independent.
+    pub fn batch(
+        &self,
+        seed: Seed,
+    ) -> impl Iterator<Item = Result<Landscape, GenerateError>> + use<'_> {
+        (0..).map(move |i| self.generate(seed.offset(i)))
+    }
+}
