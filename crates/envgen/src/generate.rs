@@ -32,6 +32,9 @@ pub trait Spec: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwn
     /// The first setting that is not allowed, with its value and what is.
     fn validate(&self) -> Result<(), SpecError>;
 
+    /// About how many parts, cells or points a blueprint has: what generating it costs.
+    fn work(&self) -> f64;
+
     /// Generates a blueprint; the same spec and seed always give the same one.
     ///
     /// # Errors

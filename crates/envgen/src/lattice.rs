@@ -53,6 +53,16 @@ impl Lattice {
         Some((first.max(0.0) as usize, (last as usize).min(len - 1)))
     }
 
+    /// The number of the cell around a point, row by row; `None` outside.
+    pub(crate) fn cell_at(&self, p: DVec2) -> Option<usize> {
+        let cell = ((p - self.origin) / self.side).floor();
+        let inside = cell.x >= 0.0
+            && cell.y >= 0.0
+            && cell.x < self.cols as f64
+            && cell.y < self.rows as f64;
+        inside.then(|| cell.y as usize * self.cols + cell.x as usize)
+    }
+
     /// The cells whose middles lie in a closed interval of an axis, measured from the origin.
     pub(crate) fn middles(&self, low: f64, high: f64, len: usize) -> Option<(usize, usize)> {
         let first = (low / self.side - 0.5).ceil().max(0.0);
@@ -94,6 +104,70 @@ impl Convex<'_> {
                 }
                 run
             }
+        }
+    }
+}
+
+/// A list a cell, all in one piece of memory.
+#[derive(Clone, Debug)]
+pub(crate) struct Lists<T> {
+    /// Where each cell's list starts; one more than there are cells.
+    starts: Vec<u32>,
+    items: Vec<T>,
+}
+
+impl<T> Default for Lists<T> {
+    fn default() -> Self {
+        Lists { starts: Vec::new(), items: Vec::new() }
+    }
+}
+
+impl<T: Copy> Lists<T> {
+    /// Lists each item in every cell that `runs` names for it; `None` when that would be more than
+    /// `most` listings.
+    pub(crate) fn build(
+        lattice: &Lattice,
+        items: &[T],
+        most: Option<usize>,
+        runs: impl Fn(&T, &Lattice, &mut dyn FnMut(usize, usize, usize)),
+    ) -> Option<Self> {
+        let mut starts = vec![0_u32; lattice.cols * lattice.rows + 1];
+        let mut total = 0;
+        for item in items {
+            runs(item, lattice, &mut |row, from, to| {
+                total += to + 1 - from;
+                let cells = row * lattice.cols;
+                starts[cells + from..=cells + to].iter_mut().for_each(|count| *count += 1);
+            });
+            if most.is_some_and(|most| total > most) {
+                return None;
+            }
+        }
+        let mut end = 0;
+        for start in &mut starts {
+            end += *start;
+            *start = end;
+        }
+        // Filled from the back, each start moves from the end of its list to its beginning.
+        let Some(&any) = items.first() else { return Some(Lists { starts, items: Vec::new() }) };
+        let mut listed = vec![any; total];
+        for item in items.iter().rev() {
+            runs(item, lattice, &mut |row, from, to| {
+                let cells = row * lattice.cols;
+                for start in &mut starts[cells + from..=cells + to] {
+                    *start -= 1;
+                    listed[*start as usize] = *item;
+                }
+            });
+        }
+        Some(Lists { starts, items: listed })
+    }
+
+    #[inline]
+    pub(crate) fn of(&self, cell: usize) -> &[T] {
+        match self.starts.get(cell..cell + 2) {
+            Some(&[from, to]) => &self.items[from as usize..to as usize],
+            _ => &[],
         }
     }
 }

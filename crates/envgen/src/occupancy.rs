@@ -137,12 +137,8 @@ impl OccupancyGrid {
 
     /// Column and row of the cell around a point; `None` outside the grid.
     pub fn cell_at(&self, p: DVec2) -> Option<(usize, usize)> {
-        let cell = ((p - self.lattice.origin) / self.lattice.side).floor();
-        let inside = cell.x >= 0.0
-            && cell.y >= 0.0
-            && cell.x < self.lattice.cols as f64
-            && cell.y < self.lattice.rows as f64;
-        inside.then_some((cell.x as usize, cell.y as usize))
+        let cell = self.lattice.cell_at(p)?;
+        Some((cell % self.lattice.cols, cell / self.lattice.cols))
     }
 
     /// Middle of a cell in metres.
@@ -190,16 +186,6 @@ impl OccupancyGrid {
         OccupancyGrid {
             lattice: self.lattice,
             occupied: distances.into_iter().map(|d| f64::from(d) <= limit).collect(),
-        }
-    }
-
-    /// Occupies the cells whose middle lies outside an area.
-    pub(crate) fn occupy_middles_outside(&mut self, area: Rect) {
-        for row in 0..self.lattice.rows {
-            for col in 0..self.lattice.cols {
-                let outside = !area.contains(self.cell_centre(col, row));
-                self.occupied[row * self.lattice.cols + col] |= outside;
-            }
         }
     }
 

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use crate::geometry::{Pose, Rect, Shape, edges, polygon_contains, unit_vector};
-use crate::lattice::{Convex, Lattice};
+use crate::lattice::{Convex, Lattice, Lists};
 use crate::world::{PartId, World};
 
 /// Cells that the index has for each shape, about, where parts are spread evenly.
@@ -311,62 +311,4 @@ impl Outline {
 fn slab(from: DVec2, inverse: DVec2, min: DVec2, max: DVec2) -> (f64, f64) {
     let (a, b) = ((min - from) * inverse, (max - from) * inverse);
     (a.x.min(b.x).max(a.y.min(b.y)), a.x.max(b.x).min(a.y.max(b.y)))
-}
-
-/// A list a cell, all in one piece of memory.
-#[derive(Clone, Debug)]
-struct Lists<T> {
-    /// Where each cell's list starts; one more than there are cells.
-    starts: Vec<u32>,
-    items: Vec<T>,
-}
-
-impl<T: Copy> Lists<T> {
-    /// Lists each item in every cell that `runs` names for it; `None` when that would be more than
-    /// `most` listings.
-    fn build(
-        lattice: &Lattice,
-        items: &[T],
-        most: Option<usize>,
-        runs: impl Fn(&T, &Lattice, &mut dyn FnMut(usize, usize, usize)),
-    ) -> Option<Self> {
-        let mut starts = vec![0_u32; lattice.cols * lattice.rows + 1];
-        let mut total = 0;
-        for item in items {
-            runs(item, lattice, &mut |row, from, to| {
-                total += to + 1 - from;
-                let cells = row * lattice.cols;
-                starts[cells + from..=cells + to].iter_mut().for_each(|count| *count += 1);
-            });
-            if most.is_some_and(|most| total > most) {
-                return None;
-            }
-        }
-        let mut end = 0;
-        for start in &mut starts {
-            end += *start;
-            *start = end;
-        }
-        // Filled from the back, each start moves from the end of its list to its beginning.
-        let Some(&any) = items.first() else { return Some(Lists { starts, items: Vec::new() }) };
-        let mut listed = vec![any; total];
-        for item in items.iter().rev() {
-            runs(item, lattice, &mut |row, from, to| {
-                let cells = row * lattice.cols;
-                for start in &mut starts[cells + from..=cells + to] {
-                    *start -= 1;
-                    listed[*start as usize] = *item;
-                }
-            });
-        }
-        Some(Lists { starts, items: listed })
-    }
-
-    #[inline]
-    fn of(&self, cell: usize) -> &[T] {
-        match self.starts.get(cell..cell + 2) {
-            Some(&[from, to]) => &self.items[from as usize..to as usize],
-            _ => &[],
-        }
-    }
 }

@@ -180,6 +180,7 @@ impl Setting {
             Allowed::List(_) => {
                 Ok(text.split(',').map(|part| item(part.trim())).collect::<Vec<_>>().into())
             }
+            Allowed::Other(_) if text == "none" => Ok(Value::Null),
             Allowed::Other(_) => Ok(item(text)),
         }
     }

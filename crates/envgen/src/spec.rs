@@ -135,6 +135,13 @@ macro_rules! kinds {
                 }
             }
 
+            /// About how many parts, cells or points a blueprint has: what generating it costs.
+            pub fn work(&self) -> f64 {
+                match self {
+                    $(WorldSpec::$variant(spec) => spec.work(),)+
+                }
+            }
+
             /// Generates a blueprint; the same spec and seed always give the same one.
             ///
             /// # Errors
@@ -327,6 +334,25 @@ mod tests {
                     }
                     _ => {}
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn every_default_can_be_set_as_it_is_printed() {
+        fn plain(value: &Value) -> String {
+            match value {
+                Value::String(text) => text.clone(),
+                Value::Null => "none".to_owned(),
+                Value::Array(items) => items.iter().map(plain).collect::<Vec<_>>().join(","),
+                other => other.to_string(),
+            }
+        }
+        for &kind in Kind::ALL {
+            for (name, value) in kind.default_spec().settings_json().as_object().unwrap() {
+                let mut spec = kind.default_spec();
+                assert_eq!(spec.set(name, &plain(value)), Ok(()), "{kind} {name}");
+                assert_eq!(spec, kind.default_spec(), "{kind} {name}");
             }
         }
     }

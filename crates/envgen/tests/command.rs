@@ -217,6 +217,10 @@ fn a_certificate_that_does_not_hold_is_exit_code_one() {
     let output = run(&["check", path]);
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8(output.stdout).unwrap().contains("broken: a disc of radius 1.2"));
+    // The same when nobody reads on.
+    let mut child = command().args(["check", path]).stdout(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    assert_eq!(child.wait().unwrap().code(), Some(1));
 }
 
 #[test]
@@ -258,6 +262,11 @@ fn what_fails_on_the_way_is_exit_code_one_and_leaves_nothing() {
     assert_eq!(code, 1);
     assert!(text.contains("the area takes at most"), "{text}");
     // The second file cannot be written, so the first is not either.
+    std::fs::create_dir(at("folder.svg")).unwrap();
+    let (code, text) =
+        failure(&["generate", "forest", "--out", &at("f.svg"), "--out", &at("folder.svg")]);
+    assert_eq!((code, text.contains("is a folder")), (1, true), "{text}");
+    std::fs::remove_dir(at("folder.svg")).unwrap();
     let (code, text) =
         failure(&["generate", "forest", "--out", &at("f.svg"), "--out", &at("no/where.svg")]);
     assert_eq!(code, 1);

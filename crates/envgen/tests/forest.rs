@@ -84,7 +84,7 @@ fn figure_two_covers_touches_and_spaces_as_predicted() {
     check("untouched", metrics.iter().filter_map(|m| m.untouched).collect(), 0.5335);
     check("nearest neighbour", metrics.iter().filter_map(|m| m.nearest_neighbour).collect(), 2.236);
     let m = &metrics[0];
-    assert!((m.cover_predicted - 0.1454).abs() < 1e-4);
+    assert!((m.cover_predicted.unwrap() - 0.1454).abs() < 1e-4);
     assert!((m.untouched_predicted.unwrap() - 0.5335).abs() < 1e-3);
     assert!((m.nearest_neighbour_predicted.unwrap() - 2.236).abs() < 1e-3);
     assert!((m.free_path_predicted.unwrap() - 10.0 / 1.36).abs() < 1e-9);
@@ -286,6 +286,41 @@ fn bad_specs_name_field_value_and_limits_at_once() {
         error,
         "`intensity` is 1, allowed is at most 0.00002 1/m^2: 20000000 trees on 1000000000000 m^2"
     );
+}
+
+#[test]
+fn long_thin_and_crowded_forests_come_to_an_end() {
+    // Each of these once took minutes.
+    let thin = ForestSpec {
+        width: 1e5,
+        height: 0.1,
+        intensity: 0.1,
+        radius: 0.001,
+        robot_radius: 0.0,
+        ..Default::default()
+    };
+    let tall = ForestSpec { width: 1.0, height: 2e4, min_distance: 0.5, ..thin.clone() };
+    let crowded = ForestSpec { intensity: 5.0, radius: 1.5, ..Default::default() };
+    let mut rows = vec![vec![0.0; 50]; 50];
+    rows[20][30] = 1.0;
+    let patch = ForestSpec {
+        width: 500.0,
+        height: 500.0,
+        intensity: 0.8,
+        min_distance: 1.0,
+        radius: 0.1,
+        density: Some(DensityMap { rows }),
+        ..Default::default()
+    };
+    for spec in [thin, tall, crowded] {
+        let forest = generate(&spec, 1);
+        assert!(forest.metrics().count > 50);
+        let world = forest.to_world();
+        assert_eq!(world.check(), Ok(()));
+        envgen::certificate::verify(&world);
+    }
+    let error = patch.generate(Seed(1)).unwrap_err();
+    assert!(matches!(error, GenerateError::Forest(ForestError::Capacity { .. })), "{error}");
 }
 
 proptest! {

@@ -1,16 +1,23 @@
 //! Whether every room, hallway and open area can be reached.
 
-use super::{MOST_CELLS, Verdict, cells_near};
+use glam::DVec2;
+
+use super::Verdict;
 use crate::geometry::Shape;
 use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::world::{SurfaceKind, World};
+
+/// The finest raster has at most this many cells.
+const MOST_CELLS: f64 = (1 << 24) as f64;
 
 /// Whether a disc can move from the start to every place on the floors of the world's rooms,
 /// hallways and open areas where its middle fits, by flood fill on ever finer rasters. It does not
 /// drive on surfaces of speed 0.
 ///
-/// Of the two rasters that enclose the free space (see [`super::decide`]) the narrow one must be
-/// flooded whole. A place that is narrower than the raster can tell from solid is not looked for.
+/// A solid point lies within h / sqrt 2 of the middle of a cell of side h that it occupies, and every
+/// point of a way within h / sqrt 2 of a cell's middle: middles farther than radius + sqrt 2 h from
+/// all occupied ones are free for certain, those nearer than radius - sqrt 2 h are not. The free
+/// space for certain must be flooded whole. A place that is narrower than the raster can tell from solid is not looked for.
 pub(super) fn every_place_reachable(world: &World, radius: f64) -> Verdict {
     let Some(start) = world.start else { return Verdict::Broken };
     let area = world.bounds;
@@ -51,6 +58,11 @@ pub(super) fn every_place_reachable(world: &World, radius: f64) -> Verdict {
         }
         cell *= 0.6;
     }
+}
+
+/// The cell around a point, if it lies in the grid.
+fn cells_near(grid: &OccupancyGrid, p: DVec2) -> Vec<(usize, usize)> {
+    grid.cell_at(p).into_iter().collect()
 }
 
 fn barriers(world: &World) -> impl Iterator<Item = Shape> + '_ {

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::spec::ForestSpec;
 use crate::error::SpecError;
 use crate::geometry::Rect;
+use crate::seed::Stream;
 use crate::world::ClassRaster;
 
 /// The most cells that a density map may have.
@@ -21,6 +22,19 @@ pub trait Density {
 
     /// The value at a point, from 0 to [`Density::max`].
     fn at(&self, p: DVec2) -> f64;
+
+    /// A point of `within`, drawn in proportion to the density; `None` where throwing points away
+    /// is the only way to draw one.
+    fn draw(&self, _within: Rect, _stream: &mut Stream) -> Option<DVec2> {
+        None
+    }
+
+    /// The area in square metres that discs of diameter `distance` cover at most when their
+    /// middles lie in `within` where the density is not 0.
+    fn room(&self, within: Rect, distance: f64) -> f64 {
+        let size = within.size() + distance;
+        size.x * size.y
+    }
 }
 
 /// A density given by a function: its greatest value, and the function.
@@ -80,7 +94,12 @@ impl DensityMap {
 
     /// The density over the area of a spec.
     pub(super) fn over<'a>(&'a self, spec: &ForestSpec) -> impl Density + 'a {
-        MapDensity { map: self, area: spec.area(), intensity: spec.intensity }
+        let mut sum = 0.0;
+        let sums = self.rows.iter().flatten().map(|factor| {
+            sum += factor;
+            sum
+        });
+        MapDensity { map: self, area: spec.area(), intensity: spec.intensity, sums: sums.collect() }
     }
 }
 
@@ -88,6 +107,14 @@ struct MapDensity<'a> {
     map: &'a DensityMap,
     area: Rect,
     intensity: f64,
+    /// Sum of the factors of all cells up to each one.
+    sums: Vec<f64>,
+}
+
+impl MapDensity<'_> {
+    fn cell_size(&self) -> DVec2 {
+        self.area.size() / DVec2::new(self.map.rows[0].len() as f64, self.map.rows.len() as f64)
+    }
 }
 
 impl Density for MapDensity<'_> {
@@ -98,10 +125,33 @@ impl Density for MapDensity<'_> {
     fn at(&self, p: DVec2) -> f64 {
         let rows = &self.map.rows;
         let (height, width) = (rows.len(), rows[0].len());
-        let unit = (p - self.area.min) / self.area.size();
-        let col = ((unit.x * width as f64) as usize).min(width - 1);
-        let row = ((unit.y * height as f64) as usize).min(height - 1);
+        let cell = (p - self.area.min) / self.cell_size();
+        let (col, row) = ((cell.x as usize).min(width - 1), (cell.y as usize).min(height - 1));
         self.intensity * rows[height - 1 - row][col]
+    }
+
+    fn draw(&self, within: Rect, stream: &mut Stream) -> Option<DVec2> {
+        let rows = &self.map.rows;
+        let (height, width) = (rows.len(), rows[0].len());
+        let size = self.cell_size();
+        // Cells that reach over the area of the centres are drawn again where they do.
+        loop {
+            let wanted = stream.unit() * self.sums[self.sums.len() - 1];
+            let cell = self.sums.partition_point(|&sum| sum <= wanted).min(self.sums.len() - 1);
+            let (row, col) = (height - 1 - cell / width, cell % width);
+            let corner = self.area.min + size * DVec2::new(col as f64, row as f64);
+            let p = corner + size * DVec2::new(stream.unit(), stream.unit());
+            if within.contains(p) {
+                return Some(p);
+            }
+        }
+    }
+
+    fn room(&self, within: Rect, distance: f64) -> f64 {
+        let filled = self.map.rows.iter().flatten().filter(|&&factor| factor > 0.0).count();
+        let whole = within.size() + distance;
+        let cell = self.cell_size() + distance;
+        (whole.x * whole.y).min(filled as f64 * cell.x * cell.y)
     }
 }
 

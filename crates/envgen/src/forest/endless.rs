@@ -143,27 +143,21 @@ impl EndlessForest {
     /// When the window reaches beyond the tiles that can be numbered, or would hold more than
     /// [`MAX_TREES`].
     pub fn window(&self, window: Rect) -> Result<Vec<Tree>, SpecError> {
-        let size = window.size();
-        let finite = window.min.is_finite() && window.max.is_finite();
-        if !finite
-            || size.x * size.y * self.spec.intensity.max(1.0 / (self.tile * self.tile)) > MAX_TREES
-        {
-            let allowed = format!("finite and small enough for {MAX_TREES} trees or tiles");
-            return Err(SpecError::new(
-                "window",
-                format!("{} to {}", window.min, window.max),
-                allowed,
-            ));
+        let error = |allowed: String| {
+            Err(SpecError::new("window", format!("{} to {}", window.min, window.max), allowed))
+        };
+        if !(window.min.is_finite() && window.max.is_finite()) {
+            return error("finite".to_owned());
         }
         let (low, high) = ((window.min / self.tile).floor(), (window.max / self.tile).floor());
-        let most = DVec2::splat(f64::from(i32::MAX));
-        if low.min_element() < -most.x || high.max_element() > most.x {
-            let allowed = format!("within {} m of the origin", f64::from(i32::MAX) * self.tile);
-            return Err(SpecError::new(
-                "window",
-                format!("{} to {}", window.min, window.max),
-                allowed,
-            ));
+        let most = f64::from(i32::MAX);
+        if low.min_element() < -most || high.max_element() > most {
+            return error(format!("within {} m of the origin", most * self.tile));
+        }
+        let tiles = (high - low + 1.0).max(DVec2::ZERO);
+        let a_tile = (self.parents * self.tile * self.tile).max(1.0);
+        if tiles.x * tiles.y * a_tile > MAX_TREES {
+            return error(format!("small enough for {MAX_TREES} trees and tiles"));
         }
         let mut trees = Vec::new();
         for j in low.y as i32..=high.y as i32 {
@@ -276,6 +270,7 @@ mod tests {
         let forest = forest(0.0, 1.0, 10.0);
         assert!(forest.window(window(0.0, 0.0, 1e9, 1e9)).is_err());
         assert!(forest.window(window(1e15, 0.0, 1.0, 1.0)).is_err());
+        assert!(forest.window(window(0.0, 0.0, 0.0, 1e10)).is_err());
         assert!(forest.window(window(f64::NAN, 0.0, 1.0, 1.0)).is_err());
     }
 

@@ -23,6 +23,9 @@ const FILLING_LIMIT: f64 = 0.65;
 /// Attempts a tree, on average over all.
 const ATTEMPTS: u64 = 400;
 
+/// Draws that may be thrown away in all to follow a density function that is mostly near 0.
+const MOST_WASTED: u64 = 500_000_000;
+
 /// Throws whose places are looked up together before any of them is placed.
 const BATCH: usize = 64;
 
@@ -38,13 +41,15 @@ pub(super) fn centres(
         Some(_) => poisson::centres(spec, seed, density)?.len() as u64,
     };
     let distance = spec.min_distance;
-    let size = area.size() + DVec2::splat(distance);
-    let capacity = FILLING_LIMIT * size.x * size.y / (distance * distance);
+    let size = area.size() + distance;
+    let room = density.map_or(size.x * size.y, |density| density.room(area, distance));
+    let capacity = FILLING_LIMIT * room / (distance * distance);
     if count as f64 > capacity {
         return Err(ForestError::Capacity { trees: count, capacity, distance });
     }
     let torus = spec.border == Border::Torus;
-    let thrower = Thrower { area, density, stream: seed.stream("forest/throws", 0) };
+    let stream = seed.stream("forest/throws", 0);
+    let thrower = Thrower { area, density, stream, wasted: 0 };
     if FineGrid::suits(area, distance, count) {
         add(FineGrid::new(area, distance, count, torus), thrower, count, distance)
     } else {
@@ -87,7 +92,10 @@ fn add(
         }
         let thrown = BATCH.min((most - attempts) as usize);
         for p in &mut batch[..thrown] {
-            *p = thrower.throw()?;
+            let Some(place) = thrower.throw()? else {
+                return Err(ForestError::Attempts { trees: count, placed, attempts, distance });
+            };
+            *p = place;
         }
         black_box(batch[..thrown].iter().fold(0, |sum, &p| sum ^ standing.touch(p)));
         for (free, &p) in free[..thrown].iter_mut().zip(&batch) {
@@ -111,16 +119,26 @@ struct Thrower<'a> {
     area: Rect,
     density: Option<&'a dyn Density>,
     stream: Stream,
+    /// Draws that were thrown away to follow the density.
+    wasted: u64,
 }
 
 impl Thrower<'_> {
-    fn throw(&mut self) -> Result<DVec2, ForestError> {
-        loop {
-            let p = poisson::uniform(self.area, &mut self.stream);
-            let Some(density) = self.density else { return Ok(p) };
-            if self.stream.unit() * density.max() < poisson::checked(density, p)? {
-                return Ok(p);
-            }
+    /// A place; `None` when too many draws were thrown away.
+    fn throw(&mut self) -> Result<Option<DVec2>, ForestError> {
+        let Some(density) = self.density else {
+            return Ok(Some(poisson::uniform(self.area, &mut self.stream)));
+        };
+        if let Some(p) = density.draw(self.area, &mut self.stream) {
+            return Ok(Some(p));
         }
+        while self.wasted < MOST_WASTED {
+            let p = poisson::uniform(self.area, &mut self.stream);
+            if self.stream.unit() * density.max() < poisson::checked(density, p)? {
+                return Ok(Some(p));
+            }
+            self.wasted += 1;
+        }
+        Ok(None)
     }
 }

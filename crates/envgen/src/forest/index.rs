@@ -202,23 +202,32 @@ impl CellList {
     /// none. Looks ring by ring around the cell of `p`.
     pub(super) fn nearest(&self, p: DVec2, except: u32) -> f64 {
         let (col, row) = self.cell(p);
-        let (cols, rows) = (self.cols as i64, self.rows as i64);
+        // On each axis, the first and last cell of the grid as seen from here.
+        let axis = |at: usize, len: usize| {
+            let (at, len) = (at as i64, len as i64);
+            if self.torus { (-(len / 2), (len - 1) / 2) } else { (-at, len - 1 - at) }
+        };
+        let (xs, ys) = (axis(col, self.cols), axis(row, self.rows));
+        let last_ring = [xs.0, xs.1, ys.0, ys.1].map(i64::abs).into_iter().max().unwrap_or(0);
+        // A cell of ring k is at least k - 1 cells away along an axis that has that many.
+        let wide = |len: usize, side: f64| if len > 1 { side } else { f64::INFINITY };
+        let side = wide(self.cols, self.side.x).min(wide(self.rows, self.side.y));
         let mut best = f64::INFINITY;
-        for ring in 0..=cols.max(rows) {
-            // A point in this ring is at least this far away.
-            if (ring - 1) as f64 * self.side.min_element() > best {
+        for ring in 0..=last_ring {
+            if ring > 1 && (ring - 1) as f64 * side > best {
                 break;
             }
-            for dy in -ring..=ring {
-                let step = if dy.abs() == ring { 1 } else { (2 * ring).max(1) };
-                for dx in (-ring..=ring).step_by(step as usize) {
-                    let (x, y) = (col as i64 + dx, row as i64 + dy);
-                    let inside = (0..cols).contains(&x) && (0..rows).contains(&y);
-                    if !inside && !self.torus {
+            for dy in (-ring).max(ys.0)..=ring.min(ys.1) {
+                let whole_row = dy.abs() == ring;
+                let step = if whole_row { 1 } else { (2 * ring).max(1) };
+                let first = if whole_row { (-ring).max(xs.0) } else { -ring };
+                for dx in (first..=ring.min(xs.1)).step_by(step as usize) {
+                    if dx < xs.0 {
                         continue;
                     }
-                    let cell = y.rem_euclid(rows) * cols + x.rem_euclid(cols);
-                    let mut i = self.head[cell as usize];
+                    let x = (col as i64 + dx).rem_euclid(self.cols as i64);
+                    let y = (row as i64 + dy).rem_euclid(self.rows as i64);
+                    let mut i = self.head[y as usize * self.cols + x as usize];
                     while i != NONE {
                         if i != except {
                             best = best.min(self.offset(p, self.points[i as usize]).length());
@@ -231,7 +240,9 @@ impl CellList {
         best
     }
 
-    fn any(&self, p: DVec2, mut found: impl FnMut(u32, DVec2) -> bool) -> bool {
+    /// Whether `found` says so of any point that may be within the reach, as for
+    /// [`CellList::visit`]; the first that it says so of is the last that it is asked of.
+    pub(super) fn any(&self, p: DVec2, mut found: impl FnMut(u32, DVec2) -> bool) -> bool {
         let (col, row) = self.cell(p);
         let near = |at: usize, len: usize| -> [Option<usize>; 3] {
             let (below, above) = (at.checked_sub(1), (at + 1 < len).then_some(at + 1));
@@ -291,6 +302,26 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
+        #[test]
+        fn the_nearest_point_is_the_nearest(
+            points in prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64), 1..60),
+            width in 0.01..50.0_f64,
+            height in 0.01..50.0_f64,
+            torus: bool,
+        ) {
+            let area = Rect::new(DVec2::ZERO, DVec2::new(width, height));
+            let points: Vec<_> = points.iter().map(|&p| DVec2::from(p) * area.size()).collect();
+            let spacing = (width * height / points.len() as f64).sqrt();
+            let list = CellList::of(area, spacing, torus, points.iter().copied());
+            for (i, &p) in points.iter().enumerate() {
+                let others = points.iter().enumerate().filter(|(j, _)| *j != i);
+                let brute = others
+                    .map(|(_, &q)| shorter_way(q - p, area, torus).length())
+                    .fold(f64::INFINITY, f64::min);
+                prop_assert_eq!(list.nearest(p, i as u32), brute);
+            }
+        }
+
         #[test]
         fn both_grids_agree_with_brute_force(
             points in prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64), 1..80),

@@ -21,19 +21,20 @@ pub const PERCOLATION_THRESHOLD: f64 = 1.128;
 const COVER_CELLS: f64 = 256.0;
 
 /// Numbers that describe a forest. Predictions are those of the Poisson process with the spec's
-/// intensity and radii; a least distance or a varying density makes them wrong.
+/// intensity and radii, absent where the density varies; a least distance makes them wrong. On a
+/// torus cover, touching and nearest neighbours count across its sides, ways through do not.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ForestMetrics {
     /// Number of trees.
     pub count: u64,
     /// Number that the intensity predicts.
-    pub count_predicted: f64,
+    pub count_predicted: Option<f64>,
     /// Trees that the clearings took away.
     pub cleared: u64,
     /// Share of the area under trunks.
     pub cover: f64,
     /// 1 - exp(-lambda pi E[r^2]).
-    pub cover_predicted: f64,
+    pub cover_predicted: Option<f64>,
     /// Share of trees whose trunk touches no other; absent without trees.
     pub untouched: Option<f64>,
     /// exp(-4 lambda pi r^2) for a fixed radius r.
@@ -45,9 +46,10 @@ pub struct ForestMetrics {
     pub nearest_neighbour_predicted: Option<f64>,
     /// Mean free path in metres of a robot that drives straight on, `1 / (2 lambda (E[r] + rho))`.
     pub free_path_predicted: Option<f64>,
-    /// lambda pi E[(r + rho)^2]: above [`PERCOLATION_THRESHOLD`] a wide forest has no way through.
-    pub filling: f64,
-    /// Whether a wide forest of this filling has ways through.
+    /// lambda pi E[(r + rho)^2], at the densest place: above [`PERCOLATION_THRESHOLD`] a wide forest
+    /// has no way through.
+    pub reduced_density: f64,
+    /// Whether a wide forest of this reduced density has ways through.
     pub traversable_predicted: bool,
     /// Whether the robot's middle can go from the west side of the area to its east side, inside.
     pub traversable: bool,
@@ -58,26 +60,38 @@ pub(super) fn measure(forest: &Forest) -> ForestMetrics {
     let size = spec.centre_area().size();
     let lambda = spec.intensity;
     let (mean, mean_square) = radius_moments(spec);
-    let rho = spec.robot_radius;
-    let filling = lambda * PI * (mean_square + 2.0 * mean * rho + rho * rho);
     let fixed = spec.radius_law == RadiusLaw::Fixed;
-    let some = |value: f64| (lambda > 0.0).then_some(value);
+    // Theory is of forests of even density.
+    let even =
+        |value: f64| (lambda > 0.0 && spec.density.is_none() && !forest.edited()).then_some(value);
     let (untouched, nearest_neighbour) = neighbours(spec, trees);
     ForestMetrics {
         count: trees.len() as u64,
-        count_predicted: lambda * size.x * size.y,
+        count_predicted: even(lambda * size.x * size.y),
         cleared: forest.cleared(),
         cover: cover(spec, trees),
-        cover_predicted: -libm::expm1(-lambda * PI * mean_square),
+        cover_predicted: even(-libm::expm1(-lambda * PI * mean_square)),
         untouched,
-        untouched_predicted: fixed.then(|| libm::exp(-4.0 * lambda * PI * mean_square)),
+        untouched_predicted: even(libm::exp(-4.0 * lambda * PI * mean_square)).filter(|_| fixed),
         nearest_neighbour,
-        nearest_neighbour_predicted: some(0.5 / lambda.sqrt()),
-        free_path_predicted: some(0.5 / (lambda * (mean + rho))),
-        filling,
-        traversable_predicted: filling < PERCOLATION_THRESHOLD,
+        nearest_neighbour_predicted: even(0.5 / lambda.sqrt()),
+        free_path_predicted: even(0.5 / (lambda * (mean + spec.robot_radius))),
+        reduced_density: reduced_density(spec),
+        traversable_predicted: predicts_ways(spec),
         traversable: crosses_west_east(forest),
     }
+}
+
+/// lambda pi E[(r + rho)^2], the mean number of trunks grown by the robot's radius over a point.
+fn reduced_density(spec: &ForestSpec) -> f64 {
+    let (mean, mean_square) = radius_moments(spec);
+    let rho = spec.robot_radius;
+    spec.intensity * PI * (mean_square + 2.0 * mean * rho + rho * rho)
+}
+
+/// Whether a wide forest of this density has ways through.
+pub(super) fn predicts_ways(spec: &ForestSpec) -> bool {
+    reduced_density(spec) < PERCOLATION_THRESHOLD
 }
 
 /// E[r] and E[r^2] of the law of radii.
@@ -116,10 +130,9 @@ fn neighbours(spec: &ForestSpec, trees: &[Tree]) -> (Option<f64>, Option<f64>) {
     let mut untouched = 0_u64;
     let mut sum = 0.0;
     for (i, tree) in trees.iter().enumerate() {
-        let mut touched = false;
-        touching.visit(tree.center, |j, offset| {
+        let touched = touching.any(tree.center, |j, offset| {
             let reach = tree.radius + trees[j as usize].radius;
-            touched |= j as usize != i && offset.length_squared() < reach * reach;
+            j as usize != i && offset.length_squared() < reach * reach
         });
         untouched += u64::from(!touched);
         sum += near.nearest(tree.center, i as u32);

@@ -22,4 +22,4 @@ pub use density::{Density, DensityMap};
 pub use endless::EndlessForest;
 pub use metrics::{ForestMetrics, PERCOLATION_THRESHOLD};
 pub use radius::RadiusLaw;
-pub use spec::{Border, Forest, ForestError, ForestSpec, MAX_SPACED_TREES, MAX_TREES};
+pub use spec::{Border, Forest, ForestError, ForestSpec, MAX_HARD_CORE_TREES, MAX_TREES};

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::index::CellList;
-use super::metrics::crosses_west_east;
+use super::metrics::{crosses_west_east, predicts_ways};
 use super::spec::{Border, Forest, ForestSpec};
 use crate::certificate::Claim;
 use crate::geometry::{Pose, Rect};
@@ -47,15 +47,13 @@ pub(super) fn world(forest: &Forest, provenance: Provenance) -> World {
     let reach = largest + spec.robot_radius;
     let grid = CellList::of(spec.area(), reach, false, trees.iter().map(|tree| tree.center));
     let blocked = |p: DVec2| {
-        let mut blocked = false;
-        grid.visit(p, |i, offset| {
+        grid.any(p, |i, offset| {
             let needed = trees[i as usize].radius + spec.robot_radius;
-            blocked |= offset.length_squared() <= needed * needed;
-        });
-        blocked
+            offset.length_squared() <= needed * needed
+        })
     };
     let [west, east] = wished(spec);
-    let step = (0.25 * spec.robot_radius).max(1e-3 * spec.width.max(spec.height));
+    let step = 0.25 * spec.robot_radius.max(0.1);
     world.start = nearest_free(west, spec.area(), step, &blocked).map(|p| Pose::new(p.x, p.y, 0.0));
     world.goal = nearest_free(east, spec.area(), step, &blocked).map(|p| Pose::new(p.x, p.y, 0.0));
 
@@ -63,31 +61,39 @@ pub(super) fn world(forest: &Forest, provenance: Provenance) -> World {
         area: spec.area(),
         radius: spec.robot_radius,
         crosses: crosses_west_east(forest),
+        predicted: predicts_ways(spec),
     }];
     if spec.min_distance > 0.0 {
-        world.certificate.push(Claim::TreeDistance { distance: spec.min_distance });
+        let torus = (spec.border == Border::Torus).then_some(spec.area().size());
+        world.certificate.push(Claim::TreeDistance { distance: spec.min_distance, torus });
     }
     world
 }
 
-/// The free point nearest to `wish`, looked for ring by ring on a square lattice of side `step`.
+/// A free point near `wish`: the nearest of a square lattice of side `step`, looked for ring by
+/// ring. Where none is near the lattice becomes coarser, so that a wide thicket costs little.
 fn nearest_free(
     wish: DVec2,
     area: Rect,
     step: f64,
     blocked: &impl Fn(DVec2) -> bool,
 ) -> Option<DVec2> {
-    let rings = (area.size().max_element() / step).ceil() as i64;
-    for ring in 0..=rings {
-        // The ring is a square: its sides' middles are nearest, its corners farthest.
-        for along in (0..=ring).flat_map(|i| [i, -i]).skip(usize::from(ring > 0)) {
-            for (i, j) in [(along, ring), (along, -ring), (ring, along), (-ring, along)] {
-                let p = wish + DVec2::new(i as f64, j as f64) * step;
-                if area.contains(p) && !blocked(p) {
-                    return Some(p);
+    const RINGS: i64 = 40;
+    let (mut step, mut first) = (step, 0);
+    while step * (first as f64) <= area.size().max_element() {
+        for ring in first..=RINGS {
+            // The ring is a square: its sides' middles are nearest, its corners farthest.
+            for along in (0..=ring).flat_map(|i| [i, -i]).skip(usize::from(ring > 0)) {
+                for (i, j) in [(along, ring), (along, -ring), (ring, along), (-ring, along)] {
+                    let p = wish + DVec2::new(i as f64, j as f64) * step;
+                    if area.contains(p) && !blocked(p) {
+                        return Some(p);
+                    }
                 }
             }
         }
+        step *= 2.0;
+        first = RINGS / 2 + 1;
     }
     None
 }

@@ -23,7 +23,7 @@ pub const MAX_TREES: f64 = 2e7;
 
 /// The most trees that a forest with a least distance may be expected to hold: it keeps a grid of
 /// up to 256 bytes a tree while it is made.
-pub const MAX_SPACED_TREES: f64 = 5e6;
+pub const MAX_HARD_CORE_TREES: f64 = 5e6;
 
 /// A forest to generate: the rectangle from (0, 0) to (`width`, `height`).
 ///
@@ -239,6 +239,12 @@ impl Spec for ForestSpec {
         self.check_filling()
     }
 
+    fn work(&self) -> f64 {
+        let size = self.centre_area().size();
+        let peak = self.density.as_ref().map_or(1.0, DensityMap::max);
+        self.intensity * peak * size.x * size.y
+    }
+
     fn generate(&self, seed: Seed) -> Result<Forest, GenerateError> {
         self.validate()?;
         match &self.density {
@@ -318,7 +324,7 @@ impl ForestSpec {
         let size = self.centre_area().size();
         let area = size.x * size.y;
         let peak = self.density.as_ref().map_or(1.0, DensityMap::max);
-        let most = if self.min_distance > 0.0 { MAX_SPACED_TREES } else { MAX_TREES };
+        let most = if self.min_distance > 0.0 { MAX_HARD_CORE_TREES } else { MAX_TREES };
         if self.intensity * peak * area <= most {
             return Ok(());
         }
@@ -329,12 +335,16 @@ impl ForestSpec {
     fn check_filling(&self) -> Result<(), SpecError> {
         let grown = self.largest_radius() + self.robot_radius;
         let peak = self.density.as_ref().map_or(1.0, DensityMap::max);
-        let most = MAX_FILLING / (PI * grown * grown * peak);
+        let disc = PI * grown * grown * peak;
+        let size = self.centre_area().size();
+        let trees = size.x * size.y * peak;
+        let most = (MAX_REDUCED_DENSITY / disc).min((MAX_OVERLAPS / (trees * disc)).sqrt());
         if self.intensity <= most {
             return Ok(());
         }
         let allowed = format!(
-            "at most {most} 1/m^2: trunks of {} m with a robot of {} m would lie {MAX_FILLING} deep",
+            "at most {most} 1/m^2: with trunks of {} m and a robot of {} m, either would overlap too \
+             often",
             self.largest_radius(),
             self.robot_radius
         );
@@ -343,8 +353,12 @@ impl ForestSpec {
 }
 
 /// The most trunks, grown by the robot's radius, that may lie over a point on average: far beyond
-/// any way through, and what bounds the time that overlaps cost.
-const MAX_FILLING: f64 = 100.0;
+/// any way through.
+const MAX_REDUCED_DENSITY: f64 = 100.0;
+
+/// The most overlaps of such trunks that a forest may be expected to hold: they bound the time that
+/// its metrics cost.
+const MAX_OVERLAPS: f64 = 4e7;
 
 /// The trees of a forest, with the spec and seed that they were drawn for.
 #[derive(Clone, Debug, PartialEq)]
@@ -375,6 +389,12 @@ impl Forest {
     /// The seed it was drawn with.
     pub fn seed(&self) -> Seed {
         self.seed
+    }
+
+    /// Whether a density function took the place of the spec's intensity, which is then the
+    /// greatest value of that function.
+    pub fn edited(&self) -> bool {
+        self.edited
     }
 }
 

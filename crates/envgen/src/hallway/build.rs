@@ -42,7 +42,10 @@ pub(super) fn world(hallway: &Hallway) -> World {
     world.goal = Some(layout.goal());
     world.walls = walls;
     world.obstacles = obstacles;
-    world.certificate = vec![Claim::Connected { radius: 0.4 * narrowest(&features, spec) }];
+    // Four fifths of what fits through the narrowest place, and between the ends and their caps.
+    let ends = [layout.start(), layout.goal()].map(|pose| world.clearance(pose.position));
+    let fits = ends.into_iter().fold(0.5 * narrowest(&features, spec), f64::min);
+    world.certificate = vec![Claim::Connected { radius: 0.8 * fits }];
     world
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Zwennes (2011) asks for "different hallway pieces" because plain corridors were the predictable
 //! part of his maps. Every inner straight cell draws at most one feature, with probability rate x
-//! pitch, so that the expected number a metre is the rate.
+//! pitch: the rate is that of the draws, and `features_dropped` tells how many had no room.
 
 use std::collections::BTreeMap;
 
@@ -64,16 +64,19 @@ impl Side {
     }
 }
 
+#[derive(Default)]
 pub(super) struct Placed {
     pub(super) features: Vec<Feature>,
     pub(super) dropped: u64,
+    /// The last one that stands in the way: anything but an alcove.
+    last_in_the_way: Option<Feature>,
 }
 
 /// Draws the features of a hallway and drops those for which there is no room: beside a corner, or
 /// where an alcove would reach another arm.
 pub(super) fn place(hallway: &Hallway, layout: &HallwayLayout) -> Placed {
     let spec = hallway.spec();
-    let mut placed = Placed { features: Vec::new(), dropped: 0 };
+    let mut placed = Placed::default();
     if spec.alcove_rate + spec.door_frame_rate + spec.narrowing_rate == 0.0 {
         return placed;
     }
@@ -97,6 +100,9 @@ pub(super) fn place(hallway: &Hallway, layout: &HallwayLayout) -> Placed {
                 fits_on_leg(layout, spec, &feature) && clear_of_last(&placed, &feature, passage);
             if room && taken.claim(spec, &feature) {
                 placed.features.push(feature);
+                if kind != FeatureKind::Alcove {
+                    placed.last_in_the_way = Some(feature);
+                }
             } else {
                 placed.dropped += 1;
             }
@@ -115,10 +121,8 @@ fn passage(spec: &HallwaySpec) -> f64 {
 /// Whether what fits through the narrowest way can also move aside between this feature and the
 /// last one: a crate right behind a door frame would close the corridor.
 fn clear_of_last(placed: &Placed, feature: &Feature, passage: f64) -> bool {
-    let in_the_way = |other: &&Feature| other.kind != FeatureKind::Alcove;
-    let last = placed.features.iter().rev().find(in_the_way);
     feature.kind == FeatureKind::Alcove
-        || last.is_none_or(|last| {
+        || placed.last_in_the_way.is_none_or(|last| {
             let apart = (feature.at - last.at).dot(feature.direction).abs();
             let lengths = 0.5 * (feature.length + last.length);
             last.leg != feature.leg || apart >= lengths + passage - 1e-9

@@ -156,7 +156,12 @@ pub(super) const P_ST: Setting =
     Setting::number("p_st", "", 0.0, 1.0, "probability of a turn after a straight segment");
 pub(super) const P_TT: Setting =
     Setting::number("p_tt", "", 0.0, 1.0, "probability of a turn after a turn (0: no U-turns)");
-const START: Setting = Setting::other("start", "", "a state 1 to 8 or stationary", "first state");
+const START: Setting = Setting::other(
+    "start",
+    "",
+    "a state 1 to 8 or stationary (in RON \"stationary\")",
+    "first state",
+);
 const PITCH: Setting =
     Setting::number("pitch", "m", 0.1, 1000.0, "side of the cell that a segment owns");
 const WIDTH: Setting = Setting::number("width", "m", 0.05, 1000.0, "clear width of the corridor");
@@ -225,6 +230,10 @@ impl Spec for HallwaySpec {
         NARROWING_RATE.check(self.narrowing_rate)?;
         NARROWING_WIDTH.check(self.narrowing_width)?;
         self.check_features()
+    }
+
+    fn work(&self) -> f64 {
+        self.segments as f64
     }
 
     fn generate(&self, seed: Seed) -> Result<Hallway, GenerateError> {

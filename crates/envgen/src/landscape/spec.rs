@@ -218,6 +218,10 @@ impl Spec for LandscapeSpec {
         self.composition().map(|_| ())
     }
 
+    fn work(&self) -> f64 {
+        self.rows as f64 * self.cols as f64
+    }
+
     fn generate(&self, seed: Seed) -> Result<Landscape, GenerateError> {
         generate::landscape(self, seed)
     }

@@ -584,6 +584,10 @@ impl Spec for RoadSpec {
         self.check_reserve()
     }
 
+    fn work(&self) -> f64 {
+        self.length / self.step
+    }
+
     fn generate(&self, seed: Seed) -> Result<Road, GenerateError> {
         self.validate()?;
         super::draw::road(self, seed)

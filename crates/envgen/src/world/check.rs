@@ -354,13 +354,13 @@ mod tests {
         assert!(matches!(broken.check(), Err(Violation::Size(_))));
 
         let mut broken = world();
-        broken.certificate = vec![Claim::TreeDistance { distance: 1.0 }];
+        broken.certificate = vec![Claim::TreeDistance { distance: 1.0, torus: None }];
         assert_eq!(broken.check(), Ok(()));
         let (area, crosses) = (Rect::new(DVec2::ONE, DVec2::ZERO), true);
         for claim in [
             Claim::Connected { radius: f64::NAN },
-            Claim::TreeDistance { distance: -1.0 },
-            Claim::CrossesWestEast { area, radius: 1.0, crosses },
+            Claim::TreeDistance { distance: -1.0, torus: None },
+            Claim::CrossesWestEast { area, radius: 1.0, crosses, predicted: crosses },
         ] {
             broken.certificate.truncate(1);
             broken.certificate.push(claim);

@@ -96,8 +96,8 @@ pub(crate) fn indoor() -> World {
     world.goal = Some(Pose::new(21.0, 11.5, FRAC_PI_2));
     world.certificate = vec![
         Claim::Connected { radius: 0.25 },
-        Claim::CrossesWestEast { area: world.bounds, radius: 0.5, crosses: true },
-        Claim::TreeDistance { distance: 1.25 },
+        Claim::CrossesWestEast { area: world.bounds, radius: 0.5, crosses: true, predicted: true },
+        Claim::TreeDistance { distance: 1.25, torus: None },
     ];
     world
 }
@@ -154,7 +154,6 @@ pub(crate) fn road() -> World {
     });
     world.road_strips.push(RoadStrip {
         centreline: ring.collect(),
-        pieces: Vec::new(),
         width: 3.5,
         lanes: 1,
         closed: true,

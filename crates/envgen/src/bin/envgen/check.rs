@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use envgen::certificate::{Verdict, verify};
+use envgen::certificate::{Claim, Verdict, verify};
 
 use crate::failure::Failure;
+use crate::progress::spinner;
 use crate::source::read_world;
 
 #[derive(Args)]
@@ -18,17 +19,28 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let world = read_world(&arguments.file)?;
+    let checked = {
+        let _spinner = spinner("checking");
+        verify(&world)
+    };
+    let all_hold = checked.iter().all(|(_, verdict)| *verdict == Verdict::Holds);
+    match print(&checked) {
+        // Who reads only the first line still wants the right exit code.
+        Err(Failure::ReaderGone) | Ok(()) => Ok(ExitCode::from(u8::from(!all_hold))),
+        Err(failure) => Err(failure),
+    }
+}
+
+fn print(checked: &[(Claim, Verdict)]) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
-    let mut broken = false;
     writeln!(out, "holds: every invariant of a world")?;
-    for (claim, verdict) in verify(&world) {
+    for (claim, verdict) in checked {
         let word = match verdict {
             Verdict::Holds => "holds",
             Verdict::Broken => "broken",
             Verdict::Undecided => "undecided",
         };
-        broken |= verdict == Verdict::Broken;
         writeln!(out, "{word}: {claim}")?;
     }
-    Ok(ExitCode::from(u8::from(broken)))
+    Ok(())
 }

@@ -9,6 +9,7 @@ use envgen::picture::PictureOptions;
 
 use crate::failure::Failure;
 use crate::output::Pending;
+use crate::progress::spinner;
 use crate::source::Source;
 
 #[derive(Args)]
@@ -72,6 +73,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     for path in &arguments.out {
         formats.push((path, Format::from_path(path)?));
     }
+    let _spinner = spinner("generating");
     let blueprint = spec.generate(arguments.source.seed)?;
     let world = blueprint.to_world();
     let mut pending = Pending::default();

@@ -9,6 +9,7 @@ mod inspect;
 mod kinds;
 mod metrics;
 mod output;
+mod progress;
 mod sample;
 mod source;
 
@@ -36,7 +37,8 @@ enum Command {
     Inspect(inspect::Arguments),
     /// Measures a raster of classes as landscape ecology does.
     Metrics(metrics::Arguments),
-    /// Verifies a world's certificate on the world alone; exit code 1 if it does not hold.
+    /// Verifies a world's certificate on the world alone; exit code 1 if a claim does not hold or
+    /// cannot be decided.
     Check(check::Arguments),
 }
 

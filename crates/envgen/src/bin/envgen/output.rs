@@ -23,7 +23,12 @@ impl Pending {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         };
-        let file = new_file(folder).map_err(|error| Failure::of_file(path, error))?;
+        if path.is_dir() {
+            return Err(Failure::of_file(path, "is a folder"));
+        }
+        // Not the error itself: it names the temporary file.
+        let file = new_file(folder)
+            .map_err(|error| Failure::of_file(path, std::io::Error::from(error.kind())))?;
         let mut out = BufWriter::with_capacity(1 << 16, file);
         write(&mut out)?;
         let file = out.into_inner().map_err(|error| Failure::of_file(path, error.error()))?;

@@ -1,19 +1,16 @@
 //! `envgen sample`.
 
-use std::io::{self, BufWriter, IsTerminal, Write};
+use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
 
 use clap::Args;
 use envgen::{Kind, Seed, WorldBlueprint, WorldMetrics};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use serde_json::Value;
 
 use crate::failure::Failure;
+use crate::progress::bar;
 use crate::source::Source;
-
-/// The bar is moved on after this many lines.
-const BAR_STEP: u64 = 64;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -59,25 +56,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             Line { kind: spec.kind(), seed, spec: &settings, blueprint: &blueprint, metrics };
         serde_json::to_writer(&mut out, &line)?;
         out.write_all(b"\n")?;
-        if n % BAR_STEP == BAR_STEP - 1 {
-            bar.inc(BAR_STEP);
-        }
+        bar.inc(1);
     }
     out.flush()?;
     bar.finish_and_clear();
     Ok(ExitCode::SUCCESS)
-}
-
-/// A progress bar on stderr, where a person sees it and it is not mixed with the lines.
-fn bar(count: u64) -> ProgressBar {
-    if io::stdout().is_terminal() {
-        return ProgressBar::with_draw_target(Some(count), ProgressDrawTarget::hidden());
-    }
-    let style =
-        ProgressStyle::with_template("{bar:40} {human_pos}/{human_len} {per_sec} {eta} left");
-    let bar = ProgressBar::new(count);
-    match style {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }

@@ -37,7 +37,8 @@ impl Source {
     /// The spec with its settings, checked.
     pub(crate) fn spec(&self) -> Result<WorldSpec, Failure> {
         let path = Path::new(&self.what);
-        let mut spec = if path.extension().is_some_and(|ending| ending == "ron") {
+        let mut spec = if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ron"))
+        {
             WorldSpec::from_ron(&read(path)?)
                 .map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?
         } else {

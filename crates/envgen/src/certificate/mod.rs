@@ -1,19 +1,19 @@
 //! What is promised of a world, and an independent check of it.
 //!
 //! A generator writes its promises into [`World::certificate`]. [`verify`] checks them on the world
-//! alone, by other means than the generator's: rasters and flood fills in place of graphs and
-//! unions, so that an error in one is not repeated in the other.
+//! alone, by other means than the generator's: floods over lattices in place of graphs and unions, so that an error in one is not repeated in the other.
 
 mod places;
+mod ways;
 
-use std::collections::VecDeque;
+use std::collections::BTreeMap;
 use std::fmt;
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
+use ways::{Ends, decide};
 
 use crate::geometry::{Rect, wrap_angle};
-use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::world::{RoadStrip, World};
 
 /// A promise that a generator makes of a world.
@@ -30,6 +30,8 @@ pub enum Claim {
     TreeDistance {
         /// Least distance in metres.
         distance: f64,
+        /// Width and height of the area in metres where distances count across its joined sides.
+        torus: Option<DVec2>,
     },
     /// Whether a disc can cross an area from its west to its east side with its middle inside.
     CrossesWestEast {
@@ -39,6 +41,8 @@ pub enum Claim {
         radius: f64,
         /// Whether it can.
         crosses: bool,
+        /// Whether theory predicts so for a wide forest of this density.
+        predicted: bool,
     },
     /// No bend of a road is tighter than this.
     BendRadius {
@@ -64,7 +68,10 @@ impl Claim {
         let distance = |d: f64| d.is_finite() && d >= 0.0;
         match *self {
             Claim::Connected { radius } => distance(radius),
-            Claim::TreeDistance { distance: least } => distance(least),
+            Claim::TreeDistance { distance: least, torus } => {
+                distance(least)
+                    && torus.is_none_or(|size| size.is_finite() && size.cmpgt(DVec2::ZERO).all())
+            }
             Claim::CrossesWestEast { area, radius, .. } => {
                 let finite = area.min.is_finite() && area.max.is_finite();
                 distance(radius) && finite && area.min.cmplt(area.max).all()
@@ -84,7 +91,7 @@ pub enum Verdict {
     Holds,
     /// It does not hold.
     Broken,
-    /// It is too close to call at the finest raster that fits into memory.
+    /// It is too close to call, or the world is too large, for the finest lattice that is tried.
     Undecided,
 }
 
@@ -94,12 +101,17 @@ impl fmt::Display for Claim {
             Claim::Connected { radius } => {
                 write!(f, "a disc of radius {radius} m can move from start to goal")
             }
-            Claim::TreeDistance { distance } => {
+            Claim::TreeDistance { distance, .. } => {
                 write!(f, "no two trees' centres are nearer than {distance} m")
             }
-            Claim::CrossesWestEast { radius, crosses, .. } => {
-                let can = if *crosses { "can" } else { "cannot" };
-                write!(f, "a disc of radius {radius} m {can} cross from west to east")
+            Claim::CrossesWestEast { radius, crosses, predicted, .. } => {
+                let word = |can: bool| if can { "can" } else { "cannot" };
+                write!(
+                    f,
+                    "a disc of radius {radius} m {} cross from west to east (predicted: {})",
+                    word(*crosses),
+                    word(*predicted)
+                )
             }
             Claim::BendRadius { radius } => {
                 write!(f, "no bend of a road is tighter than {radius} m")
@@ -123,24 +135,20 @@ fn verdict(world: &World, claim: &Claim) -> Verdict {
     match *claim {
         Claim::Connected { radius } => match (world.start, world.goal) {
             (Some(start), Some(goal)) => {
-                let from = |grid: &OccupancyGrid| cells_near(grid, start.position);
-                let to = |grid: &OccupancyGrid| cells_near(grid, goal.position);
-                decide(world, world.bounds, radius, true, &from, &to)
+                let ends = Ends::Points(start.position, goal.position);
+                decide(world, world.bounds, radius, true, &ends)
             }
             _ => Verdict::Broken,
         },
-        Claim::TreeDistance { distance } => {
-            if trees_keep(world, distance) {
+        Claim::TreeDistance { distance, torus } => {
+            if trees_keep(world, distance, torus) {
                 Verdict::Holds
             } else {
                 Verdict::Broken
             }
         }
-        Claim::CrossesWestEast { area, radius, crosses } => {
-            let side = |col: fn(&OccupancyGrid) -> usize| {
-                move |grid: &OccupancyGrid| (0..grid.rows()).map(|row| (col(grid), row)).collect()
-            };
-            decide(world, area, radius, crosses, &side(|_| 0), &side(|grid| grid.cols() - 1))
+        Claim::CrossesWestEast { area, radius, crosses, .. } => {
+            decide(world, area, radius, crosses, &Ends::WestToEast)
         }
         Claim::BendRadius { radius } => {
             if world.road_strips.iter().all(|strip| bends_keep(strip, radius)) {
@@ -157,95 +165,41 @@ fn verdict(world: &World, claim: &Claim) -> Verdict {
     }
 }
 
-/// The finest raster has at most this many cells.
-const MOST_CELLS: f64 = (1 << 24) as f64;
+/// The most places at which a road's bends are looked at.
+const MOST_PLACES: f64 = (1 << 24) as f64;
 
-/// Whether a disc's middle can move between two sets of cells inside an area, by flood fill on ever
-/// finer rasters.
-///
-/// Let h be the side of a cell. A solid point lies within h / sqrt 2 of the middle of a cell that
-/// it occupies, and every point of a way within h / sqrt 2 of a cell's middle. So middles that are
-/// farther than radius + sqrt 2 h from all occupied middles make a way for certain, and a way for
-/// certain leads through middles that are at least radius - sqrt 2 h away.
-fn decide(
-    world: &World,
-    area: Rect,
-    radius: f64,
-    claimed: bool,
-    from: &dyn Fn(&OccupancyGrid) -> Vec<(usize, usize)>,
-    to: &dyn Fn(&OccupancyGrid) -> Vec<(usize, usize)>,
-) -> Verdict {
-    let size = area.size();
-    let verdict = |way: bool| if way == claimed { Verdict::Holds } else { Verdict::Broken };
-    let mut cols = (size.x / (0.5 * radius)).max(size.x / size.y).clamp(16.0, 1024.0).ceil();
-    loop {
-        // The columns fill the area exactly; of the rows the last may reach over it.
-        let cell = size.x / cols;
-        let fits = cols * (size.y / cell) <= MOST_CELLS;
-        let Some(mut solid) = fits.then(|| OccupancyGrid::empty(area, cell).ok()).flatten() else {
-            return Verdict::Undecided;
-        };
-        world.solids().for_each(|s| solid.occupy(&s.shape, Coverage::Conservative));
-        let slack = std::f64::consts::SQRT_2 * cell;
-        let mut sure = solid.inflated(radius + slack);
-        sure.occupy_middles_outside(area);
-        if joined(&sure, from, to) {
-            return verdict(true);
-        }
-        if radius > slack && !joined(&solid.inflated((radius - slack) * (1.0 - 1e-9)), from, to) {
-            return verdict(false);
-        }
-        cols *= 2.0;
+/// Whether all trees keep a distance, on a torus across its sides too: in rows as high as the
+/// distance, each in order of x.
+fn trees_keep(world: &World, distance: f64, torus: Option<DVec2>) -> bool {
+    if distance <= 0.0 {
+        return true;
     }
-}
-
-/// The cell around a point, if it lies in the grid.
-fn cells_near(grid: &OccupancyGrid, p: DVec2) -> Vec<(usize, usize)> {
-    grid.cell_at(p).into_iter().collect()
-}
-
-/// Whether free cells join two sets of cells, over sides and corners.
-fn joined(
-    grid: &OccupancyGrid,
-    from: &dyn Fn(&OccupancyGrid) -> Vec<(usize, usize)>,
-    to: &dyn Fn(&OccupancyGrid) -> Vec<(usize, usize)>,
-) -> bool {
-    let (cols, rows) = (grid.cols(), grid.rows());
-    let mut closed = grid.cells().to_vec();
-    let mut goal = vec![false; cols * rows];
-    for (col, row) in to(grid) {
-        goal[row * cols + col] = true;
-    }
-    let mut open: VecDeque<(usize, usize)> = VecDeque::new();
-    let mut visit = |col: usize, row: usize, open: &mut VecDeque<_>| {
-        let cell = row * cols + col;
-        if !std::mem::replace(&mut closed[cell], true) {
-            open.push_back((col, row));
-        }
-    };
-    for (col, row) in from(grid) {
-        visit(col, row, &mut open);
-    }
-    while let Some((col, row)) = open.pop_front() {
-        if goal[row * cols + col] {
-            return true;
-        }
-        for row in row.saturating_sub(1)..=(row + 1).min(rows - 1) {
-            for col in col.saturating_sub(1)..=(col + 1).min(cols - 1) {
-                visit(col, row, &mut open);
+    let mut rows: BTreeMap<i64, Vec<DVec2>> = BTreeMap::new();
+    let mut put = |p: DVec2| rows.entry((p.y / distance).floor() as i64).or_default().push(p);
+    for center in world.trees.iter().map(|tree| tree.center) {
+        put(center);
+        // Trees near the low sides stand beyond the high ones too.
+        if let Some(size) = torus {
+            let low = [center.x < distance, center.y < distance];
+            for (i, j) in [(1, 0), (0, 1), (1, 1), (-1, 1)] {
+                let x_ok =
+                    i == 0 || (i == 1 && low[0]) || (i == -1 && center.x > size.x - distance);
+                if x_ok && (j == 0 || low[1]) {
+                    put(center + size * DVec2::new(f64::from(i), f64::from(j)));
+                }
             }
         }
     }
-    false
-}
-
-/// Whether all trees keep a distance: sweep in order of x.
-fn trees_keep(world: &World, distance: f64) -> bool {
-    let mut centers: Vec<DVec2> = world.trees.iter().map(|tree| tree.center).collect();
-    centers.sort_by(|a, b| a.x.total_cmp(&b.x));
-    centers.iter().enumerate().all(|(i, a)| {
-        let near = centers[i + 1..].iter().take_while(|b| b.x - a.x < distance);
-        near.into_iter().all(|b| a.distance_squared(*b) >= distance * distance)
+    rows.values_mut().for_each(|row| row.sort_by(|a, b| a.x.total_cmp(&b.x)));
+    let apart = |a: DVec2, b: DVec2| a.distance_squared(b) >= distance * distance;
+    rows.iter().all(|(number, row)| {
+        let above = rows.get(&(number + 1)).map_or(&[][..], Vec::as_slice);
+        row.iter().enumerate().all(|(i, &a)| {
+            let first = above.partition_point(|b| b.x <= a.x - distance);
+            let beside = row[i + 1..].iter().take_while(|b| b.x < a.x + distance);
+            let over = above[first..].iter().take_while(|b| b.x < a.x + distance);
+            beside.chain(over).all(|&b| apart(a, b))
+        })
     })
 }
 
@@ -256,7 +210,7 @@ fn bends_keep(strip: &RoadStrip, radius: f64) -> bool {
     let path = strip.path();
     let stated = strip.centreline.iter().map(|point| point.curvature.abs());
     let mut stated = stated.chain(path.curves().iter().map(|curve| curve.tightest()));
-    let parts = (path.length() / (0.5 * radius)).ceil().clamp(1.0, MOST_CELLS);
+    let parts = (path.length() / (0.5 * radius)).ceil().clamp(1.0, MOST_PLACES);
     let mut walk = path.walk();
     let mut before = path.pose_at(0.0);
     stated.all(|curvature| curvature * radius <= 1.0 + 1e-9)
@@ -273,14 +227,15 @@ fn bends_keep(strip: &RoadStrip, radius: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::forest::ForestSpec;
+    use crate::forest::{Border, ForestSpec};
     use crate::generate::{Blueprint, Spec};
     use crate::geometry::{Pose, Shape};
-    use crate::hallway::HallwaySpec;
+    use crate::hallway::{Corners, Ends as HallwayEnds, HallwaySpec, Start, State};
     use crate::provenance::Provenance;
     use crate::road::RoadSpec;
     use crate::seed::Seed;
     use crate::world::{Wall, WallKind};
+    use proptest::prelude::*;
 
     /// A wall from south to north with a gap of `gap` metres in its middle.
     fn gap_world(gap: f64) -> World {
@@ -301,7 +256,8 @@ mod tests {
             let mut world = gap_world(gap);
             let area = world.bounds;
             for claimed in [true, false] {
-                let claim = Claim::CrossesWestEast { area, radius: 0.5, crosses: claimed };
+                let claim =
+                    Claim::CrossesWestEast { area, radius: 0.5, crosses: claimed, predicted: true };
                 let expected = if way == claimed { Verdict::Holds } else { Verdict::Broken };
                 world.certificate = vec![claim];
                 assert_eq!(verify(&world), [(claim, expected)], "gap {gap}");
@@ -321,7 +277,7 @@ mod tests {
         world.trees[3].center = world.trees[4].center + DVec2::new(1.9, 0.0);
         assert_eq!(
             verify(&world).last().unwrap(),
-            &(Claim::TreeDistance { distance: 2.0 }, Verdict::Broken)
+            &(Claim::TreeDistance { distance: 2.0, torus: None }, Verdict::Broken)
         );
     }
 
@@ -346,19 +302,68 @@ mod tests {
         }
     }
 
-    #[test]
-    fn hallways_keep_their_promises() {
-        for seed in 0..20 {
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn hallways_keep_their_promises(
+            seed: u64,
+            start in 1..=8_u8,
+            segments in 1..40_u64,
+            p_tt in prop_oneof![Just(0.0), 0.0..=1.0_f64],
+            pitch in 0.5..6.0_f64,
+            fill in 0.1..=1.0_f64,
+            wall in 0.02..0.3_f64,
+            rounded: bool,
+            open: bool,
+            rates in prop::array::uniform3(prop_oneof![Just(0.0), 0.0..0.05_f64]),
+        ) {
+            let rows = if p_tt > 0.0 { 1.0 } else { 2.0 };
+            let width = fill * (rows * pitch - wall);
             let spec = HallwaySpec {
-                door_frame_rate: 0.1,
-                narrowing_rate: 0.1,
-                alcove_rate: 0.1,
+                segments,
+                p_tt,
+                start: Start::State(State::new(start).unwrap()),
+                pitch,
+                width,
+                wall,
+                corners: if rounded { Corners::Rounded } else { Corners::Square },
+                ends: if open { HallwayEnds::Open } else { HallwayEnds::Closed },
+                alcove_rate: rates[0],
+                alcove_width: 0.5 * pitch - wall.min(0.4 * pitch),
+                alcove_depth: 0.3 * pitch,
+                door_frame_rate: rates[1],
+                door_frame_width: 0.6 * width,
+                narrowing_rate: rates[2],
+                narrowing_width: 0.5 * width,
                 ..Default::default()
             };
+            prop_assume!(spec.validate().is_ok());
             let world = spec.generate(Seed(seed)).unwrap().to_world();
             for (claim, verdict) in verify(&world) {
-                assert_eq!(verdict, Verdict::Holds, "seed {seed}: {claim}");
+                prop_assert_eq!(verdict, Verdict::Holds, "{} {:?}", claim, spec);
             }
+        }
+    }
+
+    #[test]
+    fn long_hallways_are_decided_too() {
+        let spec = HallwaySpec { segments: 10_000, ..Default::default() };
+        let world = spec.generate(Seed(1)).unwrap().to_world();
+        assert!(verify(&world).iter().all(|(_, verdict)| *verdict == Verdict::Holds));
+    }
+
+    #[test]
+    fn trees_keep_their_distance_across_the_sides_of_a_torus() {
+        for seed in 0..4 {
+            let border = Border::Torus;
+            let spec = ForestSpec { min_distance: 3.0, border, ..Default::default() };
+            let mut world = spec.generate(Seed(seed)).unwrap().to_world();
+            let claim = *world.certificate.last().unwrap();
+            assert!(verify(&world).contains(&(claim, Verdict::Holds)));
+            // One tree too near to another, across a corner.
+            world.trees[0].center = DVec2::new(0.5, 0.5);
+            world.trees[1].center = DVec2::new(49.0, 49.0);
+            assert!(verify(&world).contains(&(claim, Verdict::Broken)));
         }
     }
 
