@@ -177,10 +177,10 @@ impl Setting {
                 "false" => Ok(false.into()),
                 _ => Err(self.error(text)),
             },
+            Allowed::List(_) if text.is_empty() => Ok(Value::Array(Vec::new())),
             Allowed::List(_) => {
                 Ok(text.split(',').map(|part| item(part.trim())).collect::<Vec<_>>().into())
             }
-            Allowed::Other(_) if text == "none" => Ok(Value::Null),
             Allowed::Other(_) => Ok(item(text)),
         }
     }

@@ -211,9 +211,10 @@ fn a_certificate_that_does_not_hold_is_exit_code_one() {
     let path = folder.path().join("h.json");
     let path = path.to_str().unwrap();
     assert!(run(&["generate", "hallway", "--out", path]).status.success());
-    let text = std::fs::read_to_string(path).unwrap();
+    let mut world: Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
     // The hallway is 2 m wide.
-    std::fs::write(path, text.replace("\"radius\":0.8", "\"radius\":1.2")).unwrap();
+    world["certificate"][0]["connected"]["radius"] = 1.2.into();
+    std::fs::write(path, world.to_string()).unwrap();
     let output = run(&["check", path]);
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8(output.stdout).unwrap().contains("broken: a disc of radius 1.2"));

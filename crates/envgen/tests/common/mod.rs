@@ -157,6 +157,7 @@ pub(crate) fn road() -> World {
         width: 3.5,
         lanes: 1,
         closed: true,
+        pieces: Vec::new(),
     });
     for i in 0..8 {
         let angle = f64::from(i) * PI / 4.0;
