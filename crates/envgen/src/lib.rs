@@ -56,6 +56,7 @@ mod generate;
 pub mod geometry;
 pub mod hallway;
 pub mod import;
+pub mod indoor;
 pub mod landscape;
 mod lattice;
 pub mod occupancy;

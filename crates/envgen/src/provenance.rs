@@ -26,6 +26,9 @@ pub struct Provenance {
     /// Whether the world was changed after it was generated, so that it may no longer be what the
     /// spec asked for.
     pub edited: bool,
+    /// The difficulty that was asked for, once an edit has made the promise of it void.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub difficulty_requested: Option<f64>,
 }
 
 impl Provenance {
@@ -39,6 +42,7 @@ impl Provenance {
             crate_version: env!("CARGO_PKG_VERSION").to_owned(),
             value_version,
             edited: false,
+            difficulty_requested: None,
         }
     }
 
@@ -53,6 +57,7 @@ impl Provenance {
             crate_version: env!("CARGO_PKG_VERSION").to_owned(),
             value_version: 0,
             edited: false,
+            difficulty_requested: None,
         }
     }
 }

@@ -204,6 +204,8 @@ kinds! {
         crate::forest::ForestSpec, crate::forest::Forest;
     Road, "road", " A road of straights and turns, whose lengths follow a Dirichlet law.",
         crate::road::RoadSpec, crate::road::Road;
+    Indoor, "indoor", " Hallways, rooms and doorways that adapt to a difficulty.",
+        crate::indoor::IndoorSpec, crate::indoor::FloorPlan;
     Landscape, "landscape", " A grid of classes with a given entropy and Total Edge.",
         crate::landscape::LandscapeSpec, crate::landscape::Landscape;
 }

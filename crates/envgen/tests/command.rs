@@ -162,6 +162,50 @@ fn a_spec_file_is_a_source_too() {
 }
 
 #[test]
+fn indoor_maps_take_rooms_from_a_folder_and_go_to_the_world_generator() {
+    let folder = tempfile::tempdir().unwrap();
+    let rooms = folder.path().join("rooms");
+    std::fs::create_dir(&rooms).unwrap();
+    let room = rooms.join("vault.room.ron");
+    std::fs::write(&room, "(name: \"vault\", width: 1, height: 1, difficulty: 3)").unwrap();
+    let rooms = rooms.to_str().unwrap();
+    let [map, again] = ["map.xml", "again.svg"].map(|name| folder.path().join(name));
+    let arguments = ["generate", "indoor", "--rooms", rooms, "--set", "rooms=vault"];
+    let out = ["--out", map.to_str().unwrap(), "--out", again.to_str().unwrap()];
+    let output = run(&[&arguments[..], &out].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = std::fs::read_to_string(&map).unwrap();
+    assert!(text.contains("<room name=\"vault\"") && text.contains("<door "));
+    // The room is in no catalogue that `inspect` knows.
+    let (code, error) = failure(&["inspect", map.to_str().unwrap()]);
+    assert!(code != 0 && error.contains("`vault`"), "{error}");
+
+    let before = names(folder.path());
+    std::fs::write(&room, "(name: \"vault\", width: -1, height: 1, difficulty: 3)").unwrap();
+    let new = folder.path().join("new.xml");
+    let (code, error) = failure(&[&arguments[..], &["--out", new.to_str().unwrap()]].concat());
+    assert!(code == 2 && error.contains("vault.room.ron"), "{error}");
+    let (code, error) = failure(&["sample", "hallway", "--count", "1", "--rooms", rooms]);
+    assert!(code == 2 && error.contains("indoor"), "{error}");
+    let (code, error) = failure(&["generate", "hallway", "--out", new.to_str().unwrap()]);
+    assert!(code == 1 && error.contains("plan of an indoor map"), "{error}");
+    assert_eq!(names(folder.path()), before);
+}
+
+#[test]
+fn a_world_generator_project_is_a_world() {
+    let folder = tempfile::tempdir().unwrap();
+    let map = folder.path().join("map.xml");
+    let path = map.to_str().unwrap();
+    assert!(run(&["generate", "indoor", "--seed", "3", "--out", path]).status.success());
+    assert!(run(&["inspect", path]).status.success());
+    let whole = std::fs::read_to_string(&map).unwrap();
+    std::fs::write(&map, &whole[..whole.len() / 2]).unwrap();
+    let (code, error) = failure(&["inspect", path]);
+    assert!(code != 0 && error.contains("map.xml"), "{error}");
+}
+
+#[test]
 fn a_certificate_that_does_not_hold_is_exit_code_one() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("h.json");

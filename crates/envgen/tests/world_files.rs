@@ -53,7 +53,8 @@ fn ron_has_one_line_a_part() {
 
 #[test]
 fn formats_write_what_readers_read() {
-    for &(ending, reader) in import::READERS {
+    // A project of the World Generator holds a plan, not a world.
+    for &(ending, reader) in import::READERS.iter().filter(|(ending, _)| *ending != "xml") {
         let format = Format::from_path(format!("a.{ending}").as_ref()).unwrap();
         let written = |world: &World| {
             let mut file = Vec::new();

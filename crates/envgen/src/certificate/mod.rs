@@ -3,6 +3,7 @@
 //! A generator writes its promises into [`World::certificate`]. [`verify`] checks them on the world
 //! alone, by other means than the generator's: floods over lattices in place of graphs and unions, so that an error in one is not repeated in the other.
 
+mod places;
 mod ways;
 
 use std::collections::BTreeMap;
@@ -48,6 +49,17 @@ pub enum Claim {
         /// Least radius in metres.
         radius: f64,
     },
+    /// From the start a disc of this radius can reach every room, or every part of a room that its
+    /// contents divide, and every piece of the hallways and open areas.
+    EveryPlaceReachable {
+        /// Radius of the disc in metres.
+        radius: f64,
+    },
+    /// This doorway was added, and is open, so that some place can be reached.
+    AddedDoorway {
+        /// Its place in [`World::doorways`](crate::World::doorways).
+        doorway: u32,
+    },
 }
 
 impl Claim {
@@ -65,6 +77,8 @@ impl Claim {
                 distance(radius) && finite && area.min.cmplt(area.max).all()
             }
             Claim::BendRadius { radius } => distance(radius),
+            Claim::EveryPlaceReachable { radius } => distance(radius),
+            Claim::AddedDoorway { .. } => true,
         }
     }
 }
@@ -102,6 +116,12 @@ impl fmt::Display for Claim {
             Claim::BendRadius { radius } => {
                 write!(f, "no bend of a road is tighter than {radius} m")
             }
+            Claim::EveryPlaceReachable { radius } => {
+                write!(f, "a disc of radius {radius} m can reach every room and hallway")
+            }
+            Claim::AddedDoorway { doorway } => {
+                write!(f, "doorway {doorway} was added so that a place can be reached")
+            }
         }
     }
 }
@@ -137,6 +157,11 @@ fn verdict(world: &World, claim: &Claim) -> Verdict {
                 Verdict::Broken
             }
         }
+        Claim::EveryPlaceReachable { radius } => places::every_place_reachable(world, radius),
+        Claim::AddedDoorway { doorway } => match world.doorways.get(doorway as usize) {
+            Some(doorway) if doorway.open => Verdict::Holds,
+            _ => Verdict::Broken,
+        },
     }
 }
 

@@ -35,6 +35,7 @@ use crate::landscape::metrics::RasterError;
 #[cfg(feature = "picture")]
 use crate::picture::{PictureError, PictureOptions};
 use crate::seed::Seed;
+use crate::spec::WorldBlueprint;
 use crate::world::{ClassRaster, World};
 
 /// How many tasks stand in a MovingAI scenario file.
@@ -55,6 +56,14 @@ pub enum ExportError {
     /// Writing failed.
     #[error(transparent)]
     Io(#[from] io::Error),
+    /// The format holds plans of another kind than this world's.
+    #[error("{format} holds {wanted}, which this world was not built from")]
+    Blueprint {
+        /// The format.
+        format: &'static str,
+        /// What it holds.
+        wanted: &'static str,
+    },
     /// The world cannot stand in a world file.
     #[error(transparent)]
     File(#[from] FileError),
@@ -78,6 +87,9 @@ pub enum ExportError {
 pub struct Job<'a> {
     /// The world.
     pub world: &'a World,
+    /// The blueprint that the world was built from, for formats that hold plans. Worlds that were
+    /// read from a file have none.
+    pub blueprint: Option<&'a WorldBlueprint>,
     /// The file's name without its ending, for formats of several files that name each other.
     pub stem: String,
     /// How pictures are drawn.
@@ -90,6 +102,7 @@ impl<'a> Job<'a> {
     pub fn new(world: &'a World) -> Self {
         Job {
             world,
+            blueprint: None,
             stem: "world".to_owned(),
             #[cfg(feature = "picture")]
             picture: PictureOptions::default(),
@@ -161,6 +174,8 @@ formats! {
         ["xodr" => |job, out| opendrive::write(job.world, out)];
     Csv, " The waypoints of the roads as comma-separated values.",
         ["csv" => |job, out| csv::write(job.world, out)];
+    WorldGenerator, " An indoor plan as a project of the World Generator for USARSim.",
+        ["xml" => write_world_generator];
     #[cfg(feature = "picture")]
     Svg, " A vector picture.",
         ["svg" => |job, out| Ok(crate::picture::write_svg(job.world, &job.picture, out)?)];
@@ -175,6 +190,18 @@ formats! {
     MovingAi, " Where a landscape can be passed as a MovingAI map, with a scenario of 100 tasks.",
         ["map" => |job, out| Ok(movingai::write_map(job.raster()?, out)?),
          "scen" => |job, out| job.write_scenarios(out)];
+}
+
+fn write_world_generator(job: &Job<'_>, mut out: &mut dyn Write) -> Result<(), ExportError> {
+    match job.blueprint {
+        Some(WorldBlueprint::Indoor(plan)) => {
+            Ok(crate::indoor::world_generator::write_project(plan, &job.stem, &mut out)?)
+        }
+        _ => Err(ExportError::Blueprint {
+            format: "a World Generator project",
+            wanted: "the plan of an indoor map",
+        }),
+    }
 }
 
 impl Format {

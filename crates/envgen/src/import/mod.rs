@@ -18,6 +18,9 @@ pub use movingai::{read_map, read_scenarios};
 pub use raster::{ImportedRaster, RasterFileError, read_raster_json};
 
 use crate::file::{self, FileError};
+use crate::generate::Blueprint;
+use crate::indoor::Catalogue;
+use crate::indoor::world_generator::{WorldGeneratorError, read_project};
 use crate::landscape::raster_world;
 use crate::provenance::Provenance;
 use crate::world::World;
@@ -40,6 +43,9 @@ pub enum ImportError {
     /// The file holds no raster.
     #[error(transparent)]
     Raster(#[from] RasterFileError),
+    /// The file is no project of the World Generator.
+    #[error(transparent)]
+    WorldGenerator(#[from] WorldGeneratorError),
 }
 
 /// Reads a world and checks it.
@@ -51,6 +57,7 @@ pub const READERS: &[(&str, Reader)] = &[
     ("ron", read_ron),
     ("asc", |input| world_of_raster("esri_ascii_grid", read_asc(input)?)),
     ("map", |input| world_of_raster("movingai_map", read_map(input)?)),
+    ("xml", read_world_generator),
 ];
 
 /// The reader of a file, by the ending of its name; upper and lower case are one.
@@ -80,6 +87,15 @@ pub fn read_json(input: &mut dyn Read) -> Result<World, ImportError> {
 /// When the file holds no world of this crate's schema, or a broken one.
 pub fn read_ron(input: &mut dyn Read) -> Result<World, ImportError> {
     Ok(World::from_ron(&file::read_text(input)?)?)
+}
+
+/// Reads a project of the World Generator for `USARSim`, with the built-in rooms.
+///
+/// # Errors
+/// When the file is no project, or a room is unknown, overlaps another or leaves the world.
+pub fn read_world_generator(input: &mut dyn Read) -> Result<World, ImportError> {
+    let text = file::read_text(input)?;
+    Ok(read_project(&text, Catalogue::builtin(), &[])?.plan.to_world())
 }
 
 /// The world of a raster that was read: all ground can be passed where the format tells no speeds.

@@ -77,6 +77,9 @@ fn entries(world: &World) -> Vec<Entry> {
     }
     let obstacles = parts::obstacle_layers(world);
     entries.extend(obstacles.iter().map(|layer| Entry::Part(layer.style)));
+    if !world.victims.is_empty() {
+        entries.push(Entry::Part(style::VICTIM));
+    }
     if !world.road_strips.is_empty() {
         entries.push(Entry::Road);
     }

@@ -44,10 +44,25 @@ pub(super) fn draw(
     groups.extend(draw_layers("doorways", doorway_layers(world), view, |door| &door.shape)?);
     trees(world, view, &mut groups)?;
     groups.extend(draw_layers("obstacles", obstacle_layers(world), view, |o| &o.shape)?);
+    groups.extend(victims(world, view));
     if options.names {
         groups.extend(names::draw(world, view, typesetter));
     }
     Ok(groups)
+}
+
+/// Dots of a round line cap, as trees are.
+fn victims(world: &World, view: &View) -> Option<Group> {
+    if world.victims.is_empty() {
+        return None;
+    }
+    let radius = (0.25 * view.scale).clamp(1.5, 6.0);
+    let mut dots = PathData::new(1);
+    world.victims.iter().for_each(|victim| dots.dot(view.px(victim.position)));
+    let edge = stroked(dots.clone(), style::VICTIM.edge, 2.0 * radius);
+    let inside = stroked(dots, style::VICTIM.fill, 2.0 * radius - 1.5);
+    let group = Group::new().set("id", "victims").set("stroke-linecap", "round");
+    Some(group.add(edge).add(inside))
 }
 
 pub(super) fn stroked(path: PathData, color: Color, width: f64) -> Path {

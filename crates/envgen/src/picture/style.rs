@@ -119,6 +119,18 @@ const WALLS: &[(WallKind, Style)] = &[
 /// Obstacles, in the order in which they are drawn; kinds that are not here look like `Other`.
 const OBSTACLES: &[(ObstacleKind, Style)] = &[
     (ObstacleKind::Other, OTHER),
+    (ObstacleKind::Stairs, Style::edged("flight of stairs", rgb(0xc3_c7_d0), rgb(0x5a_62_70))),
+    (ObstacleKind::Pipe, Style::edged("pipe", rgb(0x9a_a3_ad), rgb(0x4b_53_5e))),
+    (ObstacleKind::Boiler, Style::edged("boiler", rgb(0xb8_6b_52), rgb(0x5c_2a_1b))),
+    (ObstacleKind::Statue, Style::edged("statue", rgb(0x8d_8f_86), rgb(0x3f_41_3a))),
+    (ObstacleKind::Counter, Style::edged("counter", rgb(0x8f_b8_c9), rgb(0x33_5f_73))),
+    (ObstacleKind::Container, Style::edged("container", rgb(0x2f_8f_8b), rgb(0x0f_4d_4a))),
+    (ObstacleKind::Cabinet, Style::edged("cupboard", rgb(0x9c_84_6a), rgb(0x4d_3d_2c))),
+    (ObstacleKind::Panel, Style::edged("fallen wall", rgb(0x6f_77_85), rgb(0x33_39_44))),
+    (ObstacleKind::Desk, Style::edged("desk", rgb(0xc9_9a_6b), rgb(0x6f_49_22))),
+    (ObstacleKind::Chair, Style::edged("chair", rgb(0x5f_86_b3), rgb(0x2b_46_69))),
+    (ObstacleKind::Screen, Style::edged("screen", rgb(0x4a_4f_58), rgb(0x16_19_1e))),
+    (ObstacleKind::Rubble, Style::edged("rubble", rgb(0x8a_7a_6c), rgb(0x45_3a_30))),
     (ObstacleKind::Crate, Style::edged("crate", rgb(0xd8_b3_7a), rgb(0x7a_55_25))),
     (ObstacleKind::DoorPost, Style::edged("door post", rgb(0xe6_9f_00), rgb(0x8a_5a_00))),
 ];
@@ -126,6 +138,8 @@ const OTHER: Style = Style::edged("obstacle", rgb(0xb7_9c_c8), rgb(0x5d_43_70));
 
 /// Grounds, in the order in which they are drawn; kinds that are not here look like a floor.
 const SURFACES: &[(SurfaceKind, Style)] = &[
+    (SurfaceKind::OpenArea, Style::edged("open area", rgb(0xe9_f5_d8), rgb(0xe9_f5_d8))),
+    (SurfaceKind::Hallway, Style::edged("hallway", rgb(0xd3_ec_c8), rgb(0xd3_ec_c8))),
     (
         SurfaceKind::Uneven,
         Style::edged("uneven", rgb(0xee_e2_bf), rgb(0xb9_a0_5f)).textured(Texture::Dots),
@@ -146,6 +160,9 @@ const SURFACES: &[(SurfaceKind, Style)] = &[
 const FLOOR: Style = Style::edged("floor", rgb(0xf1_ef_ea), rgb(0xe2_df_d8));
 
 pub(super) const ROOM_STYLE: Style = Style::edged("room", ROOM, ROOM_EDGE);
+/// People who wait to be found.
+pub(super) const VICTIM: Style =
+    Style { edge_width: 1.0, ..Style::edged("victim", rgb(0xcc_79_a7), rgb(0x7a_2f_5a)) };
 pub(super) const OPEN_DOOR: Style =
     Style { edge_width: 1.0, ..Style::edged("open doorway", DOOR_OPEN, DOOR_OPEN_EDGE) };
 pub(super) const CLOSED_DOOR: Style =

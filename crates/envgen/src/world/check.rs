@@ -46,7 +46,7 @@ pub enum Violation {
         /// The room it names.
         room: u32,
     },
-    /// The start or goal pose is not finite or out of bounds.
+    /// The start, goal or a victim's pose is not finite or out of bounds.
     #[error("the {0} pose is not finite or out of bounds")]
     Pose(&'static str),
     /// The start or goal pose lies inside a solid part.
@@ -129,6 +129,11 @@ impl World {
                 if room as usize >= self.rooms.len() {
                     return Err(Violation::UnknownRoom { part, room });
                 }
+            }
+        }
+        for &victim in &self.victims {
+            if !finite_pose(victim) || !b.grown(TOLERANCE).contains(victim.position) {
+                return Err(Violation::Pose("victim's"));
             }
         }
         self.check_pose("start", self.start)?;

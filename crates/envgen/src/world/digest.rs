@@ -28,11 +28,18 @@ impl Digest {
 impl World {
     /// The digest of everything but the provenance and the certificate: of the geometry alone.
     pub fn digest(&self) -> Digest {
-        Digest::of(&(
+        let parts = (
             (self.bounds, self.start, self.goal),
             (&self.walls, &self.trees, &self.road_strips, &self.rooms),
             (&self.doorways, &self.obstacles, &self.surfaces, &self.raster),
-        ))
+        );
+        // Lists that later versions added count only when they hold something, so that the digests
+        // of older worlds stay.
+        if self.victims.is_empty() {
+            Digest::of(&parts)
+        } else {
+            Digest::of(&(parts, &self.victims))
+        }
     }
 }
 

@@ -58,6 +58,9 @@ pub struct World {
     pub obstacles: Vec<Obstacle>,
     /// Grounds that change how a robot drives.
     pub surfaces: Vec<Surface>,
+    /// Where people wait to be found. They are marks on the floor: nothing stands there.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub victims: Vec<Pose>,
     /// A landscape's cells.
     pub raster: Option<ClassRaster>,
     /// What is promised of this world.
@@ -127,6 +130,7 @@ impl World {
             doorways: Vec::new(),
             obstacles: Vec::new(),
             surfaces: Vec::new(),
+            victims: Vec::new(),
             raster: None,
             certificate: Vec::new(),
         }

@@ -117,6 +117,30 @@ pub enum ObstacleKind {
     DoorPost,
     /// A crate that narrows a corridor.
     Crate,
+    /// A desk or table.
+    Desk,
+    /// A chair.
+    Chair,
+    /// A computer screen, on the floor.
+    Screen,
+    /// A cupboard or shelf.
+    Cabinet,
+    /// The counter of a reception.
+    Counter,
+    /// A shipping container.
+    Container,
+    /// A boiler.
+    Boiler,
+    /// A pipe or duct.
+    Pipe,
+    /// A statue.
+    Statue,
+    /// A wall of a cubicle that has come down.
+    Panel,
+    /// A heap of rubble.
+    Rubble,
+    /// A flight of stairs, which a robot cannot climb and a ray cannot pass.
+    Stairs,
     /// Anything else.
     Other,
 }
@@ -148,6 +172,10 @@ pub enum SurfaceKind {
     Water,
     /// Stairs, which also block the view.
     Stairs,
+    /// The plain floor of a hallway.
+    Hallway,
+    /// The plain floor of an open area between rooms.
+    OpenArea,
     /// A class of a landscape, counted from 1.
     Class(u16),
 }

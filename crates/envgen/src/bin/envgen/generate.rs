@@ -74,10 +74,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         formats.push((path, Format::from_path(path)?));
     }
     let _spinner = spinner("generating");
-    let world = spec.generate(arguments.source.seed)?.to_world();
+    let blueprint = spec.generate(arguments.source.seed)?;
+    let world = blueprint.to_world();
     let mut pending = Pending::default();
     for (path, format) in formats {
-        let job = Job { picture: picture.clone(), ..Job::for_path(&world, path) };
+        let job = Job {
+            blueprint: Some(&blueprint),
+            picture: picture.clone(),
+            ..Job::for_path(&world, path)
+        };
         for (i, (ending, write)) in format.files().iter().enumerate() {
             // The first file keeps the name as it was given, capitals and all.
             let path = if i == 0 { path.clone() } else { path.with_extension(ending) };

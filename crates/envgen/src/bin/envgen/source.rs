@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use envgen::import::{self, ImportError};
@@ -26,6 +26,11 @@ pub(crate) struct Source {
     /// Sets a setting (see `envgen kinds`); may be given several times.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     settings: Vec<String>,
+
+    /// A folder of *.room.ron files for indoor maps, beside the built-in rooms; one of a built-in
+    /// name takes its place.
+    #[arg(long, value_name = "FOLDER")]
+    rooms: Option<PathBuf>,
 }
 
 impl Source {
@@ -45,6 +50,13 @@ impl Source {
                 return Err(Failure::Usage(text));
             };
             spec.set(name.trim(), value)?;
+        }
+        if let Some(folder) = &self.rooms {
+            let WorldSpec::Indoor(indoor) = &mut spec else {
+                return Err(Failure::Usage("`--rooms` is for the kind indoor".to_owned()));
+            };
+            let rooms = indoor.catalogue().with_folder(folder);
+            indoor.catalogue = Some(rooms.map_err(|error| Failure::Usage(error.to_string()))?);
         }
         spec.validate().map_err(|error| Failure::Usage(error.to_string()))?;
         Ok(spec)

@@ -1,0 +1,127 @@
+//! What an indoor map costs, rule by rule.
+//!
+//! `cargo bench -p envgen --bench indoor` prints the time of each stage, plans a second, and how the
+//! cost of a cell grows from a map of 16 x 16 to one of 256 x 256 cells. Every number is the best of
+//! several interleaved rounds; the ratios, not the seconds, tell one machine from another. It ends
+//! with 1 when a target is missed.
+
+#![expect(clippy::print_stdout, reason = "a benchmark prints its results")]
+#![expect(clippy::disallowed_methods, reason = "a benchmark needs a clock")]
+
+use std::hint::black_box;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use envgen::indoor::{FloorPlan, IndoorSpec, Layout, Profile, Stage};
+use envgen::{Blueprint, Seed, Spec};
+
+const ROUNDS: usize = 7;
+
+/// Seconds of each stage and of the whole.
+struct Times {
+    stages: [f64; 7],
+    all: f64,
+}
+
+/// The times of `count` plans.
+fn stages(spec: &IndoorSpec, count: u64) -> Times {
+    let mut times = [0.0; 7];
+    let begin = Instant::now();
+    for seed in 0..count {
+        let mut last = Instant::now();
+        let plan = spec.generate_observed(Seed(seed), &mut |stage| {
+            let now = Instant::now();
+            times[stage as usize] += (now - last).as_secs_f64();
+            last = now;
+        });
+        black_box(plan).expect("the spec is valid");
+    }
+    Times { stages: times, all: begin.elapsed().as_secs_f64() }
+}
+
+/// Seconds for something to be done to `count` plans, their making included.
+fn after(spec: &IndoorSpec, count: u64, work: impl Fn(&FloorPlan)) -> f64 {
+    let begin = Instant::now();
+    for seed in 0..count {
+        work(&spec.generate(Seed(seed)).expect("the spec is valid"));
+    }
+    begin.elapsed().as_secs_f64()
+}
+
+fn best(round: impl Fn() -> f64) -> f64 {
+    (0..ROUNDS).map(|_| round()).fold(f64::INFINITY, f64::min)
+}
+
+fn target(met: &mut bool, what: &str, value: f64, limit: f64, at_most: bool) {
+    let holds = if at_most { value <= limit } else { value >= limit };
+    *met &= holds;
+    let (sign, verdict) = (if at_most { "<=" } else { ">=" }, if holds { "met" } else { "MISSED" });
+    println!("  {what:<58} {value:>9.2} {sign} {limit:<6} {verdict}");
+}
+
+fn main() -> ExitCode {
+    let spec = |difficulty: f64, profile, size| IndoorSpec {
+        difficulty,
+        profile,
+        width: size,
+        height: size,
+        ..Default::default()
+    };
+    // The rooms' free space is worked out once for all maps.
+    black_box(spec(5.0, Profile::Guaranteed, 16).generate(Seed(0))).expect("the spec is valid");
+
+    println!("share of each stage, 16 x 16, microseconds a plan");
+    print!("{:<28}", "");
+    Stage::ALL.iter().for_each(|stage| print!("{:>10}", format!("{stage:?}")));
+    println!("{:>10}", "all");
+    let l_system = IndoorSpec { layout: Layout::LSystem, ..spec(5.0, Profile::Guaranteed, 16) };
+    for (name, spec) in [
+        ("thesis, d = 0", spec(0.0, Profile::Thesis, 16)),
+        ("thesis, d = 5", spec(5.0, Profile::Thesis, 16)),
+        ("guaranteed, d = 0", spec(0.0, Profile::Guaranteed, 16)),
+        ("guaranteed, d = 5", spec(5.0, Profile::Guaranteed, 16)),
+        ("guaranteed, d = 10", spec(10.0, Profile::Guaranteed, 16)),
+        ("guaranteed, d = 5, l_system", l_system),
+    ] {
+        let count = 200;
+        let rounds: Vec<_> = (0..ROUNDS).map(|_| stages(&spec, count)).collect();
+        print!("{name:<28}");
+        let least = |time: &dyn Fn(&Times) -> f64| {
+            1e6 / count as f64 * rounds.iter().map(time).fold(f64::INFINITY, f64::min)
+        };
+        for stage in 0..7 {
+            print!("{:>10.2}", least(&|round| round.stages[stage]));
+        }
+        println!("{:>10.2}", least(&|round| round.all));
+    }
+
+    let mut met = true;
+    println!("targets");
+    let guaranteed = spec(5.0, Profile::Guaranteed, 16);
+    let count = 400;
+    let repaired = best(|| {
+        after(&guaranteed, count, |plan| {
+            black_box(plan);
+        })
+    });
+    let verified = best(|| after(&guaranteed, count, |plan| assert_eq!(plan.access().parts(), 1)));
+    let built = best(|| after(&guaranteed, count, |plan| drop(black_box(plan.to_world()))));
+    let rate = |seconds: f64| count as f64 / seconds;
+    target(&mut met, "plans/s, access repaired", rate(repaired), 5000.0, false);
+    target(&mut met, "plans/s, free space on the contents verified", rate(verified), 300.0, false);
+    println!("  {:<58} {:>9.2}", "plans/s, built as worlds", rate(built));
+    for (name, profile) in [("thesis", Profile::Thesis), ("guaranteed", Profile::Guaranteed)] {
+        for difficulty in [0.0, 5.0, 10.0] {
+            let (small, large) = (spec(difficulty, profile, 16), spec(difficulty, profile, 256));
+            let mut least = [f64::INFINITY; 2];
+            for _ in 0..ROUNDS {
+                // 256 small maps have the cells of one large one.
+                let times = [stages(&small, 1024).all, stages(&large, 4).all];
+                least = [least[0].min(times[0]), least[1].min(times[1])];
+            }
+            let what = format!("cost a cell, 256 x 256 to 16 x 16, {name}, d = {difficulty}");
+            target(&mut met, &what, least[1] / least[0], 1.5, true);
+        }
+    }
+    if met { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

@@ -1,0 +1,249 @@
+//! From a plan to a world in metres.
+
+use glam::DVec2;
+use serde_json::json;
+
+use super::access::{AccessGraph, PlaceKind};
+use super::grid::{Axis, Cell, Gate, Opening, Origin};
+use super::plan::FloorPlan;
+use crate::certificate::Claim;
+use crate::generate::Spec;
+use crate::geometry::{Pose, Rect, Shape};
+use crate::provenance::Provenance;
+use crate::world::{Doorway, Obstacle, Room, Surface, SurfaceKind, Wall, WallKind, World};
+
+pub(super) fn world(plan: &FloorPlan) -> World {
+    let spec = plan.spec();
+    let half_wall = 0.5 * spec.wall;
+    let size = DVec2::new(f64::from(plan.grid.width()), f64::from(plan.grid.height()));
+    let floor = Rect::new(DVec2::ZERO, size * spec.unit);
+    let mut world = World::new(provenance(plan), floor.grown(half_wall));
+    walls(plan, &mut world.walls);
+    world.doorways = plan.openings.iter().map(|opening| doorway(plan, opening)).collect();
+    floors(plan, &mut world.surfaces);
+    for i in 0..plan.rooms.len() {
+        room(plan, i, &mut world);
+    }
+    let access = plan.access();
+    if let Some(start) = start(plan, &access) {
+        let distances = access.distances(start);
+        let from = access.places()[start as usize].at;
+        world.start = Some(Pose { position: from, heading: heading(&access, start) });
+        let goal = farthest(&distances);
+        world.goal = Some(Pose { position: access.places()[goal].at, heading: 0.0 });
+        let radius = spec.footprint;
+        world.certificate.push(Claim::Connected { radius });
+        if distances.iter().all(|distance| distance.is_finite()) {
+            world.certificate.push(Claim::EveryPlaceReachable { radius });
+        }
+        for (i, opening) in plan.openings.iter().enumerate() {
+            if opening.origin == Origin::Added {
+                world.certificate.push(Claim::AddedDoorway { doorway: i as u32 });
+            }
+        }
+    }
+    world
+}
+
+fn provenance(plan: &FloorPlan) -> Provenance {
+    let mut provenance = match plan.seed {
+        Some(seed) => plan.spec.provenance(seed),
+        None => Provenance::other("import", json!(plan.spec)),
+    };
+    provenance.edited = plan.edited;
+    if plan.edited && plan.seed.is_some() {
+        provenance.difficulty_requested = Some(plan.spec.difficulty);
+    }
+    provenance
+}
+
+/// Walls between cells that are not one space, merged along their lines and cut by the openings.
+fn walls(plan: &FloorPlan, walls: &mut Vec<Wall>) {
+    let (width, height) = (plan.grid.width(), plan.grid.height());
+    let cell = |x: u32, y: u32| plan.grid.get(x, y).unwrap_or_default();
+    let divided = |a: Cell, b: Cell| a != b && !(a.is_floor() && b.is_floor());
+    let mut openings = plan.openings.iter().map(|opening| opening.gate).peekable();
+    for line in 0..=height {
+        let wall = |x: u32| divided(cell(x, line.wrapping_sub(1)), cell(x, line));
+        runs(plan, Axis::Horizontal, line, width, wall, &mut openings, walls);
+    }
+    for line in 0..=width {
+        let wall = |y: u32| divided(cell(line.wrapping_sub(1), y), cell(line, y));
+        runs(plan, Axis::Vertical, line, height, wall, &mut openings, walls);
+    }
+}
+
+/// The walls on one line. `openings` are those not passed yet, in order.
+fn runs(
+    plan: &FloorPlan,
+    axis: Axis,
+    line: u32,
+    cells: u32,
+    wall: impl Fn(u32) -> bool,
+    openings: &mut std::iter::Peekable<impl Iterator<Item = Gate>>,
+    walls: &mut Vec<Wall>,
+) {
+    let (half_wall, half_doorway) = (0.5 * plan.spec.wall, 0.5 * plan.spec.doorway);
+    let unit = plan.spec.unit;
+    let mut push = |from: f64, to: f64| {
+        if to > from {
+            let shape = Shape::from_rect(along_line(plan, axis, line, from, to, half_wall));
+            walls.push(Wall { kind: WallKind::Wall, shape });
+        }
+    };
+    let mut along = 0;
+    while along < cells {
+        if !wall(along) {
+            along += 1;
+            continue;
+        }
+        let mut end = along + 1;
+        while end < cells && wall(end) {
+            end += 1;
+        }
+        // A run ends in a wall across, and fills its corner.
+        let mut from = f64::from(along) * unit - half_wall;
+        let to = f64::from(end) * unit + half_wall;
+        let here = |gate: &Gate| gate.wall == axis && gate.line == line && gate.at < 2 * end;
+        while let Some(gate) = openings.next_if(here) {
+            let middle = 0.5 * f64::from(gate.at) * unit;
+            push(from, middle - half_doorway);
+            from = from.max(middle + half_doorway);
+        }
+        push(from, to);
+        along = end;
+    }
+}
+
+/// The rectangle around a line of the grid, from `from` to `to` metres along it (from the left or
+/// from the top) and `half` metres to either side.
+fn along_line(plan: &FloorPlan, axis: Axis, line: u32, from: f64, to: f64, half: f64) -> Rect {
+    let across = f64::from(line) * plan.spec.unit;
+    let top = f64::from(plan.grid.height()) * plan.spec.unit;
+    match axis {
+        Axis::Horizontal => {
+            Rect::new(DVec2::new(from, top - across - half), DVec2::new(to, top - across + half))
+        }
+        Axis::Vertical => {
+            Rect::new(DVec2::new(across - half, top - to), DVec2::new(across + half, top - from))
+        }
+    }
+}
+
+fn doorway(plan: &FloorPlan, opening: &Opening) -> Doorway {
+    let gate = opening.gate;
+    let middle = 0.5 * f64::from(gate.at) * plan.spec.unit;
+    let half = 0.5 * plan.spec.doorway;
+    let rect =
+        along_line(plan, gate.wall, gate.line, middle - half, middle + half, 0.5 * plan.spec.wall);
+    let rooms = gate.cells(&plan.grid).map(|[cell, _]| match cell {
+        Cell::Room(room) => Some(room),
+        _ => None,
+    });
+    Doorway { shape: Shape::from_rect(rect), open: true, rooms }
+}
+
+/// The floors of hallways and open areas, in rectangles as large as a scan from the top left finds.
+fn floors(plan: &FloorPlan, surfaces: &mut Vec<Surface>) {
+    let grid = &plan.grid;
+    let mut covered = vec![false; grid.cells().len()];
+    for (i, &cell) in grid.cells().iter().enumerate() {
+        let kind = match cell {
+            Cell::Hallway => SurfaceKind::Hallway,
+            Cell::Open => SurfaceKind::OpenArea,
+            _ => continue,
+        };
+        if covered[i] {
+            continue;
+        }
+        let (x, y) = grid.position(i);
+        let free = |x: u32, y: u32| grid.get(x, y) == Some(cell) && !covered[grid.index(x, y)];
+        let mut right = x + 1;
+        while free(right, y) {
+            right += 1;
+        }
+        let mut bottom = y + 1;
+        while (x..right).all(|x| free(x, bottom)) {
+            bottom += 1;
+        }
+        for y in y..bottom {
+            let start = grid.index(x, y);
+            covered[start..start + (right - x) as usize].fill(true);
+        }
+        let min = plan.point(f64::from(x), f64::from(bottom));
+        let max = plan.point(f64::from(right), f64::from(y));
+        let shape = Shape::from_rect(Rect::new(min, max));
+        surfaces.push(Surface { kind, shape, speed: 1.0, odometry_noise: 1.0 });
+    }
+}
+
+fn room(plan: &FloorPlan, i: usize, world: &mut World) {
+    let placed = &plan.rooms[i];
+    let design = &placed.room;
+    let frame = plan.design_frame(i);
+    let (width, height) = placed.size();
+    let size = DVec2::new(f64::from(width), f64::from(height)) * plan.spec.unit;
+    let floor = Rect::new(frame.corner, frame.corner + size).grown(-0.5 * plan.spec.wall);
+    world.rooms.push(Room {
+        name: design.name.clone(),
+        shape: Shape::from_rect(floor),
+        difficulty: Some(design.difficulty),
+        lit: design.lit,
+    });
+    let walls = design.walls.iter();
+    world.walls.extend(walls.map(|wall| Wall { shape: frame.shape(&wall.shape), ..*wall }));
+    let obstacles = design.obstacles.iter();
+    world.obstacles.extend(
+        obstacles.map(|obstacle| Obstacle { shape: frame.shape(&obstacle.shape), ..*obstacle }),
+    );
+    let surfaces = design.surfaces.iter();
+    world
+        .surfaces
+        .extend(surfaces.map(|surface| Surface { shape: frame.shape(&surface.shape), ..*surface }));
+    world.victims.extend(design.victims.iter().map(|victim| Pose {
+        position: frame.point(victim.position),
+        heading: frame.heading(victim.heading),
+    }));
+}
+
+/// A hallway cell, drawn; an open cell where there is no hallway.
+fn start(plan: &FloorPlan, access: &AccessGraph) -> Option<u32> {
+    let of_kind = |hallway: bool| -> Vec<u32> {
+        let wanted = |kind: PlaceKind| match kind {
+            PlaceKind::Hallway { .. } => hallway,
+            PlaceKind::Open { .. } => !hallway,
+            PlaceKind::Room { .. } => false,
+        };
+        (0..access.places().len() as u32)
+            .filter(|&i| wanted(access.places()[i as usize].kind))
+            .collect()
+    };
+    let mut cells = of_kind(true);
+    if cells.is_empty() {
+        cells = of_kind(false);
+    }
+    let drawn = plan
+        .seed
+        .map_or(0, |seed| seed.stream("indoor/start", 0).below(cells.len() as u64) as usize);
+    cells.get(drawn).copied()
+}
+
+/// The direction of the first way out of a place.
+fn heading(access: &AccessGraph, place: u32) -> f64 {
+    let way = access.links().iter().find(|link| link.places.contains(&place));
+    let Some(link) = way else { return 0.0 };
+    let other = link.places[usize::from(link.places[0] == place)];
+    let along = access.places()[other as usize].at - access.places()[place as usize].at;
+    libm::atan2(along.y, along.x)
+}
+
+/// The first of the farthest places that can be reached.
+fn farthest(distances: &[f64]) -> usize {
+    let mut best = (0, -1.0);
+    for (i, &distance) in distances.iter().enumerate() {
+        if distance.is_finite() && distance > best.1 {
+            best = (i, distance);
+        }
+    }
+    best.0
+}

@@ -1,0 +1,393 @@
+//! One room of a catalogue: its size, its difficulty and what stands in it.
+
+use glam::{DVec2, Vec2Swizzles};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::geometry::{Pose, Rect, Shape, box_axis, edges, signed_area};
+use crate::world::{Obstacle, Surface, Wall};
+
+/// Side of a cell in metres for which the contents of rooms are drawn.
+pub const DESIGN_UNIT: f64 = 3.0;
+
+/// Greatest width or height of a room in cells.
+pub const MAX_ROOM_SIZE: u32 = 64;
+
+/// Most things in one room.
+pub const MAX_ROOM_PARTS: usize = 10_000;
+
+/// Contents may reach this far over the room's edge, in metres: rounding, no more.
+const TOLERANCE: f64 = 1e-9;
+
+/// A room as a `.room.ron` file holds it.
+///
+/// Contents are in metres from the room's lower left corner, x right and y up, for cells of
+/// [`DESIGN_UNIT`]; a map of another unit scales them. The corner is where the middles of the
+/// walls meet, so the floor begins half a wall's thickness further in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RoomDesign {
+    /// The name, unique in its catalogue.
+    pub name: String,
+    /// Columns that the room takes.
+    pub width: u32,
+    /// Rows that the room takes.
+    pub height: u32,
+    /// Difficulty on the scale from 0 to 10.
+    pub difficulty: f64,
+    /// Why it is this difficult.
+    #[serde(default)]
+    pub reason: String,
+    /// Whether there is light.
+    #[serde(default = "lit")]
+    pub lit: bool,
+    /// Walls inside the room.
+    #[serde(default)]
+    pub walls: Vec<Wall>,
+    /// What stands in the way.
+    #[serde(default)]
+    pub obstacles: Vec<Obstacle>,
+    /// Grounds that change how a robot drives.
+    #[serde(default)]
+    pub surfaces: Vec<Surface>,
+    /// Where people wait to be found.
+    #[serde(default)]
+    pub victims: Vec<Pose>,
+}
+
+fn lit() -> bool {
+    true
+}
+
+/// Why a room is refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RoomError {
+    /// The name is empty.
+    #[error("a room has no name")]
+    Unnamed,
+    /// Width or height is out of range.
+    #[error("room `{name}` is {width} by {height} cells, allowed is 1 to {MAX_ROOM_SIZE} each")]
+    Size {
+        /// The room.
+        name: String,
+        /// Its columns.
+        width: u32,
+        /// Its rows.
+        height: u32,
+    },
+    /// The difficulty is out of range or no number.
+    #[error("room `{name}` has difficulty {difficulty}, allowed is 0 to 10")]
+    Difficulty {
+        /// The room.
+        name: String,
+        /// Its difficulty.
+        difficulty: f64,
+    },
+    /// Something in the room has a size that is not positive, a number that is not finite, or a
+    /// polygon that is not convex and counter-clockwise.
+    #[error("room `{name}`: {part} is not {wanted}")]
+    Part {
+        /// The room.
+        name: String,
+        /// What, such as `obstacle 3`.
+        part: String,
+        /// What it should be.
+        wanted: &'static str,
+    },
+    /// Something lies outside the room.
+    #[error("room `{name}`: {part} reaches outside the room of {width} by {height} m")]
+    Outside {
+        /// The room.
+        name: String,
+        /// What, such as `obstacle 3`.
+        part: String,
+        /// The room's width in metres.
+        width: f64,
+        /// The room's height in metres.
+        height: f64,
+    },
+    /// There are too many things in the room.
+    #[error("room `{name}` holds {count} things, allowed are {MAX_ROOM_PARTS}")]
+    TooMany {
+        /// The room.
+        name: String,
+        /// How many there are.
+        count: usize,
+    },
+}
+
+impl RoomDesign {
+    /// A room without contents.
+    pub fn bare(name: &str, width: u32, height: u32, difficulty: f64) -> Self {
+        RoomDesign {
+            name: name.to_owned(),
+            width,
+            height,
+            difficulty,
+            reason: String::new(),
+            lit: true,
+            walls: Vec::new(),
+            obstacles: Vec::new(),
+            surfaces: Vec::new(),
+            victims: Vec::new(),
+        }
+    }
+
+    /// The room without walls, obstacles and surfaces.
+    pub fn emptied(&self) -> Self {
+        RoomDesign {
+            walls: Vec::new(),
+            obstacles: Vec::new(),
+            surfaces: Vec::new(),
+            ..self.clone()
+        }
+    }
+
+    /// Width and height in metres, from the middles of the walls.
+    pub fn size(&self) -> DVec2 {
+        DVec2::new(f64::from(self.width), f64::from(self.height)) * DESIGN_UNIT
+    }
+
+    /// Everything that a robot cannot drive on: walls, obstacles, and surfaces of speed 0.
+    pub fn barriers(&self) -> impl Iterator<Item = &Shape> {
+        let walls = self.walls.iter().map(|wall| &wall.shape);
+        let obstacles = self.obstacles.iter().map(|obstacle| &obstacle.shape);
+        let surfaces = self.surfaces.iter().filter(|s| s.speed == 0.0).map(|s| &s.shape);
+        walls.chain(obstacles).chain(surfaces)
+    }
+
+    /// Checks sizes, numbers and that everything lies in the room.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn validate(&self) -> Result<(), RoomError> {
+        let name = || self.name.clone();
+        if self.name.trim().is_empty() {
+            return Err(RoomError::Unnamed);
+        }
+        if ![self.width, self.height].iter().all(|size| (1..=MAX_ROOM_SIZE).contains(size)) {
+            return Err(RoomError::Size { name: name(), width: self.width, height: self.height });
+        }
+        if !(0.0..=10.0).contains(&self.difficulty) {
+            return Err(RoomError::Difficulty { name: name(), difficulty: self.difficulty });
+        }
+        let count =
+            self.walls.len() + self.obstacles.len() + self.surfaces.len() + self.victims.len();
+        if count > MAX_ROOM_PARTS {
+            return Err(RoomError::TooMany { name: name(), count });
+        }
+        let walls = self.walls.iter().enumerate().map(|(i, w)| ("wall", i, &w.shape));
+        let obstacles = self.obstacles.iter().enumerate().map(|(i, o)| ("obstacle", i, &o.shape));
+        let surfaces = self.surfaces.iter().enumerate().map(|(i, s)| ("surface", i, &s.shape));
+        for (list, i, shape) in walls.chain(obstacles).chain(surfaces) {
+            self.check_shape(shape, || format!("{list} {i}"))?;
+        }
+        for (i, surface) in self.surfaces.iter().enumerate() {
+            let allowed = |factor: f64| factor.is_finite() && factor >= 0.0;
+            if !(allowed(surface.speed) && allowed(surface.odometry_noise)) {
+                let wanted = "of finite factors that are not negative";
+                return Err(RoomError::Part { name: name(), part: format!("surface {i}"), wanted });
+            }
+        }
+        for (i, victim) in self.victims.iter().enumerate() {
+            let part = || format!("victim {i}");
+            if !(victim.position.is_finite() && victim.heading.is_finite()) {
+                return Err(RoomError::Part { name: name(), part: part(), wanted: "finite" });
+            }
+            self.check_inside(Rect::new(victim.position, victim.position), part)?;
+        }
+        Ok(())
+    }
+
+    fn check_shape(&self, shape: &Shape, part: impl Fn() -> String) -> Result<(), RoomError> {
+        let (sound, wanted) = match shape {
+            Shape::Segment { .. } => (false, "a disc, a box or a polygon"),
+            Shape::Disc { center, radius } => (
+                center.is_finite() && radius.is_finite() && *radius > 0.0,
+                "a disc of finite middle and positive radius",
+            ),
+            Shape::Box { center, half_size, heading } => (
+                center.is_finite()
+                    && half_size.is_finite()
+                    && heading.is_finite()
+                    && half_size.cmpgt(DVec2::ZERO).all(),
+                "a box of finite middle and positive size",
+            ),
+            Shape::Polygon { vertices } => (
+                is_convex(vertices),
+                "a convex polygon of at least three corners, counter-clockwise",
+            ),
+        };
+        if !sound {
+            return Err(RoomError::Part { name: self.name.clone(), part: part(), wanted });
+        }
+        self.check_inside(shape.bounds(), part)
+    }
+
+    fn check_inside(&self, bounds: Rect, part: impl Fn() -> String) -> Result<(), RoomError> {
+        let size = self.size();
+        if Rect::new(DVec2::ZERO, size).grown(TOLERANCE).contains_rect(bounds) {
+            return Ok(());
+        }
+        let (width, height) = (size.x, size.y);
+        Err(RoomError::Outside { name: self.name.clone(), part: part(), width, height })
+    }
+}
+
+fn is_convex(vertices: &[DVec2]) -> bool {
+    vertices.len() >= 3
+        && vertices.iter().all(|v| v.is_finite())
+        && signed_area(vertices) > 0.0
+        // A star turns left everywhere too, but has corners to the right of its sides.
+        && edges(vertices).all(|(a, b)| vertices.iter().all(|&v| (b - a).perp_dot(v - a) >= -1e-9))
+}
+
+/// Moves shapes from a room's own frame into the map.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::indoor) struct Frame {
+    /// Lower left corner of the turned room, in metres.
+    pub(in crate::indoor) corner: DVec2,
+    /// Metres of the map for a metre of the design.
+    pub(in crate::indoor) scale: f64,
+    /// Quarter turns counter-clockwise.
+    pub(in crate::indoor) quarters: u8,
+    /// Size of the room as designed, in metres of the design.
+    pub(in crate::indoor) size: DVec2,
+}
+
+impl Frame {
+    /// A point of the design in the map.
+    pub(in crate::indoor) fn point(&self, p: DVec2) -> DVec2 {
+        let turned = match self.quarters % 4 {
+            0 => p,
+            1 => DVec2::new(self.size.y - p.y, p.x),
+            2 => self.size - p,
+            _ => DVec2::new(p.y, self.size.x - p.x),
+        };
+        self.corner + turned * self.scale
+    }
+
+    /// A heading of the design in the map.
+    pub(in crate::indoor) fn heading(&self, heading: f64) -> f64 {
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let turned = heading + quarter * f64::from(self.quarters % 4);
+        crate::geometry::wrap_angle(turned)
+    }
+
+    /// A shape of the design in the map. Boxes along the axes stay so to the last bit.
+    pub(in crate::indoor) fn shape(&self, shape: &Shape) -> Shape {
+        match shape {
+            Shape::Segment { a, b } => Shape::Segment { a: self.point(*a), b: self.point(*b) },
+            Shape::Disc { center, radius } => {
+                Shape::Disc { center: self.point(*center), radius: radius * self.scale }
+            }
+            Shape::Box { center, half_size, heading } => {
+                let odd = self.quarters % 2 == 1;
+                let (half_size, heading) = if box_axis(*heading) == DVec2::X {
+                    (if odd { half_size.yx() } else { *half_size }, 0.0)
+                } else {
+                    (*half_size, self.heading(*heading))
+                };
+                let center = self.point(*center);
+                Shape::Box { center, half_size: half_size * self.scale, heading }
+            }
+            Shape::Polygon { vertices } => {
+                Shape::Polygon { vertices: vertices.iter().map(|&v| self.point(v)).collect() }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::{ObstacleKind, SurfaceKind};
+    use proptest::prelude::*;
+
+    fn with(shape: Shape) -> RoomDesign {
+        let mut room = RoomDesign::bare("test", 1, 2, 5.0);
+        room.obstacles.push(Obstacle { kind: ObstacleKind::Other, shape });
+        room
+    }
+
+    fn at(x: f64, y: f64, half: f64) -> Shape {
+        let half_size = DVec2::splat(half);
+        Shape::Box { center: DVec2::new(x, y), half_size, heading: 0.0 }
+    }
+
+    #[test]
+    fn sound_rooms_pass() {
+        assert_eq!(with(at(1.5, 5.5, 0.5)).validate(), Ok(()));
+        let vertices = vec![DVec2::ZERO, DVec2::X, DVec2::ONE];
+        assert_eq!(with(Shape::Polygon { vertices }).validate(), Ok(()));
+    }
+
+    #[test]
+    fn unsound_rooms_say_what_is_wrong() {
+        let error = |room: RoomDesign| room.validate().unwrap_err().to_string();
+        assert!(error(with(at(2.6, 1.0, 0.5))).contains("obstacle 0 reaches outside"));
+        assert!(error(with(at(1.0, 1.0, -0.5))).contains("obstacle 0 is not a box"));
+        assert!(error(with(at(f64::NAN, 1.0, 0.5))).contains("finite"));
+        let radius = f64::INFINITY;
+        assert!(error(with(Shape::Disc { center: DVec2::ONE, radius })).contains("disc"));
+        let clockwise = vec![DVec2::ZERO, DVec2::ONE, DVec2::X];
+        assert!(error(with(Shape::Polygon { vertices: clockwise })).contains("convex"));
+        let star: Vec<_> = [0, 2, 4, 1, 3]
+            .iter()
+            .map(|&i| {
+                let angle = std::f64::consts::TAU * f64::from(i) / 5.0;
+                DVec2::ONE + crate::geometry::unit_vector(angle)
+            })
+            .collect();
+        assert!(error(with(Shape::Polygon { vertices: star })).contains("convex"));
+        for (width, height) in [(0, 1), (1, 0), (65, 1), (1, u32::MAX)] {
+            assert!(error(RoomDesign::bare("a", width, height, 1.0)).contains("by"));
+        }
+        for difficulty in [f64::NAN, -1.0, 10.5] {
+            assert!(error(RoomDesign::bare("a", 1, 1, difficulty)).contains("difficulty"));
+        }
+        assert_eq!(RoomDesign::bare(" ", 1, 1, 1.0).validate(), Err(RoomError::Unnamed));
+        let mut room = RoomDesign::bare("a", 1, 1, 1.0);
+        room.victims.push(Pose::new(4.0, 1.0, 0.0));
+        assert!(error(room).contains("victim 0"));
+        let mut room = RoomDesign::bare("a", 1, 1, 1.0);
+        let (shape, speed) = (at(1.0, 1.0, 0.5), f64::NAN);
+        room.surfaces.push(Surface { kind: SurfaceKind::Water, shape, speed, odometry_noise: 1.0 });
+        assert!(error(room).contains("surface 0"));
+    }
+
+    proptest! {
+        #[test]
+        fn four_quarters_are_a_whole_turn(x in 0.0..6.0_f64, y in 0.0..9.0_f64, h in -3.0..3.0_f64) {
+            let (mut p, mut size, mut heading) = (DVec2::new(x, y), DVec2::new(6.0, 9.0), h);
+            for _ in 0..4 {
+                let frame = Frame { corner: DVec2::ZERO, scale: 1.0, quarters: 1, size };
+                p = frame.point(p);
+                heading = frame.heading(heading);
+                size = size.yx();
+            }
+            prop_assert!(p.distance(DVec2::new(x, y)) < 1e-12);
+            prop_assert!((heading - h).abs() < 1e-12);
+        }
+
+        #[test]
+        fn quarters_in_one_go_or_one_by_one(
+            x in 0.0..6.0_f64, y in 0.0..9.0_f64, h in -3.0..3.0_f64, quarters in 0..4_u8,
+        ) {
+            let half_size = DVec2::new(0.3, 0.1);
+            let shape = Shape::Box { center: DVec2::new(x, y), half_size, heading: h };
+            let size = DVec2::new(6.0, 9.0);
+            let once = Frame { corner: DVec2::ZERO, scale: 1.0, quarters, size }.shape(&shape);
+            let mut turned = (shape, size);
+            for _ in 0..quarters {
+                let frame =
+                    Frame { corner: DVec2::ZERO, scale: 1.0, quarters: 1, size: turned.1 };
+                turned = (frame.shape(&turned.0), turned.1.yx());
+            }
+            for (a, b) in once.corners().iter().zip(turned.0.corners()) {
+                prop_assert!(a.distance(b) < 1e-9);
+            }
+        }
+    }
+}

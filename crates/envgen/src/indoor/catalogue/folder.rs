@@ -1,0 +1,180 @@
+//! Rooms from a user's folder.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use super::{Catalogue, CatalogueError, MAX_ROOMS, RoomDesign, RoomError, read_room};
+
+/// Greatest size of a room file in bytes.
+const MAX_FILE: u64 = 4 << 20;
+
+/// How the name of a room file ends.
+const ENDING: &str = ".room.ron";
+
+/// Why a folder of rooms could not be read.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FolderError {
+    /// A file or the folder could not be read.
+    #[error("{path}: {source}")]
+    Read {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A file is not the RON of a room.
+    #[error("{path}: {source}")]
+    Ron {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, with line and column.
+        source: Box<ron::error::SpannedError>,
+    },
+    /// A file is too long for a room.
+    #[error("{path} has {bytes} bytes, allowed are {MAX_FILE}")]
+    TooLong {
+        /// The file.
+        path: PathBuf,
+        /// Its size.
+        bytes: u64,
+    },
+    /// A file holds a room that is not sound.
+    #[error("{path}: {source}")]
+    Room {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: RoomError,
+    },
+    /// The rooms together do not make a catalogue.
+    #[error("{path}: {source}")]
+    Catalogue {
+        /// The folder.
+        path: PathBuf,
+        /// What is wrong.
+        source: CatalogueError,
+    },
+}
+
+impl Catalogue {
+    /// Reads every `*.room.ron` file of a folder, in the order of their names.
+    ///
+    /// # Errors
+    /// Names the file that is not a sound room, or the folder when its rooms do not go together.
+    pub fn read_folder(folder: &Path) -> Result<Catalogue, FolderError> {
+        let rooms = read_rooms(folder)?;
+        Catalogue::new(rooms)
+            .map_err(|source| FolderError::Catalogue { path: folder.to_owned(), source })
+    }
+
+    /// This catalogue with the rooms of a folder, as [`Catalogue::with`] joins them.
+    ///
+    /// # Errors
+    /// As [`Catalogue::read_folder`].
+    pub fn with_folder(&self, folder: &Path) -> Result<Catalogue, FolderError> {
+        let rooms = read_rooms(folder)?;
+        self.with(rooms)
+            .map_err(|source| FolderError::Catalogue { path: folder.to_owned(), source })
+    }
+}
+
+fn read_rooms(folder: &Path) -> Result<Vec<RoomDesign>, FolderError> {
+    let failed = |path: &Path, source| FolderError::Read { path: path.to_owned(), source };
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(folder).map_err(|source| failed(folder, source))? {
+        let path = entry.map_err(|source| failed(folder, source))?.path();
+        let is_room = path
+            .file_name()
+            .is_some_and(|name| name.to_str().is_some_and(|name| name.ends_with(ENDING)));
+        if is_room {
+            paths.push(path);
+        }
+        if paths.len() > MAX_ROOMS {
+            let source = CatalogueError::Count(paths.len());
+            return Err(FolderError::Catalogue { path: folder.to_owned(), source });
+        }
+    }
+    paths.sort();
+    let mut rooms = Vec::with_capacity(paths.len());
+    for path in paths {
+        let bytes = fs::metadata(&path).map_err(|source| failed(&path, source))?.len();
+        if bytes > MAX_FILE {
+            return Err(FolderError::TooLong { path, bytes });
+        }
+        let text = fs::read_to_string(&path).map_err(|source| failed(&path, source))?;
+        let room =
+            read_room(&text).map_err(|source| FolderError::Ron { path: path.clone(), source })?;
+        room.validate().map_err(|source| FolderError::Room { path: path.clone(), source })?;
+        rooms.push(room);
+    }
+    Ok(rooms)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::indoor::catalogue::room_to_ron;
+
+    fn read(files: &[(&str, &str)]) -> Result<Catalogue, String> {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            fs::write(folder.path().join(name), text).unwrap();
+        }
+        Catalogue::read_folder(folder.path()).map_err(|error| error.to_string())
+    }
+
+    const CELL: &str = "(name: \"cell\", width: 1, height: 1, difficulty: 3)";
+
+    #[test]
+    fn rooms_come_in_the_order_of_their_files() {
+        let hall = CELL.replace("cell", "hall");
+        let rooms =
+            read(&[("b.room.ron", CELL), ("a.room.ron", &hall), ("notes.txt", "no room")]).unwrap();
+        let names: Vec<_> = rooms.rooms().iter().map(|room| room.name.as_str()).collect();
+        assert_eq!(names, ["hall", "cell"]);
+        let all = Catalogue::builtin().with(rooms.rooms().iter().map(|r| (**r).clone())).unwrap();
+        assert_eq!((all.rooms().len(), all.rooms()[21].name.as_str()), (22, "cell"));
+        // A room of a known name takes its place.
+        let dark = [RoomDesign::bare("dark", 2, 2, 1.0)];
+        let all = all.with(dark).unwrap();
+        assert_eq!((all.rooms().len(), all.rooms()[0].width), (22, 2));
+        assert_eq!(all.with([]), Err(CatalogueError::Count(0)));
+    }
+
+    #[test]
+    fn every_builtin_room_survives_a_file() {
+        for room in Catalogue::builtin().rooms() {
+            let text = room_to_ron(room);
+            let back = read(&[("room.room.ron", &text)]).unwrap();
+            assert_eq!(*back.rooms()[0], **room);
+        }
+    }
+
+    #[test]
+    fn bad_files_are_named() {
+        let error = |files: &[(&str, &str)]| read(files).unwrap_err();
+        assert!(error(&[]).contains("0 rooms"));
+        assert!(error(&[("a.room.ron", CELL), ("b.room.ron", CELL)]).contains("two rooms"));
+        for (text, says) in [
+            ("(name: \"cell\", width: -1, height: 1, difficulty: 3)", "1:24"),
+            ("(name: \"cell\", width: 1, height: 1", "1:"),
+            ("", "a.room.ron"),
+            ("(name: \"cell\", width: 0, height: 1, difficulty: 3)", "by 1 cells"),
+            ("(name: \"cell\", width: 1, height: 1, difficulty: 3, color: 4)", "color"),
+            (
+                "(name: \"cell\", width: 1, height: 1, difficulty: 3, obstacles: [(kind: desk, \
+                 shape: disc(center: (2.8, 1.0), radius: 0.5))])",
+                "outside",
+            ),
+        ] {
+            let error = error(&[("a.room.ron", text)]);
+            assert!(error.contains("a.room.ron") && error.contains(says), "{error}");
+        }
+        let missing = Catalogue::read_folder(Path::new("no/such/folder")).unwrap_err();
+        assert!(missing.to_string().contains("no/such/folder"));
+    }
+}

@@ -1,0 +1,474 @@
+//! Changing a plan by hand, with undo and redo.
+
+use thiserror::Error;
+
+use super::catalogue::SharedRoom;
+use super::grid::{Axis, Cell, Gate, Opening, Origin, Side, Sides};
+use super::plan::{FloorPlan, PlacedRoom};
+use super::rules::doorways::is_whole;
+
+/// A change of a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Edit {
+    /// Puts a room with its upper left corner at a cell. It may take solid cells and open areas.
+    AddRoom {
+        /// The room.
+        room: SharedRoom,
+        /// Column of its leftmost cells.
+        x: u32,
+        /// Row of its uppermost cells.
+        y: u32,
+        /// Quarter turns counter-clockwise.
+        quarters: u8,
+    },
+    /// Moves a room, with those of its doorways that lead somewhere at the new place.
+    MoveRoom {
+        /// Its place in [`FloorPlan::rooms`].
+        room: usize,
+        /// Column of its leftmost cells.
+        x: u32,
+        /// Row of its uppermost cells.
+        y: u32,
+    },
+    /// Turns a room about its upper left corner, with its doorways.
+    TurnRoom {
+        /// Its place in [`FloorPlan::rooms`].
+        room: usize,
+        /// Quarter turns counter-clockwise.
+        quarters: u8,
+    },
+    /// Takes a room away; its cells become open area, or solid where the spec has none.
+    /// The last room takes its place in [`FloorPlan::rooms`].
+    RemoveRoom {
+        /// Its place in [`FloorPlan::rooms`].
+        room: usize,
+    },
+    /// Makes a solid cell or a piece of open area a hallway.
+    AddHallway {
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+    },
+    /// Makes a hallway cell solid.
+    RemoveHallway {
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+    },
+    /// Opens a room's wall.
+    OpenDoorway(Gate),
+    /// Closes an opening.
+    CloseDoorway(Gate),
+}
+
+/// Why an edit is refused.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum EditError {
+    /// There is no such room.
+    #[error("there is no room {room}, the plan has {count}")]
+    NoRoom {
+        /// The place asked.
+        room: usize,
+        /// Number of rooms.
+        count: usize,
+    },
+    /// It would leave the grid.
+    #[error("{what} at column {x}, row {y} would leave the grid of {columns} by {rows} cells")]
+    Outside {
+        /// What.
+        what: String,
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+        /// Columns of the grid.
+        columns: u32,
+        /// Rows of the grid.
+        rows: u32,
+    },
+    /// It would overlap something.
+    #[error("{what} would overlap {with} at column {x}, row {y}")]
+    Overlap {
+        /// What.
+        what: String,
+        /// A hallway or a room's name.
+        with: String,
+        /// Column of the first such cell.
+        x: u32,
+        /// Row of the first such cell.
+        y: u32,
+    },
+    /// The cell is no hallway.
+    #[error("the cell at column {x}, row {y} is no hallway")]
+    NoHallway {
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+    },
+    /// There is no room's wall, or it has not one space behind the whole width of a doorway.
+    #[error("a doorway at {0:?} would not lead from a room to one other space")]
+    NoWall(Gate),
+    /// The doorway is open already.
+    #[error("the doorway at {0:?} is open already")]
+    AlreadyOpen(Gate),
+    /// There is no opening to close.
+    #[error("there is no doorway at {0:?}")]
+    NotOpen(Gate),
+}
+
+/// A plan under change. Every edit can be undone and redone; one that is refused changes nothing.
+///
+/// ```
+/// use envgen::indoor::{Edit, IndoorSpec, PlanEditor};
+/// use envgen::{Seed, Spec};
+///
+/// let mut editor = PlanEditor::new(IndoorSpec::default().generate(Seed(1))?);
+/// let before = editor.plan().clone();
+/// editor.apply(Edit::RemoveRoom { room: 0 })?;
+/// assert_eq!(editor.plan().rooms().len() + 1, before.rooms().len());
+/// assert!(editor.plan().is_edited());
+/// assert!(editor.undo());
+/// assert_eq!(editor.plan(), &before);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct PlanEditor {
+    plan: FloorPlan,
+    was_edited: bool,
+    done: Vec<Vec<Change>>,
+    undone: Vec<Vec<Change>>,
+}
+
+/// One reversible change: what was there and what is there now.
+#[derive(Clone, Debug)]
+enum Change {
+    Cell {
+        index: usize,
+        from: Cell,
+        to: Cell,
+    },
+    /// A room at the end appears or vanishes where one of the two is absent.
+    Room {
+        index: usize,
+        from: Option<Box<PlacedRoom>>,
+        to: Option<Box<PlacedRoom>>,
+    },
+    Opened(Opening),
+    Closed(Opening),
+}
+
+impl PlanEditor {
+    /// An editor of a plan.
+    pub fn new(plan: FloorPlan) -> Self {
+        let was_edited = plan.edited;
+        PlanEditor { plan, was_edited, done: Vec::new(), undone: Vec::new() }
+    }
+
+    /// The plan as it is now.
+    pub fn plan(&self) -> &FloorPlan {
+        &self.plan
+    }
+
+    /// The plan as it is now.
+    pub fn into_plan(self) -> FloorPlan {
+        self.plan
+    }
+
+    /// Makes a change; what was undone before can no longer be redone.
+    ///
+    /// # Errors
+    /// When the change would overlap something, leave the grid or lead nowhere; nothing changes
+    /// then.
+    pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
+        let mut step = Vec::new();
+        if let Err(error) = self.perform(edit, &mut step) {
+            self.revert(&step);
+            return Err(error);
+        }
+        self.done.push(step);
+        self.undone.clear();
+        self.plan.edited = true;
+        Ok(())
+    }
+
+    /// Takes the last change back; whether there was one.
+    pub fn undo(&mut self) -> bool {
+        let Some(step) = self.done.pop() else { return false };
+        self.revert(&step);
+        self.undone.push(step);
+        self.plan.edited = self.was_edited || !self.done.is_empty();
+        true
+    }
+
+    /// Makes the last change again that was taken back; whether there was one.
+    pub fn redo(&mut self) -> bool {
+        let Some(step) = self.undone.pop() else { return false };
+        step.iter().for_each(|change| self.change(change));
+        self.done.push(step);
+        self.plan.edited = true;
+        true
+    }
+
+    fn perform(&mut self, edit: Edit, step: &mut Vec<Change>) -> Result<(), EditError> {
+        match edit {
+            Edit::AddRoom { room, x, y, quarters } => {
+                let room = PlacedRoom {
+                    room,
+                    x,
+                    y,
+                    quarters: quarters % 4,
+                    doorways: Sides::default(),
+                    emptied: false,
+                };
+                self.check_free(&room)?;
+                self.put(room, step);
+            }
+            Edit::MoveRoom { room, x, y } => {
+                let moved = PlacedRoom { x, y, ..self.room(room)?.clone() };
+                self.replace(room, moved, 0, step)?;
+            }
+            Edit::TurnRoom { room, quarters } => {
+                let old = self.room(room)?.clone();
+                let turned = PlacedRoom {
+                    quarters: (old.quarters + quarters % 4) % 4,
+                    doorways: old.doorways.turned(quarters % 4),
+                    ..old
+                };
+                self.replace(room, turned, quarters % 4, step)?;
+            }
+            Edit::RemoveRoom { room } => {
+                self.room(room)?;
+                self.take(room, step);
+            }
+            Edit::AddHallway { x, y } => {
+                let cell = self.cell(x, y, "a hallway")?;
+                if !matches!(cell, Cell::Solid | Cell::Open) {
+                    return Err(self.overlap("a hallway".to_owned(), x, y));
+                }
+                self.set_cell(x, y, Cell::Hallway, step);
+            }
+            Edit::RemoveHallway { x, y } => {
+                if self.cell(x, y, "a hallway")? != Cell::Hallway {
+                    return Err(EditError::NoHallway { x, y });
+                }
+                self.set_cell(x, y, Cell::Solid, step);
+            }
+            Edit::OpenDoorway(gate) => {
+                if !self.takes_doorway(gate) {
+                    return Err(EditError::NoWall(gate));
+                }
+                if self.find(gate).is_ok() {
+                    return Err(EditError::AlreadyOpen(gate));
+                }
+                self.record(Change::Opened(Opening { gate, origin: Origin::Edited }), step);
+            }
+            Edit::CloseDoorway(gate) => {
+                let at = self.find(gate).map_err(|_| EditError::NotOpen(gate))?;
+                self.record(Change::Closed(self.plan.openings[at]), step);
+            }
+        }
+        self.close_what_leads_nowhere(step);
+        Ok(())
+    }
+
+    fn room(&self, room: usize) -> Result<&PlacedRoom, EditError> {
+        let count = self.plan.rooms.len();
+        self.plan.rooms.get(room).ok_or(EditError::NoRoom { room, count })
+    }
+
+    fn cell(&self, x: u32, y: u32, what: &str) -> Result<Cell, EditError> {
+        let (columns, rows) = (self.plan.grid.width(), self.plan.grid.height());
+        let outside = || EditError::Outside { what: what.to_owned(), x, y, columns, rows };
+        self.plan.grid.get(x, y).ok_or_else(outside)
+    }
+
+    fn overlap(&self, what: String, x: u32, y: u32) -> EditError {
+        let with = match self.plan.grid.get(x, y) {
+            Some(Cell::Room(room)) => {
+                format!("the room `{}`", self.plan.rooms[room as usize].room.name)
+            }
+            _ => "a hallway".to_owned(),
+        };
+        EditError::Overlap { what, with, x, y }
+    }
+
+    /// Whether a room's cells lie in the grid and are solid or open area.
+    fn check_free(&self, room: &PlacedRoom) -> Result<(), EditError> {
+        let what = format!("the room `{}`", room.room.name);
+        let (width, height) = room.size();
+        let (columns, rows) = (self.plan.grid.width(), self.plan.grid.height());
+        let inside = room.x.checked_add(width).is_some_and(|right| right <= columns)
+            && room.y.checked_add(height).is_some_and(|bottom| bottom <= rows);
+        if !inside {
+            return Err(EditError::Outside { what, x: room.x, y: room.y, columns, rows });
+        }
+        for y in room.y..room.y + height {
+            for x in room.x..room.x + width {
+                if !matches!(self.plan.grid.at(x, y), Cell::Solid | Cell::Open) {
+                    return Err(self.overlap(what, x, y));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves or turns a room with its doorways; it becomes the last room.
+    fn replace(
+        &mut self,
+        room: usize,
+        new: PlacedRoom,
+        quarters: u8,
+        step: &mut Vec<Change>,
+    ) -> Result<(), EditError> {
+        let old = self.plan.rooms[room].clone();
+        let doorways: Vec<(Side, u32)> =
+            self.plan.openings.iter().filter_map(|o| old.side_of(o.gate)).collect();
+        self.take(room, step);
+        self.check_free(&new)?;
+        let gates: Vec<Gate> = doorways
+            .into_iter()
+            .map(|(side, at)| {
+                let (mut side, mut at) = (side, at);
+                let mut lengths = old.size();
+                for _ in 0..quarters {
+                    // Between north and west, and south and east, a side runs the other way.
+                    if matches!(side, Side::North | Side::South) {
+                        at = 2 * lengths.0 - at;
+                    }
+                    side = side.turned(1);
+                    lengths = (lengths.1, lengths.0);
+                }
+                new.gate(side, at)
+            })
+            .collect();
+        self.put(new, step);
+        for gate in gates {
+            if self.takes_doorway(gate) && self.find(gate).is_err() {
+                self.record(Change::Opened(Opening { gate, origin: Origin::Edited }), step);
+            }
+        }
+        Ok(())
+    }
+
+    fn put(&mut self, room: PlacedRoom, step: &mut Vec<Change>) {
+        let index = self.plan.rooms.len();
+        self.fill(&room, Cell::Room(index as u32), step);
+        self.record(Change::Room { index, from: None, to: Some(Box::new(room)) }, step);
+    }
+
+    fn take(&mut self, room: usize, step: &mut Vec<Change>) {
+        let old = self.plan.rooms[room].clone();
+        for opening in self.plan.openings.clone() {
+            if old.side_of(opening.gate).is_some() {
+                self.record(Change::Closed(opening), step);
+            }
+        }
+        let left = if self.plan.spec.open_areas { Cell::Open } else { Cell::Solid };
+        self.fill(&old, left, step);
+        let last = self.plan.rooms.len() - 1;
+        let moved = self.plan.rooms[last].clone();
+        if room != last {
+            self.fill(&moved, Cell::Room(room as u32), step);
+            let (from, to) = (Some(Box::new(old)), Some(Box::new(moved.clone())));
+            self.record(Change::Room { index: room, from, to }, step);
+        }
+        self.record(Change::Room { index: last, from: Some(Box::new(moved)), to: None }, step);
+    }
+
+    fn fill(&mut self, room: &PlacedRoom, to: Cell, step: &mut Vec<Change>) {
+        let (width, height) = room.size();
+        for y in room.y..room.y + height {
+            for x in room.x..room.x + width {
+                self.set_cell(x, y, to, step);
+            }
+        }
+    }
+
+    fn set_cell(&mut self, x: u32, y: u32, to: Cell, step: &mut Vec<Change>) {
+        let index = self.plan.grid.index(x, y);
+        let from = self.plan.grid.at(x, y);
+        self.record(Change::Cell { index, from, to }, step);
+    }
+
+    fn close_what_leads_nowhere(&mut self, step: &mut Vec<Change>) {
+        for opening in self.plan.openings.clone() {
+            if !self.takes_doorway(opening.gate) {
+                self.record(Change::Closed(opening), step);
+            }
+        }
+    }
+
+    /// Whether a doorway at a place lies in a room's wall and is whole.
+    fn takes_doorway(&self, gate: Gate) -> bool {
+        let grid = &self.plan.grid;
+        let (lines, along) = match gate.wall {
+            Axis::Horizontal => (grid.height(), grid.width()),
+            Axis::Vertical => (grid.width(), grid.height()),
+        };
+        if gate.line > lines || gate.at == 0 || gate.at >= 2 * along {
+            return false;
+        }
+        let [[a, _], [b, _]] = gate.cells(grid);
+        a != b && !(a.is_floor() && b.is_floor()) && is_whole(grid, gate)
+    }
+
+    fn find(&self, gate: Gate) -> Result<usize, usize> {
+        self.plan.openings.binary_search_by_key(&gate, |opening| opening.gate)
+    }
+
+    fn record(&mut self, change: Change, step: &mut Vec<Change>) {
+        self.change(&change);
+        step.push(change);
+    }
+
+    fn change(&mut self, change: &Change) {
+        match change {
+            Change::Cell { index, to, .. } => {
+                self.plan.grid.set_index(*index, *to);
+            }
+            Change::Room { index, to, .. } => self.set_room(*index, to.as_deref()),
+            Change::Opened(opening) => self.open(*opening),
+            Change::Closed(opening) => self.close(*opening),
+        }
+    }
+
+    fn revert(&mut self, step: &[Change]) {
+        for change in step.iter().rev() {
+            match change {
+                Change::Cell { index, from, .. } => {
+                    self.plan.grid.set_index(*index, *from);
+                }
+                Change::Room { index, from, .. } => self.set_room(*index, from.as_deref()),
+                Change::Opened(opening) => self.close(*opening),
+                Change::Closed(opening) => self.open(*opening),
+            }
+        }
+    }
+
+    fn set_room(&mut self, index: usize, room: Option<&PlacedRoom>) {
+        match room {
+            Some(room) if index == self.plan.rooms.len() => self.plan.rooms.push(room.clone()),
+            Some(room) => self.plan.rooms[index] = room.clone(),
+            None => self.plan.rooms.truncate(index),
+        }
+    }
+
+    fn open(&mut self, opening: Opening) {
+        if let Err(at) = self.find(opening.gate) {
+            self.plan.openings.insert(at, opening);
+        }
+    }
+
+    fn close(&mut self, opening: Opening) {
+        if let Ok(at) = self.find(opening.gate) {
+            self.plan.openings.remove(at);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,299 @@
+//! The grid of a plan: cells, sides of rooms, and openings in the walls between cells.
+
+use serde::{Deserialize, Serialize};
+
+/// What a cell of the grid is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Cell {
+    /// Solid: nothing is there, and nothing can go there.
+    #[default]
+    Solid,
+    /// A piece of a hallway.
+    Hallway,
+    /// A piece of an open area: floor between the rooms, without walls of its own.
+    Open,
+    /// Part of the room of this index.
+    Room(u32),
+}
+
+impl Cell {
+    /// Whether it is a hallway or an open area, which no wall divides.
+    #[inline]
+    pub fn is_floor(self) -> bool {
+        matches!(self, Cell::Hallway | Cell::Open)
+    }
+
+    /// The character of the cell in a blueprint.
+    pub fn symbol(self) -> char {
+        match self {
+            Cell::Solid => '#',
+            Cell::Hallway => '.',
+            Cell::Open => 'o',
+            Cell::Room(_) => 'r',
+        }
+    }
+}
+
+/// A rectangle of cells: columns from left to right, rows from top to bottom.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Grid {
+    width: u32,
+    height: u32,
+    cells: Vec<Cell>,
+}
+
+impl Grid {
+    /// A grid of solid cells.
+    pub(super) fn new(width: u32, height: u32) -> Self {
+        let cells = vec![Cell::Solid; width as usize * height as usize];
+        Grid { width, height, cells }
+    }
+
+    /// Number of columns.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Number of rows.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// The cell in column `x` and row `y`; `None` outside the grid.
+    #[inline]
+    pub fn get(&self, x: u32, y: u32) -> Option<Cell> {
+        (x < self.width && y < self.height).then(|| self.cells[self.index(x, y)])
+    }
+
+    /// All cells, row by row from the top.
+    pub fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// Number of cells that a condition holds for.
+    pub fn count(&self, condition: impl Fn(Cell) -> bool) -> usize {
+        self.cells.iter().filter(|&&cell| condition(cell)).count()
+    }
+
+    /// The place of a cell in [`Grid::cells`]. The cell must lie in the grid.
+    #[inline]
+    pub(super) fn index(&self, x: u32, y: u32) -> usize {
+        y as usize * self.width as usize + x as usize
+    }
+
+    /// The cell of a place in [`Grid::cells`].
+    #[inline]
+    pub(super) fn position(&self, index: usize) -> (u32, u32) {
+        ((index % self.width as usize) as u32, (index / self.width as usize) as u32)
+    }
+
+    #[inline]
+    pub(super) fn at(&self, x: u32, y: u32) -> Cell {
+        self.cells[self.index(x, y)]
+    }
+
+    #[inline]
+    pub(super) fn set(&mut self, x: u32, y: u32, cell: Cell) {
+        let index = self.index(x, y);
+        self.cells[index] = cell;
+    }
+
+    pub(super) fn set_index(&mut self, index: usize, cell: Cell) -> Cell {
+        std::mem::replace(&mut self.cells[index], cell)
+    }
+
+    pub(super) fn fill(&mut self, x: u32, y: u32, width: u32, height: u32, cell: Cell) {
+        for row in y..y + height {
+            let start = self.index(x, row);
+            self.cells[start..start + width as usize].fill(cell);
+        }
+    }
+
+    /// Whether a rectangle lies in the grid and all its cells are solid.
+    pub(super) fn is_solid(&self, x: u32, y: u32, width: u32, height: u32) -> bool {
+        x.checked_add(width).is_some_and(|right| right <= self.width)
+            && y.checked_add(height).is_some_and(|bottom| bottom <= self.height)
+            && (y..y + height).all(|row| {
+                let start = self.index(x, row);
+                self.cells[start..start + width as usize].iter().all(|&c| c == Cell::Solid)
+            })
+    }
+}
+
+/// A side of a room; north is the top row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum Side {
+    North,
+    East,
+    South,
+    West,
+}
+
+impl Side {
+    /// All four, in the order in which doorways are drawn.
+    pub const ALL: [Side; 4] = [Side::North, Side::East, Side::South, Side::West];
+
+    /// The side after `quarters` quarter turns counter-clockwise.
+    pub fn turned(self, quarters: u8) -> Side {
+        Side::ALL[(self as usize + 4 - usize::from(quarters % 4)) % 4]
+    }
+
+    /// The side across.
+    pub fn opposite(self) -> Side {
+        self.turned(2)
+    }
+}
+
+/// A set of sides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sides(u8);
+
+impl Sides {
+    /// Whether a side is in the set.
+    pub fn contains(self, side: Side) -> bool {
+        self.0 & (1 << side as u8) != 0
+    }
+
+    /// The sides in the set, in the order of [`Side::ALL`].
+    pub fn iter(self) -> impl Iterator<Item = Side> {
+        Side::ALL.into_iter().filter(move |&side| self.contains(side))
+    }
+
+    /// Number of sides in the set.
+    pub fn count(self) -> u32 {
+        self.0.count_ones()
+    }
+
+    pub(super) fn insert(&mut self, side: Side) {
+        self.0 |= 1 << side as u8;
+    }
+
+    /// The set after `quarters` quarter turns counter-clockwise.
+    pub fn turned(self, quarters: u8) -> Sides {
+        let mut turned = Sides::default();
+        self.iter().for_each(|side| turned.insert(side.turned(quarters)));
+        turned
+    }
+}
+
+/// Which way a wall runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Axis {
+    /// From left to right, between two rows.
+    Horizontal,
+    /// From top to bottom, between two columns.
+    Vertical,
+}
+
+/// The place of an opening in a wall: one doorway wide, its middle at a multiple of half a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Gate {
+    /// Which way the wall runs.
+    pub wall: Axis,
+    /// The line that the wall stands on: above row `line`, or left of column `line`.
+    pub line: u32,
+    /// Middle of the opening along the wall, in half cells from the left or from the top.
+    pub at: u32,
+}
+
+impl Gate {
+    /// The middle in cells from the top left corner, x to the right and y down.
+    pub fn middle(self) -> (f64, f64) {
+        let (line, at) = (f64::from(self.line), 0.5 * f64::from(self.at));
+        match self.wall {
+            Axis::Horizontal => (at, line),
+            Axis::Vertical => (line, at),
+        }
+    }
+
+    /// The cells before (above or left of) and behind the wall that the opening touches: one on
+    /// either side where it lies in a cell's middle, two where it lies between cells. A cell
+    /// outside the grid counts as solid.
+    pub(super) fn cells(self, grid: &Grid) -> [[Cell; 2]; 2] {
+        let (first, second) = ((self.at - 1) / 2, self.at / 2);
+        let cell = |along: u32, line: Option<u32>| {
+            let Some(line) = line else { return Cell::Solid };
+            match self.wall {
+                Axis::Horizontal => grid.get(along, line),
+                Axis::Vertical => grid.get(line, along),
+            }
+            .unwrap_or_default()
+        };
+        let before = self.line.checked_sub(1);
+        [
+            [cell(first, before), cell(second, before)],
+            [cell(first, Some(self.line)), cell(second, Some(self.line))],
+        ]
+    }
+
+    /// Position (x, y) of the first cell on either side; `None` outside on the low side.
+    pub(super) fn first_cells(self) -> [Option<(u32, u32)>; 2] {
+        let along = (self.at - 1) / 2;
+        [self.line.checked_sub(1), Some(self.line)].map(|line| {
+            line.map(|line| match self.wall {
+                Axis::Horizontal => (along, line),
+                Axis::Vertical => (line, along),
+            })
+        })
+    }
+}
+
+/// An opening in a wall.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Opening {
+    /// Where it is.
+    pub gate: Gate,
+    /// Why it is there.
+    pub origin: Origin,
+}
+
+/// Why an opening is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Origin {
+    /// Drawn, in the middle of a room's side.
+    Drawn,
+    /// Drawn, but moved along the side to where it is whole.
+    Shifted,
+    /// Added so that a place can be reached.
+    Added,
+    /// Made by hand or read from a file.
+    Edited,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sides_turn_counter_clockwise() {
+        assert_eq!(Side::East.turned(1), Side::North);
+        assert_eq!(Side::North.turned(1), Side::West);
+        assert_eq!(Side::South.turned(3), Side::West);
+        assert_eq!(Side::South.opposite(), Side::North);
+        let mut sides = Sides::default();
+        sides.insert(Side::North);
+        sides.insert(Side::East);
+        assert_eq!(sides.turned(1).iter().collect::<Vec<_>>(), [Side::North, Side::West]);
+        assert_eq!(sides.turned(4), sides);
+    }
+
+    #[test]
+    fn a_gate_touches_one_or_two_cells_a_side() {
+        let mut grid = Grid::new(3, 2);
+        grid.set(1, 0, Cell::Hallway);
+        grid.set(1, 1, Cell::Room(4));
+        let gate = Gate { wall: Axis::Horizontal, line: 1, at: 3 };
+        assert_eq!(gate.cells(&grid), [[Cell::Hallway; 2], [Cell::Room(4); 2]]);
+        let between = Gate { at: 2, ..gate };
+        let below = [Cell::Solid, Cell::Room(4)];
+        assert_eq!(between.cells(&grid), [[Cell::Solid, Cell::Hallway], below]);
+        let edge = Gate { wall: Axis::Vertical, line: 0, at: 1 };
+        assert_eq!(edge.cells(&grid), [[Cell::Solid; 2]; 2]);
+        assert_eq!(edge.first_cells(), [None, Some((0, 0))]);
+        assert_eq!(between.middle(), (1.0, 1.0));
+    }
+}

@@ -1,0 +1,487 @@
+//! The free space inside a room: where a disc can be, which doorways lead where, and how wide the
+//! narrowest way through is.
+//!
+//! The room is sampled at points at most [`STEP`] apart. A point counts as free when the disc has
+//! half a step of room to spare there, so that the disc can also move along the straight line
+//! between two free neighbours: what is found connected is connected.
+
+use glam::DVec2;
+
+use super::catalogue::{DESIGN_UNIT, Frame, RoomDesign};
+use super::grid::Side;
+use crate::geometry::{Rect, Shape};
+
+/// Greatest distance between two samples, in metres.
+pub const STEP: f64 = 0.05;
+
+/// Distances are measured up to here, in metres.
+const REACH: f64 = 1.5;
+
+/// Depth behind the wall's face, in metres, to which the contents of a room leave every doorway of
+/// the profile `guaranteed` clear.
+pub const DOORWAY_DEPTH: f64 = 0.5;
+
+/// The measures that decide where a robot can go, all in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dimensions {
+    /// Side of a cell.
+    pub unit: f64,
+    /// Thickness of the walls.
+    pub wall: f64,
+    /// Width of a doorway.
+    pub doorway: f64,
+    /// Radius of the robot's footprint.
+    pub radius: f64,
+}
+
+/// The free space inside a room, in the frame of its design: x right, y up, metres of the map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Interior {
+    parts: Vec<Part>,
+    /// By side, in half cells from the left or from the top, the first at half a cell.
+    ports: [Vec<Port>; 4],
+}
+
+/// A connected piece of a room's free space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// The point that is farthest from everything, in metres from the room's lower left corner.
+    pub anchor: DVec2,
+    /// Distance from the anchor to the nearest thing, in metres, at most 1.5.
+    pub clearance: f64,
+    /// Area of the places where the footprint's middle can be, in square metres.
+    pub area: f64,
+}
+
+/// A place in a room's side where a doorway can be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Port {
+    /// The part of the free space that a doorway here leads to; `None` where contents block it.
+    pub part: Option<u32>,
+    /// Whether the contents keep away from the doorway, to a depth of [`DOORWAY_DEPTH`].
+    pub clear: bool,
+}
+
+impl Port {
+    /// Whether a doorway may be put here: it leads somewhere and nothing stands right behind it.
+    pub fn usable(self) -> bool {
+        self.clear && self.part.is_some()
+    }
+}
+
+impl Interior {
+    /// Works out the free space of a room.
+    pub fn new(room: &RoomDesign, dimensions: Dimensions) -> Interior {
+        let field = Field::new(room, dimensions);
+        let need = dimensions.radius + 0.5 * field.step;
+        let free: Vec<bool> = (0..field.contents.len())
+            .map(|i| field.contents[i] >= need && field.to_wall(i) >= need)
+            .collect();
+        let (labels, parts) = field.label(&free);
+        let ports = Side::ALL.map(|side| {
+            let length = field.side_length(side);
+            (1..2 * length).map(|at| field.port(side, at, need, &labels)).collect()
+        });
+        Interior { parts, ports }
+    }
+
+    /// The connected pieces of the free space.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// The place for a doorway in a side of the unturned room, `at` half cells from its left or
+    /// upper end; blocked outside the side.
+    pub fn port(&self, side: Side, at: u32) -> Port {
+        let ports = &self.ports[side as usize];
+        (at as usize).checked_sub(1).and_then(|i| ports.get(i)).copied().unwrap_or_default()
+    }
+
+    /// The place for a doorway in a side of the room after `quarters` quarter turns
+    /// counter-clockwise.
+    pub fn turned_port(&self, quarters: u8, side: Side, at: u32) -> Port {
+        let original = side.turned((4 - quarters % 4) % 4);
+        let length = self.ports[original as usize].len() as u32 + 1;
+        // Sides run from left to right and from top to bottom, so that every turn between north
+        // and west, or south and east, runs them the other way.
+        let reversed = match quarters % 4 {
+            0 => false,
+            1 => matches!(side, Side::West | Side::East),
+            2 => true,
+            _ => matches!(side, Side::North | Side::South),
+        };
+        let at = if reversed { length.saturating_sub(at) } else { at };
+        self.port(original, at)
+    }
+}
+
+/// The width in metres of the narrowest place on the best ways between the middles of all four
+/// sides, at most 3; 0 where some side cannot be reached. The measure is that of the room alone,
+/// whatever its doorways, to about a step of [`STEP`].
+pub fn narrowest_way(room: &RoomDesign, unit: f64, wall: f64, doorway: f64) -> f64 {
+    let field = Field::new(room, Dimensions { unit, wall, doorway, radius: 0.0 });
+    field.narrowest_way(0.5 * doorway)
+}
+
+/// Distances to the contents of a room, sampled.
+struct Field {
+    step: f64,
+    columns: usize,
+    rows: usize,
+    size: DVec2,
+    dimensions: Dimensions,
+    /// Samples a cell's side, even.
+    per_cell: usize,
+    width: u32,
+    height: u32,
+    barriers: Vec<Shape>,
+    /// Distance to the nearest content, at most [`REACH`], row by row from the lowest.
+    contents: Vec<f64>,
+}
+
+impl Field {
+    fn new(room: &RoomDesign, dimensions: Dimensions) -> Field {
+        let unit = dimensions.unit;
+        // Even, so that the middles of cells are samples.
+        let per_cell = 2 * (0.5 * unit / STEP).ceil().max(1.0) as usize;
+        let step = unit / per_cell as f64;
+        let columns = per_cell * room.width as usize + 1;
+        let rows = per_cell * room.height as usize + 1;
+        let frame = Frame {
+            corner: DVec2::ZERO,
+            scale: unit / DESIGN_UNIT,
+            quarters: 0,
+            size: room.size(),
+        };
+        let barriers: Vec<Shape> = room.barriers().map(|shape| frame.shape(shape)).collect();
+        let mut field = Field {
+            step,
+            columns,
+            rows,
+            size: DVec2::new(f64::from(room.width), f64::from(room.height)) * unit,
+            dimensions,
+            per_cell,
+            width: room.width,
+            height: room.height,
+            barriers,
+            contents: vec![REACH; columns * rows],
+        };
+        for i in 0..field.barriers.len() {
+            field.measure(i);
+        }
+        field
+    }
+
+    fn measure(&mut self, barrier: usize) {
+        let shape = &self.barriers[barrier];
+        let around = shape.bounds().grown(REACH);
+        let low = |x: f64| (x / self.step).ceil().max(0.0) as usize;
+        let high =
+            |x: f64, n: usize| ((x / self.step).floor().max(-1.0) + 1.0).min(n as f64) as usize;
+        let columns = low(around.min.x)..high(around.max.x, self.columns);
+        for row in low(around.min.y)..high(around.max.y, self.rows) {
+            for column in columns.clone() {
+                let p = DVec2::new(column as f64, row as f64) * self.step;
+                let distance = &mut self.contents[row * self.columns + column];
+                *distance = distance.min(shape.distance(p));
+            }
+        }
+    }
+
+    fn point(&self, i: usize) -> DVec2 {
+        DVec2::new((i % self.columns) as f64, (i / self.columns) as f64) * self.step
+    }
+
+    /// Distance from a sample to the nearest face of the room's four walls, negative in a wall.
+    fn to_wall(&self, i: usize) -> f64 {
+        let p = self.point(i);
+        p.min(self.size - p).min_element() - 0.5 * self.dimensions.wall
+    }
+
+    /// Numbers the connected pieces of the free samples.
+    fn label(&self, free: &[bool]) -> (Vec<u32>, Vec<Part>) {
+        let mut labels = vec![u32::MAX; free.len()];
+        let mut parts = Vec::new();
+        let mut stack = Vec::new();
+        for first in 0..free.len() {
+            if !free[first] || labels[first] != u32::MAX {
+                continue;
+            }
+            let label = parts.len() as u32;
+            let (mut best, mut clearance, mut count) = (first, 0.0, 0_u32);
+            labels[first] = label;
+            stack.push(first);
+            while let Some(i) = stack.pop() {
+                count += 1;
+                let here = self.contents[i].min(self.to_wall(i));
+                if here > clearance {
+                    (best, clearance) = (i, here);
+                }
+                for j in self.neighbours(i) {
+                    if free[j] && labels[j] == u32::MAX {
+                        labels[j] = label;
+                        stack.push(j);
+                    }
+                }
+            }
+            let area = f64::from(count) * self.step * self.step;
+            parts.push(Part { anchor: self.point(best), clearance, area });
+        }
+        (labels, parts)
+    }
+
+    fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
+        let (column, row) = (i % self.columns, i / self.columns);
+        let (columns, rows) = (self.columns, self.rows);
+        [
+            (column > 0).then(|| i - 1),
+            (column + 1 < columns).then_some(i + 1),
+            (row > 0).then(|| i - columns),
+            (row + 1 < rows).then_some(i + columns),
+        ]
+        .into_iter()
+        .flatten()
+    }
+
+    fn side_length(&self, side: Side) -> u32 {
+        match side {
+            Side::North | Side::South => self.width,
+            Side::East | Side::West => self.height,
+        }
+    }
+
+    /// The sample `depth` steps behind the wall's middle line, `at` half cells along a side.
+    fn behind(&self, side: Side, at: u32, depth: usize) -> usize {
+        let along = at as usize * self.per_cell / 2;
+        let (column, row) = match side {
+            Side::North => (along, self.rows - 1 - depth),
+            Side::South => (along, depth),
+            Side::West => (depth, self.rows - 1 - along),
+            Side::East => (self.columns - 1 - depth, self.rows - 1 - along),
+        };
+        row * self.columns + column
+    }
+
+    /// The floor that a doorway's contents-free zone covers.
+    fn doorway_zone(&self, side: Side, at: u32) -> Rect {
+        let depth = 0.5 * self.dimensions.wall + DOORWAY_DEPTH;
+        let along = f64::from(at) * 0.5 * self.dimensions.unit;
+        let half = 0.5 * self.dimensions.doorway;
+        let (w, h) = (self.size.x, self.size.y);
+        let (min, max) = match side {
+            Side::North => ((along - half, h - depth), (along + half, h)),
+            Side::South => ((along - half, 0.0), (along + half, depth)),
+            Side::West => ((0.0, h - along - half), (depth, h - along + half)),
+            Side::East => ((w - depth, h - along - half), (w, h - along + half)),
+        };
+        Rect::new(min.into(), max.into())
+    }
+
+    fn port(&self, side: Side, at: u32, need: f64, labels: &[u32]) -> Port {
+        let zone = self.doorway_zone(side, at);
+        let clear = !self.barriers.iter().any(|shape| overlaps(shape, zone));
+        let deepest = ((0.5 * self.dimensions.wall + need) / self.step).ceil() as usize;
+        let mut part = None;
+        for depth in 0..=deepest + 1 {
+            if depth >= self.columns.min(self.rows) {
+                break;
+            }
+            let i = self.behind(side, at, depth);
+            if self.contents[i] < need {
+                break;
+            }
+            if labels[i] != u32::MAX {
+                part = Some(labels[i]);
+                break;
+            }
+        }
+        Port { part, clear }
+    }
+
+    /// Joins samples from the clearest to the least clear until the middles of all sides meet.
+    fn narrowest_way(&self, half_doorway: f64) -> f64 {
+        let clearance: Vec<f64> = (0..self.contents.len())
+            .map(|i| {
+                // In the strip behind a doorway the wall beside it does not count.
+                let p = (self.point(i) - 0.5 * self.size).abs();
+                let wall = 0.5 * self.size - p - 0.5 * self.dimensions.wall;
+                let x = if p.y <= half_doorway { REACH } else { wall.x };
+                let y = if p.x <= half_doorway { REACH } else { wall.y };
+                self.contents[i].min(x).min(y).max(0.0)
+            })
+            .collect();
+        let mut order: Vec<u32> = (0..clearance.len() as u32).collect();
+        order.sort_by(|&a, &b| clearance[b as usize].total_cmp(&clearance[a as usize]));
+        let entries = Side::ALL.map(|side| self.behind(side, self.side_length(side), 0));
+        let mut sets = super::sets::Sets::new(clearance.len());
+        let mut joined = vec![false; clearance.len()];
+        for i in order {
+            let i = i as usize;
+            if clearance[i] <= 0.0 {
+                return 0.0;
+            }
+            joined[i] = true;
+            for j in self.neighbours(i).filter(|&j| joined[j]) {
+                sets.join(i, j);
+            }
+            let met = entries
+                .iter()
+                .all(|&entry| joined[entry] && sets.find(entry) == sets.find(entries[0]));
+            if met {
+                return 2.0 * clearance[i];
+            }
+        }
+        0.0
+    }
+}
+
+/// Whether a convex shape and a rectangle share more than a border.
+fn overlaps(shape: &Shape, rect: Rect) -> bool {
+    const TOUCH: f64 = 1e-9;
+    let rect = rect.grown(-TOUCH);
+    match shape {
+        Shape::Disc { center, radius } => {
+            let nearest = center.clamp(rect.min, rect.max);
+            nearest.distance(*center) < *radius
+        }
+        Shape::Segment { .. } | Shape::Box { .. } | Shape::Polygon { .. } => {
+            // Separating axes: those of the rectangle, then the normals of the shape.
+            let corners = shape.corners();
+            let bounds = shape.bounds();
+            let around = Shape::from_rect(rect).corners();
+            bounds.overlaps(rect)
+                && crate::geometry::edges(&corners)
+                    .all(|(a, b)| around.iter().any(|&p| (b - a).perp_dot(p - a) > 0.0))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::indoor::catalogue::Catalogue;
+    use crate::world::{Obstacle, ObstacleKind};
+    use proptest::prelude::*;
+
+    const ROBOT: Dimensions = Dimensions { unit: 3.0, wall: 0.1, doorway: 0.94, radius: 0.36 };
+
+    fn room(shapes: &[Shape]) -> RoomDesign {
+        let mut room = RoomDesign::bare("test", 2, 1, 5.0);
+        room.obstacles.extend(
+            shapes.iter().map(|s| Obstacle { kind: ObstacleKind::Other, shape: s.clone() }),
+        );
+        room
+    }
+
+    fn block(x0: f64, y0: f64, x1: f64, y1: f64) -> Shape {
+        Shape::from_rect(Rect::new(DVec2::new(x0, y0), DVec2::new(x1, y1)))
+    }
+
+    #[test]
+    fn an_empty_room_is_one_part_with_a_port_everywhere() {
+        let interior = Interior::new(&room(&[]), ROBOT);
+        assert_eq!(interior.parts().len(), 1);
+        let part = interior.parts()[0];
+        assert!((part.clearance - 1.45).abs() < 1e-9, "{part:?}");
+        // The middle can be 0.435 m from the walls' lines, on a sample.
+        let (width, height): (f64, f64) = (6.0 - 0.9 + 0.05, 3.0 - 0.9 + 0.05);
+        assert!((part.area - width * height).abs() < 1e-9, "{}", part.area);
+        for (side, count) in [(Side::North, 3), (Side::East, 1), (Side::South, 3), (Side::West, 1)]
+        {
+            assert!((1..=count).all(|at| interior.port(side, at).usable()));
+            assert!(!interior.port(side, 0).usable() && !interior.port(side, count + 1).usable());
+        }
+    }
+
+    #[test]
+    fn a_wall_to_wall_shelf_makes_two_parts() {
+        let interior = Interior::new(&room(&[block(2.8, 0.0, 3.2, 3.0)]), ROBOT);
+        assert_eq!(interior.parts().len(), 2);
+        let west = interior.port(Side::West, 1);
+        let east = interior.port(Side::East, 1);
+        assert!(west.usable() && east.usable() && west.part != east.part);
+        assert_eq!(interior.port(Side::North, 1).part, west.part);
+        assert_eq!(interior.port(Side::South, 3).part, east.part);
+        assert_eq!(interior.port(Side::North, 2), Port { part: None, clear: false });
+        let gap = |width: f64| {
+            let shelf = block(2.8, 0.05 + width, 3.2, 2.2);
+            let wall = block(2.8, 2.2, 3.2, 3.0);
+            Interior::new(&room(&[shelf, wall]), ROBOT).parts().len()
+        };
+        assert_eq!((gap(0.7), gap(0.85)), (2, 1));
+    }
+
+    #[test]
+    fn the_narrowest_way_is_measured() {
+        // North lies in the middle of the long side: its way west passes the shelf.
+        for width in [0.4, 0.6, 0.9, 1.2] {
+            let room = room(&[block(1.6, 0.05 + width, 2.0, 2.95)]);
+            let measured = narrowest_way(&room, 3.0, 0.1, 0.94);
+            assert!((measured - width).abs() <= 2.0 * STEP, "{width}: {measured}");
+        }
+        assert_eq!(narrowest_way(&room(&[block(1.6, 0.0, 2.0, 3.0)]), 3.0, 0.1, 0.94), 0.0);
+    }
+
+    #[test]
+    fn turned_ports_are_those_of_the_turned_room() {
+        // A room without symmetry, turned by hand through its own frame.
+        let design = room(&[block(0.2, 0.2, 0.7, 0.7), block(3.0, 2.5, 6.0, 3.0)]);
+        let interior = Interior::new(&design, ROBOT);
+        for quarters in 0..4_u8 {
+            let mut turned = RoomDesign::bare("turned", 2, 1, 5.0);
+            if quarters % 2 == 1 {
+                (turned.width, turned.height) = (1, 2);
+            }
+            let corner = DVec2::ZERO;
+            let frame = Frame { corner, scale: 1.0, quarters, size: design.size() };
+            turned.obstacles = design.obstacles.clone();
+            for obstacle in &mut turned.obstacles {
+                obstacle.shape = frame.shape(&obstacle.shape);
+            }
+            let by_hand = Interior::new(&turned, ROBOT);
+            for side in Side::ALL {
+                for at in 0..=4 {
+                    let (a, b) = (interior.turned_port(quarters, side, at), by_hand.port(side, at));
+                    assert_eq!(a.usable(), b.usable(), "{quarters} {side:?} {at}");
+                    assert_eq!(a.clear, b.clear);
+                }
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn overlap_is_what_points_say(
+            x in -1.0..2.0_f64, y in -1.0..2.0_f64, heading in -3.0..3.0_f64, disc: bool,
+        ) {
+            let rect = Rect::new(DVec2::ZERO, DVec2::new(1.0, 0.5));
+            let center = DVec2::new(x, y);
+            let shape = if disc {
+                Shape::Disc { center, radius: 0.4 }
+            } else {
+                Shape::Box { center, half_size: DVec2::new(0.5, 0.1), heading }
+            };
+            let touches = (0..=100).any(|i| (0..=50).any(|j| {
+                shape.contains(DVec2::new(f64::from(i), f64::from(j)) * 0.01)
+            }));
+            let near = (0..=100).any(|i| (0..=50).any(|j| {
+                shape.distance(DVec2::new(f64::from(i), f64::from(j)) * 0.01) < 0.008
+            }));
+            let overlap = overlaps(&shape, rect);
+            prop_assert!(!touches || overlap || !near);
+            prop_assert!(!overlap || near);
+        }
+
+        #[test]
+        fn a_smaller_robot_reaches_no_less(radius in 0.1..0.36_f64) {
+            for room in Catalogue::builtin().rooms().iter().filter(|room| room.width < 4) {
+                let small = Interior::new(room, Dimensions { radius, ..ROBOT });
+                let large = Interior::new(room, ROBOT);
+                let area = |interior: &Interior| -> f64 {
+                    interior.parts().iter().map(|part| part.area).sum()
+                };
+                prop_assert!(area(&small) >= area(&large));
+            }
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Numbers that describe a plan.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::access::hallway_shape;
+use super::grid::{Cell, Origin};
+use super::plan::FloorPlan;
+
+/// Numbers that describe a plan. What was drawn is null or empty for plans that were not generated.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct IndoorMetrics {
+    /// Distance between vertical and between horizontal hallways before the clamp, in cells.
+    pub spacing_raw: Option<[f64; 2]>,
+    /// How often each allowed room was the first drawn for a cell, by name.
+    pub first_choice: BTreeMap<String, u64>,
+    /// Mean difficulty of the first drawn rooms.
+    pub first_choice_difficulty_mean: Option<f64>,
+    /// Mean difficulty that the probabilities of the rooms give.
+    pub room_difficulty_expected: Option<f64>,
+    /// Mean difficulty of the rooms that stand on the plan.
+    pub room_difficulty_mean: Option<f64>,
+    /// Number of rooms.
+    pub rooms: u64,
+    /// Sides of all rooms: each drew once for a doorway.
+    pub sides: u64,
+    /// Sides that a doorway was drawn for.
+    pub doorways: u64,
+    /// Drawn doorways that stayed closed, having nowhere to lead.
+    pub doorways_closed: u64,
+    /// Openings in the walls; two rooms may share one.
+    pub openings: u64,
+    /// Openings that were moved from the middle of their side to be whole.
+    pub openings_shifted: u64,
+    /// Openings that were added so that a place can be reached.
+    pub openings_added: u64,
+    /// Rooms whose contents were taken out so that a place can be reached.
+    pub rooms_emptied: u64,
+    /// Area of each room in square metres, in the order of the rooms, from the middles of the walls.
+    pub room_areas: Vec<f64>,
+    /// Number of cells of each kind.
+    pub cells: CellCounts,
+    /// Hallway cells with one hallway neighbour or none.
+    pub hallway_ends: u64,
+    /// Independent cycles of the hallway cells alone.
+    pub hallway_cycles: u64,
+    /// Connected pieces of the hallway cells alone.
+    pub hallway_parts: u64,
+    /// Floor cells that only one way leads to, hallways, open areas and doorways counted.
+    pub dead_ends: u64,
+    /// Rooms, and parts of divided rooms, that only one way leads to.
+    pub room_dead_ends: u64,
+    /// Rooms without a passable doorway.
+    pub rooms_closed: u64,
+    /// Passable doorways a room on average.
+    pub doors_a_room: Option<f64>,
+    /// Independent cycles of hallways, open areas, doorways and rooms together.
+    pub cycles: u64,
+    /// Pieces of the plan that do not lead to each other.
+    pub parts: u64,
+    /// The narrowest way through each room before and after its contents were moved, in metres;
+    /// empty when they were left alone.
+    pub variations: Vec<[f64; 2]>,
+}
+
+/// Number of cells of each kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct CellCounts {
+    /// Hallway cells.
+    pub hallway: u64,
+    /// Open-area cells.
+    pub open: u64,
+    /// Cells of rooms.
+    pub room: u64,
+    /// Solid cells.
+    pub solid: u64,
+}
+
+impl IndoorMetrics {
+    pub(super) fn of(plan: &FloorPlan) -> Self {
+        let grid = plan.grid();
+        let count = |condition: fn(Cell) -> bool| grid.count(condition) as u64;
+        let hallways = hallway_shape(grid);
+        let access = plan.access();
+        let doors = access.doors_by_room();
+        let dead_ends = access.dead_ends();
+        let rooms = plan.rooms();
+        let draws = plan.draws();
+        let openings = |origin: Origin| {
+            plan.openings().iter().filter(|opening| opening.origin == origin).count() as u64
+        };
+        let first_choice: &[(String, u64)] =
+            draws.map_or(&[], |draws| draws.first_choice.as_slice());
+        let allowed = plan.spec().allowed_rooms();
+        let weighted = |weights: &dyn Fn(usize) -> f64| {
+            let total: f64 = (0..allowed.len()).map(weights).sum();
+            let sum: f64 =
+                allowed.iter().enumerate().map(|(i, room)| room.difficulty * weights(i)).sum();
+            (total > 0.0).then(|| sum / total)
+        };
+        let probabilities = plan.spec().room_probabilities();
+        IndoorMetrics {
+            spacing_raw: draws.map(|draws| draws.spacing_raw),
+            first_choice: first_choice.iter().cloned().collect(),
+            first_choice_difficulty_mean: weighted(&|i| {
+                first_choice.get(i).map_or(0.0, |&(_, count)| count as f64)
+            }),
+            room_difficulty_expected: draws.and_then(|_| weighted(&|i| probabilities[i])),
+            room_difficulty_mean: mean(rooms.iter().map(|room| room.room.difficulty)),
+            rooms: rooms.len() as u64,
+            sides: 4 * rooms.len() as u64,
+            doorways: rooms.iter().map(|room| u64::from(room.doorways.count())).sum(),
+            doorways_closed: draws.map_or(0, |draws| draws.doorways_closed),
+            openings: plan.openings().len() as u64,
+            openings_shifted: openings(Origin::Shifted),
+            openings_added: openings(Origin::Added),
+            rooms_emptied: rooms.iter().filter(|room| room.emptied).count() as u64,
+            room_areas: rooms
+                .iter()
+                .map(|room| {
+                    let (width, height) = room.size();
+                    f64::from(width * height) * plan.spec().unit * plan.spec().unit
+                })
+                .collect(),
+            cells: CellCounts {
+                hallway: hallways.cells,
+                open: count(|cell| cell == Cell::Open),
+                room: count(|cell| matches!(cell, Cell::Room(_))),
+                solid: count(|cell| cell == Cell::Solid),
+            },
+            hallway_ends: hallways.ends,
+            hallway_cycles: hallways.cycles,
+            hallway_parts: hallways.parts,
+            dead_ends: dead_ends[0],
+            room_dead_ends: dead_ends[1],
+            rooms_closed: doors.iter().filter(|&&doors| doors == 0).count() as u64,
+            doors_a_room: mean(doors.iter().map(|&doors| f64::from(doors))),
+            cycles: access.cycles(),
+            parts: access.parts(),
+            variations: draws.map_or_else(Vec::new, |draws| draws.variations.clone()),
+        }
+    }
+}
+
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> Option<f64> {
+    let count = values.len();
+    (count > 0).then(|| values.sum::<f64>() / count as f64)
+}

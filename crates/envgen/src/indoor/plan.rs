@@ -1,0 +1,267 @@
+//! The plan of a floor: hallways, open areas, rooms and the openings between them.
+
+use glam::DVec2;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
+
+use super::access::AccessGraph;
+use super::catalogue::{DESIGN_UNIT, Frame, SharedRoom};
+use super::grid::{Axis, Gate, Grid, Opening, Origin, Side, Sides};
+use super::metrics::IndoorMetrics;
+use super::spec::IndoorSpec;
+use crate::generate::Blueprint;
+use crate::seed::Seed;
+use crate::world::World;
+
+/// A plan on a grid, with the spec and seed that it was drawn for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FloorPlan {
+    pub(super) spec: IndoorSpec,
+    pub(super) seed: Option<Seed>,
+    pub(super) grid: Grid,
+    pub(super) rooms: Vec<PlacedRoom>,
+    /// Sorted by place, without repetition.
+    pub(super) openings: Vec<Opening>,
+    pub(super) draws: Option<Draws>,
+    pub(super) edited: bool,
+}
+
+/// What was drawn for a generated plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Draws {
+    /// Distance between vertical and between horizontal hallways before the clamp, in cells; what
+    /// was given by hand where it was.
+    pub spacing_raw: [f64; 2],
+    /// Distance between vertical and between horizontal hallways, in cells.
+    pub spacing: [u32; 2],
+    /// Whether hallway cycles were prevented.
+    pub cycles_prevented: bool,
+    /// How often each allowed room was the first drawn for a cell.
+    pub first_choice: Vec<(String, u64)>,
+    /// Drawn doorways that stayed closed, having nowhere to lead.
+    pub doorways_closed: u64,
+    /// The narrowest way through each room before and after its contents were moved, in metres;
+    /// empty when they were left alone.
+    pub variations: Vec<[f64; 2]>,
+}
+
+/// A room on a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedRoom {
+    /// The room as designed.
+    pub room: SharedRoom,
+    /// Column of its leftmost cells.
+    pub x: u32,
+    /// Row of its uppermost cells.
+    pub y: u32,
+    /// Quarter turns counter-clockwise.
+    pub quarters: u8,
+    /// Sides that a doorway was drawn for.
+    pub doorways: Sides,
+    /// Whether its contents were taken out, because nothing else made it reachable.
+    pub emptied: bool,
+}
+
+impl PlacedRoom {
+    /// Columns and rows that it takes.
+    pub fn size(&self) -> (u32, u32) {
+        match self.quarters % 2 {
+            0 => (self.room.width, self.room.height),
+            _ => (self.room.height, self.room.width),
+        }
+    }
+
+    /// Cells along a side.
+    pub fn side_length(&self, side: Side) -> u32 {
+        let (width, height) = self.size();
+        match side {
+            Side::North | Side::South => width,
+            Side::East | Side::West => height,
+        }
+    }
+
+    /// The place of an opening in a side, `at` half cells from its left or upper end.
+    pub fn gate(&self, side: Side, at: u32) -> Gate {
+        let (width, height) = self.size();
+        match side {
+            Side::North => Gate { wall: Axis::Horizontal, line: self.y, at: 2 * self.x + at },
+            Side::South => {
+                Gate { wall: Axis::Horizontal, line: self.y + height, at: 2 * self.x + at }
+            }
+            Side::West => Gate { wall: Axis::Vertical, line: self.x, at: 2 * self.y + at },
+            Side::East => Gate { wall: Axis::Vertical, line: self.x + width, at: 2 * self.y + at },
+        }
+    }
+
+    /// Takes the contents out.
+    pub(super) fn empty(&mut self) {
+        self.emptied = true;
+        if let Ok(room) = SharedRoom::new(self.room.emptied()) {
+            self.room = room;
+        }
+    }
+
+    /// The side that an opening lies in, and how many half cells from the side's left or upper end;
+    /// `None` when it is not in this room's walls.
+    pub fn side_of(&self, gate: Gate) -> Option<(Side, u32)> {
+        Side::ALL.into_iter().find_map(|side| {
+            let at = gate.at.checked_sub(self.gate(side, 0).at)?;
+            let inside = (1..2 * self.side_length(side)).contains(&at);
+            (inside && self.gate(side, at) == gate).then_some((side, at))
+        })
+    }
+}
+
+impl FloorPlan {
+    /// The cells.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The rooms, in the order in which they were placed.
+    pub fn rooms(&self) -> &[PlacedRoom] {
+        &self.rooms
+    }
+
+    /// The openings in walls, sorted by place.
+    pub fn openings(&self) -> &[Opening] {
+        &self.openings
+    }
+
+    /// What was asked.
+    pub fn spec(&self) -> &IndoorSpec {
+        &self.spec
+    }
+
+    /// The seed it was drawn with; `None` when no seed made it.
+    pub fn seed(&self) -> Option<Seed> {
+        self.seed
+    }
+
+    /// What was drawn; `None` when it was not generated.
+    pub fn draws(&self) -> Option<&Draws> {
+        self.draws.as_ref()
+    }
+
+    /// Whether it was changed after it was generated.
+    pub fn is_edited(&self) -> bool {
+        self.edited
+    }
+
+    /// Middle of a cell in metres: x right, y up, from the lower left corner of the grid.
+    pub(super) fn cell_middle(&self, x: u32, y: u32) -> DVec2 {
+        self.point(f64::from(x) + 0.5, f64::from(y) + 0.5)
+    }
+
+    /// Middle of an opening in metres.
+    pub(super) fn gate_middle(&self, gate: Gate) -> DVec2 {
+        let (x, y) = gate.middle();
+        self.point(x, y)
+    }
+
+    /// A point `x` cells from the left and `y` cells from the top, in metres.
+    pub(super) fn point(&self, x: f64, y: f64) -> DVec2 {
+        DVec2::new(x, f64::from(self.grid.height()) - y) * self.spec.unit
+    }
+
+    /// From a room's design to the map.
+    pub(super) fn design_frame(&self, room: usize) -> Frame {
+        let room = &self.rooms[room];
+        let corner = self.point(f64::from(room.x), f64::from(room.y + room.size().1));
+        let scale = self.spec.unit / DESIGN_UNIT;
+        Frame { corner, scale, quarters: room.quarters, size: room.room.size() }
+    }
+
+    /// From a room's own metres of the map, unturned, to the map.
+    pub(super) fn metric_frame(&self, room: usize) -> Frame {
+        let frame = self.design_frame(room);
+        Frame { scale: 1.0, size: frame.size * frame.scale, ..frame }
+    }
+
+    /// Which place leads to which, for a robot of the spec's footprint.
+    pub fn access(&self) -> AccessGraph {
+        AccessGraph::new(self)
+    }
+}
+
+impl Blueprint for FloorPlan {
+    type Metrics = IndoorMetrics;
+
+    fn metrics(&self) -> IndoorMetrics {
+        IndoorMetrics::of(self)
+    }
+
+    fn to_world(&self) -> World {
+        super::build::world(self)
+    }
+}
+
+#[derive(Serialize)]
+struct RoomJson<'a> {
+    name: &'a str,
+    x: u32,
+    y: u32,
+    width: u32,
+    height: u32,
+    turned: bool,
+    quarter_turns: u8,
+    difficulty: f64,
+    doorways: Vec<Side>,
+    emptied: bool,
+}
+
+#[derive(Serialize)]
+struct OpeningJson {
+    /// Middle in cells from the top left corner, y down.
+    x: f64,
+    y: f64,
+    wall: Axis,
+    origin: Origin,
+}
+
+impl Serialize for FloorPlan {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let width = self.grid.width() as usize;
+        let cells: Vec<String> = self
+            .grid
+            .cells()
+            .chunks(width)
+            .map(|row| row.iter().map(|cell| cell.symbol()).collect())
+            .collect();
+        let rooms: Vec<_> = self
+            .rooms
+            .iter()
+            .map(|room| RoomJson {
+                name: &room.room.name,
+                x: room.x,
+                y: room.y,
+                width: room.size().0,
+                height: room.size().1,
+                turned: room.quarters % 4 != 0,
+                quarter_turns: room.quarters % 4,
+                difficulty: room.room.difficulty,
+                doorways: room.doorways.iter().collect(),
+                emptied: room.emptied,
+            })
+            .collect();
+        let openings: Vec<_> = self
+            .openings
+            .iter()
+            .map(|opening| {
+                let (x, y) = opening.gate.middle();
+                OpeningJson { x, y, wall: opening.gate.wall, origin: opening.origin }
+            })
+            .collect();
+        let mut plan = serializer.serialize_struct("FloorPlan", 8)?;
+        plan.serialize_field("width", &self.grid.width())?;
+        plan.serialize_field("height", &self.grid.height())?;
+        plan.serialize_field("unit", &self.spec.unit)?;
+        plan.serialize_field("spacing", &self.draws.as_ref().map(|draws| draws.spacing))?;
+        let prevented = self.draws.as_ref().map(|draws| draws.cycles_prevented);
+        plan.serialize_field("cycles_prevented", &prevented)?;
+        plan.serialize_field("cells", &cells)?;
+        plan.serialize_field("rooms", &rooms)?;
+        plan.serialize_field("openings", &openings)?;
+        plan.end()
+    }
+}

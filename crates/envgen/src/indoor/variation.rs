@@ -1,0 +1,143 @@
+//! Rules at the level of objects: the contents of a room are moved until the narrowest way through
+//! it has a wanted width.
+//!
+//! Zwennes' future work asks for "rules that can rearrange objects inside a room to narrow or widen
+//! the paths through the room".
+
+use glam::DVec2;
+
+use super::catalogue::{RoomDesign, SharedRoom};
+use super::grid::Side;
+use super::interior::{Dimensions, Interior, STEP, narrowest_way};
+use crate::geometry::{Shape, unit_vector, wrap_angle};
+use crate::seed::Stream;
+
+/// Changes that are tried at most.
+const TRIES: u32 = 80;
+
+/// Farthest that one change moves a thing along each axis, in metres of the design.
+const FARTHEST_MOVE: f64 = 0.6;
+
+/// A room whose contents were moved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Varied {
+    /// The room as it is now.
+    pub room: SharedRoom,
+    /// The narrowest way through the room as it was, in metres.
+    pub before: f64,
+    /// The narrowest way through it now, in metres.
+    pub after: f64,
+}
+
+/// Moves, turns, removes and doubles obstacles until the narrowest way through the room, as
+/// [`narrowest_way`] measures it, is as near to `wanted` metres as 80 changes bring it. Walls stay.
+/// Doorways that were clear stay clear, and no free space is cut off from the doorways. A room
+/// without obstacles stays as it is.
+pub fn vary(room: &SharedRoom, wanted: f64, dimensions: Dimensions, stream: &mut Stream) -> Varied {
+    let measure = |room: &RoomDesign| {
+        narrowest_way(room, dimensions.unit, dimensions.wall, dimensions.doorway)
+    };
+    let before = measure(room);
+    let mut best = (room.clone(), before);
+    let clear = clear_ports(&room.interior(dimensions), room);
+    let cut_off = cut_off(&room.interior(dimensions), room);
+    for _ in 0..TRIES {
+        let (current, width) = &best;
+        let error = (width - wanted).abs();
+        if error <= STEP || current.obstacles.is_empty() {
+            break;
+        }
+        let mut changed = (**current).clone();
+        change(&mut changed, *width < wanted, stream);
+        let Ok(changed) = SharedRoom::new(changed) else { continue };
+        let width = measure(&changed);
+        if (width - wanted).abs() >= error {
+            continue;
+        }
+        let interior = changed.interior(dimensions);
+        let still_clear =
+            clear_ports(&interior, &changed).iter().zip(&clear).all(|(now, then)| *now || !*then);
+        if still_clear && self::cut_off(&interior, &changed) <= cut_off {
+            best = (changed, width);
+        }
+    }
+    Varied { room: best.0, before, after: best.1 }
+}
+
+/// One change of one obstacle, of a kind that tends to widen or to narrow.
+fn change(room: &mut RoomDesign, widen: bool, stream: &mut Stream) {
+    let which = stream.below(room.obstacles.len() as u64) as usize;
+    let offset = |reach: DVec2, stream: &mut Stream| {
+        DVec2::new(stream.between(-reach.x, reach.x), stream.between(-reach.y, reach.y))
+    };
+    match stream.below(4) {
+        0 if widen => {
+            room.obstacles.remove(which);
+        }
+        0 => {
+            let mut double = room.obstacles[which].clone();
+            let by = offset(room.size() * 0.5, stream);
+            double.shape = moved(&double.shape, by, 0.0);
+            room.obstacles.push(double);
+        }
+        1 => {
+            let angle = stream.between(-1.0, 1.0);
+            let shape = &mut room.obstacles[which].shape;
+            *shape = moved(shape, DVec2::ZERO, angle);
+        }
+        _ => {
+            let by = offset(DVec2::splat(FARTHEST_MOVE), stream);
+            let shape = &mut room.obstacles[which].shape;
+            *shape = moved(shape, by, 0.0);
+        }
+    }
+}
+
+/// A shape moved and turned about its middle.
+fn moved(shape: &Shape, by: DVec2, angle: f64) -> Shape {
+    let turn = |p: DVec2, about: DVec2| about + by + unit_vector(angle).rotate(p - about);
+    match shape {
+        Shape::Segment { a, b } => {
+            let middle = (*a + *b) * 0.5;
+            Shape::Segment { a: turn(*a, middle), b: turn(*b, middle) }
+        }
+        Shape::Disc { center, radius } => Shape::Disc { center: *center + by, radius: *radius },
+        Shape::Box { center, half_size, heading } => Shape::Box {
+            center: *center + by,
+            half_size: *half_size,
+            heading: wrap_angle(heading + angle),
+        },
+        Shape::Polygon { vertices } => {
+            let middle = shape.bounds().center();
+            Shape::Polygon { vertices: vertices.iter().map(|&v| turn(v, middle)).collect() }
+        }
+    }
+}
+
+/// Whether the middle of each side takes a doorway.
+fn clear_ports(interior: &Interior, room: &RoomDesign) -> [bool; 4] {
+    Side::ALL.map(|side| {
+        let length = match side {
+            Side::North | Side::South => room.width,
+            Side::East | Side::West => room.height,
+        };
+        interior.port(side, length).usable()
+    })
+}
+
+/// Number of parts of the free space that no doorway leads to.
+pub(super) fn cut_off(interior: &Interior, room: &RoomDesign) -> usize {
+    let mut led_to = vec![false; interior.parts().len()];
+    for side in Side::ALL {
+        for at in 1..2 * room.width.max(room.height) {
+            let port = interior.port(side, at);
+            if let Some(part) = port.part.filter(|_| port.clear) {
+                led_to[part as usize] = true;
+            }
+        }
+    }
+    led_to.iter().filter(|led_to| !**led_to).count()
+}
+
+#[cfg(test)]
+mod tests;

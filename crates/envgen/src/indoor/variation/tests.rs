@@ -1,0 +1,48 @@
+use super::*;
+use crate::indoor::catalogue::Catalogue;
+use crate::seed::Seed;
+
+const ROBOT: Dimensions = Dimensions { unit: 3.0, wall: 0.1, doorway: 0.94, radius: 0.36 };
+
+#[test]
+fn rooms_come_near_the_wanted_width() {
+    for (name, wanted) in [
+        ("single office", 0.6),
+        ("single office", 1.2),
+        ("computer lab", 0.8),
+        ("computer lab", 1.4),
+        ("warehouse", 1.0),
+        ("multi office", 0.8),
+    ] {
+        let room = Catalogue::builtin().get(name).unwrap();
+        let mut stream = Seed(1).stream("test", 0);
+        let varied = vary(room, wanted, ROBOT, &mut stream);
+        let (was, is) = ((varied.before - wanted).abs(), (varied.after - wanted).abs());
+        assert!(is <= 2.0 * STEP, "{name} to {wanted}: {} became {}", varied.before, varied.after);
+        assert!(was > is);
+        // What is reported is what the room has.
+        assert_eq!(narrowest_way(&varied.room, 3.0, 0.1, 0.94), varied.after);
+        assert_eq!(varied.room.validate(), Ok(()));
+        assert_eq!(varied.room.walls, room.walls);
+        let interior = varied.room.interior(ROBOT);
+        assert_eq!(clear_ports(&interior, &varied.room), [true; 4]);
+        assert_eq!(cut_off(&interior, &varied.room), 0);
+    }
+}
+
+#[test]
+fn rooms_without_obstacles_stay() {
+    for name in ["empty", "maze"] {
+        let room = Catalogue::builtin().get(name).unwrap();
+        let varied = vary(room, 0.5, ROBOT, &mut Seed(1).stream("test", 0));
+        assert_eq!((&varied.room, varied.before), (room, varied.after));
+    }
+}
+
+#[test]
+fn the_same_seed_moves_the_same_things() {
+    let room = Catalogue::builtin().get("computer lab").unwrap();
+    let vary = |seed| super::vary(room, 0.7, ROBOT, &mut Seed(seed).stream("test", 0));
+    assert_eq!(vary(3), vary(3));
+    assert_ne!(vary(3), vary(4));
+}

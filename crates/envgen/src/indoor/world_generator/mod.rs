@@ -1,0 +1,106 @@
+//! The files of the World Generator for `USARSim` (version 4.0, 2011), the tool that Zwennes' thesis
+//! extended: projects and libraries of rooms, as XML.
+//!
+//! A project's root is `world` (`depth`, `width`, `name`). Its children are `room` (`name`, `x`, `y`,
+//! `theta` in quarter turns) and `door` (`x`, `y`, `direction`: 0 between the cells (x - 1, y) and
+//! (x, y), 1 between (x, y - 1) and (x, y)). x counts the depth, rows from north to south, and y the
+//! width. A hallway is a room called `hallway` of one cell. A library's root is `roomList`; its
+//! `room`s have `name`, `src`, `size` ("depth, width, height", in cells) and `tag`.
+//!
+//! What the files cannot hold is lost: open areas become hallways, doorways between two cells move
+//! to the middle of a cell, and difficulties and contents stay with the catalogue.
+
+mod library;
+mod project;
+mod xml;
+
+use thiserror::Error;
+
+pub use library::{LibraryRoom, read_library, write_library};
+pub use project::{HALLWAY, Project, read_project, write_project};
+
+/// Unreal units a metre.
+pub const UNITS_A_METRE: f64 = 250.0;
+
+/// Distance between the middles of two neighbouring cells, in Unreal units: a block of 3 m and the
+/// wall between two.
+pub const PITCH_UNITS: f64 = 782.0;
+
+/// Longest text that is read, in bytes.
+pub const MAX_TEXT: usize = 64 << 20;
+
+/// Why a file of the World Generator could not be read.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum WorldGeneratorError {
+    /// The text is longer than any file of the tool.
+    #[error("the text has {0} bytes, allowed are {MAX_TEXT}")]
+    TooLong(usize),
+    /// The text is not well-formed XML, or ends early.
+    #[error("not XML at byte {position}: {reason}")]
+    Xml {
+        /// Where.
+        position: u64,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The document declares a type or entities, which these files never do.
+    #[error("a document type at byte {0}: these files have none")]
+    DocumentType(u64),
+    /// The root is another element.
+    #[error("the root is `{found}`, a file of this kind has `{expected}`")]
+    Root {
+        /// The root's name.
+        found: String,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// An element has no such attribute, or one that is not allowed.
+    #[error("`{element}` {number}: `{attribute}` is {value}, allowed is {allowed}")]
+    Attribute {
+        /// The element's name.
+        element: &'static str,
+        /// Which of its kind, from 1.
+        number: usize,
+        /// The attribute's name.
+        attribute: &'static str,
+        /// What is there, or `missing`.
+        value: String,
+        /// What would be allowed.
+        allowed: String,
+    },
+    /// Neither the catalogue nor the library has the room.
+    #[error("room {number} is `{name}`, which neither the catalogue nor a library describes")]
+    UnknownRoom {
+        /// Which room, from 1.
+        number: usize,
+        /// Its name.
+        name: String,
+    },
+    /// A room leaves the world.
+    #[error("room {number}, `{name}`, reaches outside the world")]
+    Outside {
+        /// Which room, from 1.
+        number: usize,
+        /// Its name.
+        name: String,
+    },
+    /// Two rooms overlap.
+    #[error("room {number}, `{name}`, overlaps another at x {x}, y {y}")]
+    Overlap {
+        /// Which room, from 1.
+        number: usize,
+        /// Its name.
+        name: String,
+        /// Row of the first cell that both have.
+        x: u32,
+        /// Column of the first cell that both have.
+        y: u32,
+    },
+    /// A library describes one room twice.
+    #[error("the library has two rooms of the name `{0}`")]
+    Duplicate(String),
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,171 @@
+//! Flat XML documents: a root and its children, of attributes alone.
+
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
+
+use super::{MAX_TEXT, WorldGeneratorError};
+
+/// Reads a document element by element: the root first, then its children. Deeper elements, text
+/// and comments are passed over.
+pub(super) struct Flat<'a> {
+    reader: Reader<&'a [u8]>,
+    root: &'static str,
+    depth: usize,
+    /// An element without content closes itself.
+    seen_root: bool,
+    ended: bool,
+}
+
+/// An element: its name and attributes.
+pub(super) struct Element {
+    name: String,
+    attributes: Vec<(String, String)>,
+}
+
+impl<'a> Flat<'a> {
+    /// A document whose root must have this name; the root's element is returned.
+    pub(super) fn open(
+        text: &'a str,
+        root: &'static str,
+    ) -> Result<(Self, Element), WorldGeneratorError> {
+        if text.len() > MAX_TEXT {
+            return Err(WorldGeneratorError::TooLong(text.len()));
+        }
+        let reader = Reader::from_str(text);
+        let mut flat = Flat { reader, root, depth: 0, seen_root: false, ended: false };
+        match flat.next()? {
+            Some(element) => Ok((flat, element)),
+            None => Err(flat.broken("there is no element")),
+        }
+    }
+
+    /// The next child of the root; `None` behind the root's end.
+    pub(super) fn next(&mut self) -> Result<Option<Element>, WorldGeneratorError> {
+        loop {
+            let event = match self.reader.read_event() {
+                Ok(event) => event,
+                Err(error) => {
+                    let position = self.reader.error_position();
+                    return Err(WorldGeneratorError::Xml { position, reason: error.to_string() });
+                }
+            };
+            let (start, empty) = match event {
+                Event::DocType(_) => {
+                    let position = self.reader.buffer_position();
+                    return Err(WorldGeneratorError::DocumentType(position));
+                }
+                Event::GeneralRef(reference)
+                    if reference.resolve_char_ref().ok().flatten().is_none() =>
+                {
+                    let name = reference.to_string();
+                    if !["amp", "lt", "gt", "quot", "apos"].contains(&name.as_str()) {
+                        return Err(self.broken(&format!("the entity `{name}` is not known")));
+                    }
+                    continue;
+                }
+                Event::Eof if self.depth > 0 => {
+                    let reason = format!("the file ends inside `{}`", self.root);
+                    return Err(self.broken(&reason));
+                }
+                Event::Eof => return Ok(None),
+                Event::End(_) => {
+                    self.depth = self.depth.saturating_sub(1);
+                    self.ended = self.depth == 0;
+                    continue;
+                }
+                Event::Start(start) => (start, false),
+                Event::Empty(start) => (start, true),
+                _ => continue,
+            };
+            if self.ended {
+                return Err(self.broken("there is something behind the root"));
+            }
+            let depth = self.depth;
+            let start = start.into_owned();
+            if empty {
+                self.ended = depth == 0;
+            } else {
+                self.depth += 1;
+            }
+            if depth > 1 {
+                continue;
+            }
+            let element = self.element(&start)?;
+            if depth == 0 {
+                self.seen_root = true;
+                if element.name != self.root {
+                    let expected = self.root;
+                    return Err(WorldGeneratorError::Root { found: element.name, expected });
+                }
+            }
+            return Ok(Some(element));
+        }
+    }
+
+    fn element(&self, start: &BytesStart<'_>) -> Result<Element, WorldGeneratorError> {
+        let name = start.name().as_ref().to_owned();
+        let mut attributes = Vec::new();
+        for attribute in start.attributes() {
+            let attribute = attribute.map_err(|error| self.broken(&error.to_string()))?;
+            let key = attribute.key.as_ref().to_owned();
+            let value = attribute
+                .normalized_value(XmlVersion::Implicit1_0)
+                .map_err(|error| self.broken(&error.to_string()))?;
+            attributes.push((key, value.into_owned()));
+        }
+        Ok(Element { name, attributes })
+    }
+
+    fn broken(&self, reason: &str) -> WorldGeneratorError {
+        let position = self.reader.buffer_position();
+        WorldGeneratorError::Xml { position, reason: reason.to_owned() }
+    }
+}
+
+impl Element {
+    pub(super) fn is(&self, name: &str) -> bool {
+        self.name == name
+    }
+
+    /// The text of an attribute.
+    pub(super) fn get(&self, attribute: &str) -> Option<&str> {
+        self.attributes.iter().find(|(key, _)| key == attribute).map(|(_, value)| value.as_str())
+    }
+
+    /// The text of an attribute that must be there.
+    pub(super) fn text(
+        &self,
+        element: &'static str,
+        number: usize,
+        attribute: &'static str,
+    ) -> Result<&str, WorldGeneratorError> {
+        self.get(attribute).ok_or_else(|| WorldGeneratorError::Attribute {
+            element,
+            number,
+            attribute,
+            value: "missing".to_owned(),
+            allowed: "a text".to_owned(),
+        })
+    }
+
+    /// A whole number that must be there.
+    pub(super) fn number(
+        &self,
+        element: &'static str,
+        number: usize,
+        attribute: &'static str,
+        (least, most): (u32, u32),
+    ) -> Result<u32, WorldGeneratorError> {
+        let found = self.get(attribute);
+        let value = found.and_then(|text| text.trim().parse().ok());
+        value.filter(|value| (least..=most).contains(value)).ok_or_else(|| {
+            WorldGeneratorError::Attribute {
+                element,
+                number,
+                attribute,
+                value: found.map_or_else(|| "missing".to_owned(), |text| format!("`{text}`")),
+                allowed: format!("a whole number from {least} to {most}"),
+            }
+        })
+    }
+}
