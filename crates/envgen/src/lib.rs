@@ -22,7 +22,7 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | generators, one module a kind | [`hallway`], [`forest`] |
+//! | generators, one module a kind | [`hallway`], [`forest`], [`road`], [`indoor`], [`landscape`] |
 //! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`Kind`], [`settings`] |
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | what generators make | [`World`], [`world`], [`geometry`] |
