@@ -21,6 +21,10 @@ pub const MAX_FILE_BYTES: u64 = 1 << 30;
 /// stack.
 pub const MAX_SPEC_DEPTH: usize = 32;
 
+/// Keyword of the text in a PNG that says that it is a picture of a world and holds no classes.
+#[cfg(feature = "picture")]
+pub(crate) const PICTURE_KEY: &str = "envgen-picture";
+
 /// Why a world file could not be read or written.
 #[derive(Debug, Error)]
 #[non_exhaustive]

@@ -79,6 +79,18 @@ fn a_seed_is_the_same_alone_and_in_a_row() {
 }
 
 #[test]
+fn seeds_without_a_blueprint_do_not_stop_the_others() {
+    let arguments = ["sample", "road", "--count", "40", "--set", "lengths=as_published"];
+    let output = run(&arguments);
+    assert_eq!(output.status.code(), Some(1));
+    let made = String::from_utf8(output.stdout).unwrap().lines().count();
+    let said = String::from_utf8(output.stderr).unwrap();
+    let failed = said.lines().filter(|line| line.starts_with("seed ")).count();
+    assert!(made > 25 && failed > 0 && made + failed == 40, "{made} made: {said}");
+    assert!(said.contains(&format!("{failed} of 40 seeds have no road")), "{said}");
+}
+
+#[test]
 fn sample_ends_quietly_when_its_reader_has_enough() {
     let mut child = command()
         .args(["sample", "hallway", "--count", "1000000000"])

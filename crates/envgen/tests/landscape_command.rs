@@ -130,3 +130,41 @@ fn bad_input_ends_with_its_code_and_a_reason() {
         assert!(text.contains(reason), "{text}");
     }
 }
+
+#[test]
+fn a_picture_is_not_taken_for_classes() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let run = |arguments: &[&str]| {
+        std::process::Command::new(env!("CARGO_BIN_EXE_envgen")).args(arguments).output().unwrap()
+    };
+    let (picture, classes) = (at("l.png"), at("l.classes.png"));
+    assert!(run(&["generate", "landscape", "--out", &picture, "--out", &classes]).status.success());
+    assert!(run(&["metrics", &classes]).status.success());
+    let output = run(&["metrics", &picture]);
+    assert_eq!(output.status.code(), Some(1));
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(text.contains("a picture of a world"), "{text}");
+}
+
+#[test]
+fn a_total_edge_that_does_not_exist_is_said_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("n.asc");
+    let mut arguments = vec!["generate", "landscape", "--seed=4", "--out", out.to_str().unwrap()];
+    for set in [
+        "--set=rows=6",
+        "--set=cols=6",
+        "--set=classes=2",
+        "--set=entropy=0.6931471805599453",
+        "--set=algorithm=mixed",
+        "--set=total_edge=7",
+    ] {
+        arguments.push(set);
+    }
+    let output =
+        std::process::Command::new(env!("CARGO_BIN_EXE_envgen")).args(arguments).output().unwrap();
+    assert!(output.status.success());
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(text.contains("the nearest is"), "{text}");
+}

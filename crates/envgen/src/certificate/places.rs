@@ -1,68 +1,54 @@
 //! Whether every room, hallway and open area can be reached.
 
-use glam::DVec2;
-
 use super::Verdict;
+use super::ways::{Flood, MOST_POINTS, SparseBits};
 use crate::geometry::Shape;
-use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::world::{SurfaceKind, World};
 
-/// The finest raster has at most this many cells.
-const MOST_CELLS: f64 = (1 << 24) as f64;
-
 /// Whether a disc can move from the start to every place on the floors of the world's rooms,
-/// hallways and open areas where its middle fits, by flood fill on ever finer rasters. It does not
+/// hallways and open areas where its middle fits, by floods over ever finer lattices. It does not
 /// drive on surfaces of speed 0.
 ///
-/// A solid point lies within h / sqrt 2 of the middle of a cell of side h that it occupies, and every
-/// point of a way within h / sqrt 2 of a cell's middle: middles farther than radius + sqrt 2 h from
-/// all occupied ones are free for certain, those nearer than radius - sqrt 2 h are not. The free
-/// space for certain must be flooded whole. A place that is narrower than the raster can tell from solid is not looked for.
+/// Of the two sets of points that enclose the free space (see [`super::ways::decide`]) the narrow
+/// one must be flooded whole. A place that is narrower than the lattice can tell from solid is not
+/// looked for.
 pub(super) fn every_place_reachable(world: &World, radius: f64) -> Verdict {
     let Some(start) = world.start else { return Verdict::Broken };
-    let area = world.bounds;
-    let size = area.size();
-    let mut cell = (0.25 * radius).max((size.x * size.y / MOST_CELLS).sqrt());
+    let mut h = 0.25 * radius;
+    if !(h > 0.0 && h.is_finite()) {
+        return Verdict::Undecided;
+    }
+    let mut budget = MOST_POINTS;
     loop {
-        let fits = (size.x / cell) * (size.y / cell) <= 1.01 * MOST_CELLS;
-        let Some(mut solid) = fits.then(|| OccupancyGrid::empty(area, cell).ok()).flatten() else {
-            return Verdict::Undecided;
+        let flood = Flood::new(barriers(world).collect(), world.bounds, h, radius);
+        let sure = flood.sure(radius);
+        let mut reached = |distance, inside| {
+            let from = [flood.nearest(start.position)].into_iter();
+            flood.spread(from, distance, inside, &mut budget, |_| false).map(|(reached, _)| reached)
         };
-        let mut floor = solid.clone();
-        for shape in barriers(world) {
-            solid.occupy(&shape, Coverage::Conservative);
-        }
-        for shape in floors(world) {
-            floor.occupy(shape, Coverage::Centre);
-        }
-        let slack = std::f64::consts::SQRT_2 * cell;
-        let sure = solid.inflated(radius + slack);
-        let surely_reached = flood(&sure, &cells_near(&sure, start.position));
-        let missed = |reached: &[bool]| {
-            floor
-                .cells()
-                .iter()
-                .zip(sure.cells())
-                .zip(reached)
-                .any(|((&floor, &occupied), &reached)| floor && !occupied && !reached)
+        // Every point that is free for certain is reached, and every room has one that is.
+        let whole = |reached: &SparseBits| {
+            let missed = |at| !reached.contains(at) && flood.is_clear(at, sure);
+            !floors(world).any(|floor| flood.points_in(floor).any(missed))
+                && world
+                    .rooms
+                    .iter()
+                    .all(|room| flood.points_in(&room.shape).any(|at| reached.contains(at)))
         };
-        if !missed(&surely_reached) && every_room_has(world, &sure, &surely_reached) {
-            return Verdict::Holds;
+        match reached(sure, true) {
+            None => return Verdict::Undecided,
+            Some(reached) if whole(&reached) => return Verdict::Holds,
+            Some(_) => {}
         }
-        if radius > slack {
-            let maybe = solid.inflated((radius - slack) * (1.0 - 1e-9));
-            let reached = flood(&maybe, &cells_near(&maybe, start.position));
-            if missed(&reached) || !every_room_has(world, &maybe, &reached) {
-                return Verdict::Broken;
+        if let Some(distance) = flood.maybe(radius) {
+            match reached(distance, false) {
+                None => return Verdict::Undecided,
+                Some(reached) if !whole(&reached) => return Verdict::Broken,
+                Some(_) => {}
             }
         }
-        cell *= 0.6;
+        h *= 0.6;
     }
-}
-
-/// The cell around a point, if it lies in the grid.
-fn cells_near(grid: &OccupancyGrid, p: DVec2) -> Vec<(usize, usize)> {
-    grid.cell_at(p).into_iter().collect()
 }
 
 fn barriers(world: &World) -> impl Iterator<Item = Shape> + '_ {
@@ -77,43 +63,6 @@ fn floors(world: &World) -> impl Iterator<Item = &Shape> {
         .iter()
         .filter(|s| matches!(s.kind, SurfaceKind::Hallway | SurfaceKind::OpenArea));
     world.rooms.iter().map(|room| &room.shape).chain(halls.map(|surface| &surface.shape))
-}
-
-/// Whether some flooded cell's middle lies in every room.
-fn every_room_has(world: &World, grid: &OccupancyGrid, reached: &[bool]) -> bool {
-    world.rooms.iter().all(|room| {
-        let bounds = room.shape.bounds();
-        let (Some(low), Some(high)) = (grid.cell_at(bounds.min), grid.cell_at(bounds.max)) else {
-            return false;
-        };
-        (low.1..=high.1).any(|row| {
-            (low.0..=high.0).any(|col| {
-                reached[row * grid.cols() + col] && room.shape.contains(grid.cell_centre(col, row))
-            })
-        })
-    })
-}
-
-/// The free cells that free cells join to some, over sides and corners.
-fn flood(grid: &OccupancyGrid, from: &[(usize, usize)]) -> Vec<bool> {
-    let (cols, rows) = (grid.cols(), grid.rows());
-    let mut reached = vec![false; cols * rows];
-    let mut open: Vec<(usize, usize)> = Vec::new();
-    let mut visit = |col: usize, row: usize, open: &mut Vec<_>| {
-        let cell = row * cols + col;
-        if !grid.cells()[cell] && !std::mem::replace(&mut reached[cell], true) {
-            open.push((col, row));
-        }
-    };
-    from.iter().for_each(|&(col, row)| visit(col, row, &mut open));
-    while let Some((col, row)) = open.pop() {
-        for row in row.saturating_sub(1)..=(row + 1).min(rows - 1) {
-            for col in col.saturating_sub(1)..=(col + 1).min(cols - 1) {
-                visit(col, row, &mut open);
-            }
-        }
-    }
-    reached
 }
 
 #[cfg(test)]
@@ -135,6 +84,15 @@ mod tests {
             for (claim, verdict) in verify(&world) {
                 assert_eq!(verdict, Verdict::Holds, "d = {difficulty}, seed {seed}: {claim}");
             }
+        }
+    }
+
+    #[test]
+    fn large_maps_are_decided_too() {
+        let spec = IndoorSpec { width: 40, height: 40, ..Default::default() };
+        let world = spec.generate(Seed(1)).unwrap().to_world();
+        for (claim, verdict) in verify(&world) {
+            assert_eq!(verdict, Verdict::Holds, "{claim}");
         }
     }
 

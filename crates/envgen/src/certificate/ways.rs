@@ -12,7 +12,7 @@ use crate::lattice::{Convex, Lattice, Lists};
 use crate::world::World;
 
 /// The most lattice points that a flood looks at.
-const MOST_POINTS: u64 = 1 << 27;
+pub(super) const MOST_POINTS: u64 = 1 << 27;
 
 /// The most cells of the index of shapes.
 const MOST_CELLS: f64 = (1 << 22) as f64;
@@ -49,15 +49,15 @@ pub(super) fn decide(
     let mut budget = MOST_POINTS;
     loop {
         // The points fill the area's width exactly, so that both sides have a column.
-        let flood = Flood::new(world, area, size.x / (size.x / h).ceil(), radius);
-        let slack = flood.h * FRAC_1_SQRT_2;
-        match flood.reaches(ends, radius + slack, true, &mut budget) {
+        let shapes = world.solids().map(|solid| solid.shape.into_owned()).collect();
+        let flood = Flood::new(shapes, area, size.x / (size.x / h).ceil(), radius);
+        match flood.joins(ends, flood.sure(radius), true, &mut budget) {
             None => return Verdict::Undecided,
             Some(true) => return verdict(true),
             Some(false) => {}
         }
-        if radius > slack {
-            match flood.reaches(ends, (radius - slack) * (1.0 - 1e-9), false, &mut budget) {
+        if let Some(distance) = flood.maybe(radius) {
+            match flood.joins(ends, distance, false, &mut budget) {
                 None => return Verdict::Undecided,
                 Some(false) => return verdict(false),
                 Some(true) => {}
@@ -67,7 +67,8 @@ pub(super) fn decide(
     }
 }
 
-struct Flood {
+/// A lattice of points over an area, and the shapes that keep a disc away.
+pub(super) struct Flood {
     area: Rect,
     h: f64,
     /// The shapes that can be within reach of a point, by the point's cell.
@@ -77,8 +78,7 @@ struct Flood {
 }
 
 impl Flood {
-    fn new(world: &World, area: Rect, h: f64, radius: f64) -> Self {
-        let shapes: Vec<Shape> = world.solids().map(|solid| solid.shape.into_owned()).collect();
+    pub(super) fn new(shapes: Vec<Shape>, area: Rect, h: f64, radius: f64) -> Self {
         let reach = radius + 2.0 * h;
         let around = area.grown(2.0 * h);
         let size = around.size();
@@ -95,54 +95,89 @@ impl Flood {
         Flood { area, h, near: near.unwrap_or_default(), lattice, shapes }
     }
 
+    /// The distance at which lattice points make a way for a disc for certain.
+    pub(super) fn sure(&self, radius: f64) -> f64 {
+        radius + self.h * FRAC_1_SQRT_2
+    }
+
+    /// The distance of the lattice points that any way of a disc leads past; `None` where the
+    /// lattice is too coarse to tell.
+    pub(super) fn maybe(&self, radius: f64) -> Option<f64> {
+        let distance = (radius - self.h * FRAC_1_SQRT_2) * (1.0 - 1e-9);
+        (distance > 0.0).then_some(distance)
+    }
+
     fn point(&self, at: I64Vec2) -> DVec2 {
         self.area.min + at.as_dvec2() * self.h
     }
 
-    /// Whether a point is at least `distance` away from all solids.
-    fn is_clear(&self, p: DVec2, distance: f64) -> bool {
+    /// The lattice point nearest to a place: a step of h / sqrt 2 at most away.
+    pub(super) fn nearest(&self, p: DVec2) -> I64Vec2 {
+        ((p - self.area.min) / self.h).round().as_i64vec2()
+    }
+
+    /// Whether a point is at least `distance` away from all shapes.
+    pub(super) fn is_clear(&self, at: I64Vec2, distance: f64) -> bool {
+        let p = self.point(at);
         let near = self.lattice.cell_at(p).map_or(&[][..], |cell| self.near.of(cell));
         near.iter().all(|&i| self.shapes[i as usize].distance(p) >= distance)
     }
 
-    /// Whether points of a distance join the ends. When `sure`, every point lies inside the area;
-    /// else points within a step of it count as well. `None` when the budget is spent.
-    fn reaches(&self, ends: &Ends, distance: f64, sure: bool, budget: &mut u64) -> Option<bool> {
-        let margin = if sure { 1e-9 * self.h } else { self.h };
-        let inside = self.area.grown(margin);
-        let mut seen = SparseBits::default();
+    /// The lattice points inside a shape, row by row.
+    pub(super) fn points_in<'a>(&'a self, shape: &'a Shape) -> impl Iterator<Item = I64Vec2> + 'a {
+        let bounds = shape.bounds();
+        let (low, high) = (self.nearest(bounds.min), self.nearest(bounds.max));
+        (low.y..=high.y)
+            .flat_map(move |y| (low.x..=high.x).map(move |x| I64Vec2::new(x, y)))
+            .filter(|&at| shape.contains(self.point(at)))
+    }
+
+    /// Whether points of a distance join the ends; `None` when the budget is spent.
+    fn joins(&self, ends: &Ends, distance: f64, sure: bool, budget: &mut u64) -> Option<bool> {
+        match ends {
+            Ends::Points(start, goal) => {
+                let goal = self.nearest(*goal);
+                let from = [self.nearest(*start)].into_iter();
+                self.spread(from, distance, sure, budget, |at| at == goal).map(|(_, met)| met)
+            }
+            Ends::WestToEast => {
+                let rows = (self.area.size().y / self.h).ceil() as i64 + 1;
+                let east = self.area.max.x - 0.25 * self.h;
+                let from = (-1..=rows).map(|row| I64Vec2::new(0, row));
+                let met = |at| self.point(at).x >= east;
+                self.spread(from, distance, sure, budget, met).map(|(_, met)| met)
+            }
+        }
+    }
+
+    /// The points of a distance that such points join to some, over sides and corners, up to the
+    /// first that `stop` says so of; and whether there was one. When `sure`, all lie inside the
+    /// area; else points within a step of it count as well. `None` when the budget is spent.
+    pub(super) fn spread(
+        &self,
+        from: impl Iterator<Item = I64Vec2>,
+        distance: f64,
+        sure: bool,
+        budget: &mut u64,
+        stop: impl Fn(I64Vec2) -> bool,
+    ) -> Option<(SparseBits, bool)> {
+        let inside = self.area.grown(if sure { 1e-9 } else { 1.0 } * self.h);
+        let (mut seen, mut reached) = (SparseBits::default(), SparseBits::default());
         let mut open = VecDeque::new();
-        let east = self.area.max.x - 0.25 * self.h;
-        let goals = match ends {
-            Ends::Points(_, goal) => self.around(*goal),
-            Ends::WestToEast => Vec::new(),
-        };
         let mut visit = |at: I64Vec2, open: &mut VecDeque<I64Vec2>| {
-            let p = self.point(at);
-            if seen.insert(at) && inside.contains(p) && self.is_clear(p, distance) {
+            let new = seen.insert(at);
+            if new && inside.contains(self.point(at)) && self.is_clear(at, distance) {
+                reached.insert(at);
                 open.push_back(at);
             }
         };
-        match ends {
-            Ends::Points(start, _) => {
-                self.around(*start).into_iter().for_each(|at| visit(at, &mut open));
-            }
-            Ends::WestToEast => {
-                let rows = ((self.area.size().y + 2.0 * margin) / self.h).ceil() as i64;
-                // A column of points is a small part of what the budget allows.
-                if rows as u64 > *budget {
-                    return None;
-                }
-                (-1..=rows).for_each(|row| visit(I64Vec2::new(0, row), &mut open));
-            }
+        for at in from {
+            *budget = budget.checked_sub(1)?;
+            visit(at, &mut open);
         }
         while let Some(at) = open.pop_front() {
-            let there = match ends {
-                Ends::Points(..) => goals.contains(&at),
-                Ends::WestToEast => self.point(at).x >= east,
-            };
-            if there {
-                return Some(true);
+            if stop(at) {
+                return Some((reached, true));
             }
             *budget = budget.checked_sub(1)?;
             for x in -1..=1 {
@@ -151,18 +186,13 @@ impl Flood {
                 }
             }
         }
-        Some(false)
-    }
-
-    /// The lattice point nearest to a place: a step of h / sqrt 2 at most away.
-    fn around(&self, p: DVec2) -> Vec<I64Vec2> {
-        vec![((p - self.area.min) / self.h).round().as_i64vec2()]
+        Some((reached, false))
     }
 }
 
 /// A set of lattice points, in tiles of 64 x 64.
 #[derive(Default)]
-struct SparseBits(BTreeMap<(i64, i64), Box<[u64; 64]>>);
+pub(super) struct SparseBits(BTreeMap<(i64, i64), Box<[u64; 64]>>);
 
 impl SparseBits {
     /// Adds a point; false when it was there.
@@ -173,5 +203,12 @@ impl SparseBits {
         let new = rows[row] & bit == 0;
         rows[row] |= bit;
         new
+    }
+
+    /// Whether a point is in the set.
+    pub(super) fn contains(&self, at: I64Vec2) -> bool {
+        let tile = (at.x.div_euclid(64), at.y.div_euclid(64));
+        let (row, bit) = (at.y.rem_euclid(64) as usize, 1 << at.x.rem_euclid(64));
+        self.0.get(&tile).is_some_and(|rows| rows[row] & bit != 0)
     }
 }

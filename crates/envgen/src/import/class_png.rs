@@ -7,7 +7,7 @@ use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 
 use super::raster::{ImportedRaster, RasterFileError, check_size};
 use crate::export::class_png::CELL_KEY;
-use crate::file;
+use crate::file::{self, PICTURE_KEY};
 
 /// Reads an image as classes: the index of an indexed image, the grey of a grey one, and the
 /// colour of any other as the number `0xRRGGBB`. Transparent pixels are no data. A cell has a side
@@ -31,6 +31,9 @@ pub fn read_class_png(input: &mut dyn Read) -> Result<ImportedRaster, RasterFile
     let info = reader.info();
     let clear = info.trns.as_deref();
     let (color, depth) = (info.color_type, info.bit_depth);
+    if info.uncompressed_latin1_text.iter().any(|chunk| chunk.keyword == PICTURE_KEY) {
+        return Err(RasterFileError::Picture);
+    }
     let cell = info
         .uncompressed_latin1_text
         .iter()

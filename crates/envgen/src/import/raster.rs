@@ -21,6 +21,9 @@ pub enum RasterFileError {
     /// The file's name ends like that of no format of rasters.
     #[error("`{0}` is no raster of classes: its name must end in {ENDINGS}")]
     UnknownEnding(String),
+    /// The image is a picture that this crate drew.
+    #[error("the image is a picture of a world; write the classes themselves as `.classes.png`")]
+    Picture,
     /// There are no cells, or too many.
     #[error("{rows} rows of {cols} cells; a raster has from 1 to {MAX_CELLS} cells")]
     Size {

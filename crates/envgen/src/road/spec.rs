@@ -441,7 +441,8 @@ const RANDOM: Setting = Setting::integer(
     "random",
     0,
     MAX_SEGMENTS as u64,
-    "segments drawn at random in place of prefabs (0: takes prefabs)",
+    "segments drawn at random in place of prefabs (0: takes prefabs); the length must do for all of \
+     them being turns",
 );
 const P_TURN: Setting =
     Setting::number("p_turn", "", 0.0, 1.0, "probability that a segment drawn at random is a turn");
@@ -456,7 +457,8 @@ const LENGTHS: Setting = Setting::choice(
     &["reserve", "as_published"],
     "whether turns first get the length they need, or all length is drawn",
 );
-const SHORTEST: Setting = Setting::number("shortest", "m", 1e-3, 1e5, "least length of a segment");
+const SHORTEST: Setting =
+    Setting::number("shortest", "m", 1e-3, 1e5, "least length of a segment, whatever the step");
 const SPEED: Setting = Setting::number(
     "speed",
     "m/s",

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use envgen::WorldMetrics;
 use envgen::export::{Format, Job};
 use envgen::picture::PictureOptions;
 
@@ -90,5 +91,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         }
     }
     pending.commit()?;
+    if let WorldMetrics::Landscape(metrics) = blueprint.metrics()
+        && let Some(error) = metrics.total_edge_error.filter(|error| *error != 0)
+    {
+        #[expect(clippy::print_stderr, reason = "where the command speaks to a person")]
+        {
+            eprintln!("note: no landscape has this total_edge; the nearest is {error:+} off");
+        }
+    }
     Ok(ExitCode::SUCCESS)
 }

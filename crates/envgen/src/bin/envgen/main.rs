@@ -31,7 +31,8 @@ enum Command {
     Kinds(kinds::Arguments),
     /// Generates one world and writes it to files; the format follows a file's ending.
     Generate(generate::Arguments),
-    /// Prints blueprints of consecutive seeds as JSON lines.
+    /// Prints blueprints of consecutive seeds as JSON lines; seeds that have none are named on
+    /// stderr and make the exit code 1.
     Sample(sample::Arguments),
     /// Tells what a world file holds: provenance, certificate, metrics.
     Inspect(inspect::Arguments),
