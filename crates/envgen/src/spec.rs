@@ -28,7 +28,7 @@ pub enum SettingsError {
         known: String,
     },
     /// The kind has no such setting.
-    #[error("a {kind} has no setting `{name}`, it has: {known}")]
+    #[error("kind {kind} has no setting `{name}`, it has: {known}")]
     UnknownSetting {
         /// The kind.
         kind: Kind,
