@@ -46,7 +46,6 @@
 
 pub mod certificate;
 pub mod curve;
-mod distance_transform;
 pub mod distribution;
 mod error;
 pub mod export;

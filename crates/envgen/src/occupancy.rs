@@ -3,7 +3,6 @@
 use glam::DVec2;
 use thiserror::Error;
 
-use crate::distance_transform::squared_distances;
 use crate::geometry::{Rect, Shape, edges};
 use crate::lattice::{Convex, Lattice};
 use crate::world::World;
@@ -173,19 +172,6 @@ impl OccupancyGrid {
             (Shape::Box { .. } | Shape::Polygon { .. }, Coverage::Centre) => {
                 self.occupy_polygon_centres(&shape.corners(), shape.bounds());
             }
-        }
-    }
-
-    /// The grid in which every cell is occupied whose middle lies within `radius` metres of an
-    /// occupied cell's middle: where the middle of a disc robot cannot be. Nothing beyond the grid
-    /// counts. Linear in the number of cells, whatever the radius.
-    pub fn inflated(&self, radius: f64) -> OccupancyGrid {
-        let cells = radius / self.lattice.side;
-        let limit = cells * cells;
-        let distances = squared_distances(self.lattice.cols, self.lattice.rows, &self.occupied);
-        OccupancyGrid {
-            lattice: self.lattice,
-            occupied: distances.into_iter().map(|d| f64::from(d) <= limit).collect(),
         }
     }
 

@@ -1,7 +1,8 @@
 //! What is promised of a world, and an independent check of it.
 //!
 //! A generator writes its promises into [`World::certificate`]. [`verify`] checks them on the world
-//! alone, by other means than the generator's: floods over lattices in place of graphs and unions, so that an error in one is not repeated in the other.
+//! alone, by other means than the generator's: floods over lattices in place of graphs and unions,
+//! so that an error in one is not repeated in the other.
 
 mod places;
 mod ways;

@@ -46,8 +46,8 @@ pub struct ForestMetrics {
     pub nearest_neighbour_predicted: Option<f64>,
     /// Mean free path in metres of a robot that drives straight on, `1 / (2 lambda (E[r] + rho))`.
     pub free_path_predicted: Option<f64>,
-    /// lambda pi E[(r + rho)^2], at the densest place: above [`PERCOLATION_THRESHOLD`] a wide forest
-    /// has no way through.
+    /// lambda pi E[(r + rho)^2] with the spec's own intensity, whatever a density map makes of it:
+    /// above [`PERCOLATION_THRESHOLD`] a wide even forest has no way through.
     pub reduced_density: f64,
     /// Whether a wide forest of this reduced density has ways through.
     pub traversable_predicted: bool,
