@@ -1,0 +1,27 @@
+//! Mapping trials: a simulated robot maps a world that it does not know, and the map that it made
+//! is scored against the truth. Difficulty is measured, not asked.
+//!
+//! # Finding one's way
+//!
+//! | what | where |
+//! |---|---|
+//! | the robot and its sensors | [`robot`], [`lidar`], [`odometry`] |
+//! | bodies that take commands and give observations | [`body`], [`flat`] |
+//! | where am I and what is around me | [`slam`], [`map`] |
+//! | where to next | [`operator`] |
+//!
+//! # What holds
+//!
+//! - The same world, settings and seed give the same trial to the last bit, on every platform, in
+//!   debug and release, with any number of threads.
+//! - Metres, radians and seconds in `f64`; the map's frame is the world's, since a trial tells its
+//!   robots where they start.
+
+pub mod body;
+pub mod flat;
+pub mod lidar;
+pub mod map;
+pub mod odometry;
+pub mod operator;
+pub mod robot;
+pub mod slam;
