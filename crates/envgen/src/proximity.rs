@@ -172,7 +172,7 @@ mod tests {
                 let corner = |i: usize| {
                     let turn =
                         crate::geometry::unit_vector(std::f64::consts::TAU * i as f64 / n as f64);
-                    center + turn * radius * if i % 2 == 0 { 1.0 } else { 0.4 }
+                    center + turn * radius * if i.is_multiple_of(2) { 1.0 } else { 0.4 }
                 };
                 Shape::Polygon { vertices: (0..n).map(corner).collect() }
             }),
