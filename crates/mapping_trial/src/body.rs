@@ -48,23 +48,26 @@ pub enum Condition {
     Drowned,
 }
 
-/// A robot's body in a world: the flat simulator's disc, or anything else that can be driven.
+/// The bodies of one or more robots in a world: the flat simulator's discs, or anything else that
+/// can be driven.
 ///
-/// Each tick a trial calls [`Body::observe`], asks the brain, and calls [`Body::drive`]. The first
-/// observation, before the first command, has a scan and no motion.
-pub trait Body {
-    /// What is measured now. Called once a tick.
-    fn observe(&mut self) -> Observation;
+/// Each tick a trial calls [`Bodies::observe`] for each robot, asks the brain, and calls
+/// [`Bodies::advance`] once. The first observation, before the first command, has a scan and no
+/// motion.
+pub trait Bodies {
+    /// What a robot measures now. Called once a tick for each robot, in order.
+    fn observe(&mut self, robot: usize) -> Observation;
 
-    /// Carries out a command for one [`TICK`], within the robot's limits.
-    fn drive(&mut self, command: Command);
+    /// Carries out one command a robot for one [`TICK`], within the robots' limits. Robots that are
+    /// lost stay where they are.
+    fn advance(&mut self, commands: &[Command]);
 
-    /// The true pose, which scores may see and brains may not.
-    fn pose(&self) -> Pose;
+    /// The true pose of a robot, which scores may see and brains may not.
+    fn pose(&self, robot: usize) -> Pose;
 
-    /// What became of it so far.
-    fn condition(&self) -> Condition;
+    /// What became of a robot so far.
+    fn condition(&self, robot: usize) -> Condition;
 
-    /// How many times it has run into something.
-    fn hits(&self) -> u32;
+    /// How many times a robot has run into something.
+    fn hits(&self, robot: usize) -> u32;
 }

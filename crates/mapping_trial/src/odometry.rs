@@ -96,3 +96,62 @@ impl Odometry {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean and variance of what is measured of `ways` runs, each cut into `steps`.
+    fn distances(steps: u32, profile: &OdometryProfile) -> (f64, f64) {
+        let runs = 2000;
+        let totals: Vec<f64> = (0..runs)
+            .map(|run| {
+                let mut wheels = Odometry::new(profile.clone(), Seed(3), run);
+                let part = Increment { distance: 10.0 / f64::from(steps), turn: 0.0 };
+                (0..steps).map(|_| wheels.measure(part, 1.0).distance).sum()
+            })
+            .collect();
+        let mean = totals.iter().sum::<f64>() / runs as f64;
+        let variance = totals.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / runs as f64;
+        (mean, variance)
+    }
+
+    #[test]
+    fn errors_do_not_depend_on_the_step() {
+        let profile = OdometryProfile { b_s: 0.0, ..OdometryProfile::SKID };
+        // k_ss times 10 m. The variance of 2000 normals is within 12 % at four standard deviations
+        // (sqrt(2 / 2000) = 3.2 %), the mean within 4 sqrt(2.5e-3 / 2000) = 4.5 mm.
+        for steps in [1, 20, 500] {
+            let (mean, variance) = distances(steps, &profile);
+            assert!((mean - 10.0).abs() < 4.5e-3, "{steps} steps: mean {mean}");
+            assert!((variance / 2.5e-3 - 1.0).abs() < 0.13, "{steps} steps: {variance}");
+        }
+    }
+
+    #[test]
+    fn a_run_has_one_systematic_error() {
+        let profile = OdometryProfile { k_ss: 0.0, k_st: 0.0, ..OdometryProfile::SKID };
+        let (mean, variance) = distances(10, &profile);
+        // Relative errors of deviation 1.5 % over 10 m.
+        assert!((mean - 10.0).abs() < 4.0 * 0.15 / 2000_f64.sqrt(), "{mean}");
+        assert!((variance / (0.15 * 0.15) - 1.0).abs() < 0.13, "{variance}");
+        let mut wheels = Odometry::new(profile, Seed(3), 5);
+        let part = Increment { distance: 0.1, turn: 0.0 };
+        let first = wheels.measure(part, 1.0).distance;
+        assert!((0..50).all(|_| wheels.measure(part, 1.0).distance == first));
+    }
+
+    #[test]
+    fn who_stands_measures_nothing() {
+        let mut wheels = Odometry::new(OdometryProfile::POOR, Seed(3), 0);
+        let still = Increment::default();
+        assert!((0..50).all(|_| wheels.measure(still, 9.0) == still));
+    }
+
+    #[test]
+    fn exact_wheels_are_exact() {
+        let mut wheels = Odometry::new(OdometryProfile::EXACT, Seed(3), 0);
+        let motion = Increment { distance: 0.3, turn: -0.2 };
+        assert_eq!(wheels.measure(motion, 1.0), motion);
+    }
+}

@@ -1,5 +1,6 @@
 //! The robot that trials drive, and its numbers.
 
+use envgen::geometry::{Pose, unit_vector};
 use serde::{Deserialize, Serialize};
 
 /// Size and limits of a robot. The default is the Pioneer 3-AT, which the operators of Zwennes
@@ -40,5 +41,13 @@ impl Default for Robot {
             laser_offset: 0.21,
             battery: 1200.0,
         }
+    }
+}
+
+impl Robot {
+    /// Pose of the laser of a robot at `pose`.
+    pub fn laser_pose(&self, pose: Pose) -> Pose {
+        let ahead = unit_vector(pose.heading) * self.laser_offset;
+        Pose { position: pose.position + ahead, heading: pose.heading }
     }
 }
