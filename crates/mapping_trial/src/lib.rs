@@ -9,6 +9,8 @@
 //! | bodies that take commands and give observations | [`body`], [`flat`] |
 //! | where am I and what is around me | [`slam`], [`map`] |
 //! | where to next | [`operator`] |
+//! | the two together: observation in, command out | [`brain`] |
+//! | the protocol: clock, ends, log and replay | [`trial`] |
 //!
 //! # What holds
 //!
@@ -18,6 +20,7 @@
 //!   robots where they start.
 
 pub mod body;
+pub mod brain;
 pub mod flat;
 pub mod lidar;
 pub mod map;
@@ -25,3 +28,4 @@ pub mod odometry;
 pub mod operator;
 pub mod robot;
 pub mod slam;
+pub mod trial;
