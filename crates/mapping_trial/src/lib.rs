@@ -9,6 +9,7 @@
 //! | bodies that take commands and give observations | [`body`], [`flat`] |
 //! | where am I and what is around me | [`slam`], [`map`] |
 //! | where to next | [`operator`] |
+//! | what could be mapped, and how well it was | [`truth`], [`score`] |
 //!
 //! # What holds
 //!
@@ -18,10 +19,13 @@
 //!   robots where they start.
 
 pub mod body;
+mod distance;
 pub mod flat;
 pub mod lidar;
 pub mod map;
 pub mod odometry;
 pub mod operator;
 pub mod robot;
+pub mod score;
 pub mod slam;
+pub mod truth;
