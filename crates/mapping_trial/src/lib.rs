@@ -11,6 +11,7 @@
 //! | where to next | [`operator`] |
 //! | the two together: observation in, command out | [`brain`] |
 //! | the protocol: clock, ends, log and replay | [`trial`] |
+//! | what could be mapped, and how well it was | [`truth`], [`score`] |
 //!
 //! # What holds
 //!
@@ -21,11 +22,14 @@
 
 pub mod body;
 pub mod brain;
+mod distance;
 pub mod flat;
 pub mod lidar;
 pub mod map;
 pub mod odometry;
 pub mod operator;
 pub mod robot;
+pub mod score;
 pub mod slam;
 pub mod trial;
+pub mod truth;
