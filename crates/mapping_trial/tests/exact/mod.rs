@@ -170,9 +170,13 @@ fn cells(from: DVec2, direction: DVec2, length: f64, mut visit: impl FnMut(CellI
     let end = CellIndex::of(from + direction * length);
     let border =
         |index: i32, way: f64| (f64::from(index) + f64::from(u8::from(way > 0.0))) * RESOLUTION;
+    // A ray along an axis never crosses a border of the other one.
+    let crossing = |index: i32, from: f64, way: f64| {
+        if way == 0.0 { f64::INFINITY } else { (border(index, way) - from) / way }
+    };
     let mut next = DVec2::new(
-        (border(cell.col, direction.x) - from.x) / direction.x,
-        (border(cell.row, direction.y) - from.y) / direction.y,
+        crossing(cell.col, from.x, direction.x),
+        crossing(cell.row, from.y, direction.y),
     );
     let step = (RESOLUTION / direction).abs();
     for _ in 0..10_000 {
