@@ -11,7 +11,7 @@ const HORIZON: f64 = 3.0;
 
 /// The echoes around a robot, in its own frame: x ahead, y to the left.
 #[derive(Clone, Debug)]
-pub struct Guard {
+pub(super) struct Guard {
     beams: Vec<DVec2>,
     laser: DVec2,
     radius: f64,
@@ -20,7 +20,7 @@ pub struct Guard {
 
 impl Guard {
     /// For a robot and its laser.
-    pub fn new(robot: &Robot, laser: &LaserProfile) -> Self {
+    pub(super) fn new(robot: &Robot, laser: &LaserProfile) -> Self {
         Guard {
             beams: (0..laser.beams as usize).map(|beam| unit_vector(laser.angle(beam))).collect(),
             laser: DVec2::new(robot.laser_offset, 0.0),
@@ -30,7 +30,7 @@ impl Guard {
     }
 
     /// Takes a scan; lost and ignored beams say nothing.
-    pub fn look(&mut self, scan: &Scan) {
+    pub(super) fn look(&mut self, scan: &Scan) {
         self.echoes.clear();
         let near = |range: &f64| *range > 0.0 && *range < HORIZON;
         let beams = self.beams.iter().zip(&scan.ranges).filter(|(_, range)| near(range));
@@ -38,13 +38,13 @@ impl Guard {
     }
 
     /// The echoes taken.
-    pub fn echoes(&self) -> &[DVec2] {
+    pub(super) fn echoes(&self) -> &[DVec2] {
         &self.echoes
     }
 
     /// Metres that the body can go along an arc of a curvature in 1/m (left positive) before it
     /// touches an echo, infinite when it touches none.
-    pub fn free_along(&self, curvature: f64) -> f64 {
+    pub(super) fn free_along(&self, curvature: f64) -> f64 {
         if curvature.abs() < 0.05 {
             return self.free_towards(DVec2::X);
         }
@@ -73,7 +73,7 @@ impl Guard {
     }
 
     /// The same on the straight line along a unit vector of the robot's frame.
-    pub fn free_towards(&self, direction: DVec2) -> f64 {
+    pub(super) fn free_towards(&self, direction: DVec2) -> f64 {
         let body2 = self.radius * self.radius;
         let mut free = f64::INFINITY;
         for &echo in &self.echoes {
@@ -87,7 +87,7 @@ impl Guard {
     }
 
     /// Metres between the body and the nearest echo, infinite when there is none.
-    pub fn clearance(&self) -> f64 {
+    pub(super) fn clearance(&self) -> f64 {
         let nearest = self.echoes.iter().map(|echo| echo.length_squared());
         (nearest.fold(f64::INFINITY, f64::min).sqrt() - self.radius).max(0.0)
     }

@@ -2,6 +2,7 @@
 //! drives it to goals, looks around there and frees it when it is stuck.
 
 use std::collections::VecDeque;
+use std::f64::consts::PI;
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
@@ -41,6 +42,11 @@ const AVOID: f64 = 90.0;
 
 /// Metres and m/s of backing off.
 const BACK_OFF: (f64, f64) = (0.3, 0.15);
+
+/// Radians to turn in the beginning, with which the laser's field of view of half a circle has seen
+/// all around, and the seconds after which that must do.
+const FULL_TURN: f64 = 1.1 * PI;
+const SURVEY: f64 = 10.0;
 
 /// Seconds that a robot looks at an unknown place before it gives it up: two scans and the map.
 const LOOK: f64 = 0.6;
@@ -103,8 +109,12 @@ struct Pilot {
 
 #[derive(Clone, Copy, Debug, Default)]
 enum Task {
-    /// Choose a goal.
+    /// Look all around: the beginning of every run, in which too little may be known to choose.
     #[default]
+    Begin,
+    /// The same, from a heading on: how far it has turned.
+    Survey { heading: f64, turned: f64 },
+    /// Choose a goal.
     Choose,
     /// Drive to a goal.
     Go { goal: Goal, deadline: f64 },
@@ -169,6 +179,18 @@ impl Navigator {
         for _ in 0..4 {
             let pilot = &mut self.pilots[view.robot];
             match pilot.task {
+                Task::Begin => {
+                    pilot.task = Task::Survey { heading: pose.heading, turned: 0.0 };
+                }
+                Task::Survey { heading, turned } => {
+                    let turned = turned + wrap_angle(pose.heading - heading);
+                    let left = FULL_TURN - turned;
+                    if left > 0.1 && view.time < SURVEY {
+                        pilot.task = Task::Survey { heading: pose.heading, turned };
+                        return Decision::Drive(turn(view.body, left));
+                    }
+                    pilot.task = Task::Choose;
+                }
                 Task::Choose => {
                     if !self.choose(view, pose, &mut choose) {
                         self.pilots[view.robot].task = Task::Rest { since: view.time };

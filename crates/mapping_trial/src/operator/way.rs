@@ -10,7 +10,7 @@ const LONGEST: f64 = 4.0;
 
 /// The way that a robot follows.
 #[derive(Clone, Debug, Default)]
-pub struct Way {
+pub(super) struct Way {
     points: Vec<DVec2>,
     /// The piece that the robot is on, from this point to the next, and how far along it in metres.
     piece: usize,
@@ -50,7 +50,7 @@ impl Way {
     }
 
     /// The points of the way, the start first.
-    pub fn points(&self) -> &[DVec2] {
+    pub(super) fn points(&self) -> &[DVec2] {
         &self.points
     }
 
