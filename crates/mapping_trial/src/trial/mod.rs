@@ -18,6 +18,8 @@ use crate::body::{Bodies, Command, Condition, TICK};
 use crate::brain::Brain;
 use crate::flat::{FlatSimulator, FlatWorld};
 use crate::operator::Decision;
+use crate::score::{self, ScoreError, Scores};
+use crate::truth::Truth;
 
 /// Why a trial cannot begin.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -120,7 +122,7 @@ pub struct RobotEnd {
 /// What one robot did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Track {
-    /// True poses after every tick, the start first.
+    /// True poses after every tick, the start first. A robot whose part has ended stands still.
     pub poses: Vec<Pose>,
     /// Way in metres.
     pub metres: f64,
@@ -345,9 +347,42 @@ impl<B: Bodies> Trial<B> {
         }
     }
 
-    /// Share of the battery's time that is left.
-    pub fn energy_left(&self) -> f64 {
-        (1.0 - self.time() / self.settings.body.battery).max(0.0)
+    /// Scores the trial as far as it went, against what could be mapped of its world.
+    ///
+    /// # Errors
+    ///
+    /// Poses or counts that no trial of this crate's bodies has.
+    pub fn score(&self, truth: &Truth) -> Result<Scores, ScoreError> {
+        let robots = 0..self.robots();
+        let slam = self.brain.slam();
+        let estimated: Vec<_> = robots.clone().map(|robot| slam.trajectory(robot)).collect();
+        // The first estimate is the start and the second the first observation's, before any motion.
+        // Robots whose part has ended are not estimated any more.
+        let tracks: Vec<_> = self
+            .tracks
+            .iter()
+            .zip(&estimated)
+            .map(|(track, estimated)| {
+                let estimated = estimated.get(1..).unwrap_or_default();
+                let ticks = track.poses.len().min(estimated.len());
+                score::Track { truth: &track.poses[..ticks], estimated: &estimated[..ticks] }
+            })
+            .collect();
+        let stuck = |end: &&Option<RobotEnd>| end.is_some_and(|e| e.reason == EndReason::Stuck);
+        Scores::of(
+            truth,
+            &score::Run {
+                map: slam.map(),
+                tracks: &tracks,
+                time: self.time(),
+                distance: self.tracks.iter().map(|track| track.metres).sum(),
+                turning: self.tracks.iter().map(|track| track.turning).sum(),
+                hits: robots.clone().map(|robot| self.bodies.hits(robot)).sum(),
+                recoveries: robots.map(|robot| self.recoveries(robot)).sum(),
+                stuck: self.ends.iter().filter(stuck).count() as u32,
+                energy_left: (self.settings.body.battery - self.time()).max(0.0),
+            },
+        )
     }
 }
 

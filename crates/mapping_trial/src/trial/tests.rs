@@ -59,7 +59,7 @@ fn a_trial_runs_again_from_its_log() {
 #[test]
 fn a_log_of_half_a_trial_runs_to_where_it_stood() {
     let mut trial = Trial::flat(&hallway(), short(60.0)).expect("a trial");
-    for _ in 0..400 {
+    for _ in 0..200 {
         assert!(trial.step());
     }
     let again = trial.log("flat").replay().expect("its own world");
@@ -94,6 +94,31 @@ fn the_clock_and_the_battery_end_a_trial() {
     let mut settings = short(3.0);
     settings.body.battery = 2.0;
     assert_eq!(end(settings), (Some(EndReason::Battery), 2.0));
+}
+
+#[test]
+fn exact_wheels_have_no_trajectory_error() {
+    let world = hallway();
+    let settings = TrialSettings {
+        slam: SlamKind::DeadReckoning,
+        odometry: crate::odometry::OdometryProfile::EXACT,
+        operator: None,
+        ..short(60.0)
+    };
+    let truth = Truth::new(&world, &settings.body).expect("a start");
+    let mut trial = Trial::flat(&world, settings).expect("a trial");
+    for tick in 0..400 {
+        let turn_rate = if (tick + 20) / 40 % 2 == 0 { 0.4 } else { -0.4 };
+        assert!(trial.step_with(&[Command { speed: 0.25, turn_rate }]));
+    }
+    trial.stop();
+    let scores = trial.score(&truth).expect("scores");
+    assert_eq!((scores.hits, scores.distance), (0, trial.track(0).metres));
+    assert!(scores.distance > 4.0 && scores.turning > 4.0, "{scores:?}");
+    assert!(scores.trajectory_error < 1e-9, "{}", scores.trajectory_error);
+    // A replay has the same scores, to the bit.
+    let again = trial.log("flat").replay().expect("its own world");
+    assert_eq!(again.score(&truth), Ok(scores));
 }
 
 #[test]
