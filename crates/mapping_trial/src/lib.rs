@@ -10,6 +10,7 @@
 //! | where am I and what is around me | [`slam`], [`map`] |
 //! | where to next | [`operator`] |
 //! | the two together: observation in, command out | [`brain`] |
+//! | pictures of maps | `picture` |
 //! | the protocol: clock, ends, log and replay | [`trial`] |
 //! | what could be mapped, and how well it was | [`truth`], [`score`] |
 //!
@@ -28,6 +29,8 @@ pub mod lidar;
 pub mod map;
 pub mod odometry;
 pub mod operator;
+#[cfg(feature = "picture")]
+pub mod picture;
 pub mod robot;
 pub mod score;
 pub mod slam;
