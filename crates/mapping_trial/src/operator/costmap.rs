@@ -365,8 +365,7 @@ impl Costmap {
             }
             let here = !(free | tile.occupied[row]);
             let [east, north, west, south] = [0, 2, 4, 6].map(|way| tile.around[way]);
-            let above =
-                if row < LAST { unknown(slot as u32, row + 1) } else { unknown(north, 0) };
+            let above = if row < LAST { unknown(slot as u32, row + 1) } else { unknown(north, 0) };
             let below = if row > 0 { unknown(slot as u32, row - 1) } else { unknown(south, LAST) };
             let left = here << 1 | unknown(west, row) >> 31;
             let right = here >> 1 | unknown(east, row) << 31;

@@ -275,8 +275,7 @@ impl Navigator {
             return None;
         }
         let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
-        let command =
-            pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, CRUISE);
+        let command = pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, CRUISE);
         Some(Decision::Drive(command))
     }
 
