@@ -3,7 +3,6 @@
 //! All is compared in the start frame, without alignment: robots know where they start.
 
 pub(crate) mod navigability;
-mod plan;
 mod pose;
 mod raster;
 pub(crate) mod walls;
@@ -51,7 +50,7 @@ pub struct Track<'a> {
 /// What is known of a run when it ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Run<'a> {
-    /// The map that was made.
+    /// The map that was made, all its changes announced by [`OccupancyMap::touch`].
     pub map: &'a OccupancyMap,
     /// One track a robot.
     pub tracks: &'a [Track<'a>],
@@ -193,7 +192,7 @@ impl Scores {
         let walls = walls::compare(truth, &raster, TOLERANCES);
         let [f1_30, f1_15] = [0, 1].map(|i| harmonic(walls.precision[i], walls.recall[i]));
         let coverage = coverage(truth, &raster);
-        let navigability = navigability::navigability(truth, &raster);
+        let navigability = navigability::navigability(truth, run.map);
         let trajectory_error = pose::absolute(run.tracks);
         let near = pose::relative(run.tracks, pose::NEAR);
         let far = pose::relative(run.tracks, pose::FAR);

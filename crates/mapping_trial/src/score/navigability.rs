@@ -4,9 +4,9 @@
 use envgen::Seed;
 use glam::DVec2;
 
-use super::plan::Planner;
-use super::raster::Raster;
 use crate::map::OccupancyMap;
+use crate::operator::costmap::{Costmap, Node, SIDE};
+use crate::operator::search::Search;
 use crate::truth::Truth;
 
 /// Starts from which ways are planned.
@@ -18,6 +18,10 @@ const GOALS: usize = 5;
 /// Places that are tried for each start and each goal until one can be driven to with the perfect
 /// map.
 const TRIES: usize = 20;
+
+/// How far a way may end from its goal where the map shows no place for the robot there, in cells
+/// of the plan: 0.3 m.
+const SNAP: i32 = 3;
 
 /// Shortest piece of a way that is looked at, in metres: how exact a touch is found.
 const STEP: f64 = 0.01;
@@ -35,12 +39,11 @@ pub(crate) struct Trip {
 /// Draws starts and goals that can be driven with the perfect map: what fails on another map is
 /// that map's fault. Less than 40 ways, or none, where the world has no room for them.
 pub(crate) fn trips(truth: &Truth, perfect: &OccupancyMap, seed: Seed) -> Vec<Trip> {
-    let raster = Raster::of(truth, perfect);
-    let mut planner = Planner::new(&raster, truth.footprint());
-    let places: Vec<DVec2> = planner
-        .passable()
-        .map(|cell| raster.frame.centre(cell))
-        .filter(|&p| truth.is_clear(p))
+    let mut planner = Planner::new(perfect);
+    let free = truth.free().iter().enumerate().filter(|(_, free)| **free);
+    let places: Vec<DVec2> = free
+        .map(|(cell, _)| truth.frame().centre(cell))
+        .filter(|&p| planner.costmap.class_at(p).is_passable() && truth.is_clear(p))
         .collect();
     let mut draws = seed.stream("trial/navigability", 0);
     let mut draw = || places.get(draws.below(places.len() as u64) as usize).copied();
@@ -64,8 +67,8 @@ pub(crate) fn trips(truth: &Truth, perfect: &OccupancyMap, seed: Seed) -> Vec<Tr
 }
 
 /// The share of ways that lead to their goal without a touch; 1 where there are none to try.
-pub(super) fn navigability(truth: &Truth, raster: &Raster) -> f64 {
-    let mut planner = Planner::new(raster, truth.footprint());
+pub(super) fn navigability(truth: &Truth, map: &OccupancyMap) -> f64 {
+    let mut planner = Planner::new(map);
     let (mut arrived, mut all) = (0_u32, 0_u32);
     for trip in truth.trips() {
         let ways = planner.ways(trip.start, &trip.goals);
@@ -76,6 +79,57 @@ pub(super) fn navigability(truth: &Truth, raster: &Raster) -> f64 {
         }
     }
     if all == 0 { 1.0 } else { f64::from(arrived) / f64::from(all) }
+}
+
+/// Plans on a map, as operators do.
+struct Planner {
+    costmap: Costmap,
+    search: Search,
+}
+
+impl Planner {
+    fn new(map: &OccupancyMap) -> Self {
+        let mut costmap = Costmap::new();
+        costmap.refresh(map);
+        Planner { costmap, search: Search::new() }
+    }
+
+    /// The cheapest ways from a start to goals, as points to drive through; `None` for a goal that
+    /// cannot be reached.
+    fn ways(&mut self, start: DVec2, goals: &[DVec2]) -> Vec<Option<Vec<DVec2>>> {
+        let goals: Vec<_> = goals.iter().map(|&goal| self.snap(goal)).collect();
+        let mut left: Vec<Node> = goals.iter().copied().flatten().collect();
+        left.sort_unstable();
+        left.dedup();
+        let mut reached = Vec::new();
+        if !left.is_empty() {
+            self.search.nearest(&mut self.costmap, start, &[], |node, _| {
+                if let Ok(at) = left.binary_search(&node) {
+                    reached.push(left.remove(at));
+                }
+                left.is_empty()
+            });
+        }
+        let way = |goal: Option<Node>| {
+            let goal = goal.filter(|goal| reached.contains(goal))?;
+            let mut points = Vec::new();
+            self.search.way(&self.costmap, goal, &mut points);
+            Some(points)
+        };
+        goals.into_iter().map(way).collect()
+    }
+
+    /// The place for the robot that is nearest to a point, according to the map.
+    fn snap(&mut self, p: DVec2) -> Option<Node> {
+        let around = (-SNAP..=SNAP).flat_map(|y| (-SNAP..=SNAP).map(move |x| (x, y)));
+        let mut around: Vec<_> = around.map(|(x, y)| (x * x + y * y, x, y)).collect();
+        around.retain(|(squared, _, _)| *squared <= SNAP * SNAP);
+        around.sort_unstable();
+        around.into_iter().find_map(|(_, x, y)| {
+            let q = p + DVec2::new(f64::from(x), f64::from(y)) * SIDE;
+            self.costmap.class_at(q).is_passable().then(|| self.costmap.node_at(q))?
+        })
+    }
 }
 
 /// Whether the robot's disc gets from a start along the points of a way to a goal without touching

@@ -66,7 +66,13 @@ fn moved(map: &OccupancyMap, by: (i32, i32), keep: bool) -> OccupancyMap {
             result.add(cell, odds);
         }
     }
-    result
+    announced(result)
+}
+
+/// A map after its changes were announced.
+fn announced(mut map: OccupancyMap) -> OccupancyMap {
+    map.bounds().into_iter().for_each(|bounds| map.touch(bounds));
+    map
 }
 
 #[test]
@@ -153,7 +159,7 @@ fn a_map_that_closes_a_door_or_hides_a_wall_is_not_navigable() {
         closed.add(cell, CLAMP);
         closed.add(cell, CLAMP);
     }
-    let found = scores(&truth, &closed);
+    let found = scores(&truth, &announced(closed));
     assert!(found.navigability < 0.9 && found.navigability > 0.1, "{}", found.navigability);
     let mut open = perfect.clone();
     for (cell, odds) in known(&perfect) {
@@ -168,7 +174,7 @@ fn a_map_that_closes_a_door_or_hides_a_wall_is_not_navigable() {
             open.add(CellIndex { col, row }, -CLAMP);
         }
     }
-    let found = scores(&truth, &open);
+    let found = scores(&truth, &announced(open));
     assert!(found.navigability < 1.0, "{}", found.navigability);
 }
 

@@ -224,11 +224,6 @@ impl Truth {
     pub(crate) fn free_cells(&self) -> usize {
         self.free_cells
     }
-
-    /// Radius in metres that plans keep from what a map shows as occupied.
-    pub(crate) fn footprint(&self) -> f64 {
-        self.radius + MARGIN
-    }
 }
 
 /// A place inside the wall at a point of its surface.
