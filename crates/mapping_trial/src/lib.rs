@@ -27,6 +27,7 @@ mod distance;
 pub mod flat;
 pub mod lidar;
 pub mod map;
+pub mod names;
 pub mod odometry;
 pub mod operator;
 #[cfg(feature = "picture")]

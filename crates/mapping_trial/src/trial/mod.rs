@@ -1,6 +1,7 @@
 //! The protocol of a trial, over any bodies: clock, battery, ends, and the log of every command.
 
 mod log;
+mod report;
 mod settings;
 mod start;
 
@@ -12,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use log::{LOG_VERSION, LogError, TrialLog, WorldSource};
+pub use report::{REPORT_VERSION, RobotReport, TrialReport};
 pub use settings::{MAX_ROBOTS, MAX_TIME_LIMIT, TrialSettings};
 
 use crate::body::{Bodies, Command, Condition, TICK};
