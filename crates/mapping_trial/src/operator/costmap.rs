@@ -27,6 +27,9 @@ const HALF_WIDTHS: [[i8; MARGIN as usize + 1]; REACHES.len()] = half_widths();
 /// A tile that is not there.
 const NONE: u32 = u32::MAX;
 
+/// No way at all, beside the eight of [`STEPS`].
+const HERE: usize = STEPS.len();
+
 /// The eight ways from a cell to its neighbours, counter-clockwise from +x; the odd ones are
 /// diagonal.
 pub(super) const STEPS: [IVec2; 8] = [
@@ -309,34 +312,36 @@ impl Costmap {
     fn write(&mut self, slot: usize, occupied: Bits, free: Bits) {
         let tile = &mut self.tiles[slot];
         let (mut rows, mut cols) = (0_u32, 0_u32);
-        let mut other = 0;
+        let (mut known_rows, mut known_cols) = (0_u32, 0_u32);
         for row in 0..TILE as usize {
             let changed = tile.occupied[row] ^ occupied[row];
             rows |= u32::from(changed != 0) << row;
             cols |= changed;
-            other |= changed | (tile.free[row] ^ free[row]);
+            let changed = changed | (tile.free[row] ^ free[row]);
+            known_rows |= u32::from(changed != 0) << row;
+            known_cols |= changed;
         }
-        if other == 0 {
+        if known_rows == 0 {
             return;
         }
         (tile.occupied, tile.free) = (occupied, free);
         tile.stale_classes = true;
         let around = tile.around;
         self.mark_frontier(slot as u32);
+        // What changed counts in the tiles around that are within a margin of it.
+        let reaches = |changed: u32, step: i32, margin: i32| match step {
+            1 => changed >> (TILE - margin) != 0,
+            -1 => changed << (TILE - margin) != 0,
+            _ => changed != 0,
+        };
         for (way, step) in STEPS.into_iter().enumerate() {
             if around[way] == NONE {
                 continue;
             }
-            if way % 2 == 0 {
+            if reaches(known_cols, step.x, 3) && reaches(known_rows, step.y, 3) {
                 self.mark_frontier(around[way]);
             }
-            // Something occupied counts in the next tile when it is within the margin of it.
-            let reaches = |changed: u32, step: i32| match step {
-                1 => changed >> (TILE - MARGIN) != 0,
-                -1 => changed << (TILE - MARGIN) != 0,
-                _ => changed != 0,
-            };
-            if reaches(cols, step.x) && reaches(rows, step.y) {
+            if reaches(cols, step.x, MARGIN) && reaches(rows, step.y, MARGIN) {
                 self.tiles[around[way] as usize].stale_classes = true;
             }
         }
@@ -350,29 +355,33 @@ impl Costmap {
         }
     }
 
+    /// Finds the free cells beside what is unknown. Where less than 3 x 3 cells are unknown together
+    /// nothing is to be discovered: walls that are seen at a small angle have such gaps.
     fn derive_frontier(&mut self, slot: usize) {
-        const LAST: usize = TILE as usize - 1;
-        let tile = &self.tiles[slot];
-        let unknown = |slot: u32, row: usize| match self.tiles.get(slot as usize) {
-            Some(tile) => !(tile.free[row] | tile.occupied[row]),
-            None => u32::MAX,
-        };
-        let mut frontier = [0; TILE as usize];
-        for (row, bits) in frontier.iter_mut().enumerate() {
-            let free = tile.free[row];
-            if free == 0 {
-                continue;
-            }
-            let here = !(free | tile.occupied[row]);
-            let [east, north, west, south] = [0, 2, 4, 6].map(|way| tile.around[way]);
-            let above = if row < LAST { unknown(slot as u32, row + 1) } else { unknown(north, 0) };
-            let below = if row > 0 { unknown(slot as u32, row - 1) } else { unknown(south, LAST) };
-            let left = here << 1 | unknown(west, row) >> 31;
-            let right = here >> 1 | unknown(east, row) << 31;
-            *bits = free & (above | below | left | right);
+        const ROWS: usize = TILE as usize + 6;
+        let wide = |bits: u64| (bits & bits << 1 & bits >> 1, bits | bits << 1 | bits >> 1);
+        // From three rows below the tile to three above it.
+        let unknown: [u64; ROWS] = std::array::from_fn(|row| {
+            self.wide_row(slot, row as i32 - 3, u32::MAX, |tile, row| {
+                !(tile.free[row] | tile.occupied[row])
+            })
+        });
+        let mut core = [0; ROWS];
+        for row in 1..ROWS - 1 {
+            let [below, here, above] = [row - 1, row, row + 1].map(|row| wide(unknown[row]).0);
+            core[row] = below & here & above;
+        }
+        let mut opened = [0; ROWS];
+        for row in 2..ROWS - 2 {
+            let [below, here, above] = [row - 1, row, row + 1].map(|row| wide(core[row]).1);
+            opened[row] = below | here | above;
         }
         let tile = &mut self.tiles[slot];
-        tile.frontier = frontier;
+        for row in 0..TILE as usize {
+            let [below, here, above] = [row + 2, row + 3, row + 4].map(|row| opened[row]);
+            let beside = (below | above | here << 1 | here >> 1) >> 16;
+            tile.frontier[row] = tile.free[row] & beside as u32;
+        }
         tile.stale_frontier = false;
     }
 
@@ -389,7 +398,7 @@ impl Costmap {
     fn inflate(&mut self, slot: usize) {
         let mut near = [[0_u32; TILE as usize]; REACHES.len()];
         for row in -MARGIN..TILE + MARGIN {
-            let mut bits = self.occupied_row(slot, row);
+            let mut bits = self.wide_row(slot, row, 0, |tile, row| tile.occupied[row]);
             if bits == 0 {
                 continue;
             }
@@ -445,21 +454,28 @@ impl Costmap {
         }
     }
 
-    /// The occupied cells of a row of a tile, with 16 columns of the tiles on either side; rows
-    /// below 0 and over the last are those of the tiles below and above.
-    fn occupied_row(&self, slot: usize, row: i32) -> u64 {
+    /// A row of a tile with 16 columns of the tiles on either side; rows below 0 and over the last
+    /// are those of the tiles below and above.
+    #[inline]
+    fn wide_row(
+        &self,
+        slot: usize,
+        row: i32,
+        missing: u32,
+        of: impl Fn(&Tile, usize) -> u32,
+    ) -> u64 {
         let tile = &self.tiles[slot];
         let ways = if row < 0 {
             [5, 6, 7]
         } else if row >= TILE {
             [3, 2, 1]
         } else {
-            [4, 8, 0]
+            [4, HERE, 0]
         };
         let row = row.rem_euclid(TILE) as usize;
         let [left, middle, right] = ways.map(|way| match tile.around.get(way) {
-            None => tile.occupied[row],
-            Some(&slot) => self.tiles.get(slot as usize).map_or(0, |tile| tile.occupied[row]),
+            None => of(tile, row),
+            Some(&slot) => self.tiles.get(slot as usize).map_or(missing, |tile| of(tile, row)),
         });
         u64::from(left >> 16) | u64::from(middle) << 16 | u64::from(right & 0xffff) << 48
     }

@@ -14,7 +14,14 @@ pub const LEAST_CELLS: usize = 10;
 /// How near in metres a robot's middle has to come to a frontier that it cannot stand on.
 const VIEWPOINT: f64 = 0.6;
 
-/// Frontier cells that hang together, corner to corner counting.
+/// Cells of the map along a side of a block. The last rays of a scan lie some cells apart, and so do
+/// the cells where they end: blocks that touch hang together.
+const BLOCK: i32 = 4;
+
+/// Blocks along a side of a tile.
+const BLOCKS: i32 = TILE / BLOCK;
+
+/// Frontier cells that hang together, with at most 0.2 m from one to the next in either direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cluster {
     cells: Range<usize>,
@@ -26,8 +33,8 @@ pub struct Frontiers {
     /// Cells of all clusters, one cluster after the other.
     cells: Vec<CellIndex>,
     clusters: Vec<Cluster>,
-    /// Cells that are still to be taken into a cluster, tile by tile.
-    pending: Vec<Bits>,
+    /// Blocks that are still to be taken into a cluster, tile by tile.
+    pending: Vec<u64>,
     open: Vec<(usize, IVec2)>,
     /// Number of the cluster plus one that a planning cell is a goal of, 0 for none.
     labels: Vec<u32>,
@@ -142,31 +149,33 @@ impl Frontiers {
     fn cluster(&mut self, costmap: &Costmap) {
         self.cells.clear();
         self.clusters.clear();
-        self.pending.resize(costmap.tiles(), [0; TILE as usize]);
+        self.pending.clear();
+        self.pending.extend((0..costmap.tiles()).map(|slot| blocks(costmap.frontier(slot))));
         for slot in 0..costmap.tiles() {
-            self.pending[slot] = *costmap.frontier(slot);
-        }
-        for slot in 0..costmap.tiles() {
-            for row in 0..TILE {
-                while self.pending[slot][row as usize] != 0 {
-                    let col = self.pending[slot][row as usize].trailing_zeros() as i32;
-                    self.flood(costmap, slot, IVec2::new(col, row));
-                }
+            while self.pending[slot] != 0 {
+                let block = self.pending[slot].trailing_zeros() as i32;
+                self.flood(costmap, slot, IVec2::new(block % BLOCKS, block / BLOCKS));
             }
         }
     }
 
-    /// Takes a cell and all that hang together with it into a new cluster.
-    fn flood(&mut self, costmap: &Costmap, slot: usize, cell: IVec2) {
+    /// Takes a block and all that hang together with it into a new cluster.
+    fn flood(&mut self, costmap: &Costmap, slot: usize, block: IVec2) {
         let first = self.cells.len();
-        self.pending[slot][cell.y as usize] &= !(1 << cell.x);
-        self.open.push((slot, cell));
-        while let Some((slot, cell)) = self.open.pop() {
-            let index = costmap.tile_at(slot) * TILE + cell;
-            self.cells.push(CellIndex { col: index.x, row: index.y });
+        self.pending[slot] &= !(1 << (block.y * BLOCKS + block.x));
+        self.open.push((slot, block));
+        while let Some((slot, block)) = self.open.pop() {
+            let corner = costmap.tile_at(slot) * TILE;
+            for row in block.y * BLOCK..(block.y + 1) * BLOCK {
+                let bits = costmap.frontier(slot)[row as usize];
+                let cols = block.x * BLOCK..(block.x + 1) * BLOCK;
+                let cells = cols.filter(|col| bits >> col & 1 == 1);
+                let index = |col| CellIndex { col: corner.x + col, row: corner.y + row };
+                self.cells.extend(cells.map(index));
+            }
             for step in STEPS {
-                let next = cell + step;
-                let over = next.div_euclid(IVec2::splat(TILE));
+                let next = block + step;
+                let over = next.div_euclid(IVec2::splat(BLOCKS));
                 let slot = match STEPS.iter().position(|&step| step == over) {
                     None => slot,
                     Some(way) => match costmap.beside(slot, way) {
@@ -174,10 +183,10 @@ impl Frontiers {
                         None => continue,
                     },
                 };
-                let next = next.rem_euclid(IVec2::splat(TILE));
-                let row = &mut self.pending[slot][next.y as usize];
-                if *row >> next.x & 1 == 1 {
-                    *row &= !(1 << next.x);
+                let next = next.rem_euclid(IVec2::splat(BLOCKS));
+                let bit = 1 << (next.y * BLOCKS + next.x);
+                if self.pending[slot] & bit != 0 {
+                    self.pending[slot] &= !bit;
                     self.open.push((slot, next));
                 }
             }
@@ -188,6 +197,18 @@ impl Frontiers {
             self.clusters.push(Cluster { cells: first..self.cells.len() });
         }
     }
+}
+
+/// A bit for each block of a tile that holds a frontier cell, row by row from below.
+fn blocks(frontier: &Bits) -> u64 {
+    let mut blocks = 0;
+    for (row, rows) in frontier.chunks_exact(BLOCK as usize).enumerate() {
+        let any = rows.iter().fold(0, |any, row| any | row);
+        let any = (any | any >> 1 | any >> 2 | any >> 3) & 0x1111_1111;
+        let gathered = (0..BLOCKS).fold(0, |bits, col| bits | (any >> (3 * col)) & (1 << col));
+        blocks |= u64::from(gathered) << (row * BLOCKS as usize);
+    }
+    blocks
 }
 
 /// Whether nothing occupied is known between two points.

@@ -31,6 +31,9 @@ const SAME_FRONTIER: f64 = 0.3;
 /// Radius in metres of what a failed goal rules out around it.
 const FAILED: f64 = 0.5;
 
+/// Metres around a robot's middle within which it does not look for frontiers: its own feet.
+const FEET: f64 = 0.4;
+
 /// A robot that moves less than this many metres in so many seconds is stuck.
 const STUCK: (f64, f64) = (0.1, 5.0);
 
@@ -338,9 +341,10 @@ impl Navigator {
         choose: &mut impl FnMut(&mut Planning<'_>) -> Option<Node>,
     ) -> Option<Node> {
         let Navigator { costmap, frontiers, search, failures, blocks, .. } = self;
+        let near = |at: DVec2, p: DVec2, radius: f64| at.distance_squared(p) < radius * radius;
         let failed = |p: DVec2| {
-            let near = |at: DVec2| at.distance_squared(p) < FAILED * FAILED;
-            failures.iter().any(|failure| failure.active && near(failure.at))
+            near(pose.position, p, FEET)
+                || failures.iter().any(|failure| failure.active && near(failure.at, p, FAILED))
         };
         frontiers.gather(costmap, failed);
         choose(&mut Planning { costmap, frontiers, search, pose, blocks })
