@@ -37,6 +37,9 @@ const FEET: f64 = 0.4;
 /// A robot that moves less than this many metres in so many seconds is stuck.
 const STUCK: (f64, f64) = (0.1, 5.0);
 
+/// What a second of turning on the spot counts of a second without moving.
+const TURNING: f64 = 0.3;
+
 /// This many recoveries within so many seconds, and the robot is given up.
 const HOPELESS: (usize, f64) = (3, 60.0);
 
@@ -103,11 +106,20 @@ struct Pilot {
     way: Way,
     pursuit: Pursuit,
     task: Task,
-    /// Time and place at most [`STUCK`] seconds ago, while it wants to move.
-    trail: VecDeque<(f64, DVec2)>,
+    progress: Progress,
     recovered: VecDeque<f64>,
     recoveries: u32,
     avoid: Vec<(f64, Block)>,
+}
+
+/// How long a robot that wants to move has hardly done so.
+#[derive(Clone, Copy, Debug, Default)]
+struct Progress {
+    /// Where it last was somewhere else.
+    at: Option<DVec2>,
+    stalled: f64,
+    time: f64,
+    weight: f64,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -267,7 +279,7 @@ impl Navigator {
         renewed: bool,
     ) -> Option<Decision> {
         let pilot = &mut self.pilots[view.robot];
-        if pilot.is_stuck(view.time, pose.position) || view.time > deadline {
+        if pilot.progress.is_stuck(view.time, pose.position) || view.time > deadline {
             return self.recover(view, pose, goal);
         }
         if renewed {
@@ -282,7 +294,7 @@ impl Navigator {
         }
         let near = pilot.way.end().is_none_or(|end| end.distance(pose.position) < ARRIVED);
         if near && pilot.way.left() < 2.0 * ARRIVED {
-            pilot.trail.clear();
+            pilot.progress = Progress::default();
             pilot.task = match goal {
                 Goal::Frontier(frontier) => {
                     let to = unknown_from(&self.costmap, pose.position, frontier);
@@ -301,6 +313,7 @@ impl Navigator {
         }
         let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
         let command = pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, CRUISE);
+        pilot.progress.wants(command, view.time);
         Some(Decision::Drive(command))
     }
 
@@ -382,7 +395,7 @@ impl Navigator {
             self.failures.push(Failure { at, is_final, active: true });
         }
         let pilot = &mut self.pilots[view.robot];
-        pilot.trail.clear();
+        pilot.progress = Progress::default();
         pilot.recoveries += 1;
         pilot.recovered.push_back(view.time);
         while pilot.recovered.front().is_some_and(|&time| view.time - time > HOPELESS.1) {
@@ -428,16 +441,24 @@ impl Navigator {
     }
 }
 
-impl Pilot {
+impl Progress {
     /// Notes where the robot is, and tells whether it has hardly moved for too long.
     fn is_stuck(&mut self, time: f64, p: DVec2) -> bool {
-        let (least, span) = STUCK;
-        self.trail.push_back((time, p));
-        while self.trail.get(1).is_some_and(|(then, _)| time - then >= span) {
-            self.trail.pop_front();
+        if self.at.is_none_or(|at| at.distance(p) >= STUCK.0) {
+            (self.at, self.stalled) = (Some(p), 0.0);
         }
-        let (first, _) = self.trail[0];
-        time - first >= span && self.trail.iter().all(|(_, then)| then.distance(p) < least)
+        // Nothing counts that lies between two tasks.
+        let passed = (time - self.time).clamp(0.0, 0.2);
+        self.stalled += passed * self.weight;
+        self.time = time;
+        self.stalled >= STUCK.1
+    }
+
+    /// Notes what is asked of the robot now: a turn on the spot may take its time.
+    fn wants(&mut self, command: Command, time: f64) {
+        let turns = command.speed == 0.0 && command.turn_rate != 0.0;
+        self.weight = if turns { TURNING } else { 1.0 };
+        self.time = time;
     }
 }
 
