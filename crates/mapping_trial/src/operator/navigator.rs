@@ -314,6 +314,28 @@ impl Navigator {
         Some(Decision::Drive(Command::STOP))
     }
 
+    /// Drives straight to a point nearby, for operators that choose their ways themselves; `None`
+    /// when the robot is stuck there.
+    pub(super) fn steer(&mut self, view: &View<'_>, target: DVec2) -> Option<Decision> {
+        let pose = pose_of(view)?;
+        self.guard.look(view.scan);
+        if view.time - self.refreshed >= REFRESH {
+            self.refresh(view);
+        }
+        let pilot = self.pilots.get_mut(view.robot)?;
+        let waits = other_ahead(view, pose).is_some();
+        if waits || pilot.progress.is_stuck(view.time, pose.position) {
+            pilot.progress = Progress::default();
+            return None;
+        }
+        pilot.way.set(&mut self.costmap, &[pose.position, target]);
+        let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
+        let command =
+            pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, self.cruise);
+        pilot.progress.wants(command, view.time);
+        Some(Decision::Drive(command))
+    }
+
     /// Takes over what has changed in the map.
     fn refresh(&mut self, view: &View<'_>) {
         self.costmap.refresh(view.map);

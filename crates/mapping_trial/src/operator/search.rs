@@ -10,16 +10,8 @@ pub const METRE: u32 = (10.0 / SIDE) as u32;
 
 /// Cost of a straight and of a diagonal step, by class. Cells that the body does not fit into lead
 /// a robot out that finds itself in them, and nowhere else.
-const COSTS: [[u32; 2]; 8] = [
-    [10, 14],
-    [14, 20],
-    [22, 31],
-    [36, 51],
-    [100, 141],
-    [100, 141],
-    [100, 141],
-    [u32::MAX; 2],
-];
+const COSTS: [[u32; 2]; 8] =
+    [[10, 14], [14, 20], [22, 31], [36, 51], [100, 141], [100, 141], [100, 141], [u32::MAX; 2]];
 
 /// Queues, more than the priority can rise in one step.
 const QUEUES: usize = 256;

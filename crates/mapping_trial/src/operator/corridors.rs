@@ -1,0 +1,117 @@
+//! Hallways first, rooms later, with a delay of reaction: what the operators of Zwennes (2011)
+//! described.
+
+use std::collections::VecDeque;
+
+use envgen::geometry::{unit_vector, wrap_angle};
+use glam::DVec2;
+
+use super::costmap::{Class, Node};
+use super::navigator::{Navigator, Planning, pose_of};
+use super::{Decision, Operator, View};
+use crate::body::{Command, TICK};
+use crate::map::Estimate;
+
+/// Seconds from seeing to doing.
+const DELAY: f64 = 0.25;
+
+/// Cruising speed in m/s: slower than that of a program that reacts at once.
+const CRUISE: f64 = 0.4;
+
+/// Hallways first, rooms later.
+///
+/// A hallway is where the robot gets from its start without passing a gap narrower than 1.1 m, as
+/// the map shows it; rooms lie behind such gaps.
+#[derive(Debug)]
+pub(super) struct Corridors {
+    navigator: Navigator,
+    homes: Vec<Option<DVec2>>,
+    /// Commands that are decided and not yet carried out, robot by robot.
+    pending: Vec<VecDeque<(f64, Command)>>,
+    carried_out: Vec<Command>,
+    estimates: Vec<Estimate>,
+    hallway: Vec<bool>,
+}
+
+impl Corridors {
+    pub(super) fn new(mut navigator: Navigator, robots: usize) -> Self {
+        navigator.cruise = CRUISE;
+        Corridors {
+            navigator,
+            homes: vec![None; robots],
+            pending: vec![VecDeque::new(); robots],
+            carried_out: vec![Command::STOP; robots],
+            estimates: Vec::new(),
+            hallway: Vec::new(),
+        }
+    }
+
+    /// Where the robot will be when what is decided now is done: operators know what they have
+    /// just asked for.
+    fn foresee(&mut self, view: &View<'_>) {
+        self.estimates.clear();
+        self.estimates.extend_from_slice(view.estimates);
+        let Some(pose) = self.estimates.get_mut(view.robot).map(|estimate| &mut estimate.pose)
+        else {
+            return;
+        };
+        for (_, command) in &self.pending[view.robot] {
+            let time = 2.0 * TICK;
+            pose.heading = wrap_angle(pose.heading + command.turn_rate * time);
+            pose.position += unit_vector(pose.heading) * (command.speed * time);
+        }
+    }
+}
+
+impl Operator for Corridors {
+    fn decide(&mut self, view: &View<'_>) -> Decision {
+        let robot = view.robot;
+        let (Some(pose), true) = (pose_of(view), robot < self.homes.len()) else {
+            return Decision::Drive(Command::STOP);
+        };
+        let home = *self.homes[robot].get_or_insert(pose.position);
+        self.foresee(view);
+        let Corridors { navigator, pending, carried_out, estimates, hallway, .. } = self;
+        let view = View { estimates: &*estimates, ..*view };
+        let decision = navigator.explore(&view, |planning| choose(planning, home, hallway));
+        let Decision::Drive(command) = decision else { return decision };
+        let pending = &mut pending[robot];
+        pending.push_back((view.time, command));
+        // A tolerance below a tick, since times are sums of ticks.
+        while pending.front().is_some_and(|(then, _)| view.time - then >= DELAY - 1e-6) {
+            if let Some((_, command)) = pending.pop_front() {
+                carried_out[robot] = command;
+            }
+        }
+        Decision::Drive(carried_out[robot])
+    }
+
+    fn recoveries(&self, robot: usize) -> u32 {
+        self.navigator.recoveries(robot)
+    }
+
+    fn path(&self, robot: usize) -> &[DVec2] {
+        self.navigator.path(robot)
+    }
+}
+
+/// The nearest goal in a hallway, or else the nearest one.
+fn choose(planning: &mut Planning<'_>, home: DVec2, hallway: &mut Vec<bool>) -> Option<Node> {
+    let Planning { costmap, frontiers, search, limit, .. } = planning;
+    hallway.clear();
+    hallway.resize(frontiers.len(), false);
+    search.set_limit(Class::Near);
+    search.nearest(costmap, home, &[], |node, _| {
+        if let Some(cluster) = frontiers.cluster_at(node) {
+            hallway[cluster] = true;
+        }
+        false
+    });
+    search.set_limit(*limit);
+    if hallway.contains(&true)
+        && let Some(node) = planning.nearest_of(|cluster| hallway[cluster])
+    {
+        return Some(node);
+    }
+    planning.nearest()
+}
