@@ -18,6 +18,9 @@ const DELAY: f64 = 0.25;
 /// Cruising speed in m/s: slower than that of a program that reacts at once.
 const CRUISE: f64 = 0.4;
 
+/// Seconds after which a robot in a room thinks of the hallways again.
+const LOOK_AGAIN: f64 = 10.0;
+
 /// Hallways first, rooms later.
 ///
 /// A hallway is where the robot gets from its start without passing a gap narrower than 1.1 m, as
@@ -25,12 +28,12 @@ const CRUISE: f64 = 0.4;
 #[derive(Debug)]
 pub(super) struct Corridors {
     navigator: Navigator,
-    homes: Vec<Option<DVec2>>,
+    /// A place in a hallway, and when to look for frontiers from there again.
+    homes: Vec<Option<(DVec2, f64)>>,
     /// Commands that are decided and not yet carried out, robot by robot.
     pending: Vec<VecDeque<(f64, Command)>>,
     carried_out: Vec<Command>,
     estimates: Vec<Estimate>,
-    hallway: Vec<bool>,
 }
 
 impl Corridors {
@@ -42,7 +45,6 @@ impl Corridors {
             pending: vec![VecDeque::new(); robots],
             carried_out: vec![Command::STOP; robots],
             estimates: Vec::new(),
-            hallway: Vec::new(),
         }
     }
 
@@ -69,11 +71,12 @@ impl Operator for Corridors {
         let (Some(pose), true) = (pose_of(view), robot < self.homes.len()) else {
             return Decision::Drive(Command::STOP);
         };
-        let home = *self.homes[robot].get_or_insert(pose.position);
         self.foresee(view);
-        let Corridors { navigator, pending, carried_out, estimates, hallway, .. } = self;
+        let Corridors { navigator, homes, pending, carried_out, estimates } = self;
+        let (home, next_look) = homes[robot].get_or_insert((pose.position, 0.0));
         let view = View { estimates: &*estimates, ..*view };
-        let decision = navigator.explore(&view, |planning| choose(planning, home, hallway));
+        let decision =
+            navigator.explore(&view, |planning| choose(planning, view.time, home, next_look));
         let Decision::Drive(command) = decision else { return decision };
         let pending = &mut pending[robot];
         pending.push_back((view.time, command));
@@ -95,23 +98,36 @@ impl Operator for Corridors {
     }
 }
 
-/// The nearest goal in a hallway, or else the nearest one.
-fn choose(planning: &mut Planning<'_>, home: DVec2, hallway: &mut Vec<bool>) -> Option<Node> {
+/// The nearest goal in a hallway, or else the nearest one. `home` is a place in a hallway, and
+/// follows the robot while it is in one; `next_look` is when to look from there again.
+fn choose(
+    planning: &mut Planning<'_>,
+    time: f64,
+    home: &mut DVec2,
+    next_look: &mut f64,
+) -> Option<Node> {
+    let here = planning.pose.position;
     let Planning { costmap, frontiers, search, limit, .. } = planning;
-    hallway.clear();
-    hallway.resize(frontiers.len(), false);
+    let (limit, goal) = (*limit, |node, _| frontiers.cluster_at(node).is_some());
     search.set_limit(Class::Near);
-    search.nearest(costmap, home, &[], |node, _| {
-        if let Some(cluster) = frontiers.cluster_at(node) {
-            hallway[cluster] = true;
+    if here.distance(*home) < 0.5 || search.to(costmap, here, &[], *home).is_some() {
+        *home = here;
+        let node = search.nearest(costmap, here, planning.blocks, goal);
+        if node.is_some() {
+            search.set_limit(limit);
+            return node;
         }
-        false
-    });
-    search.set_limit(*limit);
-    if hallway.contains(&true)
-        && let Some(node) = planning.nearest_of(|cluster| hallway[cluster])
-    {
-        return Some(node);
+    } else if time >= *next_look {
+        let cluster =
+            search.nearest(costmap, *home, &[], goal).and_then(|node| frontiers.cluster_at(node));
+        search.set_limit(limit);
+        if let Some(cluster) = cluster
+            && let Some(node) = planning.nearest_of(|other| other == cluster)
+        {
+            return Some(node);
+        }
+        *next_look = time + LOOK_AGAIN;
     }
+    planning.search.set_limit(limit);
     planning.nearest()
 }

@@ -99,3 +99,6 @@ pub fn build(
         OperatorKind::Corridors => Box::new(corridors::Corridors::new(navigator, robots)),
     }
 }
+
+#[cfg(test)]
+mod tests;

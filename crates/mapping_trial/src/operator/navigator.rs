@@ -372,7 +372,10 @@ impl Navigator {
                 return None;
             }
         }
-        let near = pilot.way.end().is_none_or(|end| end.distance(pose.position) < ARRIVED);
+        // Before a wall the robot stands a little earlier.
+        let held_up = pilot.progress.stalled > 1.0;
+        let arrived = if held_up { 2.0 * ARRIVED } else { ARRIVED };
+        let near = pilot.way.end().is_none_or(|end| end.distance(pose.position) < arrived);
         if near && pilot.way.left() < 2.0 * ARRIVED {
             pilot.progress = Progress::default();
             pilot.task = match goal {

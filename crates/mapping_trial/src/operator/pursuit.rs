@@ -110,7 +110,7 @@ fn target(p: DVec2, way: &Way, costmap: &mut Costmap) -> Option<DVec2> {
     way.ahead(0.1, LOOKAHEAD, |ahead| {
         let class = if leaving { Class::Open } else { worst_between(costmap, p, ahead) };
         let tight = class >= Class::Tight && driven > SHORT_LOOKAHEAD;
-        if driven <= 0.15 || (class <= Class::Squeeze && !tight) {
+        if driven <= 0.15 || (class.is_passable() && !tight) {
             target = Some(ahead);
             driven += 0.1;
             true

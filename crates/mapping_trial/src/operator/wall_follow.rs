@@ -11,6 +11,9 @@ use super::{Decision, Operator, View};
 /// Metres that have to be free in a direction to take it.
 const PROBE: f64 = 0.6;
 
+/// Cruising speed in m/s, close to walls.
+const CRUISE: f64 = 0.4;
+
 /// Metres to the right within which there has to be a wall to follow.
 const HAND: f64 = 1.2;
 
@@ -58,7 +61,8 @@ enum Mode {
 }
 
 impl WallFollow {
-    pub(super) fn new(navigator: Navigator, robots: usize) -> Self {
+    pub(super) fn new(mut navigator: Navigator, robots: usize) -> Self {
+        navigator.cruise = CRUISE;
         WallFollow { navigator, followers: vec![Follower::default(); robots] }
     }
 }
@@ -130,9 +134,11 @@ impl Follower {
             self.trail.push((pose.position, ahead, self.driven));
         }
         let costmap = &mut navigator.costmap;
+        // As far from the wall as it is now at least, but doorways that it is in may be left.
+        let limit = costmap.class_at(pose.position).clamp(Class::Close, Class::Tight);
         let mut free = |angle: f64, far: f64| {
             let to = pose.position + unit_vector(pose.heading + angle) * far;
-            (worst_between(costmap, pose.position, to) <= Class::Tight).then_some(to)
+            (worst_between(costmap, pose.position, to) <= limit).then_some(to)
         };
         let hand = [-1.2, -1.6, -2.0].into_iter().any(|angle| free(angle, HAND).is_none());
         self.touching |= hand;
