@@ -8,7 +8,7 @@ use envgen::occupancy::{Coverage, OccupancyGrid};
 use envgen::proximity::Proximity;
 use envgen::{Seed, World};
 use glam::DVec2;
-use mapping_trial::body::{Bodies, Command, TICK};
+use mapping_trial::body::{Bodies, Command, Condition, TICK};
 use mapping_trial::flat::{FlatSimulator, FlatWorld};
 use mapping_trial::lidar::{LaserProfile, Scan};
 use mapping_trial::map::{Cell, CellIndex, Estimate, HIT, MISS, OccupancyMap, RESOLUTION};
@@ -21,6 +21,7 @@ use mapping_trial::robot::Robot;
 pub enum End {
     Finished,
     Stuck,
+    Drowned,
     Time,
 }
 
@@ -48,7 +49,7 @@ pub struct Run {
     pub scans: Vec<Scan>,
     pub starts: Vec<Pose>,
     pub tracks: Vec<Vec<DVec2>>,
-    /// Wall seconds are the caller's business: called around each decision.
+    /// Simulated seconds.
     pub time: f64,
 }
 
@@ -97,7 +98,7 @@ impl Run {
                     .map(|robot| Estimate { pose: self.bodies.pose(robot), ..Default::default() })
                     .collect();
                 for robot in 0..robots {
-                    if ends[robot] == Some(End::Stuck) {
+                    if matches!(ends[robot], Some(End::Stuck | End::Drowned)) {
                         continue;
                     }
                     let decision = operator.decide(&View {
@@ -117,6 +118,11 @@ impl Run {
                         Decision::Stuck => (Command::STOP, Some(End::Stuck)),
                     };
                 }
+                for (robot, end) in ends.iter_mut().enumerate() {
+                    if self.bodies.condition(robot) == Condition::Drowned {
+                        *end = Some(End::Drowned);
+                    }
+                }
                 if ends.iter().all(Option::is_some) {
                     break;
                 }
@@ -126,6 +132,7 @@ impl Run {
         let end = ends.iter().copied().max_by_key(|end| match end {
             None => 3,
             Some(End::Time) => 2,
+            Some(End::Drowned) => 4,
             Some(End::Stuck) => 1,
             Some(End::Finished) => 0,
         });
