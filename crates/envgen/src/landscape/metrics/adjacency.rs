@@ -14,7 +14,7 @@ pub struct Adjacency {
 
 impl Adjacency {
     /// Counts the sides of cells given row by row. O(N): with classes up to 15 one look-up in a
-    /// table for two cells, with up to 512 classes two a cell, and with more a sort.
+    /// table for two cells of a large raster, with up to 512 classes two a cell, and with more a sort.
     pub fn new(cells: &[u16], cols: usize) -> Self {
         let mut classes: BTreeMap<u16, u64> = BTreeMap::new();
         let mut sides = Vec::new();
@@ -169,6 +169,11 @@ mod tests {
             (33, 2, 254, 1),
             (2, 33, 255, 1),
             (30, 31, 200, 1),
+            (1, 70_000, 15, 1),
+            (70_000, 1, 3, 1),
+            (257, 260, 15, 1),
+            (256, 256, 1, 1),
+            (300, 299, 9, 1),
             (40, 40, 300, 5),
             (60, 60, 900, 70),
             (1, 1, 1, 1),

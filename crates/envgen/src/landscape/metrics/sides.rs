@@ -14,6 +14,9 @@ const IN_WINDOWS: u16 = 16;
 /// A pair of cells has a code of 16 bits up to this many classes, no data among them.
 const IN_PAIRS: u16 = 256;
 
+/// Windows have many codes to add up in the end: fewer cells than this are counted by pairs.
+const LEAST_FOR_WINDOWS: usize = 1 << 16;
+
 /// Up to this many distinct classes are counted in a full table.
 const IN_TABLE: usize = 512;
 
@@ -21,13 +24,13 @@ const IN_TABLE: usize = 512;
 const SORTED: usize = 1 << 20;
 
 /// Counts every side once, those at the raster's end too. O(N): with classes up to 15 one look-up
-/// for two cells, with up to 512 classes two a cell, and with more a sort.
+/// for two cells of a large raster, with up to 512 classes two a cell, and with more a sort.
 pub(super) fn count(cells: &[u16], cols: usize) -> Pairs {
     if cells.len() < cols || cols == 0 {
         return Pairs::new();
     }
     let most = cells.iter().copied().max().unwrap_or(0);
-    if most < IN_WINDOWS {
+    if most < IN_WINDOWS && cells.len() >= LEAST_FOR_WINDOWS {
         return by_windows(cells, cols, most + 1);
     }
     if most < IN_PAIRS {
@@ -86,10 +89,10 @@ impl Tally {
         self.counted = 0;
     }
 
-    /// The codes that occur, with their numbers.
-    fn occurring(mut self) -> impl Iterator<Item = (usize, u64)> {
+    /// How often each code was counted.
+    fn added_up(mut self) -> Vec<u64> {
         self.add_up();
-        self.sums.into_iter().enumerate().filter(|&(_, n)| n > 0)
+        self.sums
     }
 }
 
@@ -119,15 +122,15 @@ fn by_windows(cells: &[u16], cols: usize, k: u16) -> Pairs {
         tally.count::<2>(&codes[r % 2..]);
         std::mem::swap(&mut above, &mut below);
     }
-    let mut pairs = Pairs::new();
     let k = usize::from(k);
-    for (code, n) in tally.occurring() {
-        let [a, b, c, d] = [1, k, k * k, k * k * k].map(|place| (code / place % k) as u16);
+    let mut table = vec![0; k * k];
+    for (code, n) in tally.added_up().into_iter().enumerate().filter(|&(_, n)| n > 0) {
+        let [a, b, c, d] = [1, k, k * k, k * k * k].map(|place| code / place % k);
         for (x, y) in [(a, b), (c, d), (a, c), (b, d)] {
-            add(&mut pairs, x, y, n);
+            table[x * k + y] += n;
         }
     }
-    pairs
+    of_table(&table, k)
 }
 
 /// With `k` up to 256 classes, by pairs, the smaller class first: half a table is less to keep in
@@ -150,12 +153,7 @@ fn by_pairs(cells: &[u16], cols: usize, k: u16) -> Pairs {
         tally.count::<1>(&codes);
         above = row;
     }
-    let mut pairs = Pairs::new();
-    let k = usize::from(k);
-    for (code, n) in tally.occurring() {
-        add(&mut pairs, (code / k) as u16, (code % k) as u16, n);
-    }
-    pairs
+    of_table(&tally.added_up(), usize::from(k))
 }
 
 fn add(pairs: &mut Pairs, a: u16, b: u16, n: u64) {
@@ -180,6 +178,11 @@ fn numbered(cells: &[u16]) -> (Vec<u16>, Vec<u16>) {
 fn by_table(cells: &[u16], cols: usize, index: &[u16], width: usize) -> Pairs {
     let mut table = vec![0_u64; width * width];
     each_pair(cells, cols, index, |a, b| table[usize::from(a) * width + usize::from(b)] += 1);
+    of_table(&table, width)
+}
+
+/// The pairs that occur in a square table.
+fn of_table(table: &[u64], width: usize) -> Pairs {
     let mut pairs = Pairs::new();
     for (at, &n) in table.iter().enumerate() {
         add(&mut pairs, (at / width) as u16, (at % width) as u16, n);
