@@ -116,13 +116,7 @@ fn moved(shape: &Shape, by: DVec2, angle: f64) -> Shape {
 
 /// Whether the middle of each side takes a doorway.
 fn clear_ports(interior: &Interior, room: &RoomDesign) -> [bool; 4] {
-    Side::ALL.map(|side| {
-        let length = match side {
-            Side::North | Side::South => room.width,
-            Side::East | Side::West => room.height,
-        };
-        interior.port(side, length).usable()
-    })
+    Side::ALL.map(|side| interior.port(side, room.side_length(side)).usable())
 }
 
 /// Number of parts of the free space that no doorway leads to.

@@ -17,13 +17,17 @@ pub(super) use design::Frame;
 pub use design::{DESIGN_UNIT, MAX_ROOM_PARTS, MAX_ROOM_SIZE, RoomDesign, RoomError};
 pub use folder::FolderError;
 
-use super::interior::{Dimensions, Interior};
+use super::grid::Side;
+use super::interior::{self, Dimensions, Interior};
 
 /// Most rooms in a catalogue.
 pub const MAX_ROOMS: usize = 10_000;
 
 /// Distinct dimensions for which a room remembers its free space.
 const REMEMBERED: usize = 4;
+
+/// Places of doorways for which a room of a catalogue remembers itself cleared.
+const REMEMBERED_DOORWAYS: usize = 16;
 
 /// Why rooms do not make a catalogue.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -48,7 +52,14 @@ struct Inner {
     design: RoomDesign,
     /// What [`SharedRoom::interior`] has worked out; it changes no result.
     interiors: Mutex<Vec<(Dimensions, Arc<Interior>)>>,
+    /// What [`SharedRoom::cleared`] has worked out; it changes no result.
+    cleared: Mutex<Vec<(Doorway, Option<SharedRoom>)>>,
+    /// How many results [`SharedRoom::cleared`] remembers: fewer for a room that is one itself.
+    remembered: usize,
 }
+
+/// A place for a doorway in the unturned room, and the measures that count there.
+type Doorway = (Side, u32, Dimensions);
 
 impl SharedRoom {
     /// Checks a room.
@@ -56,8 +67,13 @@ impl SharedRoom {
     /// # Errors
     /// The first thing in the room that is wrong.
     pub fn new(design: RoomDesign) -> Result<Self, RoomError> {
+        SharedRoom::remembering(design, REMEMBERED_DOORWAYS)
+    }
+
+    fn remembering(design: RoomDesign, remembered: usize) -> Result<Self, RoomError> {
         design.validate()?;
-        Ok(SharedRoom(Arc::new(Inner { design, interiors: Mutex::default() })))
+        let (interiors, cleared) = Default::default();
+        Ok(SharedRoom(Arc::new(Inner { design, interiors, cleared, remembered })))
     }
 
     /// The free space inside the room, worked out once for the same dimensions.
@@ -72,6 +88,30 @@ impl SharedRoom {
         }
         known.push((dimensions, Arc::clone(&interior)));
         interior
+    }
+
+    /// The room without what stands in the way of a doorway in a side, `at` half cells from its
+    /// left or upper end; `None` when the doorway could not be used even so.
+    pub(super) fn cleared(
+        &self,
+        side: Side,
+        at: u32,
+        dimensions: Dimensions,
+    ) -> Option<SharedRoom> {
+        let doorway = (side, at, dimensions);
+        let mut known = self.0.cleared.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, room)) = known.iter().find(|(key, _)| *key == doorway) {
+            return room.clone();
+        }
+        let room = interior::cleared(&self.0.design, dimensions, side, at);
+        let room = SharedRoom::remembering(room, self.0.remembered / 4);
+        let usable = |room: &SharedRoom| room.interior(dimensions).port(side, at).usable();
+        let room = room.ok().filter(usable);
+        if known.len() == self.0.remembered.max(1) {
+            known.remove(0);
+        }
+        known.push((doorway, room.clone()));
+        room
     }
 }
 

@@ -13,6 +13,7 @@ use crate::indoor::grid::{Axis, Cell, Gate, Grid, Opening, Origin, Sides};
 use crate::indoor::plan::{FloorPlan, PlacedRoom};
 use crate::indoor::rules::doorways::{is_whole, sort};
 use crate::indoor::spec::{IndoorSpec, Profile};
+use crate::world::Contents;
 
 /// The name of a hallway's piece.
 pub const HALLWAY: &str = "hallway";
@@ -110,7 +111,8 @@ impl Reading<'_> {
         }
         let room = self.find(&name, number)?;
         let doorways = Sides::default();
-        let placed = PlacedRoom { room, x: column, y: row, quarters, doorways, emptied: false };
+        let contents = Contents::AsDesigned;
+        let placed = PlacedRoom { room, x: column, y: row, quarters, doorways, contents };
         let (width, height) = placed.size();
         if width > columns - column || height > rows - row {
             return Err(WorldGeneratorError::Outside { number, name });
