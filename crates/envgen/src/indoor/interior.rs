@@ -14,6 +14,9 @@ use crate::geometry::{Rect, Shape};
 /// Greatest distance between two samples, in metres.
 pub const STEP: f64 = 0.05;
 
+/// The same where nothing may be overlooked.
+const FINE_STEP: f64 = 0.0125;
+
 /// Distances are measured up to here, in metres.
 const REACH: f64 = 1.5;
 
@@ -72,7 +75,16 @@ impl Port {
 impl Interior {
     /// Works out the free space of a room.
     pub fn new(room: &RoomDesign, dimensions: Dimensions) -> Interior {
-        let field = Field::new(room, dimensions);
+        Interior::of(room, &Field::new(room, dimensions))
+    }
+
+    /// The same by samples so fine that no place is overlooked where the footprint has 2 cm to
+    /// spare; parts tell no clearance over that.
+    pub(super) fn fine(room: &RoomDesign, dimensions: Dimensions) -> Interior {
+        Interior::of(room, &Field::sampled(room, dimensions, FINE_STEP, dimensions.radius + STEP))
+    }
+
+    fn of(room: &RoomDesign, field: &Field) -> Interior {
         let need = field.need();
         let free: Vec<bool> = (0..field.contents.len())
             .map(|i| field.contents[i] >= need && field.to_wall(i) >= need)
@@ -122,7 +134,7 @@ pub(super) fn cleared(
     side: Side,
     at: u32,
 ) -> RoomDesign {
-    let field = Field::bare(room, dimensions);
+    let field = Field::bare(room, dimensions, STEP, REACH);
     let need = field.need();
     let zone = field.doorway_zone(side, at);
     let way: Vec<DVec2> = field.way_in(side, at).map(|i| field.point(i)).collect();
@@ -148,13 +160,19 @@ struct Field {
     /// Samples a cell's side, even.
     per_cell: usize,
     barriers: Vec<Shape>,
-    /// Distance to the nearest content, at most [`REACH`], row by row from the lowest.
+    reach: f64,
+    /// Distance to the nearest content, at most `reach`, row by row from the lowest.
     contents: Vec<f64>,
 }
 
 impl Field {
     fn new(room: &RoomDesign, dimensions: Dimensions) -> Field {
-        let mut field = Field::bare(room, dimensions);
+        Field::sampled(room, dimensions, STEP, REACH)
+    }
+
+    /// With samples at most `step` apart, and distances up to `reach`.
+    fn sampled(room: &RoomDesign, dimensions: Dimensions, step: f64, reach: f64) -> Field {
+        let mut field = Field::bare(room, dimensions, step, reach);
         let frame = field.frame(room);
         field.barriers = room.barriers().map(|shape| frame.shape(shape)).collect();
         for i in 0..field.barriers.len() {
@@ -164,10 +182,10 @@ impl Field {
     }
 
     /// Of the room's walls alone.
-    fn bare(room: &RoomDesign, dimensions: Dimensions) -> Field {
+    fn bare(room: &RoomDesign, dimensions: Dimensions, step: f64, reach: f64) -> Field {
         let unit = dimensions.unit;
         // Even, so that the middles of cells are samples.
-        let per_cell = 2 * (0.5 * unit / STEP).ceil().max(1.0) as usize;
+        let per_cell = 2 * (0.5 * unit / step).ceil().max(1.0) as usize;
         let step = unit / per_cell as f64;
         let columns = per_cell * room.width as usize + 1;
         let rows = per_cell * room.height as usize + 1;
@@ -179,7 +197,8 @@ impl Field {
             dimensions,
             per_cell,
             barriers: Vec::new(),
-            contents: vec![REACH; columns * rows],
+            reach,
+            contents: vec![reach; columns * rows],
         }
     }
 
@@ -196,7 +215,7 @@ impl Field {
 
     fn measure(&mut self, barrier: usize) {
         let shape = &self.barriers[barrier];
-        let around = shape.bounds().grown(REACH);
+        let around = shape.bounds().grown(self.reach);
         let low = |x: f64| (x / self.step).ceil().max(0.0) as usize;
         let high =
             |x: f64, n: usize| ((x / self.step).floor().max(-1.0) + 1.0).min(n as f64) as usize;
