@@ -75,26 +75,30 @@ impl Port {
 impl Interior {
     /// Works out the free space of a room.
     pub fn new(room: &RoomDesign, dimensions: Dimensions) -> Interior {
-        Interior::of(room, &Field::new(room, dimensions))
-    }
-
-    /// The same by samples so fine that no place is overlooked where the footprint has 2 cm to
-    /// spare; parts tell no clearance over that.
-    pub(super) fn fine(room: &RoomDesign, dimensions: Dimensions) -> Interior {
-        Interior::of(room, &Field::sampled(room, dimensions, FINE_STEP, dimensions.radius + STEP))
-    }
-
-    fn of(room: &RoomDesign, field: &Field) -> Interior {
+        let field = Field::new(room, dimensions);
         let need = field.need();
-        let free: Vec<bool> = (0..field.contents.len())
-            .map(|i| field.contents[i] >= need && field.to_wall(i) >= need)
-            .collect();
-        let (labels, parts) = field.label(&free);
+        let (labels, parts) = field.label();
         let ports = Side::ALL.map(|side| {
             let length = room.side_length(side);
             (1..2 * length).map(|at| field.port(side, at, need, &labels)).collect()
         });
         Interior { parts, ports }
+    }
+
+    /// Number of places in the room where the footprint has 2 cm to spare, but that the samples did
+    /// not find: they can lie between things that stand anywhere.
+    pub(super) fn overlooked(&self, room: &RoomDesign, dimensions: Dimensions) -> usize {
+        let field = Field::sampled(room, dimensions, FINE_STEP, dimensions.radius + STEP);
+        let (labels, parts) = field.label();
+        let mut found = vec![false; parts.len()];
+        for part in &self.parts {
+            let at = (part.anchor / field.step).round();
+            let label = labels[at.y as usize * field.columns + at.x as usize];
+            if let Some(found) = found.get_mut(label as usize) {
+                *found = true;
+            }
+        }
+        found.iter().filter(|found| !**found).count()
     }
 
     /// The connected pieces of the free space.
@@ -239,8 +243,11 @@ impl Field {
         p.min(self.size - p).min_element() - 0.5 * self.dimensions.wall
     }
 
-    /// Numbers the connected pieces of the free samples.
-    fn label(&self, free: &[bool]) -> (Vec<u32>, Vec<Part>) {
+    /// Numbers the connected pieces of the samples where the footprint's middle can be.
+    fn label(&self) -> (Vec<u32>, Vec<Part>) {
+        let need = self.need();
+        let is_free = |i: usize| self.contents[i] >= need && self.to_wall(i) >= need;
+        let free: Vec<bool> = (0..self.contents.len()).map(is_free).collect();
         let mut labels = vec![u32::MAX; free.len()];
         let mut parts = Vec::new();
         let mut stack = Vec::new();

@@ -424,6 +424,12 @@ fn bad_specs_name_field_value_and_limits() {
     assert_eq!(refused(IndoorSpec { spacing_h: Some(16), ..ok() }).field, "spacing_h");
     assert_eq!(refused(IndoorSpec { spacing_v: Some(2), ..ok() }).field, "spacing_v");
     assert_eq!(refused(IndoorSpec { open_areas: false, ..ok() }).field, "open_areas");
+    let narrow = IndoorSpec { unit: 1.2, wall: 0.5, footprint: 0.05, ..ok() };
+    assert_eq!(IndoorSpec { doorway: 0.2, ..narrow.clone() }.validate(), Ok(()));
+    let error = refused(IndoorSpec { doorway: 0.3, ..narrow.clone() });
+    assert!(error.allowed.starts_with("at most 0.2 m"), "{error}");
+    let error = refused(IndoorSpec { doorway: 0.2, footprint: 0.06, ..narrow });
+    assert!(error.allowed.starts_with("at most 0.05 m"), "{error}");
     let error = refused(IndoorSpec { doorway_probability: Some(f64::NAN), ..ok() });
     assert_eq!(error.field, "doorway_probability");
     assert_eq!(refused(IndoorSpec { clearance: Some(-1.0), ..ok() }).field, "clearance");

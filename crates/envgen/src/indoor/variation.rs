@@ -40,10 +40,7 @@ pub fn vary(room: &SharedRoom, wanted: f64, dimensions: Dimensions, stream: &mut
     let before = measure(room);
     let mut best = (room.clone(), before);
     let clear = clear_ports(&room.interior(dimensions), room);
-    let cut_off_parts = |room: &SharedRoom| cut_off(&room.interior(dimensions), room);
-    // Things put anywhere can leave pockets that the footprint just fits in.
-    let pockets = |room: &SharedRoom| cut_off(&Interior::fine(room, dimensions), room);
-    let (most_cut_off, most_pockets) = (cut_off_parts(room), pockets(room));
+    let most_cut_off = cut_off(&room.interior(dimensions), room);
     for _ in 0..TRIES {
         let (current, width) = &best;
         let error = (width - wanted).abs();
@@ -60,8 +57,10 @@ pub fn vary(room: &SharedRoom, wanted: f64, dimensions: Dimensions, stream: &mut
         let interior = changed.interior(dimensions);
         let still_clear =
             clear_ports(&interior, &changed).iter().zip(&clear).all(|(now, then)| *now || !*then);
-        let whole = cut_off_parts(&changed) <= most_cut_off && pockets(&changed) <= most_pockets;
-        if still_clear && whole {
+        if still_clear
+            && cut_off(&interior, &changed) <= most_cut_off
+            && interior.overlooked(&changed, dimensions) == 0
+        {
             best = (changed, width);
         }
     }

@@ -105,8 +105,12 @@ impl SharedRoom {
         }
         let room = interior::cleared(&self.0.design, dimensions, side, at);
         let room = SharedRoom::remembering(room, self.0.remembered / 4);
-        let usable = |room: &SharedRoom| room.interior(dimensions).port(side, at).usable();
-        let room = room.ok().filter(usable);
+        // What went may have filled a gap between things that stay.
+        let sound = |room: &SharedRoom| {
+            let interior = room.interior(dimensions);
+            interior.port(side, at).usable() && interior.overlooked(room, dimensions) == 0
+        };
+        let room = room.ok().filter(sound);
         if known.len() == self.0.remembered.max(1) {
             known.remove(0);
         }
