@@ -26,7 +26,7 @@
 //! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`Kind`], [`settings`] |
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | what generators make | [`World`], [`world`], [`geometry`] |
-//! | what reads a world | [`occupancy`], [`raycast`], [`certificate`], `picture` |
+//! | what reads a world | [`occupancy`], [`raycast`], [`proximity`], [`ground`], [`certificate`], `picture` |
 //! | files | [`export`], [`import`], [`mod@file`] |
 //!
 //! # What holds
@@ -53,6 +53,7 @@ pub mod file;
 pub mod forest;
 mod generate;
 pub mod geometry;
+pub mod ground;
 pub mod hallway;
 pub mod import;
 pub mod indoor;
@@ -62,6 +63,7 @@ pub mod occupancy;
 #[cfg(feature = "picture")]
 pub mod picture;
 mod provenance;
+pub mod proximity;
 pub mod raycast;
 pub mod road;
 mod seed;
