@@ -232,7 +232,7 @@ impl Spec for IndoorSpec {
 
     const KIND: &'static str = "indoor";
 
-    const VALUE_VERSION: u32 = 1;
+    const VALUE_VERSION: u32 = 2;
 
     const SETTINGS: &'static [Setting] = &[
         DIFFICULTY,
