@@ -31,8 +31,8 @@ pub struct Varied {
 
 /// Moves, turns, removes and doubles obstacles until the narrowest way through the room, as
 /// [`narrowest_way`] measures it, is as near to `wanted` metres as 80 changes bring it. Walls stay.
-/// Doorways that were clear stay clear, and no free space is cut off from the doorways. A room
-/// without obstacles stays as it is.
+/// Doorways that were clear stay clear, no free space is cut off from the doorways, and no pocket is
+/// left between things that the footprint just fits in. A room without obstacles stays as it is.
 pub fn vary(room: &SharedRoom, wanted: f64, dimensions: Dimensions, stream: &mut Stream) -> Varied {
     let measure = |room: &RoomDesign| {
         narrowest_way(room, dimensions.unit, dimensions.wall, dimensions.doorway)

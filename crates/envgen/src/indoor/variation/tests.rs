@@ -49,7 +49,7 @@ fn the_same_seed_moves_the_same_things() {
 
 #[test]
 fn no_pocket_is_left_that_the_footprint_just_fits_in() {
-    for seed in 0..40 {
+    for seed in 0..12 {
         for name in ["dragon room", "multi office", "single office"] {
             let room = Catalogue::builtin().get(name).unwrap();
             let varied = vary(room, 0.0, ROBOT, &mut Seed(seed).stream("test", 0));
