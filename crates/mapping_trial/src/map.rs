@@ -183,6 +183,12 @@ impl OccupancyMap {
         self.tiles.iter().filter(move |tile| tile.revision > revision).map(|tile| tile.at)
     }
 
+    /// Every tile that was ever written: column, row and the log odds of its cells as
+    /// [`OccupancyMap::tile`] gives them, in no particular but a repeatable order.
+    pub fn tiles(&self) -> impl Iterator<Item = ((i32, i32), &[i16])> + '_ {
+        self.tiles.iter().map(|tile| (tile.at, &*tile.cells))
+    }
+
     /// The log odds of a tile's cells in hundredths, row by row from below; `None` for a tile
     /// that was never written.
     pub fn tile(&self, col: i32, row: i32) -> Option<&[i16]> {

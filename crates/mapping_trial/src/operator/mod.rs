@@ -1,5 +1,14 @@
 //! Operators: who decides where a robot goes next, on the estimated map alone.
 
+pub mod costmap;
+pub mod frontier;
+mod guard;
+mod navigator;
+mod nearest;
+mod pursuit;
+pub mod search;
+mod way;
+
 use serde::{Deserialize, Serialize};
 
 use crate::body::Command;
@@ -68,4 +77,21 @@ pub enum OperatorKind {
     /// Hallways first, rooms later, with a delay of reaction: what the operators of Zwennes (2011)
     /// described.
     Corridors,
+}
+
+/// The operator of a kind for so many robots of one sort.
+pub fn build(
+    kind: OperatorKind,
+    robots: usize,
+    robot: &Robot,
+    laser: &LaserProfile,
+) -> Box<dyn Operator + Send> {
+    let navigator = navigator::Navigator::new(robots, robot, laser);
+    match kind {
+        OperatorKind::Nearest
+        | OperatorKind::InfoGain
+        | OperatorKind::Cautious
+        | OperatorKind::WallFollow
+        | OperatorKind::Corridors => Box::new(nearest::Nearest(navigator)),
+    }
 }
