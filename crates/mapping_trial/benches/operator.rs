@@ -17,7 +17,7 @@ fn main() {
     let Ok(plan) = IndoorSpec::default().generate(Seed(1)) else { return };
     let world = plan.to_world();
     let Some(start) = world.start else { return };
-    let Ok(grid) = OccupancyGrid::of(&world, RESOLUTION, Coverage::Touched) else { return };
+    let Ok(grid) = OccupancyGrid::of(&world, RESOLUTION, Coverage::Centre) else { return };
     let mut map = OccupancyMap::new();
     for row in 0..grid.rows() {
         for col in 0..grid.cols() {

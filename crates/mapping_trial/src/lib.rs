@@ -9,6 +9,10 @@
 //! | bodies that take commands and give observations | [`body`], [`flat`] |
 //! | where am I and what is around me | [`slam`], [`map`] |
 //! | where to next | [`operator`] |
+//! | the two together: observation in, command out | [`brain`] |
+//! | pictures of maps | `picture` |
+//! | the protocol: clock, ends, log and replay | [`trial`] |
+//! | what could be mapped, and how well it was | [`truth`], [`score`] |
 //!
 //! # What holds
 //!
@@ -18,10 +22,18 @@
 //!   robots where they start.
 
 pub mod body;
+pub mod brain;
+mod distance;
 pub mod flat;
 pub mod lidar;
 pub mod map;
+pub mod names;
 pub mod odometry;
 pub mod operator;
+#[cfg(feature = "picture")]
+pub mod picture;
 pub mod robot;
+pub mod score;
 pub mod slam;
+pub mod trial;
+pub mod truth;

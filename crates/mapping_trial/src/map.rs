@@ -143,9 +143,29 @@ impl OccupancyMap {
         }
     }
 
-    /// Forgets everything; the revision goes on.
+    /// Forgets what every cell is, and announces it. The tiles stay, so that what is derived from
+    /// the map hears of cells that are not drawn again.
     pub fn clear(&mut self) {
-        *self = OccupancyMap { revision: self.revision + 1, ..OccupancyMap::default() };
+        self.revision += 1;
+        for tile in &mut self.tiles {
+            tile.cells.fill(0);
+            tile.revision = self.revision;
+        }
+    }
+
+    /// Begins a change: what [`OccupancyMap::tile_mut`] hands out until the next one is announced
+    /// under a new revision.
+    pub(crate) fn begin(&mut self) {
+        self.revision += 1;
+    }
+
+    /// The cells of a tile, to be changed as part of the change that was begun; `None` where the
+    /// map may not grow.
+    pub(crate) fn tile_mut(&mut self, col: i32, row: i32) -> Option<&mut [i16]> {
+        let slot = self.slot(col, row).or_else(|| self.grow(col, row))?;
+        let tile = &mut self.tiles[slot];
+        tile.revision = self.revision;
+        Some(&mut tile.cells)
     }
 
     /// The rectangle in metres around all tiles that were ever written; `None` before the first.
@@ -163,6 +183,12 @@ impl OccupancyMap {
         self.tiles.iter().filter(move |tile| tile.revision > revision).map(|tile| tile.at)
     }
 
+    /// Every tile that was ever written: column, row and the log odds of its cells as
+    /// [`OccupancyMap::tile`] gives them, in no particular but a repeatable order.
+    pub fn tiles(&self) -> impl Iterator<Item = ((i32, i32), &[i16])> + '_ {
+        self.tiles.iter().map(|tile| (tile.at, &*tile.cells))
+    }
+
     /// The log odds of a tile's cells in hundredths, row by row from below; `None` for a tile
     /// that was never written.
     pub fn tile(&self, col: i32, row: i32) -> Option<&[i16]> {
@@ -170,7 +196,7 @@ impl OccupancyMap {
     }
 
     fn slot(&self, col: i32, row: i32) -> Option<usize> {
-        let (x, y) = (col - self.corner.0, row - self.corner.1);
+        let (x, y) = (col.wrapping_sub(self.corner.0), row.wrapping_sub(self.corner.1));
         if x < 0 || y < 0 || x >= self.cols || y >= self.rows {
             return None;
         }
