@@ -103,6 +103,7 @@ fn an_empty_room_is_soon_done() {
         let (outcome, _) = run(&world, kind, &[Pose::new(10.0, 10.0, 0.0)], 400.0);
         assert_eq!(outcome.end, End::Finished, "{kind:?}: {outcome:?}");
         assert!(outcome.coverage > 0.98, "{kind:?}: {outcome:?}");
+        assert!(outcome.time < 300.0, "{kind:?}: {outcome:?}");
         assert!(outcome.hits == 0 && outcome.recoveries == 0, "{kind:?}: {outcome:?}");
     }
 }

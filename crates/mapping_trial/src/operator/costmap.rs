@@ -369,16 +369,15 @@ impl Costmap {
                 !(tile.free[row] | tile.occupied[row])
             })
         });
-        let mut core = [0; ROWS];
-        for row in 1..ROWS - 1 {
-            let [below, here, above] = [row - 1, row, row + 1].map(|row| wide(unknown[row]).0);
-            core[row] = below & here & above;
-        }
-        let mut opened = [0; ROWS];
-        for row in 2..ROWS - 2 {
-            let [below, here, above] = [row - 1, row, row + 1].map(|row| wide(core[row]).1);
-            opened[row] = below | here | above;
-        }
+        let three = |rows: &[u64; ROWS], row: usize| {
+            [row.saturating_sub(1), row, (row + 1).min(ROWS - 1)].map(|row| rows[row])
+        };
+        let core = std::array::from_fn(|row| {
+            three(&unknown, row).map(|bits| wide(bits).0).into_iter().fold(u64::MAX, |a, b| a & b)
+        });
+        let opened: [u64; ROWS] = std::array::from_fn(|row| {
+            three(&core, row).map(|bits| wide(bits).1).into_iter().fold(0, |a, b| a | b)
+        });
         let tile = &mut self.tiles[slot];
         for row in 0..TILE as usize {
             let [below, here, above] = [row + 2, row + 3, row + 4].map(|row| opened[row]);
