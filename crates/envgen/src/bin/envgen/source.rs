@@ -79,5 +79,5 @@ pub(crate) fn read_world(path: &Path) -> Result<World, Failure> {
     let reader = import::reader(path).map_err(|error| Failure::Usage(error.to_string()))?;
     let of_file = |error: ImportError| Failure::of_file(path, error);
     let mut file = File::open(path).map_err(|error| Failure::of_file(path, error))?;
-    reader(&mut file).map_err(of_file)
+    reader(&mut file, path).map_err(of_file)
 }
