@@ -349,3 +349,26 @@ fn names(folder: &Path) -> Vec<String> {
     names.sort();
     names
 }
+
+#[test]
+fn maps_for_robots_are_two_files_that_are_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hall.yaml");
+    let file = path.to_str().unwrap();
+    let output = run(&["generate", "hallway", "--seed", "7", "--out", file]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let image = std::fs::read(folder.path().join("hall.pgm")).unwrap();
+    assert!(image.starts_with(b"P5\n"));
+    let world: Value = serde_json::from_slice(&run(&["inspect", "--json", file]).stdout).unwrap();
+    assert_eq!(world["provenance"]["spec"]["format"], "ros_map");
+    assert!(world["parts"]["walls"].as_u64().unwrap() > 10);
+    assert!(world["start"].is_object());
+
+    std::fs::write(folder.path().join("hall.pgm"), &image[..image.len() / 2]).unwrap();
+    let (code, text) = failure(&["inspect", file]);
+    assert_eq!(code, 1);
+    assert!(text.contains("hall.pgm: the PGM header says"), "{text}");
+    std::fs::remove_file(folder.path().join("hall.pgm")).unwrap();
+    let (code, text) = failure(&["inspect", file]);
+    assert!(code == 1 && text.contains("hall.pgm, which cannot be read"), "{text}");
+}

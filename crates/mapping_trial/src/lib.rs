@@ -23,7 +23,6 @@
 
 pub mod body;
 pub mod brain;
-mod distance;
 pub mod flat;
 pub mod lidar;
 pub mod map;

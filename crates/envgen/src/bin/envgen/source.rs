@@ -86,7 +86,8 @@ fn read(path: &Path) -> Result<String, Failure> {
 /// A world file.
 #[derive(Args)]
 pub(crate) struct WorldFile {
-    /// A world file: JSON or RON, a landscape's raster or a project of the World Generator (.xml).
+    /// A world file: JSON or RON, a landscape's raster, a map of ROS (.yaml) or a project of the World
+    /// Generator (.xml).
     file: PathBuf,
 
     #[command(flatten)]
@@ -105,7 +106,7 @@ impl WorldFile {
                 let text = format!("{GIVEN_ROOMS} are for projects of the World Generator (.xml)");
                 return Err(Failure::Usage(text));
             }
-            return reader(&mut open(path)?).map_err(of_file);
+            return reader(&mut open(path)?, path).map_err(of_file);
         }
         let catalogue = self.rooms.catalogue(Catalogue::builtin())?;
         let library = self.rooms.library()?;
