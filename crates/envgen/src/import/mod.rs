@@ -24,7 +24,9 @@ use ros_map::{RosMapError, UnknownCells};
 use crate::file::{self, FileError};
 use crate::generate::Blueprint;
 use crate::indoor::Catalogue;
-use crate::indoor::world_generator::{WorldGeneratorError, read_project};
+use crate::indoor::world_generator::{
+    LibraryRoom, Project, WorldGeneratorError, read_library, read_project,
+};
 use crate::landscape::raster_world;
 use crate::provenance::Provenance;
 use crate::world::World;
@@ -109,13 +111,34 @@ pub fn read_ron(input: &mut dyn Read) -> Result<World, ImportError> {
     Ok(World::from_ron(&file::read_text(input)?)?)
 }
 
-/// Reads a project of the World Generator for `USARSim`, with the built-in rooms.
+/// Reads a project of the World Generator for `USARSim`, with the built-in rooms; see
+/// [`read_world_generator_project`] for others, and for what is left out.
 ///
 /// # Errors
 /// When the file is no project, or a room is unknown, overlaps another or leaves the world.
 pub fn read_world_generator(input: &mut dyn Read) -> Result<World, ImportError> {
-    let text = file::read_text(input)?;
-    Ok(read_project(&text, Catalogue::builtin(), &[])?.plan.to_world())
+    Ok(read_world_generator_project(input, Catalogue::builtin(), &[])?.plan.to_world())
+}
+
+/// Reads a project of the World Generator for `USARSim`, with rooms of a catalogue and bare rooms of
+/// libraries.
+///
+/// # Errors
+/// When the file is no project, or a room is unknown, overlaps another or leaves the world.
+pub fn read_world_generator_project(
+    input: &mut dyn Read,
+    catalogue: &Catalogue,
+    library: &[LibraryRoom],
+) -> Result<Project, ImportError> {
+    Ok(read_project(&file::read_text(input)?, catalogue, library)?)
+}
+
+/// Reads a library of rooms of the World Generator.
+///
+/// # Errors
+/// When the file is no library.
+pub fn read_world_generator_library(input: &mut dyn Read) -> Result<Vec<LibraryRoom>, ImportError> {
+    Ok(read_library(&file::read_text(input)?)?)
 }
 
 /// Reads the map of a ROS robot; unknown cells are solid.
