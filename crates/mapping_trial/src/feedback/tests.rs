@@ -88,7 +88,13 @@ fn two_rooms() -> World {
     for (name, x) in [("left", 0.0), ("right", 10.0)] {
         let rect = Rect::new(DVec2::new(x, 0.0), DVec2::new(x + 10.0, 10.0));
         let shape = Shape::from_rect(rect);
-        world.rooms.push(Room { name: name.to_owned(), shape, difficulty: None, lit: true });
+        world.rooms.push(Room {
+            name: name.to_owned(),
+            shape,
+            difficulty: None,
+            lit: true,
+            contents: Default::default(),
+        });
     }
     let rect = Rect::new(DVec2::new(9.95, 4.5), DVec2::new(10.05, 5.5));
     let rooms = [Some(0), Some(1)];
