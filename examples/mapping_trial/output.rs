@@ -48,14 +48,14 @@ pub(crate) fn write<B: Bodies>(
     json.push(b'\n');
     let ros = map.to_ros_map()?;
     let (mut ros_yaml, mut ros_image) = (Vec::new(), Vec::new());
-    ros.write_yaml("map.pgm", &mut ros_yaml)?;
+    ros.write_yaml("ros_map.pgm", &mut ros_yaml)?;
     ros.write_pgm(&mut ros_image)?;
     let files = [
         ("map.png", picture(Picture::of_map(map, area), false, true)?),
         ("truth.png", picture(Picture::of_truth(truth, area), true, false)?),
         ("overlay.png", picture(Picture::of_errors(truth, map, area), true, true)?),
-        ("map.yaml", ros_yaml),
-        ("map.pgm", ros_image),
+        ("ros_map.yaml", ros_yaml),
+        ("ros_map.pgm", ros_image),
         ("log.json", log),
         ("report.json", json),
     ];
