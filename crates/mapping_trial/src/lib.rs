@@ -13,6 +13,7 @@
 //! | pictures of maps | `picture` |
 //! | the protocol: clock, ends, log and replay | [`trial`] |
 //! | what could be mapped, and how well it was | [`truth`], [`score`] |
+//! | what the operator says of it | [`feedback`] |
 //!
 //! # What holds
 //!
@@ -23,6 +24,7 @@
 
 pub mod body;
 pub mod brain;
+pub mod feedback;
 pub mod flat;
 pub mod lidar;
 pub mod map;
@@ -32,6 +34,7 @@ pub mod operator;
 #[cfg(feature = "picture")]
 pub mod picture;
 pub mod robot;
+mod ros_map;
 pub mod score;
 pub mod slam;
 pub mod trial;
