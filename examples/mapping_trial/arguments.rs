@@ -31,8 +31,9 @@ pub(crate) struct Arguments {
           conflicts_with_all = ["world", "map", "replay"])]
     profile: String,
 
-    /// Side of the indoor map in grid units of 3 m.
-    #[arg(long, default_value_t = 16, conflicts_with_all = ["world", "map", "replay"])]
+    /// Side of the indoor map in grid units of 3 m. In 20 minutes one robot explores a map of 10,
+    /// and half of one of 16.
+    #[arg(long, default_value_t = 10, conflicts_with_all = ["world", "map", "replay"])]
     size: u32,
 
     /// The seed of the world, and of what the sensors get wrong.
