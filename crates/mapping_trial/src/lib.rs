@@ -13,6 +13,7 @@
 //! | pictures of maps | `picture` |
 //! | the protocol: clock, ends, log and replay | [`trial`] |
 //! | what could be mapped, and how well it was | [`truth`], [`score`] |
+//! | many trials at once, and what they say | `experiment` |
 //!
 //! # What holds
 //!
@@ -24,6 +25,8 @@
 pub mod body;
 pub mod brain;
 mod distance;
+#[cfg(feature = "experiment")]
+pub mod experiment;
 pub mod flat;
 pub mod lidar;
 pub mod map;
