@@ -108,7 +108,7 @@ impl Arguments {
             let spec = WorldSpec::from_ron(&std::fs::read_to_string(path)?)?;
             return Ok(spec.generate(self.seed)?.to_world());
         }
-        Ok(import::reader(path)?(&mut std::fs::File::open(path)?)?)
+        Ok(import::read_world(path)?)
     }
 
     /// What the trial is made of. Where neither the arguments nor the world give a start, it is in

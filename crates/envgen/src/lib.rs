@@ -26,7 +26,7 @@
 //! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`Kind`], [`settings`] |
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | what generators make | [`World`], [`world`], [`geometry`] |
-//! | what reads a world | [`occupancy`], [`raycast`], [`proximity`], [`ground`], [`certificate`], `picture` |
+//! | what reads a world | [`occupancy`], [`raycast`], [`proximity`], [`ground`], [`placement`], [`mod@distance`], [`certificate`], `picture` |
 //! | files | [`export`], [`import`], [`mod@file`] |
 //!
 //! # What holds
@@ -46,6 +46,7 @@
 
 pub mod certificate;
 pub mod curve;
+pub mod distance;
 pub mod distribution;
 mod error;
 pub mod export;
@@ -62,6 +63,7 @@ mod lattice;
 pub mod occupancy;
 #[cfg(feature = "picture")]
 pub mod picture;
+pub mod placement;
 mod provenance;
 pub mod proximity;
 pub mod raycast;

@@ -24,7 +24,6 @@
 
 pub mod body;
 pub mod brain;
-mod distance;
 #[cfg(feature = "experiment")]
 pub mod experiment;
 pub mod flat;

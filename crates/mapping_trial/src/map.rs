@@ -251,3 +251,89 @@ pub struct Estimate {
     /// Standard deviation of the heading in radians, as the estimator believes it.
     pub heading_deviation: f64,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn at(col: i32, row: i32) -> CellIndex {
+        CellIndex { col, row }
+    }
+
+    #[test]
+    fn a_hit_occupies_and_two_misses_free() {
+        let mut map = OccupancyMap::new();
+        assert_eq!(map.cell(at(3, -4)), Cell::Unknown);
+        map.add(at(3, -4), HIT);
+        assert_eq!(map.cell(at(3, -4)), Cell::Occupied);
+        map.add(at(-1, 0), -MISS);
+        assert_eq!(map.cell(at(-1, 0)), Cell::Unknown);
+        map.add(at(-1, 0), -MISS);
+        assert_eq!(map.cell(at(-1, 0)), Cell::Free);
+        (0..50).for_each(|_| map.add(at(-1, 0), HIT));
+        assert_eq!(map.log_odds(at(-1, 0)), CLAMP);
+        assert_eq!(map.cell(at(0, 0)), Cell::Unknown);
+    }
+
+    #[test]
+    fn tiles_tell_of_changes_and_of_being_forgotten() {
+        let mut map = OccupancyMap::new();
+        map.add(at(0, 0), HIT);
+        map.add(at(100, 100), HIT);
+        let side = f64::from(TILE) * RESOLUTION;
+        map.touch(Rect::new(DVec2::ZERO, DVec2::splat(0.5 * side)));
+        let first = map.revision();
+        assert_eq!(map.changed_since(first - 1).collect::<Vec<_>>(), [(0, 0)]);
+        map.touch(Rect::new(DVec2::splat(3.2 * side), DVec2::splat(99.0 * side)));
+        assert_eq!(map.changed_since(first).collect::<Vec<_>>(), [(3, 3)]);
+        let second = map.revision();
+        map.clear();
+        assert_eq!(map.changed_since(second).count(), 2);
+        assert_eq!(map.cell(at(0, 0)), Cell::Unknown);
+        assert!(map.tile(3, 3).is_some_and(|cells| cells.iter().all(|&odds| odds == 0)));
+        assert_eq!(map.bounds(), Some(Rect::new(DVec2::ZERO, DVec2::splat(4.0 * side))));
+    }
+
+    #[test]
+    fn a_map_grows_so_far() {
+        let mut map = OccupancyMap::new();
+        map.add(at(0, 0), HIT);
+        let farthest = (MAX_TILES as i32) * TILE;
+        for out in [farthest, i32::MAX, i32::MIN] {
+            map.add(at(out, 0), HIT);
+            map.add(at(0, out), HIT);
+            assert_eq!(map.cell(at(out, 0)), Cell::Unknown);
+        }
+        map.add(at(farthest - 1, 0), HIT);
+        assert_eq!(map.cell(at(farthest - 1, 0)), Cell::Occupied);
+        assert_eq!(map.cell(at(0, 0)), Cell::Occupied);
+    }
+
+    proptest! {
+        #[test]
+        fn cells_hold_what_was_added(
+            changes in proptest::collection::vec((-300..300_i32, -300..300_i32, -90..90_i16), 0..60),
+        ) {
+            let (mut map, mut plain) = (OccupancyMap::new(), std::collections::BTreeMap::new());
+            for &(col, row, change) in &changes {
+                map.add(at(col, row), change);
+                let odds: &mut i16 = plain.entry((col, row)).or_default();
+                *odds = (*odds + change).clamp(-CLAMP, CLAMP);
+            }
+            for (&(col, row), &odds) in &plain {
+                prop_assert_eq!(map.log_odds(at(col, row)), odds);
+                let bounds = map.bounds().expect("something was written");
+                prop_assert!(bounds.contains(at(col, row).centre()));
+                let tile = map.tile(col.div_euclid(TILE), row.div_euclid(TILE)).expect("written");
+                prop_assert_eq!(tile[place(at(col, row))], odds);
+            }
+        }
+
+        #[test]
+        fn any_point_has_a_cell(x in any::<f64>(), y in any::<f64>()) {
+            let index = CellIndex::of(DVec2::new(x, y));
+            prop_assert_eq!(OccupancyMap::new().cell(index), Cell::Unknown);
+        }
+    }
+}

@@ -6,9 +6,9 @@ use envgen::geometry::{Pose, Rect, unit_vector};
 use glam::DVec2;
 use png::{BitDepth, ColorType, Compression, Encoder, EncodingError};
 
-use crate::distance::squared_distances;
 use crate::map::{Cell, CellIndex, OccupancyMap, RESOLUTION};
 use crate::truth::Truth;
+use envgen::distance::squared_distances;
 
 /// Pixels along a side, at most: larger areas have coarser pixels.
 const MAX_SIDE: f64 = 4000.0;

@@ -14,9 +14,9 @@ pub const SIDE: f64 = 2.0 * RESOLUTION;
 /// Planning cells in a tile.
 pub(super) const NODES: usize = (CELLS * CELLS) as usize;
 
-/// Squared distances in cells of the map up to which something occupied counts: 0.36 m, where the
-/// robot's middle may not be, and 0.45, 0.55 and 0.75 m, where it had better not be.
-const REACHES: [i32; 4] = [51, 81, 121, 225];
+/// Squared distances in cells of the map up to which something occupied counts: 0.31 and 0.36 m,
+/// where the robot's middle may not be, and 0.45, 0.55 and 0.75 m, where it had better not be.
+const REACHES: [i32; 5] = [38, 51, 81, 121, 225];
 
 /// The farthest of [`REACHES`] in cells.
 const MARGIN: i32 = 15;
@@ -58,6 +58,8 @@ pub enum Class {
     Close,
     /// Free, and something within 0.45 m.
     Tight,
+    /// Free, and something within 0.36 m: where cells of the map are a little off, the body may fit.
+    Squeeze,
     /// Nothing stands here, but the body would touch something.
     Inflated,
     /// Nothing is known.
@@ -78,8 +80,9 @@ impl Class {
             1 => Class::Near,
             2 => Class::Close,
             3 => Class::Tight,
-            4 => Class::Inflated,
-            5 => Class::Unknown,
+            4 => Class::Squeeze,
+            5 => Class::Inflated,
+            6 => Class::Unknown,
             _ => Class::Occupied,
         }
     }
@@ -366,16 +369,15 @@ impl Costmap {
                 !(tile.free[row] | tile.occupied[row])
             })
         });
-        let mut core = [0; ROWS];
-        for row in 1..ROWS - 1 {
-            let [below, here, above] = [row - 1, row, row + 1].map(|row| wide(unknown[row]).0);
-            core[row] = below & here & above;
-        }
-        let mut opened = [0; ROWS];
-        for row in 2..ROWS - 2 {
-            let [below, here, above] = [row - 1, row, row + 1].map(|row| wide(core[row]).1);
-            opened[row] = below | here | above;
-        }
+        let three = |rows: &[u64; ROWS], row: usize| {
+            [row.saturating_sub(1), row, (row + 1).min(ROWS - 1)].map(|row| rows[row])
+        };
+        let core = std::array::from_fn(|row| {
+            three(&unknown, row).map(|bits| wide(bits).0).into_iter().fold(u64::MAX, |a, b| a & b)
+        });
+        let opened: [u64; ROWS] = std::array::from_fn(|row| {
+            three(&core, row).map(|bits| wide(bits).1).into_iter().fold(0, |a, b| a | b)
+        });
         let tile = &mut self.tiles[slot];
         for row in 0..TILE as usize {
             let [below, here, above] = [row + 2, row + 3, row + 4].map(|row| opened[row]);
@@ -442,13 +444,15 @@ impl Costmap {
                         class(Class::Unknown, 0)
                     }
                 } else if four(free[1]) == 0 {
-                    class(Class::Tight, four(free[0]))
+                    class(Class::Squeeze, four(free[0]))
                 } else if four(free[2]) == 0 {
-                    class(Class::Close, four(free[1]))
+                    class(Class::Tight, four(free[1]))
                 } else if four(free[3]) == 0 {
-                    class(Class::Near, four(free[2]))
+                    class(Class::Close, four(free[2]))
+                } else if four(free[4]) == 0 {
+                    class(Class::Near, four(free[3]))
                 } else {
-                    class(Class::Open, four(free[3]))
+                    class(Class::Open, four(free[4]))
                 };
             }
         }

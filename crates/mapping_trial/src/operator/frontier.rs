@@ -72,7 +72,7 @@ impl Frontiers {
                     }
                 }
             }
-            if !fits {
+            if !fits && cells.len() >= 2 * LEAST_CELLS {
                 for cell in cells.step_by(LEAST_CELLS / 2) {
                     let index = self.cells[cell];
                     if !skip(index.centre()) {

@@ -1,12 +1,16 @@
 //! Operators: who decides where a robot goes next, on the estimated map alone.
 
+mod cautious;
+mod corridors;
 pub mod costmap;
 pub mod frontier;
 mod guard;
+mod info_gain;
 mod navigator;
 mod nearest;
 mod pursuit;
 pub mod search;
+mod wall_follow;
 mod way;
 
 use serde::{Deserialize, Serialize};
@@ -88,10 +92,13 @@ pub fn build(
 ) -> Box<dyn Operator + Send> {
     let navigator = navigator::Navigator::new(robots, robot, laser);
     match kind {
-        OperatorKind::Nearest
-        | OperatorKind::InfoGain
-        | OperatorKind::Cautious
-        | OperatorKind::WallFollow
-        | OperatorKind::Corridors => Box::new(nearest::Nearest(navigator)),
+        OperatorKind::Nearest => Box::new(nearest::Nearest(navigator)),
+        OperatorKind::InfoGain => Box::new(info_gain::InfoGain::new(navigator)),
+        OperatorKind::Cautious => Box::new(cautious::Cautious::new(navigator, robots)),
+        OperatorKind::WallFollow => Box::new(wall_follow::WallFollow::new(navigator, robots)),
+        OperatorKind::Corridors => Box::new(corridors::Corridors::new(navigator, robots)),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,14 +7,14 @@ use std::f64::consts::PI;
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
 
-use super::costmap::{Costmap, Node, SIDE};
+use super::costmap::{Class, Costmap, Node, SIDE};
 use super::frontier::{Frontiers, is_left, unknown_from};
 use super::guard::Guard;
 use super::pursuit::{CRUISE, Pursuit, turn};
 use super::search::{Block, METRE, Search};
 use super::way::Way;
 use super::{Decision, View};
-use crate::body::Command;
+use crate::body::{Command, TICK};
 use crate::lidar::LaserProfile;
 use crate::map::{Cell, CellIndex, RESOLUTION};
 use crate::robot::Robot;
@@ -34,8 +34,21 @@ const FAILED: f64 = 0.5;
 /// Metres around a robot's middle within which it does not look for frontiers: its own feet.
 const FEET: f64 = 0.4;
 
+/// Metres around another robot's goal that are left to it.
+const TAKEN: f64 = 2.0;
+
+/// Seconds that a robot waits for another one to pass, and seconds between two decisions.
+const PATIENCE: f64 = 4.0;
+const DECISION: f64 = 2.0 * TICK;
+
+/// Metres between the middles of two robots at which one waits for the other.
+const DISTANCE: f64 = 1.4;
+
 /// A robot that moves less than this many metres in so many seconds is stuck.
 const STUCK: (f64, f64) = (0.1, 5.0);
+
+/// What a second of turning on the spot counts of a second without moving.
+const TURNING: f64 = 0.3;
 
 /// This many recoveries within so many seconds, and the robot is given up.
 const HOPELESS: (usize, f64) = (3, 60.0);
@@ -63,15 +76,30 @@ pub(super) struct Planning<'a> {
     pub(super) pose: Pose,
     /// What no way may lead through.
     pub(super) blocks: &'a [Block],
+    /// The worst class that ways may lead through.
+    pub(super) limit: Class,
 }
 
 impl Planning<'_> {
     /// The nearest goal.
     pub(super) fn nearest(&mut self) -> Option<Node> {
-        let Planning { costmap, frontiers, search, pose, blocks } = self;
-        let goal = |node, _| frontiers.cluster_at(node).is_some();
+        self.nearest_of(|_| true)
+    }
+
+    /// The nearest goal of the clusters that `wanted` names.
+    pub(super) fn nearest_of(&mut self, wanted: impl Fn(usize) -> bool) -> Option<Node> {
+        let Planning { costmap, frontiers, search, pose, blocks, .. } = self;
+        let goal = |node, _| frontiers.cluster_at(node).is_some_and(&wanted);
         search.nearest(costmap, pose.position, blocks, goal)
     }
+}
+
+/// What a robot is to do.
+pub(super) enum Aim<'a> {
+    /// Uncover the frontiers that this names.
+    Explore(&'a mut dyn FnMut(&mut Planning<'_>) -> Option<Node>),
+    /// Go to a place.
+    Visit(DVec2),
 }
 
 /// Drives robots to goals.
@@ -86,6 +114,8 @@ pub(super) struct Navigator {
     refreshed: f64,
     blocks: Vec<Block>,
     cells: Vec<DVec2>,
+    /// Speed in m/s on open ground.
+    pub(super) cruise: f64,
 }
 
 /// A frontier that could not be uncovered.
@@ -103,11 +133,20 @@ struct Pilot {
     way: Way,
     pursuit: Pursuit,
     task: Task,
-    /// Time and place at most [`STUCK`] seconds ago, while it wants to move.
-    trail: VecDeque<(f64, DVec2)>,
+    progress: Progress,
     recovered: VecDeque<f64>,
     recoveries: u32,
     avoid: Vec<(f64, Block)>,
+}
+
+/// How long a robot that wants to move has hardly done so.
+#[derive(Clone, Copy, Debug, Default)]
+struct Progress {
+    /// Where it last was somewhere else.
+    at: Option<DVec2>,
+    stalled: f64,
+    time: f64,
+    weight: f64,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -120,7 +159,7 @@ enum Task {
     /// Choose a goal.
     Choose,
     /// Drive to a goal.
-    Go { goal: Goal, deadline: f64 },
+    Go { goal: Goal, deadline: f64, squeezes: bool, waited: f64 },
     /// Turn to what is unknown around a frontier, and look.
     Look { frontier: DVec2, heading: f64, until: f64 },
     /// Back off from where the robot is stuck.
@@ -152,6 +191,7 @@ impl Navigator {
             refreshed: f64::NEG_INFINITY,
             blocks: Vec::new(),
             cells: Vec::new(),
+            cruise: CRUISE,
         }
     }
 
@@ -163,15 +203,38 @@ impl Navigator {
         self.pilots.get(robot).map_or(&[], |pilot| pilot.way.points())
     }
 
-    /// Explores: drives to goals that `choose` names until none is left.
+    /// Drives to goals that `choose` names until none is left.
     pub(super) fn explore(
         &mut self,
         view: &View<'_>,
         mut choose: impl FnMut(&mut Planning<'_>) -> Option<Node>,
     ) -> Decision {
-        let Some(pose) = pose_of(view) else { return Decision::Drive(Command::STOP) };
+        let decision = self.pursue(view, &mut Aim::Explore(&mut choose));
+        decision.unwrap_or(Decision::Finished)
+    }
+
+    /// Drops what a robot is driving to, so that another aim takes effect.
+    pub(super) fn interrupt(&mut self, robot: usize) {
+        if let Some(pilot) = self.pilots.get_mut(robot)
+            && matches!(pilot.task, Task::Go { .. } | Task::Look { .. } | Task::Rest { .. })
+        {
+            pilot.task = Task::Choose;
+        }
+    }
+
+    /// Whether a robot is free to do something else: not in the middle of its first look around or
+    /// of getting free.
+    pub(super) fn is_at_ease(&self, robot: usize) -> bool {
+        self.pilots.get(robot).is_some_and(|pilot| {
+            matches!(pilot.task, Task::Choose | Task::Go { .. } | Task::Rest { .. })
+        })
+    }
+
+    /// Drives on towards an aim; `None` when it is reached or cannot be.
+    pub(super) fn pursue(&mut self, view: &View<'_>, aim: &mut Aim<'_>) -> Option<Decision> {
+        let Some(pose) = pose_of(view) else { return Some(Decision::Drive(Command::STOP)) };
         if view.robot >= self.pilots.len() {
-            return Decision::Finished;
+            return None;
         }
         self.guard.look(view.scan);
         let renewed = view.time - self.refreshed >= REFRESH;
@@ -190,37 +253,37 @@ impl Navigator {
                     let left = FULL_TURN - turned;
                     if left > 0.1 && view.time < SURVEY {
                         pilot.task = Task::Survey { heading: pose.heading, turned };
-                        return Decision::Drive(turn(view.body, left));
+                        return Some(Decision::Drive(turn(view.body, left)));
                     }
                     pilot.task = Task::Choose;
                 }
                 Task::Choose => {
-                    if !self.choose(view, pose, &mut choose) {
+                    if !self.choose(view, pose, aim) {
                         self.pilots[view.robot].task = Task::Rest { since: view.time };
-                        return Decision::Finished;
+                        return None;
                     }
                 }
                 Task::Rest { since } => {
                     if view.time - since < REFRESH {
-                        return Decision::Finished;
+                        return None;
                     }
                     pilot.task = Task::Choose;
                 }
-                Task::Go { goal, deadline } => {
-                    if let Some(decision) = self.go(view, pose, goal, deadline, renewed) {
-                        return decision;
+                Task::Go { .. } => {
+                    if let Some(decision) = self.go(view, pose, renewed) {
+                        return Some(decision);
                     }
                 }
                 Task::Look { frontier, heading, until } => {
                     let off = wrap_angle(heading - pose.heading);
                     if view.time < until && off.abs() > 0.15 {
-                        return Decision::Drive(turn(view.body, off));
+                        return Some(Decision::Drive(turn(view.body, off)));
                     }
                     if view.time < until.min(view.time + 1.0) && until - view.time > LOOK {
                         pilot.task = Task::Look { frontier, heading, until: view.time + LOOK };
                     }
                     if view.time < until {
-                        return Decision::Drive(Command::STOP);
+                        return Some(Decision::Drive(Command::STOP));
                     }
                     self.refresh(view);
                     if is_left(&self.costmap, frontier, SAME_FRONTIER) {
@@ -232,7 +295,7 @@ impl Navigator {
                     let done = from.distance(pose.position) >= BACK_OFF.0 || view.time >= until;
                     if !done && !view.bumped && self.is_free_behind(view.body, pose) {
                         let speed = -BACK_OFF.1;
-                        return Decision::Drive(Command { speed, turn_rate: 0.0 });
+                        return Some(Decision::Drive(Command { speed, turn_rate: 0.0 }));
                     }
                     let heading = pose.heading + self.open_side();
                     let pilot = &mut self.pilots[view.robot];
@@ -241,14 +304,36 @@ impl Navigator {
                 Task::TurnAway { heading, until } => {
                     let off = wrap_angle(heading - pose.heading);
                     if off.abs() > 0.2 && view.time < until {
-                        return Decision::Drive(turn(view.body, off));
+                        return Some(Decision::Drive(turn(view.body, off)));
                     }
                     self.refresh(view);
                     self.pilots[view.robot].task = Task::Choose;
                 }
             }
         }
-        Decision::Drive(Command::STOP)
+        Some(Decision::Drive(Command::STOP))
+    }
+
+    /// Drives straight to a point nearby, for operators that choose their ways themselves; `None`
+    /// when the robot is stuck there.
+    pub(super) fn steer(&mut self, view: &View<'_>, target: DVec2) -> Option<Decision> {
+        let pose = pose_of(view)?;
+        self.guard.look(view.scan);
+        if view.time - self.refreshed >= REFRESH {
+            self.refresh(view);
+        }
+        let pilot = self.pilots.get_mut(view.robot)?;
+        let waits = other_ahead(view, pose).is_some();
+        if waits || pilot.progress.is_stuck(view.time, pose.position) {
+            pilot.progress = Progress::default();
+            return None;
+        }
+        pilot.way.set(&mut self.costmap, &[pose.position, target]);
+        let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
+        let command =
+            pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, self.cruise);
+        pilot.progress.wants(command, view.time);
+        Some(Decision::Drive(command))
     }
 
     /// Takes over what has changed in the map.
@@ -258,17 +343,24 @@ impl Navigator {
     }
 
     /// Drives on; `None` when the task is at its end.
-    fn go(
-        &mut self,
-        view: &View<'_>,
-        pose: Pose,
-        goal: Goal,
-        deadline: f64,
-        renewed: bool,
-    ) -> Option<Decision> {
+    fn go(&mut self, view: &View<'_>, pose: Pose, renewed: bool) -> Option<Decision> {
         let pilot = &mut self.pilots[view.robot];
-        if pilot.is_stuck(view.time, pose.position) || view.time > deadline {
-            return self.recover(view, pose, goal);
+        let Task::Go { goal, deadline, squeezes, waited } = pilot.task else { return None };
+        if let Some(ahead) = other_ahead(view, pose) {
+            // Who comes later in the list lets the other pass; after a while both look for
+            // another way, on which the other is an obstacle.
+            if ahead < view.robot && waited < PATIENCE {
+                let waited = waited + DECISION;
+                pilot.task = Task::Go { goal, deadline, squeezes, waited };
+                return Some(Decision::Drive(Command::STOP));
+            }
+            if renewed {
+                pilot.task = Task::Choose;
+                return None;
+            }
+        }
+        if pilot.progress.is_stuck(view.time, pose.position) || view.time > deadline {
+            return self.recover(view, pose, goal, squeezes);
         }
         if renewed {
             let gone = match goal {
@@ -280,9 +372,12 @@ impl Navigator {
                 return None;
             }
         }
-        let near = pilot.way.end().is_none_or(|end| end.distance(pose.position) < ARRIVED);
+        // Before a wall the robot stands a little earlier.
+        let held_up = pilot.progress.stalled > 1.0;
+        let arrived = if held_up { 2.0 * ARRIVED } else { ARRIVED };
+        let near = pilot.way.end().is_none_or(|end| end.distance(pose.position) < arrived);
         if near && pilot.way.left() < 2.0 * ARRIVED {
-            pilot.trail.clear();
+            pilot.progress = Progress::default();
             pilot.task = match goal {
                 Goal::Frontier(frontier) => {
                     let to = unknown_from(&self.costmap, pose.position, frontier);
@@ -301,66 +396,118 @@ impl Navigator {
         }
         let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
         let command = pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, CRUISE);
+        pilot.progress.wants(command, view.time);
         Some(Decision::Drive(command))
     }
 
     /// Chooses a goal and plans the way there; false when there is none left.
-    fn choose(
+    fn choose(&mut self, view: &View<'_>, pose: Pose, aim: &mut Aim<'_>) -> bool {
+        self.costmap.refresh(view.map);
+        self.collect_blocks(view);
+        match aim {
+            Aim::Visit(place) => self.plan_visit(view, pose, *place),
+            Aim::Explore(choose) => {
+                let Some((node, squeezes)) = self.choose_frontier(view, pose, choose) else {
+                    return false;
+                };
+                let Some(cluster) = self.frontiers.cluster_at(node) else { return false };
+                let point = self.costmap.point(node);
+                let cell = self.frontiers.nearest_cell(cluster, point);
+                let frontier = cell.map_or(point, CellIndex::centre);
+                self.set_way(view, node, Goal::Frontier(frontier), squeezes);
+                true
+            }
+        }
+    }
+
+    fn plan_visit(&mut self, view: &View<'_>, pose: Pose, place: DVec2) -> bool {
+        if place.distance(pose.position) < 2.0 * ARRIVED {
+            return false;
+        }
+        let Navigator { costmap, search, blocks, .. } = self;
+        search.set_limit(Class::Tight);
+        let Some(node) = search.to(costmap, pose.position, blocks, place) else { return false };
+        self.set_way(view, node, Goal::Place(place), false);
+        true
+    }
+
+    /// A goal, and whether its way leads through gaps that the robot may not fit through. What is
+    /// ruled out is given up step by step: first what other robots do, then where this one was
+    /// stuck, then what it failed at once, at last the width of gaps.
+    fn choose_frontier(
         &mut self,
         view: &View<'_>,
         pose: Pose,
-        choose: &mut impl FnMut(&mut Planning<'_>) -> Option<Node>,
-    ) -> bool {
-        self.costmap.refresh(view.map);
-        self.collect_blocks(view, pose);
-        let mut goal = self.search_goal(pose, choose);
-        if goal.is_none() && !self.blocks.is_empty() {
-            self.blocks.clear();
-            self.pilots[view.robot].avoid.clear();
-            self.collect_blocks(view, pose);
-            goal = self.search_goal(pose, choose);
+        choose: &mut dyn FnMut(&mut Planning<'_>) -> Option<Node>,
+    ) -> Option<(Node, bool)> {
+        let fits = Class::Tight;
+        if let Some(node) = self.search_goal(view, pose, fits, true, choose) {
+            return Some((node, false));
         }
-        if goal.is_none() && self.failures.iter().any(|failure| failure.active && !failure.is_final)
+        if view.estimates.len() > 1
+            && let Some(node) = self.search_goal(view, pose, fits, false, choose)
         {
+            return Some((node, false));
+        }
+        if !self.pilots[view.robot].avoid.is_empty() {
+            self.pilots[view.robot].avoid.clear();
+            self.collect_blocks(view);
+            if let Some(node) = self.search_goal(view, pose, fits, false, choose) {
+                return Some((node, false));
+            }
+        }
+        if self.failures.iter().any(|failure| failure.active && !failure.is_final) {
             for failure in &mut self.failures {
                 failure.active &= failure.is_final;
             }
-            goal = self.search_goal(pose, choose);
+            if let Some(node) = self.search_goal(view, pose, fits, false, choose) {
+                return Some((node, false));
+            }
         }
-        let Some(node) = goal else { return false };
-        let Some(cluster) = self.frontiers.cluster_at(node) else { return false };
-        let point = self.costmap.point(node);
-        let frontier = self.frontiers.nearest_cell(cluster, point).map_or(point, CellIndex::centre);
-        self.set_way(view, node, Goal::Frontier(frontier));
-        true
+        let node = self.search_goal(view, pose, Class::Squeeze, false, choose)?;
+        Some((node, true))
     }
 
     fn search_goal(
         &mut self,
+        view: &View<'_>,
         pose: Pose,
-        choose: &mut impl FnMut(&mut Planning<'_>) -> Option<Node>,
+        limit: Class,
+        leave_to_others: bool,
+        choose: &mut dyn FnMut(&mut Planning<'_>) -> Option<Node>,
     ) -> Option<Node> {
-        let Navigator { costmap, frontiers, search, failures, blocks, .. } = self;
+        let Navigator { costmap, frontiers, search, pilots, failures, blocks, .. } = self;
         let near = |at: DVec2, p: DVec2, radius: f64| at.distance_squared(p) < radius * radius;
+        let others = pilots.iter().enumerate().filter(|(other, _)| *other != view.robot);
+        let taken = |p: DVec2| {
+            leave_to_others
+                && others.clone().any(|(_, pilot)| match pilot.task {
+                    Task::Go { goal: Goal::Frontier(at), .. } => near(at, p, TAKEN),
+                    _ => false,
+                })
+        };
         let failed = |p: DVec2| {
             near(pose.position, p, FEET)
+                || taken(p)
                 || failures.iter().any(|failure| failure.active && near(failure.at, p, FAILED))
         };
         frontiers.gather(costmap, failed);
-        choose(&mut Planning { costmap, frontiers, search, pose, blocks })
+        search.set_limit(limit);
+        choose(&mut Planning { costmap, frontiers, search, pose, blocks, limit })
     }
 
-    fn set_way(&mut self, view: &View<'_>, node: Node, goal: Goal) {
+    fn set_way(&mut self, view: &View<'_>, node: Node, goal: Goal, squeezes: bool) {
         let cost = self.search.cost(node).unwrap_or(0);
         self.search.way(&self.costmap, node, &mut self.cells);
         let pilot = &mut self.pilots[view.robot];
         pilot.way.set(&mut self.costmap, &self.cells);
         let length = f64::from(cost) / f64::from(METRE);
-        pilot.task = Task::Go { goal, deadline: view.time + 30.0 + length / 0.1 };
+        let deadline = view.time + 30.0 + length / 0.1;
+        pilot.task = Task::Go { goal, deadline, squeezes, waited: 0.0 };
     }
 
     /// What no way of a robot may lead through for now.
-    fn collect_blocks(&mut self, view: &View<'_>, _pose: Pose) {
+    fn collect_blocks(&mut self, view: &View<'_>) {
         let pilot = &mut self.pilots[view.robot];
         pilot.avoid.retain(|(until, _)| *until > view.time);
         self.blocks.clear();
@@ -373,18 +520,28 @@ impl Navigator {
     }
 
     /// Begins to free a robot that is stuck; gives it up when that has happened too often.
-    fn recover(&mut self, view: &View<'_>, pose: Pose, goal: Goal) -> Option<Decision> {
+    fn recover(
+        &mut self,
+        view: &View<'_>,
+        pose: Pose,
+        goal: Goal,
+        squeezes: bool,
+    ) -> Option<Decision> {
         if let Goal::Frontier(at) = goal {
             let is_final = self
                 .failures
                 .iter()
                 .any(|failure| !failure.active && failure.at.distance(at) < FAILED);
+            let is_final = is_final || squeezes;
             self.failures.push(Failure { at, is_final, active: true });
         }
         let pilot = &mut self.pilots[view.robot];
-        pilot.trail.clear();
+        pilot.progress = Progress::default();
         pilot.recoveries += 1;
-        pilot.recovered.push_back(view.time);
+        // A gap that was worth a try says nothing about the robot.
+        if !squeezes {
+            pilot.recovered.push_back(view.time);
+        }
         while pilot.recovered.front().is_some_and(|&time| view.time - time > HOPELESS.1) {
             pilot.recovered.pop_front();
         }
@@ -428,16 +585,24 @@ impl Navigator {
     }
 }
 
-impl Pilot {
+impl Progress {
     /// Notes where the robot is, and tells whether it has hardly moved for too long.
     fn is_stuck(&mut self, time: f64, p: DVec2) -> bool {
-        let (least, span) = STUCK;
-        self.trail.push_back((time, p));
-        while self.trail.get(1).is_some_and(|(then, _)| time - then >= span) {
-            self.trail.pop_front();
+        if self.at.is_none_or(|at| at.distance(p) >= STUCK.0) {
+            (self.at, self.stalled) = (Some(p), 0.0);
         }
-        let (first, _) = self.trail[0];
-        time - first >= span && self.trail.iter().all(|(_, then)| then.distance(p) < least)
+        // Nothing counts that lies between two tasks.
+        let passed = (time - self.time).clamp(0.0, 0.2);
+        self.stalled += passed * self.weight;
+        self.time = time;
+        self.stalled >= STUCK.1
+    }
+
+    /// Notes what is asked of the robot now: a turn on the spot may take its time.
+    fn wants(&mut self, command: Command, time: f64) {
+        let turns = command.speed == 0.0 && command.turn_rate != 0.0;
+        self.weight = if turns { TURNING } else { 1.0 };
+        self.time = time;
     }
 }
 
@@ -445,4 +610,15 @@ impl Pilot {
 pub(super) fn pose_of(view: &View<'_>) -> Option<Pose> {
     let pose = view.estimates.get(view.robot)?.pose;
     (pose.position.is_finite() && pose.heading.is_finite()).then_some(pose)
+}
+
+/// Another robot that stands close and in the direction in which this one drives.
+fn other_ahead(view: &View<'_>, pose: Pose) -> Option<usize> {
+    let ahead = unit_vector(pose.heading);
+    let mut others = view.estimates.iter().enumerate().filter(|(other, _)| *other != view.robot);
+    let found = others.find(|(_, other)| {
+        let to = other.pose.position - pose.position;
+        to.length() < DISTANCE && ahead.dot(to) > 0.3 * to.length()
+    });
+    found.map(|(other, _)| other)
 }

@@ -23,7 +23,7 @@ pub(super) const CRUISE: f64 = 0.5;
 const STOP: f64 = 0.10;
 
 /// Angles in radians at which turning on the spot begins and ends.
-const TURN: (f64, f64) = (0.8, 0.2);
+const TURN: (f64, f64) = (1.2, 0.4);
 
 /// Radius in metres of the curves that are driven at full speed.
 const FULL_SPEED_RADIUS: f64 = 0.8;
@@ -123,7 +123,7 @@ fn target(p: DVec2, way: &Way, costmap: &mut Costmap) -> Option<DVec2> {
 
 /// Turns on the spot by an angle, braking in time.
 pub(super) fn turn(robot: &Robot, angle: f64) -> Command {
-    let rate = (robot.turn_acceleration * angle.abs()).sqrt().min(3.0 * angle.abs());
+    let rate = (1.6 * robot.turn_acceleration * angle.abs()).sqrt().min(3.0 * angle.abs());
     Command { speed: 0.0, turn_rate: rate.min(robot.max_turn_rate).copysign(angle) }
 }
 

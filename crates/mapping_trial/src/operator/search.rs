@@ -10,8 +10,8 @@ pub const METRE: u32 = (10.0 / SIDE) as u32;
 
 /// Cost of a straight and of a diagonal step, by class. Cells that the body does not fit into lead
 /// a robot out that finds itself in them, and nowhere else.
-const COSTS: [[u32; 2]; 7] =
-    [[10, 14], [14, 20], [22, 31], [36, 51], [100, 141], [100, 141], [u32::MAX; 2]];
+const COSTS: [[u32; 2]; 8] =
+    [[10, 14], [14, 20], [22, 31], [36, 51], [100, 141], [100, 141], [100, 141], [u32::MAX; 2]];
 
 /// Queues, more than the priority can rise in one step.
 const QUEUES: usize = 256;
@@ -35,6 +35,8 @@ pub struct Search {
     /// The search that each tile was last used in.
     used: Vec<u32>,
     search: u32,
+    /// The worst class that ways may lead through.
+    limit: Class,
     queues: Vec<Vec<(Node, u32)>>,
 }
 
@@ -51,7 +53,13 @@ const START: u8 = 8;
 
 impl Default for Search {
     fn default() -> Self {
-        Search { nodes: Vec::new(), used: Vec::new(), search: 0, queues: vec![Vec::new(); QUEUES] }
+        Search {
+            nodes: Vec::new(),
+            used: Vec::new(),
+            search: 0,
+            limit: Class::Tight,
+            queues: vec![Vec::new(); QUEUES],
+        }
     }
 }
 
@@ -59,6 +67,11 @@ impl Search {
     /// A search that has not begun.
     pub fn new() -> Self {
         Search::default()
+    }
+
+    /// From now on ways lead through cells of this class and better ones.
+    pub fn set_limit(&mut self, limit: Class) {
+        self.limit = limit;
     }
 
     /// Visits places in the order of their cost from `start` until `done` says so, and gives the
@@ -234,7 +247,7 @@ impl Search {
         start: IVec2,
         left: impl Fn(IVec2) -> u32,
     ) -> usize {
-        let inside = costmap.derived_class(node).is_passable();
+        let inside = costmap.derived_class(node) <= self.limit;
         let mut added = 0;
         for way in 0..STEPS.len() {
             let Some(next) = costmap.step(node, way) else { continue };
@@ -244,12 +257,13 @@ impl Search {
                 continue;
             }
             let class = costmap.derived_class(next);
-            if !class.is_passable() || !inside {
+            let fits = class <= self.limit;
+            if !fits || !inside {
                 // A robot that does not fit where it is may drive on until it does, but not far,
                 // not between two occupied cells, and never from where it fits to where it does
                 // not.
                 if class == Class::Occupied
-                    || (inside && !class.is_passable())
+                    || (inside && !fits)
                     || (costmap.place(next) - start).abs().max_element() > ESCAPE
                     || (way % 2 == 1 && self.squeezes(costmap, node, way))
                 {

@@ -111,14 +111,14 @@ impl Way {
         (pieces.map(|ab| ab[0].distance(ab[1])).sum::<f64>() - self.along).max(0.0)
     }
 
-    /// Whether the map still lets the robot pass, up to so many metres ahead; what it does not fit
-    /// into at the beginning, where it has to get out of, does not count.
+    /// Whether the map still lets the robot pass, or squeeze through, up to so many metres ahead; what
+    /// it does not fit into at the beginning, where it has to get out of, does not count.
     pub(super) fn is_passable(&self, costmap: &mut Costmap, far: f64) -> bool {
         let (mut out, mut passable) = (false, true);
         self.ahead(0.1, far, |p| {
             let class = costmap.class_at(p);
             out |= class.is_passable();
-            passable = class.is_passable() || (!out && class != Class::Occupied);
+            passable = class <= Class::Squeeze || (!out && class != Class::Occupied);
             passable
         });
         passable

@@ -3,9 +3,9 @@
 use glam::DVec2;
 
 use super::raster::Raster;
-use crate::distance::{FAR_SQUARED, squared_distances};
 use crate::map::{CellIndex, OccupancyMap, RESOLUTION};
 use crate::truth::{SCORE_CELL, Truth, WallPoint};
+use envgen::distance::{FAR_SQUARED, squared_distances};
 
 /// Distances in metres count no further than this.
 pub(super) const CUT: f64 = 1.0;

@@ -126,6 +126,15 @@ impl LikelihoodField {
         &self.levels[level].cells
     }
 
+    /// The likelihood at a point in 1/255, 0 beyond what is covered.
+    pub fn at(&self, p: DVec2) -> u8 {
+        let cell = (p * (1.0 / RESOLUTION)).floor().as_ivec2();
+        let local = cell.saturating_sub(self.origin);
+        let inside = local.min_element() >= 0 && local.x < self.cols && local.y < self.rows;
+        let level = self.levels.first().filter(|_| inside);
+        level.map_or(0, |level| level.cells[(local.y * self.cols + local.x) as usize])
+    }
+
     /// Makes the field cover a square of half side `radius` metres around a point, with room for
     /// stamps and blocks. What was stamped stays where it can; returns false where the field had
     /// to be emptied instead, because it would have grown beyond its limit.
@@ -158,6 +167,12 @@ impl LikelihoodField {
         }
         self.grow(grown_low, grown_high);
         true
+    }
+
+    /// Forgets all echoes, and covers a square around a point instead.
+    pub fn reset(&mut self, centre: DVec2, radius: f64) {
+        (self.cols, self.rows) = (0, 0);
+        self.cover(centre, radius);
     }
 
     /// Forgets all echoes; the rectangle stays.

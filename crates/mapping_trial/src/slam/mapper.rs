@@ -1,7 +1,7 @@
 //! What the mapping estimators share: keyframes, each matched against all before it and put into
 //! the map.
 
-use envgen::geometry::{Pose, wrap_angle};
+use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::{DVec2, Vec2};
 
 use super::likelihood::LikelihoodField;
@@ -47,15 +47,15 @@ pub(crate) struct Keyframe {
 }
 
 /// What is known of the step that led to a new keyframe.
-#[derive(Clone, Copy, Debug)]
-#[expect(dead_code, reason = "what closes loops reads it")]
+#[derive(Clone, Debug)]
 pub(crate) struct Added {
     pub(crate) keyframe: usize,
     /// The robot's keyframe before, none for its first.
     pub(crate) before: Option<usize>,
-    /// Way and turning since then.
-    pub(crate) way: f64,
-    pub(crate) turned: f64,
+    /// Variance of the motion since then, before a scan was matched.
+    pub(crate) motion: Variance,
+    /// The walls that hold the pose, none where none was matched.
+    pub(crate) walls: Vec<WallPiece>,
 }
 
 /// Robots that share one map of keyframes.
@@ -127,7 +127,6 @@ impl Mapper {
     }
 
     /// Draws map and field again from all keyframes.
-    #[expect(dead_code, reason = "for estimators that change the past")]
     pub(crate) fn redraw(&mut self) {
         self.map.clear();
         for keyframe in &self.keyframes {
@@ -156,8 +155,12 @@ impl Mapper {
         // A robot's first pose is known: nothing is matched there.
         let matched = before.and_then(|_| self.match_scan(expected, way, turned, &sweep));
         let pose = matched.unwrap_or(expected);
+        let walls = match (&self.field, matched) {
+            (Some(field), Some(pose)) => walls(field, pose, &sweep.echoes),
+            _ => Vec::new(),
+        };
         let variance = before.map_or(Variance::default(), |before| {
-            self.variance(before, way, turned, path, pose, matched.map(|_| &sweep.echoes[..]))
+            self.variance(before, way, turned, path, pose, &walls)
         });
         if let Some(field) = &mut self.field {
             cover(field, &self.keyframes, pose, sweep.radius());
@@ -168,7 +171,8 @@ impl Mapper {
         self.keyframes.push(Keyframe { robot, is_first, pose, path, sweep, variance });
         draw(&mut self.painter, &mut self.map, self.sweeper.laser(), &self.keyframes[keyframe]);
         self.tracks[robot].restart(keyframe);
-        Some(Added { keyframe, before, way, turned })
+        let motion = Variance::of_motion(way, turned);
+        Some(Added { keyframe, before, motion, walls })
     }
 
     /// The pose at which a scan fits the field best.
@@ -197,12 +201,14 @@ impl Mapper {
         turned: f64,
         path: f64,
         pose: Pose,
-        matched: Option<&[Vec2]>,
+        walls: &[WallPiece],
     ) -> Variance {
         let motion = Variance::of_motion(way, turned);
         let before = &self.keyframes[before];
-        let Some(echoes) = matched else { return before.variance.after(motion, way) };
-        let step = constrained(motion, echoes);
+        if walls.is_empty() {
+            return before.variance.after(motion, way);
+        }
+        let step = constrained(motion, walls);
         let chained = before.variance.after(step, way);
         let sees_the_same = |other: &&Keyframe| {
             (other.robot != before.robot || path - other.path >= OLDER)
@@ -219,33 +225,64 @@ impl Mapper {
 /// Standard deviation in metres that an echo's distance from its wall is believed to have.
 const WALL_DEVIATION: f64 = 0.1;
 
+/// Variance of the same.
+pub(crate) const WALL_VARIANCE: f64 = WALL_DEVIATION * WALL_DEVIATION;
+
 /// Longest distance in metres of neighbouring echoes that are taken for one wall.
-const WALL_GAP: f64 = 0.5;
+const WALL_GAP: f32 = 0.5;
+
+/// Least length in metres that a wall's direction is read from: ten times the noise of a range.
+const WALL_LENGTH: f32 = 0.3;
+
+/// Likelihood of an echo, in 1/255, from which it has found its wall.
+const FOUND: u8 = 77;
+
+/// A piece of wall as seen from a pose: a point and the unit normal there.
+pub(crate) type WallPiece = (DVec2, DVec2);
+
+/// The walls that a matched scan was held by: for each echo that stands where echoes stood before,
+/// the wall from there to the next echo that is far enough for the noise not to matter. An echo of
+/// what is new says nothing about the pose.
+pub(crate) fn walls(field: &LikelihoodField, pose: Pose, echoes: &[Vec2]) -> Vec<WallPiece> {
+    let heading = unit_vector(pose.heading);
+    let mut end = 0;
+    let mut pieces = Vec::with_capacity(echoes.len());
+    for (i, &a) in echoes.iter().enumerate() {
+        end = end.max(i);
+        let b = loop {
+            if echoes[end].distance(a) >= WALL_LENGTH {
+                break Some(echoes[end]);
+            }
+            match echoes.get(end + 1) {
+                Some(next) if next.distance(echoes[end]) <= WALL_GAP => end += 1,
+                _ => break None,
+            }
+        };
+        let Some(b) = b else { continue };
+        let (a, b) = (a.as_dvec2(), b.as_dvec2());
+        if field.at(pose.position + heading.rotate(a)) >= FOUND {
+            pieces.push((a, (b - a).normalize().perp()));
+        }
+    }
+    pieces
+}
 
 /// What a match leaves of a step's variance: the echoes hold the pose across the walls that they
 /// stand on, not along them.
-fn constrained(motion: Variance, echoes: &[Vec2]) -> Variance {
+pub(crate) fn constrained(motion: Variance, walls: &[WallPiece]) -> Variance {
     let (mut xx, mut xy, mut yy, mut turn) = (0.0, 0.0, 0.0, 0.0);
-    for pair in echoes.windows(2) {
-        let (a, b) = (pair[0].as_dvec2(), pair[1].as_dvec2());
-        let length = a.distance(b);
-        if length > 1e-6 && length < WALL_GAP {
-            let normal = (b - a).perp() / length;
-            xx += normal.x * normal.x;
-            xy += normal.x * normal.y;
-            yy += normal.y * normal.y;
-            let lever = normal.perp_dot(a);
-            turn += lever * lever;
-        }
+    for (point, normal) in walls {
+        xx += normal.x * normal.x;
+        xy += normal.x * normal.y;
+        yy += normal.y * normal.y;
+        let lever = normal.dot(point.perp());
+        turn += lever * lever;
     }
-    let weight = 1.0 / (WALL_DEVIATION * WALL_DEVIATION);
     let middle: f64 = 0.5 * (xx + yy);
     let worst = middle - (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
-    let both = |variance: f64, information: f64| variance / (1.0 + variance * information.max(0.0));
-    Variance {
-        position: both(motion.position, weight * worst),
-        heading: both(motion.heading, weight * turn),
-    }
+    let left =
+        |variance: f64, weight: f64| variance / (1.0 + variance * weight.max(0.0) / WALL_VARIANCE);
+    Variance { position: left(motion.position, worst), heading: left(motion.heading, turn) }
 }
 
 /// Draws a keyframe; a robot's first twice, since a single pass decides no free cell, and robots
@@ -267,7 +304,7 @@ fn cover(field: &mut LikelihoodField, keyframes: &[Keyframe], centre: Pose, radi
 
 /// Stamps echoes that were measured from a pose.
 pub(crate) fn stamp(field: &mut LikelihoodField, pose: Pose, echoes: &[Vec2]) {
-    let heading: DVec2 = envgen::geometry::unit_vector(pose.heading);
+    let heading = unit_vector(pose.heading);
     for p in echoes {
         field.stamp(pose.position + heading.rotate(p.as_dvec2()));
     }

@@ -24,6 +24,10 @@ const REFINEMENT: [(i32, i32); 4] = [(8, 4), (4, 2), (2, 1), (1, 1)];
 /// Weight of the squared deviation from the expected pose, in likelihood.
 const PRIOR_WEIGHT: f64 = 0.002;
 
+/// Shifts of the refinement: none, along an axis, along both.
+const NEIGHBOURS: [(i32, i32); 9] =
+    [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
+
 /// Moves of the refinement at most, at each step size.
 const MOST_MOVES: usize = 64;
 
@@ -225,41 +229,51 @@ impl Matcher {
             (window.reach / RESOLUTION).ceil() as i32 * FINE,
             (window.heading_reach / FINE_ANGLE).ceil() as i32,
         );
-        let inside = |step: Step| {
-            step.x.abs() <= most && step.y.abs() <= most && step.angle.abs() <= most_angle
-        };
+        let inside = |step: Step| step.x.abs() <= most && step.y.abs() <= most;
 
         let mut at = from;
         let mut turned = Vec::with_capacity(echoes.len());
         turn_into(&mut self.fine, field, echoes, window.centre, at.angle);
         let mut best = score(&self.fine, at);
         for (shift, angle) in REFINEMENT {
+            // Along the axes first; where that leads no further, along all diagonals as well.
+            let mut shifts = &NEIGHBOURS[..5];
             for _ in 0..MOST_MOVES {
                 let before = at;
-                for (dx, dy) in [(shift, 0), (-shift, 0), (0, shift), (0, -shift)] {
-                    let step = Step { x: at.x + dx, y: at.y + dy, ..at };
-                    if inside(step) {
-                        let tried = score(&self.fine, step);
-                        if tried.0 > best.0 {
-                            (at, best) = (step, tried);
-                        }
-                    }
-                }
-                for turn in [angle, -angle] {
+                for turn in [0, angle, -angle] {
                     let swing = (lever(at.angle) - lever(at.angle + turn)).round().as_ivec2();
-                    let step =
+                    let base =
                         Step { x: at.x + swing.x, y: at.y + swing.y, angle: at.angle + turn };
-                    if inside(step) {
-                        turn_into(&mut turned, field, echoes, window.centre, step.angle);
-                        let tried = score(&turned, step);
-                        if tried.0 > best.0 {
-                            (at, best) = (step, tried);
-                            std::mem::swap(&mut turned, &mut self.fine);
+                    if base.angle.abs() > most_angle {
+                        continue;
+                    }
+                    let places = if turn == 0 {
+                        &self.fine
+                    } else {
+                        turn_into(&mut turned, field, echoes, window.centre, base.angle);
+                        &turned
+                    };
+                    let all = if turn == 0 || shifts.len() > 5 { shifts } else { &shifts[..1] };
+                    let start = at;
+                    for &(dx, dy) in all {
+                        let step = Step { x: base.x + dx * shift, y: base.y + dy * shift, ..base };
+                        if step != start && inside(step) {
+                            let tried = score(places, step);
+                            if tried.0 > best.0 {
+                                (at, best) = (step, tried);
+                            }
                         }
                     }
+                    if at.angle != start.angle {
+                        std::mem::swap(&mut turned, &mut self.fine);
+                    }
                 }
-                if at == before {
+                if at != before {
+                    shifts = &NEIGHBOURS[..5];
+                } else if shifts.len() > 5 {
                     break;
+                } else {
+                    shifts = &NEIGHBOURS;
                 }
             }
         }
@@ -402,4 +416,131 @@ fn interpolated(field: &LikelihoodField, places: &[(i32, i32)], dx: i32, dy: i32
         sum += u64::from(across(index) * (FINE as u32 - v) + across(index + cols) * v);
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use envgen::Seed;
+    use proptest::prelude::*;
+
+    /// The best score of the coarse lattice, by looking at every place of it.
+    fn exhaustive(field: &LikelihoodField, echoes: &[Vec2], window: Window) -> f64 {
+        let cells = (window.reach / RESOLUTION).ceil() as i32;
+        let turns = (window.heading_reach / (f64::from(COARSE_ANGLE) * FINE_ANGLE)).ceil() as i32;
+        let mut best = f64::NEG_INFINITY;
+        let mut places = Vec::new();
+        for turn in -turns..=turns {
+            turn_into(&mut places, field, echoes, window.centre, turn * COARSE_ANGLE);
+            for y in (-cells..=cells).map(|y| y * FINE) {
+                for x in (-cells..=cells).map(|x| x * FINE) {
+                    let sum: u64 = places.iter().map(|p| nearest(field, p.0 + x, p.1 + y)).sum();
+                    let response = sum as f64 / (255 * echoes.len()) as f64;
+                    best = best.max(response - penalty(window, x, y, turn * COARSE_ANGLE));
+                }
+            }
+        }
+        best
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+
+        #[test]
+        fn branch_and_bound_finds_the_best_place(
+            seed in any::<u64>(), deviation in 0.02..0.3_f64, heading_deviation in 0.005..0.08_f64,
+            stamps in 0..60_usize, echoes in 1..40_usize, blocks in 0..3_usize,
+        ) {
+            let mut draws = Seed(seed).stream("matcher", 0);
+            let mut point = |r: f64| DVec2::new(draws.between(-r, r), draws.between(-r, r));
+            let centre = Pose { position: point(5.0), heading: point(3.0).x };
+            let window = Window::around(centre, deviation, heading_deviation);
+            let mut field = LikelihoodField::new([&[1, 4][..], &[1, 4, 16], &[1]][blocks]);
+            field.cover(centre.position, Matcher::radius(3.0, &window));
+            for _ in 0..stamps {
+                field.stamp(centre.position + point(2.0));
+            }
+            let echoes: Vec<Vec2> = (0..echoes).map(|_| point(2.0).as_vec2()).collect();
+            let mut matcher = Matcher::new();
+            let coarse = matcher.find_coarse(&field, &echoes, window);
+            prop_assert_eq!(coarse.map(|m| m.score), Some(exhaustive(&field, &echoes, window)));
+            let fine = matcher.find(&field, &echoes, window).expect("it is covered");
+            let shift = (fine.pose.position - centre.position).abs().max_element();
+            prop_assert!(shift <= window.reach + RESOLUTION);
+            prop_assert!((0.0..=1.0).contains(&fine.response) && fine.score <= fine.response);
+        }
+
+        #[test]
+        fn any_window_is_searched_or_refused(
+            x in any::<f64>(), heading in any::<f64>(), deviation in any::<f64>(),
+            turn in any::<f64>(), reach in any::<f64>(),
+        ) {
+            let mut field = LikelihoodField::new(&[1, 4]);
+            field.cover(DVec2::ZERO, 3.0);
+            field.stamp(DVec2::ONE);
+            let window = Window {
+                centre: Pose::new(x, 0.0, heading),
+                deviation,
+                heading_deviation: turn,
+                reach,
+                heading_reach: 0.1,
+            };
+            let found = Matcher::new().find(&field, &[Vec2::ONE], window);
+            prop_assert!(found.is_none_or(|found| found.pose.position.is_finite()));
+        }
+    }
+
+    /// The corner of a room, scanned: echoes every 5 cm along two walls.
+    fn corner(turn: f64) -> Vec<DVec2> {
+        let axis = unit_vector(turn);
+        let steps = (0..60).map(|i| 0.05 * f64::from(i));
+        let walls = steps.flat_map(|s| [DVec2::new(3.0, s - 1.5), DVec2::new(s, 1.5)]);
+        walls.map(|p| axis.rotate(p)).collect()
+    }
+
+    /// Farthest that a scan is put back from where it was taken.
+    fn worst(turn: f64) -> (f64, f64) {
+        let mut field = LikelihoodField::new(&[1, 4]);
+        field.cover(DVec2::ZERO, 6.0);
+        corner(turn).iter().for_each(|&p| field.stamp(p));
+        let mut draws = Seed(5).stream("matcher", 1);
+        let off = (0..50).map(|_| {
+            let mut between = |r: f64| draws.between(-r, r);
+            let truth = Pose::new(between(0.1), between(0.1), between(0.05));
+            let back = unit_vector(-truth.heading);
+            let echoes: Vec<Vec2> =
+                corner(turn).iter().map(|&p| back.rotate(p - truth.position).as_vec2()).collect();
+            let window = Window::around(Pose::default(), 0.05, 0.02);
+            let found = Matcher::new().find(&field, &echoes, window).expect("covered").pose;
+            let turn = (found.heading - truth.heading).abs();
+            (found.position.distance(truth.position), turn)
+        });
+        off.fold((0.0, 0.0), |worst, off| (off.0.max(worst.0), off.1.max(worst.1)))
+    }
+
+    #[test]
+    fn a_scan_is_put_back_where_it_was_taken() {
+        // Across the grid to within a centimetre.
+        let (off, turn) = worst(0.3);
+        assert!(off < 0.01 && turn < 0.006, "{off} m, {turn} rad");
+        // Walls exactly on the borders of cells are the worst case: linear interpolation is flat
+        // between the middles of the cells on both sides, half a cell away.
+        let (off, turn) = worst(0.0);
+        assert!(off < 0.05 && turn < 0.01, "{off} m, {turn} rad");
+    }
+
+    #[test]
+    fn without_anything_to_match_the_expected_pose_stays() {
+        let mut field = LikelihoodField::new(&[1, 4]);
+        let expected = Pose::new(0.3, -0.2, 0.7);
+        let window = Window::around(expected, 0.05, 0.02);
+        let mut matcher = Matcher::new();
+        assert_eq!(matcher.find(&field, &[Vec2::X], window), None);
+        field.cover(DVec2::ZERO, 3.0);
+        assert_eq!(matcher.find(&field, &[], window), None);
+        let found = matcher.find(&field, &[Vec2::X], window).expect("covered");
+        assert_eq!((found.pose, found.response), (expected, 0.0));
+        // A scan that reaches beyond what is covered.
+        assert_eq!(matcher.find(&field, &[Vec2::X * 50.0], window), None);
+    }
 }

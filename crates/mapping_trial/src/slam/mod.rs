@@ -5,16 +5,20 @@
 //! |---|---|---|
 //! | [`DeadReckoning`] | the wheels alone | everything |
 //! | [`ScanToMap`] | each keyframe's scan, matched against all before it | the error around it |
+//! | [`PoseGraph`] | the same, and old places that are found again | little |
 //!
 //! All of them take a keyframe every 0.3 m or 15 degrees and draw its scan into one
 //! [`OccupancyMap`] that the robots share; in between, poses come from the wheels.
 
 mod dead_reckoning;
+mod graph;
 pub mod likelihood;
+mod loops;
 mod mapper;
 pub mod matcher;
 mod motion;
 pub mod painter;
+mod pose_graph;
 mod scan_to_map;
 pub mod sweep;
 mod track;
@@ -23,6 +27,7 @@ use envgen::geometry::Pose;
 use serde::{Deserialize, Serialize};
 
 pub use dead_reckoning::DeadReckoning;
+pub use pose_graph::PoseGraph;
 pub use scan_to_map::ScanToMap;
 
 use crate::lidar::{LaserProfile, Scan};
@@ -59,11 +64,14 @@ pub enum SlamKind {
     /// Scan matching without loop closing: [`ScanToMap`].
     #[default]
     ScanToMap,
+    /// Scan matching with loop closing: [`PoseGraph`].
+    PoseGraph,
 }
 
 impl SlamKind {
     /// All of them.
-    pub const ALL: [SlamKind; 2] = [SlamKind::DeadReckoning, SlamKind::ScanToMap];
+    pub const ALL: [SlamKind; 3] =
+        [SlamKind::DeadReckoning, SlamKind::ScanToMap, SlamKind::PoseGraph];
 
     /// An estimator for robots that stand at `starts`, with one kind of body and laser.
     pub fn build(
@@ -75,6 +83,7 @@ impl SlamKind {
         match self {
             SlamKind::DeadReckoning => Box::new(DeadReckoning::new(starts, robot, laser)),
             SlamKind::ScanToMap => Box::new(ScanToMap::new(starts, robot, laser)),
+            SlamKind::PoseGraph => Box::new(PoseGraph::new(starts, robot, laser)),
         }
     }
 }

@@ -19,7 +19,6 @@ pub(crate) fn compose(base: Pose, relative: Pose) -> Pose {
 }
 
 /// The pose `to` as seen from `base`.
-#[cfg_attr(not(test), expect(dead_code, reason = "what closes loops reads it"))]
 pub(crate) fn between(base: Pose, to: Pose) -> Pose {
     Pose {
         position: unit_vector(-base.heading).rotate(to.position - base.position),

@@ -143,3 +143,104 @@ fn add(cells: &mut [i16], marks: &mut [i8]) {
         *mark = 0;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::{Cell, CellIndex};
+    use proptest::prelude::*;
+    use std::collections::BTreeMap;
+
+    fn cells(map: &OccupancyMap) -> BTreeMap<(i32, i32), i16> {
+        let mut all = BTreeMap::new();
+        for (col, row) in map.changed_since(0) {
+            for (i, &odds) in map.tile(col, row).into_iter().flatten().enumerate() {
+                if odds != 0 {
+                    let (x, y) = (i as i32 % TILE, i as i32 / TILE);
+                    all.insert((col * TILE + x, row * TILE + y), odds);
+                }
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn a_ray_frees_what_it_passes_and_fills_what_it_meets() {
+        let mut map = OccupancyMap::new();
+        let sweep = Sweep { echoes: vec![Vec2::new(1.0, 0.0)], clear: vec![Vec2::new(0.0, 0.5)] };
+        Painter::new().draw(&mut map, Pose::new(0.02, 0.02, 0.0), Pose::default(), &sweep);
+        let drawn = cells(&map);
+        assert_eq!(drawn[&(20, 0)], HIT);
+        assert!((0..20).all(|x| drawn[&(x, 0)] == -MISS), "{drawn:?}");
+        assert!((0..10).all(|y| drawn[&(0, y)] == -MISS), "{drawn:?}");
+        assert_eq!(drawn.len(), 30);
+        assert_eq!(map.cell(CellIndex { col: 20, row: 0 }), Cell::Occupied);
+        // Once more: a free cell is decided by two scans.
+        assert_eq!(map.cell(CellIndex { col: 5, row: 0 }), Cell::Unknown);
+        Painter::new().draw(&mut map, Pose::new(0.02, 0.02, 0.0), Pose::default(), &sweep);
+        assert_eq!(map.cell(CellIndex { col: 5, row: 0 }), Cell::Free);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        #[test]
+        fn each_cell_changes_once_and_lies_on_a_ray(
+            x in -40.0..40.0_f64, y in -40.0..40.0_f64, heading in -4.0..4.0_f64,
+            offset in -0.5..0.5_f64,
+            echoes in proptest::collection::vec((-9.0..9.0_f32, -9.0..9.0_f32), 0..30),
+            clear in proptest::collection::vec((-9.0..9.0_f32, -9.0..9.0_f32), 0..30),
+        ) {
+            let points = |list: &[(f32, f32)]| list.iter().map(|&(x, y)| Vec2::new(x, y)).collect();
+            let sweep = Sweep { echoes: points(&echoes), clear: points(&clear) };
+            let (pose, laser) = (Pose::new(x, y, heading), Pose::new(offset, 0.0, 0.0));
+            let (mut map, mut painter) = (OccupancyMap::new(), Painter::new());
+            painter.draw(&mut map, pose, laser, &sweep);
+            prop_assert!(painter.marks.iter().all(|&mark| mark == 0));
+
+            let axis = unit_vector(heading);
+            let at = |p: &Vec2| pose.position + axis.rotate(p.as_dvec2());
+            let from = pose.position + axis.rotate(laser.position);
+            let hits: Vec<CellIndex> = sweep.echoes.iter().map(|p| CellIndex::of(at(p))).collect();
+            let drawn = cells(&map);
+            for (&(col, row), &odds) in &drawn {
+                let index = CellIndex { col, row };
+                prop_assert!(odds == HIT || odds == -MISS, "{odds}");
+                prop_assert_eq!(odds == HIT, near_any(&hits, index, &drawn));
+                let rays = sweep.echoes.iter().chain(&sweep.clear);
+                let nearest = rays
+                    .map(|p| envgen::geometry::distance_to_segment(index.centre(), from, at(p)))
+                    .fold(f64::INFINITY, f64::min);
+                // Half a cell along the shorter axis, and rounding.
+                prop_assert!(nearest <= 0.72 * RESOLUTION, "{nearest} m at {index:?}");
+            }
+            for hit in hits {
+                prop_assert!(touches(&drawn, hit), "{hit:?}");
+            }
+        }
+
+        #[test]
+        fn any_pose_can_be_drawn_from(x in any::<f64>(), y in any::<f64>(), heading in any::<f64>()) {
+            let sweep = Sweep { echoes: vec![Vec2::splat(30.0), Vec2::ZERO], clear: vec![Vec2::X] };
+            let mut map = OccupancyMap::new();
+            Painter::new().draw(&mut map, Pose::new(x, y, heading), Pose::default(), &sweep);
+            prop_assert!(cells(&map).len() < 2000);
+        }
+    }
+
+    /// Whether a cell is one of the hit ones. An echo on a border may fall on either side, by the
+    /// rounding of fixed point: then the neighbour is the hit one.
+    fn near_any(hits: &[CellIndex], index: CellIndex, drawn: &BTreeMap<(i32, i32), i16>) -> bool {
+        hits.contains(&index)
+            || (drawn[&(index.col, index.row)] == HIT
+                && hits.iter().any(|hit| {
+                    (hit.col - index.col).abs() <= 1
+                        && (hit.row - index.row).abs() <= 1
+                        && drawn.get(&(hit.col, hit.row)) != Some(&HIT)
+                }))
+    }
+
+    fn touches(drawn: &BTreeMap<(i32, i32), i16>, hit: CellIndex) -> bool {
+        (-1..=1).any(|dx| (-1..=1).any(|dy| drawn.get(&(hit.col + dx, hit.row + dy)) == Some(&HIT)))
+    }
+}

@@ -148,7 +148,7 @@ impl Truth {
                 walls[cell] = true;
             }
         }
-        truth.wall_distance = crate::distance::squared_distances(frame.cols, &walls);
+        truth.wall_distance = envgen::distance::squared_distances(frame.cols, &walls);
         let map = truth.perfect_map();
         truth.runs = true_runs(&truth, &map);
         truth.trips = trips(&truth, &map, world.provenance.seed.unwrap_or(Seed(0)));

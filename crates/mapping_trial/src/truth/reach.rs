@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::frame::{Frame, SCORE_CELL};
 use super::ground::DiscGround;
-use crate::distance::squared_distances;
+use envgen::distance::squared_distances;
 
 /// Points along a side of a cell.
 const POINTS: i32 = 4;

@@ -8,7 +8,7 @@ use envgen::occupancy::{Coverage, OccupancyGrid};
 use envgen::proximity::Proximity;
 use envgen::{Seed, World};
 use glam::DVec2;
-use mapping_trial::body::{Bodies, Command, TICK};
+use mapping_trial::body::{Bodies, Command, Condition, TICK};
 use mapping_trial::flat::{FlatSimulator, FlatWorld};
 use mapping_trial::lidar::{LaserProfile, Scan};
 use mapping_trial::map::{Cell, CellIndex, Estimate, HIT, MISS, OccupancyMap, RESOLUTION};
@@ -18,42 +18,43 @@ use mapping_trial::robot::Robot;
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub(crate) enum End {
     Finished,
     Stuck,
+    Drowned,
     Time,
 }
 
 /// What became of a run.
 #[derive(Clone, Debug)]
-pub struct Outcome {
-    pub end: End,
+pub(crate) struct Outcome {
+    pub(crate) end: End,
     /// Simulated seconds.
-    pub time: f64,
+    pub(crate) time: f64,
     /// Share of the reachable free space that is free on the map.
-    pub coverage: f64,
-    pub hits: u32,
-    pub recoveries: u32,
+    pub(crate) coverage: f64,
+    pub(crate) hits: u32,
+    pub(crate) recoveries: u32,
     /// Metres driven and radians turned by all robots.
-    pub metres: f64,
-    pub radians: f64,
+    pub(crate) metres: f64,
+    pub(crate) radians: f64,
 }
 
 /// A run: bodies, the map drawn from their true poses, and what they see.
-pub struct Run {
-    pub robot: Robot,
-    pub laser: LaserProfile,
-    pub bodies: FlatSimulator,
-    pub map: OccupancyMap,
-    pub scans: Vec<Scan>,
-    pub starts: Vec<Pose>,
-    pub tracks: Vec<Vec<DVec2>>,
-    /// Wall seconds are the caller's business: called around each decision.
-    pub time: f64,
+pub(crate) struct Run {
+    pub(crate) robot: Robot,
+    pub(crate) laser: LaserProfile,
+    pub(crate) bodies: FlatSimulator,
+    pub(crate) map: OccupancyMap,
+    pub(crate) scans: Vec<Scan>,
+    pub(crate) starts: Vec<Pose>,
+    pub(crate) tracks: Vec<Vec<DVec2>>,
+    /// Simulated seconds.
+    pub(crate) time: f64,
 }
 
 impl Run {
-    pub fn new(world: &World, starts: &[Pose], laser: LaserProfile, seed: Seed) -> Self {
+    pub(crate) fn new(world: &World, starts: &[Pose], laser: LaserProfile, seed: Seed) -> Self {
         let robot = Robot::default();
         let flat = Arc::new(FlatWorld::new(world, &robot));
         let odometry = OdometryProfile::EXACT;
@@ -71,7 +72,7 @@ impl Run {
     }
 
     /// Drives until the operator has finished, is stuck, or time is up.
-    pub fn drive(&mut self, operator: &mut dyn Operator, seconds: f64) -> Outcome {
+    pub(crate) fn drive(&mut self, operator: &mut dyn Operator, seconds: f64) -> Outcome {
         let robots = self.starts.len();
         let mut commands = vec![Command::STOP; robots];
         let mut ends: Vec<Option<End>> = vec![None; robots];
@@ -79,11 +80,11 @@ impl Run {
         let ticks = (seconds / TICK) as u32;
         for tick in 0..ticks {
             self.time = f64::from(tick) * TICK;
-            let mut bumped = vec![false; robots];
+            let mut bumped = Vec::with_capacity(robots);
             for robot in 0..robots {
                 let seen = self.bodies.observe(robot);
                 let pose = self.bodies.pose(robot);
-                bumped[robot] = seen.bumped;
+                bumped.push(seen.bumped);
                 metres += seen.odometry.distance.abs();
                 radians += seen.odometry.turn.abs();
                 if let Some(scan) = seen.scan {
@@ -97,7 +98,7 @@ impl Run {
                     .map(|robot| Estimate { pose: self.bodies.pose(robot), ..Default::default() })
                     .collect();
                 for robot in 0..robots {
-                    if ends[robot] == Some(End::Stuck) {
+                    if matches!(ends[robot], Some(End::Stuck | End::Drowned)) {
                         continue;
                     }
                     let decision = operator.decide(&View {
@@ -117,6 +118,11 @@ impl Run {
                         Decision::Stuck => (Command::STOP, Some(End::Stuck)),
                     };
                 }
+                for (robot, end) in ends.iter_mut().enumerate() {
+                    if self.bodies.condition(robot) == Condition::Drowned {
+                        *end = Some(End::Drowned);
+                    }
+                }
                 if ends.iter().all(Option::is_some) {
                     break;
                 }
@@ -126,6 +132,7 @@ impl Run {
         let end = ends.iter().copied().max_by_key(|end| match end {
             None => 3,
             Some(End::Time) => 2,
+            Some(End::Drowned) => 4,
             Some(End::Stuck) => 1,
             Some(End::Finished) => 0,
         });
@@ -195,7 +202,7 @@ fn cells(from: DVec2, direction: DVec2, length: f64, mut visit: impl FnMut(CellI
 }
 
 /// Where a robot's footprint can get to from a start: middles of cells of 0.1 m that lie under it.
-pub fn reachable(world: &World, start: DVec2, robot: &Robot) -> Vec<DVec2> {
+pub(crate) fn reachable(world: &World, start: DVec2, robot: &Robot) -> Vec<DVec2> {
     const SIDE: f64 = 0.1;
     let Ok(grid) = OccupancyGrid::of(world, SIDE, Coverage::Centre) else { return Vec::new() };
     let near = Proximity::new(world, 1.0);
@@ -241,7 +248,7 @@ pub fn reachable(world: &World, start: DVec2, robot: &Robot) -> Vec<DVec2> {
 }
 
 /// Share of places that are free on a map.
-pub fn coverage(map: &OccupancyMap, places: &[DVec2]) -> f64 {
+pub(crate) fn coverage(map: &OccupancyMap, places: &[DVec2]) -> f64 {
     let free = places.iter().filter(|&&p| map.cell(CellIndex::of(p)) == Cell::Free).count();
     free as f64 / places.len().max(1) as f64
 }

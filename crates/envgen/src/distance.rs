@@ -3,16 +3,16 @@
 /// Greatest distance in cells that is told apart; farther cells count as this far.
 const FAR: u8 = u8::MAX;
 
-/// The square of [`FAR`] cells or more.
-pub(crate) const FAR_SQUARED: u16 = u16::MAX;
+/// The square of 255 cells or more.
+pub const FAR_SQUARED: u16 = u16::MAX;
 
-/// For every cell of a grid the squared distance in cells from its middle to the middle of the
+/// For every cell of a grid of `cols` columns, given row by row, the squared distance in cells from its middle to the middle of the
 /// nearest marked cell; [`FAR_SQUARED`] where none is within 255 cells.
 ///
 /// Distances along columns first, then the lower envelope of the parabolas that they make in each
 /// row: Felzenszwalb and Huttenlocher, Distance Transforms of Sampled Functions, Theory of
 /// Computing 8 (2012), in whole numbers as in Meijster, Roerdink and Hesselink (2000). O(cells).
-pub(crate) fn squared_distances(cols: usize, marked: &[bool]) -> Vec<u16> {
+pub fn squared_distances(cols: usize, marked: &[bool]) -> Vec<u16> {
     let mut along = vec![FAR; marked.len()];
     let mut squared = vec![FAR_SQUARED; marked.len()];
     if cols == 0 {
