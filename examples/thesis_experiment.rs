@@ -29,16 +29,16 @@
 //! thesis_experiment --shard $((JOB_COMPLETION_INDEX + 1))/100 --out /parts/$JOB_COMPLETION_INDEX
 //! ```
 
-use std::error::Error;
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use clap::Parser;
 use envgen::Seed;
 use envgen::indoor::Profile;
 use indicatif::{ProgressBar, ProgressStyle};
-use mapping_trial::experiment::{Design, Experiment, Shard, report};
+use mapping_trial::experiment::{Design, Experiment, ExperimentError, Shard, report};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
 use mapping_trial::operator::OperatorKind;
@@ -89,6 +89,10 @@ struct Arguments {
     #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named)]
     laser: LaserProfile,
 
+    /// Simulated seconds after which a trial ends.
+    #[arg(long, default_value_t = 1200.0)]
+    time_limit: f64,
+
     /// The seed of all maps and noise.
     #[arg(long, default_value_t = Seed(0))]
     seed: Seed,
@@ -103,8 +107,8 @@ struct Arguments {
 
     /// Join the folders of all shares instead of running trials.
     #[arg(long, value_name = "FOLDER", num_args = 1.., conflicts_with_all = [
-        "quick", "maps", "seeds", "levels", "operators", "profile", "size", "slam", "laser", "seed",
-        "shard", "fresh",
+        "quick", "maps", "seeds", "levels", "operators", "profile", "size", "slam", "laser",
+        "time_limit", "seed", "shard", "fresh",
     ])]
     merge: Vec<PathBuf>,
 
@@ -131,8 +135,19 @@ On many machines, with the same other options in every job:
 
 The merged report is that of one run, byte for byte.";
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let arguments = Arguments::parse();
+#[expect(clippy::print_stderr, reason = "where errors are told")]
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+#[expect(clippy::print_stdout, reason = "what an example is for")]
+fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     let threads = usize::from(arguments.threads);
     if !arguments.merge.is_empty() {
         let experiment = Experiment::merge(&arguments.out, &arguments.merge)?;
@@ -172,6 +187,7 @@ impl Arguments {
             size: self.size,
             slam: self.slam,
             laser: self.laser.clone(),
+            time_limit: self.time_limit,
             seed: self.seed,
             ..design
         }
@@ -179,6 +195,7 @@ impl Arguments {
 }
 
 /// Says how much there is to do.
+#[expect(clippy::print_stdout, reason = "what an example is for")]
 fn announce(experiment: &Experiment) {
     let (design, all) = (experiment.design(), experiment.trials());
     let done = experiment.records().len();
@@ -216,7 +233,8 @@ fn progress(experiment: &Experiment) -> ProgressBar {
     }
 }
 
-fn write_report(experiment: &Experiment, threads: usize) -> Result<(), Box<dyn Error>> {
+#[expect(clippy::print_stdout, reason = "what an example is for")]
+fn write_report(experiment: &Experiment, threads: usize) -> Result<(), ExperimentError> {
     for path in report::write(experiment, threads)? {
         println!("wrote {}", path.display());
     }

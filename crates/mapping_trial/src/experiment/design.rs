@@ -24,7 +24,7 @@ pub const MAX_NOISE_SEEDS: u32 = 1000;
 pub const MAX_SIZE: u32 = 128;
 
 /// Trials of a design, at most.
-pub const MAX_TRIALS: u64 = 10_000_000;
+pub const MAX_TRIALS: u64 = 1_000_000;
 
 /// Trials on maps of several levels.
 ///
@@ -365,6 +365,6 @@ mod tests {
         assert!(error(&|d| d.size = 3).contains("`size` is 3"));
         assert!(error(&|d| d.size = u32::MAX).contains("`size`"));
         assert!(error(&|d| d.time_limit = f64::NAN).contains("`time_limit`"));
-        assert!(error(&|d| (d.maps, d.noise_seeds) = (1000, 1000)).contains("10000000"));
+        assert!(error(&|d| (d.maps, d.noise_seeds) = (1000, 1000)).contains("1000000"));
     }
 }

@@ -475,6 +475,10 @@ impl Lines {
         let mut options = OpenOptions::new();
         options.read(true).write(true).create(true).truncate(false);
         let mut file = options.open(&path).map_err(error)?;
+        if !file.metadata().map_err(error)?.is_file() {
+            let reason = "this is no file".to_owned();
+            return Err(ExperimentError::Content { path, reason });
+        }
         // Where files cannot be locked there is nobody to tell.
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(ExperimentError::Busy(folder.to_owned()));
@@ -521,5 +525,21 @@ impl Lines {
         self.file = file;
         self.len = text.len() as u64;
         Ok(())
+    }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+    use crate::experiment::tests::record;
+
+    #[test]
+    fn a_full_disk_is_told() {
+        let path = PathBuf::from("/dev/full");
+        let file = OpenOptions::new().write(true).open(&path).unwrap();
+        let mut lines = Lines { path, file, len: 0 };
+        let told = lines.append(&record(0, 0, 0, 1.0)).expect_err("full");
+        assert!(told.to_string().starts_with("/dev/full: No space left"), "{told}");
+        assert_eq!(lines.len, 0);
     }
 }

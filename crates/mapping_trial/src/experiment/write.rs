@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use tempfile::NamedTempFile;
+use tempfile::{Builder, NamedTempFile};
 
 use super::store::ExperimentError;
 
@@ -20,9 +20,21 @@ pub(super) fn folder(path: &Path) -> Result<(), ExperimentError> {
 pub(super) fn whole(path: &Path, bytes: &[u8]) -> Result<(), ExperimentError> {
     let error = |source| ExperimentError::File { path: path.to_owned(), source };
     let folder = path.parent().unwrap_or(Path::new("."));
-    let temporary = NamedTempFile::new_in(folder);
+    let temporary = readable().tempfile_in(folder);
     let mut out = BufWriter::new(temporary.map_err(|source| error(source.kind().into()))?);
     out.write_all(bytes).map_err(error)?;
     let file = out.into_inner().map_err(|failed| error(failed.into_error()))?;
     file.persist(path).map(drop).map_err(|failed| error(failed.error))
+}
+
+/// Files that others may read, as far as the user's mask allows, as other files are.
+fn readable() -> Builder<'static, 'static> {
+    #[cfg_attr(not(unix), expect(unused_mut, reason = "files have no mode there"))]
+    let mut builder = Builder::new();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder
 }

@@ -138,6 +138,7 @@ pub(super) fn rules(effects: &[FeatureEffect]) -> Result<String, ExperimentError
             .bold_line_style(LINE)
             .axis_style(SOFT)
             .x_labels(9)
+            .x_label_formatter(&|x| if reach > 4.0 { format!("{x:.0}") } else { format!("{x:.1}") })
             .x_desc("points of difficulty that the rule adds from the lowest to the highest level")
             .axis_desc_style(("sans-serif", 15).into_font().color(&INK))
             .label_style(("sans-serif", 14).into_font().color(&SOFT))

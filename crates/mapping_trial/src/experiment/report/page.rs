@@ -12,10 +12,10 @@ pub(super) const STYLE: &str = "\
 :root{--ink:#1c2733;--soft:#5b6875;--line:#d9dfe5;--paper:#fff;--wash:#f5f7f9;--d:#1f5fa8;--m:#c4560b;--n:#2b7f5d;--p:#a3195b}\
 *{box-sizing:border-box}\
 body{margin:0;background:var(--paper);color:var(--ink);font:16px/1.55 system-ui,-apple-system,'Segoe UI',Roboto,'Noto Sans','Liberation Sans',sans-serif}\
-main{max-width:1080px;margin:0 auto;padding:40px 28px 80px}\
+main{max-width:1120px;margin:0 auto;padding:40px 28px 80px}\
 h1{font-size:30px;line-height:1.2;margin:0 0 6px;letter-spacing:-.01em}\
 h2{font-size:21px;margin:52px 0 10px;padding-top:14px;border-top:2px solid var(--ink)}\
-h3{font-size:16px;margin:26px 0 8px}\
+h3{font-size:16px;margin:26px 0 8px}figure h3{margin-top:6px}h3 small{font-weight:400;margin-left:8px}\
 p{margin:8px 0;max-width:78ch}\
 .lead{color:var(--soft);font-size:17px}\
 .findings{background:var(--wash);border-left:4px solid var(--d);padding:12px 22px;margin:22px 0}\
@@ -35,10 +35,10 @@ figcaption{font-size:14px;color:var(--soft);margin-top:6px;max-width:100ch}\
 .scroll{overflow-x:auto}\
 table{border-collapse:collapse;font-size:14px;font-variant-numeric:tabular-nums;margin:10px 0;min-width:60%}\
 caption{text-align:left;color:var(--soft);padding:0 0 6px}\
-th,td{padding:4px 12px;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap}\
+th,td{padding:4px 9px;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap}\
 thead th{border-bottom:1.5px solid var(--ink);font-weight:600;vertical-align:bottom}\
 th:first-child,td:first-child,.l{text-align:left}\
-td small{color:var(--soft);font-size:12px}\
+td small,th small{color:var(--soft);font-size:12px;font-weight:400}\
 .bad{color:#b3261e;font-weight:600}.good{color:#1d6b45;font-weight:600}\
 .maps{display:grid;grid-template-columns:repeat(3,1fr);gap:10px;margin:8px 0 22px}\
 .maps img{width:100%;display:block;border:1px solid var(--line);image-rendering:auto}\

@@ -7,7 +7,7 @@ use super::page::{STYLE, escape, image, interval, list, number, percent, some, t
 use super::{figures, words};
 use crate::experiment::design::{Design, operator_name};
 use crate::experiment::record::Record;
-use crate::experiment::stats::{Analysis, MEASURES, Part, RESAMPLES, driver};
+use crate::experiment::stats::{Analysis, FeatureEffect, MEASURES, Part, RESAMPLES, driver};
 use crate::experiment::store::ExperimentError;
 use crate::names::Named;
 use crate::trial::EndReason;
@@ -104,22 +104,21 @@ fn figure_7(
     html.push_str("<h2>Difficulty against level</h2>\n<div class=\"pair\">\n");
     for (name, part) in parts {
         let svg = figures::absolute(design, part)?;
-        let _ = write!(html, "<figure><h3>{}</h3>{svg}</figure>\n", title(name, part));
+        let _ = writeln!(html, "<figure><h3>{}</h3>{svg}</figure>", title(name, part));
     }
-    let _ = write!(
+    let _ = writeln!(
         html,
         "</div>{KEY}\
          <span><i class=\"dot\" style=\"background:var(--d);opacity:.4\"></i>one map</span>\
          <span><i class=\"dash\" style=\"color:var(--soft)\"></i>difficulty equals level</span>\
          <span><i class=\"hollow\" style=\"color:var(--p)\"></i>stated in the paper: rated 6</span>\
-         <span style=\"color:var(--p)\">&#x21A7;</span><span style=\"margin-left:-14px\">stated: \
-         rated lower than level 1</span>\
+         <span><b style=\"color:var(--p)\">&#x2193;</b>stated: rated lower than level 1</span>\
          <span><i class=\"band\" style=\"background:var(--p)\"></i>stated without numbers: near \
          the diagonal</span></div>\n\
          <p class=\"note\">Figure 7 (a) of the paper, made anew. Bars are intervals of 95 % of the \
          levels' means (Student's t over maps). People's ratings and measured scores share the \
          scale from 0 to 10 and its ends (nothing forces an error; the map cannot be navigated), \
-         not its unit: shapes can be compared, heights only with care.</p>\n"
+         not its unit: shapes can be compared, heights only with care.</p>"
     );
     if design.levels.len() < 3 {
         return Ok(());
@@ -128,20 +127,20 @@ fn figure_7(
     for (name, part) in parts {
         let svg = figures::relative(part)?;
         let caption = words::three_maps(part);
-        let _ = write!(
+        let _ = writeln!(
             html,
-            "<figure><h3>{}</h3>{svg}<figcaption>Mean ranks: {caption}.</figcaption></figure>\n",
+            "<figure><h3>{}</h3>{svg}<figcaption>Mean ranks: {caption}.</figcaption></figure>",
             title(name, part)
         );
     }
-    let _ = write!(
+    let _ = writeln!(
         html,
         "</div>{KEY}<span><i class=\"dash\" style=\"color:var(--soft)\"></i>always in \
          order</span></div>\n\
          <p class=\"note\">Figure 7 (b) of the paper, made anew: all threes of maps of different \
          levels, ranked within each operator; by chance all ranks are 2. The paper states that on \
          average the easiest map was rated lowest, the second higher and the hardest highest, the \
-         last two close together; it prints no numbers.</p>\n"
+         last two close together; it prints no numbers.</p>"
     );
     Ok(())
 }
@@ -155,23 +154,22 @@ fn statistics(design: &Design, analysis: &Analysis, html: &mut String) {
     for (name, part) in
         [("The larger design", &analysis.main), ("The paper's design", &analysis.replay)]
     {
-        let _ = write!(
+        let _ = writeln!(
             html,
             "<h3>{}</h3>\n<p class=\"note\">A rank correlation counts from {} on: chance alone \
-             gives as much in 5 % of cases.</p>\n",
+             gives as much in 5 % of cases.</p>",
             title(name, part),
             number(part.critical_rho, 2)
         );
         let head = [
             "measure",
-            "",
             "Spearman's ρ <small>95 %</small>",
             "p",
             "Kendall's τ",
-            "neighbours in order",
-            "variance: level",
-            "map",
-            "noise",
+            "neighbours<br>in order",
+            "variance<br>of level",
+            "of map",
+            "of noise",
         ];
         let rows: Vec<Vec<String>> = part
             .orders
@@ -180,8 +178,7 @@ fn statistics(design: &Design, analysis: &Analysis, html: &mut String) {
             .map(|(order, measure)| {
                 let shares = order.shares;
                 vec![
-                    symbol(measure.symbol),
-                    format!("<span class=\"l\">{}</span>", measure.name),
+                    format!("{} <small>{}</small>", symbol(measure.symbol), measure.name),
                     interval(order.rho, 2),
                     order.p.map_or("–".to_owned(), |p| {
                         if p < 0.001 { "&lt; 0.001".to_owned() } else { number(p, 3) }
@@ -231,12 +228,12 @@ fn statistics(design: &Design, analysis: &Analysis, html: &mut String) {
             .collect();
         html.push_str(&table("By operator", &head.map(str::to_owned), &rows));
     }
-    let _ = write!(
+    let _ = writeln!(
         html,
         "<p class=\"note\">The unit is the map: trials on one map are averaged first. Intervals of \
          ρ are percentile bootstraps over maps within levels ({RESAMPLES} samples); p is by \
          permutation, one-sided. Shares of variance are the components of a nested analysis of \
-         variance, operators averaged; with one noise seed the map's share holds the noise.</p>\n"
+         variance, operators averaged; with one noise seed the map's share holds the noise.</p>"
     );
 }
 
@@ -249,7 +246,7 @@ fn symbol(symbol: &str) -> String {
 
 fn rules(design: &Design, analysis: &Analysis, html: &mut String) -> Result<(), ExperimentError> {
     let svg = figures::rules(&analysis.rules)?;
-    let _ = write!(
+    let _ = writeln!(
         html,
         "<h2>Which rule is to blame</h2>\n\
          <p>Each rule moves a feature of the maps with the level (its trend). Between maps of one \
@@ -257,7 +254,7 @@ fn rules(design: &Design, analysis: &Analysis, html: &mut String) -> Result<(), 
          removed). Trend times effect is what the rule adds from the lowest to the highest level. \
          Right of 0 the rule does what it should; a rule whose interval is left of 0 makes maps \
          easier where it should make them harder.</p>\n\
-         <figure>{svg}</figure>{KEY}</div>\n"
+         <figure>{svg}</figure>{KEY}</div>"
     );
     let mut head = vec!["feature".to_owned()];
     head.extend(design.levels.iter().map(|level| format!("level {level}")));
@@ -266,7 +263,7 @@ fn rules(design: &Design, analysis: &Analysis, html: &mut String) -> Result<(), 
         .rules
         .iter()
         .map(|effect| {
-            let mut row = vec![format!("<i>{}</i>: {}", effect.rule, escape(effect.feature))];
+            let mut row = vec![rule(effect)];
             row.extend(effect.means.iter().map(|&mean| number(mean, 2)));
             row.push(interval(effect.trend, 3));
             row
@@ -286,11 +283,7 @@ fn rules(design: &Design, analysis: &Analysis, html: &mut String) -> Result<(), 
         .iter()
         .flat_map(|effect| {
             effect.slopes.iter().enumerate().map(|(i, slope)| {
-                let name = if i == 0 {
-                    format!("<i>{}</i>: {}", effect.rule, escape(effect.feature))
-                } else {
-                    String::new()
-                };
+                let name = if i == 0 { rule(effect) } else { String::new() };
                 let verdict = match (slope.is_to_blame, slope.helps) {
                     (true, _) => "<span class=\"bad\">to blame</span>",
                     (_, true) => "<span class=\"good\">works</span>",
@@ -319,6 +312,10 @@ fn rules(design: &Design, analysis: &Analysis, html: &mut String) -> Result<(), 
          interval by chance.</p>\n",
     );
     Ok(())
+}
+
+fn rule(effect: &FeatureEffect) -> String {
+    format!("{}<br><small>{}</small>", effect.rule, escape(effect.feature))
 }
 
 fn weights(analysis: &Analysis, html: &mut String) {
@@ -350,22 +347,23 @@ fn ends(design: &Design, analysis: &Analysis, html: &mut String) {
     html.push_str("<h2>How trials ended</h2>\n");
     let met: Vec<EndReason> = ENDS
         .into_iter()
-        .filter(|end| analysis.ends.iter().any(|level| level.contains_key(end)))
+        .filter(|end| analysis.ends.iter().any(|level| level.reasons.contains_key(end)))
         .collect();
     let mut head = vec!["level".to_owned(), "trials".to_owned()];
     head.extend(met.iter().map(|end| end.text().to_owned()));
+    head.push("mean time (s)".to_owned());
     let rows: Vec<Vec<String>> = design
         .levels
         .iter()
         .zip(&analysis.ends)
         .map(|(level, ends)| {
-            let all: usize = ends.values().sum();
-            let mut row = vec![level.to_string(), all.to_string()];
+            let mut row = vec![level.to_string(), ends.trials.to_string()];
             row.extend(met.iter().map(|end| {
-                let count = ends.get(end).copied().unwrap_or(0);
-                let share = percent(count as f64 / all.max(1) as f64);
+                let count = ends.reasons.get(end).copied().unwrap_or(0);
+                let share = percent(count as f64 / ends.trials.max(1) as f64);
                 format!("{count} <small>{share}</small>")
             }));
+            row.push(number(ends.time, 0));
             row
         })
         .collect();
@@ -374,22 +372,22 @@ fn ends(design: &Design, analysis: &Analysis, html: &mut String) {
 
 fn pictures(design: &Design, maps: &[MapPictures], html: &mut String) {
     let Some(first) = maps.first() else { return };
-    let _ = write!(
+    let _ = writeln!(
         html,
         "<h2>Maps of each level</h2>\n\
          <p>The world; the map that <code>{}</code> made of it, with the way that the robot thought \
          it drove; and that map over the truth: walls in their place black, walls where there are \
-         none vermilion, missed walls blue, ground not seen light blue, the true way green.</p>\n",
+         none vermilion, missed walls blue, ground not seen light blue, the true way green.</p>",
         driver(&first.record)
     );
     for map in maps {
         let record = &map.record;
         let scores = &record.scores;
         let name = format!("map {} of level {}", record.trial.map, design.level(&record.trial));
-        let _ = write!(
+        let _ = writeln!(
             html,
             "<h3>Level {}, map {} <small class=\"note\">seed {}: D {}, M {}, N {}; {}</small></h3>\n\
-             <div class=\"maps\"><div>{}</div><div>{}</div><div>{}</div></div>\n",
+             <div class=\"maps\"><div>{}</div><div>{}</div><div>{}</div></div>",
             design.level(&record.trial),
             record.trial.map,
             record.world_seed,
@@ -406,10 +404,10 @@ fn pictures(design: &Design, maps: &[MapPictures], html: &mut String) {
 
 fn trials(design: &Design, records: &[&Record], html: &mut String) {
     let shown = records.len().min(ROWS);
-    let _ = write!(
+    let _ = writeln!(
         html,
         "<h2>Every trial</h2>\n<details><summary>{shown} of {} trials; all, with all columns, are \
-         in trials.csv and trials.parquet</summary>\n",
+         in trials.csv and trials.parquet</summary>",
         records.len()
     );
     let head = [
@@ -461,7 +459,7 @@ fn trials(design: &Design, records: &[&Record], html: &mut String) {
 }
 
 fn how(design: &Design, html: &mut String) {
-    let _ = write!(
+    let _ = writeln!(
         html,
         "<h2>How it was done</h2>\n\
          <p class=\"note\">Map <i>k</i> of level <i>l</i> is generated with seed {} + 10000 <i>l</i> \
@@ -470,7 +468,7 @@ fn how(design: &Design, html: &mut String) {
          e<sub>wall</sub> + 0.30 e<sub>use</sub> + 0.25 e<sub>pose</sub> + 0.10 e<sub>cov</sub>), \
          N = 10 (0.40 e<sub>time</sub> + 0.25 e<sub>cov</sub> + 0.20 e<sub>hit</sub> + 0.15 \
          e<sub>turn</sub>), D = 0.6 M + 0.4 N. The same design gives this page again to the last \
-         byte.</p>\n",
+         byte.</p>",
         design.seed.0.wrapping_mul(1_000_000)
     );
 }

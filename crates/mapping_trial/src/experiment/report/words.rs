@@ -1,8 +1,10 @@
 //! What was measured, in sentences made of the numbers.
 
-use super::page::{list, number, said};
+use super::page::{list, number, percent, said};
 use crate::experiment::design::Design;
-use crate::experiment::stats::{Analysis, FeatureEffect, MEASURES, Order, Part, Slope, Verdict};
+use crate::experiment::stats::{
+    Analysis, Ends, FeatureEffect, MEASURES, Order, Part, Slope, Verdict,
+};
 
 /// The rules that make maps, by their name.
 fn rules_name(design: &Design) -> &'static str {
@@ -17,8 +19,37 @@ pub(super) fn findings(design: &Design, analysis: &Analysis) -> Vec<String> {
     let mut found: Vec<String> =
         (0..3).map(|measure| of_measure(design, analysis, measure)).collect();
     found.push(rules_in_general(analysis));
+    found.push(how_trials_ended(design, analysis));
     found.push(beside_the_paper(design, analysis));
     found
+}
+
+/// Trials that end early have little time, turning and hits: N takes them for easy.
+fn how_trials_ended(design: &Design, analysis: &Analysis) -> String {
+    let each = |of: &dyn Fn(&Ends) -> String| -> String {
+        let levels = design.levels.iter().zip(&analysis.ends);
+        list(
+            &levels
+                .map(|(level, ends)| format!("{} at level {level}", of(ends)))
+                .collect::<Vec<_>>(),
+        )
+    };
+    let lost = each(&|ends| percent(ends.share_lost()));
+    let time = each(&|ends| format!("{} s", number(ends.time, 0)));
+    let (first, last) = (analysis.ends.first(), analysis.ends.last());
+    let early = match first.zip(last) {
+        Some((first, last)) if last.time < 0.8 * first.time => {
+            " Trials of the highest level end early: they leave much unmapped, but take little time, \
+             turning and hits, which N counts as easy."
+        }
+        Some((first, last)) if first.time < 0.8 * last.time => {
+            " Trials of the lowest level end early, which N counts as easy."
+        }
+        _ => "",
+    };
+    format!(
+        "<b>How trials ended:</b> stuck or in water were {lost}; on average trials took {time}.{early}"
+    )
 }
 
 /// Whether the rules order the maps in one measure, and which rule is to blame where not.
@@ -50,7 +81,7 @@ fn of_measure(design: &Design, analysis: &Analysis, measure: usize) -> String {
 fn correlation(order: &Order) -> String {
     match order.rho {
         Some(rho) => {
-            let p = order.p.map_or_else(String::new, |p| format!(", p {}", p_value(p)));
+            let p = order.p.map_or_else(String::new, |p| format!(", one-sided p {}", p_value(p)));
             format!("Spearman's ρ of level and map is {}{p}", said(rho, 2))
         }
         None => "Spearman's ρ of level and map is not defined, since nothing varies".to_owned(),

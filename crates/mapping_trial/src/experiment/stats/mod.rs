@@ -42,8 +42,28 @@ pub struct Analysis {
     pub rules: Vec<FeatureEffect>,
     /// How the ranking of the larger design's maps moves with the weights of the scores.
     pub weights: Vec<Weighting>,
-    /// How often each level's trials ended for each reason, all trials counted once.
-    pub ends: Vec<BTreeMap<EndReason, usize>>,
+    /// How each level's trials ended, all trials counted once.
+    pub ends: Vec<Ends>,
+}
+
+/// How a level's trials ended.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Ends {
+    /// Number of trials.
+    pub trials: usize,
+    /// How many of them for each reason.
+    pub reasons: BTreeMap<EndReason, usize>,
+    /// Mean simulated time in seconds.
+    pub time: f64,
+}
+
+impl Ends {
+    /// The share of trials that ended because the robot could not go on: stuck or in water.
+    pub fn share_lost(&self) -> f64 {
+        let lost = [EndReason::Stuck, EndReason::Drowned];
+        let lost: usize = lost.iter().filter_map(|reason| self.reasons.get(reason)).sum();
+        lost as f64 / self.trials.max(1) as f64
+    }
 }
 
 /// The statistics of one design.
@@ -94,12 +114,20 @@ pub fn analyse(design: &Design, records: &[&Record]) -> Analysis {
     };
     let replay = pick(&|trial| design.is_replay(trial));
     let main = pick(&|trial| design.is_main(trial));
-    let mut ends = vec![BTreeMap::new(); design.levels.len()];
-    for record in records {
-        if let (Some(level), Some(end)) = (ends.get_mut(record.trial.level as usize), record.end) {
-            *level.entry(end).or_insert(0) += 1;
-        }
-    }
+    let ends = (0..design.levels.len()).map(|level| {
+        pick(&|trial| trial.level as usize == level).into_iter().fold(
+            Ends::default(),
+            |mut ends, record| {
+                ends.trials += 1;
+                ends.time += (record.scores.time - ends.time) / ends.trials as f64;
+                if let Some(reason) = record.end {
+                    *ends.reasons.entry(reason).or_insert(0) += 1;
+                }
+                ends
+            },
+        )
+    });
+    let ends = ends.collect();
     let main = part(design, &main);
     Analysis {
         replay: part(design, &replay),

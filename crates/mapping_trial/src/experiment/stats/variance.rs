@@ -17,7 +17,7 @@ pub struct Shares {
 }
 
 /// Components of a nested analysis of variance (maps within levels, noise within maps), estimated
-/// from the mean squares and cut at 0 (Searle, Casella and McCulloch, Variance Components, 1992,
+/// from the mean squares and cut at 0 (Searle and others, Variance Components, 1992,
 /// chapter 3). `None` with one map a level, or where nothing varies.
 pub fn shares(records: &[&Record], of: fn(&Scores) -> f64) -> Option<Shares> {
     // Means over operators, by level, map and noise.
