@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use envgen::geometry::Pose;
 use envgen::indoor::{IndoorSpec, Profile};
+use envgen::occupancy::{Coverage, OccupancyGrid};
+use envgen::placement::roomiest_place;
 use envgen::{Blueprint, Seed, Spec, World, WorldSpec, import};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
@@ -13,6 +15,9 @@ use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::operator::OperatorKind;
 use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::TrialSettings;
+
+/// Cells in metres of the grid on which the roomiest place is looked for.
+const GRID: f64 = 0.1;
 
 /// Drive a simulated robot through a world that it does not know, and score the map that it makes.
 #[derive(Parser)]
@@ -79,6 +84,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LOG")]
     pub(crate) replay: Option<PathBuf>,
 
+    /// Fill the feedback form of Zwennes (2011) yourself, instead of the program.
+    #[arg(long)]
+    pub(crate) form: bool,
+
     /// The folder to write into.
     #[arg(long, default_value = "out", value_name = "FOLDER")]
     pub(crate) out: PathBuf,
@@ -126,8 +135,13 @@ impl Arguments {
             ..TrialSettings::default()
         };
         settings.validate()?;
-        let _ = world;
-        Ok(settings)
+        if settings.start.is_some() || world.start.is_some() {
+            return Ok(settings);
+        }
+        let grid = OccupancyGrid::of(world, GRID, Coverage::Conservative)?;
+        let place = roomiest_place(&grid).ok_or("the map has no free space to start in")?;
+        let start = Some(Pose { position: place, heading: 0.0 });
+        Ok(TrialSettings { start, ..settings })
     }
 }
 

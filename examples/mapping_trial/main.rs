@@ -23,6 +23,7 @@ use std::time::Instant;
 use clap::Parser;
 use envgen::World;
 use indicatif::{ProgressBar, ProgressStyle};
+use mapping_trial::feedback::ask;
 use mapping_trial::flat::{FlatSimulator, FlatWorld};
 use mapping_trial::trial::{Trial, TrialLog};
 use mapping_trial::truth::Truth;
@@ -49,13 +50,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut from_start = world.clone();
     from_start.start = trial.track(0).poses.first().copied();
     let truth = Truth::new(&from_start, &trial.settings().body)?;
-    let report = trial.report(&world, &truth, ENGINE)?;
+    let mut report = trial.report(&world, &truth, ENGINE)?;
     table::print(&report);
     println!(
         "\n{:.0} simulated seconds took {seconds:.2} s, {:.0} times as fast as real time",
         trial.time(),
         trial.time() / seconds
     );
+    if arguments.form {
+        let (mut questions, mut answers) = (std::io::stdout(), std::io::stdin().lock());
+        report.feedback = Some(ask(&report.session(), &mut answers, &mut questions)?);
+    }
     for path in output::write(folder, &trial, &truth, &report, ENGINE)? {
         println!("wrote {}", path.display());
     }

@@ -46,10 +46,16 @@ pub(crate) fn write<B: Bodies>(
     trial.log(engine).write(&mut log)?;
     let mut json = serde_json::to_vec_pretty(report)?;
     json.push(b'\n');
+    let ros = map.to_ros_map()?;
+    let (mut ros_yaml, mut ros_image) = (Vec::new(), Vec::new());
+    ros.write_yaml("ros_map.pgm", &mut ros_yaml)?;
+    ros.write_pgm(&mut ros_image)?;
     let files = [
         ("map.png", picture(Picture::of_map(map, area), false, true)?),
         ("truth.png", picture(Picture::of_truth(truth, area), true, false)?),
         ("overlay.png", picture(Picture::of_errors(truth, map, area), true, true)?),
+        ("ros_map.yaml", ros_yaml),
+        ("ros_map.pgm", ros_image),
         ("log.json", log),
         ("report.json", json),
     ];

@@ -13,6 +13,7 @@
 //! | pictures of maps | `picture` |
 //! | the protocol: clock, ends, log and replay | [`trial`] |
 //! | what could be mapped, and how well it was | [`truth`], [`score`] |
+//! | what the operator says of it | [`feedback`] |
 //! | many trials at once, and what they say | `experiment` |
 //!
 //! # What holds
@@ -26,6 +27,7 @@ pub mod body;
 pub mod brain;
 #[cfg(feature = "experiment")]
 pub mod experiment;
+pub mod feedback;
 pub mod flat;
 pub mod lidar;
 pub mod map;
@@ -35,6 +37,7 @@ pub mod operator;
 #[cfg(feature = "picture")]
 pub mod picture;
 pub mod robot;
+mod ros_map;
 pub mod score;
 pub mod slam;
 pub mod trial;

@@ -53,7 +53,7 @@ fn every_operator_covers_a_small_building() {
     }
 }
 
-/// A tenth of the time of the claim on twenty maps: not one may end by getting stuck.
+/// Five minutes in each of twenty buildings: not one may end by getting stuck.
 #[test]
 fn nearest_gets_stuck_nowhere() {
     for seed in 0..20 {

@@ -35,6 +35,9 @@ const PLACES: usize = 4096;
 /// Metres from all places that the robot followed a wall at from which on it follows one again.
 const AFRESH: f64 = 2.5;
 
+/// Seconds after which it looks again whether anything is left to explore.
+const LOOK: f64 = 5.0;
+
 /// Follows the wall on its right hand.
 #[derive(Debug)]
 pub(super) struct WallFollow {
@@ -51,6 +54,8 @@ struct Follower {
     last: Option<DVec2>,
     /// Whether it has a wall on its right.
     touching: bool,
+    /// When it last looked whether anything is left to explore.
+    looked: f64,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -77,6 +82,13 @@ impl Operator for WallFollow {
                 && follower.is_new(pose.position)
             {
                 (follower.mode, follower.touching) = (Mode::Follow, false);
+            }
+            if follower.mode == Mode::Follow && view.time - follower.looked >= LOOK {
+                follower.looked = view.time;
+                if !navigator.has_frontiers(view) {
+                    follower.mode = Mode::Explore;
+                    navigator.interrupt(view.robot);
+                }
             }
             if follower.mode == Mode::Follow {
                 let target = follower.target(navigator, pose);

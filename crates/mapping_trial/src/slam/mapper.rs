@@ -4,13 +4,14 @@
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::{DVec2, Vec2};
 
+use super::fusion::fuse;
 use super::likelihood::LikelihoodField;
 use super::matcher::{Matcher, Window};
 use super::painter::{Painter, is_near};
 use super::sweep::{FEWEST_ECHOES, Sweep, Sweeper};
 use super::track::{Track, Variance};
 use crate::lidar::{LaserProfile, Scan};
-use crate::map::{Estimate, OccupancyMap};
+use crate::map::{Estimate, OccupancyMap, RESOLUTION};
 use crate::odometry::Increment;
 use crate::robot::Robot;
 
@@ -154,11 +155,12 @@ impl Mapper {
 
         // A robot's first pose is known: nothing is matched there.
         let matched = before.and_then(|_| self.match_scan(expected, way, turned, &sweep));
-        let pose = matched.unwrap_or(expected);
         let walls = match (&self.field, matched) {
-            (Some(field), Some(pose)) => walls(field, pose, &sweep.echoes),
+            (Some(field), Some(matched)) => walls(field, matched, &sweep.echoes),
             _ => Vec::new(),
         };
+        let motion = Variance::of_motion(way, turned);
+        let pose = matched.map_or(expected, |matched| fuse(&walls, expected, matched, motion));
         let variance = before.map_or(Variance::default(), |before| {
             self.variance(before, way, turned, path, pose, &walls)
         });
@@ -171,7 +173,6 @@ impl Mapper {
         self.keyframes.push(Keyframe { robot, is_first, pose, path, sweep, variance });
         draw(&mut self.painter, &mut self.map, self.sweeper.laser(), &self.keyframes[keyframe]);
         self.tracks[robot].restart(keyframe);
-        let motion = Variance::of_motion(way, turned);
         Some(Added { keyframe, before, motion, walls })
     }
 
@@ -302,10 +303,24 @@ fn cover(field: &mut LikelihoodField, keyframes: &[Keyframe], centre: Pose, radi
     }
 }
 
-/// Stamps echoes that were measured from a pose.
+/// Length in metres of the pieces in which a wall between two echoes is stamped.
+const STAMP: f64 = RESOLUTION;
+
+/// Stamps echoes that were measured from a pose, and the walls between them: far echoes alone are a
+/// row of dots, to which the next scan's dots would be pulled.
 pub(crate) fn stamp(field: &mut LikelihoodField, pose: Pose, echoes: &[Vec2]) {
     let heading = unit_vector(pose.heading);
-    for p in echoes {
-        field.stamp(pose.position + heading.rotate(p.as_dvec2()));
+    let place = |p: &Vec2| pose.position + heading.rotate(p.as_dvec2());
+    for (i, echo) in echoes.iter().enumerate() {
+        let at = place(echo);
+        field.stamp(at);
+        let Some(next) = echoes.get(i + 1).filter(|next| next.distance(*echo) <= WALL_GAP) else {
+            continue;
+        };
+        let next = place(next);
+        let pieces = (at.distance(next) / STAMP).ceil();
+        for piece in 1..pieces as u32 {
+            field.stamp(at.lerp(next, f64::from(piece) / pieces));
+        }
     }
 }

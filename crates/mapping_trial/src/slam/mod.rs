@@ -11,6 +11,7 @@
 //! [`OccupancyMap`] that the robots share; in between, poses come from the wheels.
 
 mod dead_reckoning;
+mod fusion;
 mod graph;
 pub mod likelihood;
 mod loops;

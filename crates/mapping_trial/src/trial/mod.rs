@@ -355,26 +355,34 @@ impl<B: Bodies> Trial<B> {
     ///
     /// Poses or counts that no trial of this crate's bodies has.
     pub fn score(&self, truth: &Truth) -> Result<Scores, ScoreError> {
-        let robots = 0..self.robots();
+        self.score_of(truth, &self.estimated_tracks())
+    }
+
+    /// Each robot's estimated poses, one for each of its true ones as far as they go: robots whose
+    /// part has ended are not estimated any more.
+    fn estimated_tracks(&self) -> Vec<Vec<Pose>> {
         let slam = self.brain.slam();
-        let estimated: Vec<_> = robots.clone().map(|robot| slam.trajectory(robot)).collect();
         // The first estimate is the start and the second the first observation's, before any motion.
-        // Robots whose part has ended are not estimated any more.
-        let tracks: Vec<_> = self
-            .tracks
-            .iter()
-            .zip(&estimated)
-            .map(|(track, estimated)| {
-                let estimated = estimated.get(1..).unwrap_or_default();
-                let ticks = track.poses.len().min(estimated.len());
-                score::Track { truth: &track.poses[..ticks], estimated: &estimated[..ticks] }
-            })
-            .collect();
+        let estimated = |robot| slam.trajectory(robot).get(1..).unwrap_or_default().to_vec();
+        (0..self.robots()).map(estimated).collect()
+    }
+
+    fn score_tracks<'a>(&'a self, estimated: &'a [Vec<Pose>]) -> Vec<score::Track<'a>> {
+        let track = |(track, estimated): (&'a Track, &'a Vec<Pose>)| {
+            let ticks = track.poses.len().min(estimated.len());
+            score::Track { truth: &track.poses[..ticks], estimated: &estimated[..ticks] }
+        };
+        self.tracks.iter().zip(estimated).map(track).collect()
+    }
+
+    fn score_of(&self, truth: &Truth, estimated: &[Vec<Pose>]) -> Result<Scores, ScoreError> {
+        let robots = 0..self.robots();
+        let tracks = self.score_tracks(estimated);
         let stuck = |end: &&Option<RobotEnd>| end.is_some_and(|e| e.reason == EndReason::Stuck);
         Scores::of(
             truth,
             &score::Run {
-                map: slam.map(),
+                map: self.brain.slam().map(),
                 tracks: &tracks,
                 time: self.time(),
                 distance: self.tracks.iter().map(|track| track.metres).sum(),

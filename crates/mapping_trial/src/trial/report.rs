@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{EndReason, Trial, TrialSettings};
 use crate::body::{Bodies, TICK};
+use crate::feedback::{Feedback, Measured, Session};
+use crate::names::Named;
 use crate::score::{ScoreError, Scores};
 use crate::truth::Truth;
 
@@ -31,6 +33,16 @@ pub struct TrialReport {
     pub robots: Vec<RobotReport>,
     /// How well the world was mapped, and how difficult that was.
     pub scores: Scores,
+    /// The form of Zwennes (2011), appendix B, as the operator filled it; `None` until a person has.
+    pub feedback: Option<Feedback>,
+}
+
+impl TrialReport {
+    /// What the form asks about a session and the report knows.
+    pub fn session(&self) -> Session {
+        let seed = self.world.seed.map_or(String::new(), |seed| format!(", seed {seed}"));
+        Session::new(&format!("{}{seed}", self.world.kind), self.robots.len())
+    }
 }
 
 /// What one robot did.
@@ -52,7 +64,7 @@ pub struct RobotReport {
 }
 
 impl<B: Bodies> Trial<B> {
-    /// What came of the trial so far. `engine` names what moves the bodies.
+    /// What came of the trial so far, with the form filled where a program drove. `engine` names what moves the bodies.
     ///
     /// # Errors
     ///
@@ -71,14 +83,24 @@ impl<B: Bodies> Trial<B> {
             hits: self.bodies().hits(robot),
             recoveries: self.recoveries(robot),
         };
-        Ok(TrialReport {
+        let estimated = self.estimated_tracks();
+        let scores = self.score_of(truth, &estimated)?;
+        let mut report = TrialReport {
             version: REPORT_VERSION,
             world: world.provenance.clone(),
             world_digest: world.digest().to_string(),
             log_digest: self.log(engine).digest().to_string(),
             settings: self.settings().clone(),
             robots: (0..self.robots()).map(robot).collect(),
-            scores: self.score(truth)?,
-        })
+            scores,
+            feedback: None,
+        };
+        if let Some(operator) = self.settings().operator.as_ref().and_then(Named::name) {
+            let tracks = self.score_tracks(&estimated);
+            let measured = Measured { operator, world, scores: &scores, tracks: &tracks };
+            // Scores are ratings from 0 to 10.
+            report.feedback = measured.fill(&report.session()).ok();
+        }
+        Ok(report)
     }
 }

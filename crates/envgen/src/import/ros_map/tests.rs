@@ -216,7 +216,7 @@ proptest! {
 
     #[test]
     fn no_image_panics(bytes in prop::collection::vec(any::<u8>(), 0..60), head in 0..3_usize) {
-        let file = [&[b"P5 ", b"P2 ", &b"\x89PN"[..]][head], &bytes[..]].concat();
+        let file = [[b"P5 ", b"P2 ", &b"\x89PN"[..]][head], &bytes[..]].concat();
         let _ = description(YAML).map(&file);
     }
 

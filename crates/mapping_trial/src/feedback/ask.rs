@@ -1,0 +1,138 @@
+//! The form on a terminal.
+
+use std::fmt::Display;
+use std::io::{self, BufRead, Read, Write};
+use std::str::FromStr;
+
+use thiserror::Error;
+
+use super::{Connection, Experience, Feedback, Rating, Session};
+
+/// The longest answer in bytes.
+pub const MAX_LINE: usize = 1 << 16;
+
+/// Why the form was not filled.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FeedbackError {
+    /// The terminal cannot be read or written.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// There are no more answers.
+    #[error("the form ends at the question: {question}")]
+    End {
+        /// The question without an answer.
+        question: String,
+    },
+    /// An answer is too long.
+    #[error("an answer is longer than {MAX_LINE} bytes")]
+    Long,
+}
+
+/// Asks the questions of the form in its order, one line an answer. What is known of the session
+/// stands in brackets, and an empty answer keeps it; an answer that is not allowed is asked for
+/// again.
+///
+/// # Errors
+/// When the input ends, an answer is too long, or reading or writing fails.
+pub fn ask(
+    session: &Session,
+    input: &mut dyn BufRead,
+    out: &mut dyn Write,
+) -> Result<Feedback, FeedbackError> {
+    let mut form = Form { input, out };
+    writeln!(form.out, "Robot Mapping Feedback Form")?;
+    let name = form.text("Name")?;
+    let experience = form.choice("Experience level as operator", Experience::ALL, None)?;
+    let environment = form.known("Name of the map/environment", &session.environment)?;
+    let software = form.known("Software used for the mapping", &session.software)?;
+    let connection = form.choice("Connection", Connection::ALL, Some(session.connection))?;
+    let robots = form.known("Number and type of robots", &session.robots)?;
+    let difficulty = form.rating(
+        "Overall, how would you rate the difficulty of the environment in terms of mapping?\n  \
+         (0: nothing in it 'forces' a mapping error on the robot;\n  10: the map cannot be \
+         properly navigated, due to excessive mapping errors)\n ",
+    )?;
+    let mapping = form.rating("How difficult was it to map?")?;
+    let getting_around = form.rating("How difficult was it to get around?")?;
+    let contributed = form.text("What aspects of the map contributed most to the difficulty?")?;
+    let difficult_rooms =
+        form.text("Were there rooms that were particularly difficult to map, and why?")?;
+    let easy_rooms = form.text("Were there rooms that were particularly easy to map, and why?")?;
+    let patterns = form.text(
+        "What patterns did you notice in the layout (hallways, dead ends, doorways),\n  and what \
+         effect did each have on the difficulty?",
+    )?;
+    let other = form.text("Is there anything else that stood out?")?;
+    Ok(Feedback {
+        name,
+        experience,
+        session: Session { environment, software, connection, robots },
+        difficulty,
+        mapping,
+        getting_around,
+        contributed,
+        difficult_rooms,
+        easy_rooms,
+        patterns,
+        other,
+    })
+}
+
+struct Form<'a> {
+    input: &'a mut dyn BufRead,
+    out: &'a mut dyn Write,
+}
+
+impl Form<'_> {
+    fn text(&mut self, question: &str) -> Result<String, FeedbackError> {
+        write!(self.out, "{question}: ")?;
+        self.out.flush()?;
+        let mut line = Vec::new();
+        let mut most = (&mut *self.input).take(MAX_LINE as u64 + 1);
+        let read = most.read_until(b'\n', &mut line)?;
+        if read == 0 {
+            return Err(FeedbackError::End { question: question.to_owned() });
+        }
+        if read > MAX_LINE {
+            return Err(FeedbackError::Long);
+        }
+        Ok(String::from_utf8_lossy(&line).trim().to_owned())
+    }
+
+    fn known(&mut self, question: &str, known: &str) -> Result<String, FeedbackError> {
+        let answer = self.text(&format!("{question} [{known}]"))?;
+        Ok(if answer.is_empty() { known.to_owned() } else { answer })
+    }
+
+    fn choice<T>(&mut self, what: &str, all: &[T], known: Option<T>) -> Result<T, FeedbackError>
+    where
+        T: Copy + Display + FromStr<Err: Display>,
+    {
+        let choices: Vec<String> =
+            (1..).zip(all).map(|(number, choice)| format!("{number} {choice}")).collect();
+        let known_text = known.map_or(String::new(), |known| format!(" [{known}]"));
+        let question = format!("{what} ({}){known_text}", choices.join(", "));
+        loop {
+            let answer = self.text(&question)?;
+            if let Some(known) = known
+                && answer.is_empty()
+            {
+                return Ok(known);
+            }
+            match answer.parse() {
+                Ok(choice) => return Ok(choice),
+                Err(error) => writeln!(self.out, "{error}")?,
+            }
+        }
+    }
+
+    fn rating(&mut self, question: &str) -> Result<Rating, FeedbackError> {
+        loop {
+            match self.text(&format!("{question} (0-10)"))?.parse() {
+                Ok(rating) => return Ok(rating),
+                Err(error) => writeln!(self.out, "{error}")?,
+            }
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! The form as a program fills it: with what was measured, and nothing else.
+
+use envgen::World;
+use envgen::geometry::Pose;
+use glam::DVec2;
+
+use super::{Experience, Feedback, NoRating, Rating, Session};
+use crate::body::TICK;
+use crate::score::{Scores, Track, Weights};
+
+/// Ticks from one look at the tracks to the next: 0.2 s.
+const STRIDE: usize = 4;
+
+/// How many rooms an answer names.
+const NAMED: usize = 3;
+
+/// Seconds in a room from which on it counts as known.
+const KNOWN: f64 = 5.0;
+
+/// Distance in metres up to which a doorway is near.
+const NEAR: f64 = 1.0;
+
+/// Way in metres before and after a place between which a robot has turned back when it has come
+/// within [`BACK`] of where it was.
+const WAY: f64 = 2.0;
+
+/// See [`WAY`].
+const BACK: f64 = 0.5;
+
+/// What a program knows of a run when it fills the form.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<'a> {
+    /// Name of the operator.
+    pub operator: &'a str,
+    /// The world, for the places of its rooms and doorways.
+    pub world: &'a World,
+    /// The scores of the run.
+    pub scores: &'a Scores,
+    /// One track a robot, a pose a tick.
+    pub tracks: &'a [Track<'a>],
+}
+
+/// Time spent somewhere, and by how much the position's error rose there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Stay {
+    seconds: f64,
+    growth: f64,
+}
+
+impl Stay {
+    fn add(&mut self, seconds: f64, growth: f64) {
+        self.seconds += seconds;
+        self.growth += growth;
+    }
+
+    fn text(self) -> String {
+        format!("{:+.2} m of position error in {:.0} s", self.growth, self.seconds)
+    }
+}
+
+impl Measured<'_> {
+    /// Fills the form. The ratings are the scores D, M and N; every answer states what was measured.
+    ///
+    /// # Errors
+    /// When a score is no rating from 0 to 10.
+    pub fn fill(&self, session: &Session) -> Result<Feedback, NoRating> {
+        let looks = self.looks();
+        let (difficult_rooms, easy_rooms) = self.rooms(&looks);
+        let s = self.scores;
+        Ok(Feedback {
+            name: self.operator.to_owned(),
+            experience: Experience::None,
+            session: session.clone(),
+            difficulty: Rating::try_from(s.difficulty)?,
+            mapping: Rating::try_from(s.mapping)?,
+            getting_around: Rating::try_from(s.navigation)?,
+            contributed: self.contributed(),
+            difficult_rooms,
+            easy_rooms,
+            patterns: self.patterns(&looks),
+            other: format!(
+                "{} hits, {} recoveries, {} robots stuck for good; {:.0} % of the ground was mapped, \
+                 {:.0} % of the walls are mapped twice.",
+                s.hits,
+                s.recoveries,
+                s.stuck,
+                100.0 * s.coverage,
+                100.0 * s.ghosting
+            ),
+        })
+    }
+
+    /// How much each part adds to M and to N, the most first.
+    fn contributed(&self) -> String {
+        let (s, w) = (self.scores, Weights::default());
+        let list = |mut parts: Vec<(&str, f64)>| {
+            parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+            let parts: Vec<String> =
+                parts.iter().map(|(name, part)| format!("{name} {:.2}", 10.0 * part)).collect();
+            parts.join(", ")
+        };
+        let mapping = list(vec![
+            ("walls out of place", w.wall * s.e_wall),
+            ("ways that the map does not allow", w.navigability * s.e_use),
+            ("error of the trajectory", w.pose * s.e_pose),
+            ("ground not mapped", w.coverage * s.e_cov),
+        ]);
+        let navigation = list(vec![
+            ("time", w.time * s.e_time),
+            ("ground not reached", w.reach * s.e_cov),
+            ("hits", w.hits * s.e_hit),
+            ("turning", w.turning * s.e_turn),
+        ]);
+        format!(
+            "Mapping {:.2}: {mapping}. Getting around {:.2}: {navigation}.",
+            s.mapping, s.navigation
+        )
+    }
+
+    /// Where each robot was, look by look, with the growth of its error until the next look.
+    fn looks(&self) -> Vec<Vec<(Pose, f64)>> {
+        let looks = |track: &Track<'_>| {
+            let error = |i: usize| {
+                let (truth, found) = (track.truth[i].position, track.estimated[i].position);
+                truth.distance(found)
+            };
+            let last = track.truth.len().min(track.estimated.len());
+            let starts = (0..last).step_by(STRIDE);
+            let pairs = starts.map(|i| (i, i + STRIDE)).take_while(|(_, next)| *next < last);
+            pairs.map(|(i, next)| (track.truth[i], error(next) - error(i))).collect()
+        };
+        self.tracks.iter().map(looks).collect()
+    }
+
+    fn rooms(&self, looks: &[Vec<(Pose, f64)>]) -> (String, String) {
+        if self.world.rooms.is_empty() {
+            let none = "The world has no rooms.".to_owned();
+            return (none.clone(), none);
+        }
+        let mut stays = vec![Stay::default(); self.world.rooms.len()];
+        for (pose, growth) in looks.iter().flatten() {
+            if let Some(room) = self.room_at(pose.position) {
+                stays[room].add(STRIDE as f64 * TICK, *growth);
+            }
+        }
+        let mut known: Vec<(usize, Stay)> =
+            stays.into_iter().enumerate().filter(|(_, stay)| stay.seconds >= KNOWN).collect();
+        if known.is_empty() {
+            let none = format!("No room was visited for {KNOWN} s.");
+            return (none.clone(), none);
+        }
+        known.sort_by(|a, b| b.1.growth.total_cmp(&a.1.growth));
+        let name = |(room, stay): &(usize, Stay)| {
+            format!("{} (room {room}): {}", self.world.rooms[*room].name, stay.text())
+        };
+        let half = known.len().div_ceil(2);
+        let difficult: Vec<String> = known.iter().take(NAMED.min(half)).map(name).collect();
+        let easy: Vec<String> =
+            known.iter().rev().take(NAMED.min(known.len() - half)).map(name).collect();
+        let list = |rooms: Vec<String>, which: &str| match rooms.is_empty() {
+            true => "No other room was visited.".to_owned(),
+            false => format!("The error rose {which} in {}.", rooms.join("; ")),
+        };
+        (list(difficult, "most"), list(easy, "least"))
+    }
+
+    fn room_at(&self, p: DVec2) -> Option<usize> {
+        self.world.rooms.iter().position(|room| room.shape.contains(p))
+    }
+
+    fn patterns(&self, looks: &[Vec<(Pose, f64)>]) -> String {
+        let (mut hallways, mut doorways) = (Stay::default(), Stay::default());
+        let (mut passes, mut turns, mut dead_ends) = (0, 0, Stay::default());
+        for track in looks {
+            let mut at_door = false;
+            for (pose, growth) in track {
+                let seconds = STRIDE as f64 * TICK;
+                let near =
+                    |door: &envgen::world::Doorway| door.shape.distance(pose.position) <= NEAR;
+                let now = self.world.doorways.iter().any(|door| door.open && near(door));
+                passes += u32::from(now && !at_door);
+                at_door = now;
+                if now {
+                    doorways.add(seconds, *growth);
+                } else if self.room_at(pose.position).is_none() {
+                    hallways.add(seconds, *growth);
+                }
+            }
+            let (count, stay) = turn_backs(track);
+            turns += count;
+            dead_ends.add(stay.seconds, stay.growth);
+        }
+        format!(
+            "Outside rooms, away from doorways: {}. Within {NEAR} m of a doorway, {passes} times: {}. \
+             Turned back on its way, {turns} times: {} within {WAY} m.",
+            hallways.text(),
+            doorways.text(),
+            dead_ends.text()
+        )
+    }
+}
+
+/// How often a robot turned back, and what it cost from [`WAY`] before to [`WAY`] after.
+fn turn_backs(track: &[(Pose, f64)]) -> (u32, Stay) {
+    let mut gone = Vec::with_capacity(track.len());
+    let mut way = 0.0;
+    for (i, (pose, _)) in track.iter().enumerate() {
+        way += if i > 0 { track[i - 1].0.position.distance(pose.position) } else { 0.0 };
+        gone.push(way);
+    }
+    let (mut count, mut stay, mut after) = (0, Stay::default(), 0.0);
+    for &middle in &gone {
+        if middle < after {
+            continue;
+        }
+        let from = gone.partition_point(|&way| way < middle - WAY);
+        let to = gone.partition_point(|&way| way < middle + WAY);
+        let whole = middle >= WAY && to < track.len();
+        if whole && track[from].0.position.distance(track[to].0.position) <= BACK {
+            count += 1;
+            after = middle + WAY;
+            for (_, growth) in &track[from..to] {
+                stay.add(STRIDE as f64 * TICK, *growth);
+            }
+        }
+    }
+    (count, stay)
+}
