@@ -14,6 +14,7 @@
 //! | the protocol: clock, ends, log and replay | [`trial`] |
 //! | what could be mapped, and how well it was | [`truth`], [`score`] |
 //! | what the operator says of it | [`feedback`] |
+//! | many trials at once, and what they say | `experiment` |
 //!
 //! # What holds
 //!
@@ -24,6 +25,8 @@
 
 pub mod body;
 pub mod brain;
+#[cfg(feature = "experiment")]
+pub mod experiment;
 pub mod feedback;
 pub mod flat;
 pub mod lidar;

@@ -64,6 +64,12 @@ impl Weights {
         ]
     }
 
+    /// The same with one weight multiplied; `None` when no weight has that name.
+    pub fn changed(mut self, weight: &str, factor: f64) -> Option<Self> {
+        *self.all().into_iter().find(|(name, _)| *name == weight)?.1 *= factor;
+        Some(self)
+    }
+
     /// M, N and D on the scale from 0 to 10, from the parts of a score.
     pub fn difficulties(&self, scores: &Scores) -> Difficulties {
         let mean = |parts: &[(f64, f64)]| {
@@ -193,6 +199,13 @@ mod tests {
         assert!((tau - 5.0 / 30.0_f64.sqrt()).abs() < 1e-12);
         assert_eq!(kendall_tau(&[1.0, 2.0], &[1.0, 1.0]), None);
         assert_eq!(kendall_tau(&[1.0], &[1.0, 2.0]), None);
+    }
+
+    #[test]
+    fn one_weight_changes_by_its_name() {
+        let changed = Weights::default().changed("pose", 0.5);
+        assert_eq!(changed, Some(Weights { pose: 0.125, ..Weights::default() }));
+        assert_eq!(Weights::default().changed("poses", 0.5), None);
     }
 
     fn scores(e_wall: f64, e_time: f64) -> Scores {

@@ -1,0 +1,370 @@
+//! Which trials an experiment is made of.
+
+use std::fmt;
+use std::str::FromStr;
+
+use envgen::indoor::{IndoorSpec, Profile};
+use envgen::{Seed, Spec, SpecError};
+use serde::{Deserialize, Serialize};
+
+use crate::lidar::LaserProfile;
+use crate::names::Named;
+use crate::odometry::OdometryProfile;
+use crate::operator::OperatorKind;
+use crate::slam::SlamKind;
+use crate::trial::TrialSettings;
+
+/// Maps a level, at most.
+pub const MAX_MAPS: u32 = 1000;
+
+/// Noise seeds a map, at most.
+pub const MAX_NOISE_SEEDS: u32 = 1000;
+
+/// Columns and rows of a map, at most.
+pub const MAX_SIZE: u32 = 128;
+
+/// Trials of a design, at most.
+pub const MAX_TRIALS: u64 = 1_000_000;
+
+/// Trials on maps of several levels.
+///
+/// ```
+/// use mapping_trial::experiment::Design;
+///
+/// let design = Design::default();
+/// assert_eq!(design.validate(), Ok(()));
+/// assert_eq!(design.trials().len(), 5 * 20 * 5 * 5);
+/// // The paper's ten maps, by five operators.
+/// assert_eq!(design.trials().iter().filter(|trial| design.is_replay(trial)).count(), 50);
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Design {
+    /// Difficulties that maps are generated with: in increasing order, from 0 to 10 in tenths, at
+    /// least two.
+    pub levels: Vec<f64>,
+    /// Maps a level, from 2 to [`MAX_MAPS`].
+    pub maps: u32,
+    /// Trials of each operator on each map that differ in what the sensors get wrong, from 1 to
+    /// [`MAX_NOISE_SEEDS`].
+    pub noise_seeds: u32,
+    /// Who drives.
+    pub operators: Vec<OperatorKind>,
+    /// The paper's own design.
+    pub replay: Replay,
+    /// How maps are generated.
+    pub profile: Profile,
+    /// Columns and rows of a map in cells of 3 m, from 4 to [`MAX_SIZE`].
+    pub size: u32,
+    /// How poses and maps are estimated.
+    pub slam: SlamKind,
+    /// What the laser measures.
+    pub laser: LaserProfile,
+    /// What the wheels measure.
+    pub odometry: OdometryProfile,
+    /// Simulated seconds after which a trial ends.
+    pub time_limit: f64,
+    /// From which the seeds of maps and noise follow.
+    pub seed: Seed,
+}
+
+/// The paper's own design: a few maps a level, once by each operator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Replay {
+    /// Maps a level, at most [`Design::maps`].
+    pub maps: u32,
+    /// Who drives.
+    pub operators: Vec<OperatorKind>,
+}
+
+/// One trial of a design.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Trial {
+    /// Place of the level among [`Design::levels`].
+    pub level: u32,
+    /// Number of the map within its level.
+    pub map: u32,
+    /// Number of the noise on this map.
+    pub noise: u32,
+    /// Who drives.
+    pub operator: OperatorKind,
+}
+
+impl Default for Design {
+    /// 20 maps a level of the profile `thesis`, 5 noise seeds, five operators.
+    fn default() -> Self {
+        let TrialSettings { slam, laser, odometry, time_limit, .. } = TrialSettings::default();
+        Design {
+            levels: vec![1.0, 3.0, 5.0, 7.0, 9.0],
+            maps: 20,
+            noise_seeds: 5,
+            operators: every_operator(),
+            replay: Replay { maps: 2, operators: every_operator() },
+            profile: Profile::Thesis,
+            size: IndoorSpec::default().width,
+            slam,
+            laser,
+            odometry,
+            time_limit,
+            seed: Seed(0),
+        }
+    }
+}
+
+fn every_operator() -> Vec<OperatorKind> {
+    OperatorKind::NAMES.iter().map(|(_, kind)| *kind).collect()
+}
+
+/// The name of an operator.
+pub fn operator_name(kind: OperatorKind) -> &'static str {
+    kind.name().unwrap_or("custom")
+}
+
+impl Design {
+    /// The paper's design, and six maps a level once by the operator `nearest`: a look within two
+    /// minutes.
+    pub fn quick() -> Self {
+        Design {
+            maps: 6,
+            noise_seeds: 1,
+            operators: vec![OperatorKind::Nearest],
+            ..Design::default()
+        }
+    }
+
+    /// Checks every number.
+    ///
+    /// # Errors
+    ///
+    /// The first field whose value is not allowed.
+    pub fn validate(&self) -> Result<(), SpecError> {
+        let rising = self.levels.windows(2).all(|pair| pair[0] < pair[1]);
+        let tenths = |level: &f64| {
+            (0.0..=10.0).contains(level) && (level * 10.0 - (level * 10.0).round()).abs() < 1e-9
+        };
+        if self.levels.len() < 2 || !rising || !self.levels.iter().all(tenths) {
+            let levels: Vec<String> = self.levels.iter().map(f64::to_string).collect();
+            let allowed = "two or more, increasing, from 0 to 10 in tenths";
+            return Err(SpecError::new("levels", levels.join(", "), allowed));
+        }
+        count("maps", self.maps, 2, MAX_MAPS)?;
+        count("noise_seeds", self.noise_seeds, 1, MAX_NOISE_SEEDS)?;
+        count("replay.maps", self.replay.maps, 1, self.maps)?;
+        for (field, operators) in
+            [("operators", &self.operators), ("replay.operators", &self.replay.operators)]
+        {
+            let twice = operators.iter().enumerate().any(|(i, one)| operators[..i].contains(one));
+            if operators.is_empty() || twice {
+                let names: Vec<_> = operators.iter().map(|&kind| operator_name(kind)).collect();
+                return Err(SpecError::new(field, names.join(", "), "one or more, each once"));
+            }
+        }
+        let main = self.levels.len() as u64 * u64::from(self.maps);
+        let all = main * u64::from(self.noise_seeds) * self.operators.len() as u64;
+        if all > MAX_TRIALS {
+            let allowed = format!("at most {MAX_TRIALS} with levels, noise seeds and operators");
+            return Err(SpecError::new("maps", self.maps, allowed));
+        }
+        count("size", self.size, 4, MAX_SIZE)?;
+        for &level in &self.levels {
+            self.spec(level).validate()?;
+        }
+        self.settings(&Trial { level: 0, map: 0, noise: 0, operator: OperatorKind::Nearest })
+            .validate()
+    }
+
+    /// Every trial, in the design's order: by level, map, noise and operator.
+    pub fn trials(&self) -> Vec<Trial> {
+        let mut trials = Vec::new();
+        for level in 0..self.levels.len() as u32 {
+            for map in 0..self.maps {
+                for noise in 0..self.noise_seeds {
+                    for (_, operator) in OperatorKind::NAMES {
+                        let trial = Trial { level, map, noise, operator: *operator };
+                        if self.is_main(&trial) || self.is_replay(&trial) {
+                            trials.push(trial);
+                        }
+                    }
+                }
+            }
+        }
+        trials
+    }
+
+    /// Whether a trial belongs to the larger design.
+    pub fn is_main(&self, trial: &Trial) -> bool {
+        self.operators.contains(&trial.operator)
+    }
+
+    /// Whether a trial belongs to the paper's design.
+    pub fn is_replay(&self, trial: &Trial) -> bool {
+        trial.noise == 0
+            && trial.map < self.replay.maps
+            && self.replay.operators.contains(&trial.operator)
+    }
+
+    /// What a map of a level is generated from.
+    pub fn spec(&self, level: f64) -> IndoorSpec {
+        IndoorSpec {
+            difficulty: level,
+            width: self.size,
+            height: self.size,
+            profile: self.profile,
+            ..IndoorSpec::default()
+        }
+    }
+
+    /// The difficulty that a trial's map is generated with.
+    pub fn level(&self, trial: &Trial) -> f64 {
+        self.levels.get(trial.level as usize).copied().unwrap_or(f64::NAN)
+    }
+
+    /// The seed of a trial's map: with seed 0, map 4 of level 7 has seed 70004. Maps of different
+    /// levels share no draws.
+    pub fn world_seed(&self, trial: &Trial) -> Seed {
+        let tenths = (self.level(trial) * 10.0).round() as u64;
+        let own = tenths * u64::from(MAX_MAPS) + u64::from(trial.map);
+        Seed(self.seed.0.wrapping_mul(1_000_000).wrapping_add(own))
+    }
+
+    /// The seed of what the sensors get wrong: the same for all operators, another for each map.
+    pub fn noise_seed(&self, trial: &Trial) -> Seed {
+        let maps = self.world_seed(trial).0.wrapping_mul(u64::from(MAX_NOISE_SEEDS));
+        Seed(maps).offset(u64::from(trial.noise))
+    }
+
+    /// What a trial is made of besides its world.
+    pub fn settings(&self, trial: &Trial) -> TrialSettings {
+        TrialSettings {
+            seed: self.noise_seed(trial),
+            operator: Some(trial.operator),
+            slam: self.slam,
+            time_limit: self.time_limit,
+            laser: self.laser.clone(),
+            odometry: self.odometry.clone(),
+            ..TrialSettings::default()
+        }
+    }
+}
+
+fn count(field: &str, value: u32, least: u32, most: u32) -> Result<(), SpecError> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(SpecError::new(field, value, format!("{least} to {most}")))
+}
+
+/// A share of a design's trials: every `of`-th, beginning with the `index`-th. Written `2/8`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shard {
+    /// Which share, from 1 to `of`.
+    pub index: u32,
+    /// Into how many shares the trials are parted.
+    pub of: u32,
+}
+
+impl Shard {
+    /// All trials.
+    pub const WHOLE: Shard = Shard { index: 1, of: 1 };
+
+    /// Whether the trial at a place in the design's order belongs to this share.
+    pub fn has(self, place: usize) -> bool {
+        place as u64 % u64::from(self.of.max(1)) + 1 == u64::from(self.index)
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.index, self.of)
+    }
+}
+
+impl FromStr for Shard {
+    type Err = SpecError;
+
+    fn from_str(text: &str) -> Result<Self, SpecError> {
+        let parts = text.split_once('/').map(|(index, of)| (index.parse(), of.parse()));
+        match parts {
+            Some((Ok(index), Ok(of))) if (1..=of).contains(&index) => Ok(Shard { index, of }),
+            _ => Err(SpecError::new("shard", text, "I/N with I from 1 to N, such as 2/8")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn trials_are_the_union_of_both_designs() {
+        let quick = Design::quick();
+        assert_eq!(quick.validate(), Ok(()));
+        let trials = quick.trials();
+        // 5 x 2 x 5 of the paper's design, and the four other maps of each level by `nearest`.
+        assert_eq!(trials.len(), 50 + 20);
+        assert_eq!(trials.iter().filter(|trial| quick.is_replay(trial)).count(), 50);
+        assert_eq!(trials.iter().filter(|trial| quick.is_main(trial)).count(), 30);
+    }
+
+    #[test]
+    fn seeds_of_maps_and_noise_are_all_different() {
+        let design = Design { maps: 40, noise_seeds: 7, ..Design::default() };
+        let trials = design.trials();
+        let mut worlds: Vec<Seed> = trials.iter().map(|trial| design.world_seed(trial)).collect();
+        worlds.sort_unstable();
+        worlds.dedup();
+        assert_eq!(worlds.len(), 5 * 40);
+        let mut noise: Vec<Seed> = trials.iter().map(|trial| design.noise_seed(trial)).collect();
+        noise.sort_unstable();
+        noise.dedup();
+        assert_eq!(noise.len(), 5 * 40 * 7);
+        let trial = Trial { level: 3, map: 4, noise: 2, operator: OperatorKind::Nearest };
+        assert_eq!(design.world_seed(&trial), Seed(70_004));
+        assert_eq!(design.noise_seed(&trial), Seed(70_004_002));
+        // Neither seed of an experiment is one of the next.
+        let next = Design { seed: Seed(1), ..design };
+        assert!(trials.iter().all(|trial| worlds.binary_search(&next.world_seed(trial)).is_err()));
+    }
+
+    #[test]
+    fn shards_part_the_trials() {
+        let trials = Design::quick().trials();
+        for of in [1, 2, 3, 7, 100] {
+            for place in 0..trials.len() {
+                let owners = (1..=of).filter(|&index| Shard { index, of }.has(place)).count();
+                assert_eq!(owners, 1);
+            }
+        }
+        assert_eq!("3/7".parse(), Ok(Shard { index: 3, of: 7 }));
+        for bad in ["0/3", "4/3", "3", "", "a/b", "1/0", "-1/3", "1/3/5"] {
+            let error = bad.parse::<Shard>().expect_err("no shard").to_string();
+            assert!(error.starts_with("`shard` is "), "{error}");
+        }
+    }
+
+    #[test]
+    fn every_bad_number_is_named() {
+        let error = |change: &dyn Fn(&mut Design)| {
+            let mut design = Design::default();
+            change(&mut design);
+            design.validate().expect_err("not allowed").to_string()
+        };
+        assert!(error(&|d| d.levels = vec![1.0]).starts_with("`levels` is 1,"));
+        assert!(error(&|d| d.levels = vec![3.0, 1.0]).contains("increasing"));
+        assert!(error(&|d| d.levels = vec![1.0, f64::NAN]).contains("NaN"));
+        assert!(error(&|d| d.levels = vec![1.0, 2.55]).contains("tenths"));
+        assert!(error(&|d| d.levels = vec![1.0, 11.0]).contains("from 0 to 10"));
+        assert!(error(&|d| d.maps = 1).contains("`maps` is 1, allowed is 2 to 1000"));
+        assert!(error(&|d| d.noise_seeds = 0).contains("`noise_seeds`"));
+        assert!(error(&|d| d.replay.maps = 21).contains("`replay.maps`"));
+        assert!(error(&|d| d.operators.clear()).contains("`operators`"));
+        assert!(error(&|d| d.operators.push(OperatorKind::Nearest)).contains("each once"));
+        assert!(error(&|d| d.size = 3).contains("`size` is 3"));
+        assert!(error(&|d| d.size = u32::MAX).contains("`size`"));
+        assert!(error(&|d| d.time_limit = f64::NAN).contains("`time_limit`"));
+        assert!(error(&|d| (d.maps, d.noise_seeds) = (1000, 1000)).contains("1000000"));
+    }
+}

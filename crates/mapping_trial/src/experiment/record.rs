@@ -1,0 +1,77 @@
+//! What came of a trial, as a line of a file.
+
+use envgen::Blueprint;
+use envgen::Seed;
+use envgen::indoor::{FloorPlan, IndoorMetrics};
+use serde::{Deserialize, Serialize};
+
+use super::design::Trial;
+use crate::score::Scores;
+use crate::trial::EndReason;
+
+/// What came of one trial.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Record {
+    /// Which trial.
+    pub trial: Trial,
+    /// The seed of its map.
+    pub world_seed: Seed,
+    /// The seed of what the sensors got wrong.
+    pub noise_seed: Seed,
+    /// Digest of the map's geometry.
+    pub world_digest: String,
+    /// Digest of the trial's log.
+    pub log_digest: String,
+    /// Why it ended; `None` where it was broken off.
+    pub end: Option<EndReason>,
+    /// What the generator's rules made of the map.
+    pub features: MapFeatures,
+    /// How well the map was mapped, and how difficult that was.
+    pub scores: Scores,
+}
+
+/// What the five rules of Zwennes (2011) made of a map.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapFeatures {
+    /// Distance between hallways in cells, the mean of both directions.
+    pub hallway_spacing: f64,
+    /// Share of the floor, solid cells aside, that is open area.
+    pub open_share: f64,
+    /// Doorways drawn for a side of a room, on average.
+    pub doorways_a_side: f64,
+    /// Mean difficulty of the rooms; `None` without rooms.
+    pub room_difficulty: Option<f64>,
+    /// 1 where hallway cycles were cut off, 0 where not.
+    pub cycles_prevented: f64,
+    /// Independent cycles of the hallways.
+    pub hallway_cycles: f64,
+    /// Floor cells that only one way leads to.
+    pub dead_ends: f64,
+    /// Number of rooms.
+    pub rooms: f64,
+    /// Rooms without a passable doorway.
+    pub rooms_closed: f64,
+}
+
+impl MapFeatures {
+    /// The features of a plan.
+    pub fn of(plan: &FloorPlan) -> Self {
+        let metrics: IndoorMetrics = plan.metrics();
+        let spacing = plan.draws().map_or([0; 2], |draws| draws.spacing);
+        let share = |part: u64, whole: u64| part as f64 / whole.max(1) as f64;
+        let cells = metrics.cells;
+        MapFeatures {
+            hallway_spacing: 0.5 * (f64::from(spacing[0]) + f64::from(spacing[1])),
+            open_share: share(cells.open, cells.open + cells.hallway + cells.room),
+            doorways_a_side: share(metrics.doorways, metrics.sides),
+            room_difficulty: metrics.room_difficulty_mean,
+            cycles_prevented: plan.draws().map_or(0.0, |d| f64::from(u8::from(d.cycles_prevented))),
+            hallway_cycles: metrics.hallway_cycles as f64,
+            dead_ends: metrics.dead_ends as f64,
+            rooms: metrics.rooms as f64,
+            rooms_closed: metrics.rooms_closed as f64,
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Pictures of the paper's maps: the world, and what a robot made of it.
+
+use envgen::picture::{self, PictureOptions};
+use rayon::prelude::*;
+
+use crate::experiment::design::Trial;
+use crate::experiment::record::Record;
+use crate::experiment::site::Site;
+use crate::experiment::store::{Experiment, ExperimentError};
+use crate::picture::Picture;
+
+/// Maps of a level that are shown, at most.
+const SHOWN: u32 = 2;
+
+/// Pictures of one map, as PNG.
+pub(super) struct MapPictures {
+    pub(super) record: Record,
+    /// The world as it is.
+    pub(super) world: Vec<u8>,
+    /// The map that the robot made, with the way that it thought it drove.
+    pub(super) map: Vec<u8>,
+    /// That map over the truth, with both ways.
+    pub(super) errors: Vec<u8>,
+}
+
+/// Runs the first operator's trials on the paper's maps again and draws them.
+pub(super) fn draw(
+    experiment: &Experiment,
+    records: &[&Record],
+    threads: usize,
+) -> Result<Vec<MapPictures>, ExperimentError> {
+    let design = experiment.design();
+    let Some(&operator) = design.replay.operators.first() else { return Ok(Vec::new()) };
+    let is_shown =
+        |trial: &Trial| design.is_replay(trial) && trial.operator == operator && trial.map < SHOWN;
+    let shown: Vec<&Record> =
+        records.iter().filter(|record| is_shown(&record.trial)).copied().collect();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| ExperimentError::Threads(error.to_string()))?;
+    pool.install(|| shown.into_par_iter().map(|record| pictures(experiment, record)).collect())
+}
+
+fn pictures(experiment: &Experiment, record: &Record) -> Result<MapPictures, ExperimentError> {
+    let design = experiment.design();
+    let told = |error: &dyn std::error::Error| ExperimentError::Report(error.to_string());
+    let site = Site::new(design, &record.trial)?;
+    let (again, run) = site.run(design, &record.trial)?;
+    experiment.require_same(record, &again)?;
+    let (map, truth) = (run.brain().slam().map(), &site.truth);
+    // The robot's map may reach beyond the world where it went wrong.
+    let area = map.bounds().map_or(site.world.bounds, |seen| seen.union(site.world.bounds));
+    let estimated = run.brain().slam().trajectory(0);
+    let png = |picture: Picture| {
+        let mut bytes = Vec::new();
+        picture.write_png(&mut bytes).map(|()| bytes).map_err(|error| told(&error))
+    };
+    let mut own = Picture::of_map(map, area);
+    own.draw_estimated_path(&estimated);
+    let mut errors = Picture::of_errors(truth, map, area);
+    errors.draw_true_path(&run.track(0).poses);
+    errors.draw_estimated_path(&estimated);
+    let options = PictureOptions {
+        width: 640,
+        height: 640,
+        margin: 0,
+        title: Some(String::new()),
+        legend: false,
+        names: false,
+        ..PictureOptions::default()
+    };
+    Ok(MapPictures {
+        record: record.clone(),
+        world: picture::png(&site.world, &options).map_err(|error| told(&error))?,
+        map: png(own)?,
+        errors: png(errors)?,
+    })
+}

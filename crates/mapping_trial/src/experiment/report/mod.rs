@@ -1,0 +1,59 @@
+//! The report of an experiment: one page that needs nothing else, and the tables.
+
+mod figures;
+mod maps;
+mod page;
+mod sections;
+mod words;
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::design::{Design, Shard};
+use super::record::Record;
+use super::stats::{Analysis, analyse};
+use super::store::{Experiment, ExperimentError};
+use super::{table, write as files};
+
+/// The files of a report, in the experiment's folder.
+pub const FILES: [&str; 4] = ["report.html", "summary.json", "trials.csv", "trials.parquet"];
+
+/// The statistics as they are written.
+#[derive(Serialize)]
+struct Summary<'a> {
+    design: &'a Design,
+    analysis: &'a Analysis,
+}
+
+/// Writes the report of a complete experiment, and gives the files' paths. The trials whose maps it
+/// shows run again on so many threads, 0 for one a core.
+///
+/// # Errors
+///
+/// Trials that are missing, or that come out otherwise than they did; a file that cannot be written.
+pub fn write(experiment: &Experiment, threads: usize) -> Result<Vec<PathBuf>, ExperimentError> {
+    experiment.require_all()?;
+    if experiment.shard() != Shard::WHOLE {
+        let reason = format!("this is share {} of the trials: merge all", experiment.shard());
+        return Err(ExperimentError::Content { path: experiment.folder().to_owned(), reason });
+    }
+    let design = experiment.design();
+    let records: Vec<&Record> = experiment.records().collect();
+    let analysis = analyse(design, &records);
+    let told = |error: serde_json::Error| ExperimentError::Report(error.to_string());
+    let mut summary =
+        serde_json::to_vec_pretty(&Summary { design, analysis: &analysis }).map_err(told)?;
+    summary.push(b'\n');
+    let columns = table::columns(design, &records);
+    let maps = maps::draw(experiment, &records, threads)?;
+    let html = sections::page(design, &records, &analysis, &maps)?;
+    let contents = [html.into_bytes(), summary, table::csv(&columns)?, table::parquet(&columns)?];
+    let mut paths = Vec::new();
+    for (name, bytes) in FILES.into_iter().zip(contents) {
+        let path = experiment.folder().join(name);
+        files::whole(&path, &bytes)?;
+        paths.push(path);
+    }
+    Ok(paths)
+}

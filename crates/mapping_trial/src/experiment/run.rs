@@ -1,0 +1,117 @@
+//! Trials in parallel.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use super::design::{Design, Trial};
+use super::record::Record;
+use super::site::{Held, Sites};
+use super::store::{ExperimentError, Lines};
+
+/// How far an experiment is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// Trials that are finished, those of earlier runs too.
+    pub done: usize,
+    /// All trials of this share.
+    pub all: usize,
+    /// The trial that was finished last.
+    pub last: &'a Record,
+}
+
+/// What all threads share.
+struct Work<'a> {
+    design: &'a Design,
+    /// Places in the design's order that are still to do.
+    pending: &'a [(usize, Trial)],
+    next: AtomicUsize,
+    stop: AtomicBool,
+    sites: Sites,
+    sink: Mutex<Sink<'a>>,
+    watch: &'a (dyn Fn(Progress<'_>) -> ControlFlow<()> + Sync),
+    all: usize,
+}
+
+struct Sink<'a> {
+    lines: &'a mut Lines,
+    found: Vec<(usize, Record)>,
+    done: usize,
+    error: Option<ExperimentError>,
+}
+
+/// Runs trials on so many threads (0 for one a core), and writes each as it ends.
+pub(super) fn run(
+    design: &Design,
+    pending: &[(usize, Trial)],
+    all: usize,
+    threads: usize,
+    lines: &mut Lines,
+    watch: &(dyn Fn(Progress<'_>) -> ControlFlow<()> + Sync),
+) -> (Vec<(usize, Record)>, Result<(), ExperimentError>) {
+    let done = all - pending.len();
+    let sink = Mutex::new(Sink { lines, found: Vec::new(), done, error: None });
+    let work = Work {
+        design,
+        pending,
+        next: AtomicUsize::new(0),
+        stop: AtomicBool::new(false),
+        sites: Sites::default(),
+        sink,
+        watch,
+        all,
+    };
+    let pool = match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => pool,
+        Err(error) => return (Vec::new(), Err(ExperimentError::Threads(error.to_string()))),
+    };
+    pool.broadcast(|_| work.go());
+    let sink = work.sink.into_inner().unwrap_or_else(PoisonError::into_inner);
+    (sink.found, sink.error.map_or(Ok(()), Err))
+}
+
+impl Work<'_> {
+    /// One thread's part: it takes one trial after the other. Neighbours in the list are mostly of
+    /// one map, which stays in memory as long as some thread is at it.
+    fn go(&self) {
+        let mut held: Option<(u32, u32, Held)> = None;
+        while !self.stop.load(Ordering::Relaxed) {
+            let Some((place, trial)) = self.pending.get(self.next.fetch_add(1, Ordering::Relaxed))
+            else {
+                return;
+            };
+            if held
+                .as_ref()
+                .is_none_or(|(level, map, _)| (*level, *map) != (trial.level, trial.map))
+            {
+                held = Some((trial.level, trial.map, self.sites.hold(trial)));
+            }
+            let Some((_, _, map)) = &held else { return };
+            let found = map.site(self.design, trial).and_then(|site| site.run(self.design, trial));
+            self.take(*place, found.map(|(record, _)| record));
+        }
+    }
+
+    fn take(&self, place: usize, found: Result<Record, ExperimentError>) {
+        let mut sink = self.sink.lock().unwrap_or_else(PoisonError::into_inner);
+        // After an error nothing is written any more: a half line must stay the last one.
+        if sink.error.is_some() {
+            return;
+        }
+        let written = found.and_then(|record| sink.lines.append(&record).map(|()| record));
+        match written {
+            Ok(record) => {
+                sink.done += 1;
+                let progress = Progress { done: sink.done, all: self.all, last: &record };
+                if (self.watch)(progress).is_break() {
+                    self.stop.store(true, Ordering::Relaxed);
+                }
+                sink.found.push((place, record));
+            }
+            Err(error) => {
+                self.stop.store(true, Ordering::Relaxed);
+                sink.error = Some(error);
+            }
+        }
+    }
+}

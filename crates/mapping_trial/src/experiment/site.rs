@@ -1,0 +1,111 @@
+//! The maps of an experiment, each worked out once for all trials on it.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
+
+use envgen::{Blueprint, Spec, World};
+
+use super::design::{Design, Trial};
+use super::record::{MapFeatures, Record};
+use super::store::ExperimentError;
+use crate::flat::{FlatSimulator, FlatWorld};
+use crate::robot::Robot;
+use crate::trial;
+use crate::truth::Truth;
+
+/// What moves the bodies, as logs name it.
+const ENGINE: &str = "flat";
+
+/// A map that trials take place on.
+pub(super) struct Site {
+    pub(super) world: World,
+    pub(super) truth: Truth,
+    flat: Arc<FlatWorld>,
+    features: MapFeatures,
+    digest: String,
+}
+
+impl Site {
+    /// The map of a trial.
+    pub(super) fn new(design: &Design, trial: &Trial) -> Result<Self, ExperimentError> {
+        let plan = design.spec(design.level(trial)).generate(design.world_seed(trial));
+        let plan = plan.map_err(|error| unusable(design, trial, &error))?;
+        let world = plan.to_world();
+        let body = Robot::default();
+        Ok(Site {
+            truth: Truth::new(&world, &body).map_err(|error| unusable(design, trial, &error))?,
+            flat: Arc::new(FlatWorld::new(&world, &body)),
+            features: MapFeatures::of(&plan),
+            digest: world.digest().to_string(),
+            world,
+        })
+    }
+
+    /// Runs a trial to its end.
+    pub(super) fn run(
+        &self,
+        design: &Design,
+        trial: &Trial,
+    ) -> Result<(Record, trial::Trial<FlatSimulator>), ExperimentError> {
+        let told = |error: &dyn Error| unusable(design, trial, error);
+        let settings = design.settings(trial);
+        let mut run = trial::Trial::flat_in(&self.world, Arc::clone(&self.flat), settings)
+            .map_err(|error| told(&error))?;
+        while run.step() {}
+        let record = Record {
+            trial: *trial,
+            world_seed: design.world_seed(trial),
+            noise_seed: design.noise_seed(trial),
+            world_digest: self.digest.clone(),
+            log_digest: run.log(ENGINE).digest().to_string(),
+            end: run.end_of(0).map(|end| end.reason),
+            features: self.features.clone(),
+            scores: run.score(&self.truth).map_err(|error| told(&error))?,
+        };
+        Ok((record, run))
+    }
+}
+
+fn unusable(design: &Design, trial: &Trial, error: &dyn Error) -> ExperimentError {
+    ExperimentError::Map {
+        map: trial.map,
+        level: design.level(trial),
+        seed: design.world_seed(trial),
+        reason: error.to_string(),
+    }
+}
+
+/// The maps that are in use at the moment.
+#[derive(Default)]
+pub(super) struct Sites {
+    known: Mutex<BTreeMap<(u32, u32), Weak<Slot>>>,
+}
+
+/// A map that the first who needs it works out, while others wait for it.
+type Slot = OnceLock<Result<Site, ExperimentError>>;
+
+/// A map that stays in memory as long as somebody holds it.
+#[derive(Clone)]
+pub(super) struct Held(Arc<Slot>);
+
+impl Sites {
+    /// The map of a trial.
+    pub(super) fn hold(&self, trial: &Trial) -> Held {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let slot = known.entry((trial.level, trial.map)).or_default();
+        let held = slot.upgrade().unwrap_or_else(|| {
+            let new = Arc::new(Slot::new());
+            *slot = Arc::downgrade(&new);
+            new
+        });
+        Held(held)
+    }
+}
+
+impl Held {
+    /// The map itself.
+    pub(super) fn site(&self, design: &Design, trial: &Trial) -> Result<&Site, ExperimentError> {
+        self.0.get_or_init(|| Site::new(design, trial)).as_ref().map_err(ExperimentError::again)
+    }
+}

@@ -1,0 +1,190 @@
+//! What an experiment's numbers say.
+//!
+//! The unit of every statistic is the map: trials on one map that differ in noise or operator are
+//! averaged first, since they are not maps. Intervals are of 95 %: Student's t for means of a level,
+//! the percentile bootstrap over maps, drawn within their levels, for everything else (Efron and
+//! Tibshirani, An Introduction to the Bootstrap, 1993, chapters 13 and 14).
+
+mod measure;
+mod order;
+mod rank;
+mod regression;
+mod resample;
+mod rules;
+mod triples;
+mod variance;
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+pub use measure::{MEASURES, MapValues, Measure, map_values};
+pub use order::{Mean, Order, Verdict, order};
+pub use rank::{Null, spearman};
+pub use resample::{Interval, RESAMPLES};
+pub use rules::{FEATURES, Feature, FeatureEffect, Slope, effects};
+pub use triples::{Relative, relative};
+pub use variance::{Shares, shares};
+
+use super::design::{Design, Trial, operator_name};
+use super::record::Record;
+use crate::score::{Scores, Sensitivity, Weights, sensitivity};
+use crate::trial::EndReason;
+
+/// Everything that is worked out of an experiment.
+#[derive(Clone, Debug, Serialize)]
+pub struct Analysis {
+    /// The paper's design.
+    pub replay: Part,
+    /// The larger design.
+    pub main: Part,
+    /// What each rule makes of the maps, and what that does to the larger design's difficulties.
+    pub rules: Vec<FeatureEffect>,
+    /// How the ranking of the larger design's maps moves with the weights of the scores.
+    pub weights: Vec<Weighting>,
+    /// How each level's trials ended, all trials counted once.
+    pub ends: Vec<Ends>,
+}
+
+/// How a level's trials ended.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Ends {
+    /// Number of trials.
+    pub trials: usize,
+    /// How many of them for each reason.
+    pub reasons: BTreeMap<EndReason, usize>,
+    /// Mean simulated time in seconds.
+    pub time: f64,
+}
+
+impl Ends {
+    /// The share of trials that ended because the robot could not go on: stuck or in water.
+    pub fn share_lost(&self) -> f64 {
+        let lost = [EndReason::Stuck, EndReason::Drowned];
+        let lost: usize = lost.iter().filter_map(|reason| self.reasons.get(reason)).sum();
+        lost as f64 / self.trials.max(1) as f64
+    }
+}
+
+/// The statistics of one design.
+#[derive(Clone, Debug, Serialize)]
+pub struct Part {
+    /// Maps a level.
+    pub maps: usize,
+    /// Noise seeds a map.
+    pub noise_seeds: usize,
+    /// Number of trials.
+    pub trials: usize,
+    /// How great a rank correlation must be to count: what chance alone exceeds in 5 % of cases.
+    pub critical_rho: f64,
+    /// For each measure, over all operators.
+    pub orders: Vec<Order>,
+    /// For D, M and N, by operator.
+    pub operators: Vec<OperatorOrders>,
+    /// The order of three maps of different levels, for D, M and N.
+    pub relative: Vec<Relative>,
+    /// The mean of each map.
+    #[serde(skip)]
+    pub values: Vec<MapValues>,
+}
+
+/// The orders of one operator.
+#[derive(Clone, Debug, Serialize)]
+pub struct OperatorOrders {
+    /// Its name.
+    pub operator: &'static str,
+    /// For D, M and N.
+    pub orders: Vec<Order>,
+}
+
+/// How the ranking of maps by D moves when one weight changes by half.
+#[derive(Clone, Debug, Serialize)]
+pub struct Weighting {
+    /// Of the ranking itself.
+    #[serde(flatten)]
+    pub sensitivity: Sensitivity,
+    /// Spearman's correlation of level and D with the changed weight.
+    pub rho: Option<f64>,
+}
+
+/// Works out everything of a complete experiment.
+pub fn analyse(design: &Design, records: &[&Record]) -> Analysis {
+    let pick = |which: &dyn Fn(&Trial) -> bool| -> Vec<&Record> {
+        records.iter().filter(|record| which(&record.trial)).copied().collect()
+    };
+    let replay = pick(&|trial| design.is_replay(trial));
+    let main = pick(&|trial| design.is_main(trial));
+    let ends = (0..design.levels.len()).map(|level| {
+        pick(&|trial| trial.level as usize == level).into_iter().fold(
+            Ends::default(),
+            |mut ends, record| {
+                ends.trials += 1;
+                ends.time += (record.scores.time - ends.time) / ends.trials as f64;
+                if let Some(reason) = record.end {
+                    *ends.reasons.entry(reason).or_insert(0) += 1;
+                }
+                ends
+            },
+        )
+    });
+    let ends = ends.collect();
+    let main = part(design, &main);
+    Analysis {
+        replay: part(design, &replay),
+        rules: effects(design, &main.values),
+        weights: weightings(design, &main.values),
+        main,
+        ends,
+    }
+}
+
+fn part(design: &Design, records: &[&Record]) -> Part {
+    let values = map_values(records);
+    let null = Null::new(design, &values);
+    let count = |of: &dyn Fn(&Trial) -> u32| {
+        records.iter().map(|record| of(&record.trial) as usize + 1).max().unwrap_or(0)
+    };
+    let operators = MEASURED_OPERATORS.iter().filter_map(|&(operator, kind)| {
+        let own: Vec<&Record> =
+            records.iter().filter(|r| r.trial.operator == kind).copied().collect();
+        let values = map_values(&own);
+        let main = MEASURES.iter().take(3);
+        let orders = main.map(|measure| order(design, measure, &own, &values, &null)).collect();
+        (!own.is_empty()).then_some(OperatorOrders { operator, orders })
+    });
+    Part {
+        maps: count(&|trial| trial.map),
+        noise_seeds: count(&|trial| trial.noise),
+        trials: records.len(),
+        critical_rho: null.critical(),
+        orders: MEASURES
+            .iter()
+            .map(|measure| order(design, measure, records, &values, &null))
+            .collect(),
+        operators: operators.collect(),
+        relative: MEASURES.iter().take(3).map(|measure| relative(measure, records)).collect(),
+        values,
+    }
+}
+
+/// Operators by name.
+const MEASURED_OPERATORS: &[(&str, crate::operator::OperatorKind)] =
+    <crate::operator::OperatorKind as crate::names::Named>::NAMES;
+
+fn weightings(design: &Design, values: &[MapValues]) -> Vec<Weighting> {
+    // D is linear in its parts: the D of mean parts is the mean D.
+    let scores: Vec<Scores> = values.iter().map(MapValues::parts).collect();
+    let levels: Vec<f64> = values.iter().map(|map| design.levels[map.level]).collect();
+    let found = sensitivity(&scores, Weights::default());
+    let rho = |found: &Sensitivity| {
+        let weights = Weights::default().changed(found.weight, found.factor)?;
+        let d: Vec<f64> = scores.iter().map(|s| weights.difficulties(s).overall).collect();
+        spearman(&levels, &d)
+    };
+    found.into_iter().map(|s| Weighting { rho: rho(&s), sensitivity: s }).collect()
+}
+
+/// The name under which an operator's trials stand in tables.
+pub(super) fn driver(record: &Record) -> &'static str {
+    operator_name(record.trial.operator)
+}

@@ -1,0 +1,149 @@
+//! Whether a measure follows the level.
+
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use super::measure::{MEASURES, MapValues, Measure};
+use super::rank::{Null, spearman};
+use super::resample::{Interval, bootstrap};
+use super::variance::{Shares, shares};
+use crate::experiment::design::Design;
+use crate::experiment::record::Record;
+use crate::score::kendall_tau;
+
+/// How a measure follows the level.
+#[derive(Clone, Debug, Serialize)]
+pub struct Order {
+    /// The measure's symbol.
+    pub measure: &'static str,
+    /// Spearman's rank correlation of level and map.
+    pub rho: Option<Interval>,
+    /// How often chance alone gives such a correlation or a greater one.
+    pub p: Option<f64>,
+    /// Kendall's tau-b of level and map.
+    pub tau: Option<f64>,
+    /// Of each level's maps.
+    pub means: Vec<Mean>,
+    /// Neighbouring levels of which the higher has the higher mean.
+    pub neighbours_in_order: usize,
+    /// Where the variance of single trials comes from, operators averaged.
+    pub shares: Option<Shares>,
+}
+
+/// What can be said of an order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The correlation is positive beyond its interval, and every level's mean is above the one
+    /// before.
+    InOrder,
+    /// The correlation is positive beyond its interval, but some neighbouring levels' means are not.
+    OnTheWhole,
+    /// The interval of the correlation holds 0, or there is no correlation.
+    NotShown,
+    /// The correlation is negative beyond its interval.
+    Reversed,
+}
+
+/// The mean of a level's maps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Mean {
+    /// The level.
+    pub level: f64,
+    /// Number of maps.
+    pub maps: usize,
+    /// The mean, with Student's interval of 95 %.
+    pub mean: Interval,
+}
+
+impl Order {
+    /// Pairs of neighbouring levels.
+    pub fn neighbours(&self) -> usize {
+        self.means.len().saturating_sub(1)
+    }
+
+    /// What can be said of the order.
+    pub fn verdict(&self) -> Verdict {
+        match self.rho {
+            Some(rho) if rho.is_negative() => Verdict::Reversed,
+            Some(rho) if rho.is_positive() && self.neighbours_in_order == self.neighbours() => {
+                Verdict::InOrder
+            }
+            Some(rho) if rho.is_positive() => Verdict::OnTheWhole,
+            _ => Verdict::NotShown,
+        }
+    }
+}
+
+/// Works out how a measure follows the level.
+pub fn order(
+    design: &Design,
+    measure: &Measure,
+    records: &[&Record],
+    values: &[MapValues],
+    null: &Null,
+) -> Order {
+    let place = MEASURES.iter().position(|m| m.symbol == measure.symbol).unwrap_or(0);
+    let of = |i: usize| values[i].means[place];
+    let groups: Vec<usize> = values.iter().map(|map| map.level).collect();
+    let level = |i: usize| design.levels[groups[i]];
+    let mut stream = design.seed.stream("experiment/order", place as u64);
+    let [rho] = bootstrap(&groups, &mut stream, |drawn| {
+        let levels: Vec<f64> = drawn.iter().map(|&i| level(i)).collect();
+        let found: Vec<f64> = drawn.iter().map(|&i| of(i)).collect();
+        [spearman(&levels, &found)]
+    });
+    let all = || 0..values.len();
+    let levels: Vec<f64> = all().map(level).collect();
+    let means: Vec<Mean> = (0..design.levels.len())
+        .map(|group| {
+            let own: Vec<f64> = all().filter(|&i| groups[i] == group).map(of).collect();
+            let (level, maps) = (design.levels[group], own.len());
+            Mean { level, maps, mean: mean(&own, measure.most) }
+        })
+        .collect();
+    Order {
+        measure: measure.symbol,
+        p: rho.map(|rho| null.p_value(rho.value)),
+        rho,
+        tau: kendall_tau(&levels, &all().map(of).collect::<Vec<_>>()),
+        neighbours_in_order: means
+            .windows(2)
+            .filter(|pair| pair[1].mean.value > pair[0].mean.value)
+            .count(),
+        means,
+        shares: shares(records, measure.of),
+    }
+}
+
+/// Mean with Student's interval of 95 %, cut at what the measure can be.
+fn mean(values: &[f64], most: f64) -> Interval {
+    let count = values.len() as f64;
+    let value = values.iter().sum::<f64>() / count;
+    let squares: f64 = values.iter().map(|x| (x - value) * (x - value)).sum();
+    let error = (squares / (count - 1.0) / count).sqrt();
+    let half = match StudentsT::new(0.0, 1.0, count - 1.0) {
+        Ok(law) => law.inverse_cdf(0.975) * error,
+        // One map has no spread: anything is possible.
+        Err(_) => f64::INFINITY,
+    };
+    Interval { value, low: (value - half).max(0.0), high: (value + half).min(most) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mean_with_its_interval_by_hand() {
+        // Deviation 1, standard error 1 / sqrt 3, t(2, 97.5 %) = 4.302653.
+        let found = mean(&[4.0, 5.0, 6.0], 10.0);
+        let half = 4.302_652_73 / 3.0_f64.sqrt();
+        assert_eq!(found.value, 5.0);
+        assert!((found.high - 5.0 - half).abs() < 1e-6, "{found:?}");
+        assert!((5.0 - found.low - half).abs() < 1e-6, "{found:?}");
+        let two = mean(&[1.0, 9.0], 10.0);
+        assert_eq!((two.low, two.high), (0.0, 10.0));
+        assert_eq!(mean(&[3.0], 10.0), Interval { value: 3.0, low: 0.0, high: 10.0 });
+    }
+}

@@ -1,0 +1,124 @@
+//! The order of three maps of different levels, as each operator found it.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::measure::Measure;
+use crate::experiment::record::Record;
+use crate::operator::OperatorKind;
+
+/// The mean ranks of the easiest, the middle and the hardest of three maps by their levels; 1, 2
+/// and 3 when every operator finds every three in order, 2 for all by chance. Equals share ranks.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Relative {
+    /// The measure's symbol.
+    pub measure: &'static str,
+    /// Mean ranks.
+    pub ranks: [f64; 3],
+}
+
+/// Ranks all triples of maps of different levels within each operator.
+///
+/// A map's rank among three is 1 and one for each of the other two that is easier, so mean ranks
+/// follow from comparisons of pairs: O(n^2) for n maps, not O(n^3).
+pub fn relative(measure: &Measure, records: &[&Record]) -> Relative {
+    // Means over noise, by operator, level and map.
+    let mut maps: BTreeMap<(OperatorKind, u32, u32), (f64, f64)> = BTreeMap::new();
+    for record in records {
+        let trial = record.trial;
+        let (sum, count) = maps.entry((trial.operator, trial.level, trial.map)).or_default();
+        *sum += (measure.of)(&record.scores);
+        *count += 1.0;
+    }
+    let mut operators: BTreeMap<OperatorKind, BTreeMap<u32, Vec<f64>>> = BTreeMap::new();
+    for ((operator, level, _), (sum, count)) in maps {
+        operators.entry(operator).or_default().entry(level).or_default().push(sum / count);
+    }
+    let (mut sums, mut count) = ([0.0; 3], 0.0);
+    for levels in operators.into_values() {
+        let levels: Vec<Vec<f64>> = levels.into_values().collect();
+        let harder = |a: usize, b: usize| share_harder(&levels[a], &levels[b]);
+        for c in 0..levels.len() {
+            for b in 0..c {
+                for a in 0..b {
+                    let (ba, ca, cb) = (harder(b, a), harder(c, a), harder(c, b));
+                    let ranks = [3.0 - ba - ca, 2.0 + ba - cb, 1.0 + ca + cb];
+                    sums.iter_mut().zip(ranks).for_each(|(sum, rank)| *sum += rank);
+                    count += 1.0;
+                }
+            }
+        }
+    }
+    // Two levels have no triples.
+    let ranks = if count > 0.0 { sums.map(|sum| sum / count) } else { [2.0; 3] };
+    Relative { measure: measure.symbol, ranks }
+}
+
+/// The share of pairs in which the first is greater, equal ones by half.
+fn share_harder(these: &[f64], those: &[f64]) -> f64 {
+    let pairs = these.iter().flat_map(|a| those.iter().map(move |b| (a, b)));
+    let wins: f64 = pairs
+        .map(|(a, b)| {
+            if a > b {
+                1.0
+            } else if a == b {
+                0.5
+            } else {
+                0.0
+            }
+        })
+        .sum();
+    wins / (these.len() * those.len()) as f64
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::super::measure::MEASURES;
+    use super::*;
+    use crate::experiment::tests::record;
+
+    /// Every three maps one after the other.
+    fn by_hand(records: &[Record]) -> [f64; 3] {
+        let d = |record: &Record| record.scores.difficulty;
+        let rank = |of: &Record, all: [&Record; 3]| {
+            let easier = all.iter().map(|other| {
+                if d(other) < d(of) {
+                    1.0
+                } else if d(other) == d(of) {
+                    0.5
+                } else {
+                    0.0
+                }
+            });
+            0.5 + easier.sum::<f64>()
+        };
+        let (mut sums, mut count) = ([0.0; 3], 0.0);
+        for a in records {
+            for b in records.iter().filter(|b| b.trial.level > a.trial.level) {
+                for c in records.iter().filter(|c| c.trial.level > b.trial.level) {
+                    let all = [a, b, c];
+                    for (sum, of) in sums.iter_mut().zip(all) {
+                        *sum += rank(of, all);
+                    }
+                    count += 1.0;
+                }
+            }
+        }
+        sums.map(|sum| sum / count)
+    }
+
+    #[test]
+    fn pairs_give_what_triples_give() {
+        let values = [3.0, 4.0, 2.0, 4.0, 9.0, 1.0, 4.0, 7.0];
+        let records: Vec<Record> =
+            (0..8).map(|i| record(i as u32 / 2, i as u32 % 2, 0, values[i])).collect();
+        let found = relative(&MEASURES[0], &records.iter().collect::<Vec<_>>());
+        for (a, b) in found.ranks.iter().zip(by_hand(&records)) {
+            assert!((a - b).abs() < 1e-12, "{found:?}");
+        }
+        let rising: Vec<Record> = (0..5).map(|i| record(i, 0, 0, f64::from(i))).collect();
+        let found = relative(&MEASURES[0], &rising.iter().collect::<Vec<_>>());
+        assert_eq!(found.ranks, [1.0, 2.0, 3.0]);
+    }
+}

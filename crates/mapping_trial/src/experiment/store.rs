@@ -1,0 +1,545 @@
+//! The folder of an experiment.
+
+use std::collections::BTreeMap;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use envgen::{Seed, SpecError};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::design::{Design, Shard, Trial, operator_name};
+use super::record::Record;
+use super::run::{self, Progress};
+use super::site::Site;
+use super::write;
+
+/// Version of the folders' layout; a folder of another version is refused.
+pub const EXPERIMENT_VERSION: u32 = 1;
+
+/// The file that says what a folder holds.
+const HEAD: &str = "experiment.json";
+
+/// The file of the trials, one a line.
+const TRIALS: &str = "trials.jsonl";
+
+/// Why an experiment cannot go on.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ExperimentError {
+    /// The design is not allowed.
+    #[error(transparent)]
+    Design(#[from] SpecError),
+    /// A file or folder cannot be read or written.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// Its path.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A file is not what it should be.
+    #[error("{}: {reason}", path.display())]
+    Content {
+        /// Its path.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A folder holds another experiment.
+    #[error(
+        "{} holds another experiment: {difference}; choose another folder, or start anew",
+        path.display()
+    )]
+    Other {
+        /// The folder.
+        path: PathBuf,
+        /// What differs.
+        difference: String,
+    },
+    /// A folder's trials come out otherwise now.
+    #[error(
+        "{} was made by another version of this program: {trial} comes out otherwise now; \
+         choose another folder, or start anew",
+        path.display()
+    )]
+    Code {
+        /// The folder.
+        path: PathBuf,
+        /// The trial.
+        trial: String,
+    },
+    /// Another process is at work in the folder.
+    #[error("{}: another process is at work in this folder", .0.display())]
+    Busy(PathBuf),
+    /// Trials are missing.
+    #[error("{missing} of {all} trials are missing, the first is {first}")]
+    Incomplete {
+        /// How many.
+        missing: usize,
+        /// Out of how many.
+        all: usize,
+        /// One of them.
+        first: String,
+    },
+    /// A map cannot be generated or tried.
+    #[error("map {map} of level {level} (seed {seed}): {reason}")]
+    Map {
+        /// Its number within the level.
+        map: u32,
+        /// Its level.
+        level: f64,
+        /// Its seed.
+        seed: Seed,
+        /// Why.
+        reason: String,
+    },
+    /// The threads cannot be started.
+    #[error("threads cannot be started: {0}")]
+    Threads(String),
+    /// The report cannot be drawn.
+    #[error("the report cannot be drawn: {0}")]
+    Report(String),
+}
+
+impl ExperimentError {
+    /// The same error once more, for whoever else needs the same map.
+    pub(super) fn again(&self) -> ExperimentError {
+        match self {
+            ExperimentError::Map { map, level, seed, reason } => ExperimentError::Map {
+                map: *map,
+                level: *level,
+                seed: *seed,
+                reason: reason.clone(),
+            },
+            other => ExperimentError::Report(other.to_string()),
+        }
+    }
+}
+
+/// What a folder holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Head {
+    version: u32,
+    shard: Shard,
+    design: Design,
+}
+
+/// An experiment in its folder: finished trials are there, whatever happens to the program.
+///
+/// ```no_run
+/// use std::ops::ControlFlow;
+///
+/// use mapping_trial::experiment::{Design, Experiment, Shard, report};
+///
+/// let mut experiment = Experiment::open("out".as_ref(), &Design::quick(), Shard::WHOLE)?;
+/// experiment.run(0, &|progress| {
+///     println!("{} of {}", progress.done, progress.all);
+///     ControlFlow::Continue(())
+/// })?;
+/// report::write(&experiment, 0)?;
+/// # Ok::<(), mapping_trial::experiment::ExperimentError>(())
+/// ```
+#[derive(Debug)]
+pub struct Experiment {
+    folder: PathBuf,
+    head: Head,
+    /// This share's trials with their places in the design's order.
+    trials: Vec<(usize, Trial)>,
+    /// Finished trials by place.
+    records: BTreeMap<usize, Record>,
+    lines: Lines,
+}
+
+impl Experiment {
+    /// Begins an experiment in a folder, or goes on with it. A last line that was not finished is
+    /// dropped.
+    ///
+    /// # Errors
+    ///
+    /// A design that is not allowed; a folder that cannot be written, holds another experiment,
+    /// is in use, or holds trials that come out otherwise now.
+    pub fn open(folder: &Path, design: &Design, shard: Shard) -> Result<Self, ExperimentError> {
+        design.validate()?;
+        let head = Head { version: EXPERIMENT_VERSION, shard, design: design.clone() };
+        write::folder(folder)?;
+        let head_path = folder.join(HEAD);
+        match read_head(&head_path)? {
+            Some(found) if found != head => {
+                let difference = difference(&found, &head);
+                return Err(ExperimentError::Other { path: folder.to_owned(), difference });
+            }
+            Some(_) => {}
+            None => {
+                if folder.join(TRIALS).exists() {
+                    let reason = format!("there are trials but no {HEAD} that says of what");
+                    return Err(ExperimentError::Content { path: folder.to_owned(), reason });
+                }
+                write::whole(&head_path, &json(&head, &head_path)?)?;
+            }
+        }
+        let (lines, text) = Lines::open(folder)?;
+        let trials = share(&head);
+        let records = parse(&text, &head, &lines.path)?;
+        let experiment = Experiment { folder: folder.to_owned(), head, trials, records, lines };
+        experiment.check_code()?;
+        Ok(experiment)
+    }
+
+    /// Begins an experiment anew: what the folder holds of an earlier one is thrown away.
+    ///
+    /// # Errors
+    ///
+    /// As [`Experiment::open`].
+    pub fn fresh(folder: &Path, design: &Design, shard: Shard) -> Result<Self, ExperimentError> {
+        design.validate()?;
+        for name in [HEAD, TRIALS] {
+            let path = folder.join(name);
+            match std::fs::remove_file(&path) {
+                Err(source) if source.kind() != io::ErrorKind::NotFound => {
+                    return Err(ExperimentError::File { path, source });
+                }
+                _ => {}
+            }
+        }
+        Experiment::open(folder, design, shard)
+    }
+
+    /// Joins the shares of an experiment in a folder of its own. Shares may overlap.
+    ///
+    /// # Errors
+    ///
+    /// Shares of different designs, trials that differ, trials that are missing; a folder that
+    /// cannot be written or holds another experiment.
+    pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Self, ExperimentError> {
+        let mut whole: Option<Head> = None;
+        let mut records: BTreeMap<usize, Record> = BTreeMap::new();
+        for part in parts {
+            let path = part.join(HEAD);
+            let missing = || ExperimentError::Content {
+                path: path.clone(),
+                reason: "this file is not there: the folder holds no share".to_owned(),
+            };
+            let head = read_head(&path)?.ok_or_else(missing)?;
+            let joined = Head { shard: Shard::WHOLE, ..head.clone() };
+            match &whole {
+                Some(first) if *first != joined => {
+                    let difference = difference(&joined, first);
+                    return Err(ExperimentError::Other { path: part.clone(), difference });
+                }
+                _ => whole = Some(joined),
+            }
+            let path = part.join(TRIALS);
+            let text = std::fs::read_to_string(&path);
+            let text =
+                text.map_err(|source| ExperimentError::File { path: path.clone(), source })?;
+            let text = text.rfind('\n').map_or("", |end| &text[..=end]);
+            for (place, record) in parse(text, &head, &path)? {
+                if records.get(&place).is_some_and(|known| *known != record) {
+                    let trial = name(&head.design, &record.trial);
+                    return Err(ExperimentError::Code { path: part.clone(), trial });
+                }
+                records.insert(place, record);
+            }
+        }
+        let Some(head) = whole else {
+            let reason = "no folders to merge".to_owned();
+            return Err(ExperimentError::Content { path: folder.to_owned(), reason });
+        };
+        let mut merged = Experiment::open(folder, &head.design, Shard::WHOLE)?;
+        merged.records = records;
+        merged.require_all()?;
+        merged.settle()?;
+        Ok(merged)
+    }
+
+    /// Runs the trials that are still to do on so many threads, 0 for one a core. `watch` is told of
+    /// every finished trial and can stop the experiment, which goes on from there another time.
+    /// True when all trials are finished.
+    ///
+    /// # Errors
+    ///
+    /// A map that cannot be tried, a file that cannot be written. What is finished stays.
+    pub fn run(
+        &mut self,
+        threads: usize,
+        watch: &(dyn Fn(Progress<'_>) -> ControlFlow<()> + Sync),
+    ) -> Result<bool, ExperimentError> {
+        let pending: Vec<(usize, Trial)> = self
+            .trials
+            .iter()
+            .filter(|(place, _)| !self.records.contains_key(place))
+            .copied()
+            .collect();
+        let (found, result) = run::run(
+            &self.head.design,
+            &pending,
+            self.trials.len(),
+            threads,
+            &mut self.lines,
+            watch,
+        );
+        self.records.extend(found);
+        result?;
+        if !self.is_complete() {
+            return Ok(false);
+        }
+        self.settle()?;
+        Ok(true)
+    }
+
+    /// Puts the lines into the design's order, so that threads and interrupts leave no trace.
+    fn settle(&mut self) -> Result<(), ExperimentError> {
+        let mut text = Vec::new();
+        for record in self.records.values() {
+            text.extend(line(record, &self.lines.path)?);
+        }
+        self.lines.replace(&text)
+    }
+
+    /// Runs the first finished trial again.
+    fn check_code(&self) -> Result<(), ExperimentError> {
+        let Some(record) = self.records.values().next() else { return Ok(()) };
+        let site = Site::new(&self.head.design, &record.trial)?;
+        let (again, _) = site.run(&self.head.design, &record.trial)?;
+        self.require_same(record, &again)
+    }
+
+    /// Says when a trial comes out otherwise than it did.
+    pub(super) fn require_same(
+        &self,
+        known: &Record,
+        again: &Record,
+    ) -> Result<(), ExperimentError> {
+        if known == again {
+            return Ok(());
+        }
+        let trial = name(&self.head.design, &known.trial);
+        Err(ExperimentError::Code { path: self.folder.clone(), trial })
+    }
+
+    /// Says which trials are missing.
+    pub(super) fn require_all(&self) -> Result<(), ExperimentError> {
+        let mut missing = self.trials.iter().filter(|(place, _)| !self.records.contains_key(place));
+        let Some((_, first)) = missing.next() else { return Ok(()) };
+        Err(ExperimentError::Incomplete {
+            missing: 1 + missing.count(),
+            all: self.trials.len(),
+            first: name(&self.head.design, first),
+        })
+    }
+
+    /// Whether all trials of this share are finished.
+    pub fn is_complete(&self) -> bool {
+        self.records.len() == self.trials.len()
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// What is to be tried.
+    pub fn design(&self) -> &Design {
+        &self.head.design
+    }
+
+    /// The share of the trials.
+    pub fn shard(&self) -> Shard {
+        self.head.shard
+    }
+
+    /// Trials of this share.
+    pub fn trials(&self) -> usize {
+        self.trials.len()
+    }
+
+    /// The finished trials, in the design's order.
+    pub fn records(&self) -> impl ExactSizeIterator<Item = &Record> {
+        self.records.values()
+    }
+}
+
+/// A trial in words.
+fn name(design: &Design, trial: &Trial) -> String {
+    format!(
+        "the trial of map {} of level {} with noise {} by {}",
+        trial.map,
+        design.level(trial),
+        trial.noise,
+        operator_name(trial.operator)
+    )
+}
+
+fn share(head: &Head) -> Vec<(usize, Trial)> {
+    let trials = head.design.trials().into_iter().enumerate();
+    trials.filter(|(place, _)| head.shard.has(*place)).collect()
+}
+
+fn json<T: Serialize>(value: &T, path: &Path) -> Result<Vec<u8>, ExperimentError> {
+    let content = |error: serde_json::Error| ExperimentError::Content {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    };
+    let mut bytes = serde_json::to_vec_pretty(value).map_err(content)?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
+fn line(record: &Record, path: &Path) -> Result<Vec<u8>, ExperimentError> {
+    let content = |error: serde_json::Error| ExperimentError::Content {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    };
+    let mut bytes = serde_json::to_vec(record).map_err(content)?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
+fn read_head(path: &Path) -> Result<Option<Head>, ExperimentError> {
+    let content = |reason: String| ExperimentError::Content { path: path.to_owned(), reason };
+    let text = match std::fs::read(path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(source) => return Err(ExperimentError::File { path: path.to_owned(), source }),
+    };
+    let not = |error: serde_json::Error| content(format!("this is no experiment: {error}"));
+    let value: serde_json::Value = serde_json::from_slice(&text).map_err(not)?;
+    // The version first: another one may have other fields.
+    let version = value.get("version").and_then(serde_json::Value::as_u64);
+    if let Some(version) = version.filter(|&version| version != u64::from(EXPERIMENT_VERSION)) {
+        let expected = EXPERIMENT_VERSION;
+        let reason = format!("an experiment of version {version}, this one reads {expected}");
+        return Err(content(reason));
+    }
+    serde_json::from_value(value).map(Some).map_err(not)
+}
+
+/// The first thing in which two experiments differ.
+fn difference(found: &Head, asked: &Head) -> String {
+    if found.shard != asked.shard {
+        return format!("share {}, asked is {}", found.shard, asked.shard);
+    }
+    let fields = |head: &Head| match serde_json::to_value(&head.design) {
+        Ok(serde_json::Value::Object(fields)) => fields,
+        _ => serde_json::Map::new(),
+    };
+    let (found, asked) = (fields(found), fields(asked));
+    let mut differ = found.iter().filter(|(name, value)| asked.get(*name) != Some(*value));
+    differ.next().map_or_else(String::new, |(name, value)| {
+        let asked = asked.get(name).unwrap_or(&serde_json::Value::Null);
+        format!("`{name}` is {value}, asked is {asked}")
+    })
+}
+
+/// Reads whole lines, each a trial of this share that was not there before.
+fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<usize, Record>, ExperimentError> {
+    let places = share(head);
+    // Trials are in order of level, map, noise and operator's place among all.
+    let key = |trial: &Trial| (trial.level, trial.map, trial.noise, operator_name(trial.operator));
+    let places: BTreeMap<_, usize> =
+        places.into_iter().map(|(place, trial)| (key(&trial), place)).collect();
+    let mut records = BTreeMap::new();
+    for (i, line) in text.lines().enumerate() {
+        let bad = |reason: String| ExperimentError::Content {
+            path: path.to_owned(),
+            reason: format!("line {}: {reason}", i + 1),
+        };
+        let record: Record = serde_json::from_str(line).map_err(|error| bad(error.to_string()))?;
+        let of_design = places.get(&key(&record.trial));
+        let place = *of_design.ok_or_else(|| bad("a trial of another design".to_owned()))?;
+        if records.insert(place, record).is_some() {
+            return Err(bad("a trial that is there twice".to_owned()));
+        }
+    }
+    Ok(records)
+}
+
+/// The file of the trials.
+#[derive(Debug)]
+pub(super) struct Lines {
+    path: PathBuf,
+    file: File,
+    /// Bytes of whole lines.
+    len: u64,
+}
+
+impl Lines {
+    /// Opens the file, and takes it for this process alone. A last line without its end is cut off.
+    fn open(folder: &Path) -> Result<(Self, String), ExperimentError> {
+        let path = folder.join(TRIALS);
+        let error = |source| ExperimentError::File { path: path.clone(), source };
+        let mut options = OpenOptions::new();
+        options.read(true).write(true).create(true).truncate(false);
+        let mut file = options.open(&path).map_err(error)?;
+        if !file.metadata().map_err(error)?.is_file() {
+            let reason = "this is no file".to_owned();
+            return Err(ExperimentError::Content { path, reason });
+        }
+        // Where files cannot be locked there is nobody to tell.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(ExperimentError::Busy(folder.to_owned()));
+        }
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(error)?;
+        let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+        bytes.truncate(whole);
+        file.set_len(whole as u64).map_err(error)?;
+        file.seek(SeekFrom::End(0)).map_err(error)?;
+        let text = String::from_utf8(bytes).map_err(|_| ExperimentError::Content {
+            path: path.clone(),
+            reason: "this is not text".to_owned(),
+        })?;
+        Ok((Lines { path, file, len: whole as u64 }, text))
+    }
+
+    /// Adds a trial; when that fails, nothing of it stays if the disk allows.
+    pub(super) fn append(&mut self, record: &Record) -> Result<(), ExperimentError> {
+        let bytes = line(record, &self.path)?;
+        match self.file.write_all(&bytes) {
+            Ok(()) => {
+                self.len += bytes.len() as u64;
+                Ok(())
+            }
+            Err(source) => {
+                let cut = self.file.set_len(self.len);
+                // What is left of the line is dropped by whoever reads the file next.
+                drop(cut);
+                Err(ExperimentError::File { path: self.path.clone(), source })
+            }
+        }
+    }
+
+    /// Replaces all lines at once.
+    fn replace(&mut self, text: &[u8]) -> Result<(), ExperimentError> {
+        write::whole(&self.path, text)?;
+        let error = |source| ExperimentError::File { path: self.path.clone(), source };
+        let file = OpenOptions::new().append(true).open(&self.path).map_err(error)?;
+        // The lock of the old file goes with it; the new one is this process's own as well.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(ExperimentError::Busy(self.path.clone()));
+        }
+        self.file = file;
+        self.len = text.len() as u64;
+        Ok(())
+    }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+    use crate::experiment::tests::record;
+
+    #[test]
+    fn a_full_disk_is_told() {
+        let path = PathBuf::from("/dev/full");
+        let file = OpenOptions::new().write(true).open(&path).unwrap();
+        let mut lines = Lines { path, file, len: 0 };
+        let told = lines.append(&record(0, 0, 0, 1.0)).expect_err("full");
+        assert!(told.to_string().starts_with("/dev/full: No space left"), "{told}");
+        assert_eq!(lines.len, 0);
+    }
+}

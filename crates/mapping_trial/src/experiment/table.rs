@@ -1,0 +1,167 @@
+//! Every trial as a row: CSV and Parquet.
+
+use std::sync::Arc;
+
+use parquet::basic::{LogicalType, Repetition, Type as Physical};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::errors::ParquetError;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::design::Design;
+use super::record::Record;
+use super::stats::driver;
+use super::store::ExperimentError;
+
+/// A column: its name and a value a trial.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// As in the files' heads.
+    pub name: String,
+    /// The values.
+    pub values: Values,
+}
+
+/// The values of a column.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// Whole numbers.
+    Whole(Vec<i64>),
+    /// Numbers, which some trials may not have.
+    Real(Vec<Option<f64>>),
+    /// Words.
+    Text(Vec<String>),
+}
+
+/// The columns of all trials: which trial it was, M, N, D and their parts, the other scores, what
+/// the rules made of the map, and what proves it.
+pub fn columns(design: &Design, records: &[&Record]) -> Vec<Column> {
+    let whole = |name: &str, of: &dyn Fn(&Record) -> u64| Column {
+        name: name.to_owned(),
+        // Parquet's tools read seeds best as signed numbers; they are far below 2^63 by default.
+        values: Values::Whole(records.iter().map(|record| of(record) as i64).collect()),
+    };
+    let text = |name: &str, of: &dyn Fn(&Record) -> String| Column {
+        name: name.to_owned(),
+        values: Values::Text(records.iter().map(|record| of(record)).collect()),
+    };
+    let levels = records.iter().map(|record| Some(design.level(&record.trial)));
+    let mut columns = vec![
+        Column { name: "level".to_owned(), values: Values::Real(levels.collect()) },
+        whole("map", &|r| u64::from(r.trial.map)),
+        whole("noise", &|r| u64::from(r.trial.noise)),
+        text("operator", &|r| driver(r).to_owned()),
+        text("end", &|r| r.end.map_or("", |end| end.text()).to_owned()),
+    ];
+    columns.extend(numbers(records.iter().map(|record| &record.scores)));
+    columns.extend(numbers(records.iter().map(|record| &record.features)));
+    columns.extend([
+        whole("world_seed", &|r| r.world_seed.0),
+        whole("noise_seed", &|r| r.noise_seed.0),
+        text("world_digest", &|r| r.world_digest.clone()),
+        text("log_digest", &|r| r.log_digest.clone()),
+    ]);
+    columns
+}
+
+/// The fields of flat structs of numbers, the difficulties and their parts first.
+fn numbers<T: Serialize>(rows: impl Iterator<Item = T>) -> Vec<Column> {
+    let rows: Vec<serde_json::Map<String, Value>> = rows
+        .filter_map(|row| match serde_json::to_value(row) {
+            Ok(Value::Object(fields)) => Some(fields),
+            _ => None,
+        })
+        .collect();
+    let Some(first) = rows.first() else { return Vec::new() };
+    let mut names: Vec<&String> = first.keys().collect();
+    let difficulties = ["difficulty", "mapping", "navigation"];
+    names.sort_by_key(|name| {
+        let place = difficulties.iter().position(|first| first == *name);
+        (place.unwrap_or(difficulties.len()), !name.starts_with("e_"), *name)
+    });
+    let column = |name: &String| {
+        let value = |row: &serde_json::Map<String, Value>| row.get(name).cloned();
+        let whole: Option<Vec<i64>> =
+            rows.iter().map(|row| value(row).and_then(|value| value.as_i64())).collect();
+        let values = match whole {
+            Some(whole) => Values::Whole(whole),
+            None => Values::Real(
+                rows.iter().map(|row| value(row).and_then(|value| value.as_f64())).collect(),
+            ),
+        };
+        Column { name: name.clone(), values }
+    };
+    names.into_iter().map(column).collect()
+}
+
+/// The table as CSV (RFC 4180). Numbers keep every digit; what a trial does not have is empty.
+pub fn csv(columns: &[Column]) -> Result<Vec<u8>, ExperimentError> {
+    let told = |error: csv::Error| ExperimentError::Report(error.to_string());
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(columns.iter().map(|column| &column.name)).map_err(told)?;
+    for row in 0..rows(columns) {
+        let cells = columns.iter().map(|column| match &column.values {
+            Values::Whole(values) => values[row].to_string(),
+            Values::Real(values) => values[row].map_or_else(String::new, |x| x.to_string()),
+            Values::Text(values) => values[row].clone(),
+        });
+        writer.write_record(cells).map_err(told)?;
+    }
+    writer.into_inner().map_err(|error| ExperimentError::Report(error.error().to_string()))
+}
+
+fn rows(columns: &[Column]) -> usize {
+    columns.first().map_or(0, |column| match &column.values {
+        Values::Whole(values) => values.len(),
+        Values::Real(values) => values.len(),
+        Values::Text(values) => values.len(),
+    })
+}
+
+/// The table as a Parquet file of one row group, not compressed.
+pub fn parquet(columns: &[Column]) -> Result<Vec<u8>, ExperimentError> {
+    write_parquet(columns).map_err(|error| ExperimentError::Report(error.to_string()))
+}
+
+fn write_parquet(columns: &[Column]) -> Result<Vec<u8>, ParquetError> {
+    let field = |column: &Column| {
+        let (physical, repetition, logical) = match &column.values {
+            Values::Whole(_) => (Physical::INT64, Repetition::REQUIRED, None),
+            Values::Real(_) => (Physical::DOUBLE, Repetition::OPTIONAL, None),
+            Values::Text(_) => {
+                (Physical::BYTE_ARRAY, Repetition::REQUIRED, Some(LogicalType::String))
+            }
+        };
+        let field = Type::primitive_type_builder(&column.name, physical);
+        field.with_repetition(repetition).with_logical_type(logical).build().map(Arc::new)
+    };
+    let fields = columns.iter().map(field).collect::<Result<Vec<_>, _>>()?;
+    let schema = Arc::new(Type::group_type_builder("trials").with_fields(fields).build()?);
+    let properties = Arc::new(WriterProperties::builder().build());
+    let mut writer = SerializedFileWriter::new(Vec::new(), schema, properties)?;
+    let mut group = writer.next_row_group()?;
+    for column in columns {
+        let Some(mut out) = group.next_column()? else { break };
+        match &column.values {
+            Values::Whole(values) => {
+                out.typed::<Int64Type>().write_batch(values, None, None)?;
+            }
+            Values::Real(values) => {
+                let known: Vec<f64> = values.iter().copied().flatten().collect();
+                let levels: Vec<i16> = values.iter().map(|x| i16::from(x.is_some())).collect();
+                out.typed::<DoubleType>().write_batch(&known, Some(&levels), None)?;
+            }
+            Values::Text(values) => {
+                let bytes: Vec<ByteArray> =
+                    values.iter().map(|text| ByteArray::from(text.as_str())).collect();
+                out.typed::<ByteArrayType>().write_batch(&bytes, None, None)?;
+            }
+        }
+        out.close()?;
+    }
+    group.close()?;
+    writer.into_inner()
+}

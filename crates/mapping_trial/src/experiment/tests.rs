@@ -1,0 +1,335 @@
+use std::fs;
+use std::io::Write;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use envgen::Seed;
+use tempfile::TempDir;
+
+use super::stats::analyse;
+use super::*;
+use crate::operator::OperatorKind;
+use crate::score::Scores;
+
+/// Small maps and short trials.
+pub(super) fn small() -> Design {
+    let nearest = vec![OperatorKind::Nearest];
+    Design {
+        maps: 2,
+        noise_seeds: 2,
+        operators: nearest.clone(),
+        replay: Replay { maps: 1, operators: vec![OperatorKind::Nearest, OperatorKind::Corridors] },
+        size: 7,
+        time_limit: 4.0,
+        ..Design::default()
+    }
+}
+
+/// Two levels alone.
+fn tiny() -> Design {
+    Design { levels: vec![1.0, 9.0], ..small() }
+}
+
+/// A record that no trial made.
+pub(super) fn record(level: u32, map: u32, noise: u32, difficulty: f64) -> Record {
+    Record {
+        trial: Trial { level, map, noise, operator: OperatorKind::Nearest },
+        world_seed: Seed(0),
+        noise_seed: Seed(0),
+        world_digest: String::new(),
+        log_digest: String::new(),
+        end: None,
+        features: MapFeatures::default(),
+        scores: Scores {
+            difficulty,
+            mapping: difficulty,
+            navigation: difficulty,
+            e_time: difficulty / 10.0,
+            ..Scores::default()
+        },
+    }
+}
+
+/// Records of a whole design whose difficulties are given by level and map.
+pub(super) fn made_records(design: &Design, of: impl Fn(usize, u32) -> f64) -> Vec<Record> {
+    let trials = design.trials().into_iter();
+    let made = trials.map(|trial| {
+        let difficulty = of(trial.level as usize, trial.map);
+        Record { trial, ..record(0, 0, 0, difficulty) }
+    });
+    made.collect()
+}
+
+fn go_on(_: Progress<'_>) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn run(folder: &Path, design: &Design, shard: Shard, threads: usize) -> Experiment {
+    let mut experiment = Experiment::open(folder, design, shard).expect("a folder");
+    assert!(experiment.run(threads, &go_on).expect("trials"));
+    experiment
+}
+
+/// Every file of a folder, by name.
+fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry"));
+    let mut files: Vec<_> = entries
+        .map(|entry| {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            (name, fs::read(entry.path()).expect("a file"))
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+fn assert_same(a: &Path, b: &Path) {
+    let (a, b) = (files(a), files(b));
+    let names = |files: &[(String, Vec<u8>)]| -> Vec<String> {
+        files.iter().map(|(name, _)| name.clone()).collect()
+    };
+    assert_eq!(names(&a), names(&b));
+    for ((name, a), (_, b)) in a.iter().zip(&b) {
+        assert!(a == b, "{name} differs");
+    }
+}
+
+#[test]
+fn threads_interrupts_and_shards_leave_no_trace() {
+    let design = tiny();
+    let straight = TempDir::new().unwrap();
+    let experiment = run(straight.path(), &design, Shard::WHOLE, 1);
+    report::write(&experiment, 1).expect("a report");
+    drop(experiment);
+    assert_eq!(files(straight.path()).len(), 2 + report::FILES.len());
+
+    let threaded = TempDir::new().unwrap();
+    let experiment = run(threaded.path(), &design, Shard::WHOLE, 2);
+    report::write(&experiment, 2).expect("a report");
+    assert_same(straight.path(), threaded.path());
+
+    // Stopped after three trials, the fourth half written.
+    let interrupted = TempDir::new().unwrap();
+    let seen = AtomicUsize::new(0);
+    let mut experiment = Experiment::open(interrupted.path(), &design, Shard::WHOLE).unwrap();
+    let complete = experiment.run(2, &|_| {
+        if seen.fetch_add(1, Ordering::Relaxed) < 2 {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    });
+    assert!(!complete.expect("trials"));
+    let told = report::write(&experiment, 1).expect_err("not complete").to_string();
+    assert!(told.contains("trials are missing"), "{told}");
+    drop(experiment);
+    let lines = interrupted.path().join("trials.jsonl");
+    let mut text = fs::read(&lines).unwrap();
+    text.extend(b"{\"trial\":{\"level\":1,\"ma");
+    fs::write(&lines, text).unwrap();
+    let mut experiment = Experiment::open(interrupted.path(), &design, Shard::WHOLE).unwrap();
+    let before = experiment.records().len();
+    assert!((3..=4).contains(&before), "{before}");
+    let again = AtomicUsize::new(0);
+    let complete = experiment.run(2, &|_| {
+        again.fetch_add(1, Ordering::Relaxed);
+        ControlFlow::Continue(())
+    });
+    assert!(complete.expect("trials"));
+    assert_eq!(before + again.into_inner(), experiment.trials());
+    report::write(&experiment, 1).expect("a report");
+    assert_same(straight.path(), interrupted.path());
+
+    // Three shares, merged in another order; one more than needed.
+    let shares = TempDir::new().unwrap();
+    let folders: Vec<_> = [3, 1, 2]
+        .map(|index| {
+            let folder = shares.path().join(index.to_string());
+            let share = run(&folder, &design, Shard { index, of: 3 }, 1);
+            let told = report::write(&share, 1).expect_err("a share").to_string();
+            assert!(told.contains("merge"), "{told}");
+            folder
+        })
+        .into();
+    let merged = TempDir::new().unwrap();
+    let told = Experiment::merge(merged.path(), &folders[..2]).expect_err("one is missing");
+    assert!(matches!(told, ExperimentError::Incomplete { .. }), "{told}");
+    let experiment = Experiment::merge(merged.path(), &folders).expect("all shares");
+    report::write(&experiment, 1).expect("a report");
+    assert_same(straight.path(), merged.path());
+}
+
+#[test]
+fn a_report_has_every_part() {
+    let folder = TempDir::new().unwrap();
+    let design = Design { levels: vec![1.0, 5.0, 9.0], noise_seeds: 1, ..small() };
+    let experiment = run(folder.path(), &design, Shard::WHOLE, 2);
+    let paths = report::write(&experiment, 2).expect("a report");
+    let html = fs::read_to_string(&paths[0]).unwrap();
+    for part in ["Difficulty against level", "The order of three maps", "Statistics", "to blame"] {
+        assert!(html.contains(part), "{part}");
+    }
+    // Two panels of two figures and one of the rules; three pictures of each level's map.
+    assert_eq!(html.matches("<svg").count(), 5);
+    assert_eq!(html.matches("data:image/png;base64,").count(), 9);
+    for outside in ["http://", "https://", "<script", "<link", "NaN", "inf"] {
+        let text = html.replace("http://www.w3.org/2000/svg", "");
+        let found = text
+            .split("base64,")
+            .any(|piece| piece.split_once('"').map_or(piece, |(_, after)| after).contains(outside));
+        assert!(!found, "{outside}");
+    }
+    let rows = experiment.trials();
+    let csv = fs::read_to_string(&paths[2]).unwrap();
+    assert_eq!(csv.lines().count(), rows + 1);
+    assert!(csv.starts_with("level,map,noise,operator,end,difficulty,mapping,navigation,e_cov,"));
+}
+
+#[test]
+fn csv_and_parquet_hold_the_same_numbers() {
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field;
+
+    let design = tiny();
+    let mut records = made_records(&design, |level, map| 0.1 * level as f64 + f64::from(map) / 3.0);
+    records[0].scores.relative_error_far = Some(0.25);
+    records[1].world_seed = Seed(70_004);
+    let records: Vec<&Record> = records.iter().collect();
+    let columns = table::columns(&design, &records);
+    let mut file = tempfile::tempfile().unwrap();
+    file.write_all(&table::parquet(&columns).expect("a file")).unwrap();
+    let reader = SerializedFileReader::new(file).expect("its own file");
+    let csv = table::csv(&columns).expect("a file");
+    let mut csv = csv::Reader::from_reader(&csv[..]);
+    let head = csv.headers().unwrap().clone();
+    let rows = csv.records().zip(reader.get_row_iter(None).expect("rows"));
+    let mut count = 0;
+    for (line, row) in rows {
+        let (line, row) = (line.unwrap(), row.unwrap());
+        for ((name, cell), (other, field)) in head.iter().zip(&line).zip(row.get_column_iter()) {
+            assert_eq!(name, other);
+            match &field {
+                Field::Null => assert_eq!(cell, ""),
+                Field::Double(x) => assert_eq!(cell.parse(), Ok(*x)),
+                Field::Long(n) => assert_eq!(cell.parse(), Ok(*n)),
+                Field::Str(text) => assert_eq!(cell, text.as_str()),
+                other => panic!("{other:?}"),
+            }
+        }
+        count += 1;
+    }
+    assert_eq!(count, records.len());
+}
+
+#[test]
+fn folders_of_other_experiments_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let design = tiny();
+    drop(Experiment::open(folder.path(), &design, Shard::WHOLE).unwrap());
+    let open = |design: &Design, shard| {
+        Experiment::open(folder.path(), design, shard).expect_err("another").to_string()
+    };
+    let told = open(&Design { maps: 3, ..design.clone() }, Shard::WHOLE);
+    assert!(told.contains("`maps` is 2, asked is 3"), "{told}");
+    let told = open(&design, Shard { index: 1, of: 2 });
+    assert!(told.contains("share 1/1, asked is 1/2"), "{told}");
+    let told = open(&Design { maps: 0, ..design.clone() }, Shard::WHOLE);
+    assert!(told.contains("`maps` is 0"), "{told}");
+
+    let head = folder.path().join("experiment.json");
+    let text = fs::read_to_string(&head).unwrap();
+    fs::write(&head, text.replacen("\"version\": 1", "\"version\": 9", 1)).unwrap();
+    let told = open(&design, Shard::WHOLE);
+    assert!(told.contains("version 9, this one reads 1"), "{told}");
+    fs::write(&head, "no json").unwrap();
+    assert!(open(&design, Shard::WHOLE).contains("this is no experiment"));
+    fs::remove_file(&head).unwrap();
+    assert!(open(&design, Shard::WHOLE).contains("no experiment.json"));
+    // Anew, all is well.
+    drop(Experiment::fresh(folder.path(), &design, Shard::WHOLE).expect("anew"));
+    drop(Experiment::open(folder.path(), &design, Shard::WHOLE).expect("again"));
+}
+
+#[test]
+fn bad_lines_and_other_code_are_told() {
+    let folder = TempDir::new().unwrap();
+    let design = Design { noise_seeds: 1, ..tiny() };
+    drop(run(folder.path(), &design, Shard::WHOLE, 2));
+    let lines = folder.path().join("trials.jsonl");
+    let text = fs::read_to_string(&lines).unwrap();
+    let open = |text: &str| {
+        fs::write(&lines, text).unwrap();
+        Experiment::open(folder.path(), &design, Shard::WHOLE).expect_err("bad").to_string()
+    };
+    let first = text.lines().next().unwrap();
+    assert!(open(&format!("{text}{first}\n")).contains("there twice"));
+    assert!(open(&format!("{text}{{}}\n")).contains("line 7: missing field"));
+    let other = first.replacen("\"map\":0", "\"map\":77", 1);
+    assert!(open(&format!("{other}\n")).contains("a trial of another design"));
+    let changed = first.replacen("\"log_digest\":\"", "\"log_digest\":\"0", 1);
+    let told = open(&format!("{changed}\n"));
+    assert!(told.contains("the trial of map 0 of level 1 with noise 0 by nearest"), "{told}");
+    fs::write(&lines, [0xff, 0xfe, b'\n']).unwrap();
+    let told = Experiment::open(folder.path(), &design, Shard::WHOLE).expect_err("bad");
+    assert!(told.to_string().contains("not text"), "{told}");
+}
+
+#[test]
+fn a_folder_is_one_process_at_a_time() {
+    let folder = TempDir::new().unwrap();
+    let first = Experiment::open(folder.path(), &tiny(), Shard::WHOLE).unwrap();
+    let told = Experiment::open(folder.path(), &tiny(), Shard::WHOLE).expect_err("busy");
+    assert!(matches!(told, ExperimentError::Busy(_)), "{told}");
+    drop(first);
+    drop(Experiment::open(folder.path(), &tiny(), Shard::WHOLE).expect("free again"));
+}
+
+#[test]
+fn folders_that_cannot_be_written_are_told() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("file");
+    fs::write(&file, "").unwrap();
+    let told = Experiment::open(&file, &tiny(), Shard::WHOLE).expect_err("a file").to_string();
+    assert!(told.contains(&file.display().to_string()), "{told}");
+    let told = Experiment::merge(folder.path(), &[folder.path().join("none")]);
+    assert!(told.expect_err("no share").to_string().contains("holds no share"));
+    let told = Experiment::merge(folder.path(), &[]).expect_err("none").to_string();
+    assert!(told.contains("no folders to merge"), "{told}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_device_in_a_files_place_is_not_read() {
+    let folder = TempDir::new().unwrap();
+    drop(Experiment::open(folder.path(), &tiny(), Shard::WHOLE).unwrap());
+    let lines = folder.path().join("trials.jsonl");
+    fs::remove_file(&lines).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", &lines).unwrap();
+    let told = Experiment::open(folder.path(), &tiny(), Shard::WHOLE).expect_err("a device");
+    assert!(told.to_string().contains("this is no file"), "{told}");
+}
+
+#[test]
+fn operators_averaged_and_alone_are_told_apart() {
+    let design = small();
+    let records = made_records(&design, |level, map| level as f64 + 0.1 * f64::from(map));
+    let records: Vec<&Record> = records.iter().collect();
+    let found = analyse(&design, &records);
+    assert_eq!((found.main.trials, found.main.values.len()), (5 * 2 * 2, 10));
+    assert_eq!((found.replay.trials, found.replay.values.len()), (5 * 2, 5));
+    assert_eq!(found.main.operators.len(), 1);
+    assert_eq!(found.replay.operators.len(), 2);
+    let order = &found.main.orders[0];
+    assert_eq!((order.neighbours_in_order, order.neighbours()), (4, 4));
+    let rho = order.rho.expect("a correlation");
+    assert!(rho.value > 0.97 && rho.low > 0.9 && rho.high <= 1.0);
+    let shares = order.shares.expect("shares");
+    assert!(shares.level > 0.99 && shares.noise.is_some_and(|noise| noise < 1e-9));
+    assert_eq!(found.main.relative[0].ranks, [1.0, 2.0, 3.0]);
+    assert_eq!(found.weights.len(), 20);
+    // One map a level: no spread within levels, and no interval but the whole scale.
+    let alone = found.replay.orders[0].means[0].mean;
+    assert_eq!((alone.low, alone.high), (0.0, 10.0));
+    assert_eq!(found.replay.orders[0].shares, None);
+}

@@ -1,0 +1,242 @@
+//! The experiment of O. Zwennes, *Adaptive Indoor Map Generator for USARSim* (2011), replayed with
+//! programs at the controls: do the rules order maps by difficulty, and which rule is to blame where
+//! not?
+//!
+//! ```text
+//! cargo run --release --example thesis_experiment -- --quick
+//! cargo run --release --example thesis_experiment -- --maps 10 --seeds 3
+//! ```
+//!
+//! Every finished trial is on disk at once: a run that was interrupted goes on where it stopped when
+//! the same command is given again. In the folder appear `report.html`, `summary.json`,
+//! `trials.csv` and `trials.parquet`, the same to the last byte whatever the number of threads and
+//! however often it was interrupted.
+//!
+//! # Many machines
+//!
+//! `--shard I/N` runs a share of the trials, `--merge` joins the shares into the same report. With
+//! the same other arguments in every job:
+//!
+//! ```text
+//! # GNU parallel, here or over ssh
+//! parallel -j 2 thesis_experiment --threads 1 --shard {}/4 --out out/part{} ::: 1 2 3 4
+//! thesis_experiment --merge out/part1 out/part2 out/part3 out/part4 --out out/all
+//!
+//! # Slurm: sbatch --array=1-100 --cpus-per-task=4 job.sh
+//! thesis_experiment --threads 4 --shard $SLURM_ARRAY_TASK_ID/100 --out parts/$SLURM_ARRAY_TASK_ID
+//!
+//! # Kubernetes: a Job with completionMode: Indexed and completions: 100, whose indices begin at 0
+//! thesis_experiment --shard $((JOB_COMPLETION_INDEX + 1))/100 --out /parts/$JOB_COMPLETION_INDEX
+//! ```
+
+use std::io::IsTerminal;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use envgen::Seed;
+use envgen::indoor::Profile;
+use indicatif::{ProgressBar, ProgressStyle};
+use mapping_trial::experiment::{Design, Experiment, ExperimentError, Shard, report};
+use mapping_trial::lidar::LaserProfile;
+use mapping_trial::names::Named;
+use mapping_trial::operator::OperatorKind;
+use mapping_trial::slam::SlamKind;
+
+/// Do the rules of Zwennes (2011) order indoor maps by difficulty? Programs map them, the maps are
+/// scored, and a report says what was measured.
+///
+/// The paper's design (levels 1, 3, 5, 7 and 9, two maps each, five operators) always runs; the
+/// larger design is set by the options. An interrupted run goes on when the same command is given
+/// again.
+#[derive(Parser)]
+#[command(after_long_help = JOBS)]
+struct Arguments {
+    /// A look within two minutes: six maps a level, one noise seed, by `nearest`.
+    #[arg(long)]
+    quick: bool,
+
+    /// Maps a level [default: 20, with --quick 6].
+    #[arg(long)]
+    maps: Option<u32>,
+
+    /// Noise seeds a map [default: 5, with --quick 1].
+    #[arg(long)]
+    seeds: Option<u32>,
+
+    /// Levels of difficulty.
+    #[arg(long, value_delimiter = ',', default_value = "1,3,5,7,9")]
+    levels: Vec<f64>,
+
+    /// Who maps the larger design [default: all five, with --quick nearest].
+    #[arg(long, value_delimiter = ',', value_parser = OperatorKind::named)]
+    operators: Option<Vec<OperatorKind>>,
+
+    /// The rules to the letter, or with every place reachable.
+    #[arg(long, default_value = "thesis", value_parser = ["thesis", "guaranteed"])]
+    profile: String,
+
+    /// Side of the maps in grid units of 3 m.
+    #[arg(long, default_value_t = 16)]
+    size: u32,
+
+    /// How poses and maps are estimated: scan_to_map, pose_graph or dead_reckoning.
+    #[arg(long, default_value = "scan_to_map", value_parser = SlamKind::named)]
+    slam: SlamKind,
+
+    /// What the laser measures: lms200_mm, lms200_mm_rough or usarsim.
+    #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named)]
+    laser: LaserProfile,
+
+    /// Simulated seconds after which a trial ends.
+    #[arg(long, default_value_t = 1200.0)]
+    time_limit: f64,
+
+    /// The seed of all maps and noise.
+    #[arg(long, default_value_t = Seed(0))]
+    seed: Seed,
+
+    /// Threads; one a core when 0.
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
+    threads: u16,
+
+    /// Run only a share of the trials, such as 2/8.
+    #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
+    shard: Shard,
+
+    /// Join the folders of all shares instead of running trials.
+    #[arg(long, value_name = "FOLDER", num_args = 1.., conflicts_with_all = [
+        "quick", "maps", "seeds", "levels", "operators", "profile", "size", "slam", "laser",
+        "time_limit", "seed", "shard", "fresh",
+    ])]
+    merge: Vec<PathBuf>,
+
+    /// Throw away what the folder holds of an earlier experiment.
+    #[arg(long)]
+    fresh: bool,
+
+    /// The folder to write into.
+    #[arg(long, default_value = "out/experiment", value_name = "FOLDER")]
+    out: PathBuf,
+}
+
+/// How to run on many machines, under `--help`.
+const JOBS: &str = "\
+On many machines, with the same other options in every job:
+
+  GNU parallel
+    parallel -j 2 thesis_experiment --threads 1 --shard {}/4 --out out/part{} ::: 1 2 3 4
+    thesis_experiment --merge out/part1 out/part2 out/part3 out/part4 --out out/all
+  Slurm (sbatch --array=1-100)
+    thesis_experiment --shard $SLURM_ARRAY_TASK_ID/100 --out parts/$SLURM_ARRAY_TASK_ID
+  Kubernetes (a Job with completionMode: Indexed and completions: 100)
+    thesis_experiment --shard $((JOB_COMPLETION_INDEX + 1))/100 --out /parts/$JOB_COMPLETION_INDEX
+
+The merged report is that of one run, byte for byte.";
+
+#[expect(clippy::print_stderr, reason = "where errors are told")]
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+#[expect(clippy::print_stdout, reason = "what an example is for")]
+fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
+    let threads = usize::from(arguments.threads);
+    if !arguments.merge.is_empty() {
+        let experiment = Experiment::merge(&arguments.out, &arguments.merge)?;
+        return write_report(&experiment, threads);
+    }
+    let (design, shard) = (arguments.design(), arguments.shard);
+    let begin = if arguments.fresh { Experiment::fresh } else { Experiment::open };
+    let mut experiment = begin(&arguments.out, &design, shard)?;
+    announce(&experiment);
+    let bar = progress(&experiment);
+    let result = experiment.run(threads, &|progress| {
+        bar.set_position(progress.done as u64);
+        ControlFlow::Continue(())
+    });
+    bar.finish_and_clear();
+    result?;
+    if shard == Shard::WHOLE {
+        return write_report(&experiment, threads);
+    }
+    println!("share {shard} is finished: {}", experiment.folder().display());
+    Ok(())
+}
+
+impl Arguments {
+    fn design(&self) -> Design {
+        let design = if self.quick { Design::quick() } else { Design::default() };
+        let maps = self.maps.unwrap_or(design.maps);
+        let mut replay = design.replay;
+        replay.maps = replay.maps.min(maps);
+        Design {
+            levels: self.levels.clone(),
+            maps,
+            noise_seeds: self.seeds.unwrap_or(design.noise_seeds),
+            operators: self.operators.clone().unwrap_or(design.operators),
+            replay,
+            profile: if self.profile == "thesis" { Profile::Thesis } else { Profile::Guaranteed },
+            size: self.size,
+            slam: self.slam,
+            laser: self.laser.clone(),
+            time_limit: self.time_limit,
+            seed: self.seed,
+            ..design
+        }
+    }
+}
+
+/// Says how much there is to do.
+#[expect(clippy::print_stdout, reason = "what an example is for")]
+fn announce(experiment: &Experiment) {
+    let (design, all) = (experiment.design(), experiment.trials());
+    let done = experiment.records().len();
+    let share = match experiment.shard() {
+        Shard::WHOLE => String::new(),
+        shard => format!(" of share {shard}"),
+    };
+    println!(
+        "{all} trials{share}: {} levels x {} maps x {} noise seeds x {} operators, and the paper's \
+         {} maps a level by {} operators",
+        design.levels.len(),
+        design.maps,
+        design.noise_seeds,
+        design.operators.len(),
+        design.replay.maps,
+        design.replay.operators.len(),
+    );
+    if done > 0 {
+        println!("{done} of them were finished before, in {}", experiment.folder().display());
+    }
+}
+
+/// A bar with the time left on stderr; nothing where that is no terminal.
+fn progress(experiment: &Experiment) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(experiment.trials() as u64);
+    bar.set_position(experiment.records().len() as u64);
+    bar.reset_eta();
+    bar.enable_steady_tick(std::time::Duration::from_millis(500));
+    match ProgressStyle::with_template("{bar:40} {pos}/{len} trials, {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+#[expect(clippy::print_stdout, reason = "what an example is for")]
+fn write_report(experiment: &Experiment, threads: usize) -> Result<(), ExperimentError> {
+    for path in report::write(experiment, threads)? {
+        println!("wrote {}", path.display());
+    }
+    Ok(())
+}
