@@ -67,7 +67,16 @@ fn the_same_seed_gives_the_same_parts_and_another_seed_others() {
 /// compare runs, unless it comes with a raised value version of the kind.
 #[test]
 fn digests_are_frozen() {
-    let frozen = ["", "", "", "", "", "", "", ""];
+    let frozen = [
+        "b6b3fb3bdb184e58",
+        "1e3e0666aa63af73",
+        "287eecff14edb4c8",
+        "ee05dea79fc9b66d",
+        "08e89f6d1c26fa55",
+        "5003b525473593a8",
+        "4e827ed5c117367e",
+        "25d33901e033febe",
+    ];
     let mut found = Vec::new();
     for spec in specs() {
         let mut app = test_app();
@@ -166,16 +175,19 @@ fn a_hundred_rebuilds_leak_nothing() {
     let entities = |app: &App| app.world().entities().count_spawned();
     let first = (spawned(&mut app), in_rapier(&mut app), entities(&app));
     assert!(first.1.1 > 10, "the indoor map has doors");
-    let tables = app.world().archetypes().len();
-    for _ in 0..100 {
+    let mut archetypes = 0;
+    for round in 0..100 {
         for root in [hallway, indoor] {
             app.world_mut().trigger(RebuildEnvironment { entity: root });
         }
         step(&mut app, 1);
+        if round == 1 {
+            archetypes = app.world().archetypes().len();
+        }
     }
     step(&mut app, 2);
     assert_eq!((spawned(&mut app), in_rapier(&mut app), entities(&app)), first);
-    assert_eq!(app.world().archetypes().len(), tables);
+    assert_eq!(app.world().archetypes().len(), archetypes);
 }
 
 #[test]

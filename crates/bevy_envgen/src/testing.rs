@@ -39,12 +39,27 @@ pub fn test_app() -> App {
     test_app_with(EnvgenPlugins::default())
 }
 
+/// The same with assets from a folder of one's own; files that change are loaded again with the
+/// feature `file_watcher`.
+#[cfg(feature = "asset")]
+pub fn test_app_in(folder: &std::path::Path) -> App {
+    let file_path = folder.to_string_lossy().into_owned();
+    finished(AssetPlugin { file_path, ..default() }, EnvgenPlugins::default())
+}
+
 /// The same with plugins of one's own choice and settings.
 pub fn test_app_with<M>(plugins: impl bevy::app::Plugins<M>) -> App {
+    #[cfg(feature = "asset")]
+    let assets = AssetPlugin::default();
+    #[cfg(not(feature = "asset"))]
+    let assets = |_: &mut App| {};
+    finished(assets, plugins)
+}
+
+fn finished<A, M>(assets: impl bevy::app::Plugins<A>, plugins: impl bevy::app::Plugins<M>) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin));
-    #[cfg(feature = "asset")]
-    app.add_plugins(AssetPlugin::default());
+    app.add_plugins(assets);
     #[cfg(feature = "physics")]
     app.add_plugins(crate::physics::TopDownPhysicsPlugin::new(STEPS_A_SECOND));
     app.add_plugins(plugins);

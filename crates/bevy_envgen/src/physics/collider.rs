@@ -13,7 +13,10 @@ use crate::tessellate::triangles;
 pub(crate) type Piece = (Pose, SharedShape);
 
 /// The share of a polygon's area that its convex pieces may miss by rounding.
-const AREA_TOLERANCE: f32 = 1e-3;
+const AREA_TOLERANCE: f64 = 1e-3;
+
+/// Corners whose cosine is below this are right angles.
+const RIGHT_ANGLE: f32 = 1e-5;
 
 /// A collider of a part alone, in the frame of the part; `None` for what has no extent.
 pub(crate) fn collider(shape: &PartShape) -> Option<Collider> {
@@ -61,38 +64,62 @@ fn append_pieces(pieces: &mut Vec<Piece>, at: Pose, shape: &PartShape) {
             pieces.push((at, SharedShape::cuboid(half_size.x, half_size.y)));
         }
         PartShape::Polygon { vertices } => {
-            let shapes = polygon(vertices).unwrap_or_else(|| outline(vertices));
-            pieces.extend(shapes.into_iter().map(|shape| (at, shape)));
+            let inner = polygon(vertices).unwrap_or_else(|| outline(vertices));
+            pieces.extend(inner.into_iter().map(|(pose, shape)| (at * pose, shape)));
         }
     }
 }
 
-/// The convex pieces of a polygon; `None` when single precision leaves nothing of it, or too little.
-fn polygon(vertices: &[Vec2]) -> Option<Vec<SharedShape>> {
-    if is_convex(vertices)
-        && let Some(shape) = SharedShape::convex_polyline(vertices.to_vec())
-    {
-        return Some(vec![shape]);
-    }
+/// The shapes that fill a polygon; `None` when single precision leaves nothing of it, or too little.
+///
+/// Rectangles and triangles, but no convex polygons of more corners: parry finds the range of a ray
+/// to those by iteration, which strays by centimetres.
+fn polygon(vertices: &[Vec2]) -> Option<Vec<Piece>> {
     let area = |vertices: &[Vec2]| {
         let corners: Vec<_> = vertices.iter().map(|v| v.as_dvec2()).collect();
-        envgen::geometry::signed_area(&corners).abs() as f32
+        envgen::geometry::signed_area(&corners)
     };
-    let convex = hertel_mehlhorn(vertices, &triangles(vertices));
-    let mut filled = 0.0;
-    let mut shapes = Vec::with_capacity(convex.len());
-    for piece in convex {
-        filled += area(&piece);
-        shapes.extend(SharedShape::convex_polyline(piece));
-    }
+    let convex = if is_convex(vertices) {
+        vec![vertices.to_vec()]
+    } else {
+        hertel_mehlhorn(vertices, &triangles(vertices))
+    };
     let all = area(vertices);
-    ((filled - all).abs() <= AREA_TOLERANCE * all && !shapes.is_empty()).then_some(shapes)
+    let filled: f64 = convex.iter().map(|piece| area(piece)).sum();
+    if convex.is_empty() || (filled - all).abs() > AREA_TOLERANCE * all {
+        return None;
+    }
+    let mut pieces = Vec::with_capacity(convex.len());
+    for piece in convex {
+        if let Some(rectangle) = rectangle(&piece) {
+            pieces.push(rectangle);
+        } else {
+            let fan = piece.windows(2).skip(1);
+            let triangle = |side: &[Vec2]| SharedShape::triangle(piece[0], side[0], side[1]);
+            pieces.extend(fan.map(|side| (Pose::IDENTITY, triangle(side))));
+        }
+    }
+    Some(pieces)
+}
+
+/// A polygon of four right angles as a cuboid.
+fn rectangle(vertices: &[Vec2]) -> Option<Piece> {
+    let &[a, b, c, d] = vertices else { return None };
+    let (along, up) = (b - a, d - a);
+    let (width, height) = (along.length(), up.length());
+    let closed = c.distance(b + up) <= RIGHT_ANGLE * width.min(height);
+    if !(closed && along.dot(up).abs() <= RIGHT_ANGLE * width * height) {
+        return None;
+    }
+    let pose = Pose::new(0.25 * (a + b + c + d), along.y.atan2(along.x));
+    Some((pose, SharedShape::cuboid(0.5 * width, 0.5 * height)))
 }
 
 /// The sides of a polygon, for one too thin to be filled.
-fn outline(vertices: &[Vec2]) -> Vec<SharedShape> {
+fn outline(vertices: &[Vec2]) -> Vec<Piece> {
     let ends = vertices.iter().copied().cycle().skip(1);
-    vertices.iter().zip(ends).map(|(&a, b)| SharedShape::segment(a, b)).collect()
+    let sides = vertices.iter().zip(ends);
+    sides.map(|(&a, b)| (Pose::IDENTITY, SharedShape::segment(a, b))).collect()
 }
 
 fn is_convex(vertices: &[Vec2]) -> bool {
@@ -144,6 +171,13 @@ mod tests {
         }
     }
 
+    fn corners_of(shape: &PartShape) -> Vec<Vec2> {
+        match shape {
+            PartShape::Polygon { vertices } => vertices.clone(),
+            _ => Vec::new(),
+        }
+    }
+
     #[test]
     fn every_shape_has_its_collider() {
         let place = |shape: &Shape| crate::shape::Frame::new(DVec2::ZERO).place(shape).1;
@@ -153,8 +187,12 @@ mod tests {
         assert!(collider(&place(&turned)).unwrap().as_cuboid().is_some());
         let line = Shape::Segment { a: DVec2::ZERO, b: DVec2::ONE };
         assert!(collider(&place(&line)).unwrap().as_segment().is_some());
-        let convex = Shape::Polygon { vertices: turned.corners() };
-        assert!(collider(&place(&convex)).unwrap().as_convex_polygon().is_some());
+        let rectangle = Shape::Polygon { vertices: turned.corners() };
+        let pieces = polygon(&corners_of(&place(&rectangle))).unwrap();
+        assert_eq!(pieces.len(), 1);
+        assert!(pieces[0].1.as_cuboid().is_some());
+        let kite = [Vec2::NEG_Y, Vec2::X * 2.0, Vec2::Y, Vec2::NEG_X];
+        assert_eq!(polygon(&kite).unwrap().len(), 2);
         assert!(collider(&PartShape::Point).is_none());
     }
 
