@@ -32,7 +32,7 @@ fn impossible_specs_are_events() {
         ("Hallway(segments: 4000000000)", "segments"),
         ("Forest(intensity: -1.0)", "intensity"),
         ("Forest(width: 1e30)", "width"),
-        ("Forest(min_distance: 5.0, intensity: 1.0)", "intensity"),
+        ("Forest(min_distance: 5.0, intensity: 1.0)", "min_distance"),
         ("Road(length: -5.0)", "length"),
         ("Landscape(entropy: 99.0)", "entropy"),
         ("Indoor(difficulty: 11.0)", "difficulty"),

@@ -17,19 +17,32 @@ fn walls(app: &mut App) -> usize {
     app.world_mut().query::<&Wall>().iter(app.world()).count()
 }
 
-#[test]
-fn no_two_of_our_systems_are_ambiguous() {
-    let mut app = test_app();
+/// Makes an ambiguity a panic, when the schedules are built again.
+fn refuse_ambiguities(app: &mut App) {
     for schedule in [Update.intern(), FixedUpdate.intern(), PostUpdate.intern()] {
         app.edit_schedule(schedule, |schedule| {
             let ambiguity_detection = LogLevel::Error;
             schedule.set_build_settings(ScheduleBuildSettings { ambiguity_detection, ..default() });
         });
     }
-    // Built anew with the settings, an ambiguity is a panic.
+}
+
+#[test]
+fn no_two_of_our_systems_are_ambiguous() {
+    let mut app = test_app();
+    refuse_ambiguities(&mut app);
     app.world_mut().spawn((hallway(), DoorSchedule::default()));
     step(&mut app, 3);
     assert!(walls(&mut app) > 0);
+}
+
+#[test]
+#[should_panic(expected = "ambigu")]
+fn an_ambiguity_would_show() {
+    let mut app = test_app();
+    refuse_ambiguities(&mut app);
+    app.add_systems(FixedUpdate, (|_: Query<&mut Transform>| {}, |_: Query<&mut Transform>| {}));
+    step(&mut app, 3);
 }
 
 #[test]

@@ -107,6 +107,9 @@ impl Plan {
     /// the rectangle around their parts.
     pub(crate) fn near(&self, p: DVec2, radius: f64) -> Vec<(f64, TileKey)> {
         let mut found = Vec::new();
+        if !p.is_finite() {
+            return found;
+        }
         let mut visit = |key: &TileKey, tile: &TilePlan| {
             let distance = distance(tile.bounds, p);
             if distance <= radius {
