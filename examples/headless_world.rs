@@ -51,9 +51,11 @@ fn main() -> Result {
         println!("  after 500 steps the robot is {:.2} m from its start", to.distance(from));
 
         // What its scanner sees, by rapier and exactly.
-        let ranges = app.world_mut().run_system_once(move |rapier: ReadRapierContext| {
-            scan(&rapier, robot, to.truncate())
-        })??;
+        let see = move |rapier: ReadRapierContext| scan(&rapier, robot, to.truncate());
+        let ranges = match app.world_mut().run_system_once(see) {
+            Ok(ranges) => ranges?,
+            Err(error) => return Err(error.to_string().into()),
+        };
         let rays = Raycaster::new(&truth);
         let here = (to - offset).truncate().as_dvec2();
         let mut worst = 0.0_f64;

@@ -210,6 +210,9 @@ fn streams_that_cannot_be_are_named() {
         }
         let error = wait_until_ready(&mut app, root).unwrap_err();
         assert!(error.to_string().contains(says), "{says}: {error}");
+        // It is said once, not in every frame.
+        app.world_mut().entity_mut(root).observe(|_: On<EnvironmentFailed>| panic!("said twice"));
+        step(&mut app, 3);
         app.world_mut().despawn(root);
     }
     // An anchor that is nowhere, or nobody, is waited for.

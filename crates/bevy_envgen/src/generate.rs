@@ -110,7 +110,9 @@ pub(crate) fn request_worlds(
     for (entity, environment, stream, mut slot, mut state) in &mut environments {
         let tile = stream.map(|stream| stream.tile);
         let waits = matches!(slot.job, Job::Asset);
-        let same_tile = slot.asked.as_ref().is_some_and(|asked| asked.tile == tile);
+        // By bits, so that a side that is no number is refused once and not in every frame.
+        let bits = |tile: Option<f64>| tile.map(f64::to_bits);
+        let same_tile = slot.asked.as_ref().is_some_and(|asked| bits(asked.tile) == bits(tile));
         if !(environment.is_changed() || slot.stale || waits || !same_tile) {
             continue;
         }

@@ -397,6 +397,31 @@ mod tests {
     }
 
     #[test]
+    #[cfg(feature = "serialize")]
+    fn components_survive_a_file() {
+        use std::fmt::Debug;
+
+        fn there_and_back<T>(part: T)
+        where
+            T: serde::Serialize + serde::de::DeserializeOwned + Debug + PartialEq,
+        {
+            let text = ron::to_string(&part).unwrap();
+            assert_eq!(ron::from_str::<T>(&text).unwrap(), part);
+        }
+        there_and_back(PartId { kind: PartKind::Ground, tile: [-1, 7], index: 3 });
+        there_and_back(Wall { kind: WallKind::Kerb });
+        there_and_back(Doorway { open: true, rooms: [None, Some(2)] });
+        there_and_back(Room { name: "hall".to_owned(), difficulty: Some(2.5), lit: false });
+        there_and_back(Surface { kind: SurfaceKind::Class(4), speed: 0.5, odometry_noise: 2.0 });
+        there_and_back(Start);
+        there_and_back(crate::PartShape::Strip {
+            centreline: vec![Vec2::ZERO, Vec2::new(1.5, -2.0)],
+            width: 7.0,
+            closed: false,
+        });
+    }
+
+    #[test]
     fn every_kind_of_thing_keeps_its_name() {
         // Both sides print their variants' names, so a variant that is missing here shows.
         for kind in [
