@@ -3,7 +3,8 @@
 #![expect(clippy::print_stdout, reason = "the result of a benchmark")]
 
 use bench_ratio::{at_most, contest, faster, seconds};
-use envgen::forest::ForestSpec;
+use envgen::forest::{EndlessForest, ForestSpec};
+use envgen::geometry::Rect;
 use envgen::glam::DVec2;
 use envgen::{Seed, Spec};
 use fast_poisson::Poisson2D;
@@ -12,6 +13,7 @@ fn main() {
     plain();
     spaced();
     brute_force();
+    endless();
 }
 
 /// A square forest of `trees` trees whose intensity x distance^2 is `filling`; 1 m apart.
@@ -95,4 +97,21 @@ fn brute_force() {
         },
     );
     faster("2000 spaced trees, against comparing each with each", times, 4.0);
+}
+
+/// A window of 100 x 100 tiles, spaced and plain, of as many trees.
+fn endless() {
+    let window = Rect::new(DVec2::splat(-503.0), DVec2::splat(497.0));
+    let forest = |min_distance: f64| {
+        let spec = ForestSpec { min_distance, intensity: 0.15, ..Default::default() };
+        EndlessForest::new(&spec, 10.0, Seed(1))
+    };
+    let (Ok(spaced), Ok(plain)) = (forest(1.0), forest(0.0)) else { return };
+    let times = contest(|| spaced.window(window), || plain.window(window));
+    at_most("endless spaced forest, against a plain one", times, 10.0);
+    let tiles = || {
+        (-51..49).map(|i| (-51..49).map(|j| spaced.tile(i, j).len()).sum::<usize>()).sum::<usize>()
+    };
+    let times = contest(|| spaced.window(window), tiles);
+    at_most("endless spaced forest, a window against tiles one by one", times, 0.7);
 }

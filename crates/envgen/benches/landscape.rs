@@ -87,13 +87,14 @@ fn counting() {
         let edges = contest(|| edge_count(black_box(&cells), cols), read);
         say(&format!("reading {side}^2"), ns(edges.1, side * side), "ns a cell");
         at_most(&format!("Total Edge of {side}^2 by reading it once"), edges, 4.0);
-        let adjacency = long_contest(|| Adjacency::new(black_box(&cells), cols), read);
-        say(
-            &format!("adjacency of 9 classes, {side}^2"),
-            ns(adjacency.0, side * side),
-            "ns a cell",
-        );
-        at_most(&format!("adjacency of 9 classes, {side}^2, by reading it once"), adjacency, 4.0);
+        for classes in [2, 9, 10, 200] {
+            let cells =
+                random_fill(&vec![(side * side / classes) as u32; classes as usize], Seed(1));
+            let what = format!("adjacency of {classes} classes, {side}^2");
+            let adjacency = long_contest(|| Adjacency::new(black_box(&cells), cols), read);
+            say(&what, ns(adjacency.0, side * side), "ns a cell");
+            at_most(&format!("{what}, by reading it once"), adjacency, 4.0);
+        }
         let patched =
             long_contest(|| patches(black_box(&cells), cols, Neighbourhood::Eight), read).0;
         say(&format!("patches of {side}^2"), ns(patched, side * side), "ns a cell");

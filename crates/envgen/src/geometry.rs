@@ -213,6 +213,24 @@ impl Shape {
         }
     }
 
+    /// The point of the shape that is nearest to a point: the point itself when it lies inside.
+    pub fn nearest_point(&self, p: DVec2) -> DVec2 {
+        match self {
+            Shape::Segment { a, b } => nearest_on_segment(p, *a, *b),
+            Shape::Disc { center, radius } => *center + (p - *center).clamp_length_max(*radius),
+            Shape::Box { center, half_size, heading } => {
+                let axis = box_axis(*heading);
+                *center
+                    + axis.rotate(into_box(p - *center, *heading).clamp(-*half_size, *half_size))
+            }
+            Shape::Polygon { vertices } if polygon_contains(vertices, p) => p,
+            Shape::Polygon { vertices } => edges(vertices)
+                .map(|(a, b)| nearest_on_segment(p, a, b))
+                .min_by(|q, r| p.distance_squared(*q).total_cmp(&p.distance_squared(*r)))
+                .unwrap_or(p),
+        }
+    }
+
     /// Area in square metres, 0 for a segment.
     pub fn area(&self) -> f64 {
         match self {
@@ -256,12 +274,17 @@ pub fn signed_area(vertices: &[DVec2]) -> f64 {
     0.5 * edges(vertices).map(|(a, b)| (a - origin).perp_dot(b - origin)).sum::<f64>()
 }
 
-/// Distance from a point to the line from `a` to `b`.
-pub fn distance_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+/// The point of the line from `a` to `b` that is nearest to a point.
+pub fn nearest_on_segment(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
     let along = b - a;
     let length2 = along.length_squared();
     let t = if length2 > 0.0 { ((p - a).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
-    p.distance(a + along * t)
+    a + along * t
+}
+
+/// Distance from a point to the line from `a` to `b`.
+pub fn distance_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    p.distance(nearest_on_segment(p, a, b))
 }
 
 /// Whether two lines share a point, ends and overlaps included.

@@ -4,6 +4,9 @@ use glam::DVec2;
 
 use crate::geometry::{Rect, edges};
 
+/// Cells of a lattice that indexes parts, at most: 8 bytes each.
+pub(crate) const MAX_CELLS: f64 = (1 << 22) as f64;
+
 /// Square cells in rows over an area; row 0 is the lowest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lattice {
@@ -21,6 +24,15 @@ pub(crate) enum Convex<'a> {
 }
 
 impl Lattice {
+    /// About `target` cells over an area, [`MAX_CELLS`] at most.
+    pub(crate) fn over(area: Rect, target: f64) -> Lattice {
+        let size = area.size();
+        let longest = size.max_element();
+        let side = (size.x * size.y / target).sqrt().max(longest / MAX_CELLS.sqrt()).min(longest);
+        let cells = (size / side).ceil().max(DVec2::ONE);
+        Lattice { origin: area.min, side, cols: cells.x as usize, rows: cells.y as usize }
+    }
+
     /// Calls `visit` with row, first and last column of every run of cells that the shape touches.
     /// In each row a convex shape covers one interval of x, and every cell of it holds a point of
     /// the shape.

@@ -26,7 +26,7 @@
 //! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`Kind`], [`settings`] |
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | what generators make | [`World`], [`world`], [`geometry`] |
-//! | what reads a world | [`occupancy`], [`raycast`], [`certificate`], `picture` |
+//! | what reads a world | [`occupancy`], [`raycast`], [`proximity`], [`ground`], [`placement`], [`mod@distance`], [`certificate`], `picture` |
 //! | files | [`export`], [`import`], [`mod@file`] |
 //!
 //! # What holds
@@ -46,6 +46,7 @@
 
 pub mod certificate;
 pub mod curve;
+pub mod distance;
 pub mod distribution;
 mod error;
 pub mod export;
@@ -53,6 +54,7 @@ pub mod file;
 pub mod forest;
 mod generate;
 pub mod geometry;
+pub mod ground;
 pub mod hallway;
 pub mod import;
 pub mod indoor;
@@ -61,7 +63,9 @@ mod lattice;
 pub mod occupancy;
 #[cfg(feature = "picture")]
 pub mod picture;
+pub mod placement;
 mod provenance;
+pub mod proximity;
 pub mod raycast;
 pub mod road;
 mod seed;

@@ -97,6 +97,32 @@ impl OccupancyGrid {
         Ok(OccupancyGrid { lattice, occupied })
     }
 
+    /// A grid of cells that are known, row by row from the lowest, each `cols` long; what is missing
+    /// of the last row is free.
+    ///
+    /// # Errors
+    /// As [`OccupancyGrid::of`].
+    pub fn from_cells(
+        origin: DVec2,
+        resolution: f64,
+        cols: usize,
+        mut occupied: Vec<bool>,
+    ) -> Result<Self, OccupancyError> {
+        if !(resolution > 0.0 && resolution.is_finite()) {
+            return Err(OccupancyError::Resolution(resolution));
+        }
+        let cols = cols.max(1);
+        let rows = occupied.len().div_ceil(cols).max(1);
+        let cells = rows as u64 * cols as u64;
+        if cells > MAX_CELLS {
+            let (cols, rows) = (cols as f64, rows as f64);
+            return Err(OccupancyError::Size { resolution, cols, rows });
+        }
+        occupied.resize(cells as usize, false);
+        let lattice = Lattice { origin, side: resolution, cols, rows };
+        Ok(OccupancyGrid { lattice, occupied })
+    }
+
     /// Number of columns.
     pub fn cols(&self) -> usize {
         self.lattice.cols

@@ -3,14 +3,11 @@
 use glam::DVec2;
 
 use crate::geometry::{Pose, Rect, Shape, edges, polygon_contains, unit_vector};
-use crate::lattice::{Convex, Lattice, Lists};
+use crate::lattice::{Convex, Lattice, Lists, MAX_CELLS};
 use crate::world::{PartId, World};
 
 /// Cells that the index has for each shape, about, where parts are spread evenly.
 const CELLS_A_SHAPE: f64 = 2.0;
-
-/// Cells of the index, at most: 8 bytes each.
-const MAX_CELLS: f64 = (1 << 22) as f64;
 
 /// Cells that list a shape, on average over all shapes, at most. Worlds whose parts lie over each
 /// other get a coarser index, so that its memory is bounded.
@@ -129,7 +126,7 @@ impl Raycaster {
         let numbers: Vec<u32> = (0..polygons.len() as u32).collect();
         let mut target = (shapes.len() as f64 * CELLS_A_SHAPE).clamp(1.0, MAX_CELLS);
         loop {
-            let lattice = lattice(around, target);
+            let lattice = Lattice::over(around, target);
             let most = (lattice.cols * lattice.rows > 1).then_some(MAX_LISTINGS * shapes.len());
             let listed = Lists::build(&lattice, &shapes, most, Listing::touched_runs);
             let filled = Lists::build(&lattice, &numbers, most, |&i, lattice, visit| {
@@ -234,15 +231,6 @@ fn shift(cell: &mut usize, forward: bool, len: usize) -> bool {
     let next = if forward { *cell + 1 } else { cell.wrapping_sub(1) };
     *cell = next;
     next < len
-}
-
-/// A lattice of about `target` cells over an area.
-fn lattice(area: Rect, target: f64) -> Lattice {
-    let size = area.size();
-    let longest = size.max_element();
-    let side = (size.x * size.y / target).sqrt().max(longest / MAX_CELLS.sqrt()).min(longest);
-    let cells = (size / side).ceil().max(DVec2::ONE);
-    Lattice { origin: area.min, side, cols: cells.x as usize, rows: cells.y as usize }
 }
 
 /// The cells around a filled polygon's bounding box: only where rays start does a listing too many

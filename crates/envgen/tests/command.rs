@@ -188,9 +188,14 @@ fn indoor_maps_take_rooms_from_a_folder_and_go_to_the_world_generator() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = std::fs::read_to_string(&map).unwrap();
     assert!(text.contains("<room name=\"vault\"") && text.contains("<door "));
-    // The room is in no catalogue that `inspect` knows.
-    let (code, error) = failure(&["inspect", map.to_str().unwrap()]);
+    // The room is in no catalogue that `inspect` knows by itself.
+    let map = map.to_str().unwrap();
+    let (code, error) = failure(&["inspect", map]);
     assert!(code != 0 && error.contains("`vault`"), "{error}");
+    for command in ["inspect", "check"] {
+        let output = run(&[command, map, "--rooms", rooms]);
+        assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+    }
 
     let before = names(folder.path());
     std::fs::write(&room, "(name: \"vault\", width: -1, height: 1, difficulty: 3)").unwrap();
@@ -201,7 +206,53 @@ fn indoor_maps_take_rooms_from_a_folder_and_go_to_the_world_generator() {
     assert!(code == 2 && error.contains("indoor"), "{error}");
     let (code, error) = failure(&["generate", "hallway", "--out", new.to_str().unwrap()]);
     assert!(code == 1 && error.contains("plan of an indoor map"), "{error}");
+    let (code, error) = failure(&["check", map, "--rooms", "no/such/folder"]);
+    assert!(code == 2 && error.contains("there is no folder `no/such/folder`"), "{error}");
+    let nowhere = folder.path().join("nowhere/map.svg");
+    let (code, error) = failure(&["generate", "indoor", "--out", nowhere.to_str().unwrap()]);
+    assert!(code == 1 && error.contains("there is no folder `") && error.contains("nowhere"));
     assert_eq!(names(folder.path()), before);
+}
+
+#[test]
+fn room_libraries_describe_what_the_catalogue_lacks() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let library =
+        file("library.xml", "<roomList><room name=\"sauna\" size=\"1, 2, 1\"/></roomList>");
+    let project = file(
+        "project.xml",
+        "<world depth=\"2\" width=\"3\" name=\"spa\">
+           <room name=\"hallway\" x=\"0\" y=\"0\"/><room name=\"sauna\" x=\"0\" y=\"1\"/>
+           <door x=\"0\" y=\"1\" direction=\"1\"/><door x=\"1\" y=\"1\" direction=\"1\"/><lamp/>
+         </world>",
+    );
+    let output = run(&["inspect", &project, "--library", &library, "--json"]);
+    let notes = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{notes}");
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&report["parts"]["rooms"], &report["parts"]["doorways"]), (&1.into(), &1.into()));
+    for says in ["1 doors lead nowhere", "1 elements are no rooms or doors", "1 rooms are known"] {
+        assert!(notes.contains(&format!("note: {project}: {says}")), "{notes}");
+    }
+    let (code, error) = failure(&["check", &project]);
+    assert!(code == 1 && error.contains("`sauna`"), "{error}");
+    let (code, error) = failure(&["check", &project, "--library", &project]);
+    assert!(code == 2 && error.contains("roomList"), "{error}");
+
+    let world = folder.path().join("world.ron");
+    let world = world.to_str().unwrap();
+    let arguments = ["generate", "indoor", "--set", "rooms=sauna", "--out", world];
+    assert_eq!(failure(&arguments).0, 2);
+    let output = run(&[&arguments[..], &["--library", &library]].concat());
+    assert!(output.status.success());
+    assert!(String::from_utf8(output.stderr).unwrap().contains("difficulty 0"));
+    let (code, error) = failure(&["inspect", world, "--library", &library]);
+    assert!(code == 2 && error.contains("projects of the World Generator"), "{error}");
 }
 
 #[test]
@@ -297,4 +348,27 @@ fn names(folder: &Path) -> Vec<String> {
         .collect();
     names.sort();
     names
+}
+
+#[test]
+fn maps_for_robots_are_two_files_that_are_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hall.yaml");
+    let file = path.to_str().unwrap();
+    let output = run(&["generate", "hallway", "--seed", "7", "--out", file]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let image = std::fs::read(folder.path().join("hall.pgm")).unwrap();
+    assert!(image.starts_with(b"P5\n"));
+    let world: Value = serde_json::from_slice(&run(&["inspect", "--json", file]).stdout).unwrap();
+    assert_eq!(world["provenance"]["spec"]["format"], "ros_map");
+    assert!(world["parts"]["walls"].as_u64().unwrap() > 10);
+    assert!(world["start"].is_object());
+
+    std::fs::write(folder.path().join("hall.pgm"), &image[..image.len() / 2]).unwrap();
+    let (code, text) = failure(&["inspect", file]);
+    assert_eq!(code, 1);
+    assert!(text.contains("hall.pgm: the PGM header says"), "{text}");
+    std::fs::remove_file(folder.path().join("hall.pgm")).unwrap();
+    let (code, text) = failure(&["inspect", file]);
+    assert!(code == 1 && text.contains("hall.pgm, which cannot be read"), "{text}");
 }

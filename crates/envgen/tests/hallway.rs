@@ -189,3 +189,20 @@ fn digests_are_frozen() {
         ]
     );
 }
+
+#[test]
+fn a_start_is_a_number_or_a_word() {
+    let start = |text: &str| {
+        let spec = envgen::WorldSpec::from_ron(&format!("Hallway(segments: 5, start: {text})"))?;
+        Ok::<_, envgen::SettingsError>(spec.settings_json()["start"].clone())
+    };
+    for (text, expected) in
+        [("stationary", "\"stationary\""), ("\"stationary\"", "\"stationary\""), ("3", "3")]
+    {
+        assert_eq!(start(text).unwrap().to_string(), expected);
+    }
+    for text in ["9", "0", "sideways", "\"sideways\"", "1.5", "(1)", "Some(1)"] {
+        let error = start(text).unwrap_err().to_string();
+        assert!(error.contains("a state from 1 to 8 or stationary"), "{text}: {error}");
+    }
+}

@@ -27,11 +27,11 @@ fn maps_are_frozen() {
     assert_eq!(
         found,
         [
-            ["0c45f62b5c67c91c", "5edca5fe4ef4cd96"],
-            ["43f07f8e3f4fa806", "d81fce8483a876fd"],
-            ["96bbf6ed373b1117", "8c631fbffa7f5dfc"],
-            ["3f6e7306ac5fb87e", "5bd3ec4c407e786c"],
-            ["4176ab100c51e977", "cd339aaba42c2ecc"]
+            ["28c82f3e3d8f0938", "5edca5fe4ef4cd96"],
+            ["6440421b0ab1e1d8", "d81fce8483a876fd"],
+            ["bbe17176fa71bc5a", "f881d3df2d05e118"],
+            ["2b45783e431be52c", "a92e394ccbf89e5f"],
+            ["071e070beef87114", "911e2d66ee8a8760"]
         ]
     );
 }

@@ -15,8 +15,8 @@ use envgen::glam::DVec2;
 use envgen::hallway::HallwaySpec;
 use envgen::picture::{self, MAX_PIXELS, PictureError, PictureOptions};
 use envgen::world::{
-    Digest, Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind,
-    Tree, Wall, WallKind,
+    Contents, Digest, Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface,
+    SurfaceKind, Tree, Wall, WallKind,
 };
 use envgen::{Blueprint, Seed, Spec, World};
 use proptest::prelude::*;
@@ -233,7 +233,10 @@ fn every_kind_of_part_is_seen() {
         let door = Doorway { shape: block(), open, rooms: [None, None] };
         worlds.push((id.to_owned(), with(|w| w.doorways.push(door))));
     }
-    let room = |difficulty, lit| Room { name: String::new(), shape: block(), difficulty, lit };
+    let room = |difficulty, lit| {
+        let (name, shape, contents) = (String::new(), block(), Contents::AsDesigned);
+        Room { name, shape, difficulty, lit, contents }
+    };
     worlds.push(("rooms-e8eaee".to_owned(), with(|w| w.rooms.push(room(None, true)))));
     worlds.push(("rooms-unlit".to_owned(), with(|w| w.rooms.push(room(None, false)))));
     worlds.push(("rooms-fffbdc".to_owned(), with(|w| w.rooms.push(room(Some(0.0), true)))));
@@ -486,6 +489,7 @@ proptest! {
                     shape,
                     difficulty: Some(difficulty).filter(|d| d.is_finite()),
                     lit: false,
+                    contents: Contents::AsDesigned,
                 }),
                 3 => world.doorways.push(Doorway { shape, open: i < 8, rooms: [None, None] }),
                 n => world.surfaces.push(Surface {

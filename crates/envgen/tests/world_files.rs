@@ -54,20 +54,23 @@ fn ron_has_one_line_a_part() {
 #[test]
 fn formats_write_what_readers_read() {
     // A project of the World Generator holds a plan, not a world.
-    for &(ending, reader) in import::READERS.iter().filter(|(ending, _)| *ending != "xml") {
+    // A map of a robot is two files, with tests of its own.
+    let alone = |ending: &str| !ending.starts_with('y') && ending != "xml";
+    for &(ending, reader) in import::READERS.iter().filter(|(ending, _)| alone(ending)) {
         let format = Format::from_path(format!("a.{ending}").as_ref()).unwrap();
+        let read = |file: Vec<u8>| reader(&mut file.as_slice(), "a".as_ref());
         let written = |world: &World| {
             let mut file = Vec::new();
             format.write(&Job::new(world), &mut file).map(|()| file)
         };
         if ["json", "ron"].contains(&ending) {
             let world = common::indoor();
-            assert_eq!(reader(&mut written(&world).unwrap().as_slice()).unwrap(), world);
+            assert_eq!(read(written(&world).unwrap()).unwrap(), world);
         } else {
             // Of a world these formats hold the raster alone.
             assert!(matches!(written(&common::indoor()), Err(ExportError::Empty { .. })));
             let world = common::landscape();
-            let read = reader(&mut written(&world).unwrap().as_slice()).unwrap();
+            let read = read(written(&world).unwrap()).unwrap();
             let size = |world: &World| world.raster.as_ref().map(|r| (r.rows, r.cols));
             assert_eq!(size(&read), size(&world), "{ending}");
         }

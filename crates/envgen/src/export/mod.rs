@@ -22,6 +22,7 @@ pub mod class_png;
 mod csv;
 pub mod movingai;
 mod opendrive;
+pub mod ros_map;
 
 use std::fmt;
 use std::io::{self, Write};
@@ -30,8 +31,10 @@ use std::path::{Path, PathBuf};
 pub use asc::write_asc;
 use thiserror::Error;
 
+use self::ros_map::RosMap;
 use crate::file::FileError;
 use crate::landscape::metrics::RasterError;
+use crate::occupancy::OccupancyError;
 #[cfg(feature = "picture")]
 use crate::picture::{PictureError, PictureOptions};
 use crate::seed::Seed;
@@ -76,6 +79,9 @@ pub enum ExportError {
         /// What the format is for.
         part: &'static str,
     },
+    /// The world has no grid.
+    #[error(transparent)]
+    Occupancy(#[from] OccupancyError),
     /// The world cannot be drawn.
     #[cfg(feature = "picture")]
     #[error(transparent)]
@@ -120,6 +126,10 @@ impl<'a> Job<'a> {
 
     fn raster(&self) -> Result<&'a ClassRaster, ExportError> {
         self.world.raster.as_ref().ok_or(ExportError::Empty { part: "raster of classes" })
+    }
+
+    fn write_ros_description(&self, out: &mut dyn Write) -> Result<(), ExportError> {
+        Ok(RosMap::of_any_world(self.world)?.write_yaml(&format!("{}.pgm", self.stem), out)?)
     }
 
     fn write_scenarios(&self, out: &mut dyn Write) -> Result<(), ExportError> {
@@ -190,6 +200,9 @@ formats! {
     MovingAi, " Where a landscape can be passed as a MovingAI map, with a scenario of 100 tasks.",
         ["map" => |job, out| Ok(movingai::write_map(job.raster()?, out)?),
          "scen" => |job, out| job.write_scenarios(out)];
+    RosMap, " What is solid as a map for ROS and Nav2, a description and an image.",
+        ["yaml" => |job, out| job.write_ros_description(out),
+         "pgm" => |job, out| Ok(RosMap::of_any_world(job.world)?.write_pgm(out)?)];
 }
 
 fn write_world_generator(job: &Job<'_>, mut out: &mut dyn Write) -> Result<(), ExportError> {

@@ -1,5 +1,6 @@
 //! A forest without borders, tile by tile.
 
+use std::collections::VecDeque;
 use std::f64::consts::PI;
 
 use glam::DVec2;
@@ -59,6 +60,9 @@ struct Parent {
     mark: u64,
 }
 
+/// The trees before thinning of three tiles, one above the other.
+type Column = [Vec<Parent>; 3];
+
 impl EndlessForest {
     /// A forest in tiles of `tile` metres.
     ///
@@ -112,34 +116,43 @@ impl EndlessForest {
 
     /// The trees whose centres lie in tile (`i`, `j`), always in the same order.
     pub fn tile(&self, i: i32, j: i32) -> Vec<Tree> {
-        let own = self.parents_of(i, j);
-        let distance = self.spec.min_distance;
-        if distance <= 0.0 {
-            return own.into_iter().map(|parent| parent.tree).collect();
+        if self.spec.min_distance <= 0.0 {
+            return self.parents_of(i, j).into_iter().map(|parent| parent.tree).collect();
         }
+        let columns = [-1, 0, 1].map(|di| self.column(i.checked_add(di), j));
+        self.thinned(i, j, columns.each_ref())
+    }
+
+    /// The trees of tile (`i`, `j`) that marks leave, of the tiles around it by columns.
+    fn thinned(&self, i: i32, j: i32, columns: [&Column; 3]) -> Vec<Tree> {
+        let distance = self.spec.min_distance;
         // Trees of the tiles around matter where they come near enough to this one.
         let around = self.tile_rect(i, j).grown(distance);
-        let mut all: Vec<(Parent, bool)> = own.into_iter().map(|parent| (parent, true)).collect();
-        for (di, dj) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
-            let (Some(i), Some(j)) = (i.checked_add(di), j.checked_add(dj)) else { continue };
-            let near = |parent: &Parent| around.contains(parent.tree.center);
-            all.extend(self.parents_of(i, j).into_iter().filter(near).map(|p| (p, false)));
-        }
-        let grid = super::index::CellList::of(
-            around,
-            distance,
-            false,
-            all.iter().map(|(parent, _)| parent.tree.center),
-        );
-        let stays = |parent: &Parent| {
+        let own = &columns[1][1];
+        let near = |parent: &&Parent| around.contains(parent.tree.center);
+        let others = [(0, 0), (1, 0), (2, 0), (0, 1), (2, 1), (0, 2), (1, 2), (2, 2)]
+            .into_iter()
+            .flat_map(|(di, dj)| columns[di][dj].iter().filter(near));
+        let all: Vec<&Parent> = own.iter().chain(others).collect();
+        let centers = all.iter().map(|parent| parent.tree.center);
+        let grid = super::index::CellList::of(around, distance, false, centers);
+        let stays = |parent: &&Parent| {
             let mut stays = true;
             grid.visit(parent.tree.center, |k, offset| {
                 stays &= offset.length_squared() >= distance * distance
-                    || all[k as usize].0.mark >= parent.mark;
+                    || all[k as usize].mark >= parent.mark;
             });
             stays
         };
-        all.iter().filter(|(p, own)| *own && stays(p)).map(|(p, _)| p.tree).collect()
+        own.iter().filter(stays).map(|parent| parent.tree).collect()
+    }
+
+    /// What marks choose from in tile (`i`, `j`), below it and above it.
+    fn column(&self, i: Option<i32>, j: i32) -> Column {
+        [-1, 0, 1].map(|dj| match (i, j.checked_add(dj)) {
+            (Some(i), Some(j)) => self.parents_of(i, j),
+            _ => Vec::new(),
+        })
     }
 
     /// The trees whose centres lie in a window: tile by tile, row by row from the lowest.
@@ -166,11 +179,21 @@ impl EndlessForest {
         }
         let mut trees = Vec::new();
         for j in low.y as i32..=high.y as i32 {
+            // Of a tile and its neighbour, two columns are the same.
+            let mut kept: VecDeque<Column> = VecDeque::new();
             for i in low.x as i32..=high.x as i32 {
                 let inside = |tree: &Tree| {
                     tree.center.cmpge(window.min).all() && tree.center.cmplt(window.max).all()
                 };
-                trees.extend(self.tile(i, j).into_iter().filter(inside));
+                if self.spec.min_distance <= 0.0 {
+                    trees.extend(self.tile(i, j).into_iter().filter(inside));
+                    continue;
+                }
+                let missing = [-1, 0, 1].into_iter().skip(kept.len());
+                kept.extend(missing.map(|di| self.column(i.checked_add(di), j)));
+                let own = self.thinned(i, j, [&kept[0], &kept[1], &kept[2]]);
+                trees.extend(own.into_iter().filter(inside));
+                kept.pop_front();
             }
         }
         Ok(trees)
@@ -227,6 +250,15 @@ mod tests {
             assert!(whole.len() > 200);
             assert_eq!(sorted(whole), sorted(parts));
         }
+    }
+
+    #[test]
+    fn a_window_is_its_tiles() {
+        let forest = forest(1.0, 0.2, 6.0);
+        let tiles = (-2..3).flat_map(|j| (-4..1).map(move |i| (i, j)));
+        let trees: Vec<Tree> = tiles.flat_map(|(i, j)| forest.tile(i, j)).collect();
+        assert!(trees.len() > 100);
+        assert_eq!(forest.window(window(-24.0, -12.0, 30.0, 30.0)).unwrap(), trees);
     }
 
     #[test]

@@ -103,30 +103,26 @@ impl Serialize for Start {
 
 impl<'de> Deserialize<'de> for Start {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Visitor;
-        impl de::Visitor<'_> for Visitor {
-            type Value = Start;
+        const ALLOWED: &str = "a state from 1 to 8 or stationary";
 
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("a state from 1 to 8 or \"stationary\"")
-            }
-
-            fn visit_u64<E: de::Error>(self, number: u64) -> Result<Start, E> {
-                u8::try_from(number)
-                    .ok()
-                    .and_then(State::new)
-                    .map(Start::State)
-                    .ok_or_else(|| E::invalid_value(de::Unexpected::Unsigned(number), &self))
-            }
-
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<Start, E> {
-                match text {
-                    "stationary" => Ok(Start::Stationary),
-                    _ => Err(E::invalid_value(de::Unexpected::Str(text), &self)),
-                }
-            }
+        /// A bare word, as RON allows, is read as a text too.
+        #[derive(Deserialize)]
+        #[serde(untagged, expecting = "a state from 1 to 8 or stationary")]
+        enum Written {
+            State(u64),
+            Text(String),
         }
-        deserializer.deserialize_any(Visitor)
+
+        let refused = |value| de::Error::invalid_value(value, &ALLOWED);
+        match Written::deserialize(deserializer)? {
+            Written::Text(text) if text == "stationary" => Ok(Start::Stationary),
+            Written::Text(text) => Err(refused(de::Unexpected::Str(&text))),
+            Written::State(number) => u8::try_from(number)
+                .ok()
+                .and_then(State::new)
+                .map(Start::State)
+                .ok_or_else(|| refused(de::Unexpected::Unsigned(number))),
+        }
     }
 }
 
@@ -156,12 +152,7 @@ pub(super) const P_ST: Setting =
     Setting::number("p_st", "", 0.0, 1.0, "probability of a turn after a straight segment");
 pub(super) const P_TT: Setting =
     Setting::number("p_tt", "", 0.0, 1.0, "probability of a turn after a turn (0: no U-turns)");
-const START: Setting = Setting::other(
-    "start",
-    "",
-    "a state 1 to 8 or stationary (in RON \"stationary\")",
-    "first state",
-);
+const START: Setting = Setting::other("start", "", "a state 1 to 8 or stationary", "first state");
 const PITCH: Setting =
     Setting::number("pitch", "m", 0.1, 1000.0, "side of the cell that a segment owns");
 const WIDTH: Setting = Setting::number("width", "m", 0.05, 1000.0, "clear width of the corridor");

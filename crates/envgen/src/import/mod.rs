@@ -3,9 +3,12 @@
 mod asc;
 #[cfg(feature = "picture")]
 mod class_png;
+mod grey_image;
 mod movingai;
 mod raster;
+pub mod ros_map;
 
+use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -16,11 +19,14 @@ pub use asc::read_asc;
 pub use class_png::read_class_png;
 pub use movingai::{read_map, read_scenarios};
 pub use raster::{ImportedRaster, RasterFileError, read_raster_json};
+use ros_map::{RosMapError, UnknownCells};
 
 use crate::file::{self, FileError};
 use crate::generate::Blueprint;
 use crate::indoor::Catalogue;
-use crate::indoor::world_generator::{WorldGeneratorError, read_project};
+use crate::indoor::world_generator::{
+    LibraryRoom, Project, WorldGeneratorError, read_library, read_project,
+};
 use crate::landscape::raster_world;
 use crate::provenance::Provenance;
 use crate::world::World;
@@ -43,21 +49,27 @@ pub enum ImportError {
     /// The file holds no raster.
     #[error(transparent)]
     Raster(#[from] RasterFileError),
+    /// The file holds no map of a robot.
+    #[error(transparent)]
+    RosMap(#[from] RosMapError),
     /// The file is no project of the World Generator.
     #[error(transparent)]
     WorldGenerator(#[from] WorldGeneratorError),
 }
 
-/// Reads a world and checks it.
-pub type Reader = fn(&mut dyn Read) -> Result<World, ImportError>;
+/// Reads a world and checks it. The path is where the input comes from, for formats whose files name
+/// others.
+pub type Reader = fn(&mut dyn Read, &Path) -> Result<World, ImportError>;
 
 /// The formats: the ending of the file's name and the reader.
 pub const READERS: &[(&str, Reader)] = &[
-    ("json", read_json),
-    ("ron", read_ron),
-    ("asc", |input| world_of_raster("esri_ascii_grid", read_asc(input)?)),
-    ("map", |input| world_of_raster("movingai_map", read_map(input)?)),
-    ("xml", read_world_generator),
+    ("json", |input, _| read_json(input)),
+    ("ron", |input, _| read_ron(input)),
+    ("asc", |input, _| world_of_raster("esri_ascii_grid", read_asc(input)?)),
+    ("map", |input, _| world_of_raster("movingai_map", read_map(input)?)),
+    ("xml", |input, _| read_world_generator(input)),
+    ("yaml", world_of_ros_map),
+    ("yml", world_of_ros_map),
 ];
 
 /// The reader of a file, by the ending of its name; upper and lower case are one.
@@ -71,6 +83,16 @@ pub fn reader(path: &Path) -> Result<Reader, ImportError> {
         let known: Vec<_> = READERS.iter().map(|(ending, _)| format!(".{ending}")).collect();
         ImportError::UnknownEnding { path: path.to_owned(), known: known.join(", ") }
     })
+}
+
+/// Reads a world from a file, in the format that the ending of its name tells.
+///
+/// # Errors
+/// When the ending is unknown, or the file cannot be read or holds no world.
+pub fn read_world(path: &Path) -> Result<World, ImportError> {
+    let reader = reader(path)?;
+    let mut file = File::open(path).map_err(FileError::Io)?;
+    reader(&mut file, path)
 }
 
 /// Reads a world from its JSON file.
@@ -89,13 +111,41 @@ pub fn read_ron(input: &mut dyn Read) -> Result<World, ImportError> {
     Ok(World::from_ron(&file::read_text(input)?)?)
 }
 
-/// Reads a project of the World Generator for `USARSim`, with the built-in rooms.
+/// Reads a project of the World Generator for `USARSim`, with the built-in rooms; see
+/// [`read_world_generator_project`] for others, and for what is left out.
 ///
 /// # Errors
 /// When the file is no project, or a room is unknown, overlaps another or leaves the world.
 pub fn read_world_generator(input: &mut dyn Read) -> Result<World, ImportError> {
-    let text = file::read_text(input)?;
-    Ok(read_project(&text, Catalogue::builtin(), &[])?.plan.to_world())
+    Ok(read_world_generator_project(input, Catalogue::builtin(), &[])?.plan.to_world())
+}
+
+/// Reads a project of the World Generator for `USARSim`, with rooms of a catalogue and bare rooms of
+/// libraries.
+///
+/// # Errors
+/// When the file is no project, or a room is unknown, overlaps another or leaves the world.
+pub fn read_world_generator_project(
+    input: &mut dyn Read,
+    catalogue: &Catalogue,
+    library: &[LibraryRoom],
+) -> Result<Project, ImportError> {
+    Ok(read_project(&file::read_text(input)?, catalogue, library)?)
+}
+
+/// Reads a library of rooms of the World Generator.
+///
+/// # Errors
+/// When the file is no library.
+pub fn read_world_generator_library(input: &mut dyn Read) -> Result<Vec<LibraryRoom>, ImportError> {
+    Ok(read_library(&file::read_text(input)?)?)
+}
+
+/// Reads the map of a ROS robot; unknown cells are solid.
+fn world_of_ros_map(input: &mut dyn Read, path: &Path) -> Result<World, ImportError> {
+    let world = ros_map::read_ros_map(input, path)?.to_world(UnknownCells::default());
+    world.check().map_err(FileError::World)?;
+    Ok(world)
 }
 
 /// The world of a raster that was read: all ground can be passed where the format tells no speeds.
@@ -113,13 +163,15 @@ mod tests {
     #[test]
     fn a_map_becomes_a_world_with_obstacles() {
         let map = "type octile\nheight 3\nwidth 5\nmap\n.....\n.@@S.\n.@..T\n";
-        let world = reader(Path::new("a.map")).unwrap()(&mut map.as_bytes()).unwrap();
+        let world =
+            reader(Path::new("a.map")).unwrap()(&mut map.as_bytes(), Path::new("a.map")).unwrap();
         let area: f64 = world.obstacles.iter().map(|obstacle| obstacle.shape.area()).sum();
         assert_eq!(area, 4.0);
         assert_eq!(world.surfaces.len(), 1);
         assert!(world.start.is_some());
         let grid = "ncols 2\nnrows 1\nxllcorner 5\nyllcorner 6\ncellsize 2\n3 4\n";
-        let world = reader(Path::new("a.asc")).unwrap()(&mut grid.as_bytes()).unwrap();
+        let world =
+            reader(Path::new("a.asc")).unwrap()(&mut grid.as_bytes(), Path::new("a.asc")).unwrap();
         assert_eq!(world.bounds.max, glam::DVec2::new(9.0, 8.0));
     }
 

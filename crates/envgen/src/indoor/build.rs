@@ -189,6 +189,7 @@ fn room(plan: &FloorPlan, i: usize, world: &mut World) {
         shape: Shape::from_rect(floor),
         difficulty: Some(design.difficulty),
         lit: design.lit,
+        contents: placed.contents,
     });
     let walls = design.walls.iter();
     world.walls.extend(walls.map(|wall| Wall { shape: frame.shape(&wall.shape), ..*wall }));

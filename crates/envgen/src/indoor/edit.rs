@@ -6,6 +6,7 @@ use super::catalogue::SharedRoom;
 use super::grid::{Axis, Cell, Gate, Opening, Origin, Side, Sides};
 use super::plan::{FloorPlan, PlacedRoom};
 use super::rules::doorways::is_whole;
+use crate::world::Contents;
 
 /// A change of a plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -222,7 +223,7 @@ impl PlanEditor {
                     y,
                     quarters: quarters % 4,
                     doorways: Sides::default(),
-                    emptied: false,
+                    contents: Contents::AsDesigned,
                 };
                 self.check_free(&room)?;
                 self.put(room, step);

@@ -1,6 +1,6 @@
 //! Runs the rules in the order of the paper, each on its own random stream.
 
-use super::access::{Interiors, repair};
+use super::access::repair;
 use super::adaptation as adapt;
 use super::grid::Grid;
 use super::plan::{Draws, FloorPlan};
@@ -105,17 +105,16 @@ pub(super) fn plan(spec: &IndoorSpec, seed: Seed, after: &mut dyn FnMut(Stage)) 
     }
 
     after(Stage::Contents);
-    let guaranteed = spec.profile == Profile::Guaranteed;
+    let dimensions = (spec.profile == Profile::Guaranteed).then(|| spec.dimensions());
     let probability =
         spec.doorway_probability.unwrap_or_else(|| adapt::doorway_probability(spec.difficulty));
-    let interiors = guaranteed.then(|| Interiors::new(&grid, &rooms, spec.dimensions()));
     let mut stream = seed.stream("indoor/doorways", 0);
-    let drawn = doorways::place(&grid, &mut rooms, probability, interiors.as_ref(), &mut stream);
+    let drawn = doorways::place(&grid, &mut rooms, probability, dimensions, &mut stream);
     after(Stage::Doorways);
     let mut openings = drawn.openings;
-    if let Some(interiors) = interiors {
+    if let Some(dimensions) = dimensions {
         let mut stream = seed.stream("indoor/access", 0);
-        repair(&grid, &mut rooms, &mut openings, interiors, spec.dimensions(), &mut stream);
+        repair(&grid, &mut rooms, &mut openings, dimensions, &mut stream);
     }
     after(Stage::Access);
     FloorPlan {

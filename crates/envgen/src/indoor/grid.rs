@@ -140,6 +140,27 @@ impl Side {
         Side::ALL[(self as usize + 4 - usize::from(quarters % 4)) % 4]
     }
 
+    /// The side that becomes this one by `quarters` quarter turns counter-clockwise, and the place
+    /// on it that comes to `at`. `length` tells how long each side is before the turn; places count
+    /// from the left or from the top.
+    pub(super) fn before_turn(
+        self,
+        at: u32,
+        quarters: u8,
+        length: impl Fn(Side) -> u32,
+    ) -> (Side, u32) {
+        let original = self.turned((4 - quarters % 4) % 4);
+        // Sides run from left to right and from top to bottom, so that every turn between north
+        // and west, or south and east, runs them the other way.
+        let reversed = match quarters % 4 {
+            0 => false,
+            1 => matches!(self, Side::West | Side::East),
+            2 => true,
+            _ => matches!(self, Side::North | Side::South),
+        };
+        (original, if reversed { length(original).saturating_sub(at) } else { at })
+    }
+
     /// The side across.
     pub fn opposite(self) -> Side {
         self.turned(2)

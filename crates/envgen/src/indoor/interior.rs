@@ -14,6 +14,9 @@ use crate::geometry::{Rect, Shape};
 /// Greatest distance between two samples, in metres.
 pub const STEP: f64 = 0.05;
 
+/// The same where nothing may be overlooked.
+const FINE_STEP: f64 = 0.0125;
+
 /// Distances are measured up to here, in metres.
 const REACH: f64 = 1.5;
 
@@ -73,16 +76,29 @@ impl Interior {
     /// Works out the free space of a room.
     pub fn new(room: &RoomDesign, dimensions: Dimensions) -> Interior {
         let field = Field::new(room, dimensions);
-        let need = dimensions.radius + 0.5 * field.step;
-        let free: Vec<bool> = (0..field.contents.len())
-            .map(|i| field.contents[i] >= need && field.to_wall(i) >= need)
-            .collect();
-        let (labels, parts) = field.label(&free);
+        let need = field.need();
+        let (labels, parts) = field.label();
         let ports = Side::ALL.map(|side| {
-            let length = field.side_length(side);
+            let length = room.side_length(side);
             (1..2 * length).map(|at| field.port(side, at, need, &labels)).collect()
         });
         Interior { parts, ports }
+    }
+
+    /// Number of places in the room where the footprint has 2 cm to spare, but that the samples did
+    /// not find: they can lie between things that stand anywhere.
+    pub(super) fn overlooked(&self, room: &RoomDesign, dimensions: Dimensions) -> usize {
+        let field = Field::sampled(room, dimensions, FINE_STEP, dimensions.radius + STEP);
+        let (labels, parts) = field.label();
+        let mut found = vec![false; parts.len()];
+        for part in &self.parts {
+            let at = (part.anchor / field.step).round();
+            let label = labels[at.y as usize * field.columns + at.x as usize];
+            if let Some(found) = found.get_mut(label as usize) {
+                *found = true;
+            }
+        }
+        found.iter().filter(|found| !**found).count()
     }
 
     /// The connected pieces of the free space.
@@ -100,17 +116,8 @@ impl Interior {
     /// The place for a doorway in a side of the room after `quarters` quarter turns
     /// counter-clockwise.
     pub fn turned_port(&self, quarters: u8, side: Side, at: u32) -> Port {
-        let original = side.turned((4 - quarters % 4) % 4);
-        let length = self.ports[original as usize].len() as u32 + 1;
-        // Sides run from left to right and from top to bottom, so that every turn between north
-        // and west, or south and east, runs them the other way.
-        let reversed = match quarters % 4 {
-            0 => false,
-            1 => matches!(side, Side::West | Side::East),
-            2 => true,
-            _ => matches!(side, Side::North | Side::South),
-        };
-        let at = if reversed { length.saturating_sub(at) } else { at };
+        let length = |side: Side| self.ports[side as usize].len() as u32 + 1;
+        let (original, at) = side.before_turn(at, quarters, length);
         self.port(original, at)
     }
 }
@@ -120,7 +127,31 @@ impl Interior {
 /// whatever its doorways, to about a step of [`STEP`].
 pub fn narrowest_way(room: &RoomDesign, unit: f64, wall: f64, doorway: f64) -> f64 {
     let field = Field::new(room, Dimensions { unit, wall, doorway, radius: 0.0 });
-    field.narrowest_way(0.5 * doorway)
+    field.narrowest_way(room, 0.5 * doorway)
+}
+
+/// The room without the contents that stand in the way of a doorway in a side, `at` half cells from
+/// its left or upper end: in the zone that is to stay clear, or where the footprint enters.
+pub(super) fn cleared(
+    room: &RoomDesign,
+    dimensions: Dimensions,
+    side: Side,
+    at: u32,
+) -> RoomDesign {
+    let field = Field::bare(room, dimensions, STEP, REACH);
+    let need = field.need();
+    let zone = field.doorway_zone(side, at);
+    let way: Vec<DVec2> = field.way_in(side, at).map(|i| field.point(i)).collect();
+    let frame = field.frame(room);
+    let stays = |shape: &Shape| {
+        let shape = frame.shape(shape);
+        !overlaps(&shape, zone) && way.iter().all(|&p| shape.distance(p) >= need)
+    };
+    let mut room = room.clone();
+    room.walls.retain(|wall| stays(&wall.shape));
+    room.obstacles.retain(|obstacle| stays(&obstacle.shape));
+    room.surfaces.retain(|surface| surface.speed > 0.0 || stays(&surface.shape));
+    room
 }
 
 /// Distances to the contents of a room, sampled.
@@ -132,49 +163,63 @@ struct Field {
     dimensions: Dimensions,
     /// Samples a cell's side, even.
     per_cell: usize,
-    width: u32,
-    height: u32,
     barriers: Vec<Shape>,
-    /// Distance to the nearest content, at most [`REACH`], row by row from the lowest.
+    reach: f64,
+    /// Distance to the nearest content, at most `reach`, row by row from the lowest.
     contents: Vec<f64>,
 }
 
 impl Field {
     fn new(room: &RoomDesign, dimensions: Dimensions) -> Field {
-        let unit = dimensions.unit;
-        // Even, so that the middles of cells are samples.
-        let per_cell = 2 * (0.5 * unit / STEP).ceil().max(1.0) as usize;
-        let step = unit / per_cell as f64;
-        let columns = per_cell * room.width as usize + 1;
-        let rows = per_cell * room.height as usize + 1;
-        let frame = Frame {
-            corner: DVec2::ZERO,
-            scale: unit / DESIGN_UNIT,
-            quarters: 0,
-            size: room.size(),
-        };
-        let barriers: Vec<Shape> = room.barriers().map(|shape| frame.shape(shape)).collect();
-        let mut field = Field {
-            step,
-            columns,
-            rows,
-            size: DVec2::new(f64::from(room.width), f64::from(room.height)) * unit,
-            dimensions,
-            per_cell,
-            width: room.width,
-            height: room.height,
-            barriers,
-            contents: vec![REACH; columns * rows],
-        };
+        Field::sampled(room, dimensions, STEP, REACH)
+    }
+
+    /// With samples at most `step` apart, and distances up to `reach`.
+    fn sampled(room: &RoomDesign, dimensions: Dimensions, step: f64, reach: f64) -> Field {
+        let mut field = Field::bare(room, dimensions, step, reach);
+        let frame = field.frame(room);
+        field.barriers = room.barriers().map(|shape| frame.shape(shape)).collect();
         for i in 0..field.barriers.len() {
             field.measure(i);
         }
         field
     }
 
+    /// Of the room's walls alone.
+    fn bare(room: &RoomDesign, dimensions: Dimensions, step: f64, reach: f64) -> Field {
+        let unit = dimensions.unit;
+        // Even, so that the middles of cells are samples.
+        let per_cell = 2 * (0.5 * unit / step).ceil().max(1.0) as usize;
+        let step = unit / per_cell as f64;
+        let columns = per_cell * room.width as usize + 1;
+        let rows = per_cell * room.height as usize + 1;
+        Field {
+            step,
+            columns,
+            rows,
+            size: DVec2::new(f64::from(room.width), f64::from(room.height)) * unit,
+            dimensions,
+            per_cell,
+            barriers: Vec::new(),
+            reach,
+            contents: vec![reach; columns * rows],
+        }
+    }
+
+    /// From the design of a room to the metres of the map.
+    fn frame(&self, room: &RoomDesign) -> Frame {
+        let scale = self.dimensions.unit / DESIGN_UNIT;
+        Frame { corner: DVec2::ZERO, scale, quarters: 0, size: room.size() }
+    }
+
+    /// Room that the footprint's middle needs to every side to be free at a sample.
+    fn need(&self) -> f64 {
+        self.dimensions.radius + 0.5 * self.step
+    }
+
     fn measure(&mut self, barrier: usize) {
         let shape = &self.barriers[barrier];
-        let around = shape.bounds().grown(REACH);
+        let around = shape.bounds().grown(self.reach);
         let low = |x: f64| (x / self.step).ceil().max(0.0) as usize;
         let high =
             |x: f64, n: usize| ((x / self.step).floor().max(-1.0) + 1.0).min(n as f64) as usize;
@@ -198,8 +243,11 @@ impl Field {
         p.min(self.size - p).min_element() - 0.5 * self.dimensions.wall
     }
 
-    /// Numbers the connected pieces of the free samples.
-    fn label(&self, free: &[bool]) -> (Vec<u32>, Vec<Part>) {
+    /// Numbers the connected pieces of the samples where the footprint's middle can be.
+    fn label(&self) -> (Vec<u32>, Vec<Part>) {
+        let need = self.need();
+        let is_free = |i: usize| self.contents[i] >= need && self.to_wall(i) >= need;
+        let free: Vec<bool> = (0..self.contents.len()).map(is_free).collect();
         let mut labels = vec![u32::MAX; free.len()];
         let mut parts = Vec::new();
         let mut stack = Vec::new();
@@ -243,13 +291,6 @@ impl Field {
         .flatten()
     }
 
-    fn side_length(&self, side: Side) -> u32 {
-        match side {
-            Side::North | Side::South => self.width,
-            Side::East | Side::West => self.height,
-        }
-    }
-
     /// The sample `depth` steps behind the wall's middle line, `at` half cells along a side.
     fn behind(&self, side: Side, at: u32, depth: usize) -> usize {
         let along = at as usize * self.per_cell / 2;
@@ -277,16 +318,18 @@ impl Field {
         Rect::new(min.into(), max.into())
     }
 
+    /// The samples from a wall's middle line inward to where the footprint is past the wall.
+    fn way_in(&self, side: Side, at: u32) -> impl Iterator<Item = usize> + use<'_> {
+        let deepest = ((0.5 * self.dimensions.wall + self.need()) / self.step).ceil() as usize + 1;
+        let last = deepest.min(self.columns.min(self.rows) - 1);
+        (0..=last).map(move |depth| self.behind(side, at, depth))
+    }
+
     fn port(&self, side: Side, at: u32, need: f64, labels: &[u32]) -> Port {
         let zone = self.doorway_zone(side, at);
         let clear = !self.barriers.iter().any(|shape| overlaps(shape, zone));
-        let deepest = ((0.5 * self.dimensions.wall + need) / self.step).ceil() as usize;
         let mut part = None;
-        for depth in 0..=deepest + 1 {
-            if depth >= self.columns.min(self.rows) {
-                break;
-            }
-            let i = self.behind(side, at, depth);
+        for i in self.way_in(side, at) {
             if self.contents[i] < need {
                 break;
             }
@@ -299,7 +342,7 @@ impl Field {
     }
 
     /// Joins samples from the clearest to the least clear until the middles of all sides meet.
-    fn narrowest_way(&self, half_doorway: f64) -> f64 {
+    fn narrowest_way(&self, room: &RoomDesign, half_doorway: f64) -> f64 {
         let clearance: Vec<f64> = (0..self.contents.len())
             .map(|i| {
                 // In the strip behind a doorway the wall beside it does not count.
@@ -312,7 +355,7 @@ impl Field {
             .collect();
         let mut order: Vec<u32> = (0..clearance.len() as u32).collect();
         order.sort_by(|&a, &b| clearance[b as usize].total_cmp(&clearance[a as usize]));
-        let entries = Side::ALL.map(|side| self.behind(side, self.side_length(side), 0));
+        let entries = Side::ALL.map(|side| self.behind(side, room.side_length(side), 0));
         let mut sets = super::sets::Sets::new(clearance.len());
         let mut joined = vec![false; clearance.len()];
         for i in order {
@@ -449,7 +492,36 @@ mod tests {
         }
     }
 
+    #[test]
+    fn only_what_is_in_a_doorways_way_goes() {
+        // The zone is 1.03 to 1.97 m from the left, and 0.55 m deep.
+        let (zone, ahead) = (block(0.9, 0.3, 1.2, 0.5), block(1.4, 0.7, 1.6, 0.8));
+        let (beside, behind) = (block(2.0, 0.1, 2.2, 0.3), block(1.4, 1.0, 1.6, 1.2));
+        let stays = |shape: &Shape| {
+            let cleared = cleared(&room(std::slice::from_ref(shape)), ROBOT, Side::South, 1);
+            cleared.obstacles.len() == 1
+        };
+        assert_eq!([&zone, &ahead, &beside, &behind].map(stays), [false, false, true, true]);
+        let port = |room: &RoomDesign| Interior::new(room, ROBOT).port(Side::South, 1);
+        let shelves = room(&[zone, block(1.0, 0.4, 5.0, 0.6)]);
+        assert!(!port(&shelves).usable());
+        assert!(port(&cleared(&shelves, ROBOT, Side::South, 1)).usable());
+    }
+
     proptest! {
+        #[test]
+        fn a_cleared_doorway_can_be_used(
+            which in 0..20_usize, side in 0..4_usize, place: u32, radius in 0.1..0.4_f64,
+        ) {
+            let room = &Catalogue::builtin().rooms()[which];
+            let dimensions = Dimensions { radius, ..ROBOT };
+            let side = Side::ALL[side];
+            let at = 1 + place % (2 * room.side_length(side) - 1);
+            let cleared = cleared(room, dimensions, side, at);
+            prop_assert!(Interior::new(&cleared, dimensions).port(side, at).usable());
+            prop_assert_eq!(cleared.validate(), Ok(()));
+        }
+
         #[test]
         fn overlap_is_what_points_say(
             x in -1.0..2.0_f64, y in -1.0..2.0_f64, heading in -3.0..3.0_f64, disc: bool,

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::access::hallway_shape;
 use super::grid::{Cell, Origin};
 use super::plan::FloorPlan;
+use crate::world::Contents;
 
 /// Numbers that describe a plan. What was drawn is null or empty for plans that were not generated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -37,6 +38,8 @@ pub struct IndoorMetrics {
     pub openings_added: u64,
     /// Rooms whose contents were taken out so that a place can be reached.
     pub rooms_emptied: u64,
+    /// Rooms that lost what stood in the way of a drawn doorway.
+    pub rooms_cleared: u64,
     /// Area of each room in square metres, in the order of the rooms, from the middles of the walls.
     pub room_areas: Vec<f64>,
     /// Number of cells of each kind.
@@ -90,6 +93,8 @@ impl IndoorMetrics {
         let openings = |origin: Origin| {
             plan.openings().iter().filter(|opening| opening.origin == origin).count() as u64
         };
+        let with_contents =
+            |contents| rooms.iter().filter(|room| room.contents == contents).count() as u64;
         let first_choice: &[(String, u64)] =
             draws.map_or(&[], |draws| draws.first_choice.as_slice());
         let allowed = plan.spec().allowed_rooms();
@@ -115,7 +120,8 @@ impl IndoorMetrics {
             openings: plan.openings().len() as u64,
             openings_shifted: openings(Origin::Shifted),
             openings_added: openings(Origin::Added),
-            rooms_emptied: rooms.iter().filter(|room| room.emptied).count() as u64,
+            rooms_emptied: with_contents(Contents::Emptied),
+            rooms_cleared: with_contents(Contents::Cleared),
             room_areas: rooms
                 .iter()
                 .map(|room| {

@@ -7,11 +7,12 @@ use serde::{Serialize, Serializer};
 use super::access::AccessGraph;
 use super::catalogue::{DESIGN_UNIT, Frame, SharedRoom};
 use super::grid::{Axis, Gate, Grid, Opening, Origin, Side, Sides};
+use super::interior::{Dimensions, Port};
 use super::metrics::IndoorMetrics;
 use super::spec::IndoorSpec;
 use crate::generate::Blueprint;
 use crate::seed::Seed;
-use crate::world::World;
+use crate::world::{Contents, World};
 
 /// A plan on a grid, with the spec and seed that it was drawn for.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,8 +59,9 @@ pub struct PlacedRoom {
     pub quarters: u8,
     /// Sides that a doorway was drawn for.
     pub doorways: Sides,
-    /// Whether its contents were taken out, because nothing else made it reachable.
-    pub emptied: bool,
+    /// What is left of its contents: in the profile `guaranteed` they yield to drawn doorways, and
+    /// are all taken out where nothing else makes a place reachable.
+    pub contents: Contents,
 }
 
 impl PlacedRoom {
@@ -95,10 +97,27 @@ impl PlacedRoom {
 
     /// Takes the contents out.
     pub(super) fn empty(&mut self) {
-        self.emptied = true;
+        self.contents = Contents::Emptied;
         if let Ok(room) = SharedRoom::new(self.room.emptied()) {
             self.room = room;
         }
+    }
+
+    /// The place in the room's free space of an opening in its walls.
+    pub(super) fn port(&self, gate: Gate, dimensions: Dimensions) -> Port {
+        let port = |(side, at)| self.room.interior(dimensions).turned_port(self.quarters, side, at);
+        self.side_of(gate).map_or_else(Port::default, port)
+    }
+
+    /// The room without what stands in the way of an opening in its walls; `None` when it could not
+    /// be used even so.
+    pub(super) fn cleared(&self, gate: Gate, dimensions: Dimensions) -> Option<PlacedRoom> {
+        let (side, at) = self.side_of(gate)?;
+        let (side, at) =
+            side.before_turn(at, self.quarters, |side| 2 * self.room.side_length(side));
+        let room = self.room.cleared(side, at, dimensions)?;
+        let contents = self.contents.max(Contents::Cleared);
+        Some(PlacedRoom { room, contents, ..self.clone() })
     }
 
     /// The side that an opening lies in, and how many half cells from the side's left or upper end;
@@ -207,7 +226,7 @@ struct RoomJson<'a> {
     quarter_turns: u8,
     difficulty: f64,
     doorways: Vec<Side>,
-    emptied: bool,
+    contents: Contents,
 }
 
 #[derive(Serialize)]
@@ -241,7 +260,7 @@ impl Serialize for FloorPlan {
                 quarter_turns: room.quarters % 4,
                 difficulty: room.room.difficulty,
                 doorways: room.doorways.iter().collect(),
-                emptied: room.emptied,
+                contents: room.contents,
             })
             .collect();
         let openings: Vec<_> = self

@@ -211,9 +211,15 @@ const CYCLES: Setting = Setting::choice(
 const OPEN_AREAS: Setting =
     Setting::flag("open_areas", "whether cells that no room takes become open areas");
 const WALL: Setting = Setting::number("wall", "m", 0.01, 0.5, "thickness of the walls");
-const DOORWAY: Setting = Setting::number("doorway", "m", 0.2, 3.0, "width of a doorway");
-const FOOTPRINT: Setting =
-    Setting::number("footprint", "m", 0.01, 1.4, "radius of the robot that must reach every place");
+const DOORWAY: Setting =
+    Setting::number("doorway", "m", 0.2, 3.0, "width of a doorway, at most a cell less two walls");
+const FOOTPRINT: Setting = Setting::number(
+    "footprint",
+    "m",
+    0.01,
+    1.4,
+    "radius of the robot that must reach every place, at most half a doorway less 0.05 m",
+);
 const CLEARANCE: Setting = Setting::other(
     "clearance",
     "m",
@@ -226,7 +232,7 @@ impl Spec for IndoorSpec {
 
     const KIND: &'static str = "indoor";
 
-    const VALUE_VERSION: u32 = 1;
+    const VALUE_VERSION: u32 = 2;
 
     const SETTINGS: &'static [Setting] = &[
         DIFFICULTY,
@@ -355,12 +361,12 @@ impl IndoorSpec {
         WALL.check(self.wall)?;
         DOORWAY.check(self.doorway)?;
         FOOTPRINT.check(self.footprint)?;
-        let widest = self.unit - 2.0 * self.wall;
+        let widest = to_nanometres(self.unit - 2.0 * self.wall);
         if self.doorway > widest {
             let allowed = format!("at most {widest} m, what a cell has between its walls");
             return Err(SpecError::new("doorway", self.doorway, allowed));
         }
-        let largest = 0.5 * self.doorway - super::interior::STEP;
+        let largest = to_nanometres(0.5 * self.doorway - super::interior::STEP);
         if self.footprint > largest {
             let allowed =
                 format!("at most {largest} m: it must pass a doorway of {} m", self.doorway);
@@ -392,4 +398,9 @@ impl IndoorSpec {
         );
         Err(SpecError::new("rooms", names.join(", "), allowed))
     }
+}
+
+/// Without the rounding of a difference, which would refuse what was asked to the millimetre.
+fn to_nanometres(metres: f64) -> f64 {
+    (metres * 1e9).round() / 1e9
 }

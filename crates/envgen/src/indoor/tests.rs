@@ -6,6 +6,7 @@ use proptest::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 use super::*;
+use crate::world::Contents;
 use crate::{Blueprint, Seed, Spec, SpecError, World, WorldSpec};
 
 const SEEDS: u64 = 10_000;
@@ -219,10 +220,43 @@ fn guaranteed_plans_are_one_free_space() {
             assert!(rules::doorways::is_whole(plan.grid(), opening.gate));
         }
         rooms += plan.rooms().len();
-        emptied += plan.rooms().iter().filter(|room| room.emptied).count();
+        emptied += plan.rooms().iter().filter(|room| room.contents == Contents::Emptied).count();
     }
     // Emptying is the last resort.
     assert!(emptied * 250 < rooms, "{emptied} of {rooms} rooms were emptied");
+}
+
+#[test]
+fn drawn_doorways_open_and_contents_yield() {
+    let (mut cleared, mut rooms) = (0, 0);
+    for seed in 0..200 {
+        let spec = IndoorSpec { difficulty: (seed % 11) as f64, ..Default::default() };
+        let plan = spec.generate(Seed(seed)).unwrap();
+        let mut closed = 0;
+        for room in plan.rooms() {
+            for side in room.doorways.iter() {
+                let places = (1..2 * room.side_length(side)).map(|at| room.gate(side, at));
+                let whole = |gate: &Gate| rules::doorways::is_whole(plan.grid(), *gate);
+                let possible = places.clone().any(|gate| whole(&gate));
+                let open = places.filter(|gate| plan.openings().iter().any(|o| o.gate == *gate));
+                assert!(open.count() >= usize::from(possible), "seed {seed}: {}", room.room.name);
+                closed += u64::from(!possible);
+            }
+        }
+        assert_eq!(plan.metrics().doorways_closed, closed);
+        let world = plan.to_world();
+        for (room, built) in plan.rooms().iter().zip(&world.rooms) {
+            let design = Catalogue::builtin().get(&room.room.name).unwrap();
+            assert_eq!(room.contents.is_as_designed(), room.room == *design);
+            assert_eq!(room.contents, built.contents);
+            let empty = room.room.barriers().count() == 0;
+            assert!(room.contents != Contents::Emptied || empty);
+        }
+        let metrics = plan.metrics();
+        (rooms, cleared) = (rooms + metrics.rooms, cleared + metrics.rooms_cleared);
+    }
+    // Doorways go where nothing stands if they can: few rooms lose something.
+    assert!(cleared > 0 && cleared * 10 < rooms, "{cleared} of {rooms} rooms were cleared");
 }
 
 #[test]
@@ -390,6 +424,12 @@ fn bad_specs_name_field_value_and_limits() {
     assert_eq!(refused(IndoorSpec { spacing_h: Some(16), ..ok() }).field, "spacing_h");
     assert_eq!(refused(IndoorSpec { spacing_v: Some(2), ..ok() }).field, "spacing_v");
     assert_eq!(refused(IndoorSpec { open_areas: false, ..ok() }).field, "open_areas");
+    let narrow = IndoorSpec { unit: 1.2, wall: 0.5, footprint: 0.05, ..ok() };
+    assert_eq!(IndoorSpec { doorway: 0.2, ..narrow.clone() }.validate(), Ok(()));
+    let error = refused(IndoorSpec { doorway: 0.3, ..narrow.clone() });
+    assert!(error.allowed.starts_with("at most 0.2 m"), "{error}");
+    let error = refused(IndoorSpec { doorway: 0.2, footprint: 0.06, ..narrow });
+    assert!(error.allowed.starts_with("at most 0.05 m"), "{error}");
     let error = refused(IndoorSpec { doorway_probability: Some(f64::NAN), ..ok() });
     assert_eq!(error.field, "doorway_probability");
     assert_eq!(refused(IndoorSpec { clearance: Some(-1.0), ..ok() }).field, "clearance");

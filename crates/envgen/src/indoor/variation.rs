@@ -31,8 +31,8 @@ pub struct Varied {
 
 /// Moves, turns, removes and doubles obstacles until the narrowest way through the room, as
 /// [`narrowest_way`] measures it, is as near to `wanted` metres as 80 changes bring it. Walls stay.
-/// Doorways that were clear stay clear, and no free space is cut off from the doorways. A room
-/// without obstacles stays as it is.
+/// Doorways that were clear stay clear, no free space is cut off from the doorways, and no pocket is
+/// left between things that the footprint just fits in. A room without obstacles stays as it is.
 pub fn vary(room: &SharedRoom, wanted: f64, dimensions: Dimensions, stream: &mut Stream) -> Varied {
     let measure = |room: &RoomDesign| {
         narrowest_way(room, dimensions.unit, dimensions.wall, dimensions.doorway)
@@ -40,7 +40,7 @@ pub fn vary(room: &SharedRoom, wanted: f64, dimensions: Dimensions, stream: &mut
     let before = measure(room);
     let mut best = (room.clone(), before);
     let clear = clear_ports(&room.interior(dimensions), room);
-    let cut_off = cut_off(&room.interior(dimensions), room);
+    let most_cut_off = cut_off(&room.interior(dimensions), room);
     for _ in 0..TRIES {
         let (current, width) = &best;
         let error = (width - wanted).abs();
@@ -57,7 +57,10 @@ pub fn vary(room: &SharedRoom, wanted: f64, dimensions: Dimensions, stream: &mut
         let interior = changed.interior(dimensions);
         let still_clear =
             clear_ports(&interior, &changed).iter().zip(&clear).all(|(now, then)| *now || !*then);
-        if still_clear && self::cut_off(&interior, &changed) <= cut_off {
+        if still_clear
+            && cut_off(&interior, &changed) <= most_cut_off
+            && interior.overlooked(&changed, dimensions) == 0
+        {
             best = (changed, width);
         }
     }
@@ -116,13 +119,7 @@ fn moved(shape: &Shape, by: DVec2, angle: f64) -> Shape {
 
 /// Whether the middle of each side takes a doorway.
 fn clear_ports(interior: &Interior, room: &RoomDesign) -> [bool; 4] {
-    Side::ALL.map(|side| {
-        let length = match side {
-            Side::North | Side::South => room.width,
-            Side::East | Side::West => room.height,
-        };
-        interior.port(side, length).usable()
-    })
+    Side::ALL.map(|side| interior.port(side, room.side_length(side)).usable())
 }
 
 /// Number of parts of the free space that no doorway leads to.

@@ -21,11 +21,32 @@ const MOST_OBSTACLES: usize = 500;
 /// The height of a line of a label, as a share of its font size.
 const LINE: f64 = 1.25;
 
+/// Lines and font sizes of a name, the better ones first: few lines unless they would be small.
+const SETTINGS: [(usize, f64); 16] = [
+    (1, 12.0),
+    (1, 11.0),
+    (1, 10.0),
+    (1, 9.0),
+    (2, 10.0),
+    (2, 9.0),
+    (2, 8.0),
+    (1, 8.0),
+    (3, 8.0),
+    (2, 7.0),
+    (3, 7.0),
+    (1, 7.0),
+    (4, 7.0),
+    (2, 6.0),
+    (3, 6.0),
+    (4, 6.0),
+];
+
 /// Names in the middle of their rooms, where they fit, with the difficulty below; above or below
-/// the middle where start, goal or another name are in the way, or an obstacle need not be.
+/// the middle where another name is in the way, or an obstacle need not be; beside start and goal.
 pub(super) fn draw(world: &World, view: &View, typesetter: &Typesetter) -> Option<Group> {
     let [mut dark, mut light] = [PathData::new(2), PathData::new(2)];
-    let mut taken = symbols(world, view);
+    let symbols = symbols(world, view);
+    let mut taken = symbols.clone();
     let unnamed = taken.len();
     let mut tried = 0;
     let grounds =
@@ -43,29 +64,28 @@ pub(super) fn draw(world: &World, view: &View, typesetter: &Typesetter) -> Optio
         if tried > MOST_NAMES {
             break;
         }
-        let lines = label(room, size - DVec2::new(6.0, 4.0), typesetter);
-        if lines.is_empty() {
-            continue;
-        }
-        let height = height_of(&lines);
-        let width = lines.iter().map(|l| typesetter.width(&l.0, l.1)).fold(0.0, f64::max);
-        let half = DVec2::new(0.5 * width, 0.5 * height);
-        let aside = 0.5 * size.y - half.y - 7.0;
-        let places = [0.0, 0.5, -0.5, 1.0, -1.0].map(|share| {
-            let center = around.center() + DVec2::new(0.0, share * aside.max(0.0));
-            Rect::new(center - half, center + half)
+        let whole = Label::new(room, around, typesetter);
+        let placed = whole.and_then(|label| {
+            let at = label.place(&taken, &obstacles)?;
+            Some((label, at))
         });
-        let apart = |at: &Rect, from: &[Rect]| from.iter().all(|other| !other.overlaps(*at));
-        let free = || places.into_iter().filter(|at| apart(at, &taken));
-        let Some(label) = free().find(|at| apart(at, &obstacles)).or_else(|| free().next()) else {
-            continue;
+        // Beside a symbol, where the label becomes largest.
+        let aside = || {
+            let parts = symbols.iter().flat_map(|symbol| around_symbol(around, *symbol));
+            let labels = parts.filter_map(|part| Label::new(room, part, typesetter));
+            let placed = labels.filter_map(|label| {
+                let at = label.place(&taken, &[])?;
+                Some((label, at))
+            });
+            placed.max_by_key(|(label, _)| label.rank)
         };
-        taken.push(label);
+        let Some((label, at)) = placed.or_else(aside) else { continue };
+        taken.push(at);
         let ink = if room_color(room).lightness() > 0.52 { &mut dark } else { &mut light };
-        let mut top = label.min.y;
-        for (line, font) in lines {
+        let mut top = at.min.y;
+        for (line, font) in label.lines {
             let baseline = top + (LINE + CAPITAL_HEIGHT) * 0.5 * font;
-            let at = DVec2::new(around.center().x, baseline);
+            let at = DVec2::new(at.center().x, baseline);
             typesetter.write(ink, &line, at, font, Align::Middle);
             top += LINE * font;
         }
@@ -76,8 +96,8 @@ pub(super) fn draw(world: &World, view: &View, typesetter: &Typesetter) -> Optio
     let haloed = |path, color: Color, halo: Color| {
         filled(path, color)
             .set("stroke", halo.to_string())
-            .set("stroke-width", 1.8)
-            .set("stroke-opacity", 0.75)
+            .set("stroke-width", 2.2)
+            .set("stroke-opacity", 0.85)
             .set("stroke-linejoin", "round")
             .set("paint-order", "stroke")
     };
@@ -91,46 +111,137 @@ pub(super) fn draw(world: &World, view: &View, typesetter: &Typesetter) -> Optio
     Some(group)
 }
 
-fn height_of(lines: &[(String, f64)]) -> f64 {
-    lines.iter().map(|line| LINE * line.1).sum()
+/// The parts of a room beside a symbol that lies in it: below, above, left and right.
+fn around_symbol(room: Rect, symbol: Rect) -> Vec<Rect> {
+    if !room.overlaps(symbol) {
+        return Vec::new();
+    }
+    let mut parts = vec![
+        Rect::new(DVec2::new(room.min.x, symbol.max.y), room.max),
+        Rect::new(room.min, DVec2::new(room.max.x, symbol.min.y)),
+        Rect::new(room.min, DVec2::new(symbol.min.x, room.max.y)),
+        Rect::new(DVec2::new(symbol.max.x, room.min.y), room.max),
+    ];
+    parts.retain(|part| part.size().cmpgt(DVec2::ZERO).all());
+    parts
 }
 
-/// A room's label, line by line with font sizes: its name in one line or two, as large as fits,
-/// else cut short, and its difficulty.
-fn label(room: &Room, space: DVec2, typesetter: &Typesetter) -> Vec<(String, f64)> {
-    let fits = |lines: &[(String, f64)]| {
-        let inside = |line: &(String, f64)| typesetter.width(&line.0, line.1) <= space.x;
-        height_of(lines) <= space.y && lines.iter().all(inside)
-    };
-    let with_difficulty = |mut lines: Vec<(String, f64)>, font: f64| {
-        lines.extend(room.difficulty.map(|d| (format!("{d:.1}"), 0.85 * font)));
-        lines
-    };
-    // Longer names than any room is wide are not measured again and again.
-    let name: String = room.name.trim().chars().take(80).collect();
-    let middle = name.len() / 2;
-    let spaces = name.match_indices(' ').map(|(i, _)| i);
-    let broken = spaces.min_by_key(|i| i.abs_diff(middle)).map(|i| (&name[..i], &name[i + 1..]));
-    let one = |font: f64| (!name.is_empty()).then(|| vec![(name.clone(), font)]);
-    let two = |font: f64| {
-        broken.map(|(first, second)| vec![(first.to_owned(), font), (second.to_owned(), font)])
-    };
-    // One line unless that would be small.
-    let full = [12.0, 11.0, 10.0, 9.0]
-        .into_iter()
-        .map(|font| (font, one(font)))
-        .chain([10.0, 9.0, 8.0].map(|font| (font, two(font))))
-        .chain([8.0, 7.0].map(|font| (font, one(font))))
-        .filter_map(|(font, lines)| Some(with_difficulty(lines?, font)))
-        .find(|lines| fits(lines));
-    if let Some(lines) = full {
-        return lines;
+/// A room's label, and the space that it is for.
+struct Label {
+    space: Rect,
+    /// With font sizes.
+    lines: Vec<(String, f64)>,
+    size: DVec2,
+    /// Greater is better.
+    rank: usize,
+}
+
+impl Label {
+    /// The room's name in as few lines and as large as fits, else cut short; its difficulty, and
+    /// what was taken out of it. `None` where nothing fits.
+    fn new(room: &Room, space: Rect, typesetter: &Typesetter) -> Option<Label> {
+        let most = space.size() - DVec2::new(6.0, 4.0);
+        let measure = |lines: &[(String, f64)]| {
+            let widths = lines.iter().map(|line| typesetter.width(&line.0, line.1));
+            let height: f64 = lines.iter().map(|line| LINE * line.1).sum();
+            DVec2::new(widths.fold(0.0, f64::max), height)
+        };
+        let of = |lines: Vec<(String, f64)>, rank| {
+            let size = measure(&lines);
+            let fits = !lines.is_empty() && size.cmple(most).all();
+            fits.then_some(Label { space, lines, size, rank })
+        };
+        let with_notes = |mut lines: Vec<(String, f64)>, font: f64| {
+            let contents = Some(room.contents).filter(|contents| !contents.is_as_designed());
+            let notes = room.difficulty.map(difficulty).into_iter();
+            let notes = notes.chain(contents.map(|contents| contents.name().to_owned()));
+            lines.extend(notes.map(|note| (note, 0.85 * font)));
+            lines
+        };
+        // Longer names than any room is wide are not measured again and again.
+        let name: String = room.name.trim().chars().take(80).collect();
+        let full = SETTINGS.iter().enumerate().find_map(|(i, &(lines, font))| {
+            let wrapped = typesetter.wrapped(&name, font, most.x, lines)?;
+            let wrapped = wrapped.into_iter().map(|line| (line, font)).collect();
+            of(with_notes(wrapped, font), SETTINGS.len() - i)
+        });
+        full.or_else(|| {
+            let cut = typesetter.fitted(&name, 8.0, most.x).filter(|cut| !cut.is_empty());
+            let mut lines = cut.into_iter().map(|cut| (cut, 8.0)).collect();
+            lines = with_notes(lines, 9.0);
+            while !lines.is_empty() && !measure(&lines).cmple(most).all() {
+                lines.pop();
+            }
+            of(lines, 0)
+        })
     }
-    let cut = typesetter.fitted(&name, 8.0, space.x).filter(|cut| !cut.is_empty());
-    let mut lines: Vec<_> = cut.into_iter().map(|cut| (cut, 8.0)).collect();
-    lines = with_difficulty(lines, 9.0);
-    while !fits(&lines) {
-        lines.pop();
+
+    /// Where it keeps away from what is taken and, if it can, from obstacles.
+    fn place(&self, taken: &[Rect], obstacles: &[Rect]) -> Option<Rect> {
+        let aside = (0.5 * (self.space.size().y - self.size.y) - 7.0).max(0.0);
+        let places = [0.0, 0.5, -0.5, 1.0, -1.0].map(|share| {
+            let center = self.space.center() + DVec2::new(0.0, share * aside);
+            Rect::new(center - 0.5 * self.size, center + 0.5 * self.size)
+        });
+        let apart = |at: &Rect, from: &[Rect]| from.iter().all(|other| !other.overlaps(*at));
+        let free = || places.into_iter().filter(|at| apart(at, taken));
+        free().find(|at| apart(at, obstacles)).or_else(|| free().next())
     }
-    lines
+}
+
+/// A difficulty with one digit behind the point, or two where it has two.
+fn difficulty(difficulty: f64) -> String {
+    let text = format!("{difficulty:.2}");
+    text.strip_suffix('0').map_or(text.clone(), str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Shape;
+    use crate::world::Contents;
+
+    fn label(name: &str, space: Rect) -> Label {
+        let shape = Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::ONE));
+        let (name, difficulty, contents) = (name.to_owned(), Some(7.25), Contents::Cleared);
+        let room = Room { name, shape, difficulty, lit: true, contents };
+        Label::new(&room, space, &Typesetter::new()).unwrap()
+    }
+
+    #[test]
+    fn difficulties_are_not_rounded_to_a_tenth() {
+        let shown = [0.0, 0.5, 5.25, 6.8, 10.0, 1.0 / 3.0].map(difficulty);
+        assert_eq!(shown, ["0.0", "0.5", "5.25", "6.8", "10.0", "0.33"]);
+    }
+
+    #[test]
+    fn long_names_break_before_they_are_cut() {
+        let cell = Rect::new(DVec2::ZERO, DVec2::splat(48.0));
+        let text = |label: &Label| -> Vec<String> {
+            label.lines.iter().map(|line| line.0.clone()).collect()
+        };
+        let small = label("single office north destroyed", cell);
+        assert_eq!(text(&small)[..2].join(" ") + " " + &text(&small)[2..].join(" "), {
+            "single office north destroyed 7.25 cleared"
+        });
+        let wide = Rect::new(DVec2::ZERO, DVec2::new(400.0, 60.0));
+        assert_eq!(text(&label("dragon room", wide)), ["dragon room", "7.25", "cleared"]);
+        let cut = label("Donaudampfschifffahrtsgesellschaft", cell);
+        assert!(text(&cut)[0].ends_with('…') && cut.rank == 0);
+    }
+
+    #[test]
+    fn names_go_beside_symbols() {
+        let room = Rect::new(DVec2::ZERO, DVec2::splat(48.0));
+        let symbol = Rect::new(DVec2::new(20.0, 0.0), DVec2::new(42.0, 26.0));
+        let name = label("office", room);
+        assert_eq!(name.place(&[symbol], &[]), None);
+        let parts = around_symbol(room, symbol);
+        assert_eq!(parts.len(), 3);
+        let apart = |part: &Rect| !part.grown(-0.1).overlaps(symbol);
+        assert!(parts.iter().all(|part| apart(part) && room.contains_rect(*part)));
+        let below = label("office", parts[0]);
+        assert!(below.place(&[symbol], &[]).is_some());
+        assert!(around_symbol(room, Rect::new(DVec2::splat(50.0), DVec2::splat(60.0))).is_empty());
+    }
 }

@@ -64,6 +64,29 @@ impl Typesetter {
         }
     }
 
+    /// The label broken between words into at most so many lines no wider than `width` px; `None`
+    /// where it does not go, or is empty.
+    pub(super) fn wrapped(
+        &self,
+        label: &str,
+        size: f64,
+        width: f64,
+        most: usize,
+    ) -> Option<Vec<String>> {
+        let mut lines: Vec<String> = Vec::new();
+        for word in label.split_whitespace() {
+            let longer = lines.last().map(|line| format!("{line} {word}"));
+            match longer.filter(|line| self.width(line, size) <= width) {
+                Some(longer) => *lines.last_mut()? = longer,
+                None if lines.len() < most && self.width(word, size) <= width => {
+                    lines.push(word.to_owned());
+                }
+                None => return None,
+            }
+        }
+        (!lines.is_empty()).then_some(lines)
+    }
+
     /// The label, cut with an ellipsis where it is wider than `width` px; `None` when not even a
     /// few letters fit.
     pub(super) fn fitted(&self, label: &str, size: f64, width: f64) -> Option<String> {
@@ -140,6 +163,19 @@ mod tests {
             assert!(face.glyph_index(c).is_some(), "{c}");
         }
         assert!((9.0..11.0).contains(&typesetter.width("00", 8.8)));
+    }
+
+    #[test]
+    fn labels_break_between_words() {
+        let typesetter = Typesetter::new();
+        let wrapped =
+            |width, most| typesetter.wrapped("a room with  a longname", 10.0, width, most);
+        assert_eq!(wrapped(500.0, 1).unwrap(), ["a room with a longname"]);
+        let lines = wrapped(60.0, 3).unwrap();
+        assert_eq!(lines.join(" "), "a room with a longname");
+        assert!(lines.len() > 1 && lines.iter().all(|l| typesetter.width(l, 10.0) <= 60.0));
+        assert_eq!((wrapped(60.0, 1), wrapped(20.0, 9)), (None, None));
+        assert_eq!(typesetter.wrapped(" ", 10.0, 60.0, 3), None);
     }
 
     #[test]

@@ -15,8 +15,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 pub use check::Violation;
 pub use digest::Digest;
 pub use part::{
-    Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind, Tree, Wall,
-    WallKind,
+    Contents, Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind,
+    Tree, Wall, WallKind,
 };
 pub use raster::ClassRaster;
 pub use road::RoadMesh;

@@ -83,6 +83,40 @@ pub struct Room {
     pub difficulty: Option<f64>,
     /// Whether there is light.
     pub lit: bool,
+    /// Whether it still holds what its name and difficulty stand for.
+    #[serde(default, skip_serializing_if = "Contents::is_as_designed")]
+    pub contents: Contents,
+}
+
+/// What a generator left of a room's contents: some may have had to go so that a robot can enter.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Contents {
+    /// All of them.
+    #[default]
+    AsDesigned,
+    /// All but those that stood in a doorway's way.
+    Cleared,
+    /// None.
+    Emptied,
+}
+
+impl Contents {
+    /// Whether nothing was taken out.
+    pub fn is_as_designed(&self) -> bool {
+        *self == Contents::AsDesigned
+    }
+
+    /// What to call it, such as `cleared`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Contents::AsDesigned => "as designed",
+            Contents::Cleared => "cleared",
+            Contents::Emptied => "emptied",
+        }
+    }
 }
 
 /// An opening in a wall, with a door that may be closed.

@@ -6,8 +6,8 @@ use envgen::certificate::Claim;
 use envgen::geometry::{Pose, Rect, Shape, unit_vector};
 use envgen::glam::DVec2;
 use envgen::world::{
-    ClassRaster, Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind,
-    Tree, Wall, WallKind,
+    ClassRaster, Contents, Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface,
+    SurfaceKind, Tree, Wall, WallKind,
 };
 use envgen::{Provenance, Seed, World};
 use serde_json::json;
@@ -39,6 +39,7 @@ pub(crate) fn indoor() -> World {
             shape: rect(x, y0, x + 6.0, y1),
             difficulty: Some(10.0 * i as f64 / 7.0),
             lit: i % 3 != 2,
+            contents: Contents::AsDesigned,
         });
         let edge = if upper { 8.0 } else { 6.0 };
         let (a, b) = (x + 2.4, x + 3.6);

@@ -1,7 +1,6 @@
 //! `envgen check`.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
@@ -9,16 +8,16 @@ use envgen::certificate::{Claim, Verdict, verify};
 
 use crate::failure::Failure;
 use crate::progress::spinner;
-use crate::source::read_world;
+use crate::source::WorldFile;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// A world file, JSON or RON.
-    file: PathBuf,
+    #[command(flatten)]
+    file: WorldFile,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let world = read_world(&arguments.file)?;
+    let world = arguments.file.read()?;
     let checked = {
         let _spinner = spinner("checking");
         verify(&world)

@@ -11,7 +11,7 @@ use envgen::picture::PictureOptions;
 use crate::failure::Failure;
 use crate::output::Pending;
 use crate::progress::spinner;
-use crate::source::Source;
+use crate::source::{Source, note};
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -94,10 +94,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if let WorldMetrics::Landscape(metrics) = blueprint.metrics()
         && let Some(error) = metrics.total_edge_error.filter(|error| *error != 0)
     {
-        #[expect(clippy::print_stderr, reason = "where the command speaks to a person")]
-        {
-            eprintln!("note: no landscape has this total_edge; the nearest is {error:+} off");
-        }
+        note(&format!("no landscape has this total_edge; the nearest is {error:+} off"));
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,7 +1,6 @@
 //! `envgen inspect`.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
@@ -12,12 +11,12 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::failure::Failure;
-use crate::source::read_world;
+use crate::source::WorldFile;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// A world file, JSON or RON.
-    file: PathBuf,
+    #[command(flatten)]
+    file: WorldFile,
 
     /// Prints JSON.
     #[arg(long)]
@@ -60,7 +59,7 @@ struct Checked {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let world = read_world(&arguments.file)?;
+    let world = arguments.file.read()?;
     let report = report(&world);
     let mut out = io::stdout().lock();
     if arguments.json {

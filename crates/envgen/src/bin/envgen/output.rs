@@ -26,6 +26,10 @@ impl Pending {
         if path.is_dir() {
             return Err(Failure::of_file(path, "is a folder"));
         }
+        if !folder.is_dir() {
+            let text = format!("there is no folder `{}`", folder.display());
+            return Err(Failure::of_file(path, text));
+        }
         // Not the error itself: it names the temporary file.
         let file = new_file(folder)
             .map_err(|error| Failure::of_file(path, std::io::Error::from(error.kind())))?;

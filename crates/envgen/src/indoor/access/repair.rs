@@ -9,6 +9,7 @@ use crate::indoor::plan::PlacedRoom;
 use crate::indoor::rules::doorways;
 use crate::indoor::sets::Sets;
 use crate::seed::Stream;
+use crate::world::Contents;
 
 /// A place for a further doorway, and the places that it would join.
 struct Candidate {
@@ -28,18 +29,17 @@ pub(in crate::indoor) fn repair(
     grid: &Grid,
     rooms: &mut [PlacedRoom],
     openings: &mut Vec<Opening>,
-    mut interiors: Interiors,
     dimensions: Dimensions,
     stream: &mut Stream,
 ) {
     let Some(root) = grid.cells().iter().position(|&cell| cell == Cell::Hallway) else { return };
     loop {
+        let interiors = Interiors::new(grid, rooms, dimensions);
         let unreached = connect(grid, rooms, openings, &interiors, root, stream);
         doorways::sort(openings);
         if unreached.is_empty() || !empty(grid, rooms, &unreached) {
             return;
         }
-        interiors = Interiors::new(grid, rooms, dimensions);
     }
 }
 
@@ -165,7 +165,7 @@ fn candidates(
 }
 
 fn furnished(room: &PlacedRoom) -> bool {
-    !room.emptied
+    room.contents != Contents::Emptied
 }
 
 /// Takes the contents out of rooms, or out of their neighbours when they have none; whether any

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::geometry::{Pose, Rect, Shape, box_axis, edges, signed_area};
+use crate::indoor::grid::Side;
 use crate::world::{Obstacle, Surface, Wall};
 
 /// Side of a cell in metres for which the contents of rooms are drawn.
@@ -141,6 +142,14 @@ impl RoomDesign {
             obstacles: Vec::new(),
             surfaces: Vec::new(),
             ..self.clone()
+        }
+    }
+
+    /// Cells along a side.
+    pub fn side_length(&self, side: Side) -> u32 {
+        match side {
+            Side::North | Side::South => self.width,
+            Side::East | Side::West => self.height,
         }
     }
 

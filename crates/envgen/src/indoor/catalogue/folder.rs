@@ -26,6 +26,9 @@ pub enum FolderError {
         /// Why.
         source: io::Error,
     },
+    /// There is no such folder.
+    #[error("there is no folder `{0}`")]
+    Missing(PathBuf),
     /// A file is not the RON of a room.
     #[error("{path}: {source}")]
     Ron {
@@ -84,6 +87,9 @@ impl Catalogue {
 
 fn read_rooms(folder: &Path) -> Result<Vec<RoomDesign>, FolderError> {
     let failed = |path: &Path, source| FolderError::Read { path: path.to_owned(), source };
+    if !folder.is_dir() {
+        return Err(FolderError::Missing(folder.to_owned()));
+    }
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder).map_err(|source| failed(folder, source))? {
         let path = entry.map_err(|source| failed(folder, source))?.path();
@@ -175,6 +181,6 @@ mod tests {
             assert!(error.contains("a.room.ron") && error.contains(says), "{error}");
         }
         let missing = Catalogue::read_folder(Path::new("no/such/folder")).unwrap_err();
-        assert!(missing.to_string().contains("no/such/folder"));
+        assert_eq!(missing.to_string(), "there is no folder `no/such/folder`");
     }
 }

@@ -7,7 +7,7 @@ mod folder;
 use std::collections::BTreeSet;
 use std::fmt;
 use std::ops::Deref;
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError, Weak};
 
 use ron::extensions::Extensions;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
@@ -17,13 +17,17 @@ pub(super) use design::Frame;
 pub use design::{DESIGN_UNIT, MAX_ROOM_PARTS, MAX_ROOM_SIZE, RoomDesign, RoomError};
 pub use folder::FolderError;
 
-use super::interior::{Dimensions, Interior};
+use super::grid::Side;
+use super::interior::{self, Dimensions, Interior};
 
 /// Most rooms in a catalogue.
 pub const MAX_ROOMS: usize = 10_000;
 
 /// Distinct dimensions for which a room remembers its free space.
 const REMEMBERED: usize = 4;
+
+/// Sets of doorways for which a room remembers itself cleared, and the things in all these rooms.
+const REMEMBERED_CLEARED: (usize, usize) = (256, 1 << 16);
 
 /// Why rooms do not make a catalogue.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -48,7 +52,17 @@ struct Inner {
     design: RoomDesign,
     /// What [`SharedRoom::interior`] has worked out; it changes no result.
     interiors: Mutex<Vec<(Dimensions, Arc<Interior>)>>,
+    /// What [`SharedRoom::cleared`] has worked out; it changes no result.
+    cleared: Mutex<Vec<(Doorways, Option<SharedRoom>)>>,
+    /// The room that this one was before it was cleared, and the doorways that it was cleared for.
+    before: Option<(Weak<Inner>, Places)>,
 }
+
+/// Places for doorways in the unturned room, in order.
+type Places = Vec<(Side, u32)>;
+
+/// These, and the measures that count there.
+type Doorways = (Places, Dimensions);
 
 impl SharedRoom {
     /// Checks a room.
@@ -57,7 +71,8 @@ impl SharedRoom {
     /// The first thing in the room that is wrong.
     pub fn new(design: RoomDesign) -> Result<Self, RoomError> {
         design.validate()?;
-        Ok(SharedRoom(Arc::new(Inner { design, interiors: Mutex::default() })))
+        let (interiors, cleared) = Default::default();
+        Ok(SharedRoom(Arc::new(Inner { design, interiors, cleared, before: None })))
     }
 
     /// The free space inside the room, worked out once for the same dimensions.
@@ -72,6 +87,42 @@ impl SharedRoom {
         }
         known.push((dimensions, Arc::clone(&interior)));
         interior
+    }
+
+    /// The room without what stands in the way of a doorway in a side, `at` half cells from its
+    /// left or upper end; `None` when the doorway could not be used even so.
+    pub(super) fn cleared(
+        &self,
+        side: Side,
+        at: u32,
+        dimensions: Dimensions,
+    ) -> Option<SharedRoom> {
+        // What is left depends on the set of doorways, not on their order.
+        let before = self.0.before.as_ref();
+        let before = before.and_then(|(room, doorways)| Some((room.upgrade()?, doorways.clone())));
+        let (original, mut doorways) = before.unwrap_or_else(|| (Arc::clone(&self.0), Vec::new()));
+        if let Err(place) = doorways.binary_search(&(side, at)) {
+            doorways.insert(place, (side, at));
+        }
+        let key = (doorways, dimensions);
+        let mut known = original.cleared.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, room)) = known.iter().find(|(known, _)| *known == key) {
+            return room.clone();
+        }
+        let design = interior::cleared(&self.0.design, dimensions, side, at);
+        let (interiors, cleared) = Default::default();
+        let before = Some((Arc::downgrade(&original), key.0.clone()));
+        let room = SharedRoom(Arc::new(Inner { design, interiors, cleared, before }));
+        // What went may have filled a gap between things that stay.
+        let interior = room.interior(dimensions);
+        let sound = interior.port(side, at).usable() && interior.overlooked(&room, dimensions) == 0;
+        let room = sound.then_some(room);
+        let (most, parts) = REMEMBERED_CLEARED;
+        if known.len() >= most.min(parts / (1 + original.design.barriers().count())).max(1) {
+            known.remove(0);
+        }
+        known.push((key, room.clone()));
+        room
     }
 }
 

@@ -1,7 +1,8 @@
 //! `doorwayRule` with the third adaptation: every side of every room draws a doorway.
 
 use crate::indoor::access::Interiors;
-use crate::indoor::grid::{Gate, Grid, Opening, Origin, Side};
+use crate::indoor::grid::{Cell, Gate, Grid, Opening, Origin, Side};
+use crate::indoor::interior::Dimensions;
 use crate::indoor::plan::PlacedRoom;
 use crate::seed::Stream;
 
@@ -9,19 +10,19 @@ use crate::seed::Stream;
 pub(in crate::indoor) struct Drawn {
     /// The openings, sorted and without repetition.
     pub(in crate::indoor) openings: Vec<Opening>,
-    /// Drawn sides that stayed closed: behind them is the outer wall, something solid or, where
-    /// contents count, nothing that a robot could enter.
+    /// Drawn sides that stayed closed: behind them is the outer wall or something solid.
     pub(in crate::indoor) closed: u64,
 }
 
 /// Draws once for every side, whatever lies behind it, and opens the wall in the middle of the
-/// side. Where half a doorway or none would be free it is moved to the nearest whole place; the
-/// contents count when `interiors` are given.
+/// side. Where half a doorway or none would be free it is moved to the nearest whole place. With
+/// `dimensions` the contents count too: a doorway moves to where none are in its way, and where that
+/// is nowhere they yield.
 pub(in crate::indoor) fn place(
     grid: &Grid,
     rooms: &mut [PlacedRoom],
     probability: f64,
-    interiors: Option<&Interiors>,
+    dimensions: Option<Dimensions>,
     stream: &mut Stream,
 ) -> Drawn {
     for room in rooms.iter_mut() {
@@ -32,12 +33,25 @@ pub(in crate::indoor) fn place(
         }
     }
     let mut drawn = Drawn { openings: Vec::with_capacity(2 * rooms.len()), closed: 0 };
-    for room in rooms.iter() {
+    let mut blocked = Vec::new();
+    let interiors = dimensions.map(|dimensions| Interiors::new(grid, rooms, dimensions));
+    let usable = |rooms: &[PlacedRoom], gate: Gate| match &interiors {
+        Some(interiors) => interiors.leads_through(grid, rooms, gate).is_some(),
+        None => is_whole(grid, gate),
+    };
+    for (i, room) in rooms.iter().enumerate() {
         for side in room.doorways.iter() {
-            match open(grid, rooms, room, side, interiors) {
+            match nearest(room, side, dimensions.is_some(), |gate| usable(rooms, gate)) {
                 Some(opening) => drawn.openings.push(opening),
-                None => drawn.closed += 1,
+                None => blocked.push((i, side)),
             }
+        }
+    }
+    for (i, side) in blocked {
+        let opening = dimensions.and_then(|dimensions| clear(grid, rooms, (i, side), dimensions));
+        match opening {
+            Some(opening) => drawn.openings.push(opening),
+            None => drawn.closed += 1,
         }
     }
     sort(&mut drawn.openings);
@@ -50,42 +64,58 @@ pub(in crate::indoor) fn sort(openings: &mut Vec<Opening>) {
     openings.dedup_by_key(|opening| opening.gate);
 }
 
-fn open(
-    grid: &Grid,
-    rooms: &[PlacedRoom],
+/// The place in a side, the nearest to its middle, that `usable` allows. Places beside the middle
+/// count where half a doorway can be free: between two cells, or anywhere.
+fn nearest(
     room: &PlacedRoom,
     side: Side,
-    interiors: Option<&Interiors>,
+    anywhere: bool,
+    usable: impl Fn(Gate) -> bool,
 ) -> Option<Opening> {
-    let length = room.side_length(side);
-    let whole = |at: u32| {
-        let gate = room.gate(side, at);
-        let whole = match interiors {
-            Some(interiors) => interiors.leads_through(grid, rooms, gate).is_some(),
-            None => is_whole(grid, gate),
-        };
-        whole.then_some(gate)
-    };
-    let middle = length;
-    if let Some(gate) = whole(middle) {
-        return Some(Opening { gate, origin: Origin::Drawn });
+    let middle = room.side_length(side);
+    if usable(room.gate(side, middle)) {
+        return Some(Opening { gate: room.gate(side, middle), origin: Origin::Drawn });
     }
     // To the letter, only the middle between two cells can be half free, and then one of them is
     // wholly so.
-    let farthest = match interiors {
-        Some(_) => length - 1,
-        None => u32::from(length.is_multiple_of(2)),
-    };
+    let farthest = if anywhere { middle - 1 } else { u32::from(middle.is_multiple_of(2)) };
     (1..=farthest)
         .flat_map(|shift| [middle - shift, middle + shift])
-        .find_map(whole)
+        .map(|at| room.gate(side, at))
+        .find(|&gate| usable(gate))
         .map(|gate| Opening { gate, origin: Origin::Shifted })
+}
+
+/// Takes out what blocks a drawn doorway, nearest to the middle of its side.
+fn clear(
+    grid: &Grid,
+    rooms: &mut [PlacedRoom],
+    (room, side): (usize, Side),
+    dimensions: Dimensions,
+) -> Option<Opening> {
+    // The room after a doorway's way in is free; `None` when it cannot be.
+    let around = |gate: Gate| -> Option<Vec<(usize, PlacedRoom)>> {
+        let cells = gate.first_cells().into_iter().flatten();
+        let beside = cells.filter_map(|(x, y)| match grid.get(x, y) {
+            Some(Cell::Room(i)) => Some(i as usize),
+            _ => None,
+        });
+        let cleared = |i: usize| match rooms[i].port(gate, dimensions).usable() {
+            true => Some((i, rooms[i].clone())),
+            false => Some((i, rooms[i].cleared(gate, dimensions)?)),
+        };
+        is_whole(grid, gate).then(|| beside.map(cleared).collect()).flatten()
+    };
+    let opening = nearest(&rooms[room], side, true, |gate| around(gate).is_some())?;
+    for (i, room) in around(opening.gate)? {
+        rooms[i] = room;
+    }
+    Some(opening)
 }
 
 /// Whether one and the same space lies behind the full width of an opening, on either side.
 pub(in crate::indoor) fn is_whole(grid: &Grid, gate: Gate) -> bool {
-    gate.cells(grid).iter().all(|&[a, b]| {
-        (a.is_floor() && b.is_floor())
-            || (a == b && matches!(a, crate::indoor::grid::Cell::Room(_)))
-    })
+    gate.cells(grid)
+        .iter()
+        .all(|&[a, b]| (a.is_floor() && b.is_floor()) || (a == b && matches!(a, Cell::Room(_))))
 }

@@ -10,7 +10,8 @@
 //! A -> F(n) A  |  F(n) [+A] A  |  F(n) [-A] A  |  F(n) [+A] [-A] A
 //! ```
 //!
-//! each bracket with the probability `branching`, n about the distance between hallways that the
+//! each bracket with the probability `branching` (the axiom has one for sure, unless that is 0), n
+//! about the distance between hallways that the
 //! difficulty gives. The environment limits what F draws: it ends at the map's edge, and where it
 //! meets another hallway it joins it with the same probability, if loops are allowed, or ends one
 //! cell before.
@@ -56,7 +57,12 @@ pub(in crate::indoor) fn grow(grid: &mut Grid, law: &Law, stream: &mut Stream) {
     for direction in [along, (-along.0, -along.1)] {
         tips.push_back(Tip { x, y, direction });
     }
-    branch(&mut tips, tips_at(x, y, along), law, stream);
+    let sides = tips_at(x, y, along);
+    branch(&mut tips, sides, law, stream);
+    // The straight hallway alone is no net; beside it there is room for sure.
+    if tips.len() == 2 && law.branching > 0.0 {
+        tips.push_back(sides[stream.below(2) as usize]);
+    }
     while let Some(tip) = tips.pop_front() {
         let spacing = law.spacing[usize::from(tip.direction.0 == 0)];
         let length = (spacing + stream.below(3) as u32).saturating_sub(1).max(LEAST_SPACING);
@@ -172,6 +178,16 @@ mod tests {
         assert_eq!(means[0], (40.0, 0.0));
         for pair in means.windows(2) {
             assert!(pair[1].0 > pair[0].0 && pair[1].1 > pair[0].1, "{means:?}");
+        }
+    }
+
+    #[test]
+    fn one_branch_is_certain() {
+        for seed in 0..300 {
+            for (size, branching) in [(4, 0.5), (16, 0.01), (16, 0.5), (40, 0.2)] {
+                let (shape, _) = shape(seed, size, branching, seed % 2 == 0);
+                assert!(shape.ends > 2 || shape.cycles > 0, "seed {seed}: {shape:?}");
+            }
         }
     }
 

@@ -4,6 +4,7 @@ use crate::indoor::catalogue::SharedRoom;
 use crate::indoor::grid::{Cell, Grid, Sides};
 use crate::indoor::plan::PlacedRoom;
 use crate::seed::Stream;
+use crate::world::Contents;
 
 /// What may be placed, and how.
 pub(in crate::indoor) struct Choice<'a> {
@@ -85,7 +86,7 @@ fn draw(
                 y,
                 quarters,
                 doorways: Sides::default(),
-                emptied: false,
+                contents: Contents::AsDesigned,
             };
             let (width, height) = room.size();
             if grid.is_solid(x, y, width, height) {

@@ -46,3 +46,22 @@ fn the_same_seed_moves_the_same_things() {
     assert_eq!(vary(3), vary(3));
     assert_ne!(vary(3), vary(4));
 }
+
+#[test]
+fn no_pocket_is_left_that_the_footprint_just_fits_in() {
+    for seed in 0..12 {
+        for name in ["dragon room", "multi office", "single office"] {
+            let room = Catalogue::builtin().get(name).unwrap();
+            let varied = vary(room, 0.0, ROBOT, &mut Seed(seed).stream("test", 0));
+            let interior = varied.room.interior(ROBOT);
+            assert_eq!(interior.overlooked(&varied.room, ROBOT), 0, "{name}, seed {seed}");
+        }
+    }
+}
+
+#[test]
+fn designed_rooms_overlook_nothing() {
+    for room in Catalogue::builtin().rooms() {
+        assert_eq!(room.interior(ROBOT).overlooked(room, ROBOT), 0, "{}", room.name);
+    }
+}

@@ -13,6 +13,7 @@ use crate::indoor::grid::{Axis, Cell, Gate, Grid, Opening, Origin, Sides};
 use crate::indoor::plan::{FloorPlan, PlacedRoom};
 use crate::indoor::rules::doorways::{is_whole, sort};
 use crate::indoor::spec::{IndoorSpec, Profile};
+use crate::world::Contents;
 
 /// The name of a hallway's piece.
 pub const HALLWAY: &str = "hallway";
@@ -29,6 +30,8 @@ pub struct Project {
     pub plan: FloorPlan,
     /// Doors that were left out, since there is no wall of a room with floor on both sides.
     pub doors_ignored: usize,
+    /// Elements that are neither rooms nor doors.
+    pub elements_ignored: usize,
 }
 
 /// Reads a project. Rooms come from the catalogue by name, and bare, by size, from the library if
@@ -55,11 +58,14 @@ pub fn read_project(
         count: 0,
     };
     let mut gates = Vec::new();
+    let mut elements_ignored = 0;
     while let Some(element) = document.next()? {
         if element.is("room") {
             reading.room(&element)?;
         } else if element.is("door") {
             gates.push(door(&element, gates.len() + 1, depth, width)?);
+        } else {
+            elements_ignored += 1;
         }
     }
     let Reading { grid, rooms, .. } = reading;
@@ -76,7 +82,7 @@ pub fn read_project(
     sort(&mut openings);
     let spec = IndoorSpec { width, height: depth, profile: Profile::Thesis, ..Default::default() };
     let plan = FloorPlan { spec, seed: None, grid, rooms, openings, draws: None, edited: false };
-    Ok(Project { name, plan, doors_ignored })
+    Ok(Project { name, plan, doors_ignored, elements_ignored })
 }
 
 struct Reading<'a> {
@@ -110,7 +116,8 @@ impl Reading<'_> {
         }
         let room = self.find(&name, number)?;
         let doorways = Sides::default();
-        let placed = PlacedRoom { room, x: column, y: row, quarters, doorways, emptied: false };
+        let contents = Contents::AsDesigned;
+        let placed = PlacedRoom { room, x: column, y: row, quarters, doorways, contents };
         let (width, height) = placed.size();
         if width > columns - column || height > rows - row {
             return Err(WorldGeneratorError::Outside { number, name });

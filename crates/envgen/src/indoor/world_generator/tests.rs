@@ -31,6 +31,9 @@ fn read(text: &str) -> Result<Project, WorldGeneratorError> {
 fn a_project_by_hand() {
     let project = read(OFFICE).unwrap();
     assert_eq!((project.name.as_str(), project.doors_ignored), ("office & lab", 1));
+    assert_eq!(project.elements_ignored, 0);
+    let lamp = OFFICE.replace("</world>", "<lamp x=\"1\"/></world>");
+    assert_eq!(read(&lamp).unwrap().elements_ignored, 1);
     let plan = &project.plan;
     // x runs from north to south: the hallway is the left column.
     assert!((0..3).all(|y| plan.grid().get(0, y) == Some(Cell::Hallway)));

@@ -13,6 +13,7 @@
 mod adjacency;
 mod patches;
 mod report;
+mod sides;
 
 pub use adjacency::{Adjacency, ClassSides, Entropies};
 pub use patches::{Neighbourhood, Patch, patches};

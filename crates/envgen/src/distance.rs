@@ -1,0 +1,112 @@
+//! Exact Euclidean distances on a grid.
+
+/// Greatest distance in cells that is told apart; farther cells count as this far.
+const FAR: u8 = u8::MAX;
+
+/// The square of 255 cells or more.
+pub const FAR_SQUARED: u16 = u16::MAX;
+
+/// For every cell of a grid of `cols` columns, given row by row, the squared distance in cells from its middle to the middle of the
+/// nearest marked cell; [`FAR_SQUARED`] where none is within 255 cells.
+///
+/// Distances along columns first, then the lower envelope of the parabolas that they make in each
+/// row: Felzenszwalb and Huttenlocher, Distance Transforms of Sampled Functions, Theory of
+/// Computing 8 (2012), in whole numbers as in Meijster, Roerdink and Hesselink (2000). O(cells).
+pub fn squared_distances(cols: usize, marked: &[bool]) -> Vec<u16> {
+    let mut along = vec![FAR; marked.len()];
+    let mut squared = vec![FAR_SQUARED; marked.len()];
+    if cols == 0 {
+        return squared;
+    }
+    let rows = marked.len() / cols;
+    let mut last = vec![FAR; cols];
+    let mut sweep = |row: usize| {
+        let cells = row * cols..(row + 1) * cols;
+        for ((last, along), &marked) in
+            last.iter_mut().zip(&mut along[cells.clone()]).zip(&marked[cells])
+        {
+            *last = if marked { 0 } else { last.saturating_add(1) };
+            *along = (*along).min(*last);
+        }
+    };
+    (0..rows).for_each(&mut sweep);
+    // What the first sweep leaves is a way to a marked cell too, so that the second may go on
+    // from it.
+    (0..rows).rev().for_each(sweep);
+
+    // The columns whose parabolas make the envelope, and where each begins.
+    let mut envelope: Vec<(i64, i64, i64)> = Vec::with_capacity(cols);
+    for (along, squared) in along.chunks_exact(cols).zip(squared.chunks_exact_mut(cols)) {
+        envelope.clear();
+        for (col, &height) in (0..).zip(along).filter(|(_, height)| **height < FAR) {
+            let height = i64::from(height) * i64::from(height);
+            let mut from = 0;
+            while let Some(&(other, other_height, other_from)) = envelope.last() {
+                let way = |x: i64| (x - col) * (x - col) + height;
+                let other_way = (other_from - other) * (other_from - other) + other_height;
+                if way(other_from) <= other_way {
+                    envelope.pop();
+                    continue;
+                }
+                // The first column where this parabola lies lower than the other.
+                let rise = col * col - other * other + height - other_height;
+                from = rise.div_euclid(2 * (col - other)) + 1;
+                break;
+            }
+            if (from as usize) < cols {
+                envelope.push((col, height, from));
+            }
+        }
+        let mut end = cols;
+        for &(col, height, from) in envelope.iter().rev() {
+            for (x, squared) in (from..).zip(&mut squared[from as usize..end]) {
+                let way = (x - col) * (x - col) + height;
+                *squared = u16::try_from(way).unwrap_or(FAR_SQUARED);
+            }
+            end = from as usize;
+        }
+    }
+    squared
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn far_cells_are_as_far_as_can_be_told() {
+        let mut marked = vec![false; 600];
+        assert!(squared_distances(600, &marked).iter().all(|&d| d == FAR_SQUARED));
+        marked[0] = true;
+        let row = squared_distances(600, &marked);
+        let column = squared_distances(1, &marked);
+        assert_eq!(row[254], 254 * 254);
+        assert_eq!(column[254], 254 * 254);
+        assert_eq!((row[300], column[300]), (FAR_SQUARED, FAR_SQUARED));
+        assert!(squared_distances(0, &[]).is_empty());
+    }
+
+    proptest! {
+        #[test]
+        fn distances_are_those_of_brute_force(
+            cols in 1..24_usize,
+            marks in prop::collection::vec(prop::bool::weighted(0.08), 1..400),
+        ) {
+            let rows = marks.len().div_ceil(cols);
+            let mut marked = marks;
+            marked.resize(rows * cols, false);
+            let found = squared_distances(cols, &marked);
+            let place = |cell: usize| ((cell % cols) as i32, (cell / cols) as i32);
+            for (cell, &found) in found.iter().enumerate() {
+                let (x, y) = place(cell);
+                let nearest = (0..marked.len()).filter(|&other| marked[other]).map(|other| {
+                    let (u, v) = place(other);
+                    (x - u) * (x - u) + (y - v) * (y - v)
+                });
+                let expected = nearest.min().map_or(FAR_SQUARED, |d| d as u16);
+                prop_assert_eq!(found, expected);
+            }
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Occupancy grids as ROS's `map_server` and Nav2 keep them: a YAML description and an image.
+//!
+//! Format: <http://wiki.ros.org/map_server>, and Nav2's `nav2_map_server`.
+
+use std::io::{self, Write};
+
+use glam::DVec2;
+
+use crate::geometry::{Pose, Shape};
+use crate::occupancy::{Coverage, OccupancyError, OccupancyGrid};
+use crate::world::World;
+
+/// The most cells of a map that is read or written.
+pub const MAX_CELLS: u64 = 1 << 26;
+
+/// Side of a cell in metres that a world is written with, where it is not too large for that.
+pub const RESOLUTION: f64 = 0.05;
+
+/// Probability of occupancy above which a cell is occupied, as maps are written.
+pub const OCCUPIED_THRESHOLD: f64 = 0.65;
+
+/// Probability of occupancy below which a cell is free, as maps are written: the grey of unknown
+/// cells, 205, is just not below.
+pub const FREE_THRESHOLD: f64 = 0.196;
+
+/// What is known of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RosCell {
+    /// Nothing.
+    Unknown,
+    /// It is free.
+    Free,
+    /// Something stands there.
+    Occupied,
+}
+
+impl RosCell {
+    /// The grey that stands for the cell.
+    fn grey(self) -> u8 {
+        match self {
+            RosCell::Unknown => 205,
+            RosCell::Free => 254,
+            RosCell::Occupied => 0,
+        }
+    }
+}
+
+/// A map: square cells over a rectangle that may be turned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RosMap {
+    /// Number of columns.
+    pub cols: usize,
+    /// Side of a cell in metres.
+    pub resolution: f64,
+    /// The lower left corner of the lowest, leftmost cell, and the direction of the rows.
+    pub origin: Pose,
+    /// The cells, row by row from the lowest, `cols` to a row.
+    pub cells: Vec<RosCell>,
+}
+
+impl RosMap {
+    /// The solid parts of a world: what is not occupied is free.
+    ///
+    /// Cells whose middle lies in a part are occupied, and cells that a part touches which is
+    /// thinner than a cell.
+    ///
+    /// # Errors
+    /// When the resolution is not positive, or makes more than [`MAX_CELLS`] cells.
+    pub fn of_world(world: &World, resolution: f64) -> Result<Self, OccupancyError> {
+        let size = (world.bounds.size() / resolution).ceil().max(DVec2::ONE);
+        if resolution > 0.0 && size.x * size.y > MAX_CELLS as f64 {
+            return Err(OccupancyError::Size { resolution, cols: size.x, rows: size.y });
+        }
+        let mut grid = OccupancyGrid::empty(world.bounds, resolution)?;
+        // A box as thick as a cell is not thinner by rounding.
+        let thinnest = resolution * (1.0 - 1e-6);
+        for solid in world.solids() {
+            let thin = match &*solid.shape {
+                Shape::Box { half_size, .. } => 2.0 * half_size.min_element() < thinnest,
+                Shape::Disc { radius, .. } => 2.0 * radius < thinnest,
+                Shape::Segment { .. } | Shape::Polygon { .. } => false,
+            };
+            grid.occupy(&solid.shape, if thin { Coverage::Conservative } else { Coverage::Centre });
+        }
+        let cell = |&occupied: &bool| if occupied { RosCell::Occupied } else { RosCell::Free };
+        Ok(RosMap {
+            cols: grid.cols(),
+            resolution,
+            origin: Pose { position: grid.origin(), heading: 0.0 },
+            cells: grid.cells().iter().map(cell).collect(),
+        })
+    }
+
+    /// The map of a world in cells of [`RESOLUTION`], or so much coarser by a power of two that
+    /// there are not more than [`MAX_CELLS`].
+    pub(super) fn of_any_world(world: &World) -> Result<Self, OccupancyError> {
+        let size = world.bounds.size() + RESOLUTION;
+        let mut resolution = RESOLUTION;
+        while (size.x / resolution + 1.0) * (size.y / resolution + 1.0) > MAX_CELLS as f64 {
+            resolution *= 2.0;
+        }
+        RosMap::of_world(world, resolution)
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.cells.len() / self.cols.max(1)
+    }
+
+    /// The cells' greys, the top row first, as images have it.
+    fn greys(&self) -> Vec<u8> {
+        let rows = self.cells.chunks_exact(self.cols.max(1)).rev();
+        rows.flatten().map(|cell| cell.grey()).collect()
+    }
+
+    /// Writes the description of the map, with the name of its image's file.
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub fn write_yaml(&self, image: &str, out: &mut dyn Write) -> io::Result<()> {
+        let Pose { position, heading } = self.origin;
+        // JSON's strings are YAML's too, whatever is in the name.
+        let image = serde_json::to_string(image)?;
+        writeln!(out, "image: {image}")?;
+        writeln!(out, "mode: trinary")?;
+        writeln!(out, "resolution: {:?}", self.resolution)?;
+        writeln!(out, "origin: [{:?}, {:?}, {heading:?}]", position.x, position.y)?;
+        writeln!(out, "negate: 0")?;
+        writeln!(out, "occupied_thresh: {OCCUPIED_THRESHOLD}")?;
+        writeln!(out, "free_thresh: {FREE_THRESHOLD}")
+    }
+
+    /// Writes the map's image as a binary PGM: 254 free, 205 unknown, 0 occupied.
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub fn write_pgm(&self, out: &mut dyn Write) -> io::Result<()> {
+        write!(out, "P5\n{} {}\n255\n", self.cols, self.rows())?;
+        out.write_all(&self.greys())
+    }
+
+    /// Writes the map's image as a grey PNG, with the same greys.
+    ///
+    /// # Errors
+    /// When writing fails, or the map has no cells.
+    #[cfg(feature = "picture")]
+    pub fn write_png(&self, out: &mut dyn Write) -> io::Result<()> {
+        let side = |len: usize| u32::try_from(len).map_err(io::Error::other);
+        let mut encoder = png::Encoder::new(out, side(self.cols)?, side(self.rows())?);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.set_depth(png::BitDepth::Eight);
+        let mut writer = encoder.write_header().map_err(io::Error::other)?;
+        writer.write_image_data(&self.greys()).map_err(io::Error::other)?;
+        writer.finish().map_err(io::Error::other)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Rect;
+    use crate::provenance::Provenance;
+    use crate::world::{Wall, WallKind};
+
+    fn world() -> World {
+        let bounds = Rect::new(DVec2::new(-1.0, 2.0), DVec2::new(1.0, 3.0));
+        let mut world = World::new(Provenance::other("manual", serde_json::Value::Null), bounds);
+        let rect = Rect::new(DVec2::new(-1.0, 2.5), DVec2::new(0.0, 3.0));
+        world.walls.push(Wall { kind: WallKind::Wall, shape: Shape::from_rect(rect) });
+        world
+    }
+
+    #[test]
+    fn files_are_as_the_format_says() {
+        let map = RosMap::of_world(&world(), 0.5).unwrap();
+        let mut image = Vec::new();
+        map.write_pgm(&mut image).unwrap();
+        assert_eq!(image, b"P5\n4 2\n255\n\x00\x00\xfe\xfe\xfe\xfe\xfe\xfe");
+        let mut yaml = Vec::new();
+        map.write_yaml("a \"b\".pgm", &mut yaml).unwrap();
+        let expected = "image: \"a \\\"b\\\".pgm\"\nmode: trinary\nresolution: 0.5\n\
+                        origin: [-1.0, 2.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\n\
+                        free_thresh: 0.196\n";
+        assert_eq!(String::from_utf8(yaml).unwrap(), expected);
+    }
+
+    #[test]
+    fn thin_walls_stay_closed() {
+        let mut world = world();
+        let shape = Shape::thick_segment(DVec2::new(-1.0, 2.1), DVec2::new(1.0, 2.1), 0.01, 0.0);
+        world.walls.push(Wall { kind: WallKind::Wall, shape });
+        let map = RosMap::of_world(&world, 0.5).unwrap();
+        assert!(map.cells[..4].iter().all(|cell| *cell == RosCell::Occupied));
+    }
+
+    #[test]
+    fn large_worlds_get_larger_cells() {
+        let mut world = world();
+        world.bounds.max = DVec2::splat(1000.0);
+        assert!(RosMap::of_world(&world, 0.05).is_err());
+        let map = RosMap::of_any_world(&world).unwrap();
+        assert_eq!(map.resolution, 0.2);
+        assert!(RosMap::of_world(&world, f64::NAN).is_err());
+        assert!(RosMap::of_world(&world, -1.0).is_err());
+    }
+}

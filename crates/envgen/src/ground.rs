@@ -1,0 +1,153 @@
+//! What a robot drives on: how a [`World`]'s surfaces change its speed and its odometry.
+
+use glam::DVec2;
+
+use crate::geometry::{Rect, Shape};
+use crate::lattice::{Convex, Lattice, Lists};
+use crate::world::{ClassRaster, Surface, SurfaceKind, World};
+
+/// Cells that list a surface, on average, at most.
+const MAX_LISTINGS: usize = 24;
+
+/// The ground at a point. Where surfaces overlap, the worst of each counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ground {
+    /// Factor on a robot's greatest speed, 0 where it cannot drive.
+    pub speed: f64,
+    /// Factor on the variances of a robot's odometry.
+    pub odometry_noise: f64,
+    /// Whether it is water, which a robot must not enter.
+    pub water: bool,
+}
+
+impl Ground {
+    /// A plain floor.
+    pub const PLAIN: Ground = Ground { speed: 1.0, odometry_noise: 1.0, water: false };
+}
+
+/// An index of a world's surfaces and raster by place.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
+/// use envgen::ground::{Ground, Grounds};
+///
+/// let world = ForestSpec::default().generate(Seed(7))?.to_world();
+/// assert_eq!(Grounds::new(&world).at(world.bounds.center()), Ground::PLAIN);
+/// # Ok::<(), envgen::GenerateError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Grounds {
+    lattice: Lattice,
+    lists: Lists<u32>,
+    surfaces: Vec<Surface>,
+    /// Where the surfaces of a landscape are too many to be listed.
+    raster: Option<ClassRaster>,
+}
+
+impl Grounds {
+    /// Indexes the surfaces of a world that are not plain, and its raster if it has no surfaces.
+    pub fn new(world: &World) -> Self {
+        let plain = |surface: &&Surface| {
+            surface.speed == 1.0
+                && surface.odometry_noise == 1.0
+                && surface.kind != SurfaceKind::Water
+        };
+        let surfaces: Vec<Surface> =
+            world.surfaces.iter().filter(|surface| !plain(surface)).cloned().collect();
+        let around = surfaces.iter().map(|surface| surface.shape.bounds()).reduce(Rect::union);
+        let around = around.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
+        let around = around.grown(1e-9 * (1.0 + around.size().max_element()));
+        let numbers: Vec<u32> = (0..surfaces.len() as u32).collect();
+        let mut target = (surfaces.len() as f64).max(1.0);
+        let raster = if world.surfaces.is_empty() { world.raster.clone() } else { None };
+        loop {
+            let lattice = Lattice::over(around, target);
+            let most = (lattice.cols * lattice.rows > 1).then_some(MAX_LISTINGS * surfaces.len());
+            let lists = Lists::build(&lattice, &numbers, most, |&i, lattice, visit| {
+                let corners = Shape::from_rect(surfaces[i as usize].shape.bounds()).corners();
+                lattice.touched_runs(&Convex::Polygon(&corners), visit);
+            });
+            if let Some(lists) = lists {
+                return Grounds { lattice, lists, surfaces, raster };
+            }
+            target *= 0.25;
+        }
+    }
+
+    /// The ground at a point, [`Ground::PLAIN`] where nothing else is known.
+    pub fn at(&self, p: DVec2) -> Ground {
+        let speed = self.raster.as_ref().and_then(|raster| raster.speed_at(p));
+        let plain = Ground { speed: speed.unwrap_or(1.0), ..Ground::PLAIN };
+        let Some(cell) = self.lattice.cell_at(p) else { return plain };
+        self.lists
+            .of(cell)
+            .iter()
+            .map(|&i| &self.surfaces[i as usize])
+            .filter(|surface| surface.shape.contains(p))
+            .fold(plain, |ground, surface| Ground {
+                speed: ground.speed.min(surface.speed),
+                odometry_noise: ground.odometry_noise.max(surface.odometry_noise),
+                water: ground.water || surface.kind == SurfaceKind::Water,
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::indoor::IndoorSpec;
+    use crate::landscape::LandscapeSpec;
+    use crate::{Blueprint, Seed, Spec};
+
+    /// The slow, obvious way.
+    fn slow(world: &World, p: DVec2) -> Ground {
+        let mut ground = Ground::PLAIN;
+        for surface in world.surfaces.iter().filter(|surface| surface.shape.contains(p)) {
+            ground.speed = ground.speed.min(surface.speed);
+            ground.odometry_noise = ground.odometry_noise.max(surface.odometry_noise);
+            ground.water |= surface.kind == SurfaceKind::Water;
+        }
+        ground
+    }
+
+    fn points(world: &World, n: usize) -> impl Iterator<Item = DVec2> + '_ {
+        let mut draws = Seed(5).stream("test", 0);
+        let size = world.bounds.size();
+        (0..n).map(move |_| {
+            world.bounds.min + size * (DVec2::new(draws.unit(), draws.unit()) * 1.2 - 0.1)
+        })
+    }
+
+    #[test]
+    fn the_index_finds_every_surface() {
+        let mut water = 0;
+        let mut uneven = 0;
+        for seed in 0..10 {
+            let spec = IndoorSpec { difficulty: 9.0, ..Default::default() };
+            let world = spec.generate(Seed(seed)).expect("a map").to_world();
+            let grounds = Grounds::new(&world);
+            for p in points(&world, 2000) {
+                let ground = grounds.at(p);
+                assert_eq!(ground, slow(&world, p));
+                water += u32::from(ground.water);
+                uneven += u32::from(ground.odometry_noise > 1.0);
+            }
+        }
+        assert!(water > 0 && uneven > 0, "the maps have {water} wet and {uneven} uneven points");
+    }
+
+    #[test]
+    fn a_landscape_of_many_pieces_has_its_raster() {
+        let spec = LandscapeSpec { rows: 40, cols: 40, ..Default::default() };
+        let mut world = spec.generate(Seed(1)).expect("a landscape").to_world();
+        let listed = Grounds::new(&world);
+        world.surfaces.clear();
+        let raster = Grounds::new(&world);
+        let cell = world.raster.as_ref().expect("a raster").cell;
+        let border = |p: DVec2| ((p / cell) - (p / cell).round()).abs().min_element() < 1e-6;
+        for p in points(&world, 500).filter(|&p| !border(p)) {
+            assert_eq!(raster.at(p).speed, listed.at(p).speed, "{p}");
+        }
+        assert_eq!(raster.at(DVec2::NAN), Ground::PLAIN);
+    }
+}

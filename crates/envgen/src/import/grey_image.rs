@@ -1,0 +1,284 @@
+//! Images as shades: PGM, and PNG where pictures are built in.
+
+use thiserror::Error;
+
+use crate::export::ros_map::MAX_CELLS;
+
+/// Why an image cannot be read.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ImageError {
+    /// It is of no format that is read.
+    #[error("neither a PGM image (P2 or P5) nor a PNG image")]
+    Format,
+    /// It is a PNG, and this build reads none.
+    #[error("a PNG image; this build was made without the feature `picture`, which reads them")]
+    NoPng,
+    /// The PGM's header is not what it should be.
+    #[error("`{field}` of the PGM header is {value}, allowed is {allowed}")]
+    Header {
+        /// Width, height or greatest value.
+        field: &'static str,
+        /// What stands there.
+        value: String,
+        /// What may stand there.
+        allowed: String,
+    },
+    /// There are no pixels, or too many.
+    #[error("{width} x {height} pixels, allowed are from 1 to {MAX_CELLS}")]
+    Size {
+        /// Columns.
+        width: u64,
+        /// Rows.
+        height: u64,
+    },
+    /// The PGM holds more or less than its header says.
+    #[error("the PGM header says {expected} {unit}, the file holds {found}")]
+    Length {
+        /// What its header says.
+        expected: u64,
+        /// What there is.
+        found: u64,
+        /// Of what: bytes or numbers.
+        unit: &'static str,
+    },
+    /// A value of the PGM is no number, or above the greatest value.
+    #[error("pixel {pixel} of the PGM is {value}, allowed is from 0 to {greatest}")]
+    Value {
+        /// The pixel, counted from 0 row by row from the top.
+        pixel: u64,
+        /// What stands there.
+        value: String,
+        /// The greatest value by the header.
+        greatest: u32,
+    },
+    /// The PNG is broken.
+    #[cfg(feature = "picture")]
+    #[error("not a PNG image: {0}")]
+    Png(#[from] png::DecodingError),
+}
+
+/// A pixel: the mean of its colours from 0 (black) to 1 (white), and how opaque it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shade {
+    /// Mean of red, green and blue.
+    pub(super) colour: f64,
+    /// From 0, transparent, to 1; absent where the image has no transparency at all.
+    pub(super) alpha: Option<f64>,
+}
+
+/// The pixels of an image, row by row from the top.
+#[derive(Debug)]
+pub(super) struct GreyImage {
+    pub(super) cols: usize,
+    pub(super) shades: Vec<Shade>,
+}
+
+/// Reads an image by its first bytes.
+pub(super) fn read_image(bytes: &[u8]) -> Result<GreyImage, ImageError> {
+    match bytes {
+        [b'P', kind @ (b'2' | b'5'), rest @ ..] => read_pgm(*kind == b'5', rest),
+        [0x89, b'P', b'N', b'G', ..] => read_png(bytes),
+        _ => Err(ImageError::Format),
+    }
+}
+
+fn check_size(width: u64, height: u64) -> Result<(), ImageError> {
+    match width.checked_mul(height) {
+        Some(1..=MAX_CELLS) => Ok(()),
+        _ => Err(ImageError::Size { width, height }),
+    }
+}
+
+fn read_pgm(binary: bool, bytes: &[u8]) -> Result<GreyImage, ImageError> {
+    let mut rest = bytes;
+    let mut number = |field, allowed: &str| {
+        let word = next_word(&mut rest);
+        let value = || String::from_utf8_lossy(&word[..word.len().min(20)]).into_owned();
+        let header = || ImageError::Header { field, value: value(), allowed: allowed.to_owned() };
+        std::str::from_utf8(word).ok().and_then(|w| w.parse::<u64>().ok()).ok_or_else(header)
+    };
+    let width = number("width", "a whole number")?;
+    let height = number("height", "a whole number")?;
+    check_size(width, height)?;
+    let allowed = "from 1 to 65535";
+    let greatest = number("maxval", allowed)?;
+    if !(1..=65_535).contains(&greatest) {
+        let (field, value) = ("maxval", greatest.to_string());
+        return Err(ImageError::Header { field, value, allowed: allowed.to_owned() });
+    }
+    let (pixels, greatest) = (width * height, greatest as u32);
+    let shade = |pixel: u64, value: u32| {
+        if value > greatest {
+            return Err(ImageError::Value { pixel, value: value.to_string(), greatest });
+        }
+        Ok(Shade { colour: f64::from(value) / f64::from(greatest), alpha: None })
+    };
+    let shades: Result<Vec<Shade>, ImageError> = if binary {
+        // One white space ends the header; anything after it is a pixel.
+        let data = rest.get(1..).unwrap_or_default();
+        let wide = if greatest > 255 { 2 } else { 1 };
+        let (expected, found) = (pixels * wide, data.len() as u64);
+        let tail = data.get(expected as usize..).unwrap_or_default();
+        if found < expected || !tail.iter().all(u8::is_ascii_whitespace) {
+            return Err(ImageError::Length { expected, found, unit: "bytes of pixels" });
+        }
+        let value = |bytes: &[u8]| bytes.iter().fold(0, |v, &byte| v << 8 | u32::from(byte));
+        let data = data[..expected as usize].chunks_exact(wide as usize);
+        (0..).zip(data).map(|(pixel, bytes)| shade(pixel, value(bytes))).collect()
+    } else {
+        // At least a digit and a space each: a header's lie allocates nothing.
+        let most = (rest.len() as u64).min(pixels);
+        let mut shades = Vec::with_capacity(most as usize);
+        let mut found = 0;
+        loop {
+            let word = next_word(&mut rest);
+            if word.is_empty() {
+                break;
+            }
+            if found < pixels {
+                let text = String::from_utf8_lossy(&word[..word.len().min(20)]);
+                let value = text.parse::<u32>().map_err(|_| ImageError::Value {
+                    pixel: found,
+                    value: text.clone().into_owned(),
+                    greatest,
+                })?;
+                shades.push(shade(found, value)?);
+            }
+            found += 1;
+        }
+        if found != pixels {
+            return Err(ImageError::Length { expected: pixels, found, unit: "numbers" });
+        }
+        Ok(shades)
+    };
+    Ok(GreyImage { cols: width as usize, shades: shades? })
+}
+
+/// The next word, with white space and comments before it skipped; empty at the end.
+fn next_word<'a>(rest: &mut &'a [u8]) -> &'a [u8] {
+    loop {
+        let blank = rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+        *rest = &rest[blank..];
+        if rest.first() != Some(&b'#') {
+            break;
+        }
+        let line = rest.iter().take_while(|byte| !matches!(byte, b'\n' | b'\r')).count();
+        *rest = &rest[line..];
+    }
+    let ends = |byte: &u8| byte.is_ascii_whitespace() || *byte == b'#';
+    let length = rest.iter().take_while(|byte| !ends(byte)).count();
+    let (word, after) = rest.split_at(length);
+    *rest = after;
+    word
+}
+
+#[cfg(not(feature = "picture"))]
+fn read_png(_: &[u8]) -> Result<GreyImage, ImageError> {
+    Err(ImageError::NoPng)
+}
+
+#[cfg(feature = "picture")]
+fn read_png(bytes: &[u8]) -> Result<GreyImage, ImageError> {
+    use png::{ColorType, Decoder, Limits, Transformations};
+
+    let mut decoder = Decoder::new(std::io::Cursor::new(bytes));
+    // Palettes, few bits and transparent colours become plain 8 bits; so do 16.
+    decoder.set_transformations(Transformations::EXPAND | Transformations::STRIP_16);
+    decoder.set_limits(Limits { bytes: 1 << 30 });
+    let header = decoder.read_header_info()?;
+    let (width, height) = (u64::from(header.width), u64::from(header.height));
+    check_size(width, height)?;
+    let mut reader = decoder.read_info()?;
+    let size = reader.output_buffer_size().ok_or(ImageError::Size { width, height })?;
+    let mut data = vec![0; size];
+    reader.next_frame(&mut data)?;
+    let samples = match reader.output_color_type().0 {
+        ColorType::Grayscale => 1,
+        ColorType::GrayscaleAlpha => 2,
+        ColorType::Rgb | ColorType::Indexed => 3,
+        ColorType::Rgba => 4,
+    };
+    let shade = |pixel: &[u8]| {
+        let value = |byte: u8| f64::from(byte) / 255.0;
+        let (colours, alpha) = pixel.split_at(if samples < 3 { 1 } else { 3 });
+        let colour = colours.iter().map(|&byte| value(byte)).sum::<f64>() / colours.len() as f64;
+        Shade { colour, alpha: alpha.first().map(|&byte| value(byte)) }
+    };
+    let pixels = (width * height) as usize;
+    let shades = data.chunks_exact(samples).take(pixels).map(shade).collect();
+    Ok(GreyImage { cols: width as usize, shades })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn greys(bytes: &[u8]) -> Result<Vec<u16>, String> {
+        let image = read_image(bytes).map_err(|error| error.to_string())?;
+        Ok(image.shades.iter().map(|shade| (shade.colour * 1000.0).round() as u16).collect())
+    }
+
+    #[test]
+    fn every_kind_of_pgm_is_read() {
+        let expected = Ok(vec![0, 1000, 200, 1000]);
+        assert_eq!(greys(b"P2\n2 2\n5\n0 5\n1 5\n"), expected);
+        assert_eq!(greys(b"P2 # by hand\n# 2 x 2\n2 2 5 0 5 # half\n1 5"), expected);
+        assert_eq!(greys(b"P5\n2 2\n255\n\x00\xff\x33\xff"), expected);
+        assert_eq!(greys(b"P5\n# CREATOR: map_saver\n2 2\n255\n\x00\xff\x33\xff\n"), expected);
+        assert_eq!(greys(b"P5 2 2 65535 \x00\x00\xff\xff\x33\x33\xff\xff"), expected);
+        // The first pixel may look like white space or a comment.
+        assert_eq!(greys(b"P5 3 1 255\n\n#\x00"), Ok(vec![39, 137, 0]));
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_pgm_is_named() {
+        for (bytes, what) in [
+            (&b"P6\n1 1\n255\n\x00\x00\x00"[..], "neither a PGM"),
+            (b"", "neither a PGM"),
+            (b"P5", "`width` of the PGM header is ,"),
+            (b"P5 2", "`height` of the PGM header is ,"),
+            (b"P5 -2 2 255 ", "`width` of the PGM header is -2"),
+            (b"P5 2 2.5 255 ", "`height` of the PGM header is 2.5"),
+            (b"P5 2 2 0 \x00\x00\x00\x00", "`maxval` of the PGM header is 0, allowed is from 1"),
+            (b"P5 2 2 65536 \x00\x00\x00\x00", "`maxval` of the PGM header is 65536"),
+            (b"P5 0 2 255 ", "0 x 2 pixels, allowed are from 1"),
+            (b"P5 4294967296 4294967296 255 ", "4294967296 x 4294967296 pixels"),
+            (b"P5 99999999 1 255 ", "99999999 x 1 pixels"),
+            (b"P5 2 2 255 \x00\x00\x00", "says 4 bytes of pixels, the file holds 3"),
+            (b"P5 2 2 256 \x00\x00\x00\x00", "says 8 bytes of pixels, the file holds 4"),
+            (b"P5 2 1 255 \x00\x00\x00", "says 2 bytes of pixels, the file holds 3"),
+            (b"P5 2 1 200 \x00\xc9", "pixel 1 of the PGM is 201, allowed is from 0 to 200"),
+            (b"P2 2 1 9 1", "says 2 numbers, the file holds 1"),
+            (b"P2 2 1 9 1 2 3", "says 2 numbers, the file holds 3"),
+            (b"P2 8000 8000 9 1", "says 64000000 numbers, the file holds 1"),
+            (b"P2 2 1 9 1 x", "pixel 1 of the PGM is x"),
+            (b"P2 2 1 9 1 10", "pixel 1 of the PGM is 10, allowed is from 0 to 9"),
+            (b"P2 2 1 9 1 NaN", "pixel 1 of the PGM is NaN"),
+        ] {
+            let error = greys(bytes).unwrap_err();
+            assert!(error.contains(what), "{}: {error}", String::from_utf8_lossy(bytes));
+        }
+    }
+
+    #[cfg(feature = "picture")]
+    #[test]
+    fn a_png_has_colours_and_transparency() {
+        let mut file = Vec::new();
+        let mut encoder = png::Encoder::new(&mut file, 2, 1);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Sixteen);
+        let mut writer = encoder.write_header().unwrap();
+        let pixels = [255, 0, 0, 0, 0, 0, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0];
+        writer.write_image_data(&pixels).unwrap();
+        writer.finish().unwrap();
+        let image = read_image(&file).unwrap();
+        assert_eq!(image.shades[0], Shade { colour: 1.0 / 3.0, alpha: Some(1.0) });
+        assert_eq!(image.shades[1], Shade { colour: 0.0, alpha: Some(0.0) });
+        for end in 0..file.len() - 12 {
+            assert!(read_image(&file[..end]).is_err(), "{end} bytes");
+        }
+        file[16..24].copy_from_slice(&[0x3b, 0x9a, 0xca, 0, 0x3b, 0x9a, 0xca, 0]);
+        assert!(read_image(&file).is_err());
+    }
+}

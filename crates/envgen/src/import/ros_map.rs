@@ -1,0 +1,319 @@
+//! Maps of ROS's `map_server` and Nav2 as worlds; for the format see
+//! [`export::ros_map`](crate::export::ros_map).
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use glam::DVec2;
+use serde::Deserialize;
+use thiserror::Error;
+
+pub use super::grey_image::ImageError;
+use super::grey_image::{Shade, read_image};
+use crate::error::SpecError;
+use crate::export::ros_map::{RosCell, RosMap};
+use crate::file::{self, FileError};
+use crate::geometry::{Pose, Rect, Shape, unit_vector};
+use crate::occupancy::OccupancyGrid;
+use crate::placement::roomiest_place;
+use crate::provenance::Provenance;
+use crate::world::{Obstacle, ObstacleKind, Wall, WallKind, World};
+
+/// The sides of a cell that are read, in metres.
+const RESOLUTIONS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
+
+/// The greatest coordinate of an origin that is read, in metres.
+const MAX_ORIGIN: f64 = 1e7;
+
+/// The greatest grey that stands for a probability in a raw map, in percent.
+const MAX_PERCENT: f64 = 100.0;
+
+/// Why a map cannot be read.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RosMapError {
+    /// Reading the description failed.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The description is no YAML of a map.
+    #[error("not the YAML of a map: {0}")]
+    Yaml(String),
+    /// A value of the description is not allowed.
+    #[error(transparent)]
+    Value(#[from] SpecError),
+    /// The image's file cannot be read.
+    #[error("`image` is {path}, which cannot be read: {error}")]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: FileError,
+    },
+    /// The image is broken.
+    #[error("`image` is {path}: {error}")]
+    Image {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: ImageError,
+    },
+}
+
+/// How greys become occupancy. With p the probability of occupancy, 1 for black and 0 for white,
+/// or the other way round where the map says `negate`:
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RosMode {
+    /// Occupied where p is above the upper threshold, free where it is below the lower one,
+    /// unknown between. Transparency counts as a fourth colour, as in ROS.
+    #[default]
+    Trinary,
+    /// The same, but pixels that are not opaque are unknown. (What lies between the thresholds is a
+    /// probability from 0 to 99 % for ROS; a world has no half walls.)
+    Scale,
+    /// The grey itself, from 0 to 100, is p in percent; greys above are unknown. It is not negated.
+    Raw,
+}
+
+/// A map's description: the YAML file.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct RosDescription {
+    /// The image's file; a relative name starts at the description's folder.
+    pub image: String,
+    /// Side of a cell in metres.
+    pub resolution: f64,
+    /// Lower left corner of the map in metres, and the direction of its rows in radians.
+    pub origin: [f64; 3],
+    /// Whether white is occupied and black is free.
+    #[serde(deserialize_with = "flag")]
+    pub negate: bool,
+    /// Probability above which a cell is occupied.
+    pub occupied_thresh: f64,
+    /// Probability below which a cell is free.
+    pub free_thresh: f64,
+    /// How greys become occupancy.
+    #[serde(default)]
+    pub mode: RosMode,
+}
+
+/// ROS writes 0 and 1, and reads `true` and `false` too.
+fn flag<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<bool, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Flag {
+        Word(bool),
+        Number(i64),
+    }
+    match Flag::deserialize(deserializer)? {
+        Flag::Word(flag) => Ok(flag),
+        Flag::Number(number @ 0..=1) => Ok(number == 1),
+        Flag::Number(other) => {
+            let text = format!("`negate` is {other}, allowed is 0, 1, false or true");
+            Err(serde::de::Error::custom(text))
+        }
+    }
+}
+
+impl RosDescription {
+    /// Reads a description and checks it. Fields that are not known are left out.
+    ///
+    /// # Errors
+    /// When the text is no YAML, lacks a field, or a value is not allowed.
+    pub fn from_yaml(text: &str) -> Result<Self, RosMapError> {
+        let description: RosDescription =
+            serde_saphyr::from_str(text).map_err(|error| RosMapError::Yaml(error.to_string()))?;
+        description.check()?;
+        Ok(description)
+    }
+
+    fn check(&self) -> Result<(), SpecError> {
+        if self.image.is_empty() {
+            return Err(SpecError::new("image", "\"\"", "the name of a PGM or PNG file"));
+        }
+        if !RESOLUTIONS.contains(&self.resolution) {
+            let allowed = format!("from {} to {} m", RESOLUTIONS.start(), RESOLUTIONS.end());
+            return Err(SpecError::new("resolution", self.resolution, allowed));
+        }
+        if !self.origin.iter().all(|value| value.abs() <= MAX_ORIGIN) {
+            let value = format!("{:?}", self.origin);
+            let allowed = format!("three numbers from -{MAX_ORIGIN} to {MAX_ORIGIN}");
+            return Err(SpecError::new("origin", value, allowed));
+        }
+        let thresholds =
+            [("occupied_thresh", self.occupied_thresh), ("free_thresh", self.free_thresh)];
+        for (field, value) in thresholds {
+            if !(0.0..=1.0).contains(&value) {
+                return Err(SpecError::new(field, value, "from 0 to 1"));
+            }
+        }
+        if self.free_thresh >= self.occupied_thresh {
+            let allowed = format!("less than `occupied_thresh`, {}", self.occupied_thresh);
+            return Err(SpecError::new("free_thresh", self.free_thresh, allowed));
+        }
+        Ok(())
+    }
+
+    /// Makes a map of the bytes of the image, a PGM or a PNG.
+    ///
+    /// # Errors
+    /// When the image is broken or has too many pixels.
+    pub fn map(&self, image: &[u8]) -> Result<RosMap, ImageError> {
+        let image = read_image(image)?;
+        let rows = image.shades.chunks_exact(image.cols).rev();
+        let cells = rows.flatten().map(|shade| self.cell(shade)).collect();
+        let [x, y, heading] = self.origin;
+        let origin = Pose::new(x, y, heading);
+        Ok(RosMap { cols: image.cols, resolution: self.resolution, origin, cells })
+    }
+
+    fn cell(&self, shade: &Shade) -> RosCell {
+        let colour = match (self.mode, shade.alpha) {
+            (RosMode::Trinary, Some(alpha)) => (3.0 * shade.colour + alpha) / 4.0,
+            (RosMode::Scale, Some(alpha)) if alpha < 1.0 => return RosCell::Unknown,
+            _ => shade.colour,
+        };
+        let p = match self.mode {
+            RosMode::Raw => {
+                let percent = (colour * 255.0).round();
+                if percent > MAX_PERCENT {
+                    return RosCell::Unknown;
+                }
+                percent / MAX_PERCENT
+            }
+            _ if self.negate => colour,
+            _ => 1.0 - colour,
+        };
+        if p > self.occupied_thresh {
+            RosCell::Occupied
+        } else if p < self.free_thresh {
+            RosCell::Free
+        } else {
+            RosCell::Unknown
+        }
+    }
+}
+
+/// What unknown cells become.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UnknownCells {
+    /// Obstacles: nobody knows a way there. So a map is closed where its walls have holes.
+    #[default]
+    Solid,
+    /// Free ground.
+    Free,
+}
+
+impl RosMap {
+    /// The map as a world. Occupied cells become walls, whose outlines are exactly the cells': runs
+    /// of cells of a row, joined where rows are alike, each a box. Unknown cells become obstacles
+    /// of the kind [`ObstacleKind::Other`] in the same way, or nothing.
+    ///
+    /// The world starts at the roomiest place of the largest free region, heading along the map's
+    /// rows; it has no start where no cell is free. Another start can be set in
+    /// [`World::start`].
+    pub fn to_world(&self, unknown: UnknownCells) -> World {
+        let size = DVec2::new(self.cols as f64, self.rows() as f64) * self.resolution;
+        let corners = Shape::from_rect(Rect::new(DVec2::ZERO, size)).corners();
+        let corners = corners.into_iter().map(|corner| self.place(corner));
+        let bounds = Rect::around(corners).unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
+        let heading = self.origin.heading;
+        let source = serde_json::json!({
+            "format": "ros_map",
+            "cols": self.cols,
+            "rows": self.rows(),
+            "resolution": self.resolution,
+            "origin": [self.origin.position.x, self.origin.position.y, heading],
+        });
+        let mut world = World::new(Provenance::other("import", source), bounds);
+        let shapes = |wanted| self.boxes(wanted).into_iter().map(|rect| self.box_of(rect));
+        let wall = |shape| Wall { kind: WallKind::Wall, shape };
+        world.walls = shapes(RosCell::Occupied).map(wall).collect();
+        if unknown == UnknownCells::Solid {
+            let obstacle = |shape| Obstacle { kind: ObstacleKind::Other, shape };
+            world.obstacles = shapes(RosCell::Unknown).map(obstacle).collect();
+        }
+        let solid = |cell: &RosCell| match cell {
+            RosCell::Occupied => true,
+            RosCell::Unknown => unknown == UnknownCells::Solid,
+            RosCell::Free => false,
+        };
+        let solid = self.cells.iter().map(solid).collect();
+        let grid = OccupancyGrid::from_cells(DVec2::ZERO, self.resolution, self.cols, solid);
+        let place = grid.ok().and_then(|grid| roomiest_place(&grid));
+        world.start = place.map(|place| Pose { position: self.place(place), heading });
+        world
+    }
+
+    /// A point of the map, in metres from its lower left corner along its sides, in the world.
+    fn place(&self, p: DVec2) -> DVec2 {
+        self.origin.position + unit_vector(self.origin.heading).rotate(p)
+    }
+
+    fn box_of(&self, (cols, rows): ((usize, usize), (usize, usize))) -> Shape {
+        let low = DVec2::new(cols.0 as f64, rows.0 as f64) * self.resolution;
+        let high = DVec2::new(cols.1 as f64, rows.1 as f64) * self.resolution;
+        if self.origin.heading == 0.0 {
+            // Neighbours share their sides to the last bit, or nearly.
+            let origin = self.origin.position;
+            return Shape::from_rect(Rect::new(origin + low, origin + high));
+        }
+        Shape::Box {
+            center: self.place(0.5 * (low + high)),
+            half_size: 0.5 * (high - low),
+            heading: self.origin.heading,
+        }
+    }
+
+    /// Rectangles of cells of a kind, without overlap: columns and rows, each from the first to
+    /// the one after the last. Runs of a row that lie over a run of the same columns join it.
+    fn boxes(&self, wanted: RosCell) -> Vec<((usize, usize), (usize, usize))> {
+        let mut done = Vec::new();
+        // Runs that end at the row below: their columns, and the row that they begin at.
+        let mut open: Vec<((usize, usize), usize)> = Vec::new();
+        let rows = self.cells.chunks_exact(self.cols.max(1));
+        for (row, cells) in rows.enumerate() {
+            let mut runs = Vec::new();
+            let mut below = open.iter().copied().peekable();
+            let mut col = 0;
+            while col < cells.len() {
+                if cells[col] != wanted {
+                    col += 1;
+                    continue;
+                }
+                let end = cells[col..].iter().position(|&cell| cell != wanted);
+                let run = (col, end.map_or(cells.len(), |end| col + end));
+                while let Some((other, from)) = below.next_if(|(other, _)| other.0 < run.0) {
+                    done.push((other, (from, row)));
+                }
+                let same = below.next_if(|(other, _)| *other == run);
+                runs.push((run, same.map_or(row, |(_, from)| from)));
+                col = run.1;
+            }
+            done.extend(below.map(|(run, from)| (run, (from, row))));
+            open = runs;
+        }
+        done.extend(open.into_iter().map(|(run, from)| (run, (from, self.rows()))));
+        done
+    }
+}
+
+/// Reads the YAML of a map, and the image that it names; `path` is the YAML's own place.
+///
+/// # Errors
+/// When the YAML or the image cannot be read, or hold no map.
+pub fn read_ros_map(input: &mut dyn Read, path: &Path) -> Result<RosMap, RosMapError> {
+    let description = RosDescription::from_yaml(&file::read_text(input)?)?;
+    let path = path.parent().unwrap_or(Path::new("")).join(&description.image);
+    let bytes = match File::open(&path).map_err(FileError::Io) {
+        Ok(mut file) => file::read_bytes(&mut file),
+        Err(error) => Err(error),
+    };
+    match bytes {
+        Ok(bytes) => description.map(&bytes).map_err(|error| RosMapError::Image { path, error }),
+        Err(error) => Err(RosMapError::Missing { path, error }),
+    }
+}
+
+#[cfg(test)]
+mod tests;

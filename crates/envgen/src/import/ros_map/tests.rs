@@ -1,0 +1,228 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::occupancy::Coverage;
+use crate::raycast::Raycaster;
+
+const YAML: &str = "image: hall.pgm\nresolution: 0.5\norigin: [-1.0, 2.0, 0.0]\nnegate: 0\n\
+                    occupied_thresh: 0.65\nfree_thresh: 0.196\n";
+
+fn description(yaml: &str) -> RosDescription {
+    RosDescription::from_yaml(yaml).expect("a description")
+}
+
+/// Cells as text, the top row first: `#`, `.` and `?`.
+fn picture(map: &RosMap) -> Vec<String> {
+    let letter = |cell: &RosCell| match cell {
+        RosCell::Occupied => '#',
+        RosCell::Free => '.',
+        RosCell::Unknown => '?',
+    };
+    map.cells.chunks_exact(map.cols).rev().map(|row| row.iter().map(letter).collect()).collect()
+}
+
+fn map_of(rows: &[&str]) -> RosMap {
+    let cell = |letter| match letter {
+        b'#' => RosCell::Occupied,
+        b'.' => RosCell::Free,
+        _ => RosCell::Unknown,
+    };
+    let cells = rows.iter().rev().flat_map(|row| row.bytes().map(cell)).collect();
+    let origin = Pose::new(-1.0, 2.0, 0.0);
+    RosMap { cols: rows[0].len(), resolution: 0.5, origin, cells }
+}
+
+#[test]
+fn greys_become_cells_as_in_ros() {
+    let pgm = b"P2 6 1 255 0 88 90 204 206 254";
+    let cells = |yaml: &str| picture(&description(yaml).map(pgm).unwrap()).concat();
+    // p is 1, 0.655, 0.647, 0.2, 0.192 and 0.004.
+    assert_eq!(cells(YAML), "##??..");
+    assert_eq!(cells(&YAML.replace("negate: 0", "negate: 1")), ".??###");
+    assert_eq!(cells(&YAML.replace("negate: 0", "negate: true")), ".??###");
+    assert_eq!(cells(&format!("{YAML}mode: scale\n")), "##??..");
+    assert_eq!(cells(&format!("{YAML}mode: trinary\n")), "##??..");
+    // 0 %, 88 % and 90 %; the others are no percentages.
+    assert_eq!(cells(&format!("{YAML}mode: raw\n")), ".##???");
+    // Thresholds are not reached by what equals them.
+    let sharp = YAML.replace("0.65", "0.8").replace("0.196", "0.6");
+    let pgm = b"P2 3 1 5 1 2 0";
+    assert_eq!(picture(&description(&sharp).map(pgm).unwrap()), ["??#"]);
+}
+
+#[cfg(feature = "picture")]
+#[test]
+fn transparency_is_unknown_where_probabilities_scale() {
+    let mut png = Vec::new();
+    let mut encoder = png::Encoder::new(&mut png, 3, 1);
+    encoder.set_color(png::ColorType::GrayscaleAlpha);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&[0, 255, 0, 254, 255, 0]).unwrap();
+    writer.finish().unwrap();
+    let cells = |yaml: &str| picture(&description(yaml).map(&png).unwrap()).concat();
+    assert_eq!(cells(&format!("{YAML}mode: scale\n")), "#??");
+    // Transparency is averaged in: (3 x 0 + 255) / 4 is p = 0.75, (3 x 255 + 0) / 4 is p = 0.25.
+    assert_eq!(cells(YAML), "##?");
+}
+
+#[test]
+fn what_is_wrong_with_a_description_is_named() {
+    for (from, to, what) in [
+        ("image: hall.pgm\n", "", "image"),
+        ("hall.pgm", "\"\"", "`image` is \"\", allowed is the name"),
+        ("resolution: 0.5\n", "", "resolution"),
+        ("resolution: 0.5", "resolution: 0", "`resolution` is 0, allowed is from 0.001 to 1000 m"),
+        ("resolution: 0.5", "resolution: .nan", "`resolution` is NaN"),
+        ("resolution: 0.5", "resolution: -1", "`resolution` is -1"),
+        ("resolution: 0.5", "resolution: wide", "resolution"),
+        ("-1.0, 2.0, 0.0", "-1.0, 2.0", "not the YAML of a map"),
+        ("-1.0, 2.0, 0.0", "-1.0, .inf, 0.0", "`origin` is [-1.0, inf, 0.0], allowed is three"),
+        ("-1.0, 2.0, 0.0", "-1.0, 2.0, 1e30", "`origin`"),
+        ("negate: 0", "negate: 2", "`negate` is 2, allowed is 0, 1"),
+        ("negate: 0", "negate: maybe", "not the YAML of a map"),
+        ("0.65", "1.5", "`occupied_thresh` is 1.5, allowed is from 0 to 1"),
+        ("0.196", ".nan", "`free_thresh` is NaN, allowed is from 0 to 1"),
+        ("0.196", "0.7", "`free_thresh` is 0.7, allowed is less than `occupied_thresh`, 0.65"),
+        ("0.196", "0.65", "`free_thresh` is 0.65"),
+        ("negate: 0", "negate: 0\nmode: dual", "trinary"),
+        ("image: ", "image: [", "not the YAML of a map"),
+    ] {
+        assert!(YAML.contains(from), "{from}");
+        let error = RosDescription::from_yaml(&YAML.replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(error.contains(what), "{to}: {error}");
+    }
+    assert!(RosDescription::from_yaml("").is_err());
+    // What Nav2 and others add does no harm.
+    assert!(RosDescription::from_yaml(&format!("{YAML}frame_id: map\n")).is_ok());
+    // Nor does a file that refers to itself over and over.
+    let bomb = "a: &a [x, x, x, x, x, x, x, x, x]\nb: &b [*a, *a, *a, *a, *a, *a, *a, *a, *a]\n\
+                c: &c [*b, *b, *b, *b, *b, *b, *b, *b, *b]\nd: [*c, *c, *c, *c, *c, *c, *c, *c]\n";
+    let _ = RosDescription::from_yaml(&bomb.repeat(3));
+}
+
+#[test]
+fn runs_join_into_few_boxes() {
+    let map = map_of(&["#####", "#...#", "#...#", "#####"]);
+    let world = map.to_world(UnknownCells::Solid);
+    assert_eq!(world.check(), Ok(()));
+    assert_eq!((world.walls.len(), world.obstacles.len()), (4, 0));
+    assert_eq!(world.walls.iter().map(|wall| wall.shape.area()).sum::<f64>(), 14.0 * 0.25);
+    // In a room of 3 x 2 all cells are one cell from a wall: the first.
+    assert_eq!(world.start, Some(Pose::new(-0.25, 2.75, 0.0)));
+    assert_eq!(world.bounds, Rect::new(DVec2::new(-1.0, 2.0), DVec2::new(1.5, 4.0)));
+}
+
+#[test]
+fn unknown_cells_are_solid_or_free() {
+    let map = map_of(&["??????", "?#..#?", "?#...?", "??????"]);
+    let solid = map.to_world(UnknownCells::Solid);
+    let area = |shapes: Vec<&Shape>| shapes.iter().map(|shape| shape.area()).sum::<f64>();
+    assert_eq!(area(solid.obstacles.iter().map(|part| &part.shape).collect()), 16.0 * 0.25);
+    assert_eq!(area(solid.walls.iter().map(|part| &part.shape).collect()), 3.0 * 0.25);
+    assert!(map.to_world(UnknownCells::Free).obstacles.is_empty());
+    let full = map_of(&["#?", "??"]).to_world(UnknownCells::Solid);
+    assert_eq!((full.start, full.check()), (None, Ok(())));
+}
+
+#[test]
+fn a_turned_map_turns_about_its_corner() {
+    let mut map = map_of(&["..", "#."]);
+    map.origin = Pose::new(3.0, 1.0, std::f64::consts::FRAC_PI_2);
+    let world = map.to_world(UnknownCells::Solid);
+    assert_eq!(world.check(), Ok(()));
+    // Columns run up, rows to the left.
+    let shape = &world.walls[0].shape;
+    assert!(shape.contains(DVec2::new(2.75, 1.25)) && !shape.contains(DVec2::new(2.75, 1.75)));
+    assert!(world.bounds.min.distance(DVec2::new(2.0, 1.0)) < 1e-12);
+    assert_eq!(world.start.unwrap().heading, std::f64::consts::FRAC_PI_2);
+    assert!(world.clearance(world.start.unwrap().position) > 0.2);
+}
+
+#[test]
+fn files_that_are_not_there_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hall.yaml");
+    let read = || super::super::read_world(&path).map_err(|error| error.to_string());
+    assert!(read().unwrap_err().contains("No such file"));
+    std::fs::write(&path, YAML).unwrap();
+    let error = read().unwrap_err();
+    assert!(error.contains("`image` is ") && error.contains("hall.pgm, which cannot"), "{error}");
+    std::fs::write(folder.path().join("hall.pgm"), b"P5 2 2 255 \x00").unwrap();
+    let error = read().unwrap_err();
+    assert!(error.contains("hall.pgm: the PGM header says 4 bytes"), "{error}");
+    std::fs::write(folder.path().join("hall.pgm"), b"P5 2 2 255 \x00\xfe\xfe\xfe").unwrap();
+    let world = read().unwrap();
+    assert_eq!((world.walls.len(), world.provenance.kind.as_str()), (1, "import"));
+}
+
+fn maps() -> impl Strategy<Value = RosMap> {
+    let cells = prop::sample::select(vec![RosCell::Free, RosCell::Occupied, RosCell::Unknown]);
+    let origin = (-50.0..50.0_f64, -50.0..50.0_f64);
+    (1..12_usize, 1..12_usize, origin, 0.01..2.0_f64)
+        .prop_flat_map(move |(cols, rows, (x, y), resolution)| {
+            let cells = prop::collection::vec(cells.clone(), cols * rows);
+            let origin = Pose::new(x, y, 0.0);
+            (Just((cols, resolution, origin)), cells)
+        })
+        .prop_map(|((cols, resolution, origin), cells)| RosMap { cols, resolution, origin, cells })
+}
+
+proptest! {
+    #[test]
+    fn files_give_back_the_same_map(mut map in maps(), heading in -4.0..4.0_f64) {
+        map.origin.heading = heading;
+        let (mut yaml, mut image) = (Vec::new(), Vec::new());
+        map.write_yaml("map.pgm", &mut yaml).unwrap();
+        map.write_pgm(&mut image).unwrap();
+        let description = RosDescription::from_yaml(std::str::from_utf8(&yaml).unwrap()).unwrap();
+        prop_assert_eq!(&description.image, "map.pgm");
+        prop_assert_eq!(&description.map(&image).unwrap(), &map);
+        #[cfg(feature = "picture")]
+        {
+            let mut image = Vec::new();
+            map.write_png(&mut image).unwrap();
+            prop_assert_eq!(&description.map(&image).unwrap(), &map);
+        }
+    }
+
+    #[test]
+    fn a_world_is_its_cells(map in maps(), heading in -4.0..4.0_f64, turned in any::<bool>()) {
+        let mut map = map;
+        map.origin.heading = if turned { heading } else { 0.0 };
+        let world = map.to_world(UnknownCells::Free);
+        prop_assert_eq!(world.check(), Ok(()));
+        let rays = Raycaster::new(&world);
+        for (i, cell) in map.cells.iter().enumerate() {
+            let low = DVec2::new((i % map.cols) as f64, (i / map.cols) as f64);
+            for (dx, dy) in [(0.5, 0.5), (0.01, 0.99), (0.99, 0.01), (0.01, 0.01), (0.99, 0.99)] {
+                let p = map.place((low + DVec2::new(dx, dy)) * map.resolution);
+                let inside = world.walls.iter().filter(|wall| wall.shape.contains(p)).count();
+                prop_assert_eq!(inside, usize::from(*cell == RosCell::Occupied));
+                let hit = rays.cast(p, 0.3, 1e-4 * map.resolution);
+                prop_assert_eq!(hit.is_some(), *cell == RosCell::Occupied);
+            }
+        }
+        if !turned {
+            let back = RosMap::of_world(&world, map.resolution).unwrap();
+            let solid = |map: &RosMap| -> Vec<bool> {
+                map.cells.iter().map(|cell| *cell == RosCell::Occupied).collect()
+            };
+            prop_assert_eq!(back.cols, map.cols);
+            prop_assert_eq!(solid(&back), solid(&map));
+            let grid = OccupancyGrid::of(&world, map.resolution, Coverage::Centre).unwrap();
+            prop_assert_eq!(grid.cells(), &solid(&map)[..]);
+        }
+    }
+
+    #[test]
+    fn no_image_panics(bytes in prop::collection::vec(any::<u8>(), 0..60), head in 0..3_usize) {
+        let file = [&[b"P5 ", b"P2 ", &b"\x89PN"[..]][head], &bytes[..]].concat();
+        let _ = description(YAML).map(&file);
+    }
+
+    #[test]
+    fn no_description_panics(text in "[a-z:\\[\\]{}&*!|> \\-\n.0-9\"']{0,80}") {
+        let _ = RosDescription::from_yaml(&text);
+        let _ = RosDescription::from_yaml(&format!("{YAML}{text}"));
+    }
+}

@@ -1,0 +1,230 @@
+//! Counting the sides between cells by the two classes that they part.
+//!
+//! A count costs a memory access for each thing that is looked up, and little else: so the fewer the
+//! classes, the more sides one look-up counts.
+
+use std::collections::BTreeMap;
+
+/// Sides by class, the smaller class first; 0 is no data and the raster's end.
+pub(super) type Pairs = BTreeMap<(u16, u16), u64>;
+
+/// A window of four cells has a code of 16 bits up to this many classes, no data among them.
+const IN_WINDOWS: u16 = 16;
+
+/// A pair of cells has a code of 16 bits up to this many classes, no data among them.
+const IN_PAIRS: u16 = 256;
+
+/// Windows have many codes to add up in the end: fewer cells than this are counted by pairs.
+const LEAST_FOR_WINDOWS: usize = 1 << 16;
+
+/// Up to this many distinct classes are counted in a full table.
+const IN_TABLE: usize = 512;
+
+/// Pairs that are sorted at a time where there are more.
+const SORTED: usize = 1 << 20;
+
+/// Counts every side once, those at the raster's end too. O(N): with classes up to 15 one look-up
+/// for two cells of a large raster, with up to 512 classes two a cell, and with more a sort.
+pub(super) fn count(cells: &[u16], cols: usize) -> Pairs {
+    if cells.len() < cols || cols == 0 {
+        return Pairs::new();
+    }
+    let most = cells.iter().copied().max().unwrap_or(0);
+    if most < IN_WINDOWS && cells.len() >= LEAST_FOR_WINDOWS {
+        return by_windows(cells, cols, most + 1);
+    }
+    if most < IN_PAIRS {
+        return by_pairs(cells, cols, most + 1);
+    }
+    let (index, classes) = numbered(cells);
+    let pairs = if classes.len() <= IN_TABLE {
+        by_table(cells, cols, &index, classes.len())
+    } else {
+        by_sorting(cells, cols, &index)
+    };
+    let class = |i: u16| classes[usize::from(i)];
+    pairs.into_iter().map(|((a, b), n)| ((class(a), class(b)), n)).collect()
+}
+
+/// How often each code of 16 bits occurs. Two tables take turns, so that a count need not wait for
+/// the one before it where codes repeat.
+struct Tally {
+    tables: [Box<[u32; 1 << 16]>; 2],
+    counted: usize,
+    sums: Vec<u64>,
+}
+
+impl Tally {
+    /// Of codes below `codes`.
+    fn new(codes: usize) -> Self {
+        Tally { tables: [(); 2].map(|()| Box::new([0; 1 << 16])), counted: 0, sums: vec![0; codes] }
+    }
+
+    /// Counts every `STEP`-th code, from the first on.
+    fn count<const STEP: usize>(&mut self, codes: &[u16]) {
+        // Well before a count of 32 bits is full.
+        for codes in codes.chunks(1 << 30) {
+            let [even, odd] = &mut self.tables;
+            let mut turns = codes.chunks_exact(2 * STEP);
+            for turn in &mut turns {
+                even[usize::from(turn[0])] += 1;
+                odd[usize::from(turn[STEP])] += 1;
+            }
+            for &code in turns.remainder().iter().step_by(STEP) {
+                even[usize::from(code)] += 1;
+            }
+            self.counted += codes.len();
+            if self.counted >= 1 << 30 {
+                self.add_up();
+            }
+        }
+    }
+
+    fn add_up(&mut self) {
+        for table in &mut self.tables {
+            for (sum, n) in self.sums.iter_mut().zip(table.iter_mut()) {
+                *sum += u64::from(std::mem::take(n));
+            }
+        }
+        self.counted = 0;
+    }
+
+    /// How often each code was counted.
+    fn added_up(mut self) -> Vec<u64> {
+        self.add_up();
+        self.sums
+    }
+}
+
+/// With `k` up to 16 classes, by windows of two by two cells, each with four sides.
+///
+/// A side lies in two windows, whose left upper cells are neighbours: of the windows whose row and
+/// column add up to an even number, which are half, it lies in one. Beyond the raster lies no data.
+fn by_windows(cells: &[u16], cols: usize, k: u16) -> Pairs {
+    let mut tally = Tally::new(usize::from(k).pow(4));
+    // A row's cells with their right neighbours, from the cell before the first on.
+    let mut above = vec![0_u16; cols + 1];
+    let mut below = above.clone();
+    let mut codes = above.clone();
+    let rows = cells.chunks_exact(cols).map(Some).chain([None]);
+    for (r, row) in rows.enumerate() {
+        below.fill(0);
+        if let Some(row) = row {
+            below[0] = k * row[0];
+            for (code, (left, right)) in below[1..].iter_mut().zip(row.iter().zip(&row[1..])) {
+                *code = left + k * right;
+            }
+            below[cols] = row[cols - 1];
+        }
+        for (code, (above, below)) in codes.iter_mut().zip(above.iter().zip(&below)) {
+            *code = above.wrapping_add(below.wrapping_mul(k * k));
+        }
+        tally.count::<2>(&codes[r % 2..]);
+        std::mem::swap(&mut above, &mut below);
+    }
+    let k = usize::from(k);
+    let mut table = vec![0; k * k];
+    for (code, n) in tally.added_up().into_iter().enumerate().filter(|&(_, n)| n > 0) {
+        let [a, b, c, d] = [1, k, k * k, k * k * k].map(|place| code / place % k);
+        for (x, y) in [(a, b), (c, d), (a, c), (b, d)] {
+            table[x * k + y] += n;
+        }
+    }
+    of_table(&table, k)
+}
+
+/// With `k` up to 256 classes, by pairs, the smaller class first: half a table is less to keep in
+/// the cache.
+fn by_pairs(cells: &[u16], cols: usize, k: u16) -> Pairs {
+    let mut tally = Tally::new(usize::from(k) * usize::from(k));
+    let pair = |a: u16, b: u16| a.min(b).wrapping_mul(k).wrapping_add(a.max(b));
+    let outside = vec![0; cols];
+    let mut above = outside.as_slice();
+    let mut codes = vec![0; 2 * cols + 1];
+    for row in cells.chunks_exact(cols).chain([outside.as_slice()]) {
+        let (down, along) = codes.split_at_mut(cols);
+        for (code, (&a, &b)) in down.iter_mut().zip(above.iter().zip(row)) {
+            *code = pair(a, b);
+        }
+        for (code, (&a, &b)) in along.iter_mut().zip(row.iter().zip(&row[1..])) {
+            *code = pair(a, b);
+        }
+        (along[cols - 1], along[cols]) = (row[0], row[cols - 1]);
+        tally.count::<1>(&codes);
+        above = row;
+    }
+    of_table(&tally.added_up(), usize::from(k))
+}
+
+fn add(pairs: &mut Pairs, a: u16, b: u16, n: u64) {
+    if n > 0 {
+        *pairs.entry((a.min(b), a.max(b))).or_insert(0) += n;
+    }
+}
+
+/// The place of each class among those that occur and 0, and these by place.
+fn numbered(cells: &[u16]) -> (Vec<u16>, Vec<u16>) {
+    let mut occurs = vec![false; 1 << 16];
+    occurs[0] = true;
+    cells.iter().for_each(|&class| occurs[usize::from(class)] = true);
+    let classes: Vec<u16> = (0..=u16::MAX).filter(|&class| occurs[usize::from(class)]).collect();
+    let mut index = vec![0_u16; 1 << 16];
+    for (i, &class) in (0..=u16::MAX).zip(&classes) {
+        index[usize::from(class)] = i;
+    }
+    (index, classes)
+}
+
+fn by_table(cells: &[u16], cols: usize, index: &[u16], width: usize) -> Pairs {
+    let mut table = vec![0_u64; width * width];
+    each_pair(cells, cols, index, |a, b| table[usize::from(a) * width + usize::from(b)] += 1);
+    of_table(&table, width)
+}
+
+/// The pairs that occur in a square table.
+fn of_table(table: &[u64], width: usize) -> Pairs {
+    let mut pairs = Pairs::new();
+    for (at, &n) in table.iter().enumerate() {
+        add(&mut pairs, (at / width) as u16, (at % width) as u16, n);
+    }
+    pairs
+}
+
+fn by_sorting(cells: &[u16], cols: usize, index: &[u16]) -> Pairs {
+    let mut pairs = Pairs::new();
+    let mut list = Vec::with_capacity(SORTED);
+    let mut flush = |list: &mut Vec<u32>| {
+        list.sort_unstable();
+        for run in list.chunk_by(|a, b| a == b) {
+            add(&mut pairs, (run[0] >> 16) as u16, (run[0] & 0xffff) as u16, run.len() as u64);
+        }
+        list.clear();
+    };
+    each_pair(cells, cols, index, |a, b| {
+        list.push(u32::from(a) << 16 | u32::from(b));
+        if list.len() == SORTED {
+            flush(&mut list);
+        }
+    });
+    flush(&mut list);
+    pairs
+}
+
+/// Visits each side once, with the numbers of its two classes; 0 is no data or outside.
+fn each_pair(cells: &[u16], cols: usize, index: &[u16], mut visit: impl FnMut(u16, u16)) {
+    let number = |class: u16| index[usize::from(class)];
+    let mut above: Option<&[u16]> = None;
+    for row in cells.chunks_exact(cols) {
+        visit(0, number(row[0]));
+        for pair in row.windows(2) {
+            visit(number(pair[0]), number(pair[1]));
+        }
+        visit(number(row[cols - 1]), 0);
+        match above {
+            Some(above) => above.iter().zip(row).for_each(|(&a, &b)| visit(number(a), number(b))),
+            None => row.iter().for_each(|&b| visit(0, number(b))),
+        }
+        above = Some(row);
+    }
+    above.into_iter().flatten().for_each(|&a| visit(number(a), 0));
+}

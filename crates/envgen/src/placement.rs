@@ -1,0 +1,104 @@
+//! Where a robot can start in a world that does not say so.
+
+use glam::DVec2;
+
+use crate::distance::squared_distances;
+use crate::occupancy::OccupancyGrid;
+
+/// The place in the largest free region of a grid that is farthest from everything occupied and
+/// from the grid's border: the middle of a cell. Regions are joined over sides; of equals the
+/// first, row by row from below, is taken. `None` when no cell is free.
+///
+/// ```
+/// use envgen::occupancy::{Coverage, OccupancyGrid};
+/// use envgen::placement::roomiest_place;
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+///
+/// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+/// let grid = OccupancyGrid::of(&world, 0.1, Coverage::Conservative)?;
+/// let place = roomiest_place(&grid).expect("there is free ground");
+/// assert!(world.clearance(place) > 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn roomiest_place(grid: &OccupancyGrid) -> Option<DVec2> {
+    let (cols, rows) = (grid.cols(), grid.rows());
+    let region = largest_region(cols, grid.cells());
+    let distance = squared_distances(cols, grid.cells());
+    let room = |cell: usize| {
+        let (col, row) = (cell % cols, cell / cols);
+        let border = (col + 1).min(cols - col).min(row + 1).min(rows - row) as u64;
+        u64::from(distance[cell]).min(border * border)
+    };
+    // `max_by_key` would take the last of equals.
+    let best = region.into_iter().min_by_key(|&cell| (std::cmp::Reverse(room(cell)), cell))?;
+    Some(grid.cell_centre(best % cols, best / cols))
+}
+
+/// The cells of the largest free region, in no particular order.
+fn largest_region(cols: usize, occupied: &[bool]) -> Vec<usize> {
+    let mut seen = occupied.to_vec();
+    let mut largest = Vec::new();
+    for first in 0..seen.len() {
+        if std::mem::replace(&mut seen[first], true) {
+            continue;
+        }
+        // The region's own list serves as the queue.
+        let mut region = vec![first];
+        let mut next = 0;
+        while let Some(&cell) = region.get(next) {
+            next += 1;
+            let col = cell % cols;
+            let beside = [
+                (col > 0).then(|| cell - 1),
+                (col + 1 < cols).then_some(cell + 1),
+                cell.checked_sub(cols),
+                Some(cell + cols).filter(|&above| above < seen.len()),
+            ];
+            for cell in beside.into_iter().flatten() {
+                if !std::mem::replace(&mut seen[cell], true) {
+                    region.push(cell);
+                }
+            }
+        }
+        if region.len() > largest.len() {
+            largest = region;
+        }
+    }
+    largest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A grid from rows of text, the top one first.
+    fn grid(rows: &[&str]) -> OccupancyGrid {
+        let cells = rows.iter().rev().flat_map(|row| row.bytes().map(|cell| cell == b'#'));
+        let cells: Vec<bool> = cells.collect();
+        OccupancyGrid::from_cells(DVec2::new(10.0, 20.0), 0.5, rows[0].len(), cells).unwrap()
+    }
+
+    #[test]
+    fn the_largest_region_wins_and_its_roomiest_place() {
+        let place = roomiest_place(&grid(&[
+            "..#......", //
+            "..#......",
+            "..#......",
+            "..#......",
+            "..####..#",
+        ]));
+        // A knight's move from the wall below, three cells from the borders.
+        assert_eq!(place, Some(DVec2::new(13.25, 21.25)));
+    }
+
+    #[test]
+    fn corners_do_not_join() {
+        let place = roomiest_place(&grid(&["..#", "##.", "#.."]));
+        assert_eq!(place, Some(DVec2::new(10.75, 20.25)));
+    }
+
+    #[test]
+    fn without_free_cells_there_is_no_place() {
+        assert_eq!(roomiest_place(&grid(&["##", "##"])), None);
+    }
+}

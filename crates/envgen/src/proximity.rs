@@ -1,0 +1,247 @@
+//! What of a [`World`] stands near a point: clearances and contacts.
+
+use glam::DVec2;
+
+use crate::geometry::{Rect, Shape, edges};
+use crate::lattice::{Convex, Lattice, Lists};
+use crate::world::{PartId, World};
+
+/// Cells that the index has for each shape, about, where parts are spread evenly.
+const CELLS_A_SHAPE: f64 = 1.0;
+
+/// Cells that list a shape, on average over all shapes, at most.
+const MAX_LISTINGS: usize = 48;
+
+/// The nearest point of a solid part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The part.
+    pub part: PartId,
+    /// Its point that is nearest; the point asked for when it lies inside the part.
+    pub point: DVec2,
+    /// Distance to that point in metres.
+    pub distance: f64,
+}
+
+/// An index of a world's solid parts by what is near.
+///
+/// A uniform grid whose cells list the shapes within `reach` of them, so that one cell answers a
+/// question. Distances are exact. The index is a copy: a world that changes needs a new one.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec, proximity::Proximity};
+///
+/// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+/// let near = Proximity::new(&world, 1.5);
+/// let start = world.start.expect("hallways have a start");
+/// // The corridor is 2 m wide.
+/// assert!((near.clearance(start.position) - 1.0).abs() < 1e-12);
+/// # Ok::<(), envgen::GenerateError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Proximity {
+    reach: f64,
+    lattice: Lattice,
+    lists: Lists<u32>,
+    shapes: Vec<(PartId, Shape)>,
+}
+
+impl Proximity {
+    /// Indexes the solid parts of a world for questions about what is within `reach` metres.
+    /// A reach that is negative or not a number counts as 0.
+    pub fn new(world: &World, reach: f64) -> Self {
+        let reach = reach.max(0.0);
+        let mut shapes = Vec::new();
+        for solid in world.solids() {
+            match &*solid.shape {
+                // The sides stand for themselves, the polygon for its inside.
+                Shape::Polygon { vertices } if vertices.len() > 8 => {
+                    let sides = edges(vertices).map(|(a, b)| (solid.id, Shape::Segment { a, b }));
+                    shapes.extend(sides);
+                    shapes.push((solid.id, solid.shape.clone().into_owned()));
+                }
+                shape => shapes.push((solid.id, shape.clone())),
+            }
+        }
+        let around = shapes.iter().map(|(_, shape)| shape.bounds()).reduce(Rect::union);
+        let around = around.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
+        let around = around.grown(reach + 1e-9 * (1.0 + around.size().max_element()));
+        let numbers: Vec<u32> = (0..shapes.len() as u32).collect();
+        let mut target = (shapes.len() as f64 * CELLS_A_SHAPE).max(1.0);
+        loop {
+            let lattice = Lattice::over(around, target);
+            let most = (lattice.cols * lattice.rows > 1).then_some(MAX_LISTINGS * shapes.len());
+            let lists = Lists::build(&lattice, &numbers, most, |&i, lattice, visit| {
+                touched_runs(&shapes[i as usize].1, reach, lattice, visit);
+            });
+            if let Some(lists) = lists {
+                return Proximity { reach, lattice, lists, shapes };
+            }
+            target *= 0.25;
+        }
+    }
+
+    /// How far the index sees, in metres.
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Calls `visit` for everything within `radius` metres of a point, [`Proximity::reach`] at
+    /// most. A part with a long outline may be met several times.
+    pub fn contacts(&self, p: DVec2, radius: f64, mut visit: impl FnMut(Contact)) {
+        let Some(cell) = self.lattice.cell_at(p) else { return };
+        let radius = radius.min(self.reach);
+        for &i in self.lists.of(cell) {
+            let (part, shape) = &self.shapes[i as usize];
+            let point = shape.nearest_point(p);
+            let distance = p.distance(point);
+            if distance <= radius {
+                visit(Contact { part: *part, point, distance });
+            }
+        }
+    }
+
+    /// The nearest part within [`Proximity::reach`]; of several equally near ones any, but always
+    /// the same.
+    pub fn nearest(&self, p: DVec2) -> Option<Contact> {
+        let mut nearest: Option<Contact> = None;
+        self.contacts(p, self.reach, |contact| {
+            if nearest.is_none_or(|best| contact.distance < best.distance) {
+                nearest = Some(contact);
+            }
+        });
+        nearest
+    }
+
+    /// Distance in metres to the nearest solid part, infinite when none is within
+    /// [`Proximity::reach`].
+    pub fn clearance(&self, p: DVec2) -> f64 {
+        self.nearest(p).map_or(f64::INFINITY, |contact| contact.distance)
+    }
+}
+
+/// The cells that come within `reach` of a shape, and perhaps a few more.
+fn touched_runs(
+    shape: &Shape,
+    reach: f64,
+    lattice: &Lattice,
+    visit: &mut dyn FnMut(usize, usize, usize),
+) {
+    // Rounding must not keep a shape out of a cell that it just reaches.
+    let reach = reach + 1e-9 * (1.0 + lattice.side);
+    let grown = match shape {
+        Shape::Disc { center, radius } => {
+            return lattice.touched_runs(&Convex::Disc(*center, radius + reach), visit);
+        }
+        Shape::Segment { a, b } => Shape::thick_segment(*a, *b, 2.0 * reach, reach),
+        Shape::Box { center, half_size, heading } => {
+            Shape::Box { center: *center, half_size: half_size + reach, heading: *heading }
+        }
+        polygon => Shape::from_rect(polygon.bounds().grown(reach)),
+    };
+    lattice.touched_runs(&Convex::Polygon(&grown.corners()), visit);
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::world::{Obstacle, ObstacleKind, Tree};
+    use crate::{Kind, Provenance, Seed};
+
+    fn world(shapes: Vec<Shape>) -> World {
+        let mut world = World::new(
+            Provenance::other("test", serde_json::Value::Null),
+            Rect::new(DVec2::ZERO, DVec2::ONE),
+        );
+        world.obstacles =
+            shapes.into_iter().map(|shape| Obstacle { kind: ObstacleKind::Other, shape }).collect();
+        world
+    }
+
+    fn any_shape() -> impl Strategy<Value = Shape> {
+        let point = || (-20.0..20.0, -20.0..20.0).prop_map(|(x, y)| DVec2::new(x, y));
+        prop_oneof![
+            (point(), point()).prop_map(|(a, b)| Shape::Segment { a, b }),
+            (point(), 0.01..5.0).prop_map(|(center, radius)| Shape::Disc { center, radius }),
+            (point(), (0.01..5.0, 0.01..5.0), -4.0..4.0).prop_map(|(center, half, heading)| {
+                Shape::Box { center, half_size: DVec2::new(half.0, half.1), heading }
+            }),
+            (point(), 0.5..4.0, 3..20_usize).prop_map(|(center, radius, n)| {
+                let corner = |i: usize| {
+                    let turn =
+                        crate::geometry::unit_vector(std::f64::consts::TAU * i as f64 / n as f64);
+                    center + turn * radius * if i.is_multiple_of(2) { 1.0 } else { 0.4 }
+                };
+                Shape::Polygon { vertices: (0..n).map(corner).collect() }
+            }),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn clearance_is_the_slow_one_within_reach(
+            shapes in proptest::collection::vec(any_shape(), 0..30),
+            points in proptest::collection::vec((-30.0..30.0, -30.0..30.0), 1..20),
+            reach in 0.0..6.0,
+        ) {
+            let world = world(shapes);
+            let near = Proximity::new(&world, reach);
+            for (x, y) in points {
+                let p = DVec2::new(x, y);
+                let slow = world.clearance(p);
+                let fast = near.clearance(p);
+                if slow < reach - 1e-9 {
+                    prop_assert!((slow - fast).abs() < 1e-9, "{slow} {fast}");
+                } else {
+                    prop_assert!(fast >= reach - 1e-9, "{slow} {fast}");
+                }
+            }
+        }
+
+        #[test]
+        fn the_nearest_point_is_on_the_shape(shape in any_shape(), x in -30.0..30.0, y in -30.0..30.0) {
+            let p = DVec2::new(x, y);
+            let nearest = shape.nearest_point(p);
+            prop_assert!((shape.distance(p) - p.distance(nearest)).abs() < 1e-9);
+            prop_assert!(shape.distance(nearest) < 1e-9);
+        }
+    }
+
+    #[test]
+    fn every_kind_of_world_is_indexed_exactly() {
+        for &kind in Kind::ALL {
+            let world = kind.default_spec().generate(Seed(3)).expect("defaults").to_world();
+            let near = Proximity::new(&world, 1.0);
+            let mut draws = Seed(1).stream("test", 0);
+            for _ in 0..200 {
+                let size = world.bounds.size();
+                let p = world.bounds.min + DVec2::new(draws.unit(), draws.unit()) * size;
+                let slow = world.clearance(p);
+                let fast = near.clearance(p);
+                let same = if slow <= 1.0 { (slow - fast).abs() < 1e-9 } else { fast > 1.0 };
+                assert!(same, "{kind} at {p}: {slow} {fast}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_and_nonsense_are_far() {
+        let near = Proximity::new(&world(Vec::new()), f64::NAN);
+        assert_eq!(near.nearest(DVec2::ZERO), None);
+        assert_eq!(near.nearest(DVec2::NAN), None);
+        assert_eq!(near.clearance(DVec2::splat(1e300)), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_contact_names_its_part() {
+        let mut world = world(Vec::new());
+        world.trees = vec![
+            Tree { center: DVec2::new(3.0, 0.0), radius: 1.0 },
+            Tree { center: DVec2::new(-4.0, 0.0), radius: 1.0 },
+        ];
+        let contact = Proximity::new(&world, 5.0).nearest(DVec2::ZERO).expect("a tree");
+        assert_eq!((contact.part.index, contact.point, contact.distance), (0, DVec2::X * 2.0, 2.0));
+    }
+}

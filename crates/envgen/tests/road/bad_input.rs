@@ -1,0 +1,172 @@
+//! What cannot be says why, and what is just possible is.
+
+use std::f64::consts::PI;
+
+use envgen::road::{Concentration, Crossing, Prefab, RoadError, RoadSpec};
+use envgen::{GenerateError, Seed, Spec};
+
+use envgen::road::Prefab::{Left, Straight};
+
+#[test]
+fn a_point_behind_is_out_of_reach() {
+    let spec = RoadSpec { aim_x: Some(-500.0), aim_y: Some(0.0), ..Default::default() };
+    let error = spec.generate(Seed(1)).unwrap_err().to_string();
+    assert!(error.contains("cannot end at (-500, 0)"), "{error}");
+    let far = RoadSpec {
+        prefabs: vec![Straight, Left, Straight],
+        aim_x: Some(1e6),
+        aim_y: Some(1e6),
+        ..Default::default()
+    };
+    let error = far.generate(Seed(1)).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            GenerateError::Road(RoadError::TooLong { .. } | RoadError::Unreachable { .. })
+        ),
+        "{error}"
+    );
+}
+
+#[test]
+fn what_cannot_close_says_why() {
+    let of = |prefabs: Vec<Prefab>| {
+        let spec = RoadSpec { prefabs, closed: true, ..Default::default() };
+        spec.generate(Seed(1)).unwrap_err().to_string()
+    };
+    let error = of(vec![Straight, Left, Straight, Left, Left]);
+    assert!(error.contains("90.0 to 270.0 degrees"), "{error}");
+    assert!(of(vec![Straight]).contains("cannot close"));
+    let spec = RoadSpec { closed: true, aim_x: Some(1.0), aim_y: Some(1.0), ..Default::default() };
+    assert_eq!(spec.validate().unwrap_err().field, "closed");
+}
+
+#[test]
+fn attempts_run_out_with_the_last_reason() {
+    let spec =
+        RoadSpec { crossing: Crossing::Resample, attempts: 7, area: 100.0, ..Default::default() };
+    let error = spec.generate(Seed(1)).unwrap_err();
+    let GenerateError::Road(RoadError::Attempts { attempts: 7, last }) = error else {
+        panic!("{error}");
+    };
+    assert_eq!(*last, RoadError::OutOfArea { side: 100.0 });
+}
+
+#[test]
+fn infeasible_roads_fail_at_once_with_three_numbers() {
+    let spec = RoadSpec { speed: 90.0, ..Default::default() };
+    let error = spec.validate().unwrap_err();
+    assert_eq!(spec.generate(Seed(1)).err(), Some(error.clone().into()));
+    // 2 turns of pi / 6 * 90^2 / (9.81 * 0.7) m and 3 straights of 1 m; 1000 m are given; and
+    // (1000 - 3) / 2 m are enough for a speed of sqrt(498.5 * 6 / pi * 9.81 * 0.7).
+    let needed = 3.0 + 2.0 * PI / 6.0 * 8100.0 / (9.81 * 0.7);
+    let speed = (498.5 * 6.0 / PI * 9.81 * 0.7).sqrt();
+    let text = error.to_string();
+    for number in [format!("{needed:.3} m"), "is 1000,".to_owned(), format!("{speed:.4}")] {
+        assert!(text.contains(&number), "{text} lacks {number}");
+    }
+}
+
+#[test]
+fn reserved_lengths_are_enough_even_where_nothing_is_left_over() {
+    // The tightest cases: a concentration that leaves all but one segment its bare minimum, and a
+    // length that is just what the minima need.
+    for length in [1e6, 12_345.678, 300.0] {
+        for transition in [0.0, 0.3, 0.5] {
+            let mut spec = RoadSpec {
+                length,
+                transition,
+                random: 15,
+                p_turn: 0.8,
+                width: 0.2,
+                speed: 3.0,
+                step: length / 10.0,
+                kerb: 0.0,
+                alpha: Concentration::Same(1e-6),
+                ..Default::default()
+            };
+            for seed in 0..100 {
+                assert!(spec.generate(Seed(seed)).is_ok());
+            }
+            let too_short = RoadSpec { length: 0.2, step: 0.1, ..spec.clone() };
+            let words = too_short.validate().unwrap_err().allowed;
+            let needed: f64 = words.split(' ').nth(2).unwrap().parse().unwrap();
+            (spec.length, spec.step) = (needed + 1e-3, 1.0);
+            for seed in 0..100 {
+                assert!(spec.generate(Seed(seed)).is_ok());
+            }
+        }
+    }
+}
+
+#[test]
+fn the_speed_that_an_error_names_is_the_greatest() {
+    for (random, length, transition) in [(0, 1000.0, 0.0), (9, 300.0, 0.0), (3, 120.0, 0.4)] {
+        let mut spec = RoadSpec { random, length, transition, speed: 90.0, ..Default::default() };
+        let error = spec.validate().unwrap_err();
+        assert_eq!(error.field, "length");
+        assert_eq!(error.value, length.to_string());
+        let words: Vec<&str> = error.allowed.split(' ').collect();
+        let needed: f64 = words[2].parse().unwrap();
+        let speed: f64 = words[words.len() - 2].parse().unwrap();
+        spec.length = needed + 1e-3;
+        assert_eq!(spec.validate(), Ok(()));
+        spec.length = needed - 2e-3;
+        assert!(spec.validate().is_err());
+        spec.length = length;
+        spec.speed = speed;
+        assert_eq!(spec.validate(), Ok(()));
+        assert!(spec.generate(Seed(1)).is_ok());
+        spec.speed = speed + 1e-5;
+        assert!(spec.validate().is_err());
+    }
+    // Where the width alone asks for too much, no speed helps.
+    let wide = RoadSpec { width: 100.0, length: 40.0, ..Default::default() };
+    assert!(wide.validate().unwrap_err().to_string().contains("at whatever speed"));
+}
+
+#[test]
+fn bad_settings_are_named() {
+    let check = |field: &str, spec: RoadSpec| {
+        let error = spec.validate().expect_err(field);
+        assert_eq!(error.field, field);
+        assert_eq!(spec.generate(Seed(0)), Err(GenerateError::Spec(error)));
+    };
+    let good = RoadSpec::default;
+    for alpha in [0.0, -1.0, f64::NAN, 1e-300, 1e300, f64::INFINITY] {
+        check("alpha", RoadSpec { alpha: Concentration::Same(alpha), ..good() });
+        let alphas = vec![1.0, 1.0, alpha, 1.0, 1.0];
+        check("alpha", RoadSpec { alpha: Concentration::Each(alphas), ..good() });
+    }
+    check("alpha", RoadSpec { alpha: Concentration::Each(vec![1.0; 4]), ..good() });
+    check("alpha", RoadSpec { alpha: Concentration::Each(Vec::new()), ..good() });
+    for length in [0.0, 1e18, -1.0, f64::NAN] {
+        check("length", RoadSpec { length, ..good() });
+    }
+    for step in [0.0, -1.0, 1e-9, 1001.0, f64::NAN] {
+        check("step", RoadSpec { step, ..good() });
+    }
+    check("step", RoadSpec { length: 1e6, step: 0.1, ..good() });
+    check("prefabs", RoadSpec { prefabs: Vec::new(), ..good() });
+    check("prefabs", RoadSpec { prefabs: vec![Straight; 5000], ..good() });
+    for friction in [0.0, -0.1, f64::NAN] {
+        check("friction", RoadSpec { friction, ..good() });
+    }
+    for speed in [-1.0, f64::NAN, f64::INFINITY] {
+        check("speed", RoadSpec { speed, ..good() });
+    }
+    check("theta_min", RoadSpec { theta_min: 60.0, theta_max: 45.0, ..good() });
+    check("theta_min", RoadSpec { theta_min: 0.0, ..good() });
+    check("theta_max", RoadSpec { theta_max: 360.0, ..good() });
+    for width in [0.0, -3.0, f64::NAN, 1e9] {
+        check("width", RoadSpec { width, ..good() });
+    }
+    check("lanes", RoadSpec { lanes: 0, ..good() });
+    check("transition", RoadSpec { transition: 0.51, ..good() });
+    check("aim_y", RoadSpec { aim_x: Some(1.0), ..good() });
+    check("aim_x", RoadSpec { aim_x: Some(f64::NAN), aim_y: Some(1.0), ..good() });
+    check("attempts", RoadSpec { attempts: 0, ..good() });
+    // No speed is no limit.
+    let slow = RoadSpec { speed: 0.0, ..good() };
+    assert!((0..100).all(|seed| slow.generate(Seed(seed)).is_ok()));
+}

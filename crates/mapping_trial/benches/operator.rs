@@ -1,0 +1,134 @@
+//! Planning against plain ways to do it.
+
+use std::hint::black_box;
+
+use bench_ratio::{at_most, contest, faster};
+use envgen::geometry::Rect;
+use envgen::glam::{DVec2, IVec2};
+use envgen::indoor::IndoorSpec;
+use envgen::occupancy::{Coverage, OccupancyGrid};
+use envgen::{Blueprint, Seed, Spec};
+use mapping_trial::map::{CellIndex, OccupancyMap, RESOLUTION};
+use mapping_trial::operator::costmap::{Class, Costmap, SIDE};
+use mapping_trial::operator::frontier::Frontiers;
+use mapping_trial::operator::search::Search;
+
+fn main() {
+    let Ok(plan) = IndoorSpec::default().generate(Seed(1)) else { return };
+    let world = plan.to_world();
+    let Some(start) = world.start else { return };
+    let Ok(grid) = OccupancyGrid::of(&world, RESOLUTION, Coverage::Centre) else { return };
+    let mut map = OccupancyMap::new();
+    for row in 0..grid.rows() {
+        for col in 0..grid.cols() {
+            let odds = if grid.occupied(col, row) == Some(true) { 400 } else { -400 };
+            map.add(CellIndex::of(grid.cell_centre(col, row)), odds);
+        }
+    }
+    map.touch(world.bounds);
+    renewal(&mut map, start.position);
+    search(&map, start.position);
+}
+
+/// A scan's worth of changes against everything anew.
+fn renewal(map: &mut OccupancyMap, at: DVec2) {
+    let mut costmap = Costmap::new();
+    costmap.refresh(map);
+    costmap.derive_all();
+    let before = map.clone();
+    let mut flip = 400;
+    let ours = || {
+        // One cell in eight of a square of 3 m changes to and fro.
+        flip = -flip;
+        let cell = CellIndex::of(at);
+        for row in 0..60 {
+            for col in (row % 8..60).step_by(8) {
+                map.add(CellIndex { col: cell.col + col, row: cell.row + row }, 2 * flip);
+            }
+        }
+        map.touch(Rect::new(at, at + 3.0));
+        costmap.refresh(map);
+        costmap.derive_all();
+        costmap.frontier_len()
+    };
+    let full = || {
+        let mut costmap = Costmap::new();
+        costmap.refresh(&before);
+        costmap.derive_all();
+        costmap.frontier_len()
+    };
+    faster("a changed room, against the whole map anew", contest(ours, full), 10.0);
+    let mut costmap = Costmap::new();
+    costmap.refresh(&before);
+    let mut frontiers = Frontiers::new();
+    let gather = || {
+        frontiers.gather(&mut costmap, |_| false);
+        frontiers.goals()
+    };
+    at_most("frontiers gathered, against the costmap anew", contest(gather, full), 0.5);
+}
+
+/// A* across the building, against the same by `pathfinding` on the same classes.
+fn search(map: &OccupancyMap, start: DVec2) {
+    let mut costmap = Costmap::new();
+    costmap.refresh(map);
+    costmap.derive_all();
+    let mut search = Search::new();
+    // The reachable place that is farthest from the start.
+    let mut last = None;
+    search.nearest(&mut costmap, start, &[], |node, _| {
+        last = Some(node);
+        false
+    });
+    let mut points = Vec::new();
+    let Some(last) = last else { return };
+    search.way(&costmap, last, &mut points);
+    let Some(&goal) = points.last() else { return };
+    let mut classes = costmap.clone();
+    let ours = || {
+        let node = search.to(&mut costmap, start, &[], goal);
+        node.and_then(|node| search.cost(node))
+    };
+    let cell = |p: DVec2| (p / SIDE).floor().as_ivec2();
+    let (from, to) = (cell(start), cell(goal));
+    let baseline = || {
+        let found = pathfinding::directed::astar::astar(
+            &from,
+            |&at| {
+                let mut next = Vec::with_capacity(8);
+                for dy in -1..=1 {
+                    for dx in -1..=1 {
+                        let at = at + IVec2::new(dx, dy);
+                        let class = classes.class_at((at.as_dvec2() + 0.5) * SIDE);
+                        let steps = match class {
+                            Class::Open => [10, 14],
+                            Class::Near => [14, 20],
+                            Class::Close => [22, 31],
+                            Class::Tight => [36, 51],
+                            _ => continue,
+                        };
+                        if (dx, dy) != (0, 0) {
+                            next.push((at, steps[usize::from(dx != 0 && dy != 0)]));
+                        }
+                    }
+                }
+                next
+            },
+            |&at| {
+                let way = (at - to).abs();
+                let (long, short) = (way.max_element() as u32, way.min_element() as u32);
+                10 * (long - short) + 14 * short
+            },
+            |&at| at == to,
+        );
+        found.map(|(_, cost)| cost)
+    };
+    let mut baseline = baseline;
+    let mut ours = ours;
+    assert_eq!(ours(), baseline(), "both find the cheapest way");
+    faster(
+        "A* across a building, against pathfinding",
+        contest(ours, || black_box(baseline())),
+        5.0,
+    );
+}

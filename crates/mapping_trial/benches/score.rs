@@ -1,0 +1,57 @@
+//! What scores cost: the truth of a world, once, and the score of a run in it.
+//!
+//! `cargo bench -p mapping_trial --bench score` compares both with a plain pass over the cells of
+//! the world at the resolution of a robot's map, in the same run.
+
+#![expect(clippy::print_stdout, reason = "a benchmark prints its results")]
+
+use bench_ratio::{at_most, contest};
+use envgen::geometry::Pose;
+use envgen::indoor::IndoorSpec;
+use envgen::occupancy::{Coverage, OccupancyGrid};
+use envgen::{Blueprint, Seed, Spec};
+use mapping_trial::map::RESOLUTION;
+use mapping_trial::robot::Robot;
+use mapping_trial::score::{Run, Scores, Track};
+use mapping_trial::truth::Truth;
+
+/// Poses of 20 minutes.
+const TICKS: usize = 24_000;
+
+fn main() {
+    for (name, cells) in [("48 x 48 m", 16), ("60 x 60 m", 20), ("120 x 120 m", 40)] {
+        let spec =
+            IndoorSpec { width: cells, height: cells, difficulty: 5.0, ..Default::default() };
+        let Ok(plan) = spec.generate(Seed(1)) else { continue };
+        let world = plan.to_world();
+        let robot = Robot::default();
+        let Ok(truth) = Truth::new(&world, &robot) else { continue };
+        let map = truth.perfect_map();
+        let poses: Vec<Pose> =
+            (0..TICKS).map(|i| Pose::new(0.02 * i as f64, 1.0, 1e-3 * i as f64)).collect();
+        let tracks = [Track { truth: &poses, estimated: &poses }];
+        let run = Run {
+            map: &map,
+            tracks: &tracks,
+            time: 1200.0,
+            distance: 480.0,
+            turning: 24.0,
+            hits: 0,
+            recoveries: 0,
+            stuck: 0,
+            energy_left: 0.0,
+        };
+        let raster = || OccupancyGrid::of(&world, RESOLUTION, Coverage::Conservative).map_err(drop);
+        let truth_time = contest(|| Truth::new(&world, &robot).map_err(drop), raster);
+        let score_time = contest(|| Scores::of(&truth, &run).map_err(drop), raster);
+        println!(
+            "{name}: {:.0} m^2 free, {} wall points; truth {:.0} ms, score {:.0} ms",
+            truth.free_area(),
+            truth.walls().len(),
+            1e3 * truth_time.0,
+            1e3 * score_time.0,
+        );
+        at_most(&format!("{name}: truth, of the time of a raster"), truth_time, 400.0);
+        at_most(&format!("{name}: score, of the time of a raster"), score_time, 100.0);
+    }
+}

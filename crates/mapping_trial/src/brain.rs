@@ -1,0 +1,100 @@
+//! Observation in, command out: the same whatever body it drives.
+
+use crate::body::{Command, Observation};
+use crate::lidar::{LaserProfile, Scan};
+use crate::map::Estimate;
+use crate::operator::{Decision, Operator, OperatorKind, View};
+use crate::robot::Robot;
+use crate::slam::{Slam, SlamKind};
+
+use envgen::geometry::Pose;
+
+/// Ticks from one question to the operator to the next: 10 a second.
+const TICKS_A_DECISION: u64 = 2;
+
+/// SLAM and an operator for one or more robots.
+///
+/// A person takes the operator's half: a brain without an operator makes the map and estimates the
+/// poses, and leaves the commands to the caller.
+pub struct Brain {
+    slam: Box<dyn Slam + Send>,
+    operator: Option<Box<dyn Operator + Send>>,
+    body: Robot,
+    laser: LaserProfile,
+    /// Each robot's last scan, empty before the first.
+    scans: Vec<Scan>,
+    /// Each robot's last decision.
+    decisions: Vec<Decision>,
+    /// Each robot's observations so far.
+    ticks: Vec<u64>,
+    estimates: Vec<Estimate>,
+}
+
+impl Brain {
+    /// A brain for robots that start at `starts`; `operator` is `None` for a person.
+    pub fn new(
+        slam: SlamKind,
+        operator: Option<OperatorKind>,
+        starts: &[Pose],
+        body: &Robot,
+        laser: &LaserProfile,
+    ) -> Self {
+        let robots = starts.len();
+        let slam = slam.build(starts, body, laser);
+        Brain {
+            estimates: (0..robots).map(|robot| slam.estimate(robot)).collect(),
+            slam,
+            operator: operator.map(|kind| crate::operator::build(kind, robots, body, laser)),
+            body: body.clone(),
+            laser: laser.clone(),
+            scans: vec![Scan { ranges: Vec::new() }; robots],
+            decisions: vec![Decision::Drive(Command::STOP); robots],
+            ticks: vec![0; robots],
+        }
+    }
+
+    /// Takes in what a robot observes: its pose and the map are estimated anew.
+    pub fn sense(&mut self, robot: usize, seen: &Observation) {
+        self.slam.step(robot, seen.odometry, seen.scan.as_ref());
+        if let Some(scan) = &seen.scan {
+            self.scans[robot].ranges.clone_from(&scan.ranges);
+        }
+        self.estimates[robot] = self.slam.estimate(robot);
+        self.ticks[robot] += 1;
+    }
+
+    /// What the operator wants of a robot now, after [`Brain::sense`] of the same observation. A
+    /// brain without an operator wants it to stand still.
+    pub fn decide(&mut self, robot: usize, seen: &Observation) -> Decision {
+        let due = (self.ticks[robot] + 1).is_multiple_of(TICKS_A_DECISION);
+        if let (true, Some(operator)) = (due, &mut self.operator) {
+            self.decisions[robot] = operator.decide(&View {
+                robot,
+                estimates: &self.estimates,
+                map: self.slam.map(),
+                scan: &self.scans[robot],
+                bumped: seen.bumped,
+                time: seen.time,
+                battery: seen.battery,
+                body: &self.body,
+                laser: &self.laser,
+            });
+        }
+        self.decisions[robot]
+    }
+
+    /// The estimates and the map.
+    pub fn slam(&self) -> &dyn Slam {
+        &*self.slam
+    }
+
+    /// The operator; `None` where a person drives.
+    pub fn operator(&self) -> Option<&dyn Operator> {
+        self.operator.as_deref().map(|operator| operator as &dyn Operator)
+    }
+
+    /// A robot's last scan in metres, empty before the first.
+    pub fn scan(&self, robot: usize) -> &Scan {
+        &self.scans[robot]
+    }
+}

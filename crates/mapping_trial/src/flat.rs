@@ -1,0 +1,449 @@
+//! The fast simulator: discs that drive, slide along and bump into a world.
+
+use std::sync::Arc;
+
+use envgen::geometry::{Pose, unit_vector, wrap_angle};
+use envgen::ground::Grounds;
+use envgen::proximity::Proximity;
+use envgen::raycast::Raycaster;
+use envgen::{Seed, World};
+use glam::DVec2;
+
+use crate::body::{Bodies, Command, Condition, Observation, TICK};
+use crate::lidar::{Laser, LaserProfile};
+use crate::odometry::{Increment, Odometry, OdometryProfile};
+use crate::robot::Robot;
+
+/// How often a disc is pushed out of what it is pressed into before it stays where it was.
+const PUSHES: usize = 8;
+
+/// Depth in metres to which a disc may be pressed into something.
+const SLACK: f64 = 1e-6;
+
+/// Ticks without a contact after which the next one is another hit.
+const TICKS_BETWEEN_HITS: u32 = 10;
+
+/// A world as the simulator needs it; trials on one world may share it.
+#[derive(Clone, Debug)]
+pub struct FlatWorld {
+    rays: Raycaster,
+    near: Proximity,
+    grounds: Grounds,
+}
+
+impl FlatWorld {
+    /// Indexes a world for robots whose bodies are not larger than `robot`'s.
+    pub fn new(world: &World, robot: &Robot) -> Self {
+        FlatWorld {
+            rays: Raycaster::new(world),
+            near: Proximity::new(world, robot.swing_radius + 0.1),
+            grounds: Grounds::new(world),
+        }
+    }
+}
+
+/// Robots as discs of their swing radius.
+///
+/// A disc that meets something solid slides along it; its wheels are stalled by what stops it, so
+/// that odometry measures the way that was really made. Robots are solid to each other and seen by
+/// each other's lasers. Ground of speed 0 stops a disc's middle, water drowns it.
+#[derive(Debug)]
+pub struct FlatSimulator {
+    world: Arc<FlatWorld>,
+    robot: Robot,
+    ticks: u32,
+    discs: Vec<Disc>,
+    exact: Vec<f64>,
+}
+
+#[derive(Debug)]
+struct Disc {
+    pose: Pose,
+    speed: f64,
+    turn_rate: f64,
+    condition: Condition,
+    touching: bool,
+    hits: u32,
+    /// Ticks since it last touched something.
+    clear: u32,
+    /// What the wheels measured in the last tick.
+    measured: Increment,
+    odometry: Odometry,
+    laser: Laser,
+}
+
+impl FlatSimulator {
+    /// Robots at their starts; what their sensors get wrong follows from the seed.
+    pub fn new(
+        world: Arc<FlatWorld>,
+        robot: &Robot,
+        starts: &[Pose],
+        laser: &LaserProfile,
+        odometry: &OdometryProfile,
+        seed: Seed,
+    ) -> Self {
+        let discs = starts.iter().zip(0..).map(|(&pose, number)| Disc {
+            pose,
+            speed: 0.0,
+            turn_rate: 0.0,
+            condition: Condition::Able,
+            touching: false,
+            hits: 0,
+            clear: TICKS_BETWEEN_HITS,
+            measured: Increment::default(),
+            odometry: Odometry::new(odometry.clone(), seed, number),
+            laser: Laser::new(laser.clone(), seed, number),
+        });
+        FlatSimulator {
+            world,
+            robot: robot.clone(),
+            ticks: 0,
+            discs: discs.collect(),
+            exact: Vec::new(),
+        }
+    }
+
+    /// Shortens ranges that end at another robot.
+    fn see_others(&mut self, robot: usize, from: Pose) {
+        for (_, other) in self.discs.iter().enumerate().filter(|&(i, _)| i != robot) {
+            let profile = self.discs[robot].laser.profile();
+            let to = other.pose.position - from.position;
+            for (beam, range) in self.exact.iter_mut().enumerate() {
+                let direction = unit_vector(from.heading + profile.angle(beam));
+                let (along, across) = (to.dot(direction), to.perp_dot(direction));
+                let half2 = self.robot.swing_radius * self.robot.swing_radius - across * across;
+                if along > 0.0 && half2 >= 0.0 {
+                    *range = range.min((along - half2.sqrt()).max(0.0));
+                }
+            }
+        }
+    }
+
+    /// Where a disc comes to rest that wants to be at `to`, and whether it touches something.
+    fn slide(&self, robot: usize, from: DVec2, to: DVec2) -> (DVec2, bool) {
+        let radius = self.robot.swing_radius;
+        let mut at = to;
+        let mut touching = false;
+        let mut deepest = 0.0;
+        for _ in 0..PUSHES {
+            deepest = 0.0;
+            let mut push = DVec2::ZERO;
+            let mut press = |toward: DVec2, gap: f64| {
+                let depth = radius - gap;
+                if depth > deepest {
+                    deepest = depth;
+                    // A middle that lies on an outline goes back to where it came from.
+                    let away = (at - toward).try_normalize();
+                    push = away.or((from - at).try_normalize()).unwrap_or(DVec2::ZERO) * depth;
+                }
+            };
+            self.world.near.contacts(at, radius, |c| press(c.point, c.distance));
+            for (i, other) in self.discs.iter().enumerate() {
+                let middle = other.pose.position;
+                let gap = at.distance(middle) - radius;
+                if i != robot {
+                    press(middle, gap);
+                }
+            }
+            if deepest <= 0.0 {
+                break;
+            }
+            touching = true;
+            at += push;
+        }
+        // Wedged: it stays, unless it stood no better before.
+        if deepest > SLACK && self.depth(robot, at) > self.depth(robot, from).max(SLACK) {
+            at = from;
+        }
+        let ground = self.world.grounds.at(at);
+        if ground.speed == 0.0 && !ground.water {
+            return (from, true);
+        }
+        (at, touching)
+    }
+
+    /// How deep a disc at a place is pressed into anything, in metres.
+    fn depth(&self, robot: usize, at: DVec2) -> f64 {
+        let radius = self.robot.swing_radius;
+        let others = self.discs.iter().enumerate().filter(|&(i, _)| i != robot);
+        let gap = others
+            .map(|(_, other)| at.distance(other.pose.position) - radius)
+            .fold(self.world.near.clearance(at), f64::min);
+        (radius - gap).max(0.0)
+    }
+
+    fn move_disc(&mut self, robot: usize, command: Command) {
+        let Robot { max_speed, max_turn_rate, acceleration, turn_acceleration, .. } = self.robot;
+        let disc = &self.discs[robot];
+        let from = disc.pose;
+        let ground = self.world.grounds.at(from.position);
+        let limit = max_speed * ground.speed;
+        let wanted = finite(command.speed).clamp(-limit, limit);
+        let speed = toward(disc.speed, wanted, acceleration * TICK);
+        let wanted = finite(command.turn_rate).clamp(-max_turn_rate, max_turn_rate);
+        let turn_rate = toward(disc.turn_rate, wanted, turn_acceleration * TICK);
+
+        let turn = turn_rate * TICK;
+        let ahead = unit_vector(from.heading + 0.5 * turn);
+        let (position, touching) =
+            self.slide(robot, from.position, from.position + ahead * speed * TICK);
+        let distance = (position - from.position).dot(ahead);
+        let water = self.world.grounds.at(position).water;
+
+        let disc = &mut self.discs[robot];
+        disc.pose = Pose { position, heading: wrap_angle(from.heading + turn) };
+        disc.turn_rate = turn_rate;
+        // What stops the disc stops its wheels.
+        disc.speed = if touching { distance / TICK } else { speed };
+        disc.measured = disc.odometry.measure(Increment { distance, turn }, ground.odometry_noise);
+        if touching && disc.clear >= TICKS_BETWEEN_HITS {
+            disc.hits += 1;
+        }
+        disc.clear = if touching { 0 } else { disc.clear.saturating_add(1) };
+        disc.touching = touching;
+        if water {
+            disc.condition = Condition::Drowned;
+        }
+    }
+}
+
+impl Bodies for FlatSimulator {
+    fn observe(&mut self, robot: usize) -> Observation {
+        let time = f64::from(self.ticks) * TICK;
+        let disc = &self.discs[robot];
+        let due = self.ticks.is_multiple_of(disc.laser.profile().ticks_a_scan.max(1));
+        let scan = due.then(|| {
+            let from = self.robot.laser_pose(self.discs[robot].pose);
+            let mut exact = std::mem::take(&mut self.exact);
+            self.discs[robot].laser.cast(&self.world.rays, from, &mut exact);
+            self.exact = exact;
+            self.see_others(robot, from);
+            self.discs[robot].laser.measure(&self.exact)
+        });
+        let disc = &self.discs[robot];
+        Observation {
+            time,
+            odometry: disc.measured,
+            scan,
+            bumped: disc.touching,
+            battery: (self.robot.battery - time).max(0.0),
+        }
+    }
+
+    fn advance(&mut self, commands: &[Command]) {
+        for robot in 0..self.discs.len() {
+            if self.discs[robot].condition == Condition::Able {
+                let command = commands.get(robot).copied().unwrap_or(Command::STOP);
+                self.move_disc(robot, command);
+            } else {
+                self.discs[robot].measured = Increment::default();
+            }
+        }
+        self.ticks += 1;
+    }
+
+    fn pose(&self, robot: usize) -> Pose {
+        self.discs[robot].pose
+    }
+
+    fn condition(&self, robot: usize) -> Condition {
+        self.discs[robot].condition
+    }
+
+    fn hits(&self, robot: usize) -> u32 {
+        self.discs[robot].hits
+    }
+}
+
+/// A number that is none counts as standing still.
+fn finite(value: f64) -> f64 {
+    if value.is_finite() { value } else { 0.0 }
+}
+
+/// One step of at most `change` from a value towards another.
+fn toward(value: f64, wanted: f64, change: f64) -> f64 {
+    value + (wanted - value).clamp(-change, change)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use envgen::geometry::{Rect, Shape};
+    use envgen::world::{Surface, SurfaceKind, Wall, WallKind};
+    use envgen::{Blueprint, Provenance, Spec};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn room(width: f64, height: f64) -> World {
+        let bounds = Rect::new(DVec2::ZERO, DVec2::new(width, height));
+        let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
+        let corners = Shape::from_rect(bounds).corners();
+        world.walls = envgen::geometry::edges(&corners)
+            .map(|(a, b)| Wall { kind: WallKind::Wall, shape: Shape::Segment { a, b } })
+            .collect();
+        world
+    }
+
+    fn simulator(world: &World, starts: &[Pose]) -> FlatSimulator {
+        let robot = Robot::default();
+        let flat = Arc::new(FlatWorld::new(world, &robot));
+        let (laser, odometry) = (LaserProfile::USARSIM, OdometryProfile::EXACT);
+        FlatSimulator::new(flat, &robot, starts, &laser, &odometry, Seed(1))
+    }
+
+    fn drive(bodies: &mut FlatSimulator, command: Command, seconds: f64) -> Increment {
+        let mut total = Increment::default();
+        for _ in 0..(seconds / TICK).round() as u32 {
+            bodies.advance(&[command]);
+            let seen = bodies.observe(0);
+            total.distance += seen.odometry.distance;
+            total.turn += seen.odometry.turn;
+        }
+        total
+    }
+
+    #[test]
+    fn a_free_robot_drives_as_its_wheels_say() {
+        let mut bodies = simulator(&room(20.0, 20.0), &[Pose::new(5.0, 10.0, 0.0)]);
+        let command = Command { speed: 0.5, turn_rate: 0.0 };
+        let way = drive(&mut bodies, command, 10.0);
+        // A second to reach 0.5 m/s at 0.5 m/s^2.
+        let expected = 0.5 * 10.0 - 0.25;
+        assert!((way.distance - expected).abs() < 0.03, "{}", way.distance);
+        assert!((bodies.pose(0).position.x - 5.0 - way.distance).abs() < 1e-9);
+        assert_eq!(bodies.hits(0), 0);
+        let turned = drive(&mut bodies, Command { speed: 0.0, turn_rate: 9.0 }, 5.0);
+        assert!(turned.turn < 1.4 * 5.0 && turned.turn > 1.4 * 4.0, "{}", turned.turn);
+    }
+
+    #[test]
+    fn a_wall_stops_and_is_one_hit() {
+        let mut bodies = simulator(&room(10.0, 10.0), &[Pose::new(5.0, 5.0, 0.0)]);
+        drive(&mut bodies, Command { speed: 0.7, turn_rate: 0.0 }, 20.0);
+        assert!((bodies.pose(0).position.x - (10.0 - 0.355)).abs() < 1e-6);
+        assert!(bodies.observe(0).bumped);
+        assert_eq!(bodies.hits(0), 1);
+        let stalled = drive(&mut bodies, Command { speed: 0.7, turn_rate: 0.0 }, 1.0);
+        assert!(stalled.distance.abs() < 1e-6, "stalled wheels measure {}", stalled.distance);
+        drive(&mut bodies, Command { speed: -0.5, turn_rate: 0.0 }, 3.0);
+        assert!(!bodies.observe(0).bumped && bodies.pose(0).position.x < 9.0);
+        drive(&mut bodies, Command { speed: 0.5, turn_rate: 0.0 }, 5.0);
+        assert_eq!(bodies.hits(0), 2);
+    }
+
+    #[test]
+    fn a_disc_slides_along_a_wall() {
+        let mut bodies = simulator(&room(30.0, 10.0), &[Pose::new(5.0, 8.0, PI / 6.0)]);
+        drive(&mut bodies, Command { speed: 0.5, turn_rate: 0.0 }, 20.0);
+        let pose = bodies.pose(0);
+        assert!((pose.position.y - 9.645).abs() < 1e-6 && pose.position.x > 8.5, "{pose:?}");
+    }
+
+    #[test]
+    fn water_drowns_and_deep_ground_stops() {
+        let mut world = room(20.0, 10.0);
+        let mut surface = |x: f64, speed: f64, kind| {
+            let rect = Rect::new(DVec2::new(x, 0.0), DVec2::new(x + 1.0, 10.0));
+            let shape = Shape::from_rect(rect);
+            world.surfaces.push(Surface { kind, shape, speed, odometry_noise: 1.0 });
+        };
+        surface(14.0, 0.0, SurfaceKind::Class(1));
+        surface(2.0, 0.0, SurfaceKind::Water);
+        let mut bodies = simulator(&world, &[Pose::new(8.0, 5.0, 0.0)]);
+        drive(&mut bodies, Command { speed: 0.5, turn_rate: 0.0 }, 30.0);
+        assert_eq!(bodies.condition(0), Condition::Able);
+        assert!((13.9..=14.0).contains(&bodies.pose(0).position.x), "{:?}", bodies.pose(0));
+        drive(&mut bodies, Command { speed: -0.5, turn_rate: 0.0 }, 40.0);
+        assert_eq!(bodies.condition(0), Condition::Drowned);
+        let lost = bodies.pose(0);
+        drive(&mut bodies, Command { speed: 0.5, turn_rate: 0.0 }, 5.0);
+        assert_eq!(bodies.pose(0), lost);
+    }
+
+    #[test]
+    fn rough_ground_multiplies_the_variance() {
+        let error = |noise: f64| {
+            let mut world = room(40.0, 10.0);
+            let shape = Shape::from_rect(world.bounds);
+            let kind = SurfaceKind::Uneven;
+            world.surfaces.push(Surface { kind, shape, speed: 1.0, odometry_noise: noise });
+            let robot = Robot::default();
+            let flat = Arc::new(FlatWorld::new(&world, &robot));
+            let profile = OdometryProfile { b_s: 0.0, b_t: 0.0, ..OdometryProfile::SKID };
+            let errors: Vec<f64> = (0..60)
+                .map(|seed| {
+                    let start = [Pose::new(2.0, 5.0, 0.0)];
+                    let laser = LaserProfile { ticks_a_scan: 1000, ..LaserProfile::USARSIM };
+                    let mut bodies = FlatSimulator::new(
+                        flat.clone(),
+                        &robot,
+                        &start,
+                        &laser,
+                        &profile,
+                        Seed(seed),
+                    );
+                    let way = drive(&mut bodies, Command { speed: 0.5, turn_rate: 0.0 }, 30.0);
+                    way.distance - (bodies.pose(0).position.x - 2.0)
+                })
+                .collect();
+            errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64
+        };
+        let (plain, rough) = (error(1.0), error(4.0));
+        // The same draws at twice the deviation: the ratio is exact.
+        assert!((rough / plain - 4.0).abs() < 1e-6, "{rough} / {plain}");
+        // k_ss times 14.75 m; 60 squared normals lie within a factor of two with p > 0.9999.
+        let expected = 2.5e-4 * 14.75;
+        assert!((0.5..2.0).contains(&(plain / expected)), "{plain} is not {expected}");
+    }
+
+    #[test]
+    fn robots_are_solid_and_seen() {
+        let starts = [Pose::new(3.0, 5.0, 0.0), Pose::new(7.0, 5.0, 0.0)];
+        let mut bodies = simulator(&room(10.0, 10.0), &starts);
+        let scan = bodies.observe(0).scan.expect("the first observation has a scan");
+        assert!((scan.ranges[90] - (4.0 - 0.21 - 0.355)).abs() < 0.01, "{}", scan.ranges[90]);
+        for _ in 0..400 {
+            bodies.advance(&[Command { speed: 0.5, turn_rate: 0.0 }, Command::STOP]);
+        }
+        let gap = bodies.pose(0).position.distance(bodies.pose(1).position);
+        assert!((gap - 0.71).abs() < 1e-5, "{gap}");
+        assert_eq!((bodies.hits(0), bodies.pose(1)), (1, starts[1]));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+
+        /// Whatever the commands, a disc never gets into anything.
+        #[test]
+        fn nothing_is_passed_through(
+            seed in 0_u64..1000,
+            commands in proptest::collection::vec((-2.0..2.0, -3.0..3.0, 1_u32..60), 1..40),
+        ) {
+            let spec = envgen::indoor::IndoorSpec { difficulty: 8.0, ..Default::default() };
+            let world = spec.generate(Seed(seed)).expect("a map").to_world();
+            let start = world.start.expect("a start");
+            let mut bodies = simulator(&world, &[start]);
+            let mut last = start.position;
+            for (speed, turn_rate, ticks) in commands {
+                for _ in 0..ticks {
+                    bodies.advance(&[Command { speed, turn_rate }]);
+                    let at = bodies.pose(0).position;
+                    prop_assert!(world.clearance(at) > 0.355 - 1e-5, "{}", world.clearance(at));
+                    prop_assert!(at.distance(last) < 0.1, "jumped {}", at.distance(last));
+                    last = at;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn commands_that_are_no_numbers_stop() {
+        let mut bodies = simulator(&room(10.0, 10.0), &[Pose::new(5.0, 5.0, 0.0)]);
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            drive(&mut bodies, Command { speed: value, turn_rate: value }, 1.0);
+        }
+        assert_eq!(bodies.pose(0), Pose::new(5.0, 5.0, 0.0));
+    }
+}

@@ -1,0 +1,218 @@
+//! The laser: its profiles, its scans and its errors.
+
+use std::f64::consts::{PI, TAU};
+
+use envgen::Seed;
+use envgen::geometry::Pose;
+use envgen::raycast::{Fan, Raycaster};
+use serde::{Deserialize, Serialize};
+
+/// Random numbers that each beam has, used or not, so that its errors depend on nothing else.
+const DRAWS_A_BEAM: usize = 4;
+
+/// Range of a beam that met nothing, as in REP 117 of ROS.
+pub const NO_ECHO: f64 = f64::INFINITY;
+
+/// Least difference in metres between neighbouring ranges at which a beam can hit both.
+const MIXED_PIXEL_JUMP: f64 = 0.3;
+
+/// What a laser measures and how well.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LaserProfile {
+    /// Number of beams, spread evenly over the field of view, both ends included.
+    pub beams: u32,
+    /// Field of view in radians, centred ahead.
+    pub field_of_view: f64,
+    /// Greatest range in metres.
+    pub max_range: f64,
+    /// Ranges are multiples of this many metres; 0 for none.
+    pub range_step: f64,
+    /// Standard deviation of a range in metres.
+    pub sigma: f64,
+    /// Ticks from one scan to the next.
+    pub ticks_a_scan: u32,
+    /// Probability that a beam gives nothing.
+    pub dropout: f64,
+    /// Probability that a beam returns too early, at any range.
+    pub short: f64,
+    /// Probability that a beam at a jump of ranges gives a range between the two.
+    pub mixed_pixel: f64,
+}
+
+impl LaserProfile {
+    /// USARSim's laser: exact but for its steps of 1 cm.
+    pub const USARSIM: LaserProfile = LaserProfile {
+        beams: 181,
+        field_of_view: PI,
+        max_range: 20.0,
+        range_step: 0.01,
+        sigma: 0.0,
+        ticks_a_scan: 4,
+        dropout: 0.0,
+        short: 0.0,
+        mixed_pixel: 0.0,
+    };
+    /// SICK's LMS 200 in millimetre mode, the default.
+    pub const LMS200_MM: LaserProfile =
+        LaserProfile { max_range: 8.19, range_step: 0.001, sigma: 0.01, ..LaserProfile::USARSIM };
+    /// The same with the errors of a real scan: lost, early and mixed echoes.
+    pub const LMS200_MM_ROUGH: LaserProfile =
+        LaserProfile { dropout: 0.005, short: 0.001, mixed_pixel: 0.3, ..LaserProfile::LMS200_MM };
+
+    /// Angle of a beam relative to the laser's heading, in radians, from right to left.
+    pub fn angle(&self, beam: usize) -> f64 {
+        let step = self.field_of_view / f64::from(self.beams.saturating_sub(1).max(1));
+        let first = if self.beams > 1 { -0.5 * self.field_of_view } else { 0.0 };
+        first + step * beam as f64
+    }
+}
+
+impl Default for LaserProfile {
+    fn default() -> Self {
+        LaserProfile::LMS200_MM
+    }
+}
+
+/// The ranges of one scan in metres, beam by beam from right to left. As in REP 117 of ROS,
+/// [`NO_ECHO`] is a beam that met nothing within the greatest range, and NaN one that is to be
+/// ignored.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scan {
+    /// One range a beam.
+    pub ranges: Vec<f64>,
+}
+
+/// The laser of one robot in one run.
+#[derive(Clone, Debug)]
+pub struct Laser {
+    profile: LaserProfile,
+    fan: Fan,
+    seed: Seed,
+    robot: u64,
+    scans: u64,
+}
+
+impl Laser {
+    /// The laser of the robot of number `robot` in the run of a seed.
+    pub fn new(profile: LaserProfile, seed: Seed, robot: u64) -> Self {
+        let fan = Fan::new(profile.field_of_view, profile.beams as usize);
+        Laser { profile, fan, seed, robot, scans: 0 }
+    }
+
+    /// What it measures.
+    pub fn profile(&self) -> &LaserProfile {
+        &self.profile
+    }
+
+    /// Exact ranges from a pose of the laser, `max_range` where nothing is met.
+    pub fn cast(&self, rays: &Raycaster, from: Pose, ranges: &mut Vec<f64>) {
+        rays.scan(from, &self.fan, self.profile.max_range, ranges);
+    }
+
+    /// The next scan, from exact ranges: [`Laser::cast`]'s, or those of a body that casts its own
+    /// rays. A range of `max_range` or more is no echo.
+    pub fn measure(&mut self, exact: &[f64]) -> Scan {
+        let mut draws = self.seed.attempt("trial/laser", self.robot, self.scans);
+        self.scans += 1;
+        let p = &self.profile;
+        let ranges = exact.iter().enumerate().map(|(beam, &range)| {
+            let [angle, radius, fault, place] =
+                std::array::from_fn::<_, DRAWS_A_BEAM, _>(|_| draws.unit());
+            let mut range = range;
+            if p.mixed_pixel > 0.0 && fault < p.mixed_pixel {
+                let next = exact.get(beam + 1).map_or(range, |&next| next.min(p.max_range));
+                let here = range.min(p.max_range);
+                if (next - here).abs() > MIXED_PIXEL_JUMP {
+                    range = here + place * (next - here);
+                }
+            }
+            // Faults of one beam come from one number: the rarest ones from its upper end.
+            if fault >= 1.0 - p.dropout {
+                return f64::NAN;
+            }
+            if fault >= 1.0 - p.dropout - p.short {
+                range = place * range.min(p.max_range);
+            }
+            if range >= p.max_range {
+                return NO_ECHO;
+            }
+            if p.sigma > 0.0 {
+                // Box and Muller's normal takes two numbers always, unlike the polar method.
+                let normal = (-2.0 * libm::log(1.0 - radius)).sqrt() * libm::cos(TAU * angle);
+                range += p.sigma * normal;
+            }
+            if p.range_step > 0.0 {
+                range = (range / p.range_step).round() * p.range_step;
+            }
+            if range >= p.max_range { NO_ECHO } else { range.max(0.0) }
+        });
+        Scan { ranges: ranges.collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_of_a_beam_depend_on_nothing_else() {
+        let mut alone = Laser::new(LaserProfile::LMS200_MM_ROUGH, Seed(4), 0);
+        let mut among = alone.clone();
+        let ranges = vec![5.0; 181];
+        let mut others = ranges.clone();
+        others[..40].fill(20.0);
+        others[42..].fill(0.5);
+        let (a, b) = (alone.measure(&ranges), among.measure(&others));
+        assert_eq!(a.ranges[40].to_bits(), b.ranges[40].to_bits());
+        assert_ne!(a, alone.measure(&ranges), "every scan draws anew");
+    }
+
+    #[test]
+    fn noise_has_the_deviation_of_the_profile() {
+        let mut laser = Laser::new(LaserProfile::LMS200_MM, Seed(4), 1);
+        let errors: Vec<f64> = (0..100)
+            .flat_map(|_| laser.measure(&[5.0; 181]).ranges)
+            .map(|range| range - 5.0)
+            .collect();
+        let n = errors.len() as f64;
+        let mean = errors.iter().sum::<f64>() / n;
+        let variance = errors.iter().map(|e| e * e).sum::<f64>() / n;
+        // Within four standard deviations of 18 100 draws; steps of 1 mm add a twelfth of 1e-6.
+        assert!(mean.abs() < 4.0 * 0.01 / n.sqrt(), "{mean}");
+        assert!((variance / (1e-4 + 1e-6 / 12.0) - 1.0).abs() < 4.0 * (2.0 / n).sqrt());
+        assert!(errors.iter().all(|e| (e * 1000.0 - (e * 1000.0).round()).abs() < 1e-6));
+    }
+
+    #[test]
+    fn a_rough_laser_loses_shortens_and_mixes() {
+        let mut laser = Laser::new(LaserProfile::LMS200_MM_ROUGH, Seed(4), 0);
+        // Beam 90 sees a post, beam 91 the wall behind it.
+        let exact: Vec<f64> = (0..181).map(|beam| if beam <= 90 { 2.0 } else { 6.0 }).collect();
+        let n = 4000;
+        let (mut lost, mut early, mut mixed) = (0.0, 0.0, 0.0);
+        for _ in 0..n {
+            let scan = laser.measure(&exact);
+            let between = |beam: usize| (2.1..5.9).contains(&scan.ranges[beam]);
+            lost += scan.ranges.iter().filter(|range| range.is_nan()).count() as f64;
+            mixed += f64::from(between(90));
+            early += (0..90).filter(|&beam| scan.ranges[beam] < 1.9).count() as f64;
+        }
+        let beams = 181.0 * f64::from(n);
+        // Binomial counts within four standard deviations.
+        let near = |count: f64, p: f64, n: f64| (count - n * p).abs() < 4.0 * (n * p).sqrt();
+        assert!(near(lost, 0.005, beams), "{lost} lost");
+        assert!(near(early, 0.001 * 0.95, 90.0 * f64::from(n)), "{early} early");
+        assert!(near(mixed, 0.3 * 3.8 / 4.0, f64::from(n)), "{mixed} mixed");
+    }
+
+    #[test]
+    fn far_is_no_echo_and_never_negative() {
+        let mut laser = Laser::new(LaserProfile::LMS200_MM, Seed(4), 0);
+        let scan = laser.measure(&[8.19, 9.0, f64::INFINITY, 0.0, 0.001]);
+        assert!(scan.ranges[..3].iter().all(|&range| range == NO_ECHO));
+        assert!(scan.ranges[3..].iter().all(|&range| (0.0..0.1).contains(&range)));
+        let mut usarsim = Laser::new(LaserProfile::USARSIM, Seed(4), 0);
+        assert_eq!(usarsim.measure(&[1.234, 19.999]).ranges, [1.23, NO_ECHO]);
+    }
+}

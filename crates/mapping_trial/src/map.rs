@@ -1,0 +1,339 @@
+//! The map that a robot makes: log odds of occupancy on a grid that grows.
+
+use envgen::geometry::{Pose, Rect};
+use glam::DVec2;
+
+/// Side of a cell in metres.
+pub const RESOLUTION: f64 = 0.05;
+
+/// Cells along a side of a tile.
+pub const TILE: i32 = 32;
+
+/// Hundredths of log odds that an echo adds to its cell.
+pub const HIT: i16 = 85;
+
+/// Hundredths of log odds that a ray through a cell takes away.
+pub const MISS: i16 = 40;
+
+/// Hundredths of log odds at which a cell is as sure as it gets.
+pub const CLAMP: i16 = 400;
+
+/// Log odds in hundredths above which a cell is occupied (probability 0.65), and below whose
+/// negative it is free (0.35).
+pub const DECIDED: i16 = 62;
+
+/// Tiles along a side of the map, at most: 6.5 km.
+const MAX_TILES: i64 = 4096;
+
+/// What a cell is taken for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cell {
+    /// Nothing is known.
+    Unknown,
+    /// Nothing stands there.
+    Free,
+    /// Something stands there.
+    Occupied,
+}
+
+/// Column and row of a cell; cell (0, 0) has its lower left corner at the frame's origin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CellIndex {
+    /// Column, to the right.
+    pub col: i32,
+    /// Row, upwards.
+    pub row: i32,
+}
+
+impl CellIndex {
+    /// The cell that holds a point.
+    pub fn of(p: DVec2) -> CellIndex {
+        let scaled = (p * (1.0 / RESOLUTION)).floor();
+        CellIndex { col: scaled.x as i32, row: scaled.y as i32 }
+    }
+
+    /// The middle of the cell.
+    pub fn centre(self) -> DVec2 {
+        (DVec2::new(f64::from(self.col), f64::from(self.row)) + 0.5) * RESOLUTION
+    }
+
+    /// The tile that holds the cell.
+    fn tile(self) -> (i32, i32) {
+        (self.col.div_euclid(TILE), self.row.div_euclid(TILE))
+    }
+}
+
+/// Occupancy in log odds, tile by tile, in the world's frame.
+///
+/// Every tile tells when it last changed, so that what is derived from a map (frontiers, costs,
+/// pictures) can be renewed where it must.
+#[derive(Clone, Debug, Default)]
+pub struct OccupancyMap {
+    /// Column and row of the lower left tile of the table.
+    corner: (i32, i32),
+    cols: i32,
+    rows: i32,
+    /// Place in `tiles` of each tile of the table, row by row from below.
+    table: Vec<u32>,
+    tiles: Vec<Tile>,
+    revision: u64,
+}
+
+/// A square of [`TILE`] x [`TILE`] cells.
+#[derive(Clone, Debug)]
+struct Tile {
+    at: (i32, i32),
+    revision: u64,
+    cells: Box<[i16]>,
+}
+
+/// A tile that was never touched.
+const NONE: u32 = u32::MAX;
+
+impl OccupancyMap {
+    /// A map of which nothing is known.
+    pub fn new() -> Self {
+        OccupancyMap::default()
+    }
+
+    /// Rises with every change that [`OccupancyMap::touch`] announces.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// What a cell is taken for.
+    pub fn cell(&self, index: CellIndex) -> Cell {
+        let odds = self.log_odds(index);
+        if odds > DECIDED {
+            Cell::Occupied
+        } else if odds < -DECIDED {
+            Cell::Free
+        } else {
+            Cell::Unknown
+        }
+    }
+
+    /// Log odds of a cell in hundredths, 0 where nothing is known.
+    pub fn log_odds(&self, index: CellIndex) -> i16 {
+        let (col, row) = index.tile();
+        self.slot(col, row).map_or(0, |slot| self.tiles[slot].cells[place(index)])
+    }
+
+    /// Adds hundredths of log odds to a cell, within [`CLAMP`]. Cells farther out than the map can
+    /// grow stay unknown.
+    pub fn add(&mut self, index: CellIndex, change: i16) {
+        let (col, row) = index.tile();
+        let Some(slot) = self.slot(col, row).or_else(|| self.grow(col, row)) else { return };
+        let cell = &mut self.tiles[slot].cells[place(index)];
+        *cell = (*cell + change).clamp(-CLAMP, CLAMP);
+    }
+
+    /// Announces that cells in a rectangle (in metres) have changed: the revision of the map and of
+    /// the tiles there rises.
+    pub fn touch(&mut self, area: Rect) {
+        self.revision += 1;
+        let (low, high) = (CellIndex::of(area.min).tile(), CellIndex::of(area.max).tile());
+        let top = (self.corner.0 + self.cols - 1, self.corner.1 + self.rows - 1);
+        for row in low.1.max(self.corner.1)..=high.1.min(top.1) {
+            for col in low.0.max(self.corner.0)..=high.0.min(top.0) {
+                if let Some(slot) = self.slot(col, row) {
+                    self.tiles[slot].revision = self.revision;
+                }
+            }
+        }
+    }
+
+    /// Forgets what every cell is, and announces it. The tiles stay, so that what is derived from
+    /// the map hears of cells that are not drawn again.
+    pub fn clear(&mut self) {
+        self.revision += 1;
+        for tile in &mut self.tiles {
+            tile.cells.fill(0);
+            tile.revision = self.revision;
+        }
+    }
+
+    /// Begins a change: what [`OccupancyMap::tile_mut`] hands out until the next one is announced
+    /// under a new revision.
+    pub(crate) fn begin(&mut self) {
+        self.revision += 1;
+    }
+
+    /// The cells of a tile, to be changed as part of the change that was begun; `None` where the
+    /// map may not grow.
+    pub(crate) fn tile_mut(&mut self, col: i32, row: i32) -> Option<&mut [i16]> {
+        let slot = self.slot(col, row).or_else(|| self.grow(col, row))?;
+        let tile = &mut self.tiles[slot];
+        tile.revision = self.revision;
+        Some(&mut tile.cells)
+    }
+
+    /// The rectangle in metres around all tiles that were ever written; `None` before the first.
+    pub fn bounds(&self) -> Option<Rect> {
+        let side = f64::from(TILE) * RESOLUTION;
+        Rect::around(self.tiles.iter().flat_map(|tile| {
+            let low = DVec2::new(f64::from(tile.at.0), f64::from(tile.at.1));
+            [low * side, (low + 1.0) * side]
+        }))
+    }
+
+    /// The tiles that have changed since a revision: their columns and rows, in no particular but a
+    /// repeatable order. Cell columns of tile column c are c * [`TILE`] to c * [`TILE`] + TILE - 1.
+    pub fn changed_since(&self, revision: u64) -> impl Iterator<Item = (i32, i32)> + '_ {
+        self.tiles.iter().filter(move |tile| tile.revision > revision).map(|tile| tile.at)
+    }
+
+    /// Every tile that was ever written: column, row and the log odds of its cells as
+    /// [`OccupancyMap::tile`] gives them, in no particular but a repeatable order.
+    pub fn tiles(&self) -> impl Iterator<Item = ((i32, i32), &[i16])> + '_ {
+        self.tiles.iter().map(|tile| (tile.at, &*tile.cells))
+    }
+
+    /// The log odds of a tile's cells in hundredths, row by row from below; `None` for a tile
+    /// that was never written.
+    pub fn tile(&self, col: i32, row: i32) -> Option<&[i16]> {
+        self.slot(col, row).map(|slot| &*self.tiles[slot].cells)
+    }
+
+    fn slot(&self, col: i32, row: i32) -> Option<usize> {
+        let (x, y) = (col.wrapping_sub(self.corner.0), row.wrapping_sub(self.corner.1));
+        if x < 0 || y < 0 || x >= self.cols || y >= self.rows {
+            return None;
+        }
+        let slot = self.table[(y * self.cols + x) as usize];
+        (slot != NONE).then_some(slot as usize)
+    }
+
+    /// Makes a tile, and room for it in the table; `None` where the map may not grow.
+    fn grow(&mut self, col: i32, row: i32) -> Option<usize> {
+        let empty = self.table.is_empty();
+        let low = if empty { (col, row) } else { (self.corner.0.min(col), self.corner.1.min(row)) };
+        let high = if empty {
+            (col, row)
+        } else {
+            ((self.corner.0 + self.cols - 1).max(col), (self.corner.1 + self.rows - 1).max(row))
+        };
+        let (cols, rows) =
+            (i64::from(high.0) - i64::from(low.0) + 1, i64::from(high.1) - i64::from(low.1) + 1);
+        if cols > MAX_TILES || rows > MAX_TILES {
+            return None;
+        }
+        if (low, cols as i32, rows as i32) != (self.corner, self.cols, self.rows) {
+            let mut table = vec![NONE; (cols * rows) as usize];
+            for (slot, tile) in self.tiles.iter().enumerate() {
+                let (x, y) = (tile.at.0 - low.0, tile.at.1 - low.1);
+                table[(i64::from(y) * cols + i64::from(x)) as usize] = slot as u32;
+            }
+            (self.corner, self.cols, self.rows) = (low, cols as i32, rows as i32);
+            self.table = table;
+        }
+        let slot = self.tiles.len();
+        let cells = vec![0; (TILE * TILE) as usize].into_boxed_slice();
+        self.tiles.push(Tile { at: (col, row), revision: self.revision, cells });
+        let (x, y) = (col - self.corner.0, row - self.corner.1);
+        self.table[(y * self.cols + x) as usize] = slot as u32;
+        Some(slot)
+    }
+}
+
+/// Place of a cell in its tile.
+fn place(index: CellIndex) -> usize {
+    (index.row.rem_euclid(TILE) * TILE + index.col.rem_euclid(TILE)) as usize
+}
+
+/// The pose of a robot as it is estimated, and how sure that is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// Where the robot is thought to be.
+    pub pose: Pose,
+    /// Standard deviation of the position in metres, as the estimator believes it.
+    pub deviation: f64,
+    /// Standard deviation of the heading in radians, as the estimator believes it.
+    pub heading_deviation: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn at(col: i32, row: i32) -> CellIndex {
+        CellIndex { col, row }
+    }
+
+    #[test]
+    fn a_hit_occupies_and_two_misses_free() {
+        let mut map = OccupancyMap::new();
+        assert_eq!(map.cell(at(3, -4)), Cell::Unknown);
+        map.add(at(3, -4), HIT);
+        assert_eq!(map.cell(at(3, -4)), Cell::Occupied);
+        map.add(at(-1, 0), -MISS);
+        assert_eq!(map.cell(at(-1, 0)), Cell::Unknown);
+        map.add(at(-1, 0), -MISS);
+        assert_eq!(map.cell(at(-1, 0)), Cell::Free);
+        (0..50).for_each(|_| map.add(at(-1, 0), HIT));
+        assert_eq!(map.log_odds(at(-1, 0)), CLAMP);
+        assert_eq!(map.cell(at(0, 0)), Cell::Unknown);
+    }
+
+    #[test]
+    fn tiles_tell_of_changes_and_of_being_forgotten() {
+        let mut map = OccupancyMap::new();
+        map.add(at(0, 0), HIT);
+        map.add(at(100, 100), HIT);
+        let side = f64::from(TILE) * RESOLUTION;
+        map.touch(Rect::new(DVec2::ZERO, DVec2::splat(0.5 * side)));
+        let first = map.revision();
+        assert_eq!(map.changed_since(first - 1).collect::<Vec<_>>(), [(0, 0)]);
+        map.touch(Rect::new(DVec2::splat(3.2 * side), DVec2::splat(99.0 * side)));
+        assert_eq!(map.changed_since(first).collect::<Vec<_>>(), [(3, 3)]);
+        let second = map.revision();
+        map.clear();
+        assert_eq!(map.changed_since(second).count(), 2);
+        assert_eq!(map.cell(at(0, 0)), Cell::Unknown);
+        assert!(map.tile(3, 3).is_some_and(|cells| cells.iter().all(|&odds| odds == 0)));
+        assert_eq!(map.bounds(), Some(Rect::new(DVec2::ZERO, DVec2::splat(4.0 * side))));
+    }
+
+    #[test]
+    fn a_map_grows_so_far() {
+        let mut map = OccupancyMap::new();
+        map.add(at(0, 0), HIT);
+        let farthest = (MAX_TILES as i32) * TILE;
+        for out in [farthest, i32::MAX, i32::MIN] {
+            map.add(at(out, 0), HIT);
+            map.add(at(0, out), HIT);
+            assert_eq!(map.cell(at(out, 0)), Cell::Unknown);
+        }
+        map.add(at(farthest - 1, 0), HIT);
+        assert_eq!(map.cell(at(farthest - 1, 0)), Cell::Occupied);
+        assert_eq!(map.cell(at(0, 0)), Cell::Occupied);
+    }
+
+    proptest! {
+        #[test]
+        fn cells_hold_what_was_added(
+            changes in proptest::collection::vec((-300..300_i32, -300..300_i32, -90..90_i16), 0..60),
+        ) {
+            let (mut map, mut plain) = (OccupancyMap::new(), std::collections::BTreeMap::new());
+            for &(col, row, change) in &changes {
+                map.add(at(col, row), change);
+                let odds: &mut i16 = plain.entry((col, row)).or_default();
+                *odds = (*odds + change).clamp(-CLAMP, CLAMP);
+            }
+            for (&(col, row), &odds) in &plain {
+                prop_assert_eq!(map.log_odds(at(col, row)), odds);
+                let bounds = map.bounds().expect("something was written");
+                prop_assert!(bounds.contains(at(col, row).centre()));
+                let tile = map.tile(col.div_euclid(TILE), row.div_euclid(TILE)).expect("written");
+                prop_assert_eq!(tile[place(at(col, row))], odds);
+            }
+        }
+
+        #[test]
+        fn any_point_has_a_cell(x in any::<f64>(), y in any::<f64>()) {
+            let index = CellIndex::of(DVec2::new(x, y));
+            prop_assert_eq!(OccupancyMap::new().cell(index), Cell::Unknown);
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! The names by which commands and reports call profiles, estimators and operators.
+
+use envgen::SpecError;
+
+use crate::lidar::LaserProfile;
+use crate::odometry::OdometryProfile;
+use crate::operator::OperatorKind;
+use crate::slam::SlamKind;
+
+/// A value that has a name.
+///
+/// ```
+/// use mapping_trial::lidar::LaserProfile;
+/// use mapping_trial::names::Named;
+///
+/// assert_eq!(LaserProfile::named("usarsim")?, LaserProfile::USARSIM);
+/// assert_eq!(LaserProfile::USARSIM.name(), Some("usarsim"));
+/// # Ok::<(), envgen::SpecError>(())
+/// ```
+pub trait Named: Clone + PartialEq + Sized + 'static {
+    /// What it is, as the field of an error.
+    const FIELD: &'static str;
+
+    /// All names and what they stand for.
+    const NAMES: &'static [(&'static str, Self)];
+
+    /// What a name stands for.
+    ///
+    /// # Errors
+    ///
+    /// A name that is not in [`Named::NAMES`]; the error lists them.
+    fn named(name: &str) -> Result<Self, SpecError> {
+        let known = Self::NAMES.iter().find(|(known, _)| *known == name);
+        known.map(|(_, value)| value.clone()).ok_or_else(|| {
+            let names: Vec<&str> = Self::NAMES.iter().map(|(name, _)| *name).collect();
+            SpecError::new(Self::FIELD, name, names.join(", "))
+        })
+    }
+
+    /// Its name; `None` for a profile of one's own.
+    fn name(&self) -> Option<&'static str> {
+        Self::NAMES.iter().find(|(_, value)| value == self).map(|(name, _)| *name)
+    }
+}
+
+impl Named for LaserProfile {
+    const FIELD: &'static str = "laser";
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("lms200_mm", LaserProfile::LMS200_MM),
+        ("lms200_mm_rough", LaserProfile::LMS200_MM_ROUGH),
+        ("usarsim", LaserProfile::USARSIM),
+    ];
+}
+
+impl Named for OdometryProfile {
+    const FIELD: &'static str = "odometry";
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("skid", OdometryProfile::SKID),
+        ("mild", OdometryProfile::MILD),
+        ("poor", OdometryProfile::POOR),
+        ("exact", OdometryProfile::EXACT),
+    ];
+}
+
+impl Named for OperatorKind {
+    const FIELD: &'static str = "operator";
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("nearest", OperatorKind::Nearest),
+        ("info_gain", OperatorKind::InfoGain),
+        ("cautious", OperatorKind::Cautious),
+        ("wall_follow", OperatorKind::WallFollow),
+        ("corridors", OperatorKind::Corridors),
+    ];
+}
+
+impl Named for SlamKind {
+    const FIELD: &'static str = "slam";
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("scan_to_map", SlamKind::ScanToMap), ("dead_reckoning", SlamKind::DeadReckoning)];
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::Serialize;
+
+    use super::*;
+
+    /// Names of choices are those of logs and reports.
+    fn as_in_files<T: Named + Serialize>() {
+        for (name, value) in T::NAMES {
+            assert_eq!(serde_json::to_value(value).expect("a name"), *name);
+        }
+    }
+
+    #[test]
+    fn names_are_those_in_files_and_each_stands_for_one_value() {
+        as_in_files::<OperatorKind>();
+        as_in_files::<SlamKind>();
+        assert!(SlamKind::ALL.iter().all(|kind| kind.name().is_some()));
+        for (name, value) in LaserProfile::NAMES {
+            assert_eq!(LaserProfile::named(name).as_ref(), Ok(value));
+            assert_eq!(value.name(), Some(*name));
+        }
+        for (name, value) in OdometryProfile::NAMES {
+            assert_eq!(value.name(), Some(*name));
+        }
+    }
+
+    #[test]
+    fn an_unknown_name_is_told_with_all_known_ones() {
+        let error = OdometryProfile::named("slick").expect_err("no such profile");
+        let text = "`odometry` is slick, allowed is skid, mild, poor, exact";
+        assert_eq!(error.to_string(), text);
+    }
+}

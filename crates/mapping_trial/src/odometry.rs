@@ -1,0 +1,157 @@
+//! Dead odometry: what wheels measure of a motion.
+
+use envgen::distribution::standard_normal;
+use envgen::{Seed, Stream};
+use serde::{Deserialize, Serialize};
+
+/// A motion in the robot's own frame: a way ahead and a turn, as small as a tick's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Increment {
+    /// Way ahead in metres, negative backwards.
+    pub distance: f64,
+    /// Turn in radians, counter-clockwise.
+    pub turn: f64,
+}
+
+/// Errors of an odometry: variances linear in the way, so that they do not depend on how often it
+/// is read, and systematic errors drawn once a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OdometryProfile {
+    /// Variance of the distance by distance, m^2/m.
+    pub k_ss: f64,
+    /// Variance of the distance by turning, m^2/rad.
+    pub k_st: f64,
+    /// Variance of the turn by turning, rad^2/rad.
+    pub k_tt: f64,
+    /// Variance of the turn by distance, rad^2/m.
+    pub k_ts: f64,
+    /// Standard deviation of the run's relative error of distances.
+    pub b_s: f64,
+    /// Standard deviation of the run's relative error of turns.
+    pub b_t: f64,
+}
+
+impl OdometryProfile {
+    /// A robot on good ground.
+    pub const MILD: OdometryProfile = OdometryProfile {
+        k_ss: 2.5e-4,
+        k_st: 1e-5,
+        k_tt: 4.4e-4,
+        k_ts: 3e-5,
+        b_s: 0.015,
+        b_t: 0.025,
+    };
+    /// A skid-steered robot, the default.
+    pub const SKID: OdometryProfile =
+        OdometryProfile { k_st: 1e-4, k_tt: 1.2e-3, b_t: 0.05, ..OdometryProfile::MILD };
+    /// A skid-steered robot whose wheels slip.
+    pub const POOR: OdometryProfile =
+        OdometryProfile { k_tt: 3e-3, b_t: 0.10, ..OdometryProfile::SKID };
+    /// Wheels that measure exactly.
+    pub const EXACT: OdometryProfile =
+        OdometryProfile { k_ss: 0.0, k_st: 0.0, k_tt: 0.0, k_ts: 0.0, b_s: 0.0, b_t: 0.0 };
+}
+
+impl Default for OdometryProfile {
+    fn default() -> Self {
+        OdometryProfile::SKID
+    }
+}
+
+/// The wheels of one robot in one run.
+#[derive(Debug)]
+pub struct Odometry {
+    profile: OdometryProfile,
+    distance_scale: f64,
+    turn_scale: f64,
+    noise: Stream,
+}
+
+impl Odometry {
+    /// The wheels of the robot of number `robot` in the run of a seed.
+    pub fn new(profile: OdometryProfile, seed: Seed, robot: u64) -> Self {
+        let mut run = seed.stream("trial/odometry_bias", robot);
+        Odometry {
+            distance_scale: 1.0 + profile.b_s * standard_normal(&mut run),
+            turn_scale: 1.0 + profile.b_t * standard_normal(&mut run),
+            noise: seed.stream("trial/odometry", robot),
+            profile,
+        }
+    }
+
+    /// What is measured of a true motion on ground that multiplies the variances by `factor`.
+    pub fn measure(&mut self, motion: Increment, factor: f64) -> Increment {
+        let (way, turn) = (motion.distance.abs(), motion.turn.abs());
+        if way == 0.0 && turn == 0.0 {
+            return motion;
+        }
+        let p = &self.profile;
+        let distance = (factor * (p.k_ss * way + p.k_st * turn)).sqrt();
+        let angle = (factor * (p.k_tt * turn + p.k_ts * way)).sqrt();
+        Increment {
+            distance: motion.distance * self.distance_scale
+                + distance * standard_normal(&mut self.noise),
+            turn: motion.turn * self.turn_scale + angle * standard_normal(&mut self.noise),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean and variance of what is measured of `ways` runs, each cut into `steps`.
+    fn distances(steps: u32, profile: &OdometryProfile) -> (f64, f64) {
+        let runs = 2000;
+        let totals: Vec<f64> = (0..runs)
+            .map(|run| {
+                let mut wheels = Odometry::new(profile.clone(), Seed(3), run);
+                let part = Increment { distance: 10.0 / f64::from(steps), turn: 0.0 };
+                (0..steps).map(|_| wheels.measure(part, 1.0).distance).sum()
+            })
+            .collect();
+        let mean = totals.iter().sum::<f64>() / runs as f64;
+        let variance = totals.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / runs as f64;
+        (mean, variance)
+    }
+
+    #[test]
+    fn errors_do_not_depend_on_the_step() {
+        let profile = OdometryProfile { b_s: 0.0, ..OdometryProfile::SKID };
+        // k_ss times 10 m. The variance of 2000 normals is within 12 % at four standard deviations
+        // (sqrt(2 / 2000) = 3.2 %), the mean within 4 sqrt(2.5e-3 / 2000) = 4.5 mm.
+        for steps in [1, 20, 500] {
+            let (mean, variance) = distances(steps, &profile);
+            assert!((mean - 10.0).abs() < 4.5e-3, "{steps} steps: mean {mean}");
+            assert!((variance / 2.5e-3 - 1.0).abs() < 0.13, "{steps} steps: {variance}");
+        }
+    }
+
+    #[test]
+    fn a_run_has_one_systematic_error() {
+        let profile = OdometryProfile { k_ss: 0.0, k_st: 0.0, ..OdometryProfile::SKID };
+        let (mean, variance) = distances(10, &profile);
+        // Relative errors of deviation 1.5 % over 10 m.
+        assert!((mean - 10.0).abs() < 4.0 * 0.15 / 2000_f64.sqrt(), "{mean}");
+        assert!((variance / (0.15 * 0.15) - 1.0).abs() < 0.13, "{variance}");
+        let mut wheels = Odometry::new(profile, Seed(3), 5);
+        let part = Increment { distance: 0.1, turn: 0.0 };
+        let first = wheels.measure(part, 1.0).distance;
+        assert!((0..50).all(|_| wheels.measure(part, 1.0).distance == first));
+    }
+
+    #[test]
+    fn who_stands_measures_nothing() {
+        let mut wheels = Odometry::new(OdometryProfile::POOR, Seed(3), 0);
+        let still = Increment::default();
+        assert!((0..50).all(|_| wheels.measure(still, 9.0) == still));
+    }
+
+    #[test]
+    fn exact_wheels_are_exact() {
+        let mut wheels = Odometry::new(OdometryProfile::EXACT, Seed(3), 0);
+        let motion = Increment { distance: 0.3, turn: -0.2 };
+        assert_eq!(wheels.measure(motion, 1.0), motion);
+    }
+}

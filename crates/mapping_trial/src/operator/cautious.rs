@@ -1,0 +1,105 @@
+//! Goes to the nearest frontier, but back to an old place when it is not sure where it is.
+
+use glam::DVec2;
+
+use super::navigator::{Aim, Navigator, pose_of};
+use super::{Decision, Operator, View};
+
+/// Standard deviation of the position in metres from which on the robot goes back.
+const UNSURE: f64 = 0.30;
+
+/// The share of it below which the robot is sure again.
+const SURE: f64 = 0.5;
+
+/// What a robot that went back in vain multiplies the deviation with that it bears.
+const PATIENCE: f64 = 1.5;
+
+/// Metres between the places that are remembered.
+const APART: f64 = 1.0;
+
+/// Places that are remembered at most; then every second one is forgotten.
+const PLACES: usize = 4096;
+
+/// Goes to the nearest frontier, and back to an old place when its pose is uncertain.
+#[derive(Debug)]
+pub(super) struct Cautious {
+    navigator: Navigator,
+    memories: Vec<Memory>,
+}
+
+#[derive(Clone, Debug)]
+struct Memory {
+    /// Where the robot was, and how sure it was there.
+    places: Vec<(DVec2, f64)>,
+    /// The place that it is going back to.
+    back_to: Option<DVec2>,
+    bears: f64,
+}
+
+impl Cautious {
+    pub(super) fn new(navigator: Navigator, robots: usize) -> Self {
+        let memory = Memory { places: Vec::new(), back_to: None, bears: UNSURE };
+        Cautious { navigator, memories: vec![memory; robots] }
+    }
+}
+
+impl Operator for Cautious {
+    fn decide(&mut self, view: &View<'_>) -> Decision {
+        let Cautious { navigator, memories } = self;
+        let robot = view.robot;
+        if let (Some(pose), Some(memory)) = (pose_of(view), memories.get_mut(robot)) {
+            let deviation = view.estimates[robot].deviation;
+            memory.remember(pose.position, deviation);
+            if memory.back_to.is_some() && deviation < SURE * memory.bears {
+                memory.back_to = None;
+                navigator.interrupt(robot);
+            }
+            if memory.back_to.is_none() && deviation > memory.bears && navigator.is_at_ease(robot) {
+                memory.back_to = memory.surest(deviation);
+                navigator.interrupt(robot);
+            }
+            if let Some(place) = memory.back_to {
+                if let Some(decision) = navigator.pursue(view, &mut Aim::Visit(place)) {
+                    return decision;
+                }
+                // There, or no way there: it has to bear what it could not mend.
+                if deviation >= SURE * memory.bears {
+                    memory.bears = PATIENCE * memory.bears.max(deviation);
+                }
+                memory.back_to = None;
+                navigator.interrupt(robot);
+            }
+        }
+        navigator.explore(view, |planning| planning.nearest())
+    }
+
+    fn recoveries(&self, robot: usize) -> u32 {
+        self.navigator.recoveries(robot)
+    }
+
+    fn path(&self, robot: usize) -> &[DVec2] {
+        self.navigator.path(robot)
+    }
+}
+
+impl Memory {
+    fn remember(&mut self, place: DVec2, deviation: f64) {
+        let far = |last: &(DVec2, f64)| last.0.distance(place) >= APART;
+        if deviation.is_finite() && self.places.last().is_none_or(far) {
+            if self.places.len() >= PLACES {
+                let mut keep = false;
+                self.places.retain(|_| {
+                    keep = !keep;
+                    keep
+                });
+            }
+            self.places.push((place, deviation));
+        }
+    }
+
+    /// The last place at which the robot was at most half as unsure, or else its first.
+    fn surest(&self, deviation: f64) -> Option<DVec2> {
+        let sure = self.places.iter().rev().find(|(_, then)| *then <= SURE * deviation);
+        sure.or(self.places.first()).map(|(place, _)| *place)
+    }
+}

@@ -1,0 +1,133 @@
+//! Hallways first, rooms later, with a delay of reaction: what the operators of Zwennes (2011)
+//! described.
+
+use std::collections::VecDeque;
+
+use envgen::geometry::{unit_vector, wrap_angle};
+use glam::DVec2;
+
+use super::costmap::{Class, Node};
+use super::navigator::{Navigator, Planning, pose_of};
+use super::{Decision, Operator, View};
+use crate::body::{Command, TICK};
+use crate::map::Estimate;
+
+/// Seconds from seeing to doing.
+const DELAY: f64 = 0.25;
+
+/// Cruising speed in m/s: slower than that of a program that reacts at once.
+const CRUISE: f64 = 0.4;
+
+/// Seconds after which a robot in a room thinks of the hallways again.
+const LOOK_AGAIN: f64 = 10.0;
+
+/// Hallways first, rooms later.
+///
+/// A hallway is where the robot gets from its start without passing a gap narrower than 1.1 m, as
+/// the map shows it; rooms lie behind such gaps.
+#[derive(Debug)]
+pub(super) struct Corridors {
+    navigator: Navigator,
+    /// A place in a hallway, and when to look for frontiers from there again.
+    homes: Vec<Option<(DVec2, f64)>>,
+    /// Commands that are decided and not yet carried out, robot by robot.
+    pending: Vec<VecDeque<(f64, Command)>>,
+    carried_out: Vec<Command>,
+    estimates: Vec<Estimate>,
+}
+
+impl Corridors {
+    pub(super) fn new(mut navigator: Navigator, robots: usize) -> Self {
+        navigator.cruise = CRUISE;
+        Corridors {
+            navigator,
+            homes: vec![None; robots],
+            pending: vec![VecDeque::new(); robots],
+            carried_out: vec![Command::STOP; robots],
+            estimates: Vec::new(),
+        }
+    }
+
+    /// Where the robot will be when what is decided now is done: operators know what they have
+    /// just asked for.
+    fn foresee(&mut self, view: &View<'_>) {
+        self.estimates.clear();
+        self.estimates.extend_from_slice(view.estimates);
+        let Some(pose) = self.estimates.get_mut(view.robot).map(|estimate| &mut estimate.pose)
+        else {
+            return;
+        };
+        for (_, command) in &self.pending[view.robot] {
+            let time = 2.0 * TICK;
+            pose.heading = wrap_angle(pose.heading + command.turn_rate * time);
+            pose.position += unit_vector(pose.heading) * (command.speed * time);
+        }
+    }
+}
+
+impl Operator for Corridors {
+    fn decide(&mut self, view: &View<'_>) -> Decision {
+        let robot = view.robot;
+        let (Some(pose), true) = (pose_of(view), robot < self.homes.len()) else {
+            return Decision::Drive(Command::STOP);
+        };
+        self.foresee(view);
+        let Corridors { navigator, homes, pending, carried_out, estimates } = self;
+        let (home, next_look) = homes[robot].get_or_insert((pose.position, 0.0));
+        let view = View { estimates: &*estimates, ..*view };
+        let decision =
+            navigator.explore(&view, |planning| choose(planning, view.time, home, next_look));
+        let Decision::Drive(command) = decision else { return decision };
+        let pending = &mut pending[robot];
+        pending.push_back((view.time, command));
+        // A tolerance below a tick, since times are sums of ticks.
+        while pending.front().is_some_and(|(then, _)| view.time - then >= DELAY - 1e-6) {
+            if let Some((_, command)) = pending.pop_front() {
+                carried_out[robot] = command;
+            }
+        }
+        Decision::Drive(carried_out[robot])
+    }
+
+    fn recoveries(&self, robot: usize) -> u32 {
+        self.navigator.recoveries(robot)
+    }
+
+    fn path(&self, robot: usize) -> &[DVec2] {
+        self.navigator.path(robot)
+    }
+}
+
+/// The nearest goal in a hallway, or else the nearest one. `home` is a place in a hallway, and
+/// follows the robot while it is in one; `next_look` is when to look from there again.
+fn choose(
+    planning: &mut Planning<'_>,
+    time: f64,
+    home: &mut DVec2,
+    next_look: &mut f64,
+) -> Option<Node> {
+    let here = planning.pose.position;
+    let Planning { costmap, frontiers, search, limit, .. } = planning;
+    let (limit, goal) = (*limit, |node, _| frontiers.cluster_at(node).is_some());
+    search.set_limit(Class::Near);
+    if here.distance(*home) < 0.5 || search.to(costmap, here, &[], *home).is_some() {
+        *home = here;
+        let node = search.nearest(costmap, here, planning.blocks, goal);
+        if node.is_some() {
+            search.set_limit(limit);
+            return node;
+        }
+    } else if time >= *next_look {
+        let cluster =
+            search.nearest(costmap, *home, &[], goal).and_then(|node| frontiers.cluster_at(node));
+        search.set_limit(limit);
+        if let Some(cluster) = cluster
+            && let Some(node) = planning.nearest_of(|other| other == cluster)
+        {
+            return Some(node);
+        }
+        *next_look = time + LOOK_AGAIN;
+    }
+    planning.search.set_limit(limit);
+    planning.nearest()
+}

@@ -1,0 +1,577 @@
+//! What an operator derives from the map: where the robot's middle may be, what it costs to be
+//! there, and where the known world ends. Only tiles that changed are derived again.
+
+use glam::{DVec2, IVec2};
+
+use crate::map::{Cell, CellIndex, DECIDED, OccupancyMap, RESOLUTION, TILE};
+
+/// Planning cells along a side of a tile of the map: each holds 2 x 2 cells of the map.
+pub const CELLS: i32 = TILE / 2;
+
+/// Side of a planning cell in metres.
+pub const SIDE: f64 = 2.0 * RESOLUTION;
+
+/// Planning cells in a tile.
+pub(super) const NODES: usize = (CELLS * CELLS) as usize;
+
+/// Squared distances in cells of the map up to which something occupied counts: 0.31 and 0.36 m,
+/// where the robot's middle may not be, and 0.45, 0.55 and 0.75 m, where it had better not be.
+const REACHES: [i32; 5] = [38, 51, 81, 121, 225];
+
+/// The farthest of [`REACHES`] in cells.
+const MARGIN: i32 = 15;
+
+/// How far a row of a disc reaches to either side, by level and row; -1 outside of the disc.
+const HALF_WIDTHS: [[i8; MARGIN as usize + 1]; REACHES.len()] = half_widths();
+
+/// A tile that is not there.
+const NONE: u32 = u32::MAX;
+
+/// No way at all, beside the eight of [`STEPS`].
+const HERE: usize = STEPS.len();
+
+/// The eight ways from a cell to its neighbours, counter-clockwise from +x; the odd ones are
+/// diagonal.
+pub(super) const STEPS: [IVec2; 8] = [
+    IVec2::new(1, 0),
+    IVec2::new(1, 1),
+    IVec2::new(0, 1),
+    IVec2::new(-1, 1),
+    IVec2::new(-1, 0),
+    IVec2::new(-1, -1),
+    IVec2::new(0, -1),
+    IVec2::new(1, -1),
+];
+
+/// What a planning cell is for the robot's middle.
+///
+/// A planning cell is as good as the best of its four cells of the map, so that the coarser grid
+/// closes no gap that is open on the map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Class {
+    /// Free, and nothing known within 0.75 m.
+    Open,
+    /// Free, and something within 0.75 m.
+    Near,
+    /// Free, and something within 0.55 m.
+    Close,
+    /// Free, and something within 0.45 m.
+    Tight,
+    /// Free, and something within 0.36 m: where cells of the map are a little off, the body may fit.
+    Squeeze,
+    /// Nothing stands here, but the body would touch something.
+    Inflated,
+    /// Nothing is known.
+    Unknown,
+    /// Something stands here.
+    Occupied,
+}
+
+impl Class {
+    /// Whether a plan may lead through the cell.
+    pub fn is_passable(self) -> bool {
+        self <= Class::Tight
+    }
+
+    fn of(bits: u8) -> Class {
+        match bits & 7 {
+            0 => Class::Open,
+            1 => Class::Near,
+            2 => Class::Close,
+            3 => Class::Tight,
+            4 => Class::Squeeze,
+            5 => Class::Inflated,
+            6 => Class::Unknown,
+            _ => Class::Occupied,
+        }
+    }
+}
+
+/// One planning cell: 256 to a tile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Node(pub(super) u32);
+
+impl Node {
+    pub(super) fn slot(self) -> usize {
+        self.0 as usize / NODES
+    }
+
+    fn cell(self) -> IVec2 {
+        let cell = (self.0 % NODES as u32) as i32;
+        IVec2::new(cell % CELLS, cell / CELLS)
+    }
+
+    fn at(slot: usize, cell: IVec2) -> Node {
+        Node(slot as u32 * NODES as u32 + (cell.y * CELLS + cell.x) as u32)
+    }
+}
+
+/// Classes of planning cells and frontier cells, tile by tile as the map has them.
+#[derive(Clone, Debug, Default)]
+pub struct Costmap {
+    revision: u64,
+    table: Table,
+    tiles: Vec<Tile>,
+    /// Class in the low three bits and the best of the four cells in the high four, node by node.
+    classes: Vec<u8>,
+    /// Tiles whose frontier is to be derived again.
+    stale: Vec<u32>,
+}
+
+#[derive(Clone, Debug)]
+struct Tile {
+    at: IVec2,
+    /// Slots of the tiles around, in the order of [`STEPS`].
+    around: [u32; 8],
+    /// A bit for each occupied cell, column 0 lowest, row by row from below.
+    occupied: Bits,
+    free: Bits,
+    frontier: Bits,
+    stale_classes: bool,
+    stale_frontier: bool,
+}
+
+pub(super) type Bits = [u32; TILE as usize];
+
+impl Costmap {
+    /// A costmap of which nothing is known.
+    pub fn new() -> Self {
+        Costmap::default()
+    }
+
+    /// Takes over what has changed in the map; the same map each time.
+    pub fn refresh(&mut self, map: &OccupancyMap) {
+        if map.revision() == self.revision {
+            return;
+        }
+        let since = std::mem::replace(&mut self.revision, map.revision());
+        // A map that is drawn anew drops its tiles without a word.
+        for slot in 0..self.tiles.len() {
+            let at = self.tiles[slot].at;
+            if map.tile(at.x, at.y).is_none() {
+                self.write(slot, [0; TILE as usize], [0; TILE as usize]);
+            }
+        }
+        for (col, row) in map.changed_since(since) {
+            if let Some(cells) = map.tile(col, row) {
+                let slot = self.slot_or_new(IVec2::new(col, row));
+                let (occupied, free) = bits(cells);
+                self.write(slot, occupied, free);
+            }
+        }
+        while let Some(slot) = self.stale.pop() {
+            self.derive_frontier(slot as usize);
+        }
+    }
+
+    /// What the planning cell that holds a point is for the robot's middle.
+    pub fn class_at(&mut self, p: DVec2) -> Class {
+        self.node_at(p).map_or(Class::Unknown, |node| self.class(node))
+    }
+
+    /// What a cell of the map is taken for, as of the last refresh.
+    pub fn cell(&self, index: CellIndex) -> Cell {
+        let side = IVec2::splat(TILE);
+        let index = IVec2::new(index.col, index.row);
+        let Some(slot) = self.table.get(index.div_euclid(side)) else { return Cell::Unknown };
+        let cell = index.rem_euclid(side);
+        let tile = &self.tiles[slot as usize];
+        if tile.occupied[cell.y as usize] >> cell.x & 1 == 1 {
+            Cell::Occupied
+        } else if tile.free[cell.y as usize] >> cell.x & 1 == 1 {
+            Cell::Free
+        } else {
+            Cell::Unknown
+        }
+    }
+
+    /// Whether a cell of the map is free and has an unknown one beside, below or above it.
+    pub fn is_frontier(&self, index: CellIndex) -> bool {
+        let side = IVec2::splat(TILE);
+        let index = IVec2::new(index.col, index.row);
+        let cell = index.rem_euclid(side);
+        self.table
+            .get(index.div_euclid(side))
+            .is_some_and(|slot| self.frontier(slot as usize)[cell.y as usize] >> cell.x & 1 == 1)
+    }
+
+    /// Number of frontier cells.
+    pub fn frontier_len(&self) -> usize {
+        let ones = |tile: &Tile| tile.frontier.iter().map(|row| row.count_ones()).sum::<u32>();
+        self.tiles.iter().map(|tile| ones(tile) as usize).sum()
+    }
+
+    /// Derives everything that is still to be derived: for benchmarks and tests, since whoever asks
+    /// for a class has its tile derived then.
+    pub fn derive_all(&mut self) {
+        for slot in 0..self.tiles.len() {
+            self.derive_classes(slot);
+        }
+    }
+
+    /// The planning cell that holds a point; `None` where the map has no tile.
+    pub fn node_at(&self, p: DVec2) -> Option<Node> {
+        let cell = cell_of(p);
+        let side = IVec2::splat(CELLS);
+        let slot = self.table.get(cell.div_euclid(side))?;
+        Some(Node::at(slot as usize, cell.rem_euclid(side)))
+    }
+
+    /// The neighbour of a node in one of [`STEPS`].
+    #[inline]
+    pub(super) fn step(&self, node: Node, way: usize) -> Option<Node> {
+        let cell = node.cell() + STEPS[way];
+        let inside = |v: i32| (0..CELLS).contains(&v);
+        if inside(cell.x) && inside(cell.y) {
+            return Some(Node::at(node.slot(), cell));
+        }
+        let over = IVec2::new(cell.x.div_euclid(CELLS), cell.y.div_euclid(CELLS));
+        let slot = self.tiles[node.slot()].around[direction(over)];
+        (slot != NONE).then(|| Node::at(slot as usize, cell.rem_euclid(IVec2::splat(CELLS))))
+    }
+
+    /// Column and row of a node.
+    #[inline]
+    pub(super) fn place(&self, node: Node) -> IVec2 {
+        self.tiles[node.slot()].at * CELLS + node.cell()
+    }
+
+    /// A node's class, derived now if it must be.
+    pub(super) fn class(&mut self, node: Node) -> Class {
+        self.derive_classes(node.slot());
+        self.derived_class(node)
+    }
+
+    /// A node's class in a tile that is derived.
+    #[inline]
+    pub(super) fn derived_class(&self, node: Node) -> Class {
+        Class::of(self.classes[node.0 as usize])
+    }
+
+    /// The point of a node to drive through: the middle of the best of its four cells.
+    pub(super) fn point(&self, node: Node) -> DVec2 {
+        let low = self.place(node).as_dvec2() * SIDE;
+        let best = self.classes[node.0 as usize] >> 4;
+        let mut sum = DVec2::ZERO;
+        let mut count = 0.0;
+        for cell in 0..4 {
+            if best >> cell & 1 == 1 {
+                sum += DVec2::new(f64::from(cell & 1), f64::from(cell >> 1)) + 0.5;
+                count += 1.0;
+            }
+        }
+        low + if count > 0.0 { sum / count * RESOLUTION } else { DVec2::splat(RESOLUTION) }
+    }
+
+    /// Number of tiles.
+    pub(super) fn tiles(&self) -> usize {
+        self.tiles.len()
+    }
+
+    /// A tile's frontier cells.
+    pub(super) fn frontier(&self, slot: usize) -> &Bits {
+        &self.tiles[slot].frontier
+    }
+
+    /// The slot of a tile's neighbour in one of [`STEPS`].
+    pub(super) fn beside(&self, slot: usize, way: usize) -> Option<usize> {
+        let slot = self.tiles[slot].around[way];
+        (slot != NONE).then_some(slot as usize)
+    }
+
+    /// Column and row of a tile.
+    pub(super) fn tile_at(&self, slot: usize) -> IVec2 {
+        self.tiles[slot].at
+    }
+
+    fn slot_or_new(&mut self, at: IVec2) -> usize {
+        if let Some(slot) = self.table.get(at) {
+            return slot as usize;
+        }
+        let slot = self.tiles.len() as u32;
+        self.table.set(at, slot);
+        let around = STEPS.map(|step| self.table.get(at + step).unwrap_or(NONE));
+        for (way, &other) in around.iter().enumerate() {
+            if other != NONE {
+                self.tiles[other as usize].around[(way + 4) % 8] = slot;
+            }
+        }
+        let empty = [0; TILE as usize];
+        self.tiles.push(Tile {
+            at,
+            around,
+            occupied: empty,
+            free: empty,
+            frontier: empty,
+            stale_classes: true,
+            stale_frontier: false,
+        });
+        self.classes.resize(self.classes.len() + NODES, Class::Unknown as u8);
+        slot as usize
+    }
+
+    /// Sets a tile's cells, and marks what depends on those that changed.
+    fn write(&mut self, slot: usize, occupied: Bits, free: Bits) {
+        let tile = &mut self.tiles[slot];
+        let (mut rows, mut cols) = (0_u32, 0_u32);
+        let (mut known_rows, mut known_cols) = (0_u32, 0_u32);
+        for row in 0..TILE as usize {
+            let changed = tile.occupied[row] ^ occupied[row];
+            rows |= u32::from(changed != 0) << row;
+            cols |= changed;
+            let changed = changed | (tile.free[row] ^ free[row]);
+            known_rows |= u32::from(changed != 0) << row;
+            known_cols |= changed;
+        }
+        if known_rows == 0 {
+            return;
+        }
+        (tile.occupied, tile.free) = (occupied, free);
+        tile.stale_classes = true;
+        let around = tile.around;
+        self.mark_frontier(slot as u32);
+        // What changed counts in the tiles around that are within a margin of it.
+        let reaches = |changed: u32, step: i32, margin: i32| match step {
+            1 => changed >> (TILE - margin) != 0,
+            -1 => changed << (TILE - margin) != 0,
+            _ => changed != 0,
+        };
+        for (way, step) in STEPS.into_iter().enumerate() {
+            if around[way] == NONE {
+                continue;
+            }
+            if reaches(known_cols, step.x, 3) && reaches(known_rows, step.y, 3) {
+                self.mark_frontier(around[way]);
+            }
+            if reaches(cols, step.x, MARGIN) && reaches(rows, step.y, MARGIN) {
+                self.tiles[around[way] as usize].stale_classes = true;
+            }
+        }
+    }
+
+    fn mark_frontier(&mut self, slot: u32) {
+        let tile = &mut self.tiles[slot as usize];
+        if !tile.stale_frontier {
+            tile.stale_frontier = true;
+            self.stale.push(slot);
+        }
+    }
+
+    /// Finds the free cells beside what is unknown. Where less than 3 x 3 cells are unknown together
+    /// nothing is to be discovered: walls that are seen at a small angle have such gaps.
+    fn derive_frontier(&mut self, slot: usize) {
+        const ROWS: usize = TILE as usize + 6;
+        let wide = |bits: u64| (bits & bits << 1 & bits >> 1, bits | bits << 1 | bits >> 1);
+        // From three rows below the tile to three above it.
+        let unknown: [u64; ROWS] = std::array::from_fn(|row| {
+            self.wide_row(slot, row as i32 - 3, u32::MAX, |tile, row| {
+                !(tile.free[row] | tile.occupied[row])
+            })
+        });
+        let three = |rows: &[u64; ROWS], row: usize| {
+            [row.saturating_sub(1), row, (row + 1).min(ROWS - 1)].map(|row| rows[row])
+        };
+        let core = std::array::from_fn(|row| {
+            three(&unknown, row).map(|bits| wide(bits).0).into_iter().fold(u64::MAX, |a, b| a & b)
+        });
+        let opened: [u64; ROWS] = std::array::from_fn(|row| {
+            three(&core, row).map(|bits| wide(bits).1).into_iter().fold(0, |a, b| a | b)
+        });
+        let tile = &mut self.tiles[slot];
+        for row in 0..TILE as usize {
+            let [below, here, above] = [row + 2, row + 3, row + 4].map(|row| opened[row]);
+            let beside = (below | above | here << 1 | here >> 1) >> 16;
+            tile.frontier[row] = tile.free[row] & beside as u32;
+        }
+        tile.stale_frontier = false;
+    }
+
+    /// Derives a tile's classes if something has changed.
+    #[inline]
+    pub(super) fn derive_classes(&mut self, slot: usize) {
+        if self.tiles[slot].stale_classes {
+            self.inflate(slot);
+        }
+    }
+
+    /// Spreads what is occupied in and around a tile by discs of all [`REACHES`] at once, a row of
+    /// 64 cells (the tile's and 16 on either side) in one number.
+    fn inflate(&mut self, slot: usize) {
+        let mut near = [[0_u32; TILE as usize]; REACHES.len()];
+        for row in -MARGIN..TILE + MARGIN {
+            let mut bits = self.wide_row(slot, row, 0, |tile, row| tile.occupied[row]);
+            if bits == 0 {
+                continue;
+            }
+            let mut spread = [0_u32; MARGIN as usize + 1];
+            for width in &mut spread {
+                *width = (bits >> 16) as u32;
+                bits |= bits << 1 | bits >> 1;
+            }
+            for (level, near) in near.iter_mut().enumerate() {
+                for (dy, &width) in HALF_WIDTHS[level].iter().enumerate() {
+                    if width < 0 {
+                        break;
+                    }
+                    for target in [row + dy as i32, row - dy as i32] {
+                        if (0..TILE).contains(&target) {
+                            near[target as usize] |= spread[width as usize];
+                        }
+                    }
+                }
+            }
+        }
+        let tile = &mut self.tiles[slot];
+        tile.stale_classes = false;
+        let classes = &mut self.classes[slot * NODES..(slot + 1) * NODES];
+        for row in 0..CELLS as usize {
+            let rows = [2 * row, 2 * row + 1];
+            let free = near.map(|near| rows.map(|row| tile.free[row] & !near[row]));
+            let occupied = rows.map(|row| tile.occupied[row]);
+            let inflated = rows.map(|row| near[0][row] | tile.free[row]);
+            for col in 0..CELLS as usize {
+                let four = |rows: [u32; 2]| {
+                    (rows[0] >> (2 * col) & 3 | (rows[1] >> (2 * col) & 3) << 2) as u8
+                };
+                let class = |class: Class, best: u8| class as u8 | best << 4;
+                classes[row * CELLS as usize + col] = if four(free[0]) == 0 {
+                    if four(occupied) != 0 {
+                        class(Class::Occupied, 0)
+                    } else if four(inflated) != 0 {
+                        class(Class::Inflated, 0)
+                    } else {
+                        class(Class::Unknown, 0)
+                    }
+                } else if four(free[1]) == 0 {
+                    class(Class::Squeeze, four(free[0]))
+                } else if four(free[2]) == 0 {
+                    class(Class::Tight, four(free[1]))
+                } else if four(free[3]) == 0 {
+                    class(Class::Close, four(free[2]))
+                } else if four(free[4]) == 0 {
+                    class(Class::Near, four(free[3]))
+                } else {
+                    class(Class::Open, four(free[4]))
+                };
+            }
+        }
+    }
+
+    /// A row of a tile with 16 columns of the tiles on either side; rows below 0 and over the last
+    /// are those of the tiles below and above.
+    #[inline]
+    fn wide_row(
+        &self,
+        slot: usize,
+        row: i32,
+        missing: u32,
+        of: impl Fn(&Tile, usize) -> u32,
+    ) -> u64 {
+        let tile = &self.tiles[slot];
+        let ways = if row < 0 {
+            [5, 6, 7]
+        } else if row >= TILE {
+            [3, 2, 1]
+        } else {
+            [4, HERE, 0]
+        };
+        let row = row.rem_euclid(TILE) as usize;
+        let [left, middle, right] = ways.map(|way| match tile.around.get(way) {
+            None => of(tile, row),
+            Some(&slot) => self.tiles.get(slot as usize).map_or(missing, |tile| of(tile, row)),
+        });
+        u64::from(left >> 16) | u64::from(middle) << 16 | u64::from(right & 0xffff) << 48
+    }
+}
+
+/// Column and row of the planning cell that holds a point.
+pub(super) fn cell_of(p: DVec2) -> IVec2 {
+    let index = CellIndex::of(p);
+    IVec2::new(index.col.div_euclid(2), index.row.div_euclid(2))
+}
+
+/// The place in [`STEPS`] of one of them.
+fn direction(step: IVec2) -> usize {
+    const PLACES: [[usize; 3]; 3] = [[5, 6, 7], [4, 0, 0], [3, 2, 1]];
+    PLACES[(step.y + 1) as usize][(step.x + 1) as usize]
+}
+
+/// A bit for each occupied and each free cell.
+fn bits(cells: &[i16]) -> (Bits, Bits) {
+    let (mut occupied, mut free) = ([0; TILE as usize], [0; TILE as usize]);
+    for (row, cells) in cells.chunks_exact(TILE as usize).enumerate().take(TILE as usize) {
+        for (byte, cells) in cells.chunks_exact(8).enumerate() {
+            let pack = |is: fn(i16) -> bool| {
+                let mut ones = [0_u8; 8];
+                for (one, &odds) in ones.iter_mut().zip(cells) {
+                    *one = u8::from(is(odds));
+                }
+                // Gathers the lowest bit of each byte into the highest byte.
+                (u64::from_le_bytes(ones).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u32
+            };
+            occupied[row] |= pack(|odds| odds > DECIDED) << (8 * byte);
+            free[row] |= pack(|odds| odds < -DECIDED) << (8 * byte);
+        }
+    }
+    (occupied, free)
+}
+
+const fn half_widths() -> [[i8; MARGIN as usize + 1]; REACHES.len()] {
+    let mut widths = [[-1; MARGIN as usize + 1]; REACHES.len()];
+    let mut level = 0;
+    while level < REACHES.len() {
+        let mut dy = 0;
+        while dy <= MARGIN {
+            let mut width = -1;
+            while (width + 1) * (width + 1) + dy * dy <= REACHES[level] {
+                width += 1;
+            }
+            widths[level][dy as usize] = width as i8;
+            dy += 1;
+        }
+        level += 1;
+    }
+    widths
+}
+
+/// Slots of tiles by column and row.
+#[derive(Clone, Debug, Default)]
+struct Table {
+    corner: IVec2,
+    size: IVec2,
+    slots: Vec<u32>,
+}
+
+impl Table {
+    #[inline]
+    fn get(&self, at: IVec2) -> Option<u32> {
+        let place = at.wrapping_sub(self.corner);
+        if place.x < 0 || place.y < 0 || place.x >= self.size.x || place.y >= self.size.y {
+            return None;
+        }
+        let slot = self.slots[place.y as usize * self.size.x as usize + place.x as usize];
+        (slot != NONE).then_some(slot)
+    }
+
+    /// As large as the map's own table, which is bounded.
+    fn set(&mut self, at: IVec2, slot: u32) {
+        let empty = self.slots.is_empty();
+        let low = if empty { at } else { self.corner.min(at) };
+        let high = if empty { at } else { (self.corner + self.size - 1).max(at) };
+        let size = high - low + 1;
+        if (low, size) != (self.corner, self.size) {
+            let mut slots = vec![NONE; size.x as usize * size.y as usize];
+            let shift = self.corner - low;
+            for row in 0..self.size.y {
+                let from = row as usize * self.size.x as usize;
+                let to = (row + shift.y) as usize * size.x as usize + shift.x as usize;
+                let len = self.size.x as usize;
+                slots[to..to + len].copy_from_slice(&self.slots[from..from + len]);
+            }
+            (self.corner, self.size, self.slots) = (low, size, slots);
+        }
+        let place = at - self.corner;
+        self.slots[place.y as usize * self.size.x as usize + place.x as usize] = slot;
+    }
+}

@@ -1,0 +1,257 @@
+//! Frontiers: where the known world ends (Yamauchi, A frontier-based approach for autonomous
+//! exploration, 1997).
+
+use std::ops::Range;
+
+use glam::{DVec2, IVec2};
+
+use super::costmap::{Bits, Costmap, NODES, Node, SIDE, STEPS, cell_of};
+use crate::map::{Cell, CellIndex, RESOLUTION, TILE};
+
+/// Frontier cells that make a cluster worth a visit: 0.5 m.
+pub const LEAST_CELLS: usize = 10;
+
+/// How near in metres a robot's middle has to come to a frontier that it cannot stand on.
+const VIEWPOINT: f64 = 0.6;
+
+/// Cells of the map along a side of a block. The last rays of a scan lie some cells apart, and so do
+/// the cells where they end: blocks that touch hang together.
+const BLOCK: i32 = 4;
+
+/// Blocks along a side of a tile.
+const BLOCKS: i32 = TILE / BLOCK;
+
+/// Frontier cells that hang together, with at most 0.2 m from one to the next in either direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cluster {
+    cells: Range<usize>,
+}
+
+/// The clusters of frontier cells, and the planning cells to visit them from.
+#[derive(Clone, Debug, Default)]
+pub struct Frontiers {
+    /// Cells of all clusters, one cluster after the other.
+    cells: Vec<CellIndex>,
+    clusters: Vec<Cluster>,
+    /// Blocks that are still to be taken into a cluster, tile by tile.
+    pending: Vec<u64>,
+    open: Vec<(usize, IVec2)>,
+    /// Number of the cluster plus one that a planning cell is a goal of, 0 for none.
+    labels: Vec<u32>,
+    labelled: Vec<Node>,
+}
+
+impl Frontiers {
+    /// No frontiers.
+    pub fn new() -> Self {
+        Frontiers::default()
+    }
+
+    /// Gathers the frontier cells of a costmap into clusters, and finds the goals: of each cluster
+    /// its own cells that the robot fits into or, when it fits into none, cells nearby that see one.
+    /// Frontier cells that `skip` names are no goals.
+    pub fn gather(&mut self, costmap: &mut Costmap, skip: impl Fn(DVec2) -> bool) {
+        self.cluster(costmap);
+        for node in self.labelled.drain(..) {
+            if let Some(label) = self.labels.get_mut(node.0 as usize) {
+                *label = 0;
+            }
+        }
+        self.labels.resize(costmap.tiles() * NODES, 0);
+        for number in 0..self.clusters.len() {
+            let cells = self.clusters[number].cells.clone();
+            let mut fits = false;
+            for cell in cells.clone() {
+                let p = self.cells[cell].centre();
+                if let Some(node) = costmap.node_at(p)
+                    && costmap.class(node).is_passable()
+                {
+                    fits = true;
+                    if !skip(p) {
+                        self.label(node, number);
+                    }
+                }
+            }
+            if !fits && cells.len() >= 2 * LEAST_CELLS {
+                for cell in cells.step_by(LEAST_CELLS / 2) {
+                    let index = self.cells[cell];
+                    if !skip(index.centre()) {
+                        self.label_viewpoints(costmap, index, number);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Number of clusters.
+    pub fn len(&self) -> usize {
+        self.clusters.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.clusters.is_empty()
+    }
+
+    /// Number of planning cells that are goals.
+    pub fn goals(&self) -> usize {
+        self.labelled.len()
+    }
+
+    /// The cluster that a node is a goal of.
+    #[inline]
+    pub fn cluster_at(&self, node: Node) -> Option<usize> {
+        self.labels
+            .get(node.0 as usize)
+            .and_then(|label| label.checked_sub(1))
+            .map(|number| number as usize)
+    }
+
+    /// The cells of a cluster.
+    pub fn cells(&self, cluster: usize) -> &[CellIndex] {
+        &self.cells[self.clusters[cluster].cells.clone()]
+    }
+
+    /// The cell of a cluster that is nearest to a point.
+    pub fn nearest_cell(&self, cluster: usize, p: DVec2) -> Option<CellIndex> {
+        let far = |cell: &&CellIndex| cell.centre().distance_squared(p);
+        self.cells(cluster).iter().min_by(|a, b| far(a).total_cmp(&far(b))).copied()
+    }
+
+    fn label(&mut self, node: Node, cluster: usize) {
+        let label = &mut self.labels[node.0 as usize];
+        if *label == 0 {
+            *label = cluster as u32 + 1;
+            self.labelled.push(node);
+        }
+    }
+
+    fn label_viewpoints(&mut self, costmap: &mut Costmap, cell: CellIndex, cluster: usize) {
+        let reach = (VIEWPOINT / SIDE) as i32;
+        let frontier = cell.centre();
+        let middle = cell_of(frontier);
+        for dy in -reach..=reach {
+            for dx in -reach..=reach {
+                let p = ((middle + IVec2::new(dx, dy)).as_dvec2() + 0.5) * SIDE;
+                if p.distance_squared(frontier) > VIEWPOINT * VIEWPOINT {
+                    continue;
+                }
+                if let Some(node) = costmap.node_at(p)
+                    && costmap.class(node).is_passable()
+                    && sees(costmap, costmap.point(node), frontier)
+                {
+                    self.label(node, cluster);
+                }
+            }
+        }
+    }
+
+    fn cluster(&mut self, costmap: &Costmap) {
+        self.cells.clear();
+        self.clusters.clear();
+        self.pending.clear();
+        self.pending.extend((0..costmap.tiles()).map(|slot| blocks(costmap.frontier(slot))));
+        for slot in 0..costmap.tiles() {
+            while self.pending[slot] != 0 {
+                let block = self.pending[slot].trailing_zeros() as i32;
+                self.flood(costmap, slot, IVec2::new(block % BLOCKS, block / BLOCKS));
+            }
+        }
+    }
+
+    /// Takes a block and all that hang together with it into a new cluster.
+    fn flood(&mut self, costmap: &Costmap, slot: usize, block: IVec2) {
+        let first = self.cells.len();
+        self.pending[slot] &= !(1 << (block.y * BLOCKS + block.x));
+        self.open.push((slot, block));
+        while let Some((slot, block)) = self.open.pop() {
+            let corner = costmap.tile_at(slot) * TILE;
+            for row in block.y * BLOCK..(block.y + 1) * BLOCK {
+                let bits = costmap.frontier(slot)[row as usize];
+                let cols = block.x * BLOCK..(block.x + 1) * BLOCK;
+                let cells = cols.filter(|col| bits >> col & 1 == 1);
+                let index = |col| CellIndex { col: corner.x + col, row: corner.y + row };
+                self.cells.extend(cells.map(index));
+            }
+            for step in STEPS {
+                let next = block + step;
+                let over = next.div_euclid(IVec2::splat(BLOCKS));
+                let slot = match STEPS.iter().position(|&step| step == over) {
+                    None => slot,
+                    Some(way) => match costmap.beside(slot, way) {
+                        Some(slot) => slot,
+                        None => continue,
+                    },
+                };
+                let next = next.rem_euclid(IVec2::splat(BLOCKS));
+                let bit = 1 << (next.y * BLOCKS + next.x);
+                if self.pending[slot] & bit != 0 {
+                    self.pending[slot] &= !bit;
+                    self.open.push((slot, next));
+                }
+            }
+        }
+        if self.cells.len() - first < LEAST_CELLS {
+            self.cells.truncate(first);
+        } else {
+            self.clusters.push(Cluster { cells: first..self.cells.len() });
+        }
+    }
+}
+
+/// A bit for each block of a tile that holds a frontier cell, row by row from below.
+fn blocks(frontier: &Bits) -> u64 {
+    let mut blocks = 0;
+    for (row, rows) in frontier.chunks_exact(BLOCK as usize).enumerate() {
+        let any = rows.iter().fold(0, |any, row| any | row);
+        let any = (any | any >> 1 | any >> 2 | any >> 3) & 0x1111_1111;
+        let gathered = (0..BLOCKS).fold(0, |bits, col| bits | (any >> (3 * col)) & (1 << col));
+        blocks |= u64::from(gathered) << (row * BLOCKS as usize);
+    }
+    blocks
+}
+
+/// Whether nothing occupied is known between two points.
+pub(super) fn sees(costmap: &Costmap, from: DVec2, to: DVec2) -> bool {
+    let way = to - from;
+    let steps = (way.length() / (0.8 * RESOLUTION)).ceil().clamp(1.0, 1e4);
+    (0..steps as usize).all(|step| {
+        let p = from + way * (step as f64 / steps);
+        costmap.cell(CellIndex::of(p)) != Cell::Occupied
+    })
+}
+
+/// Whether a frontier cell is left within a distance in metres of a point.
+pub(super) fn is_left(costmap: &Costmap, p: DVec2, within: f64) -> bool {
+    let middle = CellIndex::of(p);
+    let reach = (within / RESOLUTION) as i32;
+    (-reach..=reach).any(|dy| {
+        (-reach..=reach).any(|dx| {
+            let cell = CellIndex {
+                col: middle.col.saturating_add(dx),
+                row: middle.row.saturating_add(dy),
+            };
+            dx * dx + dy * dy <= reach * reach && costmap.is_frontier(cell)
+        })
+    })
+}
+
+/// The way from a point to the middle of what is unknown around another; `None` when all is known.
+pub(super) fn unknown_from(costmap: &Costmap, p: DVec2, around: DVec2) -> Option<DVec2> {
+    const REACH: i32 = 10;
+    let middle = CellIndex::of(around);
+    let (mut sum, mut count) = (DVec2::ZERO, 0.0);
+    for dy in -REACH..=REACH {
+        for dx in -REACH..=REACH {
+            let cell = CellIndex {
+                col: middle.col.saturating_add(dx),
+                row: middle.row.saturating_add(dy),
+            };
+            if costmap.cell(cell) == Cell::Unknown {
+                sum += cell.centre();
+                count += 1.0;
+            }
+        }
+    }
+    (count > 0.0).then(|| sum / count - p)
+}

@@ -1,0 +1,112 @@
+//! Goes where most unknown space is seen for the way (Gonzalez-Banos and Latombe, Navigation
+//! strategies for exploring indoor environments, 2002).
+
+use std::f64::consts::TAU;
+
+use envgen::geometry::unit_vector;
+use glam::DVec2;
+
+use super::costmap::{Costmap, Node, SIDE};
+use super::navigator::{Navigator, Planning};
+use super::search::METRE;
+use super::{Decision, Operator, View};
+use crate::map::{Cell, CellIndex};
+
+/// Rays that look for unknown space around a goal.
+const RAYS: u32 = 32;
+
+/// Metres of unknown space that a ray is trusted to see into.
+const DEPTH: f64 = 3.0;
+
+/// Metres that are added to every way, so that what is near does not always win.
+const HANDICAP: f64 = 2.0;
+
+/// Goals that are weighed against each other, and the metres beyond the way to the nearest one up to
+/// which they are.
+const CANDIDATES: usize = 16;
+const FARTHER: f64 = 15.0;
+
+/// Goes where most unknown space is seen for the way.
+#[derive(Debug)]
+pub(super) struct InfoGain {
+    navigator: Navigator,
+    rays: Vec<DVec2>,
+    seen: Vec<bool>,
+    candidates: Vec<(Node, u32)>,
+}
+
+impl InfoGain {
+    pub(super) fn new(navigator: Navigator) -> Self {
+        let rays = (0..RAYS).map(|ray| unit_vector(TAU * f64::from(ray) / f64::from(RAYS)));
+        InfoGain { navigator, rays: rays.collect(), seen: Vec::new(), candidates: Vec::new() }
+    }
+}
+
+impl Operator for InfoGain {
+    fn decide(&mut self, view: &View<'_>) -> Decision {
+        let InfoGain { navigator, rays, seen, candidates } = self;
+        let range = view.laser.max_range.clamp(0.0, 10.0);
+        navigator.explore(view, |planning| {
+            collect(planning, seen, candidates);
+            let costmap = &*planning.costmap;
+            let worth = |&(node, cost): &(Node, u32)| {
+                let gain = unknown_area(costmap, costmap.point(node), rays, range);
+                gain / (f64::from(cost) / f64::from(METRE) + HANDICAP)
+            };
+            let worths = candidates.iter().map(|candidate| (candidate.0, worth(candidate)));
+            // Of equals the nearest: the first.
+            let best = worths.reduce(|a, b| if b.1 > a.1 { b } else { a })?;
+            Some(best.0)
+        })
+    }
+
+    fn recoveries(&self, robot: usize) -> u32 {
+        self.navigator.recoveries(robot)
+    }
+
+    fn path(&self, robot: usize) -> &[DVec2] {
+        self.navigator.path(robot)
+    }
+}
+
+/// The nearest goal of each of the nearest clusters, with the cost of the way.
+fn collect(planning: &mut Planning<'_>, seen: &mut Vec<bool>, candidates: &mut Vec<(Node, u32)>) {
+    let Planning { costmap, frontiers, search, pose, blocks, .. } = planning;
+    seen.clear();
+    seen.resize(frontiers.len(), false);
+    candidates.clear();
+    let mut farthest = u32::MAX;
+    search.nearest(costmap, pose.position, blocks, |node, cost| {
+        if let Some(cluster) = frontiers.cluster_at(node)
+            && !seen[cluster]
+        {
+            if candidates.is_empty() {
+                farthest = cost.saturating_add((FARTHER * f64::from(METRE)) as u32);
+            }
+            seen[cluster] = true;
+            candidates.push((node, cost));
+        }
+        candidates.len() >= CANDIDATES || cost > farthest
+    });
+}
+
+/// Unknown area in square metres that is likely to be seen from a point.
+fn unknown_area(costmap: &Costmap, from: DVec2, rays: &[DVec2], range: f64) -> f64 {
+    let slice = SIDE * TAU / rays.len().max(1) as f64;
+    let mut area = 0.0;
+    for &ray in rays {
+        let (mut r, mut depth) = (0.5 * SIDE, 0.0);
+        while r < range && depth < DEPTH {
+            match costmap.cell(CellIndex::of(from + ray * r)) {
+                Cell::Occupied => break,
+                Cell::Free => {}
+                Cell::Unknown => {
+                    area += slice * r;
+                    depth += SIDE;
+                }
+            }
+            r += SIDE;
+        }
+    }
+    area
+}

@@ -1,0 +1,104 @@
+//! Operators: who decides where a robot goes next, on the estimated map alone.
+
+mod cautious;
+mod corridors;
+pub mod costmap;
+pub mod frontier;
+mod guard;
+mod info_gain;
+mod navigator;
+mod nearest;
+mod pursuit;
+pub mod search;
+mod wall_follow;
+mod way;
+
+use serde::{Deserialize, Serialize};
+
+use crate::body::Command;
+use crate::lidar::{LaserProfile, Scan};
+use crate::map::{Estimate, OccupancyMap};
+use crate::robot::Robot;
+
+/// What an operator sees when it is asked for one robot's command.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// The robot that is asked for.
+    pub robot: usize,
+    /// Where each robot is thought to be.
+    pub estimates: &'a [Estimate],
+    /// The map so far.
+    pub map: &'a OccupancyMap,
+    /// This robot's last scan, as seen from where its laser was then.
+    pub scan: &'a Scan,
+    /// Whether this robot touches something.
+    pub bumped: bool,
+    /// Simulated seconds since the start.
+    pub time: f64,
+    /// Seconds that this robot's battery still lasts.
+    pub battery: f64,
+    /// Size and limits of the robots.
+    pub body: &'a Robot,
+    /// What their lasers measure.
+    pub laser: &'a LaserProfile,
+}
+
+/// What an operator wants of a robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Decision {
+    /// Carry out this command until asked again.
+    Drive(Command),
+    /// There is nothing left to explore that this robot can reach.
+    Finished,
+    /// The robot cannot get free.
+    Stuck,
+}
+
+/// An operator of one or more robots.
+pub trait Operator {
+    /// What a robot is to do now; asked for every second tick, 10 times a second.
+    fn decide(&mut self, view: &View<'_>) -> Decision;
+
+    /// How often a robot had to be freed so far.
+    fn recoveries(&self, robot: usize) -> u32;
+
+    /// The way that a robot is following, for pictures: points in the map's frame.
+    fn path(&self, robot: usize) -> &[glam::DVec2];
+}
+
+/// The operators that are programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OperatorKind {
+    /// Goes to the nearest frontier.
+    Nearest,
+    /// Goes where most unknown space is seen for the way.
+    InfoGain,
+    /// As `nearest`, but goes back to an old place when its pose is uncertain.
+    Cautious,
+    /// Follows the wall on its right hand.
+    WallFollow,
+    /// Hallways first, rooms later, with a delay of reaction: what the operators of Zwennes (2011)
+    /// described.
+    Corridors,
+}
+
+/// The operator of a kind for so many robots of one sort.
+pub fn build(
+    kind: OperatorKind,
+    robots: usize,
+    robot: &Robot,
+    laser: &LaserProfile,
+) -> Box<dyn Operator + Send> {
+    let navigator = navigator::Navigator::new(robots, robot, laser);
+    match kind {
+        OperatorKind::Nearest => Box::new(nearest::Nearest(navigator)),
+        OperatorKind::InfoGain => Box::new(info_gain::InfoGain::new(navigator)),
+        OperatorKind::Cautious => Box::new(cautious::Cautious::new(navigator, robots)),
+        OperatorKind::WallFollow => Box::new(wall_follow::WallFollow::new(navigator, robots)),
+        OperatorKind::Corridors => Box::new(corridors::Corridors::new(navigator, robots)),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,624 @@
+//! What all operators share: one costmap and one set of frontiers, and a pilot for each robot who
+//! drives it to goals, looks around there and frees it when it is stuck.
+
+use std::collections::VecDeque;
+use std::f64::consts::PI;
+
+use envgen::geometry::{Pose, unit_vector, wrap_angle};
+use glam::DVec2;
+
+use super::costmap::{Class, Costmap, Node, SIDE};
+use super::frontier::{Frontiers, is_left, unknown_from};
+use super::guard::Guard;
+use super::pursuit::{CRUISE, Pursuit, turn};
+use super::search::{Block, METRE, Search};
+use super::way::Way;
+use super::{Decision, View};
+use crate::body::{Command, TICK};
+use crate::lidar::LaserProfile;
+use crate::map::{Cell, CellIndex, RESOLUTION};
+use crate::robot::Robot;
+
+/// Seconds between two looks at what has changed in the map.
+const REFRESH: f64 = 1.0;
+
+/// Distance in metres from its goal at which a robot has arrived.
+const ARRIVED: f64 = 0.25;
+
+/// Metres around a frontier point within which a frontier is still the same one.
+const SAME_FRONTIER: f64 = 0.3;
+
+/// Radius in metres of what a failed goal rules out around it.
+const FAILED: f64 = 0.5;
+
+/// Metres around a robot's middle within which it does not look for frontiers: its own feet.
+const FEET: f64 = 0.4;
+
+/// Metres around another robot's goal that are left to it.
+const TAKEN: f64 = 2.0;
+
+/// Seconds that a robot waits for another one to pass, and seconds between two decisions.
+const PATIENCE: f64 = 4.0;
+const DECISION: f64 = 2.0 * TICK;
+
+/// Metres between the middles of two robots at which one waits for the other.
+const DISTANCE: f64 = 1.4;
+
+/// A robot that moves less than this many metres in so many seconds is stuck.
+const STUCK: (f64, f64) = (0.1, 5.0);
+
+/// What a second of turning on the spot counts of a second without moving.
+const TURNING: f64 = 0.3;
+
+/// This many recoveries within so many seconds, and the robot is given up.
+const HOPELESS: (usize, f64) = (3, 60.0);
+
+/// Seconds for which a place where the robot got stuck is driven around.
+const AVOID: f64 = 90.0;
+
+/// Metres and m/s of backing off.
+const BACK_OFF: (f64, f64) = (0.3, 0.15);
+
+/// Radians to turn in the beginning, with which the laser's field of view of half a circle has seen
+/// all around, and the seconds after which that must do.
+const FULL_TURN: f64 = 1.1 * PI;
+const SURVEY: f64 = 10.0;
+
+/// Seconds that a robot looks at an unknown place before it gives it up: two scans and the map.
+const LOOK: f64 = 0.6;
+
+/// What chooses a goal: everything that is known, and where the robot is.
+pub(super) struct Planning<'a> {
+    pub(super) costmap: &'a mut Costmap,
+    pub(super) frontiers: &'a mut Frontiers,
+    pub(super) search: &'a mut Search,
+    /// Where the robot is.
+    pub(super) pose: Pose,
+    /// What no way may lead through.
+    pub(super) blocks: &'a [Block],
+    /// The worst class that ways may lead through.
+    pub(super) limit: Class,
+}
+
+impl Planning<'_> {
+    /// The nearest goal.
+    pub(super) fn nearest(&mut self) -> Option<Node> {
+        self.nearest_of(|_| true)
+    }
+
+    /// The nearest goal of the clusters that `wanted` names.
+    pub(super) fn nearest_of(&mut self, wanted: impl Fn(usize) -> bool) -> Option<Node> {
+        let Planning { costmap, frontiers, search, pose, blocks, .. } = self;
+        let goal = |node, _| frontiers.cluster_at(node).is_some_and(&wanted);
+        search.nearest(costmap, pose.position, blocks, goal)
+    }
+}
+
+/// What a robot is to do.
+pub(super) enum Aim<'a> {
+    /// Uncover the frontiers that this names.
+    Explore(&'a mut dyn FnMut(&mut Planning<'_>) -> Option<Node>),
+    /// Go to a place.
+    Visit(DVec2),
+}
+
+/// Drives robots to goals.
+#[derive(Debug)]
+pub(super) struct Navigator {
+    pub(super) costmap: Costmap,
+    frontiers: Frontiers,
+    search: Search,
+    pub(super) guard: Guard,
+    pilots: Vec<Pilot>,
+    failures: Vec<Failure>,
+    refreshed: f64,
+    blocks: Vec<Block>,
+    cells: Vec<DVec2>,
+    /// Speed in m/s on open ground.
+    pub(super) cruise: f64,
+}
+
+/// A frontier that could not be uncovered.
+#[derive(Clone, Copy, Debug)]
+struct Failure {
+    at: DVec2,
+    /// Whether it was looked at in vain or has had its second chance.
+    is_final: bool,
+    active: bool,
+}
+
+/// What a navigator knows of one robot.
+#[derive(Debug, Default)]
+struct Pilot {
+    way: Way,
+    pursuit: Pursuit,
+    task: Task,
+    progress: Progress,
+    recovered: VecDeque<f64>,
+    recoveries: u32,
+    avoid: Vec<(f64, Block)>,
+}
+
+/// How long a robot that wants to move has hardly done so.
+#[derive(Clone, Copy, Debug, Default)]
+struct Progress {
+    /// Where it last was somewhere else.
+    at: Option<DVec2>,
+    stalled: f64,
+    time: f64,
+    weight: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+enum Task {
+    /// Look all around: the beginning of every run, in which too little may be known to choose.
+    #[default]
+    Begin,
+    /// The same, from a heading on: how far it has turned.
+    Survey { heading: f64, turned: f64 },
+    /// Choose a goal.
+    Choose,
+    /// Drive to a goal.
+    Go { goal: Goal, deadline: f64, squeezes: bool, waited: f64 },
+    /// Turn to what is unknown around a frontier, and look.
+    Look { frontier: DVec2, heading: f64, until: f64 },
+    /// Back off from where the robot is stuck.
+    BackOff { from: DVec2, until: f64 },
+    /// Turn away from it.
+    TurnAway { heading: f64, until: f64 },
+    /// Nothing is left to do, as of this time.
+    Rest { since: f64 },
+}
+
+/// Where a robot is going.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Goal {
+    /// A frontier cell to uncover.
+    Frontier(DVec2),
+    /// A place.
+    Place(DVec2),
+}
+
+impl Navigator {
+    pub(super) fn new(robots: usize, robot: &Robot, laser: &LaserProfile) -> Self {
+        Navigator {
+            costmap: Costmap::new(),
+            frontiers: Frontiers::new(),
+            search: Search::new(),
+            guard: Guard::new(robot, laser),
+            pilots: (0..robots).map(|_| Pilot::default()).collect(),
+            failures: Vec::new(),
+            refreshed: f64::NEG_INFINITY,
+            blocks: Vec::new(),
+            cells: Vec::new(),
+            cruise: CRUISE,
+        }
+    }
+
+    pub(super) fn recoveries(&self, robot: usize) -> u32 {
+        self.pilots.get(robot).map_or(0, |pilot| pilot.recoveries)
+    }
+
+    pub(super) fn path(&self, robot: usize) -> &[DVec2] {
+        self.pilots.get(robot).map_or(&[], |pilot| pilot.way.points())
+    }
+
+    /// Drives to goals that `choose` names until none is left.
+    pub(super) fn explore(
+        &mut self,
+        view: &View<'_>,
+        mut choose: impl FnMut(&mut Planning<'_>) -> Option<Node>,
+    ) -> Decision {
+        let decision = self.pursue(view, &mut Aim::Explore(&mut choose));
+        decision.unwrap_or(Decision::Finished)
+    }
+
+    /// Drops what a robot is driving to, so that another aim takes effect.
+    pub(super) fn interrupt(&mut self, robot: usize) {
+        if let Some(pilot) = self.pilots.get_mut(robot)
+            && matches!(pilot.task, Task::Go { .. } | Task::Look { .. } | Task::Rest { .. })
+        {
+            pilot.task = Task::Choose;
+        }
+    }
+
+    /// Whether a robot is free to do something else: not in the middle of its first look around or
+    /// of getting free.
+    pub(super) fn is_at_ease(&self, robot: usize) -> bool {
+        self.pilots.get(robot).is_some_and(|pilot| {
+            matches!(pilot.task, Task::Choose | Task::Go { .. } | Task::Rest { .. })
+        })
+    }
+
+    /// Drives on towards an aim; `None` when it is reached or cannot be.
+    pub(super) fn pursue(&mut self, view: &View<'_>, aim: &mut Aim<'_>) -> Option<Decision> {
+        let Some(pose) = pose_of(view) else { return Some(Decision::Drive(Command::STOP)) };
+        if view.robot >= self.pilots.len() {
+            return None;
+        }
+        self.guard.look(view.scan);
+        let renewed = view.time - self.refreshed >= REFRESH;
+        if renewed {
+            self.refresh(view);
+        }
+        // A task may end and another begin in the same moment, but not for ever.
+        for _ in 0..4 {
+            let pilot = &mut self.pilots[view.robot];
+            match pilot.task {
+                Task::Begin => {
+                    pilot.task = Task::Survey { heading: pose.heading, turned: 0.0 };
+                }
+                Task::Survey { heading, turned } => {
+                    let turned = turned + wrap_angle(pose.heading - heading);
+                    let left = FULL_TURN - turned;
+                    if left > 0.1 && view.time < SURVEY {
+                        pilot.task = Task::Survey { heading: pose.heading, turned };
+                        return Some(Decision::Drive(turn(view.body, left)));
+                    }
+                    pilot.task = Task::Choose;
+                }
+                Task::Choose => {
+                    if !self.choose(view, pose, aim) {
+                        self.pilots[view.robot].task = Task::Rest { since: view.time };
+                        return None;
+                    }
+                }
+                Task::Rest { since } => {
+                    if view.time - since < REFRESH {
+                        return None;
+                    }
+                    pilot.task = Task::Choose;
+                }
+                Task::Go { .. } => {
+                    if let Some(decision) = self.go(view, pose, renewed) {
+                        return Some(decision);
+                    }
+                }
+                Task::Look { frontier, heading, until } => {
+                    let off = wrap_angle(heading - pose.heading);
+                    if view.time < until && off.abs() > 0.15 {
+                        return Some(Decision::Drive(turn(view.body, off)));
+                    }
+                    if view.time < until.min(view.time + 1.0) && until - view.time > LOOK {
+                        pilot.task = Task::Look { frontier, heading, until: view.time + LOOK };
+                    }
+                    if view.time < until {
+                        return Some(Decision::Drive(Command::STOP));
+                    }
+                    self.refresh(view);
+                    if is_left(&self.costmap, frontier, SAME_FRONTIER) {
+                        self.failures.push(Failure { at: frontier, is_final: true, active: true });
+                    }
+                    self.pilots[view.robot].task = Task::Choose;
+                }
+                Task::BackOff { from, until } => {
+                    let done = from.distance(pose.position) >= BACK_OFF.0 || view.time >= until;
+                    if !done && !view.bumped && self.is_free_behind(view.body, pose) {
+                        let speed = -BACK_OFF.1;
+                        return Some(Decision::Drive(Command { speed, turn_rate: 0.0 }));
+                    }
+                    let heading = pose.heading + self.open_side();
+                    let pilot = &mut self.pilots[view.robot];
+                    pilot.task = Task::TurnAway { heading, until: view.time + 4.0 };
+                }
+                Task::TurnAway { heading, until } => {
+                    let off = wrap_angle(heading - pose.heading);
+                    if off.abs() > 0.2 && view.time < until {
+                        return Some(Decision::Drive(turn(view.body, off)));
+                    }
+                    self.refresh(view);
+                    self.pilots[view.robot].task = Task::Choose;
+                }
+            }
+        }
+        Some(Decision::Drive(Command::STOP))
+    }
+
+    /// Drives straight to a point nearby, for operators that choose their ways themselves; `None`
+    /// when the robot is stuck there.
+    pub(super) fn steer(&mut self, view: &View<'_>, target: DVec2) -> Option<Decision> {
+        let pose = pose_of(view)?;
+        self.guard.look(view.scan);
+        if view.time - self.refreshed >= REFRESH {
+            self.refresh(view);
+        }
+        let pilot = self.pilots.get_mut(view.robot)?;
+        let waits = other_ahead(view, pose).is_some();
+        if waits || pilot.progress.is_stuck(view.time, pose.position) {
+            pilot.progress = Progress::default();
+            return None;
+        }
+        pilot.way.set(&mut self.costmap, &[pose.position, target]);
+        let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
+        let command =
+            pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, self.cruise);
+        pilot.progress.wants(command, view.time);
+        Some(Decision::Drive(command))
+    }
+
+    /// Takes over what has changed in the map.
+    fn refresh(&mut self, view: &View<'_>) {
+        self.costmap.refresh(view.map);
+        self.refreshed = view.time;
+    }
+
+    /// Drives on; `None` when the task is at its end.
+    fn go(&mut self, view: &View<'_>, pose: Pose, renewed: bool) -> Option<Decision> {
+        let pilot = &mut self.pilots[view.robot];
+        let Task::Go { goal, deadline, squeezes, waited } = pilot.task else { return None };
+        if let Some(ahead) = other_ahead(view, pose) {
+            // Who comes later in the list lets the other pass; after a while both look for
+            // another way, on which the other is an obstacle.
+            if ahead < view.robot && waited < PATIENCE {
+                let waited = waited + DECISION;
+                pilot.task = Task::Go { goal, deadline, squeezes, waited };
+                return Some(Decision::Drive(Command::STOP));
+            }
+            if renewed {
+                pilot.task = Task::Choose;
+                return None;
+            }
+        }
+        if pilot.progress.is_stuck(view.time, pose.position) || view.time > deadline {
+            return self.recover(view, pose, goal, squeezes);
+        }
+        if renewed {
+            let gone = match goal {
+                Goal::Frontier(at) => !is_left(&self.costmap, at, SAME_FRONTIER),
+                Goal::Place(_) => false,
+            };
+            if gone || !pilot.way.is_passable(&mut self.costmap, 5.0) {
+                pilot.task = Task::Choose;
+                return None;
+            }
+        }
+        // Before a wall the robot stands a little earlier.
+        let held_up = pilot.progress.stalled > 1.0;
+        let arrived = if held_up { 2.0 * ARRIVED } else { ARRIVED };
+        let near = pilot.way.end().is_none_or(|end| end.distance(pose.position) < arrived);
+        if near && pilot.way.left() < 2.0 * ARRIVED {
+            pilot.progress = Progress::default();
+            pilot.task = match goal {
+                Goal::Frontier(frontier) => {
+                    let to = unknown_from(&self.costmap, pose.position, frontier);
+                    match to {
+                        Some(to) => Task::Look {
+                            frontier,
+                            heading: libm::atan2(to.y, to.x),
+                            until: view.time + 6.0,
+                        },
+                        None => Task::Choose,
+                    }
+                }
+                Goal::Place(_) => Task::Choose,
+            };
+            return None;
+        }
+        let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
+        let command = pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, CRUISE);
+        pilot.progress.wants(command, view.time);
+        Some(Decision::Drive(command))
+    }
+
+    /// Chooses a goal and plans the way there; false when there is none left.
+    fn choose(&mut self, view: &View<'_>, pose: Pose, aim: &mut Aim<'_>) -> bool {
+        self.costmap.refresh(view.map);
+        self.collect_blocks(view);
+        match aim {
+            Aim::Visit(place) => self.plan_visit(view, pose, *place),
+            Aim::Explore(choose) => {
+                let Some((node, squeezes)) = self.choose_frontier(view, pose, choose) else {
+                    return false;
+                };
+                let Some(cluster) = self.frontiers.cluster_at(node) else { return false };
+                let point = self.costmap.point(node);
+                let cell = self.frontiers.nearest_cell(cluster, point);
+                let frontier = cell.map_or(point, CellIndex::centre);
+                self.set_way(view, node, Goal::Frontier(frontier), squeezes);
+                true
+            }
+        }
+    }
+
+    fn plan_visit(&mut self, view: &View<'_>, pose: Pose, place: DVec2) -> bool {
+        if place.distance(pose.position) < 2.0 * ARRIVED {
+            return false;
+        }
+        let Navigator { costmap, search, blocks, .. } = self;
+        search.set_limit(Class::Tight);
+        let Some(node) = search.to(costmap, pose.position, blocks, place) else { return false };
+        self.set_way(view, node, Goal::Place(place), false);
+        true
+    }
+
+    /// A goal, and whether its way leads through gaps that the robot may not fit through. What is
+    /// ruled out is given up step by step: first what other robots do, then where this one was
+    /// stuck, then what it failed at once, at last the width of gaps.
+    fn choose_frontier(
+        &mut self,
+        view: &View<'_>,
+        pose: Pose,
+        choose: &mut dyn FnMut(&mut Planning<'_>) -> Option<Node>,
+    ) -> Option<(Node, bool)> {
+        let fits = Class::Tight;
+        if let Some(node) = self.search_goal(view, pose, fits, true, choose) {
+            return Some((node, false));
+        }
+        if view.estimates.len() > 1
+            && let Some(node) = self.search_goal(view, pose, fits, false, choose)
+        {
+            return Some((node, false));
+        }
+        if !self.pilots[view.robot].avoid.is_empty() {
+            self.pilots[view.robot].avoid.clear();
+            self.collect_blocks(view);
+            if let Some(node) = self.search_goal(view, pose, fits, false, choose) {
+                return Some((node, false));
+            }
+        }
+        if self.failures.iter().any(|failure| failure.active && !failure.is_final) {
+            for failure in &mut self.failures {
+                failure.active &= failure.is_final;
+            }
+            if let Some(node) = self.search_goal(view, pose, fits, false, choose) {
+                return Some((node, false));
+            }
+        }
+        let node = self.search_goal(view, pose, Class::Squeeze, false, choose)?;
+        Some((node, true))
+    }
+
+    fn search_goal(
+        &mut self,
+        view: &View<'_>,
+        pose: Pose,
+        limit: Class,
+        leave_to_others: bool,
+        choose: &mut dyn FnMut(&mut Planning<'_>) -> Option<Node>,
+    ) -> Option<Node> {
+        let Navigator { costmap, frontiers, search, pilots, failures, blocks, .. } = self;
+        let near = |at: DVec2, p: DVec2, radius: f64| at.distance_squared(p) < radius * radius;
+        let others = pilots.iter().enumerate().filter(|(other, _)| *other != view.robot);
+        let taken = |p: DVec2| {
+            leave_to_others
+                && others.clone().any(|(_, pilot)| match pilot.task {
+                    Task::Go { goal: Goal::Frontier(at), .. } => near(at, p, TAKEN),
+                    _ => false,
+                })
+        };
+        let failed = |p: DVec2| {
+            near(pose.position, p, FEET)
+                || taken(p)
+                || failures.iter().any(|failure| failure.active && near(failure.at, p, FAILED))
+        };
+        frontiers.gather(costmap, failed);
+        search.set_limit(limit);
+        choose(&mut Planning { costmap, frontiers, search, pose, blocks, limit })
+    }
+
+    fn set_way(&mut self, view: &View<'_>, node: Node, goal: Goal, squeezes: bool) {
+        let cost = self.search.cost(node).unwrap_or(0);
+        self.search.way(&self.costmap, node, &mut self.cells);
+        let pilot = &mut self.pilots[view.robot];
+        pilot.way.set(&mut self.costmap, &self.cells);
+        let length = f64::from(cost) / f64::from(METRE);
+        let deadline = view.time + 30.0 + length / 0.1;
+        pilot.task = Task::Go { goal, deadline, squeezes, waited: 0.0 };
+    }
+
+    /// What no way of a robot may lead through for now.
+    fn collect_blocks(&mut self, view: &View<'_>) {
+        let pilot = &mut self.pilots[view.robot];
+        pilot.avoid.retain(|(until, _)| *until > view.time);
+        self.blocks.clear();
+        self.blocks.extend(pilot.avoid.iter().map(|(_, block)| *block));
+        let others = view.estimates.iter().enumerate().filter(|(other, _)| *other != view.robot);
+        self.blocks.extend(others.map(|(_, other)| Block {
+            center: other.pose.position,
+            radius: 2.0 * view.body.swing_radius + 0.1,
+        }));
+    }
+
+    /// Begins to free a robot that is stuck; gives it up when that has happened too often.
+    fn recover(
+        &mut self,
+        view: &View<'_>,
+        pose: Pose,
+        goal: Goal,
+        squeezes: bool,
+    ) -> Option<Decision> {
+        if let Goal::Frontier(at) = goal {
+            let is_final = self
+                .failures
+                .iter()
+                .any(|failure| !failure.active && failure.at.distance(at) < FAILED);
+            let is_final = is_final || squeezes;
+            self.failures.push(Failure { at, is_final, active: true });
+        }
+        let pilot = &mut self.pilots[view.robot];
+        pilot.progress = Progress::default();
+        pilot.recoveries += 1;
+        // A gap that was worth a try says nothing about the robot.
+        if !squeezes {
+            pilot.recovered.push_back(view.time);
+        }
+        while pilot.recovered.front().is_some_and(|&time| view.time - time > HOPELESS.1) {
+            pilot.recovered.pop_front();
+        }
+        if pilot.recovered.len() >= HOPELESS.0 {
+            return Some(Decision::Stuck);
+        }
+        // Whatever it is that the map does not show, it is where the way led.
+        let mut ahead = pose.position + unit_vector(pose.heading) * (2.0 * SIDE);
+        pilot.way.ahead(0.1, 0.5, |p| {
+            ahead = p;
+            true
+        });
+        let block = Block { center: ahead, radius: 0.25 };
+        pilot.avoid.push((view.time + AVOID, block));
+        pilot.task = Task::BackOff { from: pose.position, until: view.time + 4.0 };
+        pilot.way.clear();
+        None
+    }
+
+    /// Whether nothing is known to stand where the robot would back to.
+    fn is_free_behind(&self, robot: &Robot, pose: Pose) -> bool {
+        let back = -unit_vector(pose.heading);
+        let reach = (robot.swing_radius / RESOLUTION) as i32;
+        let middle = pose.position + back * 0.1;
+        (-reach..=reach).all(|dy| {
+            (-reach..=reach).all(|dx| {
+                let off = DVec2::new(f64::from(dx), f64::from(dy)) * RESOLUTION;
+                let counts = off.length() < robot.swing_radius && off.dot(back) > 0.1;
+                !counts || self.costmap.cell(CellIndex::of(middle + off)) != Cell::Occupied
+            })
+        })
+    }
+
+    /// The angle by which to turn to the side where the laser sees more room.
+    fn open_side(&self) -> f64 {
+        let nearest = |side: f64| {
+            let echoes = self.guard.echoes().iter().filter(|echo| side * echo.y > 0.0);
+            echoes.map(|echo| echo.length_squared()).fold(f64::INFINITY, f64::min)
+        };
+        if nearest(1.0) >= nearest(-1.0) { 1.5 } else { -1.5 }
+    }
+}
+
+impl Progress {
+    /// Notes where the robot is, and tells whether it has hardly moved for too long.
+    fn is_stuck(&mut self, time: f64, p: DVec2) -> bool {
+        if self.at.is_none_or(|at| at.distance(p) >= STUCK.0) {
+            (self.at, self.stalled) = (Some(p), 0.0);
+        }
+        // Nothing counts that lies between two tasks.
+        let passed = (time - self.time).clamp(0.0, 0.2);
+        self.stalled += passed * self.weight;
+        self.time = time;
+        self.stalled >= STUCK.1
+    }
+
+    /// Notes what is asked of the robot now: a turn on the spot may take its time.
+    fn wants(&mut self, command: Command, time: f64) {
+        let turns = command.speed == 0.0 && command.turn_rate != 0.0;
+        self.weight = if turns { TURNING } else { 1.0 };
+        self.time = time;
+    }
+}
+
+/// Where the robot that is asked for is thought to be, if that is a place at all.
+pub(super) fn pose_of(view: &View<'_>) -> Option<Pose> {
+    let pose = view.estimates.get(view.robot)?.pose;
+    (pose.position.is_finite() && pose.heading.is_finite()).then_some(pose)
+}
+
+/// Another robot that stands close and in the direction in which this one drives.
+fn other_ahead(view: &View<'_>, pose: Pose) -> Option<usize> {
+    let ahead = unit_vector(pose.heading);
+    let mut others = view.estimates.iter().enumerate().filter(|(other, _)| *other != view.robot);
+    let found = others.find(|(_, other)| {
+        let to = other.pose.position - pose.position;
+        to.length() < DISTANCE && ahead.dot(to) > 0.3 * to.length()
+    });
+    found.map(|(other, _)| other)
+}

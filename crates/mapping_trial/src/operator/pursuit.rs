@@ -1,0 +1,133 @@
+//! Regulated pure pursuit (Macenski et al., Regulated pure pursuit for robot path tracking, 2023):
+//! follows a way, slower in curves and near walls, and stops for what the laser sees.
+
+use envgen::geometry::{Pose, unit_vector, wrap_angle};
+use glam::DVec2;
+
+use super::costmap::{Class, Costmap};
+use super::guard::Guard;
+use super::way::{Way, worst_between};
+use crate::body::Command;
+use crate::robot::Robot;
+
+/// Metres ahead on the way that the robot drives towards.
+const LOOKAHEAD: f64 = 0.6;
+
+/// The same where it is tight.
+const SHORT_LOOKAHEAD: f64 = 0.3;
+
+/// Cruising speed in m/s.
+pub(super) const CRUISE: f64 = 0.5;
+
+/// Metres between the body and an echo ahead at which it has to stand.
+const STOP: f64 = 0.10;
+
+/// Angles in radians at which turning on the spot begins and ends.
+const TURN: (f64, f64) = (1.2, 0.4);
+
+/// Radius in metres of the curves that are driven at full speed.
+const FULL_SPEED_RADIUS: f64 = 0.8;
+
+/// Metres between the body and an echo below which speed is taken back.
+const NEAR: f64 = 0.3;
+
+/// Speed in m/s with which the robot feels its way around what is not on the map.
+const CREEP: f64 = 0.15;
+
+/// Angle in radians between directions that are tried around something in the way.
+const FAN: f64 = 0.087;
+
+/// Drives one robot along ways.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pursuit {
+    turning: bool,
+}
+
+impl Pursuit {
+    /// The command that follows a way.
+    pub(super) fn follow(
+        &mut self,
+        robot: &Robot,
+        pose: Pose,
+        way: &mut Way,
+        costmap: &mut Costmap,
+        guard: &Guard,
+        speed: f64,
+    ) -> Command {
+        way.advance(pose.position);
+        let Some(target) = target(pose.position, way, costmap) else { return Command::STOP };
+        let left = way.left();
+        let to = target - pose.position;
+        let distance = to.length();
+        let off = wrap_angle(libm::atan2(to.y, to.x) - pose.heading);
+        if distance < 1e-6 {
+            return Command::STOP;
+        }
+        self.turning = off.abs() > if self.turning { TURN.1 } else { TURN.0 };
+        if self.turning {
+            return turn(robot, off);
+        }
+        let curvature = 2.0 * libm::sin(off) / distance.max(SHORT_LOOKAHEAD);
+        let free = guard.free_along(curvature);
+        let allowed = stopping_speed(robot, free);
+        if allowed < 0.05 && free < left + STOP {
+            return self.around(robot, off, left, guard);
+        }
+        let bend = (1.0 / (curvature.abs() * FULL_SPEED_RADIUS).max(1.0)).max(0.35);
+        let near = 0.4 + 0.6 * (guard.clearance() / NEAR).min(1.0);
+        // Braking towards the end, at less than what the robot could.
+        let end = (robot.acceleration * left).sqrt() + 0.05;
+        let speed = (speed * bend * near).min(end).min(allowed);
+        let turn_rate = (speed * curvature).clamp(-robot.max_turn_rate, robot.max_turn_rate);
+        Command { speed, turn_rate }
+    }
+
+    /// Something that the map does not show is in the way: turns to the direction nearest to the
+    /// wanted one in which the laser sees a way past, and creeps there.
+    fn around(&mut self, robot: &Robot, off: f64, left: f64, guard: &Guard) -> Command {
+        let need = STOP + left.min(0.3);
+        for step in 0..32 {
+            for side in [1.0, -1.0] {
+                let angle = off + side * FAN * f64::from(step);
+                if angle.abs() > 1.4 || guard.free_towards(unit_vector(angle)) < need {
+                    continue;
+                }
+                if angle.abs() < 0.15 {
+                    return Command { speed: CREEP, turn_rate: angle };
+                }
+                return turn(robot, angle);
+            }
+        }
+        Command::STOP
+    }
+}
+
+/// The point to drive towards: as far ahead on the way as the robot can drive straight.
+fn target(p: DVec2, way: &Way, costmap: &mut Costmap) -> Option<DVec2> {
+    let mut target = None;
+    let leaving = !costmap.class_at(p).is_passable();
+    let mut driven = 0.0;
+    way.ahead(0.1, LOOKAHEAD, |ahead| {
+        let class = if leaving { Class::Open } else { worst_between(costmap, p, ahead) };
+        let tight = class >= Class::Tight && driven > SHORT_LOOKAHEAD;
+        if driven <= 0.15 || (class.is_passable() && !tight) {
+            target = Some(ahead);
+            driven += 0.1;
+            true
+        } else {
+            false
+        }
+    });
+    target
+}
+
+/// Turns on the spot by an angle, braking in time.
+pub(super) fn turn(robot: &Robot, angle: f64) -> Command {
+    let rate = (1.6 * robot.turn_acceleration * angle.abs()).sqrt().min(3.0 * angle.abs());
+    Command { speed: 0.0, turn_rate: rate.min(robot.max_turn_rate).copysign(angle) }
+}
+
+/// Greatest speed from which the robot stands [`STOP`] before what is `free` metres away.
+fn stopping_speed(robot: &Robot, free: f64) -> f64 {
+    (2.0 * robot.acceleration * (free - STOP).max(0.0)).sqrt()
+}

@@ -1,0 +1,291 @@
+//! Cheapest ways on the costmap, exactly: Dijkstra (1959), and A* (Hart, Nilsson and Raphael, 1968)
+//! where there is one goal.
+
+use glam::{DVec2, IVec2};
+
+use super::costmap::{Class, Costmap, NODES, Node, SIDE, STEPS};
+
+/// Cost of a metre where nothing is near.
+pub const METRE: u32 = (10.0 / SIDE) as u32;
+
+/// Cost of a straight and of a diagonal step, by class. Cells that the body does not fit into lead
+/// a robot out that finds itself in them, and nowhere else.
+const COSTS: [[u32; 2]; 8] =
+    [[10, 14], [14, 20], [22, 31], [36, 51], [100, 141], [100, 141], [100, 141], [u32::MAX; 2]];
+
+/// Queues, more than the priority can rise in one step.
+const QUEUES: usize = 256;
+
+/// Planning cells that a robot may be away from its start while it does not fit.
+const ESCAPE: i32 = 12;
+
+/// A round place that no way may lead through for now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    /// Middle.
+    pub center: DVec2,
+    /// Radius in metres.
+    pub radius: f64,
+}
+
+/// The state of the last search, and its memory.
+#[derive(Clone, Debug)]
+pub struct Search {
+    nodes: Vec<State>,
+    /// The search that each tile was last used in.
+    used: Vec<u32>,
+    search: u32,
+    /// The worst class that ways may lead through.
+    limit: Class,
+    queues: Vec<Vec<(Node, u32)>>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct State {
+    cost: u32,
+    /// The way that led here, 8 at a start.
+    from: u8,
+    closed: bool,
+}
+
+const UNSEEN: State = State { cost: u32::MAX, from: START, closed: false };
+const START: u8 = 8;
+
+impl Default for Search {
+    fn default() -> Self {
+        Search {
+            nodes: Vec::new(),
+            used: Vec::new(),
+            search: 0,
+            limit: Class::Tight,
+            queues: vec![Vec::new(); QUEUES],
+        }
+    }
+}
+
+impl Search {
+    /// A search that has not begun.
+    pub fn new() -> Self {
+        Search::default()
+    }
+
+    /// From now on ways lead through cells of this class and better ones.
+    pub fn set_limit(&mut self, limit: Class) {
+        self.limit = limit;
+    }
+
+    /// Visits places in the order of their cost from `start` until `done` says so, and gives the
+    /// last one; `None` when all that can be reached were visited.
+    pub fn nearest(
+        &mut self,
+        costmap: &mut Costmap,
+        start: DVec2,
+        blocks: &[Block],
+        done: impl FnMut(Node, u32) -> bool,
+    ) -> Option<Node> {
+        self.run(costmap, start, blocks, |_| 0, done)
+    }
+
+    /// The cheapest way to the planning cell that holds a point; `None` when there is none.
+    pub fn to(
+        &mut self,
+        costmap: &mut Costmap,
+        start: DVec2,
+        blocks: &[Block],
+        goal: DVec2,
+    ) -> Option<Node> {
+        let goal = costmap.node_at(goal)?;
+        let place = costmap.place(goal);
+        let left = |at: IVec2| {
+            let way = (at - place).abs();
+            let (long, short) = (way.max_element() as u32, way.min_element() as u32);
+            10 * (long - short) + 14 * short
+        };
+        self.run(costmap, start, blocks, left, |node, _| node == goal)
+    }
+
+    /// The way to a node that the last search visited, from its start: the points to drive through.
+    pub fn way(&self, costmap: &Costmap, to: Node, points: &mut Vec<DVec2>) {
+        points.clear();
+        let mut node = to;
+        loop {
+            points.push(costmap.point(node));
+            let way = self.nodes[node.0 as usize].from;
+            if way == START {
+                break;
+            }
+            let Some(before) = costmap.step(node, usize::from(way + 4) % 8) else { break };
+            node = before;
+        }
+        points.reverse();
+    }
+
+    /// Cost of a node that the last search visited.
+    pub fn cost(&self, node: Node) -> Option<u32> {
+        let seen = self.used.get(node.slot()) == Some(&self.search);
+        seen.then(|| self.nodes[node.0 as usize].cost).filter(|&cost| cost != u32::MAX)
+    }
+
+    fn run(
+        &mut self,
+        costmap: &mut Costmap,
+        start: DVec2,
+        blocks: &[Block],
+        left: impl Fn(IVec2) -> u32,
+        mut done: impl FnMut(Node, u32) -> bool,
+    ) -> Option<Node> {
+        self.begin(costmap.tiles());
+        let middle = super::costmap::cell_of(start);
+        for block in blocks {
+            self.block(costmap, block, middle);
+        }
+        let (mut waiting, mut priority) = self.seed(costmap, start, &left);
+        // The queues hold the next QUEUES priorities in turn: no step adds as many.
+        while waiting > 0 {
+            let Some((node, cost)) = self.queues[priority as usize % QUEUES].pop() else {
+                priority += 1;
+                continue;
+            };
+            waiting -= 1;
+            let state = &mut self.nodes[node.0 as usize];
+            if state.closed || state.cost != cost {
+                continue;
+            }
+            state.closed = true;
+            if done(node, cost) {
+                return Some(node);
+            }
+            waiting += self.expand(costmap, node, cost, middle, &left);
+        }
+        None
+    }
+
+    /// Makes a search of its own of what follows.
+    fn begin(&mut self, tiles: usize) {
+        self.search = self.search.wrapping_add(1);
+        if self.search == 0 {
+            self.used.fill(0);
+            self.search = 1;
+        }
+        self.used.resize(tiles, 0);
+        self.nodes.resize(tiles * NODES, UNSEEN);
+        for queue in &mut self.queues {
+            queue.clear();
+        }
+    }
+
+    /// Makes a tile ready for this search.
+    #[inline]
+    fn enter(&mut self, costmap: &mut Costmap, slot: usize) {
+        if self.used[slot] != self.search {
+            self.used[slot] = self.search;
+            self.nodes[slot * NODES..(slot + 1) * NODES].fill(UNSEEN);
+            costmap.derive_classes(slot);
+        }
+    }
+
+    /// Closes the nodes of a block, but for those at the start, which the robot has to leave.
+    fn block(&mut self, costmap: &mut Costmap, block: &Block, start: IVec2) {
+        if !(block.radius.is_finite() && block.center.is_finite()) {
+            return;
+        }
+        let reach = (block.radius.min(5.0) / SIDE).ceil() as i32;
+        let middle = super::costmap::cell_of(block.center);
+        for dy in -reach..=reach {
+            for dx in -reach..=reach {
+                let cell = middle.saturating_add(IVec2::new(dx, dy));
+                let p = (cell.as_dvec2() + 0.5) * SIDE;
+                let leave = (cell.wrapping_sub(start)).abs().max_element() <= 1;
+                if leave || p.distance_squared(block.center) > block.radius * block.radius {
+                    continue;
+                }
+                if let Some(node) = costmap.node_at(p) {
+                    self.enter(costmap, node.slot());
+                    self.nodes[node.0 as usize].closed = true;
+                }
+            }
+        }
+    }
+
+    /// Puts the start into the queues: the cell that holds it or, when something stands there
+    /// according to the map, those around it where nothing does.
+    /// Gives their number and the least priority.
+    fn seed(
+        &mut self,
+        costmap: &mut Costmap,
+        start: DVec2,
+        left: impl Fn(IVec2) -> u32,
+    ) -> (usize, u32) {
+        let Some(node) = costmap.node_at(start) else { return (0, 0) };
+        let (mut seeds, mut least) = (0, u32::MAX);
+        let reach = if costmap.class(node) == Class::Occupied { 3 } else { 0 };
+        for dy in -reach..=reach {
+            for dx in -reach..=reach {
+                let p = start + DVec2::new(f64::from(dx), f64::from(dy)) * SIDE;
+                let Some(node) = costmap.node_at(p) else { continue };
+                self.enter(costmap, node.slot());
+                if costmap.derived_class(node) == Class::Occupied {
+                    continue;
+                }
+                let cost = (dx * dx + dy * dy) as u32;
+                self.nodes[node.0 as usize] = State { cost, from: START, closed: false };
+                let priority = cost + left(costmap.place(node));
+                self.queues[priority as usize % QUEUES].push((node, cost));
+                seeds += 1;
+                least = least.min(priority);
+            }
+        }
+        (seeds, least)
+    }
+
+    /// Puts a node's neighbours into the queues, and counts them.
+    fn expand(
+        &mut self,
+        costmap: &mut Costmap,
+        node: Node,
+        cost: u32,
+        start: IVec2,
+        left: impl Fn(IVec2) -> u32,
+    ) -> usize {
+        let inside = costmap.derived_class(node) <= self.limit;
+        let mut added = 0;
+        for way in 0..STEPS.len() {
+            let Some(next) = costmap.step(node, way) else { continue };
+            self.enter(costmap, next.slot());
+            let state = self.nodes[next.0 as usize];
+            if state.closed {
+                continue;
+            }
+            let class = costmap.derived_class(next);
+            let fits = class <= self.limit;
+            if !fits || !inside {
+                // A robot that does not fit where it is may drive on until it does, but not far,
+                // not between two occupied cells, and never from where it fits to where it does
+                // not.
+                if class == Class::Occupied
+                    || (inside && !fits)
+                    || (costmap.place(next) - start).abs().max_element() > ESCAPE
+                    || (way % 2 == 1 && self.squeezes(costmap, node, way))
+                {
+                    continue;
+                }
+            }
+            let through = cost + COSTS[class as usize][way % 2];
+            if through < state.cost {
+                self.nodes[next.0 as usize] =
+                    State { cost: through, from: way as u8, closed: false };
+                let priority = through + left(costmap.place(next));
+                self.queues[priority as usize % QUEUES].push((next, through));
+                added += 1;
+            }
+        }
+        added
+    }
+
+    /// Whether one of the two cells beside a diagonal step is occupied.
+    fn squeezes(&mut self, costmap: &mut Costmap, node: Node, way: usize) -> bool {
+        [way - 1, (way + 1) % 8].into_iter().any(|side| {
+            costmap.step(node, side).is_none_or(|node| costmap.class(node) == Class::Occupied)
+        })
+    }
+}

@@ -1,0 +1,356 @@
+//! The shared parts against plain ones, and operators on input that no trial should give.
+
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
+
+use envgen::Seed;
+use envgen::geometry::{Pose, Rect, unit_vector};
+use glam::{DVec2, IVec2};
+use proptest::prelude::*;
+
+use super::costmap::{Class, Costmap, SIDE, STEPS};
+use super::frontier::Frontiers;
+use super::guard::Guard;
+use super::search::{Block, Search};
+use super::*;
+use crate::map::{Cell, CellIndex, RESOLUTION};
+
+const SPAN: i32 = 80;
+
+/// A map of random boxes in a free square, and the revision of each box.
+fn boxes(seed: u64, count: u32, map: &mut OccupancyMap, mut after: impl FnMut(&OccupancyMap)) {
+    let mut stream = Seed(seed).stream("test/boxes", 0);
+    for row in -SPAN / 2..SPAN / 2 {
+        for col in -SPAN / 2..SPAN / 2 {
+            map.add(CellIndex { col, row }, -200);
+        }
+    }
+    map.touch(Rect::new(DVec2::splat(-10.0), DVec2::splat(10.0)));
+    after(map);
+    for _ in 0..count {
+        let mut draw = |most: i32| (stream.unit() * f64::from(most)) as i32;
+        let low = IVec2::new(draw(SPAN) - SPAN / 2, draw(SPAN) - SPAN / 2);
+        let size = IVec2::new(1 + draw(8), 1 + draw(8));
+        let odds = [400, -400, 200, -160][draw(4) as usize];
+        for row in low.y..low.y + size.y {
+            for col in low.x..low.x + size.x {
+                map.add(CellIndex { col, row }, odds);
+            }
+        }
+        let high = low + size;
+        map.touch(Rect::new(low.as_dvec2() * RESOLUTION, high.as_dvec2() * RESOLUTION));
+        after(map);
+    }
+}
+
+fn every_node(mut visit: impl FnMut(IVec2, DVec2)) {
+    for y in -24..24 {
+        for x in -24..24 {
+            let cell = IVec2::new(x, y);
+            visit(cell, (cell.as_dvec2() + 0.5) * SIDE);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// What is derived step by step is what is derived at once.
+    #[test]
+    fn a_renewed_costmap_is_a_new_one(seed in 0_u64..10_000, count in 1_u32..30) {
+        let (mut map, mut step_by_step) = (OccupancyMap::new(), Costmap::new());
+        boxes(seed, count, &mut map, |map| {
+            step_by_step.refresh(map);
+            step_by_step.derive_all();
+        });
+        let mut at_once = Costmap::new();
+        at_once.refresh(&map);
+        prop_assert_eq!(step_by_step.frontier_len(), at_once.frontier_len());
+        let mut same = true;
+        every_node(|_, p| same &= step_by_step.class_at(p) == at_once.class_at(p));
+        prop_assert!(same);
+        // A map that starts anew leaves nothing behind.
+        map.clear();
+        step_by_step.refresh(&map);
+        prop_assert_eq!(step_by_step.frontier_len(), 0);
+        every_node(|_, p| same &= step_by_step.class_at(p) == Class::Unknown);
+        prop_assert!(same);
+    }
+
+    /// Classes are the distances to what is occupied, cell by cell.
+    #[test]
+    fn classes_are_distances(seed in 0_u64..10_000, count in 1_u32..30) {
+        let (mut map, mut costmap) = (OccupancyMap::new(), Costmap::new());
+        boxes(seed, count, &mut map, |_| ());
+        costmap.refresh(&map);
+        let mut occupied = Vec::new();
+        for row in -60..60 {
+            for col in -60..60 {
+                if map.cell(CellIndex { col, row }) == Cell::Occupied {
+                    occupied.push(IVec2::new(col, row));
+                }
+            }
+        }
+        let mut wrong = None;
+        every_node(|cell, p| {
+            let four = [0, 1, 2, 3].map(|i| 2 * cell + IVec2::new(i & 1, i >> 1));
+            let is = |at: IVec2| map.cell(CellIndex { col: at.x, row: at.y });
+            let far = |at: IVec2| {
+                occupied.iter().map(|o| (*o - at).length_squared()).min().unwrap_or(i32::MAX)
+            };
+            let free = four.into_iter().filter(|at| is(*at) == Cell::Free);
+            let best = free.map(far).max().unwrap_or(0);
+            let limits = [
+                (225, Class::Open),
+                (121, Class::Near),
+                (81, Class::Close),
+                (51, Class::Tight),
+                (38, Class::Squeeze),
+            ];
+            let class = limits.into_iter().find(|(far, _)| best > *far).map_or_else(
+                || {
+                    let near = |at: &IVec2| is(*at) == Cell::Free || far(*at) <= 38;
+                    if four.iter().any(|at| is(*at) == Cell::Occupied) {
+                        Class::Occupied
+                    } else if four.iter().any(near) {
+                        Class::Inflated
+                    } else {
+                        Class::Unknown
+                    }
+                },
+                |(_, class)| class,
+            );
+            if costmap.class_at(p) != class {
+                wrong = Some((p, costmap.class_at(p), class));
+            }
+        });
+        prop_assert_eq!(wrong, None);
+    }
+
+    /// Both searches find what a plain one finds, and A* the same as Dijkstra.
+    #[test]
+    fn ways_are_the_cheapest(seed in 0_u64..10_000, count in 1_u32..20) {
+        let (mut map, mut costmap) = (OccupancyMap::new(), Costmap::new());
+        boxes(seed, count, &mut map, |_| ());
+        costmap.refresh(&map);
+        let mut start = None;
+        every_node(|_, p| {
+            if start.is_none() && costmap.class_at(p).is_passable() {
+                start = Some(p);
+            }
+        });
+        let Some(start) = start else { return Ok(()) };
+        let plain = plain_costs(&mut costmap, start);
+        let mut search = Search::new();
+        search.nearest(&mut costmap, start, &[], |_, _| false);
+        let mut found = BTreeMap::new();
+        every_node(|cell, p| {
+            if let Some(cost) = costmap.node_at(p).and_then(|node| search.cost(node)) {
+                found.insert((cell.x, cell.y), cost);
+            }
+        });
+        prop_assert_eq!(&found, &plain);
+        for (&(x, y), &cost) in plain.iter().step_by(97) {
+            let p = (IVec2::new(x, y).as_dvec2() + 0.5) * SIDE;
+            let node = search.to(&mut costmap, start, &[], p);
+            prop_assert_eq!(node.and_then(|node| search.cost(node)), Some(cost));
+        }
+    }
+
+    /// The scan's free way along an arc is that of a disc that is moved along it bit by bit.
+    #[test]
+    fn arcs_end_at_the_first_touch(
+        curvature in -3.0..3.0_f64,
+        ranges in proptest::collection::vec(0.3..2.9_f64, 181),
+    ) {
+        let (robot, laser) = (Robot::default(), LaserProfile::default());
+        let mut guard = Guard::new(&robot, &laser);
+        guard.look(&Scan { ranges });
+        let curvature = if curvature.abs() < 0.05 { 0.0 } else { curvature };
+        let touches = |p: DVec2| {
+            guard.echoes().iter().any(|echo| echo.distance(p) < robot.swing_radius)
+        };
+        prop_assume!(!touches(DVec2::ZERO));
+        let free = guard.free_along(curvature);
+        let (mut pose, mut driven) = (Pose::default(), 0.0);
+        while driven < 1.0 && !touches(pose.position) {
+            pose.position += unit_vector(pose.heading + 0.0005 * curvature) * 0.001;
+            pose.heading += 0.001 * curvature;
+            driven += 0.001;
+        }
+        prop_assert!((free.min(1.0) - driven).abs() < 0.02, "{free} is not {driven}");
+    }
+}
+
+/// Dijkstra with a heap and a table, step costs written out.
+fn plain_costs(costmap: &mut Costmap, start: DVec2) -> BTreeMap<(i32, i32), u32> {
+    let first = (start / SIDE).floor().as_ivec2();
+    let mut best = BTreeMap::from([((first.x, first.y), 0)]);
+    let mut open = BinaryHeap::from([Reverse((0, (first.x, first.y)))]);
+    while let Some(Reverse((cost, at))) = open.pop() {
+        if best[&at] < cost {
+            continue;
+        }
+        for (way, step) in STEPS.into_iter().enumerate() {
+            let next = IVec2::new(at.0, at.1) + step;
+            let class = costmap.class_at((next.as_dvec2() + 0.5) * SIDE);
+            let steps = match class {
+                Class::Open => [10, 14],
+                Class::Near => [14, 20],
+                Class::Close => [22, 31],
+                Class::Tight => [36, 51],
+                _ => continue,
+            };
+            let (next, through) = ((next.x, next.y), cost + steps[way % 2]);
+            if best.get(&next).is_none_or(|&known| through < known) {
+                best.insert(next, through);
+                open.push(Reverse((through, next)));
+            }
+        }
+    }
+    best
+}
+
+#[test]
+fn a_door_of_the_smallest_kind_stays_open() {
+    // Walls at x = 0 with a gap of 0.94 m, at every place of the gap on the grid.
+    for shift in 0..20 {
+        let mut map = OccupancyMap::new();
+        let low = f64::from(shift) * 0.0047;
+        for row in -40..60 {
+            for col in -40..40 {
+                let cell = CellIndex { col, row };
+                let y = cell.centre().y;
+                let wall = (0..2).contains(&col) && (y < low || y > low + 0.94);
+                map.add(cell, if wall { 200 } else { -200 });
+            }
+        }
+        map.touch(Rect::new(DVec2::splat(-3.0), DVec2::splat(3.0)));
+        let mut costmap = Costmap::new();
+        costmap.refresh(&map);
+        let (a, b) = (DVec2::new(-1.0, 0.45), DVec2::new(1.0, 0.45));
+        let mut search = Search::new();
+        assert!(search.to(&mut costmap, a, &[], b).is_some(), "shifted by {low} m");
+        let door = Block { center: DVec2::new(0.05, 0.5), radius: 0.6 };
+        assert!(search.to(&mut costmap, a, &[door], b).is_none(), "the door is blocked");
+    }
+}
+
+#[test]
+fn a_robot_that_does_not_fit_gets_out_but_not_through_walls() {
+    let mut map = OccupancyMap::new();
+    for row in -60..60 {
+        for col in -60..60 {
+            map.add(CellIndex { col, row }, if col == 0 { 200 } else { -200 });
+        }
+    }
+    map.touch(Rect::new(DVec2::splat(-3.0), DVec2::splat(3.0)));
+    let mut costmap = Costmap::new();
+    costmap.refresh(&map);
+    let mut search = Search::new();
+    let start = DVec2::new(0.15, 0.0);
+    assert_eq!(costmap.class_at(start), Class::Inflated);
+    assert!(search.to(&mut costmap, start, &[], DVec2::new(1.0, 0.0)).is_some());
+    assert!(search.to(&mut costmap, start, &[], DVec2::new(-1.0, 0.0)).is_none());
+}
+
+#[test]
+fn frontiers_are_where_the_unknown_is_wide() {
+    let mut map = OccupancyMap::new();
+    for row in 0..60 {
+        for col in 0..60 {
+            // A gap of two cells in the middle is none.
+            if !(30..32).contains(&col) {
+                map.add(CellIndex { col, row }, -200);
+            }
+        }
+    }
+    map.touch(Rect::new(DVec2::ZERO, DVec2::splat(3.0)));
+    let mut costmap = Costmap::new();
+    costmap.refresh(&map);
+    assert!(costmap.is_frontier(CellIndex { col: 0, row: 20 }));
+    assert!(costmap.is_frontier(CellIndex { col: 59, row: 20 }));
+    assert!(!costmap.is_frontier(CellIndex { col: 29, row: 20 }));
+    assert!(!costmap.is_frontier(CellIndex { col: 20, row: 20 }));
+    let mut frontiers = Frontiers::new();
+    frontiers.gather(&mut costmap, |_| false);
+    assert_eq!(frontiers.len(), 1, "one ring");
+    assert!(frontiers.cells(0).len() >= 4 * 59 - 4 && frontiers.goals() > 0);
+    frontiers.gather(&mut costmap, |_| true);
+    assert_eq!(frontiers.goals(), 0);
+}
+
+const KINDS: [OperatorKind; 5] = [
+    OperatorKind::Nearest,
+    OperatorKind::InfoGain,
+    OperatorKind::Cautious,
+    OperatorKind::WallFollow,
+    OperatorKind::Corridors,
+];
+
+/// Asks every operator for some seconds, and gives its last decisions.
+fn ask(map: &OccupancyMap, estimate: Estimate, scan: &Scan, robots: usize) -> Vec<Decision> {
+    let (body, laser) = (Robot::default(), LaserProfile::default());
+    let estimates = vec![estimate; robots];
+    KINDS
+        .iter()
+        .map(|&kind| {
+            let mut operator = build(kind, robots, &body, &laser);
+            let mut last = Decision::Finished;
+            for step in 0..150 {
+                for robot in 0..robots {
+                    last = operator.decide(&View {
+                        robot,
+                        estimates: &estimates,
+                        map,
+                        scan,
+                        bumped: step % 3 == 0,
+                        time: 0.1 * f64::from(step),
+                        battery: 100.0,
+                        body: &body,
+                        laser: &laser,
+                    });
+                    if let Decision::Drive(command) = last {
+                        assert!(command.speed.is_finite() && command.turn_rate.is_finite());
+                        assert!(command.speed.abs() <= body.max_speed, "{kind:?} {command:?}");
+                    }
+                }
+            }
+            assert_eq!(operator.recoveries(9), 0);
+            assert!(operator.path(9).is_empty());
+            last
+        })
+        .collect()
+}
+
+#[test]
+fn nothing_panics_on_what_no_trial_gives() {
+    let nan = Scan { ranges: vec![f64::NAN; 181] };
+    let empty = OccupancyMap::new();
+    for decision in ask(&empty, Estimate::default(), &nan, 1) {
+        assert_eq!(decision, Decision::Finished, "nothing is known, nothing can be reached");
+    }
+    let odd = Scan { ranges: vec![0.0, -1.0, f64::INFINITY, 1e300, 0.2] };
+    let lost = Pose { position: DVec2::new(f64::NAN, 1.0), heading: f64::INFINITY };
+    let far = Pose::new(1e300, -1e300, 1.0);
+    for pose in [lost, far, Pose::default()] {
+        ask(&empty, Estimate { pose, deviation: f64::NAN, heading_deviation: -1.0 }, &odd, 2);
+    }
+    ask(&empty, Estimate::default(), &Scan { ranges: Vec::new() }, 1);
+    // A map as large as maps get, with a tile at either end.
+    let mut huge = OccupancyMap::new();
+    for at in [0, 32 * 4000] {
+        huge.add(CellIndex { col: at, row: at }, -400);
+    }
+    huge.touch(Rect::new(DVec2::ZERO, DVec2::splat(7000.0)));
+    ask(&huge, Estimate::default(), &nan, 1);
+}
+
+#[test]
+fn kinds_are_named_as_in_files() {
+    let name = |kind| serde_json::to_string(&kind).expect("a name");
+    assert_eq!(
+        KINDS.map(name).join(" ").replace('"', ""),
+        "nearest info_gain cautious wall_follow corridors"
+    );
+}

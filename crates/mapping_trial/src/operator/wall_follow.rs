@@ -1,0 +1,153 @@
+//! Follows the wall on its right hand, and goes to the nearest frontier when that leads round.
+
+use envgen::geometry::{Pose, unit_vector, wrap_angle};
+use glam::DVec2;
+
+use super::costmap::Class;
+use super::navigator::{Navigator, pose_of};
+use super::way::worst_between;
+use super::{Decision, Operator, View};
+
+/// Metres that have to be free in a direction to take it.
+const PROBE: f64 = 0.6;
+
+/// Cruising speed in m/s, close to walls.
+const CRUISE: f64 = 0.4;
+
+/// Metres to the right within which there has to be a wall to follow.
+const HAND: f64 = 1.2;
+
+/// Angle in radians between directions that are tried.
+const FAN: f64 = 0.175;
+
+/// Directions that are tried, from the right rear to the left rear.
+const DIRECTIONS: i32 = 30;
+
+/// Metres between remembered places, how near the robot comes to one that it has been at, and how
+/// far it goes in between.
+const APART: f64 = 0.5;
+const AGAIN: f64 = 0.5;
+const ROUND: f64 = 10.0;
+
+/// Places that are remembered at most; then every second one is forgotten.
+const PLACES: usize = 4096;
+
+/// Metres from all places that the robot followed a wall at from which on it follows one again.
+const AFRESH: f64 = 2.5;
+
+/// Follows the wall on its right hand.
+#[derive(Debug)]
+pub(super) struct WallFollow {
+    navigator: Navigator,
+    followers: Vec<Follower>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Follower {
+    mode: Mode,
+    /// Where it followed walls, and in which direction, each with the metres driven before.
+    trail: Vec<(DVec2, DVec2, f64)>,
+    driven: f64,
+    last: Option<DVec2>,
+    /// Whether it has a wall on its right.
+    touching: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Mode {
+    #[default]
+    Explore,
+    Follow,
+}
+
+impl WallFollow {
+    pub(super) fn new(mut navigator: Navigator, robots: usize) -> Self {
+        navigator.cruise = CRUISE;
+        WallFollow { navigator, followers: vec![Follower::default(); robots] }
+    }
+}
+
+impl Operator for WallFollow {
+    fn decide(&mut self, view: &View<'_>) -> Decision {
+        let WallFollow { navigator, followers } = self;
+        if let (Some(pose), Some(follower)) = (pose_of(view), followers.get_mut(view.robot)) {
+            follower.note(pose);
+            if follower.mode == Mode::Explore
+                && navigator.is_at_ease(view.robot)
+                && follower.is_new(pose.position)
+            {
+                (follower.mode, follower.touching) = (Mode::Follow, false);
+            }
+            if follower.mode == Mode::Follow {
+                let target = follower.target(navigator, pose);
+                let decision = target.and_then(|target| navigator.steer(view, target));
+                if let Some(decision) = decision {
+                    return decision;
+                }
+                follower.mode = Mode::Explore;
+                navigator.interrupt(view.robot);
+            }
+        }
+        navigator.explore(view, |planning| planning.nearest())
+    }
+
+    fn recoveries(&self, robot: usize) -> u32 {
+        self.navigator.recoveries(robot)
+    }
+
+    fn path(&self, robot: usize) -> &[DVec2] {
+        self.navigator.path(robot)
+    }
+}
+
+impl Follower {
+    fn note(&mut self, pose: Pose) {
+        self.driven += self.last.map_or(0.0, |last| last.distance(pose.position));
+        self.last = Some(pose.position);
+    }
+
+    /// Whether no wall was followed near a place.
+    fn is_new(&self, p: DVec2) -> bool {
+        self.trail.iter().all(|(at, ..)| at.distance_squared(p) > AFRESH * AFRESH)
+    }
+
+    /// The point to drive to: the rightmost direction in which the map is free, straight on until
+    /// there is a wall to follow. `None` when the wall has led round, or there is no way on.
+    fn target(&mut self, navigator: &mut Navigator, pose: Pose) -> Option<DVec2> {
+        let ahead = unit_vector(pose.heading);
+        let again = self.trail.iter().any(|&(at, then, driven)| {
+            self.driven - driven > ROUND
+                && at.distance_squared(pose.position) < AGAIN * AGAIN
+                && then.dot(ahead) > 0.5
+        });
+        if again {
+            return None;
+        }
+        if self.trail.last().is_none_or(|(at, ..)| at.distance(pose.position) >= APART) {
+            if self.trail.len() >= PLACES {
+                let mut keep = false;
+                self.trail.retain(|_| {
+                    keep = !keep;
+                    keep
+                });
+            }
+            self.trail.push((pose.position, ahead, self.driven));
+        }
+        let costmap = &mut navigator.costmap;
+        // As far from the wall as it is now at least, but doorways that it is in may be left.
+        let limit = costmap.class_at(pose.position).clamp(Class::Close, Class::Tight);
+        let mut free = |angle: f64, far: f64| {
+            let to = pose.position + unit_vector(pose.heading + angle) * far;
+            (worst_between(costmap, pose.position, to) <= limit).then_some(to)
+        };
+        let hand = [-1.2, -1.6, -2.0].into_iter().any(|angle| free(angle, HAND).is_none());
+        self.touching |= hand;
+        if !self.touching
+            && let Some(to) = free(0.0, PROBE)
+        {
+            return Some(to);
+        }
+        self.touching = true;
+        (0..DIRECTIONS).find_map(|step| free(wrap_angle(FAN * f64::from(step) - 1.8), PROBE))
+    }
+}

@@ -1,0 +1,282 @@
+//! Pictures of maps: the robot's, the truth, and the two over each other, with the ways driven.
+
+use std::io::Write;
+
+use envgen::geometry::{Pose, Rect, unit_vector};
+use glam::DVec2;
+use png::{BitDepth, ColorType, Compression, Encoder, EncodingError};
+
+use crate::map::{Cell, CellIndex, OccupancyMap, RESOLUTION};
+use crate::truth::Truth;
+use envgen::distance::squared_distances;
+
+/// Pixels along a side, at most: larger areas have coarser pixels.
+const MAX_SIDE: f64 = 4000.0;
+
+/// Distance in metres up to which a wall counts as mapped in its place, as in the scores.
+const IN_PLACE: f64 = 0.30;
+
+/// The colours of pictures, which are also told apart in grey and by most colour-blind people.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+enum Ink {
+    Unknown,
+    Free,
+    Wall,
+    /// A wall of the map where there is none.
+    False,
+    /// A wall that the map has not.
+    Missed,
+    /// Ground that the map does not show as free.
+    Unseen,
+    TruePath,
+    EstimatedPath,
+}
+
+/// Red, green and blue of each ink.
+const PALETTE: [[u8; 3]; 8] = [
+    [205, 205, 205],
+    [254, 254, 254],
+    [30, 30, 30],
+    [213, 70, 0],
+    [0, 90, 190],
+    [190, 215, 240],
+    [0, 140, 90],
+    [204, 80, 160],
+];
+
+/// A picture of an area, pixel by pixel.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    area: Rect,
+    /// Side of a pixel in metres.
+    pixel: f64,
+    width: usize,
+    height: usize,
+    /// From the lower left, row by row.
+    inks: Vec<Ink>,
+}
+
+impl Picture {
+    /// A map: free cells white, occupied ones black, unknown ones grey, as usual for ROS maps.
+    pub fn of_map(map: &OccupancyMap, area: Rect) -> Self {
+        let mut picture = Picture::empty(area);
+        for row in 0..picture.height {
+            for col in 0..picture.width {
+                picture.inks[row * picture.width + col] = match picture.look(map, col, row) {
+                    Cell::Unknown => Ink::Unknown,
+                    Cell::Free => Ink::Free,
+                    Cell::Occupied => Ink::Wall,
+                };
+            }
+        }
+        picture
+    }
+
+    /// What could be mapped: the ground that the robot can reach white, the walls that can be seen
+    /// from there black.
+    pub fn of_truth(truth: &Truth, area: Rect) -> Self {
+        Picture::of_map(&truth.perfect_map(), area)
+    }
+
+    /// A map over the truth: walls in their place black, walls where there is none vermilion, walls
+    /// that the map has not blue, ground that it does not show as free light blue.
+    pub fn of_errors(truth: &Truth, map: &OccupancyMap, area: Rect) -> Self {
+        let mut picture = Picture::of_map(map, area);
+        let perfect = Picture::of_truth(truth, area);
+        let near = |picture: &Picture| {
+            let walls: Vec<bool> = picture.inks.iter().map(|ink| *ink == Ink::Wall).collect();
+            let limit = IN_PLACE / picture.pixel;
+            let squared = squared_distances(picture.width, &walls);
+            squared.into_iter().map(|d| f64::from(d) <= limit * limit).collect::<Vec<bool>>()
+        };
+        let (near_map, near_truth) = (near(&picture), near(&perfect));
+        for (i, ink) in picture.inks.iter_mut().enumerate() {
+            *ink = match (*ink, perfect.inks[i]) {
+                (Ink::Wall, _) if near_truth[i] => Ink::Wall,
+                (Ink::Wall, _) => Ink::False,
+                (_, Ink::Wall) if !near_map[i] => Ink::Missed,
+                (Ink::Unknown, Ink::Free) => Ink::Unseen,
+                (found, _) => found,
+            };
+        }
+        picture
+    }
+
+    /// Draws the way that a robot really drove, green.
+    pub fn draw_true_path(&mut self, poses: &[Pose]) {
+        self.draw_path(poses, Ink::TruePath);
+    }
+
+    /// Draws the way that a robot thought it drove, pink.
+    pub fn draw_estimated_path(&mut self, poses: &[Pose]) {
+        self.draw_path(poses, Ink::EstimatedPath);
+    }
+
+    /// Writes the picture as PNG.
+    ///
+    /// # Errors
+    ///
+    /// What the writer says.
+    pub fn write_png(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        let mut encoder = Encoder::new(out, self.width as u32, self.height as u32);
+        encoder.set_color(ColorType::Indexed);
+        encoder.set_depth(BitDepth::Eight);
+        encoder.set_palette(PALETTE.concat());
+        encoder.set_compression(Compression::Balanced);
+        let io = |error| match error {
+            EncodingError::IoError(error) => error,
+            other => std::io::Error::other(other),
+        };
+        let mut writer = encoder.write_header().map_err(io)?;
+        // The top row comes first.
+        let rows = self.inks.chunks_exact(self.width).rev();
+        let bytes: Vec<u8> = rows.flatten().map(|ink| *ink as u8).collect();
+        writer.write_image_data(&bytes).map_err(io)?;
+        writer.finish().map_err(io)
+    }
+
+    fn empty(area: Rect) -> Self {
+        let size = area.size().max(DVec2::splat(RESOLUTION));
+        let scale = (size.max_element() / RESOLUTION / MAX_SIDE).ceil().max(1.0);
+        let pixel = scale * RESOLUTION;
+        let low = (area.min / pixel).floor() * pixel;
+        let cells =
+            ((area.max - low) / pixel).ceil().clamp(DVec2::ONE, DVec2::splat(MAX_SIDE + 1.0));
+        let (width, height) = (cells.x as usize, cells.y as usize);
+        let area = Rect::new(low, low + cells * pixel);
+        Picture { area, pixel, width, height, inks: vec![Ink::Unknown; width * height] }
+    }
+
+    /// What the cells under a pixel are: a wall if one is, else free if one is.
+    fn look(&self, map: &OccupancyMap, col: usize, row: usize) -> Cell {
+        let corner = self.area.min + DVec2::new(col as f64, row as f64) * self.pixel;
+        let first = CellIndex::of(corner + 0.5 * RESOLUTION);
+        let scale = (self.pixel / RESOLUTION).round() as i32;
+        let mut found = Cell::Unknown;
+        for y in 0..scale {
+            for x in 0..scale {
+                match map.cell(CellIndex { col: first.col + x, row: first.row + y }) {
+                    Cell::Occupied => return Cell::Occupied,
+                    Cell::Free => found = Cell::Free,
+                    Cell::Unknown => {}
+                }
+            }
+        }
+        found
+    }
+
+    /// A line three pixels wide along the poses, an arrow's head at the start and a ring at the end.
+    fn draw_path(&mut self, poses: &[Pose], ink: Ink) {
+        for pose in poses {
+            self.dot(pose.position, 1.5 * self.pixel, ink);
+        }
+        if let (Some(start), Some(end)) = (poses.first(), poses.last()) {
+            // A triangle that points where the robot looks.
+            for step in 0..=20 {
+                let along = f64::from(step) / 20.0;
+                let half = 0.25 * (1.0 - along);
+                let ahead = unit_vector(start.heading);
+                let middle = start.position + ahead * (0.7 * along - 0.2);
+                for side in -5..=5 {
+                    let off = ahead.perp() * half * f64::from(side) / 5.0;
+                    self.dot(middle + off, 1.5 * self.pixel, ink);
+                }
+            }
+            for step in 0..48 {
+                let turn = std::f64::consts::TAU * f64::from(step) / 48.0;
+                self.dot(end.position + unit_vector(turn) * 0.35, 1.5 * self.pixel, ink);
+            }
+        }
+    }
+
+    fn dot(&mut self, at: DVec2, radius: f64, ink: Ink) {
+        let middle = (at - self.area.min) / self.pixel;
+        let reach = radius / self.pixel;
+        if !middle.is_finite() || middle.abs().max_element() > 2.0 * MAX_SIDE {
+            return;
+        }
+        let (low, high) = ((middle - reach).floor(), (middle + reach).ceil());
+        for row in low.y.max(0.0) as usize..(high.y.max(0.0) as usize).min(self.height) {
+            for col in low.x.max(0.0) as usize..(high.x.max(0.0) as usize).min(self.width) {
+                let centre = DVec2::new(col as f64, row as f64) + 0.5;
+                if centre.distance(middle) <= reach {
+                    self.inks[row * self.width + col] = ink;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::hallway::HallwaySpec;
+    use envgen::{Blueprint, Seed, Spec, World};
+
+    use super::*;
+    use crate::robot::Robot;
+
+    fn world() -> World {
+        let spec = HallwaySpec { segments: 3, ..Default::default() };
+        spec.generate(Seed(7)).expect("a hallway").to_world()
+    }
+
+    fn truth() -> Truth {
+        Truth::new(&world(), &Robot::default()).expect("a start")
+    }
+
+    fn count(picture: &Picture, ink: Ink) -> usize {
+        picture.inks.iter().filter(|found| **found == ink).count()
+    }
+
+    #[test]
+    fn the_perfect_map_has_no_errors_and_the_empty_one_nothing_right() {
+        let truth = truth();
+        let area = truth.frame().area();
+        let perfect = Picture::of_errors(&truth, &truth.perfect_map(), area);
+        assert!(count(&perfect, Ink::Wall) > 100 && count(&perfect, Ink::Free) > 1000);
+        for ink in [Ink::False, Ink::Missed, Ink::Unseen] {
+            assert_eq!(count(&perfect, ink), 0, "{ink:?}");
+        }
+        let empty = Picture::of_errors(&truth, &OccupancyMap::new(), area);
+        assert_eq!(count(&empty, Ink::Missed), count(&perfect, Ink::Wall));
+        assert_eq!(count(&empty, Ink::Unseen), count(&perfect, Ink::Free));
+    }
+
+    #[test]
+    fn a_wall_out_of_place_is_false_and_the_true_one_missed() {
+        let truth = truth();
+        let mut map = OccupancyMap::new();
+        let middle = world().start.expect("a start, a metre from the walls");
+        map.add(CellIndex::of(middle.position), 200);
+        let picture = Picture::of_errors(&truth, &map, truth.frame().area());
+        assert_eq!(count(&picture, Ink::False), 1);
+    }
+
+    #[test]
+    fn pngs_hold_the_pixels_top_row_first() {
+        let mut map = OccupancyMap::new();
+        map.add(CellIndex { col: 0, row: 1 }, 200);
+        map.add(CellIndex { col: 1, row: 0 }, -200);
+        let area = Rect::new(DVec2::ZERO, DVec2::splat(2.0 * RESOLUTION));
+        let mut file = Vec::new();
+        Picture::of_map(&map, area).write_png(&mut file).expect("memory takes all");
+        let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a PNG");
+        let mut bytes = vec![0; reader.output_buffer_size().expect("a small one")];
+        reader.next_frame(&mut bytes).expect("a frame");
+        let grey = |i: usize| bytes[i];
+        assert_eq!([grey(0), grey(1), grey(2), grey(3)], [2, 0, 0, 1]);
+    }
+
+    #[test]
+    fn paths_stay_inside_and_huge_areas_get_coarse() {
+        let area = Rect::new(DVec2::splat(-1000.0), DVec2::splat(1000.0));
+        let mut picture = Picture::of_map(&OccupancyMap::new(), area);
+        assert!(picture.width <= 4001 && picture.pixel > 0.4);
+        let far =
+            [Pose::new(0.0, 0.0, 0.0), Pose::new(1e9, 0.0, 0.0), Pose::new(f64::NAN, 0.0, 0.0)];
+        picture.draw_true_path(&far);
+        picture.draw_estimated_path(&far[..1]);
+        assert!(count(&picture, Ink::EstimatedPath) > 0);
+    }
+}

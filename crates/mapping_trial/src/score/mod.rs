@@ -1,0 +1,293 @@
+//! How well a world was mapped, and how difficult that was: every component, and M, N and D.
+//!
+//! All is compared in the start frame, without alignment: robots know where they start.
+
+pub(crate) mod navigability;
+mod pose;
+mod raster;
+pub(crate) mod walls;
+mod weights;
+
+use envgen::geometry::Pose;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use self::raster::Raster;
+pub use self::weights::{Difficulties, Sensitivity, Weights, kendall_tau, sensitivity};
+use crate::map::OccupancyMap;
+use crate::truth::Truth;
+
+/// Distances in metres up to which a wall counts as mapped in its place.
+const TOLERANCES: [f64; 2] = [0.30, 0.15];
+
+/// Trajectory error in metres that makes half of the worst `e_pose`.
+const HALF_ERROR: f64 = 0.5;
+
+/// Time in seconds for a square metre of ground that makes half of the worst `e_time`.
+const HALF_TIME: f64 = 1.5;
+
+/// Hits that make `e_hit` 1 - 1/e.
+const MANY_HITS: f64 = 5.0;
+
+/// How many hits it counts when a robot is stuck for good.
+const STUCK_HITS: f64 = 3.0;
+
+/// The greatest coordinate of a pose in metres, and heading in radians.
+const MAX_POSITION: f64 = 1e9;
+
+/// Turning in radians that makes half of the worst `e_turn`.
+const HALF_TURNING: f64 = 60.0;
+
+/// Where one robot was, and where it was thought to be, tick by tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Track<'a> {
+    /// True poses.
+    pub truth: &'a [Pose],
+    /// Estimated poses, as many.
+    pub estimated: &'a [Pose],
+}
+
+/// What is known of a run when it ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<'a> {
+    /// The map that was made, all its changes announced by [`OccupancyMap::touch`].
+    pub map: &'a OccupancyMap,
+    /// One track a robot.
+    pub tracks: &'a [Track<'a>],
+    /// Simulated time in seconds.
+    pub time: f64,
+    /// Way of all robots in metres.
+    pub distance: f64,
+    /// Turning of all robots in radians, both ways added.
+    pub turning: f64,
+    /// How often robots ran into something.
+    pub hits: u32,
+    /// How often robots had to be freed.
+    pub recoveries: u32,
+    /// How many robots were stuck for good.
+    pub stuck: u32,
+    /// Seconds that the batteries would still have lasted, the least of all robots.
+    pub energy_left: f64,
+}
+
+/// Why a run has no scores.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ScoreError {
+    /// A track has not as many estimated poses as true ones.
+    #[error("`estimated` of robot {robot} has {estimated} poses, allowed are {truth}, one a tick")]
+    Lengths {
+        /// The robot.
+        robot: usize,
+        /// True poses.
+        truth: usize,
+        /// Estimated poses.
+        estimated: usize,
+    },
+    /// A pose is not finite, or absurdly far.
+    #[error("pose {tick} of robot {robot} is not within {MAX_POSITION} m of the origin")]
+    Pose {
+        /// The robot.
+        robot: usize,
+        /// The tick.
+        tick: usize,
+    },
+    /// A number of the run is none, or negative.
+    #[error("`{field}` is {value}, allowed is a finite number of 0 or more")]
+    Number {
+        /// The field of [`Run`].
+        field: &'static str,
+        /// Its value.
+        value: f64,
+    },
+}
+
+/// The scores of a run.
+///
+/// Shares and errors `e_...` lie between 0 and 1, M, N and D between 0 and 10, 10 being the most
+/// difficult. F is the ground that the robot can cover, cell by cell of 0.1 m.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scores {
+    /// D = 0.6 M + 0.4 N: overall difficulty.
+    pub difficulty: f64,
+    /// M: difficulty of mapping, `10 (0.35 e_wall + 0.30 e_use + 0.25 e_pose + 0.10 e_cov)`.
+    pub mapping: f64,
+    /// N: difficulty of getting around,
+    /// `10 (0.40 e_time + 0.25 e_cov + 0.20 e_hit + 0.15 e_turn)`.
+    pub navigation: f64,
+    /// 1 - F1 at 0.30 m.
+    pub e_wall: f64,
+    /// 1 - U.
+    pub e_use: f64,
+    /// ATE / (ATE + 0.5 m).
+    pub e_pose: f64,
+    /// 1 - C.
+    pub e_cov: f64,
+    /// T / (T + T0), with T0 = 1.5 s for each square metre of F.
+    pub e_time: f64,
+    /// 1 - exp(-(hits + 3 stuck) / 5).
+    pub e_hit: f64,
+    /// Turning / (turning + 60 rad).
+    pub e_turn: f64,
+    /// C: share of F that the map shows as free.
+    pub coverage: f64,
+    /// Share of the map's occupied cells that lie within 0.30 m of a wall that can be seen from F.
+    pub precision_30: f64,
+    /// Share of those walls that lie within 0.30 m of an occupied cell of the map.
+    pub recall_30: f64,
+    /// Harmonic mean of the two.
+    pub f1_30: f64,
+    /// The same within 0.15 m.
+    pub precision_15: f64,
+    /// The same within 0.15 m.
+    pub recall_15: f64,
+    /// The same within 0.15 m.
+    pub f1_15: f64,
+    /// Mean distance in metres from the map's walls to the true ones and back, each cut at 1 m.
+    pub wall_distance: f64,
+    /// Share of the walls that the map shows twice, within 0.7 m to either side.
+    pub ghosting: f64,
+    /// U: share of 40 ways, planned on the map and driven in the true world, that arrive without a
+    /// touch.
+    pub navigability: f64,
+    /// ATE: root mean square of the errors of position in metres over all ticks, not aligned.
+    pub trajectory_error: f64,
+    /// Root mean square error in metres of the position relative to that 1 m of way before;
+    /// absent when no robot went that far.
+    pub relative_error_near: Option<f64>,
+    /// The same of the heading, in radians.
+    pub relative_turn_near: Option<f64>,
+    /// Root mean square error in metres of the position relative to that 20 m of way before;
+    /// absent when no robot went that far.
+    pub relative_error_far: Option<f64>,
+    /// The same of the heading, in radians.
+    pub relative_turn_far: Option<f64>,
+    /// Area of F in square metres.
+    pub free_area: f64,
+    /// Simulated time in seconds.
+    pub time: f64,
+    /// Way of all robots in metres.
+    pub distance: f64,
+    /// Turning of all robots in radians.
+    pub turning: f64,
+    /// How often robots ran into something.
+    pub hits: u32,
+    /// How often robots had to be freed.
+    pub recoveries: u32,
+    /// How many robots were stuck for good.
+    pub stuck: u32,
+    /// Seconds that the batteries would still have lasted.
+    pub energy_left: f64,
+}
+
+impl Scores {
+    /// Scores a run against what could be mapped of its world.
+    ///
+    /// # Errors
+    /// When a track's lists differ in length, or a number is not finite or negative.
+    pub fn of(truth: &Truth, run: &Run<'_>) -> Result<Scores, ScoreError> {
+        check(run)?;
+        let raster = Raster::of(truth, run.map);
+        let walls = walls::compare(truth, &raster, TOLERANCES);
+        let [f1_30, f1_15] = [0, 1].map(|i| harmonic(walls.precision[i], walls.recall[i]));
+        let coverage = coverage(truth, &raster);
+        let navigability = navigability::navigability(truth, run.map);
+        let trajectory_error = pose::absolute(run.tracks);
+        let near = pose::relative(run.tracks, pose::NEAR);
+        let far = pose::relative(run.tracks, pose::FAR);
+        let free_area = truth.free_area();
+        let hits = f64::from(run.hits) + STUCK_HITS * f64::from(run.stuck);
+        let mut scores = Scores {
+            difficulty: 0.0,
+            mapping: 0.0,
+            navigation: 0.0,
+            e_wall: 1.0 - f1_30,
+            e_use: 1.0 - navigability,
+            e_pose: saturating(trajectory_error, HALF_ERROR),
+            e_cov: 1.0 - coverage,
+            e_time: saturating(run.time, HALF_TIME * free_area),
+            e_hit: 1.0 - libm::exp(-hits / MANY_HITS),
+            e_turn: saturating(run.turning, HALF_TURNING),
+            coverage,
+            precision_30: walls.precision[0],
+            recall_30: walls.recall[0],
+            f1_30,
+            precision_15: walls.precision[1],
+            recall_15: walls.recall[1],
+            f1_15,
+            wall_distance: walls.distance,
+            ghosting: walls.ghosting,
+            navigability,
+            trajectory_error,
+            relative_error_near: near.map(|(position, _)| position),
+            relative_turn_near: near.map(|(_, heading)| heading),
+            relative_error_far: far.map(|(position, _)| position),
+            relative_turn_far: far.map(|(_, heading)| heading),
+            free_area,
+            time: run.time,
+            distance: run.distance,
+            turning: run.turning,
+            hits: run.hits,
+            recoveries: run.recoveries,
+            stuck: run.stuck,
+            energy_left: run.energy_left,
+        };
+        let difficulties = Weights::default().difficulties(&scores);
+        scores.difficulty = difficulties.overall;
+        scores.mapping = difficulties.mapping;
+        scores.navigation = difficulties.navigation;
+        Ok(scores)
+    }
+}
+
+fn check(run: &Run<'_>) -> Result<(), ScoreError> {
+    for (robot, track) in run.tracks.iter().enumerate() {
+        let (truth, estimated) = (track.truth.len(), track.estimated.len());
+        if truth != estimated {
+            return Err(ScoreError::Lengths { robot, truth, estimated });
+        }
+        let finite = |pose: &Pose| {
+            pose.position.abs().max_element() <= MAX_POSITION
+                && pose.position.is_finite()
+                && pose.heading.abs() <= MAX_POSITION
+        };
+        let poses = track.truth.iter().zip(track.estimated);
+        let mut poses = poses.map(|(truth, estimated)| finite(truth) && finite(estimated));
+        if let Some(tick) = poses.position(|finite| !finite) {
+            return Err(ScoreError::Pose { robot, tick });
+        }
+    }
+    let numbers = [
+        ("time", run.time),
+        ("distance", run.distance),
+        ("turning", run.turning),
+        ("energy_left", run.energy_left),
+    ];
+    match numbers.into_iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
+        Some((field, value)) => Err(ScoreError::Number { field, value }),
+        None => Ok(()),
+    }
+}
+
+/// `C = |E_f and F| / |F|`.
+fn coverage(truth: &Truth, raster: &Raster) -> f64 {
+    let free = raster.free.iter().enumerate().filter(|(_, free)| **free);
+    let covered = free.filter(|(cell, _)| {
+        let (col, row) = raster.frame.place(*cell);
+        truth.frame().cell(col, row).is_some_and(|cell| truth.free()[cell])
+    });
+    covered.count() as f64 / truth.free_cells() as f64
+}
+
+/// From 0 for nothing to 1 for very much; a half at `half`.
+fn saturating(value: f64, half: f64) -> f64 {
+    if value > 0.0 { value / (value + half) } else { 0.0 }
+}
+
+fn harmonic(a: f64, b: f64) -> f64 {
+    if a + b > 0.0 { 2.0 * a * b / (a + b) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,139 @@
+//! How far estimated poses are off.
+
+use envgen::geometry::{Pose, unit_vector, wrap_angle};
+
+use super::Track;
+
+/// True way in metres between the poses of a near relation.
+pub(super) const NEAR: f64 = 1.0;
+
+/// True way in metres between the poses of a far relation.
+pub(super) const FAR: f64 = 20.0;
+
+/// Way in metres from one relation to the next.
+const SPACING: f64 = 0.25;
+
+/// A root mean square, of nothing so far.
+#[derive(Default)]
+struct Rms {
+    sum: f64,
+    count: u64,
+}
+
+impl Rms {
+    fn add(&mut self, value: f64) {
+        self.sum += value * value;
+        self.count += 1;
+    }
+
+    fn value(&self) -> Option<f64> {
+        (self.count > 0).then(|| (self.sum / self.count as f64).sqrt())
+    }
+}
+
+/// Root mean square of the positions' errors in metres over all robots and ticks, in the start
+/// frame: no alignment. 0 where there are no poses.
+pub(super) fn absolute(tracks: &[Track<'_>]) -> f64 {
+    let mut errors = Rms::default();
+    for track in tracks {
+        for (truth, estimated) in track.truth.iter().zip(track.estimated) {
+            errors.add(truth.position.distance(estimated.position));
+        }
+    }
+    errors.value().unwrap_or(0.0)
+}
+
+/// Root mean squares of the errors of relations between poses that lie `way` metres of true way
+/// apart: of the position in metres and of the heading in radians, over all robots. `None` where no
+/// robot went that far. (Kuemmerle et al., On measuring the accuracy of SLAM algorithms, Autonomous
+/// Robots 27, 2009.)
+pub(super) fn relative(tracks: &[Track<'_>], way: f64) -> Option<(f64, f64)> {
+    let (mut positions, mut headings) = (Rms::default(), Rms::default());
+    for track in tracks {
+        let poses = || track.truth.iter().zip(track.estimated);
+        let mut ends = poses();
+        let (mut gone, mut next_start) = (0.0, 0.0);
+        let (mut end_gone, mut end) = (0.0, ends.next());
+        let mut before: Option<Pose> = None;
+        let mut end_before = end.map(|(truth, _)| *truth);
+        for (truth, estimated) in poses() {
+            gone += before.map_or(0.0, |before: Pose| before.position.distance(truth.position));
+            before = Some(*truth);
+            if gone < next_start {
+                continue;
+            }
+            next_start = gone + SPACING;
+            // Rounding over thousands of steps must not cost the last relation.
+            while end_gone + 1e-9 < gone + way {
+                end = ends.next();
+                let Some((truth, _)) = end else { break };
+                let step = end_before.map_or(0.0, |p| p.position.distance(truth.position));
+                end_gone += step;
+                end_before = Some(*truth);
+            }
+            let Some((end_truth, end_estimated)) = end else { break };
+            let expected = relation(*truth, *end_truth);
+            let found = relation(*estimated, *end_estimated);
+            positions.add(expected.position.distance(found.position));
+            headings.add(wrap_angle(expected.heading - found.heading));
+        }
+    }
+    positions.value().zip(headings.value())
+}
+
+/// Where `to` is as seen from `from`.
+fn relation(from: Pose, to: Pose) -> Pose {
+    let ahead = unit_vector(from.heading);
+    let offset = to.position - from.position;
+    Pose::new(offset.dot(ahead), ahead.perp_dot(offset), to.heading - from.heading)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn straight(count: u32, scale: f64, bend: f64) -> Vec<Pose> {
+        let mut pose = Pose::default();
+        (0..count)
+            .map(|_| {
+                let here = pose;
+                pose.position += unit_vector(pose.heading) * (0.025 * scale);
+                pose.heading += bend;
+                here
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_scale_error_grows_with_the_way() {
+        let (truth, estimated) = (straight(2000, 1.0, 0.0), straight(2000, 1.02, 0.0));
+        let tracks = [Track { truth: &truth, estimated: &estimated }];
+        let (near, turn) = relative(&tracks, NEAR).unwrap();
+        assert!((near - 0.02).abs() < 1e-9 && turn == 0.0, "{near}");
+        let (far, _) = relative(&tracks, FAR).unwrap();
+        assert!((far - 0.4).abs() < 1e-9, "{far}");
+        // 2 % of ways evenly from 0 to 49.975 m.
+        let expected = 0.02 * 49.975 / 3.0_f64.sqrt();
+        assert!((absolute(&tracks) - expected).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_bend_turns_relations() {
+        // 0.025 m a step: 40 steps a metre.
+        let (truth, estimated) = (straight(2000, 1.0, 0.0), straight(2000, 1.0, 1e-4));
+        let tracks = [Track { truth: &truth, estimated: &estimated }];
+        let (_, turn) = relative(&tracks, NEAR).unwrap();
+        assert!((turn - 40e-4).abs() < 1e-9, "{turn}");
+        let (_, turn) = relative(&tracks, FAR).unwrap();
+        assert!((turn - 800e-4).abs() < 1e-9, "{turn}");
+    }
+
+    #[test]
+    fn short_runs_have_no_far_relations() {
+        let truth = straight(100, 1.0, 0.0);
+        let tracks = [Track { truth: &truth, estimated: &truth }];
+        assert_eq!(relative(&tracks, NEAR), Some((0.0, 0.0)));
+        assert_eq!(relative(&tracks, FAR), None);
+        assert_eq!(absolute(&[]), 0.0);
+    }
+}

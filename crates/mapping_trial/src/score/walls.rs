@@ -1,0 +1,131 @@
+//! How well walls were mapped: precision, recall, distances and ghosts.
+
+use glam::DVec2;
+
+use super::raster::Raster;
+use crate::map::{CellIndex, OccupancyMap, RESOLUTION};
+use crate::truth::{SCORE_CELL, Truth, WallPoint};
+use envgen::distance::{FAR_SQUARED, squared_distances};
+
+/// Distances in metres count no further than this.
+pub(super) const CUT: f64 = 1.0;
+
+/// How far from a wall to either side a second image of it is looked for, in metres.
+const GHOST_REACH: f64 = 0.7;
+
+/// How far true walls are looked for, in metres: a map that is off by 0.6 m moves no true wall into
+/// view that was not expected.
+const TRUE_REACH: f64 = 1.3;
+
+/// Width in metres of what parts two images: less is one blurred wall, or the two sides of a thin
+/// one.
+const APART: f64 = 0.2;
+
+/// How the walls of a map compare with those of the world.
+pub(super) struct WallScores {
+    pub(super) precision: [f64; 2],
+    pub(super) recall: [f64; 2],
+    pub(super) distance: f64,
+    pub(super) ghosting: f64,
+}
+
+/// Compares with two tolerances in metres.
+pub(super) fn compare(truth: &Truth, raster: &Raster, tolerances: [f64; 2]) -> WallScores {
+    let (mut found, mut mapped) = (Tally::new(tolerances), Tally::new(tolerances));
+    // Of the map: how far is the nearest true wall?
+    for (cell, _) in raster.occupied.iter().enumerate().filter(|(_, occupied)| **occupied) {
+        let (col, row) = raster.frame.place(cell);
+        let squared = truth.frame().cell(col, row).map(|cell| truth.wall_distance()[cell]);
+        mapped.add(squared.unwrap_or(FAR_SQUARED));
+    }
+    for _ in 0..raster.occupied_outside {
+        mapped.add(FAR_SQUARED);
+    }
+    // Of the world: how far is the nearest wall of the map?
+    let distance = squared_distances(raster.frame.cols, &raster.occupied);
+    for point in truth.walls() {
+        found.add(match raster.frame.cell_at(point.position) {
+            Some(cell) => distance[cell],
+            // Beyond the map nothing is nearer than its border.
+            None => FAR_SQUARED,
+        });
+    }
+    let recall = found.shares(1.0);
+    // Where there is nothing to find, to find nothing is right.
+    let precision = mapped.shares(if truth.walls().is_empty() { 1.0 } else { 0.0 });
+    WallScores {
+        precision,
+        recall,
+        distance: 0.5 * (found.mean() + mapped.mean()),
+        ghosting: ghosting(truth, raster),
+    }
+}
+
+/// Counts distances.
+struct Tally {
+    /// Tolerances as squared distances in cells.
+    within: [f64; 2],
+    hits: [u64; 2],
+    count: u64,
+    sum: f64,
+}
+
+impl Tally {
+    fn new(tolerances: [f64; 2]) -> Self {
+        // Three cells of 0.1 m are 0.3 m, whatever the rounding.
+        let within = tolerances.map(|t| (t / SCORE_CELL) * (t / SCORE_CELL) + 1e-9);
+        Tally { within, hits: [0; 2], count: 0, sum: 0.0 }
+    }
+
+    fn add(&mut self, squared: u16) {
+        let squared = f64::from(squared);
+        for (hits, within) in self.hits.iter_mut().zip(self.within) {
+            *hits += u64::from(squared <= within);
+        }
+        self.count += 1;
+        self.sum += (squared.sqrt() * SCORE_CELL).min(CUT);
+    }
+
+    fn shares(&self, of_nothing: f64) -> [f64; 2] {
+        self.hits.map(
+            |hits| {
+                if self.count > 0 { hits as f64 / self.count as f64 } else { of_nothing }
+            },
+        )
+    }
+
+    /// Mean distance in metres; the cut where there is none.
+    fn mean(&self) -> f64 {
+        if self.count > 0 { self.sum / self.count as f64 } else { CUT }
+    }
+}
+
+/// How often a look along each wall point's normal meets true walls.
+pub(crate) fn true_runs(truth: &Truth, perfect: &OccupancyMap) -> Vec<u8> {
+    let raster = Raster::of(truth, perfect);
+    truth.walls().iter().map(|point| runs(&raster, point, TRUE_REACH)).collect()
+}
+
+/// The share of wall points along whose normal the map has more walls than there are.
+fn ghosting(truth: &Truth, raster: &Raster) -> f64 {
+    let doubled = truth.walls().iter().zip(truth.runs());
+    let doubled = doubled.filter(|(point, known)| runs(raster, point, GHOST_REACH) > **known);
+    let count = doubled.count() as f64;
+    if truth.walls().is_empty() { 0.0 } else { count / truth.walls().len() as f64 }
+}
+
+/// How many walls of a map a look along a wall point's normal meets, to either side.
+fn runs(raster: &Raster, point: &WallPoint, reach: f64) -> u8 {
+    let steps = (reach / RESOLUTION).round() as i32;
+    let apart = (APART / RESOLUTION).round() as i32;
+    let mut last = i32::MIN / 2;
+    let mut runs = 0_u8;
+    for step in -steps..=steps {
+        let p: DVec2 = point.position + point.normal * (f64::from(step) * RESOLUTION);
+        if raster.is_occupied(CellIndex::of(p)) {
+            runs = runs.saturating_add(u8::from(step - last > apart));
+            last = step;
+        }
+    }
+    runs
+}

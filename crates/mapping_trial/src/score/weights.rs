@@ -1,0 +1,218 @@
+//! How the parts of a score weigh, and what a ranking owes to that.
+
+use serde::{Deserialize, Serialize};
+
+use super::Scores;
+
+/// Weights of the parts. Those of M, of N and of D count in proportion: only their ratios matter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Weights {
+    /// Of `e_wall` in M.
+    pub wall: f64,
+    /// Of `e_use` in M.
+    pub navigability: f64,
+    /// Of `e_pose` in M.
+    pub pose: f64,
+    /// Of `e_cov` in M.
+    pub coverage: f64,
+    /// Of `e_time` in N.
+    pub time: f64,
+    /// Of `e_cov` in N.
+    pub reach: f64,
+    /// Of `e_hit` in N.
+    pub hits: f64,
+    /// Of `e_turn` in N.
+    pub turning: f64,
+    /// Of M in D.
+    pub mapping: f64,
+    /// Of N in D.
+    pub navigation: f64,
+}
+
+impl Default for Weights {
+    fn default() -> Self {
+        Weights {
+            wall: 0.35,
+            navigability: 0.30,
+            pose: 0.25,
+            coverage: 0.10,
+            time: 0.40,
+            reach: 0.25,
+            hits: 0.20,
+            turning: 0.15,
+            mapping: 0.6,
+            navigation: 0.4,
+        }
+    }
+}
+
+impl Weights {
+    /// Name and value of every weight.
+    fn all(&mut self) -> [(&'static str, &mut f64); 10] {
+        [
+            ("wall", &mut self.wall),
+            ("navigability", &mut self.navigability),
+            ("pose", &mut self.pose),
+            ("coverage", &mut self.coverage),
+            ("time", &mut self.time),
+            ("reach", &mut self.reach),
+            ("hits", &mut self.hits),
+            ("turning", &mut self.turning),
+            ("mapping", &mut self.mapping),
+            ("navigation", &mut self.navigation),
+        ]
+    }
+
+    /// M, N and D on the scale from 0 to 10, from the parts of a score.
+    pub fn difficulties(&self, scores: &Scores) -> Difficulties {
+        let mean = |parts: &[(f64, f64)]| {
+            let (sum, weight) = parts
+                .iter()
+                .fold((0.0, 0.0), |(sum, all), (weight, e)| (sum + weight * e, all + weight));
+            if weight > 0.0 { sum / weight } else { 0.0 }
+        };
+        let mapping = 10.0
+            * mean(&[
+                (self.wall, scores.e_wall),
+                (self.navigability, scores.e_use),
+                (self.pose, scores.e_pose),
+                (self.coverage, scores.e_cov),
+            ]);
+        let navigation = 10.0
+            * mean(&[
+                (self.time, scores.e_time),
+                (self.reach, scores.e_cov),
+                (self.hits, scores.e_hit),
+                (self.turning, scores.e_turn),
+            ]);
+        let overall = mean(&[(self.mapping, mapping), (self.navigation, navigation)]);
+        Difficulties { mapping, navigation, overall }
+    }
+}
+
+/// How difficult a world was, from 0 to 10.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Difficulties {
+    /// M: how difficult it was to map.
+    pub mapping: f64,
+    /// N: how difficult it was to get around in.
+    pub navigation: f64,
+    /// D: both.
+    pub overall: f64,
+}
+
+/// How a ranking moves when one weight changes by half.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sensitivity {
+    /// The weight, by the name of its field in [`Weights`].
+    pub weight: &'static str,
+    /// What it was multiplied with: 0.5 or 1.5.
+    pub factor: f64,
+    /// Kendall's tau-b between the order by D before and after; 1 when nothing moves, absent
+    /// where one of the two knows no order.
+    pub tau: Option<f64>,
+    /// The most places that one trial moves in the order by D, least first; equals keep the
+    /// order in which they were given.
+    pub most_places: usize,
+}
+
+/// Ranks trials by D with each weight halved and one and a half times as large in turn, and
+/// compares with the ranking by the weights as they are. O(n^2) for n trials.
+pub fn sensitivity(scores: &[Scores], weights: Weights) -> Vec<Sensitivity> {
+    let overall = |weights: Weights| -> Vec<f64> {
+        scores.iter().map(|scores| weights.difficulties(scores).overall).collect()
+    };
+    let before = overall(weights);
+    let mut found = Vec::new();
+    for i in 0..10 {
+        for factor in [0.5, 1.5] {
+            let mut changed = weights;
+            let mut all = changed.all();
+            let (weight, value) = &mut all[i];
+            let weight = *weight;
+            **value *= factor;
+            let after = overall(changed);
+            let tau = kendall_tau(&before, &after);
+            found.push(Sensitivity {
+                weight,
+                factor,
+                tau,
+                most_places: most_places(&before, &after),
+            });
+        }
+    }
+    found
+}
+
+/// Kendall's rank correlation tau-b (Kendall, Biometrika 33, 1945), which allows for ties; `None`
+/// for lists of different lengths, or when all values of one are equal. O(n^2).
+pub fn kendall_tau(a: &[f64], b: &[f64]) -> Option<f64> {
+    if a.len() != b.len() {
+        return None;
+    }
+    let (mut score, mut untied_a, mut untied_b) = (0_i64, 0_i64, 0_i64);
+    for i in 0..a.len() {
+        for j in 0..i {
+            let order = |x: &[f64]| x[i].total_cmp(&x[j]) as i64;
+            let (in_a, in_b) = (order(a), order(b));
+            score += in_a * in_b;
+            untied_a += in_a * in_a;
+            untied_b += in_b * in_b;
+        }
+    }
+    let norm = (untied_a as f64 * untied_b as f64).sqrt();
+    (norm > 0.0).then(|| score as f64 / norm)
+}
+
+fn most_places(a: &[f64], b: &[f64]) -> usize {
+    let places = |values: &[f64]| {
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
+        let mut places = vec![0; values.len()];
+        order.into_iter().enumerate().for_each(|(place, i)| places[i] = place);
+        places
+    };
+    let (a, b) = (places(a), places(b));
+    a.into_iter().zip(b).map(|(a, b): (usize, usize)| a.abs_diff(b)).max().unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tau_counts_pairs() {
+        assert_eq!(kendall_tau(&[1.0, 2.0, 3.0], &[10.0, 20.0, 30.0]), Some(1.0));
+        assert_eq!(kendall_tau(&[1.0, 2.0, 3.0], &[3.0, 2.0, 1.0]), Some(-1.0));
+        // One of six pairs the wrong way round.
+        let tau = kendall_tau(&[1.0, 2.0, 3.0, 4.0], &[1.0, 3.0, 2.0, 4.0]).unwrap();
+        assert!((tau - 4.0 / 6.0).abs() < 1e-12);
+        // One tie: 5 concordant of sqrt(6 * 5).
+        let tau = kendall_tau(&[1.0, 2.0, 3.0, 4.0], &[1.0, 2.0, 2.0, 4.0]).unwrap();
+        assert!((tau - 5.0 / 30.0_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(kendall_tau(&[1.0, 2.0], &[1.0, 1.0]), None);
+        assert_eq!(kendall_tau(&[1.0], &[1.0, 2.0]), None);
+    }
+
+    fn scores(e_wall: f64, e_time: f64) -> Scores {
+        Scores { e_wall, e_time, ..Scores::default() }
+    }
+
+    #[test]
+    fn a_ranking_that_hangs_on_one_weight_is_told() {
+        // D is 2.1 e_wall + 1.6 e_time with the weights as they are.
+        let trials = [scores(0.8, 0.1), scores(0.1, 0.9), scores(0.0, 0.0)];
+        let found = sensitivity(&trials, Weights::default());
+        assert_eq!(found.len(), 20);
+        let of = |weight, factor| {
+            found.iter().find(|s| s.weight == weight && s.factor == factor).unwrap()
+        };
+        assert_eq!(of("wall", 1.5).tau, Some(1.0));
+        assert_eq!(of("wall", 1.5).most_places, 0);
+        assert!(of("wall", 0.5).tau.unwrap() < 1.0);
+        assert_eq!(of("wall", 0.5).most_places, 1);
+        // A weight of a part that is 0 everywhere changes nothing of the order within M.
+        assert_eq!(of("hits", 0.5).tau, Some(1.0));
+    }
+}

@@ -1,0 +1,217 @@
+//! Closing loops: keyframes that see a place from long before.
+
+use envgen::geometry::{Pose, wrap_angle};
+
+use super::graph::{Relation, held_by_walls};
+use super::likelihood::LikelihoodField;
+use super::mapper::{Keyframe, WALL_VARIANCE, WallPiece, stamp, walls};
+use super::matcher::{Matcher, Window};
+use super::motion::between;
+use super::sweep::FEWEST_ECHOES;
+
+/// Path in metres that a place has to lie back to count as an old one.
+const OLDER: f64 = 10.0;
+
+/// Distance in metres within which an old place is looked for: this much, and so much for each
+/// metre of path since, up to the window that is searched.
+const NEAR: (f64, f64) = (3.0, 0.02);
+
+/// Largest difference of headings of two keyframes that see enough of the same, as a share of the
+/// laser's field of view: two thirds of what they see is common.
+const COMMON_VIEW: f64 = 1.0 / 3.0;
+
+/// Metres that a radian between the headings of two keyframes counts as, in choosing the old
+/// keyframe that sees the most of the same.
+const TURN_COUNTS: f64 = 0.5;
+
+/// Keyframes in the local map of an old place.
+const CHAIN: usize = 10;
+
+/// Half the side of the window in metres, and the largest difference of headings, that a scan is
+/// searched in.
+const REACH: (f64, f64) = (4.0, 20.0 * std::f64::consts::PI / 180.0);
+
+/// Margin of the window, in metres and radians, in which nothing is believed.
+const EDGE: (f64, f64) = (0.1, 1.0 * std::f64::consts::PI / 180.0);
+
+/// Farthest that a match may be from where the robot is thought to be: metres, and standard
+/// deviations.
+const CREDIBLE: (f64, f64) = (0.5, 4.0);
+
+/// Least standard deviation in metres that an old place is expected with.
+const LEAST_DEVIATION: f64 = 0.2;
+
+/// Mean likelihood that a match has to reach.
+const RESPONSE: f64 = 0.45;
+
+/// Distance in metres and difference of headings in radians up to which two matches in a row agree.
+const AGREEMENT: (f64, f64) = (0.2, 3.0 * std::f64::consts::PI / 180.0);
+
+/// Path in metres from one attempt to the next, and from a closed loop to the next attempt.
+const PAUSE: (f64, f64) = (1.0, 3.0);
+
+/// Levels of the fields of local maps.
+const BLOCKS: [i32; 3] = [1, 4, 16];
+
+/// Looks for closed loops, for all robots of a map.
+#[derive(Clone, Debug)]
+pub(crate) struct LoopCloser {
+    field: LikelihoodField,
+    matcher: Matcher,
+    /// Largest difference of headings of keyframes that can be matched.
+    most_turn: f64,
+    robots: Vec<Progress>,
+}
+
+/// Where the search stands for one robot.
+#[derive(Clone, Debug, Default)]
+struct Progress {
+    /// Its keyframes.
+    chain: Vec<usize>,
+    /// Path at which the next attempt is due.
+    due: f64,
+    /// A match that waits for a second one.
+    pending: Option<Seen>,
+}
+
+/// A keyframe that was found at an old place.
+#[derive(Clone, Debug)]
+struct Seen {
+    keyframe: usize,
+    old: usize,
+    pose: Pose,
+    walls: Vec<WallPiece>,
+}
+
+/// A loop that was found closed.
+#[derive(Clone, Debug)]
+pub(crate) struct Closed {
+    /// Two keyframes as seen from the old place, the newer last.
+    pub(crate) relations: [Relation; 2],
+    /// The walls that hold the newer.
+    pub(crate) walls: Vec<WallPiece>,
+}
+
+impl LoopCloser {
+    pub(crate) fn new(robots: usize, field_of_view: f64) -> Self {
+        LoopCloser {
+            field: LikelihoodField::new(&BLOCKS),
+            matcher: Matcher::new(),
+            most_turn: COMMON_VIEW * field_of_view,
+            robots: vec![Progress::default(); robots],
+        }
+    }
+
+    /// Takes the newest keyframe. Two in a row that are found at an old place, in agreement, give
+    /// the relations of a closed loop.
+    pub(crate) fn take(&mut self, keyframes: &[Keyframe]) -> Option<Closed> {
+        let newest = keyframes.len().checked_sub(1)?;
+        let Keyframe { robot, path, .. } = keyframes[newest];
+        self.robots[robot].chain.push(newest);
+        if path < self.robots[robot].due {
+            return None;
+        }
+        let pending = self.robots[robot].pending.take();
+        let found = self.old_place(keyframes, newest).and_then(|old| {
+            let pose = self.find(keyframes, newest, old)?;
+            let walls = walls(&self.field, pose, &keyframes[newest].sweep.echoes);
+            Some(Seen { keyframe: newest, old, pose, walls })
+        });
+        let Some(seen) = found else {
+            self.robots[robot].due = path + PAUSE.0;
+            return None;
+        };
+        match pending.filter(|before| agree(keyframes, before, &seen)) {
+            Some(before) => {
+                self.robots[robot].due = path + PAUSE.1;
+                let relations = [&before, &seen].map(|seen| relation(keyframes, seen));
+                Some(Closed { relations, walls: seen.walls })
+            }
+            // The next keyframe is tried at once.
+            None => {
+                self.robots[robot].pending = Some(seen);
+                None
+            }
+        }
+    }
+
+    /// The old keyframe that sees most of what a new one sees, by its place and heading.
+    fn old_place(&self, keyframes: &[Keyframe], newest: usize) -> Option<usize> {
+        let new = &keyframes[newest];
+        let mut best = None;
+        // What lies behind a robot's first keyframes was never seen.
+        let is_seen = |i: usize| {
+            let chain = &self.robots[keyframes[i].robot].chain;
+            chain.get(CHAIN / 2).is_some_and(|&first| first <= i)
+        };
+        for (i, old) in keyframes[..newest].iter().enumerate() {
+            // The way from one to the other: through the known starts for two robots.
+            let path =
+                if old.robot == new.robot { new.path - old.path } else { new.path + old.path };
+            let distance = new.pose.position.distance(old.pose.position);
+            if path >= OLDER && distance <= (NEAR.0 + NEAR.1 * path).min(REACH.0) {
+                let turn = wrap_angle(new.pose.heading - old.pose.heading).abs();
+                let rank = distance + TURN_COUNTS * turn;
+                if turn <= self.most_turn && best.is_none_or(|(least, _)| rank < least) {
+                    best = Some((rank, i));
+                }
+            }
+        }
+        best.map(|(_, i)| i).filter(|&i| is_seen(i))
+    }
+
+    /// Matches a keyframe's scan with the local map around an old one.
+    fn find(&mut self, keyframes: &[Keyframe], newest: usize, old: usize) -> Option<Pose> {
+        let new = &keyframes[newest];
+        if new.sweep.echoes.len() < FEWEST_ECHOES {
+            return None;
+        }
+        // Places look alike: of two that do, the one nearer to where the robot is thought to be.
+        let variance = new.variance.position + keyframes[old].variance.position;
+        let deviation = variance.sqrt().clamp(LEAST_DEVIATION, REACH.0 / 3.0);
+        let heading_deviation = REACH.1 / 3.0;
+        let window = Window {
+            centre: new.pose,
+            deviation,
+            heading_deviation,
+            reach: REACH.0,
+            heading_reach: REACH.1,
+        };
+        self.field.reset(new.pose.position, Matcher::radius(new.sweep.radius(), &window));
+        let chain = &self.robots[keyframes[old].robot].chain;
+        let middle = chain.partition_point(|&i| i < old);
+        let first = middle.saturating_sub(CHAIN / 2);
+        for &i in chain[first..].iter().take(CHAIN).filter(|&&i| i != newest) {
+            stamp(&mut self.field, keyframes[i].pose, &keyframes[i].sweep.echoes);
+        }
+        let found = self.matcher.find(&self.field, &new.sweep.echoes, window)?;
+        // The best at the window's edge is none: it is better still outside. Nor is one that is
+        // farther off than the robot can be: places look alike.
+        let shift = found.pose.position - new.pose.position;
+        let turn = wrap_angle(found.pose.heading - new.pose.heading).abs();
+        let inside = shift.abs().max_element() < REACH.0 - EDGE.0
+            && turn < REACH.1 - EDGE.1
+            && shift.length() <= CREDIBLE.0 + CREDIBLE.1 * variance.sqrt();
+        (inside && found.response >= RESPONSE).then_some(found.pose)
+    }
+}
+
+/// Whether two matches put the way between them where the robot went.
+fn agree(keyframes: &[Keyframe], a: &Seen, b: &Seen) -> bool {
+    let went = between(keyframes[a.keyframe].pose, keyframes[b.keyframe].pose);
+    let found = between(a.pose, b.pose);
+    went.position.distance(found.position) <= AGREEMENT.0
+        && wrap_angle(went.heading - found.heading).abs() <= AGREEMENT.1
+}
+
+/// What a match says: much across the walls that the scan saw, nothing along a bare corridor.
+fn relation(keyframes: &[Keyframe], seen: &Seen) -> Relation {
+    let measured = between(keyframes[seen.old].pose, seen.pose);
+    Relation {
+        from: seen.old,
+        to: seen.keyframe,
+        measured,
+        information: held_by_walls(measured, &seen.walls, WALL_VARIANCE),
+        is_robust: true,
+    }
+}

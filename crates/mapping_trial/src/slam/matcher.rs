@@ -1,0 +1,546 @@
+//! Correlative scan matching (Olson, Real-Time Correlative Scan Matching, ICRA 2009): the pose near
+//! an expected one at which a scan fits a likelihood field best.
+
+use envgen::geometry::{Pose, unit_vector, wrap_angle};
+use glam::{DVec2, Vec2};
+
+use super::likelihood::LikelihoodField;
+use crate::map::RESOLUTION;
+
+/// Fine steps a cell: 3.1 mm.
+const FINE: i32 = 16;
+
+const FINE_BITS: u32 = FINE.trailing_zeros();
+
+/// A fine step of the heading: 0.06 degrees.
+pub const FINE_ANGLE: f64 = 0.06 * std::f64::consts::PI / 180.0;
+
+/// Fine steps of the heading in a coarse one.
+const COARSE_ANGLE: i32 = 8;
+
+/// Steps of the refinement: in 1/16 cells, and in fine angles.
+const REFINEMENT: [(i32, i32); 4] = [(8, 4), (4, 2), (2, 1), (1, 1)];
+
+/// Weight of the squared deviation from the expected pose, in likelihood.
+const PRIOR_WEIGHT: f64 = 0.002;
+
+/// Shifts of the refinement: none, along an axis, along both.
+const NEIGHBOURS: [(i32, i32); 9] =
+    [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
+
+/// Moves of the refinement at most, at each step size.
+const MOST_MOVES: usize = 64;
+
+/// Where a pose is expected, and where it is looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// The expected pose.
+    pub centre: Pose,
+    /// Standard deviation of its position in metres.
+    pub deviation: f64,
+    /// Standard deviation of its heading in radians.
+    pub heading_deviation: f64,
+    /// Half the side of the square that is searched, in metres.
+    pub reach: f64,
+    /// The largest difference of headings that is searched, in radians.
+    pub heading_reach: f64,
+}
+
+impl Window {
+    /// Three standard deviations around an expected pose.
+    pub fn around(centre: Pose, deviation: f64, heading_deviation: f64) -> Self {
+        let (reach, heading_reach) = (3.0 * deviation, 3.0 * heading_deviation);
+        Window { centre, deviation, heading_deviation, reach, heading_reach }
+    }
+
+    /// Whether there is anything to be searched: finite numbers, positive deviations.
+    fn is_sound(&self) -> bool {
+        let Pose { position, heading } = self.centre;
+        let sizes = [self.deviation, self.heading_deviation];
+        position.is_finite()
+            && heading.is_finite()
+            && sizes.iter().all(|&size| size > 0.0 && size.is_finite())
+            && self.reach >= 0.0
+            && self.heading_reach >= 0.0
+    }
+}
+
+/// What was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Match {
+    /// The pose of the highest score.
+    pub pose: Pose,
+    /// Mean likelihood of the echoes there, 0 to 1.
+    pub response: f64,
+    /// Response minus the penalty for what deviates from the expected pose.
+    pub score: f64,
+}
+
+/// A place of the search: steps from the expected pose, in fine steps on each axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Step {
+    x: i32,
+    y: i32,
+    angle: i32,
+}
+
+/// Cells x to x + block - 1, y likewise, at one heading.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    bound: f64,
+    /// Place of the heading in the list of those that are searched.
+    turn: i32,
+    x: i32,
+    y: i32,
+}
+
+/// Matches scans; it holds what is used again from scan to scan.
+#[derive(Clone, Debug, Default)]
+pub struct Matcher {
+    /// Place in the field of each echo at each heading, heading by heading.
+    places: Vec<u32>,
+    /// Echoes at one heading in fine steps from the field's corner, for the refinement.
+    fine: Vec<(i32, i32)>,
+    roots: Vec<Block>,
+}
+
+/// One search over the lattice of whole cells and coarse headings.
+struct Search<'a> {
+    field: &'a LikelihoodField,
+    blocks: Vec<i32>,
+    places: &'a [u32],
+    echoes: usize,
+    window: Window,
+    /// Whole cells that are searched on each side of the expected pose.
+    cells: i32,
+    /// Coarse headings likewise.
+    turns: i32,
+    best: f64,
+    found: Step,
+}
+
+impl Matcher {
+    /// A matcher.
+    pub fn new() -> Self {
+        Matcher::default()
+    }
+
+    /// Finds where the echoes of a scan, in metres in the robot's frame, fit best. First the best
+    /// place of a lattice of whole cells and headings 0.48 degrees apart is found, exactly, by
+    /// branch and bound on the pooled levels; from there the interpolated likelihood is climbed in
+    /// halved steps down to 3 mm and 0.06 degrees.
+    ///
+    /// The field is to cover the scan wherever in the window it may lie; see
+    /// [`Matcher::radius`]. `None` without an echo, or when it does not.
+    pub fn find(
+        &mut self,
+        field: &LikelihoodField,
+        echoes: &[Vec2],
+        window: Window,
+    ) -> Option<Match> {
+        let coarse = self.coarse(field, echoes, window)?;
+        Some(self.refine(field, echoes, window, coarse))
+    }
+
+    /// As [`Matcher::find`], without the refinement.
+    pub fn find_coarse(
+        &mut self,
+        field: &LikelihoodField,
+        echoes: &[Vec2],
+        window: Window,
+    ) -> Option<Match> {
+        let step = self.coarse(field, echoes, window)?;
+        let places = &mut self.fine;
+        turn_into(places, field, echoes, window.centre, step.angle);
+        let sum: u64 = places.iter().map(|&(x, y)| nearest(field, x + step.x, y + step.y)).sum();
+        let response = sum as f64 / (255 * echoes.len()) as f64;
+        let score = response - penalty(window, step.x, step.y, step.angle);
+        Some(Match { pose: pose_at(window.centre, step), response, score })
+    }
+
+    /// Half the side in metres of the square around a window's centre that a field has to cover,
+    /// for a scan that reaches `scan` metres from the robot.
+    pub fn radius(scan: f64, window: &Window) -> f64 {
+        scan + window.reach + 2.0 * RESOLUTION
+    }
+
+    /// The best step of the coarse lattice.
+    fn coarse(&mut self, field: &LikelihoodField, echoes: &[Vec2], window: Window) -> Option<Step> {
+        let cells = (window.reach / RESOLUTION).ceil().min(1e3) as i32;
+        let turns = (window.heading_reach / (f64::from(COARSE_ANGLE) * FINE_ANGLE)).ceil();
+        let turns = turns.min(4e2) as i32;
+        let blocks: Vec<i32> = field.blocks().collect();
+        let largest = blocks.iter().copied().max()?;
+        if echoes.is_empty() || field.cols() == 0 || !window.is_sound() {
+            return None;
+        }
+
+        self.places.clear();
+        let cols = field.cols() as i32;
+        let rows = (field.cells(0).len() / field.cols()) as i32;
+        // The search looks at blocks that begin up to a block below the window.
+        let (low, high) = (cells + largest, cells + largest);
+        for turn in -turns..=turns {
+            turn_into(&mut self.fine, field, echoes, window.centre, turn * COARSE_ANGLE);
+            for &(x, y) in &self.fine {
+                let (col, row) = (x >> FINE_BITS, y >> FINE_BITS);
+                if col < low || row < low || col + high >= cols || row + high >= rows {
+                    return None;
+                }
+                self.places.push((row * cols + col) as u32);
+            }
+        }
+        let mut search = Search {
+            field,
+            blocks,
+            places: &self.places,
+            echoes: echoes.len(),
+            window,
+            cells,
+            turns,
+            best: f64::NEG_INFINITY,
+            found: Step { x: 0, y: 0, angle: 0 },
+        };
+        search.run(&mut self.roots);
+        Some(search.found)
+    }
+
+    /// Climbs from a step of the coarse lattice.
+    fn refine(
+        &mut self,
+        field: &LikelihoodField,
+        echoes: &[Vec2],
+        window: Window,
+        from: Step,
+    ) -> Match {
+        // Turns are about the middle of the echoes, so that they do not shift the whole scan.
+        let sum = echoes.iter().fold(DVec2::ZERO, |sum, p| sum + p.as_dvec2());
+        let middle = sum / echoes.len() as f64;
+        let lever = |angle: i32| {
+            let heading = window.centre.heading + f64::from(angle) * FINE_ANGLE;
+            unit_vector(heading).rotate(middle) * (f64::from(FINE) / RESOLUTION)
+        };
+        let per_echo = 1.0 / ((255 * FINE * FINE) as f64 * echoes.len() as f64);
+        let score = |places: &[(i32, i32)], step: Step| {
+            let response = interpolated(field, places, step.x, step.y) as f64 * per_echo;
+            (response - penalty(window, step.x, step.y, step.angle), response)
+        };
+        let (most, most_angle) = (
+            (window.reach / RESOLUTION).ceil() as i32 * FINE,
+            (window.heading_reach / FINE_ANGLE).ceil() as i32,
+        );
+        let inside = |step: Step| step.x.abs() <= most && step.y.abs() <= most;
+
+        let mut at = from;
+        let mut turned = Vec::with_capacity(echoes.len());
+        turn_into(&mut self.fine, field, echoes, window.centre, at.angle);
+        let mut best = score(&self.fine, at);
+        for (shift, angle) in REFINEMENT {
+            // Along the axes first; where that leads no further, along all diagonals as well.
+            let mut shifts = &NEIGHBOURS[..5];
+            for _ in 0..MOST_MOVES {
+                let before = at;
+                for turn in [0, angle, -angle] {
+                    let swing = (lever(at.angle) - lever(at.angle + turn)).round().as_ivec2();
+                    let base =
+                        Step { x: at.x + swing.x, y: at.y + swing.y, angle: at.angle + turn };
+                    if base.angle.abs() > most_angle {
+                        continue;
+                    }
+                    let places = if turn == 0 {
+                        &self.fine
+                    } else {
+                        turn_into(&mut turned, field, echoes, window.centre, base.angle);
+                        &turned
+                    };
+                    let all = if turn == 0 || shifts.len() > 5 { shifts } else { &shifts[..1] };
+                    let start = at;
+                    for &(dx, dy) in all {
+                        let step = Step { x: base.x + dx * shift, y: base.y + dy * shift, ..base };
+                        if step != start && inside(step) {
+                            let tried = score(places, step);
+                            if tried.0 > best.0 {
+                                (at, best) = (step, tried);
+                            }
+                        }
+                    }
+                    if at.angle != start.angle {
+                        std::mem::swap(&mut turned, &mut self.fine);
+                    }
+                }
+                if at != before {
+                    shifts = &NEIGHBOURS[..5];
+                } else if shifts.len() > 5 {
+                    break;
+                } else {
+                    shifts = &NEIGHBOURS;
+                }
+            }
+        }
+        Match { pose: pose_at(window.centre, at), response: best.1, score: best.0 }
+    }
+}
+
+impl Search<'_> {
+    fn run(&mut self, roots: &mut Vec<Block>) {
+        // From the largest blocks to single cells.
+        let mut order: Vec<usize> = (0..self.blocks.len()).collect();
+        order.sort_by_key(|&level| std::cmp::Reverse(self.blocks[level]));
+        let Some(&top) = order.first() else { return };
+        let size = self.blocks[top];
+        roots.clear();
+        for turn in -self.turns..=self.turns {
+            for y in (-self.cells..=self.cells).step_by(size as usize) {
+                for x in (-self.cells..=self.cells).step_by(size as usize) {
+                    let bound = self.bound(top, turn, x, y);
+                    roots.push(Block { bound, turn, x, y });
+                }
+            }
+        }
+        by_bound(roots);
+        for &root in roots.iter() {
+            if root.bound <= self.best {
+                break;
+            }
+            self.descend(&order, root);
+        }
+    }
+
+    /// Looks into a block of the first level of `order`.
+    fn descend(&mut self, order: &[usize], block: Block) {
+        let [level, finer @ ..] = order else { return };
+        let Some(&next) = finer.first() else {
+            if block.bound > self.best {
+                self.best = block.bound;
+                self.found =
+                    Step { x: block.x * FINE, y: block.y * FINE, angle: block.turn * COARSE_ANGLE };
+            }
+            return;
+        };
+        let (size, step) = (self.blocks[*level], self.blocks[next] as usize);
+        let end = |from: i32| (from + size - 1).min(self.cells);
+        let mut children = Vec::with_capacity(((size * size) as usize).div_ceil(step * step));
+        for y in (block.y..=end(block.y)).step_by(step) {
+            for x in (block.x..=end(block.x)).step_by(step) {
+                let bound = self.bound(next, block.turn, x, y);
+                if bound > self.best {
+                    children.push(Block { bound, turn: block.turn, x, y });
+                }
+            }
+        }
+        by_bound(&mut children);
+        for child in children {
+            if child.bound <= self.best {
+                break;
+            }
+            self.descend(finer, child);
+        }
+    }
+
+    /// The most that a step within a block can score; what it does score for a single cell.
+    fn bound(&self, level: usize, turn: i32, x: i32, y: i32) -> f64 {
+        let offset = y * self.field.cols() as i32 + x;
+        let first = (turn + self.turns) as usize * self.echoes;
+        let cells = self.field.cells(level);
+        let places = &self.places[first..first + self.echoes];
+        let look = |&place: &u32| u64::from(cells[place.wrapping_add_signed(offset) as usize]);
+        let sum: u64 = places.iter().map(look).sum();
+        let last = self.blocks[level] - 1;
+        let nearest = |from: i32| 0.clamp(from, from + last) * FINE;
+        let response = sum as f64 / (255 * self.echoes) as f64;
+        response - penalty(self.window, nearest(x), nearest(y), turn * COARSE_ANGLE)
+    }
+}
+
+/// Puts the most promising blocks first; of equal ones those that came first stay first.
+fn by_bound(blocks: &mut [Block]) {
+    blocks.sort_by(|a, b| b.bound.total_cmp(&a.bound));
+}
+
+/// What a step away from the expected pose costs.
+fn penalty(window: Window, x: i32, y: i32, angle: i32) -> f64 {
+    let metres = RESOLUTION / f64::from(FINE);
+    let (x, y) = (f64::from(x) * metres, f64::from(y) * metres);
+    let turn = f64::from(angle) * FINE_ANGLE / window.heading_deviation;
+    PRIOR_WEIGHT * ((x * x + y * y) / (window.deviation * window.deviation) + turn * turn)
+}
+
+fn pose_at(centre: Pose, step: Step) -> Pose {
+    let shift = DVec2::new(f64::from(step.x), f64::from(step.y)) * (RESOLUTION / f64::from(FINE));
+    Pose {
+        position: centre.position + shift,
+        heading: wrap_angle(centre.heading + f64::from(step.angle) * FINE_ANGLE),
+    }
+}
+
+/// Echoes at a heading some fine steps from the expected one, in fine steps from the field's
+/// corner.
+fn turn_into(
+    places: &mut Vec<(i32, i32)>,
+    field: &LikelihoodField,
+    echoes: &[Vec2],
+    centre: Pose,
+    angle: i32,
+) {
+    let per_cell = 1.0 / RESOLUTION;
+    let scale = (f64::from(FINE) * per_cell) as f32;
+    let axis = unit_vector(centre.heading + f64::from(angle) * FINE_ANGLE).as_vec2() * scale;
+    // The pose lies within the field, so that single precision is far finer than a fine step.
+    let base = (centre.position * per_cell - field.origin().as_dvec2()) * f64::from(FINE);
+    let base = base.as_vec2();
+    places.clear();
+    places.extend(echoes.iter().map(|p| {
+        let x = base.x + (axis.x * p.x - axis.y * p.y);
+        let y = base.y + (axis.y * p.x + axis.x * p.y);
+        (x as i32, y as i32)
+    }));
+}
+
+/// The likelihood at a place in fine steps, of the cell that holds it.
+fn nearest(field: &LikelihoodField, x: i32, y: i32) -> u64 {
+    let index = (y >> FINE_BITS) as usize * field.cols() + (x >> FINE_BITS) as usize;
+    u64::from(field.cells(0)[index])
+}
+
+/// The sum over all echoes of the likelihood between the middles of cells, in 1/65280.
+fn interpolated(field: &LikelihoodField, places: &[(i32, i32)], dx: i32, dy: i32) -> u64 {
+    let (cells, cols) = (field.cells(0), field.cols());
+    let (dx, dy) = (dx - FINE / 2, dy - FINE / 2);
+    let mut sum = 0;
+    for &(x, y) in places {
+        let (x, y) = (x + dx, y + dy);
+        let index = (y >> FINE_BITS) as usize * cols + (x >> FINE_BITS) as usize;
+        let (u, v) = ((x & (FINE - 1)) as u32, (y & (FINE - 1)) as u32);
+        let across =
+            |at: usize| u32::from(cells[at]) * (FINE as u32 - u) + u32::from(cells[at + 1]) * u;
+        sum += u64::from(across(index) * (FINE as u32 - v) + across(index + cols) * v);
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use envgen::Seed;
+    use proptest::prelude::*;
+
+    /// The best score of the coarse lattice, by looking at every place of it.
+    fn exhaustive(field: &LikelihoodField, echoes: &[Vec2], window: Window) -> f64 {
+        let cells = (window.reach / RESOLUTION).ceil() as i32;
+        let turns = (window.heading_reach / (f64::from(COARSE_ANGLE) * FINE_ANGLE)).ceil() as i32;
+        let mut best = f64::NEG_INFINITY;
+        let mut places = Vec::new();
+        for turn in -turns..=turns {
+            turn_into(&mut places, field, echoes, window.centre, turn * COARSE_ANGLE);
+            for y in (-cells..=cells).map(|y| y * FINE) {
+                for x in (-cells..=cells).map(|x| x * FINE) {
+                    let sum: u64 = places.iter().map(|p| nearest(field, p.0 + x, p.1 + y)).sum();
+                    let response = sum as f64 / (255 * echoes.len()) as f64;
+                    best = best.max(response - penalty(window, x, y, turn * COARSE_ANGLE));
+                }
+            }
+        }
+        best
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+
+        #[test]
+        fn branch_and_bound_finds_the_best_place(
+            seed in any::<u64>(), deviation in 0.02..0.3_f64, heading_deviation in 0.005..0.08_f64,
+            stamps in 0..60_usize, echoes in 1..40_usize, blocks in 0..3_usize,
+        ) {
+            let mut draws = Seed(seed).stream("matcher", 0);
+            let mut point = |r: f64| DVec2::new(draws.between(-r, r), draws.between(-r, r));
+            let centre = Pose { position: point(5.0), heading: point(3.0).x };
+            let window = Window::around(centre, deviation, heading_deviation);
+            let mut field = LikelihoodField::new([&[1, 4][..], &[1, 4, 16], &[1]][blocks]);
+            field.cover(centre.position, Matcher::radius(3.0, &window));
+            for _ in 0..stamps {
+                field.stamp(centre.position + point(2.0));
+            }
+            let echoes: Vec<Vec2> = (0..echoes).map(|_| point(2.0).as_vec2()).collect();
+            let mut matcher = Matcher::new();
+            let coarse = matcher.find_coarse(&field, &echoes, window);
+            prop_assert_eq!(coarse.map(|m| m.score), Some(exhaustive(&field, &echoes, window)));
+            let fine = matcher.find(&field, &echoes, window).expect("it is covered");
+            let shift = (fine.pose.position - centre.position).abs().max_element();
+            prop_assert!(shift <= window.reach + RESOLUTION);
+            prop_assert!((0.0..=1.0).contains(&fine.response) && fine.score <= fine.response);
+        }
+
+        #[test]
+        fn any_window_is_searched_or_refused(
+            x in any::<f64>(), heading in any::<f64>(), deviation in any::<f64>(),
+            turn in any::<f64>(), reach in any::<f64>(),
+        ) {
+            let mut field = LikelihoodField::new(&[1, 4]);
+            field.cover(DVec2::ZERO, 3.0);
+            field.stamp(DVec2::ONE);
+            let window = Window {
+                centre: Pose::new(x, 0.0, heading),
+                deviation,
+                heading_deviation: turn,
+                reach,
+                heading_reach: 0.1,
+            };
+            let found = Matcher::new().find(&field, &[Vec2::ONE], window);
+            prop_assert!(found.is_none_or(|found| found.pose.position.is_finite()));
+        }
+    }
+
+    /// The corner of a room, scanned: echoes every 5 cm along two walls.
+    fn corner(turn: f64) -> Vec<DVec2> {
+        let axis = unit_vector(turn);
+        let steps = (0..60).map(|i| 0.05 * f64::from(i));
+        let walls = steps.flat_map(|s| [DVec2::new(3.0, s - 1.5), DVec2::new(s, 1.5)]);
+        walls.map(|p| axis.rotate(p)).collect()
+    }
+
+    /// Farthest that a scan is put back from where it was taken.
+    fn worst(turn: f64) -> (f64, f64) {
+        let mut field = LikelihoodField::new(&[1, 4]);
+        field.cover(DVec2::ZERO, 6.0);
+        corner(turn).iter().for_each(|&p| field.stamp(p));
+        let mut draws = Seed(5).stream("matcher", 1);
+        let off = (0..50).map(|_| {
+            let mut between = |r: f64| draws.between(-r, r);
+            let truth = Pose::new(between(0.1), between(0.1), between(0.05));
+            let back = unit_vector(-truth.heading);
+            let echoes: Vec<Vec2> =
+                corner(turn).iter().map(|&p| back.rotate(p - truth.position).as_vec2()).collect();
+            let window = Window::around(Pose::default(), 0.05, 0.02);
+            let found = Matcher::new().find(&field, &echoes, window).expect("covered").pose;
+            let turn = (found.heading - truth.heading).abs();
+            (found.position.distance(truth.position), turn)
+        });
+        off.fold((0.0, 0.0), |worst, off| (off.0.max(worst.0), off.1.max(worst.1)))
+    }
+
+    #[test]
+    fn a_scan_is_put_back_where_it_was_taken() {
+        // Across the grid to within a centimetre.
+        let (off, turn) = worst(0.3);
+        assert!(off < 0.01 && turn < 0.006, "{off} m, {turn} rad");
+        // Walls exactly on the borders of cells are the worst case: linear interpolation is flat
+        // between the middles of the cells on both sides, half a cell away.
+        let (off, turn) = worst(0.0);
+        assert!(off < 0.05 && turn < 0.01, "{off} m, {turn} rad");
+    }
+
+    #[test]
+    fn without_anything_to_match_the_expected_pose_stays() {
+        let mut field = LikelihoodField::new(&[1, 4]);
+        let expected = Pose::new(0.3, -0.2, 0.7);
+        let window = Window::around(expected, 0.05, 0.02);
+        let mut matcher = Matcher::new();
+        assert_eq!(matcher.find(&field, &[Vec2::X], window), None);
+        field.cover(DVec2::ZERO, 3.0);
+        assert_eq!(matcher.find(&field, &[], window), None);
+        let found = matcher.find(&field, &[Vec2::X], window).expect("covered");
+        assert_eq!((found.pose, found.response), (expected, 0.0));
+        // A scan that reaches beyond what is covered.
+        assert_eq!(matcher.find(&field, &[Vec2::X * 50.0], window), None);
+    }
+}

@@ -1,0 +1,89 @@
+//! Simultaneous localisation and mapping: from what robots measure to where they are and what is
+//! around them.
+//!
+//! | estimator | poses | what a loop costs |
+//! |---|---|---|
+//! | [`DeadReckoning`] | the wheels alone | everything |
+//! | [`ScanToMap`] | each keyframe's scan, matched against all before it | the error around it |
+//! | [`PoseGraph`] | the same, and old places that are found again | little |
+//!
+//! All of them take a keyframe every 0.3 m or 15 degrees and draw its scan into one
+//! [`OccupancyMap`] that the robots share; in between, poses come from the wheels.
+
+mod dead_reckoning;
+mod graph;
+pub mod likelihood;
+mod loops;
+mod mapper;
+pub mod matcher;
+mod motion;
+pub mod painter;
+mod pose_graph;
+mod scan_to_map;
+pub mod sweep;
+mod track;
+
+use envgen::geometry::Pose;
+use serde::{Deserialize, Serialize};
+
+pub use dead_reckoning::DeadReckoning;
+pub use pose_graph::PoseGraph;
+pub use scan_to_map::ScanToMap;
+
+use crate::lidar::{LaserProfile, Scan};
+use crate::map::{Estimate, OccupancyMap};
+use crate::odometry::Increment;
+use crate::robot::Robot;
+
+/// One way to do it, for one robot or several that share one map.
+///
+/// Robots know where they start; the map's frame is the one that those poses are given in.
+pub trait Slam {
+    /// What one robot measured in one tick.
+    fn step(&mut self, robot: usize, odometry: Increment, scan: Option<&Scan>);
+
+    /// Where a robot is thought to be.
+    fn estimate(&self, robot: usize) -> Estimate;
+
+    /// The map so far.
+    fn map(&self) -> &OccupancyMap;
+
+    /// The best guess now of where a robot was after each of its steps, the start first. Loop
+    /// closing may change the past.
+    fn trajectory(&self, robot: usize) -> Vec<Pose>;
+}
+
+/// The estimators there are.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum SlamKind {
+    /// The wheels alone: [`DeadReckoning`].
+    DeadReckoning,
+    /// Scan matching without loop closing: [`ScanToMap`].
+    #[default]
+    ScanToMap,
+    /// Scan matching with loop closing: [`PoseGraph`].
+    PoseGraph,
+}
+
+impl SlamKind {
+    /// All of them.
+    pub const ALL: [SlamKind; 3] =
+        [SlamKind::DeadReckoning, SlamKind::ScanToMap, SlamKind::PoseGraph];
+
+    /// An estimator for robots that stand at `starts`, with one kind of body and laser.
+    pub fn build(
+        self,
+        starts: &[Pose],
+        robot: &Robot,
+        laser: &LaserProfile,
+    ) -> Box<dyn Slam + Send> {
+        match self {
+            SlamKind::DeadReckoning => Box::new(DeadReckoning::new(starts, robot, laser)),
+            SlamKind::ScanToMap => Box::new(ScanToMap::new(starts, robot, laser)),
+            SlamKind::PoseGraph => Box::new(PoseGraph::new(starts, robot, laser)),
+        }
+    }
+}

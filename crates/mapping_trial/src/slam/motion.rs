@@ -1,0 +1,84 @@
+//! Poses put together and taken apart: the group SE(2).
+
+use envgen::geometry::{Pose, unit_vector, wrap_angle};
+
+use crate::odometry::Increment;
+
+/// Greatest way in metres and turn in radians that one increment is believed.
+const BELIEVED: f64 = 1e4;
+
+/// Farthest from the origin in metres that a pose can get; what lies farther is noise.
+const FARTHEST: f64 = 1e9;
+
+/// The pose that is `relative` as seen from `base`.
+pub(crate) fn compose(base: Pose, relative: Pose) -> Pose {
+    Pose {
+        position: base.position + unit_vector(base.heading).rotate(relative.position),
+        heading: wrap_angle(base.heading + relative.heading),
+    }
+}
+
+/// The pose `to` as seen from `base`.
+pub(crate) fn between(base: Pose, to: Pose) -> Pose {
+    Pose {
+        position: unit_vector(-base.heading).rotate(to.position - base.position),
+        heading: wrap_angle(to.heading - base.heading),
+    }
+}
+
+/// The pose after a motion, as the chord of a small arc.
+pub(crate) fn advance(pose: Pose, by: Increment) -> Pose {
+    let middle = unit_vector(pose.heading + 0.5 * by.turn);
+    let position = pose.position + middle * by.distance;
+    Pose {
+        position: position.clamp(glam::DVec2::splat(-FARTHEST), glam::DVec2::splat(FARTHEST)),
+        heading: wrap_angle(pose.heading + by.turn),
+    }
+}
+
+/// An increment without what no wheel measures: what is not a number counts as no motion, what is
+/// huge is cut.
+pub(crate) fn believable(increment: Increment) -> Increment {
+    let part = |x: f64| if x.is_nan() { 0.0 } else { x.clamp(-BELIEVED, BELIEVED) };
+    Increment { distance: part(increment.distance), turn: part(increment.turn) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn between_undoes_compose(
+            x in -50.0..50.0_f64, y in -50.0..50.0_f64, h in -7.0..7.0_f64,
+            u in -5.0..5.0_f64, v in -5.0..5.0_f64, t in -3.0..3.0_f64,
+        ) {
+            let (base, relative) = (Pose::new(x, y, h), Pose::new(u, v, t));
+            let back = between(base, compose(base, relative));
+            prop_assert!(back.position.distance(relative.position) < 1e-9);
+            prop_assert!(wrap_angle(back.heading - relative.heading).abs() < 1e-9);
+        }
+
+        #[test]
+        fn any_increments_leave_a_pose_finite(distance in any::<f64>(), turn in any::<f64>()) {
+            let mut pose = Pose::new(FARTHEST, -FARTHEST, 1.0);
+            for _ in 0..3 {
+                pose = advance(pose, believable(Increment { distance, turn }));
+            }
+            prop_assert!(pose.position.is_finite() && pose.heading.abs() <= std::f64::consts::PI);
+        }
+    }
+
+    #[test]
+    fn a_quarter_circle_in_small_steps_ends_where_it_should() {
+        let steps = 400;
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let by = Increment {
+            distance: 2.0 * quarter / f64::from(steps),
+            turn: quarter / f64::from(steps),
+        };
+        let end = (0..steps).fold(Pose::default(), |pose, _| advance(pose, by));
+        assert!(end.position.distance(glam::DVec2::new(2.0, 2.0)) < 1e-5, "{end:?}");
+    }
+}

@@ -1,0 +1,123 @@
+//! Graph SLAM: today's way, which closes loops.
+
+use envgen::geometry::Pose;
+
+use super::Slam;
+use super::graph::{Relation, held_by_walls, of_motion, solve};
+use super::loops::LoopCloser;
+use super::mapper::{Added, Mapper, WALL_VARIANCE, constrained};
+use super::motion::between;
+use super::track::Variance;
+use crate::lidar::{LaserProfile, Scan};
+use crate::map::{Estimate, OccupancyMap};
+use crate::odometry::Increment;
+use crate::robot::Robot;
+
+/// Error in standard deviations of a closed loop beyond which all poses are solved for again.
+const WORTH_SOLVING: f64 = 1.0;
+
+/// Error in standard deviations that a loop may be left with, else it was none.
+const INCREDIBLE: f64 = 5.0;
+
+/// As [`super::ScanToMap`], but scans are also searched in places from long before. Where two in a
+/// row are found there, the poses of all keyframes are solved for again, and the map is drawn again
+/// from them.
+#[derive(Clone, Debug)]
+pub struct PoseGraph {
+    mapper: Mapper,
+    relations: Vec<Relation>,
+    closer: LoopCloser,
+    closed: usize,
+}
+
+impl PoseGraph {
+    /// For robots that stand at `starts`.
+    pub fn new(starts: &[Pose], robot: &Robot, laser: &LaserProfile) -> Self {
+        PoseGraph {
+            mapper: Mapper::new(starts, robot, laser, true),
+            relations: Vec::new(),
+            closer: LoopCloser::new(starts.len(), laser.field_of_view),
+            closed: 0,
+        }
+    }
+
+    /// How many loops were closed so far.
+    pub fn closed_loops(&self) -> usize {
+        self.closed
+    }
+
+    fn extend(&mut self, added: Added) {
+        let keyframes = &self.mapper.keyframes;
+        let new = &keyframes[added.keyframe];
+        if let Some(before) = added.before {
+            let measured = between(keyframes[before].pose, new.pose);
+            self.relations.push(Relation {
+                from: before,
+                to: added.keyframe,
+                measured,
+                information: of_motion(added.motion.position, added.motion.heading)
+                    + held_by_walls(measured, &added.walls, WALL_VARIANCE),
+                is_robust: false,
+            });
+        }
+        if let Some(found) = self.closer.take(keyframes)
+            && self.close(&found.relations)
+        {
+            self.closed += 1;
+            // A keyframe at an old place is as sure as that place.
+            let [.., last] = found.relations;
+            let old = self.mapper.keyframes[last.from].variance;
+            let unknown = Variance { position: 1.0, heading: 0.1 };
+            let through = old.after(constrained(unknown, &found.walls), 0.0);
+            let new = &mut self.mapper.keyframes[last.to];
+            if through.position < new.variance.position {
+                new.variance = through;
+            }
+        }
+    }
+
+    /// Takes the relations of a closed loop in, unless all others speak against them.
+    fn close(&mut self, relations: &[Relation]) -> bool {
+        let deviates = |poses: &[Pose], most: f64| {
+            relations.iter().any(|relation| relation.deviations(poses) > most)
+        };
+        let known = self.relations.len();
+        self.relations.extend(relations);
+        let keyframes = &mut self.mapper.keyframes;
+        let mut poses: Vec<Pose> = keyframes.iter().map(|keyframe| keyframe.pose).collect();
+        if !deviates(&poses, WORTH_SOLVING) {
+            return true;
+        }
+        let fixed: Vec<bool> = keyframes.iter().map(|keyframe| keyframe.is_first).collect();
+        solve(&mut poses, &fixed, &self.relations);
+        if deviates(&poses, INCREDIBLE) {
+            self.relations.truncate(known);
+            return false;
+        }
+        for (keyframe, pose) in keyframes.iter_mut().zip(poses) {
+            keyframe.pose = pose;
+        }
+        self.mapper.redraw();
+        true
+    }
+}
+
+impl Slam for PoseGraph {
+    fn step(&mut self, robot: usize, odometry: Increment, scan: Option<&Scan>) {
+        if let Some(added) = self.mapper.step(robot, odometry, scan) {
+            self.extend(added);
+        }
+    }
+
+    fn estimate(&self, robot: usize) -> Estimate {
+        self.mapper.estimate(robot)
+    }
+
+    fn map(&self) -> &OccupancyMap {
+        &self.mapper.map
+    }
+
+    fn trajectory(&self, robot: usize) -> Vec<Pose> {
+        self.mapper.trajectory(robot)
+    }
+}

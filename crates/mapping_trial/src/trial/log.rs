@@ -1,0 +1,284 @@
+//! A trial's log: world, settings and every command, from which the trial runs again to the bit.
+
+use std::io::{Read, Write};
+use std::sync::Arc;
+
+use envgen::world::Digest;
+use envgen::{Provenance, World, WorldSpec};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::{EndReason, RobotEnd, Trial, TrialError, TrialSettings};
+use crate::body::{Bodies, Command};
+use crate::flat::{FlatSimulator, FlatWorld};
+
+/// Version of the logs' layout; a log of another version is refused.
+pub const LOG_VERSION: u32 = 1;
+
+/// Commands in a log, at most: a day of eight robots would be less than this.
+const MAX_TICKS: u64 = 1 << 24;
+
+/// Where a log's world comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WorldSource {
+    /// Spec and seed give the same world again.
+    Generated(Provenance),
+    /// The world itself, where it was read from a file or changed by hand.
+    Given(Box<World>),
+}
+
+impl WorldSource {
+    /// The smaller way to name a world.
+    pub(super) fn of(world: &World) -> WorldSource {
+        let again = generate(&world.provenance);
+        if again.is_ok_and(|again| again.digest() == world.digest()) {
+            WorldSource::Generated(world.provenance.clone())
+        } else {
+            WorldSource::Given(Box::new(world.clone()))
+        }
+    }
+
+    /// The world.
+    ///
+    /// # Errors
+    ///
+    /// A provenance whose spec this version cannot read or generate.
+    pub fn world(&self) -> Result<World, TrialError> {
+        match self {
+            WorldSource::Generated(provenance) => generate(provenance),
+            WorldSource::Given(world) => Ok((**world).clone()),
+        }
+    }
+}
+
+fn generate(provenance: &Provenance) -> Result<World, TrialError> {
+    let spec = WorldSpec::from_provenance(provenance)?;
+    let seed = provenance.seed.ok_or(TrialError::NoSeed)?;
+    Ok(spec.generate(seed)?.to_world())
+}
+
+/// The commands of one robot, equal ones together.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub(super) struct CommandTrack {
+    /// Speed in m/s, rate of turning in rad/s, and for how many ticks.
+    runs: Vec<(f64, f64, u64)>,
+}
+
+impl CommandTrack {
+    pub(super) fn push(&mut self, command: Command) {
+        let Command { speed, turn_rate } = command;
+        match self.runs.last_mut() {
+            Some((s, t, ticks))
+                if s.to_bits() == speed.to_bits() && t.to_bits() == turn_rate.to_bits() =>
+            {
+                *ticks += 1;
+            }
+            _ => self.runs.push((speed, turn_rate, 1)),
+        }
+    }
+
+    fn ticks(&self) -> u64 {
+        self.runs.iter().fold(0, |sum, run| sum.saturating_add(run.2))
+    }
+
+    fn iter(&self) -> impl Iterator<Item = Command> + '_ {
+        self.runs.iter().flat_map(|&(speed, turn_rate, ticks)| {
+            (0..ticks).map(move |_| Command { speed, turn_rate })
+        })
+    }
+}
+
+/// Everything that a trial was: it runs again from its log to the last bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrialLog {
+    version: u32,
+    /// Where it took place.
+    pub world: WorldSource,
+    /// Digest of the world, as [`World::digest`] gives it.
+    pub world_digest: String,
+    /// What it was made of.
+    pub settings: TrialSettings,
+    /// What moved the bodies, for instance `flat`.
+    pub engine: String,
+    commands: Vec<CommandTrack>,
+    /// Why and when each robot's part ended; `None` where it still went on.
+    pub ends: Vec<Option<RobotEnd>>,
+    /// How often each robot had to be freed.
+    pub recoveries: Vec<u32>,
+}
+
+/// Why a log cannot be read or written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LogError {
+    /// It is no log, or only a part of one.
+    #[error("this is no trial log: {0}")]
+    Format(#[from] serde_json::Error),
+    /// Another version wrote it.
+    #[error("a log of version {found}, this crate reads version {LOG_VERSION}")]
+    Version {
+        /// Its version.
+        found: u64,
+    },
+    /// It tells of more or other things than a trial can have.
+    #[error("`{field}` is {value}, allowed is {allowed}")]
+    Content {
+        /// The field.
+        field: &'static str,
+        /// Its value.
+        value: String,
+        /// What would have been allowed.
+        allowed: String,
+    },
+    /// It could not be read or written.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+}
+
+impl TrialLog {
+    /// Reads a log.
+    ///
+    /// # Errors
+    ///
+    /// Text that is no log, a log of another version, or one that contradicts itself.
+    pub fn read(input: &mut dyn Read) -> Result<Self, LogError> {
+        let value: serde_json::Value = serde_json::from_reader(input)?;
+        // The version first: a log of another one has other fields.
+        let version = value.get("version").and_then(serde_json::Value::as_u64);
+        if let Some(found) = version.filter(|&version| version != u64::from(LOG_VERSION)) {
+            return Err(LogError::Version { found });
+        }
+        let log: TrialLog = serde_json::from_value(value)?;
+        let robots = log.settings.robots as usize;
+        for (field, len) in [
+            ("commands", log.commands.len()),
+            ("ends", log.ends.len()),
+            ("recoveries", log.recoveries.len()),
+        ] {
+            if len != robots {
+                let allowed = format!("{robots}, one a robot");
+                return Err(LogError::Content { field, value: len.to_string(), allowed });
+            }
+        }
+        let ticks = log.ticks();
+        let differ = log.commands.iter().any(|track| track.ticks() != ticks);
+        if differ || ticks > MAX_TICKS {
+            let value = format!("for {ticks} ticks and others");
+            let allowed = format!("the same for every robot, at most {MAX_TICKS} ticks");
+            return Err(LogError::Content { field: "commands", value, allowed });
+        }
+        Ok(log)
+    }
+
+    /// Writes the log as JSON.
+    ///
+    /// # Errors
+    ///
+    /// What the writer says.
+    pub fn write(&self, out: &mut dyn Write) -> Result<(), LogError> {
+        serde_json::to_writer(&mut *out, self)?;
+        Ok(out.write_all(b"\n")?)
+    }
+
+    /// SHA-256 of the log: two trials of equal digest were the same to the last bit.
+    pub fn digest(&self) -> Digest {
+        Digest::of(self)
+    }
+
+    /// Ticks that the trial took.
+    pub fn ticks(&self) -> u64 {
+        self.commands.first().map_or(0, CommandTrack::ticks)
+    }
+
+    /// Runs a trial of the flat simulator again, to the last bit.
+    ///
+    /// # Errors
+    ///
+    /// As [`WorldSource::world`] and [`Trial::flat`]; a world that is not the log's.
+    pub fn replay(&self) -> Result<Trial<FlatSimulator>, TrialError> {
+        let world = self.world.world()?;
+        let flat = Arc::new(FlatWorld::new(&world, &self.settings.body));
+        let mut trial =
+            self.replay_with(&world, |settings| Trial::flat_in(&world, flat, settings))?;
+        self.run_through(&mut trial);
+        Ok(trial)
+    }
+
+    /// A trial that is ready to run the log again, in the log's world.
+    ///
+    /// # Errors
+    ///
+    /// What `begin` says; a world that is not the log's.
+    pub fn replay_with<B: Bodies>(
+        &self,
+        world: &World,
+        begin: impl FnOnce(TrialSettings) -> Result<Trial<B>, TrialError>,
+    ) -> Result<Trial<B>, TrialError> {
+        let found = world.digest().to_string();
+        if found != self.world_digest {
+            return Err(TrialError::OtherWorld { logged: self.world_digest.clone(), found });
+        }
+        // The log takes the operator's place, but stands in the settings as it was.
+        let mut trial = begin(TrialSettings { operator: None, ..self.settings.clone() })?;
+        trial.settings.operator = self.settings.operator;
+        trial.source = self.world.clone();
+        trial.script =
+            Some(Script { ends: self.ends.clone(), recoveries: self.recoveries.clone() });
+        Ok(trial)
+    }
+
+    /// Gives a trial made by [`TrialLog::replay_with`] all of the log's commands.
+    pub fn run_through<B: Bodies>(&self, trial: &mut Trial<B>) {
+        let mut tracks: Vec<_> = self.commands.iter().map(CommandTrack::iter).collect();
+        for _ in 0..self.ticks() {
+            let commands: Vec<Command> =
+                tracks.iter_mut().map(|track| track.next().unwrap_or(Command::STOP)).collect();
+            trial.step_with(&commands);
+        }
+        let stopped = |end: &Option<RobotEnd>| end.is_some_and(|e| e.reason == EndReason::Stopped);
+        if self.ends.iter().any(stopped) {
+            trial.stop();
+        } else if self.ends.iter().all(Option::is_some) {
+            // The last observation, after which nobody had anything left to do.
+            trial.step_with(&[]);
+        }
+    }
+}
+
+/// What a log knows of an operator that is not asked again.
+#[derive(Clone, Debug)]
+pub(super) struct Script {
+    ends: Vec<Option<RobotEnd>>,
+    recoveries: Vec<u32>,
+}
+
+impl Script {
+    /// Why a robot's part ends at a tick; a person's stop is not the robot's doing.
+    pub(super) fn end_at(&self, robot: usize, tick: u64) -> Option<EndReason> {
+        let end = (*self.ends.get(robot)?)?;
+        (end.tick == tick && end.reason != EndReason::Stopped).then_some(end.reason)
+    }
+
+    pub(super) fn recoveries(&self, robot: usize) -> u32 {
+        self.recoveries.get(robot).copied().unwrap_or(0)
+    }
+}
+
+impl<B: Bodies> Trial<B> {
+    /// The log so far. `engine` names what moves the bodies.
+    pub fn log(&self, engine: &str) -> TrialLog {
+        TrialLog {
+            version: LOG_VERSION,
+            world: self.source.clone(),
+            world_digest: self.world_digest.clone(),
+            settings: self.settings.clone(),
+            engine: engine.to_owned(),
+            commands: self.commands.clone(),
+            ends: self.ends.clone(),
+            recoveries: (0..self.robots()).map(|robot| self.recoveries(robot)).collect(),
+        }
+    }
+}

@@ -1,0 +1,392 @@
+//! The protocol of a trial, over any bodies: clock, battery, ends, and the log of every command.
+
+mod log;
+mod report;
+mod settings;
+mod start;
+
+use std::sync::Arc;
+
+use envgen::geometry::{Pose, wrap_angle};
+use envgen::{GenerateError, SettingsError, SpecError, World};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+pub use log::{LOG_VERSION, LogError, TrialLog, WorldSource};
+pub use report::{REPORT_VERSION, RobotReport, TrialReport};
+pub use settings::{MAX_ROBOTS, MAX_TIME_LIMIT, TrialSettings};
+
+use crate::body::{Bodies, Command, Condition, TICK};
+use crate::brain::Brain;
+use crate::flat::{FlatSimulator, FlatWorld};
+use crate::operator::Decision;
+use crate::score::{self, ScoreError, Scores};
+use crate::truth::Truth;
+
+/// Why a trial cannot begin.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum TrialError {
+    /// A setting is not allowed.
+    #[error(transparent)]
+    Setting(#[from] SpecError),
+    /// A log names a spec that this version cannot read.
+    #[error(transparent)]
+    Spec(#[from] SettingsError),
+    /// A log's world cannot be generated.
+    #[error(transparent)]
+    Generate(#[from] GenerateError),
+    /// A log says that its world was generated, but not from which seed.
+    #[error("the log's world has a spec but no seed")]
+    NoSeed,
+    /// The world has no start and none is given.
+    #[error("the world has no start, and the settings give none: set `start`")]
+    NoStart,
+    /// Something solid stands at the start.
+    #[error(
+        "a start at ({}, {}) is {clearance:.3} m from the nearest solid part, a robot needs {radius} m",
+        start.position.x, start.position.y
+    )]
+    BlockedStart {
+        /// The start.
+        start: Pose,
+        /// Distance in metres to what stands there.
+        clearance: f64,
+        /// Radius in metres that a robot needs.
+        radius: f64,
+    },
+    /// The ground at the start is water or such that a robot cannot drive.
+    #[error("a robot cannot drive on the ground at the start ({}, {})", start.position.x, start.position.y)]
+    DeepStart {
+        /// The start.
+        start: Pose,
+    },
+    /// There is no room for all robots near the start.
+    #[error("near the start is room for {found} of {robots} robots")]
+    NoRoom {
+        /// Robots asked for.
+        robots: u32,
+        /// Starts found.
+        found: u32,
+    },
+    /// A log's world is not the one that it was made in.
+    #[error("the log was made in a world of digest {logged}, this one has {found}")]
+    OtherWorld {
+        /// Digest in the log.
+        logged: String,
+        /// Digest of the world at hand.
+        found: String,
+    },
+}
+
+/// Why a robot's part in a trial ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EndReason {
+    /// No frontier was left that it could reach.
+    Explored,
+    /// It could not get free.
+    Stuck,
+    /// It drove into water.
+    Drowned,
+    /// Its battery was empty.
+    Battery,
+    /// The time was up.
+    TimeLimit,
+    /// A person ended the trial.
+    Stopped,
+}
+
+impl EndReason {
+    /// The reason in words.
+    pub fn text(self) -> &'static str {
+        match self {
+            EndReason::Explored => "explored",
+            EndReason::Stuck => "stuck",
+            EndReason::Drowned => "drowned",
+            EndReason::Battery => "battery empty",
+            EndReason::TimeLimit => "time up",
+            EndReason::Stopped => "stopped",
+        }
+    }
+}
+
+/// Why and when a robot's part in a trial ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RobotEnd {
+    /// Why.
+    pub reason: EndReason,
+    /// After how many ticks.
+    pub tick: u64,
+}
+
+/// What one robot did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Track {
+    /// True poses after every tick, the start first. A robot whose part has ended stands still.
+    pub poses: Vec<Pose>,
+    /// Way in metres.
+    pub metres: f64,
+    /// Total turning in radians.
+    pub turning: f64,
+}
+
+/// A trial that runs: bodies in a world, a brain, a clock and a log.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::trial::{Trial, TrialSettings};
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let mut trial = Trial::flat(&world, TrialSettings { time_limit: 30.0, ..Default::default() })?;
+/// while trial.step() {}
+/// assert!(trial.track(0).metres > 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Trial<B> {
+    settings: TrialSettings,
+    bodies: B,
+    brain: Brain,
+    starts: Vec<Pose>,
+    source: WorldSource,
+    world_digest: String,
+    tick: u64,
+    ends: Vec<Option<RobotEnd>>,
+    /// Who said last that nothing is left to explore.
+    finished: Vec<bool>,
+    tracks: Vec<Track>,
+    commands: Vec<log::CommandTrack>,
+    /// What a replayed log knows of its operator.
+    script: Option<log::Script>,
+    over: bool,
+}
+
+impl Trial<FlatSimulator> {
+    /// A trial in the flat simulator.
+    ///
+    /// # Errors
+    ///
+    /// Settings that are not allowed, or a start that is missing or not free.
+    pub fn flat(world: &World, settings: TrialSettings) -> Result<Self, TrialError> {
+        let flat = Arc::new(FlatWorld::new(world, &settings.body));
+        Trial::flat_in(world, flat, settings)
+    }
+
+    /// The same in a world that was indexed before, for many trials in one world.
+    ///
+    /// # Errors
+    ///
+    /// As [`Trial::flat`].
+    pub fn flat_in(
+        world: &World,
+        flat: Arc<FlatWorld>,
+        settings: TrialSettings,
+    ) -> Result<Self, TrialError> {
+        Trial::with_bodies(world, settings, |settings, starts| {
+            let TrialSettings { body, laser, odometry, seed, .. } = settings;
+            FlatSimulator::new(flat, body, starts, laser, odometry, *seed)
+        })
+    }
+}
+
+impl<B: Bodies> Trial<B> {
+    /// A trial of the bodies that `place` puts at the starts.
+    ///
+    /// # Errors
+    ///
+    /// As [`Trial::flat`].
+    pub fn with_bodies(
+        world: &World,
+        settings: TrialSettings,
+        place: impl FnOnce(&TrialSettings, &[Pose]) -> B,
+    ) -> Result<Self, TrialError> {
+        settings.validate()?;
+        let start = settings.start.or(world.start).ok_or(TrialError::NoStart)?;
+        let starts = start::starts(world, start, settings.robots, &settings.body)?;
+        let TrialSettings { slam, operator, ref body, ref laser, .. } = settings;
+        let track = |&start: &Pose| Track { poses: vec![start], ..Track::default() };
+        Ok(Trial {
+            brain: Brain::new(slam, operator, &starts, body, laser),
+            bodies: place(&settings, &starts),
+            source: WorldSource::of(world),
+            world_digest: world.digest().to_string(),
+            tick: 0,
+            ends: vec![None; starts.len()],
+            finished: vec![false; starts.len()],
+            tracks: starts.iter().map(track).collect(),
+            commands: vec![log::CommandTrack::default(); starts.len()],
+            script: None,
+            over: false,
+            starts,
+            settings,
+        })
+    }
+
+    /// One tick, driven by the program; false once the trial is over.
+    pub fn step(&mut self) -> bool {
+        self.tick_with(None)
+    }
+
+    /// One tick with a person's commands, one a robot; false once the trial is over.
+    pub fn step_with(&mut self, commands: &[Command]) -> bool {
+        self.tick_with(Some(commands))
+    }
+
+    fn tick_with(&mut self, hands: Option<&[Command]>) -> bool {
+        if self.over {
+            return false;
+        }
+        let mut commands = vec![Command::STOP; self.starts.len()];
+        for (robot, command) in commands.iter_mut().enumerate() {
+            let seen = self.bodies.observe(robot);
+            if self.ends[robot].is_some() {
+                continue;
+            }
+            self.brain.sense(robot, &seen);
+            let script = self.script.as_ref().and_then(|script| script.end_at(robot, self.tick));
+            let end = if let Some(reason) = script {
+                Some(reason)
+            } else if seen.battery <= 0.0 {
+                Some(EndReason::Battery)
+            } else if seen.time >= self.settings.time_limit {
+                Some(EndReason::TimeLimit)
+            } else if self.bodies.condition(robot) == Condition::Drowned {
+                Some(EndReason::Drowned)
+            } else if let Some(hands) = hands {
+                *command = hands.get(robot).copied().unwrap_or(Command::STOP);
+                None
+            } else {
+                let decision = self.brain.decide(robot, &seen);
+                self.finished[robot] = decision == Decision::Finished;
+                if let Decision::Drive(wanted) = decision {
+                    *command = wanted;
+                }
+                (decision == Decision::Stuck).then_some(EndReason::Stuck)
+            };
+            self.ends[robot] = end.map(|reason| RobotEnd { reason, tick: self.tick });
+        }
+        // A robot that has nothing left to do waits for the others, who may find more for it.
+        let mut robots = self.ends.iter().zip(&self.finished);
+        if robots.all(|(end, &finished)| end.is_some() || finished) {
+            self.end(EndReason::Explored);
+            return false;
+        }
+        for (track, &command) in self.commands.iter_mut().zip(&commands) {
+            track.push(command);
+        }
+        self.bodies.advance(&commands);
+        self.tick += 1;
+        for (robot, track) in self.tracks.iter_mut().enumerate() {
+            let (pose, last) = (self.bodies.pose(robot), track.poses[track.poses.len() - 1]);
+            track.metres += pose.position.distance(last.position);
+            track.turning += wrap_angle(pose.heading - last.heading).abs();
+            track.poses.push(pose);
+        }
+        true
+    }
+
+    /// Ends the trial for every robot whose part has not ended yet.
+    pub fn stop(&mut self) {
+        if !self.over {
+            self.end(EndReason::Stopped);
+        }
+    }
+
+    fn end(&mut self, reason: EndReason) {
+        self.over = true;
+        for end in &mut self.ends {
+            end.get_or_insert(RobotEnd { reason, tick: self.tick });
+        }
+    }
+
+    /// Simulated seconds so far.
+    pub fn time(&self) -> f64 {
+        self.tick as f64 * TICK
+    }
+
+    /// Number of robots.
+    pub fn robots(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// What the trial is made of.
+    pub fn settings(&self) -> &TrialSettings {
+        &self.settings
+    }
+
+    /// The estimates, the map and the operator.
+    pub fn brain(&self) -> &Brain {
+        &self.brain
+    }
+
+    /// The bodies.
+    pub fn bodies(&self) -> &B {
+        &self.bodies
+    }
+
+    /// What a robot did so far.
+    pub fn track(&self, robot: usize) -> &Track {
+        &self.tracks[robot]
+    }
+
+    /// Why a robot's part ended; `None` while it goes on.
+    pub fn end_of(&self, robot: usize) -> Option<RobotEnd> {
+        self.ends[robot]
+    }
+
+    /// Whether the trial is over.
+    pub fn is_over(&self) -> bool {
+        self.over
+    }
+
+    /// How often a robot had to be freed so far.
+    pub fn recoveries(&self, robot: usize) -> u32 {
+        match (&self.script, self.brain.operator()) {
+            (Some(script), _) => script.recoveries(robot),
+            (None, Some(operator)) => operator.recoveries(robot),
+            (None, None) => 0,
+        }
+    }
+
+    /// Scores the trial as far as it went, against what could be mapped of its world.
+    ///
+    /// # Errors
+    ///
+    /// Poses or counts that no trial of this crate's bodies has.
+    pub fn score(&self, truth: &Truth) -> Result<Scores, ScoreError> {
+        let robots = 0..self.robots();
+        let slam = self.brain.slam();
+        let estimated: Vec<_> = robots.clone().map(|robot| slam.trajectory(robot)).collect();
+        // The first estimate is the start and the second the first observation's, before any motion.
+        // Robots whose part has ended are not estimated any more.
+        let tracks: Vec<_> = self
+            .tracks
+            .iter()
+            .zip(&estimated)
+            .map(|(track, estimated)| {
+                let estimated = estimated.get(1..).unwrap_or_default();
+                let ticks = track.poses.len().min(estimated.len());
+                score::Track { truth: &track.poses[..ticks], estimated: &estimated[..ticks] }
+            })
+            .collect();
+        let stuck = |end: &&Option<RobotEnd>| end.is_some_and(|e| e.reason == EndReason::Stuck);
+        Scores::of(
+            truth,
+            &score::Run {
+                map: slam.map(),
+                tracks: &tracks,
+                time: self.time(),
+                distance: self.tracks.iter().map(|track| track.metres).sum(),
+                turning: self.tracks.iter().map(|track| track.turning).sum(),
+                hits: robots.clone().map(|robot| self.bodies.hits(robot)).sum(),
+                recoveries: robots.map(|robot| self.recoveries(robot)).sum(),
+                stuck: self.ends.iter().filter(stuck).count() as u32,
+                energy_left: (self.settings.body.battery - self.time()).max(0.0),
+            },
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,159 @@
+//! What a trial is made of, besides its world.
+
+use envgen::geometry::Pose;
+use envgen::{Seed, SpecError};
+use serde::{Deserialize, Serialize};
+
+use crate::lidar::LaserProfile;
+use crate::odometry::OdometryProfile;
+use crate::operator::OperatorKind;
+use crate::robot::Robot;
+use crate::slam::SlamKind;
+
+/// Robots in a trial, at most.
+pub const MAX_ROBOTS: u32 = 8;
+
+/// Seconds that a trial may last, at most: a day.
+pub const MAX_TIME_LIMIT: f64 = 86_400.0;
+
+/// Everything that a trial depends on but its world.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TrialSettings {
+    /// Seed of what the sensors get wrong.
+    pub seed: Seed,
+    /// The program that drives; `None` for a person.
+    pub operator: Option<OperatorKind>,
+    /// How poses and map are estimated.
+    pub slam: SlamKind,
+    /// Number of robots, which share one map; from 1 to [`MAX_ROBOTS`].
+    pub robots: u32,
+    /// Simulated seconds after which the trial ends; more than 0, at most [`MAX_TIME_LIMIT`].
+    pub time_limit: f64,
+    /// Where the first robot starts; `None` is the world's own start.
+    pub start: Option<Pose>,
+    /// Size and limits of the robots.
+    pub body: Robot,
+    /// What their lasers measure.
+    pub laser: LaserProfile,
+    /// What their wheels measure.
+    pub odometry: OdometryProfile,
+}
+
+impl Default for TrialSettings {
+    /// One P3-AT with an LMS 200, `scan_to_map` and the operator `nearest` for 20 minutes.
+    fn default() -> Self {
+        TrialSettings {
+            seed: Seed(0),
+            operator: Some(OperatorKind::Nearest),
+            slam: SlamKind::ScanToMap,
+            robots: 1,
+            time_limit: 1200.0,
+            start: None,
+            body: Robot::default(),
+            laser: LaserProfile::default(),
+            odometry: OdometryProfile::default(),
+        }
+    }
+}
+
+impl TrialSettings {
+    /// Checks every number.
+    ///
+    /// # Errors
+    ///
+    /// The first field whose value is not allowed.
+    pub fn validate(&self) -> Result<(), SpecError> {
+        count("robots", self.robots, 1, MAX_ROBOTS)?;
+        number("time_limit", self.time_limit, 0.05, MAX_TIME_LIMIT)?;
+        if let Some(start) = self.start {
+            number("start.x", start.position.x, -1e6, 1e6)?;
+            number("start.y", start.position.y, -1e6, 1e6)?;
+            number("start.heading", start.heading, -1e3, 1e3)?;
+        }
+        let Robot { length, width, swing_radius, max_speed, max_turn_rate, .. } = self.body;
+        number("body.length", length, 0.01, 10.0)?;
+        number("body.width", width, 0.01, 10.0)?;
+        number("body.swing_radius", swing_radius, 0.05, 10.0)?;
+        // A disc must not step over a wall, nor a robot turn past itself, within a tick.
+        number("body.max_speed", max_speed, 0.01, (10.0 * swing_radius).min(20.0))?;
+        number("body.max_turn_rate", max_turn_rate, 0.01, 20.0)?;
+        number("body.acceleration", self.body.acceleration, 0.01, 100.0)?;
+        number("body.turn_acceleration", self.body.turn_acceleration, 0.01, 100.0)?;
+        number("body.laser_offset", self.body.laser_offset, -10.0, 10.0)?;
+        number("body.battery", self.body.battery, 0.05, MAX_TIME_LIMIT)?;
+        let laser = &self.laser;
+        count("laser.beams", laser.beams, 1, 4096)?;
+        number("laser.field_of_view", laser.field_of_view, 0.0, std::f64::consts::TAU)?;
+        number("laser.max_range", laser.max_range, 0.1, 200.0)?;
+        number("laser.range_step", laser.range_step, 0.0, 1.0)?;
+        number("laser.sigma", laser.sigma, 0.0, 1.0)?;
+        count("laser.ticks_a_scan", laser.ticks_a_scan, 1, 200)?;
+        for (field, p) in [
+            ("laser.dropout", laser.dropout),
+            ("laser.short", laser.short),
+            ("laser.mixed_pixel", laser.mixed_pixel),
+        ] {
+            number(field, p, 0.0, 1.0)?;
+        }
+        let wheels = &self.odometry;
+        for (field, value) in [
+            ("odometry.k_ss", wheels.k_ss),
+            ("odometry.k_st", wheels.k_st),
+            ("odometry.k_tt", wheels.k_tt),
+            ("odometry.k_ts", wheels.k_ts),
+            ("odometry.b_s", wheels.b_s),
+            ("odometry.b_t", wheels.b_t),
+        ] {
+            number(field, value, 0.0, 1.0)?;
+        }
+        Ok(())
+    }
+}
+
+fn number(field: &str, value: f64, least: f64, most: f64) -> Result<(), SpecError> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(SpecError::new(field, value, format!("{least} to {most}")))
+}
+
+fn count(field: &str, value: u32, least: u32, most: u32) -> Result<(), SpecError> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(SpecError::new(field, value, format!("{least} to {most}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_defaults_are_allowed() {
+        assert_eq!(TrialSettings::default().validate(), Ok(()));
+        for laser in [LaserProfile::USARSIM, LaserProfile::LMS200_MM, LaserProfile::LMS200_MM_ROUGH]
+        {
+            assert_eq!(TrialSettings { laser, ..Default::default() }.validate(), Ok(()));
+        }
+    }
+
+    #[test]
+    fn every_bad_number_is_named() {
+        let error = |change: &dyn Fn(&mut TrialSettings)| {
+            let mut settings = TrialSettings::default();
+            change(&mut settings);
+            settings.validate().expect_err("not allowed").to_string()
+        };
+        let text = error(&|s| s.robots = 0);
+        assert_eq!(text, "`robots` is 0, allowed is 1 to 8");
+        assert!(error(&|s| s.time_limit = f64::NAN).contains("`time_limit` is NaN"));
+        assert!(error(&|s| s.time_limit = 1e9).contains("86400"));
+        assert!(error(&|s| s.start = Some(Pose::new(f64::INFINITY, 0.0, 0.0))).contains("start.x"));
+        assert!(error(&|s| s.body.swing_radius = -1.0).contains("body.swing_radius"));
+        assert!(error(&|s| s.body.max_speed = 50.0).contains("body.max_speed"));
+        assert!(error(&|s| s.laser.beams = 0).contains("laser.beams"));
+        assert!(error(&|s| s.laser.dropout = 1.5).contains("laser.dropout"));
+        assert!(error(&|s| s.odometry.k_tt = f64::NAN).contains("odometry.k_tt"));
+    }
+}

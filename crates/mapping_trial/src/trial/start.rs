@@ -1,0 +1,127 @@
+//! Where robots start.
+
+use envgen::World;
+use envgen::geometry::{Pose, unit_vector};
+use envgen::ground::Grounds;
+use envgen::proximity::Proximity;
+use envgen::raycast::Raycaster;
+use glam::DVec2;
+
+use super::TrialError;
+use crate::robot::Robot;
+
+/// Distance in metres between the middles of robots at their starts, at least.
+const APART: f64 = 1.0;
+
+/// How far from the first robot's start the others may start, in metres.
+const FAR: f64 = 8.0;
+
+/// A start for each robot: the first at `start`, the others near it, in its sight, facing the same
+/// way.
+pub(super) fn starts(
+    world: &World,
+    start: Pose,
+    robots: u32,
+    body: &Robot,
+) -> Result<Vec<Pose>, TrialError> {
+    let radius = body.swing_radius;
+    let near = Proximity::new(world, radius + 0.1);
+    let grounds = Grounds::new(world);
+    let clearance = near.clearance(start.position);
+    if clearance < radius {
+        return Err(TrialError::BlockedStart { start, clearance, radius });
+    }
+    if grounds.at(start.position).speed == 0.0 || grounds.at(start.position).water {
+        return Err(TrialError::DeepStart { start });
+    }
+    let mut starts = vec![start];
+    let rays = Raycaster::new(world);
+    let sees = |p: DVec2| {
+        let way = p - start.position;
+        rays.cast_along(start.position, way.normalize(), way.length()).is_none()
+    };
+    // Rings of places, from behind the first robot round to its front.
+    let step = 0.25;
+    let rings = (1..=(FAR / step) as u32).map(|ring| f64::from(ring) * step);
+    let mut places = rings.flat_map(|far| {
+        let turns = (std::f64::consts::TAU * far / step).ceil() as i32;
+        (0..turns).map(move |i| {
+            // Left and right in turn: 0, 1, -1, 2, -2, ...
+            let side = f64::from((i + 1) / 2) * if i % 2 == 0 { 1.0 } else { -1.0 };
+            let angle = start.heading + std::f64::consts::PI;
+            let angle = angle + side * std::f64::consts::TAU / f64::from(turns);
+            start.position + unit_vector(angle) * far
+        })
+    });
+    while (starts.len() as u32) < robots {
+        let free = |p: DVec2| {
+            let ground = grounds.at(p);
+            starts.iter().all(|other| other.position.distance(p) >= APART.max(2.5 * radius))
+                && near.clearance(p) >= radius + 0.05
+                && ground.speed > 0.0
+                && !ground.water
+                && sees(p)
+        };
+        match places.by_ref().find(|&p| free(p)) {
+            Some(position) => starts.push(Pose { position, heading: start.heading }),
+            None => {
+                let found = starts.len() as u32;
+                return Err(TrialError::NoRoom { robots, found });
+            }
+        }
+    }
+    Ok(starts)
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::geometry::{Rect, Shape};
+    use envgen::world::{Surface, SurfaceKind, Wall, WallKind};
+    use envgen::{Blueprint, Provenance, Seed, Spec};
+
+    use super::*;
+
+    fn room(size: DVec2) -> World {
+        let bounds = Rect::new(DVec2::ZERO, size);
+        let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
+        let corners = Shape::from_rect(bounds).corners();
+        world.walls = envgen::geometry::edges(&corners)
+            .map(|(a, b)| Wall { kind: WallKind::Wall, shape: Shape::Segment { a, b } })
+            .collect();
+        world
+    }
+
+    #[test]
+    fn robots_start_apart_and_free() {
+        let body = Robot::default();
+        for seed in 0..20 {
+            let spec = envgen::indoor::IndoorSpec::default();
+            let world = spec.generate(Seed(seed)).expect("a map").to_world();
+            let start = world.start.expect("a start");
+            let starts = starts(&world, start, 4, &body).expect("room for four");
+            assert_eq!(starts[0], start);
+            for (i, a) in starts.iter().enumerate() {
+                assert!(world.clearance(a.position) >= body.swing_radius);
+                for b in &starts[..i] {
+                    assert!(a.position.distance(b.position) >= APART - 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_is_said() {
+        let body = Robot::default();
+        let mut world = room(DVec2::new(3.0, 1.0));
+        let error = |world: &World, x: f64, robots| {
+            starts(world, Pose::new(x, 0.5, 0.0), robots, &body).expect_err("no start").to_string()
+        };
+        let text = error(&world, 0.1, 1);
+        assert!(text.contains("(0.1, 0.5)") && text.contains("0.100 m"), "{text}");
+        assert!(error(&world, 1.5, 6).contains("6 robots"), "{}", error(&world, 1.5, 6));
+        let shape = Shape::from_rect(world.bounds);
+        let kind = SurfaceKind::Water;
+        world.surfaces.push(Surface { kind, shape, speed: 0.0, odometry_noise: 1.0 });
+        assert!(error(&world, 1.5, 1).contains("cannot drive"));
+    }
+}

@@ -1,0 +1,168 @@
+use envgen::hallway::HallwaySpec;
+use envgen::indoor::IndoorSpec;
+use envgen::{Blueprint, Seed, Spec};
+
+use super::*;
+use crate::slam::SlamKind;
+
+fn hallway() -> World {
+    HallwaySpec { segments: 4, ..Default::default() }.generate(Seed(7)).expect("a hall").to_world()
+}
+
+fn short(time_limit: f64) -> TrialSettings {
+    TrialSettings { time_limit, ..TrialSettings::default() }
+}
+
+fn run(world: &World, settings: TrialSettings) -> Trial<FlatSimulator> {
+    let mut trial = Trial::flat(world, settings).expect("a trial");
+    while trial.step() {}
+    trial
+}
+
+/// What must be the same after a replay.
+fn state(trial: &Trial<FlatSimulator>) -> impl PartialEq + std::fmt::Debug + use<> {
+    let robots = 0..trial.robots();
+    let tracks: Vec<_> = robots
+        .map(|robot| {
+            let slam = trial.brain().slam();
+            let known = (trial.end_of(robot), trial.recoveries(robot), slam.trajectory(robot));
+            (trial.track(robot).clone(), known)
+        })
+        .collect();
+    let map = trial.brain().slam().map();
+    let tiles: Vec<_> =
+        map.changed_since(0).map(|(col, row)| map.tile(col, row).map(<[_]>::to_vec)).collect();
+    (tracks, tiles, trial.time())
+}
+
+#[test]
+fn a_trial_runs_again_from_its_log() {
+    let indoor = IndoorSpec::default().generate(Seed(3)).expect("a map").to_world();
+    for (world, settings) in [
+        (hallway(), short(60.0)),
+        (hallway(), TrialSettings { slam: SlamKind::DeadReckoning, ..short(1200.0) }),
+        (indoor, TrialSettings { robots: 2, ..short(90.0) }),
+    ] {
+        let trial = run(&world, settings);
+        let log = trial.log("flat");
+        let mut bytes = Vec::new();
+        log.write(&mut bytes).expect("memory takes all");
+        let read = TrialLog::read(&mut &bytes[..]).expect("its own log");
+        assert_eq!(read, log);
+        let again = read.replay().expect("its own world");
+        assert!(again.is_over());
+        assert_eq!(state(&again), state(&trial));
+        assert_eq!(again.log("flat").digest(), log.digest());
+    }
+}
+
+#[test]
+fn a_log_of_half_a_trial_runs_to_where_it_stood() {
+    let mut trial = Trial::flat(&hallway(), short(60.0)).expect("a trial");
+    for _ in 0..200 {
+        assert!(trial.step());
+    }
+    let again = trial.log("flat").replay().expect("its own world");
+    assert!(!again.is_over());
+    assert_eq!(state(&again), state(&trial));
+}
+
+#[test]
+fn a_person_drives_and_stops() {
+    let settings = TrialSettings { operator: None, ..short(60.0) };
+    let mut trial = Trial::flat(&hallway(), settings).expect("a trial");
+    for tick in 0..200 {
+        let turn_rate = if tick > 100 { 0.3 } else { 0.0 };
+        assert!(trial.step_with(&[Command { speed: 0.3, turn_rate }]));
+    }
+    trial.stop();
+    assert!(!trial.step_with(&[Command::STOP]));
+    let end = RobotEnd { reason: EndReason::Stopped, tick: 200 };
+    assert_eq!(trial.end_of(0), Some(end));
+    assert!(trial.track(0).metres > 2.0);
+    let again = trial.log("flat").replay().expect("its own world");
+    assert_eq!(state(&again), state(&trial));
+}
+
+#[test]
+fn the_clock_and_the_battery_end_a_trial() {
+    let end = |settings| {
+        let trial = run(&hallway(), settings);
+        (trial.end_of(0).map(|end| end.reason), trial.time())
+    };
+    assert_eq!(end(short(3.0)), (Some(EndReason::TimeLimit), 3.0));
+    let mut settings = short(3.0);
+    settings.body.battery = 2.0;
+    assert_eq!(end(settings), (Some(EndReason::Battery), 2.0));
+}
+
+#[test]
+fn exact_wheels_have_no_trajectory_error() {
+    let world = hallway();
+    let settings = TrialSettings {
+        slam: SlamKind::DeadReckoning,
+        odometry: crate::odometry::OdometryProfile::EXACT,
+        operator: None,
+        ..short(60.0)
+    };
+    let truth = Truth::new(&world, &settings.body).expect("a start");
+    let mut trial = Trial::flat(&world, settings).expect("a trial");
+    for tick in 0..400 {
+        let turn_rate = if (tick + 20) / 40 % 2 == 0 { 0.4 } else { -0.4 };
+        assert!(trial.step_with(&[Command { speed: 0.25, turn_rate }]));
+    }
+    trial.stop();
+    let scores = trial.score(&truth).expect("scores");
+    assert_eq!((scores.hits, scores.distance), (0, trial.track(0).metres));
+    assert!(scores.distance > 4.0 && scores.turning > 4.0, "{scores:?}");
+    assert!(scores.trajectory_error < 1e-9, "{}", scores.trajectory_error);
+    // A replay has the same scores, to the bit.
+    let again = trial.log("flat").replay().expect("its own world");
+    assert_eq!(again.score(&truth), Ok(scores));
+}
+
+#[test]
+fn noise_seeds_differ_and_nothing_else_does() {
+    let run = |seed| {
+        let settings = TrialSettings { seed: Seed(seed), ..short(20.0) };
+        run(&hallway(), settings).log("flat").digest()
+    };
+    assert_eq!(run(1), run(1));
+    assert_ne!(run(1), run(2));
+}
+
+#[test]
+fn bad_worlds_and_starts_are_told() {
+    let mut world = hallway();
+    let begin = |world: &World, settings| {
+        Trial::flat(world, settings).map(|_| ()).expect_err("not allowed").to_string()
+    };
+    let outside = Some(Pose::new(f64::NAN, 0.0, 0.0));
+    assert!(begin(&world, TrialSettings { start: outside, ..short(9.0) }).contains("start.x"));
+    let wall = Some(Pose::new(1.0, 0.5, 0.0));
+    assert!(begin(&world, TrialSettings { start: wall, ..short(9.0) }).contains("nearest solid"));
+    world.start = None;
+    assert!(begin(&world, short(9.0)).contains("no start"));
+}
+
+#[test]
+fn bad_logs_are_told() {
+    let log = run(&hallway(), short(2.0)).log("flat");
+    let text = serde_json::to_string(&log).expect("a log");
+    let error =
+        |text: &str| TrialLog::read(&mut text.as_bytes()).expect_err("not a log").to_string();
+    assert!(error("").contains("no trial log"));
+    assert!(error(&text[..text.len() / 2]).contains("no trial log"));
+    let other = error(&text.replacen("\"version\":1", "\"version\":7", 1));
+    assert_eq!(other, "a log of version 7, this crate reads version 1");
+    let robots = error(&text.replacen("\"robots\":1", "\"robots\":2", 1));
+    assert_eq!(robots, "`commands` is 1, allowed is 2, one a robot");
+    let mut value: serde_json::Value = serde_json::from_str(&text).expect("a log");
+    value["commands"][0][0][2] = u64::MAX.into();
+    assert!(error(&value.to_string()).contains("`commands`"));
+
+    let mut moved = log.clone();
+    moved.world_digest = "0".repeat(64);
+    let told = moved.replay().map(|_| ()).expect_err("another world").to_string();
+    assert!(told.contains("digest 000"), "{told}");
+}

@@ -1,0 +1,96 @@
+//! The grid that scores are counted on.
+
+use envgen::geometry::Rect;
+use glam::DVec2;
+
+use crate::map::{CellIndex, RESOLUTION};
+
+/// Side of a cell of scores in metres: two cells of a robot's map.
+pub const SCORE_CELL: f64 = 2.0 * RESOLUTION;
+
+/// A rectangle of cells of [`SCORE_CELL`], in rows from below, in line with the cells of a map: four
+/// of those make one of these.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frame {
+    /// Column of the leftmost cells, counted from the world's origin.
+    pub col: i32,
+    /// Row of the lowest cells, counted from the world's origin.
+    pub row: i32,
+    /// Number of columns.
+    pub cols: usize,
+    /// Number of rows.
+    pub rows: usize,
+}
+
+impl Frame {
+    /// The cells that touch a rectangle, which must not be far larger than memory.
+    pub(crate) fn around(area: Rect) -> Self {
+        let low = (area.min / SCORE_CELL).floor();
+        let size = ((area.max / SCORE_CELL).ceil() - low).max(DVec2::ONE);
+        Frame { col: low.x as i32, row: low.y as i32, cols: size.x as usize, rows: size.y as usize }
+    }
+
+    /// The cells that both have; empty when there are none.
+    pub(crate) fn intersection(self, other: Frame) -> Frame {
+        let (col, row) = (self.col.max(other.col), self.row.max(other.row));
+        let end = |a: i32, a_len: usize, b: i32, b_len: usize, from: i32| {
+            let end = (i64::from(a) + a_len as i64).min(i64::from(b) + b_len as i64);
+            (end - i64::from(from)).max(0) as usize
+        };
+        let cols = end(self.col, self.cols, other.col, other.cols, col);
+        let rows = end(self.row, self.rows, other.row, other.rows, row);
+        if cols * rows == 0 {
+            Frame { col, row, cols: 0, rows: 0 }
+        } else {
+            Frame { col, row, cols, rows }
+        }
+    }
+
+    /// Number of cells.
+    pub fn len(self) -> usize {
+        self.cols * self.rows
+    }
+
+    /// Whether there are no cells.
+    pub fn is_empty(self) -> bool {
+        self.len() == 0
+    }
+
+    /// The cell around a point; `None` outside.
+    pub fn cell_at(self, p: DVec2) -> Option<usize> {
+        let CellIndex { col, row } = CellIndex::of(p);
+        self.cell(col.div_euclid(2), row.div_euclid(2))
+    }
+
+    /// The cell of a column and a row that are counted from the world's origin; `None` outside.
+    pub(crate) fn cell(self, col: i32, row: i32) -> Option<usize> {
+        let x = usize::try_from(i64::from(col) - i64::from(self.col)).ok()?;
+        let y = usize::try_from(i64::from(row) - i64::from(self.row)).ok()?;
+        (x < self.cols && y < self.rows).then(|| y * self.cols + x)
+    }
+
+    /// Column and row of a cell, counted from the world's origin.
+    pub(crate) fn place(self, cell: usize) -> (i32, i32) {
+        (self.col + (cell % self.cols) as i32, self.row + (cell / self.cols) as i32)
+    }
+
+    /// Middle of a cell in metres.
+    pub fn centre(self, cell: usize) -> DVec2 {
+        let (col, row) = self.place(cell);
+        (DVec2::new(f64::from(col), f64::from(row)) + 0.5) * SCORE_CELL
+    }
+
+    /// The rectangle that the cells cover, in metres.
+    pub fn area(self) -> Rect {
+        let low = DVec2::new(f64::from(self.col), f64::from(self.row));
+        let high = low + DVec2::new(self.cols as f64, self.rows as f64);
+        Rect::new(low * SCORE_CELL, high * SCORE_CELL)
+    }
+
+    /// A cell's neighbour, `x` columns to the right and `y` rows up; `None` outside.
+    pub(crate) fn neighbour(self, cell: usize, x: i32, y: i32) -> Option<usize> {
+        let col = (cell % self.cols).checked_add_signed(x as isize)?;
+        let row = (cell / self.cols).checked_add_signed(y as isize)?;
+        (col < self.cols && row < self.rows).then(|| row * self.cols + col)
+    }
+}

@@ -1,0 +1,122 @@
+//! Where a disc touches something.
+
+use envgen::World;
+use envgen::geometry::{Shape, edges};
+use envgen::ground::Grounds;
+use envgen::occupancy::{Coverage, OccupancyError, OccupancyGrid};
+use envgen::proximity::Proximity;
+use envgen::world::SurfaceKind;
+use glam::DVec2;
+
+use super::frame::{Frame, SCORE_CELL};
+
+/// Solid parts, and the ground that a robot's middle must not be on, over a frame.
+#[derive(Clone, Debug)]
+pub(super) struct DiscGround {
+    frame: Frame,
+    /// The cells inside the world's bounds that no solid part enters.
+    open: Vec<bool>,
+    /// The cells that no water and no ground of speed 0 enters.
+    dry: Vec<bool>,
+    near: Proximity,
+    grounds: Grounds,
+}
+
+impl DiscGround {
+    /// Indexes a world for distances up to `reach` metres.
+    pub(super) fn new(world: &World, frame: Frame, reach: f64) -> Result<Self, OccupancyError> {
+        let empty = OccupancyGrid::empty(frame.area(), SCORE_CELL)?;
+        let mut solid = empty.clone();
+        for part in world.solids() {
+            occupy_entered(&mut solid, &part.shape);
+        }
+        let mut wet = empty;
+        let barred = |shape: &Shape| occupy_entered(&mut wet, shape);
+        let surfaces = world.surfaces.iter();
+        let surfaces = surfaces.filter(|s| s.kind == SurfaceKind::Water || s.speed == 0.0);
+        surfaces.map(|surface| &surface.shape).for_each(barred);
+        let inside = |cell| world.bounds.contains(frame.centre(cell));
+        Ok(DiscGround {
+            frame,
+            open: (0..frame.len()).map(|cell| !solid.cells()[cell] && inside(cell)).collect(),
+            dry: wet.cells().iter().map(|wet| !wet).collect(),
+            near: Proximity::new(world, reach),
+            grounds: Grounds::new(world),
+        })
+    }
+
+    pub(super) fn frame(&self) -> Frame {
+        self.frame
+    }
+
+    /// The cells inside the world's bounds that no solid part enters.
+    pub(super) fn open(&self) -> &[bool] {
+        &self.open
+    }
+
+    /// Whether a cell lies inside the world's bounds and no solid part enters it.
+    pub(super) fn is_open(&self, cell: usize) -> bool {
+        self.open[cell]
+    }
+
+    /// Whether no water and no ground of speed 0 enters a cell.
+    pub(super) fn is_dry_cell(&self, cell: usize) -> bool {
+        self.dry[cell]
+    }
+
+    /// Whether a robot can drive with its middle at a point.
+    pub(super) fn is_dry(&self, p: DVec2) -> bool {
+        let ground = self.grounds.at(p);
+        ground.speed > 0.0 && !ground.water
+    }
+
+    /// The distance up to which clearances are known, in metres.
+    pub(super) fn reach(&self) -> f64 {
+        self.near.reach()
+    }
+
+    /// Distance in metres to the nearest solid part, infinite beyond the reach.
+    pub(super) fn clearance(&self, p: DVec2) -> f64 {
+        self.near.clearance(p)
+    }
+
+    /// How far a disc is from the nearest solid part in metres, infinite beyond the reach;
+    /// negative where it touches one, leaves the world or cannot drive.
+    pub(super) fn room(&self, p: DVec2, radius: f64) -> f64 {
+        match self.frame.cell_at(p) {
+            Some(cell) if self.open[cell] && (self.dry[cell] || self.is_dry(p)) => {
+                self.clearance(p) - radius
+            }
+            _ => -radius,
+        }
+    }
+}
+
+/// How deep a filled shape must reach into a cell to enter it, in metres: a wall along the line
+/// between two cells is in one of them.
+const DEPTH: f64 = 1e-6;
+
+/// Occupies the cells that a shape enters. A line enters both cells that it parts.
+fn occupy_entered(grid: &mut OccupancyGrid, shape: &Shape) {
+    let shrunk = match shape {
+        Shape::Segment { .. } => shape.clone(),
+        Shape::Disc { center, radius } => {
+            Shape::Disc { center: *center, radius: (radius - DEPTH).max(0.5 * radius) }
+        }
+        Shape::Box { center, half_size, heading } => {
+            let half_size = (*half_size - DEPTH).max(0.5 * *half_size);
+            Shape::Box { center: *center, half_size, heading: *heading }
+        }
+        Shape::Polygon { vertices } => {
+            for (a, b) in edges(vertices) {
+                // Polygons run counter-clockwise: their inside is on the left.
+                let along = (b - a).normalize_or_zero() * DEPTH.min(0.25 * a.distance(b));
+                let inside = along.perp();
+                let inner = Shape::Segment { a: a + along + inside, b: b - along + inside };
+                grid.occupy(&inner, Coverage::Conservative);
+            }
+            return grid.occupy(shape, Coverage::Centre);
+        }
+    };
+    grid.occupy(&shrunk, Coverage::Conservative);
+}

@@ -1,0 +1,253 @@
+//! What could be mapped of a world: the ground that a robot can reach, and the walls that it can
+//! see from there.
+
+mod frame;
+mod ground;
+mod reach;
+mod walls;
+
+use envgen::Seed;
+use envgen::world::{Violation, World};
+use glam::DVec2;
+use thiserror::Error;
+
+pub use self::frame::{Frame, SCORE_CELL};
+use self::ground::DiscGround;
+use self::reach::Reach;
+pub use self::walls::WallPoint;
+use crate::map::{CLAMP, CellIndex, OccupancyMap};
+use crate::robot::Robot;
+use crate::score::navigability::{Trip, trips};
+use crate::score::walls::true_runs;
+
+/// The most cells of [`SCORE_CELL`] that a world may have with its border: 579 x 579 m.
+pub const MAX_CELLS: u64 = 1 << 25;
+
+/// Width in metres of the border of cells around the world's bounds: farther than walls are
+/// compared.
+const BORDER: f64 = 1.3;
+
+/// How much wider than its swing radius a robot counts where it plans and where it could have been,
+/// in metres: the Pioneer's 0.355 m make 0.36 m.
+pub const MARGIN: f64 = 0.005;
+
+/// The swing radii that a trial can be scored for, in metres.
+const RADII: std::ops::RangeInclusive<f64> = 0.15..=2.0;
+
+/// How much farther than the robot's radius distances to barriers are known, in metres.
+const REACH: f64 = 0.6;
+
+/// Depth in metres at which a wall's surface is drawn into the wall.
+const INTO_WALL: f64 = 1e-3;
+
+/// Why there is nothing that could be mapped.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum TruthError {
+    /// The world breaks an invariant.
+    #[error("the world is broken: {0}")]
+    World(#[from] Violation),
+    /// The world is too large.
+    #[error("`bounds` are {width} m x {height} m, allowed are {MAX_CELLS} cells of 0.1 m")]
+    Size {
+        /// Width in metres.
+        width: f64,
+        /// Height in metres.
+        height: f64,
+    },
+    /// The robot's size is not one that can be scored.
+    #[error("`swing_radius` is {0} m, allowed is from {min} to {max} m", min = RADII.start(), max = RADII.end())]
+    Radius(f64),
+    /// The world has no start.
+    #[error("`start` is absent, but a trial starts there")]
+    NoStart,
+    /// The robot does not fit at the start.
+    #[error(
+        "`start` is ({x}, {y}) m, allowed is a place to drive on with {radius} m \
+         of free ground all around"
+    )]
+    Start {
+        /// Its x in metres.
+        x: f64,
+        /// Its y in metres.
+        y: f64,
+        /// The robot's radius in metres.
+        radius: f64,
+    },
+}
+
+/// What could be mapped of a world, worked out once for any number of trials in it.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    frame: Frame,
+    ground: DiscGround,
+    /// Swing radius of the robot in metres.
+    radius: f64,
+    free: Vec<bool>,
+    free_cells: usize,
+    walls: Vec<WallPoint>,
+    /// How often a look along each wall point's normal meets walls.
+    runs: Vec<u8>,
+    wall_distance: Vec<u16>,
+    trips: Vec<Trip>,
+}
+
+impl Truth {
+    /// Works out what a robot could map from the world's start.
+    ///
+    /// The robot is a disc of its swing radius that keeps off solid parts and inside the world's
+    /// bounds; its middle keeps off water and surfaces of speed 0.
+    ///
+    /// # Errors
+    /// When the world is broken, too large or has no start, when the robot does not fit there, or
+    /// when it is smaller or larger than can be scored.
+    pub fn new(world: &World, robot: &Robot) -> Result<Self, TruthError> {
+        let radius = robot.swing_radius;
+        if !RADII.contains(&radius) {
+            return Err(TruthError::Radius(radius));
+        }
+        world.check()?;
+        let around = world.bounds.grown(BORDER);
+        let size = around.size();
+        let too_large = TruthError::Size { width: size.x, height: size.y };
+        let cells = (size.x / SCORE_CELL + 2.0) * (size.y / SCORE_CELL + 2.0);
+        // Far from the origin cells of 0.1 m cannot be told apart.
+        let far = around.min.abs().max(around.max.abs()).max_element();
+        if cells > MAX_CELLS as f64 || far > 1e7 {
+            return Err(too_large);
+        }
+        let start = world.start.ok_or(TruthError::NoStart)?.position;
+        let frame = Frame::around(around);
+
+        let footprint = radius + MARGIN;
+        let ground = DiscGround::new(world, frame, footprint + REACH).map_err(|_| too_large)?;
+        let reach = Reach::from_start(&ground, footprint, start);
+        let land: Vec<bool> =
+            (0..frame.len()).map(|cell| ground.is_open(cell) && ground.is_dry_cell(cell)).collect();
+        let free = reach.covered(&land, footprint);
+        let free_cells = free.iter().filter(|free| **free).count();
+        if free_cells == 0 || ground.room(start, radius) < 0.0 {
+            return Err(TruthError::Start { x: start.x, y: start.y, radius: footprint });
+        }
+        let joined = joined(frame, &free, ground.open());
+        let walls = walls::seen(world, frame, &free, &joined);
+        let mut truth = Truth {
+            frame,
+            ground,
+            radius,
+            free_cells,
+            free,
+            walls,
+            runs: Vec::new(),
+            wall_distance: Vec::new(),
+            trips: Vec::new(),
+        };
+        let mut walls = vec![false; frame.len()];
+        for point in &truth.walls {
+            if let Some(cell) = frame.cell_at(into_wall(*point)) {
+                walls[cell] = true;
+            }
+        }
+        truth.wall_distance = envgen::distance::squared_distances(frame.cols, &walls);
+        let map = truth.perfect_map();
+        truth.runs = true_runs(&truth, &map);
+        truth.trips = trips(&truth, &map, world.provenance.seed.unwrap_or(Seed(0)));
+        Ok(truth)
+    }
+
+    /// The grid that the truth is given on.
+    pub fn frame(&self) -> Frame {
+        self.frame
+    }
+
+    /// Each cell of the frame: whether it is F, ground that no barrier touches and that the robot's
+    /// disc can cover.
+    pub fn free(&self) -> &[bool] {
+        &self.free
+    }
+
+    /// The area of F in square metres.
+    pub fn free_area(&self) -> f64 {
+        self.free_cells as f64 * (SCORE_CELL * SCORE_CELL)
+    }
+
+    /// The walls that can be seen from F, as points about 5 cm apart.
+    pub fn walls(&self) -> &[WallPoint] {
+        &self.walls
+    }
+
+    /// Whether the robot can be with its middle at a point: its disc, of its swing radius, touches
+    /// nothing solid, and the ground can be driven on.
+    pub fn is_clear(&self, p: DVec2) -> bool {
+        self.room(p) >= 0.0
+    }
+
+    /// The map that a robot without any error would make: F free, the seen walls occupied.
+    pub fn perfect_map(&self) -> OccupancyMap {
+        let mut map = OccupancyMap::new();
+        for cell in (0..self.frame.len()).filter(|&cell| self.free[cell]) {
+            let (col, row) = self.frame.place(cell);
+            for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                map.add(CellIndex { col: 2 * col + x, row: 2 * row + y }, -CLAMP);
+            }
+        }
+        for point in &self.walls {
+            let cell = CellIndex::of(into_wall(*point));
+            map.add(cell, CLAMP);
+            map.add(cell, CLAMP);
+        }
+        map.touch(self.frame.area());
+        map
+    }
+
+    /// How far the robot's disc is from the nearest solid part in metres, infinite when far;
+    /// negative where it touches one or cannot be.
+    pub(crate) fn room(&self, p: DVec2) -> f64 {
+        self.ground.room(p, self.radius)
+    }
+
+    /// Squared distance of every cell to the nearest seen wall, in cells.
+    pub(crate) fn wall_distance(&self) -> &[u16] {
+        &self.wall_distance
+    }
+
+    /// How often a look along each wall point's normal meets walls.
+    pub(crate) fn runs(&self) -> &[u8] {
+        &self.runs
+    }
+
+    /// The ways on which a map is tried.
+    pub(crate) fn trips(&self) -> &[Trip] {
+        &self.trips
+    }
+
+    pub(crate) fn free_cells(&self) -> usize {
+        self.free_cells
+    }
+}
+
+/// A place inside the wall at a point of its surface.
+fn into_wall(point: WallPoint) -> DVec2 {
+    point.position - point.normal * INTO_WALL
+}
+
+/// The open cells that are joined to free ones over sides.
+fn joined(frame: Frame, free: &[bool], open: &[bool]) -> Vec<bool> {
+    let mut joined = free.to_vec();
+    let mut grown: Vec<usize> = (0..free.len()).filter(|&cell| free[cell]).collect();
+    while let Some(cell) = grown.pop() {
+        for (x, y) in [(1, 0), (0, 1), (-1, 0), (0, -1)] {
+            if let Some(next) = frame.neighbour(cell, x, y)
+                && open[next]
+                && !joined[next]
+            {
+                joined[next] = true;
+                grown.push(next);
+            }
+        }
+    }
+    joined
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

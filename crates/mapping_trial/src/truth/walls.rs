@@ -1,0 +1,118 @@
+//! The walls that can be seen from where a robot can be.
+
+use std::f64::consts::{PI, TAU};
+
+use envgen::World;
+use envgen::geometry::{Pose, Shape, edges, unit_vector};
+use envgen::raycast::{Fan, Raycaster};
+use glam::DVec2;
+
+use super::frame::{Frame, SCORE_CELL};
+
+/// Greatest distance between neighbouring points of an outline in metres: a cell of a map.
+const SPACING: f64 = 0.05;
+
+/// Height above an outline from which it is looked away from, in metres.
+const LIFT: f64 = 0.01;
+
+/// How far walls are seen, in metres: the longest range of the lasers.
+const SIGHT: f64 = 20.0;
+
+/// Directions in which a point looks for free space that is not right before it.
+const LOOKS: usize = 64;
+
+/// A point of a wall's outline; each stands for about the same length of wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallPoint {
+    /// Where it is, in metres.
+    pub position: DVec2,
+    /// The unit vector out of the wall, to where it is seen from.
+    pub normal: DVec2,
+}
+
+/// The points of outlines that can be seen from the cells of `free`, in the world's order.
+/// `joined` are the cells that no barrier touches and that are joined to `free`.
+pub(super) fn seen(world: &World, frame: Frame, free: &[bool], joined: &[bool]) -> Vec<WallPoint> {
+    let sight =
+        Sight { rays: Raycaster::new(world), fan: Fan::new(PI, LOOKS), frame, free, joined };
+    let mut points = Vec::new();
+    let mut ranges = Vec::new();
+    for solid in world.solids() {
+        outline(&solid.shape, |candidates| {
+            points.extend(candidates.iter().find(|point| sight.has(**point, &mut ranges)));
+        });
+    }
+    points
+}
+
+struct Sight<'a> {
+    rays: Raycaster,
+    fan: Fan,
+    frame: Frame,
+    free: &'a [bool],
+    joined: &'a [bool],
+}
+
+impl Sight<'_> {
+    /// Whether free space can be seen from a point.
+    fn has(&self, point: WallPoint, ranges: &mut Vec<f64>) -> bool {
+        let before = point.position + point.normal * SCORE_CELL;
+        let Some(cell) = self.frame.cell_at(before) else { return false };
+        let beside = (-1..=1).flat_map(|y| (-1..=1).map(move |x| (x, y)));
+        let beside = || beside.clone().filter_map(|(x, y)| self.frame.neighbour(cell, x, y));
+        if !beside().any(|cell| self.joined[cell]) {
+            return false;
+        }
+        let eye = point.position + point.normal * LIFT;
+        // Most walls have free space right before them.
+        if beside().any(|cell| self.free[cell] && self.open_between(eye, cell)) {
+            return true;
+        }
+        let heading = libm::atan2(point.normal.y, point.normal.x);
+        self.rays.scan(Pose { position: eye, heading }, &self.fan, SIGHT, ranges);
+        ranges.iter().enumerate().any(|(i, &range)| {
+            let direction = unit_vector(heading + PI * (i as f64 / (LOOKS - 1) as f64 - 0.5));
+            let steps = (range / SCORE_CELL) as usize;
+            (1..=steps).any(|step| {
+                let p = eye + direction * (step as f64 * SCORE_CELL);
+                self.frame.cell_at(p).is_some_and(|cell| self.free[cell])
+            })
+        })
+    }
+
+    /// Whether nothing stands between a point and the middle of a cell.
+    fn open_between(&self, eye: DVec2, cell: usize) -> bool {
+        let way = self.frame.centre(cell) - eye;
+        let length = way.length();
+        length > 0.0 && self.rays.cast_along(eye, way / length, length).is_none()
+    }
+}
+
+/// Points along a shape's outline, each with the directions from which it may be seen: one for a
+/// filled shape, both for a line.
+fn outline(shape: &Shape, mut visit: impl FnMut(&[WallPoint])) {
+    let mut side = |a: DVec2, b: DVec2, both: bool| {
+        let count = ((b - a).length() / SPACING).ceil().max(1.0);
+        let normal = -(b - a).normalize_or_zero().perp();
+        for i in 0..count as usize {
+            let position = a + (b - a) * ((i as f64 + 0.5) / count);
+            let (this, that) =
+                (WallPoint { position, normal }, WallPoint { position, normal: -normal });
+            visit(&[this, that][..if both { 2 } else { 1 }]);
+        }
+    };
+    match shape {
+        Shape::Segment { a, b } => side(*a, *b, true),
+        // Counter-clockwise outlines have their outside on the right.
+        Shape::Box { .. } | Shape::Polygon { .. } => {
+            edges(&shape.corners()).for_each(|(a, b)| side(a, b, false));
+        }
+        Shape::Disc { center, radius } => {
+            let count = (TAU * radius / SPACING).ceil().max(8.0);
+            for i in 0..count as usize {
+                let normal = unit_vector(TAU * (i as f64 / count));
+                visit(&[WallPoint { position: *center + normal * *radius, normal }]);
+            }
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! Operators in generated buildings, on maps that are drawn from true poses.
+
+mod exact;
+
+use envgen::geometry::{Pose, Rect, Shape, edges};
+use envgen::glam::DVec2;
+use envgen::indoor::{IndoorSpec, Profile};
+use envgen::world::{Wall, WallKind};
+use envgen::{Blueprint, Provenance, Seed, Spec, World};
+use exact::{End, Outcome, Run, coverage, reachable};
+use mapping_trial::lidar::LaserProfile;
+use mapping_trial::operator::{OperatorKind, build};
+
+const KINDS: [OperatorKind; 5] = [
+    OperatorKind::Nearest,
+    OperatorKind::InfoGain,
+    OperatorKind::Cautious,
+    OperatorKind::WallFollow,
+    OperatorKind::Corridors,
+];
+
+fn building(side: u32, seed: u64) -> World {
+    let spec = IndoorSpec {
+        difficulty: 5.0,
+        width: side,
+        height: side,
+        profile: Profile::Guaranteed,
+        ..Default::default()
+    };
+    spec.generate(Seed(seed)).expect("a plan").to_world()
+}
+
+fn run(world: &World, kind: OperatorKind, starts: &[Pose], seconds: f64) -> (Outcome, Run) {
+    let mut run = Run::new(world, starts, LaserProfile::LMS200_MM, Seed(1));
+    let mut operator = build(kind, starts.len(), &run.robot, &run.laser);
+    let mut outcome = run.drive(&mut *operator, seconds);
+    let places = reachable(world, starts[0].position, &run.robot);
+    outcome.coverage = coverage(&run.map, &places);
+    (outcome, run)
+}
+
+#[test]
+fn every_operator_covers_a_small_building() {
+    for seed in [1, 2] {
+        let world = building(8, seed);
+        let start = world.start.expect("a start");
+        for kind in KINDS {
+            let (outcome, _) = run(&world, kind, &[start], 1200.0);
+            let least = if kind == OperatorKind::WallFollow { 0.75 } else { 0.9 };
+            assert!(outcome.coverage > least, "{kind:?} in building {seed}: {outcome:?}");
+            assert_ne!(outcome.end, End::Stuck, "{kind:?} in building {seed}: {outcome:?}");
+        }
+    }
+}
+
+/// A tenth of the time of the claim on twenty maps: not one may end by getting stuck.
+#[test]
+fn nearest_gets_stuck_nowhere() {
+    for seed in 0..20 {
+        let world = building(16, seed);
+        let start = world.start.expect("a start");
+        let (outcome, _) = run(&world, OperatorKind::Nearest, &[start], 300.0);
+        assert_ne!(outcome.end, End::Stuck, "building {seed}: {outcome:?}");
+        assert!(outcome.metres > 60.0 || outcome.end == End::Drowned, "{seed}: {outcome:?}");
+    }
+}
+
+#[test]
+fn two_robots_share_the_work() {
+    let world = building(10, 4);
+    let start = world.start.expect("a start");
+    let near = envgen::proximity::Proximity::new(&world, 1.0);
+    let places = (0..63).map(|i| start.position + unit(f64::from(i) * 0.1));
+    let second = places.max_by(|a, b| near.clearance(*a).total_cmp(&near.clearance(*b)));
+    let second = Pose { position: second.expect("63 places"), heading: start.heading };
+    let (alone, _) = run(&world, OperatorKind::Nearest, &[start], 300.0);
+    let (both, _) = run(&world, OperatorKind::Nearest, &[start, second], 300.0);
+    assert_ne!(both.end, End::Stuck, "{both:?}");
+    assert!(both.coverage > 1.1 * alone.coverage, "{both:?} against {alone:?}");
+}
+
+#[test]
+fn the_same_run_twice_is_the_same() {
+    let world = building(8, 3);
+    let start = world.start.expect("a start");
+    for kind in KINDS {
+        let ((a, first), (b, second)) =
+            (run(&world, kind, &[start], 120.0), run(&world, kind, &[start], 120.0));
+        assert_eq!(first.tracks, second.tracks, "{kind:?}");
+        assert_eq!((a.metres, a.radians), (b.metres, b.radians), "{kind:?}");
+    }
+}
+
+#[test]
+fn an_empty_room_is_soon_done() {
+    let bounds = Rect::new(DVec2::ZERO, DVec2::splat(20.0));
+    let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
+    let corners = Shape::from_rect(bounds).corners();
+    world.walls = edges(&corners)
+        .map(|(a, b)| Wall { kind: WallKind::Wall, shape: Shape::Segment { a, b } })
+        .collect();
+    for kind in KINDS {
+        let (outcome, _) = run(&world, kind, &[Pose::new(10.0, 10.0, 0.0)], 400.0);
+        assert_eq!(outcome.end, End::Finished, "{kind:?}: {outcome:?}");
+        assert!(outcome.coverage > 0.98, "{kind:?}: {outcome:?}");
+        assert!(outcome.time < 300.0, "{kind:?}: {outcome:?}");
+        assert!(outcome.hits == 0 && outcome.recoveries == 0, "{kind:?}: {outcome:?}");
+    }
+}
+
+fn unit(heading: f64) -> DVec2 {
+    envgen::geometry::unit_vector(heading)
+}

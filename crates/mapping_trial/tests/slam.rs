@@ -1,0 +1,187 @@
+//! What holds of every estimator: it can take anything, it repeats to the bit, robots share a map.
+
+use envgen::geometry::Pose;
+use envgen::glam::DVec2;
+use envgen::raycast::Raycaster;
+use envgen::{Seed, World};
+use mapping_trial::lidar::{Laser, LaserProfile, Scan};
+use mapping_trial::map::{Cell, CellIndex, OccupancyMap};
+use mapping_trial::odometry::{Increment, Odometry, OdometryProfile};
+use mapping_trial::robot::Robot;
+use mapping_trial::slam::{Slam, SlamKind};
+use proptest::prelude::*;
+
+mod drive;
+
+use drive::{Drive, frame, rect, world_of};
+
+fn room() -> World {
+    let mut walls = frame(0.0, 0.0, 12.0, 9.0);
+    walls.extend([rect(5.0, 4.0, 5.4, 9.0), rect(8.0, 2.0, 8.5, 2.5)]);
+    world_of(&walls)
+}
+
+/// FNV-1a over the cells of a map, in the order of their places, and the poses of a robot.
+fn digest(slam: &dyn Slam) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut feed = |word: u64| {
+        for byte in word.to_le_bytes() {
+            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    };
+    for pose in slam.trajectory(0) {
+        [pose.position.x, pose.position.y, pose.heading].iter().for_each(|x| feed(x.to_bits()));
+    }
+    let estimate = slam.estimate(0);
+    [estimate.deviation, estimate.heading_deviation].iter().for_each(|x| feed(x.to_bits()));
+    let mut tiles: Vec<_> = slam.map().changed_since(0).collect();
+    tiles.sort_unstable();
+    for (col, row) in tiles {
+        for &odds in slam.map().tile(col, row).into_iter().flatten() {
+            feed(odds as u64);
+        }
+    }
+    hash
+}
+
+#[test]
+fn golden() {
+    let mut walls = frame(0.0, 0.0, 30.0, 20.0);
+    walls.push(rect(2.0, 2.0, 28.0, 18.0));
+    let way = [(4.0, 1.0), (29.0, 1.0), (29.0, 19.0), (1.0, 19.0), (1.0, 1.0), (20.0, 1.0)];
+    let way = way.map(|(x, y)| DVec2::new(x, y));
+    let drive = Drive::new(&world_of(&walls), &way, &LaserProfile::LMS200_MM_ROUGH);
+    let recording = drive.record(&OdometryProfile::SKID, 7);
+    let found = SlamKind::ALL.map(|kind| digest(&*recording.replay(kind)));
+    // A change here changes every trial: it has to be meant.
+    assert_eq!(found, GOLDEN, "{found:#x?}");
+}
+
+const GOLDEN: [u64; 3] = [0xe8b4_b174_b646_58c5, 0x42bc_e64a_d48f_18f9, 0xfb64_71e4_4ee7_45fc];
+
+#[test]
+fn kinds_are_named_in_files() {
+    let names = SlamKind::ALL.map(|kind| serde_json::to_string(&kind).expect("a name"));
+    assert_eq!(names, ["\"dead_reckoning\"", "\"scan_to_map\"", "\"pose_graph\""]);
+}
+
+/// Share of the free cells of a map that are free in the world, and how many there are.
+fn free_cells(map: &OccupancyMap, world: &World) -> (f64, usize) {
+    let (mut all, mut right) = (0, 0);
+    for row in 0..180 {
+        for col in 0..240 {
+            let index = CellIndex { col, row };
+            if map.cell(index) == Cell::Free {
+                all += 1;
+                right += usize::from(world.clearance(index.centre()) > 0.0);
+            }
+        }
+    }
+    (f64::from(right as u32) / f64::from(all), all as usize)
+}
+
+#[test]
+fn robots_share_one_map() {
+    let world = room();
+    let rays = Raycaster::new(&world);
+    let robot = Robot::default();
+    let starts = [Pose::new(2.0, 7.0, -1.5), Pose::new(10.0, 7.0, -1.5)];
+    for kind in SlamKind::ALL {
+        let mut slam = kind.build(&starts, &robot, &LaserProfile::LMS200_MM);
+        let mut poses = starts;
+        let mut wheels = [0, 1].map(|i| Odometry::new(OdometryProfile::MILD, Seed(4), i));
+        let mut lasers = [0, 1].map(|i| Laser::new(LaserProfile::LMS200_MM, Seed(4), i));
+        let mut exact = Vec::new();
+        for tick in 0..200 {
+            for i in 0..2 {
+                let motion = if tick == 0 {
+                    Increment::default()
+                } else {
+                    Increment { distance: 0.02, turn: [0.004, -0.004][i] }
+                };
+                poses[i].heading += motion.turn;
+                poses[i].position +=
+                    envgen::geometry::unit_vector(poses[i].heading) * motion.distance;
+                let scan = (tick % 4 == 0).then(|| {
+                    lasers[i].cast(&rays, robot.laser_pose(poses[i]), &mut exact);
+                    lasers[i].measure(&exact)
+                });
+                slam.step(i, wheels[i].measure(motion, 1.0), scan.as_ref());
+            }
+            if tick == 0 {
+                assert!(free_cells(slam.map(), &world).1 > 1000, "{kind:?} sees no free cell");
+            }
+        }
+        for (i, pose) in poses.iter().enumerate() {
+            let off = slam.estimate(i).pose.position.distance(pose.position);
+            assert!(off < 0.15, "{kind:?}: robot {i} is off by {off} m");
+            assert!(slam.estimate(i).deviation > 0.0);
+            assert_eq!(slam.trajectory(i).len(), 201);
+        }
+        // Behind the wall between them each would see only its own half.
+        let (right, count) = free_cells(slam.map(), &world);
+        assert!(right > 0.99 && count > 25_000, "{kind:?}: {right} of {count}");
+        // Robots that there are not change nothing.
+        let revision = slam.map().revision();
+        slam.step(9, Increment::default(), Some(&Scan { ranges: vec![1.0; 181] }));
+        assert!(slam.trajectory(9).is_empty() && slam.map().revision() == revision);
+    }
+}
+
+#[test]
+fn cells_decay_to_free_when_what_stood_there_is_gone() {
+    // The wheels say that the robot goes to and fro: each keyframe draws again.
+    let scan = |range: f64| Scan { ranges: vec![range; 181] };
+    let mut slam = SlamKind::DeadReckoning.build(
+        &[Pose::default()],
+        &Robot::default(),
+        &LaserProfile::LMS200_MM,
+    );
+    let ahead = CellIndex::of(DVec2::new(2.21, 0.0));
+    for i in 0..8 {
+        let turn = if i % 2 == 0 { 0.3 } else { -0.3 };
+        slam.step(0, Increment { distance: 0.0, turn }, Some(&scan(2.0)));
+    }
+    assert_eq!(slam.map().cell(ahead), Cell::Occupied);
+    for i in 0..40 {
+        let turn = if i % 2 == 0 { 0.3 } else { -0.3 };
+        slam.step(0, Increment { distance: 0.0, turn }, Some(&scan(f64::INFINITY)));
+    }
+    assert_eq!(slam.map().cell(ahead), Cell::Free);
+}
+
+fn anything() -> impl Strategy<Value = f64> {
+    prop_oneof![any::<f64>(), -1.0..1.0_f64, Just(f64::NAN), Just(f64::INFINITY), Just(1e300)]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn nothing_panics(
+        start in (anything(), anything(), anything()),
+        steps in proptest::collection::vec(
+            ((anything(), anything()), proptest::collection::vec(
+                prop_oneof![4 => 0.0..9.0_f64, 1 => anything()], 0..190,
+            )),
+            1..12,
+        ),
+        max_range in prop_oneof![Just(8.19), anything()],
+    ) {
+        let laser = LaserProfile { max_range, ..LaserProfile::LMS200_MM };
+        for kind in SlamKind::ALL {
+            let start = Pose::new(start.0, start.1, start.2);
+            let mut slam = kind.build(&[start], &Robot::default(), &laser);
+            for ((distance, turn), ranges) in &steps {
+                let odometry = Increment { distance: *distance, turn: *turn };
+                slam.step(0, odometry, Some(&Scan { ranges: ranges.clone() }));
+                let estimate = slam.estimate(0);
+                prop_assert!(estimate.pose.position.is_finite() && estimate.pose.heading.is_finite());
+                prop_assert!(estimate.deviation >= 0.0 && estimate.heading_deviation >= 0.0);
+            }
+            prop_assert_eq!(slam.trajectory(0).len(), steps.len() + 1);
+            let bounds = slam.map().bounds();
+            prop_assert!(bounds.is_none_or(|bounds| bounds.size().max_element() < 7000.0));
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! What the command line asks for.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use clap::Parser;
+use envgen::geometry::Pose;
+use envgen::indoor::{IndoorSpec, Profile};
+use envgen::{Blueprint, Seed, Spec, World, WorldSpec, import};
+use mapping_trial::lidar::LaserProfile;
+use mapping_trial::names::Named;
+use mapping_trial::odometry::OdometryProfile;
+use mapping_trial::operator::OperatorKind;
+use mapping_trial::slam::SlamKind;
+use mapping_trial::trial::TrialSettings;
+
+/// Drive a simulated robot through a world that it does not know, and score the map that it makes.
+#[derive(Parser)]
+pub(crate) struct Arguments {
+    /// Difficulty of the indoor map, from 0 to 10.
+    #[arg(long, default_value_t = 5.0, conflicts_with_all = ["world", "map", "replay"])]
+    difficulty: f64,
+
+    /// Follow the rules of Zwennes (2011) to the letter, or guarantee that every place is reachable.
+    #[arg(long, default_value = "guaranteed", value_parser = ["thesis", "guaranteed"],
+          conflicts_with_all = ["world", "map", "replay"])]
+    profile: String,
+
+    /// Side of the indoor map in grid units of 3 m.
+    #[arg(long, default_value_t = 16, conflicts_with_all = ["world", "map", "replay"])]
+    size: u32,
+
+    /// The seed of the world, and of what the sensors get wrong.
+    #[arg(long, default_value_t = Seed(0), conflicts_with = "replay")]
+    seed: Seed,
+
+    /// Another seed for what the sensors get wrong.
+    #[arg(long, conflicts_with = "replay")]
+    noise_seed: Option<Seed>,
+
+    /// A world file (.ron, .json, .xml, .asc, .map), or a spec (.envgen.ron) for any kind of world.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["map", "replay"])]
+    world: Option<PathBuf>,
+
+    /// A map of ROS's map_server.
+    #[arg(long, value_name = "FILE.yaml", conflicts_with = "replay")]
+    map: Option<PathBuf>,
+
+    /// Who decides where to go: nearest, info_gain, cautious, wall_follow or corridors.
+    #[arg(long, default_value = "nearest", value_parser = OperatorKind::named, conflicts_with = "replay")]
+    operator: OperatorKind,
+
+    /// How poses and map are estimated: scan_to_map, pose_graph or dead_reckoning.
+    #[arg(long, default_value = "scan_to_map", value_parser = SlamKind::named, conflicts_with = "replay")]
+    slam: SlamKind,
+
+    /// Number of robots, which share one map.
+    #[arg(long, default_value_t = 1, conflicts_with = "replay")]
+    robots: u32,
+
+    /// What the laser measures: lms200_mm, lms200_mm_rough or usarsim.
+    #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named, conflicts_with = "replay")]
+    laser: LaserProfile,
+
+    /// What the wheels measure: skid, mild, poor or exact.
+    #[arg(long, default_value = "skid", value_parser = OdometryProfile::named, conflicts_with = "replay")]
+    odometry: OdometryProfile,
+
+    /// Simulated seconds after which the trial ends.
+    #[arg(long, default_value_t = 1200.0, conflicts_with = "replay")]
+    time_limit: f64,
+
+    /// Where the first robot starts, in metres and degrees.
+    #[arg(long, value_name = "X,Y,HEADING", value_parser = pose, allow_hyphen_values = true,
+          conflicts_with = "replay")]
+    start: Option<Pose>,
+
+    /// Run a log again instead.
+    #[arg(long, value_name = "LOG")]
+    pub(crate) replay: Option<PathBuf>,
+
+    /// The folder to write into.
+    #[arg(long, default_value = "out", value_name = "FOLDER")]
+    pub(crate) out: PathBuf,
+}
+
+impl Arguments {
+    /// The world to map.
+    pub(crate) fn world(&self) -> Result<World, Box<dyn Error>> {
+        if let Some(path) = self.map.as_deref().or(self.world.as_deref()) {
+            return self.read(path).map_err(|error| format!("{}: {error}", path.display()).into());
+        }
+        let profile = if self.profile == "thesis" { Profile::Thesis } else { Profile::Guaranteed };
+        let IndoorSpec { width, height, .. } =
+            IndoorSpec { width: self.size, height: self.size, ..Default::default() };
+        let spec = IndoorSpec {
+            difficulty: self.difficulty,
+            profile,
+            width,
+            height,
+            ..Default::default()
+        };
+        Ok(spec.generate(self.seed)?.to_world())
+    }
+
+    fn read(&self, path: &Path) -> Result<World, Box<dyn Error>> {
+        if path.to_string_lossy().ends_with(".envgen.ron") {
+            let spec = WorldSpec::from_ron(&std::fs::read_to_string(path)?)?;
+            return Ok(spec.generate(self.seed)?.to_world());
+        }
+        Ok(import::read_world(path)?)
+    }
+
+    /// What the trial is made of. Where neither the arguments nor the world give a start, it is in
+    /// the largest free region, away from walls.
+    pub(crate) fn settings(&self, world: &World) -> Result<TrialSettings, Box<dyn Error>> {
+        let settings = TrialSettings {
+            seed: self.noise_seed.unwrap_or(self.seed),
+            operator: Some(self.operator),
+            slam: self.slam,
+            robots: self.robots,
+            time_limit: self.time_limit,
+            start: self.start,
+            laser: self.laser.clone(),
+            odometry: self.odometry.clone(),
+            ..TrialSettings::default()
+        };
+        settings.validate()?;
+        let _ = world;
+        Ok(settings)
+    }
+}
+
+/// A pose such as `1.5,-2,90`.
+fn pose(text: &str) -> Result<Pose, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, degrees]) => Ok(Pose::new(x, y, degrees.to_radians())),
+        Ok(&[x, y]) => Ok(Pose::new(x, y, 0.0)),
+        _ => Err("not of the form x,y,heading with numbers in metres and degrees".to_owned()),
+    }
+}

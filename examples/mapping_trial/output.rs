@@ -1,0 +1,67 @@
+//! The files that a trial leaves. Each appears whole or not at all.
+
+use std::error::Error;
+use std::fs;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use mapping_trial::body::Bodies;
+use mapping_trial::picture::Picture;
+use mapping_trial::trial::{Trial, TrialReport};
+use mapping_trial::truth::Truth;
+use tempfile::NamedTempFile;
+
+/// The folder to write into, made if need be. Said before the trial runs, so that none is lost.
+pub(crate) fn folder(path: &Path) -> Result<&Path, Box<dyn Error>> {
+    let of_folder = |error: std::io::Error| format!("--out {}: {error}", path.display());
+    fs::create_dir_all(path).map_err(of_folder)?;
+    NamedTempFile::new_in(path).map_err(|error| of_folder(error.kind().into()))?;
+    Ok(path)
+}
+
+/// Writes map, truth and errors as pictures, the map for ROS, the log and the report.
+pub(crate) fn write<B: Bodies>(
+    folder: &Path,
+    trial: &Trial<B>,
+    truth: &Truth,
+    report: &TrialReport,
+    engine: &str,
+) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+    let slam = trial.brain().slam();
+    let map = slam.map();
+    let area = map.bounds().map_or(truth.frame().area(), |seen| seen.union(truth.frame().area()));
+    let picture = |mut picture: Picture, truly: bool, estimated: bool| {
+        for robot in 0..trial.robots() {
+            if truly {
+                picture.draw_true_path(&trial.track(robot).poses);
+            }
+            if estimated {
+                picture.draw_estimated_path(&slam.trajectory(robot));
+            }
+        }
+        let mut bytes = Vec::new();
+        picture.write_png(&mut bytes).map(|()| bytes)
+    };
+    let mut log = Vec::new();
+    trial.log(engine).write(&mut log)?;
+    let mut json = serde_json::to_vec_pretty(report)?;
+    json.push(b'\n');
+    let files = [
+        ("map.png", picture(Picture::of_map(map, area), false, true)?),
+        ("truth.png", picture(Picture::of_truth(truth, area), true, false)?),
+        ("overlay.png", picture(Picture::of_errors(truth, map, area), true, true)?),
+        ("log.json", log),
+        ("report.json", json),
+    ];
+    let mut paths = Vec::new();
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        let of_file = |error: std::io::Error| format!("{}: {error}", path.display());
+        let mut out = BufWriter::new(NamedTempFile::new_in(folder).map_err(of_file)?);
+        out.write_all(&bytes).map_err(of_file)?;
+        let file = out.into_inner().map_err(|error| of_file(error.into_error()))?;
+        file.persist(&path).map_err(|error| of_file(error.error))?;
+        paths.push(path);
+    }
+    Ok(paths)
+}
