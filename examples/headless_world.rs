@@ -52,8 +52,8 @@ fn main() -> Result {
 
         // What its scanner sees, by rapier and exactly.
         let see = move |rapier: ReadRapierContext| scan(&rapier, robot, to.truncate());
-        let ranges = match app.world_mut().run_system_once(see) {
-            Ok(ranges) => ranges?,
+        let ranges: Vec<f32> = match app.world_mut().run_system_once(see) {
+            Ok(ranges) => ranges,
             Err(error) => return Err(error.to_string().into()),
         };
         let rays = Raycaster::new(&truth);

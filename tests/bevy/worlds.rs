@@ -73,7 +73,7 @@ fn digests_are_frozen() {
         "287eecff14edb4c8",
         "ee05dea79fc9b66d",
         "08e89f6d1c26fa55",
-        "5003b525473593a8",
+        "a263538b853a2ea1",
         "4e827ed5c117367e",
         "25d33901e033febe",
     ];
