@@ -61,14 +61,16 @@ fn spawning(world: &Arc<EnvgenWorld>) {
         let root = bare.spawn(Transform::default()).id();
         let mut copy = || {
             let tiles: Vec<Entity> = bare
-                .spawn_batch(
-                    tiles.iter().cloned().map(|tile| TileBundle { 2: ChildOf(root), ..tile }),
-                )
+                .spawn_batch(tiles.iter().cloned().map(|mut tile| {
+                    tile.2 = ChildOf(root);
+                    tile
+                }))
                 .collect();
             for (tile, parts) in tiles.into_iter().zip(std::mem::take(&mut *parts.borrow_mut())) {
-                bare.spawn_batch(
-                    parts.into_iter().map(|part| PartBundle { 2: ChildOf(tile), ..part }),
-                );
+                bare.spawn_batch(parts.into_iter().map(|mut part| {
+                    part.2 = ChildOf(tile);
+                    part
+                }));
             }
         };
         best.1 = best.1.min(seconds(&mut copy));
