@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use bevy::platform::collections::HashMap;
 use envgen::World;
 use envgen::geometry::{Pose, Rect, Shape};
 use envgen::glam::DVec2;
@@ -17,7 +18,7 @@ const PAGES: [usize; 2] = [512, 128];
 const MAX_BLOCK: f64 = 64.0;
 
 /// A square of the plane. At level 0 its side is the grid's, at each further level twice that.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct TileKey {
     pub(crate) level: u8,
     pub(crate) at: [i32; 2],
@@ -80,16 +81,24 @@ impl Plan {
             world: Arc::clone(&world),
         };
         // A world of one page needs no tiles, unless they come and go.
+        let mut tiles: Vec<(TileKey, TilePlan)> = Vec::new();
+        // For finding tiles again, never for their order.
+        let mut places: HashMap<TileKey, usize> = HashMap::default();
         let whole = (tile.is_none() && listed <= page).then_some(TileKey { level: 0, at: [0, 0] });
         each_part(&world, block, &mut |part, bounds| {
             let key = whole.unwrap_or_else(|| plan.key(bounds));
             plan.levels = plan.levels.max(key.level + 1);
             plan.parts += 1;
             plan.solids += usize::from(part.kind.is_solid());
-            let tile = plan.tiles.entry(key).or_insert(TilePlan { bounds, parts: Vec::new() });
+            let place = *places.entry(key).or_insert_with(|| {
+                tiles.push((key, TilePlan { bounds, parts: Vec::new() }));
+                tiles.len() - 1
+            });
+            let tile = &mut tiles[place].1;
             tile.bounds = tile.bounds.union(bounds);
             tile.parts.push(part);
         });
+        plan.tiles = tiles.into_iter().collect();
         plan
     }
 

@@ -118,7 +118,30 @@ fn decorate(world: &mut World, spawned: &SpawnedTile) {
 
 /// What every part has.
 fn head(id: PartId, tile: Entity) -> impl Bundle<Effect: bevy::ecs::bundle::NoBundleEffect> {
-    (id, Name::new(id.to_string()), ChildOf(tile))
+    (id, Name::new(name(id)), ChildOf(tile))
+}
+
+/// The id as text. Most ids are short, and formatting them is much of what spawning costs.
+fn name(id: PartId) -> String {
+    if id.tile != [0, 0] {
+        return id.to_string();
+    }
+    let (mut digits, mut rest) = ([0; 10], id.index);
+    let mut first = digits.len();
+    loop {
+        first -= 1;
+        digits[first] = b'0' + (rest % 10) as u8;
+        rest /= 10;
+        if rest == 0 {
+            break;
+        }
+    }
+    let kind = id.kind.name();
+    let mut name = String::with_capacity(kind.len() + 1 + digits.len());
+    name.push_str(kind);
+    name.push(' ');
+    name.extend(digits[first..].iter().map(|&digit| char::from(digit)));
+    name
 }
 
 fn tree_bundle(frame: Frame, tree: &envgen::world::Tree) -> (Transform, PartShape, Tree) {
@@ -210,4 +233,19 @@ fn ground(
     let half_size = (0.5 * size).as_vec2();
     let cell = raster.cell as f32;
     (transform, PartShape::Box { half_size }, Ground { row, col, cols, cell, classes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_the_ids_as_text() {
+        for index in [0, 7, 10, 4_294_967_295, 1_234_567_890] {
+            for tile in [[0, 0], [3, -4]] {
+                let id = PartId { kind: PartKind::RoadStrip, tile, index };
+                assert_eq!(name(id), id.to_string());
+            }
+        }
+    }
 }

@@ -173,11 +173,15 @@ fn collide(world: &mut World, spawned: &SpawnedTile) {
         Merge::Always => true,
         Merge::Never => false,
     };
-    let of_kind = |world: &World, is: fn(PartKind) -> bool| -> Vec<Entity> {
-        let kind = |part| world.get::<PartId>(part).is_some_and(|id| is(id.kind));
-        spawned.parts.iter().copied().filter(|&part| kind(part)).collect()
+    let kinds: Vec<(Entity, PartKind)> = spawned
+        .parts
+        .iter()
+        .filter_map(|&part| Some((part, world.get::<PartId>(part)?.kind)))
+        .collect();
+    let of_kind = |is: fn(PartKind) -> bool| -> Vec<Entity> {
+        kinds.iter().filter(|(_, kind)| is(*kind)).map(|(part, _)| *part).collect()
     };
-    let solid = of_kind(world, PartKind::is_solid);
+    let solid = of_kind(PartKind::is_solid);
     let physical = (
         settings.solid_groups,
         Friction::coefficient(settings.friction),
@@ -198,16 +202,15 @@ fn collide(world: &mut World, spawned: &SpawnedTile) {
         );
     }
     if settings.sensors {
-        let sensing = of_kind(world, |kind| {
-            matches!(kind, PartKind::Surface | PartKind::Room | PartKind::Doorway)
-        });
+        let sensing =
+            of_kind(|kind| matches!(kind, PartKind::Surface | PartKind::Room | PartKind::Doorway));
         let colliders = colliders(world, &sensing);
         let types = ActiveCollisionTypes::default() | ActiveCollisionTypes::KINEMATIC_STATIC;
         let sensor = (Sensor, ActiveEvents::COLLISION_EVENTS, types, settings.sensor_groups);
         world
             .insert_batch(colliders.into_iter().map(|(part, collider)| (part, (collider, sensor))));
     }
-    for doorway in of_kind(world, |kind| kind == PartKind::Doorway) {
+    for doorway in of_kind(|kind| kind == PartKind::Doorway) {
         door::hang(world, doorway, settings.door_groups, settings.doors);
     }
 }
