@@ -103,6 +103,11 @@ impl EndlessForest {
         self.tile
     }
 
+    /// Trees that a tile is expected to hold: what drawing it costs, where there is no least distance.
+    pub fn expected_trees(&self) -> f64 {
+        self.spec.intensity * self.tile * self.tile
+    }
+
     /// The rectangle of tile (`i`, `j`): its lower left corner is (`i`, `j`) x the side of a tile.
     pub fn tile_rect(&self, i: i32, j: i32) -> Rect {
         let corner = |i: i32, j: i32| DVec2::new(f64::from(i), f64::from(j)) * self.tile;
@@ -280,6 +285,7 @@ mod tests {
         // Matern's process is more regular than Poisson's, so 5 Poisson sigmas are over 5 of its.
         let expected = 0.12 * 160_000.0_f64;
         assert!((trees.len() as f64 - expected).abs() < 5.0 * expected.sqrt(), "{}", trees.len());
+        assert!((forest.expected_trees() * 10_000.0 - expected).abs() < 1e-6);
         let trees = sorted(trees);
         for (i, a) in trees.iter().enumerate() {
             for b in trees[i + 1..].iter().take_while(|b| b.center.x - a.center.x < 1.5) {

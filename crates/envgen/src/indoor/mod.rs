@@ -34,7 +34,7 @@ mod tests;
 pub use access::{AccessGraph, Link, Place, PlaceKind};
 pub use catalogue::{
     Catalogue, CatalogueError, DESIGN_UNIT, FolderError, MAX_ROOM_PARTS, MAX_ROOM_SIZE, MAX_ROOMS,
-    RoomDesign, RoomError, SharedRoom, room_to_ron,
+    RoomDesign, RoomError, SharedRoom, room_from_ron, room_to_ron,
 };
 pub use edit::{Edit, EditError, PlanEditor};
 pub use generate::Stage;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::{Catalogue, CatalogueError, MAX_ROOMS, RoomDesign, RoomError, read_room};
+use super::{Catalogue, CatalogueError, MAX_ROOMS, RoomDesign, RoomError, room_from_ron};
 
 /// Greatest size of a room file in bytes.
 const MAX_FILE: u64 = 4 << 20;
@@ -112,8 +112,8 @@ fn read_rooms(folder: &Path) -> Result<Vec<RoomDesign>, FolderError> {
             return Err(FolderError::TooLong { path, bytes });
         }
         let text = fs::read_to_string(&path).map_err(|source| failed(&path, source))?;
-        let room =
-            read_room(&text).map_err(|source| FolderError::Ron { path: path.clone(), source })?;
+        let room = room_from_ron(&text)
+            .map_err(|source| FolderError::Ron { path: path.clone(), source })?;
         room.validate().map_err(|source| FolderError::Room { path: path.clone(), source })?;
         rooms.push(room);
     }

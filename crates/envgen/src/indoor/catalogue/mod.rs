@@ -187,7 +187,7 @@ impl Catalogue {
     /// ```
     pub fn builtin() -> &'static Catalogue {
         static BUILTIN: LazyLock<Catalogue> = LazyLock::new(|| {
-            let rooms = builtin::FILES.iter().map(|(file, text)| match read_room(text) {
+            let rooms = builtin::FILES.iter().map(|(file, text)| match room_from_ron(text) {
                 Ok(room) => room,
                 Err(error) => unreachable!("the room file {file} of this crate: {error}"),
             });
@@ -245,8 +245,11 @@ impl<'de> Deserialize<'de> for Catalogue {
     }
 }
 
-/// Reads the text of a `.room.ron` file; the room is not checked yet.
-fn read_room(text: &str) -> Result<RoomDesign, Box<ron::error::SpannedError>> {
+/// Reads the text of a `.room.ron` file; the room is not checked yet, see [`RoomDesign::validate`].
+///
+/// # Errors
+/// Line and column of what is wrong.
+pub fn room_from_ron(text: &str) -> Result<RoomDesign, Box<ron::error::SpannedError>> {
     room_options().from_str(text).map_err(Box::new)
 }
 

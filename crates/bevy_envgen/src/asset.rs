@@ -1,0 +1,241 @@
+//! Specs and rooms in files.
+
+use bevy::asset::io::Reader;
+use bevy::asset::{AssetLoadFailedEvent, AssetLoader, AsyncReadExt, LoadContext, LoadState};
+use bevy::prelude::*;
+use envgen::indoor::{Catalogue, CatalogueError, RoomDesign, RoomError, room_from_ron};
+use envgen::{SettingsError, SpecError, WorldSpec};
+use thiserror::Error;
+
+use crate::environment::{Environment, EnvironmentError, WorldSource};
+use crate::generate::Slot;
+use crate::{EnvgenSystems, Schedules};
+
+/// The longest file that is read, in bytes.
+pub const MAX_FILE_BYTES: usize = 4 << 20;
+
+/// A spec from a file such as `hall.envgen.ron`, which holds the RON of a [`WorldSpec`]:
+/// `Hallway(segments: 80)`.
+///
+/// The `rooms` of an indoor map may name room files beside the names of rooms:
+/// `Indoor(rooms: ["dark", "rooms/cell.room.ron"])`, relative to the file. They join the catalogue,
+/// and a change of one of them reloads the spec.
+#[derive(Asset, TypePath, Clone, Debug, PartialEq)]
+pub struct WorldAsset {
+    /// The spec, which is valid.
+    pub spec: WorldSpec,
+}
+
+/// A room from a file such as `cell.room.ron`, as a catalogue of `envgen` holds it.
+#[derive(Asset, TypePath, Clone, Debug, PartialEq)]
+pub struct RoomAsset {
+    /// The room, which is valid.
+    pub design: RoomDesign,
+}
+
+/// Why a spec or a room could not be loaded.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum WorldLoadError {
+    /// The file could not be read.
+    #[error(transparent)]
+    Read(#[from] std::io::Error),
+    /// The file is too long.
+    #[error("the file has over {MAX_FILE_BYTES} bytes")]
+    TooLong,
+    /// The file is not text.
+    #[error("the file is not UTF-8: {0}")]
+    Text(#[from] std::str::Utf8Error),
+    /// The text is not the RON of a spec.
+    #[error(transparent)]
+    Ron(#[from] SettingsError),
+    /// The spec asks for what is not allowed.
+    #[error(transparent)]
+    Spec(#[from] SpecError),
+    /// The text is not the RON of a room.
+    #[error("not the RON of a room, at {0}")]
+    RoomRon(#[from] Box<ron::error::SpannedError>),
+    /// The room is not sound.
+    #[error(transparent)]
+    Room(#[from] RoomError),
+    /// A room that the spec names could not be loaded.
+    #[error("the room {path} cannot be loaded: {reason}")]
+    RoomFile {
+        /// Its file, relative to the spec's.
+        path: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The rooms together do not make a catalogue.
+    #[error(transparent)]
+    Catalogue(#[from] CatalogueError),
+}
+
+/// Loads [`WorldAsset`]s.
+#[derive(Default, TypePath)]
+struct WorldLoader;
+
+/// Loads [`RoomAsset`]s.
+#[derive(Default, TypePath)]
+struct RoomLoader;
+
+/// How the name of a room file ends.
+const ROOM_ENDING: &str = ".room.ron";
+
+impl AssetLoader for WorldLoader {
+    type Asset = WorldAsset;
+    type Settings = ();
+    type Error = WorldLoadError;
+
+    async fn load(
+        &self,
+        reader: &mut dyn Reader,
+        (): &(),
+        context: &mut LoadContext<'_>,
+    ) -> Result<WorldAsset, WorldLoadError> {
+        let mut spec = WorldSpec::from_ron(&read(reader).await?)?;
+        if let WorldSpec::Indoor(indoor) = &mut spec {
+            let mut designs = Vec::new();
+            for name in indoor.rooms.iter_mut().filter(|name| name.ends_with(ROOM_ENDING)) {
+                let failed =
+                    |reason: String| WorldLoadError::RoomFile { path: name.clone(), reason };
+                let path =
+                    context.path().resolve_embed_str(name).map_err(|e| failed(e.to_string()))?;
+                let room = context.load_builder().load_value::<RoomAsset>(path).await;
+                let design = room.map_err(|error| failed(error.to_string()))?.take().design;
+                name.clone_from(&design.name);
+                designs.push(design);
+            }
+            if !designs.is_empty() {
+                let known = indoor.catalogue.as_ref().unwrap_or(Catalogue::builtin());
+                indoor.catalogue = Some(known.with(designs)?);
+            }
+        }
+        spec.validate()?;
+        Ok(WorldAsset { spec })
+    }
+
+    fn extensions(&self) -> &[&str] {
+        &["envgen.ron"]
+    }
+}
+
+impl AssetLoader for RoomLoader {
+    type Asset = RoomAsset;
+    type Settings = ();
+    type Error = WorldLoadError;
+
+    async fn load(
+        &self,
+        reader: &mut dyn Reader,
+        (): &(),
+        _: &mut LoadContext<'_>,
+    ) -> Result<RoomAsset, WorldLoadError> {
+        let design = room_from_ron(&read(reader).await?)?;
+        design.validate()?;
+        Ok(RoomAsset { design })
+    }
+
+    fn extensions(&self) -> &[&str] {
+        &["room.ron"]
+    }
+}
+
+/// Reads a text, but no more than is allowed.
+async fn read(reader: &mut dyn Reader) -> Result<String, WorldLoadError> {
+    let mut bytes = Vec::new();
+    let mut part = [0; 4096];
+    loop {
+        let read = reader.read(&mut part).await?;
+        if read == 0 {
+            return Ok(std::str::from_utf8(&bytes)?.to_owned());
+        }
+        bytes.extend_from_slice(&part[..read]);
+        if bytes.len() > MAX_FILE_BYTES {
+            return Err(WorldLoadError::TooLong);
+        }
+    }
+}
+
+/// Loads `.envgen.ron` and `.room.ron` files, and makes worlds anew whose files change.
+///
+/// Needs Bevy's `AssetPlugin`, in any order; without it specs in files fail with an event. Files
+/// are watched with Bevy's feature `file_watcher`, which the feature of the same name turns on.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct EnvgenAssetPlugin;
+
+impl Plugin for EnvgenAssetPlugin {
+    fn build(&self, app: &mut App) {
+        register(app);
+        let schedule = Schedules::of(app).main;
+        app.add_systems(
+            schedule,
+            watch_assets
+                .in_set(EnvgenSystems::Request)
+                .before(crate::generate::request_worlds)
+                .run_if(resource_exists::<Assets<WorldAsset>>),
+        );
+    }
+
+    fn finish(&self, app: &mut App) {
+        register(app);
+    }
+}
+
+/// Registers assets and loaders as soon as there is a server for them.
+fn register(app: &mut App) {
+    if app.world().contains_resource::<AssetServer>()
+        && !app.world().contains_resource::<Assets<WorldAsset>>()
+    {
+        app.init_asset::<WorldAsset>()
+            .init_asset::<RoomAsset>()
+            .init_asset_loader::<WorldLoader>()
+            .init_asset_loader::<RoomLoader>();
+    }
+}
+
+/// Marks environments whose assets changed, failed or vanished.
+fn watch_assets(
+    mut environments: Query<(&Environment, &mut Slot)>,
+    assets: Res<Assets<WorldAsset>>,
+    server: Res<AssetServer>,
+    mut events: MessageReader<AssetEvent<WorldAsset>>,
+    mut failures: MessageReader<AssetLoadFailedEvent<WorldAsset>>,
+) {
+    let events: Vec<_> = events.read().collect();
+    let failures: Vec<_> = failures.read().collect();
+    for (environment, mut slot) in &mut environments {
+        let WorldSource::Asset(handle) = &environment.source else { continue };
+        let id = handle.id();
+        let named = || server.get_path(id).map_or_else(|| id.to_string(), |path| path.to_string());
+        let asset = |reason: String| EnvironmentError::Asset { path: named(), reason };
+        let mut error = None;
+        for event in &events {
+            match event {
+                AssetEvent::Added { id: other } | AssetEvent::Modified { id: other }
+                    if *other == id =>
+                {
+                    let now = assets.get(handle).map(|asset| &asset.spec);
+                    slot.stale |= now.is_some() && now != slot.spec.as_ref();
+                }
+                AssetEvent::Removed { id: other } | AssetEvent::Unused { id: other }
+                    if *other == id =>
+                {
+                    error = Some(EnvironmentError::AssetGone(named()));
+                }
+                _ => {}
+            }
+        }
+        if let Some(failure) = failures.iter().rev().find(|failure| failure.id == id) {
+            error = Some(asset(failure.error.to_string()));
+        } else if slot.waits()
+            && let Some(LoadState::Failed(failure)) = server.get_load_state(id)
+        {
+            // It failed before the environment asked for it.
+            error = Some(asset(failure.to_string()));
+        }
+        if let Some(error) = error {
+            slot.fail(error);
+        }
+    }
+}

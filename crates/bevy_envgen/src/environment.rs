@@ -1,0 +1,275 @@
+//! Asking for a world, and what comes of it.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use envgen::glam::DVec2;
+use envgen::world::Violation;
+use envgen::{GenerateError, Kind, World, WorldSpec};
+use thiserror::Error;
+
+use crate::generate::Slot;
+
+/// Asks for a world on this entity: a spec and a seed.
+///
+/// The parts are spawned below the entity, so that its [`Transform`] moves and turns them, and
+/// [`EnvironmentReady`] or [`EnvironmentFailed`] is triggered on it. Changing the component, or the
+/// asset behind it, makes the world anew; until the new one is ready the old one stays. Removing
+/// the component, or despawning the entity, removes everything.
+///
+/// Units are metres, x right and y up in the entity's frame. Scales other than 1 make all of it
+/// larger or smaller; they must be positive and the same along x and y.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_envgen::prelude::*;
+/// use envgen::hallway::HallwaySpec;
+///
+/// fn ask(mut commands: Commands) {
+///     let spec = HallwaySpec { segments: 80, p_st: 0.2, ..default() };
+///     commands.spawn(Environment::new(spec, 7)).observe(|ready: On<EnvironmentReady>| {
+///         println!("{} stands", ready.entity);
+///     });
+/// }
+/// # let mut app = bevy_envgen::testing::test_app();
+/// # bevy::ecs::system::RunSystemOnce::run_system_once(app.world_mut(), ask).unwrap();
+/// # bevy_envgen::testing::step(&mut app, 2);
+/// # assert!(app.world_mut().query::<&PartId>().iter(app.world()).count() > 100);
+/// ```
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug, PartialEq, Clone)]
+#[require(EnvironmentState, Slot, Transform)]
+pub struct Environment {
+    /// What the world is made of.
+    pub source: WorldSource,
+    /// From which everything random follows. Worlds that exist already have no use for it.
+    pub seed: u64,
+    /// Whether the schedule waits for the generator.
+    pub pace: Pace,
+    /// Whether the world has an end.
+    pub extent: Extent,
+    /// The point of the world, in metres, that lies at the entity's own origin. Single precision
+    /// keeps a millimetre up to 8 km from it.
+    #[reflect(ignore)]
+    pub origin: DVec2,
+}
+
+/// What a world is made of.
+#[derive(Clone, Debug, PartialEq, Reflect)]
+#[reflect(opaque)]
+#[reflect(Debug, PartialEq, Clone)]
+#[non_exhaustive]
+pub enum WorldSource {
+    /// A spec, which the seed makes a world of.
+    Spec(Box<WorldSpec>),
+    /// A spec in a file such as `hall.envgen.ron`.
+    #[cfg(feature = "asset")]
+    Asset(Handle<crate::asset::WorldAsset>),
+    /// A world that exists already.
+    World(Arc<World>),
+}
+
+/// Whether the schedule waits for the generator.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Default, Debug, PartialEq, Clone)]
+pub enum Pace {
+    /// It waits for worlds that take about a frame or less, by the spec's own estimate, and does not
+    /// for others.
+    #[default]
+    Auto,
+    /// It waits: the world is there in the same frame.
+    InPlace,
+    /// It does not: the generator runs as a task of the pool for long computations.
+    Async,
+}
+
+/// Whether a world has an end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Debug, PartialEq, Clone)]
+pub enum Extent {
+    /// It has.
+    #[default]
+    Finite,
+    /// It has none. Only forests can be endless, and only around the anchor of a
+    /// [`StreamAround`](crate::StreamAround).
+    Endless {
+        /// Side of a tile in metres. It is part of what the seed means: another side is another
+        /// forest.
+        tile: f64,
+    },
+}
+
+impl Environment {
+    /// The world of a spec, such as a `HallwaySpec` or a [`WorldSpec`], and a seed.
+    pub fn new(spec: impl Into<WorldSpec>, seed: u64) -> Self {
+        Self::of(WorldSource::Spec(Box::new(spec.into())), seed)
+    }
+
+    /// The world of a spec in a file and a seed.
+    #[cfg(feature = "asset")]
+    pub fn from_asset(spec: Handle<crate::asset::WorldAsset>, seed: u64) -> Self {
+        Self::of(WorldSource::Asset(spec), seed)
+    }
+
+    /// A world that exists already: composed, edited or read from a file.
+    pub fn from_world(world: impl Into<Arc<World>>) -> Self {
+        Self::of(WorldSource::World(world.into()), 0)
+    }
+
+    fn of(source: WorldSource, seed: u64) -> Self {
+        let (pace, extent) = (Pace::default(), Extent::default());
+        Environment { source, seed, pace, extent, origin: DVec2::ZERO }
+    }
+
+    /// The same without an end, in square tiles of `tile` metres: see [`Extent::Endless`].
+    pub fn endless(self, tile: f64) -> Self {
+        Environment { extent: Extent::Endless { tile }, ..self }
+    }
+
+    /// The same, with the schedule waiting for the generator or not.
+    pub fn with_pace(self, pace: Pace) -> Self {
+        Environment { pace, ..self }
+    }
+
+    /// The same, with another point of the world at the entity's origin.
+    pub fn with_origin(self, origin: DVec2) -> Self {
+        Environment { origin, ..self }
+    }
+}
+
+/// How far an environment has come.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub enum EnvironmentState {
+    /// Nothing has been done yet, or its asset is not loaded.
+    #[default]
+    Waiting,
+    /// The generator is at work.
+    Generating,
+    /// The first tiles around the anchor are being spawned.
+    Streaming,
+    /// The world stands.
+    Ready,
+    /// There is no world, or the one that was there before: see [`EnvironmentFailed`].
+    Failed,
+}
+
+/// Triggered on an environment when its world stands, at first and after every change.
+#[derive(EntityEvent, Clone, Debug)]
+pub struct EnvironmentReady {
+    /// The environment.
+    pub entity: Entity,
+}
+
+/// Triggered on an environment when its world cannot be made. A world that stood before stays.
+#[derive(EntityEvent, Clone, Debug)]
+pub struct EnvironmentFailed {
+    /// The environment.
+    pub entity: Entity,
+    /// Why.
+    pub error: EnvironmentError,
+}
+
+/// Trigger it on an environment to have its world made again, although nothing changed.
+#[derive(EntityEvent, Clone, Debug)]
+pub struct RebuildEnvironment {
+    /// The environment.
+    pub entity: Entity,
+}
+
+/// Why a world cannot be made.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum EnvironmentError {
+    /// The spec asks for what is not allowed, or this seed has no world that keeps it.
+    #[error(transparent)]
+    Generate(#[from] GenerateError),
+    /// A world that was given breaks an invariant.
+    #[error("the world is broken: {0}")]
+    Broken(#[from] Violation),
+    /// The file of the spec could not be loaded.
+    #[error("{path} cannot be loaded: {reason}")]
+    Asset {
+        /// The file.
+        path: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The asset of the spec was removed.
+    #[error("the asset {0} of the spec is gone")]
+    AssetGone(String),
+    /// There is no server for assets.
+    #[error("the spec is an asset, but the app has no `AssetPlugin`")]
+    NoAssets,
+    /// The kind of world cannot be endless.
+    #[error("a {0} cannot be endless, only a forest can")]
+    NotEndless(Kind),
+    /// A world that exists already cannot be endless.
+    #[error("a world that exists already cannot be endless")]
+    Existing,
+    /// An endless world is not streamed.
+    #[error("an endless world needs the component `StreamAround`")]
+    NoAnchor,
+    /// A number of the component [`StreamAround`](crate::StreamAround) is not allowed.
+    #[error("`{field}` of `StreamAround` is {value}, allowed is {allowed}")]
+    Stream {
+        /// The field.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would have been allowed.
+        allowed: String,
+    },
+    /// The origin is not finite.
+    #[error("the origin {0} is not finite")]
+    Origin(DVec2),
+    /// There are too many parts to be spawned at once.
+    #[error("the world has {parts} parts, at most {limit} are spawned at once; add `StreamAround`")]
+    TooMany {
+        /// Parts of the world.
+        parts: usize,
+        /// The most that are allowed: [`MAX_PARTS`](crate::MAX_PARTS).
+        limit: usize,
+    },
+    /// The transform of the entity, with those above it, cannot carry a flat world.
+    #[error("the transform has {what} {value}, allowed is {allowed}")]
+    Transform {
+        /// Which of its parts.
+        what: &'static str,
+        /// Its value.
+        value: Vec3,
+        /// What would have been allowed.
+        allowed: &'static str,
+    },
+}
+
+/// The world that stands, on the entity of its [`Environment`]: exact geometry, certificate and
+/// provenance.
+#[derive(Component, Clone, Debug, Deref, Reflect)]
+#[reflect(opaque)]
+#[reflect(Component, Debug, Clone)]
+pub struct GroundTruth(pub Arc<World>);
+
+/// The endless forest that is streamed, on the entity of its [`Environment`].
+#[derive(Component, Clone, Debug, Deref, Reflect)]
+#[reflect(opaque)]
+#[reflect(Component, Debug, Clone)]
+pub struct EndlessTruth(pub Arc<envgen::forest::EndlessForest>);
+
+/// How much there is of the world that stands, on the entity of its [`Environment`].
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Component, Debug, PartialEq, Clone)]
+pub struct EnvironmentStats {
+    /// Parts of the whole world; absent for an endless one.
+    pub parts: Option<usize>,
+    /// Parts that stop a robot and a ray, of the whole world; absent for an endless one.
+    pub solids: Option<usize>,
+}
+
+pub(crate) fn register(app: &mut App) {
+    app.register_type::<Environment>()
+        .register_type::<EnvironmentState>()
+        .register_type::<EnvironmentStats>()
+        .register_type::<GroundTruth>()
+        .register_type::<EndlessTruth>();
+}

@@ -1,0 +1,470 @@
+//! From a request to a world that stands: the systems of [`EnvgenCorePlugin`](crate::EnvgenCorePlugin).
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use bevy::tasks::futures::check_ready;
+use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool};
+use envgen::forest::EndlessForest;
+use envgen::{GenerateError, Seed, WorldSpec};
+
+use crate::environment::{
+    EndlessTruth, Environment, EnvironmentError, EnvironmentFailed, EnvironmentReady,
+    EnvironmentState, EnvironmentStats, Extent, GroundTruth, Pace, RebuildEnvironment, WorldSource,
+};
+use crate::plan::{Plan, TileKey};
+use crate::spawn::spawn_page;
+use crate::streaming::{StreamAround, Streaming};
+
+/// Parts that are spawned at once, at most; larger worlds are streamed.
+pub const MAX_PARTS: usize = 2_000_000;
+
+/// Specs of at most this much work are generated while the schedule waits, by [`Pace::Auto`]: parts,
+/// cells or points, of which each takes a fraction of a microsecond.
+const IN_PLACE_WORK: f64 = 1e4;
+
+/// What is being made for an environment.
+#[derive(Component, Default)]
+pub(crate) struct Slot {
+    /// What the last job was asked for.
+    asked: Option<Ask>,
+    /// Whether it has to be made again although the environment did not change.
+    pub(crate) stale: bool,
+    /// What the asset held when it was last used.
+    #[cfg(feature = "asset")]
+    pub(crate) spec: Option<WorldSpec>,
+    job: Job,
+}
+
+/// Everything that a world depends on.
+#[derive(Clone, PartialEq)]
+struct Ask {
+    environment: Environment,
+    /// The side of its tiles, when it is streamed.
+    tile: Option<f64>,
+}
+
+#[derive(Default)]
+enum Job {
+    #[default]
+    Idle,
+    /// The asset is not loaded.
+    Asset,
+    Task(Task<Outcome>),
+    Done(Outcome),
+}
+
+type Outcome = Result<Made, EnvironmentError>;
+
+/// What a generator made, sorted into tiles.
+#[derive(Clone)]
+pub(crate) enum Made {
+    Finite(Arc<Plan>),
+    Endless(Arc<EndlessForest>),
+}
+
+/// What stands below an environment.
+#[derive(Component, Default)]
+pub(crate) struct Standing {
+    pub(crate) tiles: BTreeMap<TileKey, Vec<Entity>>,
+    /// Whether it was taken down because of the transform.
+    pub(crate) parked: bool,
+}
+
+/// What is to be reported once the world is consistent.
+#[derive(Resource, Default)]
+pub(crate) struct Notices(Vec<(Entity, Result<(), EnvironmentError>)>);
+
+impl Notices {
+    pub(crate) fn push(&mut self, entity: Entity, notice: Result<(), EnvironmentError>) {
+        self.0.push((entity, notice));
+    }
+}
+
+impl Slot {
+    /// Whether it waits for an asset.
+    #[cfg(feature = "asset")]
+    pub(crate) fn waits(&self) -> bool {
+        matches!(self.job, Job::Asset)
+    }
+
+    /// Gives up waiting, or reports that what stands has lost its source.
+    #[cfg(feature = "asset")]
+    pub(crate) fn fail(&mut self, error: EnvironmentError) {
+        self.job = Job::Done(Err(error));
+    }
+}
+
+/// Starts a job for every environment that changed.
+pub(crate) fn request_worlds(
+    mut environments: Query<(
+        Entity,
+        Ref<Environment>,
+        Option<&StreamAround>,
+        &mut Slot,
+        &mut EnvironmentState,
+    )>,
+    #[cfg(feature = "asset")] assets: Option<Res<Assets<crate::asset::WorldAsset>>>,
+) {
+    for (entity, environment, stream, mut slot, mut state) in &mut environments {
+        let tile = stream.map(|stream| stream.tile);
+        let waits = matches!(slot.job, Job::Asset);
+        // By bits, so that a side that is no number is refused once and not in every frame.
+        let bits = |tile: Option<f64>| tile.map(f64::to_bits);
+        let same_tile = slot.asked.as_ref().is_some_and(|asked| bits(asked.tile) == bits(tile));
+        if !(environment.is_changed() || slot.stale || waits || !same_tile) {
+            continue;
+        }
+        let ask = Ask { environment: (*environment).clone(), tile };
+        let same = slot.asked.as_ref() == Some(&ask);
+        if same && !slot.stale && !waits {
+            continue;
+        }
+        if !same && matches!(slot.job, Job::Asset | Job::Task(_)) {
+            log::warn!("environment {entity}: another world is asked for before the first is made");
+        }
+        slot.stale = false;
+        let spec = match &ask.environment.source {
+            WorldSource::Spec(spec) => Some((**spec).clone()),
+            WorldSource::World(_) => None,
+            #[cfg(feature = "asset")]
+            WorldSource::Asset(handle) => {
+                let Some(assets) = &assets else {
+                    slot.job = Job::Done(Err(EnvironmentError::NoAssets));
+                    slot.asked = Some(ask);
+                    continue;
+                };
+                let Some(asset) = assets.get(handle) else {
+                    slot.job = Job::Asset;
+                    slot.asked = Some(ask);
+                    state.set_if_neq(EnvironmentState::Waiting);
+                    continue;
+                };
+                slot.spec = Some(asset.spec.clone());
+                Some(asset.spec.clone())
+            }
+        };
+        let work = match (&ask.environment.source, ask.environment.extent) {
+            (_, Extent::Endless { .. }) => 0.0,
+            (WorldSource::World(world), _) => world.trees.len() as f64 + world.walls.len() as f64,
+            _ => spec.as_ref().map_or(0.0, WorldSpec::work),
+        };
+        let in_place = match ask.environment.pace {
+            Pace::Auto => work <= IN_PLACE_WORK,
+            Pace::InPlace => true,
+            Pace::Async => false,
+        };
+        slot.asked = Some(ask.clone());
+        if in_place {
+            slot.job = Job::Done(make(&ask, spec));
+        } else {
+            state.set_if_neq(EnvironmentState::Generating);
+            let pool = AsyncComputeTaskPool::get_or_init(TaskPool::default);
+            slot.job = Job::Task(pool.spawn(async move { make(&ask, spec) }));
+        }
+    }
+}
+
+/// Makes a world and sorts its parts. The only step that may take long.
+fn make(ask: &Ask, spec: Option<WorldSpec>) -> Outcome {
+    let Environment { source, seed, extent, origin, .. } = &ask.environment;
+    if !origin.is_finite() {
+        return Err(EnvironmentError::Origin(*origin));
+    }
+    let seed = Seed(*seed);
+    match (extent, source, spec) {
+        (Extent::Endless { .. }, WorldSource::World(_), _) | (Extent::Endless { .. }, _, None) => {
+            Err(EnvironmentError::Existing)
+        }
+        (Extent::Endless { tile }, _, Some(spec)) => {
+            let WorldSpec::Forest(forest) = &spec else {
+                return Err(EnvironmentError::NotEndless(spec.kind()));
+            };
+            if ask.tile.is_none() {
+                return Err(EnvironmentError::NoAnchor);
+            }
+            let forest = EndlessForest::new(forest, *tile, seed).map_err(GenerateError::from)?;
+            Ok(Made::Endless(Arc::new(forest)))
+        }
+        (Extent::Finite, _, Some(spec)) => {
+            let world = spec.generate(seed)?.to_world();
+            debug_assert_eq!(world.check(), Ok(()), "{spec:?}, seed {seed}");
+            Ok(Made::Finite(Arc::new(plan(Arc::new(world), ask.tile)?)))
+        }
+        (Extent::Finite, WorldSource::World(world), None) => {
+            world.check()?;
+            Ok(Made::Finite(Arc::new(plan(Arc::clone(world), ask.tile)?)))
+        }
+        #[cfg(feature = "asset")]
+        (Extent::Finite, WorldSource::Asset(_), None) => Err(EnvironmentError::NoAssets),
+        (Extent::Finite, WorldSource::Spec(_), None) => unreachable!("a spec is its own"),
+    }
+}
+
+fn plan(world: Arc<envgen::World>, tile: Option<f64>) -> Result<Plan, EnvironmentError> {
+    if let Some(tile) = tile {
+        crate::streaming::check_tile(tile)?;
+    }
+    let plan = Plan::new(world, tile);
+    if tile.is_none() && plan.parts > MAX_PARTS {
+        return Err(EnvironmentError::TooMany { parts: plan.parts, limit: MAX_PARTS });
+    }
+    Ok(plan)
+}
+
+/// Takes what the tasks have finished.
+pub(crate) fn poll_tasks(mut slots: Query<&mut Slot>) {
+    for mut slot in &mut slots {
+        if let Job::Task(task) = &mut slot.bypass_change_detection().job
+            && let Some(outcome) = check_ready(task)
+        {
+            slot.job = Job::Done(outcome);
+        }
+    }
+}
+
+/// Replaces what stood before by what was made.
+pub(crate) fn spawn_worlds(world: &mut World, slots: &mut QueryState<(Entity, &mut Slot)>) {
+    let mut done: Vec<(Entity, Outcome)> = Vec::new();
+    for (entity, mut slot) in slots.iter_mut(world) {
+        if matches!(slot.job, Job::Done(_))
+            && let Job::Done(outcome) = std::mem::take(&mut slot.job)
+        {
+            done.push((entity, outcome));
+        }
+    }
+    for (entity, outcome) in done {
+        let placed = outcome.and_then(|made| {
+            check_transform(&global_transform(world, entity))?;
+            Ok(made)
+        });
+        match placed {
+            Ok(made) => stand(world, entity, &made),
+            Err(error) => {
+                let parked = matches!(error, EnvironmentError::Transform { .. });
+                if parked {
+                    park(world, entity);
+                }
+                world.get_resource_or_init::<Notices>().push(entity, Err(error));
+            }
+        }
+    }
+}
+
+/// Spawns what was made, or leaves it to the streaming.
+fn stand(world: &mut World, entity: Entity, made: &Made) {
+    clear(world, entity);
+    let Ok(mut root) = world.get_entity_mut(entity) else { return };
+    root.remove::<(GroundTruth, EndlessTruth, EnvironmentStats, Streaming)>();
+    let (origin, tile) = match root.get::<Slot>().and_then(|slot| slot.asked.as_ref()) {
+        Some(ask) => (ask.environment.origin, ask.tile),
+        None => return,
+    };
+    match made {
+        Made::Finite(plan) => {
+            let stats = EnvironmentStats { parts: Some(plan.parts), solids: Some(plan.solids) };
+            root.insert((GroundTruth(Arc::clone(&plan.world)), stats));
+        }
+        Made::Endless(forest) => {
+            let stats = EnvironmentStats { parts: None, solids: None };
+            root.insert((EndlessTruth(Arc::clone(forest)), stats));
+        }
+    }
+    let mut standing = Standing::default();
+    if tile.is_some() {
+        root.insert((Streaming::new(made.clone(), origin), standing, EnvironmentState::Streaming));
+        return;
+    }
+    if let Made::Finite(plan) = made {
+        for (&key, tile) in &plan.tiles {
+            let pages = tile.parts.len().div_ceil(plan.page);
+            let spawned: Vec<Entity> = (0..pages)
+                .filter_map(|page| spawn_page(world, entity, origin, plan, key, page))
+                .collect();
+            standing.tiles.insert(key, spawned);
+        }
+    }
+    world.entity_mut(entity).insert(standing);
+    world.get_resource_or_init::<Notices>().push(entity, Ok(()));
+}
+
+/// Despawns everything that was spawned below an environment, and nothing else.
+pub(crate) fn clear(world: &mut World, entity: Entity) {
+    let Some(mut standing) = world.get_mut::<Standing>(entity) else { return };
+    for tile in std::mem::take(&mut standing.tiles).into_values().flatten() {
+        if let Ok(tile) = world.get_entity_mut(tile) {
+            tile.despawn();
+        }
+    }
+}
+
+/// Takes an environment down until its transform can carry it again.
+fn park(world: &mut World, entity: Entity) {
+    clear(world, entity);
+    if let Ok(mut root) = world.get_entity_mut(entity) {
+        root.remove::<Streaming>();
+        root.insert(Standing { parked: true, ..default() });
+    }
+}
+
+/// Takes environments down whose transform can no longer carry a flat world, and asks anew for those
+/// whose transform can again.
+pub(crate) fn watch_transforms(
+    mut environments: Query<
+        (Entity, &GlobalTransform, &mut Slot, &Standing),
+        Changed<GlobalTransform>,
+    >,
+    mut notices: ResMut<Notices>,
+    mut commands: Commands,
+) {
+    for (entity, transform, mut slot, standing) in &mut environments {
+        match (check_transform(transform), standing.parked) {
+            (Err(error), false) => {
+                notices.push(entity, Err(error));
+                commands.queue(move |world: &mut World| park(world, entity));
+            }
+            (Ok(()), true) => slot.stale = true,
+            _ => {}
+        }
+    }
+}
+
+/// The transform of an entity as it will be once it is propagated.
+pub(crate) fn global_transform(world: &World, entity: Entity) -> GlobalTransform {
+    let local = |entity| world.get::<Transform>(entity).copied().unwrap_or_default();
+    let mut global = GlobalTransform::from(local(entity));
+    let mut above = world.get::<ChildOf>(entity).map(ChildOf::parent);
+    while let Some(parent) = above {
+        global = GlobalTransform::from(local(parent)) * global;
+        above = world.get::<ChildOf>(parent).map(ChildOf::parent);
+    }
+    global
+}
+
+/// Whether a transform keeps a flat world flat and its circles round.
+pub(crate) fn check_transform(transform: &GlobalTransform) -> Result<(), EnvironmentError> {
+    /// Relative differences below this are rounding.
+    const TOLERANCE: f32 = 1e-3;
+    let error = |what, value, allowed| Err(EnvironmentError::Transform { what, value, allowed });
+    let affine = transform.affine();
+    let (at, [x, y, z]) = (
+        Vec3::from(affine.translation),
+        [affine.matrix3.x_axis, affine.matrix3.y_axis, affine.matrix3.z_axis].map(Vec3::from),
+    );
+    if !at.is_finite() {
+        return error("translation", at, "finite");
+    }
+    let mirrored = if x.cross(y).dot(z) < 0.0 { -1.0 } else { 1.0 };
+    let scale = Vec3::new(x.length(), y.length() * mirrored, z.length());
+    let allowed = "finite and positive, the same along x and y";
+    if !(scale.is_finite() && scale.min_element() > 0.0) {
+        return error("scale", scale, allowed);
+    }
+    let skewed = x.dot(y).abs() > TOLERANCE * scale.x * scale.y;
+    if (scale.x - scale.y).abs() > TOLERANCE * scale.x || skewed {
+        return error("scale", scale, allowed);
+    }
+    if x.z.abs().max(y.z.abs()) > TOLERANCE * scale.x || x.truncate().perp_dot(y.truncate()) < 0.0 {
+        return error(
+            "x axis",
+            x / scale.x,
+            "in the xy plane, which cannot be tilted or turned over",
+        );
+    }
+    Ok(())
+}
+
+/// Reports what became of the environments.
+pub(crate) fn notify(world: &mut World) {
+    let notices = std::mem::take(&mut world.get_resource_or_init::<Notices>().0);
+    for (entity, notice) in notices {
+        let Ok(mut root) = world.get_entity_mut(entity) else { continue };
+        if !root.contains::<Environment>() {
+            continue;
+        }
+        match notice {
+            Ok(()) => {
+                root.insert(EnvironmentState::Ready);
+                world.trigger(EnvironmentReady { entity });
+            }
+            Err(error) => {
+                root.insert(EnvironmentState::Failed);
+                log::warn!("environment {entity}: {error}");
+                world.trigger(EnvironmentFailed { entity, error });
+            }
+        }
+    }
+}
+
+/// Removes what belongs to an [`Environment`] that is removed.
+pub(crate) fn clean_up(removed: On<Remove, Environment>, mut commands: Commands) {
+    let entity = removed.entity;
+    commands.queue(move |world: &mut World| {
+        // Inserting another one over it removes nothing; despawning takes the children with it.
+        if world.get_entity(entity).is_ok_and(|root| !root.contains::<Environment>()) {
+            clear(world, entity);
+            world.entity_mut(entity).remove::<(
+                EndlessTruth,
+                EnvironmentState,
+                EnvironmentStats,
+                GroundTruth,
+                Slot,
+                Standing,
+                Streaming,
+            )>();
+        }
+    });
+}
+
+/// Marks an environment for being made again.
+pub(crate) fn rebuild(asked: On<RebuildEnvironment>, mut slots: Query<&mut Slot>) {
+    match slots.get_mut(asked.entity) {
+        Ok(mut slot) => slot.stale = true,
+        Err(_) => log::warn!("{} is to be made again but has no `Environment`", asked.entity),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(transform: Transform) -> Result<(), &'static str> {
+        check_transform(&transform.into()).map_err(|error| match error {
+            EnvironmentError::Transform { what, .. } => what,
+            _ => "another error",
+        })
+    }
+
+    #[test]
+    fn flat_transforms_carry_a_world() {
+        for scale in [1e-3, 1.0, 50.0] {
+            for turn in [0.0, 1.0, 3.0, -2.0] {
+                let transform = Transform::from_xyz(1e3, -5.0, 3.0)
+                    .with_rotation(Quat::from_rotation_z(turn))
+                    .with_scale(Vec3::new(scale, scale, 1.0));
+                assert_eq!(check(transform), Ok(()));
+            }
+        }
+    }
+
+    #[test]
+    fn other_transforms_are_named() {
+        let scaled = |x, y, z| check(Transform::from_scale(Vec3::new(x, y, z)));
+        for (x, y, z) in [
+            (0.0, 0.0, 0.0),
+            (0.0, 0.0, 1.0),
+            (1.0, 1.0, 0.0),
+            (1.0, 2.0, 1.0),
+            (-1.0, 1.0, 1.0),
+            (f32::NAN, 1.0, 1.0),
+            (f32::INFINITY, f32::INFINITY, 1.0),
+        ] {
+            assert_eq!(scaled(x, y, z), Err("scale"), "{x} {y} {z}");
+        }
+        assert_eq!(check(Transform::from_xyz(f32::NAN, 0.0, 0.0)), Err("translation"));
+        assert_eq!(check(Transform::from_rotation(Quat::from_rotation_x(0.3))), Err("x axis"));
+        let over = Transform::from_rotation(Quat::from_rotation_x(std::f32::consts::PI));
+        assert_eq!(check(over), Err("x axis"));
+    }
+}

@@ -1,0 +1,251 @@
+//! Bevy plugins for the worlds of [`envgen`]: ask for a world with a component, and its parts are
+//! entities with colliders; headless first.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_envgen::prelude::*;
+//! use envgen::forest::ForestSpec;
+//!
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, TransformPlugin));
+//! # #[cfg(feature = "physics")]
+//! app.add_plugins(TopDownPhysicsPlugin::default());
+//! app.add_plugins(EnvgenPlugins::default());
+//! app.world_mut().spawn(Environment::new(ForestSpec::default(), 1));
+//! app.update();
+//! let trees = app.world_mut().query::<&Tree>().iter(app.world()).count();
+//! assert!(trees > 100);
+//! ```
+//!
+//! # What is spawned
+//!
+//! ```text
+//! Environment            GroundTruth (the exact world), EnvironmentState, EnvironmentStats
+//!   Tile                 with merged colliders and meshes, where asked
+//!     Wall, Tree, ..     PartId, Name, Transform, PartShape
+//! ```
+//!
+//! Every part has a [`PartId`] that is the same for the same spec and seed. Its [`Transform`] is
+//! where it lies in the environment's frame: metres, x right, y up. The kinds are in [`part`].
+//!
+//! # Plugins
+//!
+//! [`EnvgenPlugins`] adds them all; each can be left out.
+//!
+//! | plugin | feature | adds |
+//! |---|---|---|
+//! | [`EnvgenCorePlugin`] | | generation, spawning, streaming |
+//! | `EnvgenAssetPlugin` | `asset` | `.envgen.ron` and `.room.ron` files |
+//! | `EnvgenPhysicsPlugin` | `physics` | rapier colliders, doors that move |
+//! | `EnvgenVisualsPlugin` | `render` | meshes and colours |
+//! | `TopDownPhysicsPlugin` | `physics` | not of the group: rapier itself, without gravity, in fixed steps |
+//!
+//! # System sets
+//!
+//! All in the schedule of [`EnvgenPlugins::in_schedule`], `Update` by default, in the order of
+//! [`EnvgenSystems`]: `Request`, `Collect`, `Spawn`, `Stream`, `Notify`. Transforms are watched in
+//! `PostUpdate`; doors move in `DoorSystems`, in `FixedUpdate` by default.
+//!
+//! # Features
+//!
+//! | feature | default | what it adds |
+//! |---|---|---|
+//! | `asset` | yes | specs and rooms as Bevy assets |
+//! | `multi_threaded` | yes | generation on other threads than the schedule's |
+//! | `physics` | yes | colliders and doors, by `bevy_rapier2d` |
+//! | `file_watcher` | no | files that change are loaded again |
+//! | `render` | no | meshes; the only feature with rendering crates |
+//! | `serialize` | no | serde for the components of parts |
+
+#[cfg(feature = "asset")]
+pub mod asset;
+mod environment;
+mod generate;
+pub mod part;
+#[cfg(feature = "physics")]
+pub mod physics;
+mod plan;
+mod shape;
+mod spawn;
+mod streaming;
+#[cfg(any(feature = "physics", feature = "render"))]
+mod tessellate;
+pub mod testing;
+#[cfg(feature = "render")]
+pub mod visuals;
+
+use bevy::app::PluginGroupBuilder;
+use bevy::ecs::intern::Interned;
+use bevy::ecs::schedule::ScheduleLabel;
+use bevy::prelude::*;
+use bevy::transform::TransformSystems;
+
+#[cfg(feature = "physics")]
+pub use bevy_rapier2d;
+pub use envgen;
+
+pub use environment::{
+    EndlessTruth, Environment, EnvironmentError, EnvironmentFailed, EnvironmentReady,
+    EnvironmentState, EnvironmentStats, Extent, GroundTruth, Pace, RebuildEnvironment, WorldSource,
+};
+pub use generate::MAX_PARTS;
+pub use part::{PartId, PartKind};
+pub use shape::PartShape;
+pub use spawn::{DecorateTiles, SpawnedTile, Tile, TileDecorator};
+pub use streaming::{StreamAround, StreamingBudget, StreamingReport};
+
+/// What most apps need.
+pub mod prelude {
+    #[cfg(feature = "asset")]
+    pub use crate::asset::{EnvgenAssetPlugin, RoomAsset, WorldAsset};
+    pub use crate::part::{
+        Doorway, Goal, Ground, Obstacle, PartId, PartKind, RoadStrip, Room, Start, Surface, Tree,
+        Victim, Wall,
+    };
+    #[cfg(feature = "physics")]
+    pub use crate::physics::{
+        ColliderSettings, Door, DoorSchedule, EnvgenPhysicsPlugin, Merge, TopDownPhysicsPlugin,
+    };
+    #[cfg(feature = "render")]
+    pub use crate::visuals::{EnvgenVisualsPlugin, Palette};
+    pub use crate::{
+        EnvgenCorePlugin, EnvgenPlugins, EnvgenSystems, Environment, EnvironmentError,
+        EnvironmentFailed, EnvironmentReady, EnvironmentState, GroundTruth, Pace, PartShape,
+        RebuildEnvironment, StreamAround, StreamingBudget, Tile,
+    };
+}
+
+/// The systems that turn requests into entities, in this order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum EnvgenSystems {
+    /// Environments that changed are noticed, and their generators started.
+    Request,
+    /// Worlds that other threads have finished are taken.
+    Collect,
+    /// What stood before is despawned, and the new parts spawned with all that other plugins add.
+    Spawn,
+    /// The tiles of streamed worlds follow their anchors.
+    Stream,
+    /// [`EnvironmentReady`] and [`EnvironmentFailed`] are triggered.
+    Notify,
+}
+
+/// Generates and spawns worlds, and streams them.
+///
+/// Adds the resources [`StreamingBudget`] and [`StreamingReport`] and the systems of
+/// [`EnvgenSystems`].
+#[derive(Clone, Copy, Debug)]
+pub struct EnvgenCorePlugin {
+    schedule: Interned<dyn ScheduleLabel>,
+}
+
+impl EnvgenCorePlugin {
+    /// With the systems in another schedule than `Update`.
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        EnvgenCorePlugin { schedule: schedule.intern() }
+    }
+}
+
+impl Default for EnvgenCorePlugin {
+    fn default() -> Self {
+        EnvgenCorePlugin::new(Update)
+    }
+}
+
+/// Where the core plugin put its systems, for the plugins after it.
+#[derive(Resource, Clone, Copy)]
+struct Schedules {
+    #[cfg_attr(not(feature = "asset"), expect(dead_code, reason = "only assets are added to it"))]
+    main: Interned<dyn ScheduleLabel>,
+}
+
+impl Schedules {
+    #[cfg(feature = "asset")]
+    fn of(app: &App) -> Self {
+        let known = app.world().get_resource::<Schedules>().copied();
+        known.unwrap_or(Schedules { main: Update.intern() })
+    }
+}
+
+impl Plugin for EnvgenCorePlugin {
+    fn build(&self, app: &mut App) {
+        part::register(app);
+        environment::register(app);
+        app.register_type::<Tile>()
+            .register_type::<StreamAround>()
+            .register_type::<StreamingBudget>()
+            .register_type::<StreamingReport>()
+            .init_resource::<StreamingBudget>()
+            .init_resource::<StreamingReport>()
+            .init_resource::<generate::Notices>()
+            .insert_resource(Schedules { main: self.schedule })
+            .add_observer(generate::clean_up)
+            .add_observer(generate::rebuild)
+            .configure_sets(
+                self.schedule,
+                (
+                    EnvgenSystems::Request,
+                    EnvgenSystems::Collect,
+                    EnvgenSystems::Spawn,
+                    EnvgenSystems::Stream,
+                    EnvgenSystems::Notify,
+                )
+                    .chain(),
+            )
+            .add_systems(
+                self.schedule,
+                (
+                    generate::request_worlds.in_set(EnvgenSystems::Request),
+                    generate::poll_tasks.in_set(EnvgenSystems::Collect),
+                    generate::spawn_worlds.in_set(EnvgenSystems::Spawn),
+                    streaming::stream_tiles.in_set(EnvgenSystems::Stream),
+                    generate::notify.in_set(EnvgenSystems::Notify),
+                ),
+            )
+            .add_systems(PostUpdate, generate::watch_transforms.after(TransformSystems::Propagate));
+    }
+}
+
+/// All plugins of this crate but `TopDownPhysicsPlugin`, which sets rapier itself up.
+#[derive(Clone, Debug)]
+pub struct EnvgenPlugins {
+    core: EnvgenCorePlugin,
+    #[cfg(feature = "physics")]
+    physics: physics::EnvgenPhysicsPlugin,
+}
+
+impl EnvgenPlugins {
+    /// With the systems that make worlds in another schedule than `Update`.
+    pub fn in_schedule(self, schedule: impl ScheduleLabel) -> Self {
+        EnvgenPlugins { core: EnvgenCorePlugin::new(schedule), ..self }
+    }
+
+    /// With other colliders than the default ones.
+    #[cfg(feature = "physics")]
+    pub fn with_colliders(self, colliders: physics::ColliderSettings) -> Self {
+        EnvgenPlugins { physics: self.physics.with_colliders(colliders), ..self }
+    }
+}
+
+impl Default for EnvgenPlugins {
+    fn default() -> Self {
+        EnvgenPlugins {
+            core: EnvgenCorePlugin::default(),
+            #[cfg(feature = "physics")]
+            physics: physics::EnvgenPhysicsPlugin::default(),
+        }
+    }
+}
+
+impl PluginGroup for EnvgenPlugins {
+    fn build(self) -> PluginGroupBuilder {
+        let group = PluginGroupBuilder::start::<Self>().add(self.core);
+        #[cfg(feature = "asset")]
+        let group = group.add(asset::EnvgenAssetPlugin);
+        #[cfg(feature = "physics")]
+        let group = group.add(self.physics);
+        #[cfg(feature = "render")]
+        let group = group.add(visuals::EnvgenVisualsPlugin::default());
+        group
+    }
+}

@@ -1,0 +1,450 @@
+//! The components of a world's parts.
+
+use std::fmt;
+
+use bevy::prelude::*;
+#[cfg(feature = "serialize")]
+use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
+use envgen::world;
+
+/// A component or a field type that inspectors and, with `serialize`, files can read.
+macro_rules! data {
+    ($(#[$meta:meta])* component $($rest:tt)+) => {
+        $(#[$meta])*
+        #[derive(Component, Clone, Debug, PartialEq, Reflect)]
+        #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+        #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+        #[reflect(Component, Debug, PartialEq, Clone)]
+        $($rest)+
+    };
+    ($(#[$meta:meta])* field $($rest:tt)+) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
+        #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+        #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+        #[reflect(Debug, PartialEq, Clone)]
+        $($rest)+
+    };
+}
+
+data! {
+    /// What a part is.
+    field pub enum PartKind {
+        /// A [`Wall`].
+        Wall,
+        /// A [`Tree`].
+        Tree,
+        /// A [`RoadStrip`].
+        RoadStrip,
+        /// A [`Room`].
+        Room,
+        /// A [`Doorway`].
+        Doorway,
+        /// An [`Obstacle`].
+        Obstacle,
+        /// A [`Surface`].
+        Surface,
+        /// The [`Start`].
+        Start,
+        /// The [`Goal`].
+        Goal,
+        /// A [`Victim`].
+        Victim,
+        /// A block of a landscape's cells, a [`Ground`].
+        Ground,
+    }
+}
+
+impl PartKind {
+    /// Whether parts of this kind stop a robot and a ray. Doorways have a door that may.
+    pub fn is_solid(self) -> bool {
+        matches!(self, PartKind::Wall | PartKind::Tree | PartKind::Obstacle)
+    }
+
+    /// Its name, such as `road strip`.
+    pub fn name(self) -> &'static str {
+        match self {
+            PartKind::Wall => "wall",
+            PartKind::Tree => "tree",
+            PartKind::RoadStrip => "road strip",
+            PartKind::Room => "room",
+            PartKind::Doorway => "doorway",
+            PartKind::Obstacle => "obstacle",
+            PartKind::Surface => "surface",
+            PartKind::Start => "start",
+            PartKind::Goal => "goal",
+            PartKind::Victim => "victim",
+            PartKind::Ground => "ground",
+        }
+    }
+}
+
+data! {
+    /// The stable name of a part: the same spec and seed give every part the same id, however it
+    /// came to be spawned. It is unique within one environment.
+    #[derive(Copy, Eq, PartialOrd, Ord, Hash)]
+    component pub struct PartId {
+        /// What it is.
+        pub kind: PartKind,
+        /// The tile of an endless world, (0, 0) in a finite one.
+        pub tile: [i32; 2],
+        /// The place in the world's list of that kind, or in the tile's.
+        pub index: u32,
+    }
+}
+
+impl PartId {
+    /// A part of a finite world.
+    pub const fn new(kind: PartKind, index: u32) -> Self {
+        PartId { kind, tile: [0, 0], index }
+    }
+
+    /// Its name in [`envgen`], for looking it up in the world or in a ray's hit; `None` for what
+    /// has none there.
+    pub fn in_world(self) -> Option<world::PartId> {
+        let kind = match self.kind {
+            PartKind::Wall => world::PartKind::Wall,
+            PartKind::Tree => world::PartKind::Tree,
+            PartKind::RoadStrip => world::PartKind::RoadStrip,
+            PartKind::Room => world::PartKind::Room,
+            PartKind::Doorway => world::PartKind::Doorway,
+            PartKind::Obstacle => world::PartKind::Obstacle,
+            PartKind::Surface => world::PartKind::Surface,
+            PartKind::Start | PartKind::Goal | PartKind::Victim | PartKind::Ground => return None,
+        };
+        (self.tile == [0, 0]).then_some(world::PartId { kind, index: self.index })
+    }
+}
+
+impl From<world::PartId> for PartId {
+    fn from(id: world::PartId) -> Self {
+        let kind = match id.kind {
+            world::PartKind::Wall => PartKind::Wall,
+            world::PartKind::Tree => PartKind::Tree,
+            world::PartKind::RoadStrip => PartKind::RoadStrip,
+            world::PartKind::Room => PartKind::Room,
+            world::PartKind::Doorway => PartKind::Doorway,
+            world::PartKind::Obstacle => PartKind::Obstacle,
+            world::PartKind::Surface => PartKind::Surface,
+        };
+        PartId::new(kind, id.index)
+    }
+}
+
+impl fmt::Display for PartId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let PartId { kind, tile: [i, j], index } = *self;
+        write!(f, "{} {index}", kind.name())?;
+        if (i, j) != (0, 0) {
+            write!(f, " of tile ({i}, {j})")?;
+        }
+        Ok(())
+    }
+}
+
+/// An enum of the pure crate as one that can be reflected. What a later version of it adds is read
+/// as the last variant.
+macro_rules! mirror {
+    ($(#[$meta:meta])* $name:ident { $($(#[$doc:meta])* $variant:ident),+ } else $other:ident) => {
+        data! {
+            $(#[$meta])*
+            field pub enum $name { $($(#[$doc])* $variant),+ }
+        }
+
+        impl From<world::$name> for $name {
+            fn from(kind: world::$name) -> Self {
+                match kind {
+                    $(world::$name::$variant => $name::$variant,)+
+                    _ => $name::$other,
+                }
+            }
+        }
+    };
+}
+
+mirror! {
+    /// What a wall is part of.
+    WallKind {
+        /// The shell of a building or corridor.
+        Wall,
+        /// The wall across a corridor's end.
+        EndCap,
+        /// The side of an alcove.
+        Alcove,
+        /// A wall inside a room.
+        Partition,
+        /// The edge of a road.
+        Kerb
+    } else Wall
+}
+
+mirror! {
+    /// What an obstacle is.
+    ObstacleKind {
+        /// One of the two posts that narrow a corridor at a door frame.
+        DoorPost,
+        /// A crate that narrows a corridor.
+        Crate,
+        /// A desk or table.
+        Desk,
+        /// A chair.
+        Chair,
+        /// A computer screen, on the floor.
+        Screen,
+        /// A cupboard or shelf.
+        Cabinet,
+        /// The counter of a reception.
+        Counter,
+        /// A shipping container.
+        Container,
+        /// A boiler.
+        Boiler,
+        /// A pipe or duct.
+        Pipe,
+        /// A statue.
+        Statue,
+        /// A wall of a cubicle that has come down.
+        Panel,
+        /// A heap of rubble.
+        Rubble,
+        /// A flight of stairs.
+        Stairs,
+        /// Anything else.
+        Other
+    } else Other
+}
+
+data! {
+    /// What a surface is.
+    field pub enum SurfaceKind {
+        /// Uneven ground.
+        Uneven,
+        /// Strewn with debris.
+        Debris,
+        /// Water, which a robot must not enter.
+        Water,
+        /// Stairs, which also block the view.
+        Stairs,
+        /// The plain floor of a hallway.
+        Hallway,
+        /// The plain floor of an open area between rooms.
+        OpenArea,
+        /// A class of a landscape, counted from 1.
+        Class(u16),
+    }
+}
+
+impl From<world::SurfaceKind> for SurfaceKind {
+    fn from(kind: world::SurfaceKind) -> Self {
+        match kind {
+            world::SurfaceKind::Debris => SurfaceKind::Debris,
+            world::SurfaceKind::Water => SurfaceKind::Water,
+            world::SurfaceKind::Stairs => SurfaceKind::Stairs,
+            world::SurfaceKind::Hallway => SurfaceKind::Hallway,
+            world::SurfaceKind::OpenArea => SurfaceKind::OpenArea,
+            world::SurfaceKind::Class(class) => SurfaceKind::Class(class),
+            _ => SurfaceKind::Uneven,
+        }
+    }
+}
+
+data! {
+    /// A wall, kerb or partition.
+    component pub struct Wall {
+        /// What it is part of.
+        pub kind: WallKind,
+    }
+}
+
+data! {
+    /// A tree trunk.
+    component pub struct Tree {
+        /// Radius in metres.
+        pub radius: f32,
+    }
+}
+
+data! {
+    /// A road. Its middle line is its [`PartShape`](crate::PartShape).
+    component pub struct RoadStrip {
+        /// Full width in metres.
+        pub width: f32,
+        /// Number of lanes side by side.
+        pub lanes: u32,
+        /// Whether the end joins the start.
+        pub closed: bool,
+    }
+}
+
+data! {
+    /// A room.
+    component pub struct Room {
+        /// Name, not necessarily unique.
+        pub name: String,
+        /// Difficulty on the scale from 0 to 10, where one is annotated.
+        pub difficulty: Option<f32>,
+        /// Whether there is light.
+        pub lit: bool,
+    }
+}
+
+data! {
+    /// An opening in a wall. With the physics plugin it also has a `Door`.
+    component pub struct Doorway {
+        /// Whether the generator left the door open.
+        pub open: bool,
+        /// The indices of the rooms that it joins; `None` is a hallway or the open.
+        pub rooms: [Option<u32>; 2],
+    }
+}
+
+data! {
+    /// A thing that stands in the way.
+    component pub struct Obstacle {
+        /// What it is.
+        pub kind: ObstacleKind,
+    }
+}
+
+data! {
+    /// Ground that changes how a robot drives.
+    component pub struct Surface {
+        /// What it is.
+        pub kind: SurfaceKind,
+        /// Factor on a robot's greatest speed, 1 for plain ground, 0 where it cannot drive.
+        pub speed: f32,
+        /// Factor on the variances of a robot's odometry, 1 for plain ground.
+        pub odometry_noise: f32,
+    }
+}
+
+data! {
+    /// Where a robot starts; its heading is the transform's.
+    #[derive(Copy)]
+    component pub struct Start;
+}
+
+data! {
+    /// Where a robot is to go; its heading is the transform's.
+    #[derive(Copy)]
+    component pub struct Goal;
+}
+
+data! {
+    /// Where a person waits to be found.
+    #[derive(Copy)]
+    component pub struct Victim;
+}
+
+data! {
+    /// A block of a landscape's cells. Its [`PartShape`](crate::PartShape) is the rectangle that
+    /// they fill.
+    component pub struct Ground {
+        /// The block's first row of the landscape, counted from the top.
+        pub row: u32,
+        /// The block's first column.
+        pub col: u32,
+        /// Number of columns of the block.
+        pub cols: u32,
+        /// Side of a cell in metres.
+        pub cell: f32,
+        /// Class of each cell, counted from 1; 0 is no data. Row by row from the top.
+        pub classes: Vec<u16>,
+    }
+}
+
+/// Makes the types known to inspectors, also without Bevy's `reflect_auto_register`.
+pub(crate) fn register(app: &mut App) {
+    app.register_type::<PartId>()
+        .register_type::<crate::PartShape>()
+        .register_type::<Wall>()
+        .register_type::<Tree>()
+        .register_type::<RoadStrip>()
+        .register_type::<Room>()
+        .register_type::<Doorway>()
+        .register_type::<Obstacle>()
+        .register_type::<Surface>()
+        .register_type::<Start>()
+        .register_type::<Goal>()
+        .register_type::<Victim>()
+        .register_type::<Ground>();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_go_to_the_pure_crate_and_back() {
+        let kinds = [
+            world::PartKind::Wall,
+            world::PartKind::Tree,
+            world::PartKind::RoadStrip,
+            world::PartKind::Room,
+            world::PartKind::Doorway,
+            world::PartKind::Obstacle,
+            world::PartKind::Surface,
+        ];
+        for kind in kinds {
+            let id = world::PartId { kind, index: 7 };
+            assert_eq!(PartId::from(id).in_world(), Some(id));
+        }
+        assert_eq!(PartId::new(PartKind::Start, 0).in_world(), None);
+        let endless = PartId { kind: PartKind::Tree, tile: [3, -4], index: 5 };
+        assert_eq!(endless.in_world(), None);
+        assert_eq!(endless.to_string(), "tree 5 of tile (3, -4)");
+        assert_eq!(PartId::new(PartKind::RoadStrip, 1).to_string(), "road strip 1");
+    }
+
+    #[test]
+    #[cfg(feature = "serialize")]
+    fn components_survive_a_file() {
+        use std::fmt::Debug;
+
+        fn there_and_back<T>(part: T)
+        where
+            T: serde::Serialize + serde::de::DeserializeOwned + Debug + PartialEq,
+        {
+            let text = ron::to_string(&part).unwrap();
+            assert_eq!(ron::from_str::<T>(&text).unwrap(), part);
+        }
+        there_and_back(PartId { kind: PartKind::Ground, tile: [-1, 7], index: 3 });
+        there_and_back(Wall { kind: WallKind::Kerb });
+        there_and_back(Doorway { open: true, rooms: [None, Some(2)] });
+        there_and_back(Room { name: "hall".to_owned(), difficulty: Some(2.5), lit: false });
+        there_and_back(Surface { kind: SurfaceKind::Class(4), speed: 0.5, odometry_noise: 2.0 });
+        there_and_back(Start);
+        there_and_back(crate::PartShape::Strip {
+            centreline: vec![Vec2::ZERO, Vec2::new(1.5, -2.0)],
+            width: 7.0,
+            closed: false,
+        });
+    }
+
+    #[test]
+    fn every_kind_of_thing_keeps_its_name() {
+        // Both sides print their variants' names, so a variant that is missing here shows.
+        for kind in [
+            world::ObstacleKind::DoorPost,
+            world::ObstacleKind::Crate,
+            world::ObstacleKind::Stairs,
+            world::ObstacleKind::Other,
+        ] {
+            assert_eq!(format!("{:?}", ObstacleKind::from(kind)), format!("{kind:?}"));
+        }
+        for kind in [world::WallKind::Wall, world::WallKind::Kerb, world::WallKind::Alcove] {
+            assert_eq!(format!("{:?}", WallKind::from(kind)), format!("{kind:?}"));
+        }
+        for kind in [
+            world::SurfaceKind::Uneven,
+            world::SurfaceKind::Debris,
+            world::SurfaceKind::Water,
+            world::SurfaceKind::Stairs,
+            world::SurfaceKind::Hallway,
+            world::SurfaceKind::OpenArea,
+            world::SurfaceKind::Class(9),
+        ] {
+            assert_eq!(format!("{:?}", SurfaceKind::from(kind)), format!("{kind:?}"));
+        }
+    }
+}

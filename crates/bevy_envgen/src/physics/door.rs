@@ -1,0 +1,249 @@
+//! Doors that open, close and slam.
+
+use bevy::prelude::*;
+#[cfg(feature = "serialize")]
+use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
+use bevy_rapier2d::prelude::{ColliderDisabled, CollisionGroups, RigidBody};
+use envgen::Seed;
+
+use crate::environment::{Environment, EnvironmentState};
+use crate::part::{Doorway, PartId};
+use crate::shape::PartShape;
+
+/// Seconds that a door takes to open or close, and to slam.
+const OPENING: f32 = 1.0;
+const SLAMMING: f32 = 0.15;
+
+/// The shortest mean wait of a schedule in seconds, so that a door that comes back after hours can
+/// be brought up to date.
+const SHORTEST_WAIT: f32 = 0.5;
+
+/// The door in a [`Doorway`]: a leaf that slides into the wall.
+///
+/// Closed it fills the opening, as the world says; open it is out of the way, and so out of the way
+/// of rays. Between the two it is a kinematic body, which pushes what stands there.
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug, PartialEq, Clone)]
+pub struct Door {
+    /// The entity of the leaf, the body that moves.
+    pub leaf: Entity,
+    openness: f32,
+    target: f32,
+    /// Openness a second.
+    speed: f32,
+    /// The next action of the schedule, and when it is due, in seconds of the environment's clock.
+    next: Option<(u64, f64)>,
+}
+
+impl Door {
+    fn new(leaf: Entity, open: bool) -> Self {
+        let openness = f32::from(open);
+        Door { leaf, openness, target: openness, speed: 0.0, next: None }
+    }
+
+    /// Lets it slide open, within a second.
+    pub fn open(&mut self) {
+        (self.target, self.speed) = (1.0, 1.0 / OPENING);
+    }
+
+    /// Lets it slide shut, within a second.
+    pub fn close(&mut self) {
+        (self.target, self.speed) = (0.0, 1.0 / OPENING);
+    }
+
+    /// Lets it fly shut, within 0.15 s.
+    pub fn slam(&mut self) {
+        (self.target, self.speed) = (0.0, 1.0 / SLAMMING);
+    }
+
+    /// 0 when it is closed, 1 when it is open.
+    pub fn openness(&self) -> f32 {
+        self.openness
+    }
+
+    /// Whether it is wide open, or on the way.
+    pub fn opens(&self) -> bool {
+        self.target > 0.5
+    }
+}
+
+/// Has the doors of an environment opened, closed and slammed at random: on the entity of its
+/// [`Environment`].
+///
+/// When and how follows from the environment's seed and the doorway alone, so that every run is the
+/// same. Time counts from when the world is ready.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+#[require(DoorClock)]
+pub struct DoorSchedule {
+    /// Mean seconds from one action of a door to its next, at least 0.5; the waits follow an
+    /// exponential law.
+    pub mean_wait: f32,
+    /// Probability that a door that closes slams.
+    pub slam: f32,
+}
+
+impl Default for DoorSchedule {
+    fn default() -> Self {
+        DoorSchedule { mean_wait: 20.0, slam: 0.2 }
+    }
+}
+
+/// Seconds that a scheduled environment has been ready.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct DoorClock(pub f64);
+
+/// Triggered on a [`Doorway`] when its door has come to rest.
+#[derive(EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DoorStopped {
+    /// The doorway.
+    pub entity: Entity,
+    /// Whether it is open.
+    pub open: bool,
+}
+
+/// Gives a doorway its door; one that cannot move is only there when it is closed.
+pub(super) fn hang(world: &mut World, doorway: Entity, groups: CollisionGroups, moves: bool) {
+    let entity = world.entity(doorway);
+    let (Some(part), Some(shape)) = (entity.get::<Doorway>(), entity.get::<PartShape>()) else {
+        return;
+    };
+    let (open, at) = (part.open, place(shape, f32::from(part.open)));
+    let Some(collider) = super::collider::collider(shape) else { return };
+    let leaf = (Name::new("leaf"), ChildOf(doorway), at, collider, groups);
+    if !moves {
+        if !open {
+            world.spawn(leaf);
+        }
+        return;
+    }
+    let leaf = world.spawn((leaf, RigidBody::KinematicPositionBased)).id();
+    if open {
+        world.entity_mut(leaf).insert(ColliderDisabled);
+    }
+    world.entity_mut(doorway).insert(Door::new(leaf, open));
+}
+
+/// Where a leaf stands in the frame of its doorway.
+fn place(shape: &PartShape, openness: f32) -> Transform {
+    let width = match shape {
+        // A doorway's width is the longer side: the other is the wall's thickness.
+        PartShape::Box { half_size } if half_size.x >= half_size.y => Vec2::X * 2.0 * half_size.x,
+        PartShape::Box { half_size } => Vec2::Y * 2.0 * half_size.y,
+        PartShape::Segment { half_length } => Vec2::X * 2.0 * *half_length,
+        PartShape::Disc { radius } => Vec2::X * 2.0 * *radius,
+        PartShape::Polygon { vertices } => {
+            let reach = vertices.iter().fold(Vec2::ZERO, |reach, v| reach.max(v.abs()));
+            if reach.x >= reach.y { Vec2::X * 2.0 * reach.x } else { Vec2::Y * 2.0 * reach.y }
+        }
+        PartShape::Point | PartShape::Strip { .. } => Vec2::ZERO,
+    };
+    Transform::from_translation((width * openness).extend(0.0))
+}
+
+/// Lets the clocks of scheduled environments run.
+pub(super) fn run_clocks(
+    time: Res<Time>,
+    mut clocks: Query<(&mut DoorClock, &EnvironmentState), With<DoorSchedule>>,
+) {
+    for (mut clock, state) in &mut clocks {
+        if *state == EnvironmentState::Ready {
+            clock.0 += time.delta_secs_f64();
+        }
+    }
+}
+
+/// Starts the actions that are due.
+pub(super) fn follow_schedules(
+    mut doors: Query<(Entity, &PartId, &mut Door)>,
+    parents: Query<&ChildOf>,
+    schedules: Query<(&DoorSchedule, &DoorClock, &Environment)>,
+) {
+    if schedules.is_empty() {
+        return;
+    }
+    for (entity, id, mut door) in &mut doors {
+        let root = parents.iter_ancestors(entity).find_map(|above| schedules.get(above).ok());
+        let Some((schedule, clock, environment)) = root else { continue };
+        let (mut action, mut due) = match door.next {
+            Some(next) => next,
+            None => (0, wait(schedule, environment.seed, id.index, 0)),
+        };
+        if clock.0 < due && door.next.is_some() {
+            continue;
+        }
+        let mut last = None;
+        while due <= clock.0 {
+            last = Some((action, due));
+            action += 1;
+            due += wait(schedule, environment.seed, id.index, action);
+        }
+        door.next = Some((action, due));
+        if let Some((action, since)) = last {
+            act(&mut door, schedule, environment.seed, id.index, action);
+            // What came back with a tile is where it would be by now.
+            if clock.0 - since > f64::from(OPENING) {
+                door.openness = door.target;
+            }
+        }
+    }
+}
+
+/// Seconds before an action of a door.
+fn wait(schedule: &DoorSchedule, seed: u64, door: u32, action: u64) -> f64 {
+    let mut stream = Seed(seed).attempt("bevy/doors/wait", u64::from(door), action);
+    // The exponential law by inversion. No wait is so short that hours of them could not be caught up.
+    let mean = f64::from(schedule.mean_wait.max(SHORTEST_WAIT));
+    f64::from(0.25 * SHORTEST_WAIT).max(-mean * libm::log1p(-stream.unit()))
+}
+
+/// Starts an action: doors are opened and closed in turn, at first whichever the seed says.
+fn act(door: &mut Door, schedule: &DoorSchedule, seed: u64, index: u32, action: u64) {
+    let first = Seed(seed).stream("bevy/doors/first", u64::from(index)).chance(0.5);
+    if first == (action % 2 == 0) {
+        door.open();
+    } else if Seed(seed)
+        .attempt("bevy/doors/slam", u64::from(index), action)
+        .chance(f64::from(schedule.slam))
+    {
+        door.slam();
+    } else {
+        door.close();
+    }
+}
+
+/// Moves the leaves of doors that are on their way.
+pub(super) fn move_doors(
+    time: Res<Time>,
+    mut doors: Query<(Entity, &mut Door, &PartShape, &GlobalTransform)>,
+    mut leaves: Query<(&mut Transform, &mut GlobalTransform, Has<ColliderDisabled>), Without<Door>>,
+    mut commands: Commands,
+) {
+    for (entity, mut door, shape, doorway) in &mut doors {
+        let Ok((mut at, mut global, disabled)) = leaves.get_mut(door.leaf) else { continue };
+        let placed = place(shape, door.openness);
+        let moving = door.openness != door.target;
+        // Rapier writes back what it was given, but for rounding.
+        if !moving && at.translation.distance_squared(placed.translation) < 1e-8 {
+            continue;
+        }
+        let way = door.target - door.openness;
+        let step = way.abs().min(door.speed * time.delta_secs());
+        door.openness += step * way.signum();
+        *at = place(shape, door.openness);
+        // Propagated at once: rapier reads it in this step, and Bevy's propagation comes later.
+        *global = *doorway * *at;
+        let open = door.openness >= 1.0;
+        if disabled && !open {
+            commands.entity(door.leaf).remove::<ColliderDisabled>();
+        } else if open && !disabled {
+            commands.entity(door.leaf).insert(ColliderDisabled);
+        }
+        if moving && door.openness == door.target {
+            commands.trigger(DoorStopped { entity, open });
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! Colliders for the parts of worlds, and doors that move.
+//!
+//! Walls, trees, obstacles and closed doors stop bodies and rays, exactly where [`envgen::raycast`]
+//! says. Surfaces, rooms and doorways are sensors, which report who is in them.
+
+mod collider;
+mod door;
+mod setup;
+
+use bevy::ecs::intern::Interned;
+use bevy::ecs::schedule::ScheduleLabel;
+use bevy::prelude::*;
+use bevy_rapier2d::prelude::{
+    ActiveCollisionTypes, ActiveEvents, Collider, CollisionGroups, Friction, Group, PhysicsSet,
+    Restitution, Sensor,
+};
+
+pub use door::{Door, DoorClock, DoorSchedule, DoorStopped};
+pub use setup::TopDownPhysicsPlugin;
+
+use crate::environment::EnvironmentStats;
+use crate::part::{PartId, PartKind};
+use crate::shape::PartShape;
+use crate::spawn::{DecorateTiles, SpawnedTile};
+
+/// The group of walls, trees and obstacles.
+pub const SOLID_GROUP: Group = Group::GROUP_30;
+/// The group of doors.
+pub const DOOR_GROUP: Group = Group::GROUP_31;
+/// The group of surfaces, rooms and doorways.
+pub const SENSOR_GROUP: Group = Group::GROUP_32;
+
+/// Whether the solid parts of a tile share a collider.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Default, Debug, PartialEq, Clone)]
+pub enum Merge {
+    /// They do in worlds of more solid parts than this, and in endless ones.
+    Above(usize),
+    /// They do: a compound on the entity of the [`Tile`](crate::Tile). A large world costs rapier a
+    /// fraction of what single colliders do.
+    Always,
+    /// Every part has its own, which tells a ray or a contact which part was met.
+    Never,
+}
+
+impl Default for Merge {
+    fn default() -> Self {
+        Merge::Above(1000)
+    }
+}
+
+/// How the parts of an environment become colliders.
+///
+/// A resource for all environments; [`EnvironmentColliders`] is the same for one. Both are read when
+/// parts are spawned.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Default, Debug, PartialEq, Clone)]
+pub struct ColliderSettings {
+    /// Whether the solid parts of a tile share a collider.
+    pub merge: Merge,
+    /// Whether surfaces, rooms and doorways are sensors.
+    pub sensors: bool,
+    /// Whether doors move; if not, closed ones are as solid as walls.
+    pub doors: bool,
+    /// Coefficient of friction of walls, trees and obstacles.
+    pub friction: f32,
+    /// Coefficient of restitution of walls, trees and obstacles, 0 for no bounce.
+    pub restitution: f32,
+    /// Groups of walls, trees and obstacles.
+    #[reflect(ignore, default = "solid_groups")]
+    pub solid_groups: CollisionGroups,
+    /// Groups of doors.
+    #[reflect(ignore, default = "door_groups")]
+    pub door_groups: CollisionGroups,
+    /// Groups of sensors, which by default see all but the world itself.
+    #[reflect(ignore, default = "sensor_groups")]
+    pub sensor_groups: CollisionGroups,
+}
+
+fn solid_groups() -> CollisionGroups {
+    CollisionGroups::new(SOLID_GROUP, Group::ALL)
+}
+
+fn door_groups() -> CollisionGroups {
+    CollisionGroups::new(DOOR_GROUP, Group::ALL)
+}
+
+fn sensor_groups() -> CollisionGroups {
+    CollisionGroups::new(SENSOR_GROUP, !(SOLID_GROUP | DOOR_GROUP | SENSOR_GROUP))
+}
+
+impl Default for ColliderSettings {
+    fn default() -> Self {
+        ColliderSettings {
+            merge: Merge::default(),
+            sensors: true,
+            doors: true,
+            friction: 0.5,
+            restitution: 0.0,
+            solid_groups: solid_groups(),
+            door_groups: door_groups(),
+            sensor_groups: sensor_groups(),
+        }
+    }
+}
+
+/// The [`ColliderSettings`] of one environment, on its entity.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct EnvironmentColliders(pub ColliderSettings);
+
+/// The systems that move doors, before rapier reads where they are.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct DoorSystems;
+
+/// Gives the parts of worlds their colliders, and doorways their doors.
+///
+/// Rapier itself is not added: see [`TopDownPhysicsPlugin`]. Without it the colliders have no
+/// effect.
+#[derive(Clone, Copy, Debug)]
+pub struct EnvgenPhysicsPlugin {
+    schedule: Interned<dyn ScheduleLabel>,
+    colliders: ColliderSettings,
+}
+
+impl EnvgenPhysicsPlugin {
+    /// With doors that move in another schedule than `FixedUpdate`: rapier's.
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        EnvgenPhysicsPlugin { schedule: schedule.intern(), colliders: default() }
+    }
+
+    /// With other colliders than the default ones.
+    pub fn with_colliders(self, colliders: ColliderSettings) -> Self {
+        EnvgenPhysicsPlugin { colliders, ..self }
+    }
+}
+
+impl Default for EnvgenPhysicsPlugin {
+    fn default() -> Self {
+        EnvgenPhysicsPlugin::new(FixedUpdate)
+    }
+}
+
+impl Plugin for EnvgenPhysicsPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<ColliderSettings>()
+            .register_type::<EnvironmentColliders>()
+            .register_type::<Door>()
+            .register_type::<DoorClock>()
+            .register_type::<DoorSchedule>()
+            .insert_resource(self.colliders)
+            .add_tile_decorator(collide)
+            .configure_sets(self.schedule, DoorSystems.before(PhysicsSet::SyncBackend))
+            .add_systems(
+                self.schedule,
+                (door::run_clocks, door::follow_schedules, door::move_doors)
+                    .chain()
+                    .in_set(DoorSystems),
+            );
+    }
+}
+
+/// Gives the parts of a tile their colliders.
+fn collide(world: &mut World, spawned: &SpawnedTile) {
+    let root = world.entity(spawned.environment);
+    let settings = match root.get::<EnvironmentColliders>() {
+        Some(own) => own.0,
+        None => world.get_resource::<ColliderSettings>().copied().unwrap_or_default(),
+    };
+    let solids = root.get::<EnvironmentStats>().and_then(|stats| stats.solids);
+    let merge = match settings.merge {
+        Merge::Above(most) => solids.is_none_or(|solids| solids > most),
+        Merge::Always => true,
+        Merge::Never => false,
+    };
+    let kinds: Vec<(Entity, PartKind)> = spawned
+        .parts
+        .iter()
+        .filter_map(|&part| Some((part, world.get::<PartId>(part)?.kind)))
+        .collect();
+    let of_kind = |is: fn(PartKind) -> bool| -> Vec<Entity> {
+        kinds.iter().filter(|(_, kind)| is(*kind)).map(|(part, _)| *part).collect()
+    };
+    let solid = of_kind(PartKind::is_solid);
+    let physical = (
+        settings.solid_groups,
+        Friction::coefficient(settings.friction),
+        Restitution::coefficient(settings.restitution),
+    );
+    if merge {
+        let placed = solid.iter().filter_map(|&part| {
+            let part = world.entity(part);
+            Some((part.get::<Transform>()?, part.get::<PartShape>()?))
+        });
+        if let Some(collider) = collider::merged(placed) {
+            world.entity_mut(spawned.tile).insert((collider, physical));
+        }
+    } else {
+        let colliders = colliders(world, &solid);
+        world.insert_batch(
+            colliders.into_iter().map(|(part, collider)| (part, (collider, physical))),
+        );
+    }
+    if settings.sensors {
+        let sensing =
+            of_kind(|kind| matches!(kind, PartKind::Surface | PartKind::Room | PartKind::Doorway));
+        let colliders = colliders(world, &sensing);
+        let types = ActiveCollisionTypes::default() | ActiveCollisionTypes::KINEMATIC_STATIC;
+        let sensor = (Sensor, ActiveEvents::COLLISION_EVENTS, types, settings.sensor_groups);
+        world
+            .insert_batch(colliders.into_iter().map(|(part, collider)| (part, (collider, sensor))));
+    }
+    for doorway in of_kind(|kind| kind == PartKind::Doorway) {
+        door::hang(world, doorway, settings.door_groups, settings.doors);
+    }
+}
+
+/// The colliders of parts that have an extent.
+fn colliders(world: &World, parts: &[Entity]) -> Vec<(Entity, Collider)> {
+    let collider = |&part: &Entity| {
+        let shape = world.get::<PartShape>(part)?;
+        Some((part, collider::collider(shape)?))
+    };
+    parts.iter().filter_map(collider).collect()
+}

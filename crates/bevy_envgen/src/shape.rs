@@ -1,0 +1,164 @@
+//! What a part looks like, in its own frame and in single precision.
+
+use bevy::prelude::*;
+#[cfg(feature = "serialize")]
+use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
+use envgen::geometry::{Rect as WorldRect, Shape, unit_vector};
+use envgen::glam::DVec2;
+
+/// The shape of a part in the frame of its [`Transform`], in metres.
+///
+/// Colliders and meshes are derived from it. Together with the transform it is the shape of
+/// [`envgen::geometry`] in single precision.
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+#[reflect(Component, Debug, PartialEq, Clone)]
+pub enum PartShape {
+    /// A place without extent, its heading along +x.
+    Point,
+    /// A line without thickness along the x axis, its middle at the origin.
+    Segment {
+        /// Half the length.
+        half_length: f32,
+    },
+    /// A filled circle around the origin.
+    Disc {
+        /// Radius.
+        radius: f32,
+    },
+    /// A filled rectangle around the origin.
+    Box {
+        /// Half the extent along x and y.
+        half_size: Vec2,
+    },
+    /// A filled simple polygon, counter-clockwise, not closed by a repeated corner.
+    Polygon {
+        /// At least three corners.
+        vertices: Vec<Vec2>,
+    },
+    /// A strip of constant width along a line.
+    Strip {
+        /// Points of the middle line, in travel order.
+        centreline: Vec<Vec2>,
+        /// Full width.
+        width: f32,
+        /// Whether the last point joins the first.
+        closed: bool,
+    },
+}
+
+/// From the world's double precision to a frame whose origin is a given point of the world.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame {
+    origin: DVec2,
+}
+
+impl Frame {
+    pub(crate) fn new(origin: DVec2) -> Self {
+        Frame { origin }
+    }
+
+    /// A pose in the frame.
+    pub(crate) fn pose(self, position: DVec2, heading: f64) -> Transform {
+        let at = (position - self.origin).as_vec2();
+        // Half-angle sine and cosine from `libm`, so that transforms are the same everywhere.
+        let half = unit_vector(0.5 * heading);
+        let rotation = if heading == 0.0 {
+            Quat::IDENTITY
+        } else {
+            Quat::from_xyzw(0.0, 0.0, half.y as f32, half.x as f32)
+        };
+        Transform { translation: at.extend(0.0), rotation, scale: Vec3::ONE }
+    }
+
+    /// A shape of the world as a transform and a shape in that transform's frame.
+    pub(crate) fn place(self, shape: &Shape) -> (Transform, PartShape) {
+        match shape {
+            Shape::Segment { a, b } => {
+                let along = *b - *a;
+                let half_length = (0.5 * along.length()) as f32;
+                let heading = libm::atan2(along.y, along.x);
+                (self.pose((*a + *b) * 0.5, heading), PartShape::Segment { half_length })
+            }
+            Shape::Disc { center, radius } => {
+                (self.pose(*center, 0.0), PartShape::Disc { radius: *radius as f32 })
+            }
+            Shape::Box { center, half_size, heading } => {
+                (self.pose(*center, *heading), PartShape::Box { half_size: half_size.as_vec2() })
+            }
+            Shape::Polygon { vertices } => {
+                let (transform, vertices) = self.around(vertices);
+                (transform, PartShape::Polygon { vertices })
+            }
+        }
+    }
+
+    /// Points relative to the middle of their bounds, and that middle.
+    pub(crate) fn around(self, points: &[DVec2]) -> (Transform, Vec<Vec2>) {
+        let middle =
+            WorldRect::around(points.iter().copied()).map_or(DVec2::ZERO, WorldRect::center);
+        let transform = self.pose(middle, 0.0);
+        // Relative to the middle as it was rounded, so that the rounding is undone.
+        let rounded = transform.translation.truncate().as_dvec2() + self.origin;
+        (transform, points.iter().map(|point| (*point - rounded).as_vec2()).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The corners of a placed shape, back in the frame.
+    fn corners(transform: Transform, shape: &PartShape) -> Vec<Vec2> {
+        let local = match shape {
+            PartShape::Segment { half_length } => {
+                vec![-Vec2::X * *half_length, Vec2::X * *half_length]
+            }
+            PartShape::Box { half_size: h } => {
+                vec![-*h, Vec2::new(h.x, -h.y), *h, Vec2::new(-h.x, h.y)]
+            }
+            PartShape::Polygon { vertices } => vertices.clone(),
+            _ => Vec::new(),
+        };
+        local.iter().map(|p| transform.transform_point(p.extend(0.0)).truncate()).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn a_placed_shape_is_where_the_world_has_it(
+            x in -500.0..500.0_f64, y in -500.0..500.0_f64, heading in -4.0..4.0_f64,
+            w in 0.01..20.0_f64, h in 0.01..20.0_f64,
+        ) {
+            let center = DVec2::new(x, y);
+            let turned = Shape::Box { center, half_size: DVec2::new(w, h), heading };
+            let polygon = Shape::Polygon { vertices: turned.corners() };
+            let segment = Shape::Segment { a: turned.corners()[0], b: turned.corners()[2] };
+            let origin = DVec2::new(1e6, -1e6);
+            for shape in [turned, polygon, segment] {
+                for (frame, shift) in [(Frame::new(DVec2::ZERO), DVec2::ZERO), (Frame::new(center), center), (Frame::new(origin - center), origin - center)] {
+                    let (transform, placed) = frame.place(&shape);
+                    let ours = corners(transform, &placed);
+                    prop_assert_eq!(ours.len(), shape.corners().len());
+                    for (ours, theirs) in ours.iter().zip(shape.corners()) {
+                        let theirs = theirs - shift;
+                        // A unit in the last place at this distance, a few times over.
+                        let tolerance = 1e-5 + 5e-7 * theirs.length();
+                        prop_assert!(ours.as_dvec2().distance(theirs) < tolerance);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn discs_and_poses_are_placed() {
+        let disc = Shape::Disc { center: DVec2::new(3.0, 4.0), radius: 0.5 };
+        let (transform, shape) = Frame::new(DVec2::new(1.0, 1.0)).place(&disc);
+        assert_eq!(transform, Transform::from_xyz(2.0, 3.0, 0.0));
+        assert_eq!(shape, PartShape::Disc { radius: 0.5 });
+        let pose = Frame::new(DVec2::ZERO).pose(DVec2::ONE, std::f64::consts::FRAC_PI_2);
+        assert!((pose.rotation * Vec3::X).distance(Vec3::Y) < 1e-6);
+    }
+}

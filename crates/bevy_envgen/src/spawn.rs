@@ -1,0 +1,251 @@
+//! From a world's parts to entities.
+
+use bevy::prelude::*;
+use envgen::World as EnvgenWorld;
+use envgen::geometry::Pose;
+use envgen::glam::DVec2;
+
+use crate::part::{
+    Doorway, Goal, Ground, Obstacle, PartId, PartKind, RoadStrip, Room, Start, Surface, Tree,
+    Victim, Wall,
+};
+use crate::plan::{PartRef, Plan, TileKey, block_cells};
+use crate::shape::{Frame, PartShape};
+
+/// A group of neighbouring parts: the entity between an environment and its parts, which come and
+/// go with it.
+///
+/// Its transform is the identity, so that a part's [`Transform`] is where the part lies in the
+/// environment's frame.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Reflect)]
+#[reflect(Component, Debug, PartialEq, Clone)]
+#[require(Transform)]
+pub struct Tile {
+    /// How often the side of the smallest tiles is doubled: tiles of a higher level hold parts that
+    /// are longer than that side.
+    pub level: u8,
+    /// The place in the grid of that level.
+    pub at: [i32; 2],
+    /// Tiles of many parts are split.
+    pub page: u32,
+}
+
+/// What was just spawned, for those who add to it.
+#[derive(Clone, Debug)]
+pub struct SpawnedTile {
+    /// The entity of the environment.
+    pub environment: Entity,
+    /// The entity of the tile.
+    pub tile: Entity,
+    /// The parts in it, in the order of their ids.
+    pub parts: Vec<Entity>,
+}
+
+/// Adds something to the parts of a tile that was just spawned, or to the tile itself.
+pub type TileDecorator = fn(&mut World, &SpawnedTile);
+
+/// What is called for every tile, in order.
+#[derive(Resource, Clone, Default)]
+struct TileDecorators(Vec<TileDecorator>);
+
+/// For plugins that add to spawned parts, as the collider and the mesh plugins do.
+pub trait DecorateTiles {
+    /// Has `decorator` called for every tile as it is spawned, before its environment is reported
+    /// ready. In a streamed world its time counts towards the frame's budget.
+    fn add_tile_decorator(&mut self, decorator: TileDecorator) -> &mut Self;
+}
+
+impl DecorateTiles for App {
+    fn add_tile_decorator(&mut self, decorator: TileDecorator) -> &mut Self {
+        self.world_mut().get_resource_or_init::<TileDecorators>().0.push(decorator);
+        self
+    }
+}
+
+/// Spawns one page of a tile of a finite world.
+pub(crate) fn spawn_page(
+    world: &mut World,
+    environment: Entity,
+    origin: DVec2,
+    plan: &Plan,
+    key: TileKey,
+    page: usize,
+) -> Option<Entity> {
+    let parts = plan.tiles.get(&key)?.parts.chunks(plan.page).nth(page)?;
+    let tile = spawn_tile(world, environment, key, page);
+    let frame = Frame::new(origin);
+    let mut entities = Vec::with_capacity(parts.len());
+    for run in parts.chunk_by(|a, b| a.kind == b.kind) {
+        spawn_run(world, &mut entities, tile, frame, plan, run);
+    }
+    decorate(world, &SpawnedTile { environment, tile, parts: entities });
+    Some(tile)
+}
+
+/// Spawns some of the trees of a tile of an endless forest; `first` is the index of the first.
+pub(crate) fn spawn_trees(
+    world: &mut World,
+    environment: Entity,
+    origin: DVec2,
+    key: TileKey,
+    (first, trees): (usize, &[envgen::world::Tree]),
+    page: usize,
+) -> Entity {
+    let tile = spawn_tile(world, environment, key, page);
+    let frame = Frame::new(origin);
+    let bundles = (first as u32..).zip(trees).map(|(index, tree)| {
+        let id = PartId { kind: PartKind::Tree, tile: key.at, index };
+        (head(id, tile), tree_bundle(frame, tree))
+    });
+    let parts = world.spawn_batch(bundles).collect();
+    decorate(world, &SpawnedTile { environment, tile, parts });
+    tile
+}
+
+fn spawn_tile(world: &mut World, environment: Entity, key: TileKey, page: usize) -> Entity {
+    let TileKey { level, at: [i, j] } = key;
+    let name = Name::new(format!("tile ({i}, {j})"));
+    let tile = Tile { level, at: key.at, page: page as u32 };
+    world.spawn((tile, name, ChildOf(environment))).id()
+}
+
+fn decorate(world: &mut World, spawned: &SpawnedTile) {
+    let decorators = world.get_resource::<TileDecorators>().cloned().unwrap_or_default();
+    for decorator in decorators.0 {
+        decorator(world, spawned);
+    }
+}
+
+/// What every part has.
+fn head(id: PartId, tile: Entity) -> impl Bundle<Effect: bevy::ecs::bundle::NoBundleEffect> {
+    (id, Name::new(name(id)), ChildOf(tile))
+}
+
+/// The id as text. Most ids are short, and formatting them is much of what spawning costs.
+fn name(id: PartId) -> String {
+    if id.tile != [0, 0] {
+        return id.to_string();
+    }
+    let (mut digits, mut rest) = ([0; 10], id.index);
+    let mut first = digits.len();
+    loop {
+        first -= 1;
+        digits[first] = b'0' + (rest % 10) as u8;
+        rest /= 10;
+        if rest == 0 {
+            break;
+        }
+    }
+    let kind = id.kind.name();
+    let mut name = String::with_capacity(kind.len() + 1 + digits.len());
+    name.push_str(kind);
+    name.push(' ');
+    name.extend(digits[first..].iter().map(|&digit| char::from(digit)));
+    name
+}
+
+fn tree_bundle(frame: Frame, tree: &envgen::world::Tree) -> (Transform, PartShape, Tree) {
+    let radius = tree.radius as f32;
+    (frame.pose(tree.center, 0.0), PartShape::Disc { radius }, Tree { radius })
+}
+
+/// Spawns parts of one kind.
+fn spawn_run(
+    world: &mut World,
+    entities: &mut Vec<Entity>,
+    tile: Entity,
+    frame: Frame,
+    plan: &Plan,
+    run: &[PartRef],
+) {
+    let Some(&PartRef { kind, .. }) = run.first() else { return };
+    let truth: &EnvgenWorld = &plan.world;
+    // The plan holds an `Arc` of the world, so its parts outlive the borrow of the ECS.
+    let ids = run.iter().map(|part| part.index as usize);
+    let head = |index: usize| head(PartId::new(kind, index as u32), tile);
+    let pose = |pose: &Pose| (frame.pose(pose.position, pose.heading), PartShape::Point);
+    macro_rules! spawn {
+        ($i:ident => $bundle:expr) => {
+            entities.extend(world.spawn_batch(ids.map(|$i| (head($i), $bundle))))
+        };
+    }
+    match kind {
+        PartKind::Wall => spawn!(i => {
+            let wall = &truth.walls[i];
+            (frame.place(&wall.shape), Wall { kind: wall.kind.into() })
+        }),
+        PartKind::Tree => spawn!(i => tree_bundle(frame, &truth.trees[i])),
+        PartKind::RoadStrip => spawn!(i => road(frame, &truth.road_strips[i])),
+        PartKind::Room => spawn!(i => {
+            let room = &truth.rooms[i];
+            let difficulty = room.difficulty.map(|difficulty| difficulty as f32);
+            let room_part = Room { name: room.name.clone(), difficulty, lit: room.lit };
+            (frame.place(&room.shape), room_part)
+        }),
+        PartKind::Doorway => spawn!(i => {
+            let doorway = &truth.doorways[i];
+            let part = Doorway { open: doorway.open, rooms: doorway.rooms };
+            (frame.place(&doorway.shape), part)
+        }),
+        PartKind::Obstacle => spawn!(i => {
+            let obstacle = &truth.obstacles[i];
+            (frame.place(&obstacle.shape), Obstacle { kind: obstacle.kind.into() })
+        }),
+        PartKind::Surface => spawn!(i => {
+            let surface = &truth.surfaces[i];
+            let (speed, odometry_noise) = (surface.speed as f32, surface.odometry_noise as f32);
+            let part = Surface { kind: surface.kind.into(), speed, odometry_noise };
+            (frame.place(&surface.shape), part)
+        }),
+        PartKind::Start => spawn!(_i => (pose(&truth.start.unwrap_or_default()), Start)),
+        PartKind::Goal => spawn!(_i => (pose(&truth.goal.unwrap_or_default()), Goal)),
+        PartKind::Victim => spawn!(i => (pose(&truth.victims[i]), Victim)),
+        PartKind::Ground => spawn!(i => ground(frame, truth, plan.block, i as u32)),
+    }
+}
+
+fn road(frame: Frame, strip: &envgen::world::RoadStrip) -> (Transform, PartShape, RoadStrip) {
+    let points: Vec<DVec2> = strip.centreline.iter().map(|point| point.pose.position).collect();
+    let (transform, centreline) = frame.around(&points);
+    let (width, lanes, closed) = (strip.width as f32, strip.lanes, strip.closed);
+    (transform, PartShape::Strip { centreline, width, closed }, RoadStrip { width, lanes, closed })
+}
+
+fn ground(
+    frame: Frame,
+    truth: &EnvgenWorld,
+    block: u32,
+    index: u32,
+) -> (Transform, PartShape, Ground) {
+    let Some(raster) = &truth.raster else {
+        unreachable!("only a world with cells has blocks of them")
+    };
+    let [row, col, rows, cols] = block_cells(raster.rows, raster.cols, block, index);
+    let size = DVec2::new(f64::from(cols), f64::from(rows)) * raster.cell;
+    let low = DVec2::new(f64::from(col), f64::from(raster.rows - row - rows)) * raster.cell;
+    let transform = frame.pose(raster.origin + low + 0.5 * size, 0.0);
+    let classes = (row..row + rows)
+        .flat_map(|r| {
+            let start = r as usize * raster.cols as usize + col as usize;
+            raster.cells[start..start + cols as usize].iter().copied()
+        })
+        .collect();
+    let half_size = (0.5 * size).as_vec2();
+    let cell = raster.cell as f32;
+    (transform, PartShape::Box { half_size }, Ground { row, col, cols, cell, classes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_the_ids_as_text() {
+        for index in [0, 7, 10, 4_294_967_295, 1_234_567_890] {
+            for tile in [[0, 0], [3, -4]] {
+                let id = PartId { kind: PartKind::RoadStrip, tile, index };
+                assert_eq!(name(id), id.to_string());
+            }
+        }
+    }
+}

@@ -1,0 +1,433 @@
+//! Worlds that come and go with an anchor.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+use bevy::tasks::futures::check_ready;
+use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool};
+use envgen::forest::EndlessForest;
+use envgen::glam::DVec2;
+use envgen::world::Tree;
+
+use crate::environment::{Environment, EnvironmentError, EnvironmentState, Pace};
+use crate::generate::{Made, Notices, Standing};
+use crate::plan::{Plan, TileKey, distance};
+use crate::spawn::{spawn_page, spawn_trees};
+
+/// Trees that one entity for a tile of an endless forest holds, at most.
+const PAGE: usize = 128;
+
+/// Tiles across a window, at most.
+const MAX_TILES_ACROSS: f64 = 512.0;
+
+/// Tiles of an endless forest that are drawn at a time on other threads.
+const MAX_TASKS: usize = 16;
+
+/// Trees that a tile of an endless forest may be expected to hold for [`Pace::Auto`] to draw it
+/// while the schedule waits.
+const IN_PLACE_TREES: f64 = 500.0;
+
+/// Spawns only what is near an anchor: the tiles that have a part within `radius` of it.
+///
+/// On the entity of an [`Environment`]. Which parts are there follows from where the anchor is, not
+/// from where it has been, as soon as the [`StreamingBudget`] has let the window settle. Adding or
+/// removing the component, or another `tile`, makes the world anew.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug, PartialEq, Clone)]
+pub struct StreamAround {
+    /// The entity around which the world stands, such as a robot or a camera.
+    pub anchor: Entity,
+    /// Everything within this distance of the anchor is there, in metres.
+    pub radius: f64,
+    /// Side of a tile in metres; an endless world has its own.
+    pub tile: f64,
+}
+
+impl StreamAround {
+    /// Everything within `radius` metres of the anchor, in tiles of a quarter of that.
+    pub fn new(anchor: Entity, radius: f64) -> Self {
+        StreamAround { anchor, radius, tile: 0.25 * radius }
+    }
+
+    /// The same in tiles of `tile` metres.
+    pub fn with_tile(self, tile: f64) -> Self {
+        StreamAround { tile, ..self }
+    }
+}
+
+/// How much of a frame the streaming of all worlds may take.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Resource, Default, Debug, PartialEq, Clone)]
+pub enum StreamingBudget {
+    /// Time by the clock. At least one step is taken in every frame, which spawns 128 parts or
+    /// despawns a tile, so that the window settles whatever the budget.
+    Time(Duration),
+    /// Parts spawned or despawned, rounded up to whole steps: the same in every run, for simulations
+    /// that must be repeatable to the frame.
+    Parts(usize),
+}
+
+impl Default for StreamingBudget {
+    fn default() -> Self {
+        StreamingBudget::Time(Duration::from_millis(2))
+    }
+}
+
+/// What the streaming did in the last frame.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Resource, Default, Debug, PartialEq, Clone)]
+pub struct StreamingReport {
+    /// Entities for tiles that were spawned.
+    pub spawned: usize,
+    /// Entities for tiles that were despawned.
+    pub despawned: usize,
+    /// Tiles that are missing or left over, for the next frames.
+    pub waiting: usize,
+    /// Time that it took.
+    pub time: Duration,
+}
+
+/// A world that is streamed.
+#[derive(Component)]
+pub(crate) struct Streaming {
+    made: Made,
+    origin: DVec2,
+    /// Tiles that are spawned to the end.
+    complete: BTreeSet<TileKey>,
+    /// Tiles of an endless forest that are drawn or being drawn, but not spawned to the end.
+    drawn: Vec<(TileKey, Drawing)>,
+    settled: bool,
+    /// Whether a missing anchor was reported.
+    warned: bool,
+}
+
+enum Drawing {
+    Task(Task<Vec<Tree>>),
+    Trees(Arc<Vec<Tree>>),
+}
+
+impl Streaming {
+    pub(crate) fn new(made: Made, origin: DVec2) -> Self {
+        let (complete, drawn) = (BTreeSet::new(), Vec::new());
+        Streaming { made, origin, complete, drawn, settled: false, warned: false }
+    }
+}
+
+/// What is left of a frame.
+struct Allowance {
+    budget: StreamingBudget,
+    start: Instant,
+    /// The longest step so far in this frame.
+    longest: Duration,
+    parts: usize,
+    steps: usize,
+}
+
+impl Allowance {
+    /// Whether there is time for one more step.
+    fn remains(&self) -> bool {
+        self.steps == 0
+            || match self.budget {
+                StreamingBudget::Time(budget) => self.start.elapsed() + self.longest < budget,
+                StreamingBudget::Parts(budget) => self.parts < budget,
+            }
+    }
+
+    /// Takes a step that spawns or despawns so many parts.
+    fn step<T>(&mut self, parts: usize, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let result = work();
+        self.longest = self.longest.max(start.elapsed());
+        self.parts += parts;
+        self.steps += 1;
+        result
+    }
+}
+
+pub(crate) fn check_tile(tile: f64) -> Result<(), EnvironmentError> {
+    if tile >= 0.01 && tile.is_finite() {
+        return Ok(());
+    }
+    let allowed = "a finite number of metres, at least 0.01".to_owned();
+    Err(EnvironmentError::Stream { field: "tile", value: tile, allowed })
+}
+
+fn check_radius(radius: f64, tile: f64) -> Result<(), EnvironmentError> {
+    let most = 0.5 * MAX_TILES_ACROSS * tile;
+    if radius >= 0.0 && radius <= most {
+        return Ok(());
+    }
+    let allowed = format!("from 0 m to {most} m in tiles of {tile} m");
+    Err(EnvironmentError::Stream { field: "radius", value: radius, allowed })
+}
+
+/// Spawns and despawns tiles of all streamed worlds, as far as the budget reaches.
+pub(crate) fn stream_tiles(world: &mut World, streamed: &mut QueryState<Entity, With<Streaming>>) {
+    let roots: Vec<Entity> = streamed.iter(world).collect();
+    let mut report = StreamingReport::default();
+    let start = Instant::now();
+    if !roots.is_empty() {
+        let budget = world.get_resource::<StreamingBudget>().copied().unwrap_or_default();
+        let (longest, parts, steps) = (Duration::ZERO, 0, 0);
+        let mut allowance = Allowance { budget, start, longest, parts, steps };
+        for root in roots {
+            stream(world, root, &mut allowance, &mut report);
+        }
+        report.time = start.elapsed();
+    }
+    if let Some(mut known) = world.get_resource_mut::<StreamingReport>() {
+        known.set_if_neq(report);
+    }
+}
+
+fn stream(
+    world: &mut World,
+    root: Entity,
+    allowance: &mut Allowance,
+    report: &mut StreamingReport,
+) {
+    let Some(stream) = world.get::<StreamAround>(root).copied() else { return };
+    let pace = world.get::<Environment>(root).map(|environment| environment.pace);
+    let (Some(at), Some(pace)) = (anchor(world, root, stream.anchor), pace) else {
+        if let Some(mut streaming) = world.get_mut::<Streaming>(root)
+            && !std::mem::replace(&mut streaming.warned, true)
+        {
+            log::warn!("environment {root}: its anchor {} has no finite place", stream.anchor);
+        }
+        return;
+    };
+    // Taken out, so that the ECS is free to spawn; put back below.
+    let Some(mut standing) = world.get_mut::<Standing>(root).map(|mut s| std::mem::take(&mut *s))
+    else {
+        return;
+    };
+    let Some(mut known) = world.get_mut::<Streaming>(root) else { return };
+    let placeholder = Streaming::new(known.made.clone(), known.origin);
+    let mut streaming = std::mem::replace(&mut *known, placeholder);
+    streaming.warned = false;
+    let at = at + streaming.origin;
+
+    let wanted = match &streaming.made {
+        Made::Finite(plan) => {
+            check_radius(stream.radius, stream.tile).map(|()| plan.near(at, stream.radius))
+        }
+        Made::Endless(forest) => check_radius(stream.radius, forest.tile_side())
+            .map(|()| endless_near(forest, at, stream.radius)),
+    };
+    match wanted {
+        Ok(mut wanted) => {
+            wanted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            let waiting = settle(
+                world,
+                root,
+                &mut standing,
+                &mut streaming,
+                &wanted,
+                pace,
+                allowance,
+                report,
+            );
+            report.waiting += waiting;
+            if waiting == 0 && !std::mem::replace(&mut streaming.settled, true) {
+                world.get_resource_or_init::<Notices>().push(root, Ok(()));
+            }
+        }
+        Err(error) => {
+            // Reported once, until the component changes.
+            let failed = world.get::<EnvironmentState>(root) == Some(&EnvironmentState::Failed);
+            if !failed || streaming.settled {
+                streaming.settled = false;
+                world.get_resource_or_init::<Notices>().push(root, Err(error));
+            }
+        }
+    }
+    if let Ok(mut root) = world.get_entity_mut(root) {
+        if let Some(mut known) = root.get_mut::<Standing>() {
+            *known = standing;
+        }
+        if let Some(mut known) = root.get_mut::<Streaming>() {
+            *known = streaming;
+        }
+    }
+}
+
+/// Where the anchor is in the frame of the environment.
+fn anchor(world: &World, root: Entity, anchor: Entity) -> Option<DVec2> {
+    world.get::<Transform>(anchor)?;
+    let global = crate::generate::global_transform;
+    let into_frame = global(world, root).affine().inverse();
+    let at = into_frame.transform_point3(global(world, anchor).translation()).truncate();
+    at.is_finite().then(|| at.as_dvec2())
+}
+
+/// The tiles of an endless forest that reach within `radius` of a point, with the distance.
+fn endless_near(forest: &EndlessForest, at: DVec2, radius: f64) -> Vec<(f64, TileKey)> {
+    let cell = |p: DVec2| {
+        let cell = (p / forest.tile_side()).floor();
+        [cell.x as i32, cell.y as i32]
+    };
+    let ([i0, j0], [i1, j1]) = (cell(at - radius), cell(at + radius));
+    (i0..=i1)
+        .flat_map(|i| (j0..=j1).map(move |j| [i, j]))
+        .map(|at| TileKey { level: 0, at })
+        .map(|key| (distance(forest.tile_rect(key.at[0], key.at[1]), at), key))
+        .filter(|&(distance, _)| distance <= radius)
+        .collect()
+}
+
+/// Takes steps towards the wanted tiles, nearest first; returns how many are still missing or left
+/// over.
+#[expect(clippy::too_many_arguments, reason = "the state of one environment in parts")]
+fn settle(
+    world: &mut World,
+    root: Entity,
+    standing: &mut Standing,
+    streaming: &mut Streaming,
+    wanted: &[(f64, TileKey)],
+    pace: Pace,
+    allowance: &mut Allowance,
+    report: &mut StreamingReport,
+) -> usize {
+    let mut keys: Vec<TileKey> = wanted.iter().map(|(_, key)| *key).collect();
+    keys.sort_unstable();
+    let is_wanted = |key: &TileKey| keys.binary_search(key).is_ok();
+    streaming.drawn.retain(|(key, _)| is_wanted(key));
+
+    let mut waiting = 0;
+    for (_, key) in wanted {
+        if streaming.complete.contains(key) {
+            continue;
+        }
+        if allowance.remains()
+            && complete(world, root, standing, streaming, *key, pace, allowance, report)
+        {
+            streaming.complete.insert(*key);
+        } else {
+            waiting += 1;
+        }
+    }
+
+    let unwanted: Vec<TileKey> =
+        standing.tiles.keys().filter(|key| !is_wanted(key)).copied().collect();
+    for key in unwanted {
+        let Some(entities) = standing.tiles.get_mut(&key) else { continue };
+        if allowance.remains() {
+            streaming.complete.remove(&key);
+        }
+        while allowance.remains()
+            && let Some(tile) = entities.pop()
+        {
+            let parts = world.get::<Children>(tile).map_or(0, |children| children.len());
+            allowance.step(parts, || {
+                if let Ok(tile) = world.get_entity_mut(tile) {
+                    tile.despawn();
+                }
+            });
+            report.despawned += 1;
+        }
+        if entities.is_empty() {
+            standing.tiles.remove(&key);
+        } else {
+            waiting += 1;
+        }
+    }
+    waiting
+}
+
+fn pages(plan: &Plan, key: TileKey) -> usize {
+    plan.tiles.get(&key).map_or(0, |tile| tile.parts.len().div_ceil(plan.page))
+}
+
+/// Spawns pages of one tile while the budget lasts; true when it is complete.
+#[expect(clippy::too_many_arguments, reason = "the state of one environment in parts")]
+fn complete(
+    world: &mut World,
+    root: Entity,
+    standing: &mut Standing,
+    streaming: &mut Streaming,
+    key: TileKey,
+    pace: Pace,
+    allowance: &mut Allowance,
+    report: &mut StreamingReport,
+) -> bool {
+    let origin = streaming.origin;
+    match &streaming.made {
+        Made::Finite(plan) => {
+            let pages = pages(plan, key);
+            let entities = standing.tiles.entry(key).or_default();
+            while entities.len() < pages {
+                if !allowance.remains() {
+                    return false;
+                }
+                let page = entities.len();
+                entities.extend(
+                    allowance.step(plan.page, || spawn_page(world, root, origin, plan, key, page)),
+                );
+                report.spawned += 1;
+            }
+            true
+        }
+        Made::Endless(forest) => {
+            let forest = Arc::clone(forest);
+            let Some(trees) = draw(&mut streaming.drawn, &forest, key, pace, allowance) else {
+                return false;
+            };
+            let entities = standing.tiles.entry(key).or_default();
+            for (page, trees) in trees.chunks(PAGE).enumerate().skip(entities.len()) {
+                if !allowance.remains() {
+                    return false;
+                }
+                let pages = (page * PAGE, trees);
+                entities.push(
+                    allowance
+                        .step(trees.len(), || spawn_trees(world, root, origin, key, pages, page)),
+                );
+                report.spawned += 1;
+            }
+            streaming.drawn.retain(|(drawn, _)| *drawn != key);
+            true
+        }
+    }
+}
+
+/// The trees of a tile of an endless forest, once they are drawn.
+fn draw(
+    drawn: &mut Vec<(TileKey, Drawing)>,
+    forest: &Arc<EndlessForest>,
+    key: TileKey,
+    pace: Pace,
+    allowance: &mut Allowance,
+) -> Option<Arc<Vec<Tree>>> {
+    let [i, j] = key.at;
+    let Some(place) = drawn.iter().position(|(drawn, _)| *drawn == key) else {
+        let in_place = match pace {
+            Pace::Auto => forest.expected_trees() <= IN_PLACE_TREES,
+            Pace::InPlace => true,
+            Pace::Async => false,
+        };
+        if in_place {
+            let trees = Arc::new(allowance.step(0, || forest.tile(i, j)));
+            drawn.push((key, Drawing::Trees(Arc::clone(&trees))));
+            return Some(trees);
+        }
+        if drawn.iter().filter(|(_, drawing)| matches!(drawing, Drawing::Task(_))).count()
+            < MAX_TASKS
+        {
+            let forest = Arc::clone(forest);
+            let pool = AsyncComputeTaskPool::get_or_init(TaskPool::default);
+            let task = pool.spawn(async move { forest.tile(i, j) });
+            drawn.push((key, Drawing::Task(task)));
+        }
+        return None;
+    };
+    match &mut drawn[place].1 {
+        Drawing::Trees(trees) => Some(Arc::clone(trees)),
+        Drawing::Task(task) => {
+            let trees = Arc::new(check_ready(task)?);
+            drawn[place].1 = Drawing::Trees(Arc::clone(&trees));
+            Some(trees)
+        }
+    }
+}

@@ -1,0 +1,449 @@
+//! Meshes and colours for the parts of worlds.
+
+use std::collections::BTreeMap;
+use std::f32::consts::TAU;
+
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+
+use crate::environment::{Environment, GroundTruth};
+use crate::part::{Ground, PartId, PartKind, Room, Surface, SurfaceKind};
+use crate::shape::PartShape;
+use crate::spawn::{DecorateTiles, SpawnedTile, Tile};
+use crate::tessellate::triangles;
+
+/// Distance in z between what is drawn above each other.
+const LAYER: f32 = 0.01;
+
+/// Meshes of roads stray from the exact edges by at most this, in metres.
+const ROAD_TOLERANCE: f64 = 0.01;
+
+/// Side of the mark of a start, goal or victim in metres.
+const MARK: f32 = 0.4;
+
+/// The colours of a world, by what its parts are.
+#[derive(Resource, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Default, Debug, PartialEq, Clone)]
+pub struct Palette {
+    /// Walls, partitions and kerbs.
+    pub wall: Color,
+    /// Trees.
+    pub tree: Color,
+    /// Roads.
+    pub road: Color,
+    /// Floors of rooms with light.
+    pub room: Color,
+    /// Floors of rooms without light.
+    pub dark_room: Color,
+    /// Openings in walls.
+    pub doorway: Color,
+    /// Things in the way.
+    pub obstacle: Color,
+    /// Ground that is harder to drive on.
+    pub rough: Color,
+    /// Water.
+    pub water: Color,
+    /// Plain floors of hallways and open areas.
+    pub floor: Color,
+    /// Where a robot starts.
+    pub start: Color,
+    /// Where it is to go.
+    pub goal: Color,
+    /// People to be found.
+    pub victim: Color,
+    /// The classes of a landscape from 1 on; further ones start again with the first.
+    pub classes: Vec<Color>,
+}
+
+impl Default for Palette {
+    fn default() -> Self {
+        Palette {
+            wall: Color::srgb_u8(0x3b, 0x42, 0x52),
+            tree: Color::srgb_u8(0x3a, 0x7d, 0x44),
+            road: Color::srgb_u8(0x6c, 0x70, 0x78),
+            room: Color::srgb_u8(0xf2, 0xe9, 0xd8),
+            dark_room: Color::srgb_u8(0xb5, 0xae, 0xa2),
+            doorway: Color::srgb_u8(0xd9, 0xb3, 0x82),
+            obstacle: Color::srgb_u8(0x8c, 0x5e, 0x3c),
+            rough: Color::srgb_u8(0xc9, 0xb4, 0x8a),
+            water: Color::srgb_u8(0x6f, 0xa8, 0xdc),
+            floor: Color::srgb_u8(0xfa, 0xfa, 0xf7),
+            start: Color::srgb_u8(0x2e, 0x9e, 0x4f),
+            goal: Color::srgb_u8(0xd0, 0x3b, 0x3b),
+            victim: Color::srgb_u8(0xe0, 0x7a, 0x1f),
+            // Okabe and Ito's colours, which most colour-blind people tell apart, made pale.
+            classes: [
+                0x9fd0a8, 0xf3e3a1, 0xe8b8a0, 0xa8cbe8, 0xd3b5dc, 0xc9d98f, 0xf0cf8c, 0x9dd9d2,
+                0xd9d9d9,
+            ]
+            .map(|rgb: u32| {
+                let [_, r, g, b] = rgb.to_be_bytes();
+                Color::srgb_u8(r, g, b)
+            })
+            .to_vec(),
+        }
+    }
+}
+
+/// Draws the parts of worlds: one mesh a tile and colour, as children of the tile.
+///
+/// Needs Bevy's plugins for meshes and `ColorMaterial`s; without them it draws nothing. Nothing in
+/// it is needed by anything else.
+#[derive(Clone, Debug, Default)]
+pub struct EnvgenVisualsPlugin {
+    palette: Palette,
+}
+
+impl EnvgenVisualsPlugin {
+    /// With other colours than the default ones.
+    pub fn new(palette: Palette) -> Self {
+        EnvgenVisualsPlugin { palette }
+    }
+}
+
+impl Plugin for EnvgenVisualsPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<Palette>()
+            .insert_resource(self.palette.clone())
+            .init_resource::<Inks>()
+            .add_tile_decorator(draw);
+        // Bevy hides what stands below an entity that cannot be seen.
+        app.register_required_components::<Environment, Visibility>();
+        app.register_required_components::<Tile, Visibility>();
+        app.register_required_components::<PartId, Visibility>();
+    }
+}
+
+/// What is drawn alike, from the lowest to the highest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Ink {
+    Class(u16),
+    Floor,
+    Rough,
+    Water,
+    DarkRoom,
+    Room,
+    Road,
+    Doorway,
+    Wall,
+    Tree,
+    Obstacle,
+    Start,
+    Goal,
+    Victim,
+}
+
+impl Ink {
+    fn layer(self) -> f32 {
+        let order = match self {
+            Ink::Class(_) => 0.0,
+            Ink::Floor => 1.0,
+            Ink::Rough => 2.0,
+            Ink::Water => 3.0,
+            Ink::DarkRoom | Ink::Room => 1.5,
+            Ink::Road => 4.0,
+            Ink::Doorway => 5.0,
+            Ink::Wall => 6.0,
+            Ink::Tree => 7.0,
+            Ink::Obstacle => 8.0,
+            Ink::Start | Ink::Goal | Ink::Victim => 9.0,
+        };
+        order * LAYER
+    }
+
+    fn color(self, palette: &Palette) -> Color {
+        match self {
+            Ink::Class(class) => {
+                let classes = palette.classes.len().max(1);
+                let place = usize::from(class.max(1) - 1) % classes;
+                palette.classes.get(place).copied().unwrap_or(palette.floor)
+            }
+            Ink::Floor => palette.floor,
+            Ink::Rough => palette.rough,
+            Ink::Water => palette.water,
+            Ink::DarkRoom => palette.dark_room,
+            Ink::Room => palette.room,
+            Ink::Road => palette.road,
+            Ink::Doorway => palette.doorway,
+            Ink::Wall => palette.wall,
+            Ink::Tree => palette.tree,
+            Ink::Obstacle => palette.obstacle,
+            Ink::Start => palette.start,
+            Ink::Goal => palette.goal,
+            Ink::Victim => palette.victim,
+        }
+    }
+}
+
+/// The materials of the inks used so far, shared by all environments, and the colours that they
+/// were made of.
+#[derive(Resource, Default)]
+struct Inks(BTreeMap<Ink, (Color, Handle<ColorMaterial>)>);
+
+/// Triangles in the environment's frame.
+#[derive(Default)]
+struct Drawing {
+    corners: Vec<[f32; 3]>,
+    triangles: Vec<u32>,
+}
+
+impl Drawing {
+    fn add(&mut self, corners: impl IntoIterator<Item = Vec2>, triangles: &[[u32; 3]]) {
+        let first = self.corners.len() as u32;
+        self.corners.extend(corners.into_iter().map(|p| [p.x, p.y, 0.0]));
+        self.triangles.extend(triangles.iter().flatten().map(|corner| first + corner));
+    }
+
+    fn add_shape(&mut self, transform: &Transform, shape: &PartShape) {
+        let place = |p: Vec2| transform.transform_point(p.extend(0.0)).truncate();
+        let mut polygon = |corners: &[Vec2]| {
+            self.add(corners.iter().copied().map(place), &triangles(corners));
+        };
+        match shape {
+            PartShape::Disc { radius } => {
+                let sides = (8.0 * (1.0 + radius.sqrt())).clamp(8.0, 48.0).round() as u32;
+                let corner = |i: u32| Vec2::from_angle(TAU * i as f32 / sides as f32) * *radius;
+                let fan: Vec<_> = (2..sides).map(|i| [0, i - 1, i]).collect();
+                self.add((0..sides).map(corner).map(place), &fan);
+            }
+            PartShape::Box { half_size: h } => {
+                polygon(&[-*h, Vec2::new(h.x, -h.y), *h, Vec2::new(-h.x, h.y)]);
+            }
+            PartShape::Polygon { vertices } => polygon(vertices),
+            // An arrow along the heading.
+            PartShape::Point => polygon(&[
+                Vec2::new(-0.5 * MARK, -0.5 * MARK),
+                Vec2::new(MARK, 0.0),
+                Vec2::new(-0.5 * MARK, 0.5 * MARK),
+            ]),
+            PartShape::Segment { .. } | PartShape::Strip { .. } => {}
+        }
+    }
+
+    fn into_mesh(self) -> Mesh {
+        let normals = vec![[0.0, 0.0, 1.0]; self.corners.len()];
+        Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, self.corners)
+            .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+            .with_inserted_indices(Indices::U32(self.triangles))
+    }
+}
+
+/// Draws the parts of a tile.
+fn draw(world: &mut World, spawned: &SpawnedTile) {
+    let drawable = world.contains_resource::<Assets<Mesh>>()
+        && world.contains_resource::<Assets<ColorMaterial>>();
+    if !drawable {
+        return;
+    }
+    let palette = world.get_resource::<Palette>().cloned().unwrap_or_default();
+    for (ink, drawing) in drawings(world, spawned) {
+        let Some(material) = material(world, ink, ink.color(&palette)) else { return };
+        let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() else { return };
+        let mesh = meshes.add(drawing.into_mesh());
+        world.spawn((
+            Name::new(format!("{ink:?}")),
+            Mesh2d(mesh),
+            MeshMaterial2d(material),
+            Transform::from_xyz(0.0, 0.0, ink.layer()),
+            ChildOf(spawned.tile),
+        ));
+    }
+}
+
+fn material(world: &mut World, ink: Ink, color: Color) -> Option<Handle<ColorMaterial>> {
+    if let Some((known, handle)) = world.resource::<Inks>().0.get(&ink)
+        && *known == color
+    {
+        return Some(handle.clone());
+    }
+    let handle = world.get_resource_mut::<Assets<ColorMaterial>>()?.add(color);
+    world.resource_mut::<Inks>().0.insert(ink, (color, handle.clone()));
+    Some(handle)
+}
+
+/// The parts of a tile as triangles, by ink.
+fn drawings(world: &World, spawned: &SpawnedTile) -> BTreeMap<Ink, Drawing> {
+    let mut drawings: BTreeMap<Ink, Drawing> = BTreeMap::new();
+    for &part in &spawned.parts {
+        let part = world.entity(part);
+        let (Some(id), Some(at), Some(shape)) =
+            (part.get::<PartId>(), part.get::<Transform>(), part.get::<PartShape>())
+        else {
+            continue;
+        };
+        let ink = match id.kind {
+            PartKind::Ground => {
+                if let Some(ground) = part.get::<Ground>() {
+                    add_ground(&mut drawings, at, shape, ground);
+                }
+                continue;
+            }
+            PartKind::RoadStrip => {
+                let drawing = drawings.entry(Ink::Road).or_default();
+                add_road(drawing, world, spawned.environment, *id);
+                continue;
+            }
+            PartKind::Wall => Ink::Wall,
+            PartKind::Tree => Ink::Tree,
+            PartKind::Room if part.get::<Room>().is_some_and(|room| !room.lit) => Ink::DarkRoom,
+            PartKind::Room => Ink::Room,
+            PartKind::Doorway => Ink::Doorway,
+            PartKind::Obstacle => Ink::Obstacle,
+            PartKind::Surface => match part.get::<Surface>().map(|surface| surface.kind) {
+                Some(SurfaceKind::Water) => Ink::Water,
+                Some(SurfaceKind::Hallway | SurfaceKind::OpenArea) => Ink::Floor,
+                // The ground below shows it.
+                Some(SurfaceKind::Class(_)) => continue,
+                _ => Ink::Rough,
+            },
+            PartKind::Start => Ink::Start,
+            PartKind::Goal => Ink::Goal,
+            PartKind::Victim => Ink::Victim,
+        };
+        drawings.entry(ink).or_default().add_shape(at, shape);
+    }
+    drawings.retain(|_, drawing| !drawing.triangles.is_empty());
+    drawings
+}
+
+/// Cells of one class beside each other in a row are one rectangle.
+fn add_ground(
+    drawings: &mut BTreeMap<Ink, Drawing>,
+    at: &Transform,
+    shape: &PartShape,
+    ground: &Ground,
+) {
+    let PartShape::Box { half_size } = shape else { return };
+    let corner = |row: usize, col: usize| {
+        let local = Vec2::new(col as f32, -(row as f32)) * ground.cell;
+        at.translation.truncate() + Vec2::new(-half_size.x, half_size.y) + local
+    };
+    for (row, classes) in ground.classes.chunks(ground.cols.max(1) as usize).enumerate() {
+        let mut from = 0;
+        for run in classes.chunk_by(|a, b| a == b) {
+            let to = from + run.len();
+            if run[0] > 0 {
+                let corners = [
+                    corner(row + 1, from),
+                    corner(row + 1, to),
+                    corner(row, to),
+                    corner(row, from),
+                ];
+                let drawing = drawings.entry(Ink::Class(run[0])).or_default();
+                drawing.add(corners, &[[0, 1, 2], [0, 2, 3]]);
+            }
+            from = to;
+        }
+    }
+}
+
+/// The exact surface of a road, from the world itself.
+fn add_road(drawing: &mut Drawing, world: &World, environment: Entity, id: PartId) {
+    let truth = world.get::<GroundTruth>(environment);
+    let origin = world.get::<Environment>(environment).map(|environment| environment.origin);
+    let (Some(truth), Some(origin)) = (truth, origin) else { return };
+    let Some(strip) = truth.road_strips.get(id.index as usize) else { return };
+    let mesh = strip.mesh(ROAD_TOLERANCE);
+    drawing.add(mesh.vertices.iter().map(|v| (*v - origin).as_vec2()), &mesh.triangles);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::EnvgenPlugins;
+    use crate::testing::{spawn_ready, step, test_app_with, truth};
+    use envgen::Kind;
+
+    /// An app that could draw, but for the GPU.
+    fn app() -> App {
+        let mut app = test_app_with((bevy::mesh::MeshPlugin, EnvgenPlugins::default()));
+        app.init_asset::<ColorMaterial>();
+        app
+    }
+
+    /// The area that is drawn with one ink, in square metres.
+    fn area(app: &mut App, ink: &str) -> f32 {
+        let mut drawn = app.world_mut().query::<(&Name, &Mesh2d)>();
+        let meshes = app.world().resource::<Assets<Mesh>>();
+        drawn
+            .iter(app.world())
+            .filter(|(name, _)| name.starts_with(ink))
+            .map(|(_, mesh)| {
+                let mesh = meshes.get(&mesh.0).unwrap();
+                let corners = mesh.attribute(Mesh::ATTRIBUTE_POSITION).unwrap();
+                let corners = corners.as_float3().unwrap();
+                let at = |i: usize| Vec2::new(corners[i][0], corners[i][1]);
+                let indices: Vec<usize> = mesh.indices().unwrap().iter().collect();
+                indices
+                    .chunks(3)
+                    .map(|t| 0.5 * (at(t[1]) - at(t[0])).perp_dot(at(t[2]) - at(t[0])))
+                    .inspect(|area| assert!(*area > -1e-4, "a triangle runs clockwise"))
+                    .sum::<f32>()
+            })
+            .sum()
+    }
+
+    #[test]
+    fn what_is_drawn_has_the_area_of_the_parts() {
+        for &kind in Kind::ALL {
+            let mut app = app();
+            let root = spawn_ready(&mut app, Environment::new(kind.default_spec(), 2)).unwrap();
+            let truth = truth(&app, root);
+            let walls: f64 = truth.walls.iter().map(|wall| wall.shape.area()).sum();
+            let things: f64 = truth.obstacles.iter().map(|thing| thing.shape.area()).sum();
+            let trees: f64 = truth
+                .trees
+                .iter()
+                .map(|tree| std::f64::consts::PI * tree.radius * tree.radius)
+                .sum();
+            let cells = truth.raster.as_ref().map_or(0.0, |raster| {
+                let known = raster.cells.iter().filter(|&&class| class > 0).count();
+                known as f64 * raster.cell * raster.cell
+            });
+            let roads: f64 =
+                truth.road_strips.iter().map(|strip| strip.path().length() * strip.width).sum();
+            for (ink, exact, tolerance) in [
+                ("Wall", walls, 1e-3),
+                ("Obstacle", things, 1e-3),
+                ("Tree", trees, 0.1),
+                ("Class", cells, 1e-3),
+                ("Road", roads, 0.01),
+            ] {
+                let drawn = f64::from(area(&mut app, ink));
+                assert!(
+                    (drawn - exact).abs() <= tolerance * exact,
+                    "{kind} {ink}: {drawn} {exact}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn materials_are_shared_and_everything_goes_with_the_environment() {
+        let mut app = app();
+        let roots: Vec<Entity> = (0..3)
+            .map(|seed| {
+                let environment = Environment::new(Kind::Indoor.default_spec(), seed);
+                spawn_ready(&mut app, environment).unwrap()
+            })
+            .collect();
+        let materials = app.world().resource::<Assets<ColorMaterial>>().len();
+        assert!(materials <= 9, "{materials}");
+        assert!(app.world().resource::<Assets<Mesh>>().len() >= 12);
+        for root in roots {
+            app.world_mut().entity_mut(root).despawn();
+        }
+        step(&mut app, 3);
+        assert_eq!(app.world_mut().query::<&Mesh2d>().iter(app.world()).count(), 0);
+        assert_eq!(app.world().resource::<Assets<Mesh>>().len(), 0);
+    }
+
+    #[test]
+    fn without_plugins_for_meshes_nothing_is_drawn() {
+        let mut app = test_app_with(EnvgenPlugins::default());
+        spawn_ready(&mut app, Environment::new(Kind::Hallway.default_spec(), 2)).unwrap();
+        assert_eq!(app.world_mut().query::<&Mesh2d>().iter(app.world()).count(), 0);
+    }
+}

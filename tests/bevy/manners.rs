@@ -1,0 +1,194 @@
+//! The plugins beside others, and without them.
+
+use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel};
+use bevy::prelude::*;
+use bevy_envgen::asset::EnvgenAssetPlugin;
+use bevy_envgen::bevy_rapier2d::plugin::{NoUserData, RapierPhysicsPlugin};
+use bevy_envgen::envgen::hallway::HallwaySpec;
+use bevy_envgen::prelude::*;
+use bevy_envgen::testing::{spawn_ready, step, test_app, test_app_with};
+use bevy_envgen::{DecorateTiles, EnvironmentError, EnvironmentState, SpawnedTile};
+
+fn hallway() -> Environment {
+    Environment::new(HallwaySpec::default(), 1).with_pace(Pace::InPlace)
+}
+
+fn walls(app: &mut App) -> usize {
+    app.world_mut().query::<&Wall>().iter(app.world()).count()
+}
+
+/// Makes an ambiguity a panic, when the schedules are built again.
+fn refuse_ambiguities(app: &mut App) {
+    for schedule in [Update.intern(), FixedUpdate.intern(), PostUpdate.intern()] {
+        app.edit_schedule(schedule, |schedule| {
+            let ambiguity_detection = LogLevel::Error;
+            schedule.set_build_settings(ScheduleBuildSettings { ambiguity_detection, ..default() });
+        });
+    }
+}
+
+#[test]
+fn no_two_of_our_systems_are_ambiguous() {
+    let mut app = test_app();
+    refuse_ambiguities(&mut app);
+    app.world_mut().spawn((hallway(), DoorSchedule::default()));
+    step(&mut app, 3);
+    assert!(walls(&mut app) > 0);
+}
+
+#[test]
+#[should_panic(expected = "ambigu")]
+fn an_ambiguity_would_show() {
+    let mut app = test_app();
+    refuse_ambiguities(&mut app);
+    app.add_systems(FixedUpdate, (|_: Query<&mut Transform>| {}, |_: Query<&mut Transform>| {}));
+    step(&mut app, 3);
+}
+
+#[test]
+fn each_plugin_works_without_its_neighbours() {
+    // Nothing but the core: no time, no task pools, no transforms, no assets, no rapier.
+    let mut app = App::new();
+    app.add_plugins(EnvgenCorePlugin::default());
+    app.world_mut().spawn(hallway());
+    app.update();
+    assert!(walls(&mut app) > 0);
+
+    // Every plugin of the group, and none that they would like to have.
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, EnvgenPlugins::default()));
+    let root = app.world_mut().spawn(hallway()).id();
+    let asset = app.world_mut().spawn(Environment::from_asset(Handle::default(), 1)).id();
+    step(&mut app, 3);
+    assert!(walls(&mut app) > 0);
+    assert_eq!(app.world().get(asset), Some(&EnvironmentState::Failed));
+    app.world_mut().despawn(root);
+    step(&mut app, 2);
+
+    // The asset plugin after ours, and the parts of the group one by one in any order.
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, EnvgenAssetPlugin));
+    app.add_plugins((EnvgenPhysicsPlugin::default(), EnvgenCorePlugin::default()));
+    app.add_plugins((AssetPlugin::default(), TopDownPhysicsPlugin::default()));
+    app.finish();
+    app.cleanup();
+    app.world_mut().spawn(hallway());
+    let paper = app.world().resource::<AssetServer>().load("worlds/paper_forest.envgen.ron");
+    let paper = app.world_mut().spawn(Environment::from_asset(paper, 1)).id();
+    bevy_envgen::testing::wait_until_ready(&mut app, paper).unwrap();
+    assert!(walls(&mut app) > 0);
+}
+
+#[test]
+fn rapier_may_be_there_already_and_may_run_elsewhere() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin));
+    app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default());
+    app.add_plugins((TopDownPhysicsPlugin::default(), EnvgenPlugins::default()));
+    app.world_mut().spawn(hallway());
+    app.finish();
+    app.cleanup();
+    step(&mut app, 5);
+    assert!(super::in_rapier(&mut app).0 > 10);
+}
+
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct Build;
+
+#[test]
+fn the_schedule_is_a_parameter() {
+    let plugins = EnvgenPlugins::default().in_schedule(Build);
+    let mut app = test_app_with(plugins);
+    app.world_mut().spawn(hallway());
+    let file = app.world().resource::<AssetServer>().load("worlds/paper_forest.envgen.ron");
+    app.world_mut().spawn(Environment::from_asset(file, 1));
+    step(&mut app, 3);
+    assert_eq!(walls(&mut app), 0);
+    app.world_mut().run_schedule(Build);
+    assert!(walls(&mut app) > 0);
+}
+
+#[test]
+fn systems_are_ordered_against_the_public_sets() {
+    #[derive(Resource, Default, Debug, PartialEq)]
+    struct Seen(Vec<usize>);
+    fn look(walls: Query<&Wall>, mut seen: ResMut<Seen>) {
+        seen.0.push(walls.iter().count());
+    }
+    let mut app = test_app();
+    app.init_resource::<Seen>();
+    app.add_systems(
+        Update,
+        (look.before(EnvgenSystems::Request), look.after(EnvgenSystems::Notify)),
+    );
+    app.world_mut().spawn(hallway());
+    app.update();
+    let walls = walls(&mut app);
+    assert_eq!(app.world().resource::<Seen>().0, [0, walls]);
+}
+
+#[test]
+fn others_can_add_to_tiles_before_the_world_is_ready() {
+    #[derive(Component)]
+    struct Painted;
+    fn paint(world: &mut World, spawned: &SpawnedTile) {
+        assert!(world.entity(spawned.environment).contains::<GroundTruth>());
+        assert!(world.entity(spawned.tile).contains::<Tile>());
+        world.insert_batch(spawned.parts.iter().map(|&part| (part, Painted)).collect::<Vec<_>>());
+    }
+    let mut app = test_app();
+    app.add_tile_decorator(paint);
+    app.add_observer(|_: On<EnvironmentReady>, parts: Query<&PartId>, painted: Query<&Painted>| {
+        assert_eq!(parts.iter().count(), painted.iter().count());
+    });
+    spawn_ready(&mut app, hallway()).unwrap();
+    assert!(app.world_mut().query::<&Painted>().iter(app.world()).count() > 10);
+}
+
+#[test]
+fn components_can_be_reflected() {
+    let mut app = test_app();
+    let root = spawn_ready(&mut app, hallway()).unwrap();
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let names: Vec<_> = registry
+        .iter()
+        .filter(|registration| registration.data::<ReflectComponent>().is_some())
+        .map(|registration| registration.type_info().type_path_table().short_path())
+        .collect();
+    for name in [
+        "Environment",
+        "EnvironmentState",
+        "EnvironmentStats",
+        "GroundTruth",
+        "PartId",
+        "PartShape",
+        "Wall",
+        "Tree",
+        "RoadStrip",
+        "Room",
+        "Doorway",
+        "Obstacle",
+        "Surface",
+        "Start",
+        "Goal",
+        "Victim",
+        "Ground",
+        "Tile",
+        "StreamAround",
+        "Door",
+        "DoorSchedule",
+        "EnvironmentColliders",
+    ] {
+        assert!(names.contains(&name), "{name} of {names:?}");
+    }
+    let environment = app.world().entity(root).get::<Environment>().unwrap();
+    let reflected = environment.as_partial_reflect().to_dynamic();
+    assert!(format!("{reflected:?}").contains("seed"));
+}
+
+#[test]
+fn environments_can_be_compared_and_named_in_errors() {
+    let error = EnvironmentError::NoAnchor;
+    assert_eq!(error, error.clone());
+    assert!(!error.to_string().ends_with('.'));
+}
