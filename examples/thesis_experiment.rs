@@ -52,6 +52,7 @@ use mapping_trial::slam::SlamKind;
 /// again.
 #[derive(Parser)]
 #[command(after_long_help = JOBS)]
+#[expect(clippy::doc_markdown, reason = "texts for the terminal are no markdown")]
 struct Arguments {
     /// A look within two minutes: six maps a level, one noise seed, by `nearest`.
     #[arg(long)]

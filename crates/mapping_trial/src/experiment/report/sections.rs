@@ -231,8 +231,8 @@ fn statistics(design: &Design, analysis: &Analysis, html: &mut String) {
     let _ = writeln!(
         html,
         "<p class=\"note\">The unit is the map: trials on one map are averaged first. Intervals of \
-         ρ are percentile bootstraps over maps within levels ({RESAMPLES} samples); p is by \
-         permutation, one-sided. Shares of variance are the components of a nested analysis of \
+         ρ are percentile bootstraps over maps within levels ({RESAMPLES} samples), which are too \
+         narrow for few maps a level; p is by permutation, one-sided. Shares of variance are the components of a nested analysis of \
          variance, operators averaged; with one noise seed the map's share holds the noise.</p>"
     );
 }

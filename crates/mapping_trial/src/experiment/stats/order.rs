@@ -11,6 +11,9 @@ use crate::experiment::design::Design;
 use crate::experiment::record::Record;
 use crate::score::kendall_tau;
 
+/// What chance seldom gives.
+const SELDOM: f64 = 0.05;
+
 /// How a measure follows the level.
 #[derive(Clone, Debug, Serialize)]
 pub struct Order {
@@ -34,14 +37,14 @@ pub struct Order {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The correlation is positive beyond its interval, and every level's mean is above the one
+    /// The correlation is positive beyond its interval and beyond chance, and every level's mean is above the one
     /// before.
     InOrder,
-    /// The correlation is positive beyond its interval, but some neighbouring levels' means are not.
+    /// The correlation is positive beyond both, but some neighbouring levels' means are not.
     OnTheWhole,
-    /// The interval of the correlation holds 0, or there is no correlation.
+    /// The interval of the correlation holds 0, chance gives as much, or there is none.
     NotShown,
-    /// The correlation is negative beyond its interval.
+    /// The correlation is negative beyond its interval and beyond chance.
     Reversed,
 }
 
@@ -62,15 +65,18 @@ impl Order {
         self.means.len().saturating_sub(1)
     }
 
-    /// What can be said of the order.
+    /// What can be said of the order. The bootstrap's interval is too narrow for few maps a level:
+    /// chance must seldom give as much, too.
     pub fn verdict(&self) -> Verdict {
-        match self.rho {
-            Some(rho) if rho.is_negative() => Verdict::Reversed,
-            Some(rho) if rho.is_positive() && self.neighbours_in_order == self.neighbours() => {
-                Verdict::InOrder
-            }
-            Some(rho) if rho.is_positive() => Verdict::OnTheWhole,
-            _ => Verdict::NotShown,
+        let (Some(rho), Some(p)) = (self.rho, self.p) else { return Verdict::NotShown };
+        if rho.is_negative() && p >= 1.0 - SELDOM {
+            Verdict::Reversed
+        } else if !rho.is_positive() || p > SELDOM {
+            Verdict::NotShown
+        } else if self.neighbours_in_order == self.neighbours() {
+            Verdict::InOrder
+        } else {
+            Verdict::OnTheWhole
         }
     }
 }
