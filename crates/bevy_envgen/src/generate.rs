@@ -96,15 +96,18 @@ impl Slot {
     }
 }
 
+/// An environment, and what is known of it.
+type Requested = (
+    Entity,
+    Ref<'static, Environment>,
+    Option<&'static StreamAround>,
+    &'static mut Slot,
+    &'static mut EnvironmentState,
+);
+
 /// Starts a job for every environment that changed.
 pub(crate) fn request_worlds(
-    mut environments: Query<(
-        Entity,
-        Ref<Environment>,
-        Option<&StreamAround>,
-        &mut Slot,
-        &mut EnvironmentState,
-    )>,
+    mut environments: Query<Requested>,
     #[cfg(feature = "asset")] assets: Option<Res<Assets<crate::asset::WorldAsset>>>,
 ) {
     for (entity, environment, stream, mut slot, mut state) in &mut environments {

@@ -207,7 +207,7 @@ impl Plugin for EnvgenCorePlugin {
 }
 
 /// All plugins of this crate but `TopDownPhysicsPlugin`, which sets rapier itself up.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct EnvgenPlugins {
     core: EnvgenCorePlugin,
     #[cfg(feature = "physics")]
@@ -224,16 +224,6 @@ impl EnvgenPlugins {
     #[cfg(feature = "physics")]
     pub fn with_colliders(self, colliders: physics::ColliderSettings) -> Self {
         EnvgenPlugins { physics: self.physics.with_colliders(colliders), ..self }
-    }
-}
-
-impl Default for EnvgenPlugins {
-    fn default() -> Self {
-        EnvgenPlugins {
-            core: EnvgenCorePlugin::default(),
-            #[cfg(feature = "physics")]
-            physics: physics::EnvgenPhysicsPlugin::default(),
-        }
     }
 }
 

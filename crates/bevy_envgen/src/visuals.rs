@@ -406,7 +406,8 @@ mod tests {
                 truth.road_strips.iter().map(|strip| strip.path().length() * strip.width).sum();
             for (ink, exact, tolerance) in [
                 ("Wall", walls, 1e-3),
-                ("Obstacle", things, 1e-3),
+                // Some are discs, which are drawn with corners, as trees are.
+                ("Obstacle", things, 0.02),
                 ("Tree", trees, 0.1),
                 ("Class", cells, 1e-3),
                 ("Road", roads, 0.01),
@@ -430,8 +431,9 @@ mod tests {
             })
             .collect();
         let materials = app.world().resource::<Assets<ColorMaterial>>().len();
-        assert!(materials <= 9, "{materials}");
-        assert!(app.world().resource::<Assets<Mesh>>().len() >= 12);
+        // At most one for every ink but those of classes.
+        assert!(materials <= 13, "{materials}");
+        assert!(app.world().resource::<Assets<Mesh>>().len() > materials);
         for root in roots {
             app.world_mut().entity_mut(root).despawn();
         }

@@ -203,7 +203,7 @@ fn wait(schedule: &DoorSchedule, seed: u64, door: u32, action: u64) -> f64 {
 /// Starts an action: doors are opened and closed in turn, at first whichever the seed says.
 fn act(door: &mut Door, schedule: &DoorSchedule, seed: u64, index: u32, action: u64) {
     let first = Seed(seed).stream("bevy/doors/first", u64::from(index)).chance(0.5);
-    if first == (action % 2 == 0) {
+    if first == action.is_multiple_of(2) {
         door.open();
     } else if Seed(seed)
         .attempt("bevy/doors/slam", u64::from(index), action)
