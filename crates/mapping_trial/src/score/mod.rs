@@ -29,7 +29,7 @@ const HALF_TIME: f64 = 1.5;
 /// Hits that make `e_hit` 1 - 1/e.
 const MANY_HITS: f64 = 5.0;
 
-/// How many hits it counts when a robot is stuck for good.
+/// How many hits it counts when a robot is stuck for good, or lost in water.
 const STUCK_HITS: f64 = 3.0;
 
 /// The greatest coordinate of a pose in metres, and heading in radians.
@@ -64,7 +64,7 @@ pub struct Run<'a> {
     pub hits: u32,
     /// How often robots had to be freed.
     pub recoveries: u32,
-    /// How many robots were stuck for good.
+    /// How many robots were stuck for good, or lost in water.
     pub stuck: u32,
     /// Seconds that the batteries would still have lasted, the least of all robots.
     pub energy_left: f64,
@@ -175,7 +175,7 @@ pub struct Scores {
     pub hits: u32,
     /// How often robots had to be freed.
     pub recoveries: u32,
-    /// How many robots were stuck for good.
+    /// How many robots were stuck for good, or lost in water.
     pub stuck: u32,
     /// Seconds that the batteries would still have lasted.
     pub energy_left: f64,

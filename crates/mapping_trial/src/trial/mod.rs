@@ -378,7 +378,10 @@ impl<B: Bodies> Trial<B> {
     fn score_of(&self, truth: &Truth, estimated: &[Vec<Pose>]) -> Result<Scores, ScoreError> {
         let robots = 0..self.robots();
         let tracks = self.score_tracks(estimated);
-        let stuck = |end: &&Option<RobotEnd>| end.is_some_and(|e| e.reason == EndReason::Stuck);
+        // A robot in water is as lost as one that is stuck.
+        let lost = |end: &&Option<RobotEnd>| {
+            end.is_some_and(|end| matches!(end.reason, EndReason::Stuck | EndReason::Drowned))
+        };
         Scores::of(
             truth,
             &score::Run {
@@ -389,7 +392,7 @@ impl<B: Bodies> Trial<B> {
                 turning: self.tracks.iter().map(|track| track.turning).sum(),
                 hits: robots.clone().map(|robot| self.bodies.hits(robot)).sum(),
                 recoveries: robots.map(|robot| self.recoveries(robot)).sum(),
-                stuck: self.ends.iter().filter(stuck).count() as u32,
+                stuck: self.ends.iter().filter(lost).count() as u32,
                 energy_left: (self.settings.body.battery - self.time()).max(0.0),
             },
         )
