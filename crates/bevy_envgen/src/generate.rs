@@ -50,6 +50,7 @@ enum Job {
     #[default]
     Idle,
     /// The asset is not loaded.
+    #[cfg_attr(not(feature = "asset"), expect(dead_code, reason = "there is none to wait for"))]
     Asset,
     Task(Task<Outcome>),
     Done(Outcome),
