@@ -21,6 +21,7 @@ const GRID: f64 = 0.1;
 
 /// Drive a simulated robot through a world that it does not know, and score the map that it makes.
 #[derive(Parser)]
+#[expect(clippy::doc_markdown, reason = "texts for the terminal are no markdown")]
 pub(crate) struct Arguments {
     /// Difficulty of the indoor map, from 0 to 10.
     #[arg(long, default_value_t = 5.0, conflicts_with_all = ["world", "map", "replay"])]

@@ -7,8 +7,10 @@
 //! ```
 //!
 //! In the output folder appear the robot's map, the truth and the two over each other as pictures
-//! with the ways driven, the map for ROS's map_server, the log, from which the trial runs again to
+//! with the ways driven, the map for ROS's `map_server`, the log, from which the trial runs again to
 //! the bit, and the report as JSON. Two runs with the same arguments write the same bytes.
+
+#![expect(clippy::print_stdout, reason = "what an example is for")]
 
 mod arguments;
 mod output;
@@ -17,6 +19,7 @@ mod table;
 use std::error::Error;
 use std::fs::File;
 use std::io::{BufReader, IsTerminal};
+use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -36,14 +39,27 @@ const ENGINE: &str = "flat";
 /// Ticks between two looks at the progress bar.
 const TICKS_A_LOOK: u64 = 200;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let arguments = Arguments::parse();
+fn main() -> ExitCode {
+    match trial(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            #[expect(clippy::print_stderr, reason = "where errors are told")]
+            {
+                eprintln!("error: {error}");
+            }
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs a trial, or a log again, and tells what came of it.
+fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let folder = output::folder(&arguments.out)?;
 
     let clock = now();
     let (world, trial) = match &arguments.replay {
         Some(path) => replay(path)?,
-        None => run(&arguments)?,
+        None => run(arguments)?,
     };
     let seconds = clock.elapsed().as_secs_f64();
 

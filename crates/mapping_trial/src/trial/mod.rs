@@ -42,6 +42,12 @@ pub enum TrialError {
     /// The world has no start and none is given.
     #[error("the world has no start, and the settings give none: set `start`")]
     NoStart,
+    /// The start is not in the world.
+    #[error("a start at ({}, {}) is outside the world's bounds", start.position.x, start.position.y)]
+    OutsideStart {
+        /// The start.
+        start: Pose,
+    },
     /// Something solid stands at the start.
     #[error(
         "a start at ({}, {}) is {clearance:.3} m from the nearest solid part, a robot needs {radius} m",

@@ -24,6 +24,9 @@ pub(super) fn starts(
     robots: u32,
     body: &Robot,
 ) -> Result<Vec<Pose>, TrialError> {
+    if !world.bounds.contains(start.position) {
+        return Err(TrialError::OutsideStart { start });
+    }
     let radius = body.swing_radius;
     let near = Proximity::new(world, radius + 0.1);
     let grounds = Grounds::new(world);

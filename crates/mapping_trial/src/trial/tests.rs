@@ -141,6 +141,8 @@ fn bad_worlds_and_starts_are_told() {
     assert!(begin(&world, TrialSettings { start: outside, ..short(9.0) }).contains("start.x"));
     let wall = Some(Pose::new(1.0, 0.5, 0.0));
     assert!(begin(&world, TrialSettings { start: wall, ..short(9.0) }).contains("nearest solid"));
+    let far = Some(Pose::new(-500.0, 0.0, 0.0));
+    assert!(begin(&world, TrialSettings { start: far, ..short(9.0) }).contains("outside"));
     world.start = None;
     assert!(begin(&world, short(9.0)).contains("no start"));
 }
