@@ -75,8 +75,11 @@ impl Named for OperatorKind {
 
 impl Named for SlamKind {
     const FIELD: &'static str = "slam";
-    const NAMES: &'static [(&'static str, Self)] =
-        &[("scan_to_map", SlamKind::ScanToMap), ("dead_reckoning", SlamKind::DeadReckoning)];
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("scan_to_map", SlamKind::ScanToMap),
+        ("pose_graph", SlamKind::PoseGraph),
+        ("dead_reckoning", SlamKind::DeadReckoning),
+    ];
 }
 
 #[cfg(test)]
