@@ -216,14 +216,16 @@ pub struct EnvgenPlugins {
 
 impl EnvgenPlugins {
     /// With the systems that make worlds in another schedule than `Update`.
-    pub fn in_schedule(self, schedule: impl ScheduleLabel) -> Self {
-        EnvgenPlugins { core: EnvgenCorePlugin::new(schedule), ..self }
+    pub fn in_schedule(mut self, schedule: impl ScheduleLabel) -> Self {
+        self.core = EnvgenCorePlugin::new(schedule);
+        self
     }
 
     /// With other colliders than the default ones.
     #[cfg(feature = "physics")]
-    pub fn with_colliders(self, colliders: physics::ColliderSettings) -> Self {
-        EnvgenPlugins { physics: self.physics.with_colliders(colliders), ..self }
+    pub fn with_colliders(mut self, colliders: physics::ColliderSettings) -> Self {
+        self.physics = self.physics.with_colliders(colliders);
+        self
     }
 }
 

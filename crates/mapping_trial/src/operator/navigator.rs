@@ -339,7 +339,7 @@ impl Navigator {
     /// Takes over what has changed in the map.
     /// Whether the map shows a frontier anywhere.
     pub(super) fn has_frontiers(&mut self, view: &View<'_>) -> bool {
-        self.refresh(view);
+        self.costmap.refresh(view.map);
         self.frontiers.gather(&mut self.costmap, |_| false);
         !self.frontiers.is_empty()
     }
