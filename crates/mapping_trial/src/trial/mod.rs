@@ -231,17 +231,32 @@ impl<B: Bodies> Trial<B> {
 
     /// One tick, driven by the program; false once the trial is over.
     pub fn step(&mut self) -> bool {
-        self.tick_with(None)
+        self.tick(None)
     }
 
     /// One tick with a person's commands, one a robot; false once the trial is over.
     pub fn step_with(&mut self, commands: &[Command]) -> bool {
-        self.tick_with(Some(commands))
+        self.tick(Some(commands))
     }
 
-    fn tick_with(&mut self, hands: Option<&[Command]>) -> bool {
-        if self.over {
+    fn tick(&mut self, hands: Option<&[Command]>) -> bool {
+        let Some(commands) = self.command(hands) else {
             return false;
+        };
+        self.bodies.advance(&commands);
+        self.record();
+        true
+    }
+
+    /// The first half of a tick, for bodies that something else moves: what each robot observes is
+    /// taken in, and each one's command comes back; `None` once the trial is over. The commands are
+    /// those of `hands`, one a robot, or the program's.
+    ///
+    /// When the bodies have moved for a [`TICK`], [`Trial::record`] is the second half.
+    /// [`Trial::step`] does it all, with [`Bodies::advance`] between the two.
+    pub fn command(&mut self, hands: Option<&[Command]>) -> Option<Vec<Command>> {
+        if self.over {
+            return None;
         }
         let mut commands = vec![Command::STOP; self.starts.len()];
         for (robot, command) in commands.iter_mut().enumerate() {
@@ -276,12 +291,16 @@ impl<B: Bodies> Trial<B> {
         let mut robots = self.ends.iter().zip(&self.finished);
         if robots.all(|(end, &finished)| end.is_some() || finished) {
             self.end(EndReason::Explored);
-            return false;
+            return None;
         }
         for (track, &command) in self.commands.iter_mut().zip(&commands) {
             track.push(command);
         }
-        self.bodies.advance(&commands);
+        Some(commands)
+    }
+
+    /// The second half of a tick, after [`Trial::command`]: where the bodies are now.
+    pub fn record(&mut self) {
         self.tick += 1;
         for (robot, track) in self.tracks.iter_mut().enumerate() {
             let (pose, last) = (self.bodies.pose(robot), track.poses[track.poses.len() - 1]);
@@ -289,7 +308,6 @@ impl<B: Bodies> Trial<B> {
             track.turning += wrap_angle(pose.heading - last.heading).abs();
             track.poses.push(pose);
         }
-        true
     }
 
     /// Ends the trial for every robot whose part has not ended yet.
@@ -324,6 +342,11 @@ impl<B: Bodies> Trial<B> {
     /// The estimates, the map and the operator.
     pub fn brain(&self) -> &Brain {
         &self.brain
+    }
+
+    /// The bodies, for whoever moves them between [`Trial::command`] and [`Trial::record`].
+    pub fn bodies_mut(&mut self) -> &mut B {
+        &mut self.bodies
     }
 
     /// The bodies.
