@@ -67,7 +67,9 @@ fn every_kind_leaves_a_mark() {
         let picture = studio.picture(camera).unwrap();
         let drawn = picture.rgb().as_chunks::<3>().0.iter().filter(|p| **p != [255; 3]).count();
         assert!(drawn > 100, "{kind}: {drawn} pixels");
+        studio.app().world_mut().get_mut::<Camera>(camera).unwrap().is_active = false;
         assert_eq!(picture, studio.picture(camera).unwrap(), "{kind}: no time passes");
+        assert!(!studio.app().world().get::<Camera>(camera).unwrap().is_active);
     }
 }
 

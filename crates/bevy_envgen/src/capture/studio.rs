@@ -210,7 +210,8 @@ impl Studio {
         self.camera(area, size)
     }
 
-    /// What a camera sees now. Frames are drawn for it in which no time of the app passes.
+    /// What a camera sees now. Frames are drawn for it in which no time of the app passes. A camera
+    /// that is not active draws for them alone, which saves time where many frames make one picture.
     ///
     /// # Errors
     /// An entity that is no camera, or a driver that fails.
@@ -221,11 +222,19 @@ impl Studio {
         };
         let clock = self.app.world_mut().remove_resource::<TimeUpdateStrategy>();
         self.set_frame_time(Duration::ZERO);
+        let active = self.activate(camera, true);
         let picture = self.take(target);
+        self.activate(camera, active);
         if let Some(clock) = clock {
             self.app.insert_resource(clock);
         }
         picture
+    }
+
+    /// Whether a camera was active before it was made so, or not.
+    fn activate(&mut self, camera: Entity, active: bool) -> bool {
+        let camera = self.app.world_mut().get_mut::<Camera>(camera);
+        camera.is_some_and(|mut camera| std::mem::replace(&mut camera.is_active, active))
     }
 
     fn take(&mut self, target: RenderTarget) -> Result<Picture, CaptureError> {
