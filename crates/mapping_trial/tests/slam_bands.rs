@@ -144,7 +144,9 @@ fn scan_to_map(walls: &[Rect], way: &[DVec2], laser: &LaserProfile) -> f64 {
 }
 
 /// At most twice what the pilot saw.
+#[expect(clippy::print_stdout, reason = "the errors are numbers to know")]
 fn assert_band(error: f64, pilot: f64) {
+    println!("{error:.3} m, the pilot saw {pilot} m");
     assert!(error <= 2.0 * pilot, "{error} m, the pilot saw {pilot} m");
 }
 

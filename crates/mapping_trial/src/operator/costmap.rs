@@ -24,6 +24,9 @@ const MARGIN: i32 = 15;
 /// How far a row of a disc reaches to either side, by level and row; -1 outside of the disc.
 const HALF_WIDTHS: [[i8; MARGIN as usize + 1]; REACHES.len()] = half_widths();
 
+/// Farthest in metres that [`Costmap::stands_within`] looks: bounds its work.
+const FARTHEST_LOOK: f64 = 20.0;
+
 /// A tile that is not there.
 const NONE: u32 = u32::MAX;
 
@@ -128,6 +131,8 @@ struct Tile {
     occupied: Bits,
     free: Bits,
     frontier: Bits,
+    /// Whether any cell is occupied.
+    stands: bool,
     stale_classes: bool,
     stale_frontier: bool,
 }
@@ -194,6 +199,23 @@ impl Costmap {
         self.table
             .get(index.div_euclid(side))
             .is_some_and(|slot| self.frontier(slot as usize)[cell.y as usize] >> cell.x & 1 == 1)
+    }
+
+    /// Whether anything is known to stand within a distance in metres of a point, to about a metre:
+    /// a tile with something in it counts as standing where its middle is.
+    pub fn stands_within(&self, p: DVec2, distance: f64) -> bool {
+        let tile = f64::from(TILE) * RESOLUTION;
+        let reach = DVec2::splat(distance.clamp(0.0, FARTHEST_LOOK));
+        let (low, high) = ((p - reach) / tile, (p + reach) / tile);
+        let (low, high) = (low.floor().as_ivec2(), high.floor().as_ivec2());
+        (low.y..=high.y).any(|row| {
+            (low.x..=high.x).any(|col| {
+                let at = IVec2::new(col, row);
+                let middle = (at.as_dvec2() + 0.5) * tile;
+                middle.distance(p) <= distance
+                    && self.table.get(at).is_some_and(|slot| self.tiles[slot as usize].stands)
+            })
+        })
     }
 
     /// Number of frontier cells.
@@ -304,6 +326,7 @@ impl Costmap {
             occupied: empty,
             free: empty,
             frontier: empty,
+            stands: false,
             stale_classes: true,
             stale_frontier: false,
         });
@@ -328,6 +351,7 @@ impl Costmap {
             return;
         }
         (tile.occupied, tile.free) = (occupied, free);
+        tile.stands = occupied.iter().any(|&row| row != 0);
         tile.stale_classes = true;
         let around = tile.around;
         self.mark_frontier(slot as u32);

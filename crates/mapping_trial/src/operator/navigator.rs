@@ -34,6 +34,10 @@ const FAILED: f64 = 0.5;
 /// Metres around a robot's middle within which it does not look for frontiers: its own feet.
 const FEET: f64 = 0.4;
 
+/// Share of the laser's range within which something has to stand for a place to be in sight of it:
+/// from there a wall is seen over at least as long a piece as it is away.
+const IN_SIGHT: f64 = 0.6;
+
 /// Metres around another robot's goal that are left to it.
 const TAKEN: f64 = 2.0;
 
@@ -168,6 +172,15 @@ enum Task {
     TurnAway { heading: f64, until: f64 },
     /// Nothing is left to do, as of this time.
     Rest { since: f64 },
+}
+
+/// What goals are ruled out for reasons of prudence.
+#[derive(Clone, Copy, Debug)]
+struct Restraint {
+    /// Those from which no wall is seen that is known: the pose would hang on the wheels there.
+    in_sight: bool,
+    /// Those that are near other robots' goals.
+    others: bool,
 }
 
 /// Where a robot is going.
@@ -336,14 +349,14 @@ impl Navigator {
         Some(Decision::Drive(command))
     }
 
-    /// Takes over what has changed in the map.
     /// Whether the map shows a frontier anywhere.
     pub(super) fn has_frontiers(&mut self, view: &View<'_>) -> bool {
         self.costmap.refresh(view.map);
-        self.frontiers.gather(&mut self.costmap, |_| false);
+        self.frontiers.gather(&mut self.costmap, |_, _| false);
         !self.frontiers.is_empty()
     }
 
+    /// Takes over what has changed in the map.
     fn refresh(&mut self, view: &View<'_>) {
         self.costmap.refresh(view.map);
         self.refreshed = view.time;
@@ -402,7 +415,8 @@ impl Navigator {
             return None;
         }
         let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
-        let command = pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, CRUISE);
+        let command =
+            pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, self.cruise);
         pilot.progress.wants(command, view.time);
         Some(Decision::Drive(command))
     }
@@ -439,27 +453,32 @@ impl Navigator {
     }
 
     /// A goal, and whether its way leads through gaps that the robot may not fit through. What is
-    /// ruled out is given up step by step: first what other robots do, then where this one was
-    /// stuck, then what it failed at once, at last the width of gaps.
+    /// ruled out is given up step by step: first the sight of walls, then what other robots do, then
+    /// where this one was stuck, then what it failed at once, at last the width of gaps.
     fn choose_frontier(
         &mut self,
         view: &View<'_>,
         pose: Pose,
         choose: &mut dyn FnMut(&mut Planning<'_>) -> Option<Node>,
     ) -> Option<(Node, bool)> {
-        let fits = Class::Tight;
-        if let Some(node) = self.search_goal(view, pose, fits, true, choose) {
+        let (fits, mut restraint) = (Class::Tight, Restraint { in_sight: true, others: true });
+        if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
             return Some((node, false));
         }
+        restraint.in_sight = false;
+        if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
+            return Some((node, false));
+        }
+        restraint.others = false;
         if view.estimates.len() > 1
-            && let Some(node) = self.search_goal(view, pose, fits, false, choose)
+            && let Some(node) = self.search_goal(view, pose, fits, restraint, choose)
         {
             return Some((node, false));
         }
         if !self.pilots[view.robot].avoid.is_empty() {
             self.pilots[view.robot].avoid.clear();
             self.collect_blocks(view);
-            if let Some(node) = self.search_goal(view, pose, fits, false, choose) {
+            if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
                 return Some((node, false));
             }
         }
@@ -467,11 +486,11 @@ impl Navigator {
             for failure in &mut self.failures {
                 failure.active &= failure.is_final;
             }
-            if let Some(node) = self.search_goal(view, pose, fits, false, choose) {
+            if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
                 return Some((node, false));
             }
         }
-        let node = self.search_goal(view, pose, Class::Squeeze, false, choose)?;
+        let node = self.search_goal(view, pose, Class::Squeeze, restraint, choose)?;
         Some((node, true))
     }
 
@@ -480,25 +499,27 @@ impl Navigator {
         view: &View<'_>,
         pose: Pose,
         limit: Class,
-        leave_to_others: bool,
+        restraint: Restraint,
         choose: &mut dyn FnMut(&mut Planning<'_>) -> Option<Node>,
     ) -> Option<Node> {
         let Navigator { costmap, frontiers, search, pilots, failures, blocks, .. } = self;
         let near = |at: DVec2, p: DVec2, radius: f64| at.distance_squared(p) < radius * radius;
         let others = pilots.iter().enumerate().filter(|(other, _)| *other != view.robot);
         let taken = |p: DVec2| {
-            leave_to_others
+            restraint.others
                 && others.clone().any(|(_, pilot)| match pilot.task {
                     Task::Go { goal: Goal::Frontier(at), .. } => near(at, p, TAKEN),
                     _ => false,
                 })
         };
-        let failed = |p: DVec2| {
+        let sight = IN_SIGHT * view.laser.max_range;
+        let ruled_out = |costmap: &Costmap, p: DVec2| {
             near(pose.position, p, FEET)
                 || taken(p)
                 || failures.iter().any(|failure| failure.active && near(failure.at, p, FAILED))
+                || (restraint.in_sight && !costmap.stands_within(p, sight))
         };
-        frontiers.gather(costmap, failed);
+        frontiers.gather(costmap, ruled_out);
         search.set_limit(limit);
         choose(&mut Planning { costmap, frontiers, search, pose, blocks, limit })
     }

@@ -9,9 +9,10 @@ use crate::map::{Estimate, OccupancyMap};
 use crate::odometry::Increment;
 use crate::robot::Robot;
 
-/// Each keyframe's scan is matched against all echoes before it, within the errors of the wheels
-/// since the last one. What was drawn stays: an error that has grown around a loop is never mended,
-/// so that loops cost what they cost the robots of the time.
+/// Each keyframe's scan is matched against all echoes before it, within what the wheels may have got
+/// wrong since walls last held the pose: old walls that come into sight again are found again. What
+/// was drawn stays: an error that is in the map is never mended, so that loops cost what they cost the
+/// robots of the time.
 #[derive(Clone, Debug)]
 pub struct ScanToMap {
     mapper: Mapper,
