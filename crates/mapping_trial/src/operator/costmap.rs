@@ -67,7 +67,7 @@ pub enum Class {
     Inflated,
     /// Nothing is known.
     Unknown,
-    /// Something stands here.
+    /// Something stands here, or it is water.
     Occupied,
 }
 
@@ -130,6 +130,8 @@ struct Tile {
     /// A bit for each occupied cell, column 0 lowest, row by row from below.
     occupied: Bits,
     free: Bits,
+    /// What was seen to be water, which no map of walls shows.
+    water: Bits,
     frontier: Bits,
     /// Whether any cell is occupied.
     stands: bool,
@@ -189,6 +191,38 @@ impl Costmap {
         } else {
             Cell::Unknown
         }
+    }
+
+    /// Keeps robots away from water that was seen at a point in metres, as from what stands there;
+    /// it is remembered for good.
+    pub fn mark_water(&mut self, p: DVec2) {
+        let side = IVec2::splat(TILE);
+        let index = CellIndex::of(p);
+        let index = IVec2::new(index.col, index.row);
+        // Water beyond the map is seen again where the map has come so far.
+        let Some(slot) = self.table.get(index.div_euclid(side)) else { return };
+        let cell = index.rem_euclid(side);
+        let tile = &mut self.tiles[slot as usize];
+        let bit = 1 << cell.x;
+        if tile.water[cell.y as usize] & bit == 0 {
+            tile.water[cell.y as usize] |= bit;
+            tile.stale_classes = true;
+            for slot in tile.around {
+                if slot != NONE {
+                    self.tiles[slot as usize].stale_classes = true;
+                }
+            }
+        }
+    }
+
+    /// Whether a cell was seen to be water.
+    pub fn is_water(&self, index: CellIndex) -> bool {
+        let side = IVec2::splat(TILE);
+        let index = IVec2::new(index.col, index.row);
+        let cell = index.rem_euclid(side);
+        self.table
+            .get(index.div_euclid(side))
+            .is_some_and(|slot| self.tiles[slot as usize].water[cell.y as usize] >> cell.x & 1 == 1)
     }
 
     /// Whether a cell of the map is free and has an unknown one beside, below or above it.
@@ -325,6 +359,7 @@ impl Costmap {
             around,
             occupied: empty,
             free: empty,
+            water: empty,
             frontier: empty,
             stands: false,
             stale_classes: true,
@@ -419,12 +454,13 @@ impl Costmap {
         }
     }
 
-    /// Spreads what is occupied in and around a tile by discs of all [`REACHES`] at once, a row of
+    /// Spreads what is occupied, or water, in and around a tile by discs of all [`REACHES`] at once, a row of
     /// 64 cells (the tile's and 16 on either side) in one number.
     fn inflate(&mut self, slot: usize) {
         let mut near = [[0_u32; TILE as usize]; REACHES.len()];
         for row in -MARGIN..TILE + MARGIN {
-            let mut bits = self.wide_row(slot, row, 0, |tile, row| tile.occupied[row]);
+            let mut bits =
+                self.wide_row(slot, row, 0, |tile, row| tile.occupied[row] | tile.water[row]);
             if bits == 0 {
                 continue;
             }
@@ -452,7 +488,7 @@ impl Costmap {
         for row in 0..CELLS as usize {
             let rows = [2 * row, 2 * row + 1];
             let free = near.map(|near| rows.map(|row| tile.free[row] & !near[row]));
-            let occupied = rows.map(|row| tile.occupied[row]);
+            let occupied = rows.map(|row| tile.occupied[row] | tile.water[row]);
             let inflated = rows.map(|row| near[0][row] | tile.free[row]);
             for col in 0..CELLS as usize {
                 let four = |rows: [u32; 2]| {

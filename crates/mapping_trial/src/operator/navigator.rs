@@ -249,7 +249,7 @@ impl Navigator {
         if view.robot >= self.pilots.len() {
             return None;
         }
-        self.guard.look(view.scan);
+        self.look(view, pose);
         let renewed = view.time - self.refreshed >= REFRESH;
         if renewed {
             self.refresh(view);
@@ -331,7 +331,7 @@ impl Navigator {
     /// when the robot is stuck there.
     pub(super) fn steer(&mut self, view: &View<'_>, target: DVec2) -> Option<Decision> {
         let pose = pose_of(view)?;
-        self.guard.look(view.scan);
+        self.look(view, pose);
         if view.time - self.refreshed >= REFRESH {
             self.refresh(view);
         }
@@ -347,6 +347,15 @@ impl Navigator {
             pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, self.cruise);
         pilot.progress.wants(command, view.time);
         Some(Decision::Drive(command))
+    }
+
+    /// Takes in what a robot sees: what is in its way now, and water for later.
+    fn look(&mut self, view: &View<'_>, pose: Pose) {
+        self.guard.look(view.scan);
+        self.guard.look_at_water(pose, view.water);
+        for &p in view.water {
+            self.costmap.mark_water(p);
+        }
     }
 
     /// Whether the map shows a frontier anywhere.
@@ -589,7 +598,7 @@ impl Navigator {
         None
     }
 
-    /// Whether nothing is known to stand where the robot would back to.
+    /// Whether nothing is known to stand, and no water, where the robot would back to.
     fn is_free_behind(&self, robot: &Robot, pose: Pose) -> bool {
         let back = -unit_vector(pose.heading);
         let reach = (robot.swing_radius / RESOLUTION) as i32;
@@ -598,7 +607,9 @@ impl Navigator {
             (-reach..=reach).all(|dx| {
                 let off = DVec2::new(f64::from(dx), f64::from(dy)) * RESOLUTION;
                 let counts = off.length() < robot.swing_radius && off.dot(back) > 0.1;
-                !counts || self.costmap.cell(CellIndex::of(middle + off)) != Cell::Occupied
+                let cell = CellIndex::of(middle + off);
+                let stands = self.costmap.cell(cell) == Cell::Occupied;
+                !counts || !(stands || self.costmap.is_water(cell))
             })
         })
     }

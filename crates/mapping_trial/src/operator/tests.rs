@@ -304,6 +304,7 @@ fn ask(map: &OccupancyMap, estimate: Estimate, scan: &Scan, robots: usize) -> Ve
                         estimates: &estimates,
                         map,
                         scan,
+                        water: &[],
                         bumped: step % 3 == 0,
                         time: 0.1 * f64::from(step),
                         battery: 100.0,
