@@ -1,4 +1,4 @@
-//! Scan to map: what robots did in 2011, without closing loops.
+//! Estimators that never change what they have drawn: the wheels alone, and scan to map.
 
 use envgen::geometry::Pose;
 
@@ -9,23 +9,32 @@ use crate::map::{Estimate, OccupancyMap};
 use crate::odometry::Increment;
 use crate::robot::Robot;
 
+/// Draws each keyframe's scan where it is thought to be, for good; with or without matching it
+/// before. See [`DeadReckoning`] and [`ScanToMap`].
+#[derive(Clone, Debug)]
+pub struct Incremental<const MATCHING: bool> {
+    mapper: Mapper,
+}
+
+/// Dead reckoning, the control: poses from the wheels alone; scans are drawn where those say.
+pub type DeadReckoning = Incremental<false>;
+
+/// Scan to map, what robots did in 2011, without closing loops.
+///
 /// Each keyframe's scan is matched against all echoes before it, within what the wheels may have got
 /// wrong since walls last held the pose: old walls that come into sight again are found again. What
 /// was drawn stays: an error that is in the map is never mended, so that loops cost what they cost the
 /// robots of the time.
-#[derive(Clone, Debug)]
-pub struct ScanToMap {
-    mapper: Mapper,
-}
+pub type ScanToMap = Incremental<true>;
 
-impl ScanToMap {
+impl<const MATCHING: bool> Incremental<MATCHING> {
     /// For robots that stand at `starts`.
     pub fn new(starts: &[Pose], robot: &Robot, laser: &LaserProfile) -> Self {
-        ScanToMap { mapper: Mapper::new(starts, robot, laser, true) }
+        Incremental { mapper: Mapper::new(starts, robot, laser, MATCHING) }
     }
 }
 
-impl Slam for ScanToMap {
+impl<const MATCHING: bool> Slam for Incremental<MATCHING> {
     fn step(&mut self, robot: usize, odometry: Increment, scan: Option<&Scan>) {
         self.mapper.step(robot, odometry, scan);
     }
