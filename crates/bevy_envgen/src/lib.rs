@@ -54,11 +54,14 @@
 //! | `multi_threaded` | yes | generation on other threads than the schedule's |
 //! | `physics` | yes | colliders and doors, by `bevy_rapier2d` |
 //! | `file_watcher` | no | files that change are loaded again |
-//! | `render` | no | meshes; the only feature with rendering crates |
+//! | `render` | no | meshes; with the features that build on it the only one with rendering crates |
+//! | `capture` | no | pictures and films of cameras, with or without a window |
 //! | `serialize` | no | serde for the components of parts |
 
 #[cfg(feature = "asset")]
 pub mod asset;
+#[cfg(feature = "capture")]
+pub mod capture;
 mod environment;
 mod generate;
 pub mod part;

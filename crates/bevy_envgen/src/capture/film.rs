@@ -1,0 +1,195 @@
+//! Pictures one after another: an animated GIF, or a folder of PNGs.
+
+use std::fs;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+use gif::{Encoder, Frame, Repeat};
+use tempfile::NamedTempFile;
+
+use super::CaptureError;
+use super::picture::{Picture, new_file};
+
+/// An animated GIF, which plays again and again. Frames are written as they come, each with its own
+/// colours (up to 256 exactly, more by the nearest), and of each only what changed; the file appears
+/// with [`Film::finish`], and none where that is not called.
+///
+/// ```
+/// use bevy_envgen::capture::Film;
+/// # use bevy::image::Image;
+/// # use bevy_envgen::capture::Picture;
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("film.gif");
+/// # let image = Image::default();
+/// # let picture = Picture::of(&image)?;
+/// let mut film = Film::create(&path, 10.0)?;
+/// film.push(&picture)?;
+/// film.finish()?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Film {
+    path: PathBuf,
+    /// Hundredths of a second from frame to frame.
+    delay: u16,
+    /// Until the first frame tells the size.
+    file: Option<BufWriter<NamedTempFile>>,
+    encoder: Option<Encoder<BufWriter<NamedTempFile>>>,
+    last: Option<Picture>,
+    /// Hundredths of a second for which the last picture has not been shown yet.
+    waiting: u16,
+}
+
+impl Film {
+    /// A film of so many frames a second, of which GIF can tell 1 to 50; others are cut to these.
+    ///
+    /// # Errors
+    /// A file that cannot be made.
+    pub fn create(path: impl Into<PathBuf>, frames_a_second: f64) -> Result<Self, CaptureError> {
+        let path = path.into();
+        let error = |source| CaptureError::File { path: path.clone(), source };
+        let file = BufWriter::new(new_file(&path).map_err(error)?);
+        let delay = (100.0 / frames_a_second).round().clamp(2.0, 100.0) as u16;
+        Ok(Film { path, delay, file: Some(file), encoder: None, last: None, waiting: 0 })
+    }
+
+    /// Adds a picture. One that is equal to the last only makes that one last longer.
+    ///
+    /// # Errors
+    /// A size that is not the film's, or what the system says.
+    pub fn push(&mut self, picture: &Picture) -> Result<(), CaptureError> {
+        let size = picture.size();
+        let sides = u16::try_from(size.x).ok().zip(u16::try_from(size.y).ok());
+        let Some((width, height)) = sides else {
+            return Err(CaptureError::Size { width: size.x, height: size.y });
+        };
+        if let Some(file) = self.file.take() {
+            let mut encoder = Encoder::new(file, width, height, &[])
+                .map_err(|error| failure(&self.path, error))?;
+            encoder.set_repeat(Repeat::Infinite).map_err(|error| failure(&self.path, error))?;
+            self.encoder = Some(encoder);
+        }
+        let mut area = URect::from_corners(UVec2::ZERO, size);
+        if let Some(last) = &self.last {
+            if last.size() != size {
+                return Err(CaptureError::OtherSize { found: size, expected: last.size() });
+            }
+            let Some(changed) = changes(last, picture) else {
+                self.waiting = self.waiting.saturating_add(self.delay);
+                return Ok(());
+            };
+            area = changed;
+        }
+        self.hold()?;
+        if let Some(encoder) = &mut self.encoder {
+            let mut pixels = Vec::new();
+            for y in area.min.y..area.max.y {
+                let row = y as usize * size.x as usize;
+                let (from, to) = (row + area.min.x as usize, row + area.max.x as usize);
+                pixels.extend_from_slice(&picture.rgb()[3 * from..3 * to]);
+            }
+            // Within sizes that were checked above.
+            let [left, top] = area.min.to_array().map(|side| side as u16);
+            let [width, height] = area.size().to_array().map(|side| side as u16);
+            let mut frame = Frame::from_rgb_speed(width, height, &pixels, 10);
+            (frame.left, frame.top, frame.delay) = (left, top, self.delay);
+            encoder.write_frame(&frame).map_err(|error| failure(&self.path, error))?;
+        }
+        self.last = Some(picture.clone());
+        Ok(())
+    }
+
+    /// Shows the last picture for as long as nothing changed, by a single pixel of it.
+    fn hold(&mut self) -> Result<(), CaptureError> {
+        let waiting = std::mem::take(&mut self.waiting);
+        if let (1.., Some(encoder), Some(last)) = (waiting, &mut self.encoder, &self.last) {
+            let mut frame = Frame::from_rgb_speed(1, 1, &last.rgb()[..3], 10);
+            frame.delay = waiting;
+            encoder.write_frame(&frame).map_err(|error| failure(&self.path, error))?;
+        }
+        Ok(())
+    }
+
+    /// Writes the rest, and gives the file its name. A film without frames leaves none.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn finish(mut self) -> Result<(), CaptureError> {
+        self.hold()?;
+        let Some(encoder) = self.encoder else {
+            return Ok(());
+        };
+        let path = self.path;
+        let finish = || {
+            let mut out = encoder.into_inner().map_err(std::io::Error::other)?;
+            out.flush()?;
+            let file = out.into_inner().map_err(std::io::IntoInnerError::into_error)?;
+            file.persist(&path)?;
+            Ok(())
+        };
+        finish().map_err(|source| CaptureError::File { path: path.clone(), source })
+    }
+}
+
+fn failure(path: &Path, error: gif::EncodingError) -> CaptureError {
+    let source = match error {
+        gif::EncodingError::Io(source) => source,
+        other => std::io::Error::other(other),
+    };
+    CaptureError::File { path: path.to_owned(), source }
+}
+
+/// The smallest rectangle around all pixels that differ; `None` where none does.
+fn changes(a: &Picture, b: &Picture) -> Option<URect> {
+    let width = a.size().x as usize;
+    let pixels = a.rgb().as_chunks::<3>().0.iter().zip(b.rgb().as_chunks::<3>().0);
+    let mut area: Option<URect> = None;
+    for (i, _) in pixels.enumerate().filter(|(_, (a, b))| a != b) {
+        let at = UVec2::new((i % width) as u32, (i / width) as u32);
+        let pixel = URect::from_corners(at, at + UVec2::ONE);
+        area = Some(area.map_or(pixel, |area| area.union(pixel)));
+    }
+    area
+}
+
+/// A folder of PNGs, `frame_000001.png` and so on, as video programs read them.
+#[derive(Debug)]
+pub struct Frames {
+    folder: PathBuf,
+    count: u32,
+}
+
+impl Frames {
+    /// Frames in a folder, which is made if need be. Frames that lie there are written over.
+    ///
+    /// # Errors
+    /// A folder that cannot be made.
+    pub fn create(folder: impl Into<PathBuf>) -> Result<Self, CaptureError> {
+        let folder = folder.into();
+        match fs::create_dir_all(&folder) {
+            Ok(()) => Ok(Frames { folder, count: 0 }),
+            Err(source) => Err(CaptureError::File { path: folder, source }),
+        }
+    }
+
+    /// Writes the next picture, and tells where.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn push(&mut self, picture: &Picture) -> Result<PathBuf, CaptureError> {
+        let path = self.folder.join(format!("frame_{:06}.png", self.count + 1));
+        picture.write_png(&path)?;
+        self.count += 1;
+        Ok(path)
+    }
+
+    /// Where they lie.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// How many were written.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+}

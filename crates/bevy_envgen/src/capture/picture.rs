@@ -1,0 +1,87 @@
+//! A picture in memory, and as PNG.
+
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use bevy::prelude::*;
+use tempfile::NamedTempFile;
+
+use super::CaptureError;
+
+/// Pixels without alpha.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    size: UVec2,
+    rgb: Vec<u8>,
+}
+
+impl Picture {
+    /// From an image that Bevy drew into.
+    ///
+    /// # Errors
+    /// A format that has no colours.
+    pub fn of(image: &Image) -> Result<Self, CaptureError> {
+        let format =
+            || CaptureError::Format { format: format!("{:?}", image.texture_descriptor.format) };
+        let pixels = image.clone().try_into_dynamic().map_err(|_| format())?.to_rgb8();
+        let size = UVec2::new(pixels.width(), pixels.height());
+        Ok(Picture { size, rgb: pixels.into_raw() })
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> UVec2 {
+        self.size
+    }
+
+    /// Red, green and blue of every pixel, row by row from the top left.
+    pub fn rgb(&self) -> &[u8] {
+        &self.rgb
+    }
+
+    /// Red, green and blue of a pixel; `None` outside.
+    pub fn pixel(&self, x: u32, y: u32) -> Option<[u8; 3]> {
+        if x >= self.size.x || y >= self.size.y {
+            return None;
+        }
+        let first = 3 * (y as usize * self.size.x as usize + x as usize);
+        self.rgb.get(first..first + 3)?.try_into().ok()
+    }
+
+    /// Writes a PNG, which appears whole or not at all.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn write_png(&self, path: impl AsRef<Path>) -> Result<(), CaptureError> {
+        let path = path.as_ref();
+        self.write(path).map_err(|source| CaptureError::File { path: path.to_owned(), source })
+    }
+
+    fn write(&self, path: &Path) -> std::io::Result<()> {
+        let file = new_file(path)?;
+        let mut out = BufWriter::new(&file);
+        let mut encoder = png::Encoder::new(&mut out, self.size.x, self.size.y);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_compression(png::Compression::High);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&self.rgb)?;
+        writer.finish()?;
+        out.flush()?;
+        drop(out);
+        file.persist(path)?;
+        Ok(())
+    }
+}
+
+/// A nameless file where one of a name is to appear.
+pub(super) fn new_file(path: &Path) -> std::io::Result<NamedTempFile> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    #[cfg_attr(not(unix), expect(unused_mut, reason = "files have no mode there"))]
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    // A file that cannot be made is told without its random name.
+    builder.tempfile_in(folder.unwrap_or(Path::new("."))).map_err(|error| error.kind().into())
+}

@@ -1,0 +1,250 @@
+//! An app that draws without a window.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use bevy::app::PluginsState;
+use bevy::asset::AssetPlugin;
+use bevy::camera::{CameraPlugin, RenderTarget, ScalingMode};
+use bevy::core_pipeline::CorePipelinePlugin;
+use bevy::diagnostic::FrameCountPlugin;
+use bevy::image::ImagePlugin;
+use bevy::mesh::MeshPlugin;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::render_resource::{PollType, TextureFormat};
+use bevy::render::renderer::RenderDevice;
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
+use bevy::sprite::SpritePlugin;
+use bevy::sprite_render::SpriteRenderPlugin;
+use bevy::tasks::block_on;
+use bevy::time::{TimePlugin, TimeUpdateStrategy};
+use bevy::window::{ExitCondition, WindowPlugin};
+
+use envgen::geometry::Shape;
+
+use super::{CaptureError, CapturePlugin, Picture};
+use crate::environment::{EnvironmentState, GroundTruth};
+
+/// Most pixels along a side of a picture: what every driver can draw.
+pub const MAX_SIDE: u32 = 8192;
+
+/// Frames after which a picture that has not come back is given up.
+const MOST_FRAMES: u32 = 100;
+
+/// Frames that [`Studio::wait_until_ready`] waits, at most, of a millisecond each by the clock.
+const MOST_WAITING: u32 = 60_000;
+
+/// Margin around a world, as a share of its size.
+const MARGIN: f32 = 0.03;
+
+/// Name of what would draw here, for instance a graphics card or Mesa's `llvmpipe`.
+///
+/// # Errors
+/// [`CaptureError::NoRenderer`], with what to install. Bevy's `RenderPlugin` would panic there.
+pub fn find_renderer() -> Result<String, CaptureError> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all()),
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    match block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())) {
+        Ok(adapter) => Ok(adapter.get_info().name),
+        Err(error) => Err(CaptureError::NoRenderer { reason: error.to_string() }),
+    }
+}
+
+/// An app that draws into images, without a window or a display: as many frames as asked, each of
+/// which takes as much time of the app as [`Studio::set_frame_time`] says.
+pub struct Studio {
+    app: App,
+    begun: bool,
+}
+
+impl Studio {
+    /// An app with Bevy's plugins for drawing in two dimensions and [`CapturePlugin`], to which
+    /// others can be added before the first frame.
+    ///
+    /// # Errors
+    /// [`CaptureError::NoRenderer`].
+    pub fn new() -> Result<Self, CaptureError> {
+        log::debug!("drawing by {}", find_renderer()?);
+        let mut app = App::new();
+        app.add_plugins((
+            TaskPoolPlugin::default(),
+            FrameCountPlugin,
+            TimePlugin,
+            TransformPlugin,
+            bevy::input::InputPlugin,
+            // Bevy's renderer expects its types, of which there are none here.
+            WindowPlugin {
+                primary_window: None,
+                exit_condition: ExitCondition::DontExit,
+                ..default()
+            },
+            AssetPlugin::default(),
+            RenderPlugin { synchronous_pipeline_compilation: true, ..default() },
+            ImagePlugin::default(),
+            MeshPlugin,
+            CameraPlugin,
+            CorePipelinePlugin,
+            SpritePlugin,
+            SpriteRenderPlugin,
+        ));
+        app.add_plugins(CapturePlugin);
+        let mut studio = Studio { app, begun: false };
+        studio.set_frame_time(Duration::from_secs_f64(1.0 / 64.0));
+        Ok(studio)
+    }
+
+    /// The app.
+    pub fn app(&mut self) -> &mut App {
+        &mut self.app
+    }
+
+    /// How much time of the app passes with a frame, whatever the clock says.
+    pub fn set_frame_time(&mut self, time: Duration) {
+        self.app.insert_resource(TimeUpdateStrategy::ManualDuration(time));
+    }
+
+    /// Runs and draws one frame.
+    ///
+    /// # Errors
+    /// A driver that fails.
+    pub fn step(&mut self) -> Result<(), CaptureError> {
+        if !self.begun {
+            while self.app.plugins_state() == PluginsState::Adding {
+                bevy::tasks::tick_global_task_pools_on_main_thread();
+            }
+            self.app.finish();
+            self.app.cleanup();
+            self.begun = true;
+        }
+        self.app.update();
+        if let Some(device) = self.app.world().get_resource::<RenderDevice>() {
+            let wait = PollType::Wait { submission_index: None, timeout: None };
+            device
+                .poll(wait)
+                .map_err(|error| CaptureError::NoRenderer { reason: error.to_string() })?;
+        }
+        Ok(())
+    }
+
+    /// Runs frames until an environment is ready.
+    ///
+    /// # Errors
+    /// Why it failed; [`CaptureError::NoWorld`] when it is none, or not ready after a minute.
+    pub fn wait_until_ready(&mut self, environment: Entity) -> Result<(), CaptureError> {
+        let failure = Arc::new(Mutex::new(None));
+        let heard = failure.clone();
+        let observer = Observer::new(move |failed: On<crate::EnvironmentFailed>| {
+            *heard.lock().unwrap_or_else(PoisonError::into_inner) = Some(failed.error.clone());
+        });
+        let observer = self.app.world_mut().spawn(observer.with_entity(environment)).id();
+        let mut result = Err(CaptureError::NoWorld { entity: environment });
+        for _ in 0..MOST_WAITING {
+            self.step()?;
+            if let Some(error) = failure.lock().unwrap_or_else(PoisonError::into_inner).take() {
+                result = Err(error.into());
+                break;
+            }
+            match self.app.world().get::<EnvironmentState>(environment) {
+                Some(EnvironmentState::Ready) => {
+                    result = Ok(());
+                    break;
+                }
+                // Other threads are at work.
+                Some(_) => std::thread::sleep(Duration::from_millis(1)),
+                None => break,
+            }
+        }
+        self.app.world_mut().despawn(observer);
+        result
+    }
+
+    /// A camera that looks down on an area in metres, which fits into the picture whole.
+    ///
+    /// # Errors
+    /// A size that cannot be drawn.
+    pub fn camera(&mut self, area: Rect, size: UVec2) -> Result<Entity, CaptureError> {
+        let sides = 1..=MAX_SIDE;
+        if !(sides.contains(&size.x) && sides.contains(&size.y)) {
+            return Err(CaptureError::Size { width: size.x, height: size.y });
+        }
+        let image = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba8UnormSrgb, None);
+        let image = self.app.world_mut().resource_mut::<Assets<Image>>().add(image);
+        let [width, height] =
+            (area.size() * (1.0 + 2.0 * MARGIN)).max(Vec2::splat(1e-3)).to_array();
+        let camera = (
+            Camera2d,
+            RenderTarget::Image(image.into()),
+            Projection::Orthographic(OrthographicProjection {
+                scaling_mode: ScalingMode::AutoMin { min_width: width, min_height: height },
+                ..OrthographicProjection::default_2d()
+            }),
+            Transform::from_translation(area.center().extend(0.0)),
+        );
+        Ok(self.app.world_mut().spawn(camera).id())
+    }
+
+    /// A camera that looks down on a whole world, wherever its environment has been moved.
+    ///
+    /// # Errors
+    /// An entity without a world; a size that cannot be drawn.
+    pub fn camera_over(
+        &mut self,
+        environment: Entity,
+        size: UVec2,
+    ) -> Result<Entity, CaptureError> {
+        let root = self.app.world().get_entity(environment).ok();
+        let Some(truth) = root.and_then(|root| root.get::<GroundTruth>()) else {
+            return Err(CaptureError::NoWorld { entity: environment });
+        };
+        let bounds = truth.bounds;
+        let place = root.and_then(|root| root.get::<Transform>()).copied().unwrap_or_default();
+        let mut corners = Shape::from_rect(bounds)
+            .corners()
+            .into_iter()
+            .map(|corner| place.transform_point(corner.as_vec2().extend(0.0)).truncate());
+        let first = corners.next().unwrap_or_default();
+        let area = corners.fold(Rect::from_corners(first, first), |area, p| area.union_point(p));
+        self.camera(area, size)
+    }
+
+    /// What a camera sees now. Frames are drawn for it in which no time of the app passes.
+    ///
+    /// # Errors
+    /// An entity that is no camera, or a driver that fails.
+    pub fn picture(&mut self, camera: Entity) -> Result<Picture, CaptureError> {
+        let target = self.app.world().get_entity(camera).ok().filter(|c| c.contains::<Camera>());
+        let Some(target) = target.and_then(|camera| camera.get::<RenderTarget>()).cloned() else {
+            return Err(CaptureError::NoCamera { camera });
+        };
+        let clock = self.app.world_mut().remove_resource::<TimeUpdateStrategy>();
+        self.set_frame_time(Duration::ZERO);
+        let picture = self.take(target);
+        if let Some(clock) = clock {
+            self.app.insert_resource(clock);
+        }
+        picture
+    }
+
+    fn take(&mut self, target: RenderTarget) -> Result<Picture, CaptureError> {
+        // What was spawned since the last frame is drawn first.
+        self.step()?;
+        let taken = Arc::new(Mutex::new(None));
+        let film = taken.clone();
+        self.app.world_mut().spawn(Screenshot(target)).observe(
+            move |captured: On<ScreenshotCaptured>| {
+                *film.lock().unwrap_or_else(PoisonError::into_inner) =
+                    Some(Picture::of(&captured.image));
+            },
+        );
+        for _ in 0..MOST_FRAMES {
+            self.step()?;
+            if let Some(picture) = taken.lock().unwrap_or_else(PoisonError::into_inner).take() {
+                return picture;
+            }
+        }
+        Err(CaptureError::Lost { frames: MOST_FRAMES })
+    }
+}
