@@ -74,6 +74,11 @@ impl Grounds {
         }
     }
 
+    /// Whether there is any water.
+    pub fn has_water(&self) -> bool {
+        self.surfaces.iter().any(|surface| surface.kind == SurfaceKind::Water)
+    }
+
     /// The ground at a point, [`Ground::PLAIN`] where nothing else is known.
     pub fn at(&self, p: DVec2) -> Ground {
         let speed = self.raster.as_ref().and_then(|raster| raster.speed_at(p));
@@ -126,6 +131,8 @@ mod tests {
             let spec = IndoorSpec { difficulty: 9.0, ..Default::default() };
             let world = spec.generate(Seed(seed)).expect("a map").to_world();
             let grounds = Grounds::new(&world);
+            let is_water = |surface: &Surface| surface.kind == SurfaceKind::Water;
+            assert_eq!(grounds.has_water(), world.surfaces.iter().any(is_water));
             for p in points(&world, 2000) {
                 let ground = grounds.at(p);
                 assert_eq!(ground, slow(&world, p));

@@ -62,7 +62,7 @@ fn renewal(map: &mut OccupancyMap, at: DVec2) {
     costmap.refresh(&before);
     let mut frontiers = Frontiers::new();
     let gather = || {
-        frontiers.gather(&mut costmap, |_| false);
+        frontiers.gather(&mut costmap, |_, _| false);
         frontiers.goals()
     };
     at_most("frontiers gathered, against the costmap anew", contest(gather, full), 0.5);

@@ -1,6 +1,7 @@
 //! What passes between a robot's body and its brain.
 
 use envgen::geometry::Pose;
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::lidar::Scan;
@@ -32,6 +33,9 @@ pub struct Observation {
     pub odometry: Increment,
     /// The laser's scan, in the ticks in which one is taken.
     pub scan: Option<Scan>,
+    /// What its camera shows to be water, as [`crate::water::seen`] gives it, in the ticks of scans;
+    /// `None` between them.
+    pub water: Option<Vec<DVec2>>,
     /// Whether the body touches something solid.
     pub bumped: bool,
     /// Seconds that the battery still lasts.

@@ -7,7 +7,8 @@ use crate::operator::{Decision, Operator, OperatorKind, View};
 use crate::robot::Robot;
 use crate::slam::{Slam, SlamKind};
 
-use envgen::geometry::Pose;
+use envgen::geometry::{Pose, unit_vector};
+use glam::DVec2;
 
 /// Ticks from one question to the operator to the next: 10 a second.
 const TICKS_A_DECISION: u64 = 2;
@@ -23,6 +24,8 @@ pub struct Brain {
     laser: LaserProfile,
     /// Each robot's last scan, empty before the first.
     scans: Vec<Scan>,
+    /// Where each robot last saw water, in the map's frame.
+    water: Vec<Vec<DVec2>>,
     /// Each robot's last decision.
     decisions: Vec<Decision>,
     /// Each robot's observations so far.
@@ -48,6 +51,7 @@ impl Brain {
             body: body.clone(),
             laser: laser.clone(),
             scans: vec![Scan { ranges: Vec::new() }; robots],
+            water: vec![Vec::new(); robots],
             decisions: vec![Decision::Drive(Command::STOP); robots],
             ticks: vec![0; robots],
         }
@@ -60,6 +64,12 @@ impl Brain {
             self.scans[robot].ranges.clone_from(&scan.ranges);
         }
         self.estimates[robot] = self.slam.estimate(robot);
+        if let Some(water) = &seen.water {
+            let Pose { position, heading } = self.estimates[robot].pose;
+            let ahead = unit_vector(heading);
+            self.water[robot].clear();
+            self.water[robot].extend(water.iter().map(|&p| position + ahead.rotate(p)));
+        }
         self.ticks[robot] += 1;
     }
 
@@ -73,6 +83,7 @@ impl Brain {
                 estimates: &self.estimates,
                 map: self.slam.map(),
                 scan: &self.scans[robot],
+                water: &self.water[robot],
                 bumped: seen.bumped,
                 time: seen.time,
                 battery: seen.battery,

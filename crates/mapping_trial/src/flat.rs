@@ -13,6 +13,7 @@ use crate::body::{Bodies, Command, Condition, Observation, TICK};
 use crate::lidar::{Laser, LaserProfile};
 use crate::odometry::{Increment, Odometry, OdometryProfile};
 use crate::robot::Robot;
+use crate::water;
 
 /// How often a disc is pushed out of what it is pressed into before it stays where it was.
 const PUSHES: usize = 8;
@@ -220,11 +221,13 @@ impl Bodies for FlatSimulator {
             self.see_others(robot, from);
             self.discs[robot].laser.measure(&self.exact)
         });
+        let FlatWorld { rays, grounds, .. } = &*self.world;
         let disc = &self.discs[robot];
         Observation {
             time,
             odometry: disc.measured,
             scan,
+            water: due.then(|| water::seen(grounds, rays, &self.robot, disc.pose)),
             bumped: disc.touching,
             battery: (self.robot.battery - time).max(0.0),
         }

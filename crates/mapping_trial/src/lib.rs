@@ -22,7 +22,7 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | the robot and its sensors | [`robot`], [`lidar`], [`odometry`] |
+//! | the robot and its sensors | [`robot`], [`lidar`], [`odometry`], [`water`] |
 //! | bodies that take commands and give observations | [`body`], [`flat`] |
 //! | where am I and what is around me | [`slam`], [`map`] |
 //! | where to next | [`operator`] |
@@ -59,3 +59,4 @@ pub mod score;
 pub mod slam;
 pub mod trial;
 pub mod truth;
+pub mod water;

@@ -26,6 +26,9 @@ pub struct Robot {
     pub laser_offset: f64,
     /// Time in seconds that the battery lasts.
     pub battery: f64,
+    /// How far in metres its camera tells water from floor, from 0 to 5. A robot of 0 is blind to
+    /// water and drives into it.
+    pub water_sight: f64,
 }
 
 impl Default for Robot {
@@ -40,6 +43,7 @@ impl Default for Robot {
             turn_acceleration: 1.5,
             laser_offset: 0.21,
             battery: 1200.0,
+            water_sight: 1.5,
         }
     }
 }

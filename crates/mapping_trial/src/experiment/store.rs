@@ -17,7 +17,7 @@ use super::site::Site;
 use super::write;
 
 /// Version of the folders' layout; a folder of another version is refused.
-pub const EXPERIMENT_VERSION: u32 = 1;
+pub const EXPERIMENT_VERSION: u32 = 2;
 
 /// The file that says what a folder holds.
 const HEAD: &str = "experiment.json";

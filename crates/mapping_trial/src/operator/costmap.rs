@@ -24,6 +24,9 @@ const MARGIN: i32 = 15;
 /// How far a row of a disc reaches to either side, by level and row; -1 outside of the disc.
 const HALF_WIDTHS: [[i8; MARGIN as usize + 1]; REACHES.len()] = half_widths();
 
+/// Farthest in metres that [`Costmap::stands_within`] looks: bounds its work.
+const FARTHEST_LOOK: f64 = 20.0;
+
 /// A tile that is not there.
 const NONE: u32 = u32::MAX;
 
@@ -64,7 +67,7 @@ pub enum Class {
     Inflated,
     /// Nothing is known.
     Unknown,
-    /// Something stands here.
+    /// Something stands here, or it is water.
     Occupied,
 }
 
@@ -127,7 +130,11 @@ struct Tile {
     /// A bit for each occupied cell, column 0 lowest, row by row from below.
     occupied: Bits,
     free: Bits,
+    /// What was seen to be water, which no map of walls shows.
+    water: Bits,
     frontier: Bits,
+    /// Whether any cell is occupied.
+    stands: bool,
     stale_classes: bool,
     stale_frontier: bool,
 }
@@ -186,6 +193,38 @@ impl Costmap {
         }
     }
 
+    /// Keeps robots away from water that was seen at a point in metres, as from what stands there;
+    /// it is remembered for good.
+    pub fn mark_water(&mut self, p: DVec2) {
+        let side = IVec2::splat(TILE);
+        let index = CellIndex::of(p);
+        let index = IVec2::new(index.col, index.row);
+        // Water beyond the map is seen again where the map has come so far.
+        let Some(slot) = self.table.get(index.div_euclid(side)) else { return };
+        let cell = index.rem_euclid(side);
+        let tile = &mut self.tiles[slot as usize];
+        let bit = 1 << cell.x;
+        if tile.water[cell.y as usize] & bit == 0 {
+            tile.water[cell.y as usize] |= bit;
+            tile.stale_classes = true;
+            for slot in tile.around {
+                if slot != NONE {
+                    self.tiles[slot as usize].stale_classes = true;
+                }
+            }
+        }
+    }
+
+    /// Whether a cell was seen to be water.
+    pub fn is_water(&self, index: CellIndex) -> bool {
+        let side = IVec2::splat(TILE);
+        let index = IVec2::new(index.col, index.row);
+        let cell = index.rem_euclid(side);
+        self.table
+            .get(index.div_euclid(side))
+            .is_some_and(|slot| self.tiles[slot as usize].water[cell.y as usize] >> cell.x & 1 == 1)
+    }
+
     /// Whether a cell of the map is free and has an unknown one beside, below or above it.
     pub fn is_frontier(&self, index: CellIndex) -> bool {
         let side = IVec2::splat(TILE);
@@ -194,6 +233,23 @@ impl Costmap {
         self.table
             .get(index.div_euclid(side))
             .is_some_and(|slot| self.frontier(slot as usize)[cell.y as usize] >> cell.x & 1 == 1)
+    }
+
+    /// Whether anything is known to stand within a distance in metres of a point, to about a metre:
+    /// a tile with something in it counts as standing where its middle is.
+    pub fn stands_within(&self, p: DVec2, distance: f64) -> bool {
+        let tile = f64::from(TILE) * RESOLUTION;
+        let reach = DVec2::splat(distance.clamp(0.0, FARTHEST_LOOK));
+        let (low, high) = ((p - reach) / tile, (p + reach) / tile);
+        let (low, high) = (low.floor().as_ivec2(), high.floor().as_ivec2());
+        (low.y..=high.y).any(|row| {
+            (low.x..=high.x).any(|col| {
+                let at = IVec2::new(col, row);
+                let middle = (at.as_dvec2() + 0.5) * tile;
+                middle.distance(p) <= distance
+                    && self.table.get(at).is_some_and(|slot| self.tiles[slot as usize].stands)
+            })
+        })
     }
 
     /// Number of frontier cells.
@@ -303,7 +359,9 @@ impl Costmap {
             around,
             occupied: empty,
             free: empty,
+            water: empty,
             frontier: empty,
+            stands: false,
             stale_classes: true,
             stale_frontier: false,
         });
@@ -328,6 +386,7 @@ impl Costmap {
             return;
         }
         (tile.occupied, tile.free) = (occupied, free);
+        tile.stands = occupied.iter().any(|&row| row != 0);
         tile.stale_classes = true;
         let around = tile.around;
         self.mark_frontier(slot as u32);
@@ -395,12 +454,13 @@ impl Costmap {
         }
     }
 
-    /// Spreads what is occupied in and around a tile by discs of all [`REACHES`] at once, a row of
+    /// Spreads what is occupied, or water, in and around a tile by discs of all [`REACHES`] at once, a row of
     /// 64 cells (the tile's and 16 on either side) in one number.
     fn inflate(&mut self, slot: usize) {
         let mut near = [[0_u32; TILE as usize]; REACHES.len()];
         for row in -MARGIN..TILE + MARGIN {
-            let mut bits = self.wide_row(slot, row, 0, |tile, row| tile.occupied[row]);
+            let mut bits =
+                self.wide_row(slot, row, 0, |tile, row| tile.occupied[row] | tile.water[row]);
             if bits == 0 {
                 continue;
             }
@@ -428,7 +488,7 @@ impl Costmap {
         for row in 0..CELLS as usize {
             let rows = [2 * row, 2 * row + 1];
             let free = near.map(|near| rows.map(|row| tile.free[row] & !near[row]));
-            let occupied = rows.map(|row| tile.occupied[row]);
+            let occupied = rows.map(|row| tile.occupied[row] | tile.water[row]);
             let inflated = rows.map(|row| near[0][row] | tile.free[row]);
             for col in 0..CELLS as usize {
                 let four = |rows: [u32; 2]| {

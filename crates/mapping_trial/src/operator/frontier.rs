@@ -50,7 +50,7 @@ impl Frontiers {
     /// Gathers the frontier cells of a costmap into clusters, and finds the goals: of each cluster
     /// its own cells that the robot fits into or, when it fits into none, cells nearby that see one.
     /// Frontier cells that `skip` names are no goals.
-    pub fn gather(&mut self, costmap: &mut Costmap, skip: impl Fn(DVec2) -> bool) {
+    pub fn gather(&mut self, costmap: &mut Costmap, skip: impl Fn(&Costmap, DVec2) -> bool) {
         self.cluster(costmap);
         for node in self.labelled.drain(..) {
             if let Some(label) = self.labels.get_mut(node.0 as usize) {
@@ -67,7 +67,7 @@ impl Frontiers {
                     && costmap.class(node).is_passable()
                 {
                     fits = true;
-                    if !skip(p) {
+                    if !skip(costmap, p) {
                         self.label(node, number);
                     }
                 }
@@ -75,7 +75,7 @@ impl Frontiers {
             if !fits && cells.len() >= 2 * LEAST_CELLS {
                 for cell in cells.step_by(LEAST_CELLS / 2) {
                     let index = self.cells[cell];
-                    if !skip(index.centre()) {
+                    if !skip(costmap, index.centre()) {
                         self.label_viewpoints(costmap, index, number);
                     }
                 }

@@ -1,6 +1,6 @@
-//! What the current scan says about where the robot can go, without any map.
+//! What the current scan and the camera say about where the robot can go, without any map.
 
-use envgen::geometry::unit_vector;
+use envgen::geometry::{Pose, unit_vector};
 use glam::DVec2;
 
 use crate::lidar::{LaserProfile, Scan};
@@ -9,13 +9,18 @@ use crate::robot::Robot;
 /// Echoes farther than this many metres from the laser matter to no motion of the next seconds.
 const HORIZON: f64 = 3.0;
 
-/// The echoes around a robot, in its own frame: x ahead, y to the left.
+/// Share of the body's radius within which the wheels stand: a robot on a walkway through water has
+/// them on the walkway.
+const WHEELS: f64 = 0.7;
+
+/// The echoes around a robot, and the water, in its own frame: x ahead, y to the left.
 #[derive(Clone, Debug)]
 pub(super) struct Guard {
     beams: Vec<DVec2>,
     laser: DVec2,
     radius: f64,
     echoes: Vec<DVec2>,
+    water: Vec<DVec2>,
 }
 
 impl Guard {
@@ -26,6 +31,7 @@ impl Guard {
             laser: DVec2::new(robot.laser_offset, 0.0),
             radius: robot.swing_radius,
             echoes: Vec::new(),
+            water: Vec::new(),
         }
     }
 
@@ -37,22 +43,36 @@ impl Guard {
         self.echoes.extend(beams.map(|(&beam, &range)| self.laser + beam * range));
     }
 
+    /// Takes the water that was seen last, as points in the map's frame, for a robot at a pose.
+    pub(super) fn look_at_water(&mut self, pose: Pose, water: &[DVec2]) {
+        let back = unit_vector(-pose.heading);
+        self.water.clear();
+        self.water.extend(water.iter().map(|&p| back.rotate(p - pose.position)));
+    }
+
+    /// What the robot must not touch, each with the radius of what must not touch it: the whole body
+    /// and an echo, the wheels and water.
+    fn obstacles(&self) -> impl Iterator<Item = (DVec2, f64)> + '_ {
+        let echoes = self.echoes.iter().map(|&echo| (echo, self.radius));
+        echoes.chain(self.water.iter().map(|&water| (water, WHEELS * self.radius)))
+    }
+
     /// The echoes taken.
     pub(super) fn echoes(&self) -> &[DVec2] {
         &self.echoes
     }
 
     /// Metres that the body can go along an arc of a curvature in 1/m (left positive) before it
-    /// touches an echo, infinite when it touches none.
+    /// touches an echo or gets into water, infinite when it does neither.
     pub(super) fn free_along(&self, curvature: f64) -> f64 {
         if curvature.abs() < 0.05 {
             return self.free_towards(DVec2::X);
         }
         let radius = 1.0 / curvature.abs();
         let side = curvature.signum();
-        let (near, far) = (radius - self.radius, radius + self.radius);
         let mut free = f64::INFINITY;
-        for &echo in &self.echoes {
+        for (echo, body) in self.obstacles() {
+            let (near, far) = (radius - body, radius + body);
             // Around the middle of a left-hand circle, counted from where the robot is.
             let from_middle = DVec2::new(echo.x, side * echo.y - radius);
             let distance2 = from_middle.length_squared();
@@ -64,8 +84,7 @@ impl Guard {
             if at < 0.0 {
                 continue;
             }
-            let body2 = self.radius * self.radius;
-            let cosine = (radius * radius + distance2 - body2) / (2.0 * radius * distance);
+            let cosine = (radius * radius + distance2 - body * body) / (2.0 * radius * distance);
             let before = libm::acos(cosine.clamp(-1.0, 1.0));
             free = free.min((radius * (at - before)).max(0.0));
         }
@@ -74,11 +93,10 @@ impl Guard {
 
     /// The same on the straight line along a unit vector of the robot's frame.
     pub(super) fn free_towards(&self, direction: DVec2) -> f64 {
-        let body2 = self.radius * self.radius;
         let mut free = f64::INFINITY;
-        for &echo in &self.echoes {
+        for (echo, body) in self.obstacles() {
             let (ahead, beside) = (direction.dot(echo), direction.perp_dot(echo));
-            let half2 = body2 - beside * beside;
+            let half2 = body * body - beside * beside;
             if half2 > 0.0 && ahead > 0.0 {
                 free = free.min((ahead - half2.sqrt()).max(0.0));
             }

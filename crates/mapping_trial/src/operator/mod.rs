@@ -13,6 +13,7 @@ pub mod search;
 mod wall_follow;
 mod way;
 
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::body::Command;
@@ -31,6 +32,8 @@ pub struct View<'a> {
     pub map: &'a OccupancyMap,
     /// This robot's last scan, as seen from where its laser was then.
     pub scan: &'a Scan,
+    /// Where this robot last saw water, in the map's frame; empty where it saw none.
+    pub water: &'a [DVec2],
     /// Whether this robot touches something.
     pub bumped: bool,
     /// Simulated seconds since the start.
@@ -63,7 +66,7 @@ pub trait Operator {
     fn recoveries(&self, robot: usize) -> u32;
 
     /// The way that a robot is following, for pictures: points in the map's frame.
-    fn path(&self, robot: usize) -> &[glam::DVec2];
+    fn path(&self, robot: usize) -> &[DVec2];
 }
 
 /// The operators that are programs.

@@ -1,13 +1,16 @@
 //! What all operators share: one costmap and one set of frontiers, and a pilot for each robot who
 //! drives it to goals, looks around there and frees it when it is stuck.
 
+mod recovery;
+
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
 
-use super::costmap::{Class, Costmap, Node, SIDE};
+use self::recovery::{BACK_OFF, Progress};
+use super::costmap::{Class, Costmap, Node};
 use super::frontier::{Frontiers, is_left, unknown_from};
 use super::guard::Guard;
 use super::pursuit::{CRUISE, Pursuit, turn};
@@ -16,7 +19,7 @@ use super::way::Way;
 use super::{Decision, View};
 use crate::body::{Command, TICK};
 use crate::lidar::LaserProfile;
-use crate::map::{Cell, CellIndex, RESOLUTION};
+use crate::map::CellIndex;
 use crate::robot::Robot;
 
 /// Seconds between two looks at what has changed in the map.
@@ -34,6 +37,10 @@ const FAILED: f64 = 0.5;
 /// Metres around a robot's middle within which it does not look for frontiers: its own feet.
 const FEET: f64 = 0.4;
 
+/// Share of the laser's range within which something has to stand for a place to be in sight of it:
+/// from there a wall is seen over at least as long a piece as it is away.
+const IN_SIGHT: f64 = 0.6;
+
 /// Metres around another robot's goal that are left to it.
 const TAKEN: f64 = 2.0;
 
@@ -43,21 +50,6 @@ const DECISION: f64 = 2.0 * TICK;
 
 /// Metres between the middles of two robots at which one waits for the other.
 const DISTANCE: f64 = 1.4;
-
-/// A robot that moves less than this many metres in so many seconds is stuck.
-const STUCK: (f64, f64) = (0.1, 5.0);
-
-/// What a second of turning on the spot counts of a second without moving.
-const TURNING: f64 = 0.3;
-
-/// This many recoveries within so many seconds, and the robot is given up.
-const HOPELESS: (usize, f64) = (3, 60.0);
-
-/// Seconds for which a place where the robot got stuck is driven around.
-const AVOID: f64 = 90.0;
-
-/// Metres and m/s of backing off.
-const BACK_OFF: (f64, f64) = (0.3, 0.15);
 
 /// Radians to turn in the beginning, with which the laser's field of view of half a circle has seen
 /// all around, and the seconds after which that must do.
@@ -139,16 +131,6 @@ struct Pilot {
     avoid: Vec<(f64, Block)>,
 }
 
-/// How long a robot that wants to move has hardly done so.
-#[derive(Clone, Copy, Debug, Default)]
-struct Progress {
-    /// Where it last was somewhere else.
-    at: Option<DVec2>,
-    stalled: f64,
-    time: f64,
-    weight: f64,
-}
-
 #[derive(Clone, Copy, Debug, Default)]
 enum Task {
     /// Look all around: the beginning of every run, in which too little may be known to choose.
@@ -168,6 +150,15 @@ enum Task {
     TurnAway { heading: f64, until: f64 },
     /// Nothing is left to do, as of this time.
     Rest { since: f64 },
+}
+
+/// What goals are ruled out for reasons of prudence.
+#[derive(Clone, Copy, Debug)]
+struct Restraint {
+    /// Those from which no wall is seen that is known: the pose would hang on the wheels there.
+    in_sight: bool,
+    /// Those that are near other robots' goals.
+    others: bool,
 }
 
 /// Where a robot is going.
@@ -236,7 +227,7 @@ impl Navigator {
         if view.robot >= self.pilots.len() {
             return None;
         }
-        self.guard.look(view.scan);
+        self.look(view, pose);
         let renewed = view.time - self.refreshed >= REFRESH;
         if renewed {
             self.refresh(view);
@@ -318,7 +309,7 @@ impl Navigator {
     /// when the robot is stuck there.
     pub(super) fn steer(&mut self, view: &View<'_>, target: DVec2) -> Option<Decision> {
         let pose = pose_of(view)?;
-        self.guard.look(view.scan);
+        self.look(view, pose);
         if view.time - self.refreshed >= REFRESH {
             self.refresh(view);
         }
@@ -336,14 +327,23 @@ impl Navigator {
         Some(Decision::Drive(command))
     }
 
-    /// Takes over what has changed in the map.
+    /// Takes in what a robot sees: what is in its way now, and water for later.
+    fn look(&mut self, view: &View<'_>, pose: Pose) {
+        self.guard.look(view.scan);
+        self.guard.look_at_water(pose, view.water);
+        for &p in view.water {
+            self.costmap.mark_water(p);
+        }
+    }
+
     /// Whether the map shows a frontier anywhere.
     pub(super) fn has_frontiers(&mut self, view: &View<'_>) -> bool {
         self.costmap.refresh(view.map);
-        self.frontiers.gather(&mut self.costmap, |_| false);
+        self.frontiers.gather(&mut self.costmap, |_, _| false);
         !self.frontiers.is_empty()
     }
 
+    /// Takes over what has changed in the map.
     fn refresh(&mut self, view: &View<'_>) {
         self.costmap.refresh(view.map);
         self.refreshed = view.time;
@@ -402,7 +402,8 @@ impl Navigator {
             return None;
         }
         let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
-        let command = pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, CRUISE);
+        let command =
+            pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, self.cruise);
         pilot.progress.wants(command, view.time);
         Some(Decision::Drive(command))
     }
@@ -439,27 +440,32 @@ impl Navigator {
     }
 
     /// A goal, and whether its way leads through gaps that the robot may not fit through. What is
-    /// ruled out is given up step by step: first what other robots do, then where this one was
-    /// stuck, then what it failed at once, at last the width of gaps.
+    /// ruled out is given up step by step: first the sight of walls, then what other robots do, then
+    /// where this one was stuck, then what it failed at once, at last the width of gaps.
     fn choose_frontier(
         &mut self,
         view: &View<'_>,
         pose: Pose,
         choose: &mut dyn FnMut(&mut Planning<'_>) -> Option<Node>,
     ) -> Option<(Node, bool)> {
-        let fits = Class::Tight;
-        if let Some(node) = self.search_goal(view, pose, fits, true, choose) {
+        let (fits, mut restraint) = (Class::Tight, Restraint { in_sight: true, others: true });
+        if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
             return Some((node, false));
         }
+        restraint.in_sight = false;
+        if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
+            return Some((node, false));
+        }
+        restraint.others = false;
         if view.estimates.len() > 1
-            && let Some(node) = self.search_goal(view, pose, fits, false, choose)
+            && let Some(node) = self.search_goal(view, pose, fits, restraint, choose)
         {
             return Some((node, false));
         }
         if !self.pilots[view.robot].avoid.is_empty() {
             self.pilots[view.robot].avoid.clear();
             self.collect_blocks(view);
-            if let Some(node) = self.search_goal(view, pose, fits, false, choose) {
+            if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
                 return Some((node, false));
             }
         }
@@ -467,11 +473,11 @@ impl Navigator {
             for failure in &mut self.failures {
                 failure.active &= failure.is_final;
             }
-            if let Some(node) = self.search_goal(view, pose, fits, false, choose) {
+            if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
                 return Some((node, false));
             }
         }
-        let node = self.search_goal(view, pose, Class::Squeeze, false, choose)?;
+        let node = self.search_goal(view, pose, Class::Squeeze, restraint, choose)?;
         Some((node, true))
     }
 
@@ -480,25 +486,27 @@ impl Navigator {
         view: &View<'_>,
         pose: Pose,
         limit: Class,
-        leave_to_others: bool,
+        restraint: Restraint,
         choose: &mut dyn FnMut(&mut Planning<'_>) -> Option<Node>,
     ) -> Option<Node> {
         let Navigator { costmap, frontiers, search, pilots, failures, blocks, .. } = self;
         let near = |at: DVec2, p: DVec2, radius: f64| at.distance_squared(p) < radius * radius;
         let others = pilots.iter().enumerate().filter(|(other, _)| *other != view.robot);
         let taken = |p: DVec2| {
-            leave_to_others
+            restraint.others
                 && others.clone().any(|(_, pilot)| match pilot.task {
                     Task::Go { goal: Goal::Frontier(at), .. } => near(at, p, TAKEN),
                     _ => false,
                 })
         };
-        let failed = |p: DVec2| {
+        let sight = IN_SIGHT * view.laser.max_range;
+        let ruled_out = |costmap: &Costmap, p: DVec2| {
             near(pose.position, p, FEET)
                 || taken(p)
                 || failures.iter().any(|failure| failure.active && near(failure.at, p, FAILED))
+                || (restraint.in_sight && !costmap.stands_within(p, sight))
         };
-        frontiers.gather(costmap, failed);
+        frontiers.gather(costmap, ruled_out);
         search.set_limit(limit);
         choose(&mut Planning { costmap, frontiers, search, pose, blocks, limit })
     }
@@ -524,92 +532,6 @@ impl Navigator {
             center: other.pose.position,
             radius: 2.0 * view.body.swing_radius + 0.1,
         }));
-    }
-
-    /// Begins to free a robot that is stuck; gives it up when that has happened too often.
-    fn recover(
-        &mut self,
-        view: &View<'_>,
-        pose: Pose,
-        goal: Goal,
-        squeezes: bool,
-    ) -> Option<Decision> {
-        if let Goal::Frontier(at) = goal {
-            let is_final = self
-                .failures
-                .iter()
-                .any(|failure| !failure.active && failure.at.distance(at) < FAILED);
-            let is_final = is_final || squeezes;
-            self.failures.push(Failure { at, is_final, active: true });
-        }
-        let pilot = &mut self.pilots[view.robot];
-        pilot.progress = Progress::default();
-        pilot.recoveries += 1;
-        // A gap that was worth a try says nothing about the robot.
-        if !squeezes {
-            pilot.recovered.push_back(view.time);
-        }
-        while pilot.recovered.front().is_some_and(|&time| view.time - time > HOPELESS.1) {
-            pilot.recovered.pop_front();
-        }
-        if pilot.recovered.len() >= HOPELESS.0 {
-            return Some(Decision::Stuck);
-        }
-        // Whatever it is that the map does not show, it is where the way led.
-        let mut ahead = pose.position + unit_vector(pose.heading) * (2.0 * SIDE);
-        pilot.way.ahead(0.1, 0.5, |p| {
-            ahead = p;
-            true
-        });
-        let block = Block { center: ahead, radius: 0.25 };
-        pilot.avoid.push((view.time + AVOID, block));
-        pilot.task = Task::BackOff { from: pose.position, until: view.time + 4.0 };
-        pilot.way.clear();
-        None
-    }
-
-    /// Whether nothing is known to stand where the robot would back to.
-    fn is_free_behind(&self, robot: &Robot, pose: Pose) -> bool {
-        let back = -unit_vector(pose.heading);
-        let reach = (robot.swing_radius / RESOLUTION) as i32;
-        let middle = pose.position + back * 0.1;
-        (-reach..=reach).all(|dy| {
-            (-reach..=reach).all(|dx| {
-                let off = DVec2::new(f64::from(dx), f64::from(dy)) * RESOLUTION;
-                let counts = off.length() < robot.swing_radius && off.dot(back) > 0.1;
-                !counts || self.costmap.cell(CellIndex::of(middle + off)) != Cell::Occupied
-            })
-        })
-    }
-
-    /// The angle by which to turn to the side where the laser sees more room.
-    fn open_side(&self) -> f64 {
-        let nearest = |side: f64| {
-            let echoes = self.guard.echoes().iter().filter(|echo| side * echo.y > 0.0);
-            echoes.map(|echo| echo.length_squared()).fold(f64::INFINITY, f64::min)
-        };
-        if nearest(1.0) >= nearest(-1.0) { 1.5 } else { -1.5 }
-    }
-}
-
-impl Progress {
-    /// Notes where the robot is, and tells whether it has hardly moved for too long.
-    fn is_stuck(&mut self, time: f64, p: DVec2) -> bool {
-        if self.at.is_none_or(|at| at.distance(p) >= STUCK.0) {
-            (self.at, self.stalled) = (Some(p), 0.0);
-        }
-        // Nothing counts that lies between two tasks.
-        let passed = (time - self.time).clamp(0.0, 0.2);
-        self.stalled += passed * self.weight;
-        self.time = time;
-        self.stalled >= STUCK.1
-    }
-
-    /// Notes what is asked of the robot now: a turn on the spot may take its time.
-    fn wants(&mut self, command: Command, time: f64) {
-        let turns = command.speed == 0.0 && command.turn_rate != 0.0;
-        self.weight = if turns { TURNING } else { 1.0 };
-        self.time = time;
     }
 }
 

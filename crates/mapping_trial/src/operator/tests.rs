@@ -273,10 +273,10 @@ fn frontiers_are_where_the_unknown_is_wide() {
     assert!(!costmap.is_frontier(CellIndex { col: 29, row: 20 }));
     assert!(!costmap.is_frontier(CellIndex { col: 20, row: 20 }));
     let mut frontiers = Frontiers::new();
-    frontiers.gather(&mut costmap, |_| false);
+    frontiers.gather(&mut costmap, |_, _| false);
     assert_eq!(frontiers.len(), 1, "one ring");
     assert!(frontiers.cells(0).len() >= 4 * 59 - 4 && frontiers.goals() > 0);
-    frontiers.gather(&mut costmap, |_| true);
+    frontiers.gather(&mut costmap, |_, _| true);
     assert_eq!(frontiers.goals(), 0);
 }
 
@@ -304,6 +304,7 @@ fn ask(map: &OccupancyMap, estimate: Estimate, scan: &Scan, robots: usize) -> Ve
                         estimates: &estimates,
                         map,
                         scan,
+                        water: &[],
                         bumped: step % 3 == 0,
                         time: 0.1 * f64::from(step),
                         battery: 100.0,

@@ -3,16 +3,13 @@
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
 
-use super::costmap::Class;
+use super::costmap::{Class, Costmap};
 use super::navigator::{Navigator, pose_of};
 use super::way::worst_between;
 use super::{Decision, Operator, View};
 
 /// Metres that have to be free in a direction to take it.
 const PROBE: f64 = 0.6;
-
-/// Cruising speed in m/s, close to walls.
-const CRUISE: f64 = 0.4;
 
 /// Metres to the right within which there has to be a wall to follow.
 const HAND: f64 = 1.2;
@@ -22,6 +19,9 @@ const FAN: f64 = 0.175;
 
 /// Directions that are tried, from the right rear to the left rear.
 const DIRECTIONS: i32 = 30;
+
+/// Directions from the rightmost on of which the first is taken that keeps clear of the wall.
+const ASIDE: i32 = 4;
 
 /// Metres between remembered places, how near the robot comes to one that it has been at, and how
 /// far it goes in between.
@@ -66,8 +66,7 @@ enum Mode {
 }
 
 impl WallFollow {
-    pub(super) fn new(mut navigator: Navigator, robots: usize) -> Self {
-        navigator.cruise = CRUISE;
+    pub(super) fn new(navigator: Navigator, robots: usize) -> Self {
         WallFollow { navigator, followers: vec![Follower::default(); robots] }
     }
 }
@@ -123,7 +122,8 @@ impl Follower {
         self.trail.iter().all(|(at, ..)| at.distance_squared(p) > AFRESH * AFRESH)
     }
 
-    /// The point to drive to: the rightmost direction in which the map is free, straight on until
+    /// The point to drive to: the rightmost direction in which the map is free, or one a little to
+    /// the left of it that leads less close along the wall; straight on until
     /// there is a wall to follow. `None` when the wall has led round, or there is no way on.
     fn target(&mut self, navigator: &mut Navigator, pose: Pose) -> Option<DVec2> {
         let ahead = unit_vector(pose.heading);
@@ -148,18 +148,31 @@ impl Follower {
         let costmap = &mut navigator.costmap;
         // As far from the wall as it is now at least, but doorways that it is in may be left.
         let limit = costmap.class_at(pose.position).clamp(Class::Close, Class::Tight);
-        let mut free = |angle: f64, far: f64| {
+        let free = |costmap: &mut Costmap, angle: f64, far: f64| {
             let to = pose.position + unit_vector(pose.heading + angle) * far;
             (worst_between(costmap, pose.position, to) <= limit).then_some(to)
         };
-        let hand = [-1.2, -1.6, -2.0].into_iter().any(|angle| free(angle, HAND).is_none());
+        let hand = [-1.2, -1.6, -2.0].into_iter().any(|angle| free(costmap, angle, HAND).is_none());
         self.touching |= hand;
         if !self.touching
-            && let Some(to) = free(0.0, PROBE)
+            && let Some(to) = free(costmap, 0.0, PROBE)
         {
             return Some(to);
         }
         self.touching = true;
-        (0..DIRECTIONS).find_map(|step| free(wrap_angle(FAN * f64::from(step) - 1.8), PROBE))
+        let angle = |step: i32| wrap_angle(FAN * f64::from(step) - 1.8);
+        let first = (0..DIRECTIONS).find(|&step| free(costmap, angle(step), PROBE).is_some())?;
+        // Scraping along is slow and ends in hits: a little more to the left, if there is room.
+        let mut roomy = None;
+        for step in first..first + ASIDE {
+            let Some(to) = free(costmap, angle(step), PROBE) else { break };
+            let middle = pose.position.midpoint(to);
+            roomy = roomy.or(Some(to));
+            if worst_between(costmap, middle, to) <= Class::Near {
+                roomy = Some(to);
+                break;
+            }
+        }
+        roomy
     }
 }

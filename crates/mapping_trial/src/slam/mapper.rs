@@ -4,7 +4,7 @@
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::{DVec2, Vec2};
 
-use super::fusion::fuse;
+use super::fusion::{Drift, fuse};
 use super::likelihood::LikelihoodField;
 use super::matcher::{Matcher, Window};
 use super::painter::{Painter, is_near};
@@ -26,6 +26,11 @@ const EXPECTED_HEADING: (f64, f64) = (0.01, 0.06);
 
 /// Largest standard deviations that are searched for, in metres and radians: a bound of the work.
 const WIDEST: (f64, f64) = (0.5, 0.3);
+
+/// Mean likelihood from which a scan fits where it is expected, and by how much it has to fit better
+/// elsewhere: in known surroundings a keyframe has less than a tenth of new walls.
+const FITS: f64 = 0.8;
+const BETTER: f64 = 0.15;
 
 /// Least path in metres to an older keyframe by which a place counts as known from before.
 const OLDER: f64 = 10.0;
@@ -70,6 +75,8 @@ pub(crate) struct Mapper {
     pub(crate) map: OccupancyMap,
     pub(crate) keyframes: Vec<Keyframe>,
     pub(crate) tracks: Vec<Track>,
+    /// What each robot's last keyframe may be off against the map.
+    drifts: Vec<Drift>,
 }
 
 impl Mapper {
@@ -88,6 +95,7 @@ impl Mapper {
             map: OccupancyMap::new(),
             keyframes: Vec::new(),
             tracks: starts.iter().copied().map(Track::new).collect(),
+            drifts: vec![Drift::NONE; starts.len()],
         }
     }
 
@@ -154,13 +162,24 @@ impl Mapper {
         }
 
         // A robot's first pose is known: nothing is matched there.
-        let matched = before.and_then(|_| self.match_scan(expected, way, turned, &sweep));
-        let walls = match (&self.field, matched) {
-            (Some(field), Some(matched)) => walls(field, matched, &sweep.echoes),
-            _ => Vec::new(),
-        };
         let motion = Variance::of_motion(way, turned);
-        let pose = matched.map_or(expected, |matched| fuse(&walls, expected, matched, motion));
+        let (step, drift) = match before {
+            Some(before) => {
+                let shift = expected.position - self.keyframes[before].pose.position;
+                (Drift::NONE.after(motion, shift), self.drifts[robot].after(motion, shift))
+            }
+            None => (Drift::NONE, Drift::NONE),
+        };
+        let matched = before.and_then(|_| self.match_scan(expected, way, turned, drift, &sweep));
+        let (pose, walls) = match (&self.field, matched) {
+            (Some(field), Some((matched, is_far))) => {
+                let walls = walls(field, matched, &sweep.echoes);
+                let prior = if is_far { drift } else { step };
+                (fuse(&walls, expected, matched, prior), walls)
+            }
+            _ => (expected, Vec::new()),
+        };
+        self.drifts[robot] = if before.is_some() { drift.held(&walls, pose) } else { drift };
         let variance = before.map_or(Variance::default(), |before| {
             self.variance(before, way, turned, path, pose, &walls)
         });
@@ -176,21 +195,44 @@ impl Mapper {
         Some(Added { keyframe, before, motion, walls })
     }
 
-    /// The pose at which a scan fits the field best.
-    fn match_scan(&mut self, expected: Pose, way: f64, turned: f64, sweep: &Sweep) -> Option<Pose> {
+    /// The pose at which a scan fits the field best, and whether that is farther off than the last
+    /// step alone can explain.
+    ///
+    /// Where walls were out of sight, or ran one way only, more than the last step may be wrong. A
+    /// scan that does not fit near the expected pose is then looked for as far as the drift reaches;
+    /// what is found there has to fit clearly better, since a scan of new walls always fits a little
+    /// better where it is pulled back over old ones.
+    fn match_scan(
+        &mut self,
+        expected: Pose,
+        way: f64,
+        turned: f64,
+        drift: Drift,
+        sweep: &Sweep,
+    ) -> Option<(Pose, bool)> {
         let field = self.field.as_mut()?;
         if sweep.echoes.len() < FEWEST_ECHOES {
             return None;
         }
         let (position, heading) = (EXPECTED_POSITION, EXPECTED_HEADING);
-        let window = Window::around(
-            expected,
-            (position.0 + position.1 * way).min(WIDEST.0),
-            (heading.0 + heading.1 * turned).min(WIDEST.1),
-        );
-        let radius = Matcher::radius(sweep.radius(), &window);
-        cover(field, &self.keyframes, expected, radius);
-        self.matcher.find(field, &sweep.echoes, window).map(|found| found.pose)
+        let (position, heading) = (position.0 + position.1 * way, heading.0 + heading.1 * turned);
+        let mut find = |position: f64, heading: f64| {
+            let window = Window::around(expected, position.min(WIDEST.0), heading.min(WIDEST.1));
+            let radius = Matcher::radius(sweep.radius(), &window);
+            cover(field, &self.keyframes, expected, radius);
+            self.matcher.find(field, &sweep.echoes, window)
+        };
+        let near = find(position, heading)?;
+        let loose = drift.deviation() > position || drift.heading_deviation() > heading;
+        if loose && near.response < FITS {
+            let (position, heading) =
+                (position + drift.deviation(), heading + drift.heading_deviation());
+            let far = find(position, heading)?;
+            if far.response > near.response + BETTER {
+                return Some((far.pose, true));
+            }
+        }
+        Some((near.pose, false))
     }
 
     /// How sure the pose of a new keyframe is: as sure as the one before it and the step, or as an

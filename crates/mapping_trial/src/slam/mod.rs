@@ -10,9 +10,9 @@
 //! All of them take a keyframe every 0.3 m or 15 degrees and draw its scan into one
 //! [`OccupancyMap`] that the robots share; in between, poses come from the wheels.
 
-mod dead_reckoning;
 mod fusion;
 mod graph;
+mod incremental;
 pub mod likelihood;
 mod loops;
 mod mapper;
@@ -20,16 +20,14 @@ pub mod matcher;
 mod motion;
 pub mod painter;
 mod pose_graph;
-mod scan_to_map;
 pub mod sweep;
 mod track;
 
 use envgen::geometry::Pose;
 use serde::{Deserialize, Serialize};
 
-pub use dead_reckoning::DeadReckoning;
+pub use incremental::{DeadReckoning, Incremental, ScanToMap};
 pub use pose_graph::PoseGraph;
-pub use scan_to_map::ScanToMap;
 
 use crate::lidar::{LaserProfile, Scan};
 use crate::map::{Estimate, OccupancyMap};

@@ -12,8 +12,9 @@ use super::{EndReason, RobotEnd, Trial, TrialError, TrialSettings};
 use crate::body::{Bodies, Command};
 use crate::flat::{FlatSimulator, FlatWorld};
 
-/// Version of the logs' layout; a log of another version is refused.
-pub const LOG_VERSION: u32 = 1;
+/// Version of the logs' layout and of what a replay makes of them; a log of another version is
+/// refused. 2: robots see water, and estimators find old walls again.
+pub const LOG_VERSION: u32 = 2;
 
 /// Commands in a log, at most: a day of eight robots would be less than this.
 const MAX_TICKS: u64 = 1 << 24;

@@ -82,6 +82,7 @@ impl TrialSettings {
         number("body.turn_acceleration", self.body.turn_acceleration, 0.01, 100.0)?;
         number("body.laser_offset", self.body.laser_offset, -10.0, 10.0)?;
         number("body.battery", self.body.battery, 0.05, MAX_TIME_LIMIT)?;
+        number("body.water_sight", self.body.water_sight, 0.0, 5.0)?;
         let laser = &self.laser;
         count("laser.beams", laser.beams, 1, 4096)?;
         number("laser.field_of_view", laser.field_of_view, 0.0, std::f64::consts::TAU)?;
@@ -152,6 +153,7 @@ mod tests {
         assert!(error(&|s| s.start = Some(Pose::new(f64::INFINITY, 0.0, 0.0))).contains("start.x"));
         assert!(error(&|s| s.body.swing_radius = -1.0).contains("body.swing_radius"));
         assert!(error(&|s| s.body.max_speed = 50.0).contains("body.max_speed"));
+        assert!(error(&|s| s.body.water_sight = f64::NAN).contains("body.water_sight"));
         assert!(error(&|s| s.laser.beams = 0).contains("laser.beams"));
         assert!(error(&|s| s.laser.dropout = 1.5).contains("laser.dropout"));
         assert!(error(&|s| s.odometry.k_tt = f64::NAN).contains("odometry.k_tt"));

@@ -155,8 +155,8 @@ fn bad_logs_are_told() {
         |text: &str| TrialLog::read(&mut text.as_bytes()).expect_err("not a log").to_string();
     assert!(error("").contains("no trial log"));
     assert!(error(&text[..text.len() / 2]).contains("no trial log"));
-    let other = error(&text.replacen("\"version\":1", "\"version\":7", 1));
-    assert_eq!(other, "a log of version 7, this crate reads version 1");
+    let other = error(&text.replacen("\"version\":2", "\"version\":7", 1));
+    assert_eq!(other, "a log of version 7, this crate reads version 2");
     let robots = error(&text.replacen("\"robots\":1", "\"robots\":2", 1));
     assert_eq!(robots, "`commands` is 1, allowed is 2, one a robot");
     let mut value: serde_json::Value = serde_json::from_str(&text).expect("a log");

@@ -106,6 +106,7 @@ impl Run {
                         estimates: &estimates,
                         map: &self.map,
                         scan: &self.scans[robot],
+                        water: &[],
                         bumped: bumped[robot],
                         time: self.time,
                         battery: self.robot.battery - self.time,

@@ -1,0 +1,127 @@
+//! What a navigator does with a robot that does not get on: notices it, backs off, gives it up.
+
+use envgen::geometry::{Pose, unit_vector};
+use glam::DVec2;
+
+use super::{FAILED, Failure, Goal, Navigator, Task};
+use crate::body::Command;
+use crate::map::{Cell, CellIndex, RESOLUTION};
+use crate::operator::costmap::SIDE;
+use crate::operator::search::Block;
+use crate::operator::{Decision, View};
+use crate::robot::Robot;
+
+/// A robot that moves less than this many metres in so many seconds is stuck.
+const STUCK: (f64, f64) = (0.1, 5.0);
+
+/// What a second of turning on the spot counts of a second without moving.
+const TURNING: f64 = 0.3;
+
+/// This many recoveries within so many seconds, and the robot is given up.
+const HOPELESS: (usize, f64) = (3, 60.0);
+
+/// Seconds for which a place where the robot got stuck is driven around.
+const AVOID: f64 = 90.0;
+
+/// Metres and m/s of backing off.
+pub(super) const BACK_OFF: (f64, f64) = (0.3, 0.15);
+
+/// How long a robot that wants to move has hardly done so.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Progress {
+    /// Where it last was somewhere else.
+    at: Option<DVec2>,
+    pub(super) stalled: f64,
+    time: f64,
+    weight: f64,
+}
+
+impl Navigator {
+    /// Begins to free a robot that is stuck; gives it up when that has happened too often.
+    pub(super) fn recover(
+        &mut self,
+        view: &View<'_>,
+        pose: Pose,
+        goal: Goal,
+        squeezes: bool,
+    ) -> Option<Decision> {
+        if let Goal::Frontier(at) = goal {
+            let is_final = self
+                .failures
+                .iter()
+                .any(|failure| !failure.active && failure.at.distance(at) < FAILED);
+            let is_final = is_final || squeezes;
+            self.failures.push(Failure { at, is_final, active: true });
+        }
+        let pilot = &mut self.pilots[view.robot];
+        pilot.progress = Progress::default();
+        pilot.recoveries += 1;
+        // A gap that was worth a try says nothing about the robot.
+        if !squeezes {
+            pilot.recovered.push_back(view.time);
+        }
+        while pilot.recovered.front().is_some_and(|&time| view.time - time > HOPELESS.1) {
+            pilot.recovered.pop_front();
+        }
+        if pilot.recovered.len() >= HOPELESS.0 {
+            return Some(Decision::Stuck);
+        }
+        // Whatever it is that the map does not show, it is where the way led.
+        let mut ahead = pose.position + unit_vector(pose.heading) * (2.0 * SIDE);
+        pilot.way.ahead(0.1, 0.5, |p| {
+            ahead = p;
+            true
+        });
+        let block = Block { center: ahead, radius: 0.25 };
+        pilot.avoid.push((view.time + AVOID, block));
+        pilot.task = Task::BackOff { from: pose.position, until: view.time + 4.0 };
+        pilot.way.clear();
+        None
+    }
+
+    /// Whether nothing is known to stand, and no water, where the robot would back to.
+    pub(super) fn is_free_behind(&self, robot: &Robot, pose: Pose) -> bool {
+        let back = -unit_vector(pose.heading);
+        let reach = (robot.swing_radius / RESOLUTION) as i32;
+        let middle = pose.position + back * 0.1;
+        (-reach..=reach).all(|dy| {
+            (-reach..=reach).all(|dx| {
+                let off = DVec2::new(f64::from(dx), f64::from(dy)) * RESOLUTION;
+                let counts = off.length() < robot.swing_radius && off.dot(back) > 0.1;
+                let cell = CellIndex::of(middle + off);
+                let stands = self.costmap.cell(cell) == Cell::Occupied;
+                !counts || !(stands || self.costmap.is_water(cell))
+            })
+        })
+    }
+
+    /// The angle by which to turn to the side where the laser sees more room.
+    pub(super) fn open_side(&self) -> f64 {
+        let nearest = |side: f64| {
+            let echoes = self.guard.echoes().iter().filter(|echo| side * echo.y > 0.0);
+            echoes.map(|echo| echo.length_squared()).fold(f64::INFINITY, f64::min)
+        };
+        if nearest(1.0) >= nearest(-1.0) { 1.5 } else { -1.5 }
+    }
+}
+
+impl Progress {
+    /// Notes where the robot is, and tells whether it has hardly moved for too long.
+    pub(super) fn is_stuck(&mut self, time: f64, p: DVec2) -> bool {
+        if self.at.is_none_or(|at| at.distance(p) >= STUCK.0) {
+            (self.at, self.stalled) = (Some(p), 0.0);
+        }
+        // Nothing counts that lies between two tasks.
+        let passed = (time - self.time).clamp(0.0, 0.2);
+        self.stalled += passed * self.weight;
+        self.time = time;
+        self.stalled >= STUCK.1
+    }
+
+    /// Notes what is asked of the robot now: a turn on the spot may take its time.
+    pub(super) fn wants(&mut self, command: Command, time: f64) {
+        let turns = command.speed == 0.0 && command.turn_rate != 0.0;
+        self.weight = if turns { TURNING } else { 1.0 };
+        self.time = time;
+    }
+}

@@ -1,0 +1,53 @@
+//! Estimators that never change what they have drawn: the wheels alone, and scan to map.
+
+use envgen::geometry::Pose;
+
+use super::Slam;
+use super::mapper::Mapper;
+use crate::lidar::{LaserProfile, Scan};
+use crate::map::{Estimate, OccupancyMap};
+use crate::odometry::Increment;
+use crate::robot::Robot;
+
+/// Draws each keyframe's scan where it is thought to be, for good; with or without matching it
+/// before. See [`DeadReckoning`] and [`ScanToMap`].
+#[derive(Clone, Debug)]
+pub struct Incremental<const MATCHING: bool> {
+    mapper: Mapper,
+}
+
+/// Dead reckoning, the control: poses from the wheels alone; scans are drawn where those say.
+pub type DeadReckoning = Incremental<false>;
+
+/// Scan to map, what robots did in 2011, without closing loops.
+///
+/// Each keyframe's scan is matched against all echoes before it, within what the wheels may have got
+/// wrong since walls last held the pose: old walls that come into sight again are found again. What
+/// was drawn stays: an error that is in the map is never mended, so that loops cost what they cost the
+/// robots of the time.
+pub type ScanToMap = Incremental<true>;
+
+impl<const MATCHING: bool> Incremental<MATCHING> {
+    /// For robots that stand at `starts`.
+    pub fn new(starts: &[Pose], robot: &Robot, laser: &LaserProfile) -> Self {
+        Incremental { mapper: Mapper::new(starts, robot, laser, MATCHING) }
+    }
+}
+
+impl<const MATCHING: bool> Slam for Incremental<MATCHING> {
+    fn step(&mut self, robot: usize, odometry: Increment, scan: Option<&Scan>) {
+        self.mapper.step(robot, odometry, scan);
+    }
+
+    fn estimate(&self, robot: usize) -> Estimate {
+        self.mapper.estimate(robot)
+    }
+
+    fn map(&self) -> &OccupancyMap {
+        &self.mapper.map
+    }
+
+    fn trajectory(&self, robot: usize) -> Vec<Pose> {
+        self.mapper.trajectory(robot)
+    }
+}

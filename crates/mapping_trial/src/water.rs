@@ -1,0 +1,95 @@
+//! What a robot's camera shows of water: the operators of Zwennes (2011) saw its picture and named
+//! water as a hazard, while a laser sees nothing of it.
+
+use envgen::geometry::{Pose, unit_vector};
+use envgen::ground::Grounds;
+use envgen::raycast::Raycaster;
+use glam::DVec2;
+
+use crate::robot::Robot;
+
+/// Directions that are looked into, from 90 degrees on the right to 90 degrees on the left.
+const DIRECTIONS: u32 = 31;
+
+/// Metres from the robot's middle to the nearest point that is looked at, and between points.
+const NEAREST: f64 = 0.3;
+const STEP: f64 = 0.1;
+
+/// The points that a robot sees to be water, in its own frame in metres (x ahead, y to the left):
+/// in front of it, at most [`Robot::water_sight`] away and not behind anything solid. For any body
+/// that knows where it is in its world; the same place gives the same points.
+pub fn seen(grounds: &Grounds, rays: &Raycaster, robot: &Robot, pose: Pose) -> Vec<DVec2> {
+    let mut points = Vec::new();
+    if !grounds.has_water() || robot.water_sight < NEAREST {
+        return points;
+    }
+    let ahead = unit_vector(pose.heading);
+    for direction in 0..DIRECTIONS {
+        let turn = f64::from(direction) / f64::from(DIRECTIONS - 1) - 0.5;
+        let look = unit_vector(turn * std::f64::consts::PI);
+        let along = ahead.rotate(look);
+        let wall = rays.cast_along(pose.position, along, robot.water_sight);
+        let free = wall.map_or(robot.water_sight, |hit| hit.distance);
+        let steps = ((free - NEAREST) / STEP + 1e-9).max(-1.0) as i32;
+        points.extend(
+            (0..=steps)
+                .map(|step| NEAREST + STEP * f64::from(step))
+                .filter(|distance| grounds.at(pose.position + along * *distance).water)
+                .map(|distance| look * distance),
+        );
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::geometry::{Rect, Shape};
+    use envgen::world::{Surface, SurfaceKind, Wall, WallKind};
+    use envgen::{Provenance, World};
+
+    use super::*;
+
+    fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Shape {
+        Shape::from_rect(Rect::new(DVec2::new(x0, y0), DVec2::new(x1, y1)))
+    }
+
+    /// Water right of x = 5, and a wall from y = 1 upwards before it.
+    fn world() -> World {
+        let bounds = Rect::new(DVec2::splat(-10.0), DVec2::splat(10.0));
+        let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
+        let shape = rect(5.0, -10.0, 10.0, 10.0);
+        let kind = SurfaceKind::Water;
+        world.surfaces.push(Surface { kind, shape, speed: 0.0, odometry_noise: 1.0 });
+        let shape = rect(4.8, 1.0, 4.9, 10.0);
+        world.walls.push(Wall { kind: WallKind::Wall, shape });
+        world
+    }
+
+    fn look(robot: &Robot, pose: Pose) -> Vec<DVec2> {
+        let world = world();
+        seen(&Grounds::new(&world), &Raycaster::new(&world), robot, pose)
+    }
+
+    #[test]
+    fn water_ahead_is_seen_where_it_is() {
+        let robot = Robot::default();
+        let points = look(&robot, Pose::new(4.0, -3.0, 0.0));
+        assert!(points.len() > 40, "{points:?}");
+        assert!(points.iter().all(|p| p.x >= 1.0 && p.length() <= robot.water_sight + 1e-9));
+        let nearest = points.iter().map(|p| p.x).fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1.1, "{nearest}");
+        // Turned to the left it lies on the right.
+        let points = look(&robot, Pose::new(4.0, -3.0, std::f64::consts::FRAC_PI_2));
+        assert!(!points.is_empty() && points.iter().all(|p| p.y <= -1.0 + 1e-9), "{points:?}");
+    }
+
+    #[test]
+    fn nothing_is_seen_behind_the_robot_or_a_wall_or_by_the_blind() {
+        let robot = Robot::default();
+        assert_eq!(look(&robot, Pose::new(4.0, -3.0, std::f64::consts::PI)), []);
+        assert_eq!(look(&robot, Pose::new(4.0, 5.0, 0.0)), []);
+        assert_eq!(look(&robot, Pose::new(0.0, -3.0, 0.0)), []);
+        let blind = Robot { water_sight: 0.0, ..robot };
+        assert_eq!(look(&blind, Pose::new(4.0, -3.0, 0.0)), []);
+    }
+}

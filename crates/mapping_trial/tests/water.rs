@@ -1,0 +1,87 @@
+//! Water: seen and kept away from, unless the robot is blind to it.
+
+use std::thread;
+
+use envgen::geometry::{Pose, Rect, Shape, edges};
+use envgen::indoor::{IndoorSpec, Profile};
+use envgen::world::{Surface, SurfaceKind, Wall, WallKind};
+use envgen::{Blueprint, Provenance, Seed, Spec, World};
+use glam::DVec2;
+use mapping_trial::names::Named;
+use mapping_trial::operator::OperatorKind;
+use mapping_trial::robot::Robot;
+use mapping_trial::score::Scores;
+use mapping_trial::trial::{EndReason, Trial, TrialSettings};
+use mapping_trial::truth::Truth;
+
+/// A room of 16 x 12 m with a pond of 6 x 4 m in its middle.
+fn room_with_a_pond() -> World {
+    let bounds = Rect::new(DVec2::ZERO, DVec2::new(16.0, 12.0));
+    let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
+    let corners = Shape::from_rect(bounds).corners();
+    world.walls = edges(&corners)
+        .map(|(a, b)| Wall { kind: WallKind::Wall, shape: Shape::Segment { a, b } })
+        .collect();
+    let pond = Rect::new(DVec2::new(5.0, 4.0), DVec2::new(11.0, 8.0));
+    let (kind, shape) = (SurfaceKind::Water, Shape::from_rect(pond));
+    world.surfaces.push(Surface { kind, shape, speed: 0.0, odometry_noise: 1.0 });
+    world.start = Some(Pose::new(2.0, 6.0, 0.0));
+    world
+}
+
+fn run(world: &World, settings: TrialSettings) -> (EndReason, Scores) {
+    let truth = Truth::new(world, &settings.body).expect("a start");
+    let mut trial = Trial::flat(world, settings).expect("a free start");
+    while trial.step() {}
+    (trial.end_of(0).expect("an end").reason, trial.score(&truth).expect("scores"))
+}
+
+#[test]
+fn a_room_with_a_pond_is_explored_around_it() {
+    let world = room_with_a_pond();
+    for (name, operator) in OperatorKind::NAMES {
+        for seed in 0..4 {
+            let operator = Some(*operator);
+            let settings = TrialSettings { operator, seed: Seed(seed), ..Default::default() };
+            let (end, scores) = run(&world, settings);
+            assert_eq!(end, EndReason::Explored, "{name}, seed {seed}");
+            assert!(scores.coverage > 0.97, "{name}, seed {seed}: {scores:#?}");
+        }
+    }
+}
+
+#[test]
+fn who_is_blind_to_water_drowns() {
+    let world = room_with_a_pond();
+    let body = Robot { water_sight: 0.0, ..Robot::default() };
+    let drowned = (0..4).filter(|&seed| {
+        let settings = TrialSettings { body: body.clone(), seed: Seed(seed), ..Default::default() };
+        run(&world, settings).0 == EndReason::Drowned
+    });
+    assert!(drowned.count() > 0);
+}
+
+/// Maps that are driven.
+const MAPS: u64 = 20;
+
+/// Of the hardest maps of the thesis most have water, on narrow walkways through which robots have to
+/// go; nearly all of them ended in it while robots were blind.
+#[test]
+#[expect(clippy::print_stdout, reason = "the share is a number to know")]
+fn hardly_any_robot_drowns_in_the_hardest_maps() {
+    let drive = |seed| {
+        let spec = IndoorSpec { difficulty: 9.0, profile: Profile::Thesis, ..Default::default() };
+        let world = spec.generate(Seed(seed)).expect("a map").to_world();
+        run(&world, TrialSettings { seed: Seed(seed), ..TrialSettings::default() }).0
+    };
+    let ends: Vec<EndReason> = thread::scope(|scope| {
+        let half = |first| scope.spawn(move || (first..MAPS).step_by(2).map(drive).collect());
+        let halves: [thread::ScopedJoinHandle<'_, Vec<EndReason>>; 2] = [half(0), half(1)];
+        halves.into_iter().flat_map(|half| half.join().expect("trials")).collect()
+    });
+    let share = |reason| ends.iter().filter(|&&end| end == reason).count() as f64 / MAPS as f64;
+    let (drowned, stuck) = (share(EndReason::Drowned), share(EndReason::Stuck));
+    println!("{:.0} % of {MAPS} drown, {:.0} % get stuck", 100.0 * drowned, 100.0 * stuck);
+    println!("{ends:?}");
+    assert!(drowned <= 0.1, "{ends:?}");
+}

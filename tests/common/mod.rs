@@ -1,0 +1,41 @@
+//! Runs the examples as a user does.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// An example by its name.
+pub(crate) struct Example(pub(crate) &'static str);
+
+impl Example {
+    /// The example, which `cargo test` builds beside the tests.
+    fn command(&self) -> Command {
+        let mut path = std::env::current_exe().expect("this test");
+        path.pop();
+        path.pop();
+        path.push("examples");
+        path.push(format!("{}{}", self.0, std::env::consts::EXE_SUFFIX));
+        assert!(path.exists(), "{} is not there: build the examples first", path.display());
+        Command::new(path)
+    }
+
+    /// Runs it into a folder.
+    fn run(&self, arguments: &[&str], out: &Path) -> Output {
+        self.command().args(arguments).arg("--out").arg(out).output().expect("the example starts")
+    }
+
+    /// What it says where all goes well.
+    pub(crate) fn ok(&self, arguments: &[&str], out: &Path) -> String {
+        let output = self.run(arguments, out);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{arguments:?}: {errors}");
+        String::from_utf8(output.stdout).expect("text")
+    }
+
+    /// What it says of its error, where it is to have one; then there is no report.
+    pub(crate) fn error(&self, arguments: &[&str], out: &Path) -> String {
+        let output = self.run(arguments, out);
+        assert!(!output.status.success(), "{arguments:?} went well");
+        assert!(output.stdout.is_empty() || !out.join("report.json").exists());
+        String::from_utf8(output.stderr).expect("text")
+    }
+}
