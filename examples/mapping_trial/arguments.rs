@@ -82,7 +82,11 @@ pub(crate) struct Arguments {
           conflicts_with = "replay")]
     start: Option<Pose>,
 
-    /// Run a log again instead.
+    /// What moves the robots: flat, the fast simulator of discs, or rapier, the physics of bodies.
+    #[arg(long, default_value = "flat", value_parser = ["flat", "rapier"], conflicts_with = "replay")]
+    pub(crate) engine: String,
+
+    /// Run a log again instead, in the engine that made it.
     #[arg(long, value_name = "LOG")]
     pub(crate) replay: Option<PathBuf>,
 

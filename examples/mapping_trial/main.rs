@@ -3,6 +3,7 @@
 //! ```text
 //! cargo run --release --example mapping_trial
 //! cargo run --release --example mapping_trial -- --difficulty 8 --seed 3 --operator corridors
+//! cargo run --release --example mapping_trial -- --engine rapier
 //! cargo run --release --example mapping_trial -- --replay out/log.json --out out/again
 //! ```
 //!
@@ -23,18 +24,23 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
+use bevy_envgen::trial::{replay_headless, run_headless};
 use clap::Parser;
 use envgen::World;
 use indicatif::{ProgressBar, ProgressStyle};
+use mapping_trial::body::Bodies;
 use mapping_trial::feedback::ask;
 use mapping_trial::flat::{FlatSimulator, FlatWorld};
-use mapping_trial::trial::{Trial, TrialLog};
+use mapping_trial::trial::{Trial, TrialLog, TrialSettings};
 use mapping_trial::truth::Truth;
 
 use crate::arguments::Arguments;
 
-/// What moves the bodies, as logs and reports name it.
-const ENGINE: &str = "flat";
+/// The fast simulator, as logs and reports name it.
+const FLAT: &str = "flat";
+
+/// Rapier, as logs and reports name it.
+const RAPIER: &str = bevy_envgen::trial::ENGINE;
 
 /// Ticks between two looks at the progress bar.
 const TICKS_A_LOOK: u64 = 200;
@@ -54,19 +60,51 @@ fn main() -> ExitCode {
 
 /// Runs a trial, or a log again, and tells what came of it.
 fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let folder = output::folder(&arguments.out)?;
-
+    output::folder(&arguments.out)?;
     let clock = now();
-    let (world, trial) = match &arguments.replay {
-        Some(path) => replay(path)?,
-        None => run(arguments)?,
+    let Some(path) = &arguments.replay else {
+        let world = arguments.world()?;
+        let settings = arguments.settings(&world)?;
+        let bar = progress(settings.time_limit.min(settings.body.battery));
+        return if arguments.engine == RAPIER {
+            let trial = run_headless(&world, settings, |time| bar.set_position(time as u64))?;
+            bar.finish_and_clear();
+            tell(arguments, &world, &trial, RAPIER, clock)
+        } else {
+            let trial = run_flat(&world, settings, &bar)?;
+            tell(arguments, &world, &trial, FLAT, clock)
+        };
     };
-    let seconds = clock.elapsed().as_secs_f64();
+    let of_file = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let file = File::open(path).map_err(|error| of_file(&error))?;
+    let log = TrialLog::read(&mut BufReader::new(file)).map_err(|error| of_file(&error))?;
+    let world = log.world.world()?;
+    match log.engine.as_str() {
+        FLAT => tell(arguments, &world, &log.replay()?, FLAT, clock),
+        RAPIER => {
+            let trial = replay_headless(&world, log, |_| ())?;
+            tell(arguments, &world, &trial, RAPIER, clock)
+        }
+        other => {
+            let text = format!("engine is `{other}`, known are `{FLAT}` and `{RAPIER}`");
+            Err(of_file(&text).into())
+        }
+    }
+}
 
+/// Tells what came of a trial that took so long, and writes its files.
+fn tell<B: Bodies>(
+    arguments: &Arguments,
+    world: &World,
+    trial: &Trial<B>,
+    engine: &str,
+    clock: Instant,
+) -> Result<(), Box<dyn Error>> {
+    let seconds = clock.elapsed().as_secs_f64();
     let mut from_start = world.clone();
     from_start.start = trial.track(0).poses.first().copied();
     let truth = Truth::new(&from_start, &trial.settings().body)?;
-    let mut report = trial.report(&world, &truth, ENGINE)?;
+    let mut report = trial.report(world, &truth, engine)?;
     table::print(&report);
     println!(
         "\n{:.0} simulated seconds took {seconds:.2} s, {:.0} times as fast as real time",
@@ -77,20 +115,20 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let (mut questions, mut answers) = (std::io::stdout(), std::io::stdin().lock());
         report.feedback = Some(ask(&report.session(), &mut answers, &mut questions)?);
     }
-    for path in output::write(folder, &trial, &truth, &report, ENGINE)? {
+    for path in output::write(&arguments.out, trial, &truth, &report, engine)? {
         println!("wrote {}", path.display());
     }
     Ok(())
 }
 
-/// Drives a trial to its end.
-fn run(arguments: &Arguments) -> Result<(World, Trial<FlatSimulator>), Box<dyn Error>> {
-    let world = arguments.world()?;
-    let settings = arguments.settings(&world)?;
-    let flat = Arc::new(FlatWorld::new(&world, &settings.body));
-    let limit = settings.time_limit.min(settings.body.battery);
-    let mut trial = Trial::flat_in(&world, flat, settings)?;
-    let bar = progress(limit);
+/// Drives a trial of the flat simulator to its end.
+fn run_flat(
+    world: &World,
+    settings: TrialSettings,
+    bar: &ProgressBar,
+) -> Result<Trial<FlatSimulator>, Box<dyn Error>> {
+    let flat = Arc::new(FlatWorld::new(world, &settings.body));
+    let mut trial = Trial::flat_in(world, flat, settings)?;
     let mut ticks = 0_u64;
     while trial.step() {
         ticks += 1;
@@ -99,20 +137,7 @@ fn run(arguments: &Arguments) -> Result<(World, Trial<FlatSimulator>), Box<dyn E
         }
     }
     bar.finish_and_clear();
-    Ok((world, trial))
-}
-
-/// Runs a log again.
-fn replay(path: &std::path::Path) -> Result<(World, Trial<FlatSimulator>), Box<dyn Error>> {
-    let of_file = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let file = File::open(path).map_err(|error| of_file(&error))?;
-    let log = TrialLog::read(&mut BufReader::new(file)).map_err(|error| of_file(&error))?;
-    if log.engine != ENGINE {
-        let text = format!("engine is `{}`, this example replays `{ENGINE}`", log.engine);
-        return Err(of_file(&text).into());
-    }
-    let world = log.world.world()?;
-    Ok((world, log.replay()?))
+    Ok(trial)
 }
 
 /// A bar of simulated seconds on stderr; nothing where that is no terminal.

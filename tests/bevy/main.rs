@@ -5,7 +5,9 @@ mod doors;
 mod files;
 mod manners;
 mod physics;
+mod robot;
 mod streaming;
+mod trial;
 mod worlds;
 
 use bevy::prelude::*;

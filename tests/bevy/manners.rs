@@ -29,7 +29,7 @@ fn refuse_ambiguities(app: &mut App) {
 
 #[test]
 fn no_two_of_our_systems_are_ambiguous() {
-    let mut app = test_app();
+    let mut app = test_app_with((EnvgenPlugins::default(), TrialPlugin::default()));
     refuse_ambiguities(&mut app);
     app.world_mut().spawn((hallway(), DoorSchedule::default()));
     step(&mut app, 3);

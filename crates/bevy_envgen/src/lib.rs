@@ -38,13 +38,17 @@
 //! | `EnvgenAssetPlugin` | `asset` | `.envgen.ron` and `.room.ron` files |
 //! | `EnvgenPhysicsPlugin` | `physics` | rapier colliders, doors that move |
 //! | `EnvgenVisualsPlugin` | `render` | meshes and colours |
+//! | `RobotPlugin` | `trial` | not of the group: robots that drive and sense in rapier |
+//! | `TrialPlugin` | `trial` | not of the group: mapping trials, with `RobotPlugin` |
 //! | `TopDownPhysicsPlugin` | `physics` | not of the group: rapier itself, without gravity, in fixed steps |
 //!
 //! # System sets
 //!
 //! All in the schedule of [`EnvgenPlugins::in_schedule`], `Update` by default, in the order of
 //! [`EnvgenSystems`]: `Request`, `Collect`, `Spawn`, `Stream`, `Notify`. Transforms are watched in
-//! `PostUpdate`; doors move in `DoorSystems`, in `FixedUpdate` by default.
+//! `PostUpdate`; doors move in `DoorSystems`, in `FixedUpdate` by default. There robots and trials go
+//! around rapier: `TrialSystems::Command`, `RobotSystems::Drive`, rapier's `PhysicsSet`,
+//! `RobotSystems::Sense`, `TrialSystems::Record`.
 //!
 //! # Features
 //!
@@ -56,6 +60,7 @@
 //! | `file_watcher` | no | files that change are loaded again |
 //! | `render` | no | meshes; with the features that build on it the only one with rendering crates |
 //! | `capture` | no | pictures and films of cameras, with or without a window |
+//! | `trial` | no | robots in rapier, and mapping trials with them, by `mapping_trial` |
 //! | `serialize` | no | serde for the components of parts |
 
 #[cfg(feature = "asset")]
@@ -68,12 +73,16 @@ pub mod part;
 #[cfg(feature = "physics")]
 pub mod physics;
 mod plan;
+#[cfg(feature = "trial")]
+pub mod robot;
 mod shape;
 mod spawn;
 mod streaming;
 #[cfg(any(feature = "physics", feature = "render"))]
 mod tessellate;
 pub mod testing;
+#[cfg(feature = "trial")]
+pub mod trial;
 #[cfg(feature = "render")]
 pub mod visuals;
 
@@ -86,6 +95,8 @@ use bevy::transform::TransformSystems;
 #[cfg(feature = "physics")]
 pub use bevy_rapier2d;
 pub use envgen;
+#[cfg(feature = "trial")]
+pub use mapping_trial;
 
 pub use environment::{
     EndlessTruth, Environment, EnvironmentError, EnvironmentFailed, EnvironmentReady,
@@ -108,6 +119,16 @@ pub mod prelude {
     #[cfg(feature = "physics")]
     pub use crate::physics::{
         ColliderSettings, Door, DoorSchedule, EnvgenPhysicsPlugin, Merge, TopDownPhysicsPlugin,
+    };
+    #[cfg(feature = "trial")]
+    pub use crate::robot::{
+        Battery, Bumper, Chassis, DriveCommand, LaserScan, LaserScanner, RobotModel, RobotPlugin,
+        RobotSystems, TruePose, WheelOdometry,
+    };
+    #[cfg(feature = "trial")]
+    pub use crate::trial::{
+        Hands, MappingTrial, TrialEnded, TrialFailed, TrialPlugin, TrialRobot, TrialStarted,
+        TrialSystems,
     };
     #[cfg(feature = "render")]
     pub use crate::visuals::{EnvgenVisualsPlugin, Palette};

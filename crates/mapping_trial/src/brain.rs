@@ -18,8 +18,8 @@ const TICKS_A_DECISION: u64 = 2;
 /// A person takes the operator's half: a brain without an operator makes the map and estimates the
 /// poses, and leaves the commands to the caller.
 pub struct Brain {
-    slam: Box<dyn Slam + Send>,
-    operator: Option<Box<dyn Operator + Send>>,
+    slam: Box<dyn Slam + Send + Sync>,
+    operator: Option<Box<dyn Operator + Send + Sync>>,
     body: Robot,
     laser: LaserProfile,
     /// Each robot's last scan, empty before the first.

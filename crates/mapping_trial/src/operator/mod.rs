@@ -92,7 +92,7 @@ pub fn build(
     robots: usize,
     robot: &Robot,
     laser: &LaserProfile,
-) -> Box<dyn Operator + Send> {
+) -> Box<dyn Operator + Send + Sync> {
     let navigator = navigator::Navigator::new(robots, robot, laser);
     match kind {
         OperatorKind::Nearest => Box::new(nearest::Nearest(navigator)),

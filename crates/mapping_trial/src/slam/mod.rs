@@ -78,7 +78,7 @@ impl SlamKind {
         starts: &[Pose],
         robot: &Robot,
         laser: &LaserProfile,
-    ) -> Box<dyn Slam + Send> {
+    ) -> Box<dyn Slam + Send + Sync> {
         match self {
             SlamKind::DeadReckoning => Box::new(DeadReckoning::new(starts, robot, laser)),
             SlamKind::ScanToMap => Box::new(ScanToMap::new(starts, robot, laser)),

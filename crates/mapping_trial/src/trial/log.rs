@@ -194,6 +194,11 @@ impl TrialLog {
         self.commands.first().map_or(0, CommandTrack::ticks)
     }
 
+    /// The commands of a robot, tick by tick; none for a robot that the trial did not have.
+    pub fn commands(&self, robot: usize) -> impl Iterator<Item = Command> + '_ {
+        self.commands.get(robot).into_iter().flat_map(CommandTrack::iter)
+    }
+
     /// Runs a trial of the flat simulator again, to the last bit.
     ///
     /// # Errors

@@ -1,0 +1,93 @@
+//! From commands to wheels, and from wheels to bodies.
+
+use bevy::prelude::*;
+use bevy_rapier2d::prelude::{DefaultRapierContext, RapierRigidBodySet, RigidBody, Velocity};
+use envgen::geometry::{Pose, unit_vector};
+use mapping_trial::body::Command;
+
+use super::ground::Terrain;
+use super::model::{Battery, Chassis, DriveCommand, RobotCondition, RobotModel, Wheels};
+
+/// Acceleration of gravity in m/s^2.
+const G: f64 = 9.81;
+
+/// Lets wheels follow their commands, and the ground push the bodies.
+pub(super) fn drive(
+    time: Res<Time>,
+    mut robots: Query<(
+        Entity,
+        &RobotModel,
+        &DriveCommand,
+        &Chassis,
+        &RobotCondition,
+        Option<&Battery>,
+        &mut Wheels,
+        &mut Velocity,
+        &mut RigidBody,
+    )>,
+    bodies: Query<&RapierRigidBodySet, With<DefaultRapierContext>>,
+    terrain: Terrain,
+) {
+    let Ok(bodies) = bodies.single() else { return };
+    let dt = time.delta_secs_f64();
+    if dt <= 0.0 {
+        return;
+    }
+    for (entity, model, command, chassis, condition, battery, mut wheels, mut velocity, mut kind) in
+        &mut robots
+    {
+        // What is lost is not even pushed.
+        if *condition == RobotCondition::Drowned {
+            kind.set_if_neq(RigidBody::Fixed);
+            wheels.set_if_neq(Wheels::default());
+            continue;
+        }
+        let Some(pose) = pose_of(bodies, entity) else { continue };
+        let empty = battery.is_some_and(|battery| battery.left <= 0.0);
+        let command = if empty { Command::STOP } else { command.0 };
+
+        let limit = model.max_speed * terrain.at(pose.position).speed;
+        let last = wheels.motion(chassis.track);
+        let wanted = finite(command.speed).clamp(-limit, limit);
+        let speed = toward(last.speed, wanted, model.acceleration * dt);
+        let wanted = finite(command.turn_rate).clamp(-model.max_turn_rate, model.max_turn_rate);
+        let turn_rate = toward(last.turn_rate, wanted, model.turn_acceleration * dt);
+
+        let ahead = unit_vector(pose.heading + 0.5 * turn_rate * dt);
+        let there = terrain.at(pose.position + ahead * speed * dt);
+        let bogged = there.speed == 0.0 && !there.water;
+        let speed = if bogged { 0.0 } else { speed };
+        wheels.bogged = bogged;
+        wheels.set(Command { speed, turn_rate }, chassis.track);
+
+        // Coulomb's law for the contact of wheels and ground, ahead and sideways as one.
+        let grip = f64::from(chassis.grip) * G * dt;
+        let now = velocity.linear.as_dvec2();
+        let wanted = ahead * speed;
+        let linear = if bogged { wanted } else { now + (wanted - now).clamp_length_max(grip) };
+        // The same force at half the track turns the body, whose inertia is a box's.
+        let radius2 = (model.length * model.length + model.width * model.width) / 12.0;
+        let spin = grip * 0.5 * chassis.track / radius2;
+        let angular = toward(f64::from(velocity.angular), turn_rate, spin);
+        let pushed = Velocity { linear: linear.as_vec2(), angular: angular as f32 };
+        velocity.set_if_neq(pushed);
+    }
+}
+
+/// Where a body is after the last step; `None` before rapier knows it.
+pub(super) fn pose_of(bodies: &RapierRigidBodySet, entity: Entity) -> Option<Pose> {
+    let handle = bodies.entity2body().get(&entity)?;
+    let at = bodies.bodies.get(*handle)?.position();
+    let heading = libm::atan2(f64::from(at.rotation.im), f64::from(at.rotation.re));
+    Some(Pose { position: at.translation.as_dvec2(), heading })
+}
+
+/// A number that is none counts as standing still.
+fn finite(value: f64) -> f64 {
+    if value.is_finite() { value } else { 0.0 }
+}
+
+/// One step of at most `change` from a value towards another.
+fn toward(value: f64, wanted: f64, change: f64) -> f64 {
+    value + (wanted - value).clamp(-change, change)
+}

@@ -1,0 +1,48 @@
+//! What robots drive on.
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use envgen::glam::DVec2;
+use envgen::ground::{Ground, Grounds};
+
+use crate::environment::{Environment, GroundTruth};
+
+/// The surfaces of an environment, indexed.
+#[derive(Component)]
+pub(super) struct GroundIndex(Grounds);
+
+/// Indexes the surfaces of worlds that are new.
+pub(super) fn index(
+    worlds: Query<(Entity, &GroundTruth), Changed<GroundTruth>>,
+    gone: Query<Entity, (With<GroundIndex>, Without<GroundTruth>)>,
+    mut commands: Commands,
+) {
+    for (entity, truth) in &worlds {
+        commands.entity(entity).try_insert(GroundIndex(Grounds::new(truth)));
+    }
+    for entity in &gone {
+        commands.entity(entity).try_remove::<GroundIndex>();
+    }
+}
+
+/// The ground of all environments.
+#[derive(SystemParam)]
+pub(super) struct Terrain<'w, 's> {
+    worlds: Query<'w, 's, (&'static GroundIndex, &'static Environment, &'static GlobalTransform)>,
+}
+
+impl Terrain<'_, '_> {
+    /// The ground at a point of rapier's world; the worst of each where environments overlap.
+    pub(super) fn at(&self, p: DVec2) -> Ground {
+        self.worlds.iter().fold(Ground::PLAIN, |worst, (index, environment, transform)| {
+            let affine = transform.affine().as_daffine3().inverse();
+            let local = affine.transform_point3(p.extend(0.0)).truncate() + environment.origin;
+            let ground = index.0.at(local);
+            Ground {
+                speed: worst.speed.min(ground.speed),
+                odometry_noise: worst.odometry_noise.max(ground.odometry_noise),
+                water: worst.water || ground.water,
+            }
+        })
+    }
+}

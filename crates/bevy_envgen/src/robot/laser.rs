@@ -1,0 +1,92 @@
+//! Lasers that see what rapier knows.
+
+use bevy::prelude::*;
+use bevy_rapier2d::prelude::{QueryFilter, ReadRapierContext};
+use envgen::Seed;
+use envgen::geometry::{Pose, unit_vector};
+use mapping_trial::lidar::{Laser, LaserProfile};
+
+use super::model::{RobotModel, TruePose};
+
+/// A laser at the place that the robot's model gives it.
+///
+/// It sees every collider but the robot's own and sensors: walls, doors as far as they are closed,
+/// other robots, and whatever else there is. A scan is taken in the first step and then every so
+/// many steps as the profile says; it is in [`LaserScan`].
+#[derive(Component, Clone, Debug, Reflect)]
+#[reflect(opaque)]
+#[reflect(Component, Debug, Clone)]
+#[require(LaserScan)]
+pub struct LaserScanner {
+    laser: Laser,
+    /// Steps until the next scan.
+    wait: u32,
+}
+
+impl LaserScanner {
+    /// The laser of the robot of number `robot` in the run of a seed, which its noise follows from.
+    pub fn new(profile: LaserProfile, seed: u64, robot: u64) -> Self {
+        LaserScanner { laser: Laser::new(profile, Seed(seed), robot), wait: 0 }
+    }
+
+    /// What it measures.
+    pub fn profile(&self) -> &LaserProfile {
+        self.laser.profile()
+    }
+}
+
+impl Default for LaserScanner {
+    /// SICK's LMS 200 with the noise of seed 0.
+    fn default() -> Self {
+        LaserScanner::new(LaserProfile::default(), 0, 0)
+    }
+}
+
+/// The last scan of a [`LaserScanner`].
+#[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct LaserScan {
+    /// One range in metres a beam, from right to left: infinite where nothing was met, NaN where
+    /// the beam is to be ignored.
+    pub ranges: Vec<f64>,
+    /// Where the laser was, in the frame of rapier's world.
+    #[reflect(ignore)]
+    pub pose: Pose,
+    /// How many scans there were so far, 0 before the first.
+    pub number: u64,
+}
+
+/// Takes the scans that are due.
+pub(super) fn scan(
+    mut robots: Query<(Entity, &RobotModel, &TruePose, &mut LaserScanner, &mut LaserScan)>,
+    rapier: ReadRapierContext,
+    mut exact: Local<Vec<f64>>,
+) {
+    let Ok(rapier) = rapier.single() else { return };
+    for (entity, model, pose, mut scanner, mut scan) in &mut robots {
+        if !rapier.rigidbody_set.entity2body().contains_key(&entity) {
+            continue;
+        }
+        if scanner.wait > 0 {
+            scanner.wait -= 1;
+            continue;
+        }
+        scanner.wait = scanner.profile().ticks_a_scan.max(1) - 1;
+        let from = model.laser_pose(pose.0);
+        let origin = from.position.as_vec2();
+        let filter = QueryFilter::new().exclude_rigid_body(entity).exclude_sensors();
+        rapier.with_query_pipeline(filter, |rays| {
+            let profile = scanner.profile();
+            exact.clear();
+            exact.extend((0..profile.beams as usize).map(|beam| {
+                let along = unit_vector(from.heading + profile.angle(beam)).as_vec2();
+                let hit = rays.cast_ray(origin, along, profile.max_range as f32, true);
+                hit.map_or(profile.max_range, |(_, range)| f64::from(range))
+            }));
+        });
+        let measured = scanner.laser.measure(&exact);
+        scan.ranges = measured.ranges;
+        scan.pose = from;
+        scan.number += 1;
+    }
+}

@@ -1,0 +1,202 @@
+//! The components of a robot.
+
+use bevy::prelude::*;
+use bevy_rapier2d::prelude::{
+    AdditionalMassProperties, Collider, ColliderMassProperties, Friction, RigidBody, Sleeping,
+    Velocity,
+};
+use envgen::Seed;
+use envgen::geometry::Pose;
+use mapping_trial::body::Command;
+use mapping_trial::odometry::{Increment, Odometry, OdometryProfile};
+use mapping_trial::robot::Robot;
+
+/// Makes an entity a robot of these numbers; the default is the Pioneer 3-AT.
+///
+/// It is a dynamic body of rapier with a box of the model's length and width, which is put on when
+/// the component is inserted, unless the entity has a collider of its own. Robots of other numbers
+/// can be read from RON: [`Robot`] is serde's.
+#[derive(Component, Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
+#[reflect(opaque)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+#[require(
+    DriveCommand,
+    Chassis,
+    Wheels,
+    Bumper,
+    RobotCondition,
+    TruePose,
+    Transform,
+    RigidBody = RigidBody::Dynamic,
+    Velocity,
+    Friction = Friction::coefficient(0.3),
+    Sleeping = Sleeping::disabled()
+)]
+pub struct RobotModel(pub Robot);
+
+/// What a robot is told to do, until it is told otherwise. Numbers that are none, or beyond the
+/// model's limits, are cut to them.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
+#[reflect(opaque)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct DriveCommand(pub Command);
+
+/// Weight and wheels of a robot; the default is the Pioneer 3-AT.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct Chassis {
+    /// Mass in kg.
+    pub mass: f32,
+    /// Coefficient of friction of the wheels on the ground, which bounds the force that they push
+    /// with.
+    pub grip: f32,
+    /// Effective track of the skid-steered wheels in metres: wider than the geometric one, since
+    /// wheels that turn a robot slip sideways.
+    pub track: f64,
+}
+
+impl Default for Chassis {
+    fn default() -> Self {
+        Chassis { mass: 12.0, grip: 0.6, track: 0.588 }
+    }
+}
+
+/// How fast the wheels of either side turn, as speed over ground in m/s.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct Wheels {
+    /// Speed of the left wheels.
+    pub left: f64,
+    /// Speed of the right wheels.
+    pub right: f64,
+    /// Whether ground on which it cannot drive stopped it in the last step.
+    pub(super) bogged: bool,
+    /// Whether it was felt before, so that the next motion is one.
+    pub(super) placed: bool,
+}
+
+impl Wheels {
+    /// Speed ahead in m/s, and rate of turning in rad/s, of wheels that far apart.
+    pub fn motion(&self, track: f64) -> Command {
+        let Wheels { left, right, .. } = *self;
+        Command { speed: 0.5 * (left + right), turn_rate: (right - left) / track }
+    }
+
+    pub(super) fn set(&mut self, motion: Command, track: f64) {
+        let half = 0.5 * motion.turn_rate * track;
+        (self.left, self.right) = (motion.speed - half, motion.speed + half);
+    }
+}
+
+/// Where a robot truly is after the last step, in the frame of rapier's world: metres and radians.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deref, Reflect)]
+#[reflect(opaque)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct TruePose(pub Pose);
+
+/// What a robot's bumper feels.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct Bumper {
+    /// Whether it touches something solid, or is stopped by the ground.
+    pub touching: bool,
+    /// How often it has run into something: contacts with at least 10 steps without one between.
+    pub hits: u32,
+    /// Steps since it last touched something.
+    pub(super) clear: u32,
+}
+
+impl Bumper {
+    /// Steps without a contact after which the next one is another hit.
+    const STEPS_BETWEEN_HITS: u32 = 10;
+
+    pub(super) fn feel(&mut self, touching: bool) {
+        if touching && self.clear >= Bumper::STEPS_BETWEEN_HITS {
+            self.hits += 1;
+        }
+        self.clear = if touching { 0 } else { self.clear.saturating_add(1) };
+        self.touching = touching;
+    }
+}
+
+impl Default for Bumper {
+    fn default() -> Self {
+        Bumper { touching: false, hits: 0, clear: Bumper::STEPS_BETWEEN_HITS }
+    }
+}
+
+/// What is left in a robot's battery. An empty one stops the robot. It is put on with the
+/// [`RobotModel`], full.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug, PartialEq, Clone)]
+pub struct Battery {
+    /// Seconds that it still lasts.
+    pub left: f64,
+}
+
+/// What became of a robot.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub enum RobotCondition {
+    /// It drives.
+    #[default]
+    Able,
+    /// It drove into water and stays where it is.
+    Drowned,
+}
+
+/// Measures the motion of a robot with the errors of a profile.
+#[derive(Component, Debug, Reflect)]
+#[reflect(from_reflect = false)]
+#[reflect(Component)]
+pub struct WheelOdometry {
+    /// Metres ahead in the last step, as measured.
+    pub distance: f64,
+    /// Radians turned in the last step, as measured.
+    pub turn: f64,
+    #[reflect(ignore)]
+    wheels: Odometry,
+}
+
+impl WheelOdometry {
+    /// The wheels of the robot of number `robot` in the run of a seed.
+    pub fn new(profile: OdometryProfile, seed: u64, robot: u64) -> Self {
+        let wheels = Odometry::new(profile, Seed(seed), robot);
+        WheelOdometry { distance: 0.0, turn: 0.0, wheels }
+    }
+
+    /// What was measured in the last step.
+    pub fn last(&self) -> Increment {
+        Increment { distance: self.distance, turn: self.turn }
+    }
+
+    pub(super) fn measure(&mut self, motion: Increment, noise: f64) {
+        let measured = self.wheels.measure(motion, noise);
+        (self.distance, self.turn) = (measured.distance, measured.turn);
+    }
+}
+
+/// Has a collider that follows from the model.
+#[derive(Component)]
+pub(super) struct Fitted;
+
+/// Puts a box, its mass and a full battery on a robot.
+pub(super) fn fit(
+    fit: On<Insert, RobotModel>,
+    models: Query<(&RobotModel, &Chassis, Has<Collider>, Has<Fitted>)>,
+    mut commands: Commands,
+) {
+    let Ok((model, chassis, collides, fitted)) = models.get(fit.entity) else { return };
+    let mut robot = commands.entity(fit.entity);
+    robot.insert_if_new(Battery { left: model.battery });
+    if !collides || fitted {
+        let (half_length, half_width) = (0.5 * model.length as f32, 0.5 * model.width as f32);
+        robot.insert((
+            Fitted,
+            Collider::cuboid(half_length, half_width),
+            ColliderMassProperties::Mass(chassis.mass),
+        ));
+    } else {
+        robot.insert_if_new(AdditionalMassProperties::Mass(chassis.mass));
+    }
+}

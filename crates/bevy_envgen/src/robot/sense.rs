@@ -1,0 +1,79 @@
+//! What robots feel after a step: where they are, what they touch, what their wheels turned.
+
+use bevy::prelude::*;
+use bevy_rapier2d::prelude::ReadRapierContext;
+use bevy_rapier2d::prelude::systemparams::RapierContext;
+use envgen::geometry::{unit_vector, wrap_angle};
+use mapping_trial::body::Command;
+use mapping_trial::odometry::Increment;
+
+use super::drive::pose_of;
+use super::ground::Terrain;
+use super::model::{
+    Battery, Bumper, Chassis, RobotCondition, RobotModel, TruePose, WheelOdometry, Wheels,
+};
+
+/// Reads poses, contacts, odometry and batteries.
+pub(super) fn sense(
+    time: Res<Time>,
+    mut robots: Query<
+        (
+            Entity,
+            &Chassis,
+            &mut Wheels,
+            &mut TruePose,
+            &mut Bumper,
+            &mut RobotCondition,
+            Option<&mut WheelOdometry>,
+            Option<&mut Battery>,
+        ),
+        With<RobotModel>,
+    >,
+    rapier: ReadRapierContext,
+    terrain: Terrain,
+) {
+    let Ok(rapier) = rapier.single() else { return };
+    let dt = time.delta_secs_f64();
+    for (entity, chassis, mut wheels, mut truth, mut bumper, mut condition, odometry, battery) in
+        &mut robots
+    {
+        let Some(pose) = pose_of(rapier.rigidbody_set, entity) else { continue };
+        let from = if wheels.placed { truth.0 } else { pose };
+        wheels.placed = true;
+        let turn = wrap_angle(pose.heading - from.heading);
+        let ahead = unit_vector(from.heading + 0.5 * turn);
+        let distance = (pose.position - from.position).dot(ahead);
+        truth.set_if_neq(TruePose(pose));
+        if let Some(mut battery) = battery {
+            battery.left = (battery.left - dt).max(0.0);
+        }
+        if *condition == RobotCondition::Drowned {
+            if let Some(mut odometry) = odometry {
+                odometry.measure(Increment::default(), 1.0);
+            }
+            continue;
+        }
+        let touching = wheels.bogged || touches(&rapier, entity);
+        bumper.feel(touching);
+        if touching && dt > 0.0 {
+            // What stops the body stops its wheels.
+            let motion = Command { speed: distance / dt, turn_rate: turn / dt };
+            wheels.set(motion, chassis.track);
+        }
+        if let Some(mut odometry) = odometry {
+            let noise = terrain.at(from.position).odometry_noise;
+            odometry.measure(Increment { distance, turn }, noise);
+        }
+        if terrain.at(pose.position).water {
+            *condition = RobotCondition::Drowned;
+        }
+    }
+}
+
+/// Whether a body presses against something solid.
+fn touches(rapier: &RapierContext, entity: Entity) -> bool {
+    rapier
+        .simulation
+        .contact_pairs_with(rapier.colliders, rapier.rigidbody_set, entity)
+        .any(|pair| pair.raw.total_impulse_magnitude() > 0.0)
+}

@@ -1,0 +1,126 @@
+//! Trials without an app of one's own.
+
+use std::time::Duration;
+
+use bevy::app::TaskPoolPlugin;
+use bevy::ecs::schedule::SingleThreadedExecutor;
+use bevy::prelude::*;
+use bevy::time::{TimePlugin, TimeUpdateStrategy};
+use mapping_trial::body::TICK;
+use mapping_trial::trial::{Trial, TrialLog, TrialSettings};
+use thiserror::Error;
+
+use super::{MappingTrial, MappingTrialError, RapierBodies, TrialFailed, TrialPlugin};
+use crate::EnvgenCorePlugin;
+use crate::environment::{Environment, EnvironmentError, EnvironmentFailed, Pace};
+use crate::physics::{ColliderSettings, EnvgenPhysicsPlugin, Merge, TopDownPhysicsPlugin};
+
+/// Ticks between two calls of the callback for progress.
+const TICKS_A_CALL: u64 = 200;
+
+/// Why a trial cannot be run headless.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum HeadlessError {
+    /// The world is not sound.
+    #[error(transparent)]
+    World(#[from] EnvironmentError),
+    /// The trial cannot begin.
+    #[error(transparent)]
+    Trial(#[from] MappingTrialError),
+    /// The trial did not begin, and nothing said why.
+    #[error("the trial did not begin")]
+    Stalled,
+}
+
+/// Runs a trial in rapier to its end, as fast as it goes, on this thread alone. `progress` is
+/// called now and then with the simulated seconds so far.
+///
+/// # Errors
+///
+/// A world that is not sound; settings that are not allowed, or a start that is not free.
+pub fn run_headless(
+    world: &envgen::World,
+    settings: TrialSettings,
+    progress: impl FnMut(f64),
+) -> Result<Trial<RapierBodies>, HeadlessError> {
+    drive(world.clone(), MappingTrial::new(settings), progress)
+}
+
+/// Runs a log of engine [`ENGINE`](super::ENGINE) again, in `world`, which must be the log's.
+///
+/// # Errors
+///
+/// As [`run_headless`]; another world or engine than the log's.
+pub fn replay_headless(
+    world: &envgen::World,
+    log: TrialLog,
+    progress: impl FnMut(f64),
+) -> Result<Trial<RapierBodies>, HeadlessError> {
+    drive(world.clone(), MappingTrial::replay(log), progress)
+}
+
+/// The last reason why nothing comes of it.
+#[derive(Resource)]
+struct Failure(HeadlessError);
+
+fn drive(
+    world: envgen::World,
+    trial: MappingTrial,
+    mut progress: impl FnMut(f64),
+) -> Result<Trial<RapierBodies>, HeadlessError> {
+    let mut app = app();
+    let environment = Environment::from_world(world).with_pace(Pace::InPlace);
+    let entity = app.world_mut().spawn((environment, trial)).id();
+    let mut ticks = 0_u64;
+    loop {
+        app.update();
+        ticks += 1;
+        if let Some(Failure(error)) = app.world_mut().remove_resource() {
+            return Err(error);
+        }
+        let mut root = app.world_mut().entity_mut(entity);
+        let trial = root.get::<MappingTrial>().ok_or(HeadlessError::Stalled)?;
+        if trial.is_over() {
+            let trial = root.take::<MappingTrial>().and_then(MappingTrial::into_trial);
+            return trial.ok_or(HeadlessError::Stalled);
+        }
+        let time = trial.trial().map(Trial::time);
+        if time.is_none() && ticks > TICKS_A_CALL {
+            return Err(HeadlessError::Stalled);
+        }
+        if ticks.is_multiple_of(TICKS_A_CALL) {
+            progress(time.unwrap_or(0.0));
+        }
+    }
+}
+
+/// An app in which an update is a tick, with no more plugins than a trial needs.
+fn app() -> App {
+    let mut app = App::new();
+    // Colliders in one piece make rapier faster, and surfaces need none: robots ask the world.
+    let colliders = ColliderSettings { merge: Merge::Always, sensors: false, ..default() };
+    app.add_plugins((
+        TaskPoolPlugin::default(),
+        TimePlugin,
+        TransformPlugin,
+        TopDownPhysicsPlugin::for_trials(),
+        EnvgenCorePlugin::default(),
+        EnvgenPhysicsPlugin::default().with_colliders(colliders),
+        TrialPlugin::default(),
+    ));
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(TICK)));
+    app.add_observer(|failed: On<EnvironmentFailed>, mut commands: Commands| {
+        commands.insert_resource(Failure(failed.error.clone().into()));
+    });
+    app.add_observer(|failed: On<TrialFailed>, mut commands: Commands| {
+        commands.insert_resource(Failure(failed.error.clone().into()));
+    });
+    // The systems are many and short: threads would only wait for each other.
+    for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
+        schedule.set_executor(SingleThreadedExecutor::new());
+    }
+    app.finish();
+    app.cleanup();
+    app
+}

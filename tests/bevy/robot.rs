@@ -1,0 +1,156 @@
+//! Robots in rapier.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use bevy_envgen::bevy_rapier2d::prelude::{Collider, RigidBody, Sensor};
+use bevy_envgen::envgen::geometry::{Rect, Shape};
+use bevy_envgen::envgen::glam::DVec2;
+use bevy_envgen::envgen::world::{Surface as Ground, SurfaceKind, Wall as Side, WallKind};
+use bevy_envgen::envgen::{Provenance, World as EnvWorld};
+use bevy_envgen::mapping_trial::body::Command;
+use bevy_envgen::mapping_trial::lidar::LaserProfile;
+use bevy_envgen::mapping_trial::odometry::OdometryProfile;
+use bevy_envgen::prelude::*;
+use bevy_envgen::robot::RobotCondition;
+use bevy_envgen::testing::{spawn_ready, step, test_app_with};
+
+/// A room of walls without thickness.
+fn room(width: f64, height: f64) -> EnvWorld {
+    let bounds = Rect::new(DVec2::ZERO, DVec2::new(width, height));
+    let mut world = EnvWorld::new(Provenance::other("test", serde_json::Value::Null), bounds);
+    let corners = Shape::from_rect(bounds).corners();
+    world.walls = bevy_envgen::envgen::geometry::edges(&corners)
+        .map(|(a, b)| Side { kind: WallKind::Wall, shape: Shape::Segment { a, b } })
+        .collect();
+    world
+}
+
+/// An app of 64 steps a second with robots, in a world.
+fn app(world: EnvWorld) -> App {
+    let mut app = test_app_with((EnvgenPlugins::default(), RobotPlugin::default()));
+    spawn_ready(&mut app, Environment::from_world(Arc::new(world))).unwrap();
+    app
+}
+
+fn robot(app: &mut App, x: f32, y: f32) -> Entity {
+    let sensors = (
+        LaserScanner::new(LaserProfile { ticks_a_scan: 1, ..LaserProfile::USARSIM }, 1, 0),
+        WheelOdometry::new(OdometryProfile::EXACT, 1, 0),
+    );
+    let robot = app.world_mut().spawn((RobotModel::default(), Transform::from_xyz(x, y, 0.0)));
+    let robot = { robot }.insert(sensors).id();
+    step(app, 2);
+    robot
+}
+
+/// Drives for so many seconds; the way that the wheels measured.
+fn drive(app: &mut App, robot: Entity, speed: f64, turn_rate: f64, seconds: f64) -> (f64, f64) {
+    *app.world_mut().get_mut::<DriveCommand>(robot).unwrap() =
+        DriveCommand(Command { speed, turn_rate });
+    let mut total = (0.0, 0.0);
+    for _ in 0..(seconds * 64.0) as usize {
+        app.update();
+        let measured = app.world().get::<WheelOdometry>(robot).unwrap().last();
+        total = (total.0 + measured.distance, total.1 + measured.turn);
+    }
+    total
+}
+
+fn position(app: &App, robot: Entity) -> DVec2 {
+    app.world().get::<TruePose>(robot).unwrap().position
+}
+
+fn ahead(app: &App, robot: Entity) -> f64 {
+    app.world().get::<LaserScan>(robot).unwrap().ranges[90]
+}
+
+#[test]
+fn a_robot_drives_as_its_wheels_say() {
+    let mut app = app(room(20.0, 20.0));
+    let robot = robot(&mut app, 5.0, 10.0);
+    let (way, turn) = drive(&mut app, robot, 0.5, 0.0, 10.0);
+    // A second to reach 0.5 m/s at 0.5 m/s^2.
+    assert!((way - 4.75).abs() < 0.03 && turn.abs() < 1e-4, "{way} {turn}");
+    assert!((position(&app, robot).x - 5.0 - way).abs() < 1e-4);
+    let (_, turned) = drive(&mut app, robot, 0.0, 9.0, 5.0);
+    assert!(turned < 1.4 * 5.0 && turned > 1.4 * 4.0, "{turned}");
+    assert_eq!(app.world().get::<Bumper>(robot).unwrap().hits, 0);
+}
+
+#[test]
+fn a_wall_stops_and_is_one_hit() {
+    let mut app = app(room(10.0, 10.0));
+    let robot = robot(&mut app, 5.0, 5.0);
+    drive(&mut app, robot, 0.7, 0.0, 20.0);
+    let x = position(&app, robot).x;
+    assert!((x - (10.0 - 0.254)).abs() < 0.01, "{x}");
+    let bumper = *app.world().get::<Bumper>(robot).unwrap();
+    assert!(bumper.touching && bumper.hits == 1, "{bumper:?}");
+    let (stalled, _) = drive(&mut app, robot, 0.7, 0.0, 1.0);
+    assert!(stalled.abs() < 0.01, "stalled wheels measure {stalled}");
+    drive(&mut app, robot, -0.5, 0.0, 3.0);
+    assert!(!app.world().get::<Bumper>(robot).unwrap().touching);
+    drive(&mut app, robot, 0.5, 0.0, 5.0);
+    assert_eq!(app.world().get::<Bumper>(robot).unwrap().hits, 2);
+}
+
+#[test]
+fn no_wall_is_driven_through() {
+    let mut app = app(room(3.0, 3.0));
+    let robot = robot(&mut app, 1.5, 1.5);
+    for turn_rate in [0.0, 0.3, -0.7, 1.4, -1.4, 0.1] {
+        for speed in [9.0, -9.0] {
+            drive(&mut app, robot, speed, turn_rate, 6.0);
+            let at = position(&app, robot);
+            assert!(at.min_element() > 0.23 && at.max_element() < 2.77, "{at}");
+        }
+    }
+}
+
+#[test]
+fn a_laser_sees_what_stands_there_and_no_sensor() {
+    let mut app = app(room(10.0, 10.0));
+    let robot = robot(&mut app, 3.0, 5.0);
+    let free = 10.0 - 3.0 - 0.21;
+    assert!((ahead(&app, robot) - free).abs() < 0.011, "{}", ahead(&app, robot));
+    let at = Transform::from_xyz(5.0, 5.0, 0.0);
+    let ghost = app.world_mut().spawn((at, Collider::ball(0.5), Sensor)).id();
+    step(&mut app, 2);
+    assert!((ahead(&app, robot) - free).abs() < 0.011);
+    app.world_mut().despawn(ghost);
+    let person = app.world_mut().spawn((at, Collider::ball(0.5), RigidBody::Fixed)).id();
+    step(&mut app, 2);
+    assert!((ahead(&app, robot) - (2.0 - 0.21 - 0.5)).abs() < 0.011, "{}", ahead(&app, robot));
+    app.world_mut().despawn(person);
+    let other = app.world_mut().spawn((RobotModel::default(), at)).id();
+    step(&mut app, 2);
+    assert!((ahead(&app, robot) - (2.0 - 0.21 - 0.254)).abs() < 0.011);
+    let before = super::in_rapier(&mut app);
+    app.world_mut().despawn(other);
+    step(&mut app, 2);
+    assert_eq!(super::in_rapier(&mut app), (before.0 - 1, before.1 - 1));
+    assert!((ahead(&app, robot) - free).abs() < 0.011);
+}
+
+#[test]
+fn water_drowns_and_deep_ground_stops() {
+    let mut world = room(20.0, 10.0);
+    let mut surface = |x: f64, speed: f64, kind| {
+        let rect = Rect::new(DVec2::new(x, 0.0), DVec2::new(x + 1.0, 10.0));
+        let shape = Shape::from_rect(rect);
+        world.surfaces.push(Ground { kind, shape, speed, odometry_noise: 1.0 });
+    };
+    surface(14.0, 0.0, SurfaceKind::Class(1));
+    surface(2.0, 0.0, SurfaceKind::Water);
+    let mut app = app(world);
+    let robot = robot(&mut app, 8.0, 5.0);
+    drive(&mut app, robot, 0.5, 0.0, 30.0);
+    assert_eq!(app.world().get(robot), Some(&RobotCondition::Able));
+    assert!((13.9..=14.0).contains(&position(&app, robot).x), "{}", position(&app, robot));
+    drive(&mut app, robot, -0.5, 0.0, 40.0);
+    assert_eq!(app.world().get(robot), Some(&RobotCondition::Drowned));
+    let lost = position(&app, robot);
+    drive(&mut app, robot, 0.5, 0.0, 5.0);
+    assert_eq!(position(&app, robot), lost);
+}

@@ -1,0 +1,154 @@
+//! Mapping trials in rapier, headless.
+
+use bevy::prelude::*;
+use bevy_envgen::envgen::hallway::HallwaySpec;
+use bevy_envgen::envgen::{Blueprint, Seed, Spec, World as EnvWorld};
+use bevy_envgen::mapping_trial::body::Command;
+use bevy_envgen::mapping_trial::trial::{EndReason, Trial, TrialLog, TrialSettings};
+use bevy_envgen::prelude::*;
+use bevy_envgen::trial::{ENGINE, MappingTrialError, RapierBodies, replay_headless, run_headless};
+
+fn hallway() -> EnvWorld {
+    HallwaySpec { segments: 4, ..Default::default() }.generate(Seed(7)).unwrap().to_world()
+}
+
+fn short(time_limit: f64) -> TrialSettings {
+    TrialSettings { time_limit, ..TrialSettings::default() }
+}
+
+fn state(trial: &Trial<RapierBodies>) -> impl PartialEq + std::fmt::Debug + use<> {
+    let tracks: Vec<_> = (0..trial.robots())
+        .map(|robot| {
+            let estimated = trial.brain().slam().trajectory(robot);
+            (trial.track(robot).clone(), trial.end_of(robot), estimated)
+        })
+        .collect();
+    (tracks, trial.time())
+}
+
+#[test]
+fn a_trial_runs_again_from_its_log_to_the_bit() {
+    let world = hallway();
+    for settings in [short(40.0), TrialSettings { robots: 2, ..short(20.0) }] {
+        let trial = run_headless(&world, settings.clone(), |_| ()).unwrap();
+        assert!(trial.is_over() && trial.track(0).metres > 2.0, "{}", trial.track(0).metres);
+        let log = trial.log(ENGINE);
+        let twice = run_headless(&world, settings, |_| ()).unwrap();
+        assert_eq!(twice.log(ENGINE).digest(), log.digest());
+
+        let mut bytes = Vec::new();
+        log.write(&mut bytes).unwrap();
+        let read = TrialLog::read(&mut &bytes[..]).unwrap();
+        let again = replay_headless(&read.world.world().unwrap(), read, |_| ()).unwrap();
+        assert_eq!(state(&again), state(&trial));
+        assert_eq!(again.log(ENGINE).digest(), log.digest());
+    }
+}
+
+/// An app as a user writes it, in which an update is a tick.
+fn app(steps: f64) -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin));
+    app.add_plugins((TopDownPhysicsPlugin::new(steps).with_substeps(4), EnvgenPlugins::default()));
+    app.add_plugins(TrialPlugin::default());
+    let tick = std::time::Duration::from_secs_f64(1.0 / steps);
+    app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(tick));
+    app.finish();
+    app.cleanup();
+    app
+}
+
+#[derive(Resource, Default)]
+struct Told(Vec<String>);
+
+fn listen(app: &mut App) {
+    app.init_resource::<Told>();
+    app.add_observer(|_: On<TrialStarted>, mut told: ResMut<Told>| told.0.push("started".into()));
+    app.add_observer(|_: On<TrialEnded>, mut told: ResMut<Told>| told.0.push("ended".into()));
+    app.add_observer(|failed: On<TrialFailed>, mut told: ResMut<Told>| {
+        told.0.push(failed.error.to_string());
+    });
+}
+
+fn environment() -> Environment {
+    Environment::from_world(hallway()).with_pace(Pace::InPlace)
+}
+
+fn robots(app: &mut App) -> usize {
+    app.world_mut().query::<&TrialRobot>().iter(app.world()).count()
+}
+
+#[test]
+fn a_person_drives_and_stops_and_nothing_is_left() {
+    let mut app = app(20.0);
+    listen(&mut app);
+    let root = app.world_mut().spawn(environment()).id();
+    bevy_envgen::testing::step(&mut app, 3);
+    let before = super::in_rapier(&mut app);
+    let commands = vec![Command { speed: 0.4, turn_rate: 0.0 }];
+    let settings = TrialSettings { operator: None, ..short(60.0) };
+    app.world_mut().entity_mut(root).insert((MappingTrial::new(settings), Hands { commands }));
+    bevy_envgen::testing::step(&mut app, 60);
+    assert_eq!((robots(&mut app), app.world().resource::<Told>().0.len()), (1, 1));
+    assert_eq!(super::in_rapier(&mut app), (before.0 + 1, before.1 + 1));
+    let trial = |app: &App| -> (f64, bool) {
+        let trial = app.world().get::<MappingTrial>(root).unwrap();
+        (trial.trial().unwrap().track(0).metres, trial.is_over())
+    };
+    assert!(trial(&app).0 > 0.5 && !trial(&app).1, "{:?}", trial(&app));
+    app.world_mut().get_mut::<MappingTrial>(root).unwrap().stop();
+    bevy_envgen::testing::step(&mut app, 2);
+    assert_eq!(app.world().resource::<Told>().0, ["started", "ended"]);
+    let ended = app.world().get::<MappingTrial>(root).unwrap();
+    assert_eq!(ended.trial().unwrap().end_of(0).map(|e| e.reason), Some(EndReason::Stopped));
+
+    // What a person did replays, too.
+    let log = ended.trial().unwrap().log(ENGINE);
+    let again = replay_headless(&hallway(), log.clone(), |_| ()).unwrap();
+    assert_eq!(again.log(ENGINE).digest(), log.digest());
+
+    app.world_mut().entity_mut(root).remove::<MappingTrial>();
+    bevy_envgen::testing::step(&mut app, 3);
+    assert_eq!((robots(&mut app), super::in_rapier(&mut app)), (0, before));
+}
+
+#[test]
+fn another_world_begins_the_trial_anew_and_despawn_leaves_nothing() {
+    let mut app = app(20.0);
+    listen(&mut app);
+    let root = app.world_mut().spawn((environment(), MappingTrial::new(short(60.0)))).id();
+    bevy_envgen::testing::step(&mut app, 40);
+    let other = HallwaySpec { segments: 6, ..Default::default() };
+    *app.world_mut().get_mut::<Environment>(root).unwrap() = Environment::new(other, 3);
+    bevy_envgen::testing::step(&mut app, 10);
+    assert_eq!(robots(&mut app), 1);
+    assert_eq!(app.world().resource::<Told>().0, ["started", "started"]);
+    let time = app.world().get::<MappingTrial>(root).unwrap().trial().unwrap().time();
+    assert!(time < 0.5, "{time}");
+    app.world_mut().despawn(root);
+    bevy_envgen::testing::step(&mut app, 3);
+    assert_eq!((robots(&mut app), super::in_rapier(&mut app)), (0, (0, 0)));
+}
+
+#[test]
+fn what_cannot_be_is_told() {
+    let told = |steps: f64, settings: TrialSettings| {
+        let mut app = app(steps);
+        listen(&mut app);
+        app.world_mut().spawn((environment(), MappingTrial::new(settings)));
+        bevy_envgen::testing::step(&mut app, 5);
+        assert_eq!(robots(&mut app), 0);
+        app.world().resource::<Told>().0.join("; ")
+    };
+    let text = told(64.0, short(9.0));
+    assert!(text.starts_with("the fixed step is 0.015625 s"), "{text}");
+    let text = told(20.0, TrialSettings { robots: 0, ..short(9.0) });
+    assert_eq!(text, "`robots` is 0, allowed is 1 to 8");
+    let error = run_headless(&hallway(), short(f64::NAN), |_| ()).err().unwrap().to_string();
+    assert!(error.contains("`time_limit` is NaN"), "{error}");
+
+    let log = Trial::flat(&hallway(), short(1.0)).unwrap().log("flat");
+    let error = replay_headless(&hallway(), log, |_| ()).err().unwrap();
+    let engine = MappingTrialError::Engine { found: "flat".into() };
+    assert_eq!(error, engine.into());
+}
