@@ -24,7 +24,10 @@ struct Arguments {
 }
 
 /// What is drawn: a name, a kind, its settings and a seed.
-const WORLDS: &[(&str, &str, &[(&str, &str)], u64)] = &[
+type Sketch = (&'static str, &'static str, &'static [(&'static str, &'static str)], u64);
+
+/// Every kind of world.
+const WORLDS: &[Sketch] = &[
     ("hallway", "hallway", &[("segments", "14"), ("p_st", "0.4"), ("door_frame_rate", "0.1")], 7),
     (
         "forest",

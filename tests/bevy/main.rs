@@ -1,6 +1,8 @@
 //! Worlds in headless Bevy apps, driven as a user drives them.
 
 mod bad_input;
+#[cfg(feature = "render")]
+mod debug;
 mod doors;
 mod files;
 mod manners;
@@ -8,6 +10,8 @@ mod physics;
 mod robot;
 mod streaming;
 mod trial;
+#[cfg(feature = "render")]
+mod view;
 mod worlds;
 
 use bevy::prelude::*;

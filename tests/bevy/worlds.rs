@@ -5,8 +5,9 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use bevy_envgen::envgen::forest::ForestSpec;
 use bevy_envgen::envgen::hallway::HallwaySpec;
-use bevy_envgen::envgen::world::Digest;
-use bevy_envgen::envgen::{Seed, WorldSpec};
+use bevy_envgen::envgen::indoor::IndoorSpec;
+use bevy_envgen::envgen::world::{Contents, Digest};
+use bevy_envgen::envgen::{Blueprint, Seed, Spec, WorldSpec};
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{digest, parts, spawn_ready, step, test_app, truth, wait_until_ready};
 use bevy_envgen::{EnvironmentState, EnvironmentStats};
@@ -287,4 +288,21 @@ fn a_shared_world_stays_shared() {
     let world = Arc::new(HallwaySpec::default().generate_world(3));
     let root = spawn_ready(&mut app, Environment::from_world(Arc::clone(&world))).unwrap();
     assert!(Arc::ptr_eq(&truth(&app, root).0, &world));
+}
+
+#[test]
+fn rooms_tell_what_was_taken_out_of_them() {
+    use bevy_envgen::envgen::world::Contents;
+    let mut world = IndoorSpec::default().generate(Seed(4)).unwrap().to_world();
+    let all = [Contents::Emptied, Contents::Cleared, Contents::AsDesigned];
+    for (room, contents) in world.rooms.iter_mut().zip(all.into_iter().cycle()) {
+        room.contents = contents;
+    }
+    let mut app = test_app();
+    spawn_ready(&mut app, Environment::from_world(world.clone())).unwrap();
+    let mut rooms = app.world_mut().query::<(&PartId, &Room)>();
+    assert!(rooms.iter(app.world()).count() >= 3);
+    for (id, room) in rooms.iter(app.world()) {
+        assert_eq!(room.contents, world.rooms[id.index as usize].contents.into());
+    }
 }

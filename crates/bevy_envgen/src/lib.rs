@@ -40,6 +40,8 @@
 //! | `EnvgenVisualsPlugin` | `render` | meshes and colours |
 //! | `RobotPlugin` | `trial` | not of the group: robots that drive and sense in rapier |
 //! | `TrialPlugin` | `trial` | not of the group: mapping trials, with `RobotPlugin` |
+//! | `TrialViewPlugin` | `render`, `trial` | not of the group: how mapping trials look |
+//! | `EnvgenDebugPlugin` | `debug` | not of the group: lines over colliders, rays, frontiers, plans, rooms |
 //! | `TopDownPhysicsPlugin` | `physics` | not of the group: rapier itself, without gravity, in fixed steps |
 //!
 //! # System sets
@@ -67,6 +69,8 @@
 pub mod asset;
 #[cfg(feature = "capture")]
 pub mod capture;
+#[cfg(feature = "debug")]
+pub mod debug;
 mod environment;
 mod generate;
 pub mod part;
@@ -83,6 +87,8 @@ mod tessellate;
 pub mod testing;
 #[cfg(feature = "trial")]
 pub mod trial;
+#[cfg(all(feature = "render", feature = "trial"))]
+pub mod view;
 #[cfg(feature = "render")]
 pub mod visuals;
 

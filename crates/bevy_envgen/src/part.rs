@@ -249,6 +249,30 @@ impl From<world::SurfaceKind> for SurfaceKind {
 }
 
 data! {
+    /// What a generator left of a room's contents: some may have had to go so that a robot can enter.
+    #[derive(Default)]
+    field pub enum Contents {
+        /// All of them.
+        #[default]
+        AsDesigned,
+        /// All but those that stood in a doorway's way.
+        Cleared,
+        /// None.
+        Emptied,
+    }
+}
+
+impl From<world::Contents> for Contents {
+    fn from(contents: world::Contents) -> Self {
+        match contents {
+            world::Contents::AsDesigned => Contents::AsDesigned,
+            world::Contents::Cleared => Contents::Cleared,
+            world::Contents::Emptied => Contents::Emptied,
+        }
+    }
+}
+
+data! {
     /// A wall, kerb or partition.
     component pub struct Wall {
         /// What it is part of.
@@ -285,6 +309,9 @@ data! {
         pub difficulty: Option<f32>,
         /// Whether there is light.
         pub lit: bool,
+        /// Whether it still holds what its name and difficulty stand for.
+        #[cfg_attr(feature = "serialize", serde(default))]
+        pub contents: Contents,
     }
 }
 
@@ -411,7 +438,16 @@ mod tests {
         there_and_back(PartId { kind: PartKind::Ground, tile: [-1, 7], index: 3 });
         there_and_back(Wall { kind: WallKind::Kerb });
         there_and_back(Doorway { open: true, rooms: [None, Some(2)] });
-        there_and_back(Room { name: "hall".to_owned(), difficulty: Some(2.5), lit: false });
+        let contents = Contents::Cleared;
+        there_and_back(Room {
+            name: "hall".to_owned(),
+            difficulty: Some(2.5),
+            lit: false,
+            contents,
+        });
+        // Files from before rooms told of their contents.
+        let old: Room = ron::from_str("(name: \"hall\", difficulty: None, lit: true)").unwrap();
+        assert_eq!(old.contents, Contents::AsDesigned);
         there_and_back(Surface { kind: SurfaceKind::Class(4), speed: 0.5, odometry_noise: 2.0 });
         there_and_back(Start);
         there_and_back(crate::PartShape::Strip {
@@ -431,6 +467,11 @@ mod tests {
             world::ObstacleKind::Other,
         ] {
             assert_eq!(format!("{:?}", ObstacleKind::from(kind)), format!("{kind:?}"));
+        }
+        for contents in
+            [world::Contents::AsDesigned, world::Contents::Cleared, world::Contents::Emptied]
+        {
+            assert_eq!(format!("{:?}", Contents::from(contents)), format!("{contents:?}"));
         }
         for kind in [world::WallKind::Wall, world::WallKind::Kerb, world::WallKind::Alcove] {
             assert_eq!(format!("{:?}", WallKind::from(kind)), format!("{kind:?}"));

@@ -179,8 +179,8 @@ fn spawn_run(
         PartKind::Room => spawn!(i => {
             let room = &truth.rooms[i];
             let difficulty = room.difficulty.map(|difficulty| difficulty as f32);
-            let room_part = Room { name: room.name.clone(), difficulty, lit: room.lit };
-            (frame.place(&room.shape), room_part)
+            let (name, contents) = (room.name.clone(), room.contents.into());
+            (frame.place(&room.shape), Room { name, difficulty, lit: room.lit, contents })
         }),
         PartKind::Doorway => spawn!(i => {
             let doorway = &truth.doorways[i];

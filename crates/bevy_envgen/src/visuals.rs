@@ -108,11 +108,16 @@ impl Plugin for EnvgenVisualsPlugin {
             .insert_resource(self.palette.clone())
             .init_resource::<Inks>()
             .add_tile_decorator(draw);
-        // Bevy hides what stands below an entity that cannot be seen.
-        app.register_required_components::<Environment, Visibility>();
-        app.register_required_components::<Tile, Visibility>();
-        app.register_required_components::<PartId, Visibility>();
+        require_visibility(app);
     }
+}
+
+/// Bevy hides what stands below an entity that cannot be seen. A plugin that said so before makes
+/// it no error.
+pub(crate) fn require_visibility(app: &mut App) {
+    app.try_register_required_components::<Environment, Visibility>().ok();
+    app.try_register_required_components::<Tile, Visibility>().ok();
+    app.try_register_required_components::<PartId, Visibility>().ok();
 }
 
 /// What is drawn alike, from the lowest to the highest.

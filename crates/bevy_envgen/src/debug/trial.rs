@@ -1,0 +1,144 @@
+//! Lines over trials: beams, frontiers and plans, where the robots think that they are.
+
+use std::collections::BTreeMap;
+
+use bevy::prelude::*;
+use envgen::geometry::unit_vector;
+use envgen::glam::DVec2;
+use mapping_trial::body::Bodies;
+use mapping_trial::map::OccupancyMap;
+use mapping_trial::operator::costmap::Costmap;
+use mapping_trial::operator::frontier::Frontiers;
+use mapping_trial::trial::Trial;
+
+use super::{DebugSystems, EnvgenGizmos, Place, on};
+use crate::environment::Environment;
+use crate::view::WatchTrial;
+
+/// Colours of the layers.
+const BEAM: Color = Color::srgba(0.84, 0.37, 0.0, 0.35);
+const PLAN: Color = Color::srgb(0.8, 0.47, 0.65);
+
+/// Radius in metres of the mark of a goal.
+const GOAL: f32 = 0.2;
+
+/// Half a side in metres of the mark of a frontier cell.
+const CELL: f64 = 0.02;
+
+/// Degrees between the hues of two clusters: far apart for neighbours in the list.
+const HUE_STEP: f32 = 137.5;
+
+/// For plugins whose components hold trials.
+pub trait DebugTrials {
+    /// Has the layers of trials drawn for those of a component.
+    fn debug_trials<T: WatchTrial>(&mut self) -> &mut Self;
+}
+
+impl DebugTrials for App {
+    fn debug_trials<T: WatchTrial>(&mut self) -> &mut Self {
+        self.add_systems(
+            PostUpdate,
+            (
+                draw_rays::<T>.run_if(on(|on| on.rays)),
+                draw_frontiers::<T>.run_if(on(|on| on.frontiers)),
+                draw_plans::<T>.run_if(on(|on| on.plan)),
+            )
+                .in_set(DebugSystems),
+        )
+    }
+}
+
+type Trials<'w, 's, T> =
+    Query<'w, 's, (Entity, &'static Environment, &'static GlobalTransform, &'static T)>;
+
+/// Draws the beams of the robots' last scans.
+fn draw_rays<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<EnvgenGizmos>) {
+    for (_, environment, frame, holder) in &trials {
+        let Some(trial) = holder.watched() else { continue };
+        let place = Place { frame, origin: environment.origin };
+        beams(trial, |from, to| gizmos.line_2d(place.of(from), place.of(to), BEAM));
+    }
+}
+
+/// Calls back with both ends of every beam that met something, in the world's frame.
+fn beams<B: Bodies>(trial: &Trial<B>, mut beam: impl FnMut(DVec2, DVec2)) {
+    let (brain, settings) = (trial.brain(), trial.settings());
+    for robot in 0..trial.robots() {
+        let laser = settings.body.laser_pose(brain.slam().estimate(robot).pose);
+        for (i, &range) in brain.scan(robot).ranges.iter().enumerate() {
+            if range.is_finite() {
+                let way = unit_vector(laser.heading + settings.laser.angle(i)) * range;
+                beam(laser.position, laser.position + way);
+            }
+        }
+    }
+}
+
+/// The frontiers of a map, gathered anew only when the map has changed.
+#[derive(Default)]
+struct Edge {
+    /// Revision of the map.
+    revision: Option<u64>,
+    costmap: Costmap,
+    frontiers: Frontiers,
+}
+
+impl Edge {
+    fn renew(&mut self, map: &OccupancyMap) {
+        if self.revision.is_some_and(|revision| revision > map.revision()) {
+            // Another trial has begun.
+            *self = Edge::default();
+        }
+        if self.revision != Some(map.revision()) {
+            self.revision = Some(map.revision());
+            self.costmap.refresh(map);
+            self.frontiers.gather(&mut self.costmap, |_, _| false);
+        }
+    }
+
+    /// Calls back with the number of its cluster and the middle of every cell.
+    fn cells(&self, mut cell: impl FnMut(usize, DVec2)) {
+        for cluster in 0..self.frontiers.len() {
+            for index in self.frontiers.cells(cluster) {
+                cell(cluster, index.centre());
+            }
+        }
+    }
+}
+
+/// Draws the frontiers of the robots' map, each cluster in a colour of its own.
+fn draw_frontiers<T: WatchTrial>(
+    trials: Trials<'_, '_, T>,
+    mut edges: Local<BTreeMap<Entity, Edge>>,
+    mut gizmos: Gizmos<EnvgenGizmos>,
+) {
+    edges.retain(|&entity, _| trials.contains(entity));
+    for (entity, environment, frame, holder) in &trials {
+        let Some(trial) = holder.watched() else { continue };
+        let edge = edges.entry(entity).or_default();
+        edge.renew(trial.brain().slam().map());
+        let place = Place { frame, origin: environment.origin };
+        edge.cells(|cluster, p| {
+            let color = Color::hsl((cluster as f32 * HUE_STEP) % 360.0, 0.9, 0.45);
+            for side in [DVec2::new(CELL, CELL), DVec2::new(CELL, -CELL)] {
+                gizmos.line_2d(place.of(p - side), place.of(p + side), color);
+            }
+        });
+    }
+}
+
+/// Draws the ways that programs follow, and where they lead to.
+fn draw_plans<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<EnvgenGizmos>) {
+    for (_, environment, frame, holder) in &trials {
+        let Some(trial) = holder.watched() else { continue };
+        let place = Place { frame, origin: environment.origin };
+        let Some(operator) = trial.brain().operator() else { continue };
+        for robot in 0..trial.robots() {
+            let path = operator.path(robot);
+            gizmos.linestrip_2d(path.iter().map(|&p| place.of(p)), PLAN);
+            if let Some(&goal) = path.last() {
+                gizmos.circle_2d(place.of(goal), GOAL, PLAN);
+            }
+        }
+    }
+}

@@ -1,0 +1,322 @@
+//! What is drawn of one trial, and how it is kept up to date.
+
+use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use bevy::sprite_render::AlphaMode2d;
+use envgen::geometry::Pose;
+use envgen::glam::DVec2;
+use mapping_trial::body::Bodies;
+use mapping_trial::slam::SlamKind;
+use mapping_trial::trial::Trial;
+
+use super::map::{self, Paint, Sheets};
+use super::trail::Trail;
+use super::{MINIMAP_LAYER, TrialPalette, TrialView, scan, shape};
+
+/// Height of the view above all that is drawn of worlds.
+const ABOVE: f32 = 0.5;
+
+/// Heights within the view.
+const TRUE_TRAIL: f32 = 0.01;
+const TRAIL: f32 = 0.02;
+const SCAN: f32 = 0.03;
+const TRUE_BODY: f32 = 0.04;
+const BODY: f32 = 0.05;
+const MARK: f32 = 0.06;
+
+/// Opacity of the map where the truth is to be seen below it.
+const MAP_OVER_TRUTH: f32 = 0.6;
+
+/// Ticks between two looks at whether loop closing has changed where a robot has been.
+const RENEWAL: usize = 40;
+
+/// Where things that are drawn are kept. All of it may be absent, in apps that do not draw.
+#[derive(SystemParam)]
+pub(super) struct Canvas<'w, 's> {
+    pub(super) commands: Commands<'w, 's>,
+    pub(super) images: Option<ResMut<'w, Assets<Image>>>,
+    pub(super) meshes: Option<ResMut<'w, Assets<Mesh>>>,
+    pub(super) materials: Option<ResMut<'w, Assets<ColorMaterial>>>,
+    pub(super) places: Query<'w, 's, &'static mut Transform>,
+    pub(super) groups: Query<'w, 's, &'static mut Visibility>,
+    pub(super) sprites: Query<'w, 's, &'static mut Sprite>,
+}
+
+/// What is drawn of a trial, on the entity of its environment.
+#[derive(Component)]
+pub(super) struct Drawing {
+    /// The entity above all that is drawn.
+    pub(super) root: Entity,
+    maps: Entity,
+    scans: Entity,
+    trails: Entity,
+    truths: Entity,
+    sheets: Sheets,
+    robots: Vec<Drawn>,
+    /// Opacity of the sheets.
+    opacity: f32,
+}
+
+/// What is drawn of one robot.
+struct Drawn {
+    body: Entity,
+    true_body: Entity,
+    fan: Entity,
+    fan_mesh: Handle<Mesh>,
+    ranges: Vec<f64>,
+    /// Tick of the scan that is drawn.
+    scanned: Option<usize>,
+    trail: Trail,
+    trail_ink: Handle<ColorMaterial>,
+    true_trail: Trail,
+    true_ink: Handle<ColorMaterial>,
+    /// True poses that are drawn.
+    tracked: usize,
+    /// Tick at which the trail was last drawn from its beginning.
+    renewed: Option<usize>,
+}
+
+/// A pose in the environment's frame.
+pub(super) fn place(pose: Pose, origin: DVec2, height: f32) -> Transform {
+    let at = (pose.position - origin).as_vec2().extend(height);
+    let rotation = Quat::from_rotation_z(pose.heading as f32);
+    Transform { translation: at, rotation, scale: Vec3::ONE }
+}
+
+impl Drawing {
+    /// Spawns what a trial always has. `None` where nothing can be drawn.
+    pub(super) fn begin<B: Bodies>(
+        environment: Entity,
+        trial: &Trial<B>,
+        palette: &TrialPalette,
+        canvas: &mut Canvas<'_, '_>,
+    ) -> Option<Drawing> {
+        let (Some(meshes), Some(materials), Some(_)) =
+            (&mut canvas.meshes, &mut canvas.materials, &canvas.images)
+        else {
+            return None;
+        };
+        let commands = &mut canvas.commands;
+        let settings = trial.settings();
+        let body = meshes.add(shape::body(&settings.body));
+        let outline = meshes.add(shape::outline(&settings.body));
+        let arrow = meshes.add(shape::mark());
+        let true_ink = materials.add(palette.truth);
+        let mut group = |name: &'static str, parent: Entity, height: f32| {
+            let at = Transform::from_xyz(0.0, 0.0, height);
+            commands.spawn((Name::new(name), at, Visibility::default(), ChildOf(parent))).id()
+        };
+        let root = group("trial view", environment, ABOVE);
+        let maps = group("map", root, 0.0);
+        let scans = group("scans", root, 0.0);
+        let trails = group("paths", root, 0.0);
+        let truths = group("truth", root, 0.0);
+        let robots = (0..trial.robots()).map(|robot| {
+            let color = palette.robot(robot);
+            let ink = materials.add(color);
+            let light =
+                ColorMaterial { alpha_mode: AlphaMode2d::Blend, ..ColorMaterial::from(color) };
+            let light = materials.add(light);
+            let fan_mesh = meshes.add(scan::fan(&settings.laser));
+            let mut part =
+                |name: &str, mesh: &Handle<Mesh>, ink: &Handle<ColorMaterial>, parent| {
+                    let name = Name::new(format!("{name} {robot}"));
+                    let look = (Mesh2d(mesh.clone()), MeshMaterial2d(ink.clone()));
+                    // Meshes that change would need their bounds anew each time, and the others are few.
+                    commands.spawn((name, look, NoFrustumCulling, ChildOf(parent))).id()
+                };
+            let drawn = Drawn {
+                body: part("robot", &body, &ink, root),
+                true_body: part("true robot", &outline, &true_ink, truths),
+                fan: part("scan", &fan_mesh, &light, scans),
+                fan_mesh,
+                ranges: Vec::with_capacity(settings.laser.beams as usize),
+                scanned: None,
+                trail: Trail::default(),
+                trail_ink: ink.clone(),
+                true_trail: Trail::default(),
+                true_ink: true_ink.clone(),
+                tracked: 0,
+                renewed: None,
+            };
+            let mark = part("mark of robot", &arrow, &ink, drawn.body);
+            let above = Transform::from_xyz(0.0, 0.0, MARK - BODY);
+            commands.entity(mark).insert((
+                super::camera::MapMark,
+                above,
+                RenderLayers::layer(MINIMAP_LAYER),
+            ));
+            drawn
+        });
+        let robots = robots.collect();
+        let sheets = Sheets::default();
+        Some(Drawing { root, maps, scans, trails, truths, sheets, robots, opacity: 1.0 })
+    }
+
+    /// Draws what has changed of a trial since the last time.
+    pub(super) fn renew<B: Bodies>(
+        &mut self,
+        trial: &Trial<B>,
+        view: &TrialView,
+        origin: DVec2,
+        palette: &TrialPalette,
+        canvas: &mut Canvas<'_, '_>,
+    ) {
+        self.show(view, canvas);
+        self.renew_map(trial, origin, palette, canvas);
+        let drawn = Drawn::renew;
+        for robot in 0..self.robots.len().min(trial.robots()) {
+            drawn(
+                &mut self.robots[robot],
+                robot,
+                (self.trails, self.truths),
+                trial,
+                origin,
+                canvas,
+            );
+        }
+    }
+
+    /// Shows and hides what is asked for.
+    fn show(&mut self, view: &TrialView, canvas: &mut Canvas<'_, '_>) {
+        let switches = [
+            (self.maps, view.map),
+            (self.scans, view.scan),
+            (self.trails, view.path),
+            (self.truths, view.truth),
+        ];
+        for (group, shown) in switches {
+            let wanted = if shown { Visibility::Inherited } else { Visibility::Hidden };
+            if let Ok(mut visibility) = canvas.groups.get_mut(group) {
+                visibility.set_if_neq(wanted);
+            } else {
+                // It was spawned in this very frame, in which nobody may see the truth either.
+                canvas.commands.entity(group).insert(wanted);
+            }
+        }
+        let opacity = if view.truth { MAP_OVER_TRUTH } else { 1.0 };
+        if self.opacity != opacity {
+            self.opacity = opacity;
+            for sheet in self.sheets.iter() {
+                if let Ok(mut sprite) = canvas.sprites.get_mut(sheet.entity) {
+                    sprite.color.set_alpha(opacity);
+                }
+            }
+        }
+    }
+
+    fn renew_map<B: Bodies>(
+        &mut self,
+        trial: &Trial<B>,
+        origin: DVec2,
+        palette: &TrialPalette,
+        canvas: &mut Canvas<'_, '_>,
+    ) {
+        let Some(images) = &mut canvas.images else { return };
+        let (commands, maps, opacity) = (&mut canvas.commands, self.maps, self.opacity);
+        let paint = Paint::new(palette.free, palette.occupied);
+        self.sheets.renew(trial.brain().slam().map(), paint, images, |at, image| {
+            let middle = (map::centre(at) - origin).as_vec2().extend(0.0);
+            let sprite = Sprite {
+                image,
+                custom_size: Some(Vec2::splat(map::SHEET_SIDE as f32)),
+                color: Color::WHITE.with_alpha(opacity),
+                ..default()
+            };
+            let name = Name::new(format!("map ({}, {})", at.0, at.1));
+            commands.spawn((name, sprite, Transform::from_translation(middle), ChildOf(maps))).id()
+        });
+    }
+}
+
+impl Drawn {
+    fn renew<B: Bodies>(
+        &mut self,
+        robot: usize,
+        (trails, truths): (Entity, Entity),
+        trial: &Trial<B>,
+        origin: DVec2,
+        canvas: &mut Canvas<'_, '_>,
+    ) {
+        let track = &trial.track(robot).poses;
+        let tick = track.len();
+        let estimate = trial.brain().slam().estimate(robot).pose;
+        let Some(meshes) = &mut canvas.meshes else { return };
+        let mut put = |entity, at: Transform| {
+            if let Ok(mut place) = canvas.places.get_mut(entity) {
+                place.set_if_neq(at);
+            } else {
+                // It was spawned in this very frame.
+                canvas.commands.entity(entity).insert(at);
+            }
+        };
+        put(self.body, place(estimate, origin, BODY));
+        if let Some(&truth) = track.last() {
+            put(self.true_body, place(truth, origin, TRUE_BODY));
+        }
+
+        // A scan stays where it was taken: the robot has moved on, what it saw has not.
+        let (scan, laser) = (trial.brain().scan(robot), &trial.settings().laser);
+        let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
+        let seen = self.ranges.len() == scan.ranges.len()
+            && self.ranges.iter().zip(&scan.ranges).all(same)
+            && self.scanned.is_some_and(|then| tick < then + laser.ticks_a_scan as usize);
+        if !seen {
+            self.ranges.clone_from(&scan.ranges);
+            self.scanned = Some(tick);
+            let from = trial.settings().body.laser_pose(estimate);
+            put(self.fan, place(from, origin, SCAN));
+            if let Some(mut mesh) = meshes.get_mut(&self.fan_mesh) {
+                scan::spread(&mut mesh, laser, scan);
+            }
+        }
+
+        let commands = &mut canvas.commands;
+        let mut ribbon = |ink: &Handle<ColorMaterial>, parent, height, mesh| {
+            let look = (Mesh2d(mesh), MeshMaterial2d(ink.clone()));
+            let at = Transform::from_xyz(0.0, 0.0, height);
+            commands.spawn((Name::new("path"), look, at, NoFrustumCulling, ChildOf(parent)));
+        };
+        let at = |p: DVec2| (p - origin).as_vec2();
+        for pose in track.get(self.tracked..).unwrap_or_default() {
+            self.true_trail.extend(at(pose.position), meshes, |mesh| {
+                ribbon(&self.true_ink, truths, TRUE_TRAIL, mesh);
+            });
+        }
+        let missed = tick - self.tracked.min(tick);
+        self.tracked = tick;
+        let mut trail = |trail: &mut Trail, meshes: &mut Assets<Mesh>, p: DVec2| {
+            trail.extend(at(p), meshes, |mesh| ribbon(&self.trail_ink, trails, TRAIL, mesh));
+        };
+        // Loop closing changes the past, and more than a few ticks at once leave gaps.
+        let changes = trial.settings().slam == SlamKind::PoseGraph && missed > 0;
+        let due = self.renewed.is_none_or(|then| changes && tick >= then + RENEWAL);
+        if due || missed > RENEWAL {
+            self.renewed = Some(tick);
+            self.trail.clear(meshes);
+            for pose in trial.brain().slam().trajectory(robot) {
+                trail(&mut self.trail, meshes, pose.position);
+            }
+        }
+        if missed > 0 {
+            trail(&mut self.trail, meshes, estimate.position);
+        }
+    }
+
+    /// Ticks of the trial that are drawn.
+    pub(super) fn ticks(&self) -> usize {
+        self.tracked
+    }
+}
+
+impl Drawing {
+    /// Whether it shows a trial that went on from what is drawn: another trial of the same
+    /// environment begins with fewer ticks.
+    pub(super) fn is_of<B: Bodies>(&self, trial: &Trial<B>) -> bool {
+        self.robots.len() == trial.robots()
+            && (0..)
+                .zip(&self.robots)
+                .all(|(robot, drawn)| drawn.ticks() <= trial.track(robot).poses.len())
+    }
+}

@@ -1,0 +1,279 @@
+//! How a mapping trial looks: the growing map, the current scans, the robots and their paths, where
+//! the robots themselves think that all this is.
+//!
+//! The world itself is hidden from the first frame on, unless [`TrialView::truth`] asks for it.
+//!
+//! ```text
+//! Environment          TrialView (what is shown), TrialSights (where it is)
+//!   trial view
+//!     map              a sprite for every 6.4 m of the map
+//!     scans            a fan for every robot
+//!     paths            ribbons
+//!     robot 0          a box with an arrow head; an arrow for minimaps
+//!     truth            true bodies and paths, for training
+//! ```
+//!
+//! Any component that holds a trial can be looked at: see [`WatchTrials`].
+
+mod camera;
+mod drawing;
+mod map;
+mod scan;
+mod shape;
+mod trail;
+
+use bevy::asset::AssetEventSystems;
+use bevy::camera::CameraUpdateSystems;
+use bevy::camera::visibility::{RenderLayers, VisibilitySystems};
+use bevy::prelude::*;
+use bevy::transform::TransformSystems;
+use envgen::glam::DVec2;
+use mapping_trial::body::Bodies;
+use mapping_trial::trial::Trial;
+
+pub use camera::{FollowRobot, ShowWholeMap, TrialSights};
+use drawing::{Canvas, Drawing};
+
+use crate::environment::Environment;
+use crate::spawn::Tile;
+use crate::visuals::require_visibility;
+
+/// The layer of what only minimaps show: arrows where the robots are.
+pub const MINIMAP_LAYER: usize = 30;
+
+/// What is shown of a trial, on the entity of its environment.
+///
+/// Removing it shows the world as it is.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+#[require(TrialSights)]
+pub struct TrialView {
+    /// The world, where the robots truly are, and the ways that they have truly come: for training
+    /// only, since it is what a trial asks for.
+    pub truth: bool,
+    /// The map.
+    pub map: bool,
+    /// The current scans.
+    pub scan: bool,
+    /// The ways that the robots think they have come.
+    pub path: bool,
+}
+
+impl Default for TrialView {
+    fn default() -> Self {
+        TrialView { truth: false, map: true, scan: true, path: true }
+    }
+}
+
+/// The colours of a trial.
+#[derive(Resource, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Default, Debug, PartialEq, Clone)]
+pub struct TrialPalette {
+    /// Where nothing is known: what lies behind the map, for cameras to clear their pictures with.
+    pub unknown: Color,
+    /// Where the map is free.
+    pub free: Color,
+    /// Where the map is occupied.
+    pub occupied: Color,
+    /// Bodies and paths of robots where they truly are.
+    pub truth: Color,
+    /// Robots with their scans and paths; further ones start again with the first.
+    pub robots: Vec<Color>,
+}
+
+impl Default for TrialPalette {
+    fn default() -> Self {
+        TrialPalette {
+            unknown: Color::srgb_u8(0x8a, 0x8f, 0x98),
+            free: Color::srgb_u8(0xf4, 0xf4, 0xf1),
+            occupied: Color::srgb_u8(0x1c, 0x1f, 0x26),
+            // Okabe and Ito's colours, which most colour-blind people tell apart.
+            truth: Color::srgb_u8(0x00, 0x9e, 0x73),
+            robots: vec![Color::srgb_u8(0xd5, 0x5e, 0x00), Color::srgb_u8(0x00, 0x72, 0xb2)],
+        }
+    }
+}
+
+impl TrialPalette {
+    /// The colour of a robot, counted from 0.
+    pub fn robot(&self, robot: usize) -> Color {
+        let color = self.robots.get(robot % self.robots.len().max(1));
+        color.copied().unwrap_or(self.occupied)
+    }
+}
+
+/// A component that holds a trial of the [`Environment`] on the same entity.
+pub trait WatchTrial: Component {
+    /// What moves the robots.
+    type Bodies: Bodies;
+
+    /// The trial; `None` while there is none.
+    fn watched(&self) -> Option<&Trial<Self::Bodies>>;
+}
+
+/// For plugins whose components hold trials.
+pub trait WatchTrials {
+    /// Has the trials of a component drawn. It requires a [`TrialView`], so that no world is seen
+    /// before its trial.
+    fn watch_trials<T: WatchTrial>(&mut self) -> &mut Self;
+}
+
+impl WatchTrials for App {
+    fn watch_trials<T: WatchTrial>(&mut self) -> &mut Self {
+        // Two plugins may know the same component; it already has what it needs then.
+        if self.try_register_required_components::<T, TrialView>().is_ok() {
+            self.add_observer(forget::<T>);
+            self.add_systems(PostUpdate, draw::<T>.in_set(TrialViewSystems::Draw));
+        }
+        self
+    }
+}
+
+/// The systems that draw trials, in this order, in `PostUpdate`.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TrialViewSystems {
+    /// Worlds are hidden, or shown where it is asked for.
+    Hide,
+    /// What has changed is drawn.
+    Draw,
+    /// Cameras are moved.
+    Look,
+}
+
+/// Draws mapping trials. Add it after [`EnvgenPlugins`](crate::EnvgenPlugins).
+///
+/// Adds the resource [`TrialPalette`] and the systems of [`TrialViewSystems`]. Needs Bevy's plugins
+/// for images, meshes, sprites and `ColorMaterial`s; without them it draws nothing.
+#[derive(Clone, Debug, Default)]
+pub struct TrialViewPlugin {
+    palette: TrialPalette,
+}
+
+impl TrialViewPlugin {
+    /// With other colours than the default ones.
+    pub fn new(palette: TrialPalette) -> Self {
+        TrialViewPlugin { palette }
+    }
+}
+
+impl Plugin for TrialViewPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<TrialView>()
+            .register_type::<TrialPalette>()
+            .register_type::<TrialSights>()
+            .register_type::<FollowRobot>()
+            .register_type::<ShowWholeMap>()
+            .insert_resource(self.palette.clone())
+            .add_observer(show_world)
+            .configure_sets(
+                PostUpdate,
+                (TrialViewSystems::Hide, TrialViewSystems::Draw, TrialViewSystems::Look)
+                    .chain()
+                    .before(TransformSystems::Propagate)
+                    .before(VisibilitySystems::VisibilityPropagate)
+                    .before(CameraUpdateSystems)
+                    .before(AssetEventSystems),
+            )
+            .add_systems(
+                PostUpdate,
+                (
+                    hide_worlds.in_set(TrialViewSystems::Hide),
+                    (camera::follow, camera::show_maps).chain().in_set(TrialViewSystems::Look),
+                ),
+            );
+        require_visibility(app);
+    }
+}
+
+/// What a minimap's camera sees: everything that others see, and arrows where the robots are.
+pub fn minimap_layers() -> RenderLayers {
+    RenderLayers::from_layers(&[0, MINIMAP_LAYER])
+}
+
+/// Hides the parts of worlds whose trials are looked at.
+fn hide_worlds(
+    views: Query<(&TrialView, &Children)>,
+    mut tiles: Query<&mut Visibility, With<Tile>>,
+) {
+    for (view, children) in &views {
+        let wanted = if view.truth { Visibility::Inherited } else { Visibility::Hidden };
+        let mut tiles = tiles.iter_many_mut(children);
+        while let Some(mut visibility) = tiles.fetch_next() {
+            visibility.set_if_neq(wanted);
+        }
+    }
+}
+
+/// Shows a world again that is not looked at any more, and forgets what was drawn over it.
+fn show_world(
+    removed: On<Remove, TrialView>,
+    children: Query<&Children>,
+    mut tiles: Query<&mut Visibility, With<Tile>>,
+    drawings: Query<&Drawing>,
+    mut commands: Commands,
+) {
+    if let Ok(children) = children.get(removed.entity) {
+        let mut tiles = tiles.iter_many_mut(children);
+        while let Some(mut visibility) = tiles.fetch_next() {
+            visibility.set_if_neq(Visibility::Inherited);
+        }
+    }
+    if let Ok(drawing) = drawings.get(removed.entity) {
+        // All of it goes when the environment is despawned.
+        commands.entity(drawing.root).try_despawn();
+        commands.entity(removed.entity).try_remove::<(Drawing, TrialSights)>();
+    }
+}
+
+/// A trial that is gone is not looked at.
+fn forget<T: WatchTrial>(removed: On<Remove, T>, mut commands: Commands) {
+    commands.entity(removed.entity).try_remove::<TrialView>();
+}
+
+/// A trial and what is drawn of it.
+type Watched<'a, T> =
+    (Entity, &'a Environment, &'a T, &'a TrialView, &'a mut TrialSights, Option<&'a mut Drawing>);
+
+/// Draws what has changed of the trials.
+fn draw<T: WatchTrial>(
+    mut trials: Query<Watched<'_, T>>,
+    palette: Res<TrialPalette>,
+    mut canvas: Canvas,
+) {
+    for (entity, environment, holder, view, mut sights, drawing) in &mut trials {
+        let Some(trial) = holder.watched() else {
+            if let Some(drawing) = drawing {
+                canvas.commands.entity(drawing.root).try_despawn();
+                canvas.commands.entity(entity).try_remove::<Drawing>();
+                sights.set_if_neq(TrialSights::default());
+            }
+            continue;
+        };
+        look_around(trial, environment.origin, &mut sights);
+        if let Some(mut drawing) = drawing {
+            if drawing.is_of(trial) {
+                drawing.renew(trial, view, environment.origin, &palette, &mut canvas);
+                continue;
+            }
+            canvas.commands.entity(drawing.root).try_despawn();
+        }
+        if let Some(mut drawing) = Drawing::begin(entity, trial, &palette, &mut canvas) {
+            drawing.renew(trial, view, environment.origin, &palette, &mut canvas);
+            canvas.commands.entity(entity).insert(drawing);
+        }
+    }
+}
+
+/// Where the robots think they are, and what their map covers.
+fn look_around<B: Bodies>(trial: &Trial<B>, origin: DVec2, sights: &mut Mut<'_, TrialSights>) {
+    let slam = trial.brain().slam();
+    let local = |p: DVec2| (p - origin).as_vec2();
+    let map = slam.map().bounds();
+    let map = map.map(|area| Rect::from_corners(local(area.min), local(area.max)));
+    let robots = (0..trial.robots()).map(|robot| local(slam.estimate(robot).pose.position));
+    if sights.map != map || !sights.robots.iter().copied().eq(robots.clone()) {
+        sights.map = map;
+        sights.robots.clear();
+        sights.robots.extend(robots);
+    }
+}

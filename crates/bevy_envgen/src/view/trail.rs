@@ -1,0 +1,92 @@
+//! The way that a robot has come, as ribbons that grow.
+
+use bevy::mesh::VertexAttributeValues;
+use bevy::prelude::*;
+
+use super::shape::Sketch;
+
+/// Segments of a ribbon. Each has a mesh of its own, so that what a robot has left behind is not sent
+/// to the graphics card again.
+pub(super) const SEGMENTS: usize = 256;
+
+/// Length in metres from which a segment is drawn.
+pub(super) const STEP: f32 = 0.1;
+
+/// Half the width of a ribbon in metres.
+const HALF: f32 = 0.03;
+
+/// A way in the environment's frame.
+#[derive(Debug, Default)]
+pub(super) struct Trail {
+    ribbons: Vec<Handle<Mesh>>,
+    /// Segments that are drawn.
+    segments: usize,
+    last: Option<Vec2>,
+}
+
+impl Trail {
+    /// Goes on to a point. `spawn` makes the entity of a new ribbon.
+    pub(super) fn extend(
+        &mut self,
+        to: Vec2,
+        meshes: &mut Assets<Mesh>,
+        mut spawn: impl FnMut(Handle<Mesh>),
+    ) {
+        let Some(from) = self.last else {
+            self.last = Some(to);
+            return;
+        };
+        let Some(along) = (to - from).try_normalize().filter(|_| from.distance(to) >= STEP) else {
+            return;
+        };
+        let (ribbon, segment) = (self.segments / SEGMENTS, self.segments % SEGMENTS);
+        if ribbon == self.ribbons.len() {
+            let mesh = meshes.add(blank());
+            spawn(mesh.clone());
+            self.ribbons.push(mesh);
+        }
+        let side = along.perp() * HALF;
+        let corners = [from - side, to - side, to + side, from + side];
+        if let Some(mut mesh) = meshes.get_mut(&self.ribbons[ribbon])
+            && let Some(quads) = positions(&mut mesh)
+        {
+            for (corner, p) in quads[4 * segment..].iter_mut().zip(corners) {
+                *corner = [p.x, p.y, 0.0];
+            }
+        }
+        self.segments += 1;
+        self.last = Some(to);
+    }
+
+    /// Forgets the way, and keeps the ribbons for another one.
+    pub(super) fn clear(&mut self, meshes: &mut Assets<Mesh>) {
+        for ribbon in &self.ribbons {
+            if let Some(mut mesh) = meshes.get_mut(ribbon)
+                && let Some(quads) = positions(&mut mesh)
+            {
+                quads.fill([0.0; 3]);
+            }
+        }
+        (self.segments, self.last) = (0, None);
+    }
+}
+
+fn positions(mesh: &mut Mesh) -> Option<&mut Vec<[f32; 3]>> {
+    match mesh.attribute_mut(Mesh::ATTRIBUTE_POSITION) {
+        Some(VertexAttributeValues::Float32x3(corners)) => Some(corners),
+        _ => None,
+    }
+}
+
+/// A ribbon whose segments have no length yet.
+fn blank() -> Mesh {
+    let corners = 4 * SEGMENTS;
+    let quads =
+        (0..SEGMENTS as u32).flat_map(|segment| [0, 1, 2, 0, 2, 3].map(|c| 4 * segment + c));
+    let sketch = Sketch {
+        corners: vec![[0.0; 3]; corners],
+        colors: vec![[1.0; 4]; corners],
+        triangles: quads.collect(),
+    };
+    sketch.into_mesh()
+}
