@@ -1,19 +1,35 @@
-//! Draws every kind of world, without a window.
+//! Draws every kind of world, and films a mapping trial, without a window.
 //!
 //! `cargo run --release --features render --example gallery`
 //!
 //! Needs a graphics card with a Vulkan, Metal or DirectX driver, or Mesa's software Vulkan.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use bevy::prelude::*;
-use bevy_envgen::capture::{Studio, find_renderer};
-use bevy_envgen::envgen::{Kind, WorldSpec};
+use bevy_envgen::capture::{Film, Studio, find_renderer};
+use bevy_envgen::envgen::indoor::IndoorSpec;
+use bevy_envgen::envgen::{Kind, Seed, WorldSpec};
 use bevy_envgen::prelude::*;
+use bevy_envgen::view::{TrialPalette, TrialView, TrialViewPlugin};
 use clap::Parser;
+use mapping_trial::body::TICK;
+use mapping_trial::trial::{Trial, TrialSettings};
 
 /// Width and height of the pictures in pixels.
 const SIZE: UVec2 = UVec2::new(800, 600);
+
+/// Side of the map of the film in grid units of 3 m, and its seed.
+const FILM_MAP: u32 = 6;
+const FILM_SEED: u64 = 2;
+
+/// Width and height of the film in pixels.
+const FILM_SIZE: UVec2 = UVec2::new(480, 480);
+
+/// Simulated time from frame to frame in ticks of 50 ms, and frames a second of the film.
+const TICKS_A_FRAME: u32 = 50;
+const FRAMES_A_SECOND: f64 = 12.5;
 
 /// Draws every kind of world and a mapping trial, without a window.
 #[derive(Parser)]
@@ -77,6 +93,9 @@ fn gallery(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         draw(spec, seed)?.write_png(&path)?;
         println!("wrote {}", path.display());
     }
+    let path = arguments.out.join("trial.gif");
+    let trial = film(&path)?;
+    println!("wrote {}, a trial of {trial:.0} simulated seconds", path.display());
     Ok(())
 }
 
@@ -91,4 +110,49 @@ fn draw(
     studio.wait_until_ready(world)?;
     let camera = studio.camera_over(world, SIZE)?;
     Ok(studio.picture(camera)?)
+}
+
+/// Films a mapping trial from its start to its end: the world, where the robot truly is and its way
+/// in green, and over it the map that the robot makes, its scan and where it thinks it is. Gives the
+/// simulated seconds.
+fn film(path: &Path) -> Result<f64, Box<dyn std::error::Error>> {
+    let mut studio = Studio::new()?;
+    studio.set_frame_time(Duration::from_secs_f64(TICK));
+    let colliders = ColliderSettings::for_trials();
+    studio
+        .app()
+        .add_plugins((
+            TopDownPhysicsPlugin::for_trials(),
+            EnvgenPlugins::default().set(EnvgenPhysicsPlugin::default().with_colliders(colliders)),
+            TrialPlugin::default(),
+            TrialViewPlugin::default(),
+        ))
+        .insert_resource(ClearColor(TrialPalette::default().unknown));
+    let spec = IndoorSpec { width: FILM_MAP, height: FILM_MAP, ..Default::default() };
+    let view = TrialView { truth: true, ..Default::default() };
+    let environment = (Environment::new(spec, FILM_SEED).with_pace(Pace::InPlace), view);
+    let world = studio.app().world_mut().spawn(environment).id();
+    studio.wait_until_ready(world)?;
+    let camera = studio.camera_over(world, FILM_SIZE)?;
+    // Where no picture is taken nothing need be drawn.
+    if let Some(mut camera) = studio.app().world_mut().get_mut::<Camera>(camera) {
+        camera.is_active = false;
+    }
+    let settings = TrialSettings { seed: Seed(FILM_SEED), ..Default::default() };
+    studio.app().world_mut().entity_mut(world).insert(MappingTrial::new(settings));
+
+    let mut film = Film::create(path, FRAMES_A_SECOND)?;
+    loop {
+        for _ in 0..TICKS_A_FRAME {
+            studio.step()?;
+        }
+        film.push(&studio.picture(camera)?)?;
+        let trial = studio.app().world().get::<MappingTrial>(world);
+        let trial = trial.filter(|trial| !trial.has_failed()).ok_or("the trial cannot begin")?;
+        if trial.is_over() {
+            let seconds = trial.trial().map_or(0.0, Trial::time);
+            film.finish()?;
+            return Ok(seconds);
+        }
+    }
 }

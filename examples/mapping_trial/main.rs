@@ -14,6 +14,7 @@
 #![expect(clippy::print_stdout, reason = "what an example is for")]
 
 mod arguments;
+#[path = "../shared/output.rs"]
 mod output;
 mod table;
 

@@ -2,7 +2,9 @@
 
 use bevy::prelude::*;
 use bevy_envgen::envgen::hallway::HallwaySpec;
+use bevy_envgen::envgen::indoor::IndoorSpec;
 use bevy_envgen::envgen::{Blueprint, Seed, Spec, World as EnvWorld};
+use bevy_envgen::mapping_trial::body::Bodies;
 use bevy_envgen::mapping_trial::body::Command;
 use bevy_envgen::mapping_trial::trial::{EndReason, Trial, TrialLog, TrialSettings};
 use bevy_envgen::prelude::*;
@@ -47,12 +49,17 @@ fn a_trial_runs_again_from_its_log_to_the_bit() {
 
 /// An app as a user writes it, in which an update is a tick.
 fn app(steps: f64) -> App {
+    app_with_frames(steps, steps)
+}
+
+/// An app whose frames are shorter or longer than its ticks, as those of windows are.
+fn app_with_frames(steps: f64, frames: f64) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin));
     app.add_plugins((TopDownPhysicsPlugin::new(steps).with_substeps(4), EnvgenPlugins::default()));
     app.add_plugins(TrialPlugin::default());
-    let tick = std::time::Duration::from_secs_f64(1.0 / steps);
-    app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(tick));
+    let frame = std::time::Duration::from_secs_f64(1.0 / frames);
+    app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(frame));
     app.finish();
     app.cleanup();
     app
@@ -151,4 +158,67 @@ fn what_cannot_be_is_told() {
     let error = replay_headless(&hallway(), log, |_| ()).err().unwrap();
     let engine = MappingTrialError::Engine { found: "flat".into() };
     assert_eq!(error, engine.into());
+}
+
+#[test]
+fn frames_of_any_length_give_the_same_trial() {
+    let world = IndoorSpec { width: 5, height: 5, ..Default::default() };
+    let world = world.generate(Seed(3)).unwrap().to_world();
+    let start = world.start.unwrap();
+    let settings = TrialSettings { operator: None, robots: 2, ..short(60.0) };
+    for frames in [7.0, 20.0, 190.0] {
+        let mut app = app_with_frames(20.0, frames);
+        app.insert_resource(ColliderSettings::for_trials());
+        let environment = Environment::from_world(world.clone()).with_pace(Pace::InPlace);
+        let root = app.world_mut().spawn(environment).id();
+        bevy_envgen::testing::step(&mut app, 5);
+        let mut hands = Hands::default();
+        let trial = MappingTrial::new(settings.clone());
+        app.world_mut().entity_mut(root).insert((trial, hands.clone()));
+        // Into walls and each other, along them and back.
+        for (speed, turn_rate) in [(0.7, 0.0), (0.5, 0.9), (0.7, -0.3), (-0.4, 0.2), (0.7, 0.0)] {
+            let command = Command { speed, turn_rate };
+            hands.commands = vec![command, Command { speed: 0.5 * speed, turn_rate: -turn_rate }];
+            app.world_mut().entity_mut(root).insert(hands.clone());
+            bevy_envgen::testing::step(&mut app, (4.0 * frames) as usize);
+        }
+        let mut held = app.world_mut().get_mut::<MappingTrial>(root).unwrap();
+        held.stop();
+        let trial = held.trial().unwrap();
+        let track = trial.track(0);
+        assert!(
+            track.poses.iter().take(9).all(|pose| pose.position.distance(start.position) < 0.1),
+            "{start:?}"
+        );
+        assert!((1.0..14.0).contains(&track.metres), "{}", track.metres);
+        assert!(trial.bodies().hits(0) > 0);
+        let again = replay_headless(&world, trial.log(ENGINE), |_| ()).unwrap();
+        let robots = || 0..trial.robots();
+        assert!(robots().all(|robot| again.track(robot) == trial.track(robot)), "{frames} frames");
+    }
+}
+
+#[test]
+fn another_trial_in_the_same_app_is_as_good_as_the_first() {
+    let mut app = app(20.0);
+    app.insert_resource(ColliderSettings::for_trials());
+    let root = app.world_mut().spawn(environment()).id();
+    bevy_envgen::testing::step(&mut app, 5);
+    let settings = TrialSettings { operator: None, robots: 3, ..short(60.0) };
+    let commands = vec![Command { speed: 0.6, turn_rate: 0.4 }; 3];
+    for _ in 0..3 {
+        let trial = MappingTrial::new(settings.clone());
+        app.world_mut().entity_mut(root).insert((trial, Hands { commands: commands.clone() }));
+        bevy_envgen::testing::step(&mut app, 300);
+        let trial = app.world().get::<MappingTrial>(root).unwrap().trial().unwrap();
+        assert!(trial.bodies().hits(0) > 0);
+        let mut log = trial.log(ENGINE);
+        log.ends.fill(None);
+        let again = replay_headless(&hallway(), log, |_| ()).unwrap();
+        let ticks = again.track(0).poses.len();
+        assert!(ticks > 290);
+        for robot in 0..3 {
+            assert_eq!(again.track(robot).poses[..], trial.track(robot).poses[..ticks]);
+        }
+    }
 }

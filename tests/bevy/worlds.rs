@@ -292,7 +292,6 @@ fn a_shared_world_stays_shared() {
 
 #[test]
 fn rooms_tell_what_was_taken_out_of_them() {
-    use bevy_envgen::envgen::world::Contents;
     let mut world = IndoorSpec::default().generate(Seed(4)).unwrap().to_world();
     let all = [Contents::Emptied, Contents::Cleared, Contents::AsDesigned];
     for (room, contents) in world.rooms.iter_mut().zip(all.into_iter().cycle()) {

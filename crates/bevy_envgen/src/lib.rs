@@ -62,7 +62,9 @@
 //! | `file_watcher` | no | files that change are loaded again |
 //! | `render` | no | meshes; with the features that build on it the only one with rendering crates |
 //! | `capture` | no | pictures and films of cameras, with or without a window |
+//! | `debug` | no | lines over colliders, rays, frontiers, plans and the graph of rooms |
 //! | `trial` | no | robots in rapier, and mapping trials with them, by `mapping_trial` |
+//! | `egui` | no | panels for specs, trials, scores and the operator's form |
 //! | `serialize` | no | serde for the components of parts |
 
 #[cfg(feature = "asset")]
@@ -87,6 +89,8 @@ mod tessellate;
 pub mod testing;
 #[cfg(feature = "trial")]
 pub mod trial;
+#[cfg(feature = "egui")]
+pub mod ui;
 #[cfg(all(feature = "render", feature = "trial"))]
 pub mod view;
 #[cfg(feature = "render")]

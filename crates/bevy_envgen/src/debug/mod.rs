@@ -79,6 +79,8 @@ impl Plugin for EnvgenDebugPlugin {
                     .run_if(resource_exists::<Drawable>),
             )
             .add_systems(PostUpdate, draw_rooms.in_set(DebugSystems).run_if(on(|on| on.rooms)));
+        #[cfg(feature = "trial")]
+        app.debug_trials::<crate::trial::MappingTrial>();
         #[cfg(feature = "physics")]
         app.add_systems(
             PostUpdate,

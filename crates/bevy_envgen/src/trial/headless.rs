@@ -13,7 +13,7 @@ use thiserror::Error;
 use super::{MappingTrial, MappingTrialError, RapierBodies, TrialFailed, TrialPlugin};
 use crate::EnvgenCorePlugin;
 use crate::environment::{Environment, EnvironmentError, EnvironmentFailed, Pace};
-use crate::physics::{ColliderSettings, EnvgenPhysicsPlugin, Merge, TopDownPhysicsPlugin};
+use crate::physics::{ColliderSettings, EnvgenPhysicsPlugin, TopDownPhysicsPlugin};
 
 /// Ticks between two calls of the callback for progress.
 const TICKS_A_CALL: u64 = 200;
@@ -98,15 +98,13 @@ fn drive(
 /// An app in which an update is a tick, with no more plugins than a trial needs.
 fn app() -> App {
     let mut app = App::new();
-    // Colliders in one piece make rapier faster, and surfaces need none: robots ask the world.
-    let colliders = ColliderSettings { merge: Merge::Always, sensors: false, ..default() };
     app.add_plugins((
         TaskPoolPlugin::default(),
         TimePlugin,
         TransformPlugin,
         TopDownPhysicsPlugin::for_trials(),
         EnvgenCorePlugin::default(),
-        EnvgenPhysicsPlugin::default().with_colliders(colliders),
+        EnvgenPhysicsPlugin::default().with_colliders(ColliderSettings::for_trials()),
         TrialPlugin::default(),
     ));
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(TICK)));

@@ -58,7 +58,7 @@ pub(super) fn begin(
         let ready = check(&fixed, rapier.as_deref(), transform);
         match ready.and_then(|()| place(&trial.ask, truth)) {
             Ok(placed) => {
-                let robots = spawn(&mut commands, entity, environment, &placed);
+                let robots = spawn(&mut commands, entity, environment, transform, &placed);
                 let scans = vec![0; robots.len()];
                 let script = match &trial.ask {
                     Ask::New(_) => Vec::new(),
@@ -127,6 +127,7 @@ fn spawn(
     commands: &mut Commands,
     entity: Entity,
     environment: &Environment,
+    frame: &GlobalTransform,
     trial: &Trial<RapierBodies>,
 ) -> Vec<Entity> {
     let settings = trial.settings();
@@ -136,14 +137,17 @@ fn spawn(
             let Pose { position, heading } = trial.bodies().pose(index);
             let at = (position - environment.origin).as_vec2();
             let number = index as u64;
+            let place = Transform::from_translation(at.extend(0.0))
+                .with_rotation(Quat::from_rotation_z(heading as f32));
             let robot = (
                 Name::new(format!("Robot {}", index + 1)),
                 TrialRobot { index },
                 RobotModel(settings.body.clone()),
                 LaserScanner::new(settings.laser.clone(), seed, number),
                 WheelOdometry::new(settings.odometry.clone(), seed, number),
-                Transform::from_translation(at.extend(0.0))
-                    .with_rotation(Quat::from_rotation_z(heading as f32)),
+                place,
+                // Bevy renews it once a frame; rapier, in this very tick, asks for it.
+                frame.mul_transform(place),
                 ChildOf(entity),
             );
             commands.spawn(robot).id()

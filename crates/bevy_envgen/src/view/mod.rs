@@ -13,7 +13,8 @@
 //!     truth            true bodies and paths, for training
 //! ```
 //!
-//! Any component that holds a trial can be looked at: see [`WatchTrials`].
+//! [`MappingTrial`]s are looked at, and any other component that holds a trial can be: see
+//! [`WatchTrials`].
 
 mod camera;
 mod drawing;
@@ -36,6 +37,7 @@ use drawing::{Canvas, Drawing};
 
 use crate::environment::Environment;
 use crate::spawn::Tile;
+use crate::trial::{MappingTrial, RapierBodies};
 use crate::visuals::require_visibility;
 
 /// The layer of what only minimaps show: arrows where the robots are.
@@ -111,6 +113,14 @@ pub trait WatchTrial: Component {
     fn watched(&self) -> Option<&Trial<Self::Bodies>>;
 }
 
+impl WatchTrial for MappingTrial {
+    type Bodies = RapierBodies;
+
+    fn watched(&self) -> Option<&Trial<RapierBodies>> {
+        self.trial()
+    }
+}
+
 /// For plugins whose components hold trials.
 pub trait WatchTrials {
     /// Has the trials of a component drawn. It requires a [`TrialView`], so that no world is seen
@@ -182,6 +192,7 @@ impl Plugin for TrialViewPlugin {
                 ),
             );
         require_visibility(app);
+        app.watch_trials::<MappingTrial>();
     }
 }
 

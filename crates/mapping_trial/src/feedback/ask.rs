@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use super::{Connection, Experience, Feedback, Rating, Session};
+use super::{Connection, Experience, Feedback, Rating, Session, questions};
 
 /// The longest answer in bytes.
 pub const MAX_LINE: usize = 1 << 16;
@@ -41,29 +41,27 @@ pub fn ask(
     out: &mut dyn Write,
 ) -> Result<Feedback, FeedbackError> {
     let mut form = Form { input, out };
-    writeln!(form.out, "Robot Mapping Feedback Form")?;
-    let name = form.text("Name")?;
-    let experience = form.choice("Experience level as operator", Experience::ALL, None)?;
-    let environment = form.known("Name of the map/environment", &session.environment)?;
-    let software = form.known("Software used for the mapping", &session.software)?;
-    let connection = form.choice("Connection", Connection::ALL, Some(session.connection))?;
-    let robots = form.known("Number and type of robots", &session.robots)?;
-    let difficulty = form.rating(
-        "Overall, how would you rate the difficulty of the environment in terms of mapping?\n  \
-         (0: nothing in it 'forces' a mapping error on the robot;\n  10: the map cannot be \
-         properly navigated, due to excessive mapping errors)\n ",
-    )?;
-    let mapping = form.rating("How difficult was it to map?")?;
-    let getting_around = form.rating("How difficult was it to get around?")?;
-    let contributed = form.text("What aspects of the map contributed most to the difficulty?")?;
-    let difficult_rooms =
-        form.text("Were there rooms that were particularly difficult to map, and why?")?;
-    let easy_rooms = form.text("Were there rooms that were particularly easy to map, and why?")?;
-    let patterns = form.text(
-        "What patterns did you notice in the layout (hallways, dead ends, doorways),\n  and what \
-         effect did each have on the difficulty?",
-    )?;
-    let other = form.text("Is there anything else that stood out?")?;
+    writeln!(form.out, "{}", questions::TITLE)?;
+    let name = form.text(questions::NAME)?;
+    let experience = form.choice(questions::EXPERIENCE, Experience::ALL, None)?;
+    let environment = form.known(questions::ENVIRONMENT, &session.environment)?;
+    let software = form.known(questions::SOFTWARE, &session.software)?;
+    let connection =
+        form.choice(questions::CONNECTION, Connection::ALL, Some(session.connection))?;
+    let robots = form.known(questions::ROBOTS, &session.robots)?;
+    let difficulty = form.rating(&format!(
+        "{}\n  ({};\n  {})\n ",
+        questions::DIFFICULTY,
+        questions::DIFFICULTY_0,
+        questions::DIFFICULTY_10
+    ))?;
+    let mapping = form.rating(questions::MAPPING)?;
+    let getting_around = form.rating(questions::GETTING_AROUND)?;
+    let contributed = form.text(questions::CONTRIBUTED)?;
+    let difficult_rooms = form.text(questions::DIFFICULT_ROOMS)?;
+    let easy_rooms = form.text(questions::EASY_ROOMS)?;
+    let patterns = form.text(questions::PATTERNS)?;
+    let other = form.text(questions::OTHER)?;
     Ok(Feedback {
         name,
         experience,

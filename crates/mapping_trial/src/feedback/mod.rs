@@ -3,6 +3,7 @@
 
 mod ask;
 mod measured;
+pub mod questions;
 
 use std::fmt;
 use std::str::FromStr;

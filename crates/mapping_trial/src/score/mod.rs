@@ -5,6 +5,7 @@
 pub(crate) mod navigability;
 mod pose;
 mod raster;
+mod rows;
 pub(crate) mod walls;
 mod weights;
 
@@ -13,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use self::raster::Raster;
+pub use self::rows::ScoreRow;
 pub use self::weights::{Difficulties, Sensitivity, Weights, kendall_tau, sensitivity};
 use crate::map::OccupancyMap;
 use crate::truth::Truth;

@@ -4,6 +4,7 @@ mod log;
 mod report;
 mod settings;
 mod start;
+mod summary;
 
 use std::sync::Arc;
 

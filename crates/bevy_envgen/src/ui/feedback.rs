@@ -1,0 +1,180 @@
+//! The operator's form as a panel.
+
+use bevy_egui::egui::{ComboBox, ScrollArea, Slider, TextEdit, Ui};
+use mapping_trial::feedback::{Connection, Experience, Feedback, Rating, Session, questions};
+use thiserror::Error;
+
+use super::{error, row};
+
+/// The ratings in the form's order.
+const RATINGS: [&str; 3] = [questions::DIFFICULTY, questions::MAPPING, questions::GETTING_AROUND];
+
+/// The open questions in the form's order.
+const OPEN: [&str; 5] = [
+    questions::CONTRIBUTED,
+    questions::DIFFICULT_ROOMS,
+    questions::EASY_ROOMS,
+    questions::PATTERNS,
+    questions::OTHER,
+];
+
+/// A rating that the form needs and has not.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("not answered yet: {question}")]
+pub struct Unanswered {
+    /// The question.
+    pub question: &'static str,
+}
+
+/// The form of Zwennes (2011), appendix B, with two questions more, as it is filled. The open
+/// questions may stay empty; a rating that nobody gave is no rating, so that none has a default.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FeedbackForm {
+    /// Name of the operator.
+    pub name: String,
+    /// Experience as operator.
+    pub experience: Experience,
+    /// What the run was about.
+    pub session: Session,
+    /// The ratings from 0 to 10: overall, mapping, getting around.
+    pub ratings: [Option<f64>; 3],
+    /// Answers to the open questions, in the form's order.
+    pub answers: [String; 5],
+    missing: Option<Unanswered>,
+}
+
+impl FeedbackForm {
+    /// An empty form for a session.
+    pub fn new(session: Session) -> Self {
+        FeedbackForm {
+            name: String::new(),
+            experience: Experience::default(),
+            session,
+            ratings: [None; 3],
+            answers: Default::default(),
+            missing: None,
+        }
+    }
+
+    /// The form, filled.
+    ///
+    /// # Errors
+    /// The first rating that is missing.
+    pub fn fill(&self) -> Result<Feedback, Unanswered> {
+        let rating = |i: usize| {
+            let value = self.ratings[i].and_then(|value| Rating::try_from(value).ok());
+            value.ok_or(Unanswered { question: RATINGS[i] })
+        };
+        let [contributed, difficult_rooms, easy_rooms, patterns, other] =
+            self.answers.clone().map(|answer| answer.trim().to_owned());
+        Ok(Feedback {
+            name: self.name.trim().to_owned(),
+            experience: self.experience,
+            session: self.session.clone(),
+            difficulty: rating(0)?,
+            mapping: rating(1)?,
+            getting_around: rating(2)?,
+            contributed,
+            difficult_rooms,
+            easy_rooms,
+            patterns,
+            other,
+        })
+    }
+
+    /// Draws the form, in an area of at most `height` points that scrolls; the form when it is
+    /// handed in.
+    pub fn show(&mut self, ui: &mut Ui, height: f32) -> Option<Feedback> {
+        let mut filled = None;
+        ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
+            self.about(ui);
+            ui.separator();
+            for (i, question) in RATINGS.into_iter().enumerate() {
+                ui.label(question);
+                if i == 0 {
+                    ui.weak(questions::DIFFICULTY_0);
+                    ui.weak(questions::DIFFICULTY_10);
+                }
+                rate(ui, &mut self.ratings[i]);
+                ui.add_space(4.0);
+            }
+            ui.separator();
+            for (question, answer) in OPEN.into_iter().zip(&mut self.answers) {
+                ui.label(question);
+                let edit = TextEdit::multiline(answer).desired_rows(2);
+                ui.add(edit.desired_width(f32::INFINITY));
+            }
+        });
+        ui.separator();
+        if let Some(missing) = &self.missing {
+            error(ui, &missing.to_string());
+        }
+        if ui.button("Hand in").clicked() {
+            match self.fill() {
+                Ok(feedback) => filled = Some(feedback),
+                Err(unanswered) => self.missing = Some(unanswered),
+            }
+        }
+        filled
+    }
+
+    fn about(&mut self, ui: &mut Ui) {
+        let wide = |text| TextEdit::singleline(text).desired_width(f32::INFINITY);
+        row(ui, "name", questions::NAME, |ui| {
+            ui.add(wide(&mut self.name));
+        });
+        row(ui, "experience", questions::EXPERIENCE, |ui| {
+            let shown = self.experience.to_string();
+            ComboBox::from_id_salt("experience").width(170.0).selected_text(shown).show_ui(
+                ui,
+                |ui| {
+                    for &choice in Experience::ALL {
+                        ui.selectable_value(&mut self.experience, choice, choice.to_string());
+                    }
+                },
+            );
+        });
+        row(ui, "environment", questions::ENVIRONMENT, |ui| {
+            ui.add(wide(&mut self.session.environment));
+        });
+        row(ui, "software", questions::SOFTWARE, |ui| {
+            ui.add(wide(&mut self.session.software));
+        });
+        row(ui, "connection", questions::CONNECTION, |ui| {
+            let shown = self.session.connection.to_string();
+            ComboBox::from_id_salt("connection").width(170.0).selected_text(shown).show_ui(
+                ui,
+                |ui| {
+                    for &choice in Connection::ALL {
+                        ui.selectable_value(
+                            &mut self.session.connection,
+                            choice,
+                            choice.to_string(),
+                        );
+                    }
+                },
+            );
+        });
+        row(ui, "robots", questions::ROBOTS, |ui| {
+            ui.add(wide(&mut self.session.robots));
+        });
+    }
+}
+
+/// A rating: none until it is given.
+fn rate(ui: &mut Ui, rating: &mut Option<f64>) {
+    ui.horizontal(|ui| {
+        let mut value = rating.unwrap_or(5.0);
+        ui.spacing_mut().slider_width = 240.0;
+        let slider = Slider::new(&mut value, 0.0..=10.0).step_by(0.5).show_value(false);
+        let response = ui.add(slider);
+        // A click on the middle is an answer as well.
+        if response.changed() || response.clicked() || response.drag_stopped() {
+            *rating = Some(value);
+        }
+        match rating {
+            Some(value) => ui.strong(value.to_string()),
+            None => ui.weak("not answered"),
+        };
+    });
+}

@@ -1,0 +1,355 @@
+//! The panel for specs: every setting of every kind, with its limits.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use bevy_egui::egui::{self, ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
+use envgen::settings::{Allowed, Setting};
+use envgen::{Kind, Seed, SettingsError, SpecError, WorldSpec};
+use serde_json::Value;
+
+use super::{error, row};
+
+/// The widest range of numbers that a slider is precise enough for.
+const SLIDER_RANGE: f64 = 20.0;
+
+/// What is asked of the app.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SpecAction {
+    /// Make the world of this spec and seed.
+    Regenerate {
+        /// The spec, which is valid.
+        spec: Box<WorldSpec>,
+        /// The seed.
+        seed: Seed,
+    },
+    /// The spec was written to this file.
+    Saved(PathBuf),
+}
+
+/// The spec as it is edited: for each kind one text a setting, as `--set` takes them, so that
+/// switching to another kind and back loses nothing.
+#[derive(Clone, Debug)]
+pub struct SpecForm {
+    kind: Kind,
+    texts: BTreeMap<Kind, Vec<Draft>>,
+    seed: u64,
+    file: String,
+    /// What the app or the disk said last.
+    failure: Option<String>,
+}
+
+/// One setting as it is edited.
+#[derive(Clone, Debug)]
+struct Draft {
+    setting: &'static Setting,
+    text: String,
+    /// Whether the setting may be absent.
+    optional: bool,
+    error: Option<String>,
+}
+
+impl SpecForm {
+    /// The form with a spec and a seed in it.
+    pub fn new(spec: &WorldSpec, seed: Seed) -> Self {
+        let texts = Kind::ALL.iter().map(|&kind| {
+            let shown = if kind == spec.kind() { spec.clone() } else { kind.default_spec() };
+            (kind, drafts(&shown))
+        });
+        let texts = texts.collect();
+        let file = format!("{}.envgen.ron", spec.kind());
+        SpecForm { kind: spec.kind(), texts, seed: seed.0, file, failure: None }
+    }
+
+    /// The kind that is edited.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// Goes to another kind.
+    pub fn set_kind(&mut self, kind: Kind) {
+        if self.file == format!("{}.envgen.ron", self.kind) {
+            self.file = format!("{kind}.envgen.ron");
+        }
+        self.kind = kind;
+        self.failure = None;
+        self.check();
+    }
+
+    /// The seed.
+    pub fn seed(&self) -> Seed {
+        Seed(self.seed)
+    }
+
+    /// Sets one setting of the kind from text, as `--set` takes it. Names that the kind has not are
+    /// ignored.
+    pub fn set(&mut self, name: &str, text: &str) {
+        let drafts = self.texts.get_mut(&self.kind);
+        let draft = drafts.and_then(|drafts| drafts.iter_mut().find(|d| d.setting.name == name));
+        if let Some(draft) = draft {
+            text.clone_into(&mut draft.text);
+            self.check();
+        }
+    }
+
+    /// The error that stands below a setting.
+    pub fn error_of(&self, name: &str) -> Option<&str> {
+        let draft = self.texts.get(&self.kind)?.iter().find(|d| d.setting.name == name)?;
+        draft.error.as_deref()
+    }
+
+    /// The spec and the seed that the form asks for.
+    ///
+    /// # Errors
+    /// The first setting that is not allowed, with its value and what is.
+    pub fn request(&self) -> Result<(WorldSpec, Seed), SettingsError> {
+        let mut spec = self.kind.default_spec();
+        for draft in self.texts.get(&self.kind).into_iter().flatten() {
+            spec.set(draft.setting.name, &draft.text)?;
+        }
+        spec.validate()?;
+        Ok((spec, Seed(self.seed)))
+    }
+
+    /// Shows what went wrong with the world that was asked for; `None` when nothing did.
+    pub fn set_failure(&mut self, failure: Option<String>) {
+        self.failure = failure;
+    }
+
+    /// Writes the spec as RON, whole or not at all.
+    ///
+    /// # Errors
+    /// What is not allowed in the spec, or what the disk says, with the file's name.
+    pub fn save(&self, path: &Path) -> Result<(), String> {
+        let (spec, _) = self.request().map_err(|error| error.to_string())?;
+        let text = spec.to_ron() + "\n";
+        write_whole(path, text.as_bytes()).map_err(|error| format!("{}: {error}", path.display()))
+    }
+
+    /// Draws the panel.
+    pub fn show(&mut self, ui: &mut Ui) -> Option<SpecAction> {
+        let mut action = None;
+        let mut kind = self.kind;
+        row(ui, "kind", "", |ui| {
+            ComboBox::from_id_salt("kind").selected_text(kind.name()).show_ui(ui, |ui| {
+                for &other in Kind::ALL {
+                    ui.selectable_value(&mut kind, other, other.name())
+                        .on_hover_text(other.summary());
+                }
+            });
+        });
+        if kind != self.kind {
+            self.set_kind(kind);
+        }
+        row(ui, "seed", "from which everything random in the world follows", |ui| {
+            ui.add(DragValue::new(&mut self.seed).speed(0.1));
+            if ui.button("Next").on_hover_text("the next seed, and its world").clicked() {
+                self.seed = self.seed.wrapping_add(1);
+                action = self.regenerate();
+            }
+        });
+        ui.horizontal(|ui| {
+            if ui.button("Regenerate").clicked() {
+                action = self.regenerate();
+            }
+            if ui.button("Defaults").clicked() {
+                self.texts.insert(self.kind, drafts(&self.kind.default_spec()));
+                self.failure = None;
+            }
+        });
+        row(ui, "file", "where Save writes the spec", |ui| {
+            let save = ui.button("Save");
+            ui.add(TextEdit::singleline(&mut self.file).desired_width(f32::INFINITY));
+            if save.clicked() {
+                let path = PathBuf::from(&self.file);
+                match self.save(&path) {
+                    Ok(()) => {
+                        self.failure = None;
+                        action = Some(SpecAction::Saved(path));
+                    }
+                    Err(text) => self.failure = Some(text),
+                }
+            }
+        });
+        if let Some(failure) = &self.failure {
+            error(ui, failure);
+        }
+        ui.separator();
+        egui::ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
+            let mut changed = false;
+            for draft in self.texts.get_mut(&self.kind).into_iter().flatten() {
+                changed |= draft.show(ui);
+            }
+            if changed {
+                self.check();
+            }
+        });
+        action
+    }
+
+    fn regenerate(&mut self) -> Option<SpecAction> {
+        match self.request() {
+            Ok((spec, seed)) => {
+                self.failure = None;
+                Some(SpecAction::Regenerate { spec: Box::new(spec), seed })
+            }
+            Err(error) => {
+                self.failure = Some(error.to_string());
+                None
+            }
+        }
+    }
+
+    /// Puts each error below the setting that it names.
+    fn check(&mut self) {
+        let Some(drafts) = self.texts.get_mut(&self.kind) else { return };
+        let mut spec = self.kind.default_spec();
+        let mut good = true;
+        for draft in &mut *drafts {
+            draft.error = spec.set(draft.setting.name, &draft.text).err().map(|e| e.to_string());
+            good &= draft.error.is_none();
+        }
+        if let (true, Err(error)) = (good, spec.validate()) {
+            let SpecError { field, .. } = &error;
+            // Fields of lists are named such as `speeds[2]`.
+            let named = drafts.iter_mut().find(|draft| {
+                field
+                    .strip_prefix(draft.setting.name)
+                    .is_some_and(|rest| rest.is_empty() || rest.starts_with(['[', '.', ' ']))
+            });
+            match named {
+                Some(draft) => draft.error = Some(error.to_string()),
+                None => self.failure = Some(error.to_string()),
+            }
+        } else {
+            self.failure = None;
+        }
+    }
+}
+
+impl Draft {
+    /// Draws the setting; true when its text has changed.
+    fn show(&mut self, ui: &mut Ui) -> bool {
+        let Draft { setting, text, optional, .. } = self;
+        let before = text.clone();
+        let unit = if setting.unit.is_empty() { "" } else { " " };
+        let help = format!("{}\n{}{unit}{}", setting.help, setting.allowed, setting.unit);
+        row(ui, setting.name, &help, |ui| {
+            if *optional && !matches!(setting.allowed, Allowed::List(_)) {
+                let mut set = text != "none";
+                if ui.checkbox(&mut set, "").on_hover_text("none when not ticked").changed() {
+                    *text = if set { first_value(setting) } else { "none".to_owned() };
+                }
+                if !set {
+                    ui.weak("none");
+                    return;
+                }
+            }
+            edit(ui, setting, text);
+        });
+        if let Some(text) = &self.error {
+            error(ui, text);
+        }
+        before != self.text
+    }
+}
+
+/// Edits a value by what fits its type.
+fn edit(ui: &mut Ui, setting: &Setting, text: &mut String) {
+    let unit = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
+    match setting.allowed {
+        Allowed::Integer { min, max } => {
+            edit_number(ui, text, (min as f64, max as f64), &unit, true);
+        }
+        Allowed::Number { min, max } => edit_number(ui, text, (min, max), &unit, false),
+        Allowed::Choice(names) => {
+            let shown = text.clone();
+            ComboBox::from_id_salt(setting.name).selected_text(shown).show_ui(ui, |ui| {
+                for name in names {
+                    ui.selectable_value(text, (*name).to_owned(), *name);
+                }
+            });
+        }
+        Allowed::Flag => {
+            let mut set = text == "true";
+            if ui.checkbox(&mut set, "").changed() {
+                *text = set.to_string();
+            }
+        }
+        Allowed::List(hint) | Allowed::Other(hint) => {
+            ui.add(TextEdit::singleline(text).hint_text(hint).desired_width(f32::INFINITY));
+        }
+    }
+}
+
+/// A slider for narrow ranges and a value to drag for wide ones. Either takes any number that is
+/// typed: what is not allowed is told below.
+fn edit_number(ui: &mut Ui, text: &mut String, (min, max): (f64, f64), unit: &str, whole: bool) {
+    let Ok(mut value) = text.parse::<f64>() else {
+        ui.add(TextEdit::singleline(text).desired_width(f32::INFINITY));
+        return;
+    };
+    let response = if max - min <= SLIDER_RANGE {
+        let slider = Slider::new(&mut value, min..=max).clamping(SliderClamping::Never);
+        let slider = slider.suffix(unit).max_decimals(if whole { 0 } else { 6 });
+        let slider = if whole { slider.step_by(1.0) } else { slider };
+        ui.spacing_mut().slider_width = 80.0;
+        ui.add(slider)
+    } else {
+        let speed = if whole { 0.1 } else { (0.01 * value.abs()).max(1e-4) };
+        let decimals = if whole { 0 } else { 6 };
+        ui.add(DragValue::new(&mut value).speed(speed).max_decimals(decimals).suffix(unit))
+    };
+    if response.changed() {
+        *text = value.to_string();
+    }
+}
+
+/// What an absent setting becomes when it is to have a value.
+fn first_value(setting: &Setting) -> String {
+    match setting.allowed {
+        Allowed::Integer { min, .. } => min.to_string(),
+        Allowed::Number { min, max } => 0.1_f64.clamp(min, max).to_string(),
+        Allowed::Choice(names) => names.first().copied().unwrap_or_default().to_owned(),
+        Allowed::Flag => "false".to_owned(),
+        Allowed::List(_) | Allowed::Other(_) => String::new(),
+    }
+}
+
+/// A text a setting.
+fn drafts(spec: &WorldSpec) -> Vec<Draft> {
+    let (values, defaults) = (spec.settings_json(), spec.kind().default_spec().settings_json());
+    let draft = |setting: &'static Setting| Draft {
+        setting,
+        text: plain(&values[setting.name]),
+        optional: defaults[setting.name].is_null(),
+        error: None,
+    };
+    spec.kind().settings().iter().map(draft).collect()
+}
+
+/// A value as one would give it to `--set`.
+fn plain(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Null => "none".to_owned(),
+        Value::Array(items) if items.iter().all(|item| !item.is_array() && !item.is_object()) => {
+            items.iter().map(plain).collect::<Vec<_>>().join(",")
+        }
+        other => other.to_string(),
+    }
+}
+
+/// Writes a file to a temporary name beside it and renames it, so that it appears whole or not at
+/// all.
+///
+/// # Errors
+/// What the disk says.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let mut file = tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))?;
+    file.write_all(bytes)?;
+    file.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}

@@ -1,0 +1,115 @@
+//! What the command line asks for.
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clap::Parser;
+use envgen::indoor::IndoorSpec;
+use envgen::{Seed, World, WorldSpec, import};
+use mapping_trial::lidar::LaserProfile;
+use mapping_trial::names::Named;
+use mapping_trial::odometry::OdometryProfile;
+use mapping_trial::operator::OperatorKind;
+use mapping_trial::slam::SlamKind;
+use mapping_trial::trial::TrialSettings;
+
+/// Side of the indoor map in grid units: what one robot explores in 20 minutes.
+const SIZE: u32 = 10;
+
+/// Drive a simulated robot through a world that you do not know, and see how well it is mapped.
+#[derive(Parser, Clone)]
+#[expect(clippy::doc_markdown, reason = "texts for the terminal are no markdown")]
+pub(crate) struct Arguments {
+    /// Difficulty of the indoor map, from 0 to 10.
+    #[arg(long, default_value_t = 5.0, conflicts_with = "world")]
+    difficulty: f64,
+
+    /// The seed of the world, and of what the sensors get wrong.
+    #[arg(long, default_value_t = Seed(0))]
+    pub(crate) seed: Seed,
+
+    /// A world file (.ron, .json, .xml, .asc, .map), or a spec (.envgen.ron) for any kind of world.
+    #[arg(long, value_name = "FILE")]
+    world: Option<PathBuf>,
+
+    /// Number of robots, which share one map; Tab goes from one to the next.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=4))]
+    robots: u32,
+
+    /// Watch a program drive: nearest, info_gain, cautious, wall_follow or corridors.
+    #[arg(long, value_parser = OperatorKind::named)]
+    pub(crate) operator: Option<OperatorKind>,
+
+    /// How poses and map are estimated: scan_to_map, pose_graph or dead_reckoning.
+    #[arg(long, default_value = "scan_to_map", value_parser = SlamKind::named)]
+    slam: SlamKind,
+
+    /// What the laser measures: lms200_mm, lms200_mm_rough or usarsim.
+    #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named)]
+    laser: LaserProfile,
+
+    /// What the wheels measure: skid, mild, poor or exact.
+    #[arg(long, default_value = "skid", value_parser = OdometryProfile::named)]
+    odometry: OdometryProfile,
+
+    /// Simulated seconds after which the trial ends.
+    #[arg(long, default_value_t = 1200.0)]
+    time_limit: f64,
+
+    /// Show the truth from the start, for training.
+    #[arg(long)]
+    pub(crate) training: bool,
+
+    /// The folder to write into.
+    #[arg(long, default_value = "out/teleop", value_name = "FOLDER")]
+    pub(crate) out: PathBuf,
+
+    /// Write the time of every frame, and the ticks that were done by then.
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) frame_log: Option<PathBuf>,
+}
+
+/// What the window begins with: a spec, or a world from a file.
+pub(crate) enum Beginning {
+    Spec(Box<WorldSpec>),
+    World(Arc<World>),
+}
+
+impl Arguments {
+    /// The world, or what it is made of.
+    pub(crate) fn beginning(&self) -> Result<Beginning, Box<dyn Error>> {
+        let Some(path) = &self.world else {
+            let (width, height) = (SIZE, SIZE);
+            let difficulty = self.difficulty;
+            let spec = IndoorSpec { difficulty, width, height, ..Default::default() };
+            let spec = WorldSpec::from(spec);
+            spec.validate()?;
+            return Ok(Beginning::Spec(Box::new(spec)));
+        };
+        let of_file = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+        if path.to_string_lossy().ends_with(".envgen.ron") {
+            let text = std::fs::read_to_string(path).map_err(|error| of_file(&error))?;
+            let spec = WorldSpec::from_ron(&text).map_err(|error| of_file(&error))?;
+            return Ok(Beginning::Spec(Box::new(spec)));
+        }
+        let world = import::read_world(path).map_err(|error| of_file(&error))?;
+        Ok(Beginning::World(Arc::new(world)))
+    }
+
+    /// What trials are made of at first.
+    pub(crate) fn settings(&self) -> Result<TrialSettings, Box<dyn Error>> {
+        let settings = TrialSettings {
+            seed: self.seed,
+            operator: self.operator,
+            slam: self.slam,
+            robots: self.robots,
+            time_limit: self.time_limit,
+            laser: self.laser.clone(),
+            odometry: self.odometry.clone(),
+            ..TrialSettings::default()
+        };
+        settings.validate()?;
+        Ok(settings)
+    }
+}

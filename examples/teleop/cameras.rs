@@ -1,0 +1,111 @@
+//! The cameras: the robot's surroundings, the whole map in a corner, and the panels over both.
+
+use bevy::camera::visibility::RenderLayers;
+use bevy::camera::{CameraOutputMode, ClearColorConfig, Viewport};
+use bevy::prelude::*;
+use bevy::render::render_resource::BlendState;
+use bevy_envgen::ui::bevy_egui::{EguiGlobalSettings, PrimaryEguiContext};
+use bevy_envgen::view::{FollowRobot, ShowWholeMap, TrialPalette, minimap_layers};
+
+use crate::panels;
+use crate::session::{Phase, Session};
+
+/// Metres from the lower edge of the picture to the upper one, at first.
+const HEIGHT: f32 = 14.0;
+
+/// Share of the picture's lesser side that the minimap takes.
+const MINIMAP: f32 = 0.34;
+
+/// Pixels between the minimap and the window's edge.
+const MARGIN: u32 = 12;
+
+pub(crate) fn spawn(
+    session: Res<Session>,
+    palette: Res<TrialPalette>,
+    mut settings: ResMut<EguiGlobalSettings>,
+    mut commands: Commands,
+) {
+    settings.auto_create_primary_context = false;
+    let trial = session.world;
+    let clear = ClearColorConfig::Custom(palette.unknown);
+    commands.spawn((
+        Camera2d,
+        Camera { clear_color: clear.clone(), ..default() },
+        FollowRobot { trial, robot: 0, height: HEIGHT },
+    ));
+    commands.spawn((
+        Camera2d,
+        Camera { order: 1, clear_color: clear, ..default() },
+        ShowWholeMap { trial, margin: 1.0 },
+        minimap_layers(),
+    ));
+    commands.spawn((
+        PrimaryEguiContext,
+        Camera2d,
+        RenderLayers::none(),
+        Camera {
+            order: 2,
+            output_mode: CameraOutputMode::Write {
+                blend_state: Some(BlendState::ALPHA_BLENDING),
+                clear_color: ClearColorConfig::None,
+            },
+            clear_color: ClearColorConfig::Custom(Color::NONE),
+            ..default()
+        },
+    ));
+}
+
+/// Follows the robot that is driven.
+pub(crate) fn follow_driven(session: Res<Session>, mut cameras: Query<&mut FollowRobot>) {
+    for mut camera in &mut cameras {
+        if camera.robot != session.driven {
+            camera.robot = session.driven;
+        }
+    }
+}
+
+/// Pixels of the window beside the panel.
+pub(crate) fn beside(window: &Window) -> URect {
+    let size = window.physical_size();
+    let panel = panels::WIDTH * panels::zoom(window.height()) * window.scale_factor();
+    URect::from_corners(UVec2::new((panel as u32).min(size.x), 0), size)
+}
+
+/// Pixels of the minimap, in the lower right corner.
+pub(crate) fn minimap(size: UVec2, beside: URect) -> URect {
+    let side = (beside.size().min_element() as f32 * MINIMAP) as u32;
+    let corner = size.saturating_sub(UVec2::splat(side + MARGIN));
+    URect::from_corners(corner, corner + side)
+}
+
+/// Fits the pictures to the window, beside the panel.
+pub(crate) fn fit(
+    window: Single<&Window>,
+    session: Res<Session>,
+    mut main: Query<&mut Camera, (With<FollowRobot>, Without<ShowWholeMap>)>,
+    mut maps: Query<&mut Camera, With<ShowWholeMap>>,
+) {
+    let beside = beside(&window);
+    let map = minimap(window.physical_size(), beside);
+    let shown = !map.is_empty();
+    for mut camera in &mut main {
+        put(&mut camera, beside, shown);
+    }
+    for mut camera in &mut maps {
+        put(&mut camera, map, shown && session.phase == Phase::Running);
+    }
+}
+
+/// Moves a viewport, where it is not there already.
+fn put(camera: &mut Mut<'_, Camera>, place: URect, shown: bool) {
+    if camera.is_active != shown {
+        camera.is_active = shown;
+    }
+    let (physical_position, physical_size) = (place.min, place.size());
+    let there = camera.viewport.as_ref().is_some_and(|seen| {
+        seen.physical_position == physical_position && seen.physical_size == physical_size
+    });
+    if shown && !there {
+        camera.viewport = Some(Viewport { physical_position, physical_size, ..default() });
+    }
+}

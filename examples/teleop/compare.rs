@@ -1,0 +1,58 @@
+//! The session again from its log, and a program on the same map, beside each other.
+
+use std::sync::Arc;
+
+use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future};
+use bevy_envgen::trial::{ENGINE, replay_headless, run_headless};
+use envgen::World;
+use mapping_trial::score::Scores;
+use mapping_trial::trial::{TrialLog, TrialSettings};
+use mapping_trial::truth::Truth;
+
+/// A comparison that runs, or has been made.
+pub(crate) enum Comparison {
+    Running(Task<Result<Compared, String>>),
+    Done(Result<Compared, String>),
+}
+
+/// The scores of two runs in the same world with the same settings.
+pub(crate) struct Compared {
+    /// Of the session, run again from its log.
+    pub(crate) replayed: Scores,
+    /// Whether that run was the session's to the last bit.
+    pub(crate) same: bool,
+    /// Of the program.
+    pub(crate) program: Scores,
+    /// The program's name.
+    pub(crate) name: &'static str,
+}
+
+impl Comparison {
+    /// Begins to compare a session with a program, on another thread.
+    pub(crate) fn begin(
+        log: TrialLog,
+        world: Arc<World>,
+        truth: Arc<Truth>,
+        (name, program): (&'static str, TrialSettings),
+    ) -> Self {
+        Comparison::Running(AsyncComputeTaskPool::get().spawn(async move {
+            let text = |error: &dyn std::fmt::Display| error.to_string();
+            let digest = log.digest();
+            let again = replay_headless(&world, log, |_| ()).map_err(|error| text(&error))?;
+            let same = again.log(ENGINE).digest() == digest;
+            let replayed = again.score(&truth).map_err(|error| text(&error))?;
+            let trial = run_headless(&world, program, |_| ()).map_err(|error| text(&error))?;
+            let program = trial.score(&truth).map_err(|error| text(&error))?;
+            Ok(Compared { replayed, same, program, name })
+        }))
+    }
+
+    /// Takes the result once it is there.
+    pub(crate) fn poll(&mut self) {
+        if let Comparison::Running(task) = self
+            && let Some(result) = block_on(future::poll_once(task))
+        {
+            *self = Comparison::Done(result);
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! How long every frame took, for those who want to know.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use bevy::prelude::*;
+
+use crate::session::Session;
+
+/// A table with a row a frame.
+#[derive(Resource)]
+pub(crate) struct FrameLog(BufWriter<File>);
+
+impl FrameLog {
+    pub(crate) fn create(path: &Path) -> io::Result<Self> {
+        let mut file = BufWriter::new(File::create(path)?);
+        writeln!(file, "frame,seconds,frame_ms,ticks")?;
+        Ok(FrameLog(file))
+    }
+}
+
+/// Adds a row. A table that cannot be written any more is dropped.
+pub(crate) fn write(
+    mut log: ResMut<FrameLog>,
+    time: Res<Time<Real>>,
+    session: Res<Session>,
+    mut frame: Local<u64>,
+    mut exits: MessageReader<AppExit>,
+    mut commands: Commands,
+) {
+    *frame += 1;
+    let (seconds, delta) = (time.elapsed_secs_f64(), 1e3 * time.delta_secs_f64());
+    let row = writeln!(log.0, "{},{seconds:.4},{delta:.3},{}", *frame, session.ticks);
+    let due = exits.read().next().is_some() || frame.is_multiple_of(60);
+    let flushed = if due { log.0.flush() } else { Ok(()) };
+    if let Err(problem) = row.and(flushed) {
+        #[expect(clippy::print_stderr, reason = "where errors are told")]
+        {
+            eprintln!("the frame log ends here: {problem}");
+        }
+        commands.remove_resource::<FrameLog>();
+    }
+}

@@ -1,0 +1,101 @@
+//! Keys and gamepads.
+
+use bevy::input::gamepad::{Gamepad, GamepadButton};
+use bevy::prelude::*;
+use bevy_envgen::prelude::*;
+use bevy_envgen::ui::bevy_egui::EguiInput;
+use bevy_envgen::ui::bevy_egui::input::EguiWantsInput;
+use bevy_envgen::ui::{TrialAction, command_of, egui};
+use bevy_envgen::view::{FollowRobot, TrialView};
+use mapping_trial::body::Command;
+
+use crate::session::{Phase, Session};
+
+/// Metres from the lower edge of the picture to the upper one, at least and at most.
+const ZOOM: (f32, f32) = (3.0, 200.0);
+
+/// How much a key changes the zoom.
+const ZOOM_STEP: f32 = 1.25;
+
+/// What the person asks of the robot that is driven; nothing while a panel takes the keys.
+pub(crate) fn steer(
+    session: Res<Session>,
+    keys: Res<ButtonInput<KeyCode>>,
+    pads: Query<&Gamepad>,
+    panels: Res<EguiWantsInput>,
+    mut hands: Query<&mut Hands>,
+) {
+    let Ok(mut hands) = hands.get_mut(session.world) else { return };
+    let command = if session.phase != Phase::Running || panels.wants_any_keyboard_input() {
+        Command::STOP
+    } else {
+        command_of(&keys, &pads, &session.setup.settings.body)
+    };
+    // Those that are left stand still.
+    let robots = session.setup.settings.robots as usize;
+    let command_of = |robot| if robot == session.driven { command } else { Command::STOP };
+    hands.set_if_neq(Hands { commands: (0..robots).map(command_of).collect() });
+}
+
+/// Keys that do something once.
+pub(crate) fn act(
+    mut session: ResMut<Session>,
+    keys: Res<ButtonInput<KeyCode>>,
+    pads: Query<&Gamepad>,
+    mut trials: Query<(&mut MappingTrial, &mut TrialView, &GroundTruth)>,
+    worlds: Query<&GroundTruth>,
+    mut cameras: Query<&mut FollowRobot>,
+    mut commands: Commands,
+) {
+    let pressed = |codes: &[KeyCode], button| {
+        keys.any_just_pressed(codes.iter().copied())
+            || pads.iter().any(|pad| pad.just_pressed(button))
+    };
+    let begin = pressed(&[KeyCode::Enter, KeyCode::NumpadEnter], GamepadButton::Start);
+    if begin && session.phase == Phase::Setup {
+        let world = session.world;
+        if let Ok(truth) = worlds.get(world) {
+            session.start(truth, &mut commands);
+        }
+        return;
+    }
+    let nearer = keys.any_just_pressed([KeyCode::Equal, KeyCode::NumpadAdd]);
+    let farther = keys.any_just_pressed([KeyCode::Minus, KeyCode::NumpadSubtract]);
+    if nearer || farther {
+        for mut camera in &mut cameras {
+            let factor = if nearer { 1.0 / ZOOM_STEP } else { ZOOM_STEP };
+            camera.height = (camera.height * factor).clamp(ZOOM.0, ZOOM.1);
+        }
+    }
+    if session.phase != Phase::Running {
+        return;
+    }
+    let action = if pressed(&[KeyCode::KeyP, KeyCode::Escape], GamepadButton::Start) {
+        TrialAction::Pause
+    } else if pressed(&[KeyCode::KeyR], GamepadButton::Select) {
+        TrialAction::Reset
+    } else if pressed(&[KeyCode::KeyT], GamepadButton::North) {
+        TrialAction::Training
+    } else if pressed(&[KeyCode::Tab], GamepadButton::West) {
+        TrialAction::NextRobot
+    } else if keys.just_pressed(KeyCode::End) {
+        TrialAction::Stop
+    } else {
+        return;
+    };
+    let world = session.world;
+    if let Ok((mut trial, mut view, truth)) = trials.get_mut(world) {
+        session.act(action, &mut trial, &mut view, truth, &mut commands);
+    }
+}
+
+/// Tab goes from robot to robot, not from button to button, while the robots drive.
+pub(crate) fn keep_tab(session: Res<Session>, mut inputs: Query<&mut EguiInput>) {
+    if session.phase == Phase::Running {
+        for mut input in &mut inputs {
+            input
+                .events
+                .retain(|event| !matches!(event, egui::Event::Key { key: egui::Key::Tab, .. }));
+        }
+    }
+}

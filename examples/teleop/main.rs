@@ -1,0 +1,119 @@
+//! A window to drive a robot in: map a world that you do not know, fill the operator's form, see
+//! the scores.
+//!
+//! ```text
+//! cargo run --release --features window --example teleop
+//! cargo run --release --features window --example teleop -- --difficulty 8 --seed 3 --robots 2
+//! cargo run --release --features window --example teleop -- --operator corridors
+//! cargo run --release --example mapping_trial -- --replay out/teleop/log.json --out out/again
+//! ```
+//!
+//! W, A, S, D, the arrows or a gamepad (feature `gamepad`) drive, Tab goes to the next robot, P or
+//! Esc pauses, R begins anew, T shows the truth, + and - zoom, End ends the trial. The folder `--out`
+//! then holds what `mapping_trial` writes: log, report with the form, pictures, the map for ROS.
+
+mod arguments;
+mod cameras;
+mod compare;
+mod drive;
+mod frame_log;
+mod keys;
+#[path = "../shared/output.rs"]
+mod output;
+mod panels;
+mod session;
+
+use std::error::Error;
+use std::process::ExitCode;
+
+use bevy::prelude::*;
+use bevy_envgen::EnvgenCorePlugin;
+use bevy_envgen::debug::EnvgenDebugPlugin;
+use bevy_envgen::physics::{ColliderSettings, EnvgenPhysicsPlugin, TopDownPhysicsPlugin};
+use bevy_envgen::trial::{TrialPlugin, TrialSystems};
+use bevy_envgen::ui::bevy_egui::input::egui_wants_any_keyboard_input;
+use bevy_envgen::ui::bevy_egui::{EguiPlugin, EguiPreUpdateSet, EguiPrimaryContextPass};
+use bevy_envgen::view::TrialViewPlugin;
+use bevy_envgen::visuals::EnvgenVisualsPlugin;
+use clap::Parser;
+
+use crate::arguments::Arguments;
+use crate::frame_log::FrameLog;
+use crate::session::Session;
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(AppExit::Success) => ExitCode::SUCCESS,
+        Ok(AppExit::Error(code)) => ExitCode::from(code.get()),
+        Err(error) => {
+            #[expect(clippy::print_stderr, reason = "where errors are told")]
+            {
+                eprintln!("error: {error}");
+            }
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Opens the window. What the command line gets wrong is said before.
+fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
+    let beginning = arguments.beginning()?;
+    let settings = arguments.settings()?;
+    output::folder(&arguments.out)?;
+    let frame_log = arguments
+        .frame_log
+        .as_deref()
+        .map(|path| FrameLog::create(path).map_err(|error| format!("{}: {error}", path.display())));
+
+    let window = Window { title: "envgen: drive".to_owned(), ..default() };
+    let window = WindowPlugin { primary_window: Some(window), ..default() };
+    let mut app = App::new();
+    app.add_plugins((
+        DefaultPlugins.set(window),
+        EguiPlugin::default(),
+        EnvgenCorePlugin::default(),
+        TopDownPhysicsPlugin::for_trials(),
+        EnvgenPhysicsPlugin::default().with_colliders(ColliderSettings::for_trials()),
+        TrialPlugin::default(),
+        EnvgenVisualsPlugin::default(),
+        TrialViewPlugin::default(),
+        EnvgenDebugPlugin,
+    ));
+    let session = Session::begin(arguments, beginning, settings, app.world_mut());
+    app.insert_resource(session)
+        .add_observer(session::world_is_ready)
+        .add_observer(session::world_has_failed)
+        .add_observer(session::trial_has_ended)
+        .add_observer(session::trial_has_failed)
+        .add_systems(Startup, cameras::spawn)
+        .add_systems(
+            PreUpdate,
+            keys::keep_tab
+                .after(EguiPreUpdateSet::ProcessInput)
+                .before(EguiPreUpdateSet::BeginPass),
+        )
+        .add_systems(
+            RunFixedMainLoop,
+            (session::halt, keys::steer).in_set(RunFixedMainLoopSystems::BeforeFixedMainLoop),
+        )
+        .add_systems(FixedUpdate, session::count.after(TrialSystems::Record))
+        .add_systems(
+            Update,
+            (
+                keys::act.run_if(not(egui_wants_any_keyboard_input)),
+                cameras::follow_driven,
+                cameras::fit,
+                session::poll_comparison,
+            )
+                .chain(),
+        )
+        .add_systems(EguiPrimaryContextPass, panels::panels)
+        .add_systems(
+            Last,
+            (session::save_at_exit, frame_log::write.run_if(resource_exists::<FrameLog>)).chain(),
+        );
+    if let Some(frame_log) = frame_log {
+        app.insert_resource(frame_log?);
+    }
+    Ok(app.run())
+}

@@ -1,0 +1,213 @@
+//! The panels of the window.
+
+use bevy::prelude::*;
+use bevy_envgen::debug::DebugLayers;
+use bevy_envgen::prelude::*;
+use bevy_envgen::ui::bevy_egui::EguiContexts;
+use bevy_envgen::ui::{SpecAction, TrialStatus, comparison, egui, scores};
+use bevy_envgen::view::TrialView;
+use egui::{Align2, ComboBox, Panel, RichText, ScrollArea, Ui, UiBuilder};
+use mapping_trial::names::Named;
+use mapping_trial::operator::OperatorKind;
+
+use crate::cameras;
+use crate::compare::Comparison;
+use crate::session::{Phase, Session};
+
+/// Width of the panel at the left, in points.
+pub(crate) const WIDTH: f32 = 360.0;
+
+/// Height of the window in points at which texts have their plain size.
+const PLAIN_HEIGHT: f32 = 800.0;
+
+/// How large a point is on a window of this height: texts grow with it.
+pub(crate) fn zoom(window_height: f32) -> f32 {
+    (window_height / PLAIN_HEIGHT).clamp(1.0, 2.5)
+}
+
+/// Texts that can be read on the dark panels, also from a screen that stands in the sun. Does
+/// nothing after the first time.
+fn dress(context: &egui::Context) {
+    let text = Some(egui::Color32::from_gray(222));
+    if context.global_style().visuals.override_text_color != text {
+        context.all_styles_mut(|style| {
+            style.visuals.override_text_color = text;
+            style.visuals.weak_text_color = Some(egui::Color32::from_gray(165));
+            style.spacing.item_spacing.y = 5.0;
+        });
+    }
+}
+
+/// Draws the panels, and does what they say.
+pub(crate) fn panels(
+    mut contexts: EguiContexts,
+    window: Single<&Window>,
+    mut session: ResMut<Session>,
+    mut trials: Query<(&mut MappingTrial, &mut TrialView, &GroundTruth)>,
+    worlds: Query<&GroundTruth>,
+    mut layers: ResMut<DebugLayers>,
+    mut commands: Commands,
+) -> Result {
+    let context = contexts.ctx_mut()?;
+    context.set_zoom_factor(zoom(window.height()));
+    dress(context);
+    let area =
+        UiBuilder::new().layer_id(egui::LayerId::background()).max_rect(context.viewport_rect());
+    let mut screen = Ui::new(context.clone(), "screen".into(), area);
+    let session = &mut *session;
+    let mut trial = trials.get_mut(session.world).ok();
+    Panel::left("panel").exact_size(WIDTH).resizable(false).show(&mut screen, |ui| {
+        match (session.phase, &mut trial) {
+            (Phase::Running, Some((holder, view, truth))) => {
+                ui.heading("Trial");
+                let Some(trial) = holder.trial() else { return };
+                let mut status = TrialStatus::of(trial, session.driven);
+                status.paused = session.paused;
+                status.training = session.setup.training;
+                if let Some(action) = status.show(ui) {
+                    session.act(action, holder, view, truth, &mut commands);
+                }
+                if session.setup.training {
+                    ui.separator();
+                    debug_layers(ui, &mut layers);
+                }
+            }
+            (Phase::Form, _) => {
+                ui.heading("The trial is over");
+                ui.label("Please fill the form. The scores come after it.");
+            }
+            (Phase::Done, Some((trial, _, truth))) => done(ui, session, trial, truth),
+            _ => setup(ui, session, worlds.get(session.world).ok(), &mut commands),
+        }
+        if !session.message.is_empty() {
+            ui.separator();
+            ui.label(RichText::new(&session.message));
+        }
+    });
+    windows(context, session);
+    if session.phase == Phase::Running {
+        let scale = zoom(window.height()) * window.scale_factor();
+        let map = cameras::minimap(window.physical_size(), cameras::beside(&window));
+        let corner = |p: UVec2| egui::pos2(p.x as f32, p.y as f32) / scale;
+        let frame = egui::Rect::from_min_max(corner(map.min), corner(map.max));
+        let stroke = egui::Stroke::new(1.5, egui::Color32::from_gray(40));
+        let painter = context.layer_painter(egui::LayerId::background());
+        painter.rect_stroke(frame, 0.0, stroke, egui::StrokeKind::Outside);
+    }
+    Ok(())
+}
+
+/// The choice of a world and a trial.
+fn setup(ui: &mut Ui, session: &mut Session, truth: Option<&GroundTruth>, commands: &mut Commands) {
+    ui.heading("Trial");
+    session.setup.show(ui);
+    ui.horizontal(|ui| {
+        let ready = session.phase == Phase::Setup && truth.is_some();
+        let begin = egui::Button::new(RichText::new("Begin (Enter)").strong());
+        if ui.add_enabled(ready, begin).clicked()
+            && let Some(truth) = truth
+        {
+            session.start(truth, commands);
+        }
+        if session.phase == Phase::Generating {
+            ui.spinner();
+            ui.label("the world is being made");
+        }
+    });
+    ui.separator();
+    ui.heading("World");
+    match session.spec.show(ui) {
+        Some(SpecAction::Regenerate { spec, seed }) => session.regenerate(*spec, seed, commands),
+        Some(SpecAction::Saved(path)) => session.message = format!("saved {}", path.display()),
+        None => {}
+    }
+}
+
+/// Lines over the world, for training.
+fn debug_layers(ui: &mut Ui, layers: &mut ResMut<DebugLayers>) {
+    let mut wanted = **layers;
+    ui.label("Lines over the world");
+    ui.horizontal_wrapped(|ui| {
+        ui.checkbox(&mut wanted.colliders, "colliders");
+        ui.checkbox(&mut wanted.rays, "rays");
+        ui.checkbox(&mut wanted.frontiers, "frontiers");
+        ui.checkbox(&mut wanted.plan, "plan");
+        ui.checkbox(&mut wanted.rooms, "rooms");
+    });
+    layers.set_if_neq(wanted);
+}
+
+/// What can be done when all is over.
+fn done(ui: &mut Ui, session: &mut Session, trial: &MappingTrial, truth: &GroundTruth) {
+    ui.heading("The trial is over");
+    if ui.button("Another trial").clicked() {
+        session.phase = Phase::Setup;
+    }
+    ui.separator();
+    ui.label("The session again from its log, and a program on the same map with the same seeds:");
+    ui.horizontal(|ui| {
+        let shown = session.rival.name().unwrap_or_default();
+        ComboBox::from_id_salt("rival").selected_text(shown).show_ui(ui, |ui| {
+            for (name, kind) in OperatorKind::NAMES {
+                ui.selectable_value(&mut session.rival, *kind, *name);
+            }
+        });
+        match session.comparison {
+            Some(Comparison::Running(_)) => {
+                ui.spinner();
+                ui.label("they drive");
+            }
+            _ if ui.button("Compare").clicked() => session.compare(trial, truth),
+            _ => {}
+        }
+    });
+    match &session.comparison {
+        Some(Comparison::Done(Ok(compared))) => {
+            let runs = [("session", &compared.replayed), (compared.name, &compared.program)];
+            ScrollArea::vertical().show(ui, |ui| {
+                comparison(ui, &runs);
+                ui.weak(if compared.same {
+                    "Run again from its log, the session is the same to the bit."
+                } else {
+                    "Run again from its log, the session is NOT the same."
+                });
+            });
+        }
+        Some(Comparison::Done(Err(error))) => {
+            ui.label(error);
+        }
+        _ => {}
+    }
+}
+
+/// Form and scores, beside the panel.
+fn windows(context: &egui::Context, session: &mut Session) {
+    let screen = context.viewport_rect();
+    let middle = egui::vec2(0.5 * WIDTH, 0.0);
+    let window = |title| {
+        let window = egui::Window::new(title).anchor(Align2::CENTER_CENTER, middle);
+        window.collapsible(false).resizable(false)
+    };
+    match session.phase {
+        Phase::Form => {
+            let Some(form) = &mut session.form else { return };
+            let height = (screen.height() - 150.0).max(200.0);
+            let filled =
+                window("Robot Mapping Feedback Form").default_width(520.0).show(context, |ui| {
+                    let filled = form.show(ui, height);
+                    (filled, ui.button("Skip the form").clicked())
+                });
+            match filled.and_then(|shown| shown.inner) {
+                Some((Some(feedback), _)) => session.hand_in(Some(feedback)),
+                Some((None, true)) => session.hand_in(None),
+                _ => {}
+            }
+        }
+        Phase::Done => {
+            if let Some(report) = &session.report {
+                window("Scores").show(context, |ui| scores(ui, report));
+            }
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,327 @@
+//! From the choice of a world to the scores: what the person does, and what is kept of it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use bevy_envgen::prelude::*;
+use bevy_envgen::trial::ENGINE;
+use bevy_envgen::ui::{FeedbackForm, SetupForm, SpecForm, TrialAction, write_whole};
+use bevy_envgen::view::TrialView;
+use envgen::{Kind, Seed, WorldSpec};
+use mapping_trial::feedback::Feedback;
+use mapping_trial::names::Named;
+use mapping_trial::operator::OperatorKind;
+use mapping_trial::trial::{TrialReport, TrialSettings};
+use mapping_trial::truth::Truth;
+
+use crate::arguments::{Arguments, Beginning};
+use crate::compare::Comparison;
+use crate::drive;
+use crate::output;
+
+/// Ticks between two writings of the log while the trial runs: what is lost when the power fails.
+const TICKS_A_LOG: u64 = 200;
+
+/// Where the person is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Phase {
+    /// The world is being made.
+    Generating,
+    /// The world stands, the trial is chosen.
+    Setup,
+    /// The robots drive.
+    Running,
+    /// The form is to be filled.
+    Form,
+    /// The scores are shown.
+    Done,
+}
+
+/// Everything that the panels edit and show.
+#[derive(Resource)]
+pub(crate) struct Session {
+    pub(crate) phase: Phase,
+    pub(crate) spec: SpecForm,
+    pub(crate) setup: SetupForm,
+    /// The environment.
+    pub(crate) world: Entity,
+    /// The robot that is driven.
+    pub(crate) driven: usize,
+    pub(crate) paused: bool,
+    /// Ticks done since the program began.
+    pub(crate) ticks: u64,
+    pub(crate) form: Option<FeedbackForm>,
+    pub(crate) report: Option<TrialReport>,
+    /// What the last trial was measured against.
+    truth: Option<Arc<Truth>>,
+    pub(crate) rival: OperatorKind,
+    pub(crate) comparison: Option<Comparison>,
+    /// What happened last, in a line.
+    pub(crate) message: String,
+    pub(crate) out: PathBuf,
+    /// Whether a program that was asked for on the command line has still to begin.
+    pub(crate) at_once: bool,
+}
+
+impl Session {
+    /// The session of the command line, with its world asked for.
+    pub(crate) fn begin(
+        arguments: &Arguments,
+        beginning: Beginning,
+        settings: TrialSettings,
+        world: &mut World,
+    ) -> Self {
+        let seed = arguments.seed;
+        let (spec, environment) = match beginning {
+            Beginning::Spec(spec) => (SpecForm::new(&spec, seed), Environment::new(*spec, seed.0)),
+            Beginning::World(given) => {
+                (SpecForm::new(&Kind::Indoor.default_spec(), seed), Environment::from_world(given))
+            }
+        };
+        let training = arguments.training;
+        let view = TrialView { truth: training, ..default() };
+        Session {
+            phase: Phase::Generating,
+            spec,
+            setup: SetupForm { settings, training },
+            world: world.spawn((environment, view)).id(),
+            driven: 0,
+            paused: false,
+            ticks: 0,
+            form: None,
+            report: None,
+            truth: None,
+            rival: OperatorKind::Nearest,
+            comparison: None,
+            message: String::new(),
+            out: arguments.out.clone(),
+            at_once: arguments.operator.is_some(),
+        }
+    }
+
+    /// Asks for another world.
+    pub(crate) fn regenerate(&mut self, spec: WorldSpec, seed: Seed, commands: &mut Commands) {
+        commands.entity(self.world).remove::<MappingTrial>();
+        let view = TrialView { truth: self.setup.training, ..default() };
+        commands.entity(self.world).insert((Environment::new(spec, seed.0), view));
+        self.phase = Phase::Generating;
+    }
+
+    /// Begins a trial in the world that stands, from its start.
+    pub(crate) fn start(&mut self, truth: &GroundTruth, commands: &mut Commands) {
+        // Worlds that were read from files have no seed of their own.
+        let seed = truth.provenance.seed.unwrap_or(self.spec.seed());
+        let begun = self.setup.request(seed).map_err(Into::into);
+        match begun.and_then(|settings| drive::with_start(truth, settings)) {
+            Ok(settings) => {
+                self.driven = 0;
+                self.paused = false;
+                self.report = None;
+                self.form = None;
+                self.comparison = None;
+                self.message = String::new();
+                self.phase = Phase::Running;
+                let view = TrialView { truth: self.setup.training, ..default() };
+                let mut world = commands.entity(self.world);
+                if settings.operator.is_none() {
+                    world.insert(Hands::default());
+                } else {
+                    world.remove::<Hands>();
+                }
+                world.insert((MappingTrial::new(settings), view));
+            }
+            Err(error) => {
+                self.message = error.to_string();
+                self.phase = Phase::Setup;
+            }
+        }
+    }
+
+    /// Ends a trial: log, pictures and report are written, and the form is asked for where a person
+    /// drove. The scores come after it, so that they sway no rating.
+    pub(crate) fn finish(&mut self, holder: &mut MappingTrial, world: &GroundTruth) {
+        holder.stop();
+        self.paused = false;
+        self.phase = Phase::Done;
+        let Some(trial) = holder.trial() else { return };
+        let measured = drive::truth(world, trial)
+            .and_then(|truth| Ok((drive::report(world, trial, &truth)?, truth)));
+        let (report, truth) = match measured {
+            Ok(measured) => measured,
+            Err(error) => {
+                self.message = error.to_string();
+                self.keep_log(holder);
+                return;
+            }
+        };
+        if report.settings.operator.is_none() {
+            self.form = Some(FeedbackForm::new(report.session()));
+            self.phase = Phase::Form;
+        }
+        let written = output::folder(&self.out)
+            .and_then(|folder| output::write(folder, trial, &truth, &report, ENGINE));
+        self.message = match written {
+            Ok(_) => format!("saved in {}", self.out.display()),
+            Err(error) => error.to_string(),
+        };
+        self.report = Some(report);
+        self.truth = Some(Arc::new(truth));
+    }
+
+    /// Writes the log as far as it goes.
+    fn keep_log(&mut self, holder: &MappingTrial) {
+        let Some(trial) = holder.trial() else { return };
+        let mut bytes = Vec::new();
+        let written = trial.log(ENGINE).write(&mut bytes).map_err(|e| e.to_string());
+        let path = self.out.join("log.json");
+        let written = written.and_then(|()| {
+            std::fs::create_dir_all(&self.out)
+                .and_then(|()| write_whole(&path, &bytes))
+                .map_err(|error| format!("{}: {error}", path.display()))
+        });
+        if let Err(error) = written {
+            self.message = error;
+        }
+    }
+
+    /// Puts the filled form into the report, or goes on without one.
+    pub(crate) fn hand_in(&mut self, feedback: Option<Feedback>) {
+        self.phase = Phase::Done;
+        self.form = None;
+        let (Some(report), Some(feedback)) = (&mut self.report, feedback) else { return };
+        report.feedback = Some(feedback);
+        let path = self.out.join("report.json");
+        let written = serde_json::to_vec_pretty(report).map_err(std::io::Error::from);
+        let written = written.and_then(|mut json| {
+            json.push(b'\n');
+            write_whole(&path, &json)
+        });
+        if let Err(error) = written {
+            self.message = format!("{}: {error}", path.display());
+        }
+    }
+
+    /// Does what a key or a button asks for while a trial runs.
+    pub(crate) fn act(
+        &mut self,
+        action: TrialAction,
+        trial: &mut MappingTrial,
+        view: &mut TrialView,
+        truth: &GroundTruth,
+        commands: &mut Commands,
+    ) {
+        match action {
+            TrialAction::Pause => self.paused = !self.paused,
+            TrialAction::Reset => self.start(truth, commands),
+            TrialAction::Stop => self.finish(trial, truth),
+            TrialAction::Training => {
+                self.setup.training = !self.setup.training;
+                view.truth = self.setup.training;
+            }
+            TrialAction::NextRobot => {
+                let robots = trial.robots().len();
+                self.driven = (self.driven + 1) % robots.max(1);
+            }
+        }
+    }
+
+    /// Compares the session with the program that is chosen.
+    pub(crate) fn compare(&mut self, holder: &MappingTrial, world: &GroundTruth) {
+        let (Some(trial), Some(truth)) = (holder.trial(), &self.truth) else { return };
+        let program = TrialSettings { operator: Some(self.rival), ..trial.settings().clone() };
+        let name = self.rival.name().unwrap_or("program");
+        let log = trial.log(ENGINE);
+        let (world, truth) = (Arc::clone(&world.0), Arc::clone(truth));
+        self.comparison = Some(Comparison::begin(log, world, truth, (name, program)));
+    }
+}
+
+/// The world stands: a trial can begin.
+pub(crate) fn world_is_ready(
+    ready: On<EnvironmentReady>,
+    mut session: ResMut<Session>,
+    truths: Query<&GroundTruth>,
+    mut commands: Commands,
+) {
+    if session.phase != Phase::Generating {
+        return;
+    }
+    session.phase = Phase::Setup;
+    session.spec.set_failure(None);
+    if session.at_once
+        && let Ok(truth) = truths.get(ready.entity)
+    {
+        session.at_once = false;
+        session.start(truth, &mut commands);
+    }
+}
+
+/// There is no such world: the panel says why.
+pub(crate) fn world_has_failed(failed: On<EnvironmentFailed>, mut session: ResMut<Session>) {
+    session.spec.set_failure(Some(failed.error.to_string()));
+    session.phase = Phase::Setup;
+}
+
+/// The trial has come to its end by itself.
+pub(crate) fn trial_has_ended(
+    ended: On<TrialEnded>,
+    mut session: ResMut<Session>,
+    mut trials: Query<(&mut MappingTrial, &GroundTruth)>,
+) {
+    if session.phase == Phase::Running
+        && let Ok((mut trial, truth)) = trials.get_mut(ended.entity)
+    {
+        session.finish(&mut trial, truth);
+    }
+}
+
+/// The trial cannot begin: the panel says why.
+pub(crate) fn trial_has_failed(failed: On<TrialFailed>, mut session: ResMut<Session>) {
+    session.message = failed.error.to_string();
+    session.phase = Phase::Setup;
+}
+
+/// Time stands still while the trial is paused.
+pub(crate) fn halt(session: Res<Session>, mut time: ResMut<Time<Virtual>>) {
+    if session.paused != time.is_paused() {
+        if session.paused {
+            time.pause();
+        } else {
+            time.unpause();
+        }
+    }
+}
+
+/// Counts the ticks of trials, 20 a second, and keeps their logs.
+pub(crate) fn count(mut session: ResMut<Session>, trials: Query<&MappingTrial>) {
+    if session.phase != Phase::Running || session.paused {
+        return;
+    }
+    let Ok(trial) = trials.get(session.world) else { return };
+    session.ticks += 1;
+    if session.ticks.is_multiple_of(TICKS_A_LOG) {
+        session.keep_log(trial);
+    }
+}
+
+/// Takes a comparison that is made.
+pub(crate) fn poll_comparison(mut session: ResMut<Session>) {
+    if let Some(comparison) = &mut session.bypass_change_detection().comparison {
+        comparison.poll();
+    }
+}
+
+/// A window that is closed ends the trial; nothing of it is lost.
+pub(crate) fn save_at_exit(
+    mut exits: MessageReader<AppExit>,
+    mut session: ResMut<Session>,
+    mut trials: Query<(&mut MappingTrial, &GroundTruth)>,
+) {
+    if exits.read().next().is_some()
+        && session.phase == Phase::Running
+        && let Ok((mut trial, truth)) = trials.get_mut(session.world)
+    {
+        session.finish(&mut trial, truth);
+    }
+}

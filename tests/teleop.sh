@@ -1,0 +1,149 @@
+#!/usr/bin/env bash
+# Drives the window `teleop` with keys under Xvfb, on any Vulkan driver, at two sizes: pictures of every
+# panel go to the folder of the first argument, and the sessions that were saved are run again.
+#
+# Needs, of Debian or Ubuntu: imagemagick libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 libxrandr2
+# mesa-vulkan-drivers xdotool xvfb. CARGO_FLAGS may hold `--release`.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+pictures=${1:-out/teleop_pictures}
+scratch=$(mktemp -d)
+mkdir -p "$pictures"
+started=()
+finish() {
+  for process in "${started[@]}"; do kill "$process" 2>/dev/null || true; done
+  rm -rf "$scratch"
+}
+trap finish EXIT
+
+fail() { echo "teleop: $*" >&2; exit 1; }
+
+# shellcheck disable=SC2086  # each word is an argument
+cargo build ${CARGO_FLAGS:-} --features window --example teleop --example mapping_trial
+case " ${CARGO_FLAGS:-} " in *" --release "*) built=release ;; *) built=debug ;; esac
+programs=${CARGO_TARGET_DIR:-target}/$built/examples
+export XDG_RUNTIME_DIR=$scratch
+
+# Starts the window on the display and waits for it: open ARGUMENTS..
+open() {
+  # Bash starts what runs in the background deaf to Ctrl+C.
+  env --default-signal=INT "$programs/teleop" "$@" >"$scratch/said" 2>&1 &
+  program=$!
+  started+=("$program")
+  for _ in $(seq 120); do
+    window=$(xdotool search --onlyvisible --name '^envgen: drive$' 2>/dev/null | head -n 1) && [ -n "$window" ] && break
+    kill -0 "$program" 2>/dev/null || { cat "$scratch/said" >&2; fail "the program has ended"; }
+    sleep 0.5
+  done
+  [ -n "${window:-}" ] || fail "no window after a minute"
+  # Without a window manager nobody else gives it its size and the keys.
+  xdotool windowmove "$window" 0 0 windowsize --sync "$window" "${size%x*}" "${size#*x}"
+  xdotool windowfocus --sync "$window"
+  sleep 4
+}
+
+# Interrupts the program, as Ctrl+C and the window's close button do, and waits for it.
+shut() {
+  kill -INT "$program"
+  for _ in $(seq 60); do kill -0 "$program" 2>/dev/null || return 0; sleep 0.5; done
+  fail "the program is interrupted and goes on"
+}
+
+# Clicks on a point of the window as it is at 1280x720; texts grow with the window.
+click() {
+  xdotool mousemove "$(($1 * scale / 100))" "$(($2 * scale / 100))" click 1
+  sleep 0.3
+}
+
+hold() { xdotool keydown "$1"; sleep "$2"; xdotool keyup "$1"; }
+
+picture() {
+  import -window root "$pictures/$size-$1.png"
+  # A picture of one colour shows nothing.
+  [ "$(identify -format '%k' "$pictures/$size-$1.png")" -gt 20 ] || fail "$size-$1.png shows nothing"
+}
+
+field() { grep -m 1 -o "\"$2\": *[0-9.]*" "$1" | grep -o '[0-9.]*$'; }
+
+number=90
+for size in 1280x720 1920x1080; do
+  number=$((number + 1))
+  scale=$((${size#*x} > 800 ? ${size#*x} / 8 : 100))
+  Xvfb ":$number" -screen 0 "${size}x24" -nolisten tcp >"$scratch/xvfb" 2>&1 &
+  server=$!
+  started+=("$server")
+  export DISPLAY=":$number"
+  sleep 2
+
+  # A person drives two robots, pauses, looks at the truth, ends the trial.
+  session=$scratch/$size-person
+  open --robots 2 --seed 3 --out "$session" --frame-log "$scratch/$size.csv"
+  picture setup
+  xdotool key Return
+  sleep 2
+  hold w 4
+  hold Left 1
+  picture drive
+  xdotool key Tab
+  hold Up 2
+  xdotool key t
+  sleep 1
+  picture training
+  # All lines over the world.
+  for x in 14 87 136 214 266; do click "$x" 253; done
+  picture lines
+  xdotool key p
+  sleep 1
+  picture paused
+  xdotool key p
+  hold w 1
+  xdotool key End
+  sleep 3
+  picture form
+  shut
+  for file in log.json report.json map.png truth.png overlay.png ros_map.yaml ros_map.pgm; do
+    [ -s "$session/$file" ] || fail "$size: no $file"
+  done
+  awk -v way="$(field "$session/report.json" distance)" 'BEGIN { exit !(way > 1) }' ||
+    fail "$size: the robot has not moved"
+  "$programs/mapping_trial" --replay "$session/log.json" --out "$scratch/again" >/dev/null
+  cmp "$session/report.json" "$scratch/again/report.json" || fail "$size: the replay is another trial"
+
+  # What is interrupted while the robot drives loses nothing.
+  session=$scratch/$size-interrupted
+  open --seed 4 --out "$session"
+  xdotool key Return
+  sleep 2
+  hold w 2
+  shut
+  "$programs/mapping_trial" --replay "$session/log.json" --out "$scratch/again" >/dev/null
+  cmp "$session/report.json" "$scratch/again/report.json" || fail "$size: interrupted, and another trial"
+
+  # A program drives, and another one is compared with it.
+  open --operator nearest --time-limit 12 --out "$scratch/$size-program"
+  for _ in $(seq 120); do [ -s "$scratch/$size-program/report.json" ] && break; sleep 0.5; done
+  sleep 2
+  picture scores
+  click 143 100
+  sleep 4
+  picture compared
+  shut
+
+  # The simulation kept its step: 20 ticks a second between the first tick and the last.
+  awk -F, -v size="$size" '
+    NR > 1 && $4 > last { if (!first) { first = $2; from = $4 } end = $2; last = $4 }
+    NR > 1 { n++; sum += $3; if ($3 > most) most = $3 }
+    END {
+      rate = (last - from) / (end - first)
+      printf "%s: %d frames of %.1f ms, at most %.0f ms; %d ticks, %.2f a second\n", size, n, sum / n, most, last, rate
+    }' "$scratch/$size.csv"
+  # Time that stands still has no ticks, so the pause is counted by the frames without any.
+  awk -F, '
+    NR > 1 { if ($4 > last && last > 0 && $2 - then < 0.5) { ticks += $4 - last; time += $2 - then }
+             if ($4 > last) { last = $4; then = $2 } }
+    END { exit !(ticks > 60 && ticks / time > 19 && ticks / time < 21) }' "$scratch/$size.csv" ||
+    fail "$size: the simulation did not keep its step"
+  kill "$server"
+done
+echo "teleop: pictures in $pictures"

@@ -1,0 +1,9 @@
+//! The panels without a window: what they show, what they say to clicks, and what comes of it.
+
+mod feedback;
+mod hands;
+mod scores;
+mod screen;
+mod setup;
+mod spec;
+mod trial;
