@@ -12,7 +12,7 @@ use bevy_envgen::capture::{Film, Studio, find_renderer};
 use bevy_envgen::envgen::indoor::IndoorSpec;
 use bevy_envgen::envgen::{Kind, Seed, WorldSpec};
 use bevy_envgen::prelude::*;
-use bevy_envgen::view::{TrialPalette, TrialView, TrialViewPlugin};
+use bevy_envgen::view::{TrialPalette, TrialViewPlugin};
 use clap::Parser;
 use mapping_trial::body::TICK;
 use mapping_trial::trial::{Trial, TrialSettings};
@@ -112,9 +112,8 @@ fn draw(
     Ok(studio.picture(camera)?)
 }
 
-/// Films a mapping trial from its start to its end: the world, where the robot truly is and its way
-/// in green, and over it the map that the robot makes, its scan and where it thinks it is. Gives the
-/// simulated seconds.
+/// Films a mapping trial from its start to its end: the map that the robot makes, its scan, where it
+/// thinks it is and the way it has come. Gives the simulated seconds.
 fn film(path: &Path) -> Result<f64, Box<dyn std::error::Error>> {
     let mut studio = Studio::new()?;
     studio.set_frame_time(Duration::from_secs_f64(TICK));
@@ -129,8 +128,7 @@ fn film(path: &Path) -> Result<f64, Box<dyn std::error::Error>> {
         ))
         .insert_resource(ClearColor(TrialPalette::default().unknown));
     let spec = IndoorSpec { width: FILM_MAP, height: FILM_MAP, ..Default::default() };
-    let view = TrialView { truth: true, ..Default::default() };
-    let environment = (Environment::new(spec, FILM_SEED).with_pace(Pace::InPlace), view);
+    let environment = Environment::new(spec, FILM_SEED).with_pace(Pace::InPlace);
     let world = studio.app().world_mut().spawn(environment).id();
     studio.wait_until_ready(world)?;
     let camera = studio.camera_over(world, FILM_SIZE)?;

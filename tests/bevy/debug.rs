@@ -78,8 +78,12 @@ fn outlines_lie_on_walls() {
         let walls = truth.walls.iter().map(|wall| &wall.shape);
         let things = truth.obstacles.iter().map(|thing| &thing.shape);
         let doors = truth.doorways.iter().map(|door| &door.shape);
+        // Sensors are colliders, too.
+        let rooms = truth.rooms.iter().map(|room| &room.shape);
+        let grounds = truth.surfaces.iter().map(|ground| &ground.shape);
+        let shapes = walls.chain(things).chain(doors).chain(rooms).chain(grounds);
         let distance = |shape: &bevy_envgen::envgen::geometry::Shape| shape.distance(p).abs();
-        let near = walls.chain(things).chain(doors).map(distance).fold(f64::INFINITY, f64::min);
+        let near = shapes.map(distance).fold(f64::INFINITY, f64::min);
         assert!(near < 0.05, "{p} is {near} m from everything");
     }
 }

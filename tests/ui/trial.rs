@@ -34,7 +34,9 @@ fn the_panel_tells_all_but_the_level() {
         robots: 2,
         ..Default::default()
     };
-    let shown = show_in(egui::vec2(300.0, 300.0), |ui| drop(status.show(ui)));
+    let shown = show_in(egui::vec2(300.0, 300.0), |ui| {
+        status.show(ui);
+    });
     for text in ["1:15 of 20:00", "50 %", "12.3 m", "1 of 2, you drive", "Reset (R)"] {
         assert!(shown.has(text), "{text}");
     }

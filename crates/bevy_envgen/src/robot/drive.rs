@@ -11,20 +11,23 @@ use super::model::{Battery, Chassis, DriveCommand, RobotCondition, RobotModel, W
 /// Acceleration of gravity in m/s^2.
 const G: f64 = 9.81;
 
+/// What drives.
+type Driven = (
+    Entity,
+    &'static RobotModel,
+    &'static DriveCommand,
+    &'static Chassis,
+    &'static RobotCondition,
+    Option<&'static Battery>,
+    &'static mut Wheels,
+    &'static mut Velocity,
+    &'static mut RigidBody,
+);
+
 /// Lets wheels follow their commands, and the ground push the bodies.
 pub(super) fn drive(
     time: Res<Time>,
-    mut robots: Query<(
-        Entity,
-        &RobotModel,
-        &DriveCommand,
-        &Chassis,
-        &RobotCondition,
-        Option<&Battery>,
-        &mut Wheels,
-        &mut Velocity,
-        &mut RigidBody,
-    )>,
+    mut robots: Query<Driven>,
     bodies: Query<&RapierRigidBodySet, With<DefaultRapierContext>>,
     terrain: Terrain,
 ) {

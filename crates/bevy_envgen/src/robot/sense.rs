@@ -13,22 +13,22 @@ use super::model::{
     Battery, Bumper, Chassis, RobotCondition, RobotModel, TruePose, WheelOdometry, Wheels,
 };
 
+/// What senses.
+type Sensing = (
+    Entity,
+    &'static Chassis,
+    &'static mut Wheels,
+    &'static mut TruePose,
+    &'static mut Bumper,
+    &'static mut RobotCondition,
+    Option<&'static mut WheelOdometry>,
+    Option<&'static mut Battery>,
+);
+
 /// Reads poses, contacts, odometry and batteries.
 pub(super) fn sense(
     time: Res<Time>,
-    mut robots: Query<
-        (
-            Entity,
-            &Chassis,
-            &mut Wheels,
-            &mut TruePose,
-            &mut Bumper,
-            &mut RobotCondition,
-            Option<&mut WheelOdometry>,
-            Option<&mut Battery>,
-        ),
-        With<RobotModel>,
-    >,
+    mut robots: Query<Sensing, With<RobotModel>>,
     rapier: ReadRapierContext,
     terrain: Terrain,
 ) {

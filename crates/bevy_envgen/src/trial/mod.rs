@@ -92,6 +92,7 @@ impl Plugin for TrialPlugin {
             app.add_plugins(RobotPlugin::new(self.schedule));
         }
         app.register_type::<Hands>()
+            .register_type::<MappingTrial>()
             .register_type::<TrialRobot>()
             .add_observer(run::leave)
             .configure_sets(
@@ -117,9 +118,15 @@ impl Plugin for TrialPlugin {
 /// the component [`TrialRobot`], and [`TrialStarted`] is triggered. Another world of the same
 /// environment begins it anew; removing the component or despawning the environment removes the
 /// robots. What happens is told by [`TrialStarted`], [`TrialEnded`] and [`TrialFailed`].
-#[derive(Component)]
+#[derive(Component, Reflect)]
+#[reflect(from_reflect = false)]
+#[reflect(Component)]
 pub struct MappingTrial {
+    /// Simulated seconds so far, for inspectors.
+    time: f64,
+    #[reflect(ignore)]
     ask: Ask,
+    #[reflect(ignore)]
     state: State,
 }
 
@@ -156,12 +163,16 @@ struct Run {
 impl MappingTrial {
     /// A trial of these settings. With an operator of `None` the commands are those of [`Hands`].
     pub fn new(settings: TrialSettings) -> Self {
-        MappingTrial { ask: Ask::New(Box::new(settings)), state: State::Waiting }
+        MappingTrial::of(Ask::New(Box::new(settings)))
     }
 
     /// Runs a log of engine [`ENGINE`] again, whose world the environment must be.
     pub fn replay(log: TrialLog) -> Self {
-        MappingTrial { ask: Ask::Replay(Box::new(log)), state: State::Waiting }
+        MappingTrial::of(Ask::Replay(Box::new(log)))
+    }
+
+    fn of(ask: Ask) -> Self {
+        MappingTrial { time: 0.0, ask, state: State::Waiting }
     }
 
     /// The trial as far as it went; `None` before it begins.

@@ -162,7 +162,7 @@ pub(super) fn command(
     mut commands: Commands,
 ) {
     for (entity, mut trial, hands) in &mut trials {
-        let MappingTrial { ask, state } = &mut *trial.bypass_change_detection();
+        let MappingTrial { ask, state, .. } = &mut *trial.bypass_change_detection();
         let State::Running(run) = state else { continue };
         let given = match ask {
             Ask::Replay(log) => replayed(log, run),
@@ -219,7 +219,7 @@ pub(super) fn record(
     mut commands: Commands,
 ) {
     for (entity, mut trial, environment, transform) in &mut trials {
-        let state = &mut trial.bypass_change_detection().state;
+        let MappingTrial { time, state, .. } = trial.bypass_change_detection();
         let warming = matches!(state, State::Warming(_));
         let (State::Warming(run) | State::Running(run)) = state else { continue };
         if run.trial.is_over() && !warming {
@@ -266,6 +266,7 @@ pub(super) fn record(
             commands.trigger(TrialStarted { entity });
         } else {
             run.trial.record();
+            *time = run.trial.time();
         }
     }
 }

@@ -41,17 +41,15 @@ pub fn comparison(ui: &mut Ui, runs: &[(&str, &Scores)]) {
             }
             ui.end_row();
         }
-        let facts: [(&str, fn(&Scores) -> String); 3] = [
-            ("time", |s| format!("{:.0} s", s.time)),
-            ("distance", |s| format!("{:.0} m", s.distance)),
-            ("hits", |s| s.hits.to_string()),
-        ];
-        for (name, value) in facts {
+        let mut fact = |name: &str, value: &dyn Fn(&Scores) -> String| {
             ui.label(name);
             for (_, scores) in runs {
                 ui.label(value(scores));
             }
             ui.end_row();
-        }
+        };
+        fact("time", &|scores| format!("{:.0} s", scores.time));
+        fact("distance", &|scores| format!("{:.0} m", scores.distance));
+        fact("hits", &|scores| scores.hits.to_string());
     });
 }

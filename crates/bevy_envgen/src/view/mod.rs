@@ -192,7 +192,7 @@ impl Plugin for TrialViewPlugin {
                 ),
             );
         require_visibility(app);
-        app.watch_trials::<MappingTrial>();
+        app.register_type::<MappingTrial>().watch_trials::<MappingTrial>();
     }
 }
 
