@@ -5,6 +5,7 @@ mod common;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Stdio;
 
 use common::Example;
 
@@ -24,9 +25,16 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 
 #[test]
 fn the_same_arguments_write_the_same_bytes_and_so_does_a_replay() {
+    for engine in ["flat", "rapier"] {
+        twice_and_replayed(engine);
+    }
+}
+
+fn twice_and_replayed(engine: &str) {
     let folder = tempfile::tempdir().expect("a folder");
     let out = |name: &str| folder.path().join(name);
-    let arguments = ["--difficulty", "3", "--seed", "4", "--time-limit", "90", "--robots", "2"];
+    let world = ["--difficulty", "3", "--seed", "4", "--size", "6", "--engine", engine];
+    let arguments = [&world[..], &["--time-limit", "90", "--robots", "2"]].concat();
     let table = EXAMPLE.ok(&arguments, &out("first"));
     EXAMPLE.ok(&arguments, &out("second"));
     let log = out("first").join("log.json");
@@ -50,6 +58,19 @@ fn the_same_arguments_write_the_same_bytes_and_so_does_a_replay() {
     let report: serde_json::Value =
         serde_json::from_slice(&first[Path::new("report.json")]).expect("JSON");
     assert!(report["scores"]["coverage"].as_f64().expect("a share") > 0.01);
+    let log: serde_json::Value =
+        serde_json::from_slice(&first[Path::new("log.json")]).expect("JSON");
+    assert_eq!(log["engine"].as_str(), Some(engine));
+}
+
+#[test]
+fn a_reader_that_goes_away_loses_no_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut command = EXAMPLE.command(&["--size", "4", "--time-limit", "5"], folder.path());
+    let mut trial = command.stdout(Stdio::piped()).spawn().expect("the example starts");
+    drop(trial.stdout.take());
+    assert!(trial.wait().expect("it ends").success());
+    assert_eq!(files(folder.path()).len(), 7);
 }
 
 #[test]

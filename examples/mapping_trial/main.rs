@@ -11,8 +11,6 @@
 //! with the ways driven, the map for ROS's `map_server`, the log, from which the trial runs again to
 //! the bit, and the report as JSON. Two runs with the same arguments write the same bytes.
 
-#![expect(clippy::print_stdout, reason = "what an example is for")]
-
 mod arguments;
 #[path = "../shared/output.rs"]
 mod output;
@@ -20,7 +18,7 @@ mod table;
 
 use std::error::Error;
 use std::fs::File;
-use std::io::{BufReader, IsTerminal};
+use std::io::{BufReader, ErrorKind, IsTerminal, Write};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
@@ -106,20 +104,28 @@ fn tell<B: Bodies>(
     from_start.start = trial.track(0).poses.first().copied();
     let truth = Truth::new(&from_start, &trial.settings().body)?;
     let mut report = trial.report(world, &truth, engine)?;
-    table::print(&report);
-    println!(
-        "\n{:.0} simulated seconds took {seconds:.2} s, {:.0} times as fast as real time",
+    say(format_args!(
+        "{}\n{:.0} simulated seconds took {seconds:.2} s, {:.0} times as fast as real time\n",
+        table::table(&report),
         trial.time(),
         trial.time() / seconds
-    );
+    ))?;
     if arguments.form {
         let (mut questions, mut answers) = (std::io::stdout(), std::io::stdin().lock());
         report.feedback = Some(ask(&report.session(), &mut answers, &mut questions)?);
     }
     for path in output::write(&arguments.out, trial, &truth, &report, engine)? {
-        println!("wrote {}", path.display());
+        say(format_args!("wrote {}\n", path.display()))?;
     }
     Ok(())
+}
+
+/// Prints to stdout. A reader that has gone, as `head` does, is no error: the files are still written.
+fn say(text: std::fmt::Arguments<'_>) -> std::io::Result<()> {
+    match std::io::stdout().write_fmt(text) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        said => said,
+    }
 }
 
 /// Drives a trial of the flat simulator to its end.

@@ -1,15 +1,19 @@
 //! The scores as a table on the terminal.
 
+use std::fmt::Write;
+
 use mapping_trial::trial::TrialReport;
 
-/// Prints what came of a trial.
-pub(crate) fn print(report: &TrialReport) {
-    println!("{}\n", report.headline());
+/// What came of a trial, as lines.
+pub(crate) fn table(report: &TrialReport) -> String {
+    let mut text = format!("{}\n\n", report.headline());
+    // Writing to a string does not fail.
     for (i, robot) in report.robots.iter().enumerate() {
-        println!("robot {}: {}", i + 1, robot.summary());
+        let _ = writeln!(text, "robot {}: {}", i + 1, robot.summary());
     }
-    println!();
+    text.push('\n');
     for row in report.scores.rows() {
-        println!("{:<22}{:>9}  {}", row.name, row.value, row.meaning);
+        let _ = writeln!(text, "{:<22}{:>9}  {}", row.name, row.value, row.meaning);
     }
+    text
 }

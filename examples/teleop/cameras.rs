@@ -30,7 +30,7 @@ pub(crate) fn spawn(
     let clear = ClearColorConfig::Custom(palette.unknown);
     commands.spawn((
         Camera2d,
-        Camera { clear_color: clear.clone(), ..default() },
+        Camera { clear_color: clear, ..default() },
         FollowRobot { trial, robot: 0, height: HEIGHT },
     ));
     commands.spawn((

@@ -11,8 +11,8 @@ use mapping_trial::truth::Truth;
 
 /// A comparison that runs, or has been made.
 pub(crate) enum Comparison {
-    Running(Task<Result<Compared, String>>),
-    Done(Result<Compared, String>),
+    Running(Task<Result<Box<Compared>, String>>),
+    Done(Result<Box<Compared>, String>),
 }
 
 /// The scores of two runs in the same world with the same settings.
@@ -43,7 +43,7 @@ impl Comparison {
             let replayed = again.score(&truth).map_err(|error| text(&error))?;
             let trial = run_headless(&world, program, |_| ()).map_err(|error| text(&error))?;
             let program = trial.score(&truth).map_err(|error| text(&error))?;
-            Ok(Compared { replayed, same, program, name })
+            Ok(Box::new(Compared { replayed, same, program, name }))
         }))
     }
 

@@ -29,7 +29,7 @@ pub(crate) fn steer(
     let command = if session.phase != Phase::Running || panels.wants_any_keyboard_input() {
         Command::STOP
     } else {
-        command_of(&keys, &pads, &session.setup.settings.body)
+        command_of(&keys, pads, &session.setup.settings.body)
     };
     // Those that are left stand still.
     let robots = session.setup.settings.robots as usize;

@@ -7,20 +7,21 @@ use std::process::{Command, Output};
 pub(crate) struct Example(pub(crate) &'static str);
 
 impl Example {
-    /// The example, which `cargo test` builds beside the tests.
-    fn command(&self) -> Command {
+    /// The example, which `cargo test` builds beside the tests, as it is to run into a folder.
+    pub(crate) fn command(&self, arguments: &[&str], out: &Path) -> Command {
         let mut path = std::env::current_exe().expect("this test");
         path.pop();
         path.pop();
         path.push("examples");
         path.push(format!("{}{}", self.0, std::env::consts::EXE_SUFFIX));
         assert!(path.exists(), "{} is not there: build the examples first", path.display());
-        Command::new(path)
+        let mut command = Command::new(path);
+        command.args(arguments).arg("--out").arg(out);
+        command
     }
 
-    /// Runs it into a folder.
     fn run(&self, arguments: &[&str], out: &Path) -> Output {
-        self.command().args(arguments).arg("--out").arg(out).output().expect("the example starts")
+        self.command(arguments, out).output().expect("the example starts")
     }
 
     /// What it says where all goes well.

@@ -120,36 +120,38 @@ fn gap(recording: &Recording, slam: &dyn Slam) -> f64 {
 }
 
 /// The middle of some numbers.
-fn median(mut values: Vec<f64>) -> f64 {
+fn median(values: &[f64]) -> f64 {
+    let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
     let half = values.len() / 2;
     if values.len() % 2 == 1 { values[half] } else { 0.5 * (values[half - 1] + values[half]) }
 }
 
-/// Medians over the seeds of the error of the trajectory and of the gap where it ends, in metres,
-/// for each kind of estimator.
-fn errors(
-    walls: &[Rect],
-    way: &[DVec2],
-    laser: &LaserProfile,
-    kinds: &[SlamKind],
-) -> Vec<(f64, f64)> {
+/// Of one kind of estimator, the error of the trajectory and the gap where it ends, in metres, for
+/// every seed.
+#[derive(Debug, Default)]
+struct Errors {
+    errors: Vec<f64>,
+    gaps: Vec<f64>,
+}
+
+fn errors(walls: &[Rect], way: &[DVec2], laser: &LaserProfile, kinds: &[SlamKind]) -> Vec<Errors> {
     let drive = Drive::new(&world_of(walls), way, laser);
-    let mut all = vec![(Vec::new(), Vec::new()); kinds.len()];
+    let mut all: Vec<_> = kinds.iter().map(|_| Errors::default()).collect();
     for seed in 0..SEEDS {
         let recording = drive.record(&OdometryProfile::SKID, seed);
         for (errors, &kind) in all.iter_mut().zip(kinds) {
             let slam = recording.replay(kind);
-            errors.0.push(error(&recording, &*slam));
-            errors.1.push(gap(&recording, &*slam));
+            errors.errors.push(error(&recording, &*slam));
+            errors.gaps.push(gap(&recording, &*slam));
         }
     }
-    all.into_iter().map(|(error, gap)| (median(error), median(gap))).collect()
+    all
 }
 
 /// The error of [`SlamKind::ScanToMap`].
 fn scan_to_map(walls: &[Rect], way: &[DVec2], laser: &LaserProfile) -> f64 {
-    errors(walls, way, laser, &[SlamKind::ScanToMap])[0].0
+    median(&errors(walls, way, laser, &[SlamKind::ScanToMap])[0].errors)
 }
 
 /// At most twice what the pilot saw.
@@ -191,22 +193,24 @@ fn dead_ends_are_mapped_on_wheels_that_are_far_off() {
     let (walls, way) = dead_ends();
     let kinds = [SlamKind::DeadReckoning, SlamKind::ScanToMap];
     let found = errors(&walls, &way, &LaserProfile::LMS200_MM, &kinds);
-    let [(wheels, _), (matched, _)] = found[..] else { panic!("{found:?}") };
+    let [wheels, matched] = [0, 1].map(|kind| median(&found[kind].errors));
     assert_band(matched, 0.04);
     assert!(wheels > 50.0 * matched, "{wheels} m, {matched} m");
 }
 
-/// Scan to map finds the old walls again where a loop comes back within its drift, and joins its map
-/// there; closing the loop must end no worse.
+/// Scan to map finds the old walls again where a loop comes back within its drift, which is nearly
+/// always; closing loops also mends the others, and is no worse where there is nothing to mend.
 #[test]
 #[expect(clippy::print_stdout, reason = "the errors are numbers to know")]
-fn loops_come_back_to_the_old_walls() {
+fn loops_that_are_closed_always_come_back_to_the_old_walls() {
     let (walls, way) = (corridor_loop(120.0, 80.0, true), around(120.0, 80.0, 20.0));
     let kinds = [SlamKind::ScanToMap, SlamKind::PoseGraph];
-    let found = errors(&walls, &way, &long_range(), &kinds);
-    let [(open, gap), (closed, mended)] = found[..] else { panic!("{found:?}") };
-    println!("an error of {open:.3} m became {closed:.3} m, a gap of {gap:.3} m {mended:.3} m");
-    assert!(gap < 0.05 && mended < 0.05, "a gap of {gap} m became {mended} m");
-    // Before the loop closes both estimate alike.
+    let found = errors(&walls, &way, &LaserProfile::LMS200_MM, &kinds);
+    let [open, closed] = [0, 1].map(|kind| median(&found[kind].errors));
+    let [gap, mended] = [0, 1].map(|kind| found[kind].gaps.iter().copied().fold(0.0_f64, f64::max));
+    println!(
+        "an error of {open:.3} m became {closed:.3} m, the worst gap of {gap:.3} m {mended:.3} m"
+    );
+    assert!(mended < 0.15 && mended < 0.5 * gap, "the worst gap of {gap} m became {mended} m");
     assert!(closed < 1.1 * open, "an error of {open} m became {closed} m");
 }

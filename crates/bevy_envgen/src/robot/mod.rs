@@ -9,8 +9,8 @@
 //! use bevy_envgen::robot::{DriveCommand, RobotModel, RobotPlugin, TruePose};
 //! use mapping_trial::body::Command;
 //!
-//! let mut app = bevy_envgen::testing::test_app();
-//! app.add_plugins(RobotPlugin::default());
+//! let plugins = (EnvgenPlugins::default(), RobotPlugin::default());
+//! let mut app = bevy_envgen::testing::test_app_with(plugins);
 //! let command = DriveCommand(Command { speed: 0.5, turn_rate: 0.0 });
 //! let robot = app.world_mut().spawn((RobotModel::default(), command)).id();
 //! bevy_envgen::testing::step(&mut app, 128);

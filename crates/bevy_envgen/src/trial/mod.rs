@@ -11,7 +11,7 @@
 //! use mapping_trial::trial::TrialSettings;
 //!
 //! let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
-//! let settings = TrialSettings { time_limit: 10.0, ..Default::default() };
+//! let settings = TrialSettings { time_limit: 30.0, ..Default::default() };
 //! let trial = run_headless(&world, settings, |_| ())?;
 //! assert!(trial.track(0).metres > 1.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
