@@ -90,9 +90,31 @@ fn every_kind_of_world_and_the_robots_own_map_can_be_mapped() {
 }
 
 #[test]
+fn other_robots_are_read_from_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/robots/turtlebot3_waffle.ron");
+    let robot = robot.to_str().expect("a path");
+    for engine in ["flat", "rapier"] {
+        let out = folder.path().join(engine);
+        let arguments = ["--robot", robot, "--size", "4", "--time-limit", "30", "--engine", engine];
+        EXAMPLE.ok(&arguments, &out);
+        let report: serde_json::Value =
+            serde_json::from_slice(&fs::read(out.join("report.json")).expect("a file"))
+                .expect("JSON");
+        assert_eq!(report["settings"]["body"]["max_speed"].as_f64(), Some(0.26));
+        let way = report["scores"]["distance"].as_f64().expect("a way");
+        assert!((1.0..0.26 * 30.0).contains(&way), "{way}");
+    }
+}
+
+#[test]
 fn what_cannot_be_done_is_said() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
+    let slow = folder.path().join("slow.ron");
+    fs::write(&slow, "(max_speed: 0)").expect("a file");
+    let error = EXAMPLE.error(&["--robot", slow.to_str().expect("a path")], &out);
+    assert!(error.contains("slow.ron: `body.max_speed` is 0, allowed is 0.01 to"), "{error}");
     assert!(EXAMPLE.error(&["--difficulty", "11"], &out).contains("`difficulty` is 11"));
     assert!(EXAMPLE.error(&["--robots", "0"], &out).contains("`robots` is 0"));
     assert!(EXAMPLE.error(&["--operator", "chauffeur"], &out).contains("nearest, info_gain"));

@@ -78,7 +78,7 @@ for size in 1280x720 1920x1080; do
 
   # A person drives two robots, pauses, looks at the truth, ends the trial.
   session=$scratch/$size-person
-  open --robots 2 --seed 3 --out "$session" --frame-log "$scratch/$size.csv"
+  open --seed 3 --out "$session" --frame-log "$scratch/$size.csv"
   picture setup
   xdotool key Return
   sleep 2
@@ -102,6 +102,8 @@ for size in 1280x720 1920x1080; do
   sleep 3
   picture form
   shut
+  # The truth was seen.
+  session=$session/001_training
   for file in log.json report.json map.png truth.png overlay.png ros_map.yaml ros_map.pgm; do
     [ -s "$session/$file" ] || fail "$size: no $file"
   done
@@ -112,17 +114,18 @@ for size in 1280x720 1920x1080; do
 
   # What is interrupted while the robot drives loses nothing.
   session=$scratch/$size-interrupted
-  open --seed 4 --out "$session"
+  open --robots 1 --seed 4 --out "$session"
   xdotool key Return
   sleep 2
   hold w 2
   shut
+  session=$session/001
   "$programs/mapping_trial" --replay "$session/log.json" --out "$scratch/again" >/dev/null
   cmp "$session/report.json" "$scratch/again/report.json" || fail "$size: interrupted, and another trial"
 
   # A program drives, and another one is compared with it.
-  open --operator nearest --time-limit 12 --out "$scratch/$size-program"
-  for _ in $(seq 120); do [ -s "$scratch/$size-program/report.json" ] && break; sleep 0.5; done
+  open --robots 1 --operator nearest --time-limit 12 --out "$scratch/$size-program"
+  for _ in $(seq 120); do [ -s "$scratch/$size-program/001/report.json" ] && break; sleep 0.5; done
   sleep 2
   picture scores
   click 143 100

@@ -13,8 +13,11 @@ use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::operator::OperatorKind;
+use mapping_trial::robot::Robot;
 use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::TrialSettings;
+
+use crate::robot;
 
 /// Cells in metres of the grid on which the roomiest place is looked for.
 const GRID: f64 = 0.1;
@@ -64,6 +67,10 @@ pub(crate) struct Arguments {
     /// Number of robots, which share one map.
     #[arg(long, default_value_t = 1, conflicts_with = "replay")]
     robots: u32,
+
+    /// The robots' numbers in RON, such as `(length: 0.4, width: 0.4)`; the Pioneer 3-AT's else.
+    #[arg(long, value_name = "FILE.ron", conflicts_with = "replay")]
+    robot: Option<PathBuf>,
 
     /// What the laser measures: lms200_mm, lms200_mm_rough or usarsim.
     #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named, conflicts_with = "replay")]
@@ -130,6 +137,7 @@ impl Arguments {
     /// the largest free region, away from walls.
     pub(crate) fn settings(&self, world: &World) -> Result<TrialSettings, Box<dyn Error>> {
         let settings = TrialSettings {
+            body: self.robot.as_deref().map_or(Ok(Robot::default()), robot::read)?,
             seed: self.noise_seed.unwrap_or(self.seed),
             operator: Some(self.operator),
             slam: self.slam,
@@ -138,7 +146,6 @@ impl Arguments {
             start: self.start,
             laser: self.laser.clone(),
             odometry: self.odometry.clone(),
-            ..TrialSettings::default()
         };
         settings.validate()?;
         if settings.start.is_some() || world.start.is_some() {

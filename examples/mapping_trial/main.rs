@@ -14,6 +14,8 @@
 mod arguments;
 #[path = "../shared/output.rs"]
 mod output;
+#[path = "../shared/robot.rs"]
+mod robot;
 mod table;
 
 use std::error::Error;

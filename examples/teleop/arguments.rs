@@ -11,8 +11,11 @@ use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::operator::OperatorKind;
+use mapping_trial::robot::Robot;
 use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::TrialSettings;
+
+use crate::robot;
 
 /// Side of the indoor map in grid units: what one robot explores in 20 minutes.
 const SIZE: u32 = 10;
@@ -34,7 +37,7 @@ pub(crate) struct Arguments {
     world: Option<PathBuf>,
 
     /// Number of robots, which share one map; Tab goes from one to the next.
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=4))]
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4))]
     robots: u32,
 
     /// Watch a program drive: nearest, info_gain, cautious, wall_follow or corridors.
@@ -44,6 +47,10 @@ pub(crate) struct Arguments {
     /// How poses and map are estimated: scan_to_map, pose_graph or dead_reckoning.
     #[arg(long, default_value = "scan_to_map", value_parser = SlamKind::named)]
     slam: SlamKind,
+
+    /// The robots' numbers in RON, such as `(length: 0.4, width: 0.4)`; the Pioneer 3-AT's else.
+    #[arg(long, value_name = "FILE.ron")]
+    robot: Option<PathBuf>,
 
     /// What the laser measures: lms200_mm, lms200_mm_rough or usarsim.
     #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named)]
@@ -100,6 +107,7 @@ impl Arguments {
     /// What trials are made of at first.
     pub(crate) fn settings(&self) -> Result<TrialSettings, Box<dyn Error>> {
         let settings = TrialSettings {
+            body: self.robot.as_deref().map_or(Ok(Robot::default()), robot::read)?,
             seed: self.seed,
             operator: self.operator,
             slam: self.slam,

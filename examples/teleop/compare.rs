@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future};
-use bevy_envgen::trial::{ENGINE, replay_headless, run_headless};
+use bevy_envgen::trial::{replay_headless, run_headless};
 use envgen::World;
 use mapping_trial::score::Scores;
-use mapping_trial::trial::{TrialLog, TrialSettings};
+use mapping_trial::trial::{Track, TrialLog, TrialSettings};
 use mapping_trial::truth::Truth;
 
 /// A comparison that runs, or has been made.
@@ -27,19 +27,26 @@ pub(crate) struct Compared {
     pub(crate) name: &'static str,
 }
 
+/// A session: what was commanded, and where the robots went.
+pub(crate) struct SessionRun {
+    pub(crate) log: TrialLog,
+    pub(crate) tracks: Vec<Track>,
+}
+
 impl Comparison {
     /// Begins to compare a session with a program, on another thread.
     pub(crate) fn begin(
-        log: TrialLog,
+        session: SessionRun,
         world: Arc<World>,
         truth: Arc<Truth>,
         (name, program): (&'static str, TrialSettings),
     ) -> Self {
         Comparison::Running(AsyncComputeTaskPool::get().spawn(async move {
             let text = |error: &dyn std::fmt::Display| error.to_string();
-            let digest = log.digest();
-            let again = replay_headless(&world, log, |_| ()).map_err(|error| text(&error))?;
-            let same = again.log(ENGINE).digest() == digest;
+            let again =
+                replay_headless(&world, session.log, |_| ()).map_err(|error| text(&error))?;
+            let mut tracks = session.tracks.iter().enumerate();
+            let same = tracks.all(|(robot, track)| again.track(robot) == track);
             let replayed = again.score(&truth).map_err(|error| text(&error))?;
             let trial = run_headless(&world, program, |_| ()).map_err(|error| text(&error))?;
             let program = trial.score(&truth).map_err(|error| text(&error))?;

@@ -5,12 +5,13 @@
 //! cargo run --release --features window --example teleop
 //! cargo run --release --features window --example teleop -- --difficulty 8 --seed 3 --robots 2
 //! cargo run --release --features window --example teleop -- --operator corridors
-//! cargo run --release --example mapping_trial -- --replay out/teleop/log.json --out out/again
+//! cargo run --release --features window --example mapping_trial -- --replay out/teleop/001/log.json --out out/again
 //! ```
 //!
 //! W, A, S, D, the arrows or a gamepad (feature `gamepad`) drive, Tab goes to the next robot, P or
 //! Esc pauses, R begins anew, T shows the truth, + and - zoom, End ends the trial. The folder `--out`
-//! then holds what `mapping_trial` writes: log, report with the form, pictures, the map for ROS.
+//! then holds a folder for every trial, with what `mapping_trial` writes: log, report with the form,
+//! pictures, the map for ROS.
 
 mod arguments;
 mod cameras;
@@ -21,6 +22,8 @@ mod keys;
 #[path = "../shared/output.rs"]
 mod output;
 mod panels;
+#[path = "../shared/robot.rs"]
+mod robot;
 mod session;
 
 use std::error::Error;
@@ -28,6 +31,7 @@ use std::process::ExitCode;
 
 use bevy::prelude::*;
 use bevy_envgen::EnvgenCorePlugin;
+use bevy_envgen::capture::find_renderer;
 use bevy_envgen::debug::EnvgenDebugPlugin;
 use bevy_envgen::physics::{ColliderSettings, EnvgenPhysicsPlugin, TopDownPhysicsPlugin};
 use bevy_envgen::trial::{TrialPlugin, TrialSystems};
@@ -60,6 +64,8 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let beginning = arguments.beginning()?;
     let settings = arguments.settings()?;
     output::folder(&arguments.out)?;
+    // Bevy panics where there is none.
+    find_renderer()?;
     let frame_log = arguments
         .frame_log
         .as_deref()
@@ -104,6 +110,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
                 cameras::follow_driven,
                 cameras::fit,
                 session::poll_comparison,
+                session::hide_lines,
             )
                 .chain(),
         )

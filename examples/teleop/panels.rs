@@ -60,7 +60,10 @@ pub(crate) fn panels(
         match (session.phase, &mut trial) {
             (Phase::Running, Some((holder, view, truth))) => {
                 ui.heading("Trial");
-                let Some(trial) = holder.trial() else { return };
+                let Some(trial) = holder.trial() else {
+                    ui.spinner();
+                    return;
+                };
                 let mut status = TrialStatus::of(trial, session.driven);
                 status.paused = session.paused;
                 status.training = session.setup.training;

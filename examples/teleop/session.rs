@@ -1,9 +1,10 @@
 //! From the choice of a world to the scores: what the person does, and what is kept of it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy::prelude::*;
+use bevy_envgen::debug::DebugLayers;
 use bevy_envgen::prelude::*;
 use bevy_envgen::trial::ENGINE;
 use bevy_envgen::ui::{FeedbackForm, SetupForm, SpecForm, TrialAction, write_whole};
@@ -16,7 +17,7 @@ use mapping_trial::trial::{TrialReport, TrialSettings};
 use mapping_trial::truth::Truth;
 
 use crate::arguments::{Arguments, Beginning};
-use crate::compare::Comparison;
+use crate::compare::{Comparison, SessionRun};
 use crate::drive;
 use crate::output;
 
@@ -59,7 +60,14 @@ pub(crate) struct Session {
     pub(crate) comparison: Option<Comparison>,
     /// What happened last, in a line.
     pub(crate) message: String,
-    pub(crate) out: PathBuf,
+    /// Holds a folder a trial.
+    out: PathBuf,
+    /// The folder of the last trial that began.
+    folder: PathBuf,
+    /// Whether the truth was shown during the last trial.
+    truth_seen: bool,
+    /// Whether the world is from a file, and of no spec.
+    from_file: bool,
     /// Whether a program that was asked for on the command line has still to begin.
     pub(crate) at_once: bool,
 }
@@ -73,6 +81,7 @@ impl Session {
         world: &mut World,
     ) -> Self {
         let seed = arguments.seed;
+        let from_file = matches!(beginning, Beginning::World(_));
         let (spec, environment) = match beginning {
             Beginning::Spec(spec) => (SpecForm::new(&spec, seed), Environment::new(*spec, seed.0)),
             Beginning::World(given) => {
@@ -96,6 +105,9 @@ impl Session {
             comparison: None,
             message: String::new(),
             out: arguments.out.clone(),
+            folder: arguments.out.clone(),
+            truth_seen: training,
+            from_file,
             at_once: arguments.operator.is_some(),
         }
     }
@@ -105,13 +117,17 @@ impl Session {
         commands.entity(self.world).remove::<MappingTrial>();
         let view = TrialView { truth: self.setup.training, ..default() };
         commands.entity(self.world).insert((Environment::new(spec, seed.0), view));
+        // Also where it is the spec that stands: it is asked for.
+        commands.trigger(RebuildEnvironment { entity: self.world });
         self.phase = Phase::Generating;
+        self.from_file = false;
     }
 
     /// Begins a trial in the world that stands, from its start.
     pub(crate) fn start(&mut self, truth: &GroundTruth, commands: &mut Commands) {
-        // Worlds that were read from files have no seed of their own.
-        let seed = truth.provenance.seed.unwrap_or(self.spec.seed());
+        // Of a world from a file the panel's, as of everything else that is not in the file.
+        let made = truth.provenance.seed.filter(|_| !self.from_file);
+        let seed = made.unwrap_or(self.spec.seed());
         let begun = self.setup.request(seed).map_err(Into::into);
         match begun.and_then(|settings| drive::with_start(truth, settings)) {
             Ok(settings) => {
@@ -122,6 +138,8 @@ impl Session {
                 self.comparison = None;
                 self.message = String::new();
                 self.phase = Phase::Running;
+                self.truth_seen = self.setup.training;
+                self.folder = new_folder(&self.out);
                 let view = TrialView { truth: self.setup.training, ..default() };
                 let mut world = commands.entity(self.world);
                 if settings.operator.is_none() {
@@ -159,10 +177,13 @@ impl Session {
             self.form = Some(FeedbackForm::new(report.session()));
             self.phase = Phase::Form;
         }
-        let written = output::folder(&self.out)
+        if self.truth_seen {
+            self.mark_training();
+        }
+        let written = output::folder(&self.folder)
             .and_then(|folder| output::write(folder, trial, &truth, &report, ENGINE));
         self.message = match written {
-            Ok(_) => format!("saved in {}", self.out.display()),
+            Ok(_) => format!("saved in {}", self.folder.display()),
             Err(error) => error.to_string(),
         };
         self.report = Some(report);
@@ -174,14 +195,25 @@ impl Session {
         let Some(trial) = holder.trial() else { return };
         let mut bytes = Vec::new();
         let written = trial.log(ENGINE).write(&mut bytes).map_err(|e| e.to_string());
-        let path = self.out.join("log.json");
+        let path = self.folder.join("log.json");
         let written = written.and_then(|()| {
-            std::fs::create_dir_all(&self.out)
+            std::fs::create_dir_all(&self.folder)
                 .and_then(|()| write_whole(&path, &bytes))
                 .map_err(|error| format!("{}: {error}", path.display()))
         });
         if let Err(error) = written {
             self.message = error;
+        }
+    }
+
+    /// Gives the folder of a trial whose truth was seen a name that says so: its scores are no blind ones.
+    fn mark_training(&mut self) {
+        let mut name = self.folder.clone().into_os_string();
+        name.push("_training");
+        let marked = PathBuf::from(name);
+        // Where the log was not kept yet, there is none to be renamed.
+        if !self.folder.exists() || std::fs::rename(&self.folder, &marked).is_ok() {
+            self.folder = marked;
         }
     }
 
@@ -191,7 +223,7 @@ impl Session {
         self.form = None;
         let (Some(report), Some(feedback)) = (&mut self.report, feedback) else { return };
         report.feedback = Some(feedback);
-        let path = self.out.join("report.json");
+        let path = self.folder.join("report.json");
         let written = serde_json::to_vec_pretty(report).map_err(std::io::Error::from);
         let written = written.and_then(|mut json| {
             json.push(b'\n');
@@ -213,10 +245,14 @@ impl Session {
     ) {
         match action {
             TrialAction::Pause => self.paused = !self.paused,
-            TrialAction::Reset => self.start(truth, commands),
+            TrialAction::Reset => {
+                self.finish(trial, truth);
+                self.start(truth, commands);
+            }
             TrialAction::Stop => self.finish(trial, truth),
             TrialAction::Training => {
                 self.setup.training = !self.setup.training;
+                self.truth_seen |= self.setup.training;
                 view.truth = self.setup.training;
             }
             TrialAction::NextRobot => {
@@ -231,9 +267,27 @@ impl Session {
         let (Some(trial), Some(truth)) = (holder.trial(), &self.truth) else { return };
         let program = TrialSettings { operator: Some(self.rival), ..trial.settings().clone() };
         let name = self.rival.name().unwrap_or("program");
-        let log = trial.log(ENGINE);
+        let run = SessionRun {
+            log: trial.log(ENGINE),
+            tracks: (0..trial.robots()).map(|robot| trial.track(robot).clone()).collect(),
+        };
         let (world, truth) = (Arc::clone(&world.0), Arc::clone(truth));
-        self.comparison = Some(Comparison::begin(log, world, truth, (name, program)));
+        self.comparison = Some(Comparison::begin(run, world, truth, (name, program)));
+    }
+}
+
+/// The first of the folders `001`, `002` and so on that is not there yet, with or without a mark.
+fn new_folder(out: &Path) -> PathBuf {
+    (1_u32..)
+        .map(|number| format!("{number:03}"))
+        .find(|name| !out.join(name).exists() && !out.join(format!("{name}_training")).exists())
+        .map_or_else(|| out.to_path_buf(), |name| out.join(name))
+}
+
+/// Lines over the world are the truth, too.
+pub(crate) fn hide_lines(session: Res<Session>, mut layers: ResMut<DebugLayers>) {
+    if !session.setup.training {
+        layers.set_if_neq(DebugLayers::default());
     }
 }
 
@@ -318,10 +372,14 @@ pub(crate) fn save_at_exit(
     mut session: ResMut<Session>,
     mut trials: Query<(&mut MappingTrial, &GroundTruth)>,
 ) {
-    if exits.read().next().is_some()
-        && session.phase == Phase::Running
+    if exits.read().next().is_none() {
+        return;
+    }
+    if session.phase == Phase::Running
         && let Ok((mut trial, truth)) = trials.get_mut(session.world)
     {
         session.finish(&mut trial, truth);
+    } else if let Some(feedback) = session.form.as_ref().and_then(|form| form.fill().ok()) {
+        session.hand_in(Some(feedback));
     }
 }

@@ -11,6 +11,7 @@ use bevy_envgen::envgen::{Provenance, World as EnvWorld};
 use bevy_envgen::mapping_trial::body::Command;
 use bevy_envgen::mapping_trial::lidar::LaserProfile;
 use bevy_envgen::mapping_trial::odometry::OdometryProfile;
+use bevy_envgen::mapping_trial::robot::Robot;
 use bevy_envgen::prelude::*;
 use bevy_envgen::robot::RobotCondition;
 use bevy_envgen::testing::{spawn_ready, step, test_app_with};
@@ -153,4 +154,36 @@ fn water_drowns_and_deep_ground_stops() {
     let lost = position(&app, robot);
     drive(&mut app, robot, 0.5, 0.0, 5.0);
     assert_eq!(position(&app, robot), lost);
+}
+
+#[test]
+fn numbers_that_are_not_allowed_stand_still() {
+    let mut app = app(room(10.0, 10.0));
+    let chassis = Chassis { track: 0.0, ..Chassis::default() };
+    let sound =
+        app.world_mut().spawn((RobotModel::default(), chassis, Transform::from_xyz(5.0, 5.0, 0.0)));
+    let sound = { sound }.insert(WheelOdometry::new(OdometryProfile::EXACT, 1, 0)).id();
+    drive(&mut app, sound, 0.5, 0.3, 2.0);
+    assert!(position(&app, sound).is_finite());
+    for (speed, width) in [(-1.0, 0.4), (f64::NAN, 0.4), (0.5, f64::NAN)] {
+        let model = Robot { max_speed: speed, acceleration: speed, width, ..Robot::default() };
+        let place = Transform::from_xyz(2.0, 2.0, 0.0);
+        let robot = app.world_mut().spawn((RobotModel(model), place));
+        let robot = { robot }.insert(WheelOdometry::new(OdometryProfile::EXACT, 1, 0)).id();
+        drive(&mut app, robot, 0.5, 0.3, 1.0);
+        assert!(app.world().get::<Collider>(robot).is_none());
+        assert!(position(&app, robot).distance(DVec2::splat(2.0)) < 0.6);
+        app.world_mut().despawn(robot);
+    }
+}
+
+#[test]
+fn what_a_child_of_the_robot_touches_is_felt() {
+    let mut app = app(room(10.0, 10.0));
+    let robot = robot(&mut app, 5.0, 5.0);
+    let fork = (Transform::from_xyz(0.5, 0.0, 0.0), Collider::cuboid(0.3, 0.05), ChildOf(robot));
+    app.world_mut().spawn(fork);
+    drive(&mut app, robot, 0.7, 0.0, 15.0);
+    assert!((position(&app, robot).x - 9.2).abs() < 0.02, "{}", position(&app, robot));
+    assert!(app.world().get::<Bumper>(robot).unwrap().touching);
 }

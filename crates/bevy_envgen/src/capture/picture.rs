@@ -73,7 +73,7 @@ impl Picture {
 }
 
 /// A nameless file where one of a name is to appear.
-pub(super) fn new_file(path: &Path) -> std::io::Result<NamedTempFile> {
+pub(crate) fn new_file(path: &Path) -> std::io::Result<NamedTempFile> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     #[cfg_attr(not(unix), expect(unused_mut, reason = "files have no mode there"))]
     let mut builder = tempfile::Builder::new();

@@ -44,6 +44,7 @@ impl DebugLayers {
 }
 
 /// Colours of the layers.
+#[cfg(feature = "physics")]
 const COLLIDER: Color = Color::srgb(0.0, 0.62, 0.45);
 const ROOM: Color = Color::srgb(0.34, 0.71, 0.91);
 const OPEN: Color = Color::srgb(0.34, 0.71, 0.91);

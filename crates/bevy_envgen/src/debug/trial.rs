@@ -11,7 +11,7 @@ use mapping_trial::operator::costmap::Costmap;
 use mapping_trial::operator::frontier::Frontiers;
 use mapping_trial::trial::Trial;
 
-use super::{DebugSystems, EnvgenGizmos, Place, on};
+use super::{DebugLayers, DebugSystems, EnvgenGizmos, Place, on};
 use crate::environment::Environment;
 use crate::view::WatchTrial;
 
@@ -40,7 +40,7 @@ impl DebugTrials for App {
             PostUpdate,
             (
                 draw_rays::<T>.run_if(on(|on| on.rays)),
-                draw_frontiers::<T>.run_if(on(|on| on.frontiers)),
+                draw_frontiers::<T>,
                 draw_plans::<T>.run_if(on(|on| on.plan)),
             )
                 .in_set(DebugSystems),
@@ -109,9 +109,15 @@ impl Edge {
 /// Draws the frontiers of the robots' map, each cluster in a colour of its own.
 fn draw_frontiers<T: WatchTrial>(
     trials: Trials<'_, '_, T>,
+    layers: Res<DebugLayers>,
     mut edges: Local<BTreeMap<Entity, Edge>>,
     mut gizmos: Gizmos<EnvgenGizmos>,
 ) {
+    if !layers.frontiers {
+        // The next time it may be another trial's map.
+        edges.clear();
+        return;
+    }
     edges.retain(|&entity, _| trials.contains(entity));
     for (entity, environment, frame, holder) in &trials {
         let Some(trial) = holder.watched() else { continue };

@@ -51,9 +51,9 @@ pub(super) fn drive(
 
         let limit = model.max_speed * terrain.at(pose.position).speed;
         let last = wheels.motion(chassis.track);
-        let wanted = finite(command.speed).clamp(-limit, limit);
+        let wanted = within(command.speed, limit);
         let speed = toward(last.speed, wanted, model.acceleration * dt);
-        let wanted = finite(command.turn_rate).clamp(-model.max_turn_rate, model.max_turn_rate);
+        let wanted = within(command.turn_rate, model.max_turn_rate);
         let turn_rate = toward(last.turn_rate, wanted, model.turn_acceleration * dt);
 
         let ahead = unit_vector(pose.heading + 0.5 * turn_rate * dt);
@@ -85,12 +85,13 @@ pub(super) fn pose_of(bodies: &RapierRigidBodySet, entity: Entity) -> Option<Pos
     Some(Pose { position: at.translation.as_dvec2(), heading })
 }
 
-/// A number that is none counts as standing still.
-fn finite(value: f64) -> f64 {
-    if value.is_finite() { value } else { 0.0 }
+/// A number cut to a limit on either side. Numbers that are none, and limits that are none or negative,
+/// give 0: a robot that stands still.
+fn within(value: f64, limit: f64) -> f64 {
+    if value.is_finite() && limit > 0.0 { value.clamp(-limit, limit) } else { 0.0 }
 }
 
 /// One step of at most `change` from a value towards another.
 fn toward(value: f64, wanted: f64, change: f64) -> f64 {
-    value + (wanted - value).clamp(-change, change)
+    value + within(wanted - value, change)
 }

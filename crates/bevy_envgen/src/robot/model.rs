@@ -14,8 +14,9 @@ use mapping_trial::robot::Robot;
 /// Makes an entity a robot of these numbers; the default is the Pioneer 3-AT.
 ///
 /// It is a dynamic body of rapier with a box of the model's length and width, which is put on when
-/// the component is inserted, unless the entity has a collider of its own. Robots of other numbers
-/// can be read from RON: [`Robot`] is serde's.
+/// the component is inserted, unless the entity has a collider of its own; colliders of its children
+/// count as the robot's, too. Robots of other numbers can be read from RON: see [`Robot::from_ron`].
+/// One whose numbers are not allowed gets no body and a warning.
 #[derive(Component, Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
@@ -44,6 +45,8 @@ pub struct DriveCommand(pub Command);
 /// Weight and wheels of a robot; the default is the Pioneer 3-AT.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serialize", serde(default, deny_unknown_fields))]
 pub struct Chassis {
     /// Mass in kg.
     pub mass: f32,
@@ -79,7 +82,8 @@ impl Wheels {
     /// Speed ahead in m/s, and rate of turning in rad/s, of wheels that far apart.
     pub fn motion(&self, track: f64) -> Command {
         let Wheels { left, right, .. } = *self;
-        Command { speed: 0.5 * (left + right), turn_rate: (right - left) / track }
+        let turn_rate = if track > 0.0 { (right - left) / track } else { 0.0 };
+        Command { speed: 0.5 * (left + right), turn_rate }
     }
 
     pub(super) fn set(&mut self, motion: Command, track: f64) {
@@ -187,6 +191,10 @@ pub(super) fn fit(
     mut commands: Commands,
 ) {
     let Ok((model, chassis, collides, fitted)) = models.get(fit.entity) else { return };
+    if let Err(error) = model.validate() {
+        log::warn!("robot {}: {error}", fit.entity);
+        return;
+    }
     let mut robot = commands.entity(fit.entity);
     robot.insert_if_new(Battery { left: model.battery });
     if !collides || fitted {

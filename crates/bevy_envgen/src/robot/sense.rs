@@ -70,10 +70,11 @@ pub(super) fn sense(
     }
 }
 
-/// Whether a body presses against something solid.
-fn touches(rapier: &RapierContext, entity: Entity) -> bool {
-    rapier
-        .simulation
-        .contact_pairs_with(rapier.colliders, rapier.rigidbody_set, entity)
-        .any(|pair| pair.raw.total_impulse_magnitude() > 0.0)
+/// Whether a body presses against something solid, with any of its colliders.
+fn touches(rapier: &RapierContext, body: Entity) -> bool {
+    let RapierContext { simulation, colliders, rigidbody_set, .. } = *rapier;
+    colliders.rigid_body_colliders(body, rigidbody_set).any(|collider| {
+        let mut pairs = simulation.contact_pairs_with(colliders, rigidbody_set, collider);
+        pairs.any(|pair| pair.raw.total_impulse_magnitude() > 0.0)
+    })
 }

@@ -52,7 +52,8 @@ pub(super) fn begin(
             commands.entity(robot).try_despawn();
         }
         trial.state = State::Waiting;
-        if *state != EnvironmentState::Ready {
+        // Where another world failed, the last one still stands.
+        if !matches!(state, EnvironmentState::Ready | EnvironmentState::Failed) {
             continue;
         }
         let ready = check(&fixed, rapier.as_deref(), transform);

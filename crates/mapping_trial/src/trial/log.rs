@@ -184,7 +184,8 @@ impl TrialLog {
         Ok(out.write_all(b"\n")?)
     }
 
-    /// SHA-256 of the log: two trials of equal digest were the same to the last bit.
+    /// SHA-256 of the log. Two trials of the flat simulator of equal digest were the same to the last bit; where
+    /// other bodies were moved, they had the same world, settings, commands and ends.
     pub fn digest(&self) -> Digest {
         Digest::of(self)
     }

@@ -15,6 +15,7 @@ use thiserror::Error;
 
 pub use log::{LOG_VERSION, LogError, TrialLog, WorldSource};
 pub use report::{REPORT_VERSION, RobotReport, TrialReport};
+pub(crate) use settings::number;
 pub use settings::{MAX_ROBOTS, MAX_TIME_LIMIT, TrialSettings};
 
 use crate::body::{Bodies, Command, Condition, TICK};

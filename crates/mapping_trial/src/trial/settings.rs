@@ -71,18 +71,7 @@ impl TrialSettings {
             number("start.y", start.position.y, -1e6, 1e6)?;
             number("start.heading", start.heading, -1e3, 1e3)?;
         }
-        let Robot { length, width, swing_radius, max_speed, max_turn_rate, .. } = self.body;
-        number("body.length", length, 0.01, 10.0)?;
-        number("body.width", width, 0.01, 10.0)?;
-        number("body.swing_radius", swing_radius, 0.05, 10.0)?;
-        // A disc must not step over a wall, nor a robot turn past itself, within a tick.
-        number("body.max_speed", max_speed, 0.01, (10.0 * swing_radius).min(20.0))?;
-        number("body.max_turn_rate", max_turn_rate, 0.01, 20.0)?;
-        number("body.acceleration", self.body.acceleration, 0.01, 100.0)?;
-        number("body.turn_acceleration", self.body.turn_acceleration, 0.01, 100.0)?;
-        number("body.laser_offset", self.body.laser_offset, -10.0, 10.0)?;
-        number("body.battery", self.body.battery, 0.05, MAX_TIME_LIMIT)?;
-        number("body.water_sight", self.body.water_sight, 0.0, 5.0)?;
+        self.body.validate()?;
         let laser = &self.laser;
         count("laser.beams", laser.beams, 1, 4096)?;
         number("laser.field_of_view", laser.field_of_view, 0.0, std::f64::consts::TAU)?;
@@ -112,7 +101,7 @@ impl TrialSettings {
     }
 }
 
-fn number(field: &str, value: f64, least: f64, most: f64) -> Result<(), SpecError> {
+pub(crate) fn number(field: &str, value: f64, least: f64, most: f64) -> Result<(), SpecError> {
     if (least..=most).contains(&value) {
         return Ok(());
     }
