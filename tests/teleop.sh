@@ -93,6 +93,11 @@ for size in 1280x720 1920x1080; do
   # All lines over the world.
   for x in 14 87 136 214 266; do click "$x" 253; done
   picture lines
+  # Without the training view there is none of them.
+  xdotool key t
+  sleep 1
+  picture blind
+  xdotool key t
   xdotool key p
   sleep 1
   picture paused
@@ -131,7 +136,15 @@ for size in 1280x720 1920x1080; do
   click 143 100
   sleep 4
   picture compared
+  # Another trial, in the same world asked for again.
+  click 45 42
+  click 45 304
+  sleep 3
+  xdotool key Return
+  sleep 3
+  picture again
   shut
+  [ -s "$scratch/$size-program/002/report.json" ] || fail "$size: the second trial is not kept"
 
   # The simulation kept its step: 20 ticks a second between the first tick and the last.
   awk -F, -v size="$size" '

@@ -8,7 +8,6 @@ use bevy_envgen::envgen::geometry::{Rect, Shape};
 use bevy_envgen::envgen::glam::DVec2;
 use bevy_envgen::envgen::world::{Surface as Ground, SurfaceKind, Wall as Side, WallKind};
 use bevy_envgen::envgen::{Provenance, World as EnvWorld};
-use bevy_envgen::mapping_trial::body::Command;
 use bevy_envgen::mapping_trial::lidar::LaserProfile;
 use bevy_envgen::mapping_trial::odometry::OdometryProfile;
 use bevy_envgen::mapping_trial::robot::Robot;
@@ -47,8 +46,7 @@ fn robot(app: &mut App, x: f32, y: f32) -> Entity {
 
 /// Drives for so many seconds; the way that the wheels measured.
 fn drive(app: &mut App, robot: Entity, speed: f64, turn_rate: f64, seconds: f64) -> (f64, f64) {
-    *app.world_mut().get_mut::<DriveCommand>(robot).unwrap() =
-        DriveCommand(Command { speed, turn_rate });
+    *app.world_mut().get_mut::<DriveCommand>(robot).unwrap() = DriveCommand { speed, turn_rate };
     let mut total = (0.0, 0.0);
     for _ in 0..(seconds * 64.0) as usize {
         app.update();

@@ -47,7 +47,7 @@ pub(super) fn drive(
         }
         let Some(pose) = pose_of(bodies, entity) else { continue };
         let empty = battery.is_some_and(|battery| battery.left <= 0.0);
-        let command = if empty { Command::STOP } else { command.0 };
+        let command = if empty { DriveCommand::default() } else { *command };
 
         let limit = model.max_speed * terrain.at(pose.position).speed;
         let last = wheels.motion(chassis.track);

@@ -72,7 +72,7 @@ pub(super) fn scan(
             continue;
         }
         scanner.wait = scanner.profile().ticks_a_scan.max(1) - 1;
-        let from = model.laser_pose(pose.0);
+        let from = model.laser_pose(pose.pose());
         let origin = from.position.as_vec2();
         let filter = QueryFilter::new().exclude_rigid_body(entity).exclude_sensors();
         rapier.with_query_pipeline(filter, |rays| {

@@ -7,11 +7,10 @@
 //! use bevy::prelude::*;
 //! use bevy_envgen::prelude::*;
 //! use bevy_envgen::robot::{DriveCommand, RobotModel, RobotPlugin, TruePose};
-//! use mapping_trial::body::Command;
 //!
 //! let plugins = (EnvgenPlugins::default(), RobotPlugin::default());
 //! let mut app = bevy_envgen::testing::test_app_with(plugins);
-//! let command = DriveCommand(Command { speed: 0.5, turn_rate: 0.0 });
+//! let command = DriveCommand { speed: 0.5, turn_rate: 0.0 };
 //! let robot = app.world_mut().spawn((RobotModel::default(), command)).id();
 //! bevy_envgen::testing::step(&mut app, 128);
 //! let pose = app.world().get::<TruePose>(robot).unwrap();

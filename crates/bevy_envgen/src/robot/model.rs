@@ -7,6 +7,7 @@ use bevy_rapier2d::prelude::{
 };
 use envgen::Seed;
 use envgen::geometry::Pose;
+use envgen::glam::DVec2;
 use mapping_trial::body::Command;
 use mapping_trial::odometry::{Increment, Odometry, OdometryProfile};
 use mapping_trial::robot::Robot;
@@ -37,10 +38,20 @@ pub struct RobotModel(pub Robot);
 
 /// What a robot is told to do, until it is told otherwise. Numbers that are none, or beyond the
 /// model's limits, are cut to them.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
-#[reflect(opaque)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
-pub struct DriveCommand(pub Command);
+pub struct DriveCommand {
+    /// Speed ahead in m/s, negative backwards.
+    pub speed: f64,
+    /// Rate of turning in rad/s, counter-clockwise.
+    pub turn_rate: f64,
+}
+
+impl From<Command> for DriveCommand {
+    fn from(Command { speed, turn_rate }: Command) -> Self {
+        DriveCommand { speed, turn_rate }
+    }
+}
 
 /// Weight and wheels of a robot; the default is the Pioneer 3-AT.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
@@ -93,10 +104,27 @@ impl Wheels {
 }
 
 /// Where a robot truly is after the last step, in the frame of rapier's world: metres and radians.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deref, Reflect)]
-#[reflect(opaque)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
-pub struct TruePose(pub Pose);
+pub struct TruePose {
+    /// Its middle.
+    pub position: DVec2,
+    /// Where it looks, counter-clockwise from the x axis.
+    pub heading: f64,
+}
+
+impl TruePose {
+    /// The same as a pose.
+    pub fn pose(&self) -> Pose {
+        Pose { position: self.position, heading: self.heading }
+    }
+}
+
+impl From<Pose> for TruePose {
+    fn from(Pose { position, heading }: Pose) -> Self {
+        TruePose { position, heading }
+    }
+}
 
 /// What a robot's bumper feels.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]

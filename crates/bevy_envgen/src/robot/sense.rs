@@ -38,12 +38,12 @@ pub(super) fn sense(
         &mut robots
     {
         let Some(pose) = pose_of(rapier.rigidbody_set, entity) else { continue };
-        let from = if wheels.placed { truth.0 } else { pose };
+        let from = if wheels.placed { truth.pose() } else { pose };
         wheels.placed = true;
         let turn = wrap_angle(pose.heading - from.heading);
         let ahead = unit_vector(from.heading + 0.5 * turn);
         let distance = (pose.position - from.position).dot(ahead);
-        truth.set_if_neq(TruePose(pose));
+        truth.set_if_neq(pose.into());
         if let Some(mut battery) = battery {
             battery.left = (battery.left - dt).max(0.0);
         }

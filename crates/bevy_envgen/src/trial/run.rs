@@ -172,7 +172,7 @@ pub(super) fn command(
         let stop = vec![Command::STOP; run.robots.len()];
         for (&robot, &command) in run.robots.iter().zip(given.as_ref().unwrap_or(&stop)) {
             if let Ok(mut told) = robots.get_mut(robot) {
-                told.set_if_neq(DriveCommand(command));
+                told.set_if_neq(command.into());
             }
         }
         if given.is_none() {
@@ -273,7 +273,7 @@ pub(super) fn record(
 }
 
 /// From rapier's frame to the world's.
-fn in_world(pose: &Pose, to_world: &bevy::math::DAffine3, environment: &Environment) -> Pose {
+fn in_world(pose: &TruePose, to_world: &bevy::math::DAffine3, environment: &Environment) -> Pose {
     let position = to_world.transform_point3(pose.position.extend(0.0)).truncate();
     let turn = to_world.matrix3.x_axis;
     let heading = pose.heading + libm::atan2(turn.y, turn.x);
