@@ -1,9 +1,12 @@
 //! What an operator derives from the map: where the robot's middle may be, what it costs to be
 //! there, and where the known world ends. Only tiles that changed are derived again.
 
+mod table;
+
 use glam::{DVec2, IVec2};
 
 use crate::map::{Cell, CellIndex, DECIDED, OccupancyMap, RESOLUTION, TILE};
+use table::{NONE, Table};
 
 /// Planning cells along a side of a tile of the map: each holds 2 x 2 cells of the map.
 pub const CELLS: i32 = TILE / 2;
@@ -26,9 +29,6 @@ const HALF_WIDTHS: [[i8; MARGIN as usize + 1]; REACHES.len()] = half_widths();
 
 /// Farthest in metres that [`Costmap::stands_within`] looks: bounds its work.
 const FARTHEST_LOOK: f64 = 20.0;
-
-/// A tile that is not there.
-const NONE: u32 = u32::MAX;
 
 /// No way at all, beside the eight of [`STEPS`].
 const HERE: usize = STEPS.len();
@@ -593,45 +593,4 @@ const fn half_widths() -> [[i8; MARGIN as usize + 1]; REACHES.len()] {
         level += 1;
     }
     widths
-}
-
-/// Slots of tiles by column and row.
-#[derive(Clone, Debug, Default)]
-struct Table {
-    corner: IVec2,
-    size: IVec2,
-    slots: Vec<u32>,
-}
-
-impl Table {
-    #[inline]
-    fn get(&self, at: IVec2) -> Option<u32> {
-        let place = at.wrapping_sub(self.corner);
-        if place.x < 0 || place.y < 0 || place.x >= self.size.x || place.y >= self.size.y {
-            return None;
-        }
-        let slot = self.slots[place.y as usize * self.size.x as usize + place.x as usize];
-        (slot != NONE).then_some(slot)
-    }
-
-    /// As large as the map's own table, which is bounded.
-    fn set(&mut self, at: IVec2, slot: u32) {
-        let empty = self.slots.is_empty();
-        let low = if empty { at } else { self.corner.min(at) };
-        let high = if empty { at } else { (self.corner + self.size - 1).max(at) };
-        let size = high - low + 1;
-        if (low, size) != (self.corner, self.size) {
-            let mut slots = vec![NONE; size.x as usize * size.y as usize];
-            let shift = self.corner - low;
-            for row in 0..self.size.y {
-                let from = row as usize * self.size.x as usize;
-                let to = (row + shift.y) as usize * size.x as usize + shift.x as usize;
-                let len = self.size.x as usize;
-                slots[to..to + len].copy_from_slice(&self.slots[from..from + len]);
-            }
-            (self.corner, self.size, self.slots) = (low, size, slots);
-        }
-        let place = at - self.corner;
-        self.slots[place.y as usize * self.size.x as usize + place.x as usize] = slot;
-    }
 }
