@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use bench_ratio::{at_most, seconds};
 use bevy::prelude::*;
-use bevy_envgen::bevy_rapier2d::prelude::{Collider, Friction, Restitution};
+use bevy_envgen::bevy_rapier2d::prelude::{Collider, Friction, Restitution, RigidBody};
 use bevy_envgen::envgen::forest::ForestSpec;
 use bevy_envgen::envgen::{Blueprint, Seed, Spec, World as EnvgenWorld};
 use bevy_envgen::physics::EnvironmentColliders;
@@ -108,8 +108,8 @@ fn by_hand(bare: &mut World, world: &EnvgenWorld, tiles: &[(Tile, Vec<u32>)]) {
     }
 }
 
-/// A static world that rapier steps: merged colliders against one for every tree, each less what the
-/// same app costs without a world.
+/// A static world that rapier steps: merged colliders against one for every tree, by the plugin and as
+/// one would write it by hand with fixed bodies, each less what the same app costs without a world.
 fn resting(world: &Arc<EnvgenWorld>) {
     let app = |merge| {
         let mut app = test_app();
@@ -126,26 +126,44 @@ fn resting(world: &Arc<EnvgenWorld>) {
     let ((mut merged, first), (mut single, first_single)) = (app(Merge::Always), app(Merge::Never));
     let mut empty = test_app();
     step(&mut empty, 20);
-    let mut times = [const { Vec::new() }; 3];
+    let mut by_hand = test_app();
+    by_hand.world_mut().spawn_batch(
+        world
+            .trees
+            .iter()
+            .map(|tree| {
+                let place = Transform::from_translation(tree.center.as_vec2().extend(0.0));
+                (place, RigidBody::Fixed, Collider::ball(tree.radius as f32))
+            })
+            .collect::<Vec<_>>(),
+    );
+    let first_by_hand = seconds(|| by_hand.update());
+    step(&mut by_hand, 20);
+    let mut times = [const { Vec::new() }; 4];
     for _ in 0..1000 {
-        for (app, times) in [&mut merged, &mut single, &mut empty].into_iter().zip(&mut times) {
+        let apps = [&mut merged, &mut single, &mut by_hand, &mut empty];
+        for (app, times) in apps.into_iter().zip(&mut times) {
             times.push(seconds(|| app.update()));
         }
     }
-    let [merged, single, empty] = times.map(|mut times| {
+    let [merged, single, by_hand, empty] = times.map(|mut times| {
         times.sort_by(f64::total_cmp);
         times[times.len() / 2]
     });
     let ms = |seconds: f64| format!("{:.3} ms", 1e3 * seconds);
     say(&format!(
-        "  an update: merged {}, one a tree {}, no world {}",
+        "  an update: merged {}, one a tree {}, one a tree by hand {}, no world {}",
         ms(merged),
         ms(single),
+        ms(by_hand),
         ms(empty)
     ));
     let cost = (merged - empty, single - empty);
     at_most("what the world costs an update at rest, merged, against one a tree", cost, 0.1);
+    let cost = (merged - empty, by_hand - empty);
+    at_most("the same against one a tree by hand", cost, 0.1);
     at_most("the first update, merged, against one a tree", (first, first_single), 0.1);
+    at_most("the same against one a tree by hand", (first, first_by_hand), 0.1);
 }
 
 /// A window that moves at 20 m/s through an endless forest of 0.05 trees a square metre.

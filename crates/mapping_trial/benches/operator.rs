@@ -18,16 +18,32 @@ fn main() {
     let world = plan.to_world();
     let Some(start) = world.start else { return };
     let Ok(grid) = OccupancyGrid::of(&world, RESOLUTION, Coverage::Centre) else { return };
+    let mut map = known(&grid, world.bounds, |_, _| true);
+    renewal(&mut map, start.position);
+    frontiers(&known(&grid, world.bounds, |col, row| {
+        !(col / PATCH + row / PATCH).is_multiple_of(2)
+    }));
+    search(&map, start.position);
+}
+
+/// Cells along the sides of the patches of a map that is half known.
+const PATCH: usize = 80;
+
+/// A map on which some cells of a grid are known.
+fn known(
+    grid: &OccupancyGrid,
+    area: Rect,
+    is_known: impl Fn(usize, usize) -> bool,
+) -> OccupancyMap {
     let mut map = OccupancyMap::new();
     for row in 0..grid.rows() {
-        for col in 0..grid.cols() {
+        for col in (0..grid.cols()).filter(|&col| is_known(col, row)) {
             let odds = if grid.occupied(col, row) == Some(true) { 400 } else { -400 };
             map.add(CellIndex::of(grid.cell_centre(col, row)), odds);
         }
     }
-    map.touch(world.bounds);
-    renewal(&mut map, start.position);
-    search(&map, start.position);
+    map.touch(area);
+    map
 }
 
 /// A scan's worth of changes against everything anew.
@@ -58,14 +74,27 @@ fn renewal(map: &mut OccupancyMap, at: DVec2) {
         costmap.frontier_len()
     };
     faster("a changed room, against the whole map anew", contest(ours, full), 10.0);
+}
+
+/// The frontiers of a map that is half known, against all else that operators derive from it.
+fn frontiers(map: &OccupancyMap) {
     let mut costmap = Costmap::new();
-    costmap.refresh(&before);
+    costmap.refresh(map);
+    costmap.derive_all();
     let mut frontiers = Frontiers::new();
     let gather = || {
         frontiers.gather(&mut costmap, |_, _| false);
         frontiers.goals()
     };
-    at_most("frontiers gathered, against the costmap anew", contest(gather, full), 0.5);
+    let full = || {
+        let mut costmap = Costmap::new();
+        costmap.refresh(map);
+        costmap.derive_all();
+        costmap.frontier_len()
+    };
+    let (ours, anew) = contest(gather, full);
+    assert!(frontiers.goals() > 0, "a map that is half known has frontiers");
+    at_most("frontiers gathered, against the costmap anew", (ours, anew), 0.5);
 }
 
 /// A* across the building, against the same by `pathfinding` on the same classes.
