@@ -6,8 +6,6 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use envgen::geometry::Pose;
 use envgen::indoor::{IndoorSpec, Profile};
-use envgen::occupancy::{Coverage, OccupancyGrid};
-use envgen::placement::roomiest_place;
 use envgen::{Blueprint, Seed, Spec, World, WorldSpec, import};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
@@ -17,10 +15,7 @@ use mapping_trial::robot::Robot;
 use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::TrialSettings;
 
-use crate::robot;
-
-/// Cells in metres of the grid on which the roomiest place is looked for.
-const GRID: f64 = 0.1;
+use crate::{robot, start};
 
 /// Drive a simulated robot through a world that it does not know, and score the map that it makes.
 #[derive(Parser)]
@@ -148,13 +143,7 @@ impl Arguments {
             odometry: self.odometry.clone(),
         };
         settings.validate()?;
-        if settings.start.is_some() || world.start.is_some() {
-            return Ok(settings);
-        }
-        let grid = OccupancyGrid::of(world, GRID, Coverage::Conservative)?;
-        let place = roomiest_place(&grid).ok_or("the map has no free space to start in")?;
-        let start = Some(Pose { position: place, heading: 0.0 });
-        Ok(TrialSettings { start, ..settings })
+        start::with_start(world, settings)
     }
 }
 

@@ -16,6 +16,8 @@ mod arguments;
 mod output;
 #[path = "../shared/robot.rs"]
 mod robot;
+#[path = "../shared/start.rs"]
+mod start;
 mod table;
 
 use std::error::Error;
@@ -33,7 +35,6 @@ use mapping_trial::body::Bodies;
 use mapping_trial::feedback::ask;
 use mapping_trial::flat::{FlatSimulator, FlatWorld};
 use mapping_trial::trial::{Trial, TrialLog, TrialSettings};
-use mapping_trial::truth::Truth;
 
 use crate::arguments::Arguments;
 
@@ -102,9 +103,7 @@ fn tell<B: Bodies>(
     clock: Instant,
 ) -> Result<(), Box<dyn Error>> {
     let seconds = clock.elapsed().as_secs_f64();
-    let mut from_start = world.clone();
-    from_start.start = trial.track(0).poses.first().copied();
-    let truth = Truth::new(&from_start, &trial.settings().body)?;
+    let truth = start::truth(world, trial)?;
     let mut report = trial.report(world, &truth, engine)?;
     say(format_args!(
         "{}\n{:.0} simulated seconds took {seconds:.2} s, {:.0} times as fast as real time\n",

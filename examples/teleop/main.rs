@@ -16,7 +16,6 @@
 mod arguments;
 mod cameras;
 mod compare;
-mod drive;
 mod frame_log;
 mod keys;
 #[path = "../shared/output.rs"]
@@ -25,6 +24,8 @@ mod panels;
 #[path = "../shared/robot.rs"]
 mod robot;
 mod session;
+#[path = "../shared/start.rs"]
+mod start;
 
 use std::error::Error;
 use std::process::ExitCode;

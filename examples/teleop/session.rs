@@ -18,8 +18,7 @@ use mapping_trial::truth::Truth;
 
 use crate::arguments::{Arguments, Beginning};
 use crate::compare::{Comparison, SessionRun};
-use crate::drive;
-use crate::output;
+use crate::{output, start};
 
 /// Ticks between two writings of the log while the trial runs: what is lost when the power fails.
 const TICKS_A_LOG: u64 = 200;
@@ -129,7 +128,7 @@ impl Session {
         let made = truth.provenance.seed.filter(|_| !self.from_file);
         let seed = made.unwrap_or(self.spec.seed());
         let begun = self.setup.request(seed).map_err(Into::into);
-        match begun.and_then(|settings| drive::with_start(truth, settings)) {
+        match begun.and_then(|settings| start::with_start(truth, settings)) {
             Ok(settings) => {
                 self.driven = 0;
                 self.paused = false;
@@ -163,8 +162,8 @@ impl Session {
         self.paused = false;
         self.phase = Phase::Done;
         let Some(trial) = holder.trial() else { return };
-        let measured = drive::truth(world, trial)
-            .and_then(|truth| Ok((drive::report(world, trial, &truth)?, truth)));
+        let measured = start::truth(world, trial)
+            .and_then(|truth| Ok((trial.report(world, &truth, ENGINE)?, truth)));
         let (report, truth) = match measured {
             Ok(measured) => measured,
             Err(error) => {

@@ -1,13 +1,13 @@
-//! The trial that runs in the window.
+//! Where trials start, and what they are measured against from there.
 
 use std::error::Error;
 
-use bevy_envgen::trial::{ENGINE, RapierBodies};
-use envgen::World as EnvgenWorld;
+use envgen::World;
 use envgen::geometry::Pose;
 use envgen::occupancy::{Coverage, OccupancyGrid};
 use envgen::placement::roomiest_place;
-use mapping_trial::trial::{Trial, TrialReport, TrialSettings};
+use mapping_trial::body::Bodies;
+use mapping_trial::trial::{Trial, TrialSettings};
 use mapping_trial::truth::Truth;
 
 /// Cells in metres of the grid on which the roomiest place is looked for.
@@ -16,7 +16,7 @@ const GRID: f64 = 0.1;
 /// Settings with a start: where neither they nor the world give one, it is in the largest free
 /// region, away from walls.
 pub(crate) fn with_start(
-    world: &EnvgenWorld,
+    world: &World,
     settings: TrialSettings,
 ) -> Result<TrialSettings, Box<dyn Error>> {
     if settings.start.is_some() || world.start.is_some() {
@@ -28,20 +28,8 @@ pub(crate) fn with_start(
 }
 
 /// What a trial is measured against: what can be seen from where it began.
-pub(crate) fn truth(
-    world: &EnvgenWorld,
-    trial: &Trial<RapierBodies>,
-) -> Result<Truth, Box<dyn Error>> {
+pub(crate) fn truth<B: Bodies>(world: &World, trial: &Trial<B>) -> Result<Truth, Box<dyn Error>> {
     let mut from_start = world.clone();
     from_start.start = trial.track(0).poses.first().copied();
     Ok(Truth::new(&from_start, &trial.settings().body)?)
-}
-
-/// What came of a trial.
-pub(crate) fn report(
-    world: &EnvgenWorld,
-    trial: &Trial<RapierBodies>,
-    truth: &Truth,
-) -> Result<TrialReport, Box<dyn Error>> {
-    Ok(trial.report(world, truth, ENGINE)?)
 }
