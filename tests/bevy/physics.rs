@@ -64,10 +64,14 @@ fn agrees(caster: &Raycaster, (from, heading): (DVec2, f64), range: f64) -> (boo
 fn a_rapier_ray_and_an_exact_ray_agree_within_a_millimetre() {
     const RAYS: usize = 4000;
     for spec in specs() {
-        for merge in [Merge::Never, Merge::Always] {
+        for (merge, solids) in [
+            (Merge::Never, Solids::Entities),
+            (Merge::Always, Solids::Entities),
+            (Merge::Never, Solids::Data),
+        ] {
             let mut app = test_app();
             let settings = ColliderSettings { merge, ..default() };
-            let environment = Environment::new(spec.clone(), 2);
+            let environment = Environment::new(spec.clone(), 2).with_solids(solids);
             let colliders = EnvironmentColliders(settings);
             let root = app.world_mut().spawn((environment, colliders)).id();
             wait_until_ready(&mut app, root).unwrap();
@@ -82,7 +86,10 @@ fn a_rapier_ray_and_an_exact_ray_agree_within_a_millimetre() {
             for (&ray, &range) in rays.iter().zip(&found) {
                 let (direct, agreed) = agrees(&caster, ray, range);
                 let exact = caster.cast(ray.0, ray.1, RANGE);
-                assert!(agreed, "{spec:?} {merge:?}: {ray:?} {range} m, exactly {exact:?}");
+                assert!(
+                    agreed,
+                    "{spec:?} {merge:?} {solids:?}: {ray:?} {range} m, exactly {exact:?}"
+                );
                 grazing += usize::from(!direct);
             }
             assert!(grazing <= RAYS / 200, "{grazing} of {RAYS} rays graze, {spec:?}");

@@ -100,10 +100,15 @@ fn what_stands_does_not_depend_on_the_way_travelled() {
     ] {
         let mut found = Vec::new();
         for way in [&zigzag[..], &jump, &[]] {
-            for budget in [StreamingBudget::Parts(150), StreamingBudget::default()] {
+            for (budget, solids) in [
+                (StreamingBudget::Parts(150), Solids::Entities),
+                (StreamingBudget::Parts(150), Solids::Data),
+                (StreamingBudget::default(), Solids::Entities),
+            ] {
                 let mut app = test_app();
                 app.insert_resource(budget);
-                let (root, anchor) = streamed(&mut app, environment.clone(), Vec2::ZERO, 40.0);
+                let environment = environment.clone().with_solids(solids);
+                let (root, anchor) = streamed(&mut app, environment, Vec2::ZERO, 40.0);
                 wait_until_ready(&mut app, root).unwrap();
                 travel(&mut app, anchor, way);
                 travel(&mut app, anchor, &[goal]);
@@ -201,20 +206,20 @@ fn an_origin_far_away_streams_there() {
 
 #[test]
 fn a_budget_of_parts_is_kept_and_the_same_in_every_run() {
-    let run = || {
+    let run = |solids| {
         let mut app = test_app();
         app.insert_resource(StreamingBudget::Parts(200));
         let spec =
             ForestSpec { width: 200.0, height: 200.0, intensity: 0.3, radius: 0.2, ..default() };
-        let environment = Environment::new(spec, 2).with_pace(Pace::InPlace);
-        let (_, anchor) = streamed(&mut app, environment, Vec2::splat(100.0), 60.0);
+        let environment = Environment::new(spec, 2).with_pace(Pace::InPlace).with_solids(solids);
+        let (root, anchor) = streamed(&mut app, environment, Vec2::splat(100.0), 60.0);
         let mut history = Vec::new();
         for frame in 0..150 {
             let at = Vec2::new(100.0 + 0.3 * frame as f32, 100.0);
             app.world_mut().get_mut::<Transform>(anchor).unwrap().translation = at.extend(0.0);
-            let before = app.world_mut().query::<&PartId>().iter(app.world()).count();
+            let before = parts(&app, root).len();
             step(&mut app, 1);
-            let after = app.world_mut().query::<&PartId>().iter(app.world()).count();
+            let after = parts(&app, root).len();
             // Whole steps of at most 128 parts.
             assert!(after.abs_diff(before) <= 200 + 128, "{before} {after}");
             let StreamingReport { spawned, despawned, waiting, .. } = *app.world().resource();
@@ -222,8 +227,9 @@ fn a_budget_of_parts_is_kept_and_the_same_in_every_run() {
         }
         history
     };
-    let first = run();
-    assert_eq!(first, run());
+    let first = run(Solids::Entities);
+    assert_eq!(first, run(Solids::Entities));
+    assert_eq!(first, run(Solids::Data));
     assert!(first.iter().any(|frame| frame.3 == 0) && first[0].3 > 0);
 }
 

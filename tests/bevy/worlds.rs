@@ -271,6 +271,35 @@ fn many_parts_are_spawned_once_and_merged() {
     assert_eq!(digest(&app, root), shown);
 }
 
+#[test]
+fn solids_as_data_are_the_same_parts_and_no_entities() {
+    for spec in specs() {
+        let mut app = test_app();
+        let before = (spawned(&mut app), in_rapier(&mut app));
+        let entities = spawn_ready(&mut app, Environment::new(spec.clone(), 3)).unwrap();
+        let expected = parts(&app, entities);
+        app.world_mut().despawn(entities);
+        let environment = Environment::new(spec.clone(), 3).with_solids(Solids::Data);
+        let root = spawn_ready(&mut app, environment).unwrap();
+        step(&mut app, 2);
+        assert_eq!(parts(&app, root), expected, "{spec:?}");
+        let solids = expected.iter().filter(|part| part.id.kind.is_solid()).count();
+        assert_eq!(count::<PartId>(&mut app), expected.len() - solids);
+        assert_eq!(count::<TileSolids>(&mut app) > 0, solids > 0);
+        assert!(count::<TileSolids>(&mut app) <= count::<Tile>(&mut app));
+
+        // Asked for, they are entities again; nothing of either is left behind.
+        app.world_mut().get_mut::<Environment>(root).unwrap().solids = Solids::Entities;
+        wait_until_ready(&mut app, root).unwrap();
+        assert_eq!((count::<TileSolids>(&mut app), parts(&app, root)), (0, expected));
+        app.world_mut().get_mut::<Environment>(root).unwrap().solids = Solids::Data;
+        wait_until_ready(&mut app, root).unwrap();
+        app.world_mut().entity_mut(root).remove::<Environment>();
+        step(&mut app, 3);
+        assert_eq!((spawned(&mut app), in_rapier(&mut app)), before, "{spec:?}");
+    }
+}
+
 trait GenerateWorld {
     fn generate_world(self, seed: u64) -> bevy_envgen::envgen::World;
 }

@@ -111,11 +111,11 @@ fn by_hand(bare: &mut World, world: &EnvgenWorld, tiles: &[(Tile, Vec<u32>)]) {
 /// A static world that rapier steps: merged colliders against one for every tree, by the plugin and as
 /// one would write it by hand with fixed bodies, each less what the same app costs without a world.
 fn resting(world: &Arc<EnvgenWorld>) {
-    let app = |merge| {
+    let app = |merge, solids| {
         let mut app = test_app();
         let colliders = EnvironmentColliders(ColliderSettings { merge, ..default() });
-        let root = app.world_mut().spawn((Environment::from_world(Arc::clone(world)), colliders));
-        let root = root.id();
+        let environment = Environment::from_world(Arc::clone(world)).with_solids(solids);
+        let root = app.world_mut().spawn((environment, colliders)).id();
         if let Err(error) = wait_until_ready(&mut app, root) {
             say(&error.to_string());
         }
@@ -123,7 +123,9 @@ fn resting(world: &Arc<EnvgenWorld>) {
         step(&mut app, 20);
         (app, first)
     };
-    let ((mut merged, first), (mut single, first_single)) = (app(Merge::Always), app(Merge::Never));
+    let (mut data, first_data) = app(Merge::Always, Solids::Data);
+    let (mut merged, first) = app(Merge::Always, Solids::Entities);
+    let (mut single, first_single) = app(Merge::Never, Solids::Entities);
     let mut empty = test_app();
     step(&mut empty, 20);
     let mut by_hand = test_app();
@@ -139,31 +141,40 @@ fn resting(world: &Arc<EnvgenWorld>) {
     );
     let first_by_hand = seconds(|| by_hand.update());
     step(&mut by_hand, 20);
-    let mut times = [const { Vec::new() }; 4];
+    let mut times = [const { Vec::new() }; 5];
     for _ in 0..1000 {
-        let apps = [&mut merged, &mut single, &mut by_hand, &mut empty];
+        let apps = [&mut data, &mut merged, &mut single, &mut by_hand, &mut empty];
         for (app, times) in apps.into_iter().zip(&mut times) {
             times.push(seconds(|| app.update()));
         }
     }
-    let [merged, single, by_hand, empty] = times.map(|mut times| {
+    let [data, merged, single, by_hand, empty] = times.map(|mut times| {
         times.sort_by(f64::total_cmp);
         times[times.len() / 2]
     });
     let ms = |seconds: f64| format!("{:.3} ms", 1e3 * seconds);
     say(&format!(
-        "  an update: merged {}, one a tree {}, one a tree by hand {}, no world {}",
+        "  an update: as data {}, merged {}, one a tree {}, one a tree by hand {}, no world {}",
+        ms(data),
         ms(merged),
         ms(single),
         ms(by_hand),
         ms(empty)
     ));
-    let cost = (merged - empty, single - empty);
-    at_most("what the world costs an update at rest, merged, against one a tree", cost, 0.1);
-    let cost = (merged - empty, by_hand - empty);
-    at_most("the same against one a tree by hand", cost, 0.1);
-    at_most("the first update, merged, against one a tree", (first, first_single), 0.1);
-    at_most("the same against one a tree by hand", (first, first_by_hand), 0.1);
+    for (what, at_rest, first) in
+        [("as data", data, first_data), ("merged, entities", merged, first)]
+    {
+        let cost = (at_rest - empty, single - empty);
+        at_most(&format!("{what}, at rest, the world's cost against one a tree"), cost, 0.1);
+        let cost = (at_rest - empty, by_hand - empty);
+        at_most("the same against one a tree by hand", cost, 0.1);
+        at_most(
+            &format!("{what}, the first update against one a tree"),
+            (first, first_single),
+            0.1,
+        );
+        at_most("the same against one a tree by hand", (first, first_by_hand), 0.1);
+    }
 }
 
 /// A window that moves at 20 m/s through an endless forest of 0.05 trees a square metre.

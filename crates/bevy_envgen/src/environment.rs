@@ -52,6 +52,8 @@ pub struct Environment {
     /// keeps a millimetre up to 8 km from it.
     #[reflect(ignore)]
     pub origin: DVec2,
+    /// Whether each wall, tree and obstacle is an entity.
+    pub solids: Solids,
 }
 
 /// What a world is made of.
@@ -99,6 +101,19 @@ pub enum Extent {
     },
 }
 
+/// How the parts that stop a robot and a ray are kept: walls, trees and obstacles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Default, Debug, PartialEq, Clone)]
+pub enum Solids {
+    /// Each is an entity, with the component of its kind.
+    #[default]
+    Entities,
+    /// They are data of their tile, its [`TileSolids`](crate::TileSolids), for static worlds of
+    /// 100,000 parts and more: Bevy's systems look at every entity with a [`Transform`] in every
+    /// frame, and at none of these. Their colliders are merged, whatever the settings say.
+    Data,
+}
+
 impl Environment {
     /// The world of a spec, such as a `HallwaySpec` or a [`WorldSpec`], and a seed.
     pub fn new(spec: impl Into<WorldSpec>, seed: u64) -> Self {
@@ -117,8 +132,8 @@ impl Environment {
     }
 
     fn of(source: WorldSource, seed: u64) -> Self {
-        let (pace, extent) = (Pace::default(), Extent::default());
-        Environment { source, seed, pace, extent, origin: DVec2::ZERO }
+        let (pace, extent, solids) = (Pace::default(), Extent::default(), Solids::default());
+        Environment { source, seed, pace, extent, origin: DVec2::ZERO, solids }
     }
 
     /// The same without an end, in square tiles of `tile` metres: see [`Extent::Endless`].
@@ -135,6 +150,23 @@ impl Environment {
     pub fn with_origin(self, origin: DVec2) -> Self {
         Environment { origin, ..self }
     }
+
+    /// The same, with walls, trees and obstacles as entities or as data of their tiles.
+    pub fn with_solids(self, solids: Solids) -> Self {
+        Environment { solids, ..self }
+    }
+
+    /// How its parts are laid out.
+    pub(crate) fn layout(&self) -> Layout {
+        Layout { origin: self.origin, solids: self.solids }
+    }
+}
+
+/// How the parts of an environment are laid out below it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layout {
+    pub(crate) origin: DVec2,
+    pub(crate) solids: Solids,
 }
 
 /// How far an environment has come.

@@ -261,8 +261,8 @@ fn stand(world: &mut World, entity: Entity, made: &Made) {
     clear(world, entity);
     let Ok(mut root) = world.get_entity_mut(entity) else { return };
     root.remove::<(GroundTruth, EndlessTruth, EnvironmentStats, Streaming)>();
-    let (origin, tile) = match root.get::<Slot>().and_then(|slot| slot.asked.as_ref()) {
-        Some(ask) => (ask.environment.origin, ask.tile),
+    let (layout, tile) = match root.get::<Slot>().and_then(|slot| slot.asked.as_ref()) {
+        Some(ask) => (ask.environment.layout(), ask.tile),
         None => return,
     };
     match made {
@@ -277,14 +277,14 @@ fn stand(world: &mut World, entity: Entity, made: &Made) {
     }
     let mut standing = Standing::default();
     if tile.is_some() {
-        root.insert((Streaming::new(made.clone(), origin), standing, EnvironmentState::Streaming));
+        root.insert((Streaming::new(made.clone(), layout), standing, EnvironmentState::Streaming));
         return;
     }
     if let Made::Finite(plan) = made {
         for (&key, tile) in &plan.tiles {
             let pages = tile.parts.len().div_ceil(plan.page);
             let spawned: Vec<Entity> = (0..pages)
-                .filter_map(|page| spawn_page(world, entity, origin, plan, key, page))
+                .filter_map(|page| spawn_page(world, entity, layout, plan, key, page))
                 .collect();
             standing.tiles.insert(key, spawned);
         }

@@ -21,12 +21,13 @@
 //!
 //! ```text
 //! Environment            GroundTruth (the exact world), EnvironmentState, EnvironmentStats
-//!   Tile                 with merged colliders and meshes, where asked
+//!   Tile                 with merged colliders and meshes, where asked; TileSolids
 //!     Wall, Tree, ..     PartId, Name, Transform, PartShape
 //! ```
 //!
 //! Every part has a [`PartId`] that is the same for the same spec and seed. Its [`Transform`] is
 //! where it lies in the environment's frame: metres, x right, y up. The kinds are in [`part`].
+//! Walls, trees and obstacles are data of their tile and not entities with [`Solids::Data`].
 //!
 //! # Plugins
 //!
@@ -110,12 +111,13 @@ pub use mapping_trial;
 
 pub use environment::{
     EndlessTruth, Environment, EnvironmentError, EnvironmentFailed, EnvironmentReady,
-    EnvironmentState, EnvironmentStats, Extent, GroundTruth, Pace, RebuildEnvironment, WorldSource,
+    EnvironmentState, EnvironmentStats, Extent, GroundTruth, Pace, RebuildEnvironment, Solids,
+    WorldSource,
 };
 pub use generate::MAX_PARTS;
 pub use part::{PartId, PartKind};
 pub use shape::PartShape;
-pub use spawn::{DecorateTiles, SpawnedTile, Tile, TileDecorator};
+pub use spawn::{DecorateTiles, SpawnedTile, StandingPart, Tile, TileDecorator, TileSolids};
 pub use streaming::{StreamAround, StreamingBudget, StreamingReport};
 
 /// What most apps need.
@@ -145,7 +147,7 @@ pub mod prelude {
     pub use crate::{
         EnvgenCorePlugin, EnvgenPlugins, EnvgenSystems, Environment, EnvironmentError,
         EnvironmentFailed, EnvironmentReady, EnvironmentState, GroundTruth, Pace, PartShape,
-        RebuildEnvironment, StreamAround, StreamingBudget, Tile,
+        RebuildEnvironment, Solids, StreamAround, StreamingBudget, Tile, TileSolids,
     };
 }
 
@@ -206,6 +208,7 @@ impl Plugin for EnvgenCorePlugin {
         part::register(app);
         environment::register(app);
         app.register_type::<Tile>()
+            .register_type::<TileSolids>()
             .register_type::<StreamAround>()
             .register_type::<StreamingBudget>()
             .register_type::<StreamingReport>()

@@ -5,6 +5,7 @@ use envgen::World as EnvgenWorld;
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
 
+use crate::environment::{Layout, Solids};
 use crate::part::{
     Doorway, Goal, Ground, Obstacle, PartId, PartKind, RoadStrip, Room, Start, Surface, Tree,
     Victim, Wall,
@@ -30,6 +31,26 @@ pub struct Tile {
     pub page: u32,
 }
 
+/// The solid parts of a [`Tile`] that are data and not entities, in the order of their ids: see
+/// [`Solids::Data`]. On the entity of the tile.
+#[derive(Component, Clone, Debug, Default, PartialEq, Deref, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct TileSolids(pub Vec<StandingPart>);
+
+/// A part that stands, and where it lies. What else is known of it the [`GroundTruth`](crate::GroundTruth)
+/// tells, by [`PartId::in_world`].
+#[derive(Clone, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Debug, PartialEq, Clone)]
+pub struct StandingPart {
+    /// Its stable name.
+    pub id: PartId,
+    /// Where it lies in the environment's frame.
+    pub transform: Transform,
+    /// What it looks like.
+    pub shape: PartShape,
+}
+
 /// What was just spawned, for those who add to it.
 #[derive(Clone, Debug)]
 pub struct SpawnedTile {
@@ -37,8 +58,24 @@ pub struct SpawnedTile {
     pub environment: Entity,
     /// The entity of the tile.
     pub tile: Entity,
-    /// The parts in it, in the order of their ids.
+    /// The entities of the parts in it, in the order of their ids. Parts that are data are in the
+    /// [`TileSolids`] of the tile.
     pub parts: Vec<Entity>,
+}
+
+impl SpawnedTile {
+    /// All parts in the tile, entities and data, and where they lie.
+    pub fn placed<'w>(
+        &'w self,
+        world: &'w World,
+    ) -> impl Iterator<Item = (PartId, &'w Transform, &'w PartShape)> {
+        let entities = self.parts.iter().filter_map(|&part| {
+            let part = world.entity(part);
+            Some((*part.get::<PartId>()?, part.get::<Transform>()?, part.get::<PartShape>()?))
+        });
+        let data = world.get::<TileSolids>(self.tile).map_or(&[][..], |solids| &solids.0);
+        entities.chain(data.iter().map(|part| (part.id, &part.transform, &part.shape)))
+    }
 }
 
 /// Adds something to the parts of a tile that was just spawned, or to the tile itself.
@@ -66,18 +103,24 @@ impl DecorateTiles for App {
 pub(crate) fn spawn_page(
     world: &mut World,
     environment: Entity,
-    origin: DVec2,
+    layout: Layout,
     plan: &Plan,
     key: TileKey,
     page: usize,
 ) -> Option<Entity> {
     let parts = plan.tiles.get(&key)?.parts.chunks(plan.page).nth(page)?;
     let tile = spawn_tile(world, environment, key, page);
-    let frame = Frame::new(origin);
-    let mut entities = Vec::with_capacity(parts.len());
+    let frame = Frame::new(layout.origin);
+    let mut entities = Vec::new();
+    let mut solids = Vec::new();
     for run in parts.chunk_by(|a, b| a.kind == b.kind) {
-        spawn_run(world, &mut entities, tile, frame, plan, run);
+        if layout.solids == Solids::Data && run[0].kind.is_solid() {
+            solids.extend(run.iter().filter_map(|&part| solid(frame, &plan.world, part)));
+        } else {
+            spawn_run(world, &mut entities, tile, frame, plan, run);
+        }
     }
+    keep(world, tile, solids);
     decorate(world, &SpawnedTile { environment, tile, parts: entities });
     Some(tile)
 }
@@ -86,18 +129,28 @@ pub(crate) fn spawn_page(
 pub(crate) fn spawn_trees(
     world: &mut World,
     environment: Entity,
-    origin: DVec2,
+    layout: Layout,
     key: TileKey,
     (first, trees): (usize, &[envgen::world::Tree]),
     page: usize,
 ) -> Entity {
     let tile = spawn_tile(world, environment, key, page);
-    let frame = Frame::new(origin);
-    let bundles = (first as u32..).zip(trees).map(|(index, tree)| {
-        let id = PartId { kind: PartKind::Tree, tile: key.at, index };
-        (head(id, tile), tree_bundle(frame, tree))
-    });
-    let parts = world.spawn_batch(bundles).collect();
+    let frame = Frame::new(layout.origin);
+    let id = |index| PartId { kind: PartKind::Tree, tile: key.at, index };
+    let trees = (first as u32..).map(id).zip(trees);
+    let parts = match layout.solids {
+        Solids::Entities => world
+            .spawn_batch(trees.map(|(id, tree)| (head(id, tile), tree_bundle(frame, tree))))
+            .collect(),
+        Solids::Data => {
+            let solids = trees.map(|(id, tree)| {
+                let (transform, shape, _) = tree_bundle(frame, tree);
+                StandingPart { id, transform, shape }
+            });
+            keep(world, tile, solids.collect());
+            Vec::new()
+        }
+    };
     decorate(world, &SpawnedTile { environment, tile, parts });
     tile
 }
@@ -107,6 +160,28 @@ fn spawn_tile(world: &mut World, environment: Entity, key: TileKey, page: usize)
     let name = Name::new(format!("tile ({i}, {j})"));
     let tile = Tile { level, at: key.at, page: page as u32 };
     world.spawn((tile, name, ChildOf(environment))).id()
+}
+
+/// Keeps solid parts as data of a tile.
+fn keep(world: &mut World, tile: Entity, solids: Vec<StandingPart>) {
+    if !solids.is_empty() {
+        world.entity_mut(tile).insert(TileSolids(solids));
+    }
+}
+
+/// A solid part as data; `None` for parts of other kinds.
+fn solid(frame: Frame, truth: &EnvgenWorld, part: PartRef) -> Option<StandingPart> {
+    let i = part.index as usize;
+    let (transform, shape) = match part.kind {
+        PartKind::Wall => frame.place(&truth.walls[i].shape),
+        PartKind::Obstacle => frame.place(&truth.obstacles[i].shape),
+        PartKind::Tree => {
+            let (transform, shape, _) = tree_bundle(frame, &truth.trees[i]);
+            (transform, shape)
+        }
+        _ => return None,
+    };
+    Some(StandingPart { id: PartId::new(part.kind, part.index), transform, shape })
 }
 
 fn decorate(world: &mut World, spawned: &SpawnedTile) {

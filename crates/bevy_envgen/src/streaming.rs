@@ -11,10 +11,10 @@ use envgen::forest::EndlessForest;
 use envgen::glam::DVec2;
 use envgen::world::Tree;
 
-use crate::environment::{Environment, EnvironmentError, EnvironmentState, Pace};
+use crate::environment::{Environment, EnvironmentError, EnvironmentState, Layout, Pace};
 use crate::generate::{Made, Notices, Standing};
 use crate::plan::{Plan, TileKey, distance};
-use crate::spawn::{spawn_page, spawn_trees};
+use crate::spawn::{TileSolids, spawn_page, spawn_trees};
 
 /// Trees that one entity for a tile of an endless forest holds, at most.
 const PAGE: usize = 128;
@@ -93,7 +93,7 @@ pub struct StreamingReport {
 #[derive(Component)]
 pub(crate) struct Streaming {
     made: Made,
-    origin: DVec2,
+    layout: Layout,
     /// Tiles that are spawned to the end.
     complete: BTreeSet<TileKey>,
     /// Tiles of an endless forest that are drawn or being drawn, but not spawned to the end.
@@ -109,9 +109,9 @@ enum Drawing {
 }
 
 impl Streaming {
-    pub(crate) fn new(made: Made, origin: DVec2) -> Self {
+    pub(crate) fn new(made: Made, layout: Layout) -> Self {
         let (complete, drawn) = (BTreeSet::new(), Vec::new());
-        Streaming { made, origin, complete, drawn, settled: false, warned: false }
+        Streaming { made, layout, complete, drawn, settled: false, warned: false }
     }
 }
 
@@ -204,10 +204,10 @@ fn stream(
         return;
     };
     let Some(mut known) = world.get_mut::<Streaming>(root) else { return };
-    let placeholder = Streaming::new(known.made.clone(), known.origin);
+    let placeholder = Streaming::new(known.made.clone(), known.layout);
     let mut streaming = std::mem::replace(&mut *known, placeholder);
     streaming.warned = false;
-    let at = at + streaming.origin;
+    let at = at + streaming.layout.origin;
 
     let wanted = match &streaming.made {
         Made::Finite(plan) => {
@@ -319,7 +319,8 @@ fn settle(
         while allowance.remains()
             && let Some(tile) = entities.pop()
         {
-            let parts = world.get::<Children>(tile).map_or(0, |children| children.len());
+            let parts = world.get::<Children>(tile).map_or(0, |children| children.len())
+                + world.get::<TileSolids>(tile).map_or(0, |solids| solids.len());
             allowance.step(parts, || {
                 if let Ok(tile) = world.get_entity_mut(tile) {
                     tile.despawn();
@@ -352,7 +353,7 @@ fn complete(
     allowance: &mut Allowance,
     report: &mut StreamingReport,
 ) -> bool {
-    let origin = streaming.origin;
+    let layout = streaming.layout;
     match &streaming.made {
         Made::Finite(plan) => {
             let pages = pages(plan, key);
@@ -363,7 +364,7 @@ fn complete(
                 }
                 let page = entities.len();
                 entities.extend(
-                    allowance.step(plan.page, || spawn_page(world, root, origin, plan, key, page)),
+                    allowance.step(plan.page, || spawn_page(world, root, layout, plan, key, page)),
                 );
                 report.spawned += 1;
             }
@@ -382,7 +383,7 @@ fn complete(
                 let pages = (page * PAGE, trees);
                 entities.push(
                     allowance
-                        .step(trees.len(), || spawn_trees(world, root, origin, key, pages, page)),
+                        .step(trees.len(), || spawn_trees(world, root, layout, key, pages, page)),
                 );
                 report.spawned += 1;
             }

@@ -21,7 +21,7 @@ use envgen::world::Digest;
 use crate::environment::{
     Environment, EnvironmentError, EnvironmentFailed, EnvironmentState, GroundTruth,
 };
-use crate::{EnvgenPlugins, PartId, PartShape};
+use crate::{EnvgenPlugins, PartId, PartShape, StandingPart, TileSolids};
 
 /// Fixed steps a second of [`test_app`].
 pub const STEPS_A_SECOND: f64 = 64.0;
@@ -122,18 +122,7 @@ pub fn spawn_ready(app: &mut App, environment: Environment) -> Result<Entity, En
     wait_until_ready(app, environment).map(|()| environment)
 }
 
-/// A part that stands.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StandingPart {
-    /// Its stable name.
-    pub id: PartId,
-    /// Where it lies in the environment's frame.
-    pub transform: Transform,
-    /// What it looks like.
-    pub shape: PartShape,
-}
-
-/// The parts below an environment, in the order of their ids.
+/// The parts below an environment, entities and data, in the order of their ids.
 pub fn parts(app: &App, environment: Entity) -> Vec<StandingPart> {
     let mut parts = Vec::new();
     let mut below = vec![environment];
@@ -144,6 +133,8 @@ pub fn parts(app: &App, environment: Entity) -> Vec<StandingPart> {
         {
             parts.push(StandingPart { id: *id, transform: *transform, shape: shape.clone() });
         }
+        parts
+            .extend(entity.get::<TileSolids>().into_iter().flat_map(|data| data.0.iter().cloned()));
         below.extend(entity.get::<Children>().into_iter().flatten());
     }
     parts.sort_by_key(|part| part.id);

@@ -290,12 +290,11 @@ fn drawings(world: &World, spawned: &SpawnedTile) -> BTreeMap<Ink, Drawing> {
                 add_road(drawing, world, spawned.environment, *id);
                 continue;
             }
-            PartKind::Wall => Ink::Wall,
-            PartKind::Tree => Ink::Tree,
+            // Some are data and no entities.
+            PartKind::Wall | PartKind::Tree | PartKind::Obstacle => continue,
             PartKind::Room if part.get::<Room>().is_some_and(|room| !room.lit) => Ink::DarkRoom,
             PartKind::Room => Ink::Room,
             PartKind::Doorway => Ink::Doorway,
-            PartKind::Obstacle => Ink::Obstacle,
             PartKind::Surface => match part.get::<Surface>().map(|surface| surface.kind) {
                 Some(SurfaceKind::Water) => Ink::Water,
                 Some(SurfaceKind::Hallway | SurfaceKind::OpenArea) => Ink::Floor,
@@ -306,6 +305,15 @@ fn drawings(world: &World, spawned: &SpawnedTile) -> BTreeMap<Ink, Drawing> {
             PartKind::Start => Ink::Start,
             PartKind::Goal => Ink::Goal,
             PartKind::Victim => Ink::Victim,
+        };
+        drawings.entry(ink).or_default().add_shape(at, shape);
+    }
+    for (id, at, shape) in spawned.placed(world) {
+        let ink = match id.kind {
+            PartKind::Wall => Ink::Wall,
+            PartKind::Tree => Ink::Tree,
+            PartKind::Obstacle => Ink::Obstacle,
+            _ => continue,
         };
         drawings.entry(ink).or_default().add_shape(at, shape);
     }
@@ -357,8 +365,8 @@ fn add_road(drawing: &mut Drawing, world: &World, environment: Entity, id: PartI
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::EnvgenPlugins;
     use crate::testing::{spawn_ready, step, test_app_with, truth};
+    use crate::{EnvgenPlugins, Solids};
     use envgen::Kind;
 
     /// An app that could draw, but for the GPU.
@@ -392,9 +400,13 @@ mod tests {
 
     #[test]
     fn what_is_drawn_has_the_area_of_the_parts() {
-        for &kind in Kind::ALL {
+        let both = Kind::ALL
+            .iter()
+            .flat_map(|kind| [Solids::Entities, Solids::Data].map(|solids| (kind, solids)));
+        for (kind, solids) in both {
             let mut app = app();
-            let root = spawn_ready(&mut app, Environment::new(kind.default_spec(), 2)).unwrap();
+            let environment = Environment::new(kind.default_spec(), 2).with_solids(solids);
+            let root = spawn_ready(&mut app, environment).unwrap();
             let truth = truth(&app, root);
             let walls: f64 = truth.walls.iter().map(|wall| wall.shape.area()).sum();
             let things: f64 = truth.obstacles.iter().map(|thing| thing.shape.area()).sum();

@@ -21,7 +21,7 @@ pub use setup::TopDownPhysicsPlugin;
 use crate::environment::EnvironmentStats;
 use crate::part::{PartId, PartKind};
 use crate::shape::PartShape;
-use crate::spawn::{DecorateTiles, SpawnedTile};
+use crate::spawn::{DecorateTiles, SpawnedTile, TileSolids};
 
 /// The group of walls, trees and obstacles.
 pub const SOLID_GROUP: Group = Group::GROUP_30;
@@ -39,7 +39,8 @@ pub enum Merge {
     /// They do: a compound on the entity of the [`Tile`](crate::Tile). A large world costs rapier a
     /// fraction of what single colliders do.
     Always,
-    /// Every part has its own, which tells a ray or a contact which part was met.
+    /// Every part has its own, which tells a ray or a contact which part was met. Parts that are
+    /// data have none of their own: see [`Solids::Data`](crate::Solids::Data).
     Never,
 }
 
@@ -177,11 +178,12 @@ fn collide(world: &mut World, spawned: &SpawnedTile) {
         None => world.get_resource::<ColliderSettings>().copied().unwrap_or_default(),
     };
     let solids = root.get::<EnvironmentStats>().and_then(|stats| stats.solids);
-    let merge = match settings.merge {
-        Merge::Above(most) => solids.is_none_or(|solids| solids > most),
-        Merge::Always => true,
-        Merge::Never => false,
-    };
+    let merge = world.entity(spawned.tile).contains::<TileSolids>()
+        || match settings.merge {
+            Merge::Above(most) => solids.is_none_or(|solids| solids > most),
+            Merge::Always => true,
+            Merge::Never => false,
+        };
     let kinds: Vec<(Entity, PartKind)> = spawned
         .parts
         .iter()
@@ -190,22 +192,18 @@ fn collide(world: &mut World, spawned: &SpawnedTile) {
     let of_kind = |is: fn(PartKind) -> bool| -> Vec<Entity> {
         kinds.iter().filter(|(_, kind)| is(*kind)).map(|(part, _)| *part).collect()
     };
-    let solid = of_kind(PartKind::is_solid);
     let physical = (
         settings.solid_groups,
         Friction::coefficient(settings.friction),
         Restitution::coefficient(settings.restitution),
     );
     if merge {
-        let placed = solid.iter().filter_map(|&part| {
-            let part = world.entity(part);
-            Some((part.get::<Transform>()?, part.get::<PartShape>()?))
-        });
-        if let Some(collider) = collider::merged(placed) {
+        let solid = spawned.placed(world).filter(|(id, ..)| id.kind.is_solid());
+        if let Some(collider) = collider::merged(solid.map(|(_, at, shape)| (at, shape))) {
             world.entity_mut(spawned.tile).insert((collider, physical));
         }
     } else {
-        let colliders = colliders(world, &solid);
+        let colliders = colliders(world, &of_kind(PartKind::is_solid));
         world.insert_batch(
             colliders.into_iter().map(|(part, collider)| (part, (collider, physical))),
         );
