@@ -73,7 +73,8 @@ fn filling() {
     at_most("automaton at 8192^2 by a shuffle of as many bytes", both, 3.0);
 }
 
-/// Total Edge and adjacency, by one vectorised pass that sums up the same memory.
+/// Total Edge and adjacency, by one vectorised pass of one core that sums up the same memory. The
+/// smaller raster stays in the cache; adjacency is counted on all cores where it does not.
 fn counting() {
     for side in [1024_u64, 8192] {
         let cells = random_fill(&counts(side * side), Seed(1));

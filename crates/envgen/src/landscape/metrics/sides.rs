@@ -4,9 +4,14 @@
 //! classes, the more sides one look-up counts.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
-/// Sides by class, the smaller class first; 0 is no data and the raster's end.
-pub(super) type Pairs = BTreeMap<(u16, u16), u64>;
+#[cfg(feature = "parallel")]
+use rayon::prelude::*;
+
+/// How many sides part two classes, the smaller class first, in order; 0 is no data and the raster's
+/// end.
+pub(super) type Pairs = Vec<(u16, u16, u64)>;
 
 /// A window of four cells has a code of 16 bits up to this many classes, no data among them.
 const IN_WINDOWS: u16 = 16;
@@ -17,6 +22,9 @@ const IN_PAIRS: u16 = 256;
 /// Windows have many codes to add up in the end: fewer cells than this are counted by pairs.
 const LEAST_FOR_WINDOWS: usize = 1 << 16;
 
+/// Cells that a thread counts at a time, at least.
+const BAND: usize = 1 << 20;
+
 /// Up to this many distinct classes are counted in a full table.
 const IN_TABLE: usize = 512;
 
@@ -24,12 +32,13 @@ const IN_TABLE: usize = 512;
 const SORTED: usize = 1 << 20;
 
 /// Counts every side once, those at the raster's end too. O(N): with classes up to 15 one look-up
-/// for two cells of a large raster, with up to 512 classes two a cell, and with more a sort.
+/// for two cells of a large raster, with up to 512 classes two a cell, and with more a sort. With
+/// `parallel`, all cores look up.
 pub(super) fn count(cells: &[u16], cols: usize) -> Pairs {
     if cells.len() < cols || cols == 0 {
         return Pairs::new();
     }
-    let most = cells.iter().copied().max().unwrap_or(0);
+    let most = maximum(cells);
     if most < IN_WINDOWS && cells.len() >= LEAST_FOR_WINDOWS {
         return by_windows(cells, cols, most + 1);
     }
@@ -43,7 +52,72 @@ pub(super) fn count(cells: &[u16], cols: usize) -> Pairs {
         by_sorting(cells, cols, &index)
     };
     let class = |i: u16| classes[usize::from(i)];
-    pairs.into_iter().map(|((a, b), n)| ((class(a), class(b)), n)).collect()
+    pairs.into_iter().map(|(a, b, n)| (class(a), class(b), n)).collect()
+}
+
+fn maximum(cells: &[u16]) -> u16 {
+    let of = |cells: &[u16]| cells.iter().copied().max();
+    #[cfg(feature = "parallel")]
+    let most = cells.par_chunks(BAND).filter_map(of).max();
+    #[cfg(not(feature = "parallel"))]
+    let most = of(cells);
+    most.unwrap_or(0)
+}
+
+/// A raster of at least one row, read row by row; beyond its rows lies no data.
+struct Raster<'a> {
+    cells: &'a [u16],
+    cols: usize,
+    outside: Vec<u16>,
+}
+
+impl<'a> Raster<'a> {
+    fn new(cells: &'a [u16], cols: usize) -> Self {
+        Raster { cells, cols, outside: vec![0; cols] }
+    }
+
+    fn rows(&self) -> usize {
+        self.cells.len() / self.cols
+    }
+
+    /// The row above the `r`-th, and that row itself, up to the first beyond the raster.
+    fn row_below_another(&self, r: usize) -> [&[u16]; 2] {
+        let row = |r: usize| &self.cells[r * self.cols..][..self.cols];
+        let above = r.checked_sub(1).map_or(&*self.outside, row);
+        [above, if r < self.rows() { row(r) } else { &self.outside }]
+    }
+
+    /// How often each of `codes` codes occurs, where `count` counts those of some of the rows, from
+    /// the first to the one beyond the last.
+    fn tally(&self, codes: usize, count: impl Fn(&mut Tally, Range<usize>) + Sync) -> Vec<u64> {
+        let all = 0..self.rows() + 1;
+        #[cfg(feature = "parallel")]
+        {
+            let band = BAND.div_ceil(self.cols);
+            all.clone()
+                .into_par_iter()
+                .step_by(band)
+                .fold(
+                    || Tally::new(codes),
+                    |mut tally, from| {
+                        count(&mut tally, from..all.end.min(from + band));
+                        tally
+                    },
+                )
+                .map(Tally::added_up)
+                .reduce_with(|mut sums, more| {
+                    sums.iter_mut().zip(more).for_each(|(sum, n)| *sum += n);
+                    sums
+                })
+                .unwrap_or_else(|| vec![0; codes])
+        }
+        #[cfg(not(feature = "parallel"))]
+        {
+            let mut tally = Tally::new(codes);
+            count(&mut tally, all);
+            tally.added_up()
+        }
+    }
 }
 
 /// How often each code of 16 bits occurs. Two tables take turns, so that a count need not wait for
@@ -57,7 +131,9 @@ struct Tally {
 impl Tally {
     /// Of codes below `codes`.
     fn new(codes: usize) -> Self {
-        Tally { tables: [(); 2].map(|()| Box::new([0; 1 << 16])), counted: 0, sums: vec![0; codes] }
+        // Of zeros that the system gives, so that only what is counted in is touched.
+        let table = || vec![0; 1 << 16].try_into().expect("as long as it was made");
+        Tally { tables: [table(), table()], counted: 0, sums: vec![0; codes] }
     }
 
     /// Counts every `STEP`-th code, from the first on.
@@ -99,32 +175,34 @@ impl Tally {
 /// With `k` up to 16 classes, by windows of two by two cells, each with four sides.
 ///
 /// A side lies in two windows, whose left upper cells are neighbours: of the windows whose row and
-/// column add up to an even number, which are half, it lies in one. Beyond the raster lies no data.
+/// column add up to an even number, which are half, it lies in one.
 fn by_windows(cells: &[u16], cols: usize, k: u16) -> Pairs {
-    let mut tally = Tally::new(usize::from(k).pow(4));
     // A row's cells with their right neighbours, from the cell before the first on.
-    let mut above = vec![0_u16; cols + 1];
-    let mut below = above.clone();
-    let mut codes = above.clone();
-    let rows = cells.chunks_exact(cols).map(Some).chain([None]);
-    for (r, row) in rows.enumerate() {
-        below.fill(0);
-        if let Some(row) = row {
-            below[0] = k * row[0];
-            for (code, (left, right)) in below[1..].iter_mut().zip(row.iter().zip(&row[1..])) {
-                *code = left + k * right;
+    let pair_up = |row: &[u16], pairs: &mut [u16]| {
+        pairs[0] = k * row[0];
+        for (pair, (left, right)) in pairs[1..].iter_mut().zip(row.iter().zip(&row[1..])) {
+            *pair = left + k * right;
+        }
+        pairs[cols] = row[cols - 1];
+    };
+    let raster = Raster::new(cells, cols);
+    let sums = raster.tally(usize::from(k).pow(4), |tally, rows| {
+        let mut above = vec![0_u16; cols + 1];
+        let mut below = above.clone();
+        let mut codes = above.clone();
+        pair_up(raster.row_below_another(rows.start)[0], &mut above);
+        for r in rows {
+            pair_up(raster.row_below_another(r)[1], &mut below);
+            for (code, (above, below)) in codes.iter_mut().zip(above.iter().zip(&below)) {
+                *code = above.wrapping_add(below.wrapping_mul(k * k));
             }
-            below[cols] = row[cols - 1];
+            tally.count::<2>(&codes[r % 2..]);
+            std::mem::swap(&mut above, &mut below);
         }
-        for (code, (above, below)) in codes.iter_mut().zip(above.iter().zip(&below)) {
-            *code = above.wrapping_add(below.wrapping_mul(k * k));
-        }
-        tally.count::<2>(&codes[r % 2..]);
-        std::mem::swap(&mut above, &mut below);
-    }
+    });
     let k = usize::from(k);
     let mut table = vec![0; k * k];
-    for (code, n) in tally.added_up().into_iter().enumerate().filter(|&(_, n)| n > 0) {
+    for (code, n) in sums.into_iter().enumerate().filter(|&(_, n)| n > 0) {
         let [a, b, c, d] = [1, k, k * k, k * k * k].map(|place| code / place % k);
         for (x, y) in [(a, b), (c, d), (a, c), (b, d)] {
             table[x * k + y] += n;
@@ -136,30 +214,25 @@ fn by_windows(cells: &[u16], cols: usize, k: u16) -> Pairs {
 /// With `k` up to 256 classes, by pairs, the smaller class first: half a table is less to keep in
 /// the cache.
 fn by_pairs(cells: &[u16], cols: usize, k: u16) -> Pairs {
-    let mut tally = Tally::new(usize::from(k) * usize::from(k));
     let pair = |a: u16, b: u16| a.min(b).wrapping_mul(k).wrapping_add(a.max(b));
-    let outside = vec![0; cols];
-    let mut above = outside.as_slice();
-    let mut codes = vec![0; 2 * cols + 1];
-    for row in cells.chunks_exact(cols).chain([outside.as_slice()]) {
-        let (down, along) = codes.split_at_mut(cols);
-        for (code, (&a, &b)) in down.iter_mut().zip(above.iter().zip(row)) {
-            *code = pair(a, b);
+    let raster = Raster::new(cells, cols);
+    let codes = usize::from(k) * usize::from(k);
+    let sums = raster.tally(codes, |tally, rows| {
+        let mut codes = vec![0; 2 * cols + 1];
+        for r in rows {
+            let [above, row] = raster.row_below_another(r);
+            let (down, along) = codes.split_at_mut(cols);
+            for (code, (&a, &b)) in down.iter_mut().zip(above.iter().zip(row)) {
+                *code = pair(a, b);
+            }
+            for (code, (&a, &b)) in along.iter_mut().zip(row.iter().zip(&row[1..])) {
+                *code = pair(a, b);
+            }
+            (along[cols - 1], along[cols]) = (row[0], row[cols - 1]);
+            tally.count::<1>(&codes);
         }
-        for (code, (&a, &b)) in along.iter_mut().zip(row.iter().zip(&row[1..])) {
-            *code = pair(a, b);
-        }
-        (along[cols - 1], along[cols]) = (row[0], row[cols - 1]);
-        tally.count::<1>(&codes);
-        above = row;
-    }
-    of_table(&tally.added_up(), usize::from(k))
-}
-
-fn add(pairs: &mut Pairs, a: u16, b: u16, n: u64) {
-    if n > 0 {
-        *pairs.entry((a.min(b), a.max(b))).or_insert(0) += n;
-    }
+    });
+    of_table(&sums, usize::from(k))
 }
 
 /// The place of each class among those that occur and 0, and these by place.
@@ -183,31 +256,36 @@ fn by_table(cells: &[u16], cols: usize, index: &[u16], width: usize) -> Pairs {
 
 /// The pairs that occur in a square table.
 fn of_table(table: &[u64], width: usize) -> Pairs {
-    let mut pairs = Pairs::new();
-    for (at, &n) in table.iter().enumerate() {
-        add(&mut pairs, (at / width) as u16, (at % width) as u16, n);
-    }
-    pairs
+    let sides = |a: usize, b: usize| match a == b {
+        true => table[a * width + a],
+        false => table[a * width + b] + table[b * width + a],
+    };
+    (0..width)
+        .flat_map(|a| (a..width).map(move |b| (a, b)))
+        .map(|(a, b)| (a as u16, b as u16, sides(a, b)))
+        .filter(|&(_, _, n)| n > 0)
+        .collect()
 }
 
 fn by_sorting(cells: &[u16], cols: usize, index: &[u16]) -> Pairs {
-    let mut pairs = Pairs::new();
+    let mut pairs: BTreeMap<(u16, u16), u64> = BTreeMap::new();
     let mut list = Vec::with_capacity(SORTED);
     let mut flush = |list: &mut Vec<u32>| {
         list.sort_unstable();
         for run in list.chunk_by(|a, b| a == b) {
-            add(&mut pairs, (run[0] >> 16) as u16, (run[0] & 0xffff) as u16, run.len() as u64);
+            let (a, b) = ((run[0] >> 16) as u16, (run[0] & 0xffff) as u16);
+            *pairs.entry((a, b)).or_insert(0) += run.len() as u64;
         }
         list.clear();
     };
     each_pair(cells, cols, index, |a, b| {
-        list.push(u32::from(a) << 16 | u32::from(b));
+        list.push(u32::from(a.min(b)) << 16 | u32::from(a.max(b)));
         if list.len() == SORTED {
             flush(&mut list);
         }
     });
     flush(&mut list);
-    pairs
+    pairs.into_iter().map(|((a, b), n)| (a, b, n)).collect()
 }
 
 /// Visits each side once, with the numbers of its two classes; 0 is no data or outside.
