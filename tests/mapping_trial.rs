@@ -54,6 +54,15 @@ fn twice_and_replayed(engine: &str) {
         "truth.png",
     ];
     assert_eq!(names, expected);
+    #[cfg(unix)]
+    for name in expected {
+        use std::os::unix::fs::PermissionsExt;
+        // Whoever may read any file that is made here may read these.
+        let usual = folder.path().join("usual");
+        fs::write(&usual, "").expect("a file");
+        let mode = |path: &Path| fs::metadata(path).expect("a file").permissions().mode();
+        assert_eq!(mode(&out("first").join(name)), mode(&usual), "{name}");
+    }
     assert!(table.contains("robot 2: time up after 90 s"), "{table}");
     let report: serde_json::Value =
         serde_json::from_slice(&first[Path::new("report.json")]).expect("JSON");

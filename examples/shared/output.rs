@@ -2,21 +2,30 @@
 
 use std::error::Error;
 use std::fs;
-use std::io::{BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use atomic_write_file::AtomicWriteFile;
 use mapping_trial::body::Bodies;
 use mapping_trial::picture::Picture;
 use mapping_trial::trial::{Trial, TrialReport};
 use mapping_trial::truth::Truth;
-use tempfile::NamedTempFile;
 
 /// The folder to write into, made if need be. Said before the trial runs, so that none is lost.
 pub(crate) fn folder(path: &Path) -> Result<&Path, Box<dyn Error>> {
     let of_folder = |error: std::io::Error| format!("--out {}: {error}", path.display());
     fs::create_dir_all(path).map_err(of_folder)?;
-    NamedTempFile::new_in(path).map_err(|error| of_folder(error.kind().into()))?;
+    AtomicWriteFile::open(path.join("trial"))
+        .and_then(AtomicWriteFile::discard)
+        .map_err(of_folder)?;
     Ok(path)
+}
+
+/// Writes a file, which appears whole or not at all.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = AtomicWriteFile::open(path)?;
+    file.write_all(bytes)?;
+    file.commit()
 }
 
 /// Writes map, truth and errors as pictures, the map for ROS, the log and the report.
@@ -62,11 +71,7 @@ pub(crate) fn write<B: Bodies>(
     let mut paths = Vec::new();
     for (name, bytes) in files {
         let path = folder.join(name);
-        let of_file = |error: std::io::Error| format!("{}: {error}", path.display());
-        let mut out = BufWriter::new(NamedTempFile::new_in(folder).map_err(of_file)?);
-        out.write_all(&bytes).map_err(of_file)?;
-        let file = out.into_inner().map_err(|error| of_file(error.into_error()))?;
-        file.persist(&path).map_err(|error| of_file(error.error))?;
+        write_whole(&path, &bytes).map_err(|error| format!("{}: {error}", path.display()))?;
         paths.push(path);
     }
     Ok(paths)

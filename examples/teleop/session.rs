@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy_envgen::debug::DebugLayers;
 use bevy_envgen::prelude::*;
 use bevy_envgen::trial::ENGINE;
-use bevy_envgen::ui::{FeedbackForm, SetupForm, SpecForm, TrialAction, write_whole};
+use bevy_envgen::ui::{FeedbackForm, SetupForm, SpecForm, TrialAction};
 use bevy_envgen::view::TrialView;
 use envgen::{Kind, Seed, WorldSpec};
 use mapping_trial::feedback::Feedback;
@@ -197,7 +197,7 @@ impl Session {
         let path = self.folder.join("log.json");
         let written = written.and_then(|()| {
             std::fs::create_dir_all(&self.folder)
-                .and_then(|()| write_whole(&path, &bytes))
+                .and_then(|()| output::write_whole(&path, &bytes))
                 .map_err(|error| format!("{}: {error}", path.display()))
         });
         if let Err(error) = written {
@@ -226,7 +226,7 @@ impl Session {
         let written = serde_json::to_vec_pretty(report).map_err(std::io::Error::from);
         let written = written.and_then(|mut json| {
             json.push(b'\n');
-            write_whole(&path, &json)
+            output::write_whole(&path, &json)
         });
         if let Err(error) = written {
             self.message = format!("{}: {error}", path.display());

@@ -4,12 +4,12 @@ use std::fs;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use atomic_write_file::AtomicWriteFile;
 use bevy::prelude::*;
 use gif::{Encoder, Frame, Repeat};
-use tempfile::NamedTempFile;
 
 use super::CaptureError;
-use super::picture::{Picture, new_file};
+use super::picture::Picture;
 
 /// An animated GIF, which plays again and again. Frames are written as they come, each with its own
 /// colours (up to 256 exactly, more by the nearest), and of each only what changed; the file appears
@@ -33,8 +33,8 @@ pub struct Film {
     /// Hundredths of a second from frame to frame.
     delay: u16,
     /// Until the first frame tells the size.
-    file: Option<BufWriter<NamedTempFile>>,
-    encoder: Option<Encoder<BufWriter<NamedTempFile>>>,
+    file: Option<BufWriter<AtomicWriteFile>>,
+    encoder: Option<Encoder<BufWriter<AtomicWriteFile>>>,
     last: Option<Picture>,
     /// Hundredths of a second for which the last picture has not been shown yet.
     waiting: u16,
@@ -48,7 +48,7 @@ impl Film {
     pub fn create(path: impl Into<PathBuf>, frames_a_second: f64) -> Result<Self, CaptureError> {
         let path = path.into();
         let error = |source| CaptureError::File { path: path.clone(), source };
-        let file = BufWriter::new(new_file(&path).map_err(error)?);
+        let file = BufWriter::new(AtomicWriteFile::open(&path).map_err(error)?);
         let delay = (100.0 / frames_a_second).round().clamp(2.0, 100.0) as u16;
         Ok(Film { path, delay, file: Some(file), encoder: None, last: None, waiting: 0 })
     }
@@ -123,9 +123,7 @@ impl Film {
         let finish = || {
             let mut out = encoder.into_inner().map_err(std::io::Error::other)?;
             out.flush()?;
-            let file = out.into_inner().map_err(std::io::IntoInnerError::into_error)?;
-            file.persist(&path)?;
-            Ok(())
+            out.into_inner().map_err(std::io::IntoInnerError::into_error)?.commit()
         };
         finish().map_err(|source| CaptureError::File { path: path.clone(), source })
     }

@@ -34,8 +34,6 @@ use crate::EnvironmentError;
 
 pub use film::{Film, Frames};
 pub use picture::Picture;
-#[cfg(feature = "egui")]
-pub(crate) use picture::new_file;
 pub use request::{CapturePlugin, PictureFailed, PictureTaken, TakePicture};
 pub use studio::{MAX_SIDE, Studio, find_renderer};
 

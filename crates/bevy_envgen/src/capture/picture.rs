@@ -1,10 +1,10 @@
 //! A picture in memory, and as PNG.
 
-use std::io::{BufWriter, Write};
+use std::io::BufWriter;
 use std::path::Path;
 
+use atomic_write_file::AtomicWriteFile;
 use bevy::prelude::*;
-use tempfile::NamedTempFile;
 
 use super::CaptureError;
 
@@ -57,31 +57,13 @@ impl Picture {
     }
 
     fn write(&self, path: &Path) -> std::io::Result<()> {
-        let file = new_file(path)?;
-        let mut out = BufWriter::new(&file);
+        let mut out = BufWriter::new(AtomicWriteFile::open(path)?);
         let mut encoder = png::Encoder::new(&mut out, self.size.x, self.size.y);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_compression(png::Compression::High);
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&self.rgb)?;
         writer.finish()?;
-        out.flush()?;
-        drop(out);
-        file.persist(path)?;
-        Ok(())
+        out.into_inner()?.commit()
     }
-}
-
-/// A nameless file where one of a name is to appear.
-pub(crate) fn new_file(path: &Path) -> std::io::Result<NamedTempFile> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    #[cfg_attr(not(unix), expect(unused_mut, reason = "files have no mode there"))]
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    // A file that cannot be made is told without its random name.
-    builder.tempfile_in(folder.unwrap_or(Path::new("."))).map_err(|error| error.kind().into())
 }

@@ -42,7 +42,7 @@ pub use feedback::{FeedbackForm, Unanswered};
 pub use hands::command_of;
 pub use scores::{comparison, scores};
 pub use setup::SetupForm;
-pub use spec::{SpecAction, SpecForm, write_whole};
+pub use spec::{SpecAction, SpecForm};
 pub use trial::{TrialAction, TrialStatus};
 
 use egui::{Color32, RichText, Ui};

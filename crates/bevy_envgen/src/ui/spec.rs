@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use atomic_write_file::AtomicWriteFile;
 use bevy_egui::egui::{self, ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
 use envgen::settings::{Allowed, Setting};
 use envgen::{Kind, Seed, SettingsError, SpecError, WorldSpec};
@@ -124,7 +125,12 @@ impl SpecForm {
     pub fn save(&self, path: &Path) -> Result<(), String> {
         let (spec, _) = self.request().map_err(|error| error.to_string())?;
         let text = spec.to_ron() + "\n";
-        write_whole(path, text.as_bytes()).map_err(|error| format!("{}: {error}", path.display()))
+        let write = || {
+            let mut file = AtomicWriteFile::open(path)?;
+            file.write_all(text.as_bytes())?;
+            file.commit()
+        };
+        write().map_err(|error: io::Error| format!("{}: {error}", path.display()))
     }
 
     /// Draws the panel.
@@ -339,16 +345,4 @@ fn plain(value: &Value) -> String {
         }
         other => other.to_string(),
     }
-}
-
-/// Writes a file to a temporary name beside it and renames it, so that it appears whole or not at
-/// all.
-///
-/// # Errors
-/// What the disk says.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = crate::capture::new_file(path)?;
-    file.write_all(bytes)?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
 }

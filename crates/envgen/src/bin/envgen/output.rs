@@ -3,14 +3,14 @@
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
+use atomic_write_file::AtomicWriteFile;
 
 use crate::failure::Failure;
 
 /// Files under temporary names beside their places. Dropped without [`Pending::commit`], nothing
 /// is left.
 #[derive(Default)]
-pub(crate) struct Pending(Vec<(NamedTempFile, PathBuf)>);
+pub(crate) struct Pending(Vec<(AtomicWriteFile, PathBuf)>);
 
 impl Pending {
     /// Writes one file.
@@ -30,9 +30,7 @@ impl Pending {
             let text = format!("there is no folder `{}`", folder.display());
             return Err(Failure::of_file(path, text));
         }
-        // Not the error itself: it names the temporary file.
-        let file = new_file(folder)
-            .map_err(|error| Failure::of_file(path, std::io::Error::from(error.kind())))?;
+        let file = AtomicWriteFile::open(path).map_err(|error| Failure::of_file(path, error))?;
         let mut out = BufWriter::with_capacity(1 << 16, file);
         write(&mut out)?;
         let file = out.into_inner().map_err(|error| Failure::of_file(path, error.error()))?;
@@ -43,20 +41,8 @@ impl Pending {
     /// Gives every file its name.
     pub(crate) fn commit(self) -> Result<(), Failure> {
         for (file, path) in self.0 {
-            file.persist(&path).map_err(|error| Failure::of_file(&path, error.error))?;
+            file.commit().map_err(|error| Failure::of_file(&path, error))?;
         }
         Ok(())
     }
-}
-
-fn new_file(folder: &Path) -> std::io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".envgen-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // What a new file usually gets, less the user's umask; a temporary file is private.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
 }

@@ -23,6 +23,7 @@ const IN_PAIRS: u16 = 256;
 const LEAST_FOR_WINDOWS: usize = 1 << 16;
 
 /// Cells that a thread counts at a time, at least.
+#[cfg(feature = "parallel")]
 const BAND: usize = 1 << 20;
 
 /// Up to this many distinct classes are counted in a full table.
