@@ -12,6 +12,8 @@ mod streaming;
 mod trial;
 #[cfg(feature = "render")]
 mod view;
+#[cfg(feature = "render")]
+mod visuals;
 mod worlds;
 
 use bevy::prelude::*;

@@ -1,0 +1,99 @@
+//! What worlds look like, without anything that draws.
+
+use bevy::mesh::{Mesh2d, MeshPlugin};
+use bevy::prelude::*;
+use bevy_envgen::EnvgenPlugins;
+use bevy_envgen::envgen::Kind;
+use bevy_envgen::prelude::*;
+use bevy_envgen::testing::{spawn_ready, step, test_app_with, truth};
+
+/// An app that could draw, but for the GPU.
+fn app() -> App {
+    let mut app = test_app_with((MeshPlugin, EnvgenPlugins::default()));
+    app.init_asset::<ColorMaterial>();
+    app
+}
+
+/// The area that is drawn with one ink, in square metres.
+fn area(app: &mut App, ink: &str) -> f32 {
+    let mut drawn = app.world_mut().query::<(&Name, &Mesh2d)>();
+    let meshes = app.world().resource::<Assets<Mesh>>();
+    drawn
+        .iter(app.world())
+        .filter(|(name, _)| name.starts_with(ink))
+        .map(|(_, mesh)| {
+            let mesh = meshes.get(&mesh.0).unwrap();
+            let corners = mesh.attribute(Mesh::ATTRIBUTE_POSITION).unwrap();
+            let corners = corners.as_float3().unwrap();
+            let at = |i: usize| Vec2::new(corners[i][0], corners[i][1]);
+            let indices: Vec<usize> = mesh.indices().unwrap().iter().collect();
+            indices
+                .chunks(3)
+                .map(|t| 0.5 * (at(t[1]) - at(t[0])).perp_dot(at(t[2]) - at(t[0])))
+                .inspect(|area| assert!(*area > -1e-4, "a triangle runs clockwise"))
+                .sum::<f32>()
+        })
+        .sum()
+}
+
+#[test]
+fn what_is_drawn_has_the_area_of_the_parts() {
+    let both = Kind::ALL
+        .iter()
+        .flat_map(|kind| [Solids::Entities, Solids::Data].map(|solids| (kind, solids)));
+    for (kind, solids) in both {
+        let mut app = app();
+        let environment = Environment::new(kind.default_spec(), 2).with_solids(solids);
+        let root = spawn_ready(&mut app, environment).unwrap();
+        let truth = truth(&app, root);
+        let walls: f64 = truth.walls.iter().map(|wall| wall.shape.area()).sum();
+        let things: f64 = truth.obstacles.iter().map(|thing| thing.shape.area()).sum();
+        let trees: f64 =
+            truth.trees.iter().map(|tree| std::f64::consts::PI * tree.radius * tree.radius).sum();
+        let cells = truth.raster.as_ref().map_or(0.0, |raster| {
+            let known = raster.cells.iter().filter(|&&class| class > 0).count();
+            known as f64 * raster.cell * raster.cell
+        });
+        let roads: f64 =
+            truth.road_strips.iter().map(|strip| strip.path().length() * strip.width).sum();
+        for (ink, exact, tolerance) in [
+            ("Wall", walls, 1e-3),
+            // Some are discs, which are drawn with corners, as trees are.
+            ("Obstacle", things, 0.02),
+            ("Tree", trees, 0.1),
+            ("Class", cells, 1e-3),
+            ("Road", roads, 0.01),
+        ] {
+            let drawn = f64::from(area(&mut app, ink));
+            assert!((drawn - exact).abs() <= tolerance * exact, "{kind} {ink}: {drawn} {exact}");
+        }
+    }
+}
+
+#[test]
+fn materials_are_shared_and_everything_goes_with_the_environment() {
+    let mut app = app();
+    let roots: Vec<Entity> = (0..3)
+        .map(|seed| {
+            let environment = Environment::new(Kind::Indoor.default_spec(), seed);
+            spawn_ready(&mut app, environment).unwrap()
+        })
+        .collect();
+    let materials = app.world().resource::<Assets<ColorMaterial>>().len();
+    // At most one for every ink but those of classes.
+    assert!(materials <= 13, "{materials}");
+    assert!(app.world().resource::<Assets<Mesh>>().len() > materials);
+    for root in roots {
+        app.world_mut().entity_mut(root).despawn();
+    }
+    step(&mut app, 3);
+    assert_eq!(app.world_mut().query::<&Mesh2d>().iter(app.world()).count(), 0);
+    assert_eq!(app.world().resource::<Assets<Mesh>>().len(), 0);
+}
+
+#[test]
+fn without_plugins_for_meshes_nothing_is_drawn() {
+    let mut app = test_app_with(EnvgenPlugins::default());
+    spawn_ready(&mut app, Environment::new(Kind::Hallway.default_spec(), 2)).unwrap();
+    assert_eq!(app.world_mut().query::<&Mesh2d>().iter(app.world()).count(), 0);
+}
