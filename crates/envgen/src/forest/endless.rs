@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 
 use glam::DVec2;
 
@@ -60,8 +61,8 @@ struct Parent {
     mark: u64,
 }
 
-/// The trees before thinning of three tiles, one above the other.
-type Column = [Vec<Parent>; 3];
+/// The trees before thinning of a tile and the eight around it, row by row from the lowest.
+type Around<'a> = [[&'a [Parent]; 3]; 3];
 
 impl EndlessForest {
     /// A forest in tiles of `tile` metres.
@@ -119,21 +120,19 @@ impl EndlessForest {
         if self.spec.min_distance <= 0.0 {
             return self.parents_of(i, j).into_iter().map(|parent| parent.tree).collect();
         }
-        let columns = [-1, 0, 1].map(|di| self.column(i.checked_add(di), j));
-        self.thinned(i, j, columns.each_ref())
+        let rows = [-1, 0, 1].map(|dj| self.row(i..=i, j.checked_add(dj)));
+        self.thinned(i, j, around(rows.each_ref(), 0))
     }
 
-    /// The trees of tile (`i`, `j`) that marks leave, of the tiles around it by columns.
-    fn thinned(&self, i: i32, j: i32, columns: [&Column; 3]) -> Vec<Tree> {
+    /// The trees of tile (`i`, `j`) that marks leave.
+    fn thinned(&self, i: i32, j: i32, parents: Around) -> Vec<Tree> {
         let distance = self.spec.min_distance;
         // Trees of the tiles around matter where they come near enough to this one.
         let around = self.tile_rect(i, j).grown(distance);
-        let own = &columns[1][1];
+        let own = parents[1][1];
         let near = |parent: &&Parent| around.contains(parent.tree.center);
-        let others = [(0, 0), (1, 0), (2, 0), (0, 1), (2, 1), (0, 2), (1, 2), (2, 2)]
-            .into_iter()
-            .flat_map(|(di, dj)| columns[di][dj].iter().filter(near));
-        let all: Vec<&Parent> = own.iter().chain(others).collect();
+        let all: Vec<&Parent> =
+            parents.iter().flatten().flat_map(|tile| tile.iter()).filter(near).collect();
         let centers = all.iter().map(|parent| parent.tree.center);
         let grid = super::index::CellList::of(around, distance, false, centers);
         let stays = |parent: &&Parent| {
@@ -147,12 +146,14 @@ impl EndlessForest {
         own.iter().filter(stays).map(|parent| parent.tree).collect()
     }
 
-    /// What marks choose from in tile (`i`, `j`), below it and above it.
-    fn column(&self, i: Option<i32>, j: i32) -> Column {
-        [-1, 0, 1].map(|dj| match (i, j.checked_add(dj)) {
-            (Some(i), Some(j)) => self.parents_of(i, j),
+    /// What marks choose from in row `j`, from the tile before the first to the one after the last.
+    fn row(&self, i: RangeInclusive<i32>, j: Option<i32>) -> Vec<Vec<Parent>> {
+        let all = i64::from(*i.start()) - 1..=i64::from(*i.end()) + 1;
+        let tile = |i: i64| match (i32::try_from(i), j) {
+            (Ok(i), Some(j)) => self.parents_of(i, j),
             _ => Vec::new(),
-        })
+        };
+        all.map(tile).collect()
     }
 
     /// The trees whose centres lie in a window: tile by tile, row by row from the lowest.
@@ -173,28 +174,33 @@ impl EndlessForest {
             return error(format!("within {} m of the origin", most * self.tile));
         }
         let tiles = (high - low + 1.0).max(DVec2::ZERO);
+        if tiles.min_element() <= 0.0 {
+            return Ok(Vec::new());
+        }
         let a_tile = (self.parents * self.tile * self.tile).max(1.0);
         if tiles.x * tiles.y * a_tile > MAX_TREES {
             return error(format!("small enough for {MAX_TREES} trees and tiles"));
         }
+        let inside = |tree: &Tree| {
+            tree.center.cmpge(window.min).all() && tree.center.cmplt(window.max).all()
+        };
+        let columns = low.x as i32..=high.x as i32;
         let mut trees = Vec::new();
+        // Of a row of tiles and the next, two of three rows to thin by are the same.
+        let mut rows: VecDeque<Vec<Vec<Parent>>> = VecDeque::new();
         for j in low.y as i32..=high.y as i32 {
-            // Of a tile and its neighbour, two columns are the same.
-            let mut kept: VecDeque<Column> = VecDeque::new();
-            for i in low.x as i32..=high.x as i32 {
-                let inside = |tree: &Tree| {
-                    tree.center.cmpge(window.min).all() && tree.center.cmplt(window.max).all()
-                };
-                if self.spec.min_distance <= 0.0 {
-                    trees.extend(self.tile(i, j).into_iter().filter(inside));
-                    continue;
-                }
-                let missing = [-1, 0, 1].into_iter().skip(kept.len());
-                kept.extend(missing.map(|di| self.column(i.checked_add(di), j)));
-                let own = self.thinned(i, j, [&kept[0], &kept[1], &kept[2]]);
-                trees.extend(own.into_iter().filter(inside));
-                kept.pop_front();
+            if self.spec.min_distance <= 0.0 {
+                let all = columns.clone().flat_map(|i| self.tile(i, j));
+                trees.extend(all.filter(inside));
+                continue;
             }
+            let missing = [-1, 0, 1].into_iter().skip(rows.len());
+            rows.extend(missing.map(|dj| self.row(columns.clone(), j.checked_add(dj))));
+            for (place, i) in columns.clone().enumerate() {
+                let own = self.thinned(i, j, around([&rows[0], &rows[1], &rows[2]], place));
+                trees.extend(own.into_iter().filter(inside));
+            }
+            rows.pop_front();
         }
         Ok(trees)
     }
@@ -214,6 +220,11 @@ impl EndlessForest {
         };
         (0..count).map(|_| parent(&mut places)).collect()
     }
+}
+
+/// The nine tiles of three rows from the `first` column on.
+fn around(rows: [&Vec<Vec<Parent>>; 3], first: usize) -> Around<'_> {
+    rows.map(|row| [0, 1, 2].map(|di| &*row[first + di]))
 }
 
 #[cfg(test)]
@@ -310,6 +321,8 @@ mod tests {
         assert!(forest.window(window(1e15, 0.0, 1.0, 1.0)).is_err());
         assert!(forest.window(window(0.0, 0.0, 0.0, 1e10)).is_err());
         assert!(forest.window(window(f64::NAN, 0.0, 1.0, 1.0)).is_err());
+        let reversed = Rect { min: DVec2::new(30.0, -1e10), max: DVec2::new(-30.0, 1e10) };
+        assert_eq!(forest.window(reversed), Ok(Vec::new()));
     }
 
     #[test]
