@@ -22,6 +22,9 @@ const MAX_TREES_A_TILE: f64 = 1e6;
 /// choose from as one comes near: up to this share of it the choice is among at most 3 a tree.
 const MOST_OF_MATERN: f64 = 0.95;
 
+/// Up to so many pairs of trees are compared each with each, which is faster than a grid of them.
+const FEW_PAIRS: usize = 4096;
+
 /// A forest that covers the whole plane, in square tiles whose trees are a function of the seed and
 /// the tile alone: any window holds the same trees, whatever was asked for before.
 ///
@@ -133,17 +136,26 @@ impl EndlessForest {
         let near = |parent: &&Parent| around.contains(parent.tree.center);
         let all: Vec<&Parent> =
             parents.iter().flatten().flat_map(|tile| tile.iter()).filter(near).collect();
+        let yields = |parent: &Parent, other: &Parent, offset: DVec2| {
+            other.mark < parent.mark && offset.length_squared() < distance * distance
+        };
+        let mut trees: Vec<Tree> = Vec::with_capacity(own.len());
+        if own.len() * all.len() <= FEW_PAIRS {
+            let stays = |parent: &&Parent| {
+                let offset = |other: &Parent| other.tree.center - parent.tree.center;
+                !all.iter().any(|other| yields(parent, other, offset(other)))
+            };
+            trees.extend(own.iter().filter(stays).map(|parent| parent.tree));
+            return trees;
+        }
         let centers = all.iter().map(|parent| parent.tree.center);
         let grid = super::index::CellList::of(around, distance, false, centers);
         let stays = |parent: &&Parent| {
-            let mut stays = true;
-            grid.visit(parent.tree.center, |k, offset| {
-                stays &= offset.length_squared() >= distance * distance
-                    || all[k as usize].mark >= parent.mark;
-            });
-            stays
+            let yields = |k: u32, offset| yields(parent, all[k as usize], offset);
+            !grid.any(parent.tree.center, yields)
         };
-        own.iter().filter(stays).map(|parent| parent.tree).collect()
+        trees.extend(own.iter().filter(stays).map(|parent| parent.tree));
+        trees
     }
 
     /// What marks choose from in row `j`, from the tile before the first to the one after the last.
@@ -291,16 +303,21 @@ mod tests {
 
     #[test]
     fn marks_thin_to_the_asked_intensity_and_keep_the_distance_across_tiles() {
-        let forest = forest(1.5, 0.12, 4.0);
-        let trees = forest.window(window(-200.0, -200.0, 400.0, 400.0)).unwrap();
-        // Matern's process is more regular than Poisson's, so 5 Poisson sigmas are over 5 of its.
-        let expected = 0.12 * 160_000.0_f64;
-        assert!((trees.len() as f64 - expected).abs() < 5.0 * expected.sqrt(), "{}", trees.len());
-        assert!((forest.expected_trees() * 10_000.0 - expected).abs() < 1e-6);
-        let trees = sorted(trees);
-        for (i, a) in trees.iter().enumerate() {
-            for b in trees[i + 1..].iter().take_while(|b| b.center.x - a.center.x < 1.5) {
-                assert!(a.center.distance(b.center) >= 1.5);
+        // Tiles of few trees and of many, which are thinned in two ways.
+        for tile in [4.0, 40.0] {
+            let forest = forest(1.5, 0.12, tile);
+            let trees = forest.window(window(-200.0, -200.0, 400.0, 400.0)).unwrap();
+            // Matern's process is more regular than Poisson's, so 5 Poisson sigmas are over 5 of its.
+            let area = 160_000.0;
+            let expected = 0.12 * area;
+            let found = trees.len() as f64;
+            assert!((found - expected).abs() < 5.0 * expected.sqrt(), "{found}");
+            assert!((forest.expected_trees() * area - expected * tile * tile).abs() < 1e-6);
+            let trees = sorted(trees);
+            for (i, a) in trees.iter().enumerate() {
+                for b in trees[i + 1..].iter().take_while(|b| b.center.x - a.center.x < 1.5) {
+                    assert!(a.center.distance(b.center) >= 1.5);
+                }
             }
         }
     }

@@ -24,7 +24,7 @@ const LEAST_FOR_WINDOWS: usize = 1 << 16;
 
 /// Cells that a thread counts at a time, at least.
 #[cfg(feature = "parallel")]
-const BAND: usize = 1 << 20;
+const BAND: usize = 1 << 18;
 
 /// Up to this many distinct classes are counted in a full table.
 const IN_TABLE: usize = 512;
