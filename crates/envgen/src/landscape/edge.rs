@@ -1,32 +1,34 @@
 //! Total Edge: counting it, its mean and its bounds.
 
-/// How many values of a `u16` sum of zeros and ones are added before it could overflow.
+/// Cells whose equal neighbours, at most two each, a `u16` counts without an overflow.
 const LANE: usize = 1 << 12;
 
 /// The number of sides between two cells of different class, each once, the border not counted:
 /// Kuznetsov's Total Edge. Every cell counts as of a class; see
-/// [`Adjacency`](super::metrics::Adjacency) for rasters with no-data cells. O(N), in two vectorised passes
-/// over rows that the first has left in the cache.
+/// [`Adjacency`](super::metrics::Adjacency) for rasters with no-data cells. O(N), in one vectorised pass.
 pub fn edge_count(cells: &[u16], cols: usize) -> u64 {
     let mut rows = cells.chunks_exact(cols.max(1));
-    let Some(mut above) = rows.next() else { return 0 };
-    let mut sum = different(above, &above[1..]);
+    let Some(first) = rows.next() else { return 0 };
+    let mut sum = first.windows(2).filter(|pair| pair[0] != pair[1]).count() as u64;
+    let mut above = first;
     for row in rows {
-        sum += different(row, &row[1..]) + different(above, row);
+        let (left, last) = row.split_at(cols - 1);
+        // Equal ones are counted: a comparison gives them as -1, which is subtracted as it is.
+        let equal: u64 = left
+            .chunks(LANE)
+            .zip(row[1..].chunks(LANE))
+            .zip(above.chunks(LANE))
+            .map(|((cells, right), above)| {
+                let sides = cells.iter().zip(right).zip(above);
+                let lane: u16 =
+                    sides.map(|((c, r), a)| u16::from(c == r) + u16::from(c == a)).sum();
+                u64::from(lane)
+            })
+            .sum();
+        sum += 2 * left.len() as u64 - equal + u64::from(last[0] != above[cols - 1]);
         above = row;
     }
     sum
-}
-
-/// In how many places two lists differ, up to the end of the shorter.
-fn different(a: &[u16], b: &[u16]) -> u64 {
-    a.chunks(LANE)
-        .zip(b.chunks(LANE))
-        .map(|(a, b)| {
-            let lane: u16 = a.iter().zip(b).map(|(x, y)| u16::from(x != y)).sum();
-            u64::from(lane)
-        })
-        .sum()
 }
 
 /// The number of inner cell sides of a grid: the Total Edge if all neighbours differ.

@@ -197,6 +197,17 @@ mod tests {
     }
 
     #[test]
+    fn a_class_that_few_rows_hold_is_found() {
+        for class in [5, 12, 20, 300, 60_000] {
+            for at in [0, 700, 70_001, 89_999] {
+                let mut cells = vec![3; 90_000];
+                cells[at] = class;
+                assert_eq!(Adjacency::new(&cells, 300).sides(), slow(&cells, 300));
+            }
+        }
+    }
+
+    #[test]
     fn four_sides_a_cell() {
         let cells = [1, 1, 0, 2, 1, 1];
         let sides = Adjacency::new(&cells, 3).class_sides();

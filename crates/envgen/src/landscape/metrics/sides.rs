@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
@@ -26,6 +27,9 @@ const LEAST_FOR_WINDOWS: usize = 1 << 16;
 #[cfg(feature = "parallel")]
 const BAND: usize = 1 << 18;
 
+/// Of so many rows one is looked at for a first guess of the greatest class.
+const SAMPLED: usize = 61;
+
 /// Up to this many distinct classes are counted in a full table.
 const IN_TABLE: usize = 512;
 
@@ -39,9 +43,18 @@ pub(super) fn count(cells: &[u16], cols: usize) -> Pairs {
     if cells.len() < cols || cols == 0 {
         return Pairs::new();
     }
+    let windows = |most: u16| match cells.len() >= LEAST_FOR_WINDOWS && most < IN_WINDOWS {
+        true => by_windows(cells, cols, most + 1),
+        false => None,
+    };
+    // Reading all only for the greatest class takes a third as long as counting.
+    let sample = cells.chunks(cols).step_by(SAMPLED).map(greatest).max().unwrap_or(0);
+    if let Some(pairs) = windows(sample) {
+        return pairs;
+    }
     let most = maximum(cells);
-    if most < IN_WINDOWS && cells.len() >= LEAST_FOR_WINDOWS {
-        return by_windows(cells, cols, most + 1);
+    if let Some(pairs) = windows(most) {
+        return pairs;
     }
     if most < IN_PAIRS {
         return by_pairs(cells, cols, most + 1);
@@ -56,13 +69,17 @@ pub(super) fn count(cells: &[u16], cols: usize) -> Pairs {
     pairs.into_iter().map(|(a, b, n)| (class(a), class(b), n)).collect()
 }
 
+fn greatest(cells: &[u16]) -> u16 {
+    cells.iter().copied().max().unwrap_or(0)
+}
+
+/// The greatest class of a raster.
 fn maximum(cells: &[u16]) -> u16 {
-    let of = |cells: &[u16]| cells.iter().copied().max();
     #[cfg(feature = "parallel")]
-    let most = cells.par_chunks(BAND).filter_map(of).max();
+    let most = cells.par_chunks(BAND).map(greatest).max().unwrap_or(0);
     #[cfg(not(feature = "parallel"))]
-    let most = of(cells);
-    most.unwrap_or(0)
+    let most = greatest(cells);
+    most
 }
 
 /// A raster of at least one row, read row by row; beyond its rows lies no data.
@@ -173,11 +190,12 @@ impl Tally {
     }
 }
 
-/// With `k` up to 16 classes, by windows of two by two cells, each with four sides.
+/// With `k` up to 16 classes, by windows of two by two cells, each with four sides; `None` where there
+/// are more.
 ///
 /// A side lies in two windows, whose left upper cells are neighbours: of the windows whose row and
 /// column add up to an even number, which are half, it lies in one.
-fn by_windows(cells: &[u16], cols: usize, k: u16) -> Pairs {
+fn by_windows(cells: &[u16], cols: usize, k: u16) -> Option<Pairs> {
     // A row's cells with their right neighbours, from the cell before the first on.
     let pair_up = |row: &[u16], pairs: &mut [u16]| {
         pairs[0] = k * row[0];
@@ -187,13 +205,24 @@ fn by_windows(cells: &[u16], cols: usize, k: u16) -> Pairs {
         pairs[cols] = row[cols - 1];
     };
     let raster = Raster::new(cells, cols);
+    let more = AtomicBool::new(false);
     let sums = raster.tally(usize::from(k).pow(4), |tally, rows| {
         let mut above = vec![0_u16; cols + 1];
         let mut below = above.clone();
         let mut codes = above.clone();
-        pair_up(raster.row_below_another(rows.start)[0], &mut above);
+        let row = raster.row_below_another(rows.start)[0];
+        if greatest(row) >= k {
+            // Who counts that row says so.
+            return;
+        }
+        pair_up(row, &mut above);
         for r in rows {
-            pair_up(raster.row_below_another(r)[1], &mut below);
+            let row = raster.row_below_another(r)[1];
+            if greatest(row) >= k {
+                more.store(true, Ordering::Relaxed);
+                return;
+            }
+            pair_up(row, &mut below);
             for (code, (above, below)) in codes.iter_mut().zip(above.iter().zip(&below)) {
                 *code = above.wrapping_add(below.wrapping_mul(k * k));
             }
@@ -201,6 +230,9 @@ fn by_windows(cells: &[u16], cols: usize, k: u16) -> Pairs {
             std::mem::swap(&mut above, &mut below);
         }
     });
+    if more.into_inner() {
+        return None;
+    }
     let k = usize::from(k);
     let mut table = vec![0; k * k];
     for (code, n) in sums.into_iter().enumerate().filter(|&(_, n)| n > 0) {
@@ -209,7 +241,7 @@ fn by_windows(cells: &[u16], cols: usize, k: u16) -> Pairs {
             table[x * k + y] += n;
         }
     }
-    of_table(&table, k)
+    Some(of_table(&table, k))
 }
 
 /// With `k` up to 256 classes, by pairs, the smaller class first: half a table is less to keep in
