@@ -92,7 +92,7 @@ fn counting() {
             let cells =
                 random_fill(&vec![(side * side / classes) as u32; classes as usize], Seed(1));
             let what = format!("adjacency of {classes} classes, {side}^2");
-            let adjacency = long_contest(|| Adjacency::new(black_box(&cells), cols), read);
+            let adjacency = contest(|| Adjacency::new(black_box(&cells), cols), read);
             say(&what, ns(adjacency.0, side * side), "ns a cell");
             at_most(&format!("{what}, by reading it once"), adjacency, 4.0);
         }
