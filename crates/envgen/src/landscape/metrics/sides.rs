@@ -111,7 +111,8 @@ impl<'a> Raster<'a> {
         let all = 0..self.rows() + 1;
         #[cfg(feature = "parallel")]
         {
-            let band = BAND.div_ceil(self.cols);
+            let bands = (self.cells.len() / BAND).max(1);
+            let band = all.end.div_ceil(bands);
             all.clone()
                 .into_par_iter()
                 .step_by(band)
