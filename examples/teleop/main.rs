@@ -23,6 +23,7 @@ mod output;
 mod panels;
 #[path = "../shared/robot.rs"]
 mod robot;
+mod saving;
 mod session;
 #[path = "../shared/start.rs"]
 mod start;

@@ -18,6 +18,7 @@ use mapping_trial::truth::Truth;
 
 use crate::arguments::{Arguments, Beginning};
 use crate::compare::{Comparison, SessionRun};
+use crate::saving::Saving;
 use crate::{output, start};
 
 /// Ticks between two writings of the log while the trial runs: what is lost when the power fails.
@@ -65,6 +66,7 @@ pub(crate) struct Session {
     folder: PathBuf,
     /// Whether the truth was shown during the last trial.
     truth_seen: bool,
+    saving: Saving,
     /// Whether the world is from a file, and of no spec.
     from_file: bool,
     /// Whether a program that was asked for on the command line has still to begin.
@@ -106,6 +108,7 @@ impl Session {
             out: arguments.out.clone(),
             folder: arguments.out.clone(),
             truth_seen: training,
+            saving: Saving::default(),
             from_file,
             at_once: arguments.operator.is_some(),
         }
@@ -161,6 +164,7 @@ impl Session {
         holder.stop();
         self.paused = false;
         self.phase = Phase::Done;
+        self.await_log();
         let Some(trial) = holder.trial() else { return };
         let measured = start::truth(world, trial)
             .and_then(|truth| Ok((trial.report(world, &truth, ENGINE)?, truth)));
@@ -169,6 +173,7 @@ impl Session {
             Err(error) => {
                 self.message = error.to_string();
                 self.keep_log(holder);
+                self.await_log();
                 return;
             }
         };
@@ -189,18 +194,19 @@ impl Session {
         self.truth = Some(Arc::new(truth));
     }
 
-    /// Writes the log as far as it goes.
+    /// Has the log written as far as it goes, unless it is being written.
     fn keep_log(&mut self, holder: &MappingTrial) {
         let Some(trial) = holder.trial() else { return };
-        let mut bytes = Vec::new();
-        let written = trial.log(ENGINE).write(&mut bytes).map_err(|e| e.to_string());
-        let path = self.folder.join("log.json");
-        let written = written.and_then(|()| {
-            std::fs::create_dir_all(&self.folder)
-                .and_then(|()| output::write_whole(&path, &bytes))
-                .map_err(|error| format!("{}: {error}", path.display()))
-        });
-        if let Err(error) = written {
+        match self.saving.is_done() {
+            Ok(true) => self.saving.begin(trial.log(ENGINE), &self.folder),
+            Ok(false) => {}
+            Err(error) => self.message = error,
+        }
+    }
+
+    /// Waits for the log that is being written.
+    fn await_log(&mut self) {
+        if let Err(error) = self.saving.wait() {
             self.message = error;
         }
     }

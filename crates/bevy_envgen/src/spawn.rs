@@ -1,5 +1,6 @@
 //! From a world's parts to entities.
 
+use bevy::ecs::bundle::NoBundleEffect;
 use bevy::prelude::*;
 use envgen::World as EnvgenWorld;
 use envgen::geometry::Pose;
@@ -144,7 +145,7 @@ pub(crate) fn spawn_trees(
             .collect(),
         Solids::Data => {
             let solids = trees.map(|(id, tree)| {
-                let (transform, shape, _) = tree_bundle(frame, tree);
+                let (transform, shape) = place_tree(frame, tree);
                 StandingPart { id, transform, shape }
             });
             keep(world, tile, solids.collect());
@@ -175,10 +176,7 @@ fn solid(frame: Frame, truth: &EnvgenWorld, part: PartRef) -> Option<StandingPar
     let (transform, shape) = match part.kind {
         PartKind::Wall => frame.place(&truth.walls[i].shape),
         PartKind::Obstacle => frame.place(&truth.obstacles[i].shape),
-        PartKind::Tree => {
-            let (transform, shape, _) = tree_bundle(frame, &truth.trees[i]);
-            (transform, shape)
-        }
+        PartKind::Tree => place_tree(frame, &truth.trees[i]),
         _ => return None,
     };
     Some(StandingPart { id: PartId::new(part.kind, part.index), transform, shape })
@@ -192,7 +190,7 @@ fn decorate(world: &mut World, spawned: &SpawnedTile) {
 }
 
 /// What every part has.
-fn head(id: PartId, tile: Entity) -> impl Bundle<Effect: bevy::ecs::bundle::NoBundleEffect> {
+fn head(id: PartId, tile: Entity) -> impl Bundle<Effect: NoBundleEffect> {
     (id, Name::new(name(id)), ChildOf(tile))
 }
 
@@ -219,9 +217,12 @@ fn name(id: PartId) -> String {
     name
 }
 
-fn tree_bundle(frame: Frame, tree: &envgen::world::Tree) -> (Transform, PartShape, Tree) {
-    let radius = tree.radius as f32;
-    (frame.pose(tree.center, 0.0), PartShape::Disc { radius }, Tree { radius })
+fn place_tree(frame: Frame, tree: &envgen::world::Tree) -> (Transform, PartShape) {
+    (frame.pose(tree.center, 0.0), PartShape::Disc { radius: tree.radius as f32 })
+}
+
+fn tree_bundle(frame: Frame, tree: &envgen::world::Tree) -> impl Bundle<Effect: NoBundleEffect> {
+    (place_tree(frame, tree), Tree { radius: tree.radius as f32 })
 }
 
 /// Spawns parts of one kind.

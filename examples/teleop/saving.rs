@@ -1,0 +1,44 @@
+//! The log on its way to the disk, while the session goes on.
+
+use std::path::Path;
+
+use bevy::tasks::futures::check_ready;
+use bevy::tasks::{IoTaskPool, Task, TaskPool, block_on};
+use mapping_trial::trial::TrialLog;
+
+use crate::output::write_whole;
+
+/// At most one log at a time, which takes the place of the one before.
+#[derive(Default)]
+pub(crate) struct Saving(Option<Task<Result<(), String>>>);
+
+impl Saving {
+    /// Whether the last log is on the disk; why not, where it could not be written.
+    pub(crate) fn is_done(&mut self) -> Result<bool, String> {
+        let Some(task) = &mut self.0 else { return Ok(true) };
+        let Some(written) = check_ready(task) else { return Ok(false) };
+        self.0 = None;
+        written.map(|()| true)
+    }
+
+    /// Waits until the last log is on the disk, so that the folder is free.
+    pub(crate) fn wait(&mut self) -> Result<(), String> {
+        self.0.take().map_or(Ok(()), block_on)
+    }
+
+    /// Has a log written into a folder, on another thread.
+    pub(crate) fn begin(&mut self, log: TrialLog, folder: &Path) {
+        let folder = folder.to_owned();
+        let pool = IoTaskPool::get_or_init(TaskPool::default);
+        self.0 = Some(pool.spawn(async move { write(&log, &folder) }));
+    }
+}
+
+fn write(log: &TrialLog, folder: &Path) -> Result<(), String> {
+    let path = folder.join("log.json");
+    let mut bytes = Vec::new();
+    log.write(&mut bytes).map_err(|error| error.to_string())?;
+    std::fs::create_dir_all(folder)
+        .and_then(|()| write_whole(&path, &bytes))
+        .map_err(|error| format!("{}: {error}", path.display()))
+}
