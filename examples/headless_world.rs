@@ -1,7 +1,7 @@
 //! Spawns a world of every kind side by side in a headless Bevy app, lets physics run for 500 fixed
 //! steps while a robot drives about in each, casts rays and prints what is there.
 //!
-//! `cargo run --example headless_world`
+//! `cargo run --release --example headless_world`
 
 use std::collections::BTreeMap;
 
