@@ -7,7 +7,8 @@ const LANE: usize = 1 << 12;
 /// Kuznetsov's Total Edge. Every cell counts as of a class; see
 /// [`Adjacency`](super::metrics::Adjacency) for rasters with no-data cells. O(N), in one vectorised pass.
 pub fn edge_count(cells: &[u16], cols: usize) -> u64 {
-    let mut rows = cells.chunks_exact(cols.max(1));
+    let cols = cols.max(1);
+    let mut rows = cells.chunks_exact(cols);
     let Some(first) = rows.next() else { return 0 };
     let mut sum = first.windows(2).filter(|pair| pair[0] != pair[1]).count() as u64;
     let mut above = first;
@@ -212,7 +213,14 @@ mod tests {
     fn long_rows_do_not_overflow() {
         let cells: Vec<u16> = (0..200_000_u32).map(|i| (i % 2) as u16).collect();
         assert_eq!(edge_count(&cells, 200_000), 199_999);
+        assert_eq!(edge_count(&cells, 100_000), 2 * 99_999);
+        assert_eq!(edge_count(&[7; 200_000], 100_000), 0);
         assert_eq!(edge_count(&[], 0), 0);
+    }
+
+    #[test]
+    fn cells_without_columns_are_one_column() {
+        assert_eq!(edge_count(&[1, 2, 2, 3], 0), 2);
     }
 
     proptest! {
