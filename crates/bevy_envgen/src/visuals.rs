@@ -290,7 +290,7 @@ fn drawings(world: &World, spawned: &SpawnedTile) -> BTreeMap<Ink, Drawing> {
                 add_road(drawing, world, spawned.environment, *id);
                 continue;
             }
-            // Some are data and no entities.
+            // Below, with those that are data and no entities.
             PartKind::Wall | PartKind::Tree | PartKind::Obstacle => continue,
             PartKind::Room if part.get::<Room>().is_some_and(|room| !room.lit) => Ink::DarkRoom,
             PartKind::Room => Ink::Room,
