@@ -212,7 +212,7 @@ fn marginal(n: u32) -> f64 {
 }
 
 /// Moves single cells between classes, the best move first, while the entropy comes nearer; then
-/// pairs of a few cells each, whose changes can nearly cancel.
+/// pairs of a few cells each, whose changes can nearly cancel; and so on until neither helps.
 fn move_single_cells(counts: &mut Vec<u32>, entropy: f64, floor: u32) {
     let cells: u64 = counts.iter().map(|&n| u64::from(n)).sum();
     let cells = cells as f64;
@@ -220,13 +220,20 @@ fn move_single_cells(counts: &mut Vec<u32>, entropy: f64, floor: u32) {
     // S = ln N - sum / N, so the sum of n ln n is what must come near this.
     let wanted = (libm::log(cells) - entropy) * cells;
     let mut miss = moves.sum() - wanted;
-    for best in [Moves::best_single, Moves::best_pair] {
-        while let Some(next) = best(&moves, miss) {
-            let left = next.sum() - wanted;
-            if left.abs() >= miss.abs() {
-                break;
+    loop {
+        let before = miss;
+        for best in [Moves::best_single, Moves::best_pair] {
+            while let Some(next) = best(&moves, miss) {
+                let left = next.sum() - wanted;
+                if left.abs() >= miss.abs() {
+                    break;
+                }
+                (moves, miss) = (next, left);
             }
-            (moves, miss) = (next, left);
+        }
+        // A pair can leave room for another single move.
+        if miss == before {
+            break;
         }
     }
     counts.clear();
