@@ -24,7 +24,6 @@ use std::error::Error;
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, IsTerminal, Write};
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::time::Instant;
 
 use bevy_envgen::trial::{replay_headless, run_headless};
@@ -33,13 +32,13 @@ use envgen::World;
 use indicatif::{ProgressBar, ProgressStyle};
 use mapping_trial::body::Bodies;
 use mapping_trial::feedback::ask;
-use mapping_trial::flat::{FlatSimulator, FlatWorld};
+use mapping_trial::flat::FlatSimulator;
 use mapping_trial::trial::{Trial, TrialLog, TrialSettings};
 
 use crate::arguments::Arguments;
 
 /// The fast simulator, as logs and reports name it.
-const FLAT: &str = "flat";
+const FLAT: &str = FlatSimulator::ENGINE;
 
 /// Rapier, as logs and reports name it.
 const RAPIER: &str = bevy_envgen::trial::ENGINE;
@@ -71,10 +70,10 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         return if arguments.engine == RAPIER {
             let trial = run_headless(&world, settings, |time| bar.set_position(time as u64))?;
             bar.finish_and_clear();
-            tell(arguments, &world, &trial, RAPIER, clock)
+            tell(arguments, &world, &trial, clock)
         } else {
             let trial = run_flat(&world, settings, &bar)?;
-            tell(arguments, &world, &trial, FLAT, clock)
+            tell(arguments, &world, &trial, clock)
         };
     };
     let of_file = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
@@ -82,10 +81,10 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let log = TrialLog::read(&mut BufReader::new(file)).map_err(|error| of_file(&error))?;
     let world = log.world.world()?;
     match log.engine.as_str() {
-        FLAT => tell(arguments, &world, &log.replay()?, FLAT, clock),
+        FLAT => tell(arguments, &world, &log.replay()?, clock),
         RAPIER => {
             let trial = replay_headless(&world, log, |_| ())?;
-            tell(arguments, &world, &trial, RAPIER, clock)
+            tell(arguments, &world, &trial, clock)
         }
         other => {
             let text = format!("engine is `{other}`, known are `{FLAT}` and `{RAPIER}`");
@@ -99,12 +98,11 @@ fn tell<B: Bodies>(
     arguments: &Arguments,
     world: &World,
     trial: &Trial<B>,
-    engine: &str,
     clock: Instant,
 ) -> Result<(), Box<dyn Error>> {
     let seconds = clock.elapsed().as_secs_f64();
-    let truth = start::truth(world, trial)?;
-    let mut report = trial.report(world, &truth, engine)?;
+    let truth = trial.reference(world)?;
+    let mut report = trial.report(world, &truth)?;
     say(format_args!(
         "{}\n{:.0} simulated seconds took {seconds:.2} s, {:.0} times as fast as real time\n",
         table::table(&report),
@@ -115,7 +113,7 @@ fn tell<B: Bodies>(
         let (mut questions, mut answers) = (std::io::stdout(), std::io::stdin().lock());
         report.feedback = Some(ask(&report.session(), &mut answers, &mut questions)?);
     }
-    for path in output::write(&arguments.out, trial, &truth, &report, engine)? {
+    for path in output::write(&arguments.out, trial, &truth, &report)? {
         say(format_args!("wrote {}\n", path.display()))?;
     }
     Ok(())
@@ -135,8 +133,7 @@ fn run_flat(
     settings: TrialSettings,
     bar: &ProgressBar,
 ) -> Result<Trial<FlatSimulator>, Box<dyn Error>> {
-    let flat = Arc::new(FlatWorld::new(world, &settings.body));
-    let mut trial = Trial::flat_in(world, flat, settings)?;
+    let mut trial = Trial::flat(world, settings)?;
     let mut ticks = 0_u64;
     while trial.step() {
         ticks += 1;

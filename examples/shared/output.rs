@@ -34,7 +34,6 @@ pub(crate) fn write<B: Bodies>(
     trial: &Trial<B>,
     truth: &Truth,
     report: &TrialReport,
-    engine: &str,
 ) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let slam = trial.brain().slam();
     let map = slam.map();
@@ -52,7 +51,7 @@ pub(crate) fn write<B: Bodies>(
         picture.write_png(&mut bytes).map(|()| bytes)
     };
     let mut log = Vec::new();
-    trial.log(engine).write(&mut log)?;
+    trial.log().write(&mut log)?;
     let mut json = serde_json::to_vec_pretty(report)?;
     json.push(b'\n');
     let ros = map.to_ros_map()?;

@@ -1,4 +1,4 @@
-//! Where trials start, and what they are measured against from there.
+//! Where trials start.
 
 use std::error::Error;
 
@@ -6,9 +6,7 @@ use envgen::World;
 use envgen::geometry::Pose;
 use envgen::occupancy::{Coverage, OccupancyGrid};
 use envgen::placement::roomiest_place;
-use mapping_trial::body::Bodies;
-use mapping_trial::trial::{Trial, TrialSettings};
-use mapping_trial::truth::Truth;
+use mapping_trial::trial::TrialSettings;
 
 /// Cells in metres of the grid on which the roomiest place is looked for.
 const GRID: f64 = 0.1;
@@ -25,11 +23,4 @@ pub(crate) fn with_start(
     let grid = OccupancyGrid::of(world, GRID, Coverage::Conservative)?;
     let place = roomiest_place(&grid).ok_or("the world has no free space to start in")?;
     Ok(TrialSettings { start: Some(Pose { position: place, heading: 0.0 }), ..settings })
-}
-
-/// What a trial is measured against: what can be seen from where it began.
-pub(crate) fn truth<B: Bodies>(world: &World, trial: &Trial<B>) -> Result<Truth, Box<dyn Error>> {
-    let mut from_start = world.clone();
-    from_start.start = trial.track(0).poses.first().copied();
-    Ok(Truth::new(&from_start, &trial.settings().body)?)
 }

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use bevy_envgen::debug::DebugLayers;
 use bevy_envgen::prelude::*;
-use bevy_envgen::trial::ENGINE;
 use bevy_envgen::ui::{FeedbackForm, SetupForm, SpecForm, TrialAction};
 use bevy_envgen::view::TrialView;
 use envgen::{Kind, Seed, WorldSpec};
@@ -166,9 +165,11 @@ impl Session {
         self.phase = Phase::Done;
         self.await_log();
         let Some(trial) = holder.trial() else { return };
-        let measured = start::truth(world, trial)
-            .and_then(|truth| Ok((trial.report(world, &truth, ENGINE)?, truth)));
-        let (report, truth) = match measured {
+        let measured = || -> Result<_, Box<dyn std::error::Error>> {
+            let truth = trial.reference(world)?;
+            Ok((trial.report(world, &truth)?, truth))
+        };
+        let (report, truth) = match measured() {
             Ok(measured) => measured,
             Err(error) => {
                 self.message = error.to_string();
@@ -185,7 +186,7 @@ impl Session {
             self.mark_training();
         }
         let written = output::folder(&self.folder)
-            .and_then(|folder| output::write(folder, trial, &truth, &report, ENGINE));
+            .and_then(|folder| output::write(folder, trial, &truth, &report));
         self.message = match written {
             Ok(_) => format!("saved in {}", self.folder.display()),
             Err(error) => error.to_string(),
@@ -198,7 +199,7 @@ impl Session {
     fn keep_log(&mut self, holder: &MappingTrial) {
         let Some(trial) = holder.trial() else { return };
         match self.saving.is_done() {
-            Ok(true) => self.saving.begin(trial.log(ENGINE), &self.folder),
+            Ok(true) => self.saving.begin(trial.log(), &self.folder),
             Ok(false) => {}
             Err(error) => self.message = error,
         }
@@ -273,7 +274,7 @@ impl Session {
         let program = TrialSettings { operator: Some(self.rival), ..trial.settings().clone() };
         let name = self.rival.name().unwrap_or("program");
         let run = SessionRun {
-            log: trial.log(ENGINE),
+            log: trial.log(),
             tracks: (0..trial.robots()).map(|robot| trial.track(robot).clone()).collect(),
         };
         let (world, truth) = (Arc::clone(&world.0), Arc::clone(truth));

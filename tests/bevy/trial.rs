@@ -9,7 +9,7 @@ use bevy_envgen::mapping_trial::body::Command;
 use bevy_envgen::mapping_trial::trial::{EndReason, Trial, TrialLog, TrialSettings};
 use bevy_envgen::mapping_trial::truth::Truth;
 use bevy_envgen::prelude::*;
-use bevy_envgen::trial::{ENGINE, MappingTrialError, RapierBodies, replay_headless, run_headless};
+use bevy_envgen::trial::{MappingTrialError, RapierBodies, replay_headless, run_headless};
 
 fn hallway() -> EnvWorld {
     HallwaySpec { segments: 4, ..Default::default() }.generate(Seed(7)).unwrap().to_world()
@@ -35,16 +35,16 @@ fn a_trial_runs_again_from_its_log_to_the_bit() {
     for settings in [short(40.0), TrialSettings { robots: 2, ..short(20.0) }] {
         let trial = run_headless(&world, settings.clone(), |_| ()).unwrap();
         assert!(trial.is_over() && trial.track(0).metres > 2.0, "{}", trial.track(0).metres);
-        let log = trial.log(ENGINE);
+        let log = trial.log();
         let twice = run_headless(&world, settings, |_| ()).unwrap();
-        assert_eq!(twice.log(ENGINE).digest(), log.digest());
+        assert_eq!(twice.log().digest(), log.digest());
 
         let mut bytes = Vec::new();
         log.write(&mut bytes).unwrap();
         let read = TrialLog::read(&mut &bytes[..]).unwrap();
         let again = replay_headless(&read.world.world().unwrap(), read, |_| ()).unwrap();
         assert_eq!(state(&again), state(&trial));
-        assert_eq!(again.log(ENGINE).digest(), log.digest());
+        assert_eq!(again.log().digest(), log.digest());
     }
 }
 
@@ -111,7 +111,7 @@ fn a_person_drives_and_stops_and_nothing_is_left() {
     assert_eq!(ended.trial().unwrap().end_of(0).map(|e| e.reason), Some(EndReason::Stopped));
 
     // What a person did replays, too.
-    let log = ended.trial().unwrap().log(ENGINE);
+    let log = ended.trial().unwrap().log();
     let track = ended.trial().unwrap().track(0).clone();
     let again = replay_headless(&hallway(), log, |_| ()).unwrap();
     assert_eq!(again.track(0), &track);
@@ -156,7 +156,7 @@ fn what_cannot_be_is_told() {
     let error = run_headless(&hallway(), short(f64::NAN), |_| ()).err().unwrap().to_string();
     assert!(error.contains("`time_limit` is NaN"), "{error}");
 
-    let log = Trial::flat(&hallway(), short(1.0)).unwrap().log("flat");
+    let log = Trial::flat(&hallway(), short(1.0)).unwrap().log();
     let error = replay_headless(&hallway(), log, |_| ()).err().unwrap();
     let engine = MappingTrialError::Engine { found: "flat".into() };
     assert_eq!(error, engine.into());
@@ -194,7 +194,7 @@ fn frames_of_any_length_give_the_same_trial() {
         );
         assert!((1.0..14.0).contains(&track.metres), "{}", track.metres);
         assert!(trial.bodies().hits(0) > 0);
-        let again = replay_headless(&world, trial.log(ENGINE), |_| ()).unwrap();
+        let again = replay_headless(&world, trial.log(), |_| ()).unwrap();
         let robots = || 0..trial.robots();
         assert!(robots().all(|robot| again.track(robot) == trial.track(robot)), "{frames} frames");
     }
@@ -214,7 +214,7 @@ fn another_trial_in_the_same_app_is_as_good_as_the_first() {
         bevy_envgen::testing::step(&mut app, 300);
         let trial = app.world().get::<MappingTrial>(root).unwrap().trial().unwrap();
         assert!(trial.bodies().hits(0) > 0);
-        let mut log = trial.log(ENGINE);
+        let mut log = trial.log();
         log.ends.fill(None);
         let again = replay_headless(&hallway(), log, |_| ()).unwrap();
         let ticks = again.track(0).poses.len();

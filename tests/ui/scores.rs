@@ -14,7 +14,7 @@ fn scores_are_those_of_the_report() {
     let mut trial = Trial::flat(&world, settings).expect("a trial");
     while trial.step() {}
     let truth = Truth::new(&world, &trial.settings().body).expect("a start");
-    let report = trial.report(&world, &truth, "flat").expect("scores");
+    let report = trial.report(&world, &truth).expect("scores");
     let shown = show_in(egui::vec2(560.0, 600.0), |ui| scores(ui, &report));
     for row in report.scores.rows() {
         assert!(shown.has(row.name) && shown.has(&row.value), "{row:?}");

@@ -55,7 +55,7 @@ fn main() {
             faster(&what, (ours, simulated), limit);
             at_most(&format!("{kind:?}, {name}, against drawing alone"), (ours, wheels), most);
         }
-        let scan = recording.steps[0].1.as_ref().expect("the first step has a scan");
+        let scan = recording.steps[0].scan.as_ref().expect("the first step has a scan");
         let sweep = Sweeper::new(&Robot::default(), &laser).sweep(scan);
         matching(name, &sweep.echoes);
         drawing(name, &sweep);

@@ -11,7 +11,7 @@ use envgen::{Blueprint, Seed, Spec, World};
 use mapping_trial::body::{Bodies, Command, Condition, Observation};
 use mapping_trial::flat::{FlatSimulator, FlatWorld};
 use mapping_trial::slam::SlamKind;
-use mapping_trial::trial::{Trial, TrialSettings};
+use mapping_trial::trial::{Setup, Trial, TrialSettings};
 use mapping_trial::truth::Truth;
 
 /// Maps that are driven; the best of each part's rounds is added up over them.
@@ -30,6 +30,10 @@ struct Recorder {
 }
 
 impl Bodies for Recorder {
+    fn engine(&self) -> &str {
+        "recorder"
+    }
+
     fn observe(&mut self, robot: usize) -> Observation {
         self.bodies.observe(robot)
     }
@@ -72,13 +76,14 @@ fn main() {
         let flat = Arc::new(FlatWorld::new(&world, &settings.body));
         let truth = Truth::new(&world, &settings.body).expect("a start");
         let run = || {
-            let mut trial = Trial::flat_in(&world, flat.clone(), settings.clone()).expect("free");
+            let builder = Trial::builder(&world, settings.clone());
+            let mut trial = builder.build_flat_in(flat.clone()).expect("free");
             while trial.step() {}
             trial
         };
 
         let trial = run();
-        let log = trial.log("flat");
+        let log = trial.log();
         simulated += trial.time();
         whole += best(run);
         score += best(|| trial.score(&truth));
@@ -104,19 +109,22 @@ fn replayed(
     flat: &Arc<FlatWorld>,
     slam: SlamKind,
 ) -> Trial<FlatSimulator> {
-    let begin = |settings| Trial::flat_in(world, flat.clone(), TrialSettings { slam, ..settings });
-    let mut trial = log.replay_with(world, begin).expect("its own world");
+    let mut trial = log
+        .replay_with(world, |builder| {
+            builder.settings(|settings| settings.slam = slam).build_flat_in(flat.clone())
+        })
+        .expect("its own world");
     log.run_through(&mut trial);
     trial
 }
 
 /// The commands of a trial, tick by tick.
 fn recorded(world: &World, flat: &Arc<FlatWorld>, settings: &TrialSettings) -> Vec<Command> {
-    let place = |settings: &TrialSettings, starts: &[Pose]| Recorder {
-        bodies: simulator(flat, settings, starts),
+    let place = |setup: &Setup<'_>, _| Recorder {
+        bodies: simulator(flat, setup.settings, setup.starts),
         commands: Vec::new(),
     };
-    let mut trial = Trial::with_bodies(world, settings.clone(), place).expect("free");
+    let mut trial = Trial::builder(world, settings.clone()).build(place).expect("free");
     while trial.step() {}
     trial.bodies().commands.clone()
 }

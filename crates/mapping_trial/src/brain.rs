@@ -3,15 +3,12 @@
 use crate::body::{Command, Observation};
 use crate::lidar::{LaserProfile, Scan};
 use crate::map::Estimate;
-use crate::operator::{Decision, Operator, OperatorKind, View};
+use crate::operator::{Decision, Operator, View};
 use crate::robot::Robot;
-use crate::slam::{Slam, SlamKind};
+use crate::slam::Slam;
 
 use envgen::geometry::{Pose, unit_vector};
 use glam::DVec2;
-
-/// Ticks from one question to the operator to the next: 10 a second.
-const TICKS_A_DECISION: u64 = 2;
 
 /// SLAM and an operator for one or more robots.
 ///
@@ -34,20 +31,18 @@ pub struct Brain {
 }
 
 impl Brain {
-    /// A brain for robots that start at `starts`; `operator` is `None` for a person.
+    /// A brain for so many robots of one sort; `operator` is `None` for a person.
     pub fn new(
-        slam: SlamKind,
-        operator: Option<OperatorKind>,
-        starts: &[Pose],
+        slam: Box<dyn Slam + Send + Sync>,
+        operator: Option<Box<dyn Operator + Send + Sync>>,
+        robots: usize,
         body: &Robot,
         laser: &LaserProfile,
     ) -> Self {
-        let robots = starts.len();
-        let slam = slam.build(starts, body, laser);
         Brain {
             estimates: (0..robots).map(|robot| slam.estimate(robot)).collect(),
             slam,
-            operator: operator.map(|kind| crate::operator::build(kind, robots, body, laser)),
+            operator,
             body: body.clone(),
             laser: laser.clone(),
             scans: vec![Scan { ranges: Vec::new() }; robots],
@@ -57,9 +52,9 @@ impl Brain {
         }
     }
 
-    /// Takes in what a robot observes: its pose and the map are estimated anew.
+    /// Takes in what a robot observes: its pose and the map are estimated again.
     pub fn sense(&mut self, robot: usize, seen: &Observation) {
-        self.slam.step(robot, seen.odometry, seen.scan.as_ref());
+        self.slam.step(robot, seen);
         if let Some(scan) = &seen.scan {
             self.scans[robot].ranges.clone_from(&scan.ranges);
         }
@@ -76,17 +71,16 @@ impl Brain {
     /// What the operator wants of a robot now, after [`Brain::sense`] of the same observation. A
     /// brain without an operator wants it to stand still.
     pub fn decide(&mut self, robot: usize, seen: &Observation) -> Decision {
-        let due = (self.ticks[robot] + 1).is_multiple_of(TICKS_A_DECISION);
-        if let (true, Some(operator)) = (due, &mut self.operator) {
+        if let Some(operator) = &mut self.operator
+            && (self.ticks[robot] + 1).is_multiple_of(operator.ticks_per_decision().max(1))
+        {
             self.decisions[robot] = operator.decide(&View {
                 robot,
                 estimates: &self.estimates,
                 map: self.slam.map(),
                 scan: &self.scans[robot],
                 water: &self.water[robot],
-                bumped: seen.bumped,
-                time: seen.time,
-                battery: seen.battery,
+                seen,
                 body: &self.body,
                 laser: &self.laser,
             });
@@ -107,5 +101,10 @@ impl Brain {
     /// A robot's last scan in metres, empty before the first.
     pub fn scan(&self, robot: usize) -> &Scan {
         &self.scans[robot]
+    }
+
+    /// How many observations of a robot were taken in.
+    pub fn steps(&self, robot: usize) -> u64 {
+        self.ticks[robot]
     }
 }

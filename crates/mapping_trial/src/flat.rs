@@ -5,13 +5,13 @@ use std::sync::Arc;
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use envgen::ground::Grounds;
 use envgen::proximity::Proximity;
-use envgen::raycast::Raycaster;
+use envgen::raycast::{Fan, Raycaster};
 use envgen::{Seed, World};
 use glam::DVec2;
 
-use crate::body::{Bodies, Command, Condition, Observation, TICK};
-use crate::lidar::{Laser, LaserProfile};
-use crate::odometry::{Increment, Odometry, OdometryProfile};
+use crate::body::{Bodies, Command, Condition, Observation, Sensors, TICK};
+use crate::lidar::LaserProfile;
+use crate::odometry::{Increment, OdometryProfile};
 use crate::robot::Robot;
 use crate::water;
 
@@ -48,16 +48,16 @@ impl FlatWorld {
 /// A disc that meets something solid slides along it; its wheels are stalled by what stops it, so
 /// that odometry measures the way that was really made. Robots are solid to each other and seen by
 /// each other's lasers. Ground of speed 0 stops a disc's middle, water drowns it.
-#[derive(Debug)]
 pub struct FlatSimulator {
     world: Arc<FlatWorld>,
     robot: Robot,
+    laser: LaserProfile,
+    fan: Fan,
     ticks: u32,
     discs: Vec<Disc>,
     exact: Vec<f64>,
 }
 
-#[derive(Debug)]
 struct Disc {
     pose: Pose,
     speed: f64,
@@ -69,11 +69,13 @@ struct Disc {
     clear: u32,
     /// What the wheels measured in the last tick.
     measured: Increment,
-    odometry: Odometry,
-    laser: Laser,
+    sensors: Sensors,
 }
 
 impl FlatSimulator {
+    /// What logs and reports call it.
+    pub const ENGINE: &str = "flat";
+
     /// Robots at their starts; what their sensors get wrong follows from the seed.
     pub fn new(
         world: Arc<FlatWorld>,
@@ -83,7 +85,21 @@ impl FlatSimulator {
         odometry: &OdometryProfile,
         seed: Seed,
     ) -> Self {
-        let discs = starts.iter().zip(0..).map(|(&pose, number)| Disc {
+        let sensors = (0..starts.len() as u64)
+            .map(|number| Sensors::new(laser, odometry, seed, number))
+            .collect();
+        FlatSimulator::with_sensors(world, robot, starts, laser, sensors)
+    }
+
+    /// The same with sensors of one's own, one set a start.
+    pub fn with_sensors(
+        world: Arc<FlatWorld>,
+        robot: &Robot,
+        starts: &[Pose],
+        laser: &LaserProfile,
+        sensors: Vec<Sensors>,
+    ) -> Self {
+        let discs = starts.iter().zip(sensors).map(|(&pose, sensors)| Disc {
             pose,
             speed: 0.0,
             turn_rate: 0.0,
@@ -92,12 +108,13 @@ impl FlatSimulator {
             hits: 0,
             clear: TICKS_BETWEEN_HITS,
             measured: Increment::default(),
-            odometry: Odometry::new(odometry.clone(), seed, number),
-            laser: Laser::new(laser.clone(), seed, number),
+            sensors,
         });
         FlatSimulator {
             world,
             robot: robot.clone(),
+            laser: laser.clone(),
+            fan: laser.fan(),
             ticks: 0,
             discs: discs.collect(),
             exact: Vec::new(),
@@ -107,10 +124,9 @@ impl FlatSimulator {
     /// Shortens ranges that end at another robot.
     fn see_others(&mut self, robot: usize, from: Pose) {
         for (_, other) in self.discs.iter().enumerate().filter(|&(i, _)| i != robot) {
-            let profile = self.discs[robot].laser.profile();
             let to = other.pose.position - from.position;
             for (beam, range) in self.exact.iter_mut().enumerate() {
-                let direction = unit_vector(from.heading + profile.angle(beam));
+                let direction = unit_vector(from.heading + self.laser.angle(beam));
                 let (along, across) = (to.dot(direction), to.perp_dot(direction));
                 let half2 = self.robot.swing_radius * self.robot.swing_radius - across * across;
                 if along > 0.0 && half2 >= 0.0 {
@@ -179,9 +195,10 @@ impl FlatSimulator {
         let from = disc.pose;
         let ground = self.world.grounds.at(from.position);
         let limit = max_speed * ground.speed;
-        let wanted = finite(command.speed).clamp(-limit, limit);
+        let command = command.finite();
+        let wanted = command.speed.clamp(-limit, limit);
         let speed = toward(disc.speed, wanted, acceleration * TICK);
-        let wanted = finite(command.turn_rate).clamp(-max_turn_rate, max_turn_rate);
+        let wanted = command.turn_rate.clamp(-max_turn_rate, max_turn_rate);
         let turn_rate = toward(disc.turn_rate, wanted, turn_acceleration * TICK);
 
         let turn = turn_rate * TICK;
@@ -196,7 +213,8 @@ impl FlatSimulator {
         disc.turn_rate = turn_rate;
         // What stops the disc stops its wheels.
         disc.speed = if touching { distance / TICK } else { speed };
-        disc.measured = disc.odometry.measure(Increment { distance, turn }, ground.odometry_noise);
+        disc.measured =
+            disc.sensors.odometry.measure(Increment { distance, turn }, ground.odometry_noise);
         if touching && disc.clear >= TICKS_BETWEEN_HITS {
             disc.hits += 1;
         }
@@ -209,17 +227,18 @@ impl FlatSimulator {
 }
 
 impl Bodies for FlatSimulator {
+    fn engine(&self) -> &str {
+        FlatSimulator::ENGINE
+    }
+
     fn observe(&mut self, robot: usize) -> Observation {
         let time = f64::from(self.ticks) * TICK;
-        let disc = &self.discs[robot];
-        let due = self.ticks.is_multiple_of(disc.laser.profile().ticks_a_scan.max(1));
+        let due = self.ticks.is_multiple_of(self.laser.ticks_a_scan.max(1));
         let scan = due.then(|| {
             let from = self.robot.laser_pose(self.discs[robot].pose);
-            let mut exact = std::mem::take(&mut self.exact);
-            self.discs[robot].laser.cast(&self.world.rays, from, &mut exact);
-            self.exact = exact;
+            self.world.rays.scan(from, &self.fan, self.laser.max_range, &mut self.exact);
             self.see_others(robot, from);
-            self.discs[robot].laser.measure(&self.exact)
+            self.discs[robot].sensors.laser.measure(&self.exact)
         });
         let FlatWorld { rays, grounds, .. } = &*self.world;
         let disc = &self.discs[robot];
@@ -256,11 +275,6 @@ impl Bodies for FlatSimulator {
     fn hits(&self, robot: usize) -> u32 {
         self.discs[robot].hits
     }
-}
-
-/// A number that is none counts as standing still.
-fn finite(value: f64) -> f64 {
-    if value.is_finite() { value } else { 0.0 }
 }
 
 /// One step of at most `change` from a value towards another.

@@ -4,16 +4,15 @@
 //! ```
 //! use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
 //! use mapping_trial::trial::{Trial, TrialSettings};
-//! use mapping_trial::truth::Truth;
 //!
 //! let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
 //! let mut trial = Trial::flat(&world, TrialSettings { time_limit: 60.0, ..Default::default() })?;
 //! while trial.step() {}
-//! let scores = trial.score(&Truth::new(&world, &trial.settings().body)?)?;
+//! let scores = trial.score(&trial.reference(&world)?)?;
 //! assert!(scores.coverage > 0.2 && scores.difficulty < 10.0);
 //!
 //! // Everything that happened is in the log, from which it happens again.
-//! let again = trial.log("flat").replay()?;
+//! let again = trial.log().replay()?;
 //! assert_eq!(again.track(0), trial.track(0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -3,8 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use envgen::Seed;
-use envgen::geometry::Pose;
-use envgen::raycast::{Fan, Raycaster};
+use envgen::raycast::Fan;
 use serde::{Deserialize, Serialize};
 
 /// Random numbers that each beam has, used or not, so that its errors depend on nothing else.
@@ -66,6 +65,12 @@ impl LaserProfile {
         let first = if self.beams > 1 { -0.5 * self.field_of_view } else { 0.0 };
         first + step * beam as f64
     }
+
+    /// The beams' directions, to cast them with
+    /// [`Raycaster::scan`](envgen::raycast::Raycaster::scan).
+    pub fn fan(&self) -> Fan {
+        Fan::new(self.field_of_view, self.beams as usize)
+    }
 }
 
 impl Default for LaserProfile {
@@ -83,11 +88,27 @@ pub struct Scan {
     pub ranges: Vec<f64>,
 }
 
+/// Turns exact ranges into what a laser measures: [`Laser`], or an error model of one's own.
+///
+/// Beams, field of view, greatest range and rate are those of the trial's [`LaserProfile`], whatever
+/// the sensor makes of them. One of your own is plugged in by
+/// [`TrialBuilder::laser`](crate::trial::TrialBuilder::laser).
+pub trait LaserSensor {
+    /// What logs and reports call it where it was plugged in: the type's path unless it says
+    /// otherwise.
+    fn name(&self) -> &str {
+        std::any::type_name::<Self>()
+    }
+
+    /// The next scan, from exact ranges, one a beam. A range of the profile's `max_range` or more
+    /// is no echo.
+    fn measure(&mut self, exact: &[f64]) -> Scan;
+}
+
 /// The laser of one robot in one run.
 #[derive(Clone, Debug)]
 pub struct Laser {
     profile: LaserProfile,
-    fan: Fan,
     seed: Seed,
     robot: u64,
     scans: u64,
@@ -96,23 +117,17 @@ pub struct Laser {
 impl Laser {
     /// The laser of the robot of number `robot` in the run of a seed.
     pub fn new(profile: LaserProfile, seed: Seed, robot: u64) -> Self {
-        let fan = Fan::new(profile.field_of_view, profile.beams as usize);
-        Laser { profile, fan, seed, robot, scans: 0 }
+        Laser { profile, seed, robot, scans: 0 }
     }
 
     /// What it measures.
     pub fn profile(&self) -> &LaserProfile {
         &self.profile
     }
+}
 
-    /// Exact ranges from a pose of the laser, `max_range` where nothing is met.
-    pub fn cast(&self, rays: &Raycaster, from: Pose, ranges: &mut Vec<f64>) {
-        rays.scan(from, &self.fan, self.profile.max_range, ranges);
-    }
-
-    /// The next scan, from exact ranges: [`Laser::cast`]'s, or those of a body that casts its own
-    /// rays. A range of `max_range` or more is no echo.
-    pub fn measure(&mut self, exact: &[f64]) -> Scan {
+impl LaserSensor for Laser {
+    fn measure(&mut self, exact: &[f64]) -> Scan {
         let mut draws = self.seed.attempt("trial/laser", self.robot, self.scans);
         self.scans += 1;
         let p = &self.profile;

@@ -59,6 +59,21 @@ impl Default for OdometryProfile {
     }
 }
 
+/// Turns true motions into what wheels measure: [`Odometry`], or an error model of one's own.
+///
+/// One of your own is plugged in by [`TrialBuilder::odometry`](crate::trial::TrialBuilder::odometry).
+pub trait WheelSensor {
+    /// What logs and reports call it where it was plugged in: the type's path unless it says
+    /// otherwise.
+    fn name(&self) -> &str {
+        std::any::type_name::<Self>()
+    }
+
+    /// What is measured of the motion of a tick, on ground that multiplies the variances of errors
+    /// by `factor`.
+    fn measure(&mut self, motion: Increment, factor: f64) -> Increment;
+}
+
 /// The wheels of one robot in one run.
 #[derive(Debug)]
 pub struct Odometry {
@@ -79,9 +94,10 @@ impl Odometry {
             profile,
         }
     }
+}
 
-    /// What is measured of a true motion on ground that multiplies the variances by `factor`.
-    pub fn measure(&mut self, motion: Increment, factor: f64) -> Increment {
+impl WheelSensor for Odometry {
+    fn measure(&mut self, motion: Increment, factor: f64) -> Increment {
         let (way, turn) = (motion.distance.abs(), motion.turn.abs());
         if way == 0.0 && turn == 0.0 {
             return motion;

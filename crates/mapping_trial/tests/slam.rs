@@ -4,9 +4,10 @@ use envgen::geometry::Pose;
 use envgen::glam::DVec2;
 use envgen::raycast::Raycaster;
 use envgen::{Seed, World};
-use mapping_trial::lidar::{Laser, LaserProfile, Scan};
+use mapping_trial::body::Observation;
+use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor, Scan};
 use mapping_trial::map::{Cell, CellIndex, OccupancyMap};
-use mapping_trial::odometry::{Increment, Odometry, OdometryProfile};
+use mapping_trial::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
 use mapping_trial::robot::Robot;
 use mapping_trial::slam::{Slam, SlamKind};
 use proptest::prelude::*;
@@ -85,6 +86,7 @@ fn robots_share_one_map() {
     let world = room();
     let rays = Raycaster::new(&world);
     let robot = Robot::default();
+    let laser = LaserProfile::LMS200_MM;
     let starts = [Pose::new(2.0, 7.0, -1.5), Pose::new(10.0, 7.0, -1.5)];
     for kind in SlamKind::ALL {
         let mut slam = kind.build(&starts, &robot, &LaserProfile::LMS200_MM);
@@ -103,10 +105,11 @@ fn robots_share_one_map() {
                 poses[i].position +=
                     envgen::geometry::unit_vector(poses[i].heading) * motion.distance;
                 let scan = (tick % 4 == 0).then(|| {
-                    lasers[i].cast(&rays, robot.laser_pose(poses[i]), &mut exact);
+                    let from = robot.laser_pose(poses[i]);
+                    rays.scan(from, &laser.fan(), laser.max_range, &mut exact);
                     lasers[i].measure(&exact)
                 });
-                slam.step(i, wheels[i].measure(motion, 1.0), scan.as_ref());
+                slam.step(i, &seen(wheels[i].measure(motion, 1.0), scan));
             }
             if tick == 0 {
                 assert!(free_cells(slam.map(), &world).1 > 1000, "{kind:?} sees no free cell");
@@ -123,7 +126,7 @@ fn robots_share_one_map() {
         assert!(right > 0.99 && count > 25_000, "{kind:?}: {right} of {count}");
         // Robots that there are not change nothing.
         let revision = slam.map().revision();
-        slam.step(9, Increment::default(), Some(&Scan { ranges: vec![1.0; 181] }));
+        slam.step(9, &seen(Increment::default(), Some(Scan { ranges: vec![1.0; 181] })));
         assert!(slam.trajectory(9).is_empty() && slam.map().revision() == revision);
     }
 }
@@ -161,14 +164,19 @@ fn cells_decay_to_free_when_what_stood_there_is_gone() {
     let ahead = CellIndex::of(DVec2::new(2.21, 0.0));
     for i in 0..8 {
         let turn = if i % 2 == 0 { 0.3 } else { -0.3 };
-        slam.step(0, Increment { distance: 0.0, turn }, Some(&scan(2.0)));
+        slam.step(0, &seen(Increment { distance: 0.0, turn }, Some(scan(2.0))));
     }
     assert_eq!(slam.map().cell(ahead), Cell::Occupied);
     for i in 0..40 {
         let turn = if i % 2 == 0 { 0.3 } else { -0.3 };
-        slam.step(0, Increment { distance: 0.0, turn }, Some(&scan(f64::INFINITY)));
+        slam.step(0, &seen(Increment { distance: 0.0, turn }, Some(scan(f64::INFINITY))));
     }
     assert_eq!(slam.map().cell(ahead), Cell::Free);
+}
+
+/// What a robot measured in a tick.
+fn seen(odometry: Increment, scan: Option<Scan>) -> Observation {
+    Observation { odometry, scan, ..Observation::default() }
 }
 
 fn anything() -> impl Strategy<Value = f64> {
@@ -195,7 +203,7 @@ proptest! {
             let mut slam = kind.build(&[start], &Robot::default(), &laser);
             for ((distance, turn), ranges) in &steps {
                 let odometry = Increment { distance: *distance, turn: *turn };
-                slam.step(0, odometry, Some(&Scan { ranges: ranges.clone() }));
+                slam.step(0, &seen(odometry, Some(Scan { ranges: ranges.clone() })));
                 let estimate = slam.estimate(0);
                 prop_assert!(estimate.pose.position.is_finite() && estimate.pose.heading.is_finite());
                 prop_assert!(estimate.deviation >= 0.0 && estimate.heading_deviation >= 0.0);

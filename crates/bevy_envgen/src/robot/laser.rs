@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_rapier2d::prelude::{QueryFilter, ReadRapierContext};
 use envgen::Seed;
 use envgen::geometry::{Pose, unit_vector};
-use mapping_trial::lidar::{Laser, LaserProfile};
+use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor};
 
 use super::model::{RobotModel, TruePose};
 
@@ -13,12 +13,15 @@ use super::model::{RobotModel, TruePose};
 /// It sees every collider but the robot's own and sensors: walls, doors as far as they are closed,
 /// other robots, and whatever else there is. A scan is taken in the first step and then every so
 /// many steps as the profile says; it is in [`LaserScan`].
-#[derive(Component, Clone, Debug, Reflect)]
-#[reflect(opaque)]
-#[reflect(Component, Debug, Clone)]
+#[derive(Component, Reflect)]
+#[reflect(from_reflect = false)]
+#[reflect(Component)]
 #[require(LaserScan)]
 pub struct LaserScanner {
-    laser: Laser,
+    #[reflect(ignore)]
+    profile: LaserProfile,
+    #[reflect(ignore)]
+    sensor: Box<dyn LaserSensor + Send + Sync>,
     /// Steps until the next scan.
     wait: u32,
 }
@@ -26,12 +29,18 @@ pub struct LaserScanner {
 impl LaserScanner {
     /// The laser of the robot of number `robot` in the run of a seed, which its noise follows from.
     pub fn new(profile: LaserProfile, seed: u64, robot: u64) -> Self {
-        LaserScanner { laser: Laser::new(profile, Seed(seed), robot), wait: 0 }
+        let sensor = Laser::new(profile.clone(), Seed(seed), robot);
+        LaserScanner::with_sensor(profile, Box::new(sensor))
+    }
+
+    /// A laser with the beams and the rate of a profile, and an error model of one's own.
+    pub fn with_sensor(profile: LaserProfile, sensor: Box<dyn LaserSensor + Send + Sync>) -> Self {
+        LaserScanner { profile, sensor, wait: 0 }
     }
 
     /// What it measures.
     pub fn profile(&self) -> &LaserProfile {
-        self.laser.profile()
+        &self.profile
     }
 }
 
@@ -84,7 +93,7 @@ pub(super) fn scan(
                 hit.map_or(profile.max_range, |(_, range)| f64::from(range))
             }));
         });
-        let measured = scanner.laser.measure(&exact);
+        let measured = scanner.sensor.measure(&exact);
         scan.ranges = measured.ranges;
         scan.pose = from;
         scan.number += 1;

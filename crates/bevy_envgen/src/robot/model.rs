@@ -9,7 +9,7 @@ use envgen::Seed;
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
 use mapping_trial::body::Command;
-use mapping_trial::odometry::{Increment, Odometry, OdometryProfile};
+use mapping_trial::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
 use mapping_trial::robot::Robot;
 
 /// Makes an entity a robot of these numbers; the default is the Pioneer 3-AT.
@@ -178,7 +178,7 @@ pub enum RobotCondition {
 }
 
 /// Measures the motion of a robot with the errors of a profile.
-#[derive(Component, Debug, Reflect)]
+#[derive(Component, Reflect)]
 #[reflect(from_reflect = false)]
 #[reflect(Component)]
 pub struct WheelOdometry {
@@ -187,13 +187,17 @@ pub struct WheelOdometry {
     /// Radians turned in the last step, as measured.
     pub turn: f64,
     #[reflect(ignore)]
-    wheels: Odometry,
+    wheels: Box<dyn WheelSensor + Send + Sync>,
 }
 
 impl WheelOdometry {
     /// The wheels of the robot of number `robot` in the run of a seed.
     pub fn new(profile: OdometryProfile, seed: u64, robot: u64) -> Self {
-        let wheels = Odometry::new(profile, Seed(seed), robot);
+        WheelOdometry::with_sensor(Box::new(Odometry::new(profile, Seed(seed), robot)))
+    }
+
+    /// Wheels with an error model of one's own.
+    pub fn with_sensor(wheels: Box<dyn WheelSensor + Send + Sync>) -> Self {
         WheelOdometry { distance: 0.0, turn: 0.0, wheels }
     }
 

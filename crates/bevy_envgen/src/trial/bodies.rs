@@ -2,15 +2,16 @@
 
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
-use mapping_trial::body::{Bodies, Command, Condition, Observation, TICK};
+use mapping_trial::body::{Bodies, Command, Condition, Observation, Sensors, TICK};
 use mapping_trial::lidar::Scan;
 use mapping_trial::odometry::Increment;
 
 /// The robots of a trial in rapier: a letter box, into which every tick brings what the robots
 /// sensed, for the trial to read.
-#[derive(Clone, Debug)]
 pub struct RapierBodies {
     ticks: u32,
+    /// The robots' sensors, until the robots are spawned with them.
+    sensors: Vec<Sensors>,
     /// Seconds that a battery lasts.
     battery: f64,
     robots: Vec<Letter>,
@@ -29,7 +30,7 @@ pub(super) struct Letter {
 }
 
 impl RapierBodies {
-    pub(super) fn new(starts: &[Pose], battery: f64) -> Self {
+    pub(super) fn new(starts: &[Pose], battery: f64, sensors: Vec<Sensors>) -> Self {
         let letter = |&pose: &Pose| Letter {
             pose,
             condition: Condition::Able,
@@ -39,7 +40,13 @@ impl RapierBodies {
             scan: None,
             water: None,
         };
-        RapierBodies { ticks: 0, battery, robots: starts.iter().map(letter).collect() }
+        let robots = starts.iter().map(letter).collect();
+        RapierBodies { ticks: 0, sensors, battery, robots }
+    }
+
+    /// The robots' sensors, to spawn the robots with.
+    pub(super) fn take_sensors(&mut self) -> Vec<Sensors> {
+        std::mem::take(&mut self.sensors)
     }
 
     /// Brings what a robot sensed.
@@ -61,6 +68,10 @@ impl RapierBodies {
 }
 
 impl Bodies for RapierBodies {
+    fn engine(&self) -> &str {
+        super::ENGINE
+    }
+
     fn observe(&mut self, robot: usize) -> Observation {
         let battery = self.battery();
         let letter = &mut self.robots[robot];

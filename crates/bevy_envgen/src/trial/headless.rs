@@ -7,7 +7,7 @@ use bevy::ecs::schedule::SingleThreadedExecutor;
 use bevy::prelude::*;
 use bevy::time::{TimePlugin, TimeUpdateStrategy};
 use mapping_trial::body::TICK;
-use mapping_trial::trial::{Trial, TrialLog, TrialSettings};
+use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
 use thiserror::Error;
 
 use super::{MappingTrial, MappingTrialError, RapierBodies, TrialFailed, TrialPlugin};
@@ -44,7 +44,21 @@ pub fn run_headless(
     settings: TrialSettings,
     progress: impl FnMut(f64),
 ) -> Result<Trial<RapierBodies>, HeadlessError> {
-    drive(world.clone(), MappingTrial::new(settings), progress)
+    run_headless_with(world, settings, TrialParts::default(), progress)
+}
+
+/// The same with SLAM, operator or sensors of one's own, in place of those that the settings name.
+///
+/// # Errors
+///
+/// As [`run_headless`].
+pub fn run_headless_with(
+    world: &envgen::World,
+    settings: TrialSettings,
+    parts: TrialParts,
+    progress: impl FnMut(f64),
+) -> Result<Trial<RapierBodies>, HeadlessError> {
+    drive(world.clone(), MappingTrial::new(settings).with_parts(parts), progress)
 }
 
 /// Runs a log of engine [`ENGINE`](super::ENGINE) again, in `world`, which must be the log's.

@@ -44,12 +44,12 @@ use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::PhysicsSet;
 use mapping_trial::body::Command;
-use mapping_trial::trial::{Trial, TrialError, TrialLog, TrialSettings};
+use mapping_trial::trial::{Trial, TrialError, TrialLog, TrialParts, TrialSettings};
 use thiserror::Error;
 
 pub use bodies::RapierBodies;
 use camera::Camera;
-pub use headless::{HeadlessError, replay_headless, run_headless};
+pub use headless::{HeadlessError, replay_headless, run_headless, run_headless_with};
 
 use crate::physics::DoorSystems;
 use crate::robot::{RobotPlugin, RobotSystems};
@@ -126,6 +126,9 @@ pub struct MappingTrial {
     time: f64,
     #[reflect(ignore)]
     ask: Ask,
+    /// What takes the place of built-in parts.
+    #[reflect(ignore)]
+    parts: TrialParts,
     #[reflect(ignore)]
     state: State,
 }
@@ -172,7 +175,13 @@ impl MappingTrial {
     }
 
     fn of(ask: Ask) -> Self {
-        MappingTrial { time: 0.0, ask, state: State::Waiting }
+        MappingTrial { time: 0.0, ask, parts: TrialParts::default(), state: State::Waiting }
+    }
+
+    /// With SLAM, operator or sensors of one's own, in place of those that the settings name.
+    #[must_use]
+    pub fn with_parts(self, parts: TrialParts) -> Self {
+        MappingTrial { parts, ..self }
     }
 
     /// The trial as far as it went; `None` before it begins.

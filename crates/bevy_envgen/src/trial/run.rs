@@ -3,9 +3,9 @@
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::TimestepMode;
 use envgen::geometry::Pose;
-use mapping_trial::body::{Bodies, Command, Condition, TICK};
+use mapping_trial::body::{Bodies, Command, Condition, Sensors, TICK};
 use mapping_trial::lidar::Scan;
-use mapping_trial::trial::{EndReason, Trial, TrialLog};
+use mapping_trial::trial::{EndReason, Trial, TrialBuilder, TrialLog};
 
 use super::bodies::{Letter, RapierBodies};
 use super::camera::Camera;
@@ -57,9 +57,9 @@ pub(super) fn begin(
             continue;
         }
         let ready = check(&fixed, rapier.as_deref(), transform);
-        match ready.and_then(|()| place(&trial.ask, truth)) {
-            Ok(placed) => {
-                let robots = spawn(&mut commands, entity, environment, transform, &placed);
+        match ready.and_then(|()| place(&trial, truth)) {
+            Ok(mut placed) => {
+                let robots = spawn(&mut commands, entity, environment, transform, &mut placed);
                 let scans = vec![0; robots.len()];
                 let script = match &trial.ask {
                     Ask::New(_) => Vec::new(),
@@ -108,14 +108,17 @@ fn check(
 }
 
 /// A trial with its robots at their starts.
-fn place(ask: &Ask, world: &envgen::World) -> Result<Trial<RapierBodies>, MappingTrialError> {
-    let bodies = |settings| {
-        Trial::with_bodies(world, settings, |settings, starts| {
-            RapierBodies::new(starts, settings.body.battery)
+fn place(
+    trial: &MappingTrial,
+    world: &envgen::World,
+) -> Result<Trial<RapierBodies>, MappingTrialError> {
+    let bodies = |builder: TrialBuilder<'_>| {
+        builder.parts(trial.parts.clone()).build(|setup, sensors| {
+            RapierBodies::new(setup.starts, setup.settings.body.battery, sensors)
         })
     };
-    Ok(match ask {
-        Ask::New(settings) => bodies((**settings).clone())?,
+    Ok(match &trial.ask {
+        Ask::New(settings) => bodies(TrialBuilder::new(world, (**settings).clone()))?,
         Ask::Replay(log) if log.engine != ENGINE => {
             return Err(MappingTrialError::Engine { found: log.engine.clone() });
         }
@@ -129,23 +132,23 @@ fn spawn(
     entity: Entity,
     environment: &Environment,
     frame: &GlobalTransform,
-    trial: &Trial<RapierBodies>,
+    trial: &mut Trial<RapierBodies>,
 ) -> Vec<Entity> {
+    let sensors = trial.bodies_mut().take_sensors();
     let settings = trial.settings();
-    let seed = settings.seed.0;
-    (0..trial.robots())
-        .map(|index| {
+    let robots = sensors.into_iter().enumerate();
+    robots
+        .map(|(index, Sensors { laser, odometry })| {
             let Pose { position, heading } = trial.bodies().pose(index);
             let at = (position - environment.origin).as_vec2();
-            let number = index as u64;
             let place = Transform::from_translation(at.extend(0.0))
                 .with_rotation(Quat::from_rotation_z(heading as f32));
             let robot = (
                 Name::new(format!("Robot {}", index + 1)),
                 TrialRobot { index },
                 RobotModel(settings.body.clone()),
-                LaserScanner::new(settings.laser.clone(), seed, number),
-                WheelOdometry::new(settings.odometry.clone(), seed, number),
+                LaserScanner::with_sensor(settings.laser.clone(), laser),
+                WheelOdometry::with_sensor(odometry),
                 place,
                 // Bevy renews it once a frame; rapier, in this very tick, asks for it.
                 frame.mul_transform(place),

@@ -14,9 +14,6 @@ use crate::robot::Robot;
 use crate::trial;
 use crate::truth::Truth;
 
-/// What moves the bodies, as logs name it.
-const ENGINE: &str = "flat";
-
 /// A map that trials take place on.
 pub(super) struct Site {
     pub(super) world: World,
@@ -50,7 +47,8 @@ impl Site {
     ) -> Result<(Record, trial::Trial<FlatSimulator>), ExperimentError> {
         let told = |error: &dyn Error| unusable(design, trial, error);
         let settings = design.settings(trial);
-        let mut run = trial::Trial::flat_in(&self.world, Arc::clone(&self.flat), settings)
+        let mut run = trial::Trial::builder(&self.world, settings)
+            .build_flat_in(Arc::clone(&self.flat))
             .map_err(|error| told(&error))?;
         while run.step() {}
         let record = Record {
@@ -58,7 +56,7 @@ impl Site {
             world_seed: design.world_seed(trial),
             noise_seed: design.noise_seed(trial),
             world_digest: self.digest.clone(),
-            log_digest: run.log(ENGINE).digest().to_string(),
+            log_digest: run.log().digest().to_string(),
             end: run.end_of(0).map(|end| end.reason),
             features: self.features.clone(),
             scores: run.score(&self.truth).map_err(|error| told(&error))?,

@@ -76,12 +76,12 @@ impl Operator for Corridors {
         let (home, next_look) = homes[robot].get_or_insert((pose.position, 0.0));
         let view = View { estimates: &*estimates, ..*view };
         let decision =
-            navigator.explore(&view, |planning| choose(planning, view.time, home, next_look));
+            navigator.explore(&view, |planning| choose(planning, view.seen.time, home, next_look));
         let Decision::Drive(command) = decision else { return decision };
         let pending = &mut pending[robot];
-        pending.push_back((view.time, command));
+        pending.push_back((view.seen.time, command));
         // A tolerance below a tick, since times are sums of ticks.
-        while pending.front().is_some_and(|(then, _)| view.time - then >= DELAY - 1e-6) {
+        while pending.front().is_some_and(|(then, _)| view.seen.time - then >= DELAY - 1e-6) {
             if let Some((_, command)) = pending.pop_front() {
                 carried_out[robot] = command;
             }

@@ -16,7 +16,7 @@ mod way;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::body::Command;
+use crate::body::{Command, Observation};
 use crate::lidar::{LaserProfile, Scan};
 use crate::map::{Estimate, OccupancyMap};
 use crate::robot::Robot;
@@ -34,12 +34,8 @@ pub struct View<'a> {
     pub scan: &'a Scan,
     /// Where this robot last saw water, in the map's frame; empty where it saw none.
     pub water: &'a [DVec2],
-    /// Whether this robot touches something.
-    pub bumped: bool,
-    /// Simulated seconds since the start.
-    pub time: f64,
-    /// Seconds that this robot's battery still lasts.
-    pub battery: f64,
+    /// What this robot measured in this tick: time, odometry, bumper, battery.
+    pub seen: &'a Observation,
     /// Size and limits of the robots.
     pub body: &'a Robot,
     /// What their lasers measure.
@@ -55,18 +51,42 @@ pub enum Decision {
     Finished,
     /// The robot cannot get free.
     Stuck,
+    /// The operator itself broke down, as [`Operator::failure`] says: the trial ends.
+    Failed,
 }
 
-/// An operator of one or more robots.
+/// An operator of one or more robots: an exploration policy.
+///
+/// One of your own is plugged in by [`TrialBuilder::operator`](crate::trial::TrialBuilder::operator).
 pub trait Operator {
-    /// What a robot is to do now; asked for every second tick, 10 times a second.
+    /// What logs and reports call it where it was plugged in: the type's path unless it says
+    /// otherwise.
+    fn name(&self) -> &str {
+        std::any::type_name::<Self>()
+    }
+
+    /// What a robot is to do now; asked every [`Operator::ticks_per_decision`] ticks.
     fn decide(&mut self, view: &View<'_>) -> Decision;
 
-    /// How often a robot had to be freed so far.
-    fn recoveries(&self, robot: usize) -> u32;
+    /// Ticks from one decision to the next, at least 1: 2 are 10 decisions a second.
+    fn ticks_per_decision(&self) -> u64 {
+        2
+    }
 
-    /// The way that a robot is following, for pictures: points in the map's frame.
-    fn path(&self, robot: usize) -> &[DVec2];
+    /// How often a robot had to be freed so far.
+    fn recoveries(&self, _robot: usize) -> u32 {
+        0
+    }
+
+    /// The path that a robot is following, for pictures: points in the map's frame.
+    fn path(&self, _robot: usize) -> &[DVec2] {
+        &[]
+    }
+
+    /// Why it decided on [`Decision::Failed`]; `None` while it works.
+    fn failure(&self) -> Option<&str> {
+        None
+    }
 }
 
 /// The operators that are programs.

@@ -228,7 +228,7 @@ impl Navigator {
             return None;
         }
         self.look(view, pose);
-        let renewed = view.time - self.refreshed >= REFRESH;
+        let renewed = view.seen.time - self.refreshed >= REFRESH;
         if renewed {
             self.refresh(view);
         }
@@ -242,7 +242,7 @@ impl Navigator {
                 Task::Survey { heading, turned } => {
                     let turned = turned + wrap_angle(pose.heading - heading);
                     let left = FULL_TURN - turned;
-                    if left > 0.1 && view.time < SURVEY {
+                    if left > 0.1 && view.seen.time < SURVEY {
                         pilot.task = Task::Survey { heading: pose.heading, turned };
                         return Some(Decision::Drive(turn(view.body, left)));
                     }
@@ -250,12 +250,12 @@ impl Navigator {
                 }
                 Task::Choose => {
                     if !self.choose(view, pose, aim) {
-                        self.pilots[view.robot].task = Task::Rest { since: view.time };
+                        self.pilots[view.robot].task = Task::Rest { since: view.seen.time };
                         return None;
                     }
                 }
                 Task::Rest { since } => {
-                    if view.time - since < REFRESH {
+                    if view.seen.time - since < REFRESH {
                         return None;
                     }
                     pilot.task = Task::Choose;
@@ -267,13 +267,15 @@ impl Navigator {
                 }
                 Task::Look { frontier, heading, until } => {
                     let off = wrap_angle(heading - pose.heading);
-                    if view.time < until && off.abs() > 0.15 {
+                    if view.seen.time < until && off.abs() > 0.15 {
                         return Some(Decision::Drive(turn(view.body, off)));
                     }
-                    if view.time < until.min(view.time + 1.0) && until - view.time > LOOK {
-                        pilot.task = Task::Look { frontier, heading, until: view.time + LOOK };
+                    if view.seen.time < until.min(view.seen.time + 1.0)
+                        && until - view.seen.time > LOOK
+                    {
+                        pilot.task = Task::Look { frontier, heading, until: view.seen.time + LOOK };
                     }
-                    if view.time < until {
+                    if view.seen.time < until {
                         return Some(Decision::Drive(Command::STOP));
                     }
                     self.refresh(view);
@@ -283,18 +285,19 @@ impl Navigator {
                     self.pilots[view.robot].task = Task::Choose;
                 }
                 Task::BackOff { from, until } => {
-                    let done = from.distance(pose.position) >= BACK_OFF.0 || view.time >= until;
-                    if !done && !view.bumped && self.is_free_behind(view.body, pose) {
+                    let done =
+                        from.distance(pose.position) >= BACK_OFF.0 || view.seen.time >= until;
+                    if !done && !view.seen.bumped && self.is_free_behind(view.body, pose) {
                         let speed = -BACK_OFF.1;
                         return Some(Decision::Drive(Command { speed, turn_rate: 0.0 }));
                     }
                     let heading = pose.heading + self.open_side();
                     let pilot = &mut self.pilots[view.robot];
-                    pilot.task = Task::TurnAway { heading, until: view.time + 4.0 };
+                    pilot.task = Task::TurnAway { heading, until: view.seen.time + 4.0 };
                 }
                 Task::TurnAway { heading, until } => {
                     let off = wrap_angle(heading - pose.heading);
-                    if off.abs() > 0.2 && view.time < until {
+                    if off.abs() > 0.2 && view.seen.time < until {
                         return Some(Decision::Drive(turn(view.body, off)));
                     }
                     self.refresh(view);
@@ -310,12 +313,12 @@ impl Navigator {
     pub(super) fn steer(&mut self, view: &View<'_>, target: DVec2) -> Option<Decision> {
         let pose = pose_of(view)?;
         self.look(view, pose);
-        if view.time - self.refreshed >= REFRESH {
+        if view.seen.time - self.refreshed >= REFRESH {
             self.refresh(view);
         }
         let pilot = self.pilots.get_mut(view.robot)?;
         let waits = other_ahead(view, pose).is_some();
-        if waits || pilot.progress.is_stuck(view.time, pose.position) {
+        if waits || pilot.progress.is_stuck(view.seen.time, pose.position) {
             pilot.progress = Progress::default();
             return None;
         }
@@ -323,7 +326,7 @@ impl Navigator {
         let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
         let command =
             pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, self.cruise);
-        pilot.progress.wants(command, view.time);
+        pilot.progress.wants(command, view.seen.time);
         Some(Decision::Drive(command))
     }
 
@@ -346,7 +349,7 @@ impl Navigator {
     /// Takes over what has changed in the map.
     fn refresh(&mut self, view: &View<'_>) {
         self.costmap.refresh(view.map);
-        self.refreshed = view.time;
+        self.refreshed = view.seen.time;
     }
 
     /// Drives on; `None` when the task is at its end.
@@ -366,7 +369,7 @@ impl Navigator {
                 return None;
             }
         }
-        if pilot.progress.is_stuck(view.time, pose.position) || view.time > deadline {
+        if pilot.progress.is_stuck(view.seen.time, pose.position) || view.seen.time > deadline {
             return self.recover(view, pose, goal, squeezes);
         }
         if renewed {
@@ -392,7 +395,7 @@ impl Navigator {
                         Some(to) => Task::Look {
                             frontier,
                             heading: libm::atan2(to.y, to.x),
-                            until: view.time + 6.0,
+                            until: view.seen.time + 6.0,
                         },
                         None => Task::Choose,
                     }
@@ -404,7 +407,7 @@ impl Navigator {
         let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
         let command =
             pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, self.cruise);
-        pilot.progress.wants(command, view.time);
+        pilot.progress.wants(command, view.seen.time);
         Some(Decision::Drive(command))
     }
 
@@ -517,14 +520,14 @@ impl Navigator {
         let pilot = &mut self.pilots[view.robot];
         pilot.way.set(&mut self.costmap, &self.cells);
         let length = f64::from(cost) / f64::from(METRE);
-        let deadline = view.time + 30.0 + length / 0.1;
+        let deadline = view.seen.time + 30.0 + length / 0.1;
         pilot.task = Task::Go { goal, deadline, squeezes, waited: 0.0 };
     }
 
     /// What no way of a robot may lead through for now.
     fn collect_blocks(&mut self, view: &View<'_>) {
         let pilot = &mut self.pilots[view.robot];
-        pilot.avoid.retain(|(until, _)| *until > view.time);
+        pilot.avoid.retain(|(until, _)| *until > view.seen.time);
         self.blocks.clear();
         self.blocks.extend(pilot.avoid.iter().map(|(_, block)| *block));
         let others = view.estimates.iter().enumerate().filter(|(other, _)| *other != view.robot);

@@ -13,6 +13,7 @@ use super::frontier::Frontiers;
 use super::guard::Guard;
 use super::search::{Block, Search};
 use super::*;
+use crate::body::Observation;
 use crate::map::{Cell, CellIndex, RESOLUTION};
 
 const SPAN: i32 = 80;
@@ -298,6 +299,12 @@ fn ask(map: &OccupancyMap, estimate: Estimate, scan: &Scan, robots: usize) -> Ve
             let mut operator = build(kind, robots, &body, &laser);
             let mut last = Decision::Finished;
             for step in 0..150 {
+                let seen = Observation {
+                    time: 0.1 * f64::from(step),
+                    bumped: step % 3 == 0,
+                    battery: 100.0,
+                    ..Default::default()
+                };
                 for robot in 0..robots {
                     last = operator.decide(&View {
                         robot,
@@ -305,9 +312,7 @@ fn ask(map: &OccupancyMap, estimate: Estimate, scan: &Scan, robots: usize) -> Ve
                         map,
                         scan,
                         water: &[],
-                        bumped: step % 3 == 0,
-                        time: 0.1 * f64::from(step),
-                        battery: 100.0,
+                        seen: &seen,
                         body: &body,
                         laser: &laser,
                     });

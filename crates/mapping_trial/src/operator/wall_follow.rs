@@ -82,8 +82,8 @@ impl Operator for WallFollow {
             {
                 (follower.mode, follower.touching) = (Mode::Follow, false);
             }
-            if follower.mode == Mode::Follow && view.time - follower.looked >= LOOK {
-                follower.looked = view.time;
+            if follower.mode == Mode::Follow && view.seen.time - follower.looked >= LOOK {
+                follower.looked = view.seen.time;
                 if !navigator.has_frontiers(view) {
                     follower.mode = Mode::Explore;
                     navigator.interrupt(view.robot);

@@ -10,6 +10,7 @@ pub(crate) mod walls;
 mod weights;
 
 use envgen::geometry::Pose;
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -86,6 +87,18 @@ pub enum ScoreError {
         /// Estimated poses.
         estimated: usize,
     },
+    /// An estimator's trajectory does not have a pose for each step.
+    #[error(
+        "the estimated trajectory of robot {robot} has {found} poses, allowed are {expected}, the start and one a step"
+    )]
+    Trajectory {
+        /// The robot.
+        robot: usize,
+        /// Poses of the trajectory.
+        found: u64,
+        /// Poses that it has to have.
+        expected: u64,
+    },
     /// A pose is not finite, or absurdly far.
     #[error("pose {tick} of robot {robot} is not within {MAX_POSITION} m of the origin")]
     Pose {
@@ -93,6 +106,22 @@ pub enum ScoreError {
         robot: usize,
         /// The tick.
         tick: usize,
+    },
+    /// What could be mapped was worked out for another start or robot.
+    #[error(
+        "the reference is for a robot of {found_radius} m that starts at ({}, {}), \
+         the trial's has {radius} m and starts at ({}, {}): use `Trial::reference`",
+        found.x, found.y, start.x, start.y
+    )]
+    Reference {
+        /// Start of the reference.
+        found: DVec2,
+        /// Radius in metres of the reference's robot.
+        found_radius: f64,
+        /// Start of the trial.
+        start: DVec2,
+        /// Radius in metres of the trial's robot.
+        radius: f64,
     },
     /// A number of the run is none, or negative.
     #[error("`{field}` is {value}, allowed is a finite number of 0 or more")]

@@ -4,9 +4,9 @@ use envgen::geometry::Pose;
 
 use super::Slam;
 use super::mapper::Mapper;
-use crate::lidar::{LaserProfile, Scan};
+use crate::body::Observation;
+use crate::lidar::LaserProfile;
 use crate::map::{Estimate, OccupancyMap};
-use crate::odometry::Increment;
 use crate::robot::Robot;
 
 /// Draws each keyframe's scan where it is thought to be, for good; with or without matching it
@@ -35,8 +35,8 @@ impl<const MATCHING: bool> Incremental<MATCHING> {
 }
 
 impl<const MATCHING: bool> Slam for Incremental<MATCHING> {
-    fn step(&mut self, robot: usize, odometry: Increment, scan: Option<&Scan>) {
-        self.mapper.step(robot, odometry, scan);
+    fn step(&mut self, robot: usize, seen: &Observation) {
+        self.mapper.step(robot, seen.odometry, seen.scan.as_ref());
     }
 
     fn estimate(&self, robot: usize) -> Estimate {

@@ -29,17 +29,26 @@ use serde::{Deserialize, Serialize};
 pub use incremental::{DeadReckoning, Incremental, ScanToMap};
 pub use pose_graph::PoseGraph;
 
-use crate::lidar::{LaserProfile, Scan};
+use crate::body::Observation;
+use crate::lidar::LaserProfile;
 use crate::map::{Estimate, OccupancyMap};
-use crate::odometry::Increment;
 use crate::robot::Robot;
 
 /// One way to do it, for one robot or several that share one map.
 ///
-/// Robots know where they start; the map's frame is the one that those poses are given in.
+/// Robots know where they start; the map's frame is the one that those poses are given in. Changes of
+/// the map are announced by [`OccupancyMap::touch`]: policies and scores look only there.
+///
+/// An estimator of one's own is plugged in by [`TrialBuilder::slam`](crate::trial::TrialBuilder::slam).
 pub trait Slam {
+    /// What logs and reports call it where it was plugged in: the type's path unless it says
+    /// otherwise.
+    fn name(&self) -> &str {
+        std::any::type_name::<Self>()
+    }
+
     /// What one robot measured in one tick.
-    fn step(&mut self, robot: usize, odometry: Increment, scan: Option<&Scan>);
+    fn step(&mut self, robot: usize, seen: &Observation);
 
     /// Where a robot is thought to be.
     fn estimate(&self, robot: usize) -> Estimate;
@@ -47,8 +56,8 @@ pub trait Slam {
     /// The map so far.
     fn map(&self) -> &OccupancyMap;
 
-    /// The best guess now of where a robot was after each of its steps, the start first. Loop
-    /// closing may change the past.
+    /// The best guess now of where a robot was after each of its steps, the start first: one pose
+    /// more than steps. Loop closing may change the past.
     fn trajectory(&self, robot: usize) -> Vec<Pose>;
 }
 

@@ -8,9 +8,9 @@ use super::loops::LoopCloser;
 use super::mapper::{Added, Mapper, WALL_VARIANCE, constrained};
 use super::motion::between;
 use super::track::Variance;
-use crate::lidar::{LaserProfile, Scan};
+use crate::body::Observation;
+use crate::lidar::LaserProfile;
 use crate::map::{Estimate, OccupancyMap};
-use crate::odometry::Increment;
 use crate::robot::Robot;
 
 /// Error in standard deviations of a closed loop beyond which all poses are solved for again.
@@ -103,8 +103,8 @@ impl PoseGraph {
 }
 
 impl Slam for PoseGraph {
-    fn step(&mut self, robot: usize, odometry: Increment, scan: Option<&Scan>) {
-        if let Some(added) = self.mapper.step(robot, odometry, scan) {
+    fn step(&mut self, robot: usize, seen: &Observation) {
+        if let Some(added) = self.mapper.step(robot, seen.odometry, seen.scan.as_ref()) {
             self.extend(added);
         }
     }

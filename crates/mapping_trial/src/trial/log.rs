@@ -1,16 +1,15 @@
 //! A trial's log: world, settings and every command, from which the trial runs again to the bit.
 
 use std::io::{Read, Write};
-use std::sync::Arc;
 
 use envgen::world::Digest;
 use envgen::{Provenance, World, WorldSpec};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{EndReason, RobotEnd, Trial, TrialError, TrialSettings};
+use super::{EndReason, ForeignPart, RobotEnd, Trial, TrialBuilder, TrialError, TrialSettings};
 use crate::body::{Bodies, Command};
-use crate::flat::{FlatSimulator, FlatWorld};
+use crate::flat::FlatSimulator;
 
 /// Version of the logs' layout and of what a replay makes of them; a log of another version is
 /// refused. 2: robots see water, and estimators find old walls again.
@@ -104,6 +103,10 @@ pub struct TrialLog {
     pub settings: TrialSettings,
     /// What moved the bodies, for instance `flat`.
     pub engine: String,
+    /// The parts that were plugged in: a replay has the settings' own in their place, unless they
+    /// are plugged in again. An operator's commands are in the log.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub foreign: Vec<ForeignPart>,
     commands: Vec<CommandTrack>,
     /// Why and when each robot's part ended; `None` where it still went on.
     pub ends: Vec<Option<RobotEnd>>,
@@ -200,37 +203,42 @@ impl TrialLog {
         self.commands.get(robot).into_iter().flat_map(CommandTrack::iter)
     }
 
-    /// Runs a trial of the flat simulator again, to the last bit.
+    /// Runs a trial of the flat simulator again, to the last bit. Where [`TrialLog::foreign`] names
+    /// SLAM or sensors, the settings' own make poses and map instead.
     ///
     /// # Errors
     ///
-    /// As [`WorldSource::world`] and [`Trial::flat`]; a world that is not the log's.
+    /// As [`WorldSource::world`] and [`Trial::flat`]; another engine than the flat simulator.
     pub fn replay(&self) -> Result<Trial<FlatSimulator>, TrialError> {
+        if self.engine != FlatSimulator::ENGINE {
+            return Err(TrialError::OtherEngine { found: self.engine.clone() });
+        }
         let world = self.world.world()?;
-        let flat = Arc::new(FlatWorld::new(&world, &self.settings.body));
-        let mut trial =
-            self.replay_with(&world, |settings| Trial::flat_in(&world, flat, settings))?;
+        let mut trial = self.replay_with(&world, TrialBuilder::build_flat)?;
         self.run_through(&mut trial);
         Ok(trial)
     }
 
-    /// A trial that is ready to run the log again, in the log's world.
+    /// A trial that is ready to run the log again, in the log's world. `build` may plug in the parts
+    /// that [`TrialLog::foreign`] names, and builds the trial.
     ///
     /// # Errors
     ///
-    /// What `begin` says; a world that is not the log's.
-    pub fn replay_with<B: Bodies>(
+    /// What `build` says; a world that is not the log's.
+    pub fn replay_with<'w, B: Bodies>(
         &self,
-        world: &World,
-        begin: impl FnOnce(TrialSettings) -> Result<Trial<B>, TrialError>,
+        world: &'w World,
+        build: impl FnOnce(TrialBuilder<'w>) -> Result<Trial<B>, TrialError>,
     ) -> Result<Trial<B>, TrialError> {
         let found = world.digest().to_string();
         if found != self.world_digest {
             return Err(TrialError::OtherWorld { logged: self.world_digest.clone(), found });
         }
         // The log takes the operator's place, but stands in the settings as it was.
-        let mut trial = begin(TrialSettings { operator: None, ..self.settings.clone() })?;
+        let settings = TrialSettings { operator: None, ..self.settings.clone() };
+        let mut trial = build(TrialBuilder::new(world, settings))?;
         trial.settings.operator = self.settings.operator;
+        trial.foreign = self.foreign.clone();
         trial.source = self.world.clone();
         trial.script =
             Some(Script { ends: self.ends.clone(), recoveries: self.recoveries.clone() });
@@ -275,14 +283,15 @@ impl Script {
 }
 
 impl<B: Bodies> Trial<B> {
-    /// The log so far. `engine` names what moves the bodies.
-    pub fn log(&self, engine: &str) -> TrialLog {
+    /// The log so far.
+    pub fn log(&self) -> TrialLog {
         TrialLog {
             version: LOG_VERSION,
             world: self.source.clone(),
             world_digest: self.world_digest.clone(),
             settings: self.settings.clone(),
-            engine: engine.to_owned(),
+            engine: self.bodies.engine().to_owned(),
+            foreign: self.foreign.clone(),
             commands: self.commands.clone(),
             ends: self.ends.clone(),
             recoveries: (0..self.robots()).map(|robot| self.recoveries(robot)).collect(),

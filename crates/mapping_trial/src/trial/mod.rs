@@ -1,29 +1,31 @@
 //! The protocol of a trial, over any bodies: clock, battery, ends, and the log of every command.
 
+mod builder;
 mod log;
+mod parts;
 mod report;
 mod settings;
 mod start;
 mod summary;
-
-use std::sync::Arc;
 
 use envgen::geometry::{Pose, wrap_angle};
 use envgen::{GenerateError, SettingsError, SpecError, World};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+pub use builder::TrialBuilder;
 pub use log::{LOG_VERSION, LogError, TrialLog, WorldSource};
+pub use parts::{ForeignPart, PartRole, Setup, TrialParts};
 pub use report::{REPORT_VERSION, RobotReport, TrialReport};
 pub(crate) use settings::number;
 pub use settings::{MAX_ROBOTS, MAX_TIME_LIMIT, TrialSettings};
 
 use crate::body::{Bodies, Command, Condition, TICK};
 use crate::brain::Brain;
-use crate::flat::{FlatSimulator, FlatWorld};
-use crate::operator::Decision;
+use crate::flat::FlatSimulator;
+use crate::operator::{Decision, Operator};
 use crate::score::{self, ScoreError, Scores};
-use crate::truth::Truth;
+use crate::truth::{Truth, TruthError};
 
 /// Why a trial cannot begin.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -85,6 +87,15 @@ pub enum TrialError {
         /// Digest of the world at hand.
         found: String,
     },
+    /// Something else than the flat simulator moved the bodies of a log.
+    #[error(
+        "the log's engine is `{found}`, the flat simulator replays `{}`",
+        FlatSimulator::ENGINE
+    )]
+    OtherEngine {
+        /// The log's engine.
+        found: String,
+    },
 }
 
 /// Why a robot's part in a trial ended.
@@ -95,6 +106,8 @@ pub enum EndReason {
     Explored,
     /// It could not get free.
     Stuck,
+    /// Its operator broke down: see [`Operator::failure`](crate::operator::Operator::failure).
+    Failed,
     /// It drove into water.
     Drowned,
     /// Its battery was empty.
@@ -111,6 +124,7 @@ impl EndReason {
         match self {
             EndReason::Explored => "explored",
             EndReason::Stuck => "stuck",
+            EndReason::Failed => "operator failed",
             EndReason::Drowned => "drowned",
             EndReason::Battery => "battery empty",
             EndReason::TimeLimit => "time up",
@@ -156,6 +170,7 @@ pub struct Trial<B> {
     settings: TrialSettings,
     bodies: B,
     brain: Brain,
+    foreign: Vec<ForeignPart>,
     starts: Vec<Pose>,
     source: WorldSource,
     world_digest: String,
@@ -171,66 +186,22 @@ pub struct Trial<B> {
 }
 
 impl Trial<FlatSimulator> {
-    /// A trial in the flat simulator.
+    /// A trial of built-in parts in the flat simulator.
     ///
     /// # Errors
     ///
     /// Settings that are not allowed, or a start that is missing or not free.
     pub fn flat(world: &World, settings: TrialSettings) -> Result<Self, TrialError> {
-        let flat = Arc::new(FlatWorld::new(world, &settings.body));
-        Trial::flat_in(world, flat, settings)
+        TrialBuilder::new(world, settings).build_flat()
     }
 
-    /// The same in a world that was indexed before, for many trials in one world.
-    ///
-    /// # Errors
-    ///
-    /// As [`Trial::flat`].
-    pub fn flat_in(
-        world: &World,
-        flat: Arc<FlatWorld>,
-        settings: TrialSettings,
-    ) -> Result<Self, TrialError> {
-        Trial::with_bodies(world, settings, |settings, starts| {
-            let TrialSettings { body, laser, odometry, seed, .. } = settings;
-            FlatSimulator::new(flat, body, starts, laser, odometry, *seed)
-        })
+    /// A trial that is put together part by part: anyone's SLAM, operator, sensors and bodies.
+    pub fn builder(world: &World, settings: TrialSettings) -> TrialBuilder<'_> {
+        TrialBuilder::new(world, settings)
     }
 }
 
 impl<B: Bodies> Trial<B> {
-    /// A trial of the bodies that `place` puts at the starts.
-    ///
-    /// # Errors
-    ///
-    /// As [`Trial::flat`].
-    pub fn with_bodies(
-        world: &World,
-        settings: TrialSettings,
-        place: impl FnOnce(&TrialSettings, &[Pose]) -> B,
-    ) -> Result<Self, TrialError> {
-        settings.validate()?;
-        let start = settings.start.or(world.start).ok_or(TrialError::NoStart)?;
-        let starts = start::starts(world, start, settings.robots, &settings.body)?;
-        let TrialSettings { slam, operator, ref body, ref laser, .. } = settings;
-        let track = |&start: &Pose| Track { poses: vec![start], ..Track::default() };
-        Ok(Trial {
-            brain: Brain::new(slam, operator, &starts, body, laser),
-            bodies: place(&settings, &starts),
-            source: WorldSource::of(world),
-            world_digest: world.digest().to_string(),
-            tick: 0,
-            ends: vec![None; starts.len()],
-            finished: vec![false; starts.len()],
-            tracks: starts.iter().map(track).collect(),
-            commands: vec![log::CommandTrack::default(); starts.len()],
-            script: None,
-            over: false,
-            starts,
-            settings,
-        })
-    }
-
     /// One tick, driven by the program; false once the trial is over.
     pub fn step(&mut self) -> bool {
         self.tick(None)
@@ -277,15 +248,19 @@ impl<B: Bodies> Trial<B> {
             } else if self.bodies.condition(robot) == Condition::Drowned {
                 Some(EndReason::Drowned)
             } else if let Some(hands) = hands {
-                *command = hands.get(robot).copied().unwrap_or(Command::STOP);
+                *command = hands.get(robot).copied().unwrap_or(Command::STOP).finite();
                 None
             } else {
                 let decision = self.brain.decide(robot, &seen);
                 self.finished[robot] = decision == Decision::Finished;
                 if let Decision::Drive(wanted) = decision {
-                    *command = wanted;
+                    *command = wanted.finite();
                 }
-                (decision == Decision::Stuck).then_some(EndReason::Stuck)
+                match decision {
+                    Decision::Stuck => Some(EndReason::Stuck),
+                    Decision::Failed => Some(EndReason::Failed),
+                    Decision::Drive(_) | Decision::Finished => None,
+                }
             };
             self.ends[robot] = end.map(|reason| RobotEnd { reason, tick: self.tick });
         }
@@ -380,21 +355,48 @@ impl<B: Bodies> Trial<B> {
         }
     }
 
+    /// The parts that were plugged in, in place of those that the settings name.
+    pub fn foreign(&self) -> &[ForeignPart] {
+        &self.foreign
+    }
+
+    /// Why the operator broke down; `None` while it works.
+    pub fn failure(&self) -> Option<&str> {
+        self.brain.operator().and_then(Operator::failure)
+    }
+
+    /// What could be mapped of the trial's world from where it began: what its scores are measured
+    /// against. Trials that begin in one place of one world with one robot may share it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Truth::new`].
+    pub fn reference(&self, world: &World) -> Result<Truth, TruthError> {
+        Truth::from_start(world, &self.settings.body, self.starts[0].position)
+    }
+
     /// Scores the trial as far as it went, against what could be mapped of its world.
     ///
     /// # Errors
     ///
-    /// Poses or counts that no trial of this crate's bodies has.
+    /// A truth of another start or robot; poses or counts that no trial of this crate's parts has.
     pub fn score(&self, truth: &Truth) -> Result<Scores, ScoreError> {
-        self.score_of(truth, &self.estimated_tracks())
+        self.score_of(truth, &self.estimated_tracks()?)
     }
 
     /// Each robot's estimated poses, one for each of its true ones as far as they go: robots whose
     /// part has ended are not estimated any more.
-    fn estimated_tracks(&self) -> Vec<Vec<Pose>> {
-        let slam = self.brain.slam();
-        // The first estimate is the start and the second the first observation's, before any motion.
-        let estimated = |robot| slam.trajectory(robot).get(1..).unwrap_or_default().to_vec();
+    fn estimated_tracks(&self) -> Result<Vec<Vec<Pose>>, ScoreError> {
+        let estimated = |robot| {
+            let trajectory = self.brain.slam().trajectory(robot);
+            let (found, expected) = (trajectory.len() as u64, self.brain.steps(robot) + 1);
+            if found != expected {
+                return Err(ScoreError::Trajectory { robot, found, expected });
+            }
+            // The first estimate is the start and the second the first observation's, before any
+            // motion.
+            Ok(trajectory[1..].to_vec())
+        };
         (0..self.robots()).map(estimated).collect()
     }
 
@@ -407,6 +409,11 @@ impl<B: Bodies> Trial<B> {
     }
 
     fn score_of(&self, truth: &Truth, estimated: &[Vec<Pose>]) -> Result<Scores, ScoreError> {
+        let (start, radius) = (self.starts[0].position, self.settings.body.swing_radius);
+        if (truth.start(), truth.radius()) != (start, radius) {
+            let (found, found_radius) = (truth.start(), truth.radius());
+            return Err(ScoreError::Reference { found, found_radius, start, radius });
+        }
         let robots = 0..self.robots();
         let tracks = self.score_tracks(estimated);
         // A robot in water is as lost as one that is stuck.
@@ -430,5 +437,7 @@ impl<B: Bodies> Trial<B> {
     }
 }
 
+#[cfg(test)]
+mod open_tests;
 #[cfg(test)]
 mod tests;

@@ -3,7 +3,7 @@
 use envgen::{Provenance, World};
 use serde::{Deserialize, Serialize};
 
-use super::{EndReason, Trial, TrialSettings};
+use super::{EndReason, ForeignPart, PartRole, Trial, TrialSettings};
 use crate::body::{Bodies, TICK};
 use crate::feedback::{Feedback, Measured, Session};
 use crate::names::Named;
@@ -31,6 +31,12 @@ pub struct TrialReport {
     pub settings: TrialSettings,
     /// What each robot did.
     pub robots: Vec<RobotReport>,
+    /// The parts that were plugged in, in place of those that the settings name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub foreign: Vec<ForeignPart>,
+    /// Why the operator broke down; absent while it worked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failure: Option<String>,
     /// How well the world was mapped, and how difficult that was.
     pub scores: Scores,
     /// The form of Zwennes (2011), appendix B, as the operator filled it; `None` until a person has.
@@ -64,17 +70,12 @@ pub struct RobotReport {
 }
 
 impl<B: Bodies> Trial<B> {
-    /// What came of the trial so far, with the form filled where a program drove. `engine` names what moves the bodies.
+    /// What came of the trial so far, with the form filled where a program drove.
     ///
     /// # Errors
     ///
     /// As [`Trial::score`].
-    pub fn report(
-        &self,
-        world: &World,
-        truth: &Truth,
-        engine: &str,
-    ) -> Result<TrialReport, ScoreError> {
+    pub fn report(&self, world: &World, truth: &Truth) -> Result<TrialReport, ScoreError> {
         let robot = |robot: usize| RobotReport {
             end: self.end_of(robot).map(|end| end.reason),
             time: self.end_of(robot).map_or(self.time(), |end| end.tick as f64 * TICK),
@@ -83,19 +84,24 @@ impl<B: Bodies> Trial<B> {
             hits: self.bodies().hits(robot),
             recoveries: self.recoveries(robot),
         };
-        let estimated = self.estimated_tracks();
+        let estimated = self.estimated_tracks()?;
         let scores = self.score_of(truth, &estimated)?;
+        let part = |role| self.foreign().iter().find(|part| part.role == role);
         let mut report = TrialReport {
             version: REPORT_VERSION,
             world: world.provenance.clone(),
             world_digest: world.digest().to_string(),
-            log_digest: self.log(engine).digest().to_string(),
+            log_digest: self.log().digest().to_string(),
             settings: self.settings().clone(),
             robots: (0..self.robots()).map(robot).collect(),
+            foreign: self.foreign().to_vec(),
+            failure: self.failure().map(str::to_owned),
             scores,
             feedback: None,
         };
-        if let Some(operator) = self.settings().operator.as_ref().and_then(Named::name) {
+        let built_in = self.settings().operator.as_ref().and_then(Named::name);
+        let plugged_in = part(PartRole::Operator).map(|part| part.name.as_str());
+        if let Some(operator) = plugged_in.or(built_in) {
             let tracks = self.score_tracks(&estimated);
             let measured = Measured { operator, world, scores: &scores, tracks: &tracks };
             // Scores are ratings from 0 to 10.

@@ -1,17 +1,22 @@
 //! A report in words.
 
-use super::{RobotReport, TrialReport};
+use super::{PartRole, RobotReport, TrialReport};
 use crate::names::Named;
 
 impl TrialReport {
     /// Who drove with what: `nearest with scan_to_map and lms200_mm, 434 m^2 to map`.
     pub fn headline(&self) -> String {
-        let name = |name: Option<&'static str>| name.unwrap_or("custom");
-        let operator = self.settings.operator.as_ref().map_or("a person", |kind| name(kind.name()));
+        let name = |role, built_in: Option<&'static str>| {
+            let part = self.foreign.iter().find(|part| part.role == role);
+            part.map(|part| part.name.as_str()).or(built_in)
+        };
+        let settings = &self.settings;
         format!(
-            "{operator} with {} and {}, {:.0} m^2 to map",
-            name(self.settings.slam.name()),
-            name(self.settings.laser.name()),
+            "{} with {} and {}, {:.0} m^2 to map",
+            name(PartRole::Operator, settings.operator.as_ref().and_then(Named::name))
+                .unwrap_or("a person"),
+            name(PartRole::Slam, settings.slam.name()).unwrap_or("custom"),
+            name(PartRole::Laser, settings.laser.name()).unwrap_or("custom"),
             self.scores.free_area
         )
     }

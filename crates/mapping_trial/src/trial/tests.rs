@@ -44,7 +44,7 @@ fn a_trial_runs_again_from_its_log() {
         (indoor, TrialSettings { robots: 2, ..short(90.0) }),
     ] {
         let trial = run(&world, settings);
-        let log = trial.log("flat");
+        let log = trial.log();
         let mut bytes = Vec::new();
         log.write(&mut bytes).expect("memory takes all");
         let read = TrialLog::read(&mut &bytes[..]).expect("its own log");
@@ -52,7 +52,7 @@ fn a_trial_runs_again_from_its_log() {
         let again = read.replay().expect("its own world");
         assert!(again.is_over());
         assert_eq!(state(&again), state(&trial));
-        assert_eq!(again.log("flat").digest(), log.digest());
+        assert_eq!(again.log().digest(), log.digest());
     }
 }
 
@@ -62,7 +62,7 @@ fn a_log_of_half_a_trial_runs_to_where_it_stood() {
     for _ in 0..200 {
         assert!(trial.step());
     }
-    let again = trial.log("flat").replay().expect("its own world");
+    let again = trial.log().replay().expect("its own world");
     assert!(!again.is_over());
     assert_eq!(state(&again), state(&trial));
 }
@@ -80,7 +80,7 @@ fn a_person_drives_and_stops() {
     let end = RobotEnd { reason: EndReason::Stopped, tick: 200 };
     assert_eq!(trial.end_of(0), Some(end));
     assert!(trial.track(0).metres > 2.0);
-    let again = trial.log("flat").replay().expect("its own world");
+    let again = trial.log().replay().expect("its own world");
     assert_eq!(state(&again), state(&trial));
 }
 
@@ -117,7 +117,7 @@ fn exact_wheels_have_no_trajectory_error() {
     assert!(scores.distance > 4.0 && scores.turning > 4.0, "{scores:?}");
     assert!(scores.trajectory_error < 1e-9, "{}", scores.trajectory_error);
     // A replay has the same scores, to the bit.
-    let again = trial.log("flat").replay().expect("its own world");
+    let again = trial.log().replay().expect("its own world");
     assert_eq!(again.score(&truth), Ok(scores));
 }
 
@@ -125,7 +125,7 @@ fn exact_wheels_have_no_trajectory_error() {
 fn noise_seeds_differ_and_nothing_else_does() {
     let run = |seed| {
         let settings = TrialSettings { seed: Seed(seed), ..short(20.0) };
-        run(&hallway(), settings).log("flat").digest()
+        run(&hallway(), settings).log().digest()
     };
     assert_eq!(run(1), run(1));
     assert_ne!(run(1), run(2));
@@ -149,7 +149,7 @@ fn bad_worlds_and_starts_are_told() {
 
 #[test]
 fn bad_logs_are_told() {
-    let log = run(&hallway(), short(2.0)).log("flat");
+    let log = run(&hallway(), short(2.0)).log();
     let text = serde_json::to_string(&log).expect("a log");
     let error =
         |text: &str| TrialLog::read(&mut text.as_bytes()).expect_err("not a log").to_string();

@@ -81,6 +81,8 @@ pub enum TruthError {
 pub struct Truth {
     frame: Frame,
     ground: DiscGround,
+    /// Where the robot starts.
+    start: DVec2,
     /// Swing radius of the robot in metres.
     radius: f64,
     free: Vec<bool>,
@@ -95,13 +97,22 @@ pub struct Truth {
 impl Truth {
     /// Works out what a robot could map from the world's start.
     ///
+    /// # Errors
+    /// When the world has no start; else as [`Truth::from_start`].
+    pub fn new(world: &World, robot: &Robot) -> Result<Self, TruthError> {
+        let start = world.start.ok_or(TruthError::NoStart)?;
+        Truth::from_start(world, robot, start.position)
+    }
+
+    /// Works out what a robot could map from a start, the world's or another one.
+    ///
     /// The robot is a disc of its swing radius that keeps off solid parts and inside the world's
     /// bounds; its middle keeps off water and surfaces of speed 0.
     ///
     /// # Errors
-    /// When the world is broken, too large or has no start, when the robot does not fit there, or
-    /// when it is smaller or larger than can be scored.
-    pub fn new(world: &World, robot: &Robot) -> Result<Self, TruthError> {
+    /// When the world is broken or too large, when the robot does not fit at the start, or when it
+    /// is smaller or larger than can be scored.
+    pub fn from_start(world: &World, robot: &Robot, start: DVec2) -> Result<Self, TruthError> {
         let radius = robot.swing_radius;
         if !RADII.contains(&radius) {
             return Err(TruthError::Radius(radius));
@@ -116,7 +127,6 @@ impl Truth {
         if cells > MAX_CELLS as f64 || far > 1e7 {
             return Err(too_large);
         }
-        let start = world.start.ok_or(TruthError::NoStart)?.position;
         let frame = Frame::around(around);
 
         let footprint = radius + MARGIN;
@@ -134,6 +144,7 @@ impl Truth {
         let mut truth = Truth {
             frame,
             ground,
+            start,
             radius,
             free_cells,
             free,
@@ -153,6 +164,16 @@ impl Truth {
         truth.runs = true_runs(&truth, &map);
         truth.trips = trips(&truth, &map, world.provenance.seed.unwrap_or(Seed(0)));
         Ok(truth)
+    }
+
+    /// Where the robot starts.
+    pub fn start(&self) -> DVec2 {
+        self.start
+    }
+
+    /// Swing radius of the robot in metres.
+    pub fn radius(&self) -> f64 {
+        self.radius
     }
 
     /// The grid that the truth is given on.

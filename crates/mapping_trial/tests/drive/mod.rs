@@ -6,9 +6,9 @@ use envgen::glam::DVec2;
 use envgen::raycast::Raycaster;
 use envgen::world::{Wall, WallKind};
 use envgen::{Provenance, Seed, World};
-use mapping_trial::body::TICK;
-use mapping_trial::lidar::{Laser, LaserProfile, Scan};
-use mapping_trial::odometry::{Increment, Odometry, OdometryProfile};
+use mapping_trial::body::{Observation, TICK};
+use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor};
+use mapping_trial::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
 use mapping_trial::robot::Robot;
 use mapping_trial::slam::{Slam, SlamKind};
 
@@ -28,7 +28,7 @@ pub(crate) struct Drive {
 /// What a robot measured, and where it was.
 pub(crate) struct Recording<'a> {
     pub(crate) drive: &'a Drive,
-    pub(crate) steps: Vec<(Increment, Option<Scan>)>,
+    pub(crate) steps: Vec<Observation>,
 }
 
 /// A world of axis-aligned walls.
@@ -62,10 +62,9 @@ impl Drive {
     pub(crate) fn new(world: &World, waypoints: &[DVec2], laser: &LaserProfile) -> Self {
         let rays = Raycaster::new(world);
         let robot = Robot::default();
-        let caster = Laser::new(laser.clone(), Seed(0), 0);
         let cast = |pose: Pose| {
             let mut ranges = Vec::new();
-            caster.cast(&rays, robot.laser_pose(pose), &mut ranges);
+            rays.scan(robot.laser_pose(pose), &laser.fan(), laser.max_range, &mut ranges);
             ranges
         };
         let heading = heading_of(waypoints[1] - waypoints[0]);
@@ -94,10 +93,13 @@ impl Drive {
     pub(crate) fn record(&self, odometry: &OdometryProfile, seed: u64) -> Recording<'_> {
         let mut wheels = Odometry::new(odometry.clone(), Seed(seed), 0);
         let mut sensor = Laser::new(self.laser.clone(), Seed(seed), 0);
-        let measured = self.motions.iter().map(|&motion| (wheels.measure(motion, 1.0), None));
-        let mut steps: Vec<(Increment, Option<Scan>)> = measured.collect();
+        let measured = self.motions.iter().map(|&motion| Observation {
+            odometry: wheels.measure(motion, 1.0),
+            ..Observation::default()
+        });
+        let mut steps: Vec<Observation> = measured.collect();
         for (tick, exact) in &self.scans {
-            steps[*tick].1 = Some(sensor.measure(exact));
+            steps[*tick].scan = Some(sensor.measure(exact));
         }
         Recording { drive: self, steps }
     }
@@ -112,8 +114,8 @@ impl Recording<'_> {
     /// What an estimator makes of it.
     pub(crate) fn replay(&self, kind: SlamKind) -> Box<dyn Slam + Send> {
         let mut slam = kind.build(&self.drive.truth[..1], &Robot::default(), &self.drive.laser);
-        for (odometry, scan) in &self.steps {
-            slam.step(0, *odometry, scan.as_ref());
+        for seen in &self.steps {
+            slam.step(0, seen);
         }
         slam
     }

@@ -80,18 +80,18 @@ impl Run {
         let ticks = (seconds / TICK) as u32;
         for tick in 0..ticks {
             self.time = f64::from(tick) * TICK;
-            let mut bumped = Vec::with_capacity(robots);
+            let mut all_seen = Vec::with_capacity(robots);
             for robot in 0..robots {
                 let seen = self.bodies.observe(robot);
                 let pose = self.bodies.pose(robot);
-                bumped.push(seen.bumped);
                 metres += seen.odometry.distance.abs();
                 radians += seen.odometry.turn.abs();
-                if let Some(scan) = seen.scan {
-                    draw(&mut self.map, self.robot.laser_pose(pose), &self.laser, &scan);
-                    self.scans[robot] = scan;
+                if let Some(scan) = &seen.scan {
+                    draw(&mut self.map, self.robot.laser_pose(pose), &self.laser, scan);
+                    self.scans[robot] = scan.clone();
                     self.tracks[robot].push(pose.position);
                 }
+                all_seen.push(seen);
             }
             if tick % 2 == 0 {
                 let estimates: Vec<Estimate> = (0..robots)
@@ -107,16 +107,14 @@ impl Run {
                         map: &self.map,
                         scan: &self.scans[robot],
                         water: &[],
-                        bumped: bumped[robot],
-                        time: self.time,
-                        battery: self.robot.battery - self.time,
+                        seen: &all_seen[robot],
                         body: &self.robot,
                         laser: &self.laser,
                     });
                     (commands[robot], ends[robot]) = match decision {
                         Decision::Drive(command) => (command, None),
                         Decision::Finished => (Command::STOP, Some(End::Finished)),
-                        Decision::Stuck => (Command::STOP, Some(End::Stuck)),
+                        Decision::Stuck | Decision::Failed => (Command::STOP, Some(End::Stuck)),
                     };
                 }
                 for (robot, end) in ends.iter_mut().enumerate() {

@@ -58,9 +58,9 @@ impl Navigator {
         pilot.recoveries += 1;
         // A gap that was worth a try says nothing about the robot.
         if !squeezes {
-            pilot.recovered.push_back(view.time);
+            pilot.recovered.push_back(view.seen.time);
         }
-        while pilot.recovered.front().is_some_and(|&time| view.time - time > HOPELESS.1) {
+        while pilot.recovered.front().is_some_and(|&time| view.seen.time - time > HOPELESS.1) {
             pilot.recovered.pop_front();
         }
         if pilot.recovered.len() >= HOPELESS.0 {
@@ -73,8 +73,8 @@ impl Navigator {
             true
         });
         let block = Block { center: ahead, radius: 0.25 };
-        pilot.avoid.push((view.time + AVOID, block));
-        pilot.task = Task::BackOff { from: pose.position, until: view.time + 4.0 };
+        pilot.avoid.push((view.seen.time + AVOID, block));
+        pilot.task = Task::BackOff { from: pose.position, until: view.seen.time + 4.0 };
         pilot.way.clear();
         None
     }

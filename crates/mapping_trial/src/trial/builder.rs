@@ -1,0 +1,179 @@
+//! Putting a trial together.
+
+use std::sync::Arc;
+
+use envgen::World;
+
+use super::log::{CommandTrack, WorldSource};
+use super::parts::{Setup, TrialParts};
+use super::start::starts;
+use super::{Track, Trial, TrialError, TrialSettings};
+use crate::body::{Bodies, Sensors};
+use crate::brain::Brain;
+use crate::flat::{FlatSimulator, FlatWorld};
+use crate::lidar::LaserSensor;
+use crate::odometry::WheelSensor;
+use crate::operator::Operator;
+use crate::slam::Slam;
+
+/// Puts a trial together from settings and parts: what is not plugged in is what the settings name.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::body::Command;
+/// use mapping_trial::operator::{Decision, Operator, View};
+/// use mapping_trial::trial::{Trial, TrialSettings};
+///
+/// /// Drives ahead until it touches something.
+/// struct Ahead;
+///
+/// impl Operator for Ahead {
+///     fn decide(&mut self, view: &View<'_>) -> Decision {
+///         if view.seen.bumped {
+///             return Decision::Finished;
+///         }
+///         Decision::Drive(Command { speed: 0.5, turn_rate: 0.0 })
+///     }
+/// }
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let settings = TrialSettings { time_limit: 60.0, ..Default::default() };
+/// let mut trial = Trial::builder(&world, settings).operator(|_| Ahead).build_flat()?;
+/// while trial.step() {}
+/// let scores = trial.score(&trial.reference(&world)?)?;
+/// assert!(scores.coverage > 0.1 && scores.hits == 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct TrialBuilder<'w> {
+    world: &'w World,
+    settings: TrialSettings,
+    parts: TrialParts,
+}
+
+impl<'w> TrialBuilder<'w> {
+    /// A trial of these settings in a world.
+    pub fn new(world: &'w World, settings: TrialSettings) -> Self {
+        TrialBuilder { world, settings, parts: TrialParts::default() }
+    }
+
+    /// With an estimator of one's own.
+    #[must_use]
+    pub fn slam<S: Slam + Send + Sync + 'static>(
+        mut self,
+        make: impl Fn(&Setup<'_>) -> S + Send + Sync + 'static,
+    ) -> Self {
+        self.parts = self.parts.slam(make);
+        self
+    }
+
+    /// With an operator of one's own. The settings' own counts as `None` then.
+    #[must_use]
+    pub fn operator<O: Operator + Send + Sync + 'static>(
+        mut self,
+        make: impl Fn(&Setup<'_>) -> O + Send + Sync + 'static,
+    ) -> Self {
+        self.parts = self.parts.operator(make);
+        self
+    }
+
+    /// With a laser of one's own, made for the robot of a number.
+    #[must_use]
+    pub fn laser<L: LaserSensor + Send + Sync + 'static>(
+        mut self,
+        make: impl Fn(&Setup<'_>, usize) -> L + Send + Sync + 'static,
+    ) -> Self {
+        self.parts = self.parts.laser(make);
+        self
+    }
+
+    /// With wheels of one's own, made for the robot of a number.
+    #[must_use]
+    pub fn odometry<W: WheelSensor + Send + Sync + 'static>(
+        mut self,
+        make: impl Fn(&Setup<'_>, usize) -> W + Send + Sync + 'static,
+    ) -> Self {
+        self.parts = self.parts.odometry(make);
+        self
+    }
+
+    /// With all these parts, in place of those plugged in before.
+    #[must_use]
+    pub fn parts(mut self, parts: TrialParts) -> Self {
+        self.parts = parts;
+        self
+    }
+
+    /// With a change of the settings.
+    #[must_use]
+    pub fn settings(mut self, change: impl FnOnce(&mut TrialSettings)) -> Self {
+        change(&mut self.settings);
+        self
+    }
+
+    /// A trial in the flat simulator.
+    ///
+    /// # Errors
+    ///
+    /// Settings that are not allowed, or a start that is missing or not free.
+    pub fn build_flat(self) -> Result<Trial<FlatSimulator>, TrialError> {
+        self.settings.validate()?;
+        let flat = Arc::new(FlatWorld::new(self.world, &self.settings.body));
+        self.build_flat_in(flat)
+    }
+
+    /// The same in a world that was indexed before, for many trials in one world.
+    ///
+    /// # Errors
+    ///
+    /// As [`TrialBuilder::build_flat`].
+    pub fn build_flat_in(self, flat: Arc<FlatWorld>) -> Result<Trial<FlatSimulator>, TrialError> {
+        self.build(|setup, sensors| {
+            let TrialSettings { body, laser, .. } = setup.settings;
+            FlatSimulator::with_sensors(flat, body, setup.starts, laser, sensors)
+        })
+    }
+
+    /// A trial of bodies of one's own, which `place` puts at the starts, each with its sensors.
+    ///
+    /// # Errors
+    ///
+    /// As [`TrialBuilder::build_flat`].
+    pub fn build<B: Bodies>(
+        mut self,
+        place: impl FnOnce(&Setup<'_>, Vec<Sensors>) -> B,
+    ) -> Result<Trial<B>, TrialError> {
+        self.settings.validate()?;
+        let TrialBuilder { world, parts, settings } = &mut self;
+        let start = settings.start.or(world.start).ok_or(TrialError::NoStart)?;
+        let starts = starts(world, start, settings.robots, &settings.body)?;
+        let setup = Setup { settings, starts: &starts };
+        let slam = parts.make_slam(&setup);
+        let operator = parts.make_operator(&setup);
+        let sensors: Vec<Sensors> =
+            (0..starts.len()).map(|robot| parts.make_sensors(&setup, robot)).collect();
+        let foreign =
+            parts.foreign(&*slam, operator.as_deref().map(|o| o as &dyn Operator), &sensors);
+        let bodies = place(&setup, sensors);
+        if parts.has(super::PartRole::Operator) {
+            settings.operator = None;
+        }
+        let track = |&start: &_| Track { poses: vec![start], ..Track::default() };
+        Ok(Trial {
+            brain: Brain::new(slam, operator, starts.len(), &settings.body, &settings.laser),
+            bodies,
+            foreign,
+            source: WorldSource::of(world),
+            world_digest: world.digest().to_string(),
+            tick: 0,
+            ends: vec![None; starts.len()],
+            finished: vec![false; starts.len()],
+            tracks: starts.iter().map(track).collect(),
+            commands: vec![CommandTrack::default(); starts.len()],
+            script: None,
+            over: false,
+            starts,
+            settings: self.settings,
+        })
+    }
+}
