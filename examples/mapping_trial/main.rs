@@ -33,7 +33,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use mapping_trial::body::Bodies;
 use mapping_trial::feedback::ask;
 use mapping_trial::flat::FlatSimulator;
-use mapping_trial::trial::{Trial, TrialLog, TrialSettings};
+use mapping_trial::trial::{ForeignPart, PartRole, Trial, TrialLog, TrialSettings};
 
 use crate::arguments::Arguments;
 
@@ -80,6 +80,9 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let file = File::open(path).map_err(|error| of_file(&error))?;
     let log = TrialLog::read(&mut BufReader::new(file)).map_err(|error| of_file(&error))?;
     let world = log.world.world()?;
+    for part in log.foreign.iter().filter(|part| part.role != PartRole::Operator) {
+        say(format_args!("{}\n", missing(part)))?;
+    }
     match log.engine.as_str() {
         FLAT => tell(arguments, &world, &log.replay()?, clock),
         RAPIER => {
@@ -91,6 +94,16 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             Err(of_file(&text).into())
         }
     }
+}
+
+/// What a log's part that was plugged in leaves to the built-in one; an operator's commands are in
+/// the log.
+fn missing(part: &ForeignPart) -> String {
+    let ForeignPart { role, name } = part;
+    format!(
+        "the log's {} `{name}` is not in this program: the built-in one takes its place",
+        role.text()
+    )
 }
 
 /// Tells what came of a trial that took so long, and writes its files.

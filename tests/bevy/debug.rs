@@ -170,7 +170,6 @@ const PRIVATE: &[&str] = &[
 const CLOSED: &[&str] = &[
     "bevy_envgen::environment::EndlessTruth",
     "bevy_envgen::environment::GroundTruth",
-    "bevy_envgen::robot::laser::LaserScanner",
     "bevy_envgen::robot::model::RobotModel",
     "bevy_envgen::trial::Hands",
 ];

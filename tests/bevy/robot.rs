@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
-use bevy_envgen::bevy_rapier2d::prelude::{Collider, RigidBody, Sensor};
+use bevy_envgen::bevy_rapier2d::prelude::{Collider, ColliderMassProperties, RigidBody, Sensor};
 use bevy_envgen::envgen::geometry::{Rect, Shape};
 use bevy_envgen::envgen::glam::DVec2;
 use bevy_envgen::envgen::world::{Surface as Ground, SurfaceKind, Wall as Side, WallKind};
 use bevy_envgen::envgen::{Provenance, World as EnvWorld};
 use bevy_envgen::mapping_trial::lidar::LaserProfile;
 use bevy_envgen::mapping_trial::odometry::OdometryProfile;
-use bevy_envgen::mapping_trial::robot::Robot;
+use bevy_envgen::mapping_trial::robot::{Footprint, Robot};
 use bevy_envgen::prelude::*;
 use bevy_envgen::robot::RobotCondition;
 use bevy_envgen::testing::{spawn_ready, step, test_app_with};
@@ -184,4 +184,83 @@ fn what_a_child_of_the_robot_touches_is_felt() {
     drive(&mut app, robot, 0.7, 0.0, 15.0);
     assert!((position(&app, robot).x - 9.2).abs() < 0.02, "{}", position(&app, robot));
     assert!(app.world().get::<Bumper>(robot).unwrap().touching);
+}
+
+/// Two rooms of 6 m beside each other with a gap in the wall between them.
+fn rooms(gap: f64) -> EnvWorld {
+    let mut world = room(12.0, 6.0);
+    for (from, to) in [(0.0, 3.0 - 0.5 * gap), (3.0 + 0.5 * gap, 6.0)] {
+        let rect = Rect::new(DVec2::new(5.9, from), DVec2::new(6.1, to));
+        world.walls.push(Side { kind: WallKind::Wall, shape: Shape::from_rect(rect) });
+    }
+    world
+}
+
+#[test]
+fn robots_pass_gaps_of_their_own_size_and_refuse_narrower_ones() {
+    for radius in [0.2, 0.8] {
+        let model = Robot {
+            length: 2.0 * radius,
+            width: 2.0 * radius,
+            swing_radius: radius,
+            footprint: Footprint::Disc,
+            laser_offset: 0.0,
+            ..Robot::default()
+        };
+        let end = |gap: f64| {
+            let mut app = app(rooms(gap));
+            let at = Transform::from_xyz(3.0, 3.0, 0.0);
+            let robot = app.world_mut().spawn((RobotModel(model.clone()), at)).id();
+            app.world_mut().entity_mut(robot).insert(WheelOdometry::new(
+                OdometryProfile::EXACT,
+                1,
+                0,
+            ));
+            step(&mut app, 2);
+            drive(&mut app, robot, 0.5, 0.0, 14.0);
+            position(&app, robot).x
+        };
+        let (wide, narrow) = (end(2.0 * radius + 0.04), end(2.0 * radius - 0.04));
+        assert!(wide > 6.1 + radius, "{radius}: stopped at {wide}");
+        assert!(narrow < 6.0, "{radius}: went through to {narrow}");
+    }
+}
+
+#[test]
+fn weight_and_wheels_are_the_models() {
+    let mut app = app(room(10.0, 10.0));
+    let chassis = bevy_envgen::mapping_trial::robot::Chassis { mass: 30.0, track: 0.9, grip: 0.2 };
+    let model = RobotModel(Robot { chassis, ..Robot::default() });
+    let robot = app.world_mut().spawn((model.clone(), Transform::from_xyz(5.0, 5.0, 0.0))).id();
+    step(&mut app, 2);
+    let expected = Chassis { mass: 30.0, grip: 0.2, track: 0.9 };
+    assert_eq!(app.world().get::<Chassis>(robot), Some(&expected));
+    let mass = ColliderMassProperties::Mass(30.0);
+    assert_eq!(app.world().get::<ColliderMassProperties>(robot), Some(&mass));
+    // Another model changes them, but not those that somebody put on the robot.
+    app.world_mut().entity_mut(robot).insert(RobotModel::default());
+    step(&mut app, 1);
+    assert_eq!(app.world().get::<Chassis>(robot), Some(&Chassis::default()));
+    let own = Chassis { mass: 5.0, ..Chassis::default() };
+    let robot = app.world_mut().spawn((model, own, Transform::from_xyz(2.0, 2.0, 0.0))).id();
+    step(&mut app, 1);
+    assert_eq!(app.world().get::<Chassis>(robot), Some(&own));
+}
+
+#[test]
+fn robots_with_little_grip_take_longer_to_start() {
+    let driven = |grip: f64| {
+        let mut app = app(room(20.0, 10.0));
+        let chassis = bevy_envgen::mapping_trial::robot::Chassis { grip, ..Default::default() };
+        let model = Robot { chassis, acceleration: 5.0, ..Robot::default() };
+        let at = Transform::from_xyz(5.0, 5.0, 0.0);
+        let robot = app.world_mut().spawn((RobotModel(model), at)).id();
+        app.world_mut().entity_mut(robot).insert(WheelOdometry::new(OdometryProfile::EXACT, 1, 0));
+        step(&mut app, 2);
+        drive(&mut app, robot, 0.7, 0.0, 1.0);
+        position(&app, robot).x - 5.0
+    };
+    let (ice, ground) = (driven(0.05), driven(0.6));
+    // At 0.05 g a second of pushing makes a quarter of a metre.
+    assert!((ice - 0.245).abs() < 0.03 && ground > 0.6, "{ice} and {ground} m");
 }

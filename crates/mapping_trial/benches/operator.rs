@@ -48,7 +48,7 @@ fn known(
 
 /// A scan's worth of changes against everything anew.
 fn renewal(map: &mut OccupancyMap, at: DVec2) {
-    let mut costmap = Costmap::new();
+    let mut costmap = Costmap::new(&Robot::default());
     costmap.refresh(map);
     costmap.derive_all();
     let before = map.clone();
@@ -68,7 +68,7 @@ fn renewal(map: &mut OccupancyMap, at: DVec2) {
         costmap.frontier_len()
     };
     let full = || {
-        let mut costmap = Costmap::new();
+        let mut costmap = Costmap::new(&Robot::default());
         costmap.refresh(&before);
         costmap.derive_all();
         costmap.frontier_len()
@@ -78,7 +78,7 @@ fn renewal(map: &mut OccupancyMap, at: DVec2) {
 
 /// The frontiers of a map that is half known, against all else that operators derive from it.
 fn frontiers(map: &OccupancyMap) {
-    let mut costmap = Costmap::new();
+    let mut costmap = Costmap::new(&Robot::default());
     costmap.refresh(map);
     costmap.derive_all();
     let mut frontiers = Frontiers::new();
@@ -87,7 +87,7 @@ fn frontiers(map: &OccupancyMap) {
         frontiers.goals()
     };
     let full = || {
-        let mut costmap = Costmap::new();
+        let mut costmap = Costmap::new(&Robot::default());
         costmap.refresh(map);
         costmap.derive_all();
         costmap.frontier_len()
@@ -99,7 +99,7 @@ fn frontiers(map: &OccupancyMap) {
 
 /// A* across the building, against the same by `pathfinding` on the same classes.
 fn search(map: &OccupancyMap, start: DVec2) {
-    let mut costmap = Costmap::new();
+    let mut costmap = Costmap::new(&Robot::default());
     costmap.refresh(map);
     costmap.derive_all();
     let mut search = Search::new();

@@ -43,7 +43,7 @@ fn main() {
         };
         let Some(start) = world.start else { continue };
         let search = || {
-            let (mut costmap, mut search) = (Costmap::new(), Search::new());
+            let (mut costmap, mut search) = (Costmap::new(&robot), Search::new());
             costmap.refresh(&map);
             search.nearest(&mut costmap, start.position, &[], |_, _| false)
         };

@@ -1,5 +1,7 @@
 //! The robot that trials drive, and its numbers.
 
+use std::f64::consts::TAU;
+
 use envgen::SpecError;
 use envgen::geometry::{Pose, unit_vector};
 use serde::{Deserialize, Serialize};
@@ -7,8 +9,15 @@ use thiserror::Error;
 
 use crate::trial::{MAX_TIME_LIMIT, number};
 
-/// Size and limits of a robot. The default is the Pioneer 3-AT, which the operators of Zwennes
-/// (2011) drove.
+/// The greatest swing radius in metres that robots may have.
+pub const MAX_RADIUS: f64 = 2.0;
+
+/// How much smaller a swing radius may be than the body's half diagonal, in metres: data sheets
+/// round.
+const ROUNDING: f64 = 1e-3;
+
+/// Size, weight and limits of a robot. The default is the Pioneer 3-AT, which the operators of
+/// Zwennes (2011) drove; `assets/robots` holds others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Robot {
@@ -16,8 +25,15 @@ pub struct Robot {
     pub length: f64,
     /// Width of the body in metres.
     pub width: f64,
-    /// Radius in metres of the circle that the body sweeps when it turns on the spot.
+    /// Radius in metres of the circle that the body sweeps when it turns on the spot, from 0.05 to
+    /// [`MAX_RADIUS`]: what planning, the flat simulator and the scores take the robot for.
     pub swing_radius: f64,
+    /// Outline seen from above, for physics.
+    #[serde(skip_serializing_if = "is_default")]
+    pub footprint: Footprint,
+    /// Weight and wheels, for physics.
+    #[serde(skip_serializing_if = "is_default")]
+    pub chassis: Chassis,
     /// Greatest speed in m/s, forwards and backwards.
     pub max_speed: f64,
     /// Greatest rate of turning in rad/s.
@@ -28,6 +44,9 @@ pub struct Robot {
     pub turn_acceleration: f64,
     /// Place of the laser ahead of the middle, in metres.
     pub laser_offset: f64,
+    /// The rest of the laser's pose.
+    #[serde(skip_serializing_if = "is_default")]
+    pub laser_mount: LaserMount,
     /// Time in seconds that the battery lasts.
     pub battery: f64,
     /// How far in metres its camera tells water from floor, from 0 to 5. A robot of 0 is blind to
@@ -35,21 +54,82 @@ pub struct Robot {
     pub water_sight: f64,
 }
 
+/// What a body looks like from above.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Footprint {
+    /// A box of the body's length and width.
+    #[default]
+    Box,
+    /// A disc of the swing radius.
+    Disc,
+}
+
+/// Weight and wheels of a robot. The default is the Pioneer 3-AT's.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Chassis {
+    /// Mass in kg.
+    pub mass: f64,
+    /// Effective track of the wheels in metres. That of a skid-steered robot is wider than the
+    /// distance of its wheels, since wheels that turn it slip sideways.
+    pub track: f64,
+    /// Coefficient of friction of the wheels on the ground, which bounds the force that they push
+    /// with: the larger it is, the less they slip.
+    pub grip: f64,
+}
+
+/// Where a laser sits, besides its place ahead of the middle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LaserMount {
+    /// Place to the left of the middle, in metres.
+    pub left: f64,
+    /// Where it looks, in radians counter-clockwise from straight ahead.
+    pub heading: f64,
+    /// Height of its plane above the ground in metres. Worlds are flat: it is kept for logs and
+    /// drivers, and changes nothing.
+    pub height: f64,
+}
+
+/// The Pioneer 3-AT, from its data sheet: the default.
+pub const PIONEER_3AT: Robot = Robot {
+    length: 0.508,
+    width: 0.497,
+    swing_radius: 0.355,
+    footprint: Footprint::Box,
+    chassis: Chassis { mass: 12.0, track: 0.588, grip: 0.6 },
+    max_speed: 0.7,
+    max_turn_rate: 1.4,
+    acceleration: 0.5,
+    turn_acceleration: 1.5,
+    laser_offset: 0.21,
+    laser_mount: LaserMount { left: 0.0, heading: 0.0, height: 0.45 },
+    battery: 1200.0,
+    water_sight: 1.5,
+};
+
 impl Default for Robot {
     fn default() -> Self {
-        Robot {
-            length: 0.508,
-            width: 0.497,
-            swing_radius: 0.355,
-            max_speed: 0.7,
-            max_turn_rate: 1.4,
-            acceleration: 0.5,
-            turn_acceleration: 1.5,
-            laser_offset: 0.21,
-            battery: 1200.0,
-            water_sight: 1.5,
-        }
+        PIONEER_3AT
     }
+}
+
+impl Default for Chassis {
+    fn default() -> Self {
+        PIONEER_3AT.chassis
+    }
+}
+
+impl Default for LaserMount {
+    fn default() -> Self {
+        PIONEER_3AT.laser_mount
+    }
+}
+
+/// Whether a value is the Pioneer's, which files need not name.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// Why a text is no robot.
@@ -71,15 +151,33 @@ impl Robot {
     ///
     /// The first field whose value is not allowed, as `body.length`.
     pub fn validate(&self) -> Result<(), SpecError> {
-        number("body.length", self.length, 0.01, 10.0)?;
-        number("body.width", self.width, 0.01, 10.0)?;
-        number("body.swing_radius", self.swing_radius, 0.05, 10.0)?;
+        number("body.length", self.length, 0.01, 2.0 * MAX_RADIUS)?;
+        number("body.width", self.width, 0.01, 2.0 * MAX_RADIUS)?;
+        number("body.swing_radius", self.swing_radius, 0.05, MAX_RADIUS)?;
+        let half = match self.footprint {
+            Footprint::Box => 0.5 * libm::hypot(self.length, self.width),
+            Footprint::Disc => 0.5 * self.length.max(self.width),
+        };
+        if self.swing_radius < half - ROUNDING {
+            let allowed = format!("at least {half:.3}, what the body's length and width sweep");
+            return Err(SpecError::new("body.swing_radius", self.swing_radius, allowed));
+        }
+        number("body.chassis.mass", self.chassis.mass, 0.01, 1e5)?;
+        number("body.chassis.track", self.chassis.track, 0.01, 4.0 * MAX_RADIUS)?;
+        number("body.chassis.grip", self.chassis.grip, 0.01, 100.0)?;
         // A disc must not step over a wall, nor a robot turn past itself, within a tick.
         number("body.max_speed", self.max_speed, 0.01, (10.0 * self.swing_radius).min(20.0))?;
         number("body.max_turn_rate", self.max_turn_rate, 0.01, 20.0)?;
         number("body.acceleration", self.acceleration, 0.01, 100.0)?;
         number("body.turn_acceleration", self.turn_acceleration, 0.01, 100.0)?;
-        number("body.laser_offset", self.laser_offset, -10.0, 10.0)?;
+        // The laser sits on the body.
+        let reach = self.swing_radius;
+        number("body.laser_offset", self.laser_offset, -reach, reach)?;
+        let left = libm::sqrt(reach * reach - self.laser_offset * self.laser_offset);
+        let LaserMount { left: side, heading, height } = self.laser_mount;
+        number("body.laser_mount.left", side, -left, left)?;
+        number("body.laser_mount.heading", heading, -TAU, TAU)?;
+        number("body.laser_mount.height", height, 0.0, 10.0)?;
         number("body.battery", self.battery, 0.05, MAX_TIME_LIMIT)?;
         number("body.water_sight", self.water_sight, 0.0, 5.0)
     }
@@ -98,8 +196,10 @@ impl Robot {
 
     /// Pose of the laser of a robot at `pose`.
     pub fn laser_pose(&self, pose: Pose) -> Pose {
-        let ahead = unit_vector(pose.heading) * self.laser_offset;
-        Pose { position: pose.position + ahead, heading: pose.heading }
+        let ahead = unit_vector(pose.heading);
+        let LaserMount { left, heading, .. } = self.laser_mount;
+        let at = ahead * self.laser_offset + ahead.perp() * left;
+        Pose { position: pose.position + at, heading: pose.heading + heading }
     }
 }
 
@@ -111,10 +211,47 @@ mod tests {
     fn robots_are_read_from_ron() {
         let robot = Robot::from_ron("(length: 0.4, max_speed: 1.2)").unwrap();
         assert_eq!(robot, Robot { length: 0.4, max_speed: 1.2, ..Robot::default() });
+        let robot = Robot::from_ron("(footprint: disc, chassis: (mass: 3.0))").unwrap();
+        assert_eq!(robot.footprint, Footprint::Disc);
+        assert_eq!(robot.chassis, Chassis { mass: 3.0, ..PIONEER_3AT.chassis });
         assert_eq!(Robot::from_ron("()"), Ok(Robot::default()));
         let error = |text| Robot::from_ron(text).unwrap_err().to_string();
-        assert_eq!(error("(width: -1)"), "`body.width` is -1, allowed is 0.01 to 10");
+        assert_eq!(error("(width: -1)"), "`body.width` is -1, allowed is 0.01 to 4");
         assert!(error("(widht: 1)").contains("widht"), "{}", error("(widht: 1)"));
         assert!(error("(width: ").contains("1:9"), "{}", error("(width: "));
+    }
+
+    #[test]
+    fn numbers_that_fit_no_body_are_named() {
+        let error = |text| Robot::from_ron(text).unwrap_err().to_string();
+        assert!(error("(swing_radius: 0)").contains("`body.swing_radius` is 0, allowed is 0.05"));
+        assert!(error("(swing_radius: 50)").contains("to 2"), "{}", error("(swing_radius: 50)"));
+        assert!(error("(swing_radius: NaN)").contains("`body.swing_radius` is NaN"));
+        let long = error("(length: 1.2)");
+        assert!(long.contains("at least 0.649"), "{long}");
+        let outside = error("(laser_offset: 0.5)");
+        assert!(outside.contains("`body.laser_offset` is 0.5"), "{outside}");
+        let outside = error("(laser_offset: 0.3, laser_mount: (left: 0.3))");
+        assert!(outside.contains("`body.laser_mount.left` is 0.3"), "{outside}");
+        assert!(error("(chassis: (mass: 0))").contains("`body.chassis.mass` is 0"));
+        assert!(error("(chassis: (track: inf))").contains("`body.chassis.track` is inf"));
+    }
+
+    #[test]
+    fn the_pioneers_new_numbers_are_not_written() {
+        let text = ron::to_string(&Robot::default()).expect("RON");
+        assert!(!text.contains("chassis") && !text.contains("mount"), "{text}");
+        let other = Robot { chassis: Chassis { mass: 3.0, ..Default::default() }, ..PIONEER_3AT };
+        let text = ron::to_string(&other).expect("RON");
+        assert_eq!(Robot::from_ron(&text), Ok(other), "{text}");
+    }
+
+    #[test]
+    fn a_laser_sits_where_its_mount_says() {
+        let mount = LaserMount { left: 0.1, heading: 1.0, height: 0.2 };
+        let robot = Robot { laser_mount: mount, ..PIONEER_3AT };
+        let pose = robot.laser_pose(Pose::new(1.0, 2.0, std::f64::consts::FRAC_PI_2));
+        assert!(pose.position.distance(glam::DVec2::new(0.9, 2.21)) < 1e-12, "{pose:?}");
+        assert!((pose.heading - 1.0 - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     }
 }

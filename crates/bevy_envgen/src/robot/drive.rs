@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_rapier2d::prelude::{DefaultRapierContext, RapierRigidBodySet, RigidBody, Velocity};
 use envgen::geometry::{Pose, unit_vector};
 use mapping_trial::body::Command;
+use mapping_trial::robot::Footprint;
 
 use super::ground::Terrain;
 use super::model::{Battery, Chassis, DriveCommand, RobotCondition, RobotModel, Wheels};
@@ -68,8 +69,11 @@ pub(super) fn drive(
         let now = velocity.linear.as_dvec2();
         let wanted = ahead * speed;
         let linear = if bogged { wanted } else { now + (wanted - now).clamp_length_max(grip) };
-        // The same force at half the track turns the body, whose inertia is a box's.
-        let radius2 = (model.length * model.length + model.width * model.width) / 12.0;
+        // The same force at half the track turns the body, whose inertia is its footprint's.
+        let radius2 = match model.footprint {
+            Footprint::Box => (model.length * model.length + model.width * model.width) / 12.0,
+            Footprint::Disc => 0.5 * model.swing_radius * model.swing_radius,
+        };
         let spin = grip * 0.5 * chassis.track / radius2;
         let angular = toward(f64::from(velocity.angular), turn_rate, spin);
         let pushed = Velocity { linear: linear.as_vec2(), angular: angular as f32 };

@@ -10,20 +10,20 @@ use envgen::geometry::Pose;
 use envgen::glam::DVec2;
 use mapping_trial::body::Command;
 use mapping_trial::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
-use mapping_trial::robot::Robot;
+use mapping_trial::robot::{Footprint, Robot};
 
 /// Makes an entity a robot of these numbers; the default is the Pioneer 3-AT.
 ///
-/// It is a dynamic body of rapier with a box of the model's length and width, which is put on when
-/// the component is inserted, unless the entity has a collider of its own; colliders of its children
-/// count as the robot's, too. Robots of other numbers can be read from RON: see [`Robot::from_ron`].
+/// It is a dynamic body of rapier with a collider of the model's footprint, which is put on when the
+/// component is inserted, unless the entity has a collider of its own; colliders of its children
+/// count as the robot's, too. Its [`Chassis`] is the model's, unless the entity has one of its own.
+/// Robots of other numbers can be read from RON: see [`Robot::from_ron`].
 /// One whose numbers are not allowed gets no body and a warning.
 #[derive(Component, Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(
     DriveCommand,
-    Chassis,
     Wheels,
     Bumper,
     RobotCondition,
@@ -53,7 +53,7 @@ impl From<Command> for DriveCommand {
     }
 }
 
-/// Weight and wheels of a robot; the default is the Pioneer 3-AT.
+/// Weight and wheels of a robot in rapier; the default is the Pioneer 3-AT.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
@@ -69,9 +69,16 @@ pub struct Chassis {
     pub track: f64,
 }
 
+impl From<mapping_trial::robot::Chassis> for Chassis {
+    fn from(chassis: mapping_trial::robot::Chassis) -> Self {
+        let mapping_trial::robot::Chassis { mass, track, grip } = chassis;
+        Chassis { mass: mass as f32, grip: grip as f32, track }
+    }
+}
+
 impl Default for Chassis {
     fn default() -> Self {
-        Chassis { mass: 12.0, grip: 0.6, track: 0.588 }
+        mapping_trial::robot::Chassis::default().into()
     }
 }
 
@@ -212,31 +219,40 @@ impl WheelOdometry {
     }
 }
 
-/// Has a collider that follows from the model.
-#[derive(Component)]
-pub(super) struct Fitted;
+/// What follows from the model: another model changes it.
+#[derive(Component, Clone, Copy, Default)]
+pub(super) struct Fitted {
+    chassis: bool,
+    collider: bool,
+}
 
-/// Puts a box, its mass and a full battery on a robot.
+/// Puts a collider, a chassis and a full battery on a robot.
 pub(super) fn fit(
     fit: On<Insert, RobotModel>,
-    models: Query<(&RobotModel, &Chassis, Has<Collider>, Has<Fitted>)>,
+    models: Query<(&RobotModel, Option<&Chassis>, Has<Collider>, Option<&Fitted>)>,
     mut commands: Commands,
 ) {
     let Ok((model, chassis, collides, fitted)) = models.get(fit.entity) else { return };
+    let fitted = fitted.copied().unwrap_or_default();
+    let own_chassis = chassis.filter(|_| !fitted.chassis);
+    let mut robot = commands.entity(fit.entity);
     if let Err(error) = model.validate() {
         log::warn!("robot {}: {error}", fit.entity);
+        let chassis = own_chassis.copied().unwrap_or_default();
+        robot.insert((chassis, Fitted { chassis: own_chassis.is_none(), ..fitted }));
         return;
     }
-    let mut robot = commands.entity(fit.entity);
     robot.insert_if_new(Battery { left: model.battery });
-    if !collides || fitted {
-        let (half_length, half_width) = (0.5 * model.length as f32, 0.5 * model.width as f32);
-        robot.insert((
-            Fitted,
-            Collider::cuboid(half_length, half_width),
-            ColliderMassProperties::Mass(chassis.mass),
-        ));
-    } else {
+    let chassis = own_chassis.copied().unwrap_or(model.chassis.into());
+    let own_collider = collides && !fitted.collider;
+    robot.insert((chassis, Fitted { chassis: own_chassis.is_none(), collider: !own_collider }));
+    if own_collider {
         robot.insert_if_new(AdditionalMassProperties::Mass(chassis.mass));
+        return;
     }
+    let collider = match model.footprint {
+        Footprint::Box => Collider::cuboid(0.5 * model.length as f32, 0.5 * model.width as f32),
+        Footprint::Disc => Collider::ball(model.swing_radius as f32),
+    };
+    robot.insert((collider, ColliderMassProperties::Mass(chassis.mass)));
 }

@@ -1,11 +1,15 @@
 //! What an operator derives from the map: where the robot's middle may be, what it costs to be
 //! there, and where the known world ends. Only tiles that changed are derived again.
 
+mod row;
 mod table;
 
 use glam::{DVec2, IVec2};
 
+use self::row::Row;
+use super::inflation::{Inflation, LEVELS, MOST};
 use crate::map::{Cell, CellIndex, DECIDED, OccupancyMap, RESOLUTION, TILE};
+use crate::robot::Robot;
 use table::{NONE, Table};
 
 /// Planning cells along a side of a tile of the map: each holds 2 x 2 cells of the map.
@@ -16,16 +20,6 @@ pub const SIDE: f64 = 2.0 * RESOLUTION;
 
 /// Planning cells in a tile.
 pub(super) const NODES: usize = (CELLS * CELLS) as usize;
-
-/// Squared distances in cells of the map up to which something occupied counts: 0.31 and 0.36 m,
-/// where the robot's middle may not be, and 0.45, 0.55 and 0.75 m, where it had better not be.
-const REACHES: [i32; 5] = [38, 51, 81, 121, 225];
-
-/// The farthest of [`REACHES`] in cells.
-const MARGIN: i32 = 15;
-
-/// How far a row of a disc reaches to either side, by level and row; -1 outside of the disc.
-const HALF_WIDTHS: [[i8; MARGIN as usize + 1]; REACHES.len()] = half_widths();
 
 /// Farthest in metres that [`Costmap::stands_within`] looks: bounds its work.
 const FARTHEST_LOOK: f64 = 20.0;
@@ -49,7 +43,8 @@ pub(super) const STEPS: [IVec2; 8] = [
 /// What a planning cell is for the robot's middle.
 ///
 /// A planning cell is as good as the best of its four cells of the map, so that the coarser grid
-/// closes no gap that is open on the map.
+/// closes no gap that is open on the map. Distances are those of the Pioneer 3-AT, of 0.355 m; the
+/// margins around a robot of another radius are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Class {
@@ -111,8 +106,9 @@ impl Node {
 }
 
 /// Classes of planning cells and frontier cells, tile by tile as the map has them.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Costmap {
+    inflation: Inflation,
     revision: u64,
     table: Table,
     tiles: Vec<Tile>,
@@ -142,9 +138,21 @@ struct Tile {
 pub(super) type Bits = [u32; TILE as usize];
 
 impl Costmap {
-    /// A costmap of which nothing is known.
-    pub fn new() -> Self {
-        Costmap::default()
+    /// A costmap of which nothing is known, for a robot whose numbers are allowed.
+    pub fn new(robot: &Robot) -> Self {
+        Costmap {
+            inflation: Inflation::of(robot),
+            revision: 0,
+            table: Table::default(),
+            tiles: Vec::new(),
+            classes: Vec::new(),
+            stale: Vec::new(),
+        }
+    }
+
+    /// A distance in metres that fits the Pioneer 3-AT, and grows with the robot's radius.
+    pub(super) fn grown(&self, pioneer: f64) -> f64 {
+        self.inflation.grown(pioneer)
     }
 
     /// Takes over what has changed in the map; the same map each time.
@@ -212,6 +220,7 @@ impl Costmap {
                     self.tiles[slot as usize].stale_classes = true;
                 }
             }
+            self.mark_far_classes(slot as usize);
         }
     }
 
@@ -403,8 +412,28 @@ impl Costmap {
             if reaches(known_cols, step.x, 3) && reaches(known_rows, step.y, 3) {
                 self.mark_frontier(around[way]);
             }
-            if reaches(cols, step.x, MARGIN) && reaches(rows, step.y, MARGIN) {
+            let margin = self.inflation.margin.min(TILE);
+            if reaches(cols, step.x, margin) && reaches(rows, step.y, margin) {
                 self.tiles[around[way] as usize].stale_classes = true;
+            }
+        }
+        if rows != 0 {
+            self.mark_far_classes(slot);
+        }
+    }
+
+    /// Marks the tiles beyond the neighbours of one that has changed, where the robot is so large
+    /// that their classes depend on it.
+    fn mark_far_classes(&mut self, slot: usize) {
+        if self.inflation.margin <= TILE {
+            return;
+        }
+        let at = self.tiles[slot].at;
+        for y in -2..=2 {
+            for x in -2..=2 {
+                if let Some(slot) = self.table.get(at + IVec2::new(x, y)) {
+                    self.tiles[slot as usize].stale_classes = true;
+                }
             }
         }
     }
@@ -454,23 +483,23 @@ impl Costmap {
         }
     }
 
-    /// Spreads what is occupied, or water, in and around a tile by discs of all [`REACHES`] at once, a row of
-    /// 64 cells (the tile's and 16 on either side) in one number.
-    fn inflate(&mut self, slot: usize) {
-        let mut near = [[0_u32; TILE as usize]; REACHES.len()];
-        for row in -MARGIN..TILE + MARGIN {
-            let mut bits =
-                self.wide_row(slot, row, 0, |tile, row| tile.occupied[row] | tile.water[row]);
-            if bits == 0 {
+    /// Spreads what is occupied, or water, in and around a tile by discs of all levels at once, a row
+    /// of cells (the tile's and those on either side) in one number.
+    fn spread<R: Row>(&self, slot: usize) -> [[u32; TILE as usize]; LEVELS] {
+        let Inflation { margin, half_widths, .. } = &self.inflation;
+        let mut near = [[0_u32; TILE as usize]; LEVELS];
+        for row in -margin..TILE + margin {
+            let mut bits = R::solid(self, slot, row);
+            if bits == R::default() {
                 continue;
             }
-            let mut spread = [0_u32; MARGIN as usize + 1];
-            for width in &mut spread {
-                *width = (bits >> 16) as u32;
-                bits |= bits << 1 | bits >> 1;
+            let mut spread = [0_u32; MOST + 1];
+            for width in &mut spread[..=*margin as usize] {
+                *width = bits.middle();
+                bits = bits.widened();
             }
             for (level, near) in near.iter_mut().enumerate() {
-                for (dy, &width) in HALF_WIDTHS[level].iter().enumerate() {
+                for (dy, &width) in half_widths[level].iter().enumerate() {
                     if width < 0 {
                         break;
                     }
@@ -482,6 +511,16 @@ impl Costmap {
                 }
             }
         }
+        near
+    }
+
+    /// Derives a tile's classes.
+    fn inflate(&mut self, slot: usize) {
+        let near = if self.inflation.margin <= u64::SIDE {
+            self.spread::<u64>(slot)
+        } else {
+            self.spread::<u128>(slot)
+        };
         let tile = &mut self.tiles[slot];
         tile.stale_classes = false;
         let classes = &mut self.classes[slot * NODES..(slot + 1) * NODES];
@@ -575,22 +614,4 @@ fn bits(cells: &[i16]) -> (Bits, Bits) {
         }
     }
     (occupied, free)
-}
-
-const fn half_widths() -> [[i8; MARGIN as usize + 1]; REACHES.len()] {
-    let mut widths = [[-1; MARGIN as usize + 1]; REACHES.len()];
-    let mut level = 0;
-    while level < REACHES.len() {
-        let mut dy = 0;
-        while dy <= MARGIN {
-            let mut width = -1;
-            while (width + 1) * (width + 1) + dy * dy <= REACHES[level] {
-                width += 1;
-            }
-            widths[level][dy as usize] = width as i8;
-            dy += 1;
-        }
-        level += 1;
-    }
-    widths
 }

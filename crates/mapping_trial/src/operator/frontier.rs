@@ -11,7 +11,8 @@ use crate::map::{Cell, CellIndex, RESOLUTION, TILE};
 /// Frontier cells that make a cluster worth a visit: 0.5 m.
 pub const LEAST_CELLS: usize = 10;
 
-/// How near in metres a robot's middle has to come to a frontier that it cannot stand on.
+/// How near in metres the middle of a robot of the Pioneer's size has to come to a frontier that it
+/// cannot stand on; larger ones have to stay farther away.
 const VIEWPOINT: f64 = 0.6;
 
 /// Cells of the map along a side of a block. The last rays of a scan lie some cells apart, and so do
@@ -127,13 +128,14 @@ impl Frontiers {
     }
 
     fn label_viewpoints(&mut self, costmap: &mut Costmap, cell: CellIndex, cluster: usize) {
-        let reach = (VIEWPOINT / SIDE) as i32;
+        let viewpoint = costmap.grown(VIEWPOINT).max(VIEWPOINT);
+        let reach = (viewpoint / SIDE) as i32;
         let frontier = cell.centre();
         let middle = cell_of(frontier);
         for dy in -reach..=reach {
             for dx in -reach..=reach {
                 let p = ((middle + IVec2::new(dx, dy)).as_dvec2() + 0.5) * SIDE;
-                if p.distance_squared(frontier) > VIEWPOINT * VIEWPOINT {
+                if p.distance_squared(frontier) > viewpoint * viewpoint {
                     continue;
                 }
                 if let Some(node) = costmap.node_at(p)

@@ -6,7 +6,8 @@ use glam::DVec2;
 use crate::lidar::{LaserProfile, Scan};
 use crate::robot::Robot;
 
-/// Echoes farther than this many metres from the laser matter to no motion of the next seconds.
+/// Echoes farther than this many metres from the laser matter to no motion of the next seconds of a
+/// robot that is not fast.
 const HORIZON: f64 = 3.0;
 
 /// Share of the body's radius within which the wheels stand: a robot on a walkway through water has
@@ -18,6 +19,7 @@ const WHEELS: f64 = 0.7;
 pub(super) struct Guard {
     beams: Vec<DVec2>,
     laser: DVec2,
+    horizon: f64,
     radius: f64,
     echoes: Vec<DVec2>,
     water: Vec<DVec2>,
@@ -26,9 +28,13 @@ pub(super) struct Guard {
 impl Guard {
     /// For a robot and its laser.
     pub(super) fn new(robot: &Robot, laser: &LaserProfile) -> Self {
+        let mount = robot.laser_pose(Pose::default());
+        let beams =
+            (0..laser.beams as usize).map(|beam| unit_vector(mount.heading + laser.angle(beam)));
         Guard {
-            beams: (0..laser.beams as usize).map(|beam| unit_vector(laser.angle(beam))).collect(),
-            laser: DVec2::new(robot.laser_offset, 0.0),
+            beams: beams.collect(),
+            laser: mount.position,
+            horizon: horizon(robot),
             radius: robot.swing_radius,
             echoes: Vec::new(),
             water: Vec::new(),
@@ -38,7 +44,7 @@ impl Guard {
     /// Takes a scan; lost and ignored beams say nothing.
     pub(super) fn look(&mut self, scan: &Scan) {
         self.echoes.clear();
-        let near = |range: &f64| *range > 0.0 && *range < HORIZON;
+        let near = |range: &f64| *range > 0.0 && *range < self.horizon;
         let beams = self.beams.iter().zip(&scan.ranges).filter(|(_, range)| near(range));
         self.echoes.extend(beams.map(|(&beam, &range)| self.laser + beam * range));
     }
@@ -109,4 +115,10 @@ impl Guard {
         let nearest = self.echoes.iter().map(|echo| echo.length_squared());
         (nearest.fold(f64::INFINITY, f64::min).sqrt() - self.radius).max(0.0)
     }
+}
+
+/// How far in metres from the laser echoes matter: the robot has to stand before what it reaches.
+fn horizon(robot: &Robot) -> f64 {
+    let stopping = robot.max_speed * robot.max_speed / (2.0 * robot.acceleration);
+    HORIZON.max(stopping + 2.0 * robot.swing_radius + 1.0)
 }

@@ -4,16 +4,16 @@
 mod recovery;
 
 use std::collections::VecDeque;
-use std::f64::consts::PI;
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
 
-use self::recovery::{BACK_OFF, Progress};
+use self::recovery::Progress;
 use super::costmap::{Class, Costmap, Node};
 use super::frontier::{Frontiers, is_left, unknown_from};
 use super::guard::Guard;
-use super::pursuit::{CRUISE, Pursuit, turn};
+use super::margins::Margins;
+use super::pursuit::{Pursuit, turn};
 use super::search::{Block, METRE, Search};
 use super::way::Way;
 use super::{Decision, View};
@@ -34,9 +34,6 @@ const SAME_FRONTIER: f64 = 0.3;
 /// Radius in metres of what a failed goal rules out around it.
 const FAILED: f64 = 0.5;
 
-/// Metres around a robot's middle within which it does not look for frontiers: its own feet.
-const FEET: f64 = 0.4;
-
 /// Share of the laser's range within which something has to stand for a place to be in sight of it:
 /// from there a wall is seen over at least as long a piece as it is away.
 const IN_SIGHT: f64 = 0.6;
@@ -47,14 +44,6 @@ const TAKEN: f64 = 2.0;
 /// Seconds that a robot waits for another one to pass, and seconds between two decisions.
 const PATIENCE: f64 = 4.0;
 const DECISION: f64 = 2.0 * TICK;
-
-/// Metres between the middles of two robots at which one waits for the other.
-const DISTANCE: f64 = 1.4;
-
-/// Radians to turn in the beginning, with which the laser's field of view of half a circle has seen
-/// all around, and the seconds after which that must do.
-const FULL_TURN: f64 = 1.1 * PI;
-const SURVEY: f64 = 10.0;
 
 /// Seconds that a robot looks at an unknown place before it gives it up: two scans and the map.
 const LOOK: f64 = 0.6;
@@ -106,8 +95,7 @@ pub(super) struct Navigator {
     refreshed: f64,
     blocks: Vec<Block>,
     cells: Vec<DVec2>,
-    /// Speed in m/s on open ground.
-    pub(super) cruise: f64,
+    pub(super) margins: Margins,
 }
 
 /// A frontier that could not be uncovered.
@@ -173,7 +161,7 @@ enum Goal {
 impl Navigator {
     pub(super) fn new(robots: usize, robot: &Robot, laser: &LaserProfile) -> Self {
         Navigator {
-            costmap: Costmap::new(),
+            costmap: Costmap::new(robot),
             frontiers: Frontiers::new(),
             search: Search::new(),
             guard: Guard::new(robot, laser),
@@ -182,7 +170,7 @@ impl Navigator {
             refreshed: f64::NEG_INFINITY,
             blocks: Vec::new(),
             cells: Vec::new(),
-            cruise: CRUISE,
+            margins: Margins::of(robot, laser),
         }
     }
 
@@ -241,8 +229,9 @@ impl Navigator {
                 }
                 Task::Survey { heading, turned } => {
                     let turned = turned + wrap_angle(pose.heading - heading);
-                    let left = FULL_TURN - turned;
-                    if left > 0.1 && view.seen.time < SURVEY {
+                    let (full_turn, until) = self.margins.survey;
+                    let left = full_turn - turned;
+                    if left > 0.1 && view.seen.time < until {
                         pilot.task = Task::Survey { heading: pose.heading, turned };
                         return Some(Decision::Drive(turn(view.body, left)));
                     }
@@ -285,10 +274,10 @@ impl Navigator {
                     self.pilots[view.robot].task = Task::Choose;
                 }
                 Task::BackOff { from, until } => {
-                    let done =
-                        from.distance(pose.position) >= BACK_OFF.0 || view.seen.time >= until;
+                    let done = from.distance(pose.position) >= self.margins.back_off.0
+                        || view.seen.time >= until;
                     if !done && !view.seen.bumped && self.is_free_behind(view.body, pose) {
-                        let speed = -BACK_OFF.1;
+                        let speed = -self.margins.back_off.1;
                         return Some(Decision::Drive(Command { speed, turn_rate: 0.0 }));
                     }
                     let heading = pose.heading + self.open_side();
@@ -317,15 +306,15 @@ impl Navigator {
             self.refresh(view);
         }
         let pilot = self.pilots.get_mut(view.robot)?;
-        let waits = other_ahead(view, pose).is_some();
-        if waits || pilot.progress.is_stuck(view.seen.time, pose.position) {
+        let waits = other_ahead(view, pose, self.margins.meeting).is_some();
+        if waits || pilot.progress.is_stuck(view.seen.time, pose.position, self.margins.stuck) {
             pilot.progress = Progress::default();
             return None;
         }
         pilot.way.set(&mut self.costmap, &[pose.position, target]);
         let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
         let command =
-            pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, self.cruise);
+            pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, &self.margins);
         pilot.progress.wants(command, view.seen.time);
         Some(Decision::Drive(command))
     }
@@ -356,7 +345,7 @@ impl Navigator {
     fn go(&mut self, view: &View<'_>, pose: Pose, renewed: bool) -> Option<Decision> {
         let pilot = &mut self.pilots[view.robot];
         let Task::Go { goal, deadline, squeezes, waited } = pilot.task else { return None };
-        if let Some(ahead) = other_ahead(view, pose) {
+        if let Some(ahead) = other_ahead(view, pose, self.margins.meeting) {
             // Who comes later in the list lets the other pass; after a while both look for
             // another way, on which the other is an obstacle.
             if ahead < view.robot && waited < PATIENCE {
@@ -369,7 +358,9 @@ impl Navigator {
                 return None;
             }
         }
-        if pilot.progress.is_stuck(view.seen.time, pose.position) || view.seen.time > deadline {
+        if pilot.progress.is_stuck(view.seen.time, pose.position, self.margins.stuck)
+            || view.seen.time > deadline
+        {
             return self.recover(view, pose, goal, squeezes);
         }
         if renewed {
@@ -406,7 +397,7 @@ impl Navigator {
         }
         let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
         let command =
-            pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, self.cruise);
+            pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, &self.margins);
         pilot.progress.wants(command, view.seen.time);
         Some(Decision::Drive(command))
     }
@@ -503,8 +494,9 @@ impl Navigator {
                 })
         };
         let sight = IN_SIGHT * view.laser.max_range;
+        let feet = self.margins.feet;
         let ruled_out = |costmap: &Costmap, p: DVec2| {
-            near(pose.position, p, FEET)
+            near(pose.position, p, feet)
                 || taken(p)
                 || failures.iter().any(|failure| failure.active && near(failure.at, p, FAILED))
                 || (restraint.in_sight && !costmap.stands_within(p, sight))
@@ -520,7 +512,7 @@ impl Navigator {
         let pilot = &mut self.pilots[view.robot];
         pilot.way.set(&mut self.costmap, &self.cells);
         let length = f64::from(cost) / f64::from(METRE);
-        let deadline = view.seen.time + 30.0 + length / 0.1;
+        let deadline = view.seen.time + 30.0 + length / self.margins.slowest;
         pilot.task = Task::Go { goal, deadline, squeezes, waited: 0.0 };
     }
 
@@ -544,13 +536,13 @@ pub(super) fn pose_of(view: &View<'_>) -> Option<Pose> {
     (pose.position.is_finite() && pose.heading.is_finite()).then_some(pose)
 }
 
-/// Another robot that stands close and in the direction in which this one drives.
-fn other_ahead(view: &View<'_>, pose: Pose) -> Option<usize> {
+/// Another robot that is nearer than `meeting` metres and in the direction in which this one drives.
+fn other_ahead(view: &View<'_>, pose: Pose, meeting: f64) -> Option<usize> {
     let ahead = unit_vector(pose.heading);
     let mut others = view.estimates.iter().enumerate().filter(|(other, _)| *other != view.robot);
     let found = others.find(|(_, other)| {
         let to = other.pose.position - pose.position;
-        to.length() < DISTANCE && ahead.dot(to) > 0.3 * to.length()
+        to.length() < meeting && ahead.dot(to) > 0.3 * to.length()
     });
     found.map(|(other, _)| other)
 }

@@ -6,18 +6,13 @@ use glam::DVec2;
 
 use super::costmap::{Class, Costmap};
 use super::guard::Guard;
+use super::margins::Margins;
 use super::way::{Way, worst_between};
 use crate::body::Command;
 use crate::robot::Robot;
 
-/// Metres ahead on the way that the robot drives towards.
-const LOOKAHEAD: f64 = 0.6;
-
-/// The same where it is tight.
+/// Metres ahead on the way that the robot drives towards where it is tight.
 const SHORT_LOOKAHEAD: f64 = 0.3;
-
-/// Cruising speed in m/s.
-pub(super) const CRUISE: f64 = 0.5;
 
 /// Metres between the body and an echo ahead at which it has to stand.
 const STOP: f64 = 0.10;
@@ -30,9 +25,6 @@ const FULL_SPEED_RADIUS: f64 = 0.8;
 
 /// Metres between the body and an echo below which speed is taken back.
 const NEAR: f64 = 0.3;
-
-/// Speed in m/s with which the robot feels its way around what is not on the map.
-const CREEP: f64 = 0.15;
 
 /// Angle in radians between directions that are tried around something in the way.
 const FAN: f64 = 0.087;
@@ -52,10 +44,12 @@ impl Pursuit {
         way: &mut Way,
         costmap: &mut Costmap,
         guard: &Guard,
-        speed: f64,
+        margins: &Margins,
     ) -> Command {
         way.advance(pose.position);
-        let Some(target) = target(pose.position, way, costmap) else { return Command::STOP };
+        let Some(target) = target(pose.position, way, costmap, margins.lookahead) else {
+            return Command::STOP;
+        };
         let left = way.left();
         let to = target - pose.position;
         let distance = to.length();
@@ -71,20 +65,20 @@ impl Pursuit {
         let free = guard.free_along(curvature);
         let allowed = stopping_speed(robot, free);
         if allowed < 0.05 && free < left + STOP {
-            return self.around(robot, off, left, guard);
+            return self.around(robot, off, left, guard, margins.creep);
         }
         let bend = (1.0 / (curvature.abs() * FULL_SPEED_RADIUS).max(1.0)).max(0.35);
         let near = 0.4 + 0.6 * (guard.clearance() / NEAR).min(1.0);
         // Braking towards the end, at less than what the robot could.
         let end = (robot.acceleration * left).sqrt() + 0.05;
-        let speed = (speed * bend * near).min(end).min(allowed);
+        let speed = (margins.cruise * bend * near).min(end).min(allowed);
         let turn_rate = (speed * curvature).clamp(-robot.max_turn_rate, robot.max_turn_rate);
         Command { speed, turn_rate }
     }
 
     /// Something that the map does not show is in the way: turns to the direction nearest to the
     /// wanted one in which the laser sees a way past, and creeps there.
-    fn around(&mut self, robot: &Robot, off: f64, left: f64, guard: &Guard) -> Command {
+    fn around(&mut self, robot: &Robot, off: f64, left: f64, guard: &Guard, creep: f64) -> Command {
         let need = STOP + left.min(0.3);
         for step in 0..32 {
             for side in [1.0, -1.0] {
@@ -93,7 +87,7 @@ impl Pursuit {
                     continue;
                 }
                 if angle.abs() < 0.15 {
-                    return Command { speed: CREEP, turn_rate: angle };
+                    return Command { speed: creep, turn_rate: angle };
                 }
                 return turn(robot, angle);
             }
@@ -103,11 +97,11 @@ impl Pursuit {
 }
 
 /// The point to drive towards: as far ahead on the way as the robot can drive straight.
-fn target(p: DVec2, way: &Way, costmap: &mut Costmap) -> Option<DVec2> {
+fn target(p: DVec2, way: &Way, costmap: &mut Costmap, lookahead: f64) -> Option<DVec2> {
     let mut target = None;
     let leaving = !costmap.class_at(p).is_passable();
     let mut driven = 0.0;
-    way.ahead(0.1, LOOKAHEAD, |ahead| {
+    way.ahead(0.1, lookahead, |ahead| {
         let class = if leaving { Class::Open } else { worst_between(costmap, p, ahead) };
         let tight = class >= Class::Tight && driven > SHORT_LOOKAHEAD;
         if driven <= 0.15 || (class.is_passable() && !tight) {

@@ -16,8 +16,12 @@ const COSTS: [[u32; 2]; 8] =
 /// Queues, more than the priority can rise in one step.
 const QUEUES: usize = 256;
 
-/// Planning cells that a robot may be away from its start while it does not fit.
-const ESCAPE: i32 = 12;
+/// How far in metres a robot of the Pioneer's size may be from its start while it does not fit.
+const ESCAPE: f64 = 1.2;
+
+/// How far in metres around a robot of that size cells are looked for from which it may start, where
+/// something stands at its own.
+const BODY: f64 = 0.3;
 
 /// A round place that no way may lead through for now.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +42,8 @@ pub struct Search {
     /// The worst class that ways may lead through.
     limit: Class,
     queues: Vec<Vec<(Node, u32)>>,
+    /// [`ESCAPE`] of the robot that is searched for, in planning cells.
+    escape: i32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +65,7 @@ impl Default for Search {
             search: 0,
             limit: Class::Tight,
             queues: vec![Vec::new(); QUEUES],
+            escape: 0,
         }
     }
 }
@@ -135,6 +142,7 @@ impl Search {
         mut done: impl FnMut(Node, u32) -> bool,
     ) -> Option<Node> {
         self.begin(costmap.tiles());
+        self.escape = in_cells(costmap.grown(ESCAPE));
         let middle = super::costmap::cell_of(start);
         for block in blocks {
             self.block(costmap, block, middle);
@@ -218,7 +226,8 @@ impl Search {
     ) -> (usize, u32) {
         let Some(node) = costmap.node_at(start) else { return (0, 0) };
         let (mut seeds, mut least) = (0, u32::MAX);
-        let reach = if costmap.class(node) == Class::Occupied { 3 } else { 0 };
+        let body = in_cells(costmap.grown(BODY));
+        let reach = if costmap.class(node) == Class::Occupied { body } else { 0 };
         for dy in -reach..=reach {
             for dx in -reach..=reach {
                 let p = start + DVec2::new(f64::from(dx), f64::from(dy)) * SIDE;
@@ -264,7 +273,7 @@ impl Search {
                 // not.
                 if class == Class::Occupied
                     || (inside && !fits)
-                    || (costmap.place(next) - start).abs().max_element() > ESCAPE
+                    || (costmap.place(next) - start).abs().max_element() > self.escape
                     || (way % 2 == 1 && self.squeezes(costmap, node, way))
                 {
                     continue;
@@ -288,4 +297,9 @@ impl Search {
             costmap.step(node, side).is_none_or(|node| costmap.class(node) == Class::Occupied)
         })
     }
+}
+
+/// The nearest number of planning cells, at least one.
+fn in_cells(distance: f64) -> i32 {
+    ((distance / SIDE).round() as i32).max(1)
 }

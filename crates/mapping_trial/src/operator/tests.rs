@@ -59,12 +59,12 @@ proptest! {
     /// What is derived step by step is what is derived at once.
     #[test]
     fn a_renewed_costmap_is_a_new_one(seed in 0_u64..10_000, count in 1_u32..30) {
-        let (mut map, mut step_by_step) = (OccupancyMap::new(), Costmap::new());
+        let (mut map, mut step_by_step) = (OccupancyMap::new(), Costmap::new(&Robot::default()));
         boxes(seed, count, &mut map, |map| {
             step_by_step.refresh(map);
             step_by_step.derive_all();
         });
-        let mut at_once = Costmap::new();
+        let mut at_once = Costmap::new(&Robot::default());
         at_once.refresh(&map);
         prop_assert_eq!(step_by_step.frontier_len(), at_once.frontier_len());
         let mut same = true;
@@ -81,7 +81,7 @@ proptest! {
     /// Classes are the distances to what is occupied, cell by cell.
     #[test]
     fn classes_are_distances(seed in 0_u64..10_000, count in 1_u32..30) {
-        let (mut map, mut costmap) = (OccupancyMap::new(), Costmap::new());
+        let (mut map, mut costmap) = (OccupancyMap::new(), Costmap::new(&Robot::default()));
         boxes(seed, count, &mut map, |_| ());
         costmap.refresh(&map);
         let mut occupied = Vec::new();
@@ -131,7 +131,7 @@ proptest! {
     /// Both searches find what a plain one finds, and A* the same as Dijkstra.
     #[test]
     fn ways_are_the_cheapest(seed in 0_u64..10_000, count in 1_u32..20) {
-        let (mut map, mut costmap) = (OccupancyMap::new(), Costmap::new());
+        let (mut map, mut costmap) = (OccupancyMap::new(), Costmap::new(&Robot::default()));
         boxes(seed, count, &mut map, |_| ());
         costmap.refresh(&map);
         let mut start = None;
@@ -227,7 +227,7 @@ fn a_door_of_the_smallest_kind_stays_open() {
             }
         }
         map.touch(Rect::new(DVec2::splat(-3.0), DVec2::splat(3.0)));
-        let mut costmap = Costmap::new();
+        let mut costmap = Costmap::new(&Robot::default());
         costmap.refresh(&map);
         let (a, b) = (DVec2::new(-1.0, 0.45), DVec2::new(1.0, 0.45));
         let mut search = Search::new();
@@ -246,7 +246,7 @@ fn a_robot_that_does_not_fit_gets_out_but_not_through_walls() {
         }
     }
     map.touch(Rect::new(DVec2::splat(-3.0), DVec2::splat(3.0)));
-    let mut costmap = Costmap::new();
+    let mut costmap = Costmap::new(&Robot::default());
     costmap.refresh(&map);
     let mut search = Search::new();
     let start = DVec2::new(0.15, 0.0);
@@ -267,7 +267,7 @@ fn frontiers_are_where_the_unknown_is_wide() {
         }
     }
     map.touch(Rect::new(DVec2::ZERO, DVec2::splat(3.0)));
-    let mut costmap = Costmap::new();
+    let mut costmap = Costmap::new(&Robot::default());
     costmap.refresh(&map);
     assert!(costmap.is_frontier(CellIndex { col: 0, row: 20 }));
     assert!(costmap.is_frontier(CellIndex { col: 59, row: 20 }));

@@ -39,7 +39,7 @@ pub(crate) struct Trip {
 /// Draws starts and goals that can be driven with the perfect map: what fails on another map is
 /// that map's fault. Less than 40 ways, or none, where the world has no room for them.
 pub(crate) fn trips(truth: &Truth, perfect: &OccupancyMap, seed: Seed) -> Vec<Trip> {
-    let mut planner = Planner::new(perfect);
+    let mut planner = Planner::new(truth, perfect);
     let free = truth.free().iter().enumerate().filter(|(_, free)| **free);
     let places: Vec<DVec2> = free
         .map(|(cell, _)| truth.frame().centre(cell))
@@ -68,7 +68,7 @@ pub(crate) fn trips(truth: &Truth, perfect: &OccupancyMap, seed: Seed) -> Vec<Tr
 
 /// The share of ways that lead to their goal without a touch; 1 where there are none to try.
 pub(super) fn navigability(truth: &Truth, map: &OccupancyMap) -> f64 {
-    let mut planner = Planner::new(map);
+    let mut planner = Planner::new(truth, map);
     let (mut arrived, mut all) = (0_u32, 0_u32);
     for trip in truth.trips() {
         let ways = planner.ways(trip.start, &trip.goals);
@@ -88,8 +88,8 @@ struct Planner {
 }
 
 impl Planner {
-    fn new(map: &OccupancyMap) -> Self {
-        let mut costmap = Costmap::new();
+    fn new(truth: &Truth, map: &OccupancyMap) -> Self {
+        let mut costmap = Costmap::new(truth.robot());
         costmap.refresh(map);
         Planner { costmap, search: Search::new() }
     }

@@ -47,12 +47,16 @@ impl Sweeper {
     pub fn new(robot: &Robot, laser: &LaserProfile) -> Self {
         let beams = laser.beams as usize;
         let stride = beams.div_ceil(MOST_BEAMS).max(1);
-        let offset = if robot.laser_offset.is_finite() { robot.laser_offset } else { 0.0 };
+        let mount = robot.laser_pose(Pose::default());
+        let within = |at: f64| if at.is_finite() { at.clamp(-REACH, REACH) } else { 0.0 };
         Sweeper {
-            directions: (0..beams).step_by(stride).map(|i| unit_vector(laser.angle(i))).collect(),
+            directions: (0..beams)
+                .step_by(stride)
+                .map(|i| unit_vector(mount.heading + laser.angle(i)))
+                .collect(),
             stride,
             max_range: if laser.max_range > 0.0 { laser.max_range.min(REACH) } else { 0.0 },
-            laser: Pose::new(offset.clamp(-REACH, REACH), 0.0, 0.0),
+            laser: Pose::new(within(mount.position.x), within(mount.position.y), mount.heading),
         }
     }
 

@@ -410,8 +410,8 @@ impl<B: Bodies> Trial<B> {
 
     fn score_of(&self, truth: &Truth, estimated: &[Vec<Pose>]) -> Result<Scores, ScoreError> {
         let (start, radius) = (self.starts[0].position, self.settings.body.swing_radius);
-        if (truth.start(), truth.radius()) != (start, radius) {
-            let (found, found_radius) = (truth.start(), truth.radius());
+        let (found, found_radius) = (truth.start(), truth.robot().swing_radius);
+        if (found, found_radius) != (start, radius) {
             return Err(ScoreError::Reference { found, found_radius, start, radius });
         }
         let robots = 0..self.robots();

@@ -83,8 +83,7 @@ pub struct Truth {
     ground: DiscGround,
     /// Where the robot starts.
     start: DVec2,
-    /// Swing radius of the robot in metres.
-    radius: f64,
+    robot: Robot,
     free: Vec<bool>,
     free_cells: usize,
     walls: Vec<WallPoint>,
@@ -145,7 +144,7 @@ impl Truth {
             frame,
             ground,
             start,
-            radius,
+            robot: robot.clone(),
             free_cells,
             free,
             walls,
@@ -171,9 +170,9 @@ impl Truth {
         self.start
     }
 
-    /// Swing radius of the robot in metres.
-    pub fn radius(&self) -> f64 {
-        self.radius
+    /// The robot that maps.
+    pub fn robot(&self) -> &Robot {
+        &self.robot
     }
 
     /// The grid that the truth is given on.
@@ -224,7 +223,7 @@ impl Truth {
     /// How far the robot's disc is from the nearest solid part in metres, infinite when far;
     /// negative where it touches one or cannot be.
     pub(crate) fn room(&self, p: DVec2) -> f64 {
-        self.ground.room(p, self.radius)
+        self.ground.room(p, self.robot.swing_radius)
     }
 
     /// Squared distance of every cell to the nearest seen wall, in cells.

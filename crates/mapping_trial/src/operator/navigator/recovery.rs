@@ -6,13 +6,9 @@ use glam::DVec2;
 use super::{FAILED, Failure, Goal, Navigator, Task};
 use crate::body::Command;
 use crate::map::{Cell, CellIndex, RESOLUTION};
-use crate::operator::costmap::SIDE;
 use crate::operator::search::Block;
 use crate::operator::{Decision, View};
 use crate::robot::Robot;
-
-/// A robot that moves less than this many metres in so many seconds is stuck.
-const STUCK: (f64, f64) = (0.1, 5.0);
 
 /// What a second of turning on the spot counts of a second without moving.
 const TURNING: f64 = 0.3;
@@ -22,9 +18,6 @@ const HOPELESS: (usize, f64) = (3, 60.0);
 
 /// Seconds for which a place where the robot got stuck is driven around.
 const AVOID: f64 = 90.0;
-
-/// Metres and m/s of backing off.
-pub(super) const BACK_OFF: (f64, f64) = (0.3, 0.15);
 
 /// How long a robot that wants to move has hardly done so.
 #[derive(Clone, Copy, Debug, Default)]
@@ -67,12 +60,13 @@ impl Navigator {
             return Some(Decision::Stuck);
         }
         // Whatever it is that the map does not show, it is where the way led.
-        let mut ahead = pose.position + unit_vector(pose.heading) * (2.0 * SIDE);
-        pilot.way.ahead(0.1, 0.5, |p| {
+        let (radius, near) = self.margins.obstruction;
+        let mut ahead = pose.position + unit_vector(pose.heading) * near;
+        pilot.way.ahead(0.1, near + 0.3, |p| {
             ahead = p;
             true
         });
-        let block = Block { center: ahead, radius: 0.25 };
+        let block = Block { center: ahead, radius };
         pilot.avoid.push((view.seen.time + AVOID, block));
         pilot.task = Task::BackOff { from: pose.position, until: view.seen.time + 4.0 };
         pilot.way.clear();
@@ -106,16 +100,17 @@ impl Navigator {
 }
 
 impl Progress {
-    /// Notes where the robot is, and tells whether it has hardly moved for too long.
-    pub(super) fn is_stuck(&mut self, time: f64, p: DVec2) -> bool {
-        if self.at.is_none_or(|at| at.distance(p) >= STUCK.0) {
+    /// Notes where the robot is, and gives whether it has moved less than a distance for so many
+    /// seconds.
+    pub(super) fn is_stuck(&mut self, time: f64, p: DVec2, (least, within): (f64, f64)) -> bool {
+        if self.at.is_none_or(|at| at.distance(p) >= least) {
             (self.at, self.stalled) = (Some(p), 0.0);
         }
         // Nothing counts that lies between two tasks.
         let passed = (time - self.time).clamp(0.0, 0.2);
         self.stalled += passed * self.weight;
         self.time = time;
-        self.stalled >= STUCK.1
+        self.stalled >= within
     }
 
     /// Notes what is asked of the robot now: a turn on the spot may take its time.

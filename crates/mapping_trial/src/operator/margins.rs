@@ -1,0 +1,100 @@
+//! Distances, speeds and times of driving that follow from a robot's size and limits.
+
+use std::f64::consts::PI;
+
+use crate::lidar::LaserProfile;
+use crate::robot::{PIONEER_3AT, Robot};
+
+/// Speed in m/s at which a Pioneer 3-AT cruises on open ground; other robots at the same share of
+/// their greatest speed.
+const CRUISE: f64 = 0.5;
+
+/// What driving keeps to, worked out once a robot. All are in metres, m/s, radians and seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Margins {
+    /// Speed on open ground.
+    pub(super) cruise: f64,
+    /// Speed with which the robot feels its way around what is not on the map.
+    pub(super) creep: f64,
+    /// Distance ahead on the path that the robot drives towards.
+    pub(super) lookahead: f64,
+    /// Radius around its middle within which a robot does not look for frontiers: its own feet.
+    pub(super) feet: f64,
+    /// Distance between the middles of two robots at which one waits for the other.
+    pub(super) meeting: f64,
+    /// Turn in the beginning, with which the laser has seen all around, and the time after which
+    /// that must do.
+    pub(super) survey: (f64, f64),
+    /// Speed that every path is driven at in the mean, at least: slower is given up.
+    pub(super) slowest: f64,
+    /// A robot that moves less than this in so many seconds is stuck.
+    pub(super) stuck: (f64, f64),
+    /// Distance and speed of backing off.
+    pub(super) back_off: (f64, f64),
+    /// Radius of a place where the robot got stuck, and how far ahead of its middle that is.
+    pub(super) obstruction: (f64, f64),
+}
+
+impl Margins {
+    pub(super) fn of(robot: &Robot, laser: &LaserProfile) -> Self {
+        let larger = robot.swing_radius - PIONEER_3AT.swing_radius;
+        // 5 / 7, in the order of operations that gives the Pioneer exactly 0.5.
+        let cruise = robot.max_speed * (CRUISE * 10.0) / (PIONEER_3AT.max_speed * 10.0);
+        let slow = 0.15_f64.min(robot.max_speed);
+        let turn = (1.1 * PI + (PI - laser.field_of_view)).max(0.1 * PI);
+        Margins {
+            cruise,
+            creep: slow,
+            lookahead: (1.2 * cruise).max(0.6),
+            feet: 0.4 + larger,
+            meeting: 1.4 + 2.0 * larger,
+            survey: (turn, (3.0 * turn / robot.max_turn_rate).max(10.0)),
+            slowest: 0.2 * cruise,
+            stuck: ((0.1 * 5.0 * cruise).min(0.1), 5.0),
+            back_off: (0.3, slow),
+            obstruction: (0.25, 0.2 + larger.max(0.0)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pioneer_drives_as_it_always_did() {
+        let margins = Margins::of(&PIONEER_3AT, &LaserProfile::default());
+        let expected = Margins {
+            cruise: 0.5,
+            creep: 0.15,
+            lookahead: 0.6,
+            feet: 0.4,
+            meeting: 1.4,
+            survey: (1.1 * PI, 10.0),
+            slowest: 0.1,
+            stuck: (0.1, 5.0),
+            back_off: (0.3, 0.15),
+            obstruction: (0.25, 0.2),
+        };
+        assert_eq!(margins, expected);
+    }
+
+    #[test]
+    fn slow_robots_are_not_stuck_because_they_are_slow() {
+        let robot = Robot { max_speed: 0.05, max_turn_rate: 0.1, ..PIONEER_3AT };
+        let margins = Margins::of(&robot, &LaserProfile::default());
+        assert!(margins.cruise <= robot.max_speed && margins.creep <= robot.max_speed);
+        assert!(margins.stuck.0 < 0.5 * margins.cruise * margins.stuck.1);
+        assert!(margins.survey.1 > margins.survey.0 / robot.max_turn_rate);
+    }
+
+    #[test]
+    fn a_laser_that_sees_all_around_hardly_turns() {
+        let laser = LaserProfile { field_of_view: 2.0 * PI, ..LaserProfile::default() };
+        let Margins { survey: (turn, _), .. } = Margins::of(&PIONEER_3AT, &laser);
+        assert!(turn < 0.4, "{turn}");
+        let narrow = LaserProfile { field_of_view: 0.5 * PI, ..LaserProfile::default() };
+        let Margins { survey: (turn, _), .. } = Margins::of(&PIONEER_3AT, &narrow);
+        assert!(turn > 1.5 * PI, "{turn}");
+    }
+}

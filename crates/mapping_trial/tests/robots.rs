@@ -1,0 +1,158 @@
+//! Robots of any size pass gaps that are wider than they are and refuse narrower ones: in plans, in
+//! the flat simulator and in the reference that scores are measured against.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use envgen::geometry::{Pose, Rect};
+use envgen::glam::DVec2;
+use envgen::hallway::HallwaySpec;
+use envgen::{Blueprint, Seed, Spec, World};
+use mapping_trial::body::{Bodies, Command};
+use mapping_trial::flat::{FlatSimulator, FlatWorld};
+use mapping_trial::lidar::LaserProfile;
+use mapping_trial::odometry::OdometryProfile;
+use mapping_trial::operator::costmap::{Class, Costmap};
+use mapping_trial::operator::search::Search;
+use mapping_trial::robot::{Footprint, Robot};
+use mapping_trial::trial::{EndReason, Trial, TrialSettings};
+use mapping_trial::truth::Truth;
+
+#[expect(dead_code, reason = "drives are recorded elsewhere")]
+mod drive;
+use drive::{frame, rect, world_of};
+
+/// Side of either room in metres.
+const ROOM: f64 = 6.0;
+
+/// A disc of a radius.
+fn disc(radius: f64) -> Robot {
+    Robot {
+        length: 2.0 * radius,
+        width: 2.0 * radius,
+        swing_radius: radius,
+        footprint: Footprint::Disc,
+        laser_offset: 0.0,
+        ..Robot::default()
+    }
+}
+
+/// Two rooms beside each other with a gap in the wall between them; the start is in the left one,
+/// the laser sees the gap.
+fn rooms(gap: f64) -> World {
+    let (wall, middle) = (0.1, 0.5 * ROOM);
+    let mut walls: Vec<Rect> = frame(0.0, 0.0, 2.0 * ROOM, ROOM);
+    walls.push(rect(ROOM - wall, 0.0, ROOM + wall, middle - 0.5 * gap));
+    walls.push(rect(ROOM - wall, middle + 0.5 * gap, ROOM + wall, ROOM));
+    let mut world = world_of(&walls);
+    world.start = Some(Pose::new(0.5 * ROOM, middle, 0.0));
+    world
+}
+
+/// Whether a plan on the map of a robot without errors leads into the right room.
+fn plan_passes(robot: &Robot, gap: f64, limit: Class) -> bool {
+    // A small robot maps both rooms, whatever the gap.
+    let map = Truth::new(&rooms(gap), &disc(0.15)).expect("a start").perfect_map();
+    let mut costmap = Costmap::new(robot);
+    costmap.refresh(&map);
+    let mut search = Search::new();
+    search.set_limit(limit);
+    let start = DVec2::new(0.5 * ROOM, 0.5 * ROOM);
+    search.to(&mut costmap, start, &[], start + DVec2::X * ROOM).is_some()
+}
+
+/// Whether a disc that drives straight ahead gets through, and how often it hits.
+fn drive_passes(robot: &Robot, gap: f64) -> (bool, u32) {
+    let world = rooms(gap);
+    let flat = Arc::new(FlatWorld::new(&world, robot));
+    let start = world.start.expect("a start");
+    let (laser, odometry) = (LaserProfile::default(), OdometryProfile::EXACT);
+    let mut bodies = FlatSimulator::new(flat, robot, &[start], &laser, &odometry, Seed(1));
+    for _ in 0..300 {
+        bodies.advance(&[Command { speed: 0.5, turn_rate: 0.0 }]);
+    }
+    (bodies.pose(0).position.x > ROOM + robot.swing_radius, bodies.hits(0))
+}
+
+/// Square metres that the reference says can be mapped.
+fn mappable(robot: &Robot, gap: f64) -> f64 {
+    Truth::new(&rooms(gap), robot).expect("a start").free_area()
+}
+
+#[test]
+fn robots_pass_gaps_of_their_own_size_and_refuse_narrower_ones() {
+    for radius in [0.2, 0.355, 0.8, 1.3] {
+        let robot = disc(radius);
+        // A plan keeps half a centimetre off, and knows walls to a cell of 5 cm on either side.
+        let (wide, narrow) = (2.0 * radius + 0.15, 2.0 * radius - 0.15);
+        assert!(plan_passes(&robot, wide, Class::Tight), "{radius}");
+        assert!(!plan_passes(&robot, 2.0 * radius - 0.05, Class::Tight), "{radius}");
+        assert!(!plan_passes(&robot, narrow - 0.05, Class::Squeeze), "{radius}");
+
+        assert_eq!(drive_passes(&robot, 2.0 * radius + 0.02), (true, 0), "{radius}");
+        assert_eq!(drive_passes(&robot, 2.0 * radius - 0.02), (false, 1), "{radius}");
+
+        let (one, both) = (mappable(&robot, 2.0 * radius - 0.02), mappable(&robot, wide));
+        assert!(both > 1.9 * one, "{radius}: {one} and {both} m^2");
+    }
+}
+
+/// The whole trial: plan, drive, map and score by one robot's numbers.
+#[test]
+fn a_trial_ends_where_the_robot_no_longer_fits() {
+    for radius in [0.2, 0.8] {
+        let robot = disc(radius);
+        let run = |gap: f64| {
+            let world = rooms(gap);
+            let settings = TrialSettings {
+                body: robot.clone(),
+                laser: LaserProfile::USARSIM,
+                odometry: OdometryProfile::EXACT,
+                time_limit: 400.0,
+                ..TrialSettings::default()
+            };
+            let mut trial = Trial::flat(&world, settings).expect("a free start");
+            while trial.step() {}
+            let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
+            let farthest = trial.track(0).poses.iter().map(|pose| pose.position.x);
+            (farthest.fold(0.0, f64::max), scores, trial.end_of(0).map(|end| end.reason))
+        };
+        let (x, scores, end) = run(2.0 * radius + 0.4);
+        assert!(x > ROOM, "{radius}: never left the first room: {x}");
+        assert_eq!((end, scores.hits), (Some(EndReason::Explored), 0), "{radius}");
+        assert!(scores.coverage > 0.9 && scores.navigability > 0.9, "{radius}: {scores:?}");
+        let (x, scores, _) = run(2.0 * radius - 0.2);
+        assert!(x < ROOM, "{radius}: went through a gap that it does not fit into: {x}");
+        assert!(scores.coverage > 0.9, "{radius}: what it could reach: {scores:?}");
+    }
+}
+
+/// The robots in `assets/robots` are sound, and each maps a hallway without hitting much.
+#[test]
+fn the_robots_that_ship_can_be_driven() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots");
+    let mut names = Vec::new();
+    for entry in folder.read_dir().expect("the folder of robots") {
+        let path = entry.expect("an entry").path();
+        let text = std::fs::read_to_string(&path).expect("a file");
+        let robot = Robot::from_ron(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        // A corridor as wide for a large robot as it is for the Pioneer.
+        let larger = (robot.swing_radius / 0.355).max(1.0);
+        let (pitch, width) = (5.0 * larger, 2.0 * larger);
+        let spec = HallwaySpec { segments: 4, pitch, width, ..Default::default() };
+        let world = spec.generate(Seed(7)).expect("a hall").to_world();
+        let settings =
+            TrialSettings { body: robot.clone(), time_limit: 200.0, ..Default::default() };
+        let mut trial = Trial::flat(&world, settings).expect("a free start");
+        while trial.step() {}
+        let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
+        assert!(scores.coverage > 0.5 && scores.stuck == 0, "{}: {scores:?}", path.display());
+        assert!(scores.hits <= 2, "{}: {scores:?}", path.display());
+        names.push(path.file_stem().expect("a name").to_string_lossy().into_owned());
+    }
+    names.sort();
+    let shipped = ["clearpath_jackal", "mir600", "pioneer_3at", "pioneer_3dx", "turtlebot3_waffle"];
+    assert_eq!(names, shipped);
+    let pioneer = std::fs::read_to_string(folder.join("pioneer_3at.ron")).expect("a file");
+    assert_eq!(Robot::from_ron(&pioneer), Ok(Robot::default()));
+}
