@@ -26,6 +26,7 @@
 //! | where am I and what is around me | [`slam`], [`map`] |
 //! | where to next | [`operator`] |
 //! | the two together: observation in, command out | [`brain`] |
+//! | programs of their own in their place | `driver` |
 //! | pictures of maps | `picture` |
 //! | the protocol: clock, ends, log and replay | [`trial`] |
 //! | what could be mapped, and how well it was | [`truth`], [`score`] |
@@ -41,6 +42,8 @@
 
 pub mod body;
 pub mod brain;
+#[cfg(feature = "driver")]
+pub mod driver;
 #[cfg(feature = "experiment")]
 pub mod experiment;
 pub mod feedback;

@@ -96,6 +96,13 @@ impl OccupancyMap {
         OccupancyMap::default()
     }
 
+    /// A map of which nothing is known yet and that takes the place of another: its changes are
+    /// later than all of that one's.
+    #[cfg(feature = "driver")]
+    pub(crate) fn after(before: &OccupancyMap) -> Self {
+        OccupancyMap { revision: before.revision + 1, ..OccupancyMap::default() }
+    }
+
     /// Rises with every change that [`OccupancyMap::touch`] announces.
     pub fn revision(&self) -> u64 {
         self.revision

@@ -17,7 +17,7 @@ pub mod likelihood;
 mod loops;
 mod mapper;
 pub mod matcher;
-mod motion;
+pub(crate) mod motion;
 pub mod painter;
 mod pose_graph;
 pub mod sweep;

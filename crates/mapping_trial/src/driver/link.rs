@@ -1,0 +1,261 @@
+//! Lines to a driver and back, with limits of time and length: whatever the other side does, a
+//! question comes back with its answer or an error.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync_channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::{Limits, MAX_LINE};
+
+/// Bytes that are read at once.
+const CHUNK: usize = 1 << 16;
+
+/// What happens on the other side.
+#[derive(Debug)]
+enum Event {
+    Line(Vec<u8>),
+    Broken(LinkError),
+}
+
+/// Why no line came back.
+#[derive(Debug)]
+pub(super) enum LinkError {
+    /// It has closed its output, after so many bytes of a line without an end.
+    Closed { half: usize },
+    /// Its output cannot be read.
+    Read(std::io::Error),
+    /// It has closed its input.
+    Write(std::io::Error),
+    /// Its line goes on for more than [`MAX_LINE`] bytes.
+    TooLong,
+    /// It answers, but reads nothing.
+    Deaf,
+    /// It wrote a line before it was asked for one.
+    Unasked(Vec<u8>),
+    /// Its answer did not come in time.
+    Late,
+    /// All its answers together took longer than they may.
+    Slow,
+}
+
+/// Both directions of a connection.
+#[derive(Debug)]
+pub(super) struct Link {
+    limits: Limits,
+    /// What is to be written; `None` once all is said.
+    lines: Option<SyncSender<Vec<u8>>>,
+    events: Receiver<Event>,
+    /// How long all answers took so far.
+    waited: Duration,
+}
+
+impl Link {
+    /// Reads and writes on threads of its own. They end when the other side closes its ends, or
+    /// with the program.
+    pub(super) fn new(
+        input: impl Write + Send + 'static,
+        output: impl Read + Send + 'static,
+        limits: Limits,
+    ) -> Self {
+        // A driver that does not wait for questions is held up, and its lines take no more memory.
+        let (to_events, events) = sync_channel(1);
+        let (lines, to_write) = sync_channel(1);
+        let broken = to_events.clone();
+        thread::spawn(move || write_lines(input, &to_write, &broken));
+        thread::spawn(move || read_lines(output, &to_events));
+        Link { limits, lines: Some(lines), events, waited: Duration::ZERO }
+    }
+
+    /// Writes a line and waits for the next one back. No second question may follow an error.
+    pub(super) fn ask(&mut self, line: Vec<u8>) -> Result<Vec<u8>, LinkError> {
+        match self.events.try_recv() {
+            Ok(Event::Line(line)) => return Err(LinkError::Unasked(line)),
+            Ok(Event::Broken(error)) => return Err(error),
+            Err(TryRecvError::Empty) => {}
+            Err(TryRecvError::Disconnected) => return Err(LinkError::Closed { half: 0 }),
+        }
+        if self.lines.as_ref().is_none_or(|lines| lines.try_send(line).is_err()) {
+            return Err(LinkError::Deaf);
+        }
+        let asked = now();
+        let patience = self.limits.reply.min(self.limits.total.saturating_sub(self.waited));
+        let event = self.events.recv_timeout(patience);
+        self.waited += asked.elapsed();
+        match event {
+            Ok(Event::Line(line)) => Ok(line),
+            Ok(Event::Broken(error)) => Err(error),
+            Err(RecvTimeoutError::Disconnected) => Err(LinkError::Closed { half: 0 }),
+            Err(RecvTimeoutError::Timeout) if self.waited >= self.limits.total => {
+                Err(LinkError::Slow)
+            }
+            Err(RecvTimeoutError::Timeout) => Err(LinkError::Late),
+        }
+    }
+
+    /// Writes the last line, which has no answer, and closes the driver's input. Where the driver
+    /// does not read, nothing is lost but the line.
+    pub(super) fn close(&mut self, line: Option<Vec<u8>>) {
+        if let Some((lines, line)) = self.lines.take().zip(line) {
+            let _ = lines.try_send(line);
+        }
+    }
+}
+
+#[expect(clippy::disallowed_methods, reason = "another process is waited for; no value depends on it")]
+fn now() -> Instant {
+    Instant::now()
+}
+
+fn write_lines(
+    mut input: impl Write,
+    lines: &Receiver<Vec<u8>>,
+    events: &SyncSender<Event>,
+) {
+    for mut line in lines {
+        line.push(b'\n');
+        if let Err(error) = input.write_all(&line).and_then(|()| input.flush()) {
+            // Nobody listens any more where the trial is over.
+            let _ = events.send(Event::Broken(LinkError::Write(error)));
+            return;
+        }
+    }
+}
+
+fn read_lines(output: impl Read, events: &SyncSender<Event>) {
+    let mut output = BufReader::with_capacity(CHUNK, output);
+    loop {
+        let event = match read_line(&mut output) {
+            Ok(line) => Event::Line(line),
+            Err(error) => Event::Broken(error),
+        };
+        let more = matches!(event, Event::Line(_));
+        if events.send(event).is_err() || !more {
+            return;
+        }
+    }
+}
+
+/// The next line without its end.
+fn read_line(output: &mut impl BufRead) -> Result<Vec<u8>, LinkError> {
+    let mut line = Vec::new();
+    loop {
+        let chunk = match output.fill_buf() {
+            Ok(chunk) => chunk,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
+            Err(error) => return Err(LinkError::Read(error)),
+        };
+        if chunk.is_empty() {
+            return Err(LinkError::Closed { half: line.len() });
+        }
+        let end = chunk.iter().position(|&byte| byte == b'\n');
+        let part = &chunk[..end.unwrap_or(chunk.len())];
+        if line.len() + part.len() > MAX_LINE {
+            return Err(LinkError::TooLong);
+        }
+        line.extend_from_slice(part);
+        let used = end.map_or(part.len(), |end| end + 1);
+        output.consume(used);
+        if end.is_some() {
+            return Ok(line);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::*;
+
+    /// A stream of one byte for ever that counts what is read of it.
+    struct Endless(Arc<AtomicUsize>);
+
+    impl Read for Endless {
+        fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
+            out.fill(b'x');
+            self.0.fetch_add(out.len(), Ordering::Relaxed);
+            Ok(out.len())
+        }
+    }
+
+    fn limits(reply: u64, total: u64) -> Limits {
+        Limits { reply: Duration::from_millis(reply), total: Duration::from_millis(total) }
+    }
+
+    #[test]
+    fn a_line_without_an_end_is_given_up_at_the_limit() {
+        let count = Arc::new(AtomicUsize::new(0));
+        let mut output = BufReader::with_capacity(CHUNK, Endless(Arc::clone(&count)));
+        assert!(matches!(read_line(&mut output), Err(LinkError::TooLong)));
+        assert!(count.load(Ordering::Relaxed) <= MAX_LINE + CHUNK);
+    }
+
+    #[test]
+    fn lines_end_where_they_end() {
+        let mut output = BufReader::with_capacity(3, &b"ab\n\nlonger than that\r\nhalf"[..]);
+        assert_eq!(read_line(&mut output).unwrap(), b"ab");
+        assert_eq!(read_line(&mut output).unwrap(), b"");
+        assert_eq!(read_line(&mut output).unwrap(), b"longer than that\r");
+        assert!(matches!(read_line(&mut output), Err(LinkError::Closed { half: 4 })));
+        assert!(matches!(read_line(&mut output), Err(LinkError::Closed { half: 0 })));
+    }
+
+    #[test]
+    fn silence_is_told_from_slowness() {
+        let (reader, _writer) = std::io::pipe().unwrap();
+        let mut link = Link::new(std::io::sink(), reader, limits(20, 60_000));
+        assert!(matches!(link.ask(b"?".to_vec()), Err(LinkError::Late)));
+        let (reader, _writer) = std::io::pipe().unwrap();
+        let mut link = Link::new(std::io::sink(), reader, limits(60_000, 20));
+        assert!(matches!(link.ask(b"?".to_vec()), Err(LinkError::Slow)));
+    }
+
+    #[test]
+    fn an_answer_before_the_question_is_none() {
+        let mut link = Link::new(std::io::sink(), Talker, limits(60_000, 60_000));
+        let error = (0..).find_map(|_| link.ask(b"?".to_vec()).err()).unwrap();
+        assert!(matches!(&error, LinkError::Unasked(line) if line == b"yes"), "{error:?}");
+    }
+
+    /// Says yes for ever.
+    struct Talker;
+
+    impl Read for Talker {
+        fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
+            let count = out.len().min(4);
+            out[..count].copy_from_slice(&b"yes\n"[..count]);
+            Ok(count)
+        }
+    }
+
+    /// Takes nothing, and says that it was asked to.
+    struct Full(SyncSender<()>, Receiver<()>);
+
+    impl Write for Full {
+        fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
+            self.0.send(()).expect("the test waits for it");
+            let _ = self.1.recv();
+            Err(std::io::ErrorKind::BrokenPipe.into())
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn who_reads_nothing_does_not_hold_up_the_trial() {
+        let (tells, told) = sync_channel(1);
+        let (release, held) = sync_channel(1);
+        let (silence, _writer) = std::io::pipe().unwrap();
+        let mut link = Link::new(Full(tells, held), silence, limits(10, 60_000));
+        assert!(matches!(link.ask(b"first".to_vec()), Err(LinkError::Late)));
+        told.recv().unwrap();
+        assert!(matches!(link.ask(b"second".to_vec()), Err(LinkError::Late)));
+        assert!(matches!(link.ask(b"third".to_vec()), Err(LinkError::Deaf)));
+        link.close(Some(b"end".to_vec()));
+        release.send(()).unwrap();
+    }
+}

@@ -1,0 +1,152 @@
+//! Drivers: programs of their own that drive a trial's robots, over lines of JSON.
+//!
+//! A driver reads one object a line from its standard input and writes one back for each. It
+//! decides where the robots go and, where it says so in its hello, estimates poses and map itself.
+//! `docs/driver-protocol.md` describes the lines.
+//!
+//! Whatever a driver does, a trial goes on or ends with [`EndReason::Failed`] and a reason: lines
+//! are at most [`MAX_LINE`] long, answers come within [`Limits`], and a process is ended with the
+//! last of its [`Driver`]s.
+//!
+//! [`EndReason::Failed`]: crate::trial::EndReason::Failed
+
+mod grid;
+mod link;
+mod parts;
+mod process;
+mod protocol;
+mod session;
+
+use std::io::{Read, Write};
+use std::process::Command;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use envgen::SpecError;
+use thiserror::Error;
+
+pub use parts::{DriverOperator, DriverSlam};
+pub use protocol::{Greeting, Hello, PROTOCOL, RobotEnded};
+
+use crate::score::Scores;
+use link::{Link, LinkError};
+use process::Process;
+use session::Session;
+
+/// Bytes in a driver's line, at most.
+pub const MAX_LINE: usize = 16 << 20;
+
+/// How long a driver may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// For one answer.
+    pub reply: Duration,
+    /// For all answers of a trial together.
+    pub total: Duration,
+}
+
+impl Default for Limits {
+    /// 10 seconds for an answer, an hour for all of them.
+    fn default() -> Self {
+        Limits { reply: Duration::from_secs(10), total: Duration::from_secs(3600) }
+    }
+}
+
+/// What a driver did wrong.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum DriverError {
+    /// It cannot be started.
+    #[error("it cannot be started: {0}")]
+    Start(std::io::Error),
+    /// It ended or closed one of its ends.
+    #[error("{0}")]
+    Gone(String),
+    /// It did not answer in time.
+    #[error("no answer within {} s", .0.as_secs_f64())]
+    Late(Duration),
+    /// All its answers together took too long.
+    #[error("its answers took more than {} s together", .0.as_secs_f64())]
+    Slow(Duration),
+    /// It answers, but does not read what it is told.
+    #[error("it does not read its input")]
+    Deaf,
+    /// It wrote something that it was not asked for.
+    #[error("a line that answers nothing: `{0}`; allowed is one line for each that it is sent")]
+    Unasked(String),
+    /// What it is to be told cannot be written.
+    #[error("its line cannot be written: {0}")]
+    Line(#[from] serde_json::Error),
+    /// Its line does not end.
+    #[error("a line of more than {MAX_LINE} bytes")]
+    TooLong,
+    /// A line that is no answer.
+    #[error("a line that is no answer: {0}")]
+    NoReply(String),
+    /// A value that is not allowed.
+    #[error(transparent)]
+    Field(#[from] SpecError),
+    /// The map is too large to be sent.
+    #[error("it wants the map, which is too large: {0}")]
+    MapSize(String),
+    /// It gave up.
+    #[error("it gave up: {0}")]
+    GaveUp(String),
+}
+
+/// A connection to a driver, which its [`DriverOperator`] and [`DriverSlam`] share.
+#[derive(Clone, Debug)]
+pub struct Driver(Arc<Mutex<Session>>);
+
+impl Driver {
+    /// Starts a program as driver. What it writes to its standard error is copied to `errors`.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be started.
+    pub fn start(
+        command: Command,
+        limits: Limits,
+        errors: impl Write + Send + 'static,
+    ) -> Result<Self, DriverError> {
+        let (process, input, output) =
+            Process::start(command, errors).map_err(DriverError::Start)?;
+        Ok(Driver::of(Session::new(Link::new(input, output, limits), limits, Some(process))))
+    }
+
+    /// A driver behind any two streams: `input` is what it reads, `output` what it writes.
+    pub fn connect(
+        input: impl Write + Send + 'static,
+        output: impl Read + Send + 'static,
+        limits: Limits,
+    ) -> Self {
+        Driver::of(Session::new(Link::new(input, output, limits), limits, None))
+    }
+
+    fn of(session: Session) -> Self {
+        Driver(Arc::new(Mutex::new(session)))
+    }
+
+    fn session(&self) -> MutexGuard<'_, Session> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Sends the hello and gives what the driver says of itself; `None` where it fails at that.
+    /// A trial may begin nevertheless: it ends at once, with [`Driver::failure`] as the reason.
+    pub fn greet(&self, hello: &Hello) -> Option<Greeting> {
+        self.session().greet(hello)
+    }
+
+    /// Why the driver failed; `None` while it does not.
+    pub fn failure(&self) -> Option<String> {
+        self.session().failure().map(str::to_owned)
+    }
+
+    /// Tells the driver what came of the trial, and waits a moment for it to end.
+    pub fn end(&self, ends: &[RobotEnded], scores: Option<&Scores>) {
+        self.session().end(ends, scores);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,101 @@
+//! A driver's process: it is ended and waited for whatever happens.
+
+use std::collections::VecDeque;
+use std::io::{Read, Write};
+use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+/// Bytes of a driver's standard error that are kept for the error.
+const TAIL: usize = 1024;
+
+/// How long a process that has closed its output is waited for, and its last words.
+const ENDING: Duration = Duration::from_millis(500);
+
+/// Time between two looks whether it has ended.
+const LOOK: Duration = Duration::from_millis(5);
+
+/// A process that ends with its owner.
+#[derive(Debug)]
+pub(super) struct Process {
+    child: Child,
+    tail: Arc<Mutex<VecDeque<u8>>>,
+    /// Closed when its standard error is.
+    silent: Receiver<()>,
+}
+
+impl Process {
+    /// Starts a process; what it writes to its standard error is copied to `errors`.
+    pub(super) fn start(
+        mut command: Command,
+        errors: impl Write + Send + 'static,
+    ) -> std::io::Result<(Process, ChildStdin, ChildStdout)> {
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn()?;
+        let tail = Arc::default();
+        let (speaks, silent) = channel();
+        let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
+        let process = Process { child, tail: Arc::clone(&tail), silent };
+        let (Some(input), Some(output), Some(said)) = pipes else {
+            return Err(std::io::Error::other("it has no pipes"));
+        };
+        thread::spawn(move || listen(said, errors, &tail, speaks));
+        Ok((process, input, output))
+    }
+
+    /// How it ended, if it does within so long.
+    pub(super) fn ended(&mut self, within: Duration) -> Option<ExitStatus> {
+        let looks = within.div_duration_f64(LOOK).ceil() as u64;
+        for _ in 0..looks {
+            if let Ok(Some(status)) = self.child.try_wait() {
+                return Some(status);
+            }
+            thread::sleep(LOOK);
+        }
+        self.child.try_wait().ok().flatten()
+    }
+
+    /// How it ended, where it is about to, and the last line of its standard error.
+    pub(super) fn last_words(&mut self) -> (Option<ExitStatus>, Option<String>) {
+        let status = self.ended(ENDING);
+        if status.is_some() {
+            // Others may still hold its standard error open.
+            let _ = self.silent.recv_timeout(ENDING);
+        }
+        let tail = self.tail.lock().unwrap_or_else(PoisonError::into_inner);
+        let bytes: Vec<u8> = tail.iter().copied().collect();
+        let text = String::from_utf8_lossy(&bytes);
+        let line = text.lines().rev().find(|line| !line.trim().is_empty());
+        (status, line.map(|line| line.trim().to_owned()))
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Copies what a process says, and keeps the end of it.
+fn listen(
+    mut said: ChildStderr,
+    mut errors: impl Write,
+    tail: &Mutex<VecDeque<u8>>,
+    speaks: Sender<()>,
+) {
+    let mut buffer = [0; 4096];
+    while let Ok(count @ 1..) = said.read(&mut buffer) {
+        let part = &buffer[..count];
+        // Where nobody reads our own standard error, the driver may still speak.
+        let _ = errors.write_all(part);
+        let mut tail = tail.lock().unwrap_or_else(PoisonError::into_inner);
+        tail.extend(part);
+        let more = tail.len().saturating_sub(TAIL);
+        tail.drain(..more);
+    }
+    drop(speaks);
+}

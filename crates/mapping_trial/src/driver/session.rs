@@ -1,0 +1,247 @@
+//! A talk with a driver: what each robot observed is gathered, asked and answered.
+
+use std::time::Duration;
+
+use envgen::geometry::Pose;
+
+use super::protocol::{
+    Ended, Greeting, Hello, Observed, Odometry, Reply, RobotEnded, Wish, excerpt, line, ranges, triple,
+};
+use super::{DriverError, Limits, Link, LinkError, Process};
+use crate::body::{Command, Observation};
+use crate::map::OccupancyMap;
+use crate::operator::Decision;
+use crate::score::Scores;
+
+use super::grid::Grid;
+
+/// How long a driver may take to end after the last line before its process is ended.
+const FAREWELL: Duration = Duration::from_secs(2);
+
+/// What one robot's next line will tell, and what its last answer said.
+#[derive(Debug)]
+struct Gathered {
+    ticks: u64,
+    odometry: Odometry,
+    ranges: Vec<Option<f64>>,
+    /// Whether a scan came since the last line.
+    scanned: bool,
+    water: Vec<[f64; 2]>,
+    bumped: bool,
+    wants_map: bool,
+    decision: Decision,
+}
+
+impl Gathered {
+    fn new() -> Self {
+        Gathered {
+            ticks: 0,
+            odometry: Odometry::default(),
+            ranges: Vec::new(),
+            scanned: false,
+            water: Vec::new(),
+            bumped: false,
+            wants_map: false,
+            decision: Decision::Drive(Command::STOP),
+        }
+    }
+
+    fn add(&mut self, seen: &Observation, max_range: f64) {
+        self.odometry.distance += seen.odometry.distance;
+        self.odometry.turn += seen.odometry.turn;
+        if let Some(scan) = &seen.scan {
+            ranges(scan, max_range, &mut self.ranges);
+            self.scanned = true;
+        }
+        if let Some(water) = &seen.water {
+            self.water.clear();
+            self.water.extend(water.iter().map(|&point| <[f64; 2]>::from(point)));
+        }
+        self.bumped |= seen.bumped;
+        self.ticks += 1;
+    }
+
+    /// What was told is not told again.
+    fn told(&mut self) {
+        self.odometry = Odometry::default();
+        self.scanned = false;
+        self.bumped = false;
+    }
+}
+
+/// What a driver says of a robot's pose and of the map.
+#[derive(Debug)]
+pub(super) struct Said {
+    pub(super) pose: Option<Pose>,
+    pub(super) map: Option<Grid>,
+}
+
+/// The talk with one driver.
+#[derive(Debug)]
+pub(super) struct Session {
+    link: Link,
+    limits: Limits,
+    process: Option<Process>,
+    greeting: Option<Greeting>,
+    max_range: f64,
+    robots: Vec<Gathered>,
+    /// Observations told so far.
+    id: u64,
+    failure: Option<String>,
+}
+
+impl Session {
+    pub(super) fn new(link: Link, limits: Limits, process: Option<Process>) -> Self {
+        Session {
+            link,
+            limits,
+            process,
+            greeting: None,
+            max_range: 0.0,
+            robots: Vec::new(),
+            id: 0,
+            failure: None,
+        }
+    }
+
+    pub(super) fn greet(&mut self, hello: &Hello) -> Option<Greeting> {
+        self.robots.extend((0..hello.robots()).map(|_| Gathered::new()));
+        self.max_range = hello.max_range();
+        let answer = line(hello).and_then(|line| self.answer(line));
+        let greeting = answer.and_then(|answer| Greeting::parse(&answer));
+        match greeting {
+            Ok(greeting) => self.greeting = Some(greeting),
+            Err(error) => self.failure = Some(format!("{error} (answer to the hello)")),
+        }
+        self.greeting.clone()
+    }
+
+    pub(super) fn name(&self) -> Option<&str> {
+        self.greeting.as_ref().map(|greeting| greeting.name.as_str())
+    }
+
+    /// Whether the driver estimates poses and map itself.
+    pub(super) fn has_slam(&self) -> bool {
+        self.greeting.as_ref().is_some_and(|greeting| greeting.slam)
+    }
+
+    pub(super) fn failure(&self) -> Option<&str> {
+        self.failure.as_deref()
+    }
+
+    pub(super) fn fail(&mut self, error: &DriverError, time: f64) {
+        let id = self.id.saturating_sub(1);
+        self.failure.get_or_insert_with(|| format!("{error} (observation {id}, at {time:.2} s)"));
+    }
+
+    /// What the driver last wanted of a robot; `None` once it failed.
+    pub(super) fn decision(&self, robot: usize) -> Option<Decision> {
+        let gathered = self.robots.get(robot).filter(|_| self.failure.is_none());
+        gathered.map(|gathered| gathered.decision)
+    }
+
+    /// A tick of a robot: the driver is asked where it is due, and what it says is given back.
+    /// `known` are pose and map where the driver does not estimate them itself.
+    pub(super) fn tick(
+        &mut self,
+        robot: usize,
+        seen: &Observation,
+        known: Option<(Pose, &OccupancyMap)>,
+    ) -> Option<Said> {
+        let rate = self.greeting.as_ref()?.rate;
+        if self.failure.is_some() {
+            return None;
+        }
+        let gathered = self.robots.get_mut(robot)?;
+        gathered.add(seen, self.max_range);
+        if !(gathered.ticks - 1).is_multiple_of(rate) {
+            return None;
+        }
+        let said = self.exchange(robot, seen, known);
+        said.map_err(|error| self.fail(&error, seen.time)).ok()
+    }
+
+    fn exchange(
+        &mut self,
+        robot: usize,
+        seen: &Observation,
+        known: Option<(Pose, &OccupancyMap)>,
+    ) -> Result<Said, DriverError> {
+        let gathered = &mut self.robots[robot];
+        let map = known.filter(|_| gathered.wants_map).map(|(_, map)| Grid::of(map)).transpose()?;
+        let id = self.id;
+        self.id += 1;
+        let line = line(&Observed {
+            id,
+            robot,
+            time: seen.time,
+            odometry: gathered.odometry,
+            scan: gathered.scanned.then_some(&gathered.ranges),
+            water: &gathered.water,
+            bumped: gathered.bumped,
+            battery: seen.battery,
+            pose: known.map(|(pose, _)| triple(pose)),
+            map,
+        })?;
+        gathered.told();
+        let answer = self.answer(line)?;
+        let Reply { wish, wants_map, pose, map } = Reply::parse(&answer, id, self.has_slam())?;
+        let gathered = &mut self.robots[robot];
+        gathered.wants_map = wants_map;
+        gathered.decision = match wish {
+            Wish::Drive(command) => Decision::Drive(command),
+            Wish::Finished => Decision::Finished,
+            Wish::Stuck => Decision::Stuck,
+            Wish::GiveUp(reason) => return Err(DriverError::GaveUp(excerpt(&reason))),
+        };
+        Ok(Said { pose, map })
+    }
+
+    fn answer(&mut self, line: Vec<u8>) -> Result<Vec<u8>, DriverError> {
+        self.link.ask(line).map_err(|error| match error {
+            LinkError::Late => DriverError::Late(self.limits.reply),
+            LinkError::Slow => DriverError::Slow(self.limits.total),
+            LinkError::Deaf => DriverError::Deaf,
+            LinkError::TooLong => DriverError::TooLong,
+            LinkError::Unasked(line) => {
+                DriverError::Unasked(excerpt(&String::from_utf8_lossy(&line)))
+            }
+            LinkError::Closed { half } => {
+                let half = match half {
+                    0 => String::new(),
+                    half => format!(" after {half} bytes of a line without its end"),
+                };
+                self.gone(&format!("closed its output{half}"))
+            }
+            LinkError::Read(error) => self.gone(&format!("cannot be read: {error}")),
+            LinkError::Write(error) => self.gone(&format!("does not read its input: {error}")),
+        })
+    }
+
+    /// A driver that is gone or has closed one of its ends: where its process has ended, how.
+    fn gone(&mut self, what: &str) -> DriverError {
+        let Some(process) = &mut self.process else {
+            return DriverError::Gone(format!("it {what}"));
+        };
+        let (status, words) = process.last_words();
+        let mut text = match status {
+            Some(status) => format!("it ended ({status}) and {what}"),
+            None => format!("it {what}, but has not ended"),
+        };
+        if let Some(words) = words {
+            text.push_str(&format!("; the last line of its standard error: `{}`", excerpt(&words)));
+        }
+        DriverError::Gone(text)
+    }
+
+    pub(super) fn end(&mut self, ends: &[RobotEnded], scores: Option<&Scores>) {
+        let last = line(&Ended { ends, scores, failure: self.failure.as_deref() });
+        self.link.close(last.ok());
+        // One that failed may hang; what it does then is of no interest.
+        if self.failure.is_none()
+            && let Some(process) = &mut self.process
+        {
+            process.ended(FAREWELL);
+        }
+    }
+}
