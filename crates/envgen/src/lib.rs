@@ -26,7 +26,7 @@
 //! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`Kind`], [`settings`] |
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | what generators make | [`World`], [`world`], [`geometry`] |
-//! | what reads a world | [`occupancy`], [`raycast`], [`proximity`], [`ground`], [`placement`], [`mod@distance`], [`certificate`], `picture` |
+//! | what reads a world | [`occupancy`], [`raycast`], [`proximity`], [`ground`], [`placement`], [`mod@distance`], [`certificate`], [`reproduction`], `picture` |
 //! | files | [`export`], [`import`], [`mod@file`] |
 //!
 //! # What holds
@@ -68,6 +68,7 @@ pub mod placement;
 mod provenance;
 pub mod proximity;
 pub mod raycast;
+pub mod reproduction;
 pub mod road;
 mod seed;
 pub mod settings;

@@ -288,6 +288,68 @@ fn a_certificate_that_does_not_hold_is_exit_code_one() {
 }
 
 #[test]
+fn check_says_whether_a_file_is_what_its_spec_and_seed_make() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("f.json");
+    let path = path.to_str().unwrap();
+    assert!(run(&["generate", "forest", "--seed", "5", "--out", path]).status.success());
+    let made: Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
+    let check = |change: &dyn Fn(&mut Value)| {
+        let mut world = made.clone();
+        change(&mut world);
+        std::fs::write(path, world.to_string()).unwrap();
+        let output = run(&["check", path]);
+        (output.status.code(), String::from_utf8(output.stdout).unwrap())
+    };
+    type Change = dyn Fn(&mut Value);
+    let cases: [(&Change, i32, &str); 9] = [
+        (&|_| (), 0, "reproducible: its spec and seed make this"),
+        (&|w| w["trees"][3]["center"][0] = 17.5.into(), 1, "not reproducible: its spec and seed"),
+        (
+            &|w| w["provenance"]["seed"] = 6.into(),
+            1,
+            "not reproducible: its spec and seed make ano",
+        ),
+        (&|w| w["provenance"]["spec"]["intensity"] = (-1).into(), 1, "`intensity` is -1"),
+        (&|w| w["provenance"]["spec"]["width"] = 1e6.into(), 1, "asks for about"),
+        (
+            &|w| w["provenance"]["value_version"] = 9.into(),
+            0,
+            "made by value version 9, this program",
+        ),
+        (
+            &|w| w["provenance"]["edited"] = true.into(),
+            0,
+            "not compared: it says that it was edited",
+        ),
+        (
+            &|w| w["provenance"]["kind"] = "manual".into(),
+            0,
+            "not compared: it has no spec and seed",
+        ),
+        (
+            &|w| w["certificate"] = Value::Array(Vec::new()),
+            0,
+            "nothing promised: the certificate is",
+        ),
+    ];
+    for (change, code, says) in cases {
+        let (found, text) = check(change);
+        assert!(found == Some(code) && text.contains(says), "{found:?}, {says}: {text}");
+    }
+    for (value, says) in [
+        (18446744073709551616.0, "`bounds.max.x` is 1.8446744073709552e19 m, allowed is from -1e8"),
+        (2147483647.0, "`bounds.max.x` is 2.147483647e9 m, allowed is from -1e8 to 1e8 m"),
+    ] {
+        assert_eq!(check(&|w| w["bounds"]["max"][0] = value.into()).0, Some(1));
+        for command in ["check", "inspect"] {
+            let (code, text) = failure(&[command, path]);
+            assert!(code == 1 && text.contains(says), "{code}: {text}");
+        }
+    }
+}
+
+#[test]
 fn bad_arguments_are_exit_code_two_and_leave_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("world.svg");

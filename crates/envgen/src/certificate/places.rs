@@ -1,60 +1,67 @@
 //! Whether every room, hallway and open area can be reached.
 
-use super::Verdict;
-use super::ways::{Flood, MOST_POINTS, SparseBits};
-use crate::geometry::Shape;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+
+use glam::DVec2;
+
+use super::budget::{Budget, Doubt};
+use super::pieces::Pieces;
+use super::separation::{Barriers, Nearer};
+use super::squares::{Square, Squares};
+use crate::geometry::{Rect, Shape};
 use crate::world::{SurfaceKind, World};
 
+/// A place on a floor counts where a disc has this much to spare to every side, in metres. What is
+/// narrower is the gap between two chairs: no part of a room.
+pub const PLACE_MARGIN: f64 = 0.0625;
+
+/// Places whose room to spare differs by less than this, in metres, are alike.
+const ALIKE: f64 = 1e-4;
+
 /// Whether a disc can move from the start to every place on the floors of the world's rooms,
-/// hallways and open areas where its middle fits, by floods over ever finer lattices. It does not
+/// hallways and open areas where it has [`PLACE_MARGIN`] to spare, and into every room. It does not
 /// drive on surfaces of speed 0.
 ///
-/// Of the two sets of points that enclose the free space (see [`super::ways::decide`]) the narrow
-/// one must be flooded whole. A place that is narrower than the lattice can tell from solid is not
-/// looked for.
-pub(super) fn every_place_reachable(world: &World, radius: f64) -> Verdict {
-    let Some(start) = world.start else { return Verdict::Broken };
-    let mut h = 0.25 * radius;
-    if !(h > 0.0 && h.is_finite()) {
-        return Verdict::Undecided;
+/// Squares of free space show nearly every place that can be reached, and all places that there
+/// are. For those that they do not join to the start, [`Barriers`] decide.
+pub(super) fn every_place_reachable(
+    world: &World,
+    radius: f64,
+    budget: &mut Budget,
+) -> Result<bool, Doubt> {
+    let Some(start) = world.start.map(|start| start.position) else { return Ok(false) };
+    let area = world.bounds.union(Rect::new(start, start));
+    let pieces = Pieces::new(barriers(world), radius + PLACE_MARGIN)?;
+    let outlines: Vec<Cow<'_, Shape>> =
+        barriers(world).filter(|shape| matches!(**shape, Shape::Polygon { .. })).collect();
+    let space = Space { pieces: &pieces, outlines: &outlines, area, radius };
+    let barriers = Barriers::new(&pieces, area, radius);
+    match barriers.nearer(space.clearance(start, budget)?, radius) {
+        Nearer::Yes => return Ok(false),
+        Nearer::Perhaps => return Err(Doubt::TooClose),
+        Nearer::No => {}
     }
-    let mut budget = MOST_POINTS;
-    loop {
-        let flood = Flood::new(barriers(world).collect(), world.bounds, h, radius);
-        let sure = flood.sure(radius);
-        let mut reached = |distance, inside| {
-            let from = [flood.nearest(start.position)].into_iter();
-            flood.spread(from, distance, inside, &mut budget, |_| false).map(|(reached, _)| reached)
-        };
-        // Every point that is free for certain is reached, and every room has one that is.
-        let whole = |reached: &SparseBits| {
-            let missed = |at| !reached.contains(at) && flood.is_clear(at, sure);
-            !floors(world).any(|floor| flood.points_in(floor).any(missed))
-                && world
-                    .rooms
-                    .iter()
-                    .all(|room| flood.points_in(&room.shape).any(|at| reached.contains(at)))
-        };
-        match reached(sure, true) {
-            None => return Verdict::Undecided,
-            Some(reached) if whole(&reached) => return Verdict::Holds,
-            Some(_) => {}
-        }
-        if let Some(distance) = flood.maybe(radius) {
-            match reached(distance, false) {
-                None => return Verdict::Undecided,
-                Some(reached) if !whole(&reached) => return Verdict::Broken,
-                Some(_) => {}
-            }
-        }
-        h *= 0.6;
+    // Ways that lead elsewhere are for the barriers to find.
+    let around = floors(world).map(Shape::bounds).fold(Rect::new(start, start), Rect::union);
+    let around = around.grown(PLACE_MARGIN);
+    let around = Rect::new(around.min.max(area.min), around.max.min(area.max));
+    let squares = Squares::new(pieces.list(), around, radius, PLACE_MARGIN, budget)?;
+    let mut survey = Survey::new(&space, &squares, start);
+    for floor in floors(world) {
+        survey.find_places(floor, budget)?;
     }
+    for room in &world.rooms {
+        if !survey.has_place(&room.shape)? && !survey.find_any(&room.shape, budget)? {
+            return Ok(false);
+        }
+    }
+    barriers.join(&survey.lines, budget)
 }
 
-fn barriers(world: &World) -> impl Iterator<Item = Shape> + '_ {
-    let solids = world.solids().map(|solid| solid.shape.into_owned());
+fn barriers(world: &World) -> impl Iterator<Item = Cow<'_, Shape>> {
     let deep = world.surfaces.iter().filter(|surface| surface.speed == 0.0);
-    solids.chain(deep.map(|surface| surface.shape.clone()))
+    world.solids().map(|solid| solid.shape).chain(deep.map(|surface| Cow::Borrowed(&surface.shape)))
 }
 
 fn floors(world: &World) -> impl Iterator<Item = &Shape> {
@@ -65,10 +72,137 @@ fn floors(world: &World) -> impl Iterator<Item = &Shape> {
     world.rooms.iter().map(|room| &room.shape).chain(halls.map(|surface| &surface.shape))
 }
 
+/// Where a disc can be.
+struct Space<'a> {
+    pieces: &'a Pieces,
+    /// The polygons, of which the pieces are only the sides.
+    outlines: &'a [Cow<'a, Shape>],
+    area: Rect,
+    radius: f64,
+}
+
+impl Space<'_> {
+    /// Distance to what keeps the disc's middle away, as far as the pieces are indexed; what lies
+    /// outside of the area counts as a piece a radius behind its sides.
+    fn clearance(&self, p: DVec2, budget: &mut Budget) -> Result<f64, Doubt> {
+        budget.spend(self.outlines.len() as u64)?;
+        if self.outlines.iter().any(|outline| outline.contains(p)) {
+            return Ok(0.0);
+        }
+        let sides = (p - self.area.min).min(self.area.max - p).min_element();
+        Ok(self.pieces.clearance(p, budget)?.min(sides + self.radius))
+    }
+
+    /// A point of a floor inside a square with a clearance of `least`, found from the roomiest
+    /// parts on; `None` where there is none, or a clearance so by less than [`ALIKE`].
+    fn find(
+        &self,
+        floor: &Shape,
+        middle: DVec2,
+        half: f64,
+        least: f64,
+        budget: &mut Budget,
+    ) -> Result<Option<DVec2>, Doubt> {
+        let mut open = BinaryHeap::new();
+        let mut parts = vec![(middle, half)];
+        open.push((u64::MAX, 0));
+        while let Some((_, part)) = open.pop() {
+            let (middle, half) = parts[part];
+            for corner in 0..4 {
+                let half = 0.5 * half;
+                let sign = |bit| if corner & bit == 0 { -half } else { half };
+                let middle = middle + DVec2::new(sign(1), sign(2));
+                let reach = half * std::f64::consts::SQRT_2;
+                if floor.distance(middle) > reach {
+                    continue;
+                }
+                let clearance = self.clearance(middle, budget)?;
+                if clearance >= least && floor.contains(middle) {
+                    return Ok(Some(middle));
+                }
+                if clearance + reach >= least && reach > ALIKE {
+                    // The bits of numbers that are not negative have the numbers' order.
+                    open.push(((clearance + reach).to_bits(), parts.len()));
+                    parts.push((middle, half));
+                }
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// The places found, and what is known of the way to them.
+struct Survey<'a> {
+    space: &'a Space<'a>,
+    squares: &'a Squares,
+    start: DVec2,
+    /// Regions of squares that the start reaches: its own, and those of the lines.
+    reached: BTreeSet<usize>,
+    /// The start's region.
+    home: Option<usize>,
+    /// From places that the start reaches to places of which this is to be shown.
+    lines: Vec<[DVec2; 2]>,
+}
+
+impl<'a> Survey<'a> {
+    fn new(space: &'a Space<'a>, squares: &'a Squares, start: DVec2) -> Self {
+        let home = squares.at(start).map(|square| squares.region(square));
+        let reached = home.into_iter().collect();
+        Survey { space, squares, start, reached, home, lines: Vec::new() }
+    }
+
+    /// Adds a line to each place on a floor that no region of the start's holds.
+    fn find_places(&mut self, floor: &Shape, budget: &mut Budget) -> Result<(), Doubt> {
+        let (squares, mut near) = (self.squares, self.start);
+        let mut others: BTreeMap<usize, Vec<Square>> = BTreeMap::new();
+        squares.over(floor, |square| {
+            let region = squares.region(square);
+            if Some(region) == self.home {
+                near = square.middle;
+            } else if square.is_wide && !self.reached.contains(&region) {
+                others.entry(region).or_default().push(square);
+            }
+            budget.spend(1)
+        })?;
+        for (region, parts) in others {
+            for Square { middle, half, .. } in parts {
+                let least = self.space.radius + PLACE_MARGIN;
+                if let Some(place) = self.space.find(floor, middle, half, least, budget)? {
+                    self.lines.push([near, place]);
+                    self.reached.insert(region);
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether some region that is reached has a part of a room.
+    fn has_place(&self, room: &Shape) -> Result<bool, Doubt> {
+        let mut found = false;
+        self.squares.over(room, |square| {
+            found |= room.distance(square.middle) <= square.half
+                && self.reached.contains(&self.squares.region(square));
+            Ok(())
+        })?;
+        Ok(found)
+    }
+
+    /// Adds a line to some point of a room where the disc just fits; false where there is none.
+    fn find_any(&mut self, room: &Shape, budget: &mut Budget) -> Result<bool, Doubt> {
+        let bounds = room.bounds();
+        let (middle, half) = (bounds.center(), 0.5 * bounds.size().max_element());
+        let least = self.space.radius + ALIKE;
+        let place = self.space.find(room, middle, half, least, budget)?;
+        self.lines.extend(place.map(|place| [self.start, place]));
+        Ok(place.is_some())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certificate::{Claim, verify};
+    use crate::certificate::{Claim, Verdict, verify};
     use crate::generate::{Blueprint, Spec};
     use crate::indoor::{IndoorSpec, Layout, Profile};
     use crate::seed::Seed;

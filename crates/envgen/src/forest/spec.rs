@@ -62,7 +62,8 @@ pub struct ForestSpec {
     pub border: Border,
     /// Radius in metres around start and goal that no trunk reaches into; 0 clears nothing.
     pub clearing: f64,
-    /// Radius in metres of the robot for which start, goal and the ways through are found.
+    /// Radius in metres of the robot for which start, goal and the ways through are found; 0 for a
+    /// point, which only trunks that touch stop.
     pub robot_radius: f64,
     /// Where the forest is dense and where it is light: factors on `intensity`.
     pub density: Option<DensityMap>,
@@ -141,7 +142,7 @@ const ROBOT_RADIUS: Setting = Setting::number(
     "m",
     0.0,
     1e4,
-    "radius of the robot for which start, goal and the ways through are found",
+    "radius of the robot for which start, goal and the ways through are found (0: a point)",
 );
 const DENSITY: Setting = Setting::other(
     "density",

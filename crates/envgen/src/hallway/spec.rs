@@ -8,7 +8,7 @@ use crate::error::{GenerateError, SpecError};
 use crate::generate::{Blueprint, Spec};
 use crate::seed::Seed;
 use crate::settings::Setting;
-use crate::world::World;
+use crate::world::{MAX_COORDINATE, World};
 
 /// A hallway to generate.
 ///
@@ -213,6 +213,7 @@ impl Spec for HallwaySpec {
         WIDTH.check(self.width)?;
         WALL.check(self.wall)?;
         self.check_spacing()?;
+        self.check_extent()?;
         ALCOVE_RATE.check(self.alcove_rate)?;
         ALCOVE_WIDTH.check(self.alcove_width)?;
         ALCOVE_DEPTH.check(self.alcove_depth)?;
@@ -262,6 +263,21 @@ impl HallwaySpec {
                 self.wall
             ),
         ))
+    }
+
+    /// A hallway without turns must end inside the largest world.
+    fn check_extent(&self) -> Result<(), SpecError> {
+        // Walls, alcoves and ends reach over the cells of the segments by no more than four cells.
+        let cells = self.segments as f64 + 4.0;
+        if self.pitch * cells <= MAX_COORDINATE {
+            return Ok(());
+        }
+        let allowed = format!(
+            "at most {} m for {} segments: worlds end at {MAX_COORDINATE} m",
+            MAX_COORDINATE / cells,
+            self.segments
+        );
+        Err(SpecError::new("pitch", self.pitch, allowed))
     }
 
     fn check_features(&self) -> Result<(), SpecError> {

@@ -11,6 +11,7 @@ use crate::error::{GenerateError, SpecError};
 use crate::generate::Spec;
 use crate::seed::Seed;
 use crate::settings::Setting;
+use crate::world::MAX_COORDINATE;
 
 /// The most cells a landscape can have: 8192 x 8192, which take 128 MiB.
 pub const MAX_CELLS: u64 = 1 << 26;
@@ -255,6 +256,14 @@ impl LandscapeSpec {
             return Err(MIXING.error_with(self.mixing, allowed));
         }
         CELL.check(self.cell)?;
+        let longest = self.rows.max(self.cols);
+        if self.cell * longest as f64 > MAX_COORDINATE {
+            let allowed = format!(
+                "at most {} m for {longest} cells in a row: worlds end at {MAX_COORDINATE} m",
+                MAX_COORDINATE / longest as f64
+            );
+            return Err(CELL.error_with(self.cell, allowed));
+        }
         if let Some(&speed) = self.speeds.iter().find(|speed| !(0.0..=10.0).contains(*speed)) {
             return Err(SPEEDS.error(speed));
         }

@@ -43,30 +43,17 @@ pub(super) fn world(road: &Road) -> World {
     world.goal = Some(goal(road));
     world.walls = walls;
     world.road_strips = vec![strip];
-    world.certificate = promises(road, bounds);
+    world.certificate = promises(road);
     world
 }
 
-/// What the road promises. That one can drive along it is promised where a raster fine enough to
-/// see that fits into the checker's memory.
-fn promises(road: &Road, bounds: Rect) -> Vec<Claim> {
-    let mut claims = Vec::new();
-    let radius = 0.4 * road.spec().width;
-    let cells = bounds.size() / (CELLS * radius);
-    if cells.x * cells.y <= MOST_CELLS {
-        claims.push(Claim::Connected { radius });
-    }
+/// What the road promises.
+fn promises(road: &Road) -> Vec<Claim> {
+    let mut claims = vec![Claim::Connected { radius: 0.4 * road.spec().width }];
     let radii = road.segments().iter().filter_map(|segment| segment.radius);
     claims.extend(radii.reduce(f64::min).map(|radius| Claim::BendRadius { radius }));
     claims
 }
-
-/// Side of a cell that shows a disc's way along the road, as a share of the disc's radius: half of
-/// the room that is left beside the disc, 0.25 of its radius, over the square root of 2.
-const CELLS: f64 = 0.08;
-
-/// Cells of the finest raster that a certificate is checked on.
-const MOST_CELLS: f64 = 4e6;
 
 /// Where a robot is to go: the end, or on a circuit the last waypoint of the lap.
 fn goal(road: &Road) -> Pose {

@@ -7,6 +7,10 @@ use super::{PartId, PartKind, World};
 use crate::curve::Curve;
 use crate::geometry::{Pose, Rect, Shape, edges, segments_cross, signed_area, wrap_angle};
 
+/// The greatest distance of anything in a world from the axes of its frame, in metres: room for every
+/// grid of the Earth, and near enough that coordinates are exact to a hundredth of a micrometre.
+pub const MAX_COORDINATE: f64 = 1e8;
+
 /// Parts may reach this far over the bounds, in metres: rounding, no more.
 const TOLERANCE: f64 = 1e-6;
 
@@ -23,6 +27,16 @@ pub enum Violation {
     /// The bounds are not finite, or empty.
     #[error("the bounds {0:?} are not a finite rectangle")]
     Bounds(Rect),
+    /// A coordinate or length is beyond what worlds may extend to.
+    #[error(
+        "`{field}` is {value:e} m, allowed is from -{MAX_COORDINATE:e} to {MAX_COORDINATE:e} m"
+    )]
+    Extent {
+        /// The field of the world.
+        field: String,
+        /// Its value.
+        value: f64,
+    },
     /// A number of a part is not finite.
     #[error("{0} holds a number that is not finite")]
     NotFinite(PartId),
@@ -76,9 +90,9 @@ pub enum Violation {
 }
 
 impl World {
-    /// Checks every invariant: finite numbers, positive sizes, simple counter-clockwise polygons,
-    /// parts inside the bounds, doorways between rooms that exist, start and goal in free space,
-    /// claims about finite numbers, a whole raster.
+    /// Checks every invariant: finite numbers, coordinates of at most [`MAX_COORDINATE`], positive
+    /// sizes, simple counter-clockwise polygons, parts inside the bounds, doorways between rooms that
+    /// exist, start and goal in free space, claims about finite numbers, a whole raster.
     ///
     /// # Errors
     /// The first invariant that does not hold.
@@ -87,6 +101,8 @@ impl World {
         if !(b.min.is_finite() && b.max.is_finite() && b.min.cmplt(b.max).all()) {
             return Err(Violation::Bounds(b));
         }
+        within("bounds.min", b.min)?;
+        within("bounds.max", b.max)?;
         let rooms = numbered(PartKind::Room, self.rooms.iter().map(|room| &room.shape));
         let surfaces = numbered(PartKind::Surface, self.surfaces.iter().map(|s| &s.shape));
         let openings = numbered(PartKind::Doorway, self.doorways.iter().map(|d| &d.shape));
@@ -103,6 +119,10 @@ impl World {
                 .all(|point| finite_pose(point.pose) && point.curvature.is_finite());
             if !(finite && strip.width.is_finite()) {
                 return Err(Violation::NotFinite(id));
+            }
+            let lengths = strip.pieces.iter().map(|piece| ("length of a piece", piece.length));
+            for (name, length) in lengths.chain([("width", strip.width)]) {
+                within_length(length, || format!("{name} of {id}"))?;
             }
             if strip.width <= 0.0 || strip.centreline.len() < 2 || strip.lanes == 0 {
                 return Err(Violation::Size(id));
@@ -196,11 +216,26 @@ impl World {
         let speeds = raster.speeds.iter().all(|speed| speed.is_finite() && *speed >= 0.0);
         let placed = raster.cell.is_finite() && raster.cell > 0.0 && raster.origin.is_finite();
         if whole && placed && speeds {
-            return Ok(());
+            let size = DVec2::new(f64::from(raster.cols), f64::from(raster.rows)) * raster.cell;
+            within("raster.origin", raster.origin)?;
+            return within("raster.origin + size", raster.origin + size);
         }
         let (rows, cols, cells) = (raster.rows, raster.cols, raster.cells.len());
         Err(Violation::Raster { rows, cols, cells, cell: raster.cell })
     }
+}
+
+fn within(field: &str, point: DVec2) -> Result<(), Violation> {
+    within_length(point.x, || format!("{field}.x"))?;
+    within_length(point.y, || format!("{field}.y"))
+}
+
+/// Numbers that are not finite have errors of their own.
+fn within_length(value: f64, field: impl Fn() -> String) -> Result<(), Violation> {
+    if value.is_finite() && value.abs() > MAX_COORDINATE {
+        return Err(Violation::Extent { field: field(), value });
+    }
+    Ok(())
 }
 
 fn numbered<T>(
@@ -318,6 +353,20 @@ mod tests {
         broken.bounds.max.x = f64::NAN;
         assert!(matches!(broken.check(), Err(Violation::Bounds(_))));
 
+        for (value, is_within) in
+            [(1e8, true), (2_147_483_647.0, false), (1.8446744073709552e19, false)]
+        {
+            let mut far = world();
+            far.bounds.max.x = value;
+            let field = "bounds.max.x".to_owned();
+            let expected = if is_within { Ok(()) } else { Err(Violation::Extent { field, value }) };
+            assert_eq!(far.check(), expected);
+        }
+        let mut far = world();
+        far.bounds.min.y = -1e9;
+        let error = far.check().unwrap_err().to_string();
+        assert_eq!(error, "`bounds.min.y` is -1e9 m, allowed is from -1e8 to 1e8 m");
+
         let mut broken = world();
         broken.trees[0].radius = f64::INFINITY;
         assert_eq!(broken.check(), Err(Violation::NotFinite(tree)));
@@ -377,7 +426,11 @@ mod tests {
             cells,
             speeds: Vec::new(),
         };
+        let whole = ClassRaster { cells: vec![1; 6], cell: 1e8, ..raster.clone() };
         broken.raster = Some(raster);
         assert!(matches!(broken.check(), Err(Violation::Raster { .. })));
+        broken.raster = Some(whole);
+        let field = "raster.origin + size.x".to_owned();
+        assert_eq!(broken.check(), Err(Violation::Extent { field, value: 3e8 }));
     }
 }

@@ -12,7 +12,7 @@ use std::fmt;
 use glam::DVec2;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-pub use check::Violation;
+pub use check::{MAX_COORDINATE, Violation};
 pub use digest::Digest;
 pub use part::{
     Contents, Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind,

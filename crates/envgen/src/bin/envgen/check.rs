@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use envgen::certificate::{Claim, Verdict, verify};
+use envgen::reproduction::{Reproduction, reproduce};
 
 use crate::failure::Failure;
 use crate::progress::spinner;
@@ -18,28 +19,31 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let world = arguments.file.read()?;
-    let checked = {
+    let (checked, reproduction) = {
         let _spinner = spinner("checking");
-        verify(&world)
+        (verify(&world), reproduce(&world))
     };
     let all_hold = checked.iter().all(|(_, verdict)| *verdict == Verdict::Holds);
-    match print(&checked) {
+    let is_trusted = all_hold && reproduction.is_credible();
+    match print(&checked, &reproduction) {
         // Who reads only the first line still wants the right exit code.
-        Err(Failure::ReaderGone) | Ok(()) => Ok(ExitCode::from(u8::from(!all_hold))),
+        Err(Failure::ReaderGone) | Ok(()) => Ok(ExitCode::from(u8::from(!is_trusted))),
         Err(failure) => Err(failure),
     }
 }
 
-fn print(checked: &[(Claim, Verdict)]) -> Result<(), Failure> {
+fn print(checked: &[(Claim, Verdict)], reproduction: &Reproduction) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     writeln!(out, "holds: every invariant of a world")?;
     for (claim, verdict) in checked {
-        let word = match verdict {
-            Verdict::Holds => "holds",
-            Verdict::Broken => "broken",
-            Verdict::Undecided => "undecided",
-        };
-        writeln!(out, "{word}: {claim}")?;
+        match verdict.doubt() {
+            Some(doubt) => writeln!(out, "{}: {claim} ({doubt})", verdict.name())?,
+            None => writeln!(out, "{}: {claim}", verdict.name())?,
+        }
     }
+    if checked.is_empty() {
+        writeln!(out, "nothing promised: the certificate is empty")?;
+    }
+    writeln!(out, "{reproduction}")?;
     Ok(())
 }

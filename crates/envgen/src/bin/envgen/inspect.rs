@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use clap::Args;
 use envgen::certificate::{Claim, Verdict, verify};
 use envgen::geometry::{Pose, Rect};
-use envgen::{Provenance, World, WorldMetrics, WorldSpec};
+use envgen::reproduction::{Reproduction, reproduce};
+use envgen::{Provenance, World, WorldMetrics};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -56,6 +57,9 @@ struct Checked {
     claim: Claim,
     text: String,
     verdict: Verdict,
+    /// Why it is undecided.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    doubt: Option<String>,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
@@ -73,21 +77,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 }
 
 fn report(world: &World) -> Report<'_> {
-    let digest = world.digest();
-    let again = world.provenance.seed.and_then(|seed| {
-        let spec = WorldSpec::from_provenance(&world.provenance).ok()?;
-        // A file that claims to be of a world much larger than itself is not worth the attempt.
-        if spec.validate().is_err() || spec.work() > 1e5 + 100.0 * size(world) {
-            return None;
-        }
-        let blueprint = spec.generate(seed).ok()?;
-        (blueprint.to_world().digest() == digest).then(|| blueprint.metrics())
-    });
-    let checked =
-        |(claim, verdict): (Claim, Verdict)| Checked { claim, text: claim.to_string(), verdict };
+    let again = match reproduce(world) {
+        Reproduction::Same(blueprint) => Some(blueprint.metrics()),
+        _ => None,
+    };
+    let checked = |(claim, verdict): (Claim, Verdict)| Checked {
+        claim,
+        text: claim.to_string(),
+        verdict,
+        doubt: verdict.doubt().map(|doubt| doubt.to_string()),
+    };
     Report {
         provenance: &world.provenance,
-        digest: digest.to_string(),
+        digest: world.digest().to_string(),
         reproducible: again.is_some(),
         bounds: world.bounds,
         start: world.start,
@@ -105,14 +107,6 @@ fn report(world: &World) -> Report<'_> {
         certificate: verify(world).into_iter().map(checked).collect(),
         metrics: again,
     }
-}
-
-/// How much the world holds: parts, and points and cells of parts.
-fn size(world: &World) -> f64 {
-    let points: usize = world.road_strips.iter().map(|strip| strip.centreline.len()).sum();
-    let cells = world.raster.as_ref().map_or(0, |raster| raster.cells.len());
-    let parts = world.solids().count() + world.rooms.len() + world.surfaces.len();
-    (points + cells + parts) as f64
 }
 
 /// Prints a tree of values, two spaces a level; lists of plain values stand in one line.

@@ -38,8 +38,13 @@ enum Command {
     Inspect(inspect::Arguments),
     /// Measures a raster of classes as landscape ecology does.
     Metrics(metrics::Arguments),
-    /// Verifies a world's certificate on the world alone; exit code 1 if a claim does not hold or
-    /// cannot be decided.
+    /// Says whether a world file can be trusted; exit code 1 if it cannot.
+    ///
+    /// Verifies every promise of the certificate on the world alone, and generates the world again
+    /// from its spec and seed. Exit code 1 if a promise does not hold or cannot be decided, or if the
+    /// spec and seed do not make this world. A file that promises nothing, was imported, says that it
+    /// was edited, or was made by another version of its kind's values is not failed for that: the
+    /// output says so.
     Check(check::Arguments),
 }
 

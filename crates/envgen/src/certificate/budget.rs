@@ -1,0 +1,62 @@
+//! What a check may cost, and why one comes to no verdict.
+
+use std::fmt;
+
+/// The most convex pieces (trees, boxes, segments, sides of polygons) of which a check keeps track:
+/// about 100 bytes each.
+pub const MAX_PIECES: usize = 1 << 23;
+
+/// The most comparisons of a piece with a point that a claim may cost, other work counted as so
+/// many of them: a few seconds.
+pub const MAX_COMPARISONS: u64 = 1 << 29;
+
+/// The most squares into which free space is divided to find its places: 8 bytes each.
+pub const MAX_SQUARES: usize = 1 << 25;
+
+/// The most points of its roads at which a world's bends are measured.
+pub const MAX_BEND_POINTS: u64 = 1 << 23;
+
+/// Why a claim is neither found to hold nor to be broken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Doubt {
+    /// Two parts, or a part and a pose, are as far apart as the robot is wide, up to rounding.
+    TooClose,
+    /// The world has more than [`MAX_PIECES`] pieces.
+    Pieces,
+    /// More than [`MAX_COMPARISONS`] comparisons would be needed.
+    Comparisons,
+    /// More than [`MAX_SQUARES`] squares would be needed.
+    Squares,
+    /// More than [`MAX_BEND_POINTS`] points would be needed.
+    BendPoints,
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Doubt::TooClose => f.write_str("a gap is as wide as the robot, up to rounding"),
+            Doubt::Pieces => write!(f, "the budget is {MAX_PIECES} convex pieces of solid parts"),
+            Doubt::Comparisons => write!(f, "the budget of {MAX_COMPARISONS} comparisons is spent"),
+            Doubt::Squares => {
+                write!(f, "the budget of {MAX_SQUARES} squares of free space is spent")
+            }
+            Doubt::BendPoints => write!(f, "the budget is {MAX_BEND_POINTS} points of roads"),
+        }
+    }
+}
+
+/// Comparisons that are left.
+pub(super) struct Budget(u64);
+
+impl Budget {
+    pub(super) fn new(comparisons: u64) -> Self {
+        Budget(comparisons)
+    }
+
+    /// Takes off what a step costs.
+    pub(super) fn spend(&mut self, comparisons: u64) -> Result<(), Doubt> {
+        self.0 = self.0.checked_sub(comparisons).ok_or(Doubt::Comparisons)?;
+        Ok(())
+    }
+}

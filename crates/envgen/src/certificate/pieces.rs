@@ -1,0 +1,153 @@
+//! The pieces of a world's solid parts, and which of them are near each other.
+
+use std::borrow::Borrow;
+
+use glam::DVec2;
+
+use super::budget::{Budget, Doubt, MAX_PIECES};
+use super::piece::{Gap, Piece};
+use crate::geometry::{Rect, Shape};
+use crate::lattice::{Convex, Lattice, Lists};
+
+/// Cells that list a piece, on average over all pieces, at most.
+const MAX_LISTINGS: usize = 8;
+
+/// What a comparison of two pieces costs that are not both round.
+const GAP_COST: u64 = 32;
+
+/// Pieces, and a lattice whose cells list those within reach.
+pub(super) struct Pieces {
+    list: Vec<Piece>,
+    /// How far is asked, and how far the cells see.
+    wanted: f64,
+    reach: f64,
+    lattice: Lattice,
+    near: Lists<u32>,
+}
+
+impl Pieces {
+    /// Indexes the pieces of shapes by what is within `reach` of them.
+    pub(super) fn new(
+        shapes: impl Iterator<Item = impl Borrow<Shape>>,
+        reach: f64,
+    ) -> Result<Self, Doubt> {
+        let mut list = Vec::new();
+        for shape in shapes {
+            let sides = match shape.borrow() {
+                Shape::Polygon { vertices } => vertices.len(),
+                _ => 1,
+            };
+            if list.len() + sides > MAX_PIECES {
+                return Err(Doubt::Pieces);
+            }
+            Piece::of(shape.borrow(), |piece| list.push(piece));
+        }
+        let around = list.iter().map(Piece::bounds).reduce(Rect::union);
+        let around = around.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
+        // Who sees farther than this sees every piece from any other.
+        let (wanted, reach) = (reach, reach.min(1.0 + around.size().length()));
+        let around = around.grown(reach + 1e-9 * (1.0 + around.size().max_element()));
+        let numbers: Vec<u32> = (0..list.len() as u32).collect();
+        let mut target = (list.len() as f64).max(1.0);
+        loop {
+            let lattice = Lattice::over(around, target);
+            let most = (lattice.cols * lattice.rows > 1).then_some(MAX_LISTINGS * list.len());
+            let near = Lists::build(&lattice, &numbers, most, |&i, lattice, visit| {
+                touched_runs(&list[i as usize], reach, lattice, visit);
+            });
+            if let Some(near) = near {
+                return Ok(Pieces { list, wanted, reach, lattice, near });
+            }
+            target *= 0.25;
+        }
+    }
+
+    pub(super) fn list(&self) -> &[Piece] {
+        &self.list
+    }
+
+    /// Distance from a point to the nearest piece, as far as was asked; infinite beyond.
+    pub(super) fn clearance(&self, p: DVec2, budget: &mut Budget) -> Result<f64, Doubt> {
+        let near = self.lattice.cell_at(p).map_or(&[][..], |cell| self.near.of(cell));
+        budget.spend(near.len() as u64)?;
+        let distances = near.iter().map(|&i| self.list[i as usize].distance(p));
+        let mut least = distances.fold(f64::INFINITY, f64::min);
+        if least > self.reach && self.wanted > self.reach {
+            budget.spend(self.list.len() as u64)?;
+            least = self.list.iter().map(|piece| piece.distance(p)).fold(least, f64::min);
+        }
+        Ok(if least <= self.wanted { least } else { f64::INFINITY })
+    }
+
+    /// Calls `visit` for every pair of pieces at most `distance` apart, which is twice the reach or
+    /// less, until it says that this is enough.
+    pub(super) fn pairs(
+        &self,
+        distance: f64,
+        budget: &mut Budget,
+        mut visit: impl FnMut(usize, usize, Gap, &mut Budget) -> Result<bool, Doubt>,
+    ) -> Result<(), Doubt> {
+        let mut seen = vec![u32::MAX; self.list.len()];
+        for (i, piece) in self.list.iter().enumerate() {
+            let mut done = Ok(false);
+            touched_runs(piece, self.reach, &self.lattice, &mut |row, from, to| {
+                for cell in row * self.lattice.cols + from..=row * self.lattice.cols + to {
+                    if done == Ok(false) {
+                        done = self.pairs_in(cell, i, distance, &mut seen, budget, &mut visit);
+                    }
+                }
+            });
+            if done? {
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// The pairs of a piece with those before it that a cell lists and that were not seen yet;
+    /// whether this is enough.
+    fn pairs_in(
+        &self,
+        cell: usize,
+        i: usize,
+        distance: f64,
+        seen: &mut [u32],
+        budget: &mut Budget,
+        visit: &mut impl FnMut(usize, usize, Gap, &mut Budget) -> Result<bool, Doubt>,
+    ) -> Result<bool, Doubt> {
+        // The lists are in order.
+        for &j in self.near.of(cell).iter().take_while(|&&j| (j as usize) < i) {
+            budget.spend(1)?;
+            let j = j as usize;
+            if std::mem::replace(&mut seen[j], i as u32) == i as u32 {
+                continue;
+            }
+            let (a, b) = (&self.list[i], &self.list[j]);
+            if !(a.is_round() && b.is_round()) {
+                budget.spend(GAP_COST)?;
+            }
+            if let Some(gap) = a.gap(b, distance)
+                && visit(i, j, gap, budget)?
+            {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+}
+
+/// The cells that come within `reach` of a piece, and perhaps a few more.
+fn touched_runs(
+    piece: &Piece,
+    reach: f64,
+    lattice: &Lattice,
+    visit: &mut dyn FnMut(usize, usize, usize),
+) {
+    // Rounding must not keep a piece out of a cell that it just reaches.
+    let reach = piece.radius + reach + 1e-8 * (1.0 + lattice.side);
+    if piece.is_round() {
+        lattice.touched_runs(&Convex::Disc(piece.center, reach), visit);
+    } else {
+        lattice.touched_runs(&Convex::Polygon(&piece.corners(reach)), visit);
+    }
+}

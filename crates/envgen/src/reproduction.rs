@@ -1,0 +1,211 @@
+//! Whether a world is what its spec and seed make.
+
+use std::fmt;
+
+use crate::landscape::LandscapeSpec;
+use crate::provenance::Provenance;
+use crate::spec::{Kind, WorldBlueprint, WorldSpec};
+use crate::world::World;
+
+/// A spec is not generated again when it asks for more parts than this...
+const MOST_WORK: f64 = 1e6;
+
+/// ...and for more than this many times the parts that the world has.
+const MOST_WORK_A_PART: f64 = 1e3;
+
+/// How a world compares with what its provenance makes.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Reproduction {
+    /// It is the world that its spec and seed make, to the last bit: this blueprint's.
+    Same(Box<WorldBlueprint>),
+    /// Its spec and seed make another world.
+    Different,
+    /// Its spec and seed make no world; the text says why.
+    NoWorld(String),
+    /// Its spec asks for so much more than the world holds that it was not generated.
+    TooLarge {
+        /// Parts that the spec asks for.
+        work: f64,
+        /// Parts that the world holds.
+        parts: u64,
+    },
+    /// It was made by another version of the kind's values, and not compared.
+    OtherVersion {
+        /// The version that made it.
+        made_by: u32,
+        /// The version that this crate makes.
+        makes: u32,
+    },
+    /// It was changed after it was generated, as it says itself, and not compared.
+    Edited,
+    /// It has no spec and seed: it was imported or put together by hand.
+    NoSpec,
+}
+
+impl Reproduction {
+    /// Whether the world may be what it says that it is: it is that, or does not say so.
+    pub fn is_credible(&self) -> bool {
+        match self {
+            Reproduction::Same(_)
+            | Reproduction::OtherVersion { .. }
+            | Reproduction::Edited
+            | Reproduction::NoSpec => true,
+            Reproduction::Different | Reproduction::NoWorld(_) | Reproduction::TooLarge { .. } => {
+                false
+            }
+        }
+    }
+}
+
+impl fmt::Display for Reproduction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Reproduction::Same(_) => {
+                f.write_str("reproducible: its spec and seed make this world to the last bit")
+            }
+            Reproduction::Different => {
+                f.write_str("not reproducible: its spec and seed make another world")
+            }
+            Reproduction::NoWorld(reason) => {
+                write!(f, "not reproducible: its spec and seed make no world: {reason}")
+            }
+            Reproduction::TooLarge { work, parts } => write!(
+                f,
+                "not reproducible: its spec asks for about {work:.0} parts, the world holds {parts}"
+            ),
+            Reproduction::OtherVersion { made_by, makes } => write!(
+                f,
+                "not compared: made by value version {made_by}, this program makes {makes}"
+            ),
+            Reproduction::Edited => {
+                f.write_str("not compared: it says that it was edited after it was generated")
+            }
+            Reproduction::NoSpec => f.write_str(
+                "not compared: it has no spec and seed (imported, or put together by hand)",
+            ),
+        }
+    }
+}
+
+/// Generates a world again from the spec and the seed in its provenance, and compares the two by
+/// their [digests](World::digest). What the provenance claims costs no more than a fixed amount
+/// and a fixed multiple of what the world holds.
+pub fn reproduce(world: &World) -> Reproduction {
+    let provenance = &world.provenance;
+    let (Ok(kind), Some(seed)) = (provenance.kind.parse::<Kind>(), provenance.seed) else {
+        return Reproduction::NoSpec;
+    };
+    if provenance.edited {
+        return Reproduction::Edited;
+    }
+    if provenance.value_version != kind.value_version() {
+        let (made_by, makes) = (provenance.value_version, kind.value_version());
+        return Reproduction::OtherVersion { made_by, makes };
+    }
+    let spec = match spec(provenance) {
+        Ok(spec) => spec,
+        Err(reason) => return Reproduction::NoWorld(reason),
+    };
+    let (work, parts) = (spec.work(), parts(world));
+    if let WorldSpec::Landscape(spec) = &spec
+        && !has_size(world, spec)
+    {
+        return Reproduction::Different;
+    }
+    if work > MOST_WORK + MOST_WORK_A_PART * parts as f64 {
+        return Reproduction::TooLarge { work, parts };
+    }
+    match spec.generate(seed) {
+        Err(error) => Reproduction::NoWorld(error.to_string()),
+        Ok(blueprint) if blueprint.to_world().digest() == world.digest() => {
+            Reproduction::Same(Box::new(blueprint))
+        }
+        Ok(_) => Reproduction::Different,
+    }
+}
+
+fn spec(provenance: &Provenance) -> Result<WorldSpec, String> {
+    let spec = WorldSpec::from_provenance(provenance).map_err(|error| error.to_string())?;
+    spec.validate().map_err(|error| error.to_string())?;
+    Ok(spec)
+}
+
+/// Whether the world's raster has the rows and columns that a spec asks for.
+fn has_size(world: &World, spec: &LandscapeSpec) -> bool {
+    world.raster.as_ref().is_some_and(|raster| {
+        u64::from(raster.rows) == spec.rows && u64::from(raster.cols) == spec.cols
+    })
+}
+
+/// How much the world holds: parts, and points and cells of parts.
+fn parts(world: &World) -> u64 {
+    let points: usize = world.road_strips.iter().map(|strip| strip.centreline.len()).sum();
+    let cells = world.raster.as_ref().map_or(0, |raster| raster.cells.len());
+    (points + cells + world.solids().count() + world.rooms.len() + world.surfaces.len()) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::{Blueprint, Spec};
+    use crate::seed::Seed;
+    use serde_json::json;
+
+    fn forest() -> World {
+        Kind::Forest.default_spec().generate(Seed(3)).unwrap().to_world()
+    }
+
+    #[test]
+    fn every_kind_is_made_again() {
+        for &kind in Kind::ALL {
+            let blueprint = kind.default_spec().generate(Seed(3)).unwrap();
+            let found = reproduce(&blueprint.to_world());
+            assert_eq!(found, Reproduction::Same(Box::new(blueprint)), "{kind}");
+            assert!(found.is_credible());
+        }
+    }
+
+    #[test]
+    fn what_was_changed_is_found() {
+        let mut moved = forest();
+        moved.trees[7].center.x += 0.5;
+        let mut reseeded = forest();
+        reseeded.provenance.seed = Some(Seed(4));
+        for world in [moved, reseeded] {
+            assert_eq!(reproduce(&world), Reproduction::Different);
+            assert!(!reproduce(&world).is_credible());
+        }
+        let mut world = forest();
+        world.provenance.spec["intensity"] = json!(-1);
+        let found = reproduce(&world);
+        assert!(matches!(&found, Reproduction::NoWorld(why) if why.contains("`intensity` is -1")));
+        assert!(!found.is_credible());
+        world.provenance.spec["intensity"] = json!("dense");
+        assert!(matches!(reproduce(&world), Reproduction::NoWorld(_)));
+    }
+
+    #[test]
+    fn what_says_so_is_not_compared() {
+        let mut world = forest();
+        world.provenance.value_version += 1;
+        assert_eq!(reproduce(&world), Reproduction::OtherVersion { made_by: 2, makes: 1 });
+        world.provenance.edited = true;
+        assert_eq!(reproduce(&world), Reproduction::Edited);
+        world.provenance.seed = None;
+        assert_eq!(reproduce(&world), Reproduction::NoSpec);
+        assert!(reproduce(&world).is_credible());
+    }
+
+    #[test]
+    fn specs_of_much_more_than_the_world_are_not_tried() {
+        let mut world = forest();
+        world.provenance.spec["width"] = json!(1e6);
+        let found = reproduce(&world);
+        assert!(matches!(found, Reproduction::TooLarge { .. }), "{found}");
+        let landscape = LandscapeSpec::default();
+        let mut world = landscape.generate(Seed(1)).unwrap().to_world();
+        world.provenance.spec["rows"] = json!(4096);
+        assert_eq!(reproduce(&world), Reproduction::Different);
+    }
+}

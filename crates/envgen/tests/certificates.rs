@@ -1,0 +1,66 @@
+//! Every world that can be asked for keeps its promises, and that can be checked.
+
+#[path = "common/random_spec.rs"]
+mod random_spec;
+
+use envgen::certificate::{Claim, Verdict, verify};
+use envgen::geometry::Shape;
+use envgen::indoor::IndoorSpec;
+use envgen::{Blueprint, Kind, Seed, Spec, World};
+
+/// The example `check_sweep` does the same for thousands.
+#[test]
+fn random_specs_make_worlds_whose_promises_hold() {
+    let (mut worlds, mut promises) = (0, 0);
+    for index in 0..75 {
+        let kind = Kind::ALL[index as usize % Kind::ALL.len()];
+        let spec = random_spec::random_spec(kind, index);
+        let Ok(blueprint) = spec.generate(Seed(index)) else { continue };
+        let world = blueprint.to_world();
+        assert_eq!(world.check(), Ok(()), "{index}: {spec:?}");
+        worlds += 1;
+        for (claim, verdict) in verify(&world) {
+            assert_eq!(verdict, Verdict::Holds, "{index}: {claim}: {spec:?}");
+            promises += 1;
+        }
+    }
+    assert!(worlds > 50 && promises > 50, "{worlds} worlds, {promises} promises");
+}
+
+fn indoor(footprint: f64) -> World {
+    let spec = IndoorSpec { width: 4, height: 4, difficulty: 6.0, footprint, ..Default::default() };
+    spec.generate(Seed(1)).unwrap().to_world()
+}
+
+#[test]
+fn a_wall_that_stands_askew_is_decided() {
+    for footprint in [0.01, 0.1, 0.36] {
+        let mut world = indoor(footprint);
+        for turned in (0..world.walls.len()).step_by(5) {
+            let mut world = world.clone();
+            if let Shape::Box { heading, .. } = &mut world.walls[turned].shape {
+                *heading += 0.8;
+            }
+            // A wall that reaches over the bounds is no less of a wall.
+            for (claim, verdict) in verify(&world) {
+                assert_eq!(verdict.doubt(), None, "wall {turned}: {claim}");
+            }
+        }
+        world.walls.clear();
+        assert!(verify(&world).iter().all(|(_, verdict)| *verdict == Verdict::Holds));
+    }
+}
+
+#[test]
+fn wide_bounds_cost_nothing() {
+    let mut world = indoor(0.01);
+    world.bounds.min.x = -1e8;
+    world.bounds.max.y = 1e8;
+    assert_eq!(world.check(), Ok(()));
+    for (claim, verdict) in verify(&world) {
+        assert_eq!(verdict, Verdict::Holds, "{claim}");
+    }
+    world.certificate = vec![Claim::Connected { radius: 1e-6 }];
+    world.start.as_mut().unwrap().position.x = -1e8;
+    assert_eq!(verify(&world)[0].1, Verdict::Broken, "the goal is in a building");
+}
