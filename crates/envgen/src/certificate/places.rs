@@ -201,7 +201,6 @@ impl<'a> Survey<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::certificate::{Claim, Verdict, verify};
     use crate::generate::{Blueprint, Spec};
     use crate::indoor::{IndoorSpec, Layout, Profile};
