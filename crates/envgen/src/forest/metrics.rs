@@ -6,6 +6,7 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::index::CellList;
+use super::predict;
 use super::radius::RadiusLaw;
 use super::spec::{Border, Forest, ForestSpec};
 use crate::geometry::Shape;
@@ -20,9 +21,13 @@ pub const PERCOLATION_THRESHOLD: f64 = 1.128;
 /// The cover is measured on a raster of about this many cells along the longer side.
 const COVER_CELLS: f64 = 256.0;
 
-/// Numbers that describe a forest. Predictions are those of the Poisson process with the spec's
-/// intensity and radii, absent where the density varies; a least distance makes them wrong. On a
-/// torus cover, touching and nearest neighbours count across its sides, ways through do not.
+/// Numbers that describe a forest. On a torus cover, touching and nearest neighbours count across
+/// its sides, ways through do not.
+///
+/// Predictions are those of the Poisson process with the spec's intensity and radii, absent where the
+/// density varies; a least distance or clearings make them wrong. The mean over many forests is what
+/// is predicted: trees at the border miss neighbours beyond it, and the ground there misses trunks,
+/// which the predictions account for. Those of an endless forest are given beside them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ForestMetrics {
     /// Number of trees.
@@ -33,18 +38,20 @@ pub struct ForestMetrics {
     pub cleared: u64,
     /// Share of the area under trunks.
     pub cover: f64,
-    /// 1 - exp(-lambda pi E[r^2]).
+    /// 1 - exp(-lambda pi E[r^2]) in an endless forest; less with a border.
     pub cover_predicted: Option<f64>,
     /// Share of trees whose trunk touches no other; absent without trees.
     pub untouched: Option<f64>,
-    /// exp(-4 lambda pi r^2) for a fixed radius r.
+    /// exp(-4 lambda pi r^2) in an endless forest of a fixed radius r; more with a border. Absent for
+    /// other laws.
     pub untouched_predicted: Option<f64>,
     /// Mean distance from a tree's centre to the nearest other in metres; absent under two trees.
-    /// Trees at the border miss neighbours beyond it, unless the border is a torus.
     pub nearest_neighbour: Option<f64>,
-    /// 1 / (2 sqrt lambda).
+    /// 1 / (2 sqrt lambda) in an endless forest; more with a border, and as the number of trees is
+    /// drawn: few trees are farther from each other than many are nearer.
     pub nearest_neighbour_predicted: Option<f64>,
-    /// Mean free path in metres of a robot that drives straight on, `1 / (2 lambda (E[r] + rho))`.
+    /// Mean free path in metres of a robot that drives straight on in an endless forest,
+    /// `1 / (2 lambda (E[r] + rho))`.
     pub free_path_predicted: Option<f64>,
     /// lambda pi E[(r + rho)^2] with the spec's own intensity, whatever a density map makes of it:
     /// above [`PERCOLATION_THRESHOLD`] a wide even forest has no way through.
@@ -59,27 +66,34 @@ pub(super) fn measure(forest: &Forest) -> ForestMetrics {
     let (spec, trees) = (forest.spec(), forest.trees());
     let size = spec.centre_area().size();
     let lambda = spec.intensity;
-    let (mean, mean_square) = radius_moments(spec);
     let fixed = spec.radius_law == RadiusLaw::Fixed;
     // Theory is of forests of even density.
-    let even =
-        |value: f64| (lambda > 0.0 && spec.density.is_none() && !forest.edited()).then_some(value);
+    let is_even = lambda > 0.0 && spec.density.is_none() && !forest.edited();
+    let even = |value: fn(&ForestSpec) -> f64| {
+        is_even.then(|| value(spec)).filter(|value| value.is_finite())
+    };
     let (untouched, nearest_neighbour) = neighbours(spec, trees);
     ForestMetrics {
         count: trees.len() as u64,
-        count_predicted: even(lambda * size.x * size.y),
+        count_predicted: is_even.then_some(lambda * size.x * size.y),
         cleared: forest.cleared(),
         cover: cover(spec, trees),
-        cover_predicted: even(-libm::expm1(-lambda * PI * mean_square)),
+        cover_predicted: even(predict::cover),
         untouched,
-        untouched_predicted: even(libm::exp(-4.0 * lambda * PI * mean_square)).filter(|_| fixed),
+        untouched_predicted: even(predict::untouched).filter(|_| fixed),
         nearest_neighbour,
-        nearest_neighbour_predicted: even(0.5 / lambda.sqrt()),
-        free_path_predicted: even(0.5 / (lambda * (mean + spec.robot_radius))),
+        nearest_neighbour_predicted: even(predict::nearest_neighbour),
+        free_path_predicted: even(free_path),
         reduced_density: reduced_density(spec),
         traversable_predicted: predicts_ways(spec),
         traversable: crosses_west_east(forest),
     }
+}
+
+/// The mean free path of a robot that drives straight on, in an endless forest.
+fn free_path(spec: &ForestSpec) -> f64 {
+    let (mean, _) = radius_moments(spec);
+    0.5 / (spec.intensity * (mean + spec.robot_radius))
 }
 
 /// lambda pi E[(r + rho)^2], the mean number of trunks grown by the robot's radius over a point.

@@ -15,6 +15,7 @@ mod index;
 mod metrics;
 mod place;
 mod poisson;
+mod predict;
 mod radius;
 mod spec;
 
