@@ -257,6 +257,31 @@ fn csv_holds_every_waypoint_with_its_distance() {
 }
 
 #[test]
+fn the_csv_of_a_circuit_ends_where_it_begins() {
+    use Prefab::{Left, Straight};
+    let prefabs = vec![Straight, Left, Straight, Left, Straight, Left, Straight, Left];
+    let spec = RoadSpec { prefabs, closed: true, speed: 5.0, ..Default::default() };
+    let world = spec.generate(Seed(3)).unwrap().to_world();
+    let mut reader = csv::Reader::from_reader(std::io::Cursor::new(write(Format::Csv, &world)));
+    let rows: Vec<[f64; 6]> = reader.deserialize().collect::<Result<_, _>>().unwrap();
+    assert_eq!(rows.len(), world.road_strips[0].centreline.len() + 1);
+    let (first, last) = (rows[0], rows[rows.len() - 1]);
+    assert_eq!(first[2..], last[2..]);
+    assert!((last[1] - 1000.0).abs() < 1e-6, "{last:?}");
+}
+
+#[test]
+fn a_road_reaches_its_aim_by_longer_and_by_shorter_straights() {
+    let lengths = [(600.0, 200.0), (900.0, 500.0)].map(|(x, y)| {
+        let spec = RoadSpec { aim_x: Some(x), aim_y: Some(y), ..Default::default() };
+        let road = spec.generate(Seed(55)).unwrap();
+        assert!(road.end().position.distance(DVec2::new(x, y)) < 1e-9);
+        road.length()
+    });
+    assert!(lengths[0] < 1000.0 && lengths[1] > 1000.0, "{lengths:?}");
+}
+
+#[test]
 fn a_world_without_roads_is_refused() {
     let world = ForestSpec::default().generate(Seed(1)).unwrap().to_world();
     for format in [Format::OpenDrive, Format::Csv] {

@@ -2,7 +2,8 @@
 //!
 //! One line a waypoint under the header `road,s,x,y,heading,curvature`: the road's number from 0,
 //! distance along it in metres, position in metres, heading in radians and curvature in 1/m.
-//! Numbers have as many digits as it takes to read the same ones back.
+//! A closed road ends with its first waypoint once more, a lap farther. Numbers have as many digits as
+//! it takes to read the same ones back.
 
 use std::io::{self, Write};
 
@@ -26,6 +27,11 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
                 s = path.foot_from(s + chord, at);
             }
             let row = (number, s, at.x, at.y, point.pose.heading, point.curvature);
+            table.serialize(row).map_err(io_error)?;
+        }
+        if let Some(first) = strip.centreline.first().filter(|_| strip.closed) {
+            let at = first.pose.position;
+            let row = (number, path.length(), at.x, at.y, first.pose.heading, first.curvature);
             table.serialize(row).map_err(io_error)?;
         }
     }
