@@ -52,6 +52,7 @@ pub mod distribution;
 mod error;
 pub mod export;
 pub mod file;
+mod flood;
 pub mod forest;
 mod generate;
 pub mod geometry;

@@ -29,8 +29,8 @@ pub enum OccupancyError {
     Resolution(f64),
     /// The grid would take too much memory.
     #[error(
-        "`resolution` is {resolution} m, allowed is a coarser one: {cols} x {rows} cells are more \
-         than {MAX_CELLS}"
+        "`resolution` is {resolution} m, allowed is about {:.2e} m or more: {cols} x {rows} cells \
+         are more than {most}", resolution * (cols * rows / *most as f64).sqrt()
     )]
     Size {
         /// The side of a cell asked, in metres.
@@ -39,6 +39,8 @@ pub enum OccupancyError {
         cols: f64,
         /// Rows it would take.
         rows: f64,
+        /// The most cells.
+        most: u64,
     },
 }
 
@@ -89,7 +91,8 @@ impl OccupancyGrid {
         let size = (area.size() / resolution - 1e-9).ceil().max(DVec2::ONE);
         let fits = size.x * size.y <= MAX_CELLS as f64;
         if !fits {
-            return Err(OccupancyError::Size { resolution, cols: size.x, rows: size.y });
+            let most = MAX_CELLS;
+            return Err(OccupancyError::Size { resolution, cols: size.x, rows: size.y, most });
         }
         let (cols, rows) = (size.x as usize, size.y as usize);
         let occupied = vec![false; cols * rows];
@@ -116,7 +119,7 @@ impl OccupancyGrid {
         let cells = rows as u64 * cols as u64;
         if cells > MAX_CELLS {
             let (cols, rows) = (cols as f64, rows as f64);
-            return Err(OccupancyError::Size { resolution, cols, rows });
+            return Err(OccupancyError::Size { resolution, cols, rows, most: MAX_CELLS });
         }
         occupied.resize(cells as usize, false);
         let lattice = Lattice { origin, side: resolution, cols, rows };

@@ -31,7 +31,8 @@ impl OccupancyMap {
         let (cols, rows) = ((right - left + 1) as usize * side, (high - low + 1) as usize * side);
         if cols as u64 * rows as u64 > MAX_CELLS {
             let (cols, rows) = (cols as f64, rows as f64);
-            return Err(OccupancyError::Size { resolution: RESOLUTION, cols, rows });
+            let most = MAX_CELLS;
+            return Err(OccupancyError::Size { resolution: RESOLUTION, cols, rows, most });
         }
         let mut cells = vec![RosCell::Unknown; cols * rows];
         for ((col, row), tile) in self.tiles() {

@@ -98,6 +98,9 @@ pub struct Job<'a> {
     pub blueprint: Option<&'a WorldBlueprint>,
     /// The file's name without its ending, for formats of several files that name each other.
     pub stem: String,
+    /// Side in metres of the cells of maps that have cells of any size; `None` for the usual one
+    /// ([`ros_map::usual_resolution`]).
+    pub resolution: Option<f64>,
     /// How pictures are drawn.
     #[cfg(feature = "picture")]
     pub picture: PictureOptions,
@@ -110,6 +113,7 @@ impl<'a> Job<'a> {
             world,
             blueprint: None,
             stem: "world".to_owned(),
+            resolution: None,
             #[cfg(feature = "picture")]
             picture: PictureOptions::default(),
         }
@@ -128,8 +132,18 @@ impl<'a> Job<'a> {
         self.world.raster.as_ref().ok_or(ExportError::Empty { part: "raster of classes" })
     }
 
+    fn ros_resolution(&self) -> f64 {
+        self.resolution.unwrap_or_else(|| ros_map::usual_resolution(self.world))
+    }
+
     fn write_ros_description(&self, out: &mut dyn Write) -> Result<(), ExportError> {
-        Ok(RosMap::of_any_world(self.world)?.write_yaml(&format!("{}.pgm", self.stem), out)?)
+        let (resolution, image) = (self.ros_resolution(), format!("{}.pgm", self.stem));
+        ros_map::size_in_cells(self.world, resolution)?;
+        Ok(ros_map::write_description(&image, resolution, ros_map::origin(self.world), out)?)
+    }
+
+    fn write_ros_image(&self, out: &mut dyn Write) -> Result<(), ExportError> {
+        Ok(RosMap::of_world(self.world, self.ros_resolution())?.write_pgm(out)?)
     }
 
     fn write_scenarios(&self, out: &mut dyn Write) -> Result<(), ExportError> {
@@ -202,7 +216,7 @@ formats! {
          "scen" => |job, out| job.write_scenarios(out)];
     RosMap, " What is solid as a map for ROS and Nav2, a description and an image.",
         ["yaml" => |job, out| job.write_ros_description(out),
-         "pgm" => |job, out| Ok(RosMap::of_any_world(job.world)?.write_pgm(out)?)];
+         "pgm" => |job, out| job.write_ros_image(out)];
 }
 
 fn write_world_generator(job: &Job<'_>, mut out: &mut dyn Write) -> Result<(), ExportError> {

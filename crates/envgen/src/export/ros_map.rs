@@ -6,15 +6,24 @@ use std::io::{self, Write};
 
 use glam::DVec2;
 
+use crate::certificate::Claim;
+use crate::flood::flood;
 use crate::geometry::{Pose, Shape};
 use crate::occupancy::{Coverage, OccupancyError, OccupancyGrid};
+use crate::spec::Kind;
 use crate::world::World;
 
 /// The most cells of a map that is read or written.
 pub const MAX_CELLS: u64 = 1 << 26;
 
+/// The sides of a cell that are read, in metres.
+pub const RESOLUTIONS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
+
 /// Side of a cell in metres that a world is written with, where it is not too large for that.
 pub const RESOLUTION: f64 = 0.05;
+
+/// Cells that a map has at most where no resolution is asked for: an image of 17 MB.
+pub const USUAL_CELLS: u64 = 1 << 24;
 
 /// Probability of occupancy above which a cell is occupied, as maps are written.
 pub const OCCUPIED_THRESHOLD: f64 = 0.65;
@@ -59,18 +68,17 @@ pub struct RosMap {
 }
 
 impl RosMap {
-    /// The solid parts of a world: what is not occupied is free.
+    /// What a robot could come to know of a world from its start.
     ///
-    /// Cells whose middle lies in a part are occupied, and cells that a part touches which is
-    /// thinner than a cell.
+    /// Cells whose middle lies in a solid part are occupied, and cells that a part touches which is
+    /// thinner than a cell. The others are free where a way over their sides leads to them from the
+    /// start, and unknown elsewhere: outside of a corridor or a building, in closed rooms, beside a
+    /// road, around a forest. In a world without a start all are free.
     ///
     /// # Errors
     /// When the resolution is not positive, or makes more than [`MAX_CELLS`] cells.
     pub fn of_world(world: &World, resolution: f64) -> Result<Self, OccupancyError> {
-        let size = (world.bounds.size() / resolution).ceil().max(DVec2::ONE);
-        if resolution > 0.0 && size.x * size.y > MAX_CELLS as f64 {
-            return Err(OccupancyError::Size { resolution, cols: size.x, rows: size.y });
-        }
+        size_in_cells(world, resolution)?;
         let mut grid = OccupancyGrid::empty(world.bounds, resolution)?;
         // A box as thick as a cell is not thinner by rounding.
         let thinnest = resolution * (1.0 - 1e-6);
@@ -82,24 +90,21 @@ impl RosMap {
             };
             grid.occupy(&solid.shape, if thin { Coverage::Conservative } else { Coverage::Centre });
         }
-        let cell = |&occupied: &bool| if occupied { RosCell::Occupied } else { RosCell::Free };
-        Ok(RosMap {
-            cols: grid.cols(),
-            resolution,
-            origin: Pose { position: grid.origin(), heading: 0.0 },
-            cells: grid.cells().iter().map(cell).collect(),
-        })
-    }
-
-    /// The map of a world in cells of [`RESOLUTION`], or so much coarser by a power of two that
-    /// there are not more than [`MAX_CELLS`].
-    pub(super) fn of_any_world(world: &World) -> Result<Self, OccupancyError> {
-        let size = world.bounds.size() + RESOLUTION;
-        let mut resolution = RESOLUTION;
-        while (size.x / resolution + 1.0) * (size.y / resolution + 1.0) > MAX_CELLS as f64 {
-            resolution *= 2.0;
+        let cell = |&occupied: &bool| if occupied { RosCell::Occupied } else { RosCell::Unknown };
+        let mut cells: Vec<RosCell> = grid.cells().iter().map(cell).collect();
+        let mut open: Vec<bool> = grid.cells().iter().map(|occupied| !occupied).collect();
+        close_outside(world, &grid, &mut open);
+        match world.start {
+            None => open.iter().zip(&mut cells).filter(|(open, _)| **open).for_each(|(_, cell)| {
+                *cell = RosCell::Free;
+            }),
+            Some(start) => {
+                if let Some(first) = nearest(&grid, &open, start.position) {
+                    flood(grid.cols(), &mut open, first, |run| cells[run].fill(RosCell::Free));
+                }
+            }
         }
-        RosMap::of_world(world, resolution)
+        Ok(RosMap { cols: grid.cols(), resolution, origin: origin(world), cells })
     }
 
     /// Number of rows.
@@ -118,16 +123,7 @@ impl RosMap {
     /// # Errors
     /// When writing fails.
     pub fn write_yaml(&self, image: &str, out: &mut dyn Write) -> io::Result<()> {
-        let Pose { position, heading } = self.origin;
-        // JSON's strings are YAML's too, whatever is in the name.
-        let image = serde_json::to_string(image)?;
-        writeln!(out, "image: {image}")?;
-        writeln!(out, "mode: trinary")?;
-        writeln!(out, "resolution: {:?}", self.resolution)?;
-        writeln!(out, "origin: [{:?}, {:?}, {heading:?}]", position.x, position.y)?;
-        writeln!(out, "negate: 0")?;
-        writeln!(out, "occupied_thresh: {OCCUPIED_THRESHOLD}")?;
-        writeln!(out, "free_thresh: {FREE_THRESHOLD}")
+        write_description(image, self.resolution, self.origin, out)
     }
 
     /// Writes the map's image as a binary PGM: 254 free, 205 unknown, 0 occupied.
@@ -153,6 +149,104 @@ impl RosMap {
         writer.write_image_data(&self.greys()).map_err(io::Error::other)?;
         writer.finish().map_err(io::Error::other)
     }
+}
+
+/// Where the map of a world lies.
+pub(super) fn origin(world: &World) -> Pose {
+    Pose { position: world.bounds.min, heading: 0.0 }
+}
+
+/// The resolution in metres that a world is written with where none is asked for: [`RESOLUTION`],
+/// or so much coarser by a power of two that there are at most [`USUAL_CELLS`].
+pub fn usual_resolution(world: &World) -> f64 {
+    let size = world.bounds.size() + RESOLUTION;
+    let mut resolution = RESOLUTION;
+    while (size.x / resolution + 1.0) * (size.y / resolution + 1.0) > USUAL_CELLS as f64 {
+        resolution *= 2.0;
+    }
+    resolution
+}
+
+/// Columns and rows of the map of a world, which is not made for this.
+///
+/// # Errors
+/// As [`RosMap::of_world`].
+pub fn size_in_cells(world: &World, resolution: f64) -> Result<[u64; 2], OccupancyError> {
+    if !(resolution > 0.0 && resolution.is_finite()) {
+        return Err(OccupancyError::Resolution(resolution));
+    }
+    let size = (world.bounds.size() / resolution).ceil().max(DVec2::ONE);
+    if size.x * size.y > MAX_CELLS as f64 {
+        let most = MAX_CELLS;
+        return Err(OccupancyError::Size { resolution, cols: size.x, rows: size.y, most });
+    }
+    Ok([size.x as u64, size.y as u64])
+}
+
+/// Writes the description of a map.
+pub(super) fn write_description(
+    image: &str,
+    resolution: f64,
+    origin: Pose,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let Pose { position, heading } = origin;
+    // JSON's strings are YAML's too, whatever is in the name.
+    let image = serde_json::to_string(image)?;
+    writeln!(out, "image: {image}")?;
+    writeln!(out, "mode: trinary")?;
+    writeln!(out, "resolution: {resolution:?}")?;
+    writeln!(out, "origin: [{:?}, {:?}, {heading:?}]", position.x, position.y)?;
+    writeln!(out, "negate: 0")?;
+    writeln!(out, "occupied_thresh: {OCCUPIED_THRESHOLD}")?;
+    writeln!(out, "free_thresh: {FREE_THRESHOLD}")
+}
+
+/// How far the edge of a road is drawn from where it is, in metres.
+const EDGE_TOLERANCE: f64 = 0.01;
+
+/// Closes what lies outside of worlds that no walls enclose: the ground beside a road, and around
+/// the area of a forest.
+fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
+    match world.provenance.kind.parse() {
+        Ok(Kind::Road) => {
+            let Ok(mut inside) = OccupancyGrid::empty(world.bounds, grid.resolution()) else {
+                return;
+            };
+            for strip in &world.road_strips {
+                let edges = strip.mesh(EDGE_TOLERANCE).vertices;
+                for pair in edges.windows(4).step_by(2) {
+                    let vertices = vec![pair[0], pair[1], pair[3], pair[2]];
+                    inside.occupy(&Shape::Polygon { vertices }, Coverage::Centre);
+                }
+            }
+            open.iter_mut().zip(inside.cells()).for_each(|(open, inside)| *open &= inside);
+        }
+        Ok(Kind::Forest) => {
+            let area = world.certificate.iter().find_map(|claim| match claim {
+                Claim::CrossesWestEast { area, .. } => Some(*area),
+                _ => None,
+            });
+            let Some(area) = area else { return };
+            let cols = grid.cols();
+            for (cell, open) in open.iter_mut().enumerate() {
+                *open &= area.contains(grid.cell_centre(cell % cols, cell / cols));
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The open cell whose middle is nearest to a point.
+fn nearest(grid: &OccupancyGrid, open: &[bool], p: DVec2) -> Option<usize> {
+    let cols = grid.cols();
+    let at = grid.cell_at(p).map(|(col, row)| row * cols + col);
+    if let Some(cell) = at.filter(|&cell| open[cell]) {
+        return Some(cell);
+    }
+    let distance = |cell: &usize| grid.cell_centre(cell % cols, cell / cols).distance_squared(p);
+    let cells = (0..open.len()).filter(|&cell| open[cell]);
+    cells.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 #[cfg(test)]
@@ -197,9 +291,10 @@ mod tests {
     fn large_worlds_get_larger_cells() {
         let mut world = world();
         world.bounds.max = DVec2::splat(1000.0);
-        assert!(RosMap::of_world(&world, 0.05).is_err());
-        let map = RosMap::of_any_world(&world).unwrap();
-        assert_eq!(map.resolution, 0.2);
+        let error = RosMap::of_world(&world, 0.05).unwrap_err().to_string();
+        assert!(error.contains("about 1.22e-1 m or more") && error.contains("67108864"), "{error}");
+        assert_eq!(usual_resolution(&world), 0.4);
+        assert_eq!(size_in_cells(&world, 0.4), Ok([2503, 2495]));
         assert!(RosMap::of_world(&world, f64::NAN).is_err());
         assert!(RosMap::of_world(&world, -1.0).is_err());
     }

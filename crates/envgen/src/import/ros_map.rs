@@ -1,6 +1,8 @@
 //! Maps of ROS's `map_server` and Nav2 as worlds; for the format see
 //! [`export::ros_map`](crate::export::ros_map).
 
+mod yaml;
+
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -12,16 +14,13 @@ use thiserror::Error;
 pub use super::grey_image::ImageError;
 use super::grey_image::{Shade, read_image};
 use crate::error::SpecError;
-use crate::export::ros_map::{RosCell, RosMap};
+use crate::export::ros_map::{RESOLUTIONS, RosCell, RosMap};
 use crate::file::{self, FileError};
 use crate::geometry::{Pose, Rect, Shape, unit_vector};
 use crate::occupancy::OccupancyGrid;
 use crate::placement::roomiest_place;
 use crate::provenance::Provenance;
 use crate::world::{Obstacle, ObstacleKind, Wall, WallKind, World};
-
-/// The sides of a cell that are read, in metres.
-const RESOLUTIONS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 
 /// The greatest coordinate of an origin that is read, in metres.
 const MAX_ORIGIN: f64 = 1e7;
@@ -121,8 +120,8 @@ impl RosDescription {
     /// # Errors
     /// When the text is no YAML, lacks a field, or a value is not allowed.
     pub fn from_yaml(text: &str) -> Result<Self, RosMapError> {
-        let description: RosDescription =
-            serde_saphyr::from_str(text).map_err(|error| RosMapError::Yaml(error.to_string()))?;
+        let description: RosDescription = serde_saphyr::from_str(text)
+            .map_err(|error| RosMapError::Yaml(yaml::reason(&error, text)))?;
         description.check()?;
         Ok(description)
     }
@@ -204,18 +203,30 @@ pub enum UnknownCells {
     Free,
 }
 
+/// A rectangle of cells: columns and rows, each from the first to the one after the last, counted
+/// from the map's lower left corner.
+type Cells = ([i64; 2], [i64; 2]);
+
 impl RosMap {
     /// The map as a world. Occupied cells become walls, whose outlines are exactly the cells': runs
     /// of cells of a row, joined where rows are alike, each a box. Unknown cells become obstacles
-    /// of the kind [`ObstacleKind::Other`] in the same way, or nothing.
+    /// of the kind [`ObstacleKind::Other`] in the same way, or nothing. Nothing is known beyond the
+    /// map either: where its border is open, obstacles as wide as a cell stand around it, within the
+    /// world's bounds.
     ///
     /// The world starts at the roomiest place of the largest free region, heading along the map's
     /// rows; it has no start where no cell is free. Another start can be set in
     /// [`World::start`].
     pub fn to_world(&self, unknown: UnknownCells) -> World {
-        let size = DVec2::new(self.cols as f64, self.rows() as f64) * self.resolution;
-        let corners = Shape::from_rect(Rect::new(DVec2::ZERO, size)).corners();
-        let corners = corners.into_iter().map(|corner| self.place(corner));
+        let is_solid = |cell: &RosCell| match cell {
+            RosCell::Occupied => true,
+            RosCell::Unknown => unknown == UnknownCells::Solid,
+            RosCell::Free => false,
+        };
+        let solid: Vec<bool> = self.cells.iter().map(is_solid).collect();
+        let whole = ([0, self.cols as i64], [0, self.rows() as i64]);
+        let border = self.border(&solid);
+        let corners = border.iter().chain([&whole]).flat_map(|rect| self.box_of(*rect).corners());
         let bounds = Rect::around(corners).unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
         let heading = self.origin.heading;
         let source = serde_json::json!({
@@ -226,19 +237,14 @@ impl RosMap {
             "origin": [self.origin.position.x, self.origin.position.y, heading],
         });
         let mut world = World::new(Provenance::other("import", source), bounds);
-        let shapes = |wanted| self.boxes(wanted).into_iter().map(|rect| self.box_of(rect));
-        let wall = |shape| Wall { kind: WallKind::Wall, shape };
-        world.walls = shapes(RosCell::Occupied).map(wall).collect();
-        if unknown == UnknownCells::Solid {
-            let obstacle = |shape| Obstacle { kind: ObstacleKind::Other, shape };
-            world.obstacles = shapes(RosCell::Unknown).map(obstacle).collect();
-        }
-        let solid = |cell: &RosCell| match cell {
-            RosCell::Occupied => true,
-            RosCell::Unknown => unknown == UnknownCells::Solid,
-            RosCell::Free => false,
+        let wall = |cells| Wall { kind: WallKind::Wall, shape: self.box_of(cells) };
+        world.walls = self.boxes(RosCell::Occupied).into_iter().map(wall).collect();
+        let inside = match unknown {
+            UnknownCells::Solid => self.boxes(RosCell::Unknown),
+            UnknownCells::Free => Vec::new(),
         };
-        let solid = self.cells.iter().map(solid).collect();
+        let obstacle = |cells| Obstacle { kind: ObstacleKind::Other, shape: self.box_of(cells) };
+        world.obstacles = inside.into_iter().chain(border).map(obstacle).collect();
         let grid = OccupancyGrid::from_cells(DVec2::ZERO, self.resolution, self.cols, solid);
         let place = grid.ok().and_then(|grid| roomiest_place(&grid));
         world.start = place.map(|place| Pose { position: self.place(place), heading });
@@ -250,9 +256,42 @@ impl RosMap {
         self.origin.position + unit_vector(self.origin.heading).rotate(p)
     }
 
-    fn box_of(&self, (cols, rows): ((usize, usize), (usize, usize))) -> Shape {
-        let low = DVec2::new(cols.0 as f64, rows.0 as f64) * self.resolution;
-        let high = DVec2::new(cols.1 as f64, rows.1 as f64) * self.resolution;
+    /// The boxes of cells around the map that close its border where it is open.
+    fn border(&self, solid: &[bool]) -> Vec<Cells> {
+        let (cols, rows) = (self.cols, self.rows());
+        let mut boxes = Vec::new();
+        // Each side: how many cells, the number of each, and the box that closes a run of them.
+        let below = |[from, to]: [i64; 2]| ([from, to], [-1, 0]);
+        let above = |[from, to]: [i64; 2]| ([from, to], [rows as i64, rows as i64 + 1]);
+        let left = |[from, to]: [i64; 2]| ([-1, 0], [from, to]);
+        let right = |[from, to]: [i64; 2]| ([cols as i64, cols as i64 + 1], [from, to]);
+        let mut close =
+            |len: usize, cell: &dyn Fn(usize) -> usize, beside: &dyn Fn([i64; 2]) -> Cells| {
+                let open: Vec<bool> = (0..len).map(|i| !solid[cell(i)]).collect();
+                let mut from = 0;
+                for run in open.chunk_by(|a, b| a == b) {
+                    let to = from + run.len();
+                    if run[0] {
+                        // Past the corners, so that nothing slips through between two sides.
+                        let low = if from == 0 { -1 } else { from as i64 };
+                        let high = if to == len { to as i64 + 1 } else { to as i64 };
+                        boxes.push(beside([low, high]));
+                    }
+                    from = to;
+                }
+            };
+        if rows > 0 {
+            close(cols, &|i| i, &below);
+            close(cols, &|i| (rows - 1) * cols + i, &above);
+            close(rows, &|i| i * cols, &left);
+            close(rows, &|i| i * cols + cols - 1, &right);
+        }
+        boxes
+    }
+
+    fn box_of(&self, (cols, rows): Cells) -> Shape {
+        let low = DVec2::new(cols[0] as f64, rows[0] as f64) * self.resolution;
+        let high = DVec2::new(cols[1] as f64, rows[1] as f64) * self.resolution;
         if self.origin.heading == 0.0 {
             // Neighbours share their sides to the last bit, or nearly.
             let origin = self.origin.position;
@@ -265,9 +304,9 @@ impl RosMap {
         }
     }
 
-    /// Rectangles of cells of a kind, without overlap: columns and rows, each from the first to
-    /// the one after the last. Runs of a row that lie over a run of the same columns join it.
-    fn boxes(&self, wanted: RosCell) -> Vec<((usize, usize), (usize, usize))> {
+    /// Rectangles of cells of a kind, without overlap. Runs of a row that lie over a run of the same
+    /// columns join it.
+    fn boxes(&self, wanted: RosCell) -> Vec<Cells> {
         let mut done = Vec::new();
         // Runs that end at the row below: their columns, and the row that they begin at.
         let mut open: Vec<((usize, usize), usize)> = Vec::new();
@@ -294,7 +333,8 @@ impl RosMap {
             open = runs;
         }
         done.extend(open.into_iter().map(|(run, from)| (run, (from, self.rows()))));
-        done
+        let range = |(from, to): (usize, usize)| [from as i64, to as i64];
+        done.into_iter().map(|(cols, rows)| (range(cols), range(rows))).collect()
     }
 }
 

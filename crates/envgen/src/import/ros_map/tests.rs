@@ -86,10 +86,24 @@ fn what_is_wrong_with_a_description_is_named() {
         ("0.196", "0.65", "`free_thresh` is 0.65"),
         ("negate: 0", "negate: 0\nmode: dual", "trinary"),
         ("image: ", "image: [", "not the YAML of a map"),
+        ("image: ", "image: [", "line 1, `image: [hall.pgm`: not a text or a number"),
+        ("[-1.0, 2.0, 0.0]", "here", "line 3, `origin: here`: not a list in brackets"),
+        (YAML, "hall", "line 1, `hall`: not a key with its value"),
+        ("resolution", "\tresolution", "not written as YAML is"),
+        (
+            "negate: 0",
+            "negate: 0\nimage: b.pgm",
+            "line 5, `image: b.pgm`: the key stands there twice",
+        ),
+        ("resolution: 0.5\n", "", "not the YAML of a map: `resolution` is missing"),
+        ("resolution: 0.5", "resolution: wide", "line 2, `resolution: wide`: not a number"),
+        ("negate: 0\n", "negate: 0\n\tx: [\n", "line "),
     ] {
         assert!(YAML.contains(from), "{from}");
         let error = RosDescription::from_yaml(&YAML.replacen(from, to, 1)).unwrap_err().to_string();
         assert!(error.contains(what), "{to}: {error}");
+        let words = ["error", "Options", "Policy", "deserialize", "scalar", "\n"];
+        assert!(words.iter().all(|word| !error.contains(word)), "{to}: {error}");
     }
     assert!(RosDescription::from_yaml("").is_err());
     // What Nav2 and others add does no harm.
@@ -107,6 +121,7 @@ fn runs_join_into_few_boxes() {
     assert_eq!(world.check(), Ok(()));
     assert_eq!((world.walls.len(), world.obstacles.len()), (4, 0));
     assert_eq!(world.walls.iter().map(|wall| wall.shape.area()).sum::<f64>(), 14.0 * 0.25);
+    // The border is closed: nothing more stands around it.
     // In a room of 3 x 2 all cells are one cell from a wall: the first.
     assert_eq!(world.start, Some(Pose::new(-0.25, 2.75, 0.0)));
     assert_eq!(world.bounds, Rect::new(DVec2::new(-1.0, 2.0), DVec2::new(1.5, 4.0)));
@@ -119,9 +134,25 @@ fn unknown_cells_are_solid_or_free() {
     let area = |shapes: Vec<&Shape>| shapes.iter().map(|shape| shape.area()).sum::<f64>();
     assert_eq!(area(solid.obstacles.iter().map(|part| &part.shape).collect()), 16.0 * 0.25);
     assert_eq!(area(solid.walls.iter().map(|part| &part.shape).collect()), 3.0 * 0.25);
-    assert!(map.to_world(UnknownCells::Free).obstacles.is_empty());
+    // What is unknown is free, but nothing beyond the map is.
+    let free = map.to_world(UnknownCells::Free).obstacles;
+    assert!(free.len() == 4 && free.iter().all(|part| !part.shape.contains(DVec2::new(0.5, 3.9))));
     let full = map_of(&["#?", "??"]).to_world(UnknownCells::Solid);
     assert_eq!((full.start, full.check()), (None, Ok(())));
+}
+
+#[test]
+fn an_open_border_is_closed_beyond_the_map() {
+    let world = map_of(&["##.#", "#...", "####"]).to_world(UnknownCells::Solid);
+    assert_eq!(world.check(), Ok(()));
+    // Above the gap in the first row, and beside both open cells of the right column: each reaches
+    // past a corner only where it ends at one.
+    let boxes: Vec<Rect> = world.obstacles.iter().map(|part| part.shape.bounds()).collect();
+    let v = DVec2::new;
+    assert_eq!(boxes, [Rect::new(v(0.0, 3.5), v(0.5, 4.0)), Rect::new(v(1.0, 2.5), v(1.5, 3.0))]);
+    assert_eq!(world.bounds, Rect::new(v(-1.0, 2.0), v(1.5, 4.0)));
+    let open = map_of(&["."]).to_world(UnknownCells::Free);
+    assert_eq!((open.obstacles.len(), open.bounds.size()), (4, DVec2::splat(1.5)));
 }
 
 #[test]
@@ -130,10 +161,10 @@ fn a_turned_map_turns_about_its_corner() {
     map.origin = Pose::new(3.0, 1.0, std::f64::consts::FRAC_PI_2);
     let world = map.to_world(UnknownCells::Solid);
     assert_eq!(world.check(), Ok(()));
-    // Columns run up, rows to the left.
+    // Columns run up, rows to the left; three cells of the border are open.
     let shape = &world.walls[0].shape;
     assert!(shape.contains(DVec2::new(2.75, 1.25)) && !shape.contains(DVec2::new(2.75, 1.75)));
-    assert!(world.bounds.min.distance(DVec2::new(2.0, 1.0)) < 1e-12);
+    assert!(world.bounds.min.distance(DVec2::new(1.5, 0.5)) < 1e-12);
     assert_eq!(world.start.unwrap().heading, std::f64::consts::FRAC_PI_2);
     assert!(world.clearance(world.start.unwrap().position) > 0.2);
 }
@@ -203,14 +234,34 @@ proptest! {
             }
         }
         if !turned {
-            let back = RosMap::of_world(&world, map.resolution).unwrap();
-            let solid = |map: &RosMap| -> Vec<bool> {
-                map.cells.iter().map(|cell| *cell == RosCell::Occupied).collect()
-            };
-            prop_assert_eq!(back.cols, map.cols);
-            prop_assert_eq!(solid(&back), solid(&map));
             let grid = OccupancyGrid::of(&world, map.resolution, Coverage::Centre).unwrap();
-            prop_assert_eq!(grid.cells(), &solid(&map)[..]);
+            for (i, cell) in map.cells.iter().enumerate() {
+                let middle = DVec2::new((i % map.cols) as f64, (i / map.cols) as f64) + 0.5;
+                let occupied = grid.occupied_at(map.place(middle * map.resolution));
+                prop_assert_eq!(occupied, Some(*cell == RosCell::Occupied));
+            }
+        }
+    }
+
+    #[test]
+    fn no_way_leads_out_of_a_map(
+        map in maps(),
+        heading in -4.0..4.0_f64,
+        unknown in prop::sample::select(vec![UnknownCells::Solid, UnknownCells::Free]),
+        angles in prop::collection::vec(0.0..6.3_f64, 8),
+    ) {
+        let mut map = map;
+        map.origin.heading = heading;
+        let world = map.to_world(unknown);
+        prop_assert_eq!(world.check(), Ok(()));
+        let rays = Raycaster::new(&world);
+        let far = world.bounds.size().length();
+        for (i, _) in map.cells.iter().enumerate().filter(|(_, cell)| **cell == RosCell::Free) {
+            let middle = DVec2::new((i % map.cols) as f64, (i / map.cols) as f64) + 0.5;
+            let p = map.place(middle * map.resolution);
+            for angle in &angles {
+                prop_assert!(rays.cast(p, *angle, far).is_some(), "{p} {angle}");
+            }
         }
     }
 
