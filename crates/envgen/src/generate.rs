@@ -26,6 +26,10 @@ pub trait Spec: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwn
     /// Every field of the spec.
     const SETTINGS: &'static [Setting];
 
+    /// What is allowed of several settings together, beside the limits of each: a sentence a rule,
+    /// without a full stop, with names of settings in backticks.
+    const RULES: &'static [&'static str] = &[];
+
     /// Checks every field, and the fields together.
     ///
     /// # Errors

@@ -21,6 +21,8 @@ pub struct Setting {
     pub allowed: Allowed,
     /// What the setting does, in one sentence without a full stop.
     pub help: &'static str,
+    /// A value as after `--set name=`, where its form needs one to be seen.
+    pub example: Option<&'static str>,
 }
 
 /// The values that a setting can take.
@@ -44,7 +46,8 @@ pub enum Allowed {
     Choice(&'static [&'static str]),
     /// `true` or `false`.
     Flag,
-    /// A list, separated by commas on the command line; the text says of what.
+    /// A list, separated by commas on the command line, with or without brackets around it; the
+    /// text says of what.
     List(&'static str),
     /// Another form, which the text describes.
     Other(&'static str),
@@ -66,7 +69,7 @@ impl fmt::Display for Allowed {
 impl Setting {
     /// A whole number from `min` to `max`.
     pub const fn integer(name: &'static str, min: u64, max: u64, help: &'static str) -> Self {
-        Setting { name, unit: "", allowed: Allowed::Integer { min, max }, help }
+        Setting { name, unit: "", allowed: Allowed::Integer { min, max }, help, example: None }
     }
 
     /// A finite number from `min` to `max`.
@@ -77,7 +80,7 @@ impl Setting {
         max: f64,
         help: &'static str,
     ) -> Self {
-        Setting { name, unit, allowed: Allowed::Number { min, max }, help }
+        Setting { name, unit, allowed: Allowed::Number { min, max }, help, example: None }
     }
 
     /// One of several names.
@@ -86,12 +89,12 @@ impl Setting {
         names: &'static [&'static str],
         help: &'static str,
     ) -> Self {
-        Setting { name, unit: "", allowed: Allowed::Choice(names), help }
+        Setting { name, unit: "", allowed: Allowed::Choice(names), help, example: None }
     }
 
     /// True or false.
     pub const fn flag(name: &'static str, help: &'static str) -> Self {
-        Setting { name, unit: "", allowed: Allowed::Flag, help }
+        Setting { name, unit: "", allowed: Allowed::Flag, help, example: None }
     }
 
     /// A list of what `of` says.
@@ -101,7 +104,7 @@ impl Setting {
         of: &'static str,
         help: &'static str,
     ) -> Self {
-        Setting { name, unit, allowed: Allowed::List(of), help }
+        Setting { name, unit, allowed: Allowed::List(of), help, example: None }
     }
 
     /// A setting of another form.
@@ -111,7 +114,12 @@ impl Setting {
         form: &'static str,
         help: &'static str,
     ) -> Self {
-        Setting { name, unit, allowed: Allowed::Other(form), help }
+        Setting { name, unit, allowed: Allowed::Other(form), help, example: None }
+    }
+
+    /// The setting with an example of its values.
+    pub const fn such_as(self, example: &'static str) -> Self {
+        Setting { example: Some(example), ..self }
     }
 
     /// The error for a value of this setting that is not allowed.
@@ -177,9 +185,12 @@ impl Setting {
                 "false" => Ok(false.into()),
                 _ => Err(self.error(text)),
             },
-            Allowed::List(_) if text.is_empty() => Ok(Value::Array(Vec::new())),
             Allowed::List(_) => {
-                Ok(text.split(',').map(|part| item(part.trim())).collect::<Vec<_>>().into())
+                // RON and JSON put brackets around a list; a command line can do without.
+                let inside = text.strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
+                let list = inside.unwrap_or(text).trim();
+                let parts = list.split(',').filter(|_| !list.is_empty());
+                Ok(parts.map(|part| item(part.trim())).collect::<Vec<_>>().into())
             }
             Allowed::Other(_) => Ok(item(text)),
         }
@@ -207,6 +218,12 @@ mod tests {
     #[test]
     fn lists_split_at_commas() {
         let list = Setting::list("prefabs", "", "names", "what follows what");
-        assert_eq!(list.parse("a, b,3").unwrap(), serde_json::json!(["a", "b", 3]));
+        for text in ["a, b,3", "[a,b,3]", " [ \"a\", b, 3 ] "] {
+            assert_eq!(list.parse(text).unwrap(), serde_json::json!(["a", "b", 3]), "{text}");
+        }
+        for text in ["", "[]", "[ ]"] {
+            assert_eq!(list.parse(text).unwrap(), serde_json::json!([]), "{text}");
+        }
+        assert_eq!(list.parse("[a").unwrap(), serde_json::json!(["[a"]));
     }
 }

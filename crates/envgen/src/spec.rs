@@ -80,6 +80,13 @@ macro_rules! kinds {
                 }
             }
 
+            /// What is allowed of several settings together, a sentence a rule.
+            pub fn rules(self) -> &'static [&'static str] {
+                match self {
+                    $(Kind::$variant => <$spec>::RULES,)+
+                }
+            }
+
             /// Raised by every change of what a seed yields.
             pub fn value_version(self) -> u32 {
                 match self {
@@ -341,6 +348,47 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn examples_and_rules_are_of_the_kind() {
+        for &kind in Kind::ALL {
+            for setting in kind.settings() {
+                let form = matches!(setting.allowed, Allowed::List(_));
+                assert!(!form || setting.example.is_some(), "{kind} {}", setting.name);
+                let Some(example) = setting.example else { continue };
+                // As many values as there are segments by default, or classes.
+                let mut spec = kind.default_spec();
+                if setting.name == "speeds" {
+                    spec.set("classes", "3").unwrap();
+                    spec.set("entropy", "1").unwrap();
+                }
+                assert_eq!(spec.set(setting.name, example), Ok(()), "{kind} {}", setting.name);
+                assert_eq!(spec.validate(), Ok(()), "{kind} {}", setting.name);
+            }
+            assert!(!kind.rules().is_empty(), "{kind}");
+            for rule in kind.rules() {
+                let mut quoted = rule.split('`').skip(1).step_by(2);
+                assert!(quoted.clone().count() > 1, "{kind}: {rule}");
+                assert!(quoted.all(|name| kind.setting(name).is_ok()), "{kind}: {rule}");
+            }
+        }
+    }
+
+    #[test]
+    fn rules_give_the_limits_that_hold() {
+        use crate::{forest, landscape, road};
+        let hold = |kind: Kind, limit: u64| {
+            let digits = limit.to_string();
+            let plain = |rule: &str| rule.replace(',', "").contains(&digits);
+            assert!(kind.rules().iter().any(|rule| plain(rule)), "{kind} {limit}");
+        };
+        hold(Kind::Forest, forest::MAX_TREES as u64);
+        hold(Kind::Forest, forest::MAX_HARD_CORE_TREES as u64);
+        hold(Kind::Road, road::MAX_WAYPOINTS);
+        hold(Kind::Road, road::MAX_SEGMENTS as u64);
+        hold(Kind::Landscape, landscape::MAX_CELLS);
+        hold(Kind::Landscape, landscape::MAX_SMOOTH_CELLS);
     }
 
     #[test]

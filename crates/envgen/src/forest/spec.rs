@@ -147,9 +147,10 @@ const ROBOT_RADIUS: Setting = Setting::number(
 const DENSITY: Setting = Setting::other(
     "density",
     "",
-    "none, or rows of factors of at least 0, the top row first: [[0, 1], [1, 0.5]]",
+    "none, or rows of factors of at least 0, the top row first",
     "where the forest is dense: a raster of factors on the intensity",
-);
+)
+.such_as("[[0, 1], [1, 0.5]]");
 
 /// Why a forest could not be made.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -197,6 +198,18 @@ pub enum ForestError {
     },
 }
 
+const RULES: &[&str] = &[
+    "`radius_min` is at most `radius_max`, and a thousandth of a log_normal law lies between them, \
+     where `radius_law` is not fixed",
+    "the greatest radius, `radius` or `radius_max`, is under half the shorter of `width` and \
+     `height`, where `border` is inset",
+    "`min_distance` is at most half the shorter of `width` and `height`, where `border` is torus",
+    "`intensity` times `density` gives at most 20,000,000 trees on `width` by `height`, and 5,000,000 \
+     where `min_distance` is not 0",
+    "trunks of the greatest radius, `radius` or `radius_max`, grown by `robot_radius` may overlap only \
+     so often: `intensity` is limited by them",
+];
+
 impl Spec for ForestSpec {
     type Blueprint = Forest;
 
@@ -219,6 +232,8 @@ impl Spec for ForestSpec {
         ROBOT_RADIUS,
         DENSITY,
     ];
+
+    const RULES: &'static [&'static str] = RULES;
 
     fn validate(&self) -> Result<(), SpecError> {
         WIDTH.check(self.width)?;

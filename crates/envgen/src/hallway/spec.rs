@@ -177,6 +177,15 @@ const fn rate(name: &'static str, help: &'static str) -> Setting {
     Setting::number(name, "1/m", 0.0, 10.0, help)
 }
 
+const RULES: &[&str] = &[
+    "`width` plus `wall` is at most the `pitch`, or twice the `pitch` where `p_tt` is 0",
+    "`alcove_rate`, `door_frame_rate` and `narrowing_rate` together are at most one a `pitch`",
+    "`alcove_width` is at most the `pitch` less two times `wall`, `alcove_depth` at most the `pitch`, \
+     where `alcove_rate` is not 0",
+    "`door_frame_width` is under the `width`, where `door_frame_rate` is not 0",
+    "`narrowing_width` is under the `width`, where `narrowing_rate` is not 0",
+];
+
 impl Spec for HallwaySpec {
     type Blueprint = Hallway;
 
@@ -202,6 +211,8 @@ impl Spec for HallwaySpec {
         NARROWING_RATE,
         NARROWING_WIDTH,
     ];
+
+    const RULES: &'static [&'static str] = RULES;
 
     fn validate(&self) -> Result<(), SpecError> {
         SEGMENTS.check_integer(self.segments)?;

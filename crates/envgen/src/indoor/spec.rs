@@ -177,13 +177,15 @@ const ROOMS: Setting = Setting::list(
     "",
     "names of rooms, empty for all",
     "the rooms of the catalogue that may be placed",
-);
+)
+.such_as("warehouse,maze");
 const CATALOGUE: Setting = Setting::other(
     "catalogue",
     "",
     "a list of rooms as in *.room.ron files, or null for the built-in 20",
     "the rooms there are",
-);
+)
+.such_as(r#"[{"name": "vault", "width": 1, "height": 1, "difficulty": 3}]"#);
 const ROOM_CHOICE: Setting =
     Setting::choice("room_choice", &["difficulty", "uniform"], "how rooms are chosen");
 const TURN: Setting = Setting::choice(
@@ -227,6 +229,15 @@ const CLEARANCE: Setting = Setting::other(
     "width that the narrowest way through each room is to have",
 );
 
+const RULES: &[&str] = &[
+    "`open_areas` is true, where `profile` is guaranteed",
+    "`spacing_h` is under the `width`, `spacing_v` under the `height`",
+    "`doorway` is at most the `unit` less two times `wall`",
+    "`footprint` is at most half the `doorway` less 0.05 m",
+    "one of the `rooms` fits into `width` - 1 by `height` - 1 cells; turned as well, as `turn` says",
+    "`rooms` are names of the `catalogue`",
+];
+
 impl Spec for IndoorSpec {
     type Blueprint = FloorPlan;
 
@@ -256,6 +267,8 @@ impl Spec for IndoorSpec {
         FOOTPRINT,
         CLEARANCE,
     ];
+
+    const RULES: &'static [&'static str] = RULES;
 
     fn validate(&self) -> Result<(), SpecError> {
         DIFFICULTY.check(self.difficulty)?;

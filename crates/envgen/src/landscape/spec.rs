@@ -190,7 +190,19 @@ const SPEEDS: Setting = Setting::list(
     "",
     "numbers from 0 to 10, one a class",
     "factor on a robot's greatest speed for each class, 0 where it cannot pass (empty: 1)",
-);
+)
+.such_as("1,0.5,0");
+
+const RULES: &[&str] = &[
+    "`rows` times `cols` is at most 67,108,864, and 16,777,216 where `algorithm` is smooth",
+    "`mixing` times `rows` times `cols` is at most 1,000,000,000 swaps",
+    "`speeds` is empty or has one number for each of the `classes`",
+    "`classes` is at most `rows` times `cols`",
+    "`entropy` is at most what that many `classes` reach, and where `keep_classes` is true at least \
+     what they have with one cell each but for one class",
+    "`total_edge` lies between bounds that follow from `rows`, `cols`, `classes` and `entropy`, which \
+     an error names",
+];
 
 impl Spec for LandscapeSpec {
     type Blueprint = Landscape;
@@ -214,6 +226,8 @@ impl Spec for LandscapeSpec {
         CELL,
         SPEEDS,
     ];
+
+    const RULES: &'static [&'static str] = RULES;
 
     fn validate(&self) -> Result<(), SpecError> {
         self.composition().map(|_| ())

@@ -436,7 +436,8 @@ const PREFABS: Setting = Setting::list(
     "",
     "straight, left, right or turn (to either side)",
     "the segments in travel order",
-);
+)
+.such_as("straight,turn,straight");
 const RANDOM: Setting = Setting::integer(
     "random",
     0,
@@ -451,7 +452,8 @@ const ALPHA: Setting = Setting::other(
     "",
     "a number from 1e-6 to 1e12, or a list of one a segment",
     "concentration of the Dirichlet law of the lengths",
-);
+)
+.such_as("1,2,1,2,1");
 const LENGTHS: Setting = Setting::choice(
     "lengths",
     &["reserve", "as_published"],
@@ -493,7 +495,10 @@ const START_Y: Setting = Setting::number("start_y", "m", -1e6, 1e6, "y of the st
 const START_HEADING: Setting =
     Setting::number("start_heading", "degrees", -360.0, 360.0, "heading of the start");
 const AIM_LIMIT: f64 = 1e6;
-const AIM_X: Setting = aim("aim_x", "x of the point to end at, reached by longer straights");
+const AIM_X: Setting = aim(
+    "aim_x",
+    "x of the point to end at: the straights, and with them the road, become longer or shorter",
+);
 const AIM_Y: Setting = aim("aim_y", "y of the point to end at");
 const CLOSED: Setting = Setting::flag("closed", "whether the road returns to its start");
 const CROSSING: Setting = Setting::choice(
@@ -513,6 +518,17 @@ const ATTEMPTS: Setting = Setting::integer("attempts", 1, 10_000, "most attempts
 const fn aim(name: &'static str, help: &'static str) -> Setting {
     Setting::other(name, "m", "a number from -1e6 to 1e6, or null for no aim", help)
 }
+
+const RULES: &[&str] = &[
+    "`step` is at most the `length`, a third of it where `closed` is true, and there are at most \
+     2,000,000 waypoints: `length` over `step`",
+    "`prefabs` holds 1 to 4096 segments, where `random` is 0",
+    "`alpha` is a number, or has one for each segment of `prefabs`, or of `random`",
+    "`theta_min` is at most `theta_max`",
+    "`aim_x` and `aim_y` are both numbers or both null, and null where `closed` is true",
+    "`length` has room for the least lengths of all segments, which follow from `shortest`, \
+     `theta_min`, `speed`, `friction`, `min_radius` and `width`, where `lengths` is reserve",
+];
 
 impl Spec for RoadSpec {
     type Blueprint = Road;
@@ -550,6 +566,8 @@ impl Spec for RoadSpec {
         AREA,
         ATTEMPTS,
     ];
+
+    const RULES: &'static [&'static str] = RULES;
 
     fn validate(&self) -> Result<(), SpecError> {
         for (setting, value) in [

@@ -41,11 +41,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         for setting in kind.settings() {
             let default = plain(&defaults[setting.name]);
             let unit = if setting.unit.is_empty() { "" } else { " " };
+            let example = setting.example.map_or(String::new(), |text| format!(", such as {text}"));
             writeln!(
                 out,
-                "  {:column$}  {}\n  {:column$}  {}{unit}{}; default {default}",
+                "  {:column$}  {}\n  {:column$}  {}{unit}{}{example}; default {default}",
                 setting.name, setting.help, "", setting.allowed, setting.unit
             )?;
+        }
+        for rule in kind.rules() {
+            writeln!(out, "  together: {rule}")?;
         }
     }
     Ok(ExitCode::SUCCESS)
@@ -63,6 +67,7 @@ fn describe(kind: Kind) -> Value {
                 "allowed": setting.allowed.to_string(),
                 "default": defaults[setting.name],
                 "help": setting.help,
+                "example": setting.example,
             })
         })
         .collect();
@@ -71,6 +76,7 @@ fn describe(kind: Kind) -> Value {
         "summary": kind.summary(),
         "value_version": kind.value_version(),
         "settings": settings,
+        "rules": kind.rules(),
     })
 }
 
