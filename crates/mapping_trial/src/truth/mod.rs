@@ -7,6 +7,7 @@ mod reach;
 mod walls;
 
 use envgen::Seed;
+use envgen::geometry::Rect;
 use envgen::world::{Violation, World};
 use glam::DVec2;
 use thiserror::Error;
@@ -26,6 +27,9 @@ pub const MAX_CELLS: u64 = 1 << 25;
 /// Width in metres of the border of cells around the world's bounds: farther than walls are
 /// compared.
 const BORDER: f64 = 1.3;
+
+/// The greatest coordinate of a world and its border in metres.
+const FARTHEST: f64 = 1e7;
 
 /// How much wider than its swing radius a robot counts where it plans and where it could have been,
 /// in metres: the Pioneer's 0.355 m make 0.36 m.
@@ -48,7 +52,10 @@ pub enum TruthError {
     #[error("the world is broken: {0}")]
     World(#[from] Violation),
     /// The world is too large.
-    #[error("`bounds` are {width} m x {height} m, allowed are {MAX_CELLS} cells of 0.1 m")]
+    #[error(
+        "`bounds` are {width} m x {height} m, allowed are {MAX_CELLS} cells of 0.1 m, which are 576 m \
+         x 576 m with a border, no farther than {FARTHEST} m from the origin"
+    )]
     Size {
         /// Width in metres.
         width: f64,
@@ -117,15 +124,7 @@ impl Truth {
             return Err(TruthError::Radius(radius));
         }
         world.check()?;
-        let around = world.bounds.grown(BORDER);
-        let size = around.size();
-        let too_large = TruthError::Size { width: size.x, height: size.y };
-        let cells = (size.x / SCORE_CELL + 2.0) * (size.y / SCORE_CELL + 2.0);
-        // Far from the origin cells of 0.1 m cannot be told apart.
-        let far = around.min.abs().max(around.max.abs()).max_element();
-        if cells > MAX_CELLS as f64 || far > 1e7 {
-            return Err(too_large);
-        }
+        let (around, too_large) = (Self::check_size(world)?, too_large(world));
         let frame = Frame::around(around);
 
         let footprint = radius + MARGIN;
@@ -173,6 +172,21 @@ impl Truth {
     /// The robot that maps.
     pub fn robot(&self) -> &Robot {
         &self.robot
+    }
+
+    /// Whether a world is small enough to be scored, which can be said before a trial; the ground
+    /// that scores are counted on.
+    ///
+    /// # Errors
+    /// When it is too large, or too far from the origin.
+    pub fn check_size(world: &World) -> Result<Rect, TruthError> {
+        let around = world.bounds.grown(BORDER);
+        let size = around.size();
+        let cells = (size.x / SCORE_CELL + 2.0) * (size.y / SCORE_CELL + 2.0);
+        // Far from the origin cells of 0.1 m cannot be told apart.
+        let far = around.min.abs().max(around.max.abs()).max_element();
+        let small = cells <= MAX_CELLS as f64 && far <= FARTHEST;
+        if small { Ok(around) } else { Err(too_large(world)) }
     }
 
     /// The grid that the truth is given on.
@@ -244,6 +258,11 @@ impl Truth {
     pub(crate) fn free_cells(&self) -> usize {
         self.free_cells
     }
+}
+
+fn too_large(world: &World) -> TruthError {
+    let size = world.bounds.size();
+    TruthError::Size { width: size.x, height: size.y }
 }
 
 /// A place inside the wall at a point of its surface.

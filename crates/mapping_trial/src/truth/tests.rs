@@ -111,6 +111,11 @@ fn a_world_that_cannot_be_mapped_says_why() {
     assert!(matches!(error(&world), TruthError::Size { .. }));
     world.bounds = Rect::new(DVec2::splat(-1e300), DVec2::splat(1e300));
     assert!(matches!(error(&world), TruthError::Size { .. }));
+    // Indoor maps of 192 grid units of 3 m and their walls, and of one more.
+    for (side, fits) in [(576.1, true), (579.1, false)] {
+        world.bounds = Rect::new(DVec2::ZERO, DVec2::splat(side));
+        assert_eq!(Truth::check_size(&world).is_ok(), fits, "{side}");
+    }
     for swing_radius in [0.0, -1.0, f64::NAN, 1e9] {
         let robot = Robot { swing_radius, ..Robot::default() };
         let text = Truth::new(&world, &robot).unwrap_err().to_string();
