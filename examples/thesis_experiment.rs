@@ -95,7 +95,7 @@ struct Arguments {
     time_limit: f64,
 
     /// The seed of all maps and noise.
-    #[arg(long, default_value_t = Seed(0))]
+    #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true)]
     seed: Seed,
 
     /// Threads; one a core when 0.

@@ -117,6 +117,33 @@ fn other_robots_are_read_from_files() {
 }
 
 #[test]
+fn no_file_that_is_read_is_written_over() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    EXAMPLE.ok(&["--size", "4", "--time-limit", "5"], &out);
+    let before = files(&out);
+    for (option, name) in [("--map", "ros_map.yaml"), ("--replay", "log.json")] {
+        let input = out.join(name);
+        let error = EXAMPLE.error(&[option, input.to_str().expect("a path")], &out);
+        assert!(error.contains(name) && error.contains("is the input"), "{error}");
+    }
+    assert_eq!(files(&out), before);
+}
+
+#[test]
+#[cfg(unix)]
+fn files_appear_together_or_not_at_all() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().expect("a folder");
+    let report = folder.path().join("report.json");
+    fs::write(&report, "mine").expect("a file");
+    fs::set_permissions(&report, PermissionsExt::from_mode(0o444)).expect("a mode");
+    let error = EXAMPLE.error(&["--size", "4", "--time-limit", "5"], folder.path());
+    assert!(error.contains("report.json: is there and read-only"), "{error}");
+    assert_eq!(files(folder.path()).len(), 1);
+}
+
+#[test]
 fn what_cannot_be_done_is_said() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
@@ -126,6 +153,15 @@ fn what_cannot_be_done_is_said() {
     assert!(error.contains("slow.ron: `body.max_speed` is 0, allowed is 0.01 to"), "{error}");
     assert!(EXAMPLE.error(&["--difficulty", "11"], &out).contains("`difficulty` is 11"));
     assert!(EXAMPLE.error(&["--robots", "0"], &out).contains("`robots` is 0"));
+    assert!(EXAMPLE.error(&["--size", "193"], &out).contains("193 is not in 4..=192"));
+    assert!(EXAMPLE.error(&["--seed", "-1"], &out).contains("`seed` is -1, allowed is a whole"));
+    let wide = folder.path().join("wide.envgen.ron");
+    fs::write(&wide, "Forest(width: 600, height: 600, intensity: 0.001)").expect("a file");
+    let error = EXAMPLE.error(&["--world", wide.to_str().expect("a path")], &out);
+    assert!(error.contains("wide.envgen.ron: `bounds` are 602 m x 602 m, allowed"), "{error}");
+    fs::write(&wide, "Forest(width: -6)").expect("a file");
+    let error = EXAMPLE.error(&["--world", wide.to_str().expect("a path")], &out);
+    assert!(error.contains("wide.envgen.ron: `width` is -6"), "{error}");
     assert!(EXAMPLE.error(&["--operator", "chauffeur"], &out).contains("nearest, info_gain"));
     assert!(EXAMPLE.error(&["--start", "1,2,3,4"], &out).contains("x,y,heading"));
     assert!(EXAMPLE.error(&["--start", "-50,0,0"], &out).contains("start"));

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use envgen::geometry::Pose;
 use envgen::indoor::{IndoorSpec, Profile};
+use envgen::located::Locate;
+use envgen::whole_file::{WholeFile, refuse_inputs};
 use envgen::{Blueprint, Seed, Spec, World, WorldSpec, import};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
@@ -14,8 +16,12 @@ use mapping_trial::operator::OperatorKind;
 use mapping_trial::robot::Robot;
 use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::TrialSettings;
+use mapping_trial::truth::Truth;
 
-use crate::{robot, start};
+use crate::{output, robot, start};
+
+/// The greatest `--size`: 192 grid units are 576 m, and a wall.
+const MAX_SIZE: i64 = 192;
 
 /// Drive a simulated robot through a world that it does not know, and score the map that it makes.
 #[derive(Parser)]
@@ -32,15 +38,16 @@ pub(crate) struct Arguments {
 
     /// Side of the indoor map in grid units of 3 m. In 20 minutes one robot explores a map of 10,
     /// and half of one of 16.
-    #[arg(long, default_value_t = 10, conflicts_with_all = ["world", "map", "replay"])]
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(4..=MAX_SIZE),
+          allow_negative_numbers = true, conflicts_with_all = ["world", "map", "replay"])]
     size: u32,
 
     /// The seed of the world, and of what the sensors get wrong.
-    #[arg(long, default_value_t = Seed(0), conflicts_with = "replay")]
+    #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true, conflicts_with = "replay")]
     seed: Seed,
 
     /// Another seed for what the sensors get wrong.
-    #[arg(long, conflicts_with = "replay")]
+    #[arg(long, allow_negative_numbers = true, conflicts_with = "replay")]
     noise_seed: Option<Seed>,
 
     /// A world file (.ron, .json, .xml, .asc, .map), or a spec (.envgen.ron) for any kind of world.
@@ -105,7 +112,10 @@ impl Arguments {
     /// The world to map.
     pub(crate) fn world(&self) -> Result<World, Box<dyn Error>> {
         if let Some(path) = self.map.as_deref().or(self.world.as_deref()) {
-            return self.read(path).map_err(|error| format!("{}: {error}", path.display()).into());
+            let world = self.read(path).in_file(path)?;
+            // Nobody is to wait for a trial that cannot be scored.
+            Truth::check_size(&world).in_file(path)?;
+            return Ok(world);
         }
         let profile = if self.profile == "thesis" { Profile::Thesis } else { Profile::Guaranteed };
         let IndoorSpec { width, height, .. } =
@@ -118,6 +128,18 @@ impl Arguments {
             ..Default::default()
         };
         Ok(spec.generate(self.seed)?.to_world())
+    }
+
+    /// Every file that is to be written can be, and none of them is read.
+    pub(crate) fn check_outputs(&self) -> Result<(), Box<dyn Error>> {
+        let inputs: Vec<_> =
+            [&self.world, &self.map, &self.robot, &self.replay].into_iter().flatten().collect();
+        for name in output::FILES {
+            let path = self.out.join(name);
+            refuse_inputs(&path, &inputs).in_file(&path)?;
+            WholeFile::create(&path).in_file(&path)?;
+        }
+        Ok(())
     }
 
     fn read(&self, path: &Path) -> Result<World, Box<dyn Error>> {

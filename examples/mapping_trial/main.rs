@@ -29,6 +29,7 @@ use std::time::Instant;
 use bevy_envgen::trial::{replay_headless, run_headless};
 use clap::Parser;
 use envgen::World;
+use envgen::located::Locate;
 use indicatif::{ProgressBar, ProgressStyle};
 use mapping_trial::body::Bodies;
 use mapping_trial::feedback::ask;
@@ -62,6 +63,7 @@ fn main() -> ExitCode {
 /// Runs a trial, or a log again, and tells what came of it.
 fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     output::folder(&arguments.out)?;
+    arguments.check_outputs()?;
     let clock = now();
     let Some(path) = &arguments.replay else {
         let world = arguments.world()?;
@@ -76,22 +78,21 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             tell(arguments, &world, &trial, clock)
         };
     };
-    let of_file = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let file = File::open(path).map_err(|error| of_file(&error))?;
-    let log = TrialLog::read(&mut BufReader::new(file)).map_err(|error| of_file(&error))?;
-    let world = log.world.world()?;
+    let file = File::open(path).in_file(path)?;
+    let log = TrialLog::read(&mut BufReader::new(file)).in_file(path)?;
+    let world = log.world.world().in_file(path)?;
     for part in log.foreign.iter().filter(|part| part.role != PartRole::Operator) {
         say(format_args!("{}\n", missing(part)))?;
     }
     match log.engine.as_str() {
-        FLAT => tell(arguments, &world, &log.replay()?, clock),
+        FLAT => tell(arguments, &world, &log.replay().in_file(path)?, clock),
         RAPIER => {
-            let trial = replay_headless(&world, log, |_| ())?;
+            let trial = replay_headless(&world, log, |_| ()).in_file(path)?;
             tell(arguments, &world, &trial, clock)
         }
         other => {
             let text = format!("engine is `{other}`, known are `{FLAT}` and `{RAPIER}`");
-            Err(of_file(&text).into())
+            Ok(Err(text).in_file(path)?)
         }
     }
 }

@@ -1,11 +1,11 @@
 //! The files that a trial leaves. Each appears whole or not at all.
 
 use std::error::Error;
-use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use atomic_write_file::AtomicWriteFile;
+use envgen::located::Locate;
+use envgen::whole_file::{self, WholeFile, commit_all};
 use mapping_trial::body::Bodies;
 use mapping_trial::picture::Picture;
 use mapping_trial::trial::{Trial, TrialReport};
@@ -13,22 +13,23 @@ use mapping_trial::truth::Truth;
 
 /// The folder to write into, made if need be. Said before the trial runs, so that none is lost.
 pub(crate) fn folder(path: &Path) -> Result<&Path, Box<dyn Error>> {
-    let of_folder = |error: std::io::Error| format!("--out {}: {error}", path.display());
-    fs::create_dir_all(path).map_err(of_folder)?;
-    AtomicWriteFile::open(path.join("trial"))
-        .and_then(AtomicWriteFile::discard)
-        .map_err(of_folder)?;
+    whole_file::create_folder(path).in_option("--out", path.display())?;
     Ok(path)
 }
 
-/// Writes a file, which appears whole or not at all.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = AtomicWriteFile::open(path)?;
-    file.write_all(bytes)?;
-    file.commit()
-}
+/// The files that a trial leaves: map, truth and errors as pictures, the map for ROS, the log and the
+/// report.
+pub(crate) const FILES: [&str; 7] = [
+    "map.png",
+    "truth.png",
+    "overlay.png",
+    "ros_map.yaml",
+    "ros_map.pgm",
+    "log.json",
+    "report.json",
+];
 
-/// Writes map, truth and errors as pictures, the map for ROS, the log and the report.
+/// Writes all [`FILES`], or none where one cannot be written.
 pub(crate) fn write<B: Bodies>(
     folder: &Path,
     trial: &Trial<B>,
@@ -58,20 +59,22 @@ pub(crate) fn write<B: Bodies>(
     let (mut ros_yaml, mut ros_image) = (Vec::new(), Vec::new());
     ros.write_yaml("ros_map.pgm", &mut ros_yaml)?;
     ros.write_pgm(&mut ros_image)?;
-    let files = [
-        ("map.png", picture(Picture::of_map(map, area), false, true)?),
-        ("truth.png", picture(Picture::of_truth(truth, area), true, false)?),
-        ("overlay.png", picture(Picture::of_errors(truth, map, area), true, true)?),
-        ("ros_map.yaml", ros_yaml),
-        ("ros_map.pgm", ros_image),
-        ("log.json", log),
-        ("report.json", json),
+    let contents = [
+        picture(Picture::of_map(map, area), false, true)?,
+        picture(Picture::of_truth(truth, area), true, false)?,
+        picture(Picture::of_errors(truth, map, area), true, true)?,
+        ros_yaml,
+        ros_image,
+        log,
+        json,
     ];
-    let mut paths = Vec::new();
-    for (name, bytes) in files {
-        let path = folder.join(name);
-        write_whole(&path, &bytes).map_err(|error| format!("{}: {error}", path.display()))?;
-        paths.push(path);
+    let paths = FILES.map(|name| folder.join(name));
+    let mut files = Vec::new();
+    for (path, bytes) in paths.iter().zip(contents) {
+        let mut file = WholeFile::create(path).in_file(path)?;
+        file.write_all(&bytes).in_file(path)?;
+        files.push(file);
     }
-    Ok(paths)
+    commit_all(files)?;
+    Ok(paths.to_vec())
 }

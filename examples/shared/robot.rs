@@ -1,12 +1,13 @@
 //! Robots from files.
 
+use std::error::Error;
 use std::path::Path;
 
+use envgen::located::Locate;
 use mapping_trial::robot::Robot;
 
 /// Reads a robot's numbers from a RON file.
-pub(crate) fn read(path: &Path) -> Result<Robot, String> {
-    let of_file = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let text = std::fs::read_to_string(path).map_err(|error| of_file(&error))?;
-    Robot::from_ron(&text).map_err(|error| of_file(&error))
+pub(crate) fn read(path: &Path) -> Result<Robot, Box<dyn Error>> {
+    let text = std::fs::read_to_string(path).in_file(path)?;
+    Ok(Robot::from_ron(&text).in_file(path)?)
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use clap::Parser;
 use envgen::indoor::IndoorSpec;
+use envgen::located::Locate;
 use envgen::{Seed, World, WorldSpec, import};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
@@ -29,7 +30,7 @@ pub(crate) struct Arguments {
     difficulty: f64,
 
     /// The seed of the world, and of what the sensors get wrong.
-    #[arg(long, default_value_t = Seed(0))]
+    #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true)]
     pub(crate) seed: Seed,
 
     /// A world file (.ron, .json, .xml, .asc, .map), or a spec (.envgen.ron) for any kind of world.
@@ -94,13 +95,13 @@ impl Arguments {
             spec.validate()?;
             return Ok(Beginning::Spec(Box::new(spec)));
         };
-        let of_file = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
         if path.to_string_lossy().ends_with(".envgen.ron") {
-            let text = std::fs::read_to_string(path).map_err(|error| of_file(&error))?;
-            let spec = WorldSpec::from_ron(&text).map_err(|error| of_file(&error))?;
+            let text = std::fs::read_to_string(path).in_file(path)?;
+            let spec = WorldSpec::from_ron(&text).in_file(path)?;
+            spec.validate().in_file(path)?;
             return Ok(Beginning::Spec(Box::new(spec)));
         }
-        let world = import::read_world(path).map_err(|error| of_file(&error))?;
+        let world = import::read_world(path).in_file(path)?;
         Ok(Beginning::World(Arc::new(world)))
     }
 

@@ -42,6 +42,7 @@ use bevy_envgen::ui::bevy_egui::{EguiPlugin, EguiPreUpdateSet, EguiPrimaryContex
 use bevy_envgen::view::TrialViewPlugin;
 use bevy_envgen::visuals::EnvgenVisualsPlugin;
 use clap::Parser;
+use envgen::located::Locate;
 
 use crate::arguments::Arguments;
 use crate::frame_log::FrameLog;
@@ -71,7 +72,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let frame_log = arguments
         .frame_log
         .as_deref()
-        .map(|path| FrameLog::create(path).map_err(|error| format!("{}: {error}", path.display())));
+        .map(|path| FrameLog::create(path).in_option("--frame-log", path.display()));
 
     let window = Window { title: "envgen: drive".to_owned(), ..default() };
     let window = WindowPlugin { primary_window: Some(window), ..default() };

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use bevy::tasks::futures::check_ready;
 use bevy::tasks::{IoTaskPool, Task, TaskPool, block_on};
+use envgen::located::Locate;
+use envgen::whole_file;
 use mapping_trial::trial::TrialLog;
-
-use crate::output::write_whole;
 
 /// At most one log at a time, which takes the place of the one before.
 #[derive(Default)]
@@ -39,6 +39,7 @@ fn write(log: &TrialLog, folder: &Path) -> Result<(), String> {
     let mut bytes = Vec::new();
     log.write(&mut bytes).map_err(|error| error.to_string())?;
     std::fs::create_dir_all(folder)
-        .and_then(|()| write_whole(&path, &bytes))
-        .map_err(|error| format!("{}: {error}", path.display()))
+        .in_file(folder)
+        .and_then(|()| whole_file::write(&path, &bytes))
+        .map_err(|error| error.to_string())
 }

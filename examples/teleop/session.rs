@@ -8,7 +8,8 @@ use bevy_envgen::debug::DebugLayers;
 use bevy_envgen::prelude::*;
 use bevy_envgen::ui::{FeedbackForm, SetupForm, SpecForm, TrialAction};
 use bevy_envgen::view::TrialView;
-use envgen::{Kind, Seed, WorldSpec};
+use envgen::located::Locate;
+use envgen::{Kind, Seed, WorldSpec, whole_file};
 use mapping_trial::feedback::Feedback;
 use mapping_trial::names::Named;
 use mapping_trial::operator::OperatorKind;
@@ -230,13 +231,13 @@ impl Session {
         let (Some(report), Some(feedback)) = (&mut self.report, feedback) else { return };
         report.feedback = Some(feedback);
         let path = self.folder.join("report.json");
-        let written = serde_json::to_vec_pretty(report).map_err(std::io::Error::from);
-        let written = written.and_then(|mut json| {
+        let json = serde_json::to_vec_pretty(report).map_err(std::io::Error::from).in_file(&path);
+        let written = json.and_then(|mut json| {
             json.push(b'\n');
-            output::write_whole(&path, &json)
+            whole_file::write(&path, &json)
         });
         if let Err(error) = written {
-            self.message = format!("{}: {error}", path.display());
+            self.message = error.to_string();
         }
     }
 

@@ -27,7 +27,8 @@
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | what generators make | [`World`], [`world`], [`geometry`] |
 //! | what reads a world | [`occupancy`], [`raycast`], [`proximity`], [`ground`], [`placement`], [`mod@distance`], [`certificate`], [`reproduction`], `picture` |
-//! | files | [`export`], [`import`], [`mod@file`] |
+//! | files | [`export`], [`import`], [`mod@file`], `whole_file` |
+//! | errors with the name of their file or option | [`located`] |
 //!
 //! # What holds
 //!
@@ -43,6 +44,7 @@
 //! |---|---|---|
 //! | `parallel` | yes | large rasters are counted on all cores |
 //! | `picture` | yes | SVG and PNG pictures, drawn on the CPU |
+//! | `whole-file` | no | files that appear whole or not at all |
 //! | `cli` | no | the command `envgen` |
 
 pub mod certificate;
@@ -62,6 +64,7 @@ pub mod import;
 pub mod indoor;
 pub mod landscape;
 mod lattice;
+pub mod located;
 pub mod occupancy;
 #[cfg(feature = "picture")]
 pub mod picture;
@@ -74,6 +77,8 @@ pub mod road;
 mod seed;
 pub mod settings;
 mod spec;
+#[cfg(feature = "whole-file")]
+pub mod whole_file;
 pub mod world;
 
 pub use error::{GenerateError, SpecError};

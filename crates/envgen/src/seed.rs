@@ -8,6 +8,8 @@ use chacha20::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng, TryRng};
 use serde::{Deserialize, Serialize};
 
+use crate::error::SpecError;
+
 /// Name and version of the algorithm behind every [`Stream`], as it stands in a world's provenance.
 pub const STREAM_ALGORITHM: &str = "chacha8-v1";
 
@@ -43,6 +45,11 @@ impl Seed {
     pub fn offset(self, n: u64) -> Seed {
         Seed(self.0.wrapping_add(n))
     }
+
+    /// The `n`-th seed after this one; `None` behind the greatest.
+    pub fn checked_offset(self, n: u64) -> Option<Seed> {
+        self.0.checked_add(n).map(Seed)
+    }
 }
 
 impl From<u64> for Seed {
@@ -58,10 +65,11 @@ impl fmt::Display for Seed {
 }
 
 impl FromStr for Seed {
-    type Err = std::num::ParseIntError;
+    type Err = SpecError;
 
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        text.parse().map(Seed)
+    fn from_str(text: &str) -> Result<Self, SpecError> {
+        let allowed = || format!("a whole number from 0 to {}", u64::MAX);
+        text.parse().map(Seed).map_err(|_| SpecError::new("seed", text, allowed()))
     }
 }
 

@@ -4,8 +4,8 @@ use std::fs;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use atomic_write_file::AtomicWriteFile;
 use bevy::prelude::*;
+use envgen::whole_file::WholeFile;
 use gif::{Encoder, Frame, Repeat};
 
 use super::CaptureError;
@@ -33,8 +33,8 @@ pub struct Film {
     /// Hundredths of a second from frame to frame.
     delay: u16,
     /// Until the first frame tells the size.
-    file: Option<BufWriter<AtomicWriteFile>>,
-    encoder: Option<Encoder<BufWriter<AtomicWriteFile>>>,
+    file: Option<BufWriter<WholeFile>>,
+    encoder: Option<Encoder<BufWriter<WholeFile>>>,
     last: Option<Picture>,
     /// Hundredths of a second for which the last picture has not been shown yet.
     waiting: u16,
@@ -48,7 +48,7 @@ impl Film {
     pub fn create(path: impl Into<PathBuf>, frames_a_second: f64) -> Result<Self, CaptureError> {
         let path = path.into();
         let error = |source| CaptureError::File { path: path.clone(), source };
-        let file = BufWriter::new(AtomicWriteFile::open(&path).map_err(error)?);
+        let file = BufWriter::new(WholeFile::create(&path).map_err(error)?);
         let delay = (100.0 / frames_a_second).round().clamp(2.0, 100.0) as u16;
         Ok(Film { path, delay, file: Some(file), encoder: None, last: None, waiting: 0 })
     }

@@ -3,8 +3,8 @@
 use std::io::BufWriter;
 use std::path::Path;
 
-use atomic_write_file::AtomicWriteFile;
 use bevy::prelude::*;
+use envgen::whole_file::WholeFile;
 
 use super::CaptureError;
 
@@ -57,7 +57,7 @@ impl Picture {
     }
 
     fn write(&self, path: &Path) -> std::io::Result<()> {
-        let mut out = BufWriter::new(AtomicWriteFile::open(path)?);
+        let mut out = BufWriter::new(WholeFile::create(path)?);
         let mut encoder = png::Encoder::new(&mut out, self.size.x, self.size.y);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_compression(png::Compression::High);

@@ -1,13 +1,11 @@
 //! The panel for specs: every setting of every kind, with its limits.
 
 use std::collections::BTreeMap;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use atomic_write_file::AtomicWriteFile;
 use bevy_egui::egui::{self, ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
 use envgen::settings::{Allowed, Setting};
-use envgen::{Kind, Seed, SettingsError, SpecError, WorldSpec};
+use envgen::{Kind, Seed, SettingsError, SpecError, WorldSpec, whole_file};
 use serde_json::Value;
 
 use super::{error, row};
@@ -125,12 +123,7 @@ impl SpecForm {
     pub fn save(&self, path: &Path) -> Result<(), String> {
         let (spec, _) = self.request().map_err(|error| error.to_string())?;
         let text = spec.to_ron() + "\n";
-        let write = || {
-            let mut file = AtomicWriteFile::open(path)?;
-            file.write_all(text.as_bytes())?;
-            file.commit()
-        };
-        write().map_err(|error: io::Error| format!("{}: {error}", path.display()))
+        whole_file::write(path, text.as_bytes()).map_err(|error| error.to_string())
     }
 
     /// Draws the panel.

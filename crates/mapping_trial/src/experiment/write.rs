@@ -1,26 +1,19 @@
-//! Files that appear whole or not at all.
+//! Files that appear whole or not at all, with the errors of experiments.
 
-use std::fs;
-use std::io::Write;
 use std::path::Path;
 
-use atomic_write_file::AtomicWriteFile;
+use envgen::whole_file;
 
 use super::store::ExperimentError;
 
 /// Makes a folder, and says whether files can be written into it.
 pub(super) fn folder(path: &Path) -> Result<(), ExperimentError> {
-    let error = |source| ExperimentError::File { path: path.to_owned(), source };
-    fs::create_dir_all(path).map_err(error)?;
-    AtomicWriteFile::open(path.join("trial")).and_then(AtomicWriteFile::discard).map_err(error)
+    whole_file::create_folder(path)
+        .map_err(|source| ExperimentError::File { path: path.to_owned(), source })
 }
 
 /// Writes a file under another name first.
 pub(super) fn whole(path: &Path, bytes: &[u8]) -> Result<(), ExperimentError> {
-    let write = || {
-        let mut file = AtomicWriteFile::open(path)?;
-        file.write_all(bytes)?;
-        file.commit()
-    };
-    write().map_err(|source| ExperimentError::File { path: path.to_owned(), source })
+    whole_file::write(path, bytes)
+        .map_err(|error| ExperimentError::File { path: path.to_owned(), source: error.error })
 }

@@ -1,13 +1,20 @@
 //! How a run ends when it does not succeed.
+//!
+//! Every error is told in the form `error: PLACE: TEXT`, where the place is a file, an option with its
+//! value, or stdout; [`Locate`](envgen::located::Locate) puts it there.
 
 use std::fmt::Display;
 use std::io;
-use std::path::Path;
 use std::process::ExitCode;
 
 use envgen::export::ExportError;
-use envgen::file::FileError;
-use envgen::{GenerateError, SettingsError};
+use envgen::import::{ImportError, RasterFileError};
+use envgen::indoor::{CatalogueError, FolderError};
+use envgen::landscape::metrics::RasterError;
+use envgen::located::Located;
+use envgen::occupancy::OccupancyError;
+use envgen::picture::PictureError;
+use envgen::{GenerateError, SettingsError, SpecError};
 
 /// Why a run ends.
 pub(crate) enum Failure {
@@ -15,14 +22,23 @@ pub(crate) enum Failure {
     Usage(String),
     /// What was asked did not come about: exit code 1.
     Failed(String),
+    /// Stdout takes no more: exit code 1.
+    Stdout(io::Error),
     /// The reader of the output has gone, which is its right: exit code 0.
     ReaderGone,
 }
 
 impl Failure {
-    /// A failure to read or write a file, by its name.
-    pub(crate) fn of_file(path: &Path, error: impl Display) -> Self {
-        Failure::Failed(format!("{}: {error}", path.display()))
+    /// The failure with what it is about.
+    pub(crate) fn about(self, place: impl Display) -> Self {
+        match self {
+            Failure::Usage(text) => Failure::Usage(format!("{place}: {text}")),
+            Failure::Failed(text) => Failure::Failed(format!("{place}: {text}")),
+            Failure::Stdout(error) => Failure::Failed(format!("{place}: {error}")),
+            Failure::ReaderGone => {
+                Failure::Failed(format!("{place}: nobody reads what is written"))
+            }
+        }
     }
 
     /// Says on stderr what is wrong, and gives the exit code.
@@ -30,6 +46,7 @@ impl Failure {
         let (text, code) = match self {
             Failure::Usage(text) => (text, 2),
             Failure::Failed(text) => (text, 1),
+            Failure::Stdout(error) => (format!("stdout: {error}"), 1),
             Failure::ReaderGone => return ExitCode::SUCCESS,
         };
         #[expect(clippy::print_stderr, reason = "this is where the command says what is wrong")]
@@ -40,16 +57,32 @@ impl Failure {
     }
 }
 
-impl From<SettingsError> for Failure {
-    fn from(error: SettingsError) -> Self {
-        Failure::Usage(error.to_string())
+impl<E: Into<Failure>> From<Located<E>> for Failure {
+    fn from(Located { place, error }: Located<E>) -> Self {
+        error.into().about(place)
+    }
+}
+
+/// An error of writing to stdout: those of files are [`Located`].
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::BrokenPipe => Failure::ReaderGone,
+            _ => Failure::Stdout(error),
+        }
+    }
+}
+
+impl From<serde_json::Error> for Failure {
+    fn from(error: serde_json::Error) -> Self {
+        io::Error::from(error).into()
     }
 }
 
 impl From<GenerateError> for Failure {
     fn from(error: GenerateError) -> Self {
         match error {
-            GenerateError::Spec(error) => Failure::Usage(error.to_string()),
+            GenerateError::Spec(error) => error.into(),
             other => Failure::Failed(other.to_string()),
         }
     }
@@ -65,23 +98,39 @@ impl From<ExportError> for Failure {
     }
 }
 
-impl From<FileError> for Failure {
-    fn from(error: FileError) -> Self {
-        Failure::Failed(error.to_string())
-    }
-}
-
-impl From<io::Error> for Failure {
-    fn from(error: io::Error) -> Self {
-        match error.kind() {
-            io::ErrorKind::BrokenPipe => Failure::ReaderGone,
-            _ => Failure::Failed(error.to_string()),
+impl From<ImportError> for Failure {
+    fn from(error: ImportError) -> Self {
+        match error {
+            ImportError::UnknownEnding { .. } => Failure::Usage(error.to_string()),
+            other => Failure::Failed(other.to_string()),
         }
     }
 }
 
-impl From<serde_json::Error> for Failure {
-    fn from(error: serde_json::Error) -> Self {
-        io::Error::from(error).into()
+impl From<RasterFileError> for Failure {
+    fn from(error: RasterFileError) -> Self {
+        match error {
+            RasterFileError::UnknownEnding(_) => Failure::Usage(error.to_string()),
+            other => Failure::Failed(other.to_string()),
+        }
     }
 }
+
+impl From<RasterError> for Failure {
+    fn from(error: RasterError) -> Self {
+        Failure::Failed(error.to_string())
+    }
+}
+
+/// Errors of what was asked.
+macro_rules! usage {
+    ($($error:ty),+) => {
+        $(impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Failure::Usage(error.to_string())
+            }
+        })+
+    };
+}
+
+usage!(CatalogueError, FolderError, OccupancyError, PictureError, SettingsError, SpecError);

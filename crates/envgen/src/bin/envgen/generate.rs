@@ -1,15 +1,19 @@
 //! `envgen generate`.
 
-use std::path::PathBuf;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use envgen::WorldMetrics;
-use envgen::export::{Format, Job};
-use envgen::picture::PictureOptions;
+use envgen::export::ros_map::{self, RESOLUTIONS, size_in_cells, usual_resolution};
+use envgen::export::{Format, Job, Writer};
+use envgen::located::Locate;
+use envgen::picture::{PictureError, PictureOptions};
+use envgen::settings::Setting;
+use envgen::whole_file::{WholeFile, commit_all, is_same, refuse_inputs};
+use envgen::{World, WorldMetrics};
 
 use crate::failure::Failure;
-use crate::output::Pending;
 use crate::progress::spinner;
 use crate::source::{Source, note};
 
@@ -22,6 +26,11 @@ pub(crate) struct Arguments {
     #[arg(long, required = true, value_name = "FILE")]
     out: Vec<PathBuf>,
 
+    /// Side of a cell of maps for ROS (.yaml) in metres, from 0.001 to 1000: at most 67,108,864 cells.
+    /// Where it is not given, 0.05, or coarser for a world that would have more than 16,777,216 cells.
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    resolution: Option<f64>,
+
     #[command(flatten)]
     picture: Picture,
 }
@@ -31,11 +40,13 @@ pub(crate) struct Arguments {
 #[command(next_help_heading = "Pictures")]
 struct Picture {
     /// Greatest width in px.
-    #[arg(long, value_name = "PX", default_value_t = PictureOptions::default().width)]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true,
+          default_value_t = PictureOptions::default().width)]
     picture_width: u32,
 
     /// Greatest height of the plan in px.
-    #[arg(long, value_name = "PX", default_value_t = PictureOptions::default().height)]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true,
+          default_value_t = PictureOptions::default().height)]
     picture_height: u32,
 
     /// The text above the world, in place of kind and seed.
@@ -61,36 +72,128 @@ impl Picture {
             curvature_profile: self.curvature_profile,
             ..Default::default()
         };
-        options.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+        options.validate().map_err(|error| match &error {
+            PictureError::Option { option, value, .. } => {
+                Failure::Usage(error.to_string()).about(format!("--picture-{option} {value}"))
+            }
+            _ => error.into(),
+        })?;
         Ok(options)
     }
 }
 
+/// The side of a cell of maps.
+const RESOLUTION: Setting = Setting::number(
+    "resolution",
+    "m",
+    *RESOLUTIONS.start(),
+    *RESOLUTIONS.end(),
+    "side of a cell of maps for ROS",
+);
+
+/// A file to write.
+struct Output {
+    /// The name that `--out` gives, which decides the format.
+    asked: PathBuf,
+    format: Format,
+    /// The name of this file; a format can have several.
+    path: PathBuf,
+    write: Writer,
+}
+
+impl Output {
+    /// The files that are asked for, none twice and none that is read.
+    fn all(asked: &[PathBuf], inputs: &[PathBuf]) -> Result<Vec<Output>, Failure> {
+        let mut outputs: Vec<Output> = Vec::new();
+        for asked in asked {
+            let format = Format::from_path(asked).in_option("--out", asked.display())?;
+            for (i, &(ending, write)) in format.files().iter().enumerate() {
+                // The first file keeps the name as it was given, capitals and all.
+                let path = if i == 0 { asked.clone() } else { asked.with_extension(ending) };
+                let usage = |text: String| Failure::Usage(text).about(option(&path));
+                if let Some(other) = outputs.iter().find(|other| is_same(&other.path, &path)) {
+                    return Err(usage(format!("is the same file as {}", option(&other.path))));
+                }
+                refuse_inputs(&path, inputs).map_err(|error| usage(error.to_string()))?;
+                outputs.push(Output { asked: asked.clone(), format, path, write });
+            }
+        }
+        Ok(outputs)
+    }
+
+    fn write(&self, job: &Job<'_>, file: &mut WholeFile) -> Result<(), Failure> {
+        let mut out = BufWriter::with_capacity(1 << 16, file);
+        (self.write)(job, &mut out).map_err(Failure::from)?;
+        out.flush().map_err(Failure::from)
+    }
+}
+
+/// Checks the resolution, and that there is a file that it is for.
+fn check_resolution(resolution: Option<f64>, outputs: &[Output]) -> Result<(), Failure> {
+    let Some(resolution) = resolution else { return Ok(()) };
+    RESOLUTION.check(resolution).in_option("--resolution", resolution)?;
+    if outputs.iter().any(|output| output.format == Format::RosMap) {
+        return Ok(());
+    }
+    let text = "is for maps for ROS, and no --out ends with .yaml".to_owned();
+    Err(Failure::Usage(text).about(format!("--resolution {resolution}")))
+}
+
+/// Says how large the maps of cells become.
+fn say_sizes(world: &World, resolution: Option<f64>, outputs: &[Output]) -> Result<(), Failure> {
+    let maps = outputs.iter().filter(|output| output.format == Format::RosMap);
+    for map in maps.filter(|output| output.path == output.asked) {
+        let usual = usual_resolution(world);
+        let side = resolution.unwrap_or(usual);
+        let [cols, rows] = size_in_cells(world, side).map_err(|error| {
+            Failure::from(error).about(format!("{}, --resolution {side}", option(&map.path)))
+        })?;
+        let kilobytes = (cols * rows).div_ceil(1000);
+        let coarse = if resolution.is_none() && usual > ros_map::RESOLUTION {
+            format!(
+                "; more than {} m, as the world is large: see --resolution",
+                ros_map::RESOLUTION
+            )
+        } else {
+            String::new()
+        };
+        let name = map.path.display();
+        note(&format!("{name}: {cols} x {rows} cells of {side} m, {kilobytes} kB{coarse}"));
+    }
+    Ok(())
+}
+
+/// How errors call a file to write.
+fn option(path: &Path) -> String {
+    format!("--out {}", path.display())
+}
+
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     // Everything that can be wrong with the arguments is found before any work is done.
-    let spec = arguments.source.spec()?;
+    let source = &arguments.source;
+    let spec = source.spec()?;
     let picture = arguments.picture.options()?;
-    let mut formats = Vec::new();
-    for path in &arguments.out {
-        formats.push((path, Format::from_path(path)?));
+    let outputs = Output::all(&arguments.out, &source.inputs())?;
+    let resolution = arguments.resolution;
+    check_resolution(resolution, &outputs)?;
+    let mut files = Vec::new();
+    for output in &outputs {
+        files.push(WholeFile::create(&output.path).in_option("--out", output.path.display())?);
     }
     let _spinner = spinner("generating");
-    let blueprint = spec.generate(arguments.source.seed)?;
+    let blueprint = spec.generate(source.seed).map_err(|error| source.name(error.into()))?;
     let world = blueprint.to_world();
-    let mut pending = Pending::default();
-    for (path, format) in formats {
+    say_sizes(&world, resolution, &outputs)?;
+    for (output, file) in outputs.iter().zip(&mut files) {
         let job = Job {
             blueprint: Some(&blueprint),
+            resolution,
             picture: picture.clone(),
-            ..Job::for_path(&world, path)
+            ..Job::for_path(&world, &output.asked)
         };
-        for (i, (ending, write)) in format.files().iter().enumerate() {
-            // The first file keeps the name as it was given, capitals and all.
-            let path = if i == 0 { path.clone() } else { path.with_extension(ending) };
-            pending.write(&path, |out| Ok(write(&job, out)?))?;
-        }
+        output.write(&job, file).map_err(|failure| failure.about(option(&output.path)))?;
     }
-    pending.commit()?;
+    commit_all(files).map_err(|error| Failure::from(error).about("--out"))?;
     if let WorldMetrics::Landscape(metrics) = blueprint.metrics()
         && let Some(error) = metrics.total_edge_error.filter(|error| *error != 0)
     {

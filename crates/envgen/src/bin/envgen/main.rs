@@ -8,7 +8,6 @@ mod generate;
 mod inspect;
 mod kinds;
 mod metrics;
-mod output;
 mod progress;
 mod sample;
 mod source;

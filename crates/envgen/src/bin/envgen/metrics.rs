@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use clap::Args;
 use envgen::import::{ImportedRaster, RasterFileError};
 use envgen::landscape::metrics::{Border, RasterReport};
+use envgen::located::Locate;
 
 use crate::failure::Failure;
 
@@ -28,14 +29,14 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let path = &arguments.file;
-    let mut file = File::open(path).map_err(|error| Failure::of_file(path, error))?;
+    let mut file = File::open(path).in_file(path)?;
     let read = ImportedRaster::read(path, &mut file).map_err(|error| match error {
-        RasterFileError::UnknownEnding(_) => Failure::Usage(error.to_string()),
-        other => Failure::of_file(path, other),
+        // It names the file itself.
+        RasterFileError::UnknownEnding(_) => error.into(),
+        other => Failure::from(other).about(path.display()),
     })?;
     let border = if arguments.border { Border::Counted } else { Border::Free };
-    let mut report =
-        RasterReport::new(&read.raster, border).map_err(|error| Failure::of_file(path, error))?;
+    let mut report = RasterReport::new(&read.raster, border).in_file(path)?;
     if let Some(labels) = &read.labels {
         report = report.labelled(labels);
     }

@@ -4,7 +4,7 @@ use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
 
 use clap::Args;
-use envgen::{Kind, Seed, WorldBlueprint, WorldMetrics};
+use envgen::{Kind, Seed, SpecError, WorldBlueprint, WorldMetrics};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -21,8 +21,13 @@ pub(crate) struct Arguments {
     source: Source,
 
     /// How many blueprints; their seeds are consecutive from --seed on.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     count: u64,
+}
+
+fn count(text: &str) -> Result<u64, SpecError> {
+    let allowed = || format!("a whole number from 0 to {}", u64::MAX);
+    text.parse().map_err(|_| SpecError::new("count", text, allowed()))
 }
 
 /// One line of the output.
@@ -36,13 +41,20 @@ struct Line<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let spec = arguments.source.spec()?;
+    let (source, count) = (&arguments.source, arguments.count);
+    let spec = source.spec()?;
+    let first = source.seed;
+    if count > 0 && first.checked_offset(count - 1).is_none() {
+        let most = u64::MAX - first.0 + 1;
+        let text = format!("from seed {first} on there are {most} seeds");
+        return Err(Failure::Usage(text).about(format!("--count {count}")));
+    }
     let settings = spec.settings_json();
-    let bar = bar(arguments.count);
+    let bar = bar(count);
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
     let mut failures = 0_u64;
-    for n in 0..arguments.count {
-        let seed = arguments.source.seed.offset(n);
+    for n in 0..count {
+        let seed = first.offset(n);
         match spec.generate(seed) {
             Ok(blueprint) => {
                 let metrics = &blueprint.metrics();
@@ -53,8 +65,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             }
             // Some laws have no blueprint for some seeds: the others are still asked for.
             Err(error) => {
-                if let Failure::Usage(text) = Failure::from(error.clone()) {
-                    return Err(Failure::Usage(text));
+                if let failure @ Failure::Usage(_) = Failure::from(error.clone()) {
+                    return Err(source.name(failure));
                 }
                 failures += 1;
                 if failures <= NAMED_FAILURES {
@@ -67,8 +79,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     out.flush()?;
     bar.finish_and_clear();
     if failures > 0 {
-        let text = format!("{failures} of {} seeds have no {}", arguments.count, spec.kind());
-        return Err(Failure::Failed(text));
+        let text = format!("{failures} of {count} seeds have no {}", spec.kind());
+        return Err(source.name(Failure::Failed(text)));
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,14 +1,15 @@
 //! What a command starts from: a kind or a spec file with settings and a seed, or a world file.
 
-use std::fs::File;
-use std::io::Read;
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use envgen::import::{self, ImportError};
+use envgen::import;
 use envgen::indoor::world_generator::{HALLWAY, LibraryRoom};
 use envgen::indoor::{Catalogue, PlacedRoom};
-use envgen::{Blueprint, Kind, Seed, World, WorldSpec};
+use envgen::located::Locate;
+use envgen::{Blueprint, Kind, Seed, SpecError, World, WorldSpec};
 
 use crate::failure::Failure;
 
@@ -22,7 +23,7 @@ pub(crate) struct Source {
     what: String,
 
     /// The seed from which everything random follows.
-    #[arg(long, default_value_t = Seed(0), value_name = "N")]
+    #[arg(long, default_value_t = Seed(0), value_name = "N", allow_negative_numbers = true)]
     pub(crate) seed: Seed,
 
     /// Sets a setting (see `envgen kinds`); may be given several times.
@@ -36,50 +37,101 @@ pub(crate) struct Source {
 impl Source {
     /// The spec with its settings, checked.
     pub(crate) fn spec(&self) -> Result<WorldSpec, Failure> {
-        let path = Path::new(&self.what);
-        let mut spec = if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ron"))
-        {
-            WorldSpec::from_ron(&read(path)?)
-                .map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?
-        } else {
-            self.what.parse::<Kind>()?.default_spec()
+        let mut spec = match self.file() {
+            Some(path) => WorldSpec::from_ron(&read(path)?).in_file(path)?,
+            None => self.what.parse::<Kind>()?.default_spec(),
         };
-        for setting in &self.settings {
-            let Some((name, value)) = setting.split_once('=') else {
-                let text = format!("`--set {setting}` is not of the form --set name=value");
-                return Err(Failure::Usage(text));
-            };
-            spec.set(name.trim(), value)?;
+        let settings = self.settings()?;
+        for &(name, value, option) in &settings {
+            spec.set(name, value).in_option("--set", option)?;
         }
         if self.rooms.are_given() {
-            let WorldSpec::Indoor(indoor) = &mut spec else {
-                return Err(Failure::Usage(format!("{GIVEN_ROOMS} are for the kind indoor")));
-            };
-            let catalogue = self.rooms.catalogue(indoor.catalogue())?;
-            let bare = self.rooms.library()?;
-            let bare = bare
-                .iter()
-                .filter(|room| room.name != HALLWAY && catalogue.get(&room.name).is_none());
-            let bare: Vec<_> = bare.map(LibraryRoom::to_design).collect();
-            if !bare.is_empty() {
-                note(&format!("{} bare rooms of the library have the difficulty 0", bare.len()));
-            }
-            let all = if bare.is_empty() { Ok(catalogue) } else { catalogue.with(bare) };
-            indoor.catalogue = Some(all.map_err(|error| Failure::Usage(error.to_string()))?);
+            self.furnish(&mut spec)?;
         }
-        spec.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+        spec.validate().map_err(|error| self.blame(error, &settings))?;
         Ok(spec)
     }
+
+    /// The files that are read.
+    pub(crate) fn inputs(&self) -> Vec<PathBuf> {
+        let mut inputs = self.rooms.files();
+        inputs.extend(self.file().map(Path::to_owned));
+        inputs
+    }
+
+    /// A failure to generate, which names the spec file where there is one.
+    pub(crate) fn name(&self, failure: Failure) -> Failure {
+        match self.file() {
+            Some(path) => failure.about(path.display()),
+            None => failure,
+        }
+    }
+
+    /// The spec file, where one is asked for.
+    fn file(&self) -> Option<&Path> {
+        let path = Path::new(&self.what);
+        let is_ron = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ron"));
+        is_ron.then_some(path)
+    }
+
+    /// Name, value and whole text of each setting.
+    fn settings(&self) -> Result<Vec<(&str, &str, &str)>, Failure> {
+        let mut settings: Vec<(&str, &str, &str)> = Vec::new();
+        for option in &self.settings {
+            let usage =
+                |text: &str| Failure::Usage(text.to_owned()).about(format!("--set {option}"));
+            let (name, value) =
+                option.split_once('=').ok_or_else(|| usage("is not of the form name=value"))?;
+            let name = name.trim();
+            if settings.iter().any(|(other, ..)| *other == name) {
+                return Err(usage(&format!("`{name}` is set twice")));
+            }
+            settings.push((name, value, option));
+        }
+        Ok(settings)
+    }
+
+    /// Says where a setting that is not allowed comes from.
+    fn blame(&self, error: SpecError, settings: &[(&str, &str, &str)]) -> Failure {
+        match settings.iter().find(|(name, ..)| names(&error.field).any(|n| n == *name)) {
+            Some((.., option)) => Failure::from(error).about(format!("--set {option}")),
+            None => self.name(error.into()),
+        }
+    }
+
+    /// Gives an indoor map the rooms that are asked for.
+    fn furnish(&self, spec: &mut WorldSpec) -> Result<(), Failure> {
+        let WorldSpec::Indoor(indoor) = spec else {
+            return Err(Failure::Usage(format!("{GIVEN_ROOMS} are for the kind indoor")));
+        };
+        let catalogue = self.rooms.catalogue(indoor.catalogue())?;
+        let bare = self.rooms.library()?;
+        let bare =
+            bare.iter().filter(|room| room.name != HALLWAY && catalogue.get(&room.name).is_none());
+        let bare: Vec<_> = bare.map(LibraryRoom::to_design).collect();
+        if !bare.is_empty() {
+            note(&format!("{} bare rooms of the library have the difficulty 0", bare.len()));
+        }
+        let all = if bare.is_empty() { Ok(catalogue) } else { catalogue.with(bare) };
+        indoor.catalogue = Some(all?);
+        Ok(())
+    }
+}
+
+/// The settings that an error is about, such as both of `rows * cols`.
+fn names(field: &str) -> impl Iterator<Item = &str> {
+    field.split(|letter: char| !(letter.is_alphanumeric() || letter == '_'))
 }
 
 fn read(path: &Path) -> Result<String, Failure> {
     let mut text = String::new();
     File::open(path)
         .and_then(|file| file.take(MAX_SPEC_BYTES + 1).read_to_string(&mut text))
-        .map_err(|error| Failure::of_file(path, error))?;
-    if text.len() as u64 > MAX_SPEC_BYTES {
-        return Err(Failure::of_file(path, format!("longer than {MAX_SPEC_BYTES} bytes")));
-    }
+        .and_then(|_| match text.len() as u64 > MAX_SPEC_BYTES {
+            true => Err(io::Error::other(format!("longer than {MAX_SPEC_BYTES} bytes"))),
+            false => Ok(()),
+        })
+        .in_file(path)?;
     Ok(text)
 }
 
@@ -98,20 +150,19 @@ impl WorldFile {
     /// Reads it, by the ending of its name, and says on stderr what was left out.
     pub(crate) fn read(&self) -> Result<World, Failure> {
         let path = self.file.as_path();
-        let of_file = |error: ImportError| Failure::of_file(path, error);
-        let reader = import::reader(path).map_err(|error| Failure::Usage(error.to_string()))?;
+        let reader = import::reader(path)?;
         let is_project = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xml"));
         if !is_project {
             if self.rooms.are_given() {
                 let text = format!("{GIVEN_ROOMS} are for projects of the World Generator (.xml)");
                 return Err(Failure::Usage(text));
             }
-            return reader(&mut open(path)?, path).map_err(of_file);
+            return Ok(reader(&mut open(path)?, path).in_file(path)?);
         }
         let catalogue = self.rooms.catalogue(Catalogue::builtin())?;
         let library = self.rooms.library()?;
         let project = import::read_world_generator_project(&mut open(path)?, &catalogue, &library)
-            .map_err(of_file)?;
+            .in_file(path)?;
         let name = path.display();
         if project.doors_ignored > 0 {
             let doors = project.doors_ignored;
@@ -152,22 +203,34 @@ impl Rooms {
         self.rooms.is_some() || self.library.is_some()
     }
 
+    /// The files behind both; what cannot be listed cannot be read either.
+    fn files(&self) -> Vec<PathBuf> {
+        let rooms = self.rooms.iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten();
+        let rooms = rooms.filter_map(|entry| Some(entry.ok()?.path()));
+        rooms.chain(self.library.clone()).collect()
+    }
+
     fn catalogue(&self, beside: &Catalogue) -> Result<Catalogue, Failure> {
         match &self.rooms {
-            Some(folder) => beside.with_folder(folder).map_err(|e| Failure::Usage(e.to_string())),
+            Some(folder) => {
+                Ok(beside.with_folder(folder).in_option("--rooms", folder.display())?)
+            }
             None => Ok(beside.clone()),
         }
     }
 
     fn library(&self) -> Result<Vec<LibraryRoom>, Failure> {
         let Some(path) = &self.library else { return Ok(Vec::new()) };
-        import::read_world_generator_library(&mut open(path)?)
-            .map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))
+        // What is no library is a wrong argument.
+        let read = import::read_world_generator_library(&mut open(path)?);
+        read.map_err(|error| {
+            Failure::Usage(error.to_string()).about(format!("--library {}", path.display()))
+        })
     }
 }
 
 fn open(path: &Path) -> Result<File, Failure> {
-    File::open(path).map_err(|error| Failure::of_file(path, error))
+    Ok(File::open(path).in_file(path)?)
 }
 
 /// Tells a person what is not as asked.

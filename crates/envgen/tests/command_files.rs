@@ -1,0 +1,350 @@
+//! Files that the command reads and writes: what it names, follows, keeps and refuses.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use envgen::export::ros_map::{RosCell, RosMap};
+use envgen::import::{read_world, ros_map::read_ros_map};
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A folder to run the command in.
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Folder(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).unwrap();
+    }
+
+    fn names(&self) -> Vec<String> {
+        let names = fs::read_dir(self.0.path()).unwrap();
+        let mut names: Vec<_> =
+            names.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    /// Runs the command with arguments that spaces divide.
+    fn run(&self, arguments: &str) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_envgen"))
+            .args(arguments.split(' '))
+            .current_dir(self.0.path())
+            .output()
+            .unwrap()
+    }
+
+    /// What is on stderr of a run that succeeds.
+    fn notes(&self, arguments: &str) -> String {
+        let output = self.run(arguments);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{arguments}: {text}");
+        text
+    }
+
+    /// What is on stderr of a run that ends with this exit code.
+    fn error(&self, arguments: &str, code: i32) -> String {
+        let output = self.run(arguments);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(code), "{arguments}: {text}");
+        text
+    }
+}
+
+const TREES: &str = "forest --set width=10 --set height=10";
+
+#[test]
+#[cfg(unix)]
+fn links_are_followed_and_modes_kept() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = Folder::new();
+    let mode = |name: &str| fs::metadata(folder.path(name)).unwrap().permissions().mode() & 0o777;
+    folder.write("usual", "");
+    folder.write("b.json", "");
+    fs::set_permissions(folder.path("b.json"), PermissionsExt::from_mode(0o600)).unwrap();
+    fs::create_dir(folder.path("far")).unwrap();
+    symlink("b.json", folder.path("l.json")).unwrap();
+    symlink("far/new.json", folder.path("first.json")).unwrap();
+    symlink("first.json", folder.path("second.json")).unwrap();
+    symlink("loop.json", folder.path("loop.json")).unwrap();
+    folder.notes(&format!("generate {TREES} --out l.json --out second.json"));
+    assert!(fs::symlink_metadata(folder.path("l.json")).unwrap().is_symlink());
+    assert!(read_world(&folder.path("b.json")).is_ok());
+    assert_eq!((mode("b.json"), mode("far/new.json")), (0o600, mode("usual")));
+    assert!(fs::symlink_metadata(folder.path("first.json")).unwrap().is_symlink());
+    let error = folder.error(&format!("generate {TREES} --out loop.json"), 1);
+    assert!(error.contains("--out loop.json: is a link that leads to no end"), "{error}");
+}
+
+#[test]
+#[cfg(unix)]
+fn what_may_not_be_replaced_stays() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = Folder::new();
+    folder.write("fixed.json", "mine");
+    fs::set_permissions(folder.path("fixed.json"), PermissionsExt::from_mode(0o444)).unwrap();
+    symlink("/dev/null", folder.path("null.json")).unwrap();
+    fs::create_dir(folder.path("folder.json")).unwrap();
+    let before = folder.names();
+    for (name, what) in [
+        ("fixed.json", "is there and read-only"),
+        ("null.json", "is a device and not a file"),
+        ("folder.json", "is a folder"),
+        ("none/a.json", "there is no folder `none`"),
+    ] {
+        let error = folder.error(&format!("generate {TREES} --out a.svg --out {name}"), 1);
+        assert!(error.contains(&format!("error: --out {name}: {what}")), "{error}");
+    }
+    assert_eq!(folder.names(), before);
+    assert_eq!(fs::read_to_string(folder.path("fixed.json")).unwrap(), "mine");
+}
+
+#[test]
+fn no_output_is_an_input_or_another_output() {
+    let folder = Folder::new();
+    let text = "Forest(width: 10, height: 10)";
+    folder.write("s.ron", text);
+    fs::create_dir(folder.path("rooms")).unwrap();
+    folder.write("rooms/v.room.ron", "(name: \"v\", width: 1, height: 1, difficulty: 3)");
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("s.ron", folder.path("l.ron")).unwrap();
+    #[cfg(not(unix))]
+    fs::hard_link(folder.path("s.ron"), folder.path("l.ron")).unwrap();
+    fs::hard_link(folder.path("s.ron"), folder.path("h.ron")).unwrap();
+    let before = folder.names();
+    for out in ["s.ron", "./s.ron", "l.ron", "h.ron", "rooms/../s.ron"] {
+        let error = folder.error(&format!("generate s.ron --out a.svg --out {out}"), 2);
+        assert!(
+            error.contains(&format!("--out {out}: is the input s.ron, which would")),
+            "{error}"
+        );
+    }
+    let room = "generate indoor --rooms rooms --out rooms/v.room.ron";
+    assert!(folder.error(room, 2).contains("is the input rooms/v.room.ron"));
+    for (one, other) in [("a.json", "./a.json"), ("b.yaml", "rooms/../b.YAML")] {
+        let error = folder.error(&format!("generate s.ron --out {one} --out {other}"), 2);
+        assert!(error.contains("is the same file as --out "), "{error}");
+    }
+    assert_eq!(
+        (folder.names(), fs::read_to_string(folder.path("s.ron")).unwrap()),
+        (before, text.to_owned())
+    );
+}
+
+#[test]
+fn the_longest_names_can_be_written() {
+    let folder = Folder::new();
+    for length in [246, 255] {
+        let name = format!("{}.json", "n".repeat(length - 5));
+        folder.notes(&format!("generate {TREES} --out {name}"));
+        // Once more, over the file that is there.
+        folder.notes(&format!("generate {TREES} --out {name}"));
+        assert!(read_world(&folder.path(&name)).is_ok());
+    }
+    assert_eq!(folder.names().len(), 2);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_killed_run_leaves_nothing() {
+    let folder = Folder::new();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_envgen"))
+        .args(
+            "generate forest --set width=3000 --set height=3000 --out k.json --out k.svg"
+                .split(' '),
+        )
+        .current_dir(folder.0.path())
+        .spawn()
+        .unwrap();
+    // Until it has opened its files.
+    let open = || {
+        let files = fs::read_dir(format!("/proc/{}/fd", child.id())).unwrap();
+        files
+            .filter_map(|file| fs::read_link(file.ok()?.path()).ok())
+            .any(|path| path.starts_with(folder.0.path()))
+    };
+    while !open() {
+        std::thread::yield_now();
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(folder.names(), Vec::<String>::new());
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_named() {
+    // Stdout first: the device that is always full.
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_envgen"))
+        .args(["sample", "hallway", "--count", "3"])
+        .stdout(full)
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text.contains("error: stdout: No space left"), "{text}");
+    // Files: a limit on their size has the same effect as a full disk.
+    let folder = Folder::new();
+    let limited = "trap '' XFSZ; ulimit -f 64; exec \"$0\" \"$@\"";
+    let output = Command::new("sh")
+        .args(["-c", limited, env!("CARGO_BIN_EXE_envgen")])
+        .args(
+            "generate forest --set width=300 --set height=300 --out a.svg --out b.json".split(' '),
+        )
+        .current_dir(folder.0.path())
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("error: --out a.svg: File too large"), "{text}");
+    assert_eq!(folder.names(), Vec::<String>::new());
+}
+
+#[test]
+fn errors_name_the_file_or_the_option() {
+    let folder = Folder::new();
+    folder.write("bad.envgen.ron", "Forest(width: -5)");
+    folder.write("crowded.ron", "Forest(width: 50, min_distance: 4)");
+    folder.write("syntax.ron", "Forest(width: )");
+    folder.write("twice.yaml", "image: a.pgm\nimage: b.pgm\n");
+    folder.write("a.asc", "ncols 2\n");
+    for (arguments, code, expected) in [
+        ("generate bad.envgen.ron --out a.svg", 2, "error: bad.envgen.ron: `width` is -5"),
+        ("sample bad.envgen.ron --count 1", 2, "error: bad.envgen.ron: `width` is -5"),
+        (
+            "generate bad.envgen.ron --set width=-6 --out a.svg",
+            2,
+            "error: --set width=-6: `width` is -6",
+        ),
+        (
+            "generate syntax.ron --out a.svg",
+            2,
+            "error: syntax.ron: not the RON of a world spec, at",
+        ),
+        ("generate crowded.ron --out a.svg", 1, "error: crowded.ron: "),
+        ("generate forest --out a.xodr", 1, "error: --out a.xodr: the world holds no road"),
+        ("generate forest --out a.svg --out b.xml", 1, "error: --out b.xml: "),
+        ("generate indoor --library none.xml --out a.svg", 1, "error: none.xml: No such file"),
+        ("generate indoor --rooms none --out a.svg", 2, "error: --rooms none: "),
+        ("generate none.ron --out a.svg", 1, "error: none.ron: No such file"),
+        (
+            "check twice.yaml",
+            1,
+            "error: twice.yaml: not the YAML of a map: line 2, `image: b.pgm`: the key",
+        ),
+        ("metrics a.asc", 1, "error: a.asc: "),
+        ("metrics none.asc", 1, "error: none.asc: No such file"),
+    ] {
+        let error = folder.error(arguments, code);
+        assert!(error.starts_with(expected), "{arguments}: {error}");
+    }
+    // A setting of the command line can mend one of the file.
+    folder.notes("generate bad.envgen.ron --set width=6 --out a.svg");
+}
+
+#[test]
+fn lists_are_set_in_either_form() {
+    let folder = Folder::new();
+    let sample = |arguments: &str| {
+        let output = folder.run(&format!("sample {arguments} --count 1"));
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let line: Value = serde_json::from_slice(&output.stdout).unwrap();
+        line["spec"].clone()
+    };
+    for (kind, bare, bracketed) in [
+        ("road", "alpha=1,2,3,4,5", "alpha=[1,2,3,4,5]"),
+        ("road", "prefabs=straight,left", "prefabs=[straight,left]"),
+        ("landscape", "speeds=1,0,1,1", "speeds=[1,0,1,1]"),
+        ("indoor", "rooms=warehouse,maze", "rooms=[\"warehouse\",\"maze\"]"),
+    ] {
+        let classes = if kind == "landscape" { " --set classes=4 --set entropy=1" } else { "" };
+        let spec = |set: &str| sample(&format!("{kind} --set {set}{classes}"));
+        assert_eq!(spec(bare), spec(bracketed), "{bare}");
+    }
+    let kinds = String::from_utf8(folder.run("kinds road").stdout).unwrap();
+    assert!(kinds.contains(", such as straight,turn,straight; default straight,left"), "{kinds}");
+    let kinds = String::from_utf8(folder.run("kinds indoor").stdout).unwrap();
+    assert!(kinds.contains("together: `open_areas` is true, where `profile` is guaranteed"));
+}
+
+fn map(folder: &Folder, name: &str) -> RosMap {
+    let path = folder.path(name);
+    read_ros_map(&mut fs::File::open(&path).unwrap(), &path).unwrap()
+}
+
+fn area(map: &RosMap, wanted: RosCell) -> f64 {
+    let cells = map.cells.iter().filter(|cell| **cell == wanted).count();
+    cells as f64 * map.resolution * map.resolution
+}
+
+#[test]
+fn maps_are_free_only_where_the_start_leads() {
+    let folder = Folder::new();
+    // The corridor is 2 m wide.
+    folder.notes("generate hallway --seed 1 --out h.yaml --out h.json");
+    let written = map(&folder, "h.yaml");
+    let length = {
+        let output = folder.run("inspect h.json --json");
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        report["metrics"]["length"].as_f64().unwrap()
+    };
+    let free = area(&written, RosCell::Free);
+    assert!((free / (2.0 * length) - 1.0).abs() < 0.03, "{free} m^2 of {length} m");
+    assert!(area(&written, RosCell::Unknown) > free);
+    // Read back it is the same free space, whole and closed.
+    let world = read_world(&folder.path("h.yaml")).unwrap();
+    let again = RosMap::of_world(&world, written.resolution).unwrap();
+    let cells = |map: &RosMap| -> Vec<bool> {
+        map.cells.iter().map(|cell| *cell == RosCell::Free).collect()
+    };
+    assert_eq!((again.cols, cells(&again)), (written.cols, cells(&written)));
+
+    // A road of 200 m by 7 m; beside it nothing is known, kerbs or not.
+    for kerb in ["0", "0.15"] {
+        folder.notes(&format!(
+            "generate road --seed 2 --set length=200 --set speed=5 --set kerb={kerb} --out r.yaml"
+        ));
+        let free = area(&map(&folder, "r.yaml"), RosCell::Free);
+        assert!((free / 1400.0 - 1.0).abs() < 0.02, "{free} m^2 with kerbs of {kerb} m");
+    }
+    // A forest ends with its area.
+    folder.notes("generate forest --seed 1 --out f.yaml --resolution 0.1");
+    let forest = map(&folder, "f.yaml");
+    let free = area(&forest, RosCell::Free);
+    assert!((1900.0..2300.0).contains(&free), "{free} m^2");
+    assert_eq!(forest.cells[0], RosCell::Unknown);
+    // Solid cells of an indoor map are unknown.
+    folder.notes("generate indoor --seed 1 --set width=6 --set height=6 --out i.yaml");
+    let indoor = map(&folder, "i.yaml");
+    assert!(area(&indoor, RosCell::Free) > 50.0);
+}
+
+#[test]
+fn the_size_of_maps_is_said_and_can_be_chosen() {
+    let folder = Folder::new();
+    let said = folder.notes("generate forest --out f.yaml");
+    assert!(said.contains("note: f.yaml: 1040 x 1040 cells of 0.05 m, 1082 kB\n"), "{said}");
+    let said = folder.notes("generate forest --resolution 0.2 --out f.yaml");
+    assert!(said.contains("note: f.yaml: 260 x 260 cells of 0.2 m"), "{said}");
+    assert_eq!((map(&folder, "f.yaml").cols, map(&folder, "f.yaml").resolution), (260, 0.2));
+    let before = folder.names();
+    let error = folder.error("generate forest --resolution 0.005 --out g.yaml", 2);
+    let expected =
+        "--out g.yaml, --resolution 0.005: `resolution` is 0.005 m, allowed is about 6.35e-3 m";
+    assert!(error.contains(expected), "{error}");
+    assert_eq!(folder.names(), before);
+    let said = folder.notes("generate road --set length=20000 --set kerb=0 --out b.yaml");
+    assert!(said.contains("; more than 0.05 m, as the world is large: see --resolution"), "{said}");
+    assert!(map(&folder, "b.yaml").resolution > 0.05);
+    assert!(fs::metadata(folder.path("b.pgm")).unwrap().len() <= (1 << 24) + 100);
+    assert!(Path::new(&folder.path("b.yaml")).exists());
+}
