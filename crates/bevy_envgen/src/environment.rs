@@ -8,8 +8,6 @@ use envgen::world::Violation;
 use envgen::{GenerateError, Kind, World, WorldSpec};
 use thiserror::Error;
 
-use crate::generate::Slot;
-
 /// Asks for a world on this entity: a spec and a seed.
 ///
 /// The parts are spawned below the entity, so that its [`Transform`] moves and turns them, and
@@ -38,7 +36,7 @@ use crate::generate::Slot;
 /// ```
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
-#[require(EnvironmentState, Slot, Transform)]
+#[require(EnvironmentState, Transform)]
 pub struct Environment {
     /// What the world is made of.
     pub source: WorldSource,
@@ -66,7 +64,7 @@ pub enum WorldSource {
     Spec(Box<WorldSpec>),
     /// A spec in a file such as `hall.envgen.ron`.
     #[cfg(feature = "asset")]
-    Asset(Handle<crate::asset::WorldAsset>),
+    Asset(Handle<crate::asset::file::WorldAsset>),
     /// A world that exists already.
     World(Arc<World>),
 }
@@ -122,7 +120,7 @@ impl Environment {
 
     /// The world of a spec in a file and a seed.
     #[cfg(feature = "asset")]
-    pub fn from_asset(spec: Handle<crate::asset::WorldAsset>, seed: u64) -> Self {
+    pub fn from_asset(spec: Handle<crate::asset::file::WorldAsset>, seed: u64) -> Self {
         Self::of(WorldSource::Asset(spec), seed)
     }
 

@@ -1,11 +1,10 @@
 //! From a request to a world that stands: the systems of [`EnvgenCorePlugin`](crate::EnvgenCorePlugin).
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::tasks::futures::check_ready;
-use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool};
+use bevy::tasks::{AsyncComputeTaskPool, TaskPool};
 use envgen::forest::EndlessForest;
 use envgen::{GenerateError, Seed, WorldSpec};
 
@@ -13,7 +12,9 @@ use crate::environment::{
     EndlessTruth, Environment, EnvironmentError, EnvironmentFailed, EnvironmentReady,
     EnvironmentState, EnvironmentStats, Extent, GroundTruth, Pace, RebuildEnvironment, WorldSource,
 };
-use crate::plan::{Plan, TileKey};
+use crate::job::{Ask, Job, Made, Notices, Outcome, Slot, Standing};
+use crate::place::{check_transform, global_transform};
+use crate::plan::Plan;
 use crate::spawn::spawn_page;
 use crate::streaming::{StreamAround, Streaming};
 
@@ -23,79 +24,6 @@ pub const MAX_PARTS: usize = 2_000_000;
 /// Specs of at most this much work are generated while the schedule waits, by [`Pace::Auto`]: parts,
 /// cells or points, of which each takes a fraction of a microsecond.
 const IN_PLACE_WORK: f64 = 1e4;
-
-/// What is being made for an environment.
-#[derive(Component, Default)]
-pub(crate) struct Slot {
-    /// What the last job was asked for.
-    asked: Option<Ask>,
-    /// Whether it has to be made again although the environment did not change.
-    pub(crate) stale: bool,
-    /// What the asset held when it was last used.
-    #[cfg(feature = "asset")]
-    pub(crate) spec: Option<WorldSpec>,
-    job: Job,
-}
-
-/// Everything that a world depends on.
-#[derive(Clone, PartialEq)]
-struct Ask {
-    environment: Environment,
-    /// The side of its tiles, when it is streamed.
-    tile: Option<f64>,
-}
-
-#[derive(Default)]
-enum Job {
-    #[default]
-    Idle,
-    /// The asset is not loaded.
-    #[cfg_attr(not(feature = "asset"), expect(dead_code, reason = "there is none to wait for"))]
-    Asset,
-    Task(Task<Outcome>),
-    Done(Outcome),
-}
-
-type Outcome = Result<Made, EnvironmentError>;
-
-/// What a generator made, sorted into tiles.
-#[derive(Clone)]
-pub(crate) enum Made {
-    Finite(Arc<Plan>),
-    Endless(Arc<EndlessForest>),
-}
-
-/// What stands below an environment.
-#[derive(Component, Default)]
-pub(crate) struct Standing {
-    pub(crate) tiles: BTreeMap<TileKey, Vec<Entity>>,
-    /// Whether it was taken down because of the transform.
-    pub(crate) parked: bool,
-}
-
-/// What is to be reported once the world is consistent.
-#[derive(Resource, Default)]
-pub(crate) struct Notices(Vec<(Entity, Result<(), EnvironmentError>)>);
-
-impl Notices {
-    pub(crate) fn push(&mut self, entity: Entity, notice: Result<(), EnvironmentError>) {
-        self.0.push((entity, notice));
-    }
-}
-
-impl Slot {
-    /// Whether it waits for an asset.
-    #[cfg(feature = "asset")]
-    pub(crate) fn waits(&self) -> bool {
-        matches!(self.job, Job::Asset)
-    }
-
-    /// Gives up waiting, or reports that what stands has lost its source.
-    #[cfg(feature = "asset")]
-    pub(crate) fn fail(&mut self, error: EnvironmentError) {
-        self.job = Job::Done(Err(error));
-    }
-}
 
 /// An environment, and what is known of it.
 type Requested = (
@@ -334,51 +262,6 @@ pub(crate) fn watch_transforms(
     }
 }
 
-/// The transform of an entity as it will be once it is propagated.
-pub(crate) fn global_transform(world: &World, entity: Entity) -> GlobalTransform {
-    let local = |entity| world.get::<Transform>(entity).copied().unwrap_or_default();
-    let mut global = GlobalTransform::from(local(entity));
-    let mut above = world.get::<ChildOf>(entity).map(ChildOf::parent);
-    while let Some(parent) = above {
-        global = GlobalTransform::from(local(parent)) * global;
-        above = world.get::<ChildOf>(parent).map(ChildOf::parent);
-    }
-    global
-}
-
-/// Whether a transform keeps a flat world flat and its circles round.
-pub(crate) fn check_transform(transform: &GlobalTransform) -> Result<(), EnvironmentError> {
-    /// Relative differences below this are rounding.
-    const TOLERANCE: f32 = 1e-3;
-    let error = |what, value, allowed| Err(EnvironmentError::Transform { what, value, allowed });
-    let affine = transform.affine();
-    let (at, [x, y, z]) = (
-        Vec3::from(affine.translation),
-        [affine.matrix3.x_axis, affine.matrix3.y_axis, affine.matrix3.z_axis].map(Vec3::from),
-    );
-    if !at.is_finite() {
-        return error("translation", at, "finite");
-    }
-    let mirrored = if x.cross(y).dot(z) < 0.0 { -1.0 } else { 1.0 };
-    let scale = Vec3::new(x.length(), y.length() * mirrored, z.length());
-    let allowed = "finite and positive, the same along x and y";
-    if !(scale.is_finite() && scale.min_element() > 0.0) {
-        return error("scale", scale, allowed);
-    }
-    let skewed = x.dot(y).abs() > TOLERANCE * scale.x * scale.y;
-    if (scale.x - scale.y).abs() > TOLERANCE * scale.x || skewed {
-        return error("scale", scale, allowed);
-    }
-    if x.z.abs().max(y.z.abs()) > TOLERANCE * scale.x || x.truncate().perp_dot(y.truncate()) < 0.0 {
-        return error(
-            "x axis",
-            x / scale.x,
-            "in the xy plane, which cannot be tilted or turned over",
-        );
-    }
-    Ok(())
-}
-
 /// Reports what became of the environments.
 pub(crate) fn notify(world: &mut World) {
     let notices = std::mem::take(&mut world.get_resource_or_init::<Notices>().0);
@@ -426,49 +309,5 @@ pub(crate) fn rebuild(asked: On<RebuildEnvironment>, mut slots: Query<&mut Slot>
     match slots.get_mut(asked.entity) {
         Ok(mut slot) => slot.stale = true,
         Err(_) => log::warn!("{} is to be made again but has no `Environment`", asked.entity),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn check(transform: Transform) -> Result<(), &'static str> {
-        check_transform(&transform.into()).map_err(|error| match error {
-            EnvironmentError::Transform { what, .. } => what,
-            _ => "another error",
-        })
-    }
-
-    #[test]
-    fn flat_transforms_carry_a_world() {
-        for scale in [1e-3, 1.0, 50.0] {
-            for turn in [0.0, 1.0, 3.0, -2.0] {
-                let transform = Transform::from_xyz(1e3, -5.0, 3.0)
-                    .with_rotation(Quat::from_rotation_z(turn))
-                    .with_scale(Vec3::new(scale, scale, 1.0));
-                assert_eq!(check(transform), Ok(()));
-            }
-        }
-    }
-
-    #[test]
-    fn other_transforms_are_named() {
-        let scaled = |x, y, z| check(Transform::from_scale(Vec3::new(x, y, z)));
-        for (x, y, z) in [
-            (0.0, 0.0, 0.0),
-            (0.0, 0.0, 1.0),
-            (1.0, 1.0, 0.0),
-            (1.0, 2.0, 1.0),
-            (-1.0, 1.0, 1.0),
-            (f32::NAN, 1.0, 1.0),
-            (f32::INFINITY, f32::INFINITY, 1.0),
-        ] {
-            assert_eq!(scaled(x, y, z), Err("scale"), "{x} {y} {z}");
-        }
-        assert_eq!(check(Transform::from_xyz(f32::NAN, 0.0, 0.0)), Err("translation"));
-        assert_eq!(check(Transform::from_rotation(Quat::from_rotation_x(0.3))), Err("x axis"));
-        let over = Transform::from_rotation(Quat::from_rotation_x(std::f32::consts::PI));
-        assert_eq!(check(over), Err("x axis"));
     }
 }

@@ -76,9 +76,11 @@ pub mod capture;
 pub mod debug;
 mod environment;
 mod generate;
+mod job;
 pub mod part;
 #[cfg(feature = "physics")]
 pub mod physics;
+mod place;
 mod plan;
 #[cfg(feature = "trial")]
 pub mod robot;
@@ -214,7 +216,8 @@ impl Plugin for EnvgenCorePlugin {
             .register_type::<StreamingReport>()
             .init_resource::<StreamingBudget>()
             .init_resource::<StreamingReport>()
-            .init_resource::<generate::Notices>()
+            .init_resource::<job::Notices>()
+            .register_required_components::<Environment, job::Slot>()
             .insert_resource(Schedules { main: self.schedule })
             .add_observer(generate::clean_up)
             .add_observer(generate::rebuild)

@@ -12,7 +12,8 @@ use envgen::glam::DVec2;
 use envgen::world::Tree;
 
 use crate::environment::{Environment, EnvironmentError, EnvironmentState, Layout, Pace};
-use crate::generate::{Made, Notices, Standing};
+use crate::job::{Made, Notices, Standing};
+use crate::place::global_transform;
 use crate::plan::{Plan, TileKey, distance};
 use crate::spawn::{TileSolids, spawn_page, spawn_trees};
 
@@ -199,50 +200,17 @@ fn stream(
         return;
     };
     // Taken out, so that the ECS is free to spawn; put back below.
-    let Some(mut standing) = world.get_mut::<Standing>(root).map(|mut s| std::mem::take(&mut *s))
-    else {
+    let Ok(mut entity) = world.get_entity_mut(root) else { return };
+    let Some(standing) = entity.get_mut::<Standing>().map(|mut s| std::mem::take(&mut *s)) else {
         return;
     };
-    let Some(mut known) = world.get_mut::<Streaming>(root) else { return };
+    let Some(mut known) = entity.get_mut::<Streaming>() else { return };
     let placeholder = Streaming::new(known.made.clone(), known.layout);
     let mut streaming = std::mem::replace(&mut *known, placeholder);
     streaming.warned = false;
-    let at = at + streaming.layout.origin;
-
-    let wanted = match &streaming.made {
-        Made::Finite(plan) => {
-            check_radius(stream.radius, stream.tile).map(|()| plan.near(at, stream.radius))
-        }
-        Made::Endless(forest) => check_radius(stream.radius, forest.tile_side())
-            .map(|()| endless_near(forest, at, stream.radius)),
-    };
-    match wanted {
-        Ok(mut wanted) => {
-            wanted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            let waiting = settle(
-                world,
-                root,
-                &mut standing,
-                &mut streaming,
-                &wanted,
-                pace,
-                allowance,
-                report,
-            );
-            report.waiting += waiting;
-            if waiting == 0 && !std::mem::replace(&mut streaming.settled, true) {
-                world.get_resource_or_init::<Notices>().push(root, Ok(()));
-            }
-        }
-        Err(error) => {
-            // Reported once, until the component changes.
-            let failed = world.get::<EnvironmentState>(root) == Some(&EnvironmentState::Failed);
-            if !failed || streaming.settled {
-                streaming.settled = false;
-                world.get_resource_or_init::<Notices>().push(root, Err(error));
-            }
-        }
-    }
+    let mut streamer = TileStreamer { world, root, pace, standing, streaming, allowance, report };
+    streamer.follow(stream, at);
+    let TileStreamer { world, standing, streaming, .. } = streamer;
     if let Ok(mut root) = world.get_entity_mut(root) {
         if let Some(mut known) = root.get_mut::<Standing>() {
             *known = standing;
@@ -256,9 +224,8 @@ fn stream(
 /// Where the anchor is in the frame of the environment.
 fn anchor(world: &World, root: Entity, anchor: Entity) -> Option<DVec2> {
     world.get::<Transform>(anchor)?;
-    let global = crate::generate::global_transform;
-    let into_frame = global(world, root).affine().inverse();
-    let at = into_frame.transform_point3(global(world, anchor).translation()).truncate();
+    let into_frame = global_transform(world, root).affine().inverse();
+    let at = into_frame.transform_point3(global_transform(world, anchor).translation()).truncate();
     at.is_finite().then(|| at.as_dvec2())
 }
 
@@ -277,42 +244,124 @@ fn endless_near(forest: &EndlessForest, at: DVec2, radius: f64) -> Vec<(f64, Til
         .collect()
 }
 
-/// Takes steps towards the wanted tiles, nearest first; returns how many are still missing or left
-/// over.
-#[expect(clippy::too_many_arguments, reason = "the state of one environment in parts")]
-fn settle(
-    world: &mut World,
+/// The tiles of one environment, on their way to where its anchor wants them.
+struct TileStreamer<'a> {
+    world: &'a mut World,
     root: Entity,
-    standing: &mut Standing,
-    streaming: &mut Streaming,
-    wanted: &[(f64, TileKey)],
     pace: Pace,
-    allowance: &mut Allowance,
-    report: &mut StreamingReport,
-) -> usize {
-    let mut keys: Vec<TileKey> = wanted.iter().map(|(_, key)| *key).collect();
-    keys.sort_unstable();
-    let is_wanted = |key: &TileKey| keys.binary_search(key).is_ok();
-    streaming.drawn.retain(|(key, _)| is_wanted(key));
+    standing: Standing,
+    streaming: Streaming,
+    allowance: &'a mut Allowance,
+    report: &'a mut StreamingReport,
+}
 
-    let mut waiting = 0;
-    for (_, key) in wanted {
-        if streaming.complete.contains(key) {
-            continue;
-        }
-        if allowance.remains()
-            && complete(world, root, standing, streaming, *key, pace, allowance, report)
-        {
-            streaming.complete.insert(*key);
-        } else {
-            waiting += 1;
+impl TileStreamer<'_> {
+    /// Brings the tiles nearer to what is wanted around a point of the world, and notes what is to be
+    /// reported.
+    fn follow(&mut self, stream: StreamAround, at: DVec2) {
+        let at = at + self.streaming.layout.origin;
+        let wanted = match &self.streaming.made {
+            Made::Finite(plan) => {
+                check_radius(stream.radius, stream.tile).map(|()| plan.near(at, stream.radius))
+            }
+            Made::Endless(forest) => check_radius(stream.radius, forest.tile_side())
+                .map(|()| endless_near(forest, at, stream.radius)),
+        };
+        match wanted {
+            Ok(mut wanted) => {
+                wanted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+                let waiting = self.settle(&wanted);
+                self.report.waiting += waiting;
+                if waiting == 0 && !std::mem::replace(&mut self.streaming.settled, true) {
+                    self.world.get_resource_or_init::<Notices>().push(self.root, Ok(()));
+                }
+            }
+            Err(error) => {
+                // Reported once, until the component changes.
+                let state = self.world.get::<EnvironmentState>(self.root);
+                let failed = state == Some(&EnvironmentState::Failed);
+                if !failed || self.streaming.settled {
+                    self.streaming.settled = false;
+                    self.world.get_resource_or_init::<Notices>().push(self.root, Err(error));
+                }
+            }
         }
     }
 
-    let unwanted: Vec<TileKey> =
-        standing.tiles.keys().filter(|key| !is_wanted(key)).copied().collect();
-    for key in unwanted {
-        let Some(entities) = standing.tiles.get_mut(&key) else { continue };
+    /// Takes steps towards the wanted tiles, nearest first; returns how many are still missing or left
+    /// over.
+    fn settle(&mut self, wanted: &[(f64, TileKey)]) -> usize {
+        let mut keys: Vec<TileKey> = wanted.iter().map(|(_, key)| *key).collect();
+        keys.sort_unstable();
+        let is_wanted = |key: &TileKey| keys.binary_search(key).is_ok();
+        self.streaming.drawn.retain(|(key, _)| is_wanted(key));
+
+        let mut waiting = 0;
+        for (_, key) in wanted {
+            if self.streaming.complete.contains(key) {
+                continue;
+            }
+            if self.allowance.remains() && self.complete(*key) {
+                self.streaming.complete.insert(*key);
+            } else {
+                waiting += 1;
+            }
+        }
+
+        let unwanted: Vec<TileKey> =
+            self.standing.tiles.keys().filter(|key| !is_wanted(key)).copied().collect();
+        for key in unwanted {
+            waiting += usize::from(!self.remove(key));
+        }
+        waiting
+    }
+
+    /// Spawns pages of one tile while the budget lasts; true when it is complete.
+    fn complete(&mut self, key: TileKey) -> bool {
+        let TileStreamer { world, root, pace, standing, streaming, allowance, report } = self;
+        let (root, layout) = (*root, streaming.layout);
+        match &streaming.made {
+            Made::Finite(plan) => {
+                let pages = pages(plan, key);
+                let entities = standing.tiles.entry(key).or_default();
+                while entities.len() < pages {
+                    if !allowance.remains() {
+                        return false;
+                    }
+                    let page = entities.len();
+                    entities.extend(
+                        allowance
+                            .step(plan.page, || spawn_page(world, root, layout, plan, key, page)),
+                    );
+                    report.spawned += 1;
+                }
+                true
+            }
+            Made::Endless(forest) => {
+                let forest = Arc::clone(forest);
+                let Some(trees) = draw(&mut streaming.drawn, &forest, key, *pace, allowance) else {
+                    return false;
+                };
+                let entities = standing.tiles.entry(key).or_default();
+                for (page, trees) in trees.chunks(PAGE).enumerate().skip(entities.len()) {
+                    if !allowance.remains() {
+                        return false;
+                    }
+                    let pages = (page * PAGE, trees);
+                    let spawn = || spawn_trees(world, root, layout, key, pages, page);
+                    entities.push(allowance.step(trees.len(), spawn));
+                    report.spawned += 1;
+                }
+                streaming.drawn.retain(|(drawn, _)| *drawn != key);
+                true
+            }
+        }
+    }
+
+    /// Despawns the entities of one tile while the budget lasts; true when none is left.
+    fn remove(&mut self, key: TileKey) -> bool {
+        let TileStreamer { world, standing, streaming, allowance, report, .. } = self;
+        let Some(entities) = standing.tiles.get_mut(&key) else { return true };
         if allowance.remains() {
             streaming.complete.remove(&key);
         }
@@ -328,69 +377,16 @@ fn settle(
             });
             report.despawned += 1;
         }
-        if entities.is_empty() {
+        let gone = entities.is_empty();
+        if gone {
             standing.tiles.remove(&key);
-        } else {
-            waiting += 1;
         }
+        gone
     }
-    waiting
 }
 
 fn pages(plan: &Plan, key: TileKey) -> usize {
     plan.tiles.get(&key).map_or(0, |tile| tile.parts.len().div_ceil(plan.page))
-}
-
-/// Spawns pages of one tile while the budget lasts; true when it is complete.
-#[expect(clippy::too_many_arguments, reason = "the state of one environment in parts")]
-fn complete(
-    world: &mut World,
-    root: Entity,
-    standing: &mut Standing,
-    streaming: &mut Streaming,
-    key: TileKey,
-    pace: Pace,
-    allowance: &mut Allowance,
-    report: &mut StreamingReport,
-) -> bool {
-    let layout = streaming.layout;
-    match &streaming.made {
-        Made::Finite(plan) => {
-            let pages = pages(plan, key);
-            let entities = standing.tiles.entry(key).or_default();
-            while entities.len() < pages {
-                if !allowance.remains() {
-                    return false;
-                }
-                let page = entities.len();
-                entities.extend(
-                    allowance.step(plan.page, || spawn_page(world, root, layout, plan, key, page)),
-                );
-                report.spawned += 1;
-            }
-            true
-        }
-        Made::Endless(forest) => {
-            let forest = Arc::clone(forest);
-            let Some(trees) = draw(&mut streaming.drawn, &forest, key, pace, allowance) else {
-                return false;
-            };
-            let entities = standing.tiles.entry(key).or_default();
-            for (page, trees) in trees.chunks(PAGE).enumerate().skip(entities.len()) {
-                if !allowance.remains() {
-                    return false;
-                }
-                let pages = (page * PAGE, trees);
-                entities.push(
-                    allowance
-                        .step(trees.len(), || spawn_trees(world, root, layout, key, pages, page)),
-                );
-                report.spawned += 1;
-            }
-            streaming.drawn.retain(|(drawn, _)| *drawn != key);
-            true
-        }
-    }
 }
 
 /// The trees of a tile of an endless forest, once they are drawn.

@@ -1,15 +1,11 @@
-//! Specs and rooms in files.
+//! What the files hold, and how they are read.
 
 use bevy::asset::io::Reader;
-use bevy::asset::{AssetLoadFailedEvent, AssetLoader, AsyncReadExt, LoadContext, LoadState};
+use bevy::asset::{AssetLoader, AsyncReadExt, LoadContext};
 use bevy::prelude::*;
 use envgen::indoor::{Catalogue, CatalogueError, RoomDesign, RoomError, room_from_ron};
 use envgen::{SettingsError, SpecError, WorldSpec};
 use thiserror::Error;
-
-use crate::environment::{Environment, EnvironmentError, WorldSource};
-use crate::generate::Slot;
-use crate::{EnvgenSystems, Schedules};
 
 /// The longest file that is read, in bytes.
 pub const MAX_FILE_BYTES: usize = 4 << 20;
@@ -73,11 +69,11 @@ pub enum WorldLoadError {
 
 /// Loads [`WorldAsset`]s.
 #[derive(Default, TypePath)]
-struct WorldLoader;
+pub(super) struct WorldLoader;
 
 /// Loads [`RoomAsset`]s.
 #[derive(Default, TypePath)]
-struct RoomLoader;
+pub(super) struct RoomLoader;
 
 /// How the name of a room file ends.
 const ROOM_ENDING: &str = ".room.ron";
@@ -153,89 +149,6 @@ async fn read(reader: &mut dyn Reader) -> Result<String, WorldLoadError> {
         bytes.extend_from_slice(&part[..read]);
         if bytes.len() > MAX_FILE_BYTES {
             return Err(WorldLoadError::TooLong);
-        }
-    }
-}
-
-/// Loads `.envgen.ron` and `.room.ron` files, and makes worlds anew whose files change.
-///
-/// Needs Bevy's `AssetPlugin`, in any order; without it specs in files fail with an event. Files
-/// are watched with Bevy's feature `file_watcher`, which the feature of the same name turns on.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct EnvgenAssetPlugin;
-
-impl Plugin for EnvgenAssetPlugin {
-    fn build(&self, app: &mut App) {
-        register(app);
-        let schedule = Schedules::of(app).main;
-        app.add_systems(
-            schedule,
-            watch_assets
-                .in_set(EnvgenSystems::Request)
-                .before(crate::generate::request_worlds)
-                .run_if(resource_exists::<Assets<WorldAsset>>),
-        );
-    }
-
-    fn finish(&self, app: &mut App) {
-        register(app);
-    }
-}
-
-/// Registers assets and loaders as soon as there is a server for them.
-fn register(app: &mut App) {
-    if app.world().contains_resource::<AssetServer>()
-        && !app.world().contains_resource::<Assets<WorldAsset>>()
-    {
-        app.init_asset::<WorldAsset>()
-            .init_asset::<RoomAsset>()
-            .init_asset_loader::<WorldLoader>()
-            .init_asset_loader::<RoomLoader>();
-    }
-}
-
-/// Marks environments whose assets changed, failed or vanished.
-fn watch_assets(
-    mut environments: Query<(&Environment, &mut Slot)>,
-    assets: Res<Assets<WorldAsset>>,
-    server: Res<AssetServer>,
-    mut events: MessageReader<AssetEvent<WorldAsset>>,
-    mut failures: MessageReader<AssetLoadFailedEvent<WorldAsset>>,
-) {
-    let events: Vec<_> = events.read().collect();
-    let failures: Vec<_> = failures.read().collect();
-    for (environment, mut slot) in &mut environments {
-        let WorldSource::Asset(handle) = &environment.source else { continue };
-        let id = handle.id();
-        let named = || server.get_path(id).map_or_else(|| id.to_string(), |path| path.to_string());
-        let asset = |reason: String| EnvironmentError::Asset { path: named(), reason };
-        let mut error = None;
-        for event in &events {
-            match event {
-                AssetEvent::Added { id: other } | AssetEvent::Modified { id: other }
-                    if *other == id =>
-                {
-                    let now = assets.get(handle).map(|asset| &asset.spec);
-                    slot.stale |= now.is_some() && now != slot.spec.as_ref();
-                }
-                AssetEvent::Removed { id: other } | AssetEvent::Unused { id: other }
-                    if *other == id =>
-                {
-                    error = Some(EnvironmentError::AssetGone(named()));
-                }
-                _ => {}
-            }
-        }
-        if let Some(failure) = failures.iter().rev().find(|failure| failure.id == id) {
-            error = Some(asset(failure.error.to_string()));
-        } else if slot.waits()
-            && let Some(LoadState::Failed(failure)) = server.get_load_state(id)
-        {
-            // It failed before the environment asked for it.
-            error = Some(asset(failure.to_string()));
-        }
-        if let Some(error) = error {
-            slot.fail(error);
         }
     }
 }

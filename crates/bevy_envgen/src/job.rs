@@ -1,0 +1,87 @@
+//! What is known of an environment between the request and the report: the state that the systems of
+//! generation, of streaming and of assets share.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use bevy::tasks::Task;
+#[cfg(feature = "asset")]
+use envgen::WorldSpec;
+use envgen::forest::EndlessForest;
+
+use crate::environment::{Environment, EnvironmentError};
+use crate::plan::{Plan, TileKey};
+
+/// What is being made for an environment.
+#[derive(Component, Default)]
+pub(crate) struct Slot {
+    /// What the last job was asked for.
+    pub(crate) asked: Option<Ask>,
+    /// Whether it has to be made again although the environment did not change.
+    pub(crate) stale: bool,
+    /// What the asset held when it was last used.
+    #[cfg(feature = "asset")]
+    pub(crate) spec: Option<WorldSpec>,
+    pub(crate) job: Job,
+}
+
+/// Everything that a world depends on.
+#[derive(Clone, PartialEq)]
+pub(crate) struct Ask {
+    pub(crate) environment: Environment,
+    /// The side of its tiles, when it is streamed.
+    pub(crate) tile: Option<f64>,
+}
+
+#[derive(Default)]
+pub(crate) enum Job {
+    #[default]
+    Idle,
+    /// The asset is not loaded.
+    #[cfg_attr(not(feature = "asset"), expect(dead_code, reason = "there is none to wait for"))]
+    Asset,
+    Task(Task<Outcome>),
+    Done(Outcome),
+}
+
+pub(crate) type Outcome = Result<Made, EnvironmentError>;
+
+/// What a generator made, sorted into tiles.
+#[derive(Clone)]
+pub(crate) enum Made {
+    Finite(Arc<Plan>),
+    Endless(Arc<EndlessForest>),
+}
+
+/// What stands below an environment.
+#[derive(Component, Default)]
+pub(crate) struct Standing {
+    pub(crate) tiles: BTreeMap<TileKey, Vec<Entity>>,
+    /// Whether it was taken down because of the transform.
+    pub(crate) parked: bool,
+}
+
+/// What is to be reported once the world is consistent.
+#[derive(Resource, Default)]
+pub(crate) struct Notices(pub(crate) Vec<(Entity, Result<(), EnvironmentError>)>);
+
+impl Notices {
+    pub(crate) fn push(&mut self, entity: Entity, notice: Result<(), EnvironmentError>) {
+        self.0.push((entity, notice));
+    }
+}
+
+impl Slot {
+    /// Whether it waits for an asset.
+    #[cfg(feature = "asset")]
+    pub(crate) fn waits(&self) -> bool {
+        matches!(self.job, Job::Asset)
+    }
+
+    /// Gives up waiting, or reports that what stands has lost its source.
+    #[cfg(feature = "asset")]
+    pub(crate) fn fail(&mut self, error: EnvironmentError) {
+        self.job = Job::Done(Err(error));
+    }
+}
