@@ -7,7 +7,7 @@ use bevy_envgen::envgen::hallway::HallwaySpec;
 use bevy_envgen::envgen::{Seed, WorldSpec};
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{parts, spawn_ready, step, test_app, wait_until_ready};
-use bevy_envgen::{EnvironmentError, EnvironmentState, MAX_PARTS};
+use bevy_envgen::{EnvironmentError, MAX_PARTS, Tile};
 
 use super::{in_rapier, spawned};
 
@@ -139,6 +139,31 @@ fn tiles_and_parts_that_a_user_despawns_are_no_trouble() {
     let nobody = app.world_mut().spawn_empty().id();
     app.world_mut().trigger(RebuildEnvironment { entity: nobody });
     goes_on(&mut app);
+}
+
+#[test]
+fn observers_may_despawn_what_was_just_spawned() {
+    for what in ["part", "tile", "environment"] {
+        let mut app = test_app();
+        let despawner = move |spawned: On<TileSpawned>, mut commands: Commands| {
+            let entity = match what {
+                "part" => spawned.parts[0],
+                "tile" => spawned.tile,
+                _ => spawned.environment,
+            };
+            commands.entity(entity).try_despawn();
+        };
+        app.add_observer(despawner);
+        let root = app.world_mut().spawn(hallway()).id();
+        step(&mut app, 3);
+        if what == "part" {
+            let stats = *app.world().get::<EnvironmentStats>(root).unwrap();
+            let tiles = app.world_mut().query::<&Tile>().iter(app.world()).count();
+            assert_eq!(parts(&app, root).len() + tiles, stats.parts.unwrap());
+        } else {
+            assert_eq!((spawned(&mut app), in_rapier(&mut app)), (0, (0, 0)), "{what}");
+        }
+    }
 }
 
 #[test]

@@ -5,7 +5,6 @@ use bevy::prelude::*;
 use bevy_envgen::bevy_rapier2d::prelude::*;
 use bevy_envgen::envgen::Seed;
 use bevy_envgen::envgen::indoor::IndoorSpec;
-use bevy_envgen::physics::{DoorStopped, EnvironmentColliders};
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{spawn_ready, step, test_app, truth, wait_until_ready};
 

@@ -7,6 +7,7 @@ mod doors;
 mod files;
 mod manners;
 mod physics;
+mod ready;
 mod robot;
 mod streaming;
 mod trial;
@@ -17,6 +18,7 @@ mod visuals;
 mod worlds;
 
 use bevy::prelude::*;
+use bevy_envgen::Tile;
 use bevy_envgen::bevy_rapier2d::prelude::{RapierContextColliders, RapierRigidBodySet};
 use bevy_envgen::envgen::{Kind, WorldSpec};
 use bevy_envgen::prelude::*;

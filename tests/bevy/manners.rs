@@ -4,10 +4,9 @@ use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel};
 use bevy::prelude::*;
 use bevy_envgen::asset::EnvgenAssetPlugin;
 use bevy_envgen::bevy_rapier2d::plugin::{NoUserData, RapierPhysicsPlugin};
-use bevy_envgen::envgen::hallway::HallwaySpec;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{spawn_ready, step, test_app, test_app_with};
-use bevy_envgen::{DecorateTiles, EnvironmentError, EnvironmentState, SpawnedTile};
+use bevy_envgen::{EnvironmentError, Tile};
 
 fn hallway() -> Environment {
     Environment::new(HallwaySpec::default(), 1).with_pace(Pace::InPlace)
@@ -130,19 +129,42 @@ fn systems_are_ordered_against_the_public_sets() {
 #[test]
 fn others_can_add_to_tiles_before_the_world_is_ready() {
     #[derive(Component)]
-    struct Painted;
-    fn paint(world: &mut World, spawned: &SpawnedTile) {
-        assert!(world.entity(spawned.environment).contains::<GroundTruth>());
-        assert!(world.entity(spawned.tile).contains::<Tile>());
-        world.insert_batch(spawned.parts.iter().map(|&part| (part, Painted)).collect::<Vec<_>>());
-    }
+    struct Painted(u32);
+
+    // With state of its own, which a bare function could not have.
+    let mut tiles = 0;
     let mut app = test_app();
-    app.add_tile_decorator(paint);
+    app.add_observer(
+        move |spawned: On<TileSpawned>,
+              roots: Query<&GroundTruth>,
+              all: Query<&Tile>,
+              mut commands: Commands| {
+            assert!(roots.contains(spawned.environment) && all.contains(spawned.tile));
+            tiles += 1;
+            for &part in &spawned.parts {
+                commands.entity(part).insert(Painted(tiles));
+            }
+        },
+    );
     app.add_observer(|_: On<EnvironmentReady>, parts: Query<&PartId>, painted: Query<&Painted>| {
+        assert!(parts.iter().count() > 1000);
         assert_eq!(parts.iter().count(), painted.iter().count());
     });
-    spawn_ready(&mut app, hallway()).unwrap();
-    assert!(app.world_mut().query::<&Painted>().iter(app.world()).count() > 10);
+    // A system between spawning and notifying sees the same.
+    app.add_systems(
+        Update,
+        (|tiles: Query<&Children, Added<Tile>>, painted: Query<&Painted>| {
+            assert!(tiles.iter().flatten().all(|part| painted.contains(*part)));
+        })
+        .after(EnvgenSystems::Stream)
+        .before(EnvgenSystems::Notify),
+    );
+    let spec = ForestSpec { width: 100.0, height: 100.0, intensity: 0.2, ..default() };
+    spawn_ready(&mut app, Environment::new(spec, 1)).unwrap();
+    let painted = app.world_mut().query::<&Painted>().iter(app.world()).map(|part| part.0).max();
+    let tiles = app.world_mut().query::<&Tile>().iter(app.world()).count();
+    assert_eq!(painted, Some(tiles as u32));
+    assert!(tiles > 1);
 }
 
 #[test]
@@ -159,8 +181,9 @@ fn components_can_be_reflected() {
         "Environment",
         "EnvironmentState",
         "EnvironmentStats",
-        "GroundTruth",
+        "EnvironmentLandmarks",
         "PartId",
+        "PartOf",
         "PartShape",
         "Wall",
         "Tree",

@@ -9,7 +9,7 @@ use bevy_envgen::envgen::hallway::HallwaySpec;
 use bevy_envgen::envgen::raycast::Raycaster;
 use bevy_envgen::envgen::world::Wall as EnvgenWall;
 use bevy_envgen::envgen::{Blueprint, Seed, Spec, World as EnvgenWorld};
-use bevy_envgen::physics::EnvironmentColliders;
+use bevy_envgen::physics::Merge;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{spawn_ready, step, test_app, truth, wait_until_ready};
 

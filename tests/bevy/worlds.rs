@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
+use bevy_envgen::Tile;
 use bevy_envgen::envgen::forest::ForestSpec;
 use bevy_envgen::envgen::hallway::HallwaySpec;
 use bevy_envgen::envgen::indoor::IndoorSpec;
 use bevy_envgen::envgen::world::{Contents, Digest};
 use bevy_envgen::envgen::{Blueprint, Seed, Spec, WorldSpec};
+use bevy_envgen::part::{Goal, Ground, Start, Surface};
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{digest, parts, spawn_ready, step, test_app, truth, wait_until_ready};
-use bevy_envgen::{EnvironmentState, EnvironmentStats};
 
 use super::{in_rapier, spawned, specs};
 

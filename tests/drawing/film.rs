@@ -77,3 +77,15 @@ fn frames_are_numbered() {
     assert_eq!(std::fs::read_dir(frames.folder()).unwrap().count(), 2);
     assert_eq!(frames.count(), 2);
 }
+
+#[test]
+fn rates_that_gif_cannot_tell_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for rate in [f64::NAN, f64::INFINITY, -1.0, 0.0, 0.5, 50.1] {
+        let error = Film::create(folder.path().join("film.gif"), rate).err().unwrap().to_string();
+        assert!(error.contains("frames_a_second") && error.contains("from 1 to 50"), "{error}");
+    }
+    for rate in [1.0, 50.0] {
+        Film::create(folder.path().join("film.gif"), rate).unwrap();
+    }
+}

@@ -8,6 +8,7 @@ use bevy_envgen::capture::{
 };
 use bevy_envgen::envgen::{Kind, WorldSpec};
 use bevy_envgen::prelude::*;
+use bevy_envgen::visuals::Palette;
 
 const SIZE: UVec2 = UVec2::new(320, 240);
 

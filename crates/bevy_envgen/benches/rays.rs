@@ -11,7 +11,7 @@ use bevy_envgen::envgen::glam::DVec2;
 use bevy_envgen::envgen::indoor::IndoorSpec;
 use bevy_envgen::envgen::raycast::{Fan, Raycaster};
 use bevy_envgen::envgen::{Seed, WorldSpec};
-use bevy_envgen::physics::EnvironmentColliders;
+use bevy_envgen::physics::Merge;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{step, test_app, truth, wait_until_ready};
 

@@ -8,10 +8,10 @@ use bevy::prelude::*;
 use bevy_envgen::bevy_rapier2d::prelude::{Collider, Friction, Restitution, RigidBody};
 use bevy_envgen::envgen::forest::ForestSpec;
 use bevy_envgen::envgen::{Blueprint, Seed, Spec, World as EnvgenWorld};
-use bevy_envgen::physics::EnvironmentColliders;
+use bevy_envgen::physics::Merge;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{step, test_app, wait_until_ready};
-use bevy_envgen::{PartKind, StreamingReport};
+use bevy_envgen::{StreamingReport, Tile};
 
 /// Rounds that take turns; the best of each side counts.
 const ROUNDS: usize = 9;
@@ -100,6 +100,7 @@ fn by_hand(bare: &mut World, world: &EnvgenWorld, tiles: &[(Tile, Vec<u32>)]) {
                 PartId::new(PartKind::Tree, index),
                 Name::new(format!("tree {index}")),
                 ChildOf(tile),
+                PartOf(root),
                 Transform::from_translation(place(index).extend(0.0)),
                 PartShape::Disc { radius: radius(index) },
                 Tree { radius: radius(index) },

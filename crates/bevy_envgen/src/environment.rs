@@ -3,6 +3,8 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
+#[cfg(feature = "serialize")]
+use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 use envgen::glam::DVec2;
 use envgen::world::Violation;
 use envgen::{GenerateError, Kind, World, WorldSpec};
@@ -11,9 +13,13 @@ use thiserror::Error;
 /// Asks for a world on this entity: a spec and a seed.
 ///
 /// The parts are spawned below the entity, so that its [`Transform`] moves and turns them, and
-/// [`EnvironmentReady`] or [`EnvironmentFailed`] is triggered on it. Changing the component, or the
-/// asset behind it, makes the world anew; until the new one is ready the old one stays. Removing
-/// the component, or despawning the entity, removes everything.
+/// [`EnvironmentReady`] or [`EnvironmentFailed`] is triggered on it and written as a message. Changing
+/// the component, or the asset behind it, makes the world anew; until the new one is ready the old one
+/// stays. Removing the component, or despawning the entity, removes everything.
+///
+/// With the feature `serialize` a Bevy scene can hold it. The scene needs nothing of what it makes: the
+/// other components of the entity and its tiles are made again where the scene is loaded, and so they
+/// are for a clone of the entity.
 ///
 /// Units are metres, x right and y up in the entity's frame. Scales other than 1 make all of it
 /// larger or smaller; they must be positive and the same along x and y.
@@ -21,12 +27,11 @@ use thiserror::Error;
 /// ```
 /// use bevy::prelude::*;
 /// use bevy_envgen::prelude::*;
-/// use envgen::hallway::HallwaySpec;
 ///
 /// fn ask(mut commands: Commands) {
 ///     let spec = HallwaySpec { segments: 80, p_st: 0.2, ..default() };
 ///     commands.spawn(Environment::new(spec, 7)).observe(|ready: On<EnvironmentReady>| {
-///         println!("{} stands", ready.entity);
+///         println!("{} is ready", ready.entity);
 ///     });
 /// }
 /// # let mut app = bevy_envgen::testing::test_app();
@@ -48,7 +53,6 @@ pub struct Environment {
     pub extent: Extent,
     /// The point of the world, in metres, that lies at the entity's own origin. Single precision
     /// keeps a millimetre up to 8 km from it.
-    #[reflect(ignore)]
     pub origin: DVec2,
     /// Whether each wall, tree and obstacle is an entity.
     pub solids: Solids,
@@ -56,17 +60,45 @@ pub struct Environment {
 
 /// What a world is made of.
 #[derive(Clone, Debug, PartialEq, Reflect)]
-#[reflect(opaque)]
 #[reflect(Debug, PartialEq, Clone)]
 #[non_exhaustive]
 pub enum WorldSource {
     /// A spec, which the seed makes a world of.
-    Spec(Box<WorldSpec>),
+    Spec(SourceSpec),
     /// A spec in a file such as `hall.envgen.ron`.
     #[cfg(feature = "asset")]
     Asset(Handle<crate::asset::file::WorldAsset>),
     /// A world that exists already.
-    World(Arc<World>),
+    World(SourceWorld),
+}
+
+/// A spec as a value that scenes can hold, by the serde of [`WorldSpec`].
+#[derive(Clone, Debug, PartialEq, Deref, DerefMut, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+#[reflect(opaque)]
+#[reflect(Debug, PartialEq, Clone)]
+pub struct SourceSpec(pub Box<WorldSpec>);
+
+/// A world as a value that scenes can hold, by the serde of [`World`].
+#[derive(Clone, Debug, PartialEq, Deref, Reflect)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+#[reflect(opaque)]
+#[reflect(Debug, PartialEq, Clone)]
+pub struct SourceWorld(pub Arc<World>);
+
+#[cfg(feature = "serialize")]
+impl serde::Serialize for SourceWorld {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        World::serialize(&self.0, serializer)
+    }
+}
+
+#[cfg(feature = "serialize")]
+impl<'de> serde::Deserialize<'de> for SourceWorld {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        World::deserialize(deserializer).map(|world| SourceWorld(Arc::new(world)))
+    }
 }
 
 /// Whether the schedule waits for the generator.
@@ -115,7 +147,7 @@ pub enum Solids {
 impl Environment {
     /// The world of a spec, such as a `HallwaySpec` or a [`WorldSpec`], and a seed.
     pub fn new(spec: impl Into<WorldSpec>, seed: u64) -> Self {
-        Self::of(WorldSource::Spec(Box::new(spec.into())), seed)
+        Self::of(WorldSource::Spec(SourceSpec(Box::new(spec.into()))), seed)
     }
 
     /// The world of a spec in a file and a seed.
@@ -126,7 +158,7 @@ impl Environment {
 
     /// A world that exists already: composed, edited or read from a file.
     pub fn from_world(world: impl Into<Arc<World>>) -> Self {
-        Self::of(WorldSource::World(world.into()), 0)
+        Self::of(WorldSource::World(SourceWorld(world.into())), 0)
     }
 
     fn of(source: WorldSource, seed: u64) -> Self {
@@ -169,6 +201,7 @@ pub(crate) struct Layout {
 
 /// How far an environment has come.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[component(clone_behavior = Ignore)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub enum EnvironmentState {
     /// Nothing has been done yet, or its asset is not loaded.
@@ -180,19 +213,31 @@ pub enum EnvironmentState {
     Streaming,
     /// The world stands.
     Ready,
-    /// There is no world, or the one that was there before: see [`EnvironmentFailed`].
+    /// There is no world, or the one that was there before: see [`EnvironmentFailure`].
     Failed,
 }
 
-/// Triggered on an environment when its world stands, at first and after every change.
-#[derive(EntityEvent, Clone, Debug)]
+/// Why the world of an environment cannot be made, on its entity until the world is ready. Scenes do not
+/// hold it.
+#[derive(Component, Clone, Debug, PartialEq, Deref)]
+#[component(clone_behavior = Ignore)]
+pub struct EnvironmentFailure(pub EnvironmentError);
+
+/// Triggered on an environment, and written as a message, when its world stands, at first and
+/// after every change.
+///
+/// The [`GlobalTransform`]s of all that stands are right by then, also before Bevy propagates
+/// transforms. Where the start and the goal are is in
+/// [`EnvironmentLandmarks`](crate::EnvironmentLandmarks).
+#[derive(EntityEvent, Message, Clone, Debug)]
 pub struct EnvironmentReady {
     /// The environment.
     pub entity: Entity,
 }
 
-/// Triggered on an environment when its world cannot be made. A world that stood before stays.
-#[derive(EntityEvent, Clone, Debug)]
+/// Triggered on an environment, and written as a message, when its world cannot be made. A world
+/// that stood before stays. The error is also kept on the entity: see [`EnvironmentFailure`].
+#[derive(EntityEvent, Message, Clone, Debug)]
 pub struct EnvironmentFailed {
     /// The environment.
     pub entity: Entity,
@@ -274,20 +319,20 @@ pub enum EnvironmentError {
 }
 
 /// The world that stands, on the entity of its [`Environment`]: exact geometry, certificate and
-/// provenance.
-#[derive(Component, Clone, Debug, Deref, Reflect)]
-#[reflect(opaque)]
-#[reflect(Component, Debug, Clone)]
+/// provenance. It is not reflected, so that scenes do not hold it: it is made again.
+#[derive(Component, Clone, Debug, Deref)]
+#[component(clone_behavior = Ignore)]
 pub struct GroundTruth(pub Arc<World>);
 
-/// The endless forest that is streamed, on the entity of its [`Environment`].
-#[derive(Component, Clone, Debug, Deref, Reflect)]
-#[reflect(opaque)]
-#[reflect(Component, Debug, Clone)]
+/// The endless forest that is streamed, on the entity of its [`Environment`]. It is not reflected, so
+/// that scenes do not hold it: it is made again.
+#[derive(Component, Clone, Debug, Deref)]
+#[component(clone_behavior = Ignore)]
 pub struct EndlessTruth(pub Arc<envgen::forest::EndlessForest>);
 
 /// How much there is of the world that stands, on the entity of its [`Environment`].
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[component(clone_behavior = Ignore)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct EnvironmentStats {
     /// Parts of the whole world; absent for an endless one.
@@ -300,6 +345,6 @@ pub(crate) fn register(app: &mut App) {
     app.register_type::<Environment>()
         .register_type::<EnvironmentState>()
         .register_type::<EnvironmentStats>()
-        .register_type::<GroundTruth>()
-        .register_type::<EndlessTruth>();
+        .add_message::<EnvironmentReady>()
+        .add_message::<EnvironmentFailed>();
 }

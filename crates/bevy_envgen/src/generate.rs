@@ -1,6 +1,7 @@
 //! From a request to a world that stands: the systems of [`EnvgenCorePlugin`](crate::EnvgenCorePlugin).
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use bevy::prelude::*;
 use bevy::tasks::futures::check_ready;
@@ -8,14 +9,17 @@ use bevy::tasks::{AsyncComputeTaskPool, TaskPool};
 use envgen::forest::EndlessForest;
 use envgen::{GenerateError, Seed, WorldSpec};
 
+use crate::diagnostics::{EnvgenDiagnosticsPlugin, measure};
 use crate::environment::{
-    EndlessTruth, Environment, EnvironmentError, EnvironmentFailed, EnvironmentReady,
-    EnvironmentState, EnvironmentStats, Extent, GroundTruth, Pace, RebuildEnvironment, WorldSource,
+    EndlessTruth, Environment, EnvironmentError, EnvironmentFailed, EnvironmentFailure,
+    EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GroundTruth, Pace,
+    RebuildEnvironment, WorldSource,
 };
 use crate::job::{Ask, Job, Made, Notices, Outcome, Slot, Standing};
-use crate::place::{check_transform, global_transform};
+use crate::landmarks::EnvironmentLandmarks;
+use crate::place::{check_transform, global_transform, propagate};
 use crate::plan::Plan;
-use crate::spawn::spawn_page;
+use crate::spawn::{Tile, spawn_page};
 use crate::streaming::{StreamAround, Streaming};
 
 /// Parts that are spawned at once, at most; larger worlds are streamed.
@@ -58,12 +62,12 @@ pub(crate) fn request_worlds(
         }
         slot.stale = false;
         let spec = match &ask.environment.source {
-            WorldSource::Spec(spec) => Some((**spec).clone()),
+            WorldSource::Spec(spec) => Some(WorldSpec::clone(spec)),
             WorldSource::World(_) => None,
             #[cfg(feature = "asset")]
             WorldSource::Asset(handle) => {
                 let Some(assets) = &assets else {
-                    slot.job = Job::Done(Err(EnvironmentError::NoAssets));
+                    slot.job = Job::Done(EnvironmentError::NoAssets.into());
                     slot.asked = Some(ask);
                     continue;
                 };
@@ -100,6 +104,12 @@ pub(crate) fn request_worlds(
 
 /// Makes a world and sorts its parts. The only step that may take long.
 fn make(ask: &Ask, spec: Option<WorldSpec>) -> Outcome {
+    let start = Instant::now();
+    let result = try_make(ask, spec);
+    Outcome { result, time: start.elapsed() }
+}
+
+fn try_make(ask: &Ask, spec: Option<WorldSpec>) -> Result<Made, EnvironmentError> {
     let Environment { source, seed, extent, origin, .. } = &ask.environment;
     if !origin.is_finite() {
         return Err(EnvironmentError::Origin(*origin));
@@ -126,7 +136,7 @@ fn make(ask: &Ask, spec: Option<WorldSpec>) -> Outcome {
         }
         (Extent::Finite, WorldSource::World(world), None) => {
             world.check()?;
-            Ok(Made::Finite(Arc::new(plan(Arc::clone(world), ask.tile)?)))
+            Ok(Made::Finite(Arc::new(plan(Arc::clone(&world.0), ask.tile)?)))
         }
         #[cfg(feature = "asset")]
         (Extent::Finite, WorldSource::Asset(_), None) => Err(EnvironmentError::NoAssets),
@@ -166,13 +176,15 @@ pub(crate) fn spawn_worlds(world: &mut World, slots: &mut QueryState<(Entity, &m
             done.push((entity, outcome));
         }
     }
-    for (entity, outcome) in done {
-        let placed = outcome.and_then(|made| {
-            check_transform(&global_transform(world, entity))?;
+    for (entity, Outcome { result, time }) in done {
+        let global = global_transform(world, entity);
+        let placed = result.and_then(|made| {
+            measure(world, &EnvgenDiagnosticsPlugin::GENERATION_TIME, 1e3 * time.as_secs_f64());
+            check_transform(&global)?;
             Ok(made)
         });
         match placed {
-            Ok(made) => stand(world, entity, &made),
+            Ok(made) => stand(world, entity, &global, &made),
             Err(error) => {
                 let parked = matches!(error, EnvironmentError::Transform { .. });
                 if parked {
@@ -185,8 +197,9 @@ pub(crate) fn spawn_worlds(world: &mut World, slots: &mut QueryState<(Entity, &m
 }
 
 /// Spawns what was made, or leaves it to the streaming.
-fn stand(world: &mut World, entity: Entity, made: &Made) {
+fn stand(world: &mut World, entity: Entity, global: &GlobalTransform, made: &Made) {
     clear(world, entity);
+    propagate(world, entity, *global);
     let Ok(mut root) = world.get_entity_mut(entity) else { return };
     root.remove::<(GroundTruth, EndlessTruth, EnvironmentStats, Streaming)>();
     let (layout, tile) = match root.get::<Slot>().and_then(|slot| slot.asked.as_ref()) {
@@ -196,11 +209,13 @@ fn stand(world: &mut World, entity: Entity, made: &Made) {
     match made {
         Made::Finite(plan) => {
             let stats = EnvironmentStats { parts: Some(plan.parts), solids: Some(plan.solids) };
-            root.insert((GroundTruth(Arc::clone(&plan.world)), stats));
+            let landmarks = EnvironmentLandmarks::new(&plan.world, layout.origin, global);
+            root.insert((GroundTruth(Arc::clone(&plan.world)), stats, landmarks));
         }
         Made::Endless(forest) => {
             let stats = EnvironmentStats { parts: None, solids: None };
-            root.insert((EndlessTruth(Arc::clone(forest)), stats));
+            let landmarks = EnvironmentLandmarks::default();
+            root.insert((EndlessTruth(Arc::clone(forest)), stats, landmarks));
         }
     }
     let mut standing = Standing::default();
@@ -217,14 +232,23 @@ fn stand(world: &mut World, entity: Entity, made: &Made) {
             standing.tiles.insert(key, spawned);
         }
     }
-    world.entity_mut(entity).insert(standing);
-    world.get_resource_or_init::<Notices>().push(entity, Ok(()));
+    // An observer of its tiles may have despawned it.
+    if let Ok(mut root) = world.get_entity_mut(entity) {
+        root.insert(standing);
+        world.get_resource_or_init::<Notices>().push(entity, Ok(()));
+    }
 }
 
-/// Despawns everything that was spawned below an environment, and nothing else.
+/// Despawns everything that was spawned below an environment, and nothing else: also the tiles that
+/// came with it out of a scene, or as clones.
 pub(crate) fn clear(world: &mut World, entity: Entity) {
-    let Some(mut standing) = world.get_mut::<Standing>(entity) else { return };
-    for tile in std::mem::take(&mut standing.tiles).into_values().flatten() {
+    let mut tiles: Vec<Entity> = match world.get_mut::<Standing>(entity) {
+        Some(mut standing) => std::mem::take(&mut standing.tiles).into_values().flatten().collect(),
+        None => Vec::new(),
+    };
+    let below = world.get::<Children>(entity).into_iter().flatten();
+    tiles.extend(below.filter(|&&child| world.get::<Tile>(child).is_some()));
+    for tile in tiles {
         if let Ok(tile) = world.get_entity_mut(tile) {
             tile.despawn();
         }
@@ -244,19 +268,22 @@ fn park(world: &mut World, entity: Entity) {
 /// whose transform can again.
 pub(crate) fn watch_transforms(
     mut environments: Query<
-        (Entity, &GlobalTransform, &mut Slot, &Standing),
+        (Entity, &GlobalTransform, &mut Slot, &mut EnvironmentState, &Standing),
         Changed<GlobalTransform>,
     >,
     mut notices: ResMut<Notices>,
     mut commands: Commands,
 ) {
-    for (entity, transform, mut slot, standing) in &mut environments {
+    for (entity, transform, mut slot, mut state, standing) in &mut environments {
         match (check_transform(transform), standing.parked) {
             (Err(error), false) => {
                 notices.push(entity, Err(error));
                 commands.queue(move |world: &mut World| park(world, entity));
             }
-            (Ok(()), true) => slot.stale = true,
+            (Ok(()), true) => {
+                slot.stale = true;
+                *state = EnvironmentState::Waiting;
+            }
             _ => {}
         }
     }
@@ -272,16 +299,44 @@ pub(crate) fn notify(world: &mut World) {
         }
         match notice {
             Ok(()) => {
+                root.remove::<EnvironmentFailure>();
                 root.insert(EnvironmentState::Ready);
-                world.trigger(EnvironmentReady { entity });
+                move_to_place(world, entity);
+                let ready = EnvironmentReady { entity };
+                world.write_message(ready.clone());
+                world.trigger(ready);
             }
             Err(error) => {
-                root.insert(EnvironmentState::Failed);
+                root.insert((EnvironmentState::Failed, EnvironmentFailure(error.clone())));
                 log::warn!("environment {entity}: {error}");
-                world.trigger(EnvironmentFailed { entity, error });
+                let failed = EnvironmentFailed { entity, error };
+                world.write_message(failed.clone());
+                world.trigger(failed);
             }
         }
+        world.flush();
     }
+}
+
+/// Propagates the transform of an environment that was moved since Bevy did.
+fn move_to_place(world: &mut World, entity: Entity) {
+    let global = global_transform(world, entity);
+    if world.get::<GlobalTransform>(entity) == Some(&global) {
+        return;
+    }
+    propagate(world, entity, global);
+    if let Some(mut landmarks) = world.get_mut::<EnvironmentLandmarks>(entity) {
+        landmarks.follow(&global);
+    }
+}
+
+/// Waits for the tasks that an environment has started; false when there are none.
+#[cfg(any(feature = "capture", feature = "testing"))]
+pub(crate) fn finish_tasks(world: &mut World, environment: Entity) -> bool {
+    let generated = world.get_mut::<Slot>(environment).is_some_and(|mut slot| slot.finish());
+    let drawn =
+        world.get_mut::<Streaming>(environment).is_some_and(|mut streaming| streaming.finish());
+    generated || drawn
 }
 
 /// Removes what belongs to an [`Environment`] that is removed.
@@ -293,6 +348,8 @@ pub(crate) fn clean_up(removed: On<Remove, Environment>, mut commands: Commands)
             clear(world, entity);
             world.entity_mut(entity).remove::<(
                 EndlessTruth,
+                EnvironmentFailure,
+                EnvironmentLandmarks,
                 EnvironmentState,
                 EnvironmentStats,
                 GroundTruth,

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::Duration;
 
 use bevy::prelude::*;
 use bevy::tasks::Task;
@@ -45,7 +46,18 @@ pub(crate) enum Job {
     Done(Outcome),
 }
 
-pub(crate) type Outcome = Result<Made, EnvironmentError>;
+/// What came of a job.
+pub(crate) struct Outcome {
+    pub(crate) result: Result<Made, EnvironmentError>,
+    /// What the generator took.
+    pub(crate) time: Duration,
+}
+
+impl From<EnvironmentError> for Outcome {
+    fn from(error: EnvironmentError) -> Self {
+        Outcome { result: Err(error), time: Duration::ZERO }
+    }
+}
 
 /// What a generator made, sorted into tiles.
 #[derive(Clone)]
@@ -82,6 +94,14 @@ impl Slot {
     /// Gives up waiting, or reports that what stands has lost its source.
     #[cfg(feature = "asset")]
     pub(crate) fn fail(&mut self, error: EnvironmentError) {
-        self.job = Job::Done(Err(error));
+        self.job = Job::Done(error.into());
+    }
+
+    /// Waits for its task; false when it has none.
+    #[cfg(any(feature = "capture", feature = "testing"))]
+    pub(crate) fn finish(&mut self) -> bool {
+        let Job::Task(task) = &mut self.job else { return false };
+        self.job = Job::Done(bevy::tasks::block_on(task));
+        true
     }
 }

@@ -4,7 +4,6 @@
 //! ```
 //! use bevy::prelude::*;
 //! use bevy_envgen::prelude::*;
-//! use envgen::forest::ForestSpec;
 //!
 //! let mut app = App::new();
 //! app.add_plugins((MinimalPlugins, TransformPlugin));
@@ -20,14 +19,24 @@
 //! # What is spawned
 //!
 //! ```text
-//! Environment            GroundTruth (the exact world), EnvironmentState, EnvironmentStats
+//! Environment            GroundTruth (the exact world), EnvironmentState, EnvironmentStats,
+//!                        EnvironmentLandmarks (its start and goal), EnvironmentFailure
 //!   Tile                 with merged colliders and meshes, where asked; TileSolids
-//!     Wall, Tree, ..     PartId, Name, Transform, PartShape
+//!     Wall, Tree, ..     PartId, PartOf (its environment), Name, Transform, PartShape
 //! ```
 //!
 //! Every part has a [`PartId`] that is the same for the same spec and seed. Its [`Transform`] is
-//! where it lies in the environment's frame: metres, x right, y up. The kinds are in [`part`].
+//! where it lies in the environment's frame: metres, x right, y up; its [`GlobalTransform`] is right as
+//! soon as it is spawned. The kinds are in [`part`].
 //! Walls, trees and obstacles are data of their tile and not entities with [`Solids::Data`].
+//!
+//! # What is told
+//!
+//! | event of an observer | also as | about |
+//! |---|---|---|
+//! | [`EnvironmentReady`], [`EnvironmentFailed`] | messages; [`EnvironmentState`], [`EnvironmentFailure`] | an environment |
+//! | [`TileSpawned`] | `Added<Tile>` | each tile, as it is spawned |
+//! | `DoorStopped` | a message | a door |
 //!
 //! # Plugins
 //!
@@ -42,6 +51,7 @@
 //! | `RobotPlugin` | `trial` | not of the group: robots that drive and sense in rapier |
 //! | `TrialPlugin` | `trial` | not of the group: mapping trials, with `RobotPlugin` |
 //! | `TrialViewPlugin` | `render`, `trial` | not of the group: how mapping trials look |
+//! | [`EnvgenDiagnosticsPlugin`] | | not of the group: numbers of parts and tiles, time of generation and streaming, as Bevy's diagnostics |
 //! | `EnvgenDebugPlugin` | `debug` | not of the group: lines over colliders, rays, frontiers, plans, rooms |
 //! | `TopDownPhysicsPlugin` | `physics` | not of the group: rapier itself, without gravity, in fixed steps |
 //!
@@ -66,7 +76,8 @@
 //! | `debug` | no | lines over colliders, rays, frontiers, plans and the graph of rooms |
 //! | `trial` | no | robots in rapier, and mapping trials with them, by `mapping_trial` |
 //! | `egui` | no | panels for specs, trials, scores and the operator's form |
-//! | `serialize` | no | serde for the components of parts |
+//! | `serialize` | no | environments in Bevy's scenes; serde for the components of parts |
+//! | `testing` | no | `testing`, helpers for the tests of apps |
 
 #[cfg(feature = "asset")]
 pub mod asset;
@@ -74,9 +85,11 @@ pub mod asset;
 pub mod capture;
 #[cfg(feature = "debug")]
 pub mod debug;
+mod diagnostics;
 mod environment;
 mod generate;
 mod job;
+mod landmarks;
 pub mod part;
 #[cfg(feature = "physics")]
 pub mod physics;
@@ -89,6 +102,7 @@ mod spawn;
 mod streaming;
 #[cfg(any(feature = "physics", feature = "render"))]
 mod tessellate;
+#[cfg(feature = "testing")]
 pub mod testing;
 #[cfg(feature = "trial")]
 pub mod trial;
@@ -111,28 +125,32 @@ pub use envgen;
 #[cfg(feature = "trial")]
 pub use mapping_trial;
 
+pub use diagnostics::EnvgenDiagnosticsPlugin;
 pub use environment::{
-    EndlessTruth, Environment, EnvironmentError, EnvironmentFailed, EnvironmentReady,
-    EnvironmentState, EnvironmentStats, Extent, GroundTruth, Pace, RebuildEnvironment, Solids,
-    WorldSource,
+    EndlessTruth, Environment, EnvironmentError, EnvironmentFailed, EnvironmentFailure,
+    EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GroundTruth, Pace,
+    RebuildEnvironment, Solids, SourceSpec, SourceWorld, WorldSource,
 };
 pub use generate::MAX_PARTS;
-pub use part::{PartId, PartKind};
+pub use landmarks::{EnvironmentLandmarks, Landmark};
+pub use part::{PartId, PartKind, PartOf};
 pub use shape::PartShape;
-pub use spawn::{DecorateTiles, SpawnedTile, StandingPart, Tile, TileDecorator, TileSolids};
+pub use spawn::{StandingPart, Tile, TileSolids, TileSpawned};
 pub use streaming::{StreamAround, StreamingBudget, StreamingReport};
 
-/// What most apps need.
+/// What most apps need, the specs of [`envgen`] among it. What has a name that an app may have itself,
+/// such as [`part::Start`] or [`Tile`], is not.
 pub mod prelude {
     #[cfg(feature = "asset")]
     pub use crate::asset::{EnvgenAssetPlugin, RoomAsset, WorldAsset};
     pub use crate::part::{
-        Doorway, Goal, Ground, Obstacle, PartId, PartKind, RoadStrip, Room, Start, Surface, Tree,
-        Victim, Wall,
+        Doorway, Obstacle, ObstacleKind, PartId, PartKind, PartOf, RoadStrip, Room, SurfaceKind,
+        Tree, Victim, Wall, WallKind,
     };
     #[cfg(feature = "physics")]
     pub use crate::physics::{
-        ColliderSettings, Door, DoorSchedule, EnvgenPhysicsPlugin, Merge, TopDownPhysicsPlugin,
+        ColliderSettings, Door, DoorSchedule, DoorStopped, EnvgenPhysicsPlugin,
+        EnvironmentColliders, TopDownPhysicsPlugin,
     };
     #[cfg(feature = "trial")]
     pub use crate::robot::{
@@ -145,12 +163,20 @@ pub mod prelude {
         TrialSystems,
     };
     #[cfg(feature = "render")]
-    pub use crate::visuals::{EnvgenVisualsPlugin, Palette};
+    pub use crate::visuals::EnvgenVisualsPlugin;
     pub use crate::{
-        EnvgenCorePlugin, EnvgenPlugins, EnvgenSystems, Environment, EnvironmentError,
-        EnvironmentFailed, EnvironmentReady, EnvironmentState, GroundTruth, Pace, PartShape,
-        RebuildEnvironment, Solids, StreamAround, StreamingBudget, Tile, TileSolids,
+        EnvgenCorePlugin, EnvgenDiagnosticsPlugin, EnvgenPlugins, EnvgenSystems, Environment,
+        EnvironmentError, EnvironmentFailed, EnvironmentFailure, EnvironmentLandmarks,
+        EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GroundTruth, Landmark, Pace,
+        PartShape, RebuildEnvironment, Solids, StreamAround, StreamingBudget, TileSolids,
+        TileSpawned,
     };
+    pub use envgen::WorldSpec;
+    pub use envgen::forest::ForestSpec;
+    pub use envgen::hallway::HallwaySpec;
+    pub use envgen::indoor::IndoorSpec;
+    pub use envgen::landscape::LandscapeSpec;
+    pub use envgen::road::RoadSpec;
 }
 
 /// The systems that turn requests into entities, in this order.
@@ -164,7 +190,7 @@ pub enum EnvgenSystems {
     Spawn,
     /// The tiles of streamed worlds follow their anchors.
     Stream,
-    /// [`EnvironmentReady`] and [`EnvironmentFailed`] are triggered.
+    /// [`EnvironmentReady`] and [`EnvironmentFailed`] are triggered and written.
     Notify,
 }
 
@@ -193,12 +219,10 @@ impl Default for EnvgenCorePlugin {
 /// Where the core plugin put its systems, for the plugins after it.
 #[derive(Resource, Clone, Copy)]
 struct Schedules {
-    #[cfg_attr(not(feature = "asset"), expect(dead_code, reason = "only assets are added to it"))]
     main: Interned<dyn ScheduleLabel>,
 }
 
 impl Schedules {
-    #[cfg(feature = "asset")]
     fn of(app: &App) -> Self {
         let known = app.world().get_resource::<Schedules>().copied();
         known.unwrap_or(Schedules { main: Update.intern() })
@@ -209,6 +233,7 @@ impl Plugin for EnvgenCorePlugin {
     fn build(&self, app: &mut App) {
         part::register(app);
         environment::register(app);
+        landmarks::register(app);
         app.register_type::<Tile>()
             .register_type::<TileSolids>()
             .register_type::<StreamAround>()
@@ -242,7 +267,11 @@ impl Plugin for EnvgenCorePlugin {
                     generate::notify.in_set(EnvgenSystems::Notify),
                 ),
             )
-            .add_systems(PostUpdate, generate::watch_transforms.after(TransformSystems::Propagate));
+            .add_systems(
+                PostUpdate,
+                (generate::watch_transforms, landmarks::follow_environments)
+                    .after(TransformSystems::Propagate),
+            );
     }
 }
 

@@ -4,16 +4,32 @@ use bevy::prelude::*;
 
 use crate::environment::EnvironmentError;
 
-/// The transform of an entity as it will be once it is propagated.
+/// The transform of an entity as it will be once it is propagated, to the bit.
 pub(crate) fn global_transform(world: &World, entity: Entity) -> GlobalTransform {
-    let local = |entity| world.get::<Transform>(entity).copied().unwrap_or_default();
-    let mut global = GlobalTransform::from(local(entity));
-    let mut above = world.get::<ChildOf>(entity).map(ChildOf::parent);
-    while let Some(parent) = above {
-        global = GlobalTransform::from(local(parent)) * global;
-        above = world.get::<ChildOf>(parent).map(ChildOf::parent);
+    let parent = |entity| world.get::<ChildOf>(entity).map(ChildOf::parent);
+    let mut locals = Vec::new();
+    let mut next = Some(entity);
+    while let Some(entity) = next {
+        locals.push(world.get::<Transform>(entity).copied().unwrap_or_default());
+        next = parent(entity);
     }
-    global
+    let root = locals.pop().unwrap_or_default();
+    locals.iter().rfold(root.into(), |above: GlobalTransform, local| above.mul_transform(*local))
+}
+
+/// Sets the global transforms of an entity and of all below it, as Bevy will when it propagates.
+pub(crate) fn propagate(world: &mut World, entity: Entity, global: GlobalTransform) {
+    let mut left = vec![(entity, global)];
+    while let Some((entity, global)) = left.pop() {
+        if let Some(mut known) = world.get_mut::<GlobalTransform>(entity) {
+            known.set_if_neq(global);
+        }
+        for &child in world.get::<Children>(entity).into_iter().flatten() {
+            if let Some(local) = world.get::<Transform>(child) {
+                left.push((child, global.mul_transform(*local)));
+            }
+        }
+    }
 }
 
 /// Whether a transform keeps a flat world flat and its circles round.

@@ -8,9 +8,10 @@ use envgen::glam::DVec2;
 
 use crate::environment::{Layout, Solids};
 use crate::part::{
-    Doorway, Goal, Ground, Obstacle, PartId, PartKind, RoadStrip, Room, Start, Surface, Tree,
-    Victim, Wall,
+    Doorway, Goal, Ground, Obstacle, PartId, PartKind, PartOf, RoadStrip, Room, Start, Surface,
+    Tree, Victim, Wall,
 };
+use crate::place::global_transform;
 use crate::plan::{PartRef, Plan, TileKey, block_cells};
 use crate::shape::{Frame, PartShape};
 
@@ -52,10 +53,36 @@ pub struct StandingPart {
     pub shape: PartShape,
 }
 
-/// What was just spawned, for those who add to it.
-#[derive(Clone, Debug)]
-pub struct SpawnedTile {
+/// Triggered on an environment for every [`Tile`] as it is spawned, before the environment is reported
+/// ready: the place to add something to its parts, or to the tile itself.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_envgen::prelude::*;
+///
+/// #[derive(Component)]
+/// struct Health(f32);
+///
+/// fn plant(spawned: On<TileSpawned>, trees: Query<(Entity, &Tree)>, mut commands: Commands) {
+///     for (entity, tree) in trees.iter_many(&spawned.parts) {
+///         commands.entity(entity).insert(Health(10.0 * tree.radius));
+///     }
+/// }
+/// # let mut app = bevy_envgen::testing::test_app();
+/// # app.add_observer(plant);
+/// # let forest = Environment::new(ForestSpec::default(), 1);
+/// # bevy_envgen::testing::spawn_ready(&mut app, forest).unwrap();
+/// # assert!(app.world_mut().query::<&Health>().iter(app.world()).count() > 100);
+/// ```
+///
+/// Observers run in no particular order. What they and their commands do in a streamed world counts
+/// towards the frame's [`StreamingBudget`](crate::StreamingBudget). Systems between
+/// [`EnvgenSystems::Stream`](crate::EnvgenSystems) and `Notify` see all tiles of the frame, with all
+/// that observers added, and find the new ones by `Added<Tile>`.
+#[derive(EntityEvent, Clone, Debug)]
+pub struct TileSpawned {
     /// The entity of the environment.
+    #[event_target]
     pub environment: Entity,
     /// The entity of the tile.
     pub tile: Entity,
@@ -64,14 +91,14 @@ pub struct SpawnedTile {
     pub parts: Vec<Entity>,
 }
 
-impl SpawnedTile {
+impl TileSpawned {
     /// All parts in the tile, entities and data, and where they lie.
     pub fn placed<'w>(
         &'w self,
         world: &'w World,
     ) -> impl Iterator<Item = (PartId, &'w Transform, &'w PartShape)> {
         let entities = self.parts.iter().filter_map(|&part| {
-            let part = world.entity(part);
+            let part = world.get_entity(part).ok()?;
             Some((*part.get::<PartId>()?, part.get::<Transform>()?, part.get::<PartShape>()?))
         });
         let data = world.get::<TileSolids>(self.tile).map_or(&[][..], |solids| &solids.0);
@@ -79,28 +106,15 @@ impl SpawnedTile {
     }
 }
 
-/// Adds something to the parts of a tile that was just spawned, or to the tile itself.
-pub type TileDecorator = fn(&mut World, &SpawnedTile);
-
-/// What is called for every tile, in order.
-#[derive(Resource, Clone, Default)]
-struct TileDecorators(Vec<TileDecorator>);
-
-/// For plugins that add to spawned parts, as the collider and the mesh plugins do.
-pub trait DecorateTiles {
-    /// Has `decorator` called for every tile as it is spawned, before its environment is reported
-    /// ready. In a streamed world its time counts towards the frame's budget.
-    fn add_tile_decorator(&mut self, decorator: TileDecorator) -> &mut Self;
+/// What the parts of a tile are spawned below.
+#[derive(Clone, Copy)]
+struct Above {
+    environment: Entity,
+    tile: Entity,
+    global: GlobalTransform,
 }
 
-impl DecorateTiles for App {
-    fn add_tile_decorator(&mut self, decorator: TileDecorator) -> &mut Self {
-        self.world_mut().get_resource_or_init::<TileDecorators>().0.push(decorator);
-        self
-    }
-}
-
-/// Spawns one page of a tile of a finite world.
+/// Spawns one page of a tile of a finite world; `None` when the environment is gone.
 pub(crate) fn spawn_page(
     world: &mut World,
     environment: Entity,
@@ -110,7 +124,7 @@ pub(crate) fn spawn_page(
     page: usize,
 ) -> Option<Entity> {
     let parts = plan.tiles.get(&key)?.parts.chunks(plan.page).nth(page)?;
-    let tile = spawn_tile(world, environment, key, page);
+    let above = spawn_tile(world, environment, key, page)?;
     let frame = Frame::new(layout.origin);
     let mut entities = Vec::new();
     let mut solids = Vec::new();
@@ -118,15 +132,16 @@ pub(crate) fn spawn_page(
         if layout.solids == Solids::Data && run[0].kind.is_solid() {
             solids.extend(run.iter().filter_map(|&part| solid(frame, &plan.world, part)));
         } else {
-            spawn_run(world, &mut entities, tile, frame, plan, run);
+            spawn_run(world, &mut entities, above, frame, plan, run);
         }
     }
-    keep(world, tile, solids);
-    decorate(world, &SpawnedTile { environment, tile, parts: entities });
-    Some(tile)
+    keep(world, above.tile, solids);
+    tell(world, above, entities);
+    Some(above.tile)
 }
 
-/// Spawns some of the trees of a tile of an endless forest; `first` is the index of the first.
+/// Spawns some of the trees of a tile of an endless forest, of which `first` is the index of the first;
+/// `None` when the environment is gone.
 pub(crate) fn spawn_trees(
     world: &mut World,
     environment: Entity,
@@ -134,33 +149,40 @@ pub(crate) fn spawn_trees(
     key: TileKey,
     (first, trees): (usize, &[envgen::world::Tree]),
     page: usize,
-) -> Entity {
-    let tile = spawn_tile(world, environment, key, page);
+) -> Option<Entity> {
+    let above = spawn_tile(world, environment, key, page)?;
     let frame = Frame::new(layout.origin);
     let id = |index| PartId { kind: PartKind::Tree, tile: key.at, index };
     let trees = (first as u32..).map(id).zip(trees);
     let parts = match layout.solids {
         Solids::Entities => world
-            .spawn_batch(trees.map(|(id, tree)| (head(id, tile), tree_bundle(frame, tree))))
+            .spawn_batch(trees.map(|(id, tree)| {
+                part(above, id, place_tree(frame, tree), Tree { radius: tree.radius as f32 })
+            }))
             .collect(),
         Solids::Data => {
             let solids = trees.map(|(id, tree)| {
                 let (transform, shape) = place_tree(frame, tree);
                 StandingPart { id, transform, shape }
             });
-            keep(world, tile, solids.collect());
+            keep(world, above.tile, solids.collect());
             Vec::new()
         }
     };
-    decorate(world, &SpawnedTile { environment, tile, parts });
-    tile
+    tell(world, above, parts);
+    Some(above.tile)
 }
 
-fn spawn_tile(world: &mut World, environment: Entity, key: TileKey, page: usize) -> Entity {
+/// Spawns a tile without its parts; `None` when an observer has despawned the environment.
+fn spawn_tile(world: &mut World, environment: Entity, key: TileKey, page: usize) -> Option<Above> {
+    world.get_entity(environment).ok()?;
     let TileKey { level, at: [i, j] } = key;
     let name = Name::new(format!("tile ({i}, {j})"));
     let tile = Tile { level, at: key.at, page: page as u32 };
-    world.spawn((tile, name, ChildOf(environment))).id()
+    // What is spawned is where it belongs at once, whenever Bevy propagates transforms.
+    let global = global_transform(world, environment).mul_transform(Transform::IDENTITY);
+    let tile = world.spawn((tile, name, global, ChildOf(environment))).id();
+    Some(Above { environment, tile, global })
 }
 
 /// Keeps solid parts as data of a tile.
@@ -182,16 +204,23 @@ fn solid(frame: Frame, truth: &EnvgenWorld, part: PartRef) -> Option<StandingPar
     Some(StandingPart { id: PartId::new(part.kind, part.index), transform, shape })
 }
 
-fn decorate(world: &mut World, spawned: &SpawnedTile) {
-    let decorators = world.get_resource::<TileDecorators>().cloned().unwrap_or_default();
-    for decorator in decorators.0 {
-        decorator(world, spawned);
-    }
+/// Lets others add to what was spawned.
+fn tell(world: &mut World, above: Above, parts: Vec<Entity>) {
+    let Above { environment, tile, .. } = above;
+    world.trigger(TileSpawned { environment, tile, parts });
+    world.flush();
 }
 
-/// What every part has.
-fn head(id: PartId, tile: Entity) -> impl Bundle<Effect: NoBundleEffect> {
-    (id, Name::new(name(id)), ChildOf(tile))
+/// A part as components: what every part has, and what its kind has.
+fn part<P: Component>(
+    above: Above,
+    id: PartId,
+    (transform, shape): (Transform, PartShape),
+    part: P,
+) -> impl Bundle<Effect: NoBundleEffect> {
+    let global = above.global.mul_transform(transform);
+    let belongs = (ChildOf(above.tile), PartOf(above.environment));
+    (id, Name::new(name(id)), belongs, transform, global, shape, part)
 }
 
 /// The id as text. Most ids are short, and formatting them is much of what spawning costs.
@@ -221,15 +250,11 @@ fn place_tree(frame: Frame, tree: &envgen::world::Tree) -> (Transform, PartShape
     (frame.pose(tree.center, 0.0), PartShape::Disc { radius: tree.radius as f32 })
 }
 
-fn tree_bundle(frame: Frame, tree: &envgen::world::Tree) -> impl Bundle<Effect: NoBundleEffect> {
-    (place_tree(frame, tree), Tree { radius: tree.radius as f32 })
-}
-
 /// Spawns parts of one kind.
 fn spawn_run(
     world: &mut World,
     entities: &mut Vec<Entity>,
-    tile: Entity,
+    above: Above,
     frame: Frame,
     plan: &Plan,
     run: &[PartRef],
@@ -238,11 +263,13 @@ fn spawn_run(
     let truth: &EnvgenWorld = &plan.world;
     // The plan holds an `Arc` of the world, so its parts outlive the borrow of the ECS.
     let ids = run.iter().map(|part| part.index as usize);
-    let head = |index: usize| head(PartId::new(kind, index as u32), tile);
     let pose = |pose: &Pose| (frame.pose(pose.position, pose.heading), PartShape::Point);
     macro_rules! spawn {
-        ($i:ident => $bundle:expr) => {
-            entities.extend(world.spawn_batch(ids.map(|$i| (head($i), $bundle))))
+        ($i:ident => $placed:expr) => {
+            entities.extend(world.spawn_batch(ids.map(|$i| {
+                let (place, component) = $placed;
+                part(above, PartId::new(kind, $i as u32), place, component)
+            })))
         };
     }
     match kind {
@@ -250,7 +277,10 @@ fn spawn_run(
             let wall = &truth.walls[i];
             (frame.place(&wall.shape), Wall { kind: wall.kind.into() })
         }),
-        PartKind::Tree => spawn!(i => tree_bundle(frame, &truth.trees[i])),
+        PartKind::Tree => spawn!(i => {
+            let tree = &truth.trees[i];
+            (place_tree(frame, tree), Tree { radius: tree.radius as f32 })
+        }),
         PartKind::RoadStrip => spawn!(i => road(frame, &truth.road_strips[i])),
         PartKind::Room => spawn!(i => {
             let room = &truth.rooms[i];
@@ -273,18 +303,19 @@ fn spawn_run(
             let part = Surface { kind: surface.kind.into(), speed, odometry_noise };
             (frame.place(&surface.shape), part)
         }),
-        PartKind::Start => spawn!(_i => (pose(&truth.start.unwrap_or_default()), Start)),
-        PartKind::Goal => spawn!(_i => (pose(&truth.goal.unwrap_or_default()), Goal)),
+        PartKind::Start => spawn!(i => (pose(&truth.start.unwrap_or_default()), Start)),
+        PartKind::Goal => spawn!(i => (pose(&truth.goal.unwrap_or_default()), Goal)),
         PartKind::Victim => spawn!(i => (pose(&truth.victims[i]), Victim)),
         PartKind::Ground => spawn!(i => ground(frame, truth, plan.block, i as u32)),
     }
 }
 
-fn road(frame: Frame, strip: &envgen::world::RoadStrip) -> (Transform, PartShape, RoadStrip) {
+fn road(frame: Frame, strip: &envgen::world::RoadStrip) -> ((Transform, PartShape), RoadStrip) {
     let points: Vec<DVec2> = strip.centreline.iter().map(|point| point.pose.position).collect();
     let (transform, centreline) = frame.around(&points);
     let (width, lanes, closed) = (strip.width as f32, strip.lanes, strip.closed);
-    (transform, PartShape::Strip { centreline, width, closed }, RoadStrip { width, lanes, closed })
+    let shape = PartShape::Strip { centreline, width, closed };
+    ((transform, shape), RoadStrip { width, lanes, closed })
 }
 
 fn ground(
@@ -292,7 +323,7 @@ fn ground(
     truth: &EnvgenWorld,
     block: u32,
     index: u32,
-) -> (Transform, PartShape, Ground) {
+) -> ((Transform, PartShape), Ground) {
     let Some(raster) = &truth.raster else {
         unreachable!("only a world with cells has blocks of them")
     };
@@ -308,7 +339,7 @@ fn ground(
         .collect();
     let half_size = (0.5 * size).as_vec2();
     let cell = raster.cell as f32;
-    (transform, PartShape::Box { half_size }, Ground { row, col, cols, cell, classes })
+    ((transform, PartShape::Box { half_size }), Ground { row, col, cols, cell, classes })
 }
 
 #[cfg(test)]

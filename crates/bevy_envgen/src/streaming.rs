@@ -11,6 +11,7 @@ use envgen::forest::EndlessForest;
 use envgen::glam::DVec2;
 use envgen::world::Tree;
 
+use crate::diagnostics::{EnvgenDiagnosticsPlugin, measure};
 use crate::environment::{Environment, EnvironmentError, EnvironmentState, Layout, Pace};
 use crate::job::{Made, Notices, Standing};
 use crate::place::global_transform;
@@ -34,11 +35,13 @@ const IN_PLACE_TREES: f64 = 500.0;
 ///
 /// On the entity of an [`Environment`]. Which parts are there follows from where the anchor is, not
 /// from where it has been, as soon as the [`StreamingBudget`] has let the window settle. Adding or
-/// removing the component, or another `tile`, makes the world anew.
+/// removing the component, or another `tile`, makes the world anew. In scenes and clones the anchor is
+/// the loaded or cloned one, where it is among them.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct StreamAround {
     /// The entity around which the world stands, such as a robot or a camera.
+    #[entities]
     pub anchor: Entity,
     /// Everything within this distance of the anchor is there, in metres.
     pub radius: f64,
@@ -76,7 +79,8 @@ impl Default for StreamingBudget {
     }
 }
 
-/// What the streaming did in the last frame.
+/// What the streaming did in the last frame. Its time is also a diagnostic:
+/// [`EnvgenDiagnosticsPlugin::STREAMING_TIME`].
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct StreamingReport {
@@ -100,6 +104,8 @@ pub(crate) struct Streaming {
     /// Tiles of an endless forest that are drawn or being drawn, but not spawned to the end.
     drawn: Vec<(TileKey, Drawing)>,
     settled: bool,
+    /// The bits of the radius that was refused last.
+    refused: Option<u64>,
     /// Whether a missing anchor was reported.
     warned: bool,
 }
@@ -112,7 +118,21 @@ enum Drawing {
 impl Streaming {
     pub(crate) fn new(made: Made, layout: Layout) -> Self {
         let (complete, drawn) = (BTreeSet::new(), Vec::new());
-        Streaming { made, layout, complete, drawn, settled: false, warned: false }
+        let (settled, refused, warned) = (false, None, false);
+        Streaming { made, layout, complete, drawn, settled, refused, warned }
+    }
+
+    /// Waits for its tasks; false when it has none.
+    #[cfg(any(feature = "capture", feature = "testing"))]
+    pub(crate) fn finish(&mut self) -> bool {
+        let mut had = false;
+        for (_, drawing) in &mut self.drawn {
+            if let Drawing::Task(task) = drawing {
+                *drawing = Drawing::Trees(Arc::new(bevy::tasks::block_on(task)));
+                had = true;
+            }
+        }
+        had
     }
 }
 
@@ -177,6 +197,8 @@ pub(crate) fn stream_tiles(world: &mut World, streamed: &mut QueryState<Entity, 
             stream(world, root, &mut allowance, &mut report);
         }
         report.time = start.elapsed();
+        let time = 1e3 * report.time.as_secs_f64();
+        measure(world, &EnvgenDiagnosticsPlugin::STREAMING_TIME, time);
     }
     if let Some(mut known) = world.get_resource_mut::<StreamingReport>() {
         known.set_if_neq(report);
@@ -269,6 +291,11 @@ impl TileStreamer<'_> {
         };
         match wanted {
             Ok(mut wanted) => {
+                if self.streaming.refused.take().is_some()
+                    && let Ok(mut root) = self.world.get_entity_mut(self.root)
+                {
+                    root.insert(EnvironmentState::Streaming);
+                }
                 wanted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                 let waiting = self.settle(&wanted);
                 self.report.waiting += waiting;
@@ -277,10 +304,9 @@ impl TileStreamer<'_> {
                 }
             }
             Err(error) => {
-                // Reported once, until the component changes.
-                let state = self.world.get::<EnvironmentState>(self.root);
-                let failed = state == Some(&EnvironmentState::Failed);
-                if !failed || self.streaming.settled {
+                // Once for each radius, and not in every frame.
+                let radius = stream.radius.to_bits();
+                if self.streaming.refused.replace(radius) != Some(radius) {
                     self.streaming.settled = false;
                     self.world.get_resource_or_init::<Notices>().push(self.root, Err(error));
                 }
@@ -329,10 +355,9 @@ impl TileStreamer<'_> {
                         return false;
                     }
                     let page = entities.len();
-                    entities.extend(
-                        allowance
-                            .step(plan.page, || spawn_page(world, root, layout, plan, key, page)),
-                    );
+                    let spawn = || spawn_page(world, root, layout, plan, key, page);
+                    let Some(tile) = allowance.step(plan.page, spawn) else { return false };
+                    entities.push(tile);
                     report.spawned += 1;
                 }
                 true
@@ -349,7 +374,8 @@ impl TileStreamer<'_> {
                     }
                     let pages = (page * PAGE, trees);
                     let spawn = || spawn_trees(world, root, layout, key, pages, page);
-                    entities.push(allowance.step(trees.len(), spawn));
+                    let Some(tile) = allowance.step(trees.len(), spawn) else { return false };
+                    entities.push(tile);
                     report.spawned += 1;
                 }
                 streaming.drawn.retain(|(drawn, _)| *drawn != key);

@@ -1,13 +1,12 @@
 //! Helpers for tests of apps that use this crate: an app whose time is counted in steps, and what
-//! stands in it.
+//! stands in it. With the feature `testing`, which is for dev-dependencies.
 //!
 //! ```
 //! use bevy_envgen::prelude::*;
 //! use bevy_envgen::testing::{parts, spawn_ready, test_app};
 //!
 //! let mut app = test_app();
-//! let spec = envgen::hallway::HallwaySpec::default();
-//! let hallway = spawn_ready(&mut app, Environment::new(spec, 7))?;
+//! let hallway = spawn_ready(&mut app, Environment::new(HallwaySpec::default(), 7))?;
 //! assert!(parts(&app, hallway).iter().any(|part| part.id.kind == PartKind::Wall));
 //! # Ok::<(), bevy_envgen::EnvironmentError>(())
 //! ```
@@ -19,19 +18,17 @@ use bevy::time::TimeUpdateStrategy;
 use envgen::world::Digest;
 
 use crate::environment::{
-    Environment, EnvironmentError, EnvironmentFailed, EnvironmentState, GroundTruth,
+    Environment, EnvironmentError, EnvironmentFailure, EnvironmentState, GroundTruth,
 };
+use crate::generate::finish_tasks;
 use crate::{EnvgenPlugins, PartId, PartShape, StandingPart, TileSolids};
 
 /// Fixed steps a second of [`test_app`].
 pub const STEPS_A_SECOND: f64 = 64.0;
 
-/// Frames that [`wait_until_ready`] waits, at most, of a millisecond each by the clock.
+/// Frames that [`wait_until_ready`] waits, at most; those that wait for a file take a millisecond each
+/// by the clock.
 const MOST_FRAMES: usize = 60_000;
-
-/// The last failure of each environment, for [`wait_until_ready`].
-#[derive(Component, Clone)]
-struct LastFailure(EnvironmentError);
 
 /// A headless app with every plugin of this crate and those that they need, in which a frame is
 /// exactly one fixed step of 1/64 s. It is finished and has had its first, empty frame.
@@ -66,12 +63,6 @@ fn finished<A, M>(assets: impl bevy::app::Plugins<A>, plugins: impl bevy::app::P
     let step = Duration::from_secs_f64(1.0 / STEPS_A_SECOND);
     app.insert_resource(TimeUpdateStrategy::ManualDuration(step));
     app.insert_resource(Time::<Fixed>::from_duration(step));
-    app.add_observer(|failed: On<EnvironmentFailed>, mut commands: Commands| {
-        let failure = LastFailure(failed.error.clone());
-        if let Ok(mut root) = commands.get_entity(failed.entity) {
-            root.try_insert(failure);
-        }
-    });
     app.finish();
     app.cleanup();
     // Time starts to run with the second frame.
@@ -86,28 +77,29 @@ pub fn step(app: &mut App, frames: usize) {
     }
 }
 
-/// Runs frames until an environment is ready or has failed.
+/// Runs frames until an environment is ready or has failed. The tasks that it starts are waited for;
+/// the clock is, by a millisecond a frame, only while a file of its spec is loaded, which other threads
+/// do.
 ///
 /// # Errors
 /// Why it failed.
 ///
 /// # Panics
-/// When nothing comes of it in a minute, or the entity has no [`Environment`].
+/// When nothing comes of it in 60,000 frames, or the entity has no [`Environment`].
 pub fn wait_until_ready(app: &mut App, environment: Entity) -> Result<(), EnvironmentError> {
-    app.world_mut().entity_mut(environment).remove::<LastFailure>();
     for _ in 0..MOST_FRAMES {
         app.update();
         let root = app.world().entity(environment);
-        match root.get::<EnvironmentState>() {
-            Some(EnvironmentState::Ready) => return Ok(()),
-            Some(EnvironmentState::Failed) => {
-                if let Some(LastFailure(error)) = root.get() {
-                    return Err(error.clone());
-                }
+        match (root.get::<EnvironmentState>(), root.get::<EnvironmentFailure>()) {
+            (Some(EnvironmentState::Ready), _) => return Ok(()),
+            (Some(EnvironmentState::Failed), Some(failure)) => return Err(failure.0.clone()),
+            (Some(EnvironmentState::Waiting), _) => {
+                std::thread::sleep(Duration::from_millis(1));
             }
-            // Other threads are at work.
-            Some(_) => std::thread::sleep(Duration::from_millis(1)),
-            None => panic!("{environment} has no `Environment`"),
+            (Some(_), _) => {
+                finish_tasks(app.world_mut(), environment);
+            }
+            (None, _) => panic!("{environment} has no `Environment`"),
         }
     }
     panic!("{environment} was neither ready nor failed after {MOST_FRAMES} frames");
@@ -127,7 +119,7 @@ pub fn parts(app: &App, environment: Entity) -> Vec<StandingPart> {
     let mut parts = Vec::new();
     let mut below = vec![environment];
     while let Some(entity) = below.pop() {
-        let entity = app.world().entity(entity);
+        let Ok(entity) = app.world().get_entity(entity) else { continue };
         if let (Some(id), Some(transform), Some(shape)) =
             (entity.get::<PartId>(), entity.get::<Transform>(), entity.get::<PartShape>())
         {
@@ -141,9 +133,43 @@ pub fn parts(app: &App, environment: Entity) -> Vec<StandingPart> {
     parts
 }
 
-/// A fingerprint of the [`parts`]: equal for equal ids, transforms and shapes.
+/// A fingerprint of the [`parts`]: equal for equal ids, transforms and shapes, to the last bit.
 pub fn digest(app: &App, environment: Entity) -> Digest {
-    Digest::of(&format!("{:?}", parts(app, environment)))
+    let parts = parts(app, environment);
+    let parts: Vec<_> = parts
+        .iter()
+        .map(|part| {
+            let PartId { kind, tile, index } = part.id;
+            (kind.name(), tile, index, transform_bits(&part.transform), shape_bits(&part.shape))
+        })
+        .collect();
+    Digest::of(&parts)
+}
+
+fn transform_bits(transform: &Transform) -> Vec<u32> {
+    let Transform { translation, rotation, scale } = transform;
+    let numbers = [&translation.to_array()[..], &rotation.to_array(), &scale.to_array()];
+    numbers.into_iter().flatten().map(|number| number.to_bits()).collect()
+}
+
+/// A shape as its name and its numbers.
+fn shape_bits(shape: &PartShape) -> (&'static str, Vec<u32>) {
+    let bits = |numbers: &[f32]| numbers.iter().map(|number| number.to_bits()).collect();
+    let points = |points: &[Vec2]| -> Vec<u32> {
+        points.iter().flat_map(|point| point.to_array()).map(f32::to_bits).collect()
+    };
+    match shape {
+        PartShape::Point => ("point", Vec::new()),
+        PartShape::Segment { half_length } => ("segment", bits(&[*half_length])),
+        PartShape::Disc { radius } => ("disc", bits(&[*radius])),
+        PartShape::Box { half_size } => ("box", points(&[*half_size])),
+        PartShape::Polygon { vertices } => ("polygon", points(vertices)),
+        PartShape::Strip { centreline, width, closed } => {
+            let mut numbers = points(centreline);
+            numbers.extend([width.to_bits(), u32::from(*closed)]);
+            ("strip", numbers)
+        }
+    }
 }
 
 /// The exact world of an environment that is ready.
@@ -154,5 +180,38 @@ pub fn truth(app: &App, environment: Entity) -> GroundTruth {
     match app.world().get::<GroundTruth>(environment) {
         Some(truth) => truth.clone(),
         None => panic!("{environment} has no world"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a digest must tell apart, although it looks the same when it is printed to some digits.
+    #[test]
+    fn digests_see_single_bits() {
+        let next = |x: f32| f32::from_bits(x.to_bits() + 1);
+        let at = |x: f32| transform_bits(&Transform::from_xyz(x, 0.0, 0.0));
+        assert_ne!(at(1.0), at(next(1.0)));
+        assert_ne!(at(0.0), at(-0.0));
+        let closed =
+            |closed| PartShape::Strip { centreline: vec![Vec2::ZERO, Vec2::X], width: 2.0, closed };
+        let shapes = [
+            PartShape::Point,
+            PartShape::Segment { half_length: 1.0 },
+            PartShape::Segment { half_length: next(1.0) },
+            PartShape::Disc { radius: 1.0 },
+            PartShape::Box { half_size: Vec2::ONE },
+            PartShape::Box { half_size: Vec2::new(1.0, next(1.0)) },
+            PartShape::Polygon { vertices: vec![Vec2::ZERO, Vec2::X, Vec2::Y] },
+            PartShape::Polygon { vertices: vec![Vec2::ZERO, Vec2::Y, Vec2::X] },
+            closed(false),
+            closed(true),
+        ];
+        for (i, a) in shapes.iter().enumerate() {
+            for (j, b) in shapes.iter().enumerate() {
+                assert_eq!(shape_bits(a) == shape_bits(b), i == j, "{a:?} {b:?}");
+            }
+        }
     }
 }

@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use crate::environment::{Environment, GroundTruth};
 use crate::part::{Ground, PartId, PartKind, Room, Surface, SurfaceKind};
 use crate::shape::PartShape;
-use crate::spawn::{DecorateTiles, SpawnedTile, Tile};
+use crate::spawn::{Tile, TileSpawned};
 use crate::tessellate::triangles;
 
 /// Distance in z between what is drawn above each other.
@@ -107,7 +107,7 @@ impl Plugin for EnvgenVisualsPlugin {
         app.register_type::<Palette>()
             .insert_resource(self.palette.clone())
             .init_resource::<Inks>()
-            .add_tile_decorator(draw);
+            .add_observer(draw);
         require_visibility(app);
     }
 }
@@ -236,10 +236,16 @@ impl Drawing {
 }
 
 /// Draws the parts of a tile.
-fn draw(world: &mut World, spawned: &SpawnedTile) {
+fn draw(spawned: On<TileSpawned>, mut commands: Commands) {
+    let spawned = spawned.event().clone();
+    commands.queue(move |world: &mut World| add_meshes(world, &spawned));
+}
+
+fn add_meshes(world: &mut World, spawned: &TileSpawned) {
     let drawable = world.contains_resource::<Assets<Mesh>>()
         && world.contains_resource::<Assets<ColorMaterial>>();
-    if !drawable {
+    // Another observer of the tile may have despawned it.
+    if !drawable || world.get_entity(spawned.tile).is_err() {
         return;
     }
     let palette = world.get_resource::<Palette>().cloned().unwrap_or_default();
@@ -269,10 +275,10 @@ fn material(world: &mut World, ink: Ink, color: Color) -> Option<Handle<ColorMat
 }
 
 /// The parts of a tile as triangles, by ink.
-fn drawings(world: &World, spawned: &SpawnedTile) -> BTreeMap<Ink, Drawing> {
+fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<Ink, Drawing> {
     let mut drawings: BTreeMap<Ink, Drawing> = BTreeMap::new();
     for &part in &spawned.parts {
-        let part = world.entity(part);
+        let Ok(part) = world.get_entity(part) else { continue };
         let (Some(id), Some(at), Some(shape)) =
             (part.get::<PartId>(), part.get::<Transform>(), part.get::<PartShape>())
         else {

@@ -5,6 +5,7 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
+use envgen::SpecError;
 use envgen::whole_file::WholeFile;
 use gif::{Encoder, Frame, Repeat};
 
@@ -41,15 +42,20 @@ pub struct Film {
 }
 
 impl Film {
-    /// A film of so many frames a second, of which GIF can tell 1 to 50; others are cut to these.
+    /// A film of so many frames a second, of which GIF can tell 1 to 50, in steps of a hundredth of a
+    /// second.
     ///
     /// # Errors
-    /// A file that cannot be made.
+    /// Other numbers of frames, or a file that cannot be made.
     pub fn create(path: impl Into<PathBuf>, frames_a_second: f64) -> Result<Self, CaptureError> {
+        if !(1.0..=50.0).contains(&frames_a_second) {
+            let allowed = "a number from 1 to 50";
+            return Err(SpecError::new("frames_a_second", frames_a_second, allowed).into());
+        }
         let path = path.into();
         let error = |source| CaptureError::File { path: path.clone(), source };
         let file = BufWriter::new(WholeFile::create(&path).map_err(error)?);
-        let delay = (100.0 / frames_a_second).round().clamp(2.0, 100.0) as u16;
+        let delay = (100.0 / frames_a_second).round() as u16;
         Ok(Film { path, delay, file: Some(file), encoder: None, last: None, waiting: 0 })
     }
 

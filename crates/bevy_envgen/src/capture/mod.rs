@@ -12,8 +12,8 @@
 //!
 //! let mut studio = Studio::new()?;
 //! studio.app().add_plugins(EnvgenPlugins::default());
-//! let spec = envgen::indoor::IndoorSpec::default();
-//! let world = studio.app().world_mut().spawn(Environment::new(spec, 7)).id();
+//! let environment = Environment::new(IndoorSpec::default(), 7);
+//! let world = studio.app().world_mut().spawn(environment).id();
 //! studio.wait_until_ready(world)?;
 //! let camera = studio.camera_over(world, UVec2::new(800, 600))?;
 //! studio.picture(camera)?.write_png("indoor.png")?;
@@ -28,6 +28,7 @@ mod studio;
 use std::path::PathBuf;
 
 use bevy::prelude::*;
+use envgen::SpecError;
 use thiserror::Error;
 
 use crate::EnvironmentError;
@@ -84,6 +85,9 @@ pub enum CaptureError {
         /// Frames waited for.
         frames: u32,
     },
+    /// An argument is not allowed.
+    #[error(transparent)]
+    Argument(#[from] SpecError),
     /// The environment that was to be seen is not there.
     #[error(transparent)]
     Environment(#[from] EnvironmentError),

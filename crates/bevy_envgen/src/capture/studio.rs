@@ -24,7 +24,8 @@ use bevy::window::{ExitCondition, WindowPlugin};
 use envgen::geometry::Shape;
 
 use super::{CaptureError, CapturePlugin, Picture};
-use crate::environment::{EnvironmentState, GroundTruth};
+use crate::environment::{EnvironmentFailure, EnvironmentState, GroundTruth};
+use crate::generate::finish_tasks;
 
 /// Most pixels along a side of a picture: what every driver can draw.
 pub const MAX_SIDE: u32 = 8192;
@@ -32,7 +33,8 @@ pub const MAX_SIDE: u32 = 8192;
 /// Frames after which a picture that has not come back is given up.
 const MOST_FRAMES: u32 = 100;
 
-/// Frames that [`Studio::wait_until_ready`] waits, at most, of a millisecond each by the clock.
+/// Frames that [`Studio::wait_until_ready`] waits, at most; those that wait for a file take a
+/// millisecond each by the clock.
 const MOST_WAITING: u32 = 60_000;
 
 /// Margin around a world, as a share of its size.
@@ -132,33 +134,28 @@ impl Studio {
     /// Runs frames until an environment is ready.
     ///
     /// # Errors
-    /// Why it failed; [`CaptureError::NoWorld`] when it is none, or not ready after a minute.
+    /// Why it failed; [`CaptureError::NoWorld`] when it is none, or not ready after 60,000
+    /// frames.
     pub fn wait_until_ready(&mut self, environment: Entity) -> Result<(), CaptureError> {
-        let failure = Arc::new(Mutex::new(None));
-        let heard = failure.clone();
-        let observer = Observer::new(move |failed: On<crate::EnvironmentFailed>| {
-            *heard.lock().unwrap_or_else(PoisonError::into_inner) = Some(failed.error.clone());
-        });
-        let observer = self.app.world_mut().spawn(observer.with_entity(environment)).id();
-        let mut result = Err(CaptureError::NoWorld { entity: environment });
         for _ in 0..MOST_WAITING {
             self.step()?;
-            if let Some(error) = failure.lock().unwrap_or_else(PoisonError::into_inner).take() {
-                result = Err(error.into());
-                break;
-            }
-            match self.app.world().get::<EnvironmentState>(environment) {
-                Some(EnvironmentState::Ready) => {
-                    result = Ok(());
-                    break;
+            let Ok(root) = self.app.world().get_entity(environment) else { break };
+            match (root.get::<EnvironmentState>(), root.get::<EnvironmentFailure>()) {
+                (Some(EnvironmentState::Ready), _) => return Ok(()),
+                (Some(EnvironmentState::Failed), Some(failure)) => {
+                    return Err(failure.0.clone().into());
                 }
-                // Other threads are at work.
-                Some(_) => std::thread::sleep(Duration::from_millis(1)),
-                None => break,
+                // The file of its spec is loaded by other threads.
+                (Some(EnvironmentState::Waiting), _) => {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                (Some(_), _) => {
+                    finish_tasks(self.app.world_mut(), environment);
+                }
+                (None, _) => break,
             }
         }
-        self.app.world_mut().despawn(observer);
-        result
+        Err(CaptureError::NoWorld { entity: environment })
     }
 
     /// A camera that looks down on an area in metres, which fits into the picture whole.

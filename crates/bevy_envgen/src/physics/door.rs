@@ -7,7 +7,7 @@ use bevy_rapier2d::prelude::{ColliderDisabled, CollisionGroups, RigidBody};
 use envgen::Seed;
 
 use crate::environment::{Environment, EnvironmentState};
-use crate::part::{Doorway, PartId};
+use crate::part::{Doorway, PartId, PartOf};
 use crate::shape::PartShape;
 
 /// Seconds that a door takes to open or close, and to slam.
@@ -26,6 +26,7 @@ const SHORTEST_WAIT: f32 = 0.5;
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct Door {
     /// The entity of the leaf, the body that moves.
+    #[entities]
     pub leaf: Entity,
     openness: f32,
     target: f32,
@@ -96,8 +97,8 @@ impl Default for DoorSchedule {
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct DoorClock(pub f64);
 
-/// Triggered on a [`Doorway`] when its door has come to rest.
-#[derive(EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+/// Triggered on a [`Doorway`], and written as a message, when its door has come to rest.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DoorStopped {
     /// The doorway.
     pub entity: Entity,
@@ -113,7 +114,8 @@ pub(super) fn hang(world: &mut World, doorway: Entity, groups: CollisionGroups, 
     };
     let (open, at) = (part.open, place(shape, f32::from(part.open)));
     let Some(collider) = super::collider::collider(shape) else { return };
-    let leaf = (Name::new("leaf"), ChildOf(doorway), at, collider, groups);
+    let above = entity.get::<GlobalTransform>().copied().unwrap_or_default();
+    let leaf = (Name::new("leaf"), ChildOf(doorway), at, above.mul_transform(at), collider, groups);
     if !moves {
         if !open {
             world.spawn(leaf);
@@ -158,16 +160,14 @@ pub(super) fn run_clocks(
 
 /// Starts the actions that are due.
 pub(super) fn follow_schedules(
-    mut doors: Query<(Entity, &PartId, &mut Door)>,
-    parents: Query<&ChildOf>,
+    mut doors: Query<(&PartId, &PartOf, &mut Door)>,
     schedules: Query<(&DoorSchedule, &DoorClock, &Environment)>,
 ) {
     if schedules.is_empty() {
         return;
     }
-    for (entity, id, mut door) in &mut doors {
-        let root = parents.iter_ancestors(entity).find_map(|above| schedules.get(above).ok());
-        let Some((schedule, clock, environment)) = root else { continue };
+    for (id, part, mut door) in &mut doors {
+        let Ok((schedule, clock, environment)) = schedules.get(part.0) else { continue };
         let (mut action, mut due) = match door.next {
             Some(next) => next,
             None => (0, wait(schedule, environment.seed, id.index, 0)),
@@ -220,6 +220,7 @@ pub(super) fn move_doors(
     time: Res<Time>,
     mut doors: Query<(Entity, &mut Door, &PartShape, &GlobalTransform)>,
     mut leaves: Query<(&mut Transform, &mut GlobalTransform, Has<ColliderDisabled>), Without<Door>>,
+    mut stopped: MessageWriter<DoorStopped>,
     mut commands: Commands,
 ) {
     for (entity, mut door, shape, doorway) in &mut doors {
@@ -243,6 +244,7 @@ pub(super) fn move_doors(
             commands.entity(door.leaf).insert(ColliderDisabled);
         }
         if moving && door.openness == door.target {
+            stopped.write(DoorStopped { entity, open });
             commands.trigger(DoorStopped { entity, open });
         }
     }

@@ -21,7 +21,7 @@ pub use setup::TopDownPhysicsPlugin;
 use crate::environment::EnvironmentStats;
 use crate::part::{PartId, PartKind};
 use crate::shape::PartShape;
-use crate::spawn::{DecorateTiles, SpawnedTile, TileSolids};
+use crate::spawn::{TileSolids, TileSpawned};
 
 /// The group of walls, trees and obstacles.
 pub const SOLID_GROUP: Group = Group::GROUP_30;
@@ -68,13 +68,10 @@ pub struct ColliderSettings {
     /// Coefficient of restitution of walls, trees and obstacles, 0 for no bounce.
     pub restitution: f32,
     /// Groups of walls, trees and obstacles.
-    #[reflect(ignore, default = "solid_groups")]
     pub solid_groups: CollisionGroups,
     /// Groups of doors.
-    #[reflect(ignore, default = "door_groups")]
     pub door_groups: CollisionGroups,
     /// Groups of sensors, which by default see all but the world itself.
-    #[reflect(ignore, default = "sensor_groups")]
     pub sensor_groups: CollisionGroups,
 }
 
@@ -159,7 +156,8 @@ impl Plugin for EnvgenPhysicsPlugin {
             .register_type::<DoorClock>()
             .register_type::<DoorSchedule>()
             .insert_resource(self.colliders)
-            .add_tile_decorator(collide)
+            .add_message::<DoorStopped>()
+            .add_observer(collide)
             .configure_sets(self.schedule, DoorSystems.before(PhysicsSet::SyncBackend))
             .add_systems(
                 self.schedule,
@@ -171,14 +169,24 @@ impl Plugin for EnvgenPhysicsPlugin {
 }
 
 /// Gives the parts of a tile their colliders.
-fn collide(world: &mut World, spawned: &SpawnedTile) {
-    let root = world.entity(spawned.environment);
+fn collide(spawned: On<TileSpawned>, mut commands: Commands) {
+    let spawned = spawned.event().clone();
+    commands.queue(move |world: &mut World| give_colliders(world, &spawned));
+}
+
+fn give_colliders(world: &mut World, spawned: &TileSpawned) {
+    // What other observers of the tile may have despawned is left out.
+    let (Ok(root), Ok(tile)) =
+        (world.get_entity(spawned.environment), world.get_entity(spawned.tile))
+    else {
+        return;
+    };
     let settings = match root.get::<EnvironmentColliders>() {
         Some(own) => own.0,
         None => world.get_resource::<ColliderSettings>().copied().unwrap_or_default(),
     };
     let solids = root.get::<EnvironmentStats>().and_then(|stats| stats.solids);
-    let merge = world.entity(spawned.tile).contains::<TileSolids>()
+    let merge = tile.contains::<TileSolids>()
         || match settings.merge {
             Merge::Above(most) => solids.is_none_or(|solids| solids > most),
             Merge::Always => true,

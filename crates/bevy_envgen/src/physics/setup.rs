@@ -1,10 +1,13 @@
 //! Rapier as a world seen from above needs it.
 
+use std::fmt::Display;
+
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{
     NoUserData, RapierConfiguration, RapierContextInitialization, RapierPhysicsPlugin, TimestepMode,
 };
 use bevy_rapier2d::rapier::dynamics::IntegrationParameters;
+use envgen::SpecError;
 
 /// Adds rapier for worlds seen from above: no gravity, metres, and steps of fixed length in
 /// `FixedUpdate`.
@@ -19,10 +22,14 @@ pub struct TopDownPhysicsPlugin {
 }
 
 impl TopDownPhysicsPlugin {
-    /// With so many steps a second, from 1 to 100 000; other numbers give Bevy's default of 64.
+    /// With so many steps a second, from 1 to 100,000.
+    ///
+    /// # Panics
+    /// With any other number of steps, NaN among them: it is a mistake in the program.
     pub fn new(steps_a_second: f64) -> Self {
-        let allowed = (1.0..=1e5).contains(&steps_a_second);
-        let steps_a_second = if allowed { steps_a_second } else { 64.0 };
+        if !(1.0..=1e5).contains(&steps_a_second) {
+            refuse("steps_a_second", steps_a_second, "a number from 1 to 100000");
+        }
         TopDownPhysicsPlugin { steps_a_second, substeps: 1 }
     }
 
@@ -34,9 +41,20 @@ impl TopDownPhysicsPlugin {
 
     /// With each step in so many equal ones of rapier, from 1 to 1000. Forces and commands act for
     /// whole steps.
+    ///
+    /// # Panics
+    /// With any other number of substeps: it is a mistake in the program.
     pub fn with_substeps(self, substeps: usize) -> Self {
-        TopDownPhysicsPlugin { substeps: substeps.clamp(1, 1000), ..self }
+        if !(1..=1000).contains(&substeps) {
+            refuse("substeps", substeps, "a whole number from 1 to 1000");
+        }
+        TopDownPhysicsPlugin { substeps, ..self }
     }
+}
+
+/// Panics over an argument that is not allowed.
+fn refuse(argument: &str, value: impl Display, allowed: &str) -> ! {
+    panic!("TopDownPhysicsPlugin: {}", SpecError::new(argument, value, allowed));
 }
 
 impl Default for TopDownPhysicsPlugin {
@@ -69,5 +87,33 @@ impl Plugin for TopDownPhysicsPlugin {
                     )
                     .in_fixed_schedule(),
             );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+
+    /// What a constructor says when it refuses its argument.
+    fn refusal(construct: impl FnOnce() -> TopDownPhysicsPlugin) -> Option<String> {
+        let panic = catch_unwind(AssertUnwindSafe(construct)).err()?;
+        panic.downcast_ref::<String>().cloned()
+    }
+
+    #[test]
+    fn impossible_steps_are_refused_by_name() {
+        for steps in [f64::NAN, f64::INFINITY, -64.0, 0.0, 0.999, 100_001.0] {
+            let said = refusal(|| TopDownPhysicsPlugin::new(steps)).unwrap();
+            assert!(said.contains("`steps_a_second`") && said.contains("100000"), "{said}");
+        }
+        for substeps in [0, 1001, usize::MAX] {
+            let said = refusal(|| TopDownPhysicsPlugin::default().with_substeps(substeps)).unwrap();
+            assert!(said.contains("`substeps`") && said.contains("1000"), "{said}");
+        }
+        for steps in [1.0, 20.0, 1e5] {
+            assert_eq!(TopDownPhysicsPlugin::new(steps).steps_a_second, steps);
+        }
+        assert_eq!(TopDownPhysicsPlugin::default().with_substeps(1000).substeps, 1000);
     }
 }

@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use super::{MappingTrial, MappingTrialError, RapierBodies, TrialFailed, TrialPlugin};
 use crate::EnvgenCorePlugin;
-use crate::environment::{Environment, EnvironmentError, EnvironmentFailed, Pace};
+use crate::environment::{Environment, EnvironmentError, EnvironmentFailure, Pace};
 use crate::physics::{ColliderSettings, EnvgenPhysicsPlugin, TopDownPhysicsPlugin};
 
 /// Ticks between two calls of the callback for progress.
@@ -74,9 +74,9 @@ pub fn replay_headless(
     drive(world.clone(), MappingTrial::replay(log), progress)
 }
 
-/// The last reason why nothing comes of it.
+/// The last reason why the trial cannot begin.
 #[derive(Resource)]
-struct Failure(HeadlessError);
+struct Failure(MappingTrialError);
 
 fn drive(
     world: envgen::World,
@@ -91,9 +91,12 @@ fn drive(
         app.update();
         ticks += 1;
         if let Some(Failure(error)) = app.world_mut().remove_resource() {
-            return Err(error);
+            return Err(error.into());
         }
         let mut root = app.world_mut().entity_mut(entity);
+        if let Some(failure) = root.get::<EnvironmentFailure>() {
+            return Err(failure.0.clone().into());
+        }
         let trial = root.get::<MappingTrial>().ok_or(HeadlessError::Stalled)?;
         if trial.is_over() {
             let trial = root.take::<MappingTrial>().and_then(MappingTrial::into_trial);
@@ -122,11 +125,8 @@ fn app() -> App {
         TrialPlugin::default(),
     ));
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(TICK)));
-    app.add_observer(|failed: On<EnvironmentFailed>, mut commands: Commands| {
-        commands.insert_resource(Failure(failed.error.clone().into()));
-    });
     app.add_observer(|failed: On<TrialFailed>, mut commands: Commands| {
-        commands.insert_resource(Failure(failed.error.clone().into()));
+        commands.insert_resource(Failure(failed.error.clone()));
     });
     // The systems are many and short: threads would only wait for each other.
     for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {

@@ -10,6 +10,7 @@ use super::TrialView;
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct FollowRobot {
     /// The environment that the trial is in.
+    #[entities]
     pub trial: Entity,
     /// Which robot, counted from 0; the last one there is for greater numbers.
     pub robot: usize,
@@ -26,6 +27,7 @@ pub struct FollowRobot {
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct ShowWholeMap {
     /// The environment that the trial is in.
+    #[entities]
     pub trial: Entity,
     /// Metres around the map.
     pub margin: f32,

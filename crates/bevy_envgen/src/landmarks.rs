@@ -1,0 +1,149 @@
+//! Where the start and the goal of a world are in the app.
+
+use bevy::ecs::entity::MapEntities;
+use bevy::prelude::*;
+use envgen::World as EnvgenWorld;
+use envgen::geometry::Pose;
+use envgen::glam::DVec2;
+
+use crate::part::{Goal, PartOf, Start};
+use crate::shape::Frame;
+
+/// Where the start and the goal of an environment's world are, on the entity of the
+/// [`Environment`](crate::Environment).
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_envgen::prelude::*;
+///
+/// fn spawn_player(
+///     ready: On<EnvironmentReady>,
+///     landmarks: Query<&EnvironmentLandmarks>,
+///     mut commands: Commands,
+/// ) {
+///     if let Ok(EnvironmentLandmarks { start: Some(start), .. }) = landmarks.get(ready.entity) {
+///         commands.spawn((Name::new("player"), start.pose));
+///     }
+/// }
+/// # let mut app = bevy_envgen::testing::test_app();
+/// # app.add_observer(spawn_player);
+/// # app.world_mut().spawn(Environment::new(HallwaySpec::default(), 1));
+/// # app.update();
+/// # let mut players = app.world_mut().query_filtered::<&Name, Without<PartOf>>();
+/// # assert!(players.iter(app.world()).any(|name| name.as_str() == "player"));
+/// ```
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[component(clone_behavior = Ignore)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct EnvironmentLandmarks {
+    /// Where a robot starts; absent when the world has no start.
+    #[entities]
+    pub start: Option<Landmark>,
+    /// Where it is to go; absent when the world has no goal.
+    #[entities]
+    pub goal: Option<Landmark>,
+}
+
+/// A place of a world. The headings are along +x of its transforms.
+#[derive(Clone, Copy, Debug, PartialEq, MapEntities, Reflect)]
+#[reflect(Debug, PartialEq, Clone)]
+pub struct Landmark {
+    /// Its part, with [`Start`] or [`Goal`]; absent while its tile is not spawned.
+    #[entities]
+    pub part: Option<Entity>,
+    /// Where it is in the environment's frame, for children of the environment.
+    pub local: Transform,
+    /// Where it is in the app's space, at scale 1. It follows the environment when that is moved, as
+    /// Bevy propagates transforms.
+    pub pose: Transform,
+}
+
+impl EnvironmentLandmarks {
+    /// Of a world with a given point at the origin of its environment.
+    pub(crate) fn new(world: &EnvgenWorld, origin: DVec2, environment: &GlobalTransform) -> Self {
+        let frame = Frame::new(origin);
+        let landmark = |pose: Pose| {
+            let local = frame.pose(pose.position, pose.heading);
+            Landmark { part: None, local, pose: in_space(environment, local) }
+        };
+        EnvironmentLandmarks { start: world.start.map(landmark), goal: world.goal.map(landmark) }
+    }
+
+    /// Moves them with their environment.
+    pub(crate) fn follow(&mut self, environment: &GlobalTransform) {
+        for landmark in [&mut self.start, &mut self.goal].into_iter().flatten() {
+            landmark.pose = in_space(environment, landmark.local);
+        }
+    }
+}
+
+fn in_space(environment: &GlobalTransform, local: Transform) -> Transform {
+    let pose = environment.mul_transform(local).compute_transform();
+    pose.with_scale(Vec3::ONE)
+}
+
+/// The parts that are landmarks.
+trait Mark: Component {
+    fn of(landmarks: &mut EnvironmentLandmarks) -> Option<&mut Landmark>;
+}
+
+impl Mark for Start {
+    fn of(landmarks: &mut EnvironmentLandmarks) -> Option<&mut Landmark> {
+        landmarks.start.as_mut()
+    }
+}
+
+impl Mark for Goal {
+    fn of(landmarks: &mut EnvironmentLandmarks) -> Option<&mut Landmark> {
+        landmarks.goal.as_mut()
+    }
+}
+
+/// Notes the part of a landmark when it is spawned.
+fn find<M: Mark>(
+    added: On<Add, M>,
+    parts: Query<&PartOf>,
+    mut environments: Query<&mut EnvironmentLandmarks>,
+) {
+    if let Ok(part) = parts.get(added.entity)
+        && let Ok(mut landmarks) = environments.get_mut(part.0)
+        && let Some(landmark) = M::of(&mut landmarks)
+    {
+        // A clone of a part does not take the place of the part.
+        landmark.part.get_or_insert(added.entity);
+    }
+}
+
+/// Forgets the part of a landmark when it is despawned.
+fn lose<M: Mark>(
+    removed: On<Remove, M>,
+    parts: Query<&PartOf>,
+    mut environments: Query<&mut EnvironmentLandmarks>,
+) {
+    if let Ok(part) = parts.get(removed.entity)
+        && let Ok(mut landmarks) = environments.get_mut(part.0)
+        && let Some(landmark) = M::of(&mut landmarks)
+    {
+        landmark.part.take_if(|part| *part == removed.entity);
+    }
+}
+
+/// Moves the landmarks of environments that were moved.
+pub(crate) fn follow_environments(
+    mut environments: Query<
+        (&GlobalTransform, &mut EnvironmentLandmarks),
+        Changed<GlobalTransform>,
+    >,
+) {
+    for (environment, mut landmarks) in &mut environments {
+        landmarks.follow(environment);
+    }
+}
+
+pub(crate) fn register(app: &mut App) {
+    app.register_type::<EnvironmentLandmarks>()
+        .add_observer(find::<Start>)
+        .add_observer(find::<Goal>)
+        .add_observer(lose::<Start>)
+        .add_observer(lose::<Goal>);
+}
