@@ -14,7 +14,7 @@ fn main() -> Result<(), GenerateError> {
     let spec = HallwaySpec { segments: 20, door_frame_rate: 0.1, ..Default::default() };
     let hallway = spec.generate(Seed(7))?;
     let rays = Raycaster::new(&hallway.to_world());
-    let scanner = Fan::new(PI, 181);
+    let scanner = Fan::new(PI, 181)?;
     let mut ranges = Vec::new();
     for (cell, state) in hallway.layout().cells().iter().zip(hallway.states()) {
         let ahead = state.exit();

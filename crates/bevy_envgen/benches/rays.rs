@@ -53,7 +53,7 @@ fn race(name: &str, spec: WorldSpec) {
         .filter(|place| world.clearance(place.position) > 0.4)
         .take(PLACES)
         .collect();
-        let fan = Fan::new(std::f64::consts::PI, BEAMS);
+        let fan = Fan::new(std::f64::consts::PI, BEAMS).expect("half a turn");
         let ours = || {
             let mut ranges = Vec::new();
             let scan = |&place: &Pose| {

@@ -48,7 +48,7 @@ fn main() {
 
 fn rays(name: &str, world: &World, poses: &[Pose]) {
     let index = Raycaster::new(world);
-    let fan = Fan::new(std::f64::consts::PI, BEAMS);
+    let fan = Fan::new(std::f64::consts::PI, BEAMS).expect("half a turn");
     let mut ranges = Vec::new();
     let mut all = || {
         let mut sum = 0.0;

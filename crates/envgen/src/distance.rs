@@ -12,7 +12,12 @@ pub const FAR_SQUARED: u16 = u16::MAX;
 /// Distances along columns first, then the lower envelope of the parabolas that they make in each
 /// row: Felzenszwalb and Huttenlocher, Distance Transforms of Sampled Functions, Theory of
 /// Computing 8 (2012), in whole numbers as in Meijster, Roerdink and Hesselink (2000). O(cells).
+///
+/// # Panics
+/// When the cells are no whole number of rows.
+#[track_caller]
 pub fn squared_distances(cols: usize, marked: &[bool]) -> Vec<u16> {
+    assert_whole_rows(marked.len(), cols);
     let mut along = vec![FAR; marked.len()];
     let mut squared = vec![FAR_SQUARED; marked.len()];
     if cols == 0 {
@@ -67,6 +72,12 @@ pub fn squared_distances(cols: usize, marked: &[bool]) -> Vec<u16> {
         }
     }
     squared
+}
+
+/// That cells given row by row are whole rows of `cols` columns; no cells are none of any.
+#[track_caller]
+pub(crate) fn assert_whole_rows(cells: usize, cols: usize) {
+    assert!(cells == 0 || cells.is_multiple_of(cols), "{cells} cells are no rows of {cols}");
 }
 
 #[cfg(test)]

@@ -23,8 +23,12 @@ pub fn standard_normal(stream: &mut Stream) -> f64 {
 ///
 /// G. Marsaglia and W. W. Tsang, A simple method for generating gamma variables, ACM Transactions
 /// on Mathematical Software 26, 2000; below a shape of 1 with the factor of their section 6.
+///
+/// # Panics
+/// When the shape is not positive and finite.
+#[track_caller]
 pub fn ln_gamma_variate(stream: &mut Stream, shape: f64) -> f64 {
-    debug_assert!(shape > 0.0 && shape.is_finite(), "gamma shape {shape}");
+    assert!(shape > 0.0 && shape.is_finite(), "the shape of a gamma law is {shape}");
     if shape < 1.0 {
         let boost = libm::log(1.0 - stream.unit()) / shape;
         return ln_gamma_variate(stream, shape + 1.0) + boost;
@@ -51,8 +55,12 @@ pub fn ln_gamma_variate(stream: &mut Stream, shape: f64) -> f64 {
 /// Knuth's product of uniform numbers below a mean of 10, Hörmann's transformed rejection PTRS above
 /// (W. Hörmann, The transformed rejection method for generating Poisson random variables,
 /// Insurance: Mathematics and Economics 12, 1993).
+///
+/// # Panics
+/// When the mean is negative, NaN or above 1e15.
+#[track_caller]
 pub fn poisson(stream: &mut Stream, mean: f64) -> u64 {
-    debug_assert!((0.0..=1e15).contains(&mean), "Poisson mean {mean}");
+    assert!((0.0..=1e15).contains(&mean), "the mean of a Poisson law is {mean}");
     if mean < 10.0 {
         let limit = libm::exp(-mean);
         let mut product = stream.unit();

@@ -1,4 +1,15 @@
 //! What can go wrong between a spec and a world.
+//!
+//! A number that is not allowed is never replaced by another one in silence:
+//!
+//! - What a program may compute or read (a reach, a resolution, a field of view, any setting of a
+//!   spec) is checked where it comes in, and the answer is an error that names the field, its value
+//!   and what is allowed, such as [`SpecError`].
+//! - What a programmer writes down (a range to draw from, the number of columns of a slice) is a
+//!   mistake in the program when it is wrong: the function panics, says so under "Panics", and its
+//!   message names the argument and its value.
+//! - Pure geometry takes every number: of NaN it makes NaN, or "no hit", "outside" and "infinitely
+//!   far". Where something else is meant by such a number, the documentation says what.
 
 use std::fmt;
 

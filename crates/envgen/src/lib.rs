@@ -11,7 +11,7 @@
 //!
 //! // A laser scan from the start.
 //! let mut ranges = Vec::new();
-//! let scanner = Fan::new(std::f64::consts::PI, 181);
+//! let scanner = Fan::new(std::f64::consts::PI, 181)?;
 //! let start = world.start.expect("a hallway has a start");
 //! Raycaster::new(&world).scan(start, &scanner, 8.0, &mut ranges);
 //! assert_eq!(ranges.len(), 181);
@@ -37,6 +37,8 @@
 //! - Metres, radians and seconds in `f64`; x right, y up, headings counter-clockwise from +x.
 //! - Every spec is validated; an error names the field, the value and what is allowed. Nothing
 //!   panics or takes unbounded time or memory on any spec.
+//! - No number is replaced in silence: NaN, a negative or a zero where none is allowed is an error,
+//!   or a panic that the documentation names where only a mistake in the program can cause it.
 //!
 //! # Features
 //!

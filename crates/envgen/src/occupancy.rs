@@ -42,6 +42,14 @@ pub enum OccupancyError {
         /// The most cells.
         most: u64,
     },
+    /// Cells that are no grid.
+    #[error("{cells} cells are no whole number of rows of {cols}, or none")]
+    Cells {
+        /// Cells that were given.
+        cells: usize,
+        /// Columns that were given.
+        cols: usize,
+    },
 }
 
 /// Square cells over a rectangle, free or occupied. Row 0 is the lowest (least y), column 0 the
@@ -100,28 +108,27 @@ impl OccupancyGrid {
         Ok(OccupancyGrid { lattice, occupied })
     }
 
-    /// A grid of cells that are known, row by row from the lowest, each `cols` long; what is missing
-    /// of the last row is free.
+    /// A grid of cells that are known, row by row from the lowest, each `cols` long.
     ///
     /// # Errors
-    /// As [`OccupancyGrid::of`].
+    /// As [`OccupancyGrid::of`], and when the cells are not one or more whole rows.
     pub fn from_cells(
         origin: DVec2,
         resolution: f64,
         cols: usize,
-        mut occupied: Vec<bool>,
+        occupied: Vec<bool>,
     ) -> Result<Self, OccupancyError> {
         if !(resolution > 0.0 && resolution.is_finite()) {
             return Err(OccupancyError::Resolution(resolution));
         }
-        let cols = cols.max(1);
-        let rows = occupied.len().div_ceil(cols).max(1);
-        let cells = rows as u64 * cols as u64;
-        if cells > MAX_CELLS {
+        if occupied.is_empty() || !occupied.len().is_multiple_of(cols) {
+            return Err(OccupancyError::Cells { cells: occupied.len(), cols });
+        }
+        let rows = occupied.len() / cols;
+        if occupied.len() as u64 > MAX_CELLS {
             let (cols, rows) = (cols as f64, rows as f64);
             return Err(OccupancyError::Size { resolution, cols, rows, most: MAX_CELLS });
         }
-        occupied.resize(cells as usize, false);
         let lattice = Lattice { origin, side: resolution, cols, rows };
         Ok(OccupancyGrid { lattice, occupied })
     }

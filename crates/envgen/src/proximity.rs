@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use crate::error::SpecError;
 use crate::geometry::{Rect, Shape, edges};
 use crate::lattice::{Convex, Lattice, Lists};
 use crate::world::{PartId, World};
@@ -11,6 +12,9 @@ const CELLS_A_SHAPE: f64 = 1.0;
 
 /// Cells that list a shape, on average over all shapes, at most.
 const MAX_LISTINGS: usize = 48;
+
+/// The farthest that an index may see, in metres.
+const MAX_REACH: f64 = 1e9;
 
 /// The nearest point of a solid part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +36,7 @@ pub struct Contact {
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec, proximity::Proximity};
 ///
 /// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
-/// let near = Proximity::new(&world, 1.5);
+/// let near = Proximity::new(&world, 1.5)?;
 /// let start = world.start.expect("hallways have a start");
 /// // The corridor is 2 m wide.
 /// assert!((near.clearance(start.position) - 1.0).abs() < 1e-12);
@@ -47,10 +51,16 @@ pub struct Proximity {
 }
 
 impl Proximity {
-    /// Indexes the solid parts of a world for questions about what is within `reach` metres.
-    /// A reach that is negative or not a number counts as 0.
-    pub fn new(world: &World, reach: f64) -> Self {
-        let reach = reach.max(0.0);
+    /// Indexes the solid parts of a world for questions about what is within `reach` metres, from
+    /// 0 to 1e9.
+    ///
+    /// # Errors
+    /// When `reach` is not such a number.
+    pub fn new(world: &World, reach: f64) -> Result<Self, SpecError> {
+        if !(0.0..=MAX_REACH).contains(&reach) {
+            let allowed = format!("a number from 0 to {MAX_REACH}");
+            return Err(SpecError::new("reach", reach, allowed));
+        }
         let mut shapes = Vec::new();
         for solid in world.solids() {
             match &*solid.shape {
@@ -75,7 +85,7 @@ impl Proximity {
                 touched_runs(&shapes[i as usize].1, reach, lattice, visit);
             });
             if let Some(lists) = lists {
-                return Proximity { reach, lattice, lists, shapes };
+                return Ok(Proximity { reach, lattice, lists, shapes });
             }
             target *= 0.25;
         }
@@ -187,7 +197,7 @@ mod tests {
             reach in 0.0..6.0,
         ) {
             let world = world(shapes);
-            let near = Proximity::new(&world, reach);
+            let near = Proximity::new(&world, reach).expect("a reach");
             for (x, y) in points {
                 let p = DVec2::new(x, y);
                 let slow = world.clearance(p);
@@ -213,7 +223,7 @@ mod tests {
     fn every_kind_of_world_is_indexed_exactly() {
         for &kind in Kind::ALL {
             let world = kind.default_spec().generate(Seed(3)).expect("defaults").to_world();
-            let near = Proximity::new(&world, 1.0);
+            let near = Proximity::new(&world, 1.0).expect("a reach");
             let mut draws = Seed(1).stream("test", 0);
             for _ in 0..200 {
                 let size = world.bounds.size();
@@ -228,10 +238,22 @@ mod tests {
 
     #[test]
     fn nothing_and_nonsense_are_far() {
-        let near = Proximity::new(&world(Vec::new()), f64::NAN);
+        let near = Proximity::new(&world(Vec::new()), 0.0).expect("a reach");
         assert_eq!(near.nearest(DVec2::ZERO), None);
         assert_eq!(near.nearest(DVec2::NAN), None);
         assert_eq!(near.clearance(DVec2::splat(1e300)), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_reach_is_a_distance() {
+        let world = world(vec![Shape::Disc { center: DVec2::ONE, radius: 0.5 }]);
+        for reach in [f64::NAN, -1.0, -1e-300, f64::INFINITY, 2e9] {
+            let error = Proximity::new(&world, reach).expect_err("it is none").to_string();
+            let named = error.starts_with(&format!("`reach` is {reach}, "));
+            assert!(named && error.contains("from 0 to 1000000000"), "{error}");
+        }
+        let far = Proximity::new(&world, 1e9).expect("a reach");
+        assert_eq!(far.clearance(DVec2::new(1.0, 1e6)), 1e6 - 1.5);
     }
 
     #[test]
@@ -241,7 +263,8 @@ mod tests {
             Tree { center: DVec2::new(3.0, 0.0), radius: 1.0 },
             Tree { center: DVec2::new(-4.0, 0.0), radius: 1.0 },
         ];
-        let contact = Proximity::new(&world, 5.0).nearest(DVec2::ZERO).expect("a tree");
+        let near = Proximity::new(&world, 5.0).expect("a reach");
+        let contact = near.nearest(DVec2::ZERO).expect("a tree");
         assert_eq!((contact.part.index, contact.point, contact.distance), (0, DVec2::X * 2.0, 2.0));
     }
 }

@@ -1,7 +1,10 @@
 //! Exact ranges from a [`World`]'s solid parts.
 
+use std::f64::consts::TAU;
+
 use glam::DVec2;
 
+use crate::error::SpecError;
 use crate::geometry::{Pose, Rect, Shape, edges, polygon_contains, unit_vector};
 use crate::lattice::{Convex, Lattice, Lists, MAX_CELLS};
 use crate::world::{PartId, World};
@@ -12,6 +15,9 @@ const CELLS_A_SHAPE: f64 = 2.0;
 /// Cells that list a shape, on average over all shapes, at most. Worlds whose parts lie over each
 /// other get a coarser index, so that its memory is bounded.
 const MAX_LISTINGS: usize = 24;
+
+/// Rays of a fan, at most.
+const MAX_BEAMS: usize = 1_000_000;
 
 /// What a ray met.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,12 +36,24 @@ pub struct Fan {
 
 impl Fan {
     /// `beams` rays spread evenly over `field_of_view` radians, centred on the scanner's heading,
-    /// from right to left; both ends have a ray.
-    pub fn new(field_of_view: f64, beams: usize) -> Self {
+    /// from right to left; both ends have a ray. The field of view is from 0 to a full turn, the
+    /// beams are a million at most.
+    ///
+    /// # Errors
+    /// The first of the two that is not allowed.
+    pub fn new(field_of_view: f64, beams: usize) -> Result<Self, SpecError> {
+        if !(0.0..=TAU).contains(&field_of_view) {
+            let allowed = format!("a number from 0 to {TAU}");
+            return Err(SpecError::new("field_of_view", field_of_view, allowed));
+        }
+        if beams > MAX_BEAMS {
+            let allowed = format!("a whole number from 0 to {MAX_BEAMS}");
+            return Err(SpecError::new("beams", beams, allowed));
+        }
         let step = field_of_view / beams.saturating_sub(1).max(1) as f64;
         let first = if beams > 1 { -0.5 * field_of_view } else { 0.0 };
         let directions = (0..beams).map(|i| unit_vector(first + step * i as f64)).collect();
-        Fan { directions }
+        Ok(Fan { directions })
     }
 
     /// Number of rays.
@@ -140,8 +158,8 @@ impl Raycaster {
         }
     }
 
-    /// The first part that a ray meets within `max_range` metres; `None` when there is none.
-    /// `heading` is in radians.
+    /// The first part that a ray meets within `max_range` metres; `None` when there is none, as
+    /// for a negative range or where a number is NaN. `heading` is in radians.
     pub fn cast(&self, from: DVec2, heading: f64, max_range: f64) -> Option<Hit> {
         self.cast_along(from, unit_vector(heading), max_range)
     }

@@ -109,22 +109,32 @@ impl Stream {
     }
 
     /// Uniform in [`low`, `high`), or `low` when the two are equal.
+    ///
+    /// # Panics
+    /// When `low` is greater than `high`, or the two are not finitely far apart.
     #[inline]
+    #[track_caller]
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        // False for NaN, and where one is infinite.
+        assert!(high - low >= 0.0 && high - low < f64::INFINITY, "between({low}, {high})");
         low + (high - low) * self.unit()
     }
 
-    /// True with probability `p`; never for 0, always for 1.
+    /// True with probability `p`; never for 0 and less or NaN, always for 1 and more.
     #[inline]
     pub fn chance(&mut self, p: f64) -> bool {
         self.unit() < p
     }
 
     /// Uniform in 0..`n`, without bias (Lemire, Fast Random Integer Generation in an Interval,
-    /// ACM TOMACS 29, 2019). `n` = 0 counts as 1.
+    /// ACM TOMACS 29, 2019).
+    ///
+    /// # Panics
+    /// When `n` is 0: there is nothing to draw from.
     #[inline]
+    #[track_caller]
     pub fn below(&mut self, n: u64) -> u64 {
-        let n = n.max(1);
+        assert!(n > 0, "below(0): there is nothing to draw from");
         let mut wide = u128::from(self.bits()) * u128::from(n);
         if (wide as u64) < n {
             let threshold = n.wrapping_neg() % n;
@@ -136,8 +146,14 @@ impl Stream {
     }
 
     /// The index of a weight, drawn in proportion to it; `None` when no weight is positive.
+    ///
+    /// # Panics
+    /// When a weight is negative or NaN, or their sum is not finite.
+    #[track_caller]
     pub fn weighted(&mut self, weights: &[f64]) -> Option<usize> {
         let total: f64 = weights.iter().sum();
+        let sound = total < f64::INFINITY && weights.iter().all(|weight| *weight >= 0.0);
+        assert!(sound, "weighted({weights:?})");
         let mut left = self.unit() * total;
         let mut last = None;
         for (i, &weight) in weights.iter().enumerate() {
@@ -227,6 +243,37 @@ mod tests {
         }
         assert_eq!(stream.weighted(&[0.0, 0.0]), None);
         assert_eq!(stream.weighted(&[]), None);
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_a_mistake_of_the_program() {
+        let panics = |draw: fn(&mut Stream)| {
+            let mut stream = Seed(1).stream("test", 0);
+            let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                draw(&mut stream);
+            }));
+            let payload = caught.expect_err("it panics");
+            let text = payload.downcast_ref::<String>().cloned();
+            text.or_else(|| payload.downcast_ref::<&str>().map(|&text| text.to_owned()))
+                .expect("a text")
+        };
+        assert_eq!(panics(|s| drop(s.below(0))), "below(0): there is nothing to draw from");
+        assert_eq!(panics(|s| drop(s.between(2.0, 1.0))), "between(2, 1)");
+        assert_eq!(panics(|s| drop(s.between(f64::NAN, 1.0))), "between(NaN, 1)");
+        assert_eq!(panics(|s| drop(s.between(0.0, f64::INFINITY))), "between(0, inf)");
+        assert_eq!(panics(|s| drop(s.weighted(&[1.0, -1.0]))), "weighted([1.0, -1.0])");
+        assert_eq!(panics(|s| drop(s.weighted(&[f64::NAN]))), "weighted([NaN])");
+        use crate::distribution::{ln_gamma_variate, poisson};
+        assert_eq!(panics(|s| drop(poisson(s, -1.0))), "the mean of a Poisson law is -1");
+        assert_eq!(
+            panics(|s| drop(poisson(s, 1e16))),
+            "the mean of a Poisson law is 10000000000000000"
+        );
+        assert_eq!(panics(|s| drop(ln_gamma_variate(s, 0.0))), "the shape of a gamma law is 0");
+        assert_eq!(
+            panics(|s| drop(ln_gamma_variate(s, f64::NAN))),
+            "the shape of a gamma law is NaN"
+        );
     }
 
     #[test]

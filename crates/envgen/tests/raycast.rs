@@ -172,7 +172,7 @@ fn an_empty_world_has_no_ranges() {
     let rays = Raycaster::new(&empty_world());
     assert_eq!(rays.cast(DVec2::ZERO, 1.0, f64::INFINITY), None);
     let mut ranges = vec![1.0];
-    rays.scan(Pose::default(), &Fan::new(3.0, 5), 8.0, &mut ranges);
+    rays.scan(Pose::default(), &Fan::new(3.0, 5).unwrap(), 8.0, &mut ranges);
     assert_eq!(ranges, [8.0; 5]);
 }
 
@@ -189,12 +189,24 @@ fn nonsense_rays_meet_nothing_and_end() {
 }
 
 #[test]
+fn a_fan_is_at_most_a_full_turn_of_a_million_rays() {
+    for angle in [-0.1, f64::NAN, f64::INFINITY, 6.3] {
+        let error = Fan::new(angle, 3).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("`field_of_view` is {angle}, ")), "{error}");
+    }
+    let error = Fan::new(1.0, usize::MAX).unwrap_err().to_string();
+    assert!(error.starts_with(&format!("`beams` is {}, ", usize::MAX)), "{error}");
+    assert!(Fan::new(0.0, 0).unwrap().is_empty());
+    assert_eq!(Fan::new(std::f64::consts::TAU, 1).unwrap().len(), 1);
+}
+
+#[test]
 fn a_scan_runs_from_right_to_left() {
     let wall = Shape::from_rect(Rect::new(DVec2::new(-1.0, 2.0), DVec2::new(1.0, 2.5)));
     let rays = Raycaster::new(&world_of(vec![wall]));
     let mut ranges = Vec::new();
     let pose = Pose::new(0.0, 0.0, 0.0);
-    rays.scan(pose, &Fan::new(std::f64::consts::PI, 3), 8.0, &mut ranges);
+    rays.scan(pose, &Fan::new(std::f64::consts::PI, 3).unwrap(), 8.0, &mut ranges);
     assert_eq!(ranges[..2], [8.0, 8.0]);
     assert!((ranges[2] - 2.0).abs() < 1e-12);
 }

@@ -73,7 +73,7 @@ fn main() {
     for map in 0..MAPS {
         let world = IndoorSpec::default().generate(Seed(map)).expect("defaults").to_world();
         let settings = TrialSettings { seed: Seed(map), ..TrialSettings::default() };
-        let flat = Arc::new(FlatWorld::new(&world, &settings.body));
+        let flat = Arc::new(FlatWorld::new(&world, &settings.body).expect("a robot"));
         let truth = Truth::new(&world, &settings.body).expect("a start");
         let run = || {
             let builder = Trial::builder(&world, settings.clone());

@@ -6,7 +6,7 @@ use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use envgen::ground::Grounds;
 use envgen::proximity::Proximity;
 use envgen::raycast::{Fan, Raycaster};
-use envgen::{Seed, World};
+use envgen::{Seed, SpecError, World};
 use glam::DVec2;
 
 use crate::body::{Bodies, Command, Condition, Observation, Sensors, TICK};
@@ -34,12 +34,16 @@ pub struct FlatWorld {
 
 impl FlatWorld {
     /// Indexes a world for robots whose bodies are not larger than `robot`'s.
-    pub fn new(world: &World, robot: &Robot) -> Self {
-        FlatWorld {
+    ///
+    /// # Errors
+    /// When [`Robot::validate`] refuses the robot.
+    pub fn new(world: &World, robot: &Robot) -> Result<Self, SpecError> {
+        robot.validate()?;
+        Ok(FlatWorld {
             rays: Raycaster::new(world),
-            near: Proximity::new(world, robot.swing_radius + 0.1),
+            near: Proximity::new(world, robot.swing_radius + 0.1)?,
             grounds: Grounds::new(world),
-        }
+        })
     }
 }
 
@@ -77,6 +81,10 @@ impl FlatSimulator {
     pub const ENGINE: &str = "flat";
 
     /// Robots at their starts; what their sensors get wrong follows from the seed.
+    ///
+    /// # Panics
+    /// When the robot or one of the profiles is not valid.
+    #[track_caller]
     pub fn new(
         world: Arc<FlatWorld>,
         robot: &Robot,
@@ -92,6 +100,10 @@ impl FlatSimulator {
     }
 
     /// The same with sensors of one's own, one set a start.
+    ///
+    /// # Panics
+    /// When the robot or the laser's profile is not valid.
+    #[track_caller]
     pub fn with_sensors(
         world: Arc<FlatWorld>,
         robot: &Robot,
@@ -99,6 +111,10 @@ impl FlatSimulator {
         laser: &LaserProfile,
         sensors: Vec<Sensors>,
     ) -> Self {
+        let fan = match robot.validate().and_then(|()| laser.fan()) {
+            Ok(fan) => fan,
+            Err(error) => panic!("{error}"),
+        };
         let discs = starts.iter().zip(sensors).map(|(&pose, sensors)| Disc {
             pose,
             speed: 0.0,
@@ -114,7 +130,7 @@ impl FlatSimulator {
             world,
             robot: robot.clone(),
             laser: laser.clone(),
-            fan: laser.fan(),
+            fan,
             ticks: 0,
             discs: discs.collect(),
             exact: Vec::new(),
@@ -233,7 +249,7 @@ impl Bodies for FlatSimulator {
 
     fn observe(&mut self, robot: usize) -> Observation {
         let time = f64::from(self.ticks) * TICK;
-        let due = self.ticks.is_multiple_of(self.laser.ticks_a_scan.max(1));
+        let due = self.ticks.is_multiple_of(self.laser.ticks_a_scan);
         let scan = due.then(|| {
             let from = self.robot.laser_pose(self.discs[robot].pose);
             self.world.rays.scan(from, &self.fan, self.laser.max_range, &mut self.exact);
@@ -303,9 +319,18 @@ mod tests {
         world
     }
 
+    #[test]
+    fn a_world_is_indexed_for_robots_that_there_can_be() {
+        for swing_radius in [f64::NAN, -1.0, 0.0, 50.0] {
+            let robot = Robot { swing_radius, ..Robot::default() };
+            let error = FlatWorld::new(&room(5.0, 5.0), &robot).expect_err("no robot").to_string();
+            assert!(error.contains("`body.swing_radius` is"), "{error}");
+        }
+    }
+
     fn simulator(world: &World, starts: &[Pose]) -> FlatSimulator {
         let robot = Robot::default();
-        let flat = Arc::new(FlatWorld::new(world, &robot));
+        let flat = Arc::new(FlatWorld::new(world, &robot).expect("a robot"));
         let (laser, odometry) = (LaserProfile::USARSIM, OdometryProfile::EXACT);
         FlatSimulator::new(flat, &robot, starts, &laser, &odometry, Seed(1))
     }
@@ -387,12 +412,12 @@ mod tests {
             let kind = SurfaceKind::Uneven;
             world.surfaces.push(Surface { kind, shape, speed: 1.0, odometry_noise: noise });
             let robot = Robot::default();
-            let flat = Arc::new(FlatWorld::new(&world, &robot));
+            let flat = Arc::new(FlatWorld::new(&world, &robot).expect("a robot"));
             let profile = OdometryProfile { b_s: 0.0, b_t: 0.0, ..OdometryProfile::SKID };
             let errors: Vec<f64> = (0..60)
                 .map(|seed| {
                     let start = [Pose::new(2.0, 5.0, 0.0)];
-                    let laser = LaserProfile { ticks_a_scan: 1000, ..LaserProfile::USARSIM };
+                    let laser = LaserProfile { ticks_a_scan: 200, ..LaserProfile::USARSIM };
                     let mut bodies = FlatSimulator::new(
                         flat.clone(),
                         &robot,

@@ -2,9 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use envgen::Seed;
 use envgen::raycast::Fan;
+use envgen::{Seed, SpecError};
 use serde::{Deserialize, Serialize};
+
+use crate::trial::{count, number};
 
 /// Random numbers that each beam has, used or not, so that its errors depend on nothing else.
 const DRAWS_A_BEAM: usize = 4;
@@ -59,6 +61,22 @@ impl LaserProfile {
     pub const LMS200_MM_ROUGH: LaserProfile =
         LaserProfile { dropout: 0.005, short: 0.001, mixed_pixel: 0.3, ..LaserProfile::LMS200_MM };
 
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// The first field whose value is not allowed, as `laser.beams`.
+    pub fn validate(&self) -> Result<(), SpecError> {
+        count("laser.beams", self.beams, 1, 4096)?;
+        number("laser.field_of_view", self.field_of_view, 0.0, TAU)?;
+        number("laser.max_range", self.max_range, 0.1, 200.0)?;
+        number("laser.range_step", self.range_step, 0.0, 1.0)?;
+        number("laser.sigma", self.sigma, 0.0, 1.0)?;
+        count("laser.ticks_a_scan", self.ticks_a_scan, 1, 200)?;
+        number("laser.dropout", self.dropout, 0.0, 1.0)?;
+        number("laser.short", self.short, 0.0, 1.0)?;
+        number("laser.mixed_pixel", self.mixed_pixel, 0.0, 1.0)
+    }
+
     /// Angle of a beam relative to the laser's heading, in radians, from right to left.
     pub fn angle(&self, beam: usize) -> f64 {
         let step = self.field_of_view / f64::from(self.beams.saturating_sub(1).max(1));
@@ -68,7 +86,11 @@ impl LaserProfile {
 
     /// The beams' directions, to cast them with
     /// [`Raycaster::scan`](envgen::raycast::Raycaster::scan).
-    pub fn fan(&self) -> Fan {
+    ///
+    /// # Errors
+    /// The first number that is not allowed.
+    pub fn fan(&self) -> Result<Fan, SpecError> {
+        self.validate()?;
         Fan::new(self.field_of_view, self.beams as usize)
     }
 }
@@ -116,7 +138,14 @@ pub struct Laser {
 
 impl Laser {
     /// The laser of the robot of number `robot` in the run of a seed.
+    ///
+    /// # Panics
+    /// When [`LaserProfile::validate`] refuses the profile.
+    #[track_caller]
     pub fn new(profile: LaserProfile, seed: Seed, robot: u64) -> Self {
+        if let Err(error) = profile.validate() {
+            panic!("{error}");
+        }
         Laser { profile, seed, robot, scans: 0 }
     }
 
@@ -169,6 +198,23 @@ impl LaserSensor for Laser {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    #[should_panic(expected = "`laser.beams` is 0, allowed is 1 to 4096")]
+    fn a_laser_has_beams() {
+        Laser::new(LaserProfile { beams: 0, ..LaserProfile::USARSIM }, Seed(0), 0);
+    }
+
+    #[test]
+    fn every_number_of_a_laser_is_checked() {
+        for field in ["field_of_view", "max_range", "range_step", "sigma", "dropout", "short"] {
+            let mut profile = serde_json::to_value(LaserProfile::USARSIM).expect("JSON");
+            profile[field] = (-1.0).into();
+            let profile: LaserProfile = serde_json::from_value(profile).expect("a profile");
+            let error = profile.validate().expect_err("it is negative").to_string();
+            assert!(error.starts_with(&format!("`laser.{field}` is -1, ")), "{error}");
+        }
+    }
 
     #[test]
     fn draws_of_a_beam_depend_on_nothing_else() {

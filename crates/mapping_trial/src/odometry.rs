@@ -1,8 +1,10 @@
 //! Dead odometry: what wheels measure of a motion.
 
 use envgen::distribution::standard_normal;
-use envgen::{Seed, Stream};
+use envgen::{Seed, SpecError, Stream};
 use serde::{Deserialize, Serialize};
+
+use crate::trial::number;
 
 /// A motion in the robot's own frame: a way ahead and a turn, as small as a tick's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -53,6 +55,21 @@ impl OdometryProfile {
         OdometryProfile { k_ss: 0.0, k_st: 0.0, k_tt: 0.0, k_ts: 0.0, b_s: 0.0, b_t: 0.0 };
 }
 
+impl OdometryProfile {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// The first field whose value is not allowed, as `odometry.k_ss`.
+    pub fn validate(&self) -> Result<(), SpecError> {
+        number("odometry.k_ss", self.k_ss, 0.0, 1.0)?;
+        number("odometry.k_st", self.k_st, 0.0, 1.0)?;
+        number("odometry.k_tt", self.k_tt, 0.0, 1.0)?;
+        number("odometry.k_ts", self.k_ts, 0.0, 1.0)?;
+        number("odometry.b_s", self.b_s, 0.0, 1.0)?;
+        number("odometry.b_t", self.b_t, 0.0, 1.0)
+    }
+}
+
 impl Default for OdometryProfile {
     fn default() -> Self {
         OdometryProfile::SKID
@@ -85,7 +102,14 @@ pub struct Odometry {
 
 impl Odometry {
     /// The wheels of the robot of number `robot` in the run of a seed.
+    ///
+    /// # Panics
+    /// When [`OdometryProfile::validate`] refuses the profile.
+    #[track_caller]
     pub fn new(profile: OdometryProfile, seed: Seed, robot: u64) -> Self {
+        if let Err(error) = profile.validate() {
+            panic!("{error}");
+        }
         let mut run = seed.stream("trial/odometry_bias", robot);
         Odometry {
             distance_scale: 1.0 + profile.b_s * standard_normal(&mut run),
@@ -116,6 +140,12 @@ impl WheelSensor for Odometry {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    #[should_panic(expected = "`odometry.k_st` is NaN, allowed is 0 to 1")]
+    fn wheels_have_errors_that_are_numbers() {
+        Odometry::new(OdometryProfile { k_st: f64::NAN, ..OdometryProfile::MILD }, Seed(0), 0);
+    }
 
     /// Mean and variance of what is measured of `ways` runs, each cut into `steps`.
     fn distances(steps: u32, profile: &OdometryProfile) -> (f64, f64) {

@@ -69,7 +69,7 @@ fn nearest_gets_stuck_nowhere() {
 fn two_robots_share_the_work() {
     let world = building(10, 4);
     let start = world.start.expect("a start");
-    let near = envgen::proximity::Proximity::new(&world, 1.0);
+    let near = envgen::proximity::Proximity::new(&world, 1.0).expect("a reach");
     let places = (0..63).map(|i| start.position + unit(f64::from(i) * 0.1));
     let second = places.max_by(|a, b| near.clearance(*a).total_cmp(&near.clearance(*b)));
     let second = Pose { position: second.expect("63 places"), heading: start.heading };

@@ -64,7 +64,7 @@ fn plan_passes(robot: &Robot, gap: f64, limit: Class) -> bool {
 /// Whether a disc that drives straight ahead gets through, and how often it hits.
 fn drive_passes(robot: &Robot, gap: f64) -> (bool, u32) {
     let world = rooms(gap);
-    let flat = Arc::new(FlatWorld::new(&world, robot));
+    let flat = Arc::new(FlatWorld::new(&world, robot).expect("a robot"));
     let start = world.start.expect("a start");
     let (laser, odometry) = (LaserProfile::default(), OdometryProfile::EXACT);
     let mut bodies = FlatSimulator::new(flat, robot, &[start], &laser, &odometry, Seed(1));

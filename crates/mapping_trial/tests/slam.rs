@@ -87,6 +87,7 @@ fn robots_share_one_map() {
     let rays = Raycaster::new(&world);
     let robot = Robot::default();
     let laser = LaserProfile::LMS200_MM;
+    let fan = laser.fan().expect("a laser");
     let starts = [Pose::new(2.0, 7.0, -1.5), Pose::new(10.0, 7.0, -1.5)];
     for kind in SlamKind::ALL {
         let mut slam = kind.build(&starts, &robot, &LaserProfile::LMS200_MM);
@@ -106,7 +107,7 @@ fn robots_share_one_map() {
                     envgen::geometry::unit_vector(poses[i].heading) * motion.distance;
                 let scan = (tick % 4 == 0).then(|| {
                     let from = robot.laser_pose(poses[i]);
-                    rays.scan(from, &laser.fan(), laser.max_range, &mut exact);
+                    rays.scan(from, &fan, laser.max_range, &mut exact);
                     lasers[i].measure(&exact)
                 });
                 slam.step(i, &seen(wheels[i].measure(motion, 1.0), scan));

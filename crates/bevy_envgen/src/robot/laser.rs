@@ -28,6 +28,9 @@ pub struct LaserScanner {
 
 impl LaserScanner {
     /// The laser of the robot of number `robot` in the run of a seed, which its noise follows from.
+    ///
+    /// # Panics
+    /// When [`LaserProfile::validate`] refuses the profile.
     pub fn new(profile: LaserProfile, seed: u64, robot: u64) -> Self {
         let sensor = Laser::new(profile.clone(), Seed(seed), robot);
         LaserScanner::with_sensor(profile, Box::new(sensor))

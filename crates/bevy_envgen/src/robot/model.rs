@@ -199,6 +199,9 @@ pub struct WheelOdometry {
 
 impl WheelOdometry {
     /// The wheels of the robot of number `robot` in the run of a seed.
+    ///
+    /// # Panics
+    /// When [`OdometryProfile::validate`] refuses the profile.
     pub fn new(profile: OdometryProfile, seed: u64, robot: u64) -> Self {
         WheelOdometry::with_sensor(Box::new(Odometry::new(profile, Seed(seed), robot)))
     }

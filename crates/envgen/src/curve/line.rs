@@ -12,12 +12,21 @@ impl Path<'_> {
     /// The distances along the path between which chords of the lines up to `offset` metres beside
     /// it stray by at most `tolerance` metres: start, cuts and end. Straight pieces that go on
     /// straight are one chord.
+    ///
+    /// # Panics
+    /// When `tolerance` is not positive.
+    #[track_caller]
     pub fn stations(&self, offset: f64, tolerance: f64) -> Vec<f64> {
         self.stations_between(0.0, self.length(), offset, tolerance)
     }
 
     /// As [`Path::stations`], from `from` to `to` metres.
+    ///
+    /// # Panics
+    /// As [`Path::stations`].
+    #[track_caller]
     pub fn stations_between(&self, from: f64, to: f64, offset: f64, tolerance: f64) -> Vec<f64> {
+        assert!(tolerance > 0.0, "a line cannot stray by at most {tolerance} m");
         let mut stations = vec![from];
         let first = self.piece_at(from).map_or(0, |(i, _)| i);
         let mut straight = false;

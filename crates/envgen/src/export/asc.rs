@@ -2,14 +2,16 @@
 
 use std::io::{self, Write};
 
+use crate::landscape::metrics::check;
 use crate::world::ClassRaster;
 
 /// Writes the classes of a raster as an ESRI ASCII grid, the top row first, 0 as no data. Reading
 /// it back with [`read_asc`](crate::import::read_asc) gives the same cells, cell side and place.
 ///
 /// # Errors
-/// When writing fails.
+/// When the raster's sizes do not fit together, or writing fails.
 pub fn write_asc(raster: &ClassRaster, out: &mut dyn Write) -> io::Result<()> {
+    check(raster).map_err(io::Error::other)?;
     let ClassRaster { rows, cols, cell, origin, .. } = *raster;
     let (x, y) = (origin.x, origin.y);
     write!(
@@ -18,7 +20,7 @@ pub fn write_asc(raster: &ClassRaster, out: &mut dyn Write) -> io::Result<()> {
          NODATA_value 0\n"
     )?;
     let mut line = String::new();
-    for row in raster.cells.chunks_exact((cols as usize).max(1)) {
+    for row in raster.cells.chunks(cols.max(1) as usize) {
         line.clear();
         for class in row {
             if !line.is_empty() {

@@ -5,7 +5,7 @@
 
 use std::io::{self, Write};
 
-use crate::landscape::metrics::{Neighbourhood, RasterError};
+use crate::landscape::metrics::{Neighbourhood, RasterError, check};
 use crate::landscape::paths::TravelMap;
 use crate::seed::Seed;
 use crate::world::ClassRaster;
@@ -14,8 +14,9 @@ use crate::world::ClassRaster;
 /// ground that is slower, `@` for what cannot be passed and for no data.
 ///
 /// # Errors
-/// When writing fails.
+/// When the raster's sizes do not fit together, or writing fails.
 pub fn write_map(raster: &ClassRaster, out: &mut dyn Write) -> io::Result<()> {
+    check(raster).map_err(io::Error::other)?;
     write!(out, "type octile\nheight {}\nwidth {}\nmap\n", raster.rows, raster.cols)?;
     let ground: Vec<u8> = (0..=u16::MAX)
         .map(|class| match raster.speed_of(class) {
@@ -25,7 +26,7 @@ pub fn write_map(raster: &ClassRaster, out: &mut dyn Write) -> io::Result<()> {
             _ => b'.',
         })
         .collect();
-    for row in raster.cells.chunks_exact((raster.cols as usize).max(1)) {
+    for row in raster.cells.chunks(raster.cols.max(1) as usize) {
         let mut line: Vec<u8> = row.iter().map(|&class| ground[usize::from(class)]).collect();
         line.push(b'\n');
         out.write_all(&line)?;

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::spec::ForestSpec;
 use crate::error::SpecError;
 use crate::geometry::Rect;
+use crate::landscape::metrics::{RasterError, check};
 use crate::seed::Stream;
 use crate::world::ClassRaster;
 
@@ -60,14 +61,21 @@ pub struct DensityMap {
 impl DensityMap {
     /// The map of a landscape: class `k` of the raster has the factor `factors[k - 1]`; no data and
     /// classes without a factor have 0.
-    pub fn from_classes(raster: &ClassRaster, factors: &[f64]) -> Self {
+    ///
+    /// # Errors
+    /// When the raster's sizes do not fit together. What the factors may be is checked with the spec
+    /// that the map becomes part of.
+    pub fn from_classes(raster: &ClassRaster, factors: &[f64]) -> Result<Self, RasterError> {
+        check(raster)?;
         let factor = |&class: &u16| {
             usize::from(class).checked_sub(1).and_then(|i| factors.get(i)).copied().unwrap_or(0.0)
         };
-        let cols = (raster.cols as usize).max(1);
-        DensityMap {
-            rows: raster.cells.chunks(cols).map(|row| row.iter().map(factor).collect()).collect(),
-        }
+        let row = |row: &[u16]| row.iter().map(factor).collect();
+        let rows = match raster.cols as usize {
+            0 => Vec::new(),
+            cols => raster.cells.chunks_exact(cols).map(row).collect(),
+        };
+        Ok(DensityMap { rows })
     }
 
     /// The greatest factor.
@@ -172,7 +180,9 @@ mod tests {
             cells: vec![1, 2],
             speeds: Vec::new(),
         };
-        let map = DensityMap::from_classes(&raster, &[2.0]);
+        let broken = ClassRaster { cols: 0, ..raster.clone() };
+        assert!(DensityMap::from_classes(&broken, &[2.0]).is_err());
+        let map = DensityMap::from_classes(&raster, &[2.0]).unwrap();
         assert_eq!(map.rows, [[2.0], [0.0]]);
         let spec = ForestSpec { density: Some(map), ..Default::default() };
         let trees = spec.generate(Seed(1)).unwrap();

@@ -260,7 +260,12 @@ impl Proportion {
 
     /// Wilson's score interval for a standard normal quantile `z` (1.96 for 95 %): E. B. Wilson,
     /// Probable Inference, JASA 22, 1927. Without trials it is [0, 1].
+    ///
+    /// # Panics
+    /// When `z` is negative or not finite.
+    #[track_caller]
     pub fn wilson(self, z: f64) -> (f64, f64) {
+        assert!(z >= 0.0 && z.is_finite(), "the quantile `z` is {z}");
         let Some(p) = self.value() else { return (0.0, 1.0) };
         let n = self.trials as f64;
         let z2n = z * z / n;

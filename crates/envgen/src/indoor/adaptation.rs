@@ -23,8 +23,13 @@ pub fn spacing_raw(difficulty: f64, size: u32, normal: f64) -> f64 {
 
 /// The distance between hallways in whole cells: rounded, and clamped to 3..=`size` - 1. The paper
 /// clamps to `size`, where no second hallway would fit, and promises at least two.
+///
+/// # Panics
+/// When `raw` is NaN.
+#[track_caller]
 pub fn spacing(raw: f64, size: u32) -> u32 {
     let most = f64::from(size.saturating_sub(1).max(LEAST_SPACING));
+    assert!(!raw.is_nan(), "the distance between hallways is NaN");
     raw.round().clamp(f64::from(LEAST_SPACING), most) as u32
 }
 

@@ -9,6 +9,8 @@ use glam::DVec2;
 
 use super::catalogue::{DESIGN_UNIT, Frame, RoomDesign};
 use super::grid::Side;
+use super::spec::{DOORWAY, FOOTPRINT, UNIT, WALL};
+use crate::error::SpecError;
 use crate::geometry::{Rect, Shape};
 
 /// Greatest distance between two samples, in metres.
@@ -35,6 +37,20 @@ pub struct Dimensions {
     pub doorway: f64,
     /// Radius of the robot's footprint.
     pub radius: f64,
+}
+
+impl Dimensions {
+    /// Checks the measures against the limits of the settings of an
+    /// [`IndoorSpec`](super::IndoorSpec); a radius may be 0.
+    ///
+    /// # Errors
+    /// The first measure that is not allowed.
+    pub fn validate(&self) -> Result<(), SpecError> {
+        UNIT.check(self.unit)?;
+        WALL.check(self.wall)?;
+        DOORWAY.check(self.doorway)?;
+        if self.radius == 0.0 { Ok(()) } else { FOOTPRINT.check(self.radius) }
+    }
 }
 
 /// The free space inside a room, in the frame of its design: x right, y up, metres of the map.
@@ -74,6 +90,9 @@ impl Port {
 
 impl Interior {
     /// Works out the free space of a room.
+    ///
+    /// # Panics
+    /// When [`Dimensions::validate`] refuses the dimensions.
     pub fn new(room: &RoomDesign, dimensions: Dimensions) -> Interior {
         let field = Field::new(room, dimensions);
         let need = field.need();
@@ -125,6 +144,9 @@ impl Interior {
 /// The width in metres of the narrowest place on the best ways between the middles of all four
 /// sides, at most 3; 0 where some side cannot be reached. The measure is that of the room alone,
 /// whatever its doorways, to about a step of [`STEP`].
+///
+/// # Panics
+/// As [`Interior::new`].
 pub fn narrowest_way(room: &RoomDesign, unit: f64, wall: f64, doorway: f64) -> f64 {
     let field = Field::new(room, Dimensions { unit, wall, doorway, radius: 0.0 });
     field.narrowest_way(room, 0.5 * doorway)
@@ -187,9 +209,12 @@ impl Field {
 
     /// Of the room's walls alone.
     fn bare(room: &RoomDesign, dimensions: Dimensions, step: f64, reach: f64) -> Field {
+        if let Err(error) = dimensions.validate() {
+            panic!("{error}");
+        }
         let unit = dimensions.unit;
         // Even, so that the middles of cells are samples.
-        let per_cell = 2 * (0.5 * unit / step).ceil().max(1.0) as usize;
+        let per_cell = 2 * (0.5 * unit / step).ceil() as usize;
         let step = unit / per_cell as f64;
         let columns = per_cell * room.width as usize + 1;
         let rows = per_cell * room.height as usize + 1;

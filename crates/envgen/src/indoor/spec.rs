@@ -157,7 +157,7 @@ const DIFFICULTY: Setting =
     Setting::number("difficulty", "", 0.0, 10.0, "the difficulty that the rules adapt to");
 const WIDTH: Setting = Setting::integer("width", 4, 1024, "columns of the grid");
 const HEIGHT: Setting = Setting::integer("height", 4, 1024, "rows of the grid");
-const UNIT: Setting = Setting::number("unit", "m", 1.2, 12.0, "side of a cell");
+pub(super) const UNIT: Setting = Setting::number("unit", "m", 1.2, 12.0, "side of a cell");
 const PROFILE: Setting = Setting::choice(
     "profile",
     &["thesis", "guaranteed"],
@@ -212,10 +212,10 @@ const CYCLES: Setting = Setting::choice(
 );
 const OPEN_AREAS: Setting =
     Setting::flag("open_areas", "whether cells that no room takes become open areas");
-const WALL: Setting = Setting::number("wall", "m", 0.01, 0.5, "thickness of the walls");
-const DOORWAY: Setting =
+pub(super) const WALL: Setting = Setting::number("wall", "m", 0.01, 0.5, "thickness of the walls");
+pub(super) const DOORWAY: Setting =
     Setting::number("doorway", "m", 0.2, 3.0, "width of a doorway, at most a cell less two walls");
-const FOOTPRINT: Setting = Setting::number(
+pub(super) const FOOTPRINT: Setting = Setting::number(
     "footprint",
     "m",
     0.01,

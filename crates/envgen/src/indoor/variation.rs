@@ -33,7 +33,11 @@ pub struct Varied {
 /// [`narrowest_way`] measures it, is as near to `wanted` metres as 80 changes bring it. Walls stay.
 /// Doorways that were clear stay clear, no free space is cut off from the doorways, and no pocket is
 /// left between things that the footprint just fits in. A room without obstacles stays as it is.
+///
+/// # Panics
+/// When `wanted` is NaN or negative, and as [`Interior::new`].
 pub fn vary(room: &SharedRoom, wanted: f64, dimensions: Dimensions, stream: &mut Stream) -> Varied {
+    assert!(wanted >= 0.0, "`wanted` is {wanted} m");
     let measure = |room: &RoomDesign| {
         narrowest_way(room, dimensions.unit, dimensions.wall, dimensions.doorway)
     };

@@ -9,6 +9,10 @@ use crate::seed::Stream;
 ///
 /// The paper's rule reads as "out of turn with probability epsilon"; its formula leaves open
 /// whether the class drawn may be the one before. R0 is the reading in which it may not.
+///
+/// # Panics
+/// When the counts do not fill the grid, or `epsilon` is no probability.
+#[track_caller]
 pub fn automaton_fill(
     rows: usize,
     cols: usize,
@@ -16,6 +20,9 @@ pub fn automaton_fill(
     epsilon: f64,
     stream: &mut Stream,
 ) -> Vec<u16> {
+    let filled: u64 = counts.iter().map(|&n| u64::from(n)).sum();
+    assert!(filled == (rows * cols) as u64, "{filled} cells do not fill {rows} rows of {cols}");
+    assert!((0.0..=1.0).contains(&epsilon), "`epsilon` is {epsilon}, no probability");
     let mut cells = vec![0; rows * cols];
     let mut reserve = Reserve::new(counts);
     let Some(mut class) = reserve.draw(None, stream) else { return cells };

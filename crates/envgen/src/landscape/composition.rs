@@ -110,8 +110,20 @@ pub fn entropy_of(counts: &[u32]) -> f64 {
 
 /// The largest entropy, in nats, that `cells` cells in `classes` classes reach; 0 without either.
 pub fn largest_entropy(cells: u64, classes: u64) -> f64 {
-    let (cells, classes) = (cells.min(MAX_CELLS), classes.min(65_535));
-    if classes == 0 { 0.0 } else { entropy_of(&even_counts(cells as u32, classes as usize)) }
+    if cells <= MAX_CELLS && classes <= 65_535 {
+        let counts = even_counts(cells as u32, classes as usize);
+        return if classes == 0 { 0.0 } else { entropy_of(&counts) };
+    }
+    // More than a map can have: the sum of the two sizes that classes then have.
+    let (whole, larger) = match cells.checked_div(classes) {
+        Some(whole) => (whole, cells % classes),
+        None => return 0.0,
+    };
+    let part = |size: u64, classes: u64| {
+        let share = size as f64 / cells as f64;
+        if size == 0 { 0.0 } else { -(classes as f64) * share * libm::log(share) }
+    };
+    part(whole.saturating_add(1), larger) + part(whole, classes - larger)
 }
 
 fn even_counts(cells: u32, classes: usize) -> Vec<u32> {
@@ -464,6 +476,18 @@ mod tests {
             }
         });
         least
+    }
+
+    #[test]
+    fn more_cells_and_classes_than_a_map_has_are_no_fewer() {
+        for (cells, classes) in [(1 << 40, 3), (1 << 40, 1 << 20), (u64::MAX, u64::MAX)] {
+            let found = largest_entropy(cells, classes);
+            assert!((found - libm::log(classes as f64)).abs() < 1e-9, "{cells} {classes}: {found}");
+        }
+        // Of more classes than cells each cell is of its own.
+        assert!((largest_entropy(70_000, 80_000) - libm::log(70_000.0)).abs() < 1e-9);
+        assert!((largest_entropy(10, 70_000) - libm::log(10.0)).abs() < 1e-12);
+        assert_eq!((largest_entropy(1 << 40, 0), largest_entropy(0, 1 << 40)), (0.0, 0.0));
     }
 
     #[test]

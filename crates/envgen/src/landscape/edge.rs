@@ -1,13 +1,22 @@
 //! Total Edge: counting it, its mean and its bounds.
 
+use crate::distance::assert_whole_rows;
+
 /// Cells whose equal neighbours, at most two each, a `u16` counts without an overflow.
 const LANE: usize = 1 << 12;
 
 /// The number of sides between two cells of different class, each once, the border not counted:
 /// Kuznetsov's Total Edge. Every cell counts as of a class; see
 /// [`Adjacency`](super::metrics::Adjacency) for rasters with no-data cells. O(N), in one vectorised pass.
+///
+/// # Panics
+/// When the cells are no whole number of rows.
+#[track_caller]
 pub fn edge_count(cells: &[u16], cols: usize) -> u64 {
-    let cols = cols.max(1);
+    assert_whole_rows(cells.len(), cols);
+    if cells.is_empty() {
+        return 0;
+    }
     let mut rows = cells.chunks_exact(cols);
     let Some(first) = rows.next() else { return 0 };
     let mut sum = first.windows(2).filter(|pair| pair[0] != pair[1]).count() as u64;
@@ -219,8 +228,23 @@ mod tests {
     }
 
     #[test]
-    fn cells_without_columns_are_one_column() {
-        assert_eq!(edge_count(&[1, 2, 2, 3], 0), 2);
+    fn rows_that_are_not_whole_are_a_mistake_of_the_program() {
+        use crate::landscape::metrics::{Adjacency, Neighbourhood, patches};
+        for (cells, cols) in [(4, 0), (4, 3), (3, 4)] {
+            let cells = vec![1; cells];
+            let message = format!("{} cells are no rows of {cols}", cells.len());
+            let panics = |count: &dyn Fn()| {
+                let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(count));
+                let payload = caught.expect_err("it panics");
+                assert_eq!(payload.downcast_ref::<String>(), Some(&message));
+            };
+            panics(&|| drop(edge_count(&cells, cols)));
+            panics(&|| drop(Adjacency::new(&cells, cols)));
+            panics(&|| drop(patches(&cells, cols, Neighbourhood::Four)));
+            panics(&|| drop(crate::distance::squared_distances(cols, &vec![true; cells.len()])));
+        }
+        assert_eq!(edge_count(&[], 0), 0);
+        assert!(patches(&[], 0, Neighbourhood::Eight).is_empty());
     }
 
     proptest! {

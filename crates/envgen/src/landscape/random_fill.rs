@@ -16,7 +16,12 @@ const PART: usize = 1 << 16;
 /// every arrangement with the same probability (C. R. Rao, Generation of random permutations,
 /// Sankhya A 23, 1961). The dealing is drawn twice from the same stream, once to learn the parts'
 /// sizes and once to place the cells, so that no copy is needed.
+///
+/// # Panics
+/// When there are more than 65535 classes.
+#[track_caller]
 pub fn random_fill(counts: &[u32], seed: Seed) -> Vec<u16> {
+    assert!(counts.len() <= usize::from(u16::MAX), "{} classes, at most 65535", counts.len());
     let total: usize = counts.iter().map(|&n| n as usize).sum();
     let mut cells = Vec::with_capacity(total);
     let mut shuffle = seed.stream("landscape/shuffle", 0);

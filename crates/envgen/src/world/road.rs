@@ -49,6 +49,10 @@ impl RoadStrip {
 
     /// The lines between and beside the lanes, from left to right: one more than there are lanes.
     /// Chords stray from the exact lines by at most `tolerance` metres.
+    ///
+    /// # Panics
+    /// When `tolerance` is not positive.
+    #[track_caller]
     pub fn lane_lines(&self, tolerance: f64) -> Vec<Vec<DVec2>> {
         let path = self.path();
         let stations = path.stations(0.5 * self.width, tolerance);
@@ -58,6 +62,10 @@ impl RoadStrip {
     }
 
     /// The surface as triangles, whose edges stray from the road's by at most `tolerance` metres.
+    ///
+    /// # Panics
+    /// When `tolerance` is not positive.
+    #[track_caller]
     pub fn mesh(&self, tolerance: f64) -> RoadMesh {
         let path = self.path();
         let distances = path.stations(0.5 * self.width, tolerance);

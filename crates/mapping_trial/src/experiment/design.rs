@@ -217,8 +217,12 @@ impl Design {
     }
 
     /// The difficulty that a trial's map is generated with.
+    ///
+    /// # Panics
+    /// When the trial is of a level that the design does not have.
+    #[track_caller]
     pub fn level(&self, trial: &Trial) -> f64 {
-        self.levels.get(trial.level as usize).copied().unwrap_or(f64::NAN)
+        self.levels[trial.level as usize]
     }
 
     /// The seed of a trial's map: with seed 0, map 4 of level 7 has seed 70004. Maps of different
@@ -270,9 +274,25 @@ impl Shard {
     /// All trials.
     pub const WHOLE: Shard = Shard { index: 1, of: 1 };
 
+    /// Checks that it is one of its shares.
+    ///
+    /// # Errors
+    /// When the index is not from 1 to the number of shares.
+    pub fn validate(self) -> Result<(), SpecError> {
+        if (1..=self.of).contains(&self.index) {
+            return Ok(());
+        }
+        Err(SpecError::new("shard", self, "I/N with I from 1 to N, such as 2/8"))
+    }
+
     /// Whether the trial at a place in the design's order belongs to this share.
+    ///
+    /// # Panics
+    /// When the trials are parted into 0 shares.
+    #[track_caller]
     pub fn has(self, place: usize) -> bool {
-        place as u64 % u64::from(self.of.max(1)) + 1 == u64::from(self.index)
+        assert!(self.of > 0, "`of` is 0 shares");
+        place as u64 % u64::from(self.of) + 1 == u64::from(self.index)
     }
 }
 
@@ -287,10 +307,12 @@ impl FromStr for Shard {
 
     fn from_str(text: &str) -> Result<Self, SpecError> {
         let parts = text.split_once('/').map(|(index, of)| (index.parse(), of.parse()));
-        match parts {
-            Some((Ok(index), Ok(of))) if (1..=of).contains(&index) => Ok(Shard { index, of }),
-            _ => Err(SpecError::new("shard", text, "I/N with I from 1 to N, such as 2/8")),
-        }
+        let shard = match parts {
+            Some((Ok(index), Ok(of))) => Some(Shard { index, of }),
+            _ => None,
+        };
+        let shard = shard.filter(|shard| shard.validate().is_ok());
+        shard.ok_or_else(|| SpecError::new("shard", text, "I/N with I from 1 to N, such as 2/8"))
     }
 }
 

@@ -30,9 +30,11 @@ impl Site {
         let plan = plan.map_err(|error| unusable(design, trial, &error))?;
         let world = plan.to_world();
         let body = Robot::default();
+        let flat =
+            FlatWorld::new(&world, &body).map_err(|error| unusable(design, trial, &error))?;
         Ok(Site {
             truth: Truth::new(&world, &body).map_err(|error| unusable(design, trial, &error))?,
-            flat: Arc::new(FlatWorld::new(&world, &body)),
+            flat: Arc::new(flat),
             features: MapFeatures::of(&plan),
             digest: world.digest().to_string(),
             world,

@@ -164,6 +164,7 @@ impl Experiment {
     /// is in use, or holds trials that come out otherwise now.
     pub fn open(folder: &Path, design: &Design, shard: Shard) -> Result<Self, ExperimentError> {
         design.validate()?;
+        shard.validate()?;
         let head = Head { version: EXPERIMENT_VERSION, shard, design: design.clone() };
         write::folder(folder)?;
         let head_path = folder.join(HEAD);

@@ -45,15 +45,18 @@ pub(crate) fn trips(truth: &Truth, perfect: &OccupancyMap, seed: Seed) -> Vec<Tr
         .map(|(cell, _)| truth.frame().centre(cell))
         .filter(|&p| planner.costmap.class_at(p).is_passable() && truth.is_clear(p))
         .collect();
+    if places.is_empty() {
+        return Vec::new();
+    }
     let mut draws = seed.stream("trial/navigability", 0);
-    let mut draw = || places.get(draws.below(places.len() as u64) as usize).copied();
+    let mut draw = || places[draws.below(places.len() as u64) as usize];
     let mut trips = Vec::new();
     for _ in 0..STARTS * TRIES {
         if trips.len() == STARTS {
             break;
         }
-        let Some(start) = draw() else { break };
-        let goals: Vec<DVec2> = (0..TRIES).filter_map(|_| draw()).collect();
+        let start = draw();
+        let goals: Vec<DVec2> = (0..TRIES).map(|_| draw()).collect();
         let ways = planner.ways(start, &goals);
         let driven = goals.iter().zip(ways).filter(|(goal, way)| {
             way.as_ref().is_some_and(|way| arrives(truth, start, way, **goal))
@@ -153,4 +156,107 @@ fn arrives(truth: &Truth, start: DVec2, way: &[DVec2], goal: DVec2) -> bool {
         from = to;
     }
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::LazyLock;
+
+    use envgen::World;
+    use envgen::geometry::{Rect, Shape, distance_to_segment};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::map::{CLAMP, CellIndex};
+    use crate::robot::Robot;
+    use crate::truth::tests::{add_wall, room};
+
+    fn truth(world: &World) -> Truth {
+        Truth::new(world, &Robot::default()).expect("a world with free space")
+    }
+
+    /// Two rooms of 6 x 8 m beside each other and a doorway of 1.4 m between them.
+    fn two_rooms() -> World {
+        let mut world = room(12.0, 8.0);
+        add_wall(&mut world, (5.95, 0.0), (6.05, 3.3));
+        add_wall(&mut world, (5.95, 4.7), (6.05, 8.0));
+        world
+    }
+
+    #[test]
+    fn a_convex_room_fails_no_way() {
+        let truth = truth(&room(20.0, 20.0));
+        let goals: Vec<usize> = truth.trips().iter().map(|trip| trip.goals.len()).collect();
+        assert_eq!(goals, [GOALS; STARTS]);
+    }
+
+    /// On a map whose only doorway is walled up, exactly the trips from room to room fail.
+    #[test]
+    fn a_wall_that_is_not_there_fails_the_trips_that_cross_it() {
+        let truth = truth(&two_rooms());
+        let mut map = truth.perfect_map();
+        for row in 0..160 {
+            for col in [119, 120] {
+                let cell = CellIndex { col, row };
+                map.add(cell, CLAMP);
+                map.add(cell, CLAMP);
+            }
+        }
+        map.touch(Rect::new(DVec2::new(5.9, 0.0), DVec2::new(6.1, 8.0)));
+        let is_left = |p: DVec2| p.x < 6.0;
+        let trips: Vec<(DVec2, DVec2)> = truth
+            .trips()
+            .iter()
+            .flat_map(|trip| trip.goals.iter().map(|goal| (trip.start, *goal)))
+            .collect();
+        let within = trips.iter().filter(|(a, b)| is_left(*a) == is_left(*b)).count();
+        assert!(within > 0 && within < trips.len(), "{within} of {}", trips.len());
+        assert_eq!(navigability(&truth, &map), within as f64 / trips.len() as f64);
+    }
+
+    /// Walls of the world that the map does not show are driven into: a map of free floor only.
+    #[test]
+    fn ways_through_walls_do_not_arrive() {
+        let truth = truth(&two_rooms());
+        let mut map = OccupancyMap::new();
+        for row in 0..160 {
+            for col in 0..240 {
+                map.add(CellIndex { col, row }, -CLAMP);
+            }
+        }
+        map.touch(Rect::new(DVec2::ZERO, DVec2::new(12.0, 8.0)));
+        let found = navigability(&truth, &map);
+        assert!(found > 0.2 && found < 1.0, "{found}");
+    }
+
+    proptest! {
+        /// A straight way arrives where the robot's disc, swept along it, stays clear of a pillar
+        /// and of the walls.
+        #[test]
+        fn a_straight_way_arrives_where_the_swept_disc_is_clear(
+            from in (0.5..9.5, 0.5..9.5), to in (0.5..9.5, 0.5..9.5),
+        ) {
+            static TRUTH: LazyLock<Truth> = LazyLock::new(|| {
+                let mut world = room(10.0, 10.0);
+                add_wall(&mut world, (4.5, 4.5), (5.5, 5.5));
+                truth(&world)
+            });
+            let radius = Robot::default().swing_radius;
+            let (a, b) = (DVec2::from(from), DVec2::from(to));
+            // Two convex shapes are nearest at a corner of one, but for those that cross.
+            let pillar = Shape::from_rect(Rect::new(DVec2::splat(4.5), DVec2::splat(5.5)));
+            let corners = pillar.corners();
+            let crosses = envgen::geometry::edges(&corners)
+                .any(|(c, d)| envgen::geometry::segments_cross(a, b, c, d));
+            let nearest = corners
+                .iter()
+                .map(|&corner| distance_to_segment(corner, a, b))
+                .chain([a, b].map(|end| pillar.distance(end)))
+                .fold(f64::INFINITY, f64::min);
+            let clear = if crosses { 0.0 } else { nearest };
+            // How exact a touch is found.
+            prop_assume!((clear - radius).abs() > STEP);
+            prop_assert_eq!(arrives(&TRUTH, a, &[b], b), clear > radius);
+        }
+    }
 }

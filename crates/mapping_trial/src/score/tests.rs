@@ -90,9 +90,8 @@ fn the_identical_map_has_no_mapping_difficulty() {
         let found = Scores::of(&truth, &Run { tracks: &tracks, ..run(&map) }).unwrap();
         assert_eq!(found.mapping, 0.0, "{found:?}");
         assert_eq!((found.coverage, found.f1_30, found.f1_15), (1.0, 1.0, 1.0));
-        assert_eq!((found.navigability, found.ghosting), (1.0, 0.0));
+        assert_eq!(found.ghosting, 0.0);
         assert!(found.wall_distance < 0.05, "{}", found.wall_distance);
-        assert_eq!(truth.trips().len(), 8);
     }
 }
 

@@ -118,7 +118,7 @@ impl<'w> TrialBuilder<'w> {
     /// Settings that are not allowed, or a start that is missing or not free.
     pub fn build_flat(self) -> Result<Trial<FlatSimulator>, TrialError> {
         self.settings.validate()?;
-        let flat = Arc::new(FlatWorld::new(self.world, &self.settings.body));
+        let flat = Arc::new(FlatWorld::new(self.world, &self.settings.body)?);
         self.build_flat_in(flat)
     }
 

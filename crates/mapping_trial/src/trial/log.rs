@@ -2,8 +2,8 @@
 
 use std::io::{Read, Write};
 
-use envgen::world::Digest;
-use envgen::{Provenance, World, WorldSpec};
+use envgen::world::{Digest, Violation};
+use envgen::{Provenance, SpecError, World, WorldSpec};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -17,6 +17,9 @@ pub const LOG_VERSION: u32 = 2;
 
 /// Commands in a log, at most: a day of eight robots would be less than this.
 const MAX_TICKS: u64 = 1 << 24;
+
+/// The longest log that is read, in bytes; longer ones are refused before they fill the memory.
+const MAX_BYTES: u64 = 1 << 30;
 
 /// Where a log's world comes from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -114,6 +117,12 @@ pub struct TrialLog {
     pub recoveries: Vec<u32>,
 }
 
+/// The one field that logs of every version have.
+#[derive(Deserialize)]
+struct AnyVersion {
+    version: u64,
+}
+
 /// Why a log cannot be read or written.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -137,6 +146,15 @@ pub enum LogError {
         /// What would have been allowed.
         allowed: String,
     },
+    /// Its world breaks an invariant.
+    #[error("the log's world is broken: {0}")]
+    World(#[from] Violation),
+    /// A setting is not allowed.
+    #[error("the log's settings: {0}")]
+    Setting(#[from] SpecError),
+    /// It is too long.
+    #[error("the log is longer than {MAX_BYTES} bytes")]
+    TooLong,
     /// It could not be read or written.
     #[error(transparent)]
     Io(#[from] std::io::Error),
@@ -147,15 +165,25 @@ impl TrialLog {
     ///
     /// # Errors
     ///
-    /// Text that is no log, a log of another version, or one that contradicts itself.
+    /// Text that is no log, a log of another version, one whose world is broken or whose settings
+    /// are not allowed, or one that contradicts itself.
     pub fn read(input: &mut dyn Read) -> Result<Self, LogError> {
-        let value: serde_json::Value = serde_json::from_reader(input)?;
-        // The version first: a log of another one has other fields.
-        let version = value.get("version").and_then(serde_json::Value::as_u64);
-        if let Some(found) = version.filter(|&version| version != u64::from(LOG_VERSION)) {
-            return Err(LogError::Version { found });
+        let mut text = String::new();
+        if input.take(MAX_BYTES + 1).read_to_string(&mut text)? as u64 > MAX_BYTES {
+            return Err(LogError::TooLong);
         }
-        let log: TrialLog = serde_json::from_value(value)?;
+        // The version first: a log of another one has other fields.
+        match serde_json::from_str(&text) {
+            Ok(AnyVersion { version }) if version != u64::from(LOG_VERSION) => {
+                return Err(LogError::Version { found: version });
+            }
+            _ => {}
+        }
+        let log: TrialLog = serde_json::from_str(&text)?;
+        if let WorldSource::Given(world) = &log.world {
+            world.check()?;
+        }
+        log.settings.validate()?;
         let robots = log.settings.robots as usize;
         for (field, len) in [
             ("commands", log.commands.len()),

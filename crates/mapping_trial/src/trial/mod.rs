@@ -17,8 +17,8 @@ pub use builder::TrialBuilder;
 pub use log::{LOG_VERSION, LogError, TrialLog, WorldSource};
 pub use parts::{ForeignPart, PartRole, Setup, TrialParts};
 pub use report::{REPORT_VERSION, RobotReport, TrialReport};
-pub(crate) use settings::number;
 pub use settings::{MAX_ROBOTS, MAX_TIME_LIMIT, TrialSettings};
+pub(crate) use settings::{count, number};
 
 use crate::body::{Bodies, Command, Condition, TICK};
 use crate::brain::Brain;

@@ -264,7 +264,7 @@ fn bodies_of_ones_own_name_their_engine() {
     let builder = Trial::builder(&world, short(2.0)).operator(ahead(0.3, u32::MAX));
     let trial = builder.build(|setup, sensors| {
         let TrialSettings { body, laser, .. } = setup.settings;
-        let flat = std::sync::Arc::new(crate::flat::FlatWorld::new(&world, body));
+        let flat = std::sync::Arc::new(crate::flat::FlatWorld::new(&world, body).expect("a robot"));
         Backwards(FlatSimulator::with_sensors(flat, body, setup.starts, laser, sensors))
     });
     let trial = run(trial.expect("a trial"));

@@ -72,32 +72,8 @@ impl TrialSettings {
             number("start.heading", start.heading, -1e3, 1e3)?;
         }
         self.body.validate()?;
-        let laser = &self.laser;
-        count("laser.beams", laser.beams, 1, 4096)?;
-        number("laser.field_of_view", laser.field_of_view, 0.0, std::f64::consts::TAU)?;
-        number("laser.max_range", laser.max_range, 0.1, 200.0)?;
-        number("laser.range_step", laser.range_step, 0.0, 1.0)?;
-        number("laser.sigma", laser.sigma, 0.0, 1.0)?;
-        count("laser.ticks_a_scan", laser.ticks_a_scan, 1, 200)?;
-        for (field, p) in [
-            ("laser.dropout", laser.dropout),
-            ("laser.short", laser.short),
-            ("laser.mixed_pixel", laser.mixed_pixel),
-        ] {
-            number(field, p, 0.0, 1.0)?;
-        }
-        let wheels = &self.odometry;
-        for (field, value) in [
-            ("odometry.k_ss", wheels.k_ss),
-            ("odometry.k_st", wheels.k_st),
-            ("odometry.k_tt", wheels.k_tt),
-            ("odometry.k_ts", wheels.k_ts),
-            ("odometry.b_s", wheels.b_s),
-            ("odometry.b_t", wheels.b_t),
-        ] {
-            number(field, value, 0.0, 1.0)?;
-        }
-        Ok(())
+        self.laser.validate()?;
+        self.odometry.validate()
     }
 }
 
@@ -108,7 +84,7 @@ pub(crate) fn number(field: &str, value: f64, least: f64, most: f64) -> Result<(
     Err(SpecError::new(field, value, format!("{least} to {most}")))
 }
 
-fn count(field: &str, value: u32, least: u32, most: u32) -> Result<(), SpecError> {
+pub(crate) fn count(field: &str, value: u32, least: u32, most: u32) -> Result<(), SpecError> {
     if (least..=most).contains(&value) {
         return Ok(());
     }

@@ -28,7 +28,7 @@ pub(super) fn starts(
         return Err(TrialError::OutsideStart { start });
     }
     let radius = body.swing_radius;
-    let near = Proximity::new(world, radius + 0.1);
+    let near = Proximity::new(world, radius + 0.1)?;
     let grounds = Grounds::new(world);
     let clearance = near.clearance(start.position);
     if clearance < radius {

@@ -163,6 +163,17 @@ fn bad_logs_are_told() {
     value["commands"][0][0][2] = u64::MAX.into();
     assert!(error(&value.to_string()).contains("`commands`"));
 
+    let written = |log: &TrialLog| serde_json::to_string(log).expect("a log");
+    let mut timeless = log.clone();
+    timeless.settings.time_limit = -1.0;
+    let told = error(&written(&timeless));
+    assert!(told.starts_with("the log's settings: `time_limit` is -1"), "{told}");
+    let mut world = hallway();
+    world.bounds.max = world.bounds.min;
+    let broken = TrialLog { world: WorldSource::Given(Box::new(world)), ..log.clone() };
+    let told = error(&written(&broken));
+    assert!(told.starts_with("the log's world is broken: the bounds"), "{told}");
+
     let mut moved = log.clone();
     moved.world_digest = "0".repeat(64);
     let told = moved.replay().map(|_| ()).expect_err("another world").to_string();

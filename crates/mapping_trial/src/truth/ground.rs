@@ -3,7 +3,7 @@
 use envgen::World;
 use envgen::geometry::{Shape, edges};
 use envgen::ground::Grounds;
-use envgen::occupancy::{Coverage, OccupancyError, OccupancyGrid};
+use envgen::occupancy::{Coverage, OccupancyGrid};
 use envgen::proximity::Proximity;
 use envgen::world::SurfaceKind;
 use glam::DVec2;
@@ -24,8 +24,10 @@ pub(super) struct DiscGround {
 
 impl DiscGround {
     /// Indexes a world for distances up to `reach` metres.
-    pub(super) fn new(world: &World, frame: Frame, reach: f64) -> Result<Self, OccupancyError> {
-        let empty = OccupancyGrid::empty(frame.area(), SCORE_CELL)?;
+    ///
+    /// `None` when there are too many cells, or the reach is no distance.
+    pub(super) fn new(world: &World, frame: Frame, reach: f64) -> Option<Self> {
+        let empty = OccupancyGrid::empty(frame.area(), SCORE_CELL).ok()?;
         let mut solid = empty.clone();
         for part in world.solids() {
             occupy_entered(&mut solid, &part.shape);
@@ -36,11 +38,11 @@ impl DiscGround {
         let surfaces = surfaces.filter(|s| s.kind == SurfaceKind::Water || s.speed == 0.0);
         surfaces.map(|surface| &surface.shape).for_each(barred);
         let inside = |cell| world.bounds.contains(frame.centre(cell));
-        Ok(DiscGround {
+        Some(DiscGround {
             frame,
             open: (0..frame.len()).map(|cell| !solid.cells()[cell] && inside(cell)).collect(),
             dry: wet.cells().iter().map(|wet| !wet).collect(),
-            near: Proximity::new(world, reach),
+            near: Proximity::new(world, reach).ok()?,
             grounds: Grounds::new(world),
         })
     }

@@ -33,8 +33,8 @@ pub struct WallPoint {
 /// The points of outlines that can be seen from the cells of `free`, in the world's order.
 /// `joined` are the cells that no barrier touches and that are joined to `free`.
 pub(super) fn seen(world: &World, frame: Frame, free: &[bool], joined: &[bool]) -> Vec<WallPoint> {
-    let sight =
-        Sight { rays: Raycaster::new(world), fan: Fan::new(PI, LOOKS), frame, free, joined };
+    let Ok(fan) = Fan::new(PI, LOOKS) else { unreachable!("a half turn of {LOOKS} looks") };
+    let sight = Sight { rays: Raycaster::new(world), fan, frame, free, joined };
     let mut points = Vec::new();
     let mut ranges = Vec::new();
     for solid in world.solids() {

@@ -62,9 +62,10 @@ impl Drive {
     pub(crate) fn new(world: &World, waypoints: &[DVec2], laser: &LaserProfile) -> Self {
         let rays = Raycaster::new(world);
         let robot = Robot::default();
+        let fan = laser.fan().expect("a laser");
         let cast = |pose: Pose| {
             let mut ranges = Vec::new();
-            rays.scan(robot.laser_pose(pose), &laser.fan(), laser.max_range, &mut ranges);
+            rays.scan(robot.laser_pose(pose), &fan, laser.max_range, &mut ranges);
             ranges
         };
         let heading = heading_of(waypoints[1] - waypoints[0]);

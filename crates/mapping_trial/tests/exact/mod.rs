@@ -56,7 +56,7 @@ pub(crate) struct Run {
 impl Run {
     pub(crate) fn new(world: &World, starts: &[Pose], laser: LaserProfile, seed: Seed) -> Self {
         let robot = Robot::default();
-        let flat = Arc::new(FlatWorld::new(world, &robot));
+        let flat = Arc::new(FlatWorld::new(world, &robot).expect("a robot"));
         let odometry = OdometryProfile::EXACT;
         let bodies = FlatSimulator::new(flat, &robot, starts, &laser, &odometry, seed);
         Run {
@@ -204,7 +204,7 @@ fn cells(from: DVec2, direction: DVec2, length: f64, mut visit: impl FnMut(CellI
 pub(crate) fn reachable(world: &World, start: DVec2, robot: &Robot) -> Vec<DVec2> {
     const SIDE: f64 = 0.1;
     let Ok(grid) = OccupancyGrid::of(world, SIDE, Coverage::Centre) else { return Vec::new() };
-    let near = Proximity::new(world, 1.0);
+    let near = Proximity::new(world, 1.0).expect("a reach");
     let radius = robot.swing_radius + 0.005;
     let (cols, rows) = (grid.cols(), grid.rows());
     let fits = |col: usize, row: usize| near.clearance(grid.cell_centre(col, row)) >= radius;

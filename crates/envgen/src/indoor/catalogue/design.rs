@@ -20,6 +20,13 @@ pub const MAX_ROOM_PARTS: usize = 10_000;
 /// Contents may reach this far over the room's edge, in metres: rounding, no more.
 const TOLERANCE: f64 = 1e-9;
 
+/// Greatest heading of what is in a room, in radians either way: a quarter turn that is added to a
+/// far greater one is lost in rounding, and the thing lies outside of the turned room.
+const MAX_HEADING: f64 = 1e3;
+
+/// Corners of a polygon, at most: checking that it is convex looks at all pairs.
+const MAX_CORNERS: usize = 1000;
+
 /// A room as a `.room.ron` file holds it.
 ///
 /// Contents are in metres from the room's lower left corner, x right and y up, for cells of
@@ -201,8 +208,9 @@ impl RoomDesign {
         }
         for (i, victim) in self.victims.iter().enumerate() {
             let part = || format!("victim {i}");
-            if !(victim.position.is_finite() && victim.heading.is_finite()) {
-                return Err(RoomError::Part { name: name(), part: part(), wanted: "finite" });
+            if !(victim.position.is_finite() && victim.heading.abs() <= MAX_HEADING) {
+                let wanted = "at a finite position, with a heading of at most 1000 rad";
+                return Err(RoomError::Part { name: name(), part: part(), wanted });
             }
             self.check_inside(Rect::new(victim.position, victim.position), part)?;
         }
@@ -219,13 +227,13 @@ impl RoomDesign {
             Shape::Box { center, half_size, heading } => (
                 center.is_finite()
                     && half_size.is_finite()
-                    && heading.is_finite()
+                    && heading.abs() <= MAX_HEADING
                     && half_size.cmpgt(DVec2::ZERO).all(),
-                "a box of finite middle and positive size",
+                "a box of finite middle, positive size and a heading of at most 1000 rad",
             ),
             Shape::Polygon { vertices } => (
                 is_convex(vertices),
-                "a convex polygon of at least three corners, counter-clockwise",
+                "a convex polygon of three to 1000 corners, counter-clockwise",
             ),
         };
         if !sound {
@@ -245,7 +253,7 @@ impl RoomDesign {
 }
 
 fn is_convex(vertices: &[DVec2]) -> bool {
-    vertices.len() >= 3
+    (3..=MAX_CORNERS).contains(&vertices.len())
         && vertices.iter().all(|v| v.is_finite())
         && signed_area(vertices) > 0.0
         // A star turns left everywhere too, but has corners to the right of its sides.

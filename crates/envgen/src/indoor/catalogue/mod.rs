@@ -76,6 +76,9 @@ impl SharedRoom {
     }
 
     /// The free space inside the room, worked out once for the same dimensions.
+    ///
+    /// # Panics
+    /// As [`Interior::new`].
     pub fn interior(&self, dimensions: Dimensions) -> Arc<Interior> {
         let mut known = self.0.interiors.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, interior)) = known.iter().find(|(key, _)| *key == dimensions) {

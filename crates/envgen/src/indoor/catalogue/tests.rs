@@ -217,6 +217,31 @@ fn a_catalogue_is_refused_for_what_is_wrong() {
     assert!(matches!(Catalogue::new([flat]), Err(CatalogueError::Room(RoomError::Size { .. }))));
 }
 
+/// Found by mutated files: turned by a quarter, the box lay outside of its room.
+#[test]
+fn headings_that_a_quarter_turn_is_lost_in_are_refused() {
+    let refused = |shape: &str| {
+        let text = format!(
+            "(name: \"a\", width: 2, height: 1, difficulty: 1, obstacles: [(kind: desk, shape: {shape})])"
+        );
+        SharedRoom::new(room_from_ron(&text).unwrap()).err().map(|error| error.to_string())
+    };
+    let boxed =
+        |heading| format!("box(center: (3.0, 1.5), half_size: (1.0, 1.45), heading: {heading})");
+    assert_eq!(refused(&boxed("-6.2831853")), None);
+    for heading in ["9223372036854775807", "-1001", "1e300"] {
+        let error = refused(&boxed(heading)).unwrap();
+        assert!(error.contains("obstacle 0 is not") && error.contains("1000 rad"), "{error}");
+    }
+    let corner = |i: u32| {
+        let turn = crate::geometry::unit_vector(std::f64::consts::TAU * f64::from(i) / 1001.0);
+        format!("({}, {})", 3.0 + turn.x, 1.5 + turn.y)
+    };
+    let corners: Vec<String> = (0..1001).map(corner).collect();
+    let error = refused(&format!("polygon(vertices: [{}])", corners.join(", "))).unwrap();
+    assert!(error.contains("three to 1000 corners"), "{error}");
+}
+
 #[test]
 fn a_catalogue_survives_json() {
     let json = serde_json::to_string(Catalogue::builtin()).unwrap();

@@ -1,6 +1,7 @@
 //! How often which class lies beside which.
 
 use super::sides::count;
+use crate::distance::assert_whole_rows;
 
 /// The sides between cells of a raster, by the two classes that they part, each side once. Cells
 /// of class 0 are no data; sides to them and the raster's end count as border.
@@ -14,7 +15,12 @@ impl Adjacency {
     /// Counts the sides of cells given row by row. O(N): with classes up to 15 one look-up in a
     /// table for two cells of a large raster, with up to 512 classes two a cell, and with more a sort.
     /// Large rasters of classes up to 255 are counted on all cores.
+    ///
+    /// # Panics
+    /// When the cells are no whole number of rows.
+    #[track_caller]
     pub fn new(cells: &[u16], cols: usize) -> Self {
+        assert_whole_rows(cells.len(), cols);
         let mut sides = count(cells, cols);
         let most = sides.iter().map(|side| side.1).max().unwrap_or(0);
         let mut of_class = vec![0; usize::from(most) + 1];

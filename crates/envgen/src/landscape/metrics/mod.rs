@@ -17,5 +17,5 @@ mod sides;
 
 pub use adjacency::{Adjacency, ClassSides, Entropies};
 pub use patches::{Neighbourhood, Patch, patches};
-pub(super) use report::check;
+pub(crate) use report::check;
 pub use report::{Border, ClassReport, PatchReport, RasterError, RasterReport};

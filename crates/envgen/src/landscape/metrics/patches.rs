@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::distance::assert_whole_rows;
+
 /// Which cells are neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -25,8 +27,15 @@ pub struct Patch {
 /// The patches of a raster given row by row, in the order of their first cells; class 0 is no
 /// data and forms none. O(N) with a union-find that sees two rows at a time; memory grows with the
 /// number of pieces found, not with the raster.
+///
+/// # Panics
+/// When the cells are no whole number of rows.
+#[track_caller]
 pub fn patches(cells: &[u16], cols: usize, neighbourhood: Neighbourhood) -> Vec<Patch> {
-    let cols = cols.max(1);
+    assert_whole_rows(cells.len(), cols);
+    if cells.is_empty() {
+        return Vec::new();
+    }
     let mut forest = Forest::default();
     let (mut above, mut labels) = (vec![0_u32; cols], vec![0_u32; cols]);
     let mut last: &[u16] = &[];

@@ -29,7 +29,7 @@ pub enum RasterError {
 }
 
 /// Whether a raster's sizes fit together.
-pub(in crate::landscape) fn check(raster: &ClassRaster) -> Result<(), RasterError> {
+pub(crate) fn check(raster: &ClassRaster) -> Result<(), RasterError> {
     let ClassRaster { rows, cols, cell, .. } = *raster;
     if u64::from(rows) * u64::from(cols) != raster.cells.len() as u64 {
         return Err(RasterError::Size { rows, cols, cells: raster.cells.len() });
