@@ -1,0 +1,308 @@
+//! The files that mutations start from, all small and made here.
+
+use envgen::certificate::Claim;
+use envgen::export::{Format, Job};
+use envgen::forest::ForestSpec;
+use envgen::geometry::{Pose, Rect, Shape};
+use envgen::glam::DVec2;
+use envgen::hallway::HallwaySpec;
+use envgen::indoor::{Catalogue, IndoorSpec, room_to_ron};
+use envgen::landscape::LandscapeSpec;
+use envgen::road::RoadSpec;
+use envgen::world::{
+    ClassRaster, Contents, Doorway, Obstacle, ObstacleKind, Room, Surface, SurfaceKind, Tree, Wall,
+    WallKind,
+};
+use envgen::{Kind, Provenance, Seed, World, WorldBlueprint, WorldSpec};
+use mapping_trial::robot::Robot;
+use mapping_trial::trial::{Trial, TrialSettings};
+use serde::de::DeserializeOwned;
+
+/// Files of a format.
+pub type Corpus = Vec<Vec<u8>>;
+
+/// A small spec of every kind.
+pub fn specs() -> Vec<WorldSpec> {
+    let landscape = LandscapeSpec { rows: 6, cols: 7, ..Default::default() };
+    vec![
+        HallwaySpec { segments: 5, p_st: 0.5, narrowing_rate: 0.3, ..Default::default() }.into(),
+        ForestSpec { width: 10.0, height: 8.0, ..Default::default() }.into(),
+        RoadSpec { length: 60.0, ..Default::default() }.into(),
+        IndoorSpec { width: 6, height: 6, ..Default::default() }.into(),
+        landscape.into(),
+    ]
+}
+
+fn blueprints() -> Vec<WorldBlueprint> {
+    specs().iter().filter_map(|spec| spec.generate(Seed(3)).ok()).collect()
+}
+
+/// A world of every kind, and one with every kind of part and shape.
+pub fn worlds() -> Vec<World> {
+    blueprints().iter().map(WorldBlueprint::to_world).chain([every_part()]).collect()
+}
+
+/// Every value of an enum of names, as its reader lists them for a name that is none of them.
+pub fn every<T: DeserializeOwned>() -> Vec<T> {
+    let Err(error) = serde_json::from_str::<T>("\"\"") else { return Vec::new() };
+    let text = error.to_string();
+    // The first name is the one that was given.
+    let names = text.split('`').skip(1).step_by(2).skip(1);
+    names.filter_map(|name| serde_json::from_value(name.into()).ok()).collect()
+}
+
+fn every_part() -> World {
+    let v = DVec2::new;
+    let rect = |x0, y0, x1, y1| Shape::from_rect(Rect::new(v(x0, y0), v(x1, y1)));
+    let source = serde_json::json!({ "made": "by hand", "list": [1, 2.5, null], "deep": {} });
+    let bounds = Rect::new(DVec2::ZERO, v(12.0, 10.0));
+    let mut world = World::new(Provenance::other("manual", source), bounds);
+    world.start = Some(Pose::new(6.0, 1.5, 0.5));
+    world.goal = Some(Pose::new(11.0, 9.0, -1.0));
+    for (kind, i) in every::<WallKind>().into_iter().zip(0..) {
+        let y = 0.2 + f64::from(i);
+        world.walls.push(Wall { kind, shape: Shape::Segment { a: v(0.2, y), b: v(3.0, y + 0.4) } });
+    }
+    world.trees.push(Tree { center: v(9.0, 3.0), radius: 0.7 });
+    let polygon = vec![v(7.0, 6.0), v(9.0, 6.2), v(8.4, 7.0), v(9.0, 8.0), v(7.2, 7.8)];
+    let box_ = Shape::Box { center: v(4.0, 7.0), half_size: v(0.8, 0.3), heading: 0.7 };
+    let shapes = [Shape::Polygon { vertices: polygon }, box_];
+    let discs =
+        (0..).map(|i| Shape::Disc { center: v(0.5 + 0.6 * f64::from(i), 9.6), radius: 0.2 });
+    let kinds = every::<ObstacleKind>().into_iter().zip(shapes.into_iter().chain(discs));
+    world.obstacles = kinds.map(|(kind, shape)| Obstacle { kind, shape }).collect();
+    for (kind, i) in every::<SurfaceKind>().into_iter().zip(0..) {
+        let x = 4.0 + f64::from(i);
+        let shape = if i == 0 {
+            Shape::Disc { center: v(6.0, 4.0), radius: 1.0 }
+        } else {
+            rect(x, 5.0, x + 1.5, 6.0)
+        };
+        world.surfaces.push(Surface { kind, shape, speed: 0.5, odometry_noise: 4.0 });
+    }
+    for (contents, i) in every::<Contents>().into_iter().zip(0..) {
+        let y = 5.5 + f64::from(i);
+        world.rooms.push(Room {
+            name: format!("office \"{i}\""),
+            shape: rect(0.0, y, 3.0, y + 1.0),
+            difficulty: Some(2.5).filter(|_| i > 0),
+            lit: i != 1,
+            contents,
+        });
+    }
+    let door = |y, open, rooms| Doorway { shape: rect(2.9, y, 3.1, y + 0.9), open, rooms };
+    world.doorways = vec![door(6.0, true, [Some(0), None]), door(8.0, false, [None, Some(0)])];
+    world.victims.push(Pose::new(2.0, 9.0, 3.0));
+    world.raster = Some(ClassRaster {
+        rows: 2,
+        cols: 3,
+        cell: 4.0,
+        origin: DVec2::ZERO,
+        cells: vec![1, 2, 0, 2, 1, 300],
+        speeds: vec![0.0, 1.0, 0.5],
+    });
+    world.certificate = vec![
+        Claim::Connected { radius: 0.3 },
+        Claim::TreeDistance { distance: 0.5, torus: Some(v(12.0, 10.0)) },
+    ];
+    world
+}
+
+fn written(format: Format, ending: &str) -> Corpus {
+    let worlds: Vec<_> =
+        blueprints().into_iter().map(|plan| (plan.to_world(), Some(plan))).collect();
+    let worlds = worlds.iter().map(|(world, plan)| (world, plan.as_ref()));
+    let by_hand = every_part();
+    let writers = format.files().iter().filter(|file| file.0 == ending);
+    let writers: Vec<_> = writers.map(|file| file.1).collect();
+    let mut files = Vec::new();
+    for (world, blueprint) in worlds.chain([(&by_hand, None)]) {
+        for writer in &writers {
+            let mut file = Vec::new();
+            let job = Job { blueprint, ..Job::new(world) };
+            if writer(&job, &mut file).is_ok() && file.len() < 60_000 {
+                files.push(file);
+            }
+        }
+    }
+    files
+}
+
+/// Worlds as JSON.
+pub fn world_json() -> Corpus {
+    written(Format::Json, "json")
+}
+
+/// Worlds as RON.
+pub fn world_ron() -> Corpus {
+    written(Format::Ron, "ron")
+}
+
+/// Specs as RON, whole and short.
+pub fn spec_ron() -> Corpus {
+    let whole = specs().into_iter().map(|spec| spec.to_ron());
+    let short = ["Hallway(segments: 8, p_st: 0.2)", "forest(width: 9, height: 9, intensity: 0.2)"];
+    whole.chain(short.map(str::to_owned)).map(String::into_bytes).collect()
+}
+
+/// Settings as on the command line: a kind, then `name=value` a line.
+pub fn settings() -> Corpus {
+    let mut files = Vec::new();
+    for (kind, spec) in Kind::ALL.iter().zip(specs()) {
+        let serde_json::Value::Object(fields) = spec.settings_json() else { continue };
+        let mut file = format!("{kind}\n");
+        for (name, value) in fields {
+            let text = match value {
+                serde_json::Value::String(text) => text,
+                serde_json::Value::Null => "none".to_owned(),
+                serde_json::Value::Array(items) => {
+                    let items: Vec<_> = items.iter().map(ToString::to_string).collect();
+                    items.join(",")
+                }
+                other => other.to_string(),
+            };
+            file += &format!("{name}={text}\n");
+        }
+        files.push(file.into_bytes());
+    }
+    files
+}
+
+/// Rooms as RON.
+pub fn room_ron() -> Corpus {
+    let rooms = Catalogue::builtin().rooms().iter().step_by(3);
+    rooms.map(|room| room_to_ron(room).into_bytes()).collect()
+}
+
+/// ESRI ASCII grids.
+pub fn asc() -> Corpus {
+    let by_hand = "ncols 3\nNROWS 2\nxllcenter 10.5\nyllcorner 20\ncellsize 1.0\n\
+                   NODATA_value -1\n1 2 -1\n 3 311 0\n";
+    let mut files = written(Format::Asc, "asc");
+    files.push(by_hand.into());
+    files
+}
+
+/// `MovingAI` maps.
+pub fn map() -> Corpus {
+    let mut files = written(Format::MovingAi, "map");
+    files.push(b"type octile\r\nheight 3\r\nwidth 5\r\nmap\r\n..GSW\r\n.@@TO\r\n.....\r\n".into());
+    files
+}
+
+/// `MovingAI` scenarios.
+pub fn scen() -> Corpus {
+    let mut files = written(Format::MovingAi, "scen");
+    files.push(
+        b"version 1\n0\ta.map\t5\t3\t0\t0\t4\t2\t5.41421356\n1\ta\t5\t3\t1\t1\t1\t1\t0\n".into(),
+    );
+    files
+}
+
+/// Rasters as JSON.
+pub fn raster_json() -> Corpus {
+    let texts = [
+        "[[1, 2, 0], [3, null, 1]]",
+        r#"{"rows": 1, "cols": 2, "cell": 0.5, "cells": [[7, 8]]}"#,
+        r#"{"kind": "landscape", "blueprint": {"cells": [[7], [-8]]}}"#,
+    ];
+    let world = every_part().to_json().unwrap_or_default();
+    texts.map(str::to_owned).into_iter().chain([world]).map(String::into_bytes).collect()
+}
+
+/// PGM images.
+pub fn pgm() -> Corpus {
+    vec![
+        b"P2\n# by hand\n4 3\n255\n0 205 254 254\n254 254 0 254\n0 0 0 205\n".into(),
+        b"P5\n4 3\n255\n\x00\xcd\xfe\xfe\xfe\xfe\x00\xfe\x00\x00\x00\xcd".into(),
+        b"P5 2 2 65535 \x00\x00\xff\xff\x12\x34\xff\xfe".into(),
+        b"P2 3 2 100 0 50 100 101 3 7".into(),
+    ]
+}
+
+/// PNG images of every kind of colour and some depths, with texts and transparency.
+pub fn png() -> Corpus {
+    use png::{BitDepth, ColorType};
+    let kinds = [
+        (ColorType::Grayscale, BitDepth::One, 1),
+        (ColorType::Grayscale, BitDepth::Eight, 5),
+        (ColorType::Grayscale, BitDepth::Sixteen, 10),
+        (ColorType::Rgb, BitDepth::Eight, 15),
+        (ColorType::Indexed, BitDepth::Four, 3),
+        (ColorType::Indexed, BitDepth::Eight, 5),
+        (ColorType::GrayscaleAlpha, BitDepth::Eight, 10),
+        (ColorType::Rgba, BitDepth::Sixteen, 40),
+    ];
+    let mut files = Vec::new();
+    for (color, depth, line) in kinds {
+        let mut file = Vec::new();
+        let mut encoder = png::Encoder::new(&mut file, 5, 4);
+        encoder.set_color(color);
+        encoder.set_depth(depth);
+        if color == ColorType::Indexed {
+            encoder.set_palette((0..48).collect::<Vec<u8>>());
+            encoder.set_trns(vec![0, 255, 128]);
+        }
+        let whole = encoder.add_text_chunk("envgen-cell".to_owned(), "0.5".to_owned());
+        let written = encoder.write_header().and_then(|mut writer| {
+            let data: Vec<u8> = (0..4 * line).map(|i| (i * 37 % 13) as u8).collect();
+            writer.write_image_data(&data)
+        });
+        if whole.is_ok() && written.is_ok() {
+            files.push(file);
+        }
+    }
+    files.extend(written(Format::ClassPng, "classes.png"));
+    files
+}
+
+/// Descriptions of ROS maps.
+pub fn yaml() -> Corpus {
+    let mut files = written(Format::RosMap, "yaml");
+    files.truncate(2);
+    let texts = [
+        "image: map.pgm\nresolution: 0.050000\norigin: [-15.1, -25.0, 0.3]\nnegate: 0\n\
+         occupied_thresh: 0.65\nfree_thresh: 0.196\nmode: scale\n",
+        "# saved\nimage: \"a.png\"\nresolution: 0.1\norigin:\n  - 1.0\n  - -2\n  - 0\n\
+         negate: true\noccupied_thresh: 0.9\nfree_thresh: 0.1\nmode: raw\nextra: {a: [b, c]}\n",
+    ];
+    files.extend(texts.map(|text| text.as_bytes().to_vec()));
+    files
+}
+
+/// Projects of the World Generator.
+pub fn project_xml() -> Corpus {
+    written(Format::WorldGenerator, "xml")
+}
+
+/// Libraries of rooms of the World Generator.
+pub fn library_xml() -> Corpus {
+    let mut file = Vec::new();
+    let written = envgen::indoor::world_generator::write_library(Catalogue::builtin(), &mut file);
+    if written.is_ok() { vec![file] } else { Vec::new() }
+}
+
+/// Robots as RON.
+pub fn robot_ron() -> Corpus {
+    let whole = format!("{:?}", Robot::default()).replacen("Robot {", "(", 1).replace('}', ")");
+    ["(length: 0.4, width: 0.4, max_speed: 1.2)", "()", whole.as_str()]
+        .map(|text| text.as_bytes().to_vec())
+        .to_vec()
+}
+
+/// Logs of short trials, in a world that is made again and in one that the log holds.
+pub fn trial_log() -> Corpus {
+    let worlds = worlds();
+    let mut files = Vec::new();
+    for (i, robots) in [(0, 1), (5, 1), (5, 2)] {
+        let Some(world) = worlds.get(i) else { continue };
+        let settings = TrialSettings { time_limit: 4.0, robots, ..Default::default() };
+        let Ok(mut trial) = Trial::flat(world, settings) else { continue };
+        while trial.step() {}
+        let mut file = Vec::new();
+        if trial.log("flat").write(&mut file).is_ok() {
+            files.push(file);
+        }
+    }
+    files
+}

@@ -1,0 +1,77 @@
+//! What a program does with a world that it has read: nothing of it may panic or take long.
+
+use envgen::World;
+use envgen::export::ros_map::RosMap;
+use envgen::export::{Format, Job};
+use envgen::glam::DVec2;
+use envgen::ground::Grounds;
+use envgen::occupancy::{Coverage, OccupancyGrid};
+use envgen::placement::roomiest_place;
+use envgen::proximity::Proximity;
+use envgen::raycast::{Fan, Raycaster};
+use mapping_trial::robot::Robot;
+use mapping_trial::trial::{Trial, TrialSettings};
+use mapping_trial::truth::Truth;
+
+/// Cells along a world's longer side.
+const CELLS: f64 = 64.0;
+
+/// Worlds longer than this are in no map of fixed resolution, in metres.
+const LONGEST: f64 = 30.0;
+
+/// Uses a checked world; `dear` things are left out where `thorough` is false.
+pub fn world(world: &World, thorough: bool) {
+    let digest = world.digest();
+    let bounds = world.bounds;
+    let points = [
+        bounds.center(),
+        bounds.min,
+        bounds.max,
+        world.start.map_or(DVec2::ZERO, |start| start.position),
+        DVec2::splat(1e300),
+        DVec2::NAN,
+    ];
+    let rays = Raycaster::new(world);
+    let grounds = Grounds::new(world);
+    let Ok(near) = Proximity::new(world, 1.0) else { unreachable!("a metre") };
+    let Ok(fan) = Fan::new(std::f64::consts::TAU, 8) else { unreachable!("a full turn") };
+    let mut ranges = Vec::new();
+    for p in points {
+        let pose = envgen::geometry::Pose { position: p, heading: 0.3 };
+        rays.scan(pose, &fan, 100.0, &mut ranges);
+        let _ = rays.cast(p, 1.0, f64::INFINITY);
+        let _ = grounds.at(p);
+        let _ = near.clearance(p);
+    }
+    let resolution = bounds.size().max_element() / CELLS;
+    for coverage in [Coverage::Centre, Coverage::Conservative] {
+        if let Ok(grid) = OccupancyGrid::of(world, resolution, coverage) {
+            let _ = roomiest_place(&grid);
+        }
+    }
+    let _ = RosMap::of_world(world, resolution);
+    for strip in &world.road_strips {
+        let _ = strip.mesh(0.1);
+    }
+    let small = bounds.size().max_element() <= LONGEST;
+    for &format in Format::ALL {
+        let dear = !matches!(
+            format,
+            Format::Json | Format::Ron | Format::OpenDrive | Format::Csv | Format::Asc
+        );
+        if dear && !(thorough && small) {
+            continue;
+        }
+        for (_, write) in format.files() {
+            let _ = write(&Job::new(world), &mut std::io::sink());
+        }
+    }
+    if thorough && small {
+        let _ = Truth::new(world, &Robot::default());
+        let settings = TrialSettings { time_limit: 0.5, ..Default::default() };
+        if let Ok(mut trial) = Trial::flat(world, settings) {
+            while trial.step() {}
+        }
+    }
+    assert!(world.digest() == digest, "a world has one digest");
+}

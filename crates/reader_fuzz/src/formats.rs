@@ -1,0 +1,192 @@
+//! The formats: for each a corpus, and what is done with a file.
+
+use std::path::Path;
+
+use envgen::import::ros_map::{RosDescription, RosMode, UnknownCells};
+use envgen::import::{
+    ImportedRaster, read_class_png, read_scenarios, read_world_generator_library,
+    read_world_generator_project, reader,
+};
+use envgen::indoor::{Catalogue, IndoorSpec, room_from_ron};
+use envgen::{Blueprint, Kind, Seed, World, WorldSpec};
+use mapping_trial::robot::Robot;
+use mapping_trial::trial::TrialLog;
+
+use crate::corpus::{self, Corpus};
+use crate::exercise;
+
+/// Specs of more work than this are only checked.
+const MOST_WORK: f64 = 3e4;
+
+/// Logs of more ticks than this are only read.
+const MOST_TICKS: u64 = 400;
+
+/// A format that is read.
+pub struct Format {
+    /// Its name, by which it is asked for.
+    pub name: &'static str,
+    /// Ending of its files.
+    pub ending: &'static str,
+    /// The files that mutations start from.
+    pub corpus: fn() -> Corpus,
+    /// Reads a file, and uses what it holds; whether it was read.
+    pub read: fn(&[u8]) -> bool,
+}
+
+macro_rules! formats {
+    ($($name:ident $ending:literal $read:expr;)+) => {
+        /// Every format.
+        pub const FORMATS: &[Format] = &[$(Format {
+            name: stringify!($name),
+            ending: $ending,
+            corpus: corpus::$name,
+            read: $read,
+        }),+];
+    };
+}
+
+formats! {
+    world_json "json" |file| world("a.json", file);
+    world_ron "ron" |file| world("a.ron", file);
+    spec_ron "ron" |file| text(file).is_some_and(|text| {
+        WorldSpec::from_ron(text).is_ok_and(|spec| generated(&spec, file))
+    });
+    settings "txt" |file| text(file).is_some_and(|text| settings(text, file));
+    room_ron "ron" |file| text(file).is_some_and(|text| room(text, file));
+    asc "asc" |file| world("a.asc", file);
+    map "map" |file| world("a.map", file);
+    scen "scen" |mut file| read_scenarios(&mut file).is_ok();
+    raster_json "json" |mut file| {
+        ImportedRaster::read(Path::new("a.json"), &mut file).is_ok()
+    };
+    pgm "pgm" |file| grey_image(file);
+    png "png" |file| {
+        let image = grey_image(file);
+        let mut rest = file;
+        read_class_png(&mut rest).is_ok() | image
+    };
+    yaml "yaml" |file| text(file).is_some_and(|text| description(text, file));
+    project_xml "xml" |file| project(file);
+    library_xml "xml" |mut file| read_world_generator_library(&mut file).is_ok_and(|rooms| {
+        rooms.iter().all(|room| room.to_design().validate().is_ok())
+    });
+    robot_ron "ron" |file| text(file).is_some_and(|text| Robot::from_ron(text).is_ok());
+    trial_log "json" |file| log(file);
+}
+
+/// Readers of text take what is UTF-8, as the command does.
+fn text(file: &[u8]) -> Option<&str> {
+    std::str::from_utf8(file).ok()
+}
+
+/// Whether dear things are done with what this file holds: with one of 32.
+fn thorough(file: &[u8]) -> bool {
+    crc32fast::hash(file).is_multiple_of(32)
+}
+
+fn world(name: &str, mut file: &[u8]) -> bool {
+    let path = Path::new(name);
+    let read = reader(path).and_then(|read| read(&mut file, path));
+    read.is_ok_and(|world| used(&world, file))
+}
+
+fn used(world: &World, file: &[u8]) -> bool {
+    exercise::world(world, thorough(file));
+    true
+}
+
+fn generated(spec: &WorldSpec, file: &[u8]) -> bool {
+    if spec.validate().is_err() {
+        return false;
+    }
+    if spec.work() > MOST_WORK {
+        return true;
+    }
+    if let Ok(plan) = spec.generate(Seed(1)) {
+        let world = plan.to_world();
+        assert_eq!(world.check(), Ok(()), "a generated world is whole");
+        used(&world, file);
+        if thorough(file) {
+            plan.metrics();
+        }
+    }
+    true
+}
+
+fn settings(text: &str, file: &[u8]) -> bool {
+    let mut lines = text.lines();
+    let Some(Ok(kind)) = lines.next().map(str::parse::<Kind>) else { return false };
+    let mut spec = kind.default_spec();
+    for line in lines {
+        let Some((name, value)) = line.split_once('=') else { continue };
+        // Of a setting that is not allowed nothing stays.
+        let _ = spec.set(name, value);
+    }
+    generated(&spec, file)
+}
+
+fn room(text: &str, file: &[u8]) -> bool {
+    let Ok(design) = room_from_ron(text) else { return false };
+    let large = design.width.saturating_mul(design.height) > 36;
+    let Ok(catalogue) = Catalogue::new([design]) else { return false };
+    if !large {
+        let spec = IndoorSpec { width: 8, height: 8, ..Default::default() };
+        generated(&IndoorSpec { catalogue: Some(catalogue), ..spec }.into(), file);
+    }
+    true
+}
+
+fn grey_image(file: &[u8]) -> bool {
+    let mut read = false;
+    for mode in [RosMode::Trinary, RosMode::Scale, RosMode::Raw] {
+        let description = RosDescription {
+            image: "a.pgm".to_owned(),
+            resolution: 0.25,
+            origin: [1.0, -2.0, 0.4],
+            negate: false,
+            occupied_thresh: 0.65,
+            free_thresh: 0.196,
+            mode,
+        };
+        if let Ok(map) = description.map(file) {
+            read = true;
+            let world = map.to_world(UnknownCells::Solid);
+            if world.check().is_ok() {
+                used(&world, file);
+            }
+        }
+    }
+    read
+}
+
+fn description(text: &str, file: &[u8]) -> bool {
+    let Ok(description) = RosDescription::from_yaml(text) else { return false };
+    for image in corpus::pgm() {
+        for unknown in [UnknownCells::Solid, UnknownCells::Free] {
+            let Ok(map) = description.map(&image) else { continue };
+            let world = map.to_world(unknown);
+            if world.check().is_ok() {
+                used(&world, file);
+            }
+        }
+    }
+    true
+}
+
+fn project(mut file: &[u8]) -> bool {
+    let bytes = file;
+    let project = read_world_generator_project(&mut file, Catalogue::builtin(), &[]);
+    project.is_ok_and(|project| {
+        let world = project.plan.to_world();
+        assert_eq!(world.check(), Ok(()), "the world of a project is whole");
+        used(&world, bytes)
+    })
+}
+
+fn log(mut file: &[u8]) -> bool {
+    let Ok(log) = TrialLog::read(&mut file) else { return false };
+    if log.ticks() <= MOST_TICKS {
+        let _ = log.replay();
+    }
+    true
+}
