@@ -238,7 +238,9 @@ mod tests {
                 let payload = caught.expect_err("it panics");
                 assert_eq!(payload.downcast_ref::<String>(), Some(&message));
             };
-            panics(&|| drop(edge_count(&cells, cols)));
+            panics(&|| {
+                edge_count(&cells, cols);
+            });
             panics(&|| drop(Adjacency::new(&cells, cols)));
             panics(&|| drop(patches(&cells, cols, Neighbourhood::Four)));
             panics(&|| drop(crate::distance::squared_distances(cols, &vec![true; cells.len()])));

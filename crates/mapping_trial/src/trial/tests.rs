@@ -170,7 +170,8 @@ fn bad_logs_are_told() {
     assert!(told.starts_with("the log's settings: `time_limit` is -1"), "{told}");
     let mut world = hallway();
     world.bounds.max = world.bounds.min;
-    let broken = TrialLog { world: WorldSource::Given(Box::new(world)), ..log.clone() };
+    let mut broken = log.clone();
+    broken.world = WorldSource::Given(Box::new(world));
     let told = error(&written(&broken));
     assert!(told.starts_with("the log's world is broken: the bounds"), "{told}");
 
