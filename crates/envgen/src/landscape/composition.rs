@@ -115,10 +115,10 @@ pub fn largest_entropy(cells: u64, classes: u64) -> f64 {
         return if classes == 0 { 0.0 } else { entropy_of(&counts) };
     }
     // More than a map can have: the sum of the two sizes that classes then have.
-    let (whole, larger) = match cells.checked_div(classes) {
-        Some(whole) => (whole, cells % classes),
-        None => return 0.0,
-    };
+    if cells == 0 || classes == 0 {
+        return 0.0;
+    }
+    let (whole, larger) = (cells / classes, cells % classes);
     let part = |size: u64, classes: u64| {
         let share = size as f64 / cells as f64;
         if size == 0 { 0.0 } else { -(classes as f64) * share * libm::log(share) }
