@@ -18,8 +18,8 @@ import sys
 CELL = 0.1  # side of a cell in metres
 SIDE = 2048  # cells along a side of the grid, with the first start in its middle
 SEEN = 5.0  # metres up to which neighbouring beams leave no cell between them out
-UNKNOWN, HIT, MISS = 128, 12, 4  # a cell is a byte: below 128 rather free, above rather occupied
-FREE, OCCUPIED = UNKNOWN - 6, UNKNOWN + 10
+UNKNOWN, HIT, MISS = 128, 30, 4  # a cell is a byte: below 128 rather free, above rather occupied
+LEAST, FREE, OCCUPIED = UNKNOWN - 40, UNKNOWN - 6, UNKNOWN + 10
 # Plans step over every other cell; what blocks the robot is wider than that.
 AROUND = (2, -2, 2 * SIDE, -2 * SIDE)
 STEPS = [(step, 10) for step in AROUND] + [(a + b, 14) for a in AROUND[:2] for b in AROUND[2:]]
@@ -86,7 +86,7 @@ class Grid:
         odds = self.odds
         for cell in free - hits:
             old = odds[cell]
-            if old > MISS:
+            if old > LEAST:
                 odds[cell] = old - MISS
                 if old > OCCUPIED >= old - MISS:
                     self.change(cell, -1)
@@ -155,8 +155,10 @@ class Grid:
                         heapq.heappush(queue, (total, after))
         return None
 
-    def match(self, pose, points):
-        """The pose near a given one from which points in the robot's frame fit the grid best."""
+    def match(self, pose, points, far, turn):
+        """The pose near a given one from which points in the robot's frame fit the grid best, at
+        most so far and turned by so much: along a wall everything fits.
+        """
         def fit(x, y, heading):
             cos, sin = math.cos(heading) / CELL, math.sin(heading) / CELL
             column, row = x / CELL - self.left, y / CELL - self.low
@@ -168,18 +170,19 @@ class Grid:
 
         if not self.reaches(pose[0], pose[1]) or len(points) < 20:
             return pose
-        best, most = pose, fit(*pose) * 1.02
-        for far, turn in ((0.08, 0.03), (0.04, 0.015), (0.02, 0.006)):
-            better = True
+        best, most = pose, fit(*pose)
+        for part in (0.5, 0.25, 0.125):
+            step, angle, better = part * far, part * turn, True
             while better:
                 better = False
                 x, y, heading = best
                 for tried in (
-                    (x + far, y, heading), (x - far, y, heading), (x, y + far, heading),
-                    (x, y - far, heading), (x, y, heading + turn), (x, y, heading - turn),
+                    (x + step, y, heading), (x - step, y, heading), (x, y + step, heading),
+                    (x, y - step, heading), (x, y, heading + angle), (x, y, heading - angle),
                 ):
-                    found = fit(*tried)
-                    if found > most and math.dist(tried[:2], pose[:2]) < 0.5:
+                    near = math.dist(tried[:2], pose[:2]) <= far and abs(tried[2] - pose[2]) <= turn
+                    found = fit(*tried) if near else 0
+                    if found > most:
                         best, most, better = tried, found, True
         return best
 
@@ -260,7 +263,10 @@ class Robot:
             return
         if self.own_slam and self.drawn is not None:
             near = [point for point in points[::2] if abs(point[0]) + abs(point[1]) < SEEN]
-            self.pose = list(self.grid.match(tuple(self.pose), near))
+            # What the wheels may be wrong by since the last scan.
+            far = 0.02 + 0.1 * math.dist(self.pose[:2], self.drawn[:2])
+            turn = 0.01 + 0.1 * abs(self.pose[2] - self.drawn[2])
+            self.pose = list(self.grid.match(tuple(self.pose), near, far, turn))
         self.drawn = [*self.pose, seen["time"]]
         x, y, heading = self.pose
         cos, sin = math.cos(heading), math.sin(heading)

@@ -102,16 +102,15 @@ impl Link {
     }
 }
 
-#[expect(clippy::disallowed_methods, reason = "another process is waited for; no value depends on it")]
+#[expect(
+    clippy::disallowed_methods,
+    reason = "another process is waited for; no value depends on it"
+)]
 fn now() -> Instant {
     Instant::now()
 }
 
-fn write_lines(
-    mut input: impl Write,
-    lines: &Receiver<Vec<u8>>,
-    events: &SyncSender<Event>,
-) {
+fn write_lines(mut input: impl Write, lines: &Receiver<Vec<u8>>, events: &SyncSender<Event>) {
     for mut line in lines {
         line.push(b'\n');
         if let Err(error) = input.write_all(&line).and_then(|()| input.flush()) {

@@ -26,9 +26,9 @@ use envgen::SpecError;
 use thiserror::Error;
 
 pub use parts::{DriverOperator, DriverSlam};
-pub use protocol::{Greeting, Hello, PROTOCOL, RobotEnded};
+pub use protocol::{Greeting, Hello, PROTOCOL};
 
-use crate::score::Scores;
+use crate::trial::{TrialParts, TrialReport};
 use link::{Link, LinkError};
 use process::Process;
 use session::Session;
@@ -95,6 +95,30 @@ pub enum DriverError {
 }
 
 /// A connection to a driver, which its [`DriverOperator`] and [`DriverSlam`] share.
+///
+/// ```no_run
+/// use std::process::Command;
+///
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::driver::{Driver, Hello, Limits};
+/// use mapping_trial::trial::{Setup, Trial, TrialSettings};
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let settings = TrialSettings::default();
+/// let builder = Trial::builder(&world, settings.clone());
+///
+/// let mut command = Command::new("python3");
+/// command.arg("examples/drivers/explorer.py");
+/// let driver = Driver::start(command, Limits::default(), std::io::stderr())?;
+/// driver.greet(&Hello::new(&Setup { settings: &settings, starts: &builder.starts()? }));
+///
+/// let mut trial = builder.parts(driver.parts()).build_flat()?;
+/// while trial.step() {}
+/// let report = trial.report(&world, &trial.reference(&world)?)?;
+/// driver.end(Some(&report));
+/// println!("{}, {:?}", report.scores.coverage, report.failure);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Driver(Arc<Mutex<Session>>);
 
@@ -137,14 +161,26 @@ impl Driver {
         self.session().greet(hello)
     }
 
+    /// The parts that a driver takes over in a trial, after [`Driver::greet`]: it decides, and
+    /// where it says so, it estimates.
+    pub fn parts(&self) -> TrialParts {
+        let driver = self.clone();
+        let parts = TrialParts::default().operator(move |_| DriverOperator::new(&driver));
+        if !self.session().has_slam() {
+            return parts;
+        }
+        let driver = self.clone();
+        parts.slam(move |setup| DriverSlam::new(&driver, setup.starts))
+    }
+
     /// Why the driver failed; `None` while it does not.
     pub fn failure(&self) -> Option<String> {
         self.session().failure().map(str::to_owned)
     }
 
     /// Tells the driver what came of the trial, and waits a moment for it to end.
-    pub fn end(&self, ends: &[RobotEnded], scores: Option<&Scores>) {
-        self.session().end(ends, scores);
+    pub fn end(&self, report: Option<&TrialReport>) {
+        self.session().end(report);
     }
 }
 

@@ -4,34 +4,56 @@ use envgen::geometry::Pose;
 
 use super::Driver;
 use crate::body::Observation;
-use crate::map::OccupancyMap;
-use crate::operator::Decision;
+use crate::map::{Estimate, OccupancyMap};
+use crate::operator::{Decision, Operator, View};
+use crate::slam::Slam;
 use crate::slam::motion::{advance, believable};
+
+/// What logs and reports call the parts of a driver.
+fn name(driver: &Driver) -> String {
+    driver.session().name().map_or("driver".to_owned(), |name| format!("driver {name}"))
+}
 
 /// The operator that a driver is.
 #[derive(Debug)]
-pub struct DriverOperator(Driver);
+pub struct DriverOperator {
+    driver: Driver,
+    name: String,
+    failure: Option<String>,
+}
 
 impl DriverOperator {
     /// The operator of a driver that has been greeted.
     pub fn new(driver: &Driver) -> Self {
-        DriverOperator(driver.clone())
+        DriverOperator { driver: driver.clone(), name: name(driver), failure: None }
+    }
+}
+
+impl Operator for DriverOperator {
+    fn name(&self) -> &str {
+        &self.name
     }
 
-    /// scratch
-    pub fn ask(
-        &mut self,
-        robot: usize,
-        seen: &Observation,
-        pose: Pose,
-        map: &OccupancyMap,
-    ) -> Option<Decision> {
-        let mut session = self.0.session();
+    /// The driver is asked each tick, or as rarely as it wants.
+    fn ticks_per_decision(&self) -> u64 {
+        1
+    }
+
+    fn decide(&mut self, view: &View<'_>) -> Decision {
+        let robot = view.robot;
+        let mut session = self.driver.session();
         // One that estimates for itself has been asked where its estimate was.
         if !session.has_slam() {
-            session.tick(robot, seen, Some((pose, map)));
+            session.tick(robot, view.seen, Some((view.estimates[robot].pose, view.map)));
         }
-        session.decision(robot)
+        session.decision(robot).unwrap_or_else(|| {
+            self.failure = session.failure().map(str::to_owned);
+            Decision::Failed
+        })
+    }
+
+    fn failure(&self) -> Option<&str> {
+        self.failure.as_deref()
     }
 }
 
@@ -40,6 +62,7 @@ impl DriverOperator {
 #[derive(Debug)]
 pub struct DriverSlam {
     driver: Driver,
+    name: String,
     tracks: Vec<Vec<Pose>>,
     map: OccupancyMap,
 }
@@ -49,24 +72,47 @@ impl DriverSlam {
     pub fn new(driver: &Driver, starts: &[Pose]) -> Self {
         DriverSlam {
             driver: driver.clone(),
+            name: name(driver),
             tracks: starts.iter().map(|&start| vec![start]).collect(),
             map: OccupancyMap::new(),
         }
     }
 
-    pub(super) fn sense(&mut self, robot: usize, seen: &Observation) {
-        let start = self.tracks[0][0].position;
-        let track = &mut self.tracks[robot];
-        let mut pose = advance(track[track.len() - 1], believable(seen.odometry));
+    fn pose(&self, robot: usize) -> Pose {
+        let track = &self.tracks[robot];
+        track[track.len() - 1]
+    }
+}
+
+impl Slam for DriverSlam {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn step(&mut self, robot: usize, seen: &Observation) {
+        let mut pose = advance(self.pose(robot), believable(seen.odometry));
         let mut session = self.driver.session();
         if let Some(said) = session.tick(robot, seen, None) {
             pose = said.pose.unwrap_or(pose);
+            let start = self.tracks[0][0].position;
             match said.map.map(|grid| grid.to_map(start, &self.map)) {
                 Some(Ok(map)) => self.map = map,
                 Some(Err(error)) => session.fail(&error, seen.time),
                 None => {}
             }
         }
-        track.push(pose);
+        self.tracks[robot].push(pose);
+    }
+
+    fn estimate(&self, robot: usize) -> Estimate {
+        Estimate { pose: self.pose(robot), ..Estimate::default() }
+    }
+
+    fn map(&self) -> &OccupancyMap {
+        &self.map
+    }
+
+    fn trajectory(&self, robot: usize) -> Vec<Pose> {
+        self.tracks[robot].clone()
     }
 }

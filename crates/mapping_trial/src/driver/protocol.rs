@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 use super::DriverError;
 use super::grid::Grid;
 use crate::body::{Command, TICK};
-use crate::lidar::{LaserProfile, Scan};
-use crate::robot::Robot;
-use crate::trial::number;
+use crate::lidar::Scan;
+use crate::score::Scores;
+use crate::trial::{EndReason, Setup, TrialReport, TrialSettings, number};
 
 /// The protocol's name and version, as both sides' hello gives it.
 pub const PROTOCOL: &str = "envgen-driver 1";
@@ -71,12 +71,14 @@ struct LaserNumbers {
 }
 
 impl Hello {
-    /// What a driver is told of robots at `starts` before a trial of so many seconds.
-    pub fn new(starts: &[Pose], robot: &Robot, laser: &LaserProfile, time_limit: f64) -> Self {
+    /// What a driver is told before a trial.
+    pub fn new(setup: &Setup<'_>) -> Self {
+        let Setup { settings, starts } = setup;
+        let TrialSettings { body: robot, laser, time_limit, .. } = settings;
         Hello {
             protocol: PROTOCOL,
             tick: TICK,
-            time_limit,
+            time_limit: *time_limit,
             battery: robot.battery,
             robots: starts.len(),
             starts: starts.iter().copied().map(triple).collect(),
@@ -139,18 +141,27 @@ pub(super) struct Odometry {
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "type", rename = "end")]
 pub(super) struct Ended<'a> {
-    pub(super) ends: &'a [RobotEnded],
-    pub(super) scores: Option<&'a crate::score::Scores>,
+    pub(super) ends: Vec<RobotEnded>,
+    pub(super) scores: Option<&'a Scores>,
     pub(super) failure: Option<&'a str>,
 }
 
-/// Why and when one robot's part ended, for the last line.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RobotEnded {
-    /// Why.
-    pub reason: String,
-    /// Simulated seconds until then.
-    pub time: f64,
+/// Why and when one robot's part ended.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct RobotEnded {
+    reason: Option<EndReason>,
+    time: f64,
+}
+
+impl<'a> Ended<'a> {
+    pub(super) fn new(report: Option<&'a TrialReport>, failure: Option<&'a str>) -> Self {
+        let robots = report.iter().flat_map(|report| &report.robots);
+        Ended {
+            ends: robots.map(|robot| RobotEnded { reason: robot.end, time: robot.time }).collect(),
+            scores: report.map(|report| &report.scores),
+            failure,
+        }
+    }
 }
 
 /// A driver's answer to the hello.
@@ -218,9 +229,8 @@ pub(super) struct Reply {
     pub(super) map: Option<Grid>,
 }
 
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-#[derive(Default)]
 struct RawReply {
     id: Option<u64>,
     speed: Option<f64>,
@@ -289,6 +299,11 @@ pub(super) fn line(value: &impl Serialize) -> Result<Vec<u8>, DriverError> {
 
 /// Reads a line of JSON; errors name the field.
 fn read<'a, T: Deserialize<'a>>(line: &'a [u8]) -> Result<T, DriverError> {
+    // Else the fields' values in their order would do as well.
+    if line.trim_ascii_start().starts_with(b"[") {
+        let near = String::from_utf8_lossy(&line[..line.len().min(4 * EXCERPT)]);
+        return Err(DriverError::NoReply(format!("no object, in `{}`", excerpt(&near))));
+    }
     let mut input = serde_json::Deserializer::from_slice(line);
     let found = serde_path_to_error::deserialize(&mut input)
         .map_err(|error| (Some(error.path().to_string()), error.into_inner()))
@@ -386,7 +401,8 @@ mod tests {
             ("", "EOF"),
             ("hello", "expected value at character 1, in `hello`"),
             ("\u{1b}[31m", "in `\\u{1b}[31m`"),
-            ("[0.1, 0.2]", "invalid"),
+            ("[0.1, 0.2]", "a line that is no answer: no object, in `[0.1, 0.2]`"),
+            ("[]", "no object"),
         ] {
             assert!(error(text).contains(part), "{text}: {}", error(text));
         }
@@ -402,7 +418,8 @@ mod tests {
 
     #[test]
     fn greetings_are_read() {
-        let parse = |text: &str| Greeting::parse(text.as_bytes()).map_err(|error| error.to_string());
+        let parse =
+            |text: &str| Greeting::parse(text.as_bytes()).map_err(|error| error.to_string());
         let read = parse(r#"{"protocol": "envgen-driver 1", "name": "a b"}"#).unwrap();
         assert_eq!((read.name.as_str(), read.rate, read.slam), ("a b", 1, false));
         let error = |text| parse(text).expect_err(text);

@@ -4,16 +4,15 @@ use std::time::Duration;
 
 use envgen::geometry::Pose;
 
+use super::grid::Grid;
 use super::protocol::{
-    Ended, Greeting, Hello, Observed, Odometry, Reply, RobotEnded, Wish, excerpt, line, ranges, triple,
+    Ended, Greeting, Hello, Observed, Odometry, Reply, Wish, excerpt, line, ranges, triple,
 };
 use super::{DriverError, Limits, Link, LinkError, Process};
 use crate::body::{Command, Observation};
 use crate::map::OccupancyMap;
 use crate::operator::Decision;
-use crate::score::Scores;
-
-use super::grid::Grid;
+use crate::trial::TrialReport;
 
 /// How long a driver may take to end after the last line before its process is ended.
 const FAREWELL: Duration = Duration::from_secs(2);
@@ -206,27 +205,26 @@ impl Session {
             LinkError::Unasked(line) => {
                 DriverError::Unasked(excerpt(&String::from_utf8_lossy(&line)))
             }
+            LinkError::Closed { half: 0 } => self.gone("closed its output", ""),
             LinkError::Closed { half } => {
-                let half = match half {
-                    0 => String::new(),
-                    half => format!(" after {half} bytes of a line without its end"),
-                };
-                self.gone(&format!("closed its output{half}"))
+                let half = format!(" after {half} bytes of a line without its end");
+                self.gone("closed its output", &half)
             }
-            LinkError::Read(error) => self.gone(&format!("cannot be read: {error}")),
-            LinkError::Write(error) => self.gone(&format!("does not read its input: {error}")),
+            LinkError::Read(error) => self.gone(&format!("cannot be read: {error}"), ""),
+            LinkError::Write(error) => self.gone(&format!("cannot be told anything: {error}"), ""),
         })
     }
 
-    /// A driver that is gone or has closed one of its ends: where its process has ended, how.
-    fn gone(&mut self, what: &str) -> DriverError {
+    /// A driver that is gone or has closed one of its ends: where its process has ended, how. Which
+    /// end was seen to close first says nothing then.
+    fn gone(&mut self, what: &str, half: &str) -> DriverError {
         let Some(process) = &mut self.process else {
-            return DriverError::Gone(format!("it {what}"));
+            return DriverError::Gone(format!("it {what}{half}"));
         };
         let (status, words) = process.last_words();
         let mut text = match status {
-            Some(status) => format!("it ended ({status}) and {what}"),
-            None => format!("it {what}, but has not ended"),
+            Some(status) => format!("it ended ({status}){half}"),
+            None => format!("it {what}{half}, but has not ended"),
         };
         if let Some(words) = words {
             text.push_str(&format!("; the last line of its standard error: `{}`", excerpt(&words)));
@@ -234,8 +232,8 @@ impl Session {
         DriverError::Gone(text)
     }
 
-    pub(super) fn end(&mut self, ends: &[RobotEnded], scores: Option<&Scores>) {
-        let last = line(&Ended { ends, scores, failure: self.failure.as_deref() });
+    pub(super) fn end(&mut self, report: Option<&TrialReport>) {
+        let last = line(&Ended::new(report, self.failure.as_deref()));
         self.link.close(last.ok());
         // One that failed may hang; what it does then is of no interest.
         if self.failure.is_none()

@@ -10,15 +10,15 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::body::{Command as Drive, Observation};
-use crate::lidar::{LaserProfile, NO_ECHO, Scan};
-use crate::map::{CLAMP, CellIndex, OccupancyMap};
+use crate::lidar::{NO_ECHO, Scan};
+use crate::map::{CLAMP, CellIndex, Estimate, OccupancyMap};
 use crate::odometry::Increment;
-use crate::operator::Decision;
-use crate::robot::Robot;
+use crate::operator::{Decision, Operator, View};
+use crate::slam::Slam;
+use crate::trial::{Setup, TrialSettings};
 
 /// Long enough for a machine that does other things as well.
-const PATIENCE: Limits =
-    Limits { reply: Duration::from_secs(60), total: Duration::from_secs(600) };
+const PATIENCE: Limits = Limits { reply: Duration::from_secs(60), total: Duration::from_secs(600) };
 
 /// A driver that answers each line by a function until it gives none or half a line. What it was told comes back
 /// when it ends.
@@ -50,7 +50,33 @@ fn driver(
 
 fn hello(robots: usize) -> Hello {
     let starts = vec![Pose::new(1.0, 2.0, 0.5); robots];
-    Hello::new(&starts, &Robot::default(), &LaserProfile::default(), 60.0)
+    Hello::new(&Setup { settings: &TrialSettings::default(), starts: &starts })
+}
+
+/// What an operator decides on what a robot sees, at a pose.
+fn decide(
+    operator: &mut DriverOperator,
+    robot: usize,
+    seen: &Observation,
+    pose: Pose,
+    map: &OccupancyMap,
+) -> Decision {
+    let TrialSettings { body, laser, .. } = TrialSettings::default();
+    operator.decide(&View {
+        robot,
+        estimates: &[Estimate { pose, ..Estimate::default() }; 2],
+        map,
+        scan: &Scan { ranges: Vec::new() },
+        water: &[],
+        seen,
+        body: &body,
+        laser: &laser,
+    })
+}
+
+/// The same where neither pose nor map matter.
+fn decide_at(operator: &mut DriverOperator, tick: u32) -> Decision {
+    decide(operator, 0, &seen(tick), Pose::default(), &OccupancyMap::new())
 }
 
 fn greeting(line: &Value, more: &str) -> Option<String> {
@@ -77,10 +103,10 @@ fn failure(text: &'static str) -> String {
     });
     driver.greet(&hello(1)).expect("a greeting");
     let mut operator = DriverOperator::new(&driver);
-    let decision = operator.ask(0, &seen(0), Pose::default(), &OccupancyMap::new());
-    assert_eq!(decision, None, "{text}");
+    assert_eq!(decide_at(&mut operator, 0), Decision::Failed, "{text}");
     // It stays failed.
-    assert_eq!(operator.ask(0, &seen(1), Pose::default(), &OccupancyMap::new()), None);
+    assert_eq!(decide_at(&mut operator, 1), Decision::Failed, "{text}");
+    assert_eq!(operator.failure().map(str::to_owned), driver.failure());
     driver.failure().expect("a reason")
 }
 
@@ -95,12 +121,12 @@ fn what_was_measured_between_lines_is_told_with_the_next() {
     let pose = Pose::new(3.0, 4.0, 5.0);
     for tick in 0..7 {
         for robot in 0..2 {
-            let decision = operator.ask(robot, &seen(tick), pose, &OccupancyMap::new());
+            let decision = decide(&mut operator, robot, &seen(tick), pose, &OccupancyMap::new());
             let command = Drive { speed: 0.1, turn_rate: 0.2 };
-            assert_eq!(decision, Some(Decision::Drive(command)));
+            assert_eq!(decision, Decision::Drive(command));
         }
     }
-    driver.end(&[RobotEnded { reason: "stopped".to_owned(), time: 0.35 }], None);
+    driver.end(None);
     drop((driver, operator));
     let told = told.join().expect("it ends");
     assert_eq!(told[0]["protocol"], PROTOCOL);
@@ -118,7 +144,6 @@ fn what_was_measured_between_lines_is_told_with_the_next() {
     assert_eq!(field("pose")[0], json!([3.0, 4.0, 5.0]));
     let last = &told[told.len() - 1];
     assert_eq!(last["type"], "end");
-    assert_eq!(last["ends"][0]["reason"], "stopped");
 }
 
 #[test]
@@ -133,9 +158,9 @@ fn the_map_comes_when_it_is_wanted() {
     let mut map = OccupancyMap::new();
     map.add(CellIndex { col: 0, row: 1 }, CLAMP);
     for tick in 0..3 {
-        operator.ask(0, &seen(tick), Pose::default(), &map).expect("a decision");
+        decide(&mut operator, 0, &seen(tick), Pose::default(), &map);
     }
-    driver.end(&[], None);
+    driver.end(None);
     drop((driver, operator));
     let told = told.join().expect("it ends");
     let maps: Vec<&Value> = told[1..4].iter().map(|line| &line["map"]).collect();
@@ -161,36 +186,39 @@ fn a_driver_may_estimate_for_itself() {
     let mut slam = DriverSlam::new(&driver, &[start]);
     let mut operator = DriverOperator::new(&driver);
     for tick in 0..3 {
-        slam.sense(0, &seen(tick));
-        let decision = operator.ask(0, &seen(tick), Pose::default(), &OccupancyMap::new());
-        assert_eq!(decision, Some(Decision::Drive(Drive { speed: 0.1, turn_rate: 0.0 })));
+        slam.step(0, &seen(tick));
+        let decision = decide_at(&mut operator, tick);
+        assert_eq!(decision, Decision::Drive(Drive { speed: 0.1, turn_rate: 0.0 }));
     }
-    let track = &slam.tracks[0];
+    let track = slam.trajectory(0);
     assert_eq!(track.len(), 4);
     // The wheels, the driver, the wheels from there.
     assert!((track[1].position.distance(start.position) - 0.5).abs() < 1e-9);
     assert_eq!(track[2], Pose::new(7.0, 8.0, 0.0));
     assert!((track[3].position.distance(track[2].position) - 0.5).abs() < 1e-9);
-    assert_eq!(slam.map.tiles().flat_map(|(_, odds)| odds).filter(|&&odds| odds == CLAMP).count(), 16);
+    assert_eq!(
+        slam.map().tiles().flat_map(|(_, odds)| odds).filter(|&&odds| odds == CLAMP).count(),
+        16
+    );
 }
 
 #[test]
 fn a_bad_map_fails_the_driver() {
     let (driver, _) = driver(PATIENCE, move |line| {
-        let map = json!({"origin": [0, 0], "resolution": 0.1, "cols": 2, "rows": 2, "cells": "AA=="});
+        let map =
+            json!({"origin": [0, 0], "resolution": 0.1, "cols": 2, "rows": 2, "cells": "AA=="});
         let reply = json!({"speed": 0, "turn_rate": 0, "map": map});
         greeting(line, ", \"slam\": true").or_else(|| Some(format!("{reply}\n")))
     });
     driver.greet(&hello(1)).expect("a greeting");
     let mut slam = DriverSlam::new(&driver, &[Pose::default()]);
-    slam.sense(0, &seen(3));
+    slam.step(0, &seen(3));
     let text = "`map.cells` is 1 bytes, allowed is 4, one a cell (observation 0, at 0.15 s)";
     assert_eq!(driver.failure().as_deref(), Some(text));
-    let decision = DriverOperator::new(&driver).ask(0, &seen(3), Pose::default(), &slam.map);
-    assert_eq!(decision, None);
+    assert_eq!(decide_at(&mut DriverOperator::new(&driver), 3), Decision::Failed);
     // The wheels count on to the end of the trial.
-    slam.sense(0, &seen(4));
-    assert_eq!(slam.tracks[0].len(), 3);
+    slam.step(0, &seen(4));
+    assert_eq!(slam.trajectory(0).len(), 3);
 }
 
 #[test]
@@ -219,7 +247,7 @@ fn a_hello_that_is_none_is_a_failure_at_once() {
         let found = driver.failure().expect("a reason");
         assert!(found.contains(part), "{found}");
         let mut operator = DriverOperator::new(&driver);
-        assert_eq!(operator.ask(0, &seen(0), Pose::default(), &OccupancyMap::new()), None);
+        assert_eq!(decide_at(&mut operator, 0), Decision::Failed);
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use envgen::World;
+use envgen::geometry::Pose;
 
 use super::log::{CommandTrack, WorldSource};
 use super::parts::{Setup, TrialParts};
@@ -111,6 +112,17 @@ impl<'w> TrialBuilder<'w> {
         self
     }
 
+    /// Where the robots start, for parts that have to know it before they are made.
+    ///
+    /// # Errors
+    ///
+    /// As [`TrialBuilder::build_flat`].
+    pub fn starts(&self) -> Result<Vec<Pose>, TrialError> {
+        self.settings.validate()?;
+        let start = self.settings.start.or(self.world.start).ok_or(TrialError::NoStart)?;
+        starts(self.world, start, self.settings.robots, &self.settings.body)
+    }
+
     /// A trial in the flat simulator.
     ///
     /// # Errors
@@ -143,10 +155,8 @@ impl<'w> TrialBuilder<'w> {
         mut self,
         place: impl FnOnce(&Setup<'_>, Vec<Sensors>) -> B,
     ) -> Result<Trial<B>, TrialError> {
-        self.settings.validate()?;
+        let starts = self.starts()?;
         let TrialBuilder { world, parts, settings } = &mut self;
-        let start = settings.start.or(world.start).ok_or(TrialError::NoStart)?;
-        let starts = starts(world, start, settings.robots, &settings.body)?;
         let setup = Setup { settings, starts: &starts };
         let slam = parts.make_slam(&setup);
         let operator = parts.make_operator(&setup);
