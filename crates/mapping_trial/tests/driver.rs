@@ -1,0 +1,192 @@
+//! Drivers as processes, well-behaved and not: the trial ends with a reason, and its log and scores
+//! are there.
+#![cfg(all(unix, feature = "driver"))]
+
+use std::process::Command;
+use std::time::Duration;
+
+use envgen::hallway::HallwaySpec;
+use envgen::{Blueprint, Seed, Spec, World};
+use mapping_trial::driver::{Driver, Hello, Limits, MAX_LINE};
+use mapping_trial::flat::FlatSimulator;
+use mapping_trial::trial::{EndReason, PartRole, Setup, Trial, TrialReport, TrialSettings};
+
+/// The hello of a driver in sh.
+const HELLO: &str = r#"read hello; echo '{"protocol": "envgen-driver 1", "name": "sh"}';"#;
+
+/// Long enough for a machine that does other things as well.
+const PATIENCE: Limits = Limits { reply: Duration::from_secs(60), total: Duration::from_secs(600) };
+
+fn world() -> World {
+    HallwaySpec { segments: 4, ..Default::default() }.generate(Seed(7)).expect("a hall").to_world()
+}
+
+/// A trial of ten seconds that a script of sh drives.
+fn run(script: &str, limits: Limits) -> (Trial<FlatSimulator>, TrialReport, Driver) {
+    let settings = TrialSettings { time_limit: 10.0, ..TrialSettings::default() };
+    let mut command = Command::new("sh");
+    command.args(["-c", script]);
+    let driver = Driver::start(command, limits, std::io::sink()).expect("sh");
+    let world = world();
+    let builder = Trial::builder(&world, settings.clone());
+    let starts = builder.starts().expect("a start");
+    driver.greet(&Hello::new(&Setup { settings: &settings, starts: &starts }));
+    let mut trial = builder.parts(driver.parts()).build_flat().expect("a trial");
+    while trial.step() {}
+    let reference = trial.reference(&world).expect("a reference");
+    let report = trial.report(&world, &reference).expect("a report");
+    (trial, report, driver)
+}
+
+/// Why the trial of a script ends; there are a log that runs again and a report with the reason.
+fn failure(script: &str, limits: Limits) -> String {
+    let (trial, report, driver) = run(script, limits);
+    assert_eq!(report.robots[0].end, Some(EndReason::Failed), "{script}");
+    assert_eq!(report.failure, driver.failure(), "{script}");
+    assert!(report.scores.difficulty.is_finite());
+    let again = trial.log().replay().expect("its own log");
+    assert_eq!(again.track(0), trial.track(0), "{script}");
+    assert_eq!(again.end_of(0), trial.end_of(0), "{script}");
+    driver.end(Some(&report));
+    report.failure.expect("a reason")
+}
+
+#[test]
+fn a_driver_in_sh_drives_and_its_trial_runs_again() {
+    // The last line has no answer; the file tells what it was.
+    let folder = tempfile::tempdir().expect("a folder");
+    let last = folder.path().join("last");
+    let script = format!(
+        r#"{HELLO} while read line; do case "$line" in
+            *'"type":"end"'*) echo "$line" > {}; exit;;
+            *) echo '{{"speed": 0.4, "turn_rate": 0}}';; esac; done"#,
+        last.display()
+    );
+    let (trial, report, driver) = run(&script, PATIENCE);
+    assert_eq!((report.robots[0].end, &report.failure), (Some(EndReason::TimeLimit), &None));
+    assert!(report.scores.distance > 1.0, "{}", report.scores.distance);
+    let parts: Vec<_> = report.foreign.iter().map(|part| (part.role, part.name.as_str())).collect();
+    assert_eq!(parts, [(PartRole::Operator, "driver sh")]);
+    assert!(report.headline().starts_with("driver sh with scan_to_map"), "{}", report.headline());
+    let again = trial.log().replay().expect("its own log");
+    assert_eq!(again.track(0), trial.track(0));
+    driver.end(Some(&report));
+    let told: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(last).expect("the last line")).expect("JSON");
+    assert_eq!(told["ends"][0]["reason"], "time_limit");
+    assert_eq!(told["scores"]["coverage"].as_f64(), Some(report.scores.coverage));
+    assert!(told["failure"].is_null());
+}
+
+#[test]
+fn what_a_driver_does_wrong_is_told() {
+    let reply = r#"read line; echo '{"speed": 0.4, "turn_rate": 0}';"#;
+    let drives = |then: &str| format!("{HELLO} {reply} {reply} {then}");
+    for (script, parts) in [
+        (String::new(), ["it ended (exit", "status: 0)", "(answer to the hello)"]),
+        (
+            "echo garbage; cat > /dev/null".to_owned(),
+            ["no answer: expected value", "`garbage`", "(answer to the hello)"],
+        ),
+        (drives("exit 3"), ["it ended (exit status: 3)", "(observation 2", "at 0.10 s)"]),
+        (drives("kill -9 $$"), ["it ended (signal: 9", "(observation 2", "at 0.10 s)"]),
+        (
+            drives("echo Oh no >&2; exit 1"),
+            ["(exit status: 1)", "the last line of its standard error", "`Oh no`"],
+        ),
+        (
+            drives("read line; printf '{\"speed\":'"),
+            ["it ended (exit status: 0)", "after 9 bytes of a line without its end", "at 0.10 s"],
+        ),
+        (
+            drives("read line; echo '{\"speed\": NaN}'; cat > /dev/null"),
+            ["`speed`: expected value", "`{\"speed\": NaN}`", "observation 2"],
+        ),
+        (
+            drives("read line; echo '[]'; cat > /dev/null"),
+            ["a line that is no answer", "`[]`", "observation 2"],
+        ),
+        (
+            drives("exec >&-; cat > /dev/null"),
+            ["it closed its output, but has not ended", "(observation 2", "at 0.10 s"],
+        ),
+    ] {
+        let found = failure(&script, PATIENCE);
+        for part in parts {
+            assert!(found.contains(part), "{script}: {found}");
+        }
+    }
+}
+
+#[test]
+fn a_line_without_an_end_is_not_kept() {
+    let script = format!("{HELLO} read line; head -c 1000000000 /dev/zero | tr '\\0' x");
+    let found = failure(&script, PATIENCE);
+    assert!(found.contains(&format!("a line of more than {MAX_LINE} bytes")), "{found}");
+}
+
+#[test]
+fn a_driver_that_does_not_wait_is_told_from_one_that_answers() {
+    let found = failure(&format!("{HELLO} yes '{{\"finished\": false}}'"), PATIENCE);
+    let either = ["a line that answers nothing", "`speed` is missing"];
+    assert!(either.iter().any(|part| found.contains(part)), "{found}");
+    let found = failure(&format!("{HELLO} yes '{{\"speed\": 0, \"turn_rate\": 0}}'"), PATIENCE);
+    let either = ["a line that answers nothing", "it does not read its input"];
+    assert!(either.iter().any(|part| found.contains(part)), "{found}");
+}
+
+#[test]
+fn a_driver_that_hangs_or_crawls_is_ended() {
+    let short = Limits { reply: Duration::from_millis(300), ..PATIENCE };
+    let found = failure(&format!("{HELLO} read line; exec sleep 1000"), short);
+    assert_eq!(found, "no answer within 0.3 s (observation 0, at 0.00 s)");
+    let slow = Limits { total: Duration::from_millis(500), ..PATIENCE };
+    let script = format!(
+        "{HELLO} while read line; do sleep 0.1; echo '{{\"speed\": 0, \"turn_rate\": 0}}'; done"
+    );
+    let found = failure(&script, slow);
+    assert!(found.starts_with("its answers took more than 0.5 s together (observation"), "{found}");
+}
+
+#[test]
+fn no_process_stays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("pid");
+    let script = format!("echo $$ > {}; {HELLO} read line; exec sleep 1000", file.display());
+    let short = Limits { reply: Duration::from_millis(300), ..PATIENCE };
+    let (trial, _, driver) = run(&script, short);
+    drop((trial, driver));
+    let pid = std::fs::read_to_string(file).expect("a number");
+    let alive = Command::new("kill").args(["-0", pid.trim()]).output().expect("kill");
+    assert!(!alive.status.success(), "process {pid} is still there");
+}
+
+#[test]
+fn a_driver_that_is_not_there_cannot_be_started() {
+    let command = Command::new("no such program");
+    let error = Driver::start(command, PATIENCE, std::io::sink()).expect_err("not there");
+    assert!(error.to_string().starts_with("it cannot be started: "), "{error}");
+}
+
+#[test]
+fn what_a_driver_estimates_is_scored() {
+    let hello = HELLO.replace("\"sh\"", "\"sh\", \"slam\": true");
+    // The robot is said to stand still at its start, in a map of one wall.
+    let map = r#"{"origin": [0, 0], "resolution": 0.5, "cols": 1, "rows": 1, "cells": "ZA=="}"#;
+    let script = format!(
+        "{hello} while read line; do echo '{{\"speed\": 0.4, \"turn_rate\": 0, \"pose\": [9, 9, 0], \
+         \"map\": {map}}}'; done"
+    );
+    let (trial, report, driver) = run(&script, PATIENCE);
+    assert_eq!((report.robots[0].end, &report.failure), (Some(EndReason::TimeLimit), &None));
+    let names: Vec<_> = report.foreign.iter().map(|part| part.role).collect();
+    assert_eq!(names, [PartRole::Slam, PartRole::Operator]);
+    let last = trial.brain().slam().trajectory(0).last().copied().expect("a pose");
+    assert_eq!((last.position.x, last.position.y), (9.0, 9.0));
+    assert!(report.scores.trajectory_error > 1.0 && report.scores.coverage == 0.0);
+    // The built-in SLAM stands in where the log runs again; the robot drives the same path.
+    let again = trial.log().replay().expect("its own log");
+    assert_eq!(again.track(0), trial.track(0));
+    assert_eq!(again.foreign(), trial.foreign());
+    driver.end(Some(&report));
+}
