@@ -62,6 +62,20 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "nearest", value_parser = OperatorKind::named, conflicts_with = "replay")]
     operator: OperatorKind,
 
+    /// A program that drives instead, with its arguments, as docs/driver-protocol.md describes; - for
+    /// whoever started this one, over the standard input and output.
+    #[arg(long, value_name = "PROGRAM", allow_hyphen_values = true,
+          conflicts_with_all = ["operator", "replay"])]
+    pub(crate) driver: Option<String>,
+
+    /// Seconds that the driver has for one answer.
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, requires = "driver")]
+    pub(crate) driver_timeout: f64,
+
+    /// Seconds that the driver has for all its answers together.
+    #[arg(long, value_name = "SECONDS", default_value_t = 3600.0, requires = "driver")]
+    pub(crate) driver_total: f64,
+
     /// How poses and map are estimated: scan_to_map, pose_graph or dead_reckoning.
     #[arg(long, default_value = "scan_to_map", value_parser = SlamKind::named, conflicts_with = "replay")]
     slam: SlamKind,

@@ -4,6 +4,7 @@
 //! cargo run --release --example mapping_trial
 //! cargo run --release --example mapping_trial -- --difficulty 8 --seed 3 --operator corridors
 //! cargo run --release --example mapping_trial -- --engine rapier
+//! cargo run --release --example mapping_trial -- --driver "python3 examples/drivers/explorer.py"
 //! cargo run --release --example mapping_trial -- --replay out/log.json --out out/again
 //! ```
 //!
@@ -12,6 +13,7 @@
 //! the bit, and the report as JSON. Two runs with the same arguments write the same bytes.
 
 mod arguments;
+mod driver;
 #[path = "../shared/output.rs"]
 mod output;
 #[path = "../shared/robot.rs"]
@@ -26,15 +28,18 @@ use std::io::{BufReader, ErrorKind, IsTerminal, Write};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use bevy_envgen::trial::{replay_headless, run_headless};
+use bevy_envgen::trial::{replay_headless, run_headless_with};
 use clap::Parser;
 use envgen::World;
 use envgen::located::Locate;
 use indicatif::{ProgressBar, ProgressStyle};
 use mapping_trial::body::Bodies;
+use mapping_trial::driver::Driver;
 use mapping_trial::feedback::ask;
 use mapping_trial::flat::FlatSimulator;
-use mapping_trial::trial::{ForeignPart, PartRole, Trial, TrialLog, TrialSettings};
+use mapping_trial::trial::{
+    ForeignPart, PartRole, Trial, TrialLog, TrialParts, TrialReport, TrialSettings,
+};
 
 use crate::arguments::Arguments;
 
@@ -68,33 +73,44 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let Some(path) = &arguments.replay else {
         let world = arguments.world()?;
         let settings = arguments.settings(&world)?;
+        let driver = arguments.start_driver(&world, &settings)?;
+        let parts = driver.as_ref().map_or_else(TrialParts::default, Driver::parts);
         let bar = progress(settings.time_limit.min(settings.body.battery));
-        return if arguments.engine == RAPIER {
-            let trial = run_headless(&world, settings, |time| bar.set_position(time as u64))?;
+        let report = if arguments.engine == RAPIER {
+            let progress = |time| bar.set_position(time as u64);
+            let trial = run_headless_with(&world, settings, parts, progress)?;
             bar.finish_and_clear();
-            tell(arguments, &world, &trial, clock)
+            tell(arguments, &world, &trial, clock)?
         } else {
-            let trial = run_flat(&world, settings, &bar)?;
-            tell(arguments, &world, &trial, clock)
+            let trial = run_flat(&world, settings, parts, &bar)?;
+            tell(arguments, &world, &trial, clock)?
+        };
+        if let Some(driver) = driver {
+            driver.end(Some(&report));
+        }
+        return match report.failure {
+            Some(failure) => Err(format!("the driver failed: {failure}").into()),
+            None => Ok(()),
         };
     };
     let file = File::open(path).in_file(path)?;
     let log = TrialLog::read(&mut BufReader::new(file)).in_file(path)?;
     let world = log.world.world().in_file(path)?;
     for part in log.foreign.iter().filter(|part| part.role != PartRole::Operator) {
-        say(format_args!("{}\n", missing(part)))?;
+        say(arguments, format_args!("{}\n", missing(part)))?;
     }
     match log.engine.as_str() {
-        FLAT => tell(arguments, &world, &log.replay().in_file(path)?, clock),
+        FLAT => tell(arguments, &world, &log.replay().in_file(path)?, clock)?,
         RAPIER => {
             let trial = replay_headless(&world, log, |_| ()).in_file(path)?;
-            tell(arguments, &world, &trial, clock)
+            tell(arguments, &world, &trial, clock)?
         }
         other => {
             let text = format!("engine is `{other}`, known are `{FLAT}` and `{RAPIER}`");
-            Ok(Err(text).in_file(path)?)
+            return Ok(Err(text).in_file(path)?);
         }
-    }
+    };
+    Ok(())
 }
 
 /// What a log's part that was plugged in leaves to the built-in one; an operator's commands are in
@@ -113,29 +129,38 @@ fn tell<B: Bodies>(
     world: &World,
     trial: &Trial<B>,
     clock: Instant,
-) -> Result<(), Box<dyn Error>> {
+) -> Result<TrialReport, Box<dyn Error>> {
     let seconds = clock.elapsed().as_secs_f64();
     let truth = trial.reference(world)?;
     let mut report = trial.report(world, &truth)?;
-    say(format_args!(
-        "{}\n{:.0} simulated seconds took {seconds:.2} s, {:.0} times as fast as real time\n",
-        table::table(&report),
-        trial.time(),
-        trial.time() / seconds
-    ))?;
+    say(
+        arguments,
+        format_args!(
+            "{}\n{:.0} simulated seconds took {seconds:.2} s, {:.0} times as fast as real time\n",
+            table::table(&report),
+            trial.time(),
+            trial.time() / seconds
+        ),
+    )?;
     if arguments.form {
         let (mut questions, mut answers) = (std::io::stdout(), std::io::stdin().lock());
         report.feedback = Some(ask(&report.session(), &mut answers, &mut questions)?);
     }
     for path in output::write(&arguments.out, trial, &truth, &report)? {
-        say(format_args!("wrote {}\n", path.display()))?;
+        say(arguments, format_args!("wrote {}\n", path.display()))?;
     }
-    Ok(())
+    Ok(report)
 }
 
-/// Prints to stdout. A reader that has gone, as `head` does, is no error: the files are still written.
-fn say(text: std::fmt::Arguments<'_>) -> std::io::Result<()> {
-    match std::io::stdout().write_fmt(text) {
+/// Prints to stdout, or to stderr where stdout is a driver's. A reader that has gone, as `head` does,
+/// is no error: the files are still written.
+fn say(arguments: &Arguments, text: std::fmt::Arguments<'_>) -> std::io::Result<()> {
+    let said = if arguments.is_driven_by_caller() {
+        std::io::stderr().write_fmt(text)
+    } else {
+        std::io::stdout().write_fmt(text)
+    };
+    match said {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         said => said,
     }
@@ -145,9 +170,10 @@ fn say(text: std::fmt::Arguments<'_>) -> std::io::Result<()> {
 fn run_flat(
     world: &World,
     settings: TrialSettings,
+    parts: TrialParts,
     bar: &ProgressBar,
 ) -> Result<Trial<FlatSimulator>, Box<dyn Error>> {
-    let mut trial = Trial::flat(world, settings)?;
+    let mut trial = Trial::builder(world, settings).parts(parts).build_flat()?;
     let mut ticks = 0_u64;
     while trial.step() {
         ticks += 1;

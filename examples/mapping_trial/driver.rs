@@ -1,0 +1,62 @@
+//! Robots that another program drives.
+
+use std::error::Error;
+use std::process::Command;
+use std::time::Duration;
+
+use envgen::World;
+use mapping_trial::driver::{Driver, Hello, Limits};
+use mapping_trial::trial::{Setup, Trial, TrialSettings};
+
+use crate::arguments::Arguments;
+
+/// The driver that is whoever started this program, over our own standard input and output.
+const OURSELVES: &str = "-";
+
+impl Arguments {
+    /// Whether standard input and output belong to a driver.
+    pub(crate) fn is_driven_by_caller(&self) -> bool {
+        self.driver.as_deref() == Some(OURSELVES)
+    }
+
+    /// The driver that is asked for, greeted. One that fails at that fails in the trial.
+    pub(crate) fn start_driver(
+        &self,
+        world: &World,
+        settings: &TrialSettings,
+    ) -> Result<Option<Driver>, Box<dyn Error>> {
+        let Some(program) = &self.driver else { return Ok(None) };
+        let limits = Limits {
+            reply: seconds("--driver-timeout", self.driver_timeout)?,
+            total: seconds("--driver-total", self.driver_total)?,
+        };
+        // Said before anything is started.
+        let starts = Trial::builder(world, settings.clone()).starts()?;
+        let driver = if self.is_driven_by_caller() {
+            if self.form {
+                return Err(
+                    "--form reads the answers from the standard input, and so does the driver -"
+                        .into(),
+                );
+            }
+            Driver::connect(std::io::stdout(), std::io::stdin(), limits)
+        } else {
+            let of_program =
+                |error: &dyn std::fmt::Display| format!("--driver `{program}`: {error}");
+            let words =
+                shlex::split(program).ok_or_else(|| of_program(&"a quote is not closed"))?;
+            let (first, rest) =
+                words.split_first().ok_or_else(|| of_program(&"names no program"))?;
+            let mut command = Command::new(first);
+            command.args(rest);
+            Driver::start(command, limits, std::io::stderr()).map_err(|error| of_program(&error))?
+        };
+        driver.greet(&Hello::new(&Setup { settings, starts: &starts }));
+        Ok(Some(driver))
+    }
+}
+
+fn seconds(option: &str, value: f64) -> Result<Duration, String> {
+    let duration = Duration::try_from_secs_f64(value).ok().filter(|value| !value.is_zero());
+    duration.ok_or_else(|| format!("`{option}` is {value}, allowed is a number of seconds above 0"))
+}
