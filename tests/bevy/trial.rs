@@ -6,10 +6,16 @@ use bevy_envgen::envgen::indoor::IndoorSpec;
 use bevy_envgen::envgen::{Blueprint, Seed, Spec, World as EnvWorld};
 use bevy_envgen::mapping_trial::body::Bodies;
 use bevy_envgen::mapping_trial::body::Command;
-use bevy_envgen::mapping_trial::trial::{EndReason, Trial, TrialLog, TrialSettings};
+use bevy_envgen::mapping_trial::lidar::{LaserSensor, NO_ECHO, Scan};
+use bevy_envgen::mapping_trial::odometry::{Increment, WheelSensor};
+use bevy_envgen::mapping_trial::operator::{Decision, Operator, View};
+use bevy_envgen::mapping_trial::slam::DeadReckoning;
+use bevy_envgen::mapping_trial::trial::{EndReason, Trial, TrialLog, TrialParts, TrialSettings};
 use bevy_envgen::mapping_trial::truth::Truth;
 use bevy_envgen::prelude::*;
-use bevy_envgen::trial::{MappingTrialError, RapierBodies, replay_headless, run_headless};
+use bevy_envgen::trial::{
+    MappingTrialError, RapierBodies, replay_headless, run_headless, run_headless_with,
+};
 
 fn hallway() -> EnvWorld {
     HallwaySpec { segments: 4, ..Default::default() }.generate(Seed(7)).unwrap().to_world()
@@ -280,4 +286,60 @@ fn where_another_world_failed_the_last_one_is_driven_in() {
         (robots(&mut app), &app.world().resource::<Told>().0[..]),
         (1, &["started".into()][..])
     );
+}
+
+/// Drives ahead, asked every tick.
+struct Ahead;
+
+impl Operator for Ahead {
+    fn decide(&mut self, _: &View<'_>) -> Decision {
+        Decision::Drive(Command { speed: 0.3, turn_rate: 0.0 })
+    }
+
+    fn ticks_per_decision(&self) -> u64 {
+        1
+    }
+}
+
+/// A laser that sees nothing.
+struct Blind;
+
+impl LaserSensor for Blind {
+    fn measure(&mut self, exact: &[f64]) -> Scan {
+        Scan { ranges: vec![NO_ECHO; exact.len()] }
+    }
+}
+
+/// Wheels that measure twice the distance.
+struct Double;
+
+impl WheelSensor for Double {
+    fn measure(&mut self, motion: Increment, _: f64) -> Increment {
+        Increment { distance: 2.0 * motion.distance, ..motion }
+    }
+}
+
+#[test]
+fn parts_of_ones_own_drive_robots_in_rapier() {
+    let world = hallway();
+    let parts =
+        TrialParts::default().operator(|_| Ahead).laser(|_, _| Blind).odometry(|_, _| Double).slam(
+            |setup| {
+                let TrialSettings { body, laser, .. } = setup.settings;
+                DeadReckoning::new(setup.starts, body, laser)
+            },
+        );
+    let trial = run_headless_with(&world, short(4.0), parts, |_| ()).unwrap();
+    let driven = trial.track(0).metres;
+    assert!((0.8..1.2).contains(&driven), "{driven}");
+    let estimated = trial.brain().slam().trajectory(0);
+    let measured = estimated[0].position.distance(estimated[estimated.len() - 1].position);
+    assert!((measured / driven - 2.0).abs() < 0.1, "{measured} of {driven}");
+    assert!(trial.brain().scan(0).ranges.iter().all(|range| *range == NO_ECHO));
+    let log = trial.log();
+    assert_eq!((log.foreign.len(), log.engine.as_str()), (4, "rapier"));
+    // The commands replay; built-in sensors take the place of those that only their author has.
+    let again = replay_headless(&world, log, |_| ()).unwrap();
+    assert_eq!(again.track(0), trial.track(0));
+    assert!(again.brain().scan(0).ranges.iter().any(|range| range.is_finite()));
 }

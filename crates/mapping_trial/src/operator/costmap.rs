@@ -138,8 +138,15 @@ struct Tile {
 pub(super) type Bits = [u32; TILE as usize];
 
 impl Costmap {
-    /// A costmap of which nothing is known, for a robot whose numbers are allowed.
+    /// A costmap of which nothing is known, for robots of this size.
+    ///
+    /// # Panics
+    /// When [`Robot::validate`] refuses the robot.
+    #[track_caller]
     pub fn new(robot: &Robot) -> Self {
+        if let Err(error) = robot.validate() {
+            panic!("{error}");
+        }
         Costmap {
             inflation: Inflation::of(robot),
             revision: 0,

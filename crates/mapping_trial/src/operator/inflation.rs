@@ -28,11 +28,11 @@ pub(super) struct Inflation {
 }
 
 impl Inflation {
-    /// For a robot whose radius is allowed.
+    /// For a robot that is valid.
     pub(super) fn of(robot: &Robot) -> Self {
         let larger = robot.swing_radius - PIONEER_3AT.swing_radius;
         let squared = DISTANCES.map(|distance| {
-            let cells = ((distance + larger) / RESOLUTION).clamp(0.0, MOST as f64);
+            let cells = (distance + larger) / RESOLUTION;
             // What rounding takes from 9 x 9 cells is given back.
             (cells * cells + 1e-9) as i32
         });
