@@ -172,10 +172,7 @@ const MADE_AGAIN: &[&str] = &[
 ];
 
 /// Components of the numbers of other crates, which do not reflect.
-const CLOSED: &[&str] = &[
-    "bevy_envgen::robot::model::RobotModel",
-    "bevy_envgen::trial::Hands",
-];
+const CLOSED: &[&str] = &["bevy_envgen::robot::model::RobotModel", "bevy_envgen::trial::Hands"];
 
 #[test]
 fn inspectors_know_every_component_and_resource() {

@@ -300,7 +300,7 @@ pub fn trial_log() -> Corpus {
         let Ok(mut trial) = Trial::flat(world, settings) else { continue };
         while trial.step() {}
         let mut file = Vec::new();
-        if trial.log("flat").write(&mut file).is_ok() {
+        if trial.log().write(&mut file).is_ok() {
             files.push(file);
         }
     }
