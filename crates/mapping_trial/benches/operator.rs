@@ -12,6 +12,7 @@ use mapping_trial::map::{CellIndex, OccupancyMap, RESOLUTION};
 use mapping_trial::operator::costmap::{Class, Costmap, SIDE};
 use mapping_trial::operator::frontier::Frontiers;
 use mapping_trial::operator::search::Search;
+use mapping_trial::robot::Robot;
 
 fn main() {
     let Ok(plan) = IndoorSpec::default().generate(Seed(1)) else { return };
