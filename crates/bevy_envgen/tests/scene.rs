@@ -21,12 +21,18 @@ fn app() -> App {
     let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets");
     let mut app = test_app_in(&assets);
     app.insert_resource(StreamingBudget::Parts(1_000_000));
-    app
+    with_hierarchy(app)
 }
 
 /// Without rapier, whose components do not all reflect.
 fn app_without_physics() -> App {
-    test_app_with((EnvgenCorePlugin::default(), EnvgenAssetPlugin))
+    with_hierarchy(test_app_with((EnvgenCorePlugin::default(), EnvgenAssetPlugin)))
+}
+
+/// Scenes hold who is whose child, as they do in apps with Bevy's `reflect_auto_register`.
+fn with_hierarchy(mut app: App) -> App {
+    app.register_type::<ChildOf>().register_type::<Children>();
+    app
 }
 
 /// A scene of some entities, with all of their components that reflect.
@@ -87,7 +93,7 @@ fn a_scene_gives_the_same_world_in_another_app() {
         assert_ne!(second.world().get(loaded), Some(&EnvironmentState::Ready));
         wait_until_ready(&mut second, loaded).unwrap();
         assert_eq!(digest(&second, loaded), digest(&first, root), "{environment:?}");
-        assert!(parts(&second, loaded).len() > 5);
+        assert!(!parts(&second, loaded).is_empty());
         let (ours, theirs) = (second.world().entity(loaded), first.world().entity(root));
         assert_eq!(ours.get::<Transform>(), Some(&at));
         assert_eq!(ours.get::<EnvironmentColliders>(), Some(&colliders));
