@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use bevy::prelude::*;
+use bevy_envgen::asset::WorldAsset;
 use bevy_envgen::envgen::indoor::Catalogue;
 use bevy_envgen::envgen::{Seed, World as EnvgenWorld, WorldSpec};
 use bevy_envgen::prelude::*;

@@ -142,7 +142,7 @@ pub use streaming::{StreamAround, StreamingBudget, StreamingReport};
 /// such as [`part::Start`] or [`Tile`], is not.
 pub mod prelude {
     #[cfg(feature = "asset")]
-    pub use crate::asset::{EnvgenAssetPlugin, RoomAsset, WorldAsset};
+    pub use crate::asset::{EnvgenAssetPlugin, RoomAsset};
     pub use crate::part::{
         Doorway, Obstacle, ObstacleKind, PartId, PartKind, PartOf, RoadStrip, Room, SurfaceKind,
         Tree, Victim, Wall, WallKind,

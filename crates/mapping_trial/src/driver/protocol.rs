@@ -456,7 +456,7 @@ mod tests {
             pose in proptest::array::uniform3(any::<f64>()), scale in -20..5_i32,
         ) {
             // Most doubles are huge or tiny.
-            let near = |x: f64| if x.is_finite() { x % 10_f64.powi(scale) } else { x };
+            let near = |x: f64| if x.is_finite() { x % libm::pow(10.0, f64::from(scale)) } else { x };
             let text = json!({"speed": near(speed), "turn_rate": near(turn_rate), "pose": pose.map(near)});
             let told = |field: &str| text[field].as_f64();
             match Reply::parse(text.to_string().as_bytes(), 0, true) {
