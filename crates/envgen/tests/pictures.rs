@@ -399,10 +399,12 @@ fn bounds_of_any_size_are_drawn_or_refused() {
     }
     let mut world = common::empty(1.0, 1.0);
     world.bounds = Rect::new(DVec2::splat(-f64::MAX), DVec2::splat(f64::MAX));
+    assert!(matches!(picture::svg(&world, &small(200)), Err(PictureError::World(_))));
+    world.bounds = Rect::new(DVec2::splat(-1e8), DVec2::splat(1e8));
     parse(&picture::svg(&world, &small(200)).unwrap());
     world.bounds = Rect::new(DVec2::ZERO, DVec2::splat(5e-324));
     assert!(matches!(picture::svg(&world, &small(200)), Err(PictureError::Scale(_))));
-    world.bounds = Rect::new(DVec2::splat(1e9), DVec2::splat(1e9 + 1.0));
+    world.bounds = Rect::new(DVec2::splat(1e8 - 1.0), DVec2::splat(1e8));
     parse(&picture::svg(&world, &PictureOptions { grid: true, ..small(200) }).unwrap());
 }
 

@@ -62,12 +62,12 @@ fn who_is_blind_to_water_drowns() {
 }
 
 /// Maps that are driven.
-const MAPS: u64 = 20;
+const MAPS: u64 = 40;
 
 /// Of the hardest maps of the thesis most have water, on narrow walkways through which robots have to
-/// go; nearly all of them ended in it while robots were blind.
+/// go; nearly all of them ended in it while robots were blind. None of the 40 did when this was frozen; one
+/// may.
 #[test]
-#[expect(clippy::print_stdout, reason = "the share is a number to know")]
 fn hardly_any_robot_drowns_in_the_hardest_maps() {
     let drive = |seed| {
         let spec = IndoorSpec { difficulty: 9.0, profile: Profile::Thesis, ..Default::default() };
@@ -79,9 +79,6 @@ fn hardly_any_robot_drowns_in_the_hardest_maps() {
         let halves: [thread::ScopedJoinHandle<'_, Vec<EndReason>>; 2] = [half(0), half(1)];
         halves.into_iter().flat_map(|half| half.join().expect("trials")).collect()
     });
-    let share = |reason| ends.iter().filter(|&&end| end == reason).count() as f64 / MAPS as f64;
-    let (drowned, stuck) = (share(EndReason::Drowned), share(EndReason::Stuck));
-    println!("{:.0} % of {MAPS} drown, {:.0} % get stuck", 100.0 * drowned, 100.0 * stuck);
-    println!("{ends:?}");
-    assert!(drowned <= 0.1, "{ends:?}");
+    let drowned = ends.iter().filter(|&&end| end == EndReason::Drowned).count();
+    assert!(drowned <= 1, "{ends:?}");
 }

@@ -14,7 +14,6 @@ use envgen::world::{
     WallKind,
 };
 use envgen::{Kind, Provenance, Seed, World, WorldBlueprint, WorldSpec};
-use mapping_trial::robot::Robot;
 use mapping_trial::trial::{Trial, TrialSettings};
 use serde::de::DeserializeOwned;
 
@@ -216,7 +215,7 @@ pub fn pgm() -> Corpus {
         b"P2\n# by hand\n4 3\n255\n0 205 254 254\n254 254 0 254\n0 0 0 205\n".into(),
         b"P5\n4 3\n255\n\x00\xcd\xfe\xfe\xfe\xfe\x00\xfe\x00\x00\x00\xcd".into(),
         b"P5 2 2 65535 \x00\x00\xff\xff\x12\x34\xff\xfe".into(),
-        b"P2 3 2 100 0 50 100 101 3 7".into(),
+        b"P2 3 2 100 0 50 100 99 3 7".into(),
     ]
 }
 
@@ -284,8 +283,8 @@ pub fn library_xml() -> Corpus {
 
 /// Robots as RON.
 pub fn robot_ron() -> Corpus {
-    let whole = format!("{:?}", Robot::default()).replacen("Robot {", "(", 1).replace('}', ")");
-    ["(length: 0.4, width: 0.4, max_speed: 1.2)", "()", whole.as_str()]
+    let whole = include_str!("../../../assets/robots/pioneer_3at.ron");
+    ["(length: 0.4, width: 0.4, max_speed: 1.2)", "()", whole]
         .map(|text| text.as_bytes().to_vec())
         .to_vec()
 }

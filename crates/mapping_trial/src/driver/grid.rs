@@ -192,7 +192,11 @@ mod tests {
             (0..TILE * TILE)
                 .map(move |i| CellIndex { col: col * TILE + i % TILE, row: row * TILE + i / TILE })
         });
-        tiles.map(|at| (at, map.cell(at))).filter(|(_, cell)| *cell != Cell::Unknown).collect()
+        let cells = tiles.map(|at| (at, map.cell(at)));
+        let mut known: Vec<_> = cells.filter(|(_, cell)| *cell != Cell::Unknown).collect();
+        // Tiles come in the order in which they were made.
+        known.sort_by_key(|(at, _)| (at.row, at.col));
+        known
     }
 
     proptest! {

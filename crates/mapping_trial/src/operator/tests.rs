@@ -78,10 +78,24 @@ proptest! {
         prop_assert!(same);
     }
 
-    /// Classes are the distances to what is occupied, cell by cell.
+    /// Classes are the distances to what is occupied, cell by cell, for robots of every size: the
+    /// margins in metres around a body that touches within its radius and half a centimetre.
     #[test]
-    fn classes_are_distances(seed in 0_u64..10_000, count in 1_u32..30) {
-        let (mut map, mut costmap) = (OccupancyMap::new(), Costmap::new(&Robot::default()));
+    fn classes_are_distances(
+        seed in 0_u64..10_000,
+        count in 1_u32..30,
+        radius in prop_oneof![Just(0.355), Just(2.0), 0.05..2.0_f64],
+    ) {
+        let side = radius * std::f64::consts::SQRT_2;
+        let robot = Robot {
+            length: side,
+            width: side,
+            swing_radius: radius,
+            max_speed: 0.5,
+            laser_offset: 0.0,
+            ..Robot::default()
+        };
+        let (mut map, mut costmap) = (OccupancyMap::new(), Costmap::new(&robot));
         boxes(seed, count, &mut map, |_| ());
         costmap.refresh(&map);
         let mut occupied = Vec::new();
@@ -96,21 +110,24 @@ proptest! {
         every_node(|cell, p| {
             let four = [0, 1, 2, 3].map(|i| 2 * cell + IVec2::new(i & 1, i >> 1));
             let is = |at: IVec2| map.cell(CellIndex { col: at.x, row: at.y });
+            // Metres between the middles of cells.
             let far = |at: IVec2| {
-                occupied.iter().map(|o| (*o - at).length_squared()).min().unwrap_or(i32::MAX)
+                let squared = occupied.iter().map(|o| (*o - at).length_squared()).min();
+                squared.map_or(f64::INFINITY, |squared| f64::from(squared).sqrt() * RESOLUTION)
             };
             let free = four.into_iter().filter(|at| is(*at) == Cell::Free);
-            let best = free.map(far).max().unwrap_or(0);
+            let best = free.map(far).fold(0.0, f64::max);
+            let touches = radius + 0.005 - RESOLUTION;
             let limits = [
-                (225, Class::Open),
-                (121, Class::Near),
-                (81, Class::Close),
-                (51, Class::Tight),
-                (38, Class::Squeeze),
+                (radius + 0.395, Class::Open),
+                (radius + 0.195, Class::Near),
+                (radius + 0.095, Class::Close),
+                (radius + 0.005, Class::Tight),
+                (touches, Class::Squeeze),
             ];
-            let class = limits.into_iter().find(|(far, _)| best > *far).map_or_else(
+            let class = limits.into_iter().find(|(far, _)| best > *far + 1e-9).map_or_else(
                 || {
-                    let near = |at: &IVec2| is(*at) == Cell::Free || far(*at) <= 38;
+                    let near = |at: &IVec2| is(*at) == Cell::Free || far(*at) <= touches + 1e-9;
                     if four.iter().any(|at| is(*at) == Cell::Occupied) {
                         Class::Occupied
                     } else if four.iter().any(near) {
