@@ -9,6 +9,7 @@ use mapping_trial::body::Bodies;
 use mapping_trial::map::OccupancyMap;
 use mapping_trial::operator::costmap::Costmap;
 use mapping_trial::operator::frontier::Frontiers;
+use mapping_trial::robot::Robot;
 use mapping_trial::trial::Trial;
 
 use super::{DebugLayers, DebugSystems, EnvgenGizmos, Place, on};
@@ -75,7 +76,6 @@ fn beams<B: Bodies>(trial: &Trial<B>, mut beam: impl FnMut(DVec2, DVec2)) {
 }
 
 /// The frontiers of a map, gathered anew only when the map has changed.
-#[derive(Default)]
 struct Edge {
     /// Revision of the map.
     revision: Option<u64>,
@@ -84,10 +84,14 @@ struct Edge {
 }
 
 impl Edge {
-    fn renew(&mut self, map: &OccupancyMap) {
+    fn new(robot: &Robot) -> Self {
+        Edge { revision: None, costmap: Costmap::new(robot), frontiers: Frontiers::new() }
+    }
+
+    fn renew(&mut self, map: &OccupancyMap, robot: &Robot) {
         if self.revision.is_some_and(|revision| revision > map.revision()) {
             // Another trial has begun.
-            *self = Edge::default();
+            *self = Edge::new(robot);
         }
         if self.revision != Some(map.revision()) {
             self.revision = Some(map.revision());
@@ -121,8 +125,9 @@ fn draw_frontiers<T: WatchTrial>(
     edges.retain(|&entity, _| trials.contains(entity));
     for (entity, environment, frame, holder) in &trials {
         let Some(trial) = holder.watched() else { continue };
-        let edge = edges.entry(entity).or_default();
-        edge.renew(trial.brain().slam().map());
+        let robot = &trial.settings().body;
+        let edge = edges.entry(entity).or_insert_with(|| Edge::new(robot));
+        edge.renew(trial.brain().slam().map(), robot);
         let place = Place { frame, origin: environment.origin };
         edge.cells(|cluster, p| {
             let color = Color::hsl((cluster as f32 * HUE_STEP) % 360.0, 0.9, 0.45);

@@ -229,12 +229,12 @@ pub(super) struct Fitted {
     collider: bool,
 }
 
+/// A model, and what is on its robot already.
+type Model =
+    (&'static RobotModel, Option<&'static Chassis>, Has<Collider>, Option<&'static Fitted>);
+
 /// Puts a collider, a chassis and a full battery on a robot.
-pub(super) fn fit(
-    fit: On<Insert, RobotModel>,
-    models: Query<(&RobotModel, Option<&Chassis>, Has<Collider>, Option<&Fitted>)>,
-    mut commands: Commands,
-) {
+pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut commands: Commands) {
     let Ok((model, chassis, collides, fitted)) = models.get(fit.entity) else { return };
     let fitted = fitted.copied().unwrap_or_default();
     let own_chassis = chassis.filter(|_| !fitted.chassis);
