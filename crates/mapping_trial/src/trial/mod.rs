@@ -106,7 +106,7 @@ pub enum EndReason {
     Explored,
     /// It could not get free.
     Stuck,
-    /// Its operator broke down: see [`Operator::failure`](crate::operator::Operator::failure).
+    /// Its operator broke down: see [`Operator::failure`].
     Failed,
     /// It drove into water.
     Drowned,
