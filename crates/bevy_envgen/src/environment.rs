@@ -14,7 +14,7 @@ use thiserror::Error;
 ///
 /// The parts are spawned below the entity, so that its [`Transform`] moves and turns them, and
 /// [`EnvironmentReady`] or [`EnvironmentFailed`] is triggered on it and written as a message. Changing
-/// the component, or the asset behind it, makes the world anew; until the new one is ready the old one
+/// the component, or the asset behind it, rebuilds the world; until the new one is ready the old one
 /// stays. Removing the component, or despawning the entity, removes everything.
 ///
 /// With the feature `serialize` a Bevy scene can hold it. The scene needs nothing of what it makes: the

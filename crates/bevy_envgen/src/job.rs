@@ -66,7 +66,7 @@ pub(crate) enum Made {
     Endless(Arc<EndlessForest>),
 }
 
-/// What stands below an environment.
+/// The tiles that are spawned below an environment.
 #[derive(Component, Default)]
 pub(crate) struct Standing {
     pub(crate) tiles: BTreeMap<TileKey, Vec<Entity>>,
@@ -91,7 +91,7 @@ impl Slot {
         matches!(self.job, Job::Asset)
     }
 
-    /// Gives up waiting, or reports that what stands has lost its source.
+    /// Gives up waiting, or reports that the spawned world has lost its source.
     #[cfg(feature = "asset")]
     pub(crate) fn fail(&mut self, error: EnvironmentError) {
         self.job = Job::Done(error.into());

@@ -35,7 +35,7 @@ const IN_PLACE_TREES: f64 = 500.0;
 ///
 /// On the entity of an [`Environment`]. Which parts are there follows from where the anchor is, not
 /// from where it has been, as soon as the [`StreamingBudget`] has let the window settle. Adding or
-/// removing the component, or another `tile`, makes the world anew. In scenes and clones the anchor is
+/// removing the component, or another `tile`, rebuilds the world. In scenes and clones the anchor is
 /// the loaded or cloned one, where it is among them.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]

@@ -5,7 +5,7 @@
 //! cargo run --release -p envgen --example check_sweep -- sweep.jsonl 10000
 //! ```
 //!
-//! Each spec is one line of the file, so that a run that was stopped goes on where it was. It ends
+//! Each spec is one line of the file, so that a run that was stopped resumes where it was. It ends
 //! with exit code 1 if a generator panicked, a world broke an invariant, a promise was broken, or one
 //! about a disc of at least a centimetre is undecided.
 

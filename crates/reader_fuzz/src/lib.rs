@@ -7,7 +7,7 @@
 //! - `cargo test -p reader_fuzz` runs a few hundred cases of each format, and the files that were
 //!   found to do harm.
 //! - `cargo run --release -p reader_fuzz -- --cases 100000` runs many in processes of bounded
-//!   memory and time, goes on where it stopped, and keeps the files that do harm.
+//!   memory and time, resumes where it stopped, and keeps the files that do harm.
 
 pub mod corpus;
 pub mod exercise;

@@ -1,7 +1,7 @@
 //! Reads many mutated files of every format, in processes of bounded memory and time.
 //!
 //! Cases that panic, abort, take more than two seconds of computing or do not end are counted, and
-//! the first of each kind are kept. A run goes on where the one before stopped.
+//! the first of each kind are kept. A run resumes where the one before stopped.
 
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -9,7 +9,7 @@ use crate::generate::request_worlds;
 use crate::job::Slot;
 use crate::{EnvgenSystems, Schedules};
 
-/// Loads `.envgen.ron` and `.room.ron` files, and makes worlds anew whose files change.
+/// Loads `.envgen.ron` and `.room.ron` files, and rebuilds worlds whose files change.
 ///
 /// Needs Bevy's `AssetPlugin`, in any order; without it specs in files fail with an event. Files
 /// are watched with Bevy's feature `file_watcher`, which the feature of the same name turns on.

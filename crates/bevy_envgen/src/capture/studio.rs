@@ -134,7 +134,7 @@ impl Studio {
     /// Runs frames until an environment is ready.
     ///
     /// # Errors
-    /// Why it failed; [`CaptureError::NoWorld`] when it is none, or not ready after 60,000
+    /// Why it failed; [`CaptureError::NoWorld`] when it is not an environment, or not ready after 60,000
     /// frames.
     pub fn wait_until_ready(&mut self, environment: Entity) -> Result<(), CaptureError> {
         for _ in 0..MOST_WAITING {
