@@ -1,6 +1,6 @@
 //! What SLAM costs, in parts, against plain ways to do the same.
 
-#[path = "../tests/drive/mod.rs"]
+#[path = "../tests/trials/drive.rs"]
 mod drive;
 
 use bench_ratio::{at_most, contest, faster, seconds};

@@ -1,6 +1,6 @@
 //! An exploration policy of one's own, measured beside the built-in ones.
 //!
-//! `cargo run --release -p mapping_trial --example custom_explorer`
+//! `cargo run --release --example custom_explorer`
 
 use std::error::Error;
 

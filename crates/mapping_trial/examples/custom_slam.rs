@@ -1,7 +1,7 @@
 //! SLAM of one's own, measured beside the built-in estimators: wheel odometry whose heading is
 //! corrected by the walls, which in buildings stand at right angles.
 //!
-//! `cargo run --release -p mapping_trial --example custom_slam`
+//! `cargo run --release --example custom_slam`
 
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, TAU};

@@ -16,9 +16,7 @@
 //! wheels count where walls hold nothing, and the errors are smaller. They must not become larger than
 //! one and a half times what is reached here: the bands are one-sided.
 
-mod drive;
-
-use drive::{Drive, Recording, frame, rect, world_of};
+use crate::drive::{Drive, Recording, frame, rect, world_of};
 use envgen::geometry::{Pose, Rect, unit_vector};
 use envgen::glam::DVec2;
 use mapping_trial::lidar::LaserProfile;

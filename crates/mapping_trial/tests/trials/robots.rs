@@ -18,9 +18,7 @@ use mapping_trial::robot::{Footprint, Robot};
 use mapping_trial::trial::{EndReason, Trial, TrialSettings};
 use mapping_trial::truth::Truth;
 
-#[expect(dead_code, reason = "drives are recorded elsewhere")]
-mod drive;
-use drive::{frame, rect, world_of};
+use crate::drive::{frame, rect, world_of};
 
 /// Side of either room in metres.
 const ROOM: f64 = 6.0;

@@ -18,7 +18,7 @@ use bevy_envgen::{GroundTruth, Tile, WorldSource};
 use serde::de::DeserializeSeed;
 
 fn app() -> App {
-    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets");
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
     let mut app = test_app_in(&assets);
     app.insert_resource(StreamingBudget::Parts(1_000_000));
     with_hierarchy(app)

@@ -1,13 +1,11 @@
 //! Operators in generated buildings, on maps that are drawn from true poses.
 
-mod exact;
-
+use crate::exact::{End, Outcome, Run, coverage, reachable};
 use envgen::geometry::{Pose, Rect, Shape, edges};
 use envgen::glam::DVec2;
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::world::{Wall, WallKind};
 use envgen::{Blueprint, Provenance, Seed, Spec, World};
-use exact::{End, Outcome, Run, coverage, reachable};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::operator::{OperatorKind, build};
 

@@ -12,9 +12,7 @@ use mapping_trial::robot::Robot;
 use mapping_trial::slam::{Slam, SlamKind};
 use proptest::prelude::*;
 
-mod drive;
-
-use drive::{Drive, frame, rect, world_of};
+use crate::drive::{Drive, frame, rect, world_of};
 
 fn room() -> World {
     let mut walls = frame(0.0, 0.0, 12.0, 9.0);

@@ -1,0 +1,12 @@
+//! Whole trials and their parts, in one program so that the tests share all cores.
+
+mod drive;
+mod empty_room;
+mod exact;
+mod golden;
+mod navigation;
+mod operators;
+mod robots;
+mod slam;
+mod slam_bands;
+mod water;
