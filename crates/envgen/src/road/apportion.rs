@@ -1,6 +1,6 @@
 //! How a road's length is shared out among its segments.
 
-use super::spec::Concentration;
+use super::concentration::Concentration;
 use crate::distribution::ln_gamma_variate;
 use crate::seed::Stream;
 

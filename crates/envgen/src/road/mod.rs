@@ -14,6 +14,7 @@
 mod apportion;
 mod blueprint;
 mod build;
+mod concentration;
 mod draw;
 mod error;
 mod fit;
@@ -23,8 +24,7 @@ mod turn;
 pub use apportion::{dirichlet, largest_remainder, lengths, quantum};
 pub use blueprint::{Road, RoadMetrics, RoadSegment, SegmentKind};
 pub use build::KERB_TOLERANCE;
+pub use concentration::Concentration;
 pub use error::RoadError;
-pub use spec::{
-    Concentration, Crossing, Lengths, MAX_SEGMENTS, MAX_WAYPOINTS, Prefab, RoadSpec, TurnLaw,
-};
+pub use spec::{Crossing, Lengths, MAX_SEGMENTS, MAX_WAYPOINTS, Prefab, RoadSpec, TurnLaw};
 pub use turn::{GRAVITY, TurnLimits};

@@ -1,11 +1,10 @@
 //! What is asked of a road.
 
-use std::fmt;
-
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use serde::{Deserialize, Serialize};
 
 use super::apportion::quantum;
 use super::blueprint::Road;
+use super::concentration::Concentration;
 use super::turn::{GRAVITY, TurnLimits};
 use crate::error::{GenerateError, SpecError};
 use crate::generate::Spec;
@@ -330,104 +329,7 @@ pub enum Crossing {
     Resample,
 }
 
-/// The concentration of a Dirichlet law.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Concentration {
-    /// The same for every segment.
-    Same(f64),
-    /// One for each segment.
-    Each(Vec<f64>),
-}
-
-impl Concentration {
-    /// The concentration of segment `i`.
-    ///
-    /// # Panics
-    /// When there is none for it.
-    pub fn of(&self, i: usize) -> f64 {
-        match self {
-            Concentration::Same(alpha) => *alpha,
-            Concentration::Each(alphas) => alphas[i],
-        }
-    }
-
-    fn check(&self, count: usize) -> Result<(), SpecError> {
-        let (least, most) = ALPHA_LIMITS;
-        let alphas = match self {
-            Concentration::Same(alpha) => std::slice::from_ref(alpha),
-            Concentration::Each(alphas) => {
-                if alphas.len() != count {
-                    let given = format!("a list of {}", alphas.len());
-                    let allowed = format!("one number, or {count} numbers for {count} segments");
-                    return Err(SpecError::new(ALPHA.name, given, allowed));
-                }
-                alphas
-            }
-        };
-        match alphas.iter().find(|alpha| !(least..=most).contains(*alpha)) {
-            Some(alpha) => Err(ALPHA.error(alpha)),
-            None => Ok(()),
-        }
-    }
-}
-
-impl Serialize for Concentration {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Concentration::Same(alpha) => alpha.serialize(serializer),
-            Concentration::Each(alphas) => alphas.serialize(serializer),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Concentration {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Visitor;
-        impl<'de> de::Visitor<'de> for Visitor {
-            type Value = Concentration;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number or a list of numbers")
-            }
-
-            fn visit_f64<E: de::Error>(self, alpha: f64) -> Result<Concentration, E> {
-                Ok(Concentration::Same(alpha))
-            }
-
-            fn visit_u64<E: de::Error>(self, alpha: u64) -> Result<Concentration, E> {
-                Ok(Concentration::Same(alpha as f64))
-            }
-
-            fn visit_i64<E: de::Error>(self, alpha: i64) -> Result<Concentration, E> {
-                Ok(Concentration::Same(alpha as f64))
-            }
-
-            /// The command line's form, `1,2,1`.
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<Concentration, E> {
-                let number = |part: &str| part.trim().parse().map_err(E::custom);
-                let mut alphas: Vec<f64> = text.split(',').map(number).collect::<Result<_, E>>()?;
-                Ok(match alphas.len() {
-                    1 => Concentration::Same(alphas.remove(0)),
-                    _ => Concentration::Each(alphas),
-                })
-            }
-
-            fn visit_seq<A: de::SeqAccess<'de>>(
-                self,
-                mut items: A,
-            ) -> Result<Concentration, A::Error> {
-                let mut alphas = Vec::new();
-                while let Some(alpha) = items.next_element()? {
-                    alphas.push(alpha);
-                }
-                Ok(Concentration::Each(alphas))
-            }
-        }
-        deserializer.deserialize_any(Visitor)
-    }
-}
-
-const ALPHA_LIMITS: (f64, f64) = (1e-6, 1e12);
+pub(super) const ALPHA_LIMITS: (f64, f64) = (1e-6, 1e12);
 pub(super) const LENGTH: Setting = Setting::number("length", "m", 0.1, 1e6, "length");
 const STEP: Setting =
     Setting::number("step", "m", 1e-3, 1e5, "distance between waypoints, at most the length");
@@ -447,7 +349,7 @@ const RANDOM: Setting = Setting::integer(
 );
 const P_TURN: Setting =
     Setting::number("p_turn", "", 0.0, 1.0, "probability that a segment drawn at random is a turn");
-const ALPHA: Setting = Setting::other(
+pub(super) const ALPHA: Setting = Setting::other(
     "alpha",
     "",
     "a number from 1e-6 to 1e12, or a list of one a segment",

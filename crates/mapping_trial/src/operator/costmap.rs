@@ -1,11 +1,15 @@
 //! What an operator derives from the map: where the robot's middle may be, what it costs to be
 //! there, and where the known world ends. Only tiles that changed are derived again.
 
+mod class;
+mod node;
 mod row;
 mod table;
 
 use glam::{DVec2, IVec2};
 
+pub use self::class::Class;
+pub use self::node::Node;
 use self::row::Row;
 use super::inflation::{Inflation, LEVELS, MOST};
 use crate::map::{Cell, CellIndex, DECIDED, OccupancyMap, RESOLUTION, TILE};
@@ -39,71 +43,6 @@ pub(super) const STEPS: [IVec2; 8] = [
     IVec2::new(0, -1),
     IVec2::new(1, -1),
 ];
-
-/// What a planning cell is for the robot's middle.
-///
-/// A planning cell is as good as the best of its four cells of the map, so that the coarser grid
-/// closes no gap that is open on the map. Distances are those of the Pioneer 3-AT, of 0.355 m; the
-/// margins around a robot of another radius are the same.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[repr(u8)]
-pub enum Class {
-    /// Free, and nothing known within 0.75 m.
-    Open,
-    /// Free, and something within 0.75 m.
-    Near,
-    /// Free, and something within 0.55 m.
-    Close,
-    /// Free, and something within 0.45 m.
-    Tight,
-    /// Free, and something within 0.36 m: where cells of the map are a little off, the body may fit.
-    Squeeze,
-    /// Nothing stands here, but the body would touch something.
-    Inflated,
-    /// Nothing is known.
-    Unknown,
-    /// Something stands here, or it is water.
-    Occupied,
-}
-
-impl Class {
-    /// Whether a plan may lead through the cell.
-    pub fn is_passable(self) -> bool {
-        self <= Class::Tight
-    }
-
-    fn of(bits: u8) -> Class {
-        match bits & 7 {
-            0 => Class::Open,
-            1 => Class::Near,
-            2 => Class::Close,
-            3 => Class::Tight,
-            4 => Class::Squeeze,
-            5 => Class::Inflated,
-            6 => Class::Unknown,
-            _ => Class::Occupied,
-        }
-    }
-}
-
-/// One planning cell: 256 to a tile.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Node(pub(super) u32);
-
-impl Node {
-    pub(super) fn slot(self) -> usize {
-        self.0 as usize / NODES
-    }
-
-    fn cell(self) -> IVec2 {
-        let cell = (self.0 % NODES as u32) as i32;
-        IVec2::new(cell % CELLS, cell / CELLS)
-    }
-
-    fn at(slot: usize, cell: IVec2) -> Node {
-        Node(slot as u32 * NODES as u32 + (cell.y * CELLS + cell.x) as u32)
-    }
-}
 
 /// Classes of planning cells and frontier cells, tile by tile as the map has them.
 #[derive(Clone, Debug)]
