@@ -8,6 +8,7 @@ use envgen::located::Locate;
 use envgen::whole_file::{self, WholeFile, commit_all};
 use mapping_trial::body::Bodies;
 use mapping_trial::picture::Picture;
+use mapping_trial::score::Scores;
 use mapping_trial::trial::{Trial, TrialReport};
 use mapping_trial::truth::Truth;
 
@@ -39,7 +40,8 @@ pub(crate) fn write<B: Bodies>(
     let slam = trial.brain().slam();
     let map = slam.map();
     let area = map.bounds().map_or(truth.frame().area(), |seen| seen.union(truth.frame().area()));
-    let picture = |mut picture: Picture, truly: bool, estimated: bool| {
+    let notes = notes(report);
+    let picture = |mut picture: Picture, of: &str, truly: bool, estimated: bool| {
         for robot in 0..trial.robots() {
             if truly {
                 picture.draw_true_path(&trial.track(robot).poses);
@@ -49,7 +51,9 @@ pub(crate) fn write<B: Bodies>(
             }
         }
         let mut bytes = Vec::new();
-        picture.write_png(&mut bytes).map(|()| bytes)
+        let title = format!("{of}, {}", report.world.name());
+        let figure = picture.figure(&title, notes.clone());
+        figure.write_png(&mut bytes).map(|()| bytes)
     };
     let mut log = Vec::new();
     trial.log().write(&mut log)?;
@@ -60,9 +64,9 @@ pub(crate) fn write<B: Bodies>(
     ros.write_yaml("ros_map.pgm", &mut ros_yaml)?;
     ros.write_pgm(&mut ros_image)?;
     let contents = [
-        picture(Picture::of_map(map, area), false, true)?,
-        picture(Picture::of_truth(truth, area), true, false)?,
-        picture(Picture::of_errors(truth, map, area), true, true)?,
+        picture(Picture::of_map(map, area), "map", false, true)?,
+        picture(Picture::of_truth(truth, area), "truth", true, false)?,
+        picture(Picture::of_errors(truth, map, area), "map over the truth", true, true)?,
         ros_yaml,
         ros_image,
         log,
@@ -77,4 +81,18 @@ pub(crate) fn write<B: Bodies>(
     }
     commit_all(files)?;
     Ok(paths.to_vec())
+}
+
+/// What is written below the pictures: the settings that differ from the defaults, and the scores.
+fn notes(report: &TrialReport) -> Vec<String> {
+    let Scores { difficulty, mapping, navigation, coverage, f1_30, time, distance, .. } =
+        report.scores;
+    let scores = format!(
+        "difficulty {difficulty:.2}, mapping {mapping:.2}, navigation {navigation:.2}; coverage \
+         {:.1} %, F1 {f1_30:.2}; {distance:.0} m in {time:.0} s",
+        100.0 * coverage
+    );
+    let mut notes = vec![report.world.changed_settings(), scores];
+    notes.retain(|note| !note.is_empty());
+    notes
 }

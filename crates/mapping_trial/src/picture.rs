@@ -1,10 +1,8 @@
 //! Pictures of maps: the robot's, the truth, and the two over each other, with the ways driven.
 
-use std::io::Write;
-
 use envgen::geometry::{Pose, Rect, unit_vector};
+use envgen::picture::Figure;
 use glam::DVec2;
-use png::{BitDepth, ColorType, Compression, Encoder, EncodingError};
 
 use crate::map::{Cell, CellIndex, OccupancyMap, RESOLUTION};
 use crate::truth::Truth;
@@ -31,18 +29,21 @@ enum Ink {
     Unseen,
     TruePath,
     EstimatedPath,
+    /// Where there is nothing to map: no robot can see it.
+    Outside,
 }
 
-/// Red, green and blue of each ink.
-const PALETTE: [[u8; 3]; 8] = [
-    [205, 205, 205],
-    [254, 254, 254],
-    [30, 30, 30],
-    [213, 70, 0],
-    [0, 90, 190],
-    [190, 215, 240],
-    [0, 140, 90],
-    [204, 80, 160],
+/// Red, green and blue of each ink, and what it means.
+const PALETTE: [([u8; 3], &str); 9] = [
+    ([205, 205, 205], "unknown"),
+    ([254, 254, 254], "free"),
+    ([30, 30, 30], "wall"),
+    ([213, 70, 0], "wall in the map alone"),
+    ([0, 90, 190], "wall that was missed"),
+    ([190, 215, 240], "free but not mapped"),
+    ([0, 140, 90], "path driven"),
+    ([204, 80, 160], "path as estimated"),
+    ([232, 229, 222], "nothing to map"),
 ];
 
 /// A picture of an area, pixel by pixel.
@@ -74,13 +75,18 @@ impl Picture {
     }
 
     /// What could be mapped: the ground that the robot can reach white, the walls that can be seen
-    /// from there black.
+    /// from there black, the rest light grey.
     pub fn of_truth(truth: &Truth, area: Rect) -> Self {
-        Picture::of_map(&truth.perfect_map(), area)
+        let mut picture = Picture::of_map(&truth.perfect_map(), area);
+        for ink in picture.inks.iter_mut().filter(|ink| **ink == Ink::Unknown) {
+            *ink = Ink::Outside;
+        }
+        picture
     }
 
     /// A map over the truth: walls in their place black, walls where there is none vermilion, walls
-    /// that the map has not blue, ground that it does not show as free light blue.
+    /// that the map has not blue, ground that it does not show as free light blue, and light grey
+    /// where there is nothing to map.
     pub fn of_errors(truth: &Truth, map: &OccupancyMap, area: Rect) -> Self {
         let mut picture = Picture::of_map(map, area);
         let perfect = Picture::of_truth(truth, area);
@@ -97,6 +103,7 @@ impl Picture {
                 (Ink::Wall, _) => Ink::False,
                 (_, Ink::Wall) if !near_map[i] => Ink::Missed,
                 (Ink::Unknown, Ink::Free) => Ink::Unseen,
+                (Ink::Unknown, Ink::Outside) => Ink::Outside,
                 (found, _) => found,
             };
         }
@@ -113,27 +120,19 @@ impl Picture {
         self.draw_path(poses, Ink::EstimatedPath);
     }
 
-    /// Writes the picture as PNG.
-    ///
-    /// # Errors
-    ///
-    /// What the writer says.
-    pub fn write_png(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        let mut encoder = Encoder::new(out, self.width as u32, self.height as u32);
-        encoder.set_color(ColorType::Indexed);
-        encoder.set_depth(BitDepth::Eight);
-        encoder.set_palette(PALETTE.concat());
-        encoder.set_compression(Compression::Balanced);
-        let io = |error| match error {
-            EncodingError::IoError(error) => error,
-            other => std::io::Error::other(other),
-        };
-        let mut writer = encoder.write_header().map_err(io)?;
+    /// The picture with its scale, what its colours mean, and notes below: to be written as SVG or
+    /// PNG.
+    pub fn figure(&self, title: &str, notes: Vec<String>) -> Figure {
         // The top row comes first.
         let rows = self.inks.chunks_exact(self.width).rev();
-        let bytes: Vec<u8> = rows.flatten().map(|ink| *ink as u8).collect();
-        writer.write_image_data(&bytes).map_err(io)?;
-        writer.finish().map_err(io)
+        Figure {
+            title: title.to_owned(),
+            cell: self.pixel,
+            width: self.width as u32,
+            cells: rows.flatten().map(|ink| *ink as u8).collect(),
+            colors: PALETTE.map(|(color, name)| (color, name.to_owned())).to_vec(),
+            notes,
+        }
     }
 
     fn empty(area: Rect) -> Self {
@@ -254,18 +253,17 @@ mod tests {
     }
 
     #[test]
-    fn pngs_hold_the_pixels_top_row_first() {
+    fn figures_hold_the_pixels_top_row_first() {
         let mut map = OccupancyMap::new();
         map.add(CellIndex { col: 0, row: 1 }, 200);
         map.add(CellIndex { col: 1, row: 0 }, -200);
         let area = Rect::new(DVec2::ZERO, DVec2::splat(2.0 * RESOLUTION));
+        let figure = Picture::of_map(&map, area).figure("map", Vec::new());
+        let named = figure.cells.iter().map(|cell| figure.colors[usize::from(*cell)].1.as_str());
+        assert_eq!(named.collect::<Vec<_>>(), ["wall", "unknown", "unknown", "free"]);
         let mut file = Vec::new();
-        Picture::of_map(&map, area).write_png(&mut file).expect("memory takes all");
-        let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a PNG");
-        let mut bytes = vec![0; reader.output_buffer_size().expect("a small one")];
-        reader.next_frame(&mut bytes).expect("a frame");
-        let grey = |i: usize| bytes[i];
-        assert_eq!([grey(0), grey(1), grey(2), grey(3)], [2, 0, 0, 1]);
+        figure.write_png(&mut file).expect("memory takes all");
+        assert!(file.starts_with(b"\x89PNG"));
     }
 
     #[test]

@@ -6,12 +6,14 @@ use svg::node::element::{
     ClipPath, Definitions, Group, LinearGradient, Path, Rectangle, Stop, Title,
 };
 
+use super::names::Names;
 use super::parts::{self, filled, stroked};
 use super::path::PathData;
 use super::style::{self, Color, Style};
 use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
+use super::title::Heading;
 use super::view::{self, View};
-use super::{MAX_PIXELS, PictureError, PictureOptions, legend, profile};
+use super::{MAX_PIXELS, PictureError, PictureOptions, legend, names, profile};
 use crate::geometry::{Pose, Rect, unit_vector};
 use crate::world::World;
 
@@ -20,8 +22,7 @@ const BORDER: f64 = 14.0;
 
 /// The same where the symbol of start or goal would reach over the frame.
 const WIDE_BORDER: f64 = 30.0;
-const TITLE_SIZE: f64 = 15.0;
-const TITLE_HEIGHT: f64 = 26.0;
+pub(super) const TITLE_HEIGHT: f64 = 26.0;
 
 /// The narrowest and lowest plan in px.
 const LEAST_PLAN: DVec2 = DVec2::new(120.0, 40.0);
@@ -32,9 +33,9 @@ const SIDE: f64 = 200.0;
 /// The whole picture.
 pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Document, PictureError> {
     let typesetter = Typesetter::new();
-    let title = title(world, options);
+    let heading = Heading::new(world, options);
     let margin = f64::from(options.margin);
-    let top = if title.is_empty() { margin } else { margin + TITLE_HEIGHT };
+    let top = if heading.name.is_empty() { margin } else { margin + TITLE_HEIGHT };
     let extent = view::extent(world);
     let most = DVec2::new(f64::from(options.width) - 2.0 * margin, options.height.into());
     let most = most.max(DVec2::splat(40.0));
@@ -60,6 +61,14 @@ pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Docume
         view = fit(most - DVec2::new(SIDE, 0.0))?;
     }
 
+    let names = if options.names {
+        names::draw(world, &view, options.legend, &typesetter)
+    } else {
+        Names::default()
+    };
+    let entries =
+        if options.legend { legend::entries(world, &view, &names.numbers) } else { Vec::new() };
+
     let plan = view.plan;
     let (mut right, mut bottom) = (plan.max.x, plan.max.y);
     let mut furniture = Vec::new();
@@ -71,33 +80,28 @@ pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Docume
     }
     if beside {
         let corner = DVec2::new(right + 14.0, plan.min.y);
-        let (group, size) = legend::draw(world, &view, corner, 0.0, true, &typesetter);
+        let (group, size) = legend::draw(entries, &view, corner, 0.0, &typesetter);
         furniture.push(group);
         (right, bottom) = (corner.x + size.x, bottom.max(corner.y + size.y));
     } else {
         let corner = DVec2::new(plan.min.x, bottom + 8.0);
         let room = plan.size().x;
-        let (group, size) = legend::draw(world, &view, corner, room, options.legend, &typesetter);
+        let (group, size) = legend::draw(entries, &view, corner, room, &typesetter);
         furniture.push(group);
         bottom = corner.y + size.y;
     }
 
     let size = DVec2::new(right + margin, bottom + margin).ceil();
-    let mut document = Document::new()
-        .set("width", size.x)
-        .set("height", size.y)
-        .set("viewBox", (0, 0, size.x, size.y))
-        .set("role", "img")
-        .add(Title::new(printable(&title)))
-        .add(rectangle(Rect::new(DVec2::ZERO, size)).set("fill", style::PAGE.to_string()))
-        .add(rectangle(plan).set("fill", style::PLAN.to_string()));
-    if !title.is_empty() {
-        document = document.add(title_row(&title, &view, right, &typesetter));
+    let mut document =
+        page(size, &heading).add(rectangle(plan).set("fill", style::PLAN.to_string()));
+    if !heading.name.is_empty() {
+        document = document.add(heading.row(&view, right, &typesetter));
     }
     let clip = ClipPath::new().set("id", "plan").add(rectangle(plan));
     document = document.add(Definitions::new().add(clip).add(difficulty_gradient()));
-    let inside = parts::draw(world, &view, options, &typesetter)?
+    let inside = parts::draw(world, &view, options)?
         .into_iter()
+        .chain(names.group)
         .fold(Group::new().set("clip-path", "url(#plan)"), Group::add);
     document = document.add(inside);
     let frame = rectangle(Rect::new(plan.min + 0.5, plan.max - 0.5))
@@ -113,48 +117,24 @@ pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Docume
     Ok(furniture.into_iter().fold(document, Document::add))
 }
 
-fn rectangle(rect: Rect) -> Rectangle {
+/// An empty page of a size in px.
+pub(super) fn page(size: DVec2, heading: &Heading) -> Document {
+    Document::new()
+        .set("width", size.x)
+        .set("height", size.y)
+        .set("viewBox", (0, 0, size.x, size.y))
+        .set("role", "img")
+        .add(Title::new(heading.text()))
+        .add(rectangle(Rect::new(DVec2::ZERO, size)).set("fill", style::PAGE.to_string()))
+}
+
+pub(super) fn rectangle(rect: Rect) -> Rectangle {
     let size = rect.size();
     Rectangle::new()
         .set("x", rect.min.x)
         .set("y", rect.min.y)
         .set("width", size.x)
         .set("height", size.y)
-}
-
-fn title(world: &World, options: &PictureOptions) -> String {
-    match (&options.title, world.provenance.seed) {
-        (Some(title), _) => title.clone(),
-        (None, Some(seed)) => format!("{}, seed {seed}", world.provenance.kind),
-        (None, None) => world.provenance.kind.clone(),
-    }
-}
-
-/// A text without the characters that XML cannot hold.
-fn printable(text: &str) -> String {
-    text.chars().filter(|c| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}')).collect()
-}
-
-/// The title, and at the right the size of the world where there is room for it.
-fn title_row(title: &str, view: &View, right: f64, typesetter: &Typesetter) -> Group {
-    let (plan, size) = (view.plan, view.world.size());
-    let baseline = plan.min.y - 9.0;
-    let [mut dark, mut quiet] = [PathData::new(2), PathData::new(2)];
-    let room = right - plan.min.x;
-    let title = typesetter.fitted(title, TITLE_SIZE, room).unwrap_or_default();
-    let at = DVec2::new(plan.min.x, baseline);
-    typesetter.write(&mut dark, &title, at, TITLE_SIZE, Align::Left);
-    let bounds = format!("{} × {}", view::length(size.x), view::length(size.y));
-    let used = typesetter.width(&title, TITLE_SIZE) + typesetter.width(&bounds, 12.0);
-    if used + 20.0 <= room && size.is_finite() {
-        let at = DVec2::new(right, baseline);
-        typesetter.write(&mut quiet, &bounds, at, 12.0, Align::Right);
-    }
-    let mut group = Group::new().set("id", "title").add(filled(dark, style::INK));
-    if !quiet.is_empty() {
-        group = group.add(filled(quiet, style::QUIET_INK));
-    }
-    group
 }
 
 fn difficulty_gradient() -> LinearGradient {
@@ -167,7 +147,7 @@ fn difficulty_gradient() -> LinearGradient {
 }
 
 /// The start: a disc with an arrow along the heading.
-pub(super) fn arrow(at: DVec2, pose: Pose) -> Path {
+pub(super) fn arrow(at: DVec2, pose: Pose) -> Group {
     let heading = unit_vector(pose.heading);
     let along = DVec2::new(heading.x, -heading.y);
     let across = along.perp();
@@ -176,25 +156,32 @@ pub(super) fn arrow(at: DVec2, pose: Pose) -> Path {
     path.circle(at, 5.5);
     path.polygon([p(4.0, 1.4), p(4.0, -1.4), p(14.0, -1.4), p(14.0, 1.4)].into_iter().rev());
     path.polygon([p(23.0, 0.0), p(11.5, -6.0), p(13.5, 0.0), p(11.5, 6.0)].into_iter().rev());
-    haloed(filled(path, style::START))
+    haloed(path, style::START, style::PAGE, 3.0)
 }
 
-/// A symbol with a white rim, which sets it off from whatever lies below.
-fn haloed(path: Path) -> Path {
-    path.set("stroke", style::PAGE.to_string())
-        .set("stroke-width", 3)
-        .set("stroke-linejoin", "round")
-        .set("paint-order", "stroke")
+/// A symbol or a label on a rim of another colour, which sets it off from what lies below. The rim
+/// is an element of its own, since not every program knows `paint-order`.
+pub(super) fn haloed(path: PathData, color: Color, halo: Color, width: f64) -> Group {
+    let rim = filled(path.clone(), halo)
+        .set("stroke", halo.to_string())
+        .set("stroke-width", width)
+        .set("stroke-linejoin", "round");
+    Group::new().add(rim).add(filled(path, color))
 }
 
-/// The goal: a flag whose pole stands on it, 23 px high at a size of 1.
+/// The goal: a flag whose pole stands on it, 23 px high at a size of 1. It has no rim, which would
+/// cut walls open that it stands before.
 pub(super) fn flag(at: DVec2, size: f64) -> Group {
     let p = |x: f64, y: f64| at + DVec2::new(x, y) * size;
     let [mut pole, mut cloth] = [PathData::new(2), PathData::new(2)];
     pole.circle(at, 3.4 * size);
     pole.rect(p(-1.0, -23.0), p(1.0, 0.0));
     cloth.polygon([p(1.0, -23.0), p(17.0, -17.5), p(1.0, -12.0)]);
-    Group::new().add(haloed(filled(pole, style::INK))).add(haloed(filled(cloth, style::GOAL)))
+    let cloth = filled(cloth, style::GOAL)
+        .set("stroke", style::INK.to_string())
+        .set("stroke-width", 0.8 * size)
+        .set("stroke-linejoin", "round");
+    Group::new().add(filled(pole, style::INK)).add(cloth)
 }
 
 /// What the symbols of start and goal cover.

@@ -181,7 +181,7 @@ impl Shadow {
     }
 }
 
-/// An image of at most 256 colours.
+/// An image of 1 to 256 colours.
 #[derive(Debug)]
 pub(super) struct Indexed {
     pub(super) width: u32,
@@ -207,7 +207,9 @@ impl Indexed {
         };
         encoder.set_depth(depth);
         encoder.set_palette(self.colors.iter().flat_map(|c| c.0).collect::<Vec<_>>());
-        encoder.set_trns(self.alphas.clone());
+        if !self.alphas.is_empty() {
+            encoder.set_trns(self.alphas.clone());
+        }
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&self.packed(depth))?;
         writer.finish()?;

@@ -4,14 +4,14 @@ use glam::DVec2;
 use svg::node::element::Group;
 
 use super::furniture::{arrow, difficulty_bar, flag, sample, scale_bar};
-use super::parts::{self, filled, stroked};
+use super::parts::{self, Layer, filled, stroked};
 use super::path::PathData;
 use super::raster;
 use super::style::{self, Style};
 use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
 use super::view::View;
-use crate::geometry::Pose;
-use crate::world::{SurfaceKind, World};
+use crate::geometry::{Pose, Shape};
+use crate::world::{SurfaceKind, Wall, WallKind, World};
 
 const LABEL_SIZE: f64 = 12.0;
 const ROW: f64 = 23.0;
@@ -19,12 +19,15 @@ const GAP: f64 = 18.0;
 const SAMPLE: DVec2 = DVec2::new(16.0, 11.0);
 const BAR: f64 = 130.0;
 
+/// Thinner kerbs, in px, are not told from the edge of the road.
+const LEAST_KERB: f64 = 0.4;
+
 /// More classes than these are named by their number.
 const MOST_CLASSES: usize = 12;
 
 /// One entry of the legend.
 #[derive(Clone, Debug)]
-enum Entry {
+pub(super) enum Entry {
     Part(Style),
     Named(Style, String),
     Tree,
@@ -60,8 +63,8 @@ impl Entry {
     }
 }
 
-/// What a world's picture has to explain.
-fn entries(world: &World) -> Vec<Entry> {
+/// What a world's picture has to explain; last what the numbers in its rooms mean.
+pub(super) fn entries(world: &World, view: &View, numbers: &[String]) -> Vec<Entry> {
     let mut entries = Vec::new();
     if world.start.is_some() {
         entries.push(Entry::Start);
@@ -70,7 +73,8 @@ fn entries(world: &World) -> Vec<Entry> {
         entries.push(Entry::Goal);
     }
     let mut part = |style| entries.push(Entry::Part(style));
-    parts::wall_layers(world).iter().rev().for_each(|layer| part(layer.style));
+    let walls = parts::wall_layers(world);
+    walls.iter().rev().filter(|layer| is_seen(layer, view)).for_each(|layer| part(layer.style));
     parts::doorway_layers(world).iter().for_each(|layer| part(layer.style));
     if !world.trees.is_empty() {
         entries.push(Entry::Tree);
@@ -107,16 +111,31 @@ fn entries(world: &World) -> Vec<Entry> {
     } else if !world.rooms.is_empty() {
         entries.push(Entry::Part(style::ROOM_STYLE));
     }
+    let numbers = numbers.iter().enumerate();
+    entries.extend(numbers.map(|(i, text)| Entry::Note(format!("{}  {text}", i + 1))));
     entries
+}
+
+/// Whether a layer of walls shows in a picture: kerbs vanish at the edge of a road that is far away.
+fn is_seen(layer: &Layer<'_, Wall>, view: &View) -> bool {
+    let kerb = |wall: &&Wall| wall.kind == WallKind::Kerb;
+    layer.parts.iter().any(|wall| !kerb(wall) || thickness(&wall.shape) * view.scale >= LEAST_KERB)
+}
+
+/// About how thick a long shape is, in metres.
+fn thickness(shape: &Shape) -> f64 {
+    let corners = shape.corners();
+    let next = corners.iter().cycle().skip(1);
+    let outline: f64 = corners.iter().zip(next).map(|(a, b)| a.distance(*b)).sum();
+    if outline > 0.0 { 2.0 * shape.area() / outline } else { 0.0 }
 }
 
 /// Scale bar and legend, row by row within `width` px or one to a row, and their size.
 pub(super) fn draw(
-    world: &World,
+    entries: Vec<Entry>,
     view: &View,
     corner: DVec2,
     width: f64,
-    legend: bool,
     typesetter: &Typesetter,
 ) -> (Group, DVec2) {
     let mut group = Group::new().set("id", "legend");
@@ -131,7 +150,6 @@ pub(super) fn draw(
         widest = long;
         x += long + 1.5 * GAP;
     }
-    let entries = if legend { entries(world) } else { Vec::new() };
     let mut last_is_bar = false;
     for entry in entries {
         let long = entry.sample_width() + 6.0 + typesetter.width(entry.label(), LABEL_SIZE);

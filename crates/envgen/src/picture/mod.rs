@@ -20,6 +20,7 @@
 //! and parts smaller than a pixel are drawn together as a shadow, an image of how much of each pixel
 //! they cover.
 
+mod figure;
 mod furniture;
 mod hatch;
 mod ink;
@@ -33,7 +34,10 @@ mod raster;
 mod roads;
 mod style;
 mod text;
+mod title;
 mod view;
+
+pub use figure::Figure;
 
 use std::io::{self, Write};
 
@@ -64,7 +68,8 @@ pub struct PictureOptions {
     pub pixel_ratio: f64,
     /// White space at the picture's four sides in px, at most 200.
     pub margin: u32,
-    /// Above the world; `None` for kind and seed, an empty text for nothing.
+    /// Above the world; `None` for kind, seed and the settings that differ from the defaults, an
+    /// empty text for nothing.
     pub title: Option<String>,
     /// Whether a legend says what the colours mean.
     pub legend: bool,
@@ -114,6 +119,9 @@ pub enum PictureError {
     /// The world is so small or so large that its scale is not a finite number.
     #[error("a world with the bounds {0:?} has no finite scale")]
     Scale(Rect),
+    /// The cells of a map cannot be drawn.
+    #[error("the cells of a map must {0}")]
+    Cells(&'static str),
     /// The PNG would be too large.
     #[error("a PNG of {width} x {height} pixels has more than {MAX_PIXELS}")]
     TooLarge {

@@ -3,10 +3,10 @@
 use glam::DVec2;
 use svg::node::element::Group;
 
-use super::furniture::symbols;
-use super::parts::{filled, room_color};
+use super::furniture::{haloed, symbols};
+use super::parts::room_color;
 use super::path::PathData;
-use super::style::{self, Color, Texture};
+use super::style::{self, Texture};
 use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
 use super::view::View;
 use crate::geometry::Rect;
@@ -15,13 +15,26 @@ use crate::world::{Room, World};
 /// More names than a picture has room for.
 const MOST_NAMES: usize = 5000;
 
+/// Longer names than any room is wide are not measured again and again.
+const LONGEST_NAME: usize = 80;
+
 /// Names give way to no more obstacles than these.
 const MOST_OBSTACLES: usize = 500;
+
+/// Width of the stroke of the rim around a name in px.
+const HALO: f64 = 2.2;
 
 /// The height of a line of a label, as a share of its font size.
 const LINE: f64 = 1.25;
 
-/// Lines and font sizes of a name, the better ones first: few lines unless they would be small.
+/// The most different rooms that bear a number which the legend explains.
+const MOST_NUMBERS: usize = 24;
+
+/// The greatest share of a room that its name may cover where a number can take its place.
+const MOST_COVERED: f64 = 0.35;
+
+/// Lines and font sizes of a name, the better ones first: few lines unless they would be small. The
+/// first [`READABLE`] are easily read.
 const SETTINGS: [(usize, f64); 16] = [
     (1, 12.0),
     (1, 11.0),
@@ -40,10 +53,21 @@ const SETTINGS: [(usize, f64); 16] = [
     (3, 6.0),
     (4, 6.0),
 ];
+const READABLE: usize = 8;
+
+/// The names of rooms in a picture.
+#[derive(Debug, Default)]
+pub(super) struct Names {
+    pub(super) group: Option<Group>,
+    /// What the numbers in small rooms mean, from 1 on.
+    pub(super) numbers: Vec<String>,
+}
 
 /// Names in the middle of their rooms, where they fit, with the difficulty below; above or below
 /// the middle where another name is in the way, or an obstacle need not be; beside start and goal.
-pub(super) fn draw(world: &World, view: &View, typesetter: &Typesetter) -> Option<Group> {
+/// With a legend, rooms too small for their names bear numbers.
+pub(super) fn draw(world: &World, view: &View, legend: bool, typesetter: &Typesetter) -> Names {
+    let mut numbers: Vec<String> = Vec::new();
     let [mut dark, mut light] = [PathData::new(2), PathData::new(2)];
     let symbols = symbols(world, view);
     let mut taken = symbols.clone();
@@ -64,7 +88,11 @@ pub(super) fn draw(world: &World, view: &View, typesetter: &Typesetter) -> Optio
         if tried > MOST_NAMES {
             break;
         }
-        let whole = Label::new(room, around, typesetter);
+        let text = described(room);
+        let known = numbers.iter().position(|number| *number == text);
+        let number = known.unwrap_or(numbers.len());
+        let number = Some(number + 1).filter(|n| legend && *n <= MOST_NUMBERS);
+        let whole = Label::new(room, around, number, typesetter);
         let placed = whole.and_then(|label| {
             let at = label.place(&taken, &obstacles)?;
             Some((label, at))
@@ -72,7 +100,7 @@ pub(super) fn draw(world: &World, view: &View, typesetter: &Typesetter) -> Optio
         // Beside a symbol, where the label becomes largest.
         let aside = || {
             let parts = symbols.iter().flat_map(|symbol| around_symbol(around, *symbol));
-            let labels = parts.filter_map(|part| Label::new(room, part, typesetter));
+            let labels = parts.filter_map(|part| Label::new(room, part, number, typesetter));
             let placed = labels.filter_map(|label| {
                 let at = label.place(&taken, &[])?;
                 Some((label, at))
@@ -81,6 +109,9 @@ pub(super) fn draw(world: &World, view: &View, typesetter: &Typesetter) -> Optio
         };
         let Some((label, at)) = placed.or_else(aside) else { continue };
         taken.push(at);
+        if label.is_number && known.is_none() {
+            numbers.push(text);
+        }
         let ink = if room_color(room).lightness() > 0.52 { &mut dark } else { &mut light };
         let mut top = at.min.y;
         for (line, font) in label.lines {
@@ -91,24 +122,29 @@ pub(super) fn draw(world: &World, view: &View, typesetter: &Typesetter) -> Optio
         }
     }
     if taken.len() == unnamed {
-        return None;
+        return Names::default();
     }
-    let haloed = |path, color: Color, halo: Color| {
-        filled(path, color)
-            .set("stroke", halo.to_string())
-            .set("stroke-width", 2.2)
-            .set("stroke-opacity", 0.85)
-            .set("stroke-linejoin", "round")
-            .set("paint-order", "stroke")
-    };
     let mut group = Group::new().set("id", "names");
     if !dark.is_empty() {
-        group = group.add(haloed(dark, style::INK, style::PAGE));
+        group = group.add(haloed(dark, style::INK, style::PAGE, HALO));
     }
     if !light.is_empty() {
-        group = group.add(haloed(light, style::PAGE, style::INK));
+        group = group.add(haloed(light, style::PAGE, style::INK, HALO));
     }
-    Some(group)
+    Names { group: Some(group), numbers }
+}
+
+/// Everything that a room's label says, in one line.
+fn described(room: &Room) -> String {
+    let name: String = room.name.trim().chars().take(LONGEST_NAME).collect();
+    std::iter::once(name).chain(notes(room)).collect::<Vec<_>>().join(" ")
+}
+
+/// The difficulty of a room, and what was taken out of it.
+fn notes(room: &Room) -> impl Iterator<Item = String> {
+    let contents = Some(room.contents).filter(|contents| !contents.is_as_designed());
+    let contents = contents.map(|contents| contents.name().to_owned());
+    room.difficulty.map(difficulty).into_iter().chain(contents)
 }
 
 /// The parts of a room beside a symbol that lies in it: below, above, left and right.
@@ -134,12 +170,19 @@ struct Label {
     size: DVec2,
     /// Greater is better.
     rank: usize,
+    is_number: bool,
 }
 
 impl Label {
-    /// The room's name in as few lines and as large as fits, else cut short; its difficulty, and
-    /// what was taken out of it. `None` where nothing fits.
-    fn new(room: &Room, space: Rect, typesetter: &Typesetter) -> Option<Label> {
+    /// The room's name in as few lines and as large as fits, its difficulty, and what was taken out
+    /// of it. Where that would be small or hide the room, its number; without one, the name smaller
+    /// and then cut short. `None` where nothing fits.
+    fn new(
+        room: &Room,
+        space: Rect,
+        number: Option<usize>,
+        typesetter: &Typesetter,
+    ) -> Option<Label> {
         let most = space.size() - DVec2::new(6.0, 4.0);
         let measure = |lines: &[(String, f64)]| {
             let widths = lines.iter().map(|line| typesetter.width(&line.0, line.1));
@@ -149,22 +192,27 @@ impl Label {
         let of = |lines: Vec<(String, f64)>, rank| {
             let size = measure(&lines);
             let fits = !lines.is_empty() && size.cmple(most).all();
-            fits.then_some(Label { space, lines, size, rank })
+            fits.then_some(Label { space, lines, size, rank, is_number: false })
         };
         let with_notes = |mut lines: Vec<(String, f64)>, font: f64| {
-            let contents = Some(room.contents).filter(|contents| !contents.is_as_designed());
-            let notes = room.difficulty.map(difficulty).into_iter();
-            let notes = notes.chain(contents.map(|contents| contents.name().to_owned()));
-            lines.extend(notes.map(|note| (note, 0.85 * font)));
+            lines.extend(notes(room).map(|note| (note, 0.85 * font)));
             lines
         };
-        // Longer names than any room is wide are not measured again and again.
-        let name: String = room.name.trim().chars().take(80).collect();
-        let full = SETTINGS.iter().enumerate().find_map(|(i, &(lines, font))| {
+        let name: String = room.name.trim().chars().take(LONGEST_NAME).collect();
+        let allowed = if number.is_some() { READABLE } else { SETTINGS.len() };
+        let full = SETTINGS[..allowed].iter().enumerate().find_map(|(i, &(lines, font))| {
             let wrapped = typesetter.wrapped(&name, font, most.x, lines)?;
             let wrapped = wrapped.into_iter().map(|line| (line, font)).collect();
             of(with_notes(wrapped, font), SETTINGS.len() - i)
         });
+        if let Some(number) = number {
+            let area = |size: DVec2| size.x * size.y;
+            let covers = |label: &Label| area(label.size) > MOST_COVERED * area(space.size());
+            return full.filter(|label| !covers(label)).or_else(|| {
+                let label = of(vec![(number.to_string(), 10.0)], 0)?;
+                Some(Label { is_number: true, ..label })
+            });
+        }
         full.or_else(|| {
             let cut = typesetter.fitted(&name, 8.0, most.x).filter(|cut| !cut.is_empty());
             let mut lines = cut.into_iter().map(|cut| (cut, 8.0)).collect();
@@ -199,13 +247,14 @@ fn difficulty(difficulty: f64) -> String {
 mod tests {
     use super::*;
     use crate::geometry::Shape;
+    use crate::provenance::Provenance;
     use crate::world::Contents;
 
     fn label(name: &str, space: Rect) -> Label {
         let shape = Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::ONE));
         let (name, difficulty, contents) = (name.to_owned(), Some(7.25), Contents::Cleared);
         let room = Room { name, shape, difficulty, lit: true, contents };
-        Label::new(&room, space, &Typesetter::new()).unwrap()
+        Label::new(&room, space, None, &Typesetter::new()).unwrap()
     }
 
     #[test]
@@ -228,6 +277,33 @@ mod tests {
         assert_eq!(text(&label("dragon room", wide)), ["dragon room", "7.25", "cleared"]);
         let cut = label("Donaudampfschifffahrtsgesellschaft", cell);
         assert!(text(&cut)[0].ends_with('…') && cut.rank == 0);
+    }
+
+    #[test]
+    fn small_rooms_bear_numbers_that_the_legend_explains() {
+        let room = |name: &str, corner: DVec2, side: f64| Room {
+            name: name.to_owned(),
+            shape: Shape::from_rect(Rect::new(corner, corner + side)),
+            difficulty: Some(7.25),
+            lit: true,
+            contents: Contents::default(),
+        };
+        let long = "single office north destroyed";
+        let bounds = Rect::new(DVec2::ZERO, DVec2::new(40.0, 20.0));
+        let mut world = World::new(Provenance::other("manual", serde_json::Value::Null), bounds);
+        world.rooms = vec![
+            room(long, DVec2::ZERO, 3.0),
+            room("hall", DVec2::new(10.0, 0.0), 20.0),
+            room(long, DVec2::new(4.0, 0.0), 3.0),
+            room("single office south", DVec2::new(4.0, 4.0), 3.0),
+        ];
+        let least = DVec2::splat(100.0);
+        let view = View::new(world.bounds, DVec2::ZERO, least, DVec2::new(640.0, 400.0), 10.0);
+        let view = view.unwrap();
+        let names = draw(&world, &view, true, &Typesetter::new());
+        assert_eq!(names.numbers, [format!("{long} 7.25"), "single office south 7.25".to_owned()]);
+        assert!(names.group.is_some());
+        assert!(draw(&world, &view, false, &Typesetter::new()).numbers.is_empty());
     }
 
     #[test]

@@ -9,21 +9,19 @@ use super::hatch::{Hatch, RISING, outline};
 use super::ink::{Ink, MANY_PARTS, Shadow};
 use super::path::PathData;
 use super::style::{self, Color, Style, Texture};
-use super::text::Typesetter;
 use super::view::{View, round_number};
-use super::{PictureError, PictureOptions, names, raster, roads};
+use super::{PictureError, PictureOptions, raster, roads};
 use crate::geometry::Shape;
 use crate::world::{Doorway, Obstacle, Room, Surface, Wall, World};
 
 /// With more styles than these in a list, none has a shadow.
 const MOST_SHADOWS: usize = 40;
 
-/// Everything inside the plan's frame but start and goal.
+/// Everything inside the plan's frame but names, start and goal.
 pub(super) fn draw(
     world: &World,
     view: &View,
     options: &PictureOptions,
-    typesetter: &Typesetter,
 ) -> Result<Vec<Group>, PictureError> {
     let mut groups = Vec::new();
     if let Some(raster) = &world.raster {
@@ -37,17 +35,13 @@ pub(super) fn draw(
         surface_layers(world).into_iter().partition(|layer| layer.style.texture == Texture::Plain);
     groups.extend(draw_layers("surfaces", floors, view, |s| &s.shape)?);
     rooms(world, view, &mut groups)?;
-    let grounds = draw_layers("surfaces", grounds, view, |s| &s.shape)?;
-    groups.extend(grounds.into_iter().map(|group| group.set("fill-opacity", 0.65)));
+    groups.extend(draw_layers("surfaces", grounds, view, |s| &s.shape)?);
     groups.extend(roads::draw(world, view));
     groups.extend(draw_layers("walls", wall_layers(world), view, |wall| &wall.shape)?);
     groups.extend(draw_layers("doorways", doorway_layers(world), view, |door| &door.shape)?);
     trees(world, view, &mut groups)?;
     groups.extend(draw_layers("obstacles", obstacle_layers(world), view, |o| &o.shape)?);
     groups.extend(victims(world, view));
-    if options.names {
-        groups.extend(names::draw(world, view, typesetter));
-    }
     Ok(groups)
 }
 

@@ -10,9 +10,9 @@ use super::text::{Align, Typesetter};
 use super::view::{self, View, round_number};
 use crate::world::World;
 
-const HEIGHT: f64 = 110.0;
-/// Room for the numbers below the axis.
-const FOOT: f64 = 18.0;
+const HEIGHT: f64 = 124.0;
+/// Room for the numbers below the axis, and its name.
+const FOOT: f64 = 32.0;
 /// Room for the title above the curve.
 const HEAD: f64 = 18.0;
 
@@ -85,6 +85,24 @@ pub(super) fn draw(
         }
     }
     let at = |x, y| DVec2::new(x, y);
+    // The greatest round curvature that fits, to both sides.
+    let mut levels = PathData::new(1);
+    if let Some(level) = round_number(steepest) {
+        for (side, sign) in [(1.0, ""), (-1.0, "−")] {
+            let y = axis - half * side * level / steepest;
+            levels.line(at(left, y), at(right, y));
+            let text = format!("{sign}{}/m", view::short(level));
+            let below = if side > 0.0 { 11.0 } else { -4.0 };
+            typesetter.write(&mut quiet, &text, at(left + 6.0, y + below), 10.0, Align::Left);
+        }
+    }
+    typesetter.write(
+        &mut quiet,
+        "distance along the road",
+        at(0.5 * (left + right), bottom + 27.0),
+        10.0,
+        Align::Middle,
+    );
     let title = "curvature: left above, right below";
     typesetter.write(&mut label, title, at(left + 6.0, top + 13.0), 11.0, Align::Left);
     let radius = if greatest > 0.0 {
@@ -103,6 +121,7 @@ pub(super) fn draw(
         .set("fill", "none")
         .set("stroke", style::FRAME.to_string());
     let group = group
+        .add(stroked(levels, style::GRID, 0.8))
         .add(stroked(zero, style::INK, 0.8))
         .add(frame)
         .add(stroked(ticks, style::QUIET_INK, 0.8))

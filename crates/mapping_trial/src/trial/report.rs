@@ -46,8 +46,7 @@ pub struct TrialReport {
 impl TrialReport {
     /// What the form asks about a session and the report knows.
     pub fn session(&self) -> Session {
-        let seed = self.world.seed.map_or(String::new(), |seed| format!(", seed {seed}"));
-        Session::new(&format!("{}{seed}", self.world.kind), self.robots.len())
+        Session::new(&self.world.name(), self.robots.len())
     }
 }
 

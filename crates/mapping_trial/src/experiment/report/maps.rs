@@ -52,7 +52,8 @@ fn pictures(experiment: &Experiment, record: &Record) -> Result<MapPictures, Exp
     let estimated = run.brain().slam().trajectory(0);
     let png = |picture: Picture| {
         let mut bytes = Vec::new();
-        picture.write_png(&mut bytes).map(|()| bytes).map_err(|error| told(&error))
+        let figure = picture.figure("", Vec::new());
+        figure.write_png(&mut bytes).map(|()| bytes).map_err(|error| told(&error))
     };
     let mut own = Picture::of_map(map, area);
     own.draw_estimated_path(&estimated);

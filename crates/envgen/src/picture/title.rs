@@ -1,0 +1,102 @@
+//! The title of a picture: kind of world and seed, and the settings that tell it from others.
+
+use glam::DVec2;
+use svg::node::element::Group;
+
+use super::PictureOptions;
+use super::parts::filled;
+use super::path::PathData;
+use super::style;
+use super::text::{Align, Typesetter};
+use super::view::{self, View};
+use crate::world::World;
+
+const SIZE: f64 = 15.0;
+/// Of the settings, and of the extent.
+const SMALL_SIZE: f64 = 12.0;
+/// Between the parts of the row, in px.
+const GAP: f64 = 12.0;
+
+/// What is written above a world.
+#[derive(Debug)]
+pub(super) struct Heading {
+    /// Kind and seed, or what the options say.
+    pub(super) name: String,
+    /// Settings that differ from the defaults.
+    settings: String,
+}
+
+impl Heading {
+    /// A title without settings.
+    pub(super) fn plain(name: String) -> Heading {
+        Heading { name, settings: String::new() }
+    }
+
+    pub(super) fn new(world: &World, options: &PictureOptions) -> Heading {
+        let made = &world.provenance;
+        match &options.title {
+            Some(title) => Heading::plain(title.clone()),
+            None => Heading { name: made.name(), settings: made.changed_settings() },
+        }
+    }
+
+    /// All of it, without the characters that XML cannot hold.
+    pub(super) fn text(&self) -> String {
+        let whole = match self.settings.as_str() {
+            "" => self.name.clone(),
+            settings => format!("{}: {settings}", self.name),
+        };
+        let printable = |c: &char| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}');
+        whole.chars().filter(printable).collect()
+    }
+
+    /// The name, the settings, and at the right the size of the world where there is room for it.
+    pub(super) fn row(&self, view: &View, right: f64, typesetter: &Typesetter) -> Group {
+        let (left, baseline) = (view.plan.min.x, view.plan.min.y - 9.0);
+        let room = right - left;
+        let [mut dark, mut quiet] = [PathData::new(2), PathData::new(2)];
+        let name = typesetter.fitted(&self.name, SIZE, room).unwrap_or_default();
+        typesetter.write(&mut dark, &name, DVec2::new(left, baseline), SIZE, Align::Left);
+        let mut used = typesetter.width(&name, SIZE) + GAP;
+        if !self.settings.is_empty()
+            && let Some(text) = typesetter.fitted(&self.settings, SMALL_SIZE, room - used)
+        {
+            let at = DVec2::new(left + used, baseline);
+            typesetter.write(&mut quiet, &text, at, SMALL_SIZE, Align::Left);
+            used += typesetter.width(&text, SMALL_SIZE) + GAP;
+        }
+        let size = view.world.size();
+        let extent = format!("{} × {}", view::length(size.x), view::length(size.y));
+        if used + typesetter.width(&extent, SMALL_SIZE) <= room && size.is_finite() {
+            let at = DVec2::new(right, baseline);
+            typesetter.write(&mut quiet, &extent, at, SMALL_SIZE, Align::Right);
+        }
+        let mut group = Group::new().set("id", "title").add(filled(dark, style::INK));
+        if !quiet.is_empty() {
+            group = group.add(filled(quiet, style::QUIET_INK));
+        }
+        group
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::Value;
+
+    use super::*;
+    use crate::geometry::Rect;
+    use crate::provenance::Provenance;
+
+    #[test]
+    fn what_xml_cannot_hold_is_left_out() {
+        let made = Provenance::other("manual", Value::Null);
+        let world = World::new(made, Rect::new(DVec2::ZERO, DVec2::ONE));
+        let heading = |title: &str| {
+            let options = PictureOptions { title: Some(title.to_owned()), ..Default::default() };
+            Heading::new(&world, &options).text()
+        };
+        assert_eq!(heading("a\u{0}b\u{ffff}c"), "abc");
+        assert_eq!(heading("mine"), "mine");
+        assert_eq!(Heading::new(&world, &PictureOptions::default()).text(), "manual");
+    }
+}
