@@ -38,7 +38,7 @@ fn random_targets(rows: u64, cols: u64, many: u64) {
         let classes = 2 + stream.below(11.min(rows * cols - 1));
         let most = envgen::landscape::largest_entropy(rows * cols, classes);
         let mut spec = spec(rows, cols, classes, stream.between(0.3, 1.0) * most);
-        spec.mixing = 0.2;
+        spec.mixing = Some(0.2);
         spec.total_edge = Some(target(&spec, &mut stream));
         assert_exact(&spec, Seed(i));
     }
@@ -180,9 +180,9 @@ fn bad_input_is_named() {
     has(error(&|s| s.epsilon = Some(1.5)), "`epsilon` is 1.5");
     has(error(&|s| s.epsilon = Some(f64::NAN)), "`epsilon` is NaN");
     has(error(&|s| s.sigma = Some(-1.0)), "`sigma` is -1");
-    has(error(&|s| s.mixing = f64::NAN), "`mixing` is NaN");
+    has(error(&|s| s.mixing = Some(f64::NAN)), "`mixing` is NaN");
     has(
-        error(&|s| (s.rows, s.cols, s.mixing) = (8192, 8192, 15.0)),
+        error(&|s| (s.rows, s.cols, s.mixing) = (8192, 8192, Some(15.0))),
         "`mixing` is 15, allowed is at most 14.9",
     );
     has(error(&|s| s.cell = 0.0), "`cell` is 0");
@@ -324,4 +324,46 @@ fn a_batch_differs_in_all_but_its_metrics() {
             assert_eq!(a.entropy().to_bits() >> 4, b.entropy().to_bits() >> 4);
         }
     }
+}
+
+/// Mean autocorrelation of the most frequent class 8 cells along rows, over some seeds.
+fn autocorrelation(total_edge: u64, mixing: Option<f64>, seeds: u64) -> (f64, f64) {
+    let of = |seed: u64| {
+        let spec = LandscapeSpec {
+            total_edge: Some(total_edge),
+            order: ClassOrder::Descending,
+            mixing,
+            ..Default::default()
+        };
+        let landscape = spec.generate(Seed(seed)).unwrap();
+        let (cells, cols) = (landscape.cells(), landscape.cols());
+        let here: Vec<f64> = cells.iter().map(|&class| f64::from(u8::from(class == 1))).collect();
+        let mean = here.iter().sum::<f64>() / here.len() as f64;
+        let (mut sum, mut pairs) = (0.0, 0.0);
+        for row in here.chunks_exact(cols) {
+            for (a, b) in row.iter().zip(&row[8..]) {
+                sum += (a - mean) * (b - mean);
+                pairs += 1.0;
+            }
+        }
+        sum / pairs / (mean * (1.0 - mean))
+    };
+    let values: Vec<f64> = (0..seeds).map(of).collect();
+    let mean = values.iter().sum::<f64>() / seeds as f64;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (seeds - 1) as f64;
+    (mean, (variance / seeds as f64).sqrt())
+}
+
+/// Landscapes of still less Total Edge keep large patches however long they are mixed: so few
+/// borders go around nothing else.
+#[test]
+fn default_landscapes_have_forgotten_what_they_were_built_from() {
+    // Means of 32 seeds have a standard error of 0.009: the limits are 5 of them away.
+    let (hardly, _) = autocorrelation(2400, Some(8.0), 32);
+    let (default, _) = autocorrelation(2400, None, 32);
+    assert!(hardly > 0.08 && default < 0.06, "{hardly} and {default}");
+    // Mixing on changes nothing.
+    let (before, first) = autocorrelation(2000, Some(400.0), 32);
+    let (after, second) = autocorrelation(2000, None, 32);
+    assert!((before - after).abs() < 4.0 * first.hypot(second), "{before} and {after}");
 }

@@ -38,7 +38,9 @@ pub(super) fn landscape(spec: &LandscapeSpec, seed: Seed) -> Result<Landscape, G
     let grid = Grid { rows: spec.rows as usize, cols: spec.cols as usize, counts: &counts, seed };
     let arranged = match (spec.algorithm, spec.total_edge) {
         (Algorithm::Random | Algorithm::Mixed, None) => Arranged::plain(random_fill(&counts, seed)),
-        (Algorithm::Random | Algorithm::Mixed, Some(target)) => grid.mixed(target, spec.mixing),
+        (Algorithm::Random | Algorithm::Mixed, Some(target)) => {
+            grid.mixed(target, spec.swaps_per_cell())
+        }
         (Algorithm::Automaton, None) => grid.automaton(spec.epsilon.unwrap_or(EPSILON)),
         (Algorithm::Automaton, Some(target)) => grid.automaton_towards(target, spec.epsilon)?,
         (Algorithm::Bands, None) => Arranged::plain(best_bands(grid.rows, grid.cols, &counts).0),

@@ -22,6 +22,13 @@ pub const MAX_SMOOTH_CELLS: u64 = 1 << 24;
 /// The most swaps that mixing tries: a minute or so.
 const MAX_SWAPS: f64 = 1e9;
 
+/// The swaps that mixing tries where none are asked: a second or so.
+const DEFAULT_SWAPS: f64 = 4e7;
+
+/// The fewest and most of them per cell: landscapes of 40,000 cells are mixed until nothing is left of
+/// what they were built from, those of over 5,000,000 are not.
+const DEFAULT_MIXING: [f64; 2] = [8.0, 1000.0];
+
 /// A landscape to generate.
 ///
 /// ```
@@ -59,8 +66,9 @@ pub struct LandscapeSpec {
     /// Total Edge to reach exactly, in cell sides; `None` takes what the arrangement gives.
     pub total_edge: Option<u64>,
     /// Swaps tried per cell at the Total Edge that is asked, by which a mixed landscape forgets
-    /// what it was built from.
-    pub mixing: f64,
+    /// what it was built from; `None` is 1000, fewer for landscapes of more than 40,000 cells, and
+    /// at least 8.
+    pub mixing: Option<f64>,
     /// Side of a cell in metres.
     pub cell: f64,
     /// Factor on a robot's greatest speed for each class, 0 where it cannot pass; empty is 1 for
@@ -81,7 +89,7 @@ impl Default for LandscapeSpec {
             epsilon: None,
             sigma: None,
             total_edge: None,
-            mixing: 8.0,
+            mixing: None,
             cell: 1.0,
             speeds: Vec::new(),
         }
@@ -182,8 +190,13 @@ const TOTAL_EDGE: Setting = Setting::integer(
     2 * MAX_CELLS,
     "number of sides between cells of different class to reach exactly (absent: not asked)",
 );
-const MIXING: Setting =
-    Setting::number("mixing", "1/cell", 0.0, 1000.0, "swaps tried at the Total Edge asked");
+const MIXING: Setting = Setting::number(
+    "mixing",
+    "1/cell",
+    0.0,
+    1000.0,
+    "swaps tried at the Total Edge asked (absent: 1000, fewer for over 40,000 cells, at least 8)",
+);
 const CELL: Setting = Setting::number("cell", "m", 1e-3, 1e4, "side of a cell");
 const SPEEDS: Setting = Setting::list(
     "speeds",
@@ -243,6 +256,12 @@ impl Spec for LandscapeSpec {
 }
 
 impl LandscapeSpec {
+    /// Swaps tried per cell.
+    pub(super) fn swaps_per_cell(&self) -> f64 {
+        let [least, most] = DEFAULT_MIXING;
+        self.mixing.unwrap_or_else(|| (DEFAULT_SWAPS / self.work()).clamp(least, most))
+    }
+
     /// Checks every setting, and the settings together; the composition that they give.
     ///
     /// # Errors
@@ -263,11 +282,13 @@ impl LandscapeSpec {
         if let Some(sigma) = self.sigma {
             SIGMA.check(sigma)?;
         }
-        MIXING.check(self.mixing)?;
-        let most = MAX_SWAPS / cells as f64;
-        if self.mixing > most {
-            let allowed = format!("at most {most} for {cells} cells");
-            return Err(MIXING.error_with(self.mixing, allowed));
+        if let Some(mixing) = self.mixing {
+            MIXING.check(mixing)?;
+            let most = MAX_SWAPS / cells as f64;
+            if mixing > most {
+                let allowed = format!("at most {most} for {cells} cells");
+                return Err(MIXING.error_with(mixing, allowed));
+            }
         }
         CELL.check(self.cell)?;
         let longest = self.rows.max(self.cols);
