@@ -88,14 +88,18 @@ impl Provenance {
     }
 }
 
+/// A number to four digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
 /// A value in words; `None` for one of several parts.
 fn plain(value: &Value) -> Option<String> {
     match value {
         Value::Bool(true) => Some("on".to_owned()),
         Value::Bool(false) => Some("off".to_owned()),
         Value::Number(number) => Some(match number.as_f64() {
-            // Without the `.0` of whole numbers.
-            Some(value) if number.is_f64() => value.to_string(),
+            Some(value) if number.is_f64() => rounded(value).to_string(),
             _ => number.to_string(),
         }),
         Value::String(text) => Some(text.replace('_', " ")),
@@ -130,7 +134,7 @@ mod tests {
         let smooth = LandscapeSpec { algorithm: Algorithm::Smooth, ..Default::default() };
         let world = smooth.generate(Seed(3)).unwrap().to_world();
         assert_eq!(described(&world), "landscape, seed 3: algorithm smooth");
-        let road = RoadSpec { length: 512.5, kerb: 0.0, ..Default::default() };
+        let road = RoadSpec { length: 512.543, kerb: 0.0, ..Default::default() };
         let world = road.generate(Seed(4)).unwrap().to_world();
         assert_eq!(described(&world), "road, seed 4: length 512.5, kerb 0");
         let world = LandscapeSpec::default().generate(Seed(4)).unwrap().to_world();

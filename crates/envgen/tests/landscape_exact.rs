@@ -275,8 +275,14 @@ fn a_seed_gives_the_same_landscape_for_ever() {
         ("automaton", "a7697327b1115608", &|s| s.algorithm = Algorithm::Automaton),
         ("bands", "a53e0d6f9b8ec1b0", &|s| s.algorithm = Algorithm::Bands),
         ("smooth", "d9d4669e57bb6954", &|s| s.algorithm = Algorithm::Smooth),
-        ("low", "308f735423d498f2", &|s| s.total_edge = Some(1000)),
-        ("high", "028e81fe7034e7fb", &|s| s.total_edge = Some(4200)),
+        ("low", "fb1a96d8d8b731fb", &|s| s.total_edge = Some(1000)),
+        ("high", "24a0a761807fd681", &|s| s.total_edge = Some(4200)),
+        ("low, mixed little", "308f735423d498f2", &|s| {
+            (s.total_edge, s.mixing) = (Some(1000), Some(8.0));
+        }),
+        ("high, mixed little", "028e81fe7034e7fb", &|s| {
+            (s.total_edge, s.mixing) = (Some(4200), Some(8.0));
+        }),
         ("automaton exact", "1ad3dcf1a67539d1", &|s| {
             (s.algorithm, s.total_edge) = (Algorithm::Automaton, Some(1800));
         }),

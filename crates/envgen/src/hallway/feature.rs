@@ -112,7 +112,7 @@ pub(super) fn place(hallway: &Hallway, layout: &HallwayLayout) -> Placed {
 }
 
 /// The narrowest way through that the spec asks for, in metres.
-fn passage(spec: &HallwaySpec) -> f64 {
+pub(super) fn passage(spec: &HallwaySpec) -> f64 {
     let frame = if spec.door_frame_rate > 0.0 { spec.door_frame_width } else { spec.width };
     let crate_ = if spec.narrowing_rate > 0.0 { spec.narrowing_width } else { spec.width };
     frame.min(crate_)

@@ -64,11 +64,9 @@ pub fn largest_remainder(lengths: &[f64], count: u64) -> Vec<u64> {
     let mut shares: Vec<u64> = quotas.iter().map(|q| (q + 1e-9).floor() as u64).collect();
     let given: u64 = shares.iter().sum();
     let mut order: Vec<usize> = (0..quotas.len()).collect();
-    let fraction = |i: usize| (quotas[i] - (quotas[i] + 1e-9).floor()).max(0.0);
-    order.sort_by(|&a, &b| {
-        let near = (fraction(a) - fraction(b)).abs() < 1e-9;
-        if near { a.cmp(&b) } else { fraction(b).total_cmp(&fraction(a)) }
-    });
+    // In whole billionths, among which "about equal" is an order.
+    let fraction = |i: usize| ((quotas[i] - (quotas[i] + 1e-9).floor()).max(0.0) * 1e9).round();
+    order.sort_by(|&a, &b| fraction(b).total_cmp(&fraction(a)).then(a.cmp(&b)));
     for &i in order.iter().take(count.saturating_sub(given) as usize) {
         shares[i] += 1;
     }
@@ -90,6 +88,16 @@ mod tests {
         // Hamilton's classic example.
         assert_eq!(largest_remainder(&[5.0, 3.0, 2.0, 0.0], 7), [4, 2, 1, 0]);
         assert_eq!(largest_remainder(&[3.0], 5), [5]);
+    }
+
+    #[test]
+    fn fractions_that_hardly_differ_have_an_order() {
+        // Each is about as large as the next, and the last is not about as large as the first.
+        let lengths: Vec<f64> = (0..400).map(|i| 1.0 + 4e-10 * f64::from(i * 37 % 400)).collect();
+        for count in [100, 600, 999] {
+            let shares = largest_remainder(&lengths, count);
+            assert_eq!(shares.iter().sum::<u64>(), count);
+        }
     }
 
     #[test]
