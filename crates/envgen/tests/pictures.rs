@@ -1,6 +1,6 @@
 //! Pictures compared with those that a person has looked at, and pictures of odd worlds.
 //!
-//! `ENVGEN_UPDATE_PICTURES=1 cargo test -p envgen --test pictures` writes the pictures anew; look at
+//! `ENVGEN_UPDATE_PICTURES=1 cargo test -p envgen --test pictures` writes the pictures again; look at
 //! them before they are committed.
 #![cfg(feature = "picture")]
 

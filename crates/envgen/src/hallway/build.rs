@@ -49,8 +49,8 @@ pub(super) fn world(hallway: &Hallway) -> World {
     world
 }
 
-/// The least clear width of the corridor in metres: beside what stands in it, and between one such
-/// thing and the next, where the path leads from one side to the other.
+/// The least clear width of the corridor in metres: beside door frames and crates, and between two
+/// that follow each other, where the path may lead from one side to the other.
 fn narrowest(features: &[Feature], spec: &HallwaySpec) -> f64 {
     let in_the_way: Vec<_> = features.iter().filter(|f| f.kind != FeatureKind::Alcove).collect();
     let beside = in_the_way.iter().map(|feature| match feature.kind {

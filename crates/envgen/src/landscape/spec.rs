@@ -22,11 +22,10 @@ pub const MAX_SMOOTH_CELLS: u64 = 1 << 24;
 /// The most swaps that mixing tries: a minute or so.
 const MAX_SWAPS: f64 = 1e9;
 
-/// The swaps that mixing tries where none are asked: a second or so.
+/// The swaps that mixing tries where none are asked, for landscapes of 40,000 to 5,000,000 cells.
 const DEFAULT_SWAPS: f64 = 4e7;
 
-/// The fewest and most of them per cell: landscapes of 40,000 cells are mixed until nothing is left of
-/// what they were built from, those of over 5,000,000 are not.
+/// The fewest and most of them per cell, for larger and for smaller landscapes.
 const DEFAULT_MIXING: [f64; 2] = [8.0, 1000.0];
 
 /// A landscape to generate.

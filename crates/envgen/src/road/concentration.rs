@@ -20,7 +20,7 @@ impl Concentration {
     /// The concentration of segment `i`.
     ///
     /// # Panics
-    /// When there is none for it.
+    /// When a list of concentrations is shorter than `i + 1`.
     pub fn of(&self, i: usize) -> f64 {
         match self {
             Concentration::Same(alpha) => *alpha,
