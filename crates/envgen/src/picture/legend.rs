@@ -10,7 +10,7 @@ use super::raster;
 use super::style::{self, Style};
 use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
 use super::view::View;
-use crate::geometry::{Pose, Shape};
+use crate::geometry::{Pose, Shape, edges};
 use crate::world::{SurfaceKind, Wall, WallKind, World};
 
 const LABEL_SIZE: f64 = 12.0;
@@ -124,9 +124,7 @@ fn is_seen(layer: &Layer<'_, Wall>, view: &View) -> bool {
 
 /// About how thick a long shape is, in metres.
 fn thickness(shape: &Shape) -> f64 {
-    let corners = shape.corners();
-    let next = corners.iter().cycle().skip(1);
-    let outline: f64 = corners.iter().zip(next).map(|(a, b)| a.distance(*b)).sum();
+    let outline: f64 = edges(&shape.corners()).map(|(a, b)| a.distance(b)).sum();
     if outline > 0.0 { 2.0 * shape.area() / outline } else { 0.0 }
 }
 

@@ -13,7 +13,7 @@ use mapping_trial::trial::{EndReason, Trial, TrialSettings};
 use mapping_trial::truth::Truth;
 
 /// A room of 20 x 20 m in which nothing stands.
-fn room() -> World {
+pub(crate) fn room() -> World {
     let bounds = Rect::new(DVec2::ZERO, DVec2::splat(20.0));
     let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
     let corners = Shape::from_rect(bounds).corners();

@@ -1,11 +1,11 @@
 //! Operators in generated buildings, on maps that are drawn from true poses.
 
+use crate::empty_room;
 use crate::exact::{End, Outcome, Run, coverage, reachable};
-use envgen::geometry::{Pose, Rect, Shape, edges};
+use envgen::geometry::Pose;
 use envgen::glam::DVec2;
 use envgen::indoor::{IndoorSpec, Profile};
-use envgen::world::{Wall, WallKind};
-use envgen::{Blueprint, Provenance, Seed, Spec, World};
+use envgen::{Blueprint, Seed, Spec, World};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::operator::{OperatorKind, build};
 
@@ -91,12 +91,7 @@ fn the_same_run_twice_is_the_same() {
 
 #[test]
 fn an_empty_room_is_soon_done() {
-    let bounds = Rect::new(DVec2::ZERO, DVec2::splat(20.0));
-    let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
-    let corners = Shape::from_rect(bounds).corners();
-    world.walls = edges(&corners)
-        .map(|(a, b)| Wall { kind: WallKind::Wall, shape: Shape::Segment { a, b } })
-        .collect();
+    let world = empty_room::room();
     for kind in KINDS {
         let (outcome, _) = run(&world, kind, &[Pose::new(10.0, 10.0, 0.0)], 400.0);
         assert_eq!(outcome.end, End::Finished, "{kind:?}: {outcome:?}");
