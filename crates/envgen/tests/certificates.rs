@@ -27,6 +27,18 @@ fn random_specs_make_worlds_whose_promises_hold() {
     assert!(worlds > 50 && promises > 50, "{worlds} worlds, {promises} promises");
 }
 
+/// Laps of roads, and hallways of rounded corners: many small pieces near each other.
+#[test]
+fn worlds_of_many_small_pieces_are_decided() {
+    for (kind, index) in [(Kind::Road, 6582), (Kind::Road, 7952), (Kind::Hallway, 7185)] {
+        let spec = random_spec::random_spec(kind, index);
+        let world = spec.generate(Seed(index)).unwrap().to_world();
+        for (claim, verdict) in verify(&world) {
+            assert_eq!(verdict, Verdict::Holds, "{index}: {claim}");
+        }
+    }
+}
+
 fn indoor(footprint: f64) -> World {
     let spec = IndoorSpec { width: 4, height: 4, difficulty: 6.0, footprint, ..Default::default() };
     spec.generate(Seed(1)).unwrap().to_world()

@@ -54,6 +54,13 @@ impl Budget {
         Budget(comparisons)
     }
 
+    /// Splits off half of what is left.
+    pub(super) fn half(&mut self) -> Budget {
+        let half = self.0 / 2;
+        self.0 -= half;
+        Budget(half)
+    }
+
     /// Takes off what a step costs.
     pub(super) fn spend(&mut self, comparisons: u64) -> Result<(), Doubt> {
         self.0 = self.0.checked_sub(comparisons).ok_or(Doubt::Comparisons)?;

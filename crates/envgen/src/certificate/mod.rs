@@ -10,6 +10,7 @@ mod budget;
 mod piece;
 mod pieces;
 mod places;
+mod roomy;
 mod separation;
 mod squares;
 mod windings;
@@ -25,6 +26,7 @@ pub use places::PLACE_MARGIN;
 
 use budget::Budget;
 use pieces::Pieces;
+use roomy::Roomy;
 use separation::{Barriers, Nearer};
 
 use crate::geometry::{Rect, wrap_angle};
@@ -222,7 +224,20 @@ fn start_reaches_goal(world: &World, radius: f64, budget: &mut Budget) -> Result
             Nearer::No => {}
         }
     }
-    if is_close { Err(Doubt::TooClose) } else { barriers.join(&[ends], budget) }
+    if is_close {
+        return Err(Doubt::TooClose);
+    }
+    let mut half = budget.half();
+    match barriers.join(&[ends], &mut half) {
+        // Many small pieces near each other make many pairs, but hardly more squares.
+        Err(Doubt::Comparisons) if radius > 0.0 => {
+            // What rounding may take is not to spare.
+            let radius = radius + barriers.rounding();
+            let roomy = Roomy::new(world.solids().map(|solid| solid.shape), area, radius, budget)?;
+            if roomy.joins(ends, budget)? { Ok(true) } else { Err(Doubt::Comparisons) }
+        }
+        decided => decided,
+    }
 }
 
 /// Whether all trees keep a distance, on a torus across its sides too: in rows as high as the

@@ -101,6 +101,22 @@ impl Piece {
         outside.length() - self.radius
     }
 
+    /// Whether a line along a side of one of two pieces keeps them more than `reach` apart: a quick look
+    /// before [`gap`](Self::gap).
+    pub(super) fn is_parted(&self, other: &Piece, reach: f64) -> bool {
+        let reach = reach + self.radius + other.radius;
+        let beside = |a: &Piece, b: &Piece| {
+            let offset = a.into_local(b.center).abs();
+            let (cos, sin) = (a.axis.dot(b.axis).abs(), a.axis.perp_dot(b.axis).abs());
+            let half = DVec2::new(
+                cos * b.half_size.x + sin * b.half_size.y,
+                sin * b.half_size.x + cos * b.half_size.y,
+            );
+            (offset - a.half_size - half).max_element() > reach
+        };
+        beside(self, other) || beside(other, self)
+    }
+
     /// How near two pieces are; `None` when their distance is more than `reach`.
     pub(super) fn gap(&self, other: &Piece, reach: f64) -> Option<Gap> {
         let gap = |a: DVec2, b: DVec2| {
@@ -110,9 +126,6 @@ impl Piece {
         let apart = self.center.distance(other.center) - self.radius - other.radius;
         if self.is_round() && other.is_round() {
             return (apart <= reach).then(|| gap(self.center, other.center));
-        }
-        if apart - self.half_size.length() - other.half_size.length() > reach {
-            return None;
         }
         // Of two that are apart one of the nearest points is a corner.
         let mine = self.core_corners().map(|corner| [corner, other.nearest(corner)]);
@@ -215,6 +228,11 @@ mod tests {
             prop_assert!(a.distance(p) < 1e-9 && b.distance(q) < 1e-9);
             let reach = 0.5 * slow;
             prop_assert_eq!(piece(&a).gap(&piece(&b), reach).is_some(), gap.distance <= reach);
+            // What is parted is that far apart.
+            for reach in [0.25 * distance, 0.75 * distance, distance + 1e-9] {
+                let parted = piece(&a).is_parted(&piece(&b), reach);
+                prop_assert!(!parted || distance > reach, "{reach}: {gap:?}");
+            }
         }
 
         #[test]

@@ -12,7 +12,9 @@ use crate::lattice::{Convex, Lattice, Lists};
 /// Cells that list a piece, on average over all pieces, at most.
 const MAX_LISTINGS: usize = 8;
 
-/// What a comparison of two pieces costs that are not both round.
+/// What a quick look at two pieces costs that are not both round, and what the comparison of two that it
+/// does not part costs.
+const LOOK_COST: u64 = 3;
 const GAP_COST: u64 = 32;
 
 /// Pieces, and a lattice whose cells list those within reach.
@@ -124,6 +126,10 @@ impl Pieces {
             }
             let (a, b) = (&self.list[i], &self.list[j]);
             if !(a.is_round() && b.is_round()) {
+                budget.spend(LOOK_COST)?;
+                if a.is_parted(b, distance) {
+                    continue;
+                }
                 budget.spend(GAP_COST)?;
             }
             if let Some(gap) = a.gap(b, distance)

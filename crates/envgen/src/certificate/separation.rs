@@ -58,6 +58,11 @@ impl<'a> Barriers<'a> {
         Barriers { pieces, area, radius, rounding: ROUNDING * (1.0 + largest + radius) }
     }
 
+    /// Lengths that differ by less may be equal.
+    pub(super) fn rounding(&self) -> f64 {
+        self.rounding
+    }
+
     pub(super) fn nearer(&self, distance: f64, limit: f64) -> Nearer {
         if distance > limit + self.rounding {
             Nearer::No
