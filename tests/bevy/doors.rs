@@ -110,6 +110,37 @@ fn a_closed_door_is_solid_also_where_doors_do_not_move() {
 }
 
 #[test]
+fn schedules_that_cannot_be_followed_move_no_door() {
+    for (field, schedule) in [
+        ("mean_wait", DoorSchedule { mean_wait: f32::NAN, slam: 0.5 }),
+        ("mean_wait", DoorSchedule { mean_wait: 0.1, slam: 0.5 }),
+        ("mean_wait", DoorSchedule { mean_wait: f32::INFINITY, slam: 0.5 }),
+        ("slam", DoorSchedule { mean_wait: 0.5, slam: f32::NAN }),
+        ("slam", DoorSchedule { mean_wait: 0.5, slam: 1.1 }),
+    ] {
+        let error = schedule.validate().unwrap_err();
+        assert_eq!(error.field, field, "{schedule:?}");
+        let mut app = test_app();
+        let environment = Environment::from_world(IndoorSpec::default().generate_world(4));
+        let root = app.world_mut().spawn((environment, schedule)).id();
+        wait_until_ready(&mut app, root).unwrap();
+        let openness = |app: &mut App| {
+            step(app, 100);
+            let mut doors = app.world_mut().query::<(&PartId, &Door)>();
+            let mut open: Vec<_> =
+                doors.iter(app.world()).map(|(id, door)| (*id, door.openness())).collect();
+            open.sort_by_key(|(id, _)| *id);
+            open
+        };
+        let first = openness(&mut app);
+        assert_eq!(openness(&mut app), first, "{schedule:?}");
+        // The clock runs on: a schedule that can be followed takes over.
+        app.world_mut().entity_mut(root).insert(DoorSchedule { mean_wait: 0.5, slam: 0.5 });
+        assert_ne!(openness(&mut app), first);
+    }
+}
+
+#[test]
 fn schedules_follow_from_the_seed() {
     let run = |seed: u64, steps: usize| {
         let mut app = test_app();

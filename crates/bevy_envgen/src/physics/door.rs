@@ -4,7 +4,7 @@ use bevy::prelude::*;
 #[cfg(feature = "serialize")]
 use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 use bevy_rapier2d::prelude::{ColliderDisabled, CollisionGroups, RigidBody};
-use envgen::Seed;
+use envgen::{Seed, SpecError};
 
 use crate::environment::{Environment, EnvironmentState};
 use crate::part::{Doorway, PartId, PartOf};
@@ -72,7 +72,8 @@ impl Door {
 /// [`Environment`].
 ///
 /// When and how follows from the environment's seed and the doorway alone, so that every run is the
-/// same. Time counts from when the world is ready.
+/// same. Time counts from when the world is ready. A schedule outside of its fields' ranges is told in the
+/// log and moves no door.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
@@ -82,8 +83,22 @@ pub struct DoorSchedule {
     /// Mean seconds from one action of a door to its next, at least 0.5; the waits follow an
     /// exponential law.
     pub mean_wait: f32,
-    /// Probability that a door that closes slams.
+    /// Probability that a door that closes slams, from 0 to 1.
     pub slam: f32,
+}
+
+impl DoorSchedule {
+    /// Whether it can be followed; the error names the field, its value and what is allowed.
+    pub fn validate(&self) -> Result<(), SpecError> {
+        if !(self.mean_wait.is_finite() && self.mean_wait >= SHORTEST_WAIT) {
+            let allowed = format!("a finite number of seconds of at least {SHORTEST_WAIT}");
+            return Err(SpecError::new("mean_wait", self.mean_wait, allowed));
+        }
+        if !(0.0..=1.0).contains(&self.slam) {
+            return Err(SpecError::new("slam", self.slam, "a number from 0 to 1"));
+        }
+        Ok(())
+    }
 }
 
 impl Default for DoorSchedule {
@@ -158,6 +173,15 @@ pub(super) fn run_clocks(
     }
 }
 
+/// Tells which schedules cannot be followed.
+pub(super) fn tell_bad_schedules(schedules: Query<(Entity, &DoorSchedule), Changed<DoorSchedule>>) {
+    for (entity, schedule) in &schedules {
+        if let Err(error) = schedule.validate() {
+            log::warn!("door schedule of environment {entity}: {error}");
+        }
+    }
+}
+
 /// Starts the actions that are due.
 pub(super) fn follow_schedules(
     mut doors: Query<(&PartId, &PartOf, &mut Door)>,
@@ -168,6 +192,9 @@ pub(super) fn follow_schedules(
     }
     for (id, part, mut door) in &mut doors {
         let Ok((schedule, clock, environment)) = schedules.get(part.0) else { continue };
+        if schedule.validate().is_err() {
+            continue;
+        }
         let (mut action, mut due) = match door.next {
             Some(next) => next,
             None => (0, wait(schedule, environment.seed, id.index, 0)),
@@ -196,7 +223,7 @@ pub(super) fn follow_schedules(
 fn wait(schedule: &DoorSchedule, seed: u64, door: u32, action: u64) -> f64 {
     let mut stream = Seed(seed).attempt("bevy/doors/wait", u64::from(door), action);
     // The exponential law by inversion. No wait is so short that hours of them could not be caught up.
-    let mean = f64::from(schedule.mean_wait.max(SHORTEST_WAIT));
+    let mean = f64::from(schedule.mean_wait);
     f64::from(0.25 * SHORTEST_WAIT).max(-mean * libm::log1p(-stream.unit()))
 }
 

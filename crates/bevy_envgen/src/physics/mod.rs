@@ -161,7 +161,12 @@ impl Plugin for EnvgenPhysicsPlugin {
             .configure_sets(self.schedule, DoorSystems.before(PhysicsSet::SyncBackend))
             .add_systems(
                 self.schedule,
-                (door::run_clocks, door::follow_schedules, door::move_doors)
+                (
+                    door::tell_bad_schedules,
+                    door::run_clocks,
+                    door::follow_schedules,
+                    door::move_doors,
+                )
                     .chain()
                     .in_set(DoorSystems),
             );
