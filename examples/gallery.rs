@@ -10,11 +10,11 @@ use std::time::Duration;
 use bevy::prelude::*;
 use bevy_envgen::capture::{Film, Studio, find_renderer};
 use bevy_envgen::envgen::indoor::IndoorSpec;
-use bevy_envgen::envgen::{Kind, Seed, WorldSpec};
+use bevy_envgen::envgen::{Seed, WorldKind, WorldSpec};
 use bevy_envgen::prelude::*;
 use bevy_envgen::view::{TrialPalette, TrialViewPlugin};
 use clap::Parser;
-use mapping_trial::body::TICK;
+use mapping_trial::backend::TICK;
 use mapping_trial::trial::{Trial, TrialSettings};
 
 /// Width and height of the pictures in pixels.
@@ -85,7 +85,7 @@ fn gallery(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     println!("drawing by {}", find_renderer()?);
     std::fs::create_dir_all(&arguments.out)?;
     for &(name, kind, settings, seed) in WORLDS {
-        let mut spec = kind.parse::<Kind>()?.default_spec();
+        let mut spec = kind.parse::<WorldKind>()?.default_spec();
         for (setting, value) in settings {
             spec.set(setting, value)?;
         }
@@ -128,7 +128,7 @@ fn film(path: &Path) -> Result<f64, Box<dyn std::error::Error>> {
         ))
         .insert_resource(ClearColor(TrialPalette::default().unknown));
     let spec = IndoorSpec { width: FILM_MAP, height: FILM_MAP, ..Default::default() };
-    let environment = Environment::new(spec, FILM_SEED).with_pace(Pace::InPlace);
+    let environment = Environment::new(spec, FILM_SEED).with_pace(GenerationMode::Blocking);
     let world = studio.app().world_mut().spawn(environment).id();
     studio.wait_until_ready(world)?;
     let camera = studio.camera_over(world, FILM_SIZE)?;

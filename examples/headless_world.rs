@@ -9,7 +9,7 @@ use bevy::ecs::error::Result;
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_envgen::bevy_rapier2d::prelude::*;
-use bevy_envgen::envgen::Kind;
+use bevy_envgen::envgen::WorldKind;
 use bevy_envgen::envgen::raycast::Raycaster;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{parts, spawn_ready, step, test_app};
@@ -21,7 +21,7 @@ const RANGE: f32 = 20.0;
 #[expect(clippy::print_stdout, reason = "what an example is for")]
 fn main() -> Result {
     let mut app = test_app();
-    for (place, &kind) in (0_u8..).zip(Kind::ALL) {
+    for (place, &kind) in (0_u8..).zip(WorldKind::ALL) {
         let world = spawn_ready(&mut app, Environment::new(kind.default_spec(), 7))?;
         let offset = Vec3::Y * 3000.0 * f32::from(place);
         app.world_mut().entity_mut(world).insert(Transform::from_translation(offset));

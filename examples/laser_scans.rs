@@ -7,14 +7,14 @@ use std::f64::consts::PI;
 
 use envgen::geometry::Pose;
 use envgen::hallway::HallwaySpec;
-use envgen::raycast::{Fan, Raycaster};
+use envgen::raycast::{Raycaster, ScanPattern};
 use envgen::{Blueprint, GenerateError, Seed, Spec};
 
 fn main() -> Result<(), GenerateError> {
     let spec = HallwaySpec { segments: 20, door_frame_rate: 0.1, ..Default::default() };
     let hallway = spec.generate(Seed(7))?;
     let rays = Raycaster::new(&hallway.to_world());
-    let scanner = Fan::new(PI, 181)?;
+    let scanner = ScanPattern::new(PI, 181)?;
     let mut ranges = Vec::new();
     for (cell, state) in hallway.layout().cells().iter().zip(hallway.states()) {
         let ahead = state.exit();

@@ -41,7 +41,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use mapping_trial::experiment::{Design, Experiment, ExperimentError, Shard, report};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
-use mapping_trial::operator::OperatorKind;
+use mapping_trial::policy::PolicyKind;
 use mapping_trial::slam::SlamKind;
 
 /// Do the rules of Zwennes (2011) order indoor maps by difficulty? Programs map them, the maps are
@@ -71,8 +71,8 @@ struct Arguments {
     levels: Vec<f64>,
 
     /// Who maps the larger design [default: all five, with --quick nearest].
-    #[arg(long, value_delimiter = ',', value_parser = OperatorKind::named)]
-    operators: Option<Vec<OperatorKind>>,
+    #[arg(long, value_delimiter = ',', value_parser = PolicyKind::named)]
+    operators: Option<Vec<PolicyKind>>,
 
     /// The rules to the letter, or with every place reachable.
     #[arg(long, default_value = "thesis", value_parser = ["thesis", "guaranteed"])]

@@ -8,8 +8,8 @@ use bevy::world_serialization::DynamicWorldBuilder;
 use bevy::world_serialization::serde::WorldDeserializer;
 use bevy_envgen::envgen::glam::DVec2;
 use bevy_envgen::envgen::indoor::Catalogue;
-use bevy_envgen::envgen::{Kind, Seed};
-use bevy_envgen::physics::Merge;
+use bevy_envgen::envgen::{Seed, WorldKind};
+use bevy_envgen::physics::ColliderMerging;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{
     digest, parts, spawn_ready, step, test_app_in, test_app_with, wait_until_ready,
@@ -59,7 +59,7 @@ fn load(app: &mut App, text: &str) -> EntityHashMap<Entity> {
 
 /// Every kind of source, with settings that are not the default ones.
 fn environments(app: &App) -> Vec<Environment> {
-    let mut environments: Vec<_> = Kind::ALL
+    let mut environments: Vec<_> = WorldKind::ALL
         .iter()
         .map(|kind| Environment::new(kind.default_spec(), 7).with_origin(DVec2::new(0.1, -1e5)))
         .collect();
@@ -68,9 +68,10 @@ fn environments(app: &App) -> Vec<Environment> {
     let world = WorldSpec::from(hallway.clone()).generate(Seed(3)).unwrap().to_world();
     let file = app.world().resource::<AssetServer>().load("worlds/paper_forest.envgen.ron");
     environments.extend([
-        Environment::new(hallway, u64::MAX).with_pace(Pace::Async),
-        Environment::new(IndoorSpec { catalogue: rooms, ..default() }, 2).with_solids(Solids::Data),
-        Environment::from_world(world),
+        Environment::new(hallway, u64::MAX).with_pace(GenerationMode::Async),
+        Environment::new(IndoorSpec { catalogue: rooms, ..default() }, 2)
+            .with_solids(SolidStorage::TileData),
+        Environment::prebuilt(world),
         Environment::from_asset(file, 5),
     ]);
     environments
@@ -82,8 +83,10 @@ fn a_scene_gives_the_same_world_in_another_app() {
     for environment in environments(&first) {
         let root = spawn_ready(&mut first, environment.clone()).unwrap();
         let at = Transform::from_xyz(5.0, 6.0, 0.0).with_rotation(Quat::from_rotation_z(1.0));
-        let colliders =
-            EnvironmentColliders(ColliderSettings { merge: Merge::Above(7), ..default() });
+        let colliders = EnvironmentColliders(ColliderSettings {
+            merge: ColliderMerging::Above(7),
+            ..default()
+        });
         let doors = DoorSchedule { mean_wait: 3.0, slam: 0.9 };
         first.world_mut().entity_mut(root).insert((at, colliders, doors));
         let text = save(&first, &[root]);

@@ -12,11 +12,11 @@ use envgen::{Blueprint, Seed, Spec, World, WorldSpec, import};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
 use mapping_trial::odometry::OdometryProfile;
-use mapping_trial::operator::OperatorKind;
+use mapping_trial::policy::PolicyKind;
 use mapping_trial::robot::Robot;
 use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::TrialSettings;
-use mapping_trial::truth::Truth;
+use mapping_trial::truth::MappableArea;
 
 use crate::{output, robot, start};
 
@@ -59,8 +59,8 @@ pub(crate) struct Arguments {
     map: Option<PathBuf>,
 
     /// Who decides where to go: nearest, info_gain, cautious, wall_follow or corridors.
-    #[arg(long, default_value = "nearest", value_parser = OperatorKind::named, conflicts_with = "replay")]
-    operator: OperatorKind,
+    #[arg(long, default_value = "nearest", value_parser = PolicyKind::named, conflicts_with = "replay")]
+    operator: PolicyKind,
 
     /// A program that drives instead, with its arguments, as docs/driver-protocol.md describes; - for
     /// whoever started this one, over the standard input and output.
@@ -128,7 +128,7 @@ impl Arguments {
         if let Some(path) = self.map.as_deref().or(self.world.as_deref()) {
             let world = self.read(path).in_file(path)?;
             // Nobody is to wait for a trial that cannot be scored.
-            Truth::check_size(&world).in_file(path)?;
+            MappableArea::check_size(&world).in_file(path)?;
             return Ok(world);
         }
         let profile = if self.profile == "thesis" { Profile::Thesis } else { Profile::Guaranteed };

@@ -33,7 +33,7 @@ use clap::Parser;
 use envgen::World;
 use envgen::located::Locate;
 use indicatif::{ProgressBar, ProgressStyle};
-use mapping_trial::body::Bodies;
+use mapping_trial::backend::RobotBackend;
 use mapping_trial::driver::Driver;
 use mapping_trial::feedback::ask;
 use mapping_trial::flat::FlatSimulator;
@@ -96,7 +96,7 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let file = File::open(path).in_file(path)?;
     let log = TrialLog::read(&mut BufReader::new(file)).in_file(path)?;
     let world = log.world.world().in_file(path)?;
-    for part in log.foreign.iter().filter(|part| part.role != PartRole::Operator) {
+    for part in log.foreign.iter().filter(|part| part.role != PartRole::Policy) {
         say(arguments, format_args!("{}\n", missing(part)))?;
     }
     match log.engine.as_str() {
@@ -124,7 +124,7 @@ fn missing(part: &ForeignPart) -> String {
 }
 
 /// Tells what came of a trial that took so long, and writes its files.
-fn tell<B: Bodies>(
+fn tell<B: RobotBackend>(
     arguments: &Arguments,
     world: &World,
     trial: &Trial<B>,

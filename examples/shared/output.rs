@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use envgen::located::Locate;
 use envgen::whole_file::{self, WholeFile, commit_all};
-use mapping_trial::body::Bodies;
+use mapping_trial::backend::RobotBackend;
 use mapping_trial::picture::Picture;
 use mapping_trial::score::Scores;
 use mapping_trial::trial::{Trial, TrialReport};
-use mapping_trial::truth::Truth;
+use mapping_trial::truth::MappableArea;
 
 /// The folder to write into, made if need be. Said before the trial runs, so that none is lost.
 pub(crate) fn folder(path: &Path) -> Result<&Path, Box<dyn Error>> {
@@ -31,20 +31,20 @@ pub(crate) const FILES: [&str; 7] = [
 ];
 
 /// Writes all [`FILES`], or none where one cannot be written.
-pub(crate) fn write<B: Bodies>(
+pub(crate) fn write<B: RobotBackend>(
     folder: &Path,
     trial: &Trial<B>,
-    truth: &Truth,
+    truth: &MappableArea,
     report: &TrialReport,
 ) -> Result<Vec<PathBuf>, Box<dyn Error>> {
-    let slam = trial.brain().slam();
+    let slam = trial.autonomy().slam();
     let map = slam.map();
     let area = map.bounds().map_or(truth.frame().area(), |seen| seen.union(truth.frame().area()));
     let notes = notes(report);
     let picture = |mut picture: Picture, of: &str, truly: bool, estimated: bool| {
         for robot in 0..trial.robots() {
             if truly {
-                picture.draw_true_path(&trial.track(robot).poses);
+                picture.draw_true_path(&trial.trajectory(robot).poses);
             }
             if estimated {
                 picture.draw_estimated_path(&slam.trajectory(robot));

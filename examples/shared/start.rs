@@ -5,7 +5,7 @@ use std::error::Error;
 use envgen::World;
 use envgen::geometry::Pose;
 use envgen::occupancy::{Coverage, OccupancyGrid};
-use envgen::placement::roomiest_place;
+use envgen::placement::max_clearance_point;
 use mapping_trial::trial::TrialSettings;
 
 /// Cells in metres of the grid on which the roomiest place is looked for.
@@ -21,6 +21,6 @@ pub(crate) fn with_start(
         return Ok(settings);
     }
     let grid = OccupancyGrid::of(world, GRID, Coverage::Conservative)?;
-    let place = roomiest_place(&grid).ok_or("the world has no free space to start in")?;
+    let place = max_clearance_point(&grid).ok_or("the world has no free space to start in")?;
     Ok(TrialSettings { start: Some(Pose { position: place, heading: 0.0 }), ..settings })
 }

@@ -11,7 +11,7 @@ use envgen::{Seed, World, WorldSpec, import};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
 use mapping_trial::odometry::OdometryProfile;
-use mapping_trial::operator::OperatorKind;
+use mapping_trial::policy::PolicyKind;
 use mapping_trial::robot::Robot;
 use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::TrialSettings;
@@ -42,8 +42,8 @@ pub(crate) struct Arguments {
     robots: u32,
 
     /// Watch a program drive: nearest, info_gain, cautious, wall_follow or corridors.
-    #[arg(long, value_parser = OperatorKind::named)]
-    pub(crate) operator: Option<OperatorKind>,
+    #[arg(long, value_parser = PolicyKind::named)]
+    pub(crate) operator: Option<PolicyKind>,
 
     /// How poses and map are estimated: scan_to_map, pose_graph or dead_reckoning.
     #[arg(long, default_value = "scan_to_map", value_parser = SlamKind::named)]

@@ -6,8 +6,8 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future};
 use bevy_envgen::trial::{replay_headless, run_headless};
 use envgen::World;
 use mapping_trial::score::Scores;
-use mapping_trial::trial::{Track, TrialLog, TrialSettings};
-use mapping_trial::truth::Truth;
+use mapping_trial::trial::{Trajectory, TrialLog, TrialSettings};
+use mapping_trial::truth::MappableArea;
 
 /// A comparison that runs, or has been made.
 pub(crate) enum Comparison {
@@ -30,7 +30,7 @@ pub(crate) struct Compared {
 /// A session: what was commanded, and where the robots went.
 pub(crate) struct SessionRun {
     pub(crate) log: TrialLog,
-    pub(crate) tracks: Vec<Track>,
+    pub(crate) tracks: Vec<Trajectory>,
 }
 
 impl Comparison {
@@ -38,7 +38,7 @@ impl Comparison {
     pub(crate) fn begin(
         session: SessionRun,
         world: Arc<World>,
-        truth: Arc<Truth>,
+        truth: Arc<MappableArea>,
         (name, program): (&'static str, TrialSettings),
     ) -> Self {
         Comparison::Running(AsyncComputeTaskPool::get().spawn(async move {
@@ -46,7 +46,7 @@ impl Comparison {
             let again =
                 replay_headless(&world, session.log, |_| ()).map_err(|error| text(&error))?;
             let mut tracks = session.tracks.iter().enumerate();
-            let same = tracks.all(|(robot, track)| again.track(robot) == track);
+            let same = tracks.all(|(robot, track)| again.trajectory(robot) == track);
             let replayed = again.score(&truth).map_err(|error| text(&error))?;
             let trial = run_headless(&world, program, |_| ()).map_err(|error| text(&error))?;
             let program = trial.score(&truth).map_err(|error| text(&error))?;

@@ -7,7 +7,7 @@ use bevy_envgen::ui::bevy_egui::EguiInput;
 use bevy_envgen::ui::bevy_egui::input::EguiWantsInput;
 use bevy_envgen::ui::{TrialAction, command_of, egui};
 use bevy_envgen::view::{FollowRobot, TrialView};
-use mapping_trial::body::Command;
+use mapping_trial::backend::Command;
 
 use crate::session::{Phase, Session};
 
@@ -23,7 +23,7 @@ pub(crate) fn steer(
     keys: Res<ButtonInput<KeyCode>>,
     pads: Query<&Gamepad>,
     panels: Res<EguiWantsInput>,
-    mut hands: Query<&mut Hands>,
+    mut hands: Query<&mut ManualControl>,
 ) {
     let Ok(mut hands) = hands.get_mut(session.world) else { return };
     let command = if session.phase != Phase::Running || panels.wants_any_keyboard_input() {
@@ -34,7 +34,7 @@ pub(crate) fn steer(
     // Those that are left stand still.
     let robots = session.setup.settings.robots as usize;
     let command_of = |robot| if robot == session.driven { command } else { Command::STOP };
-    hands.set_if_neq(Hands { commands: (0..robots).map(command_of).collect() });
+    hands.set_if_neq(ManualControl { commands: (0..robots).map(command_of).collect() });
 }
 
 /// Keys that do something once.

@@ -8,7 +8,7 @@ use bevy_envgen::ui::{SpecAction, TrialStatus, comparison, egui, scores};
 use bevy_envgen::view::TrialView;
 use egui::{Align2, ComboBox, Panel, RichText, ScrollArea, Ui, UiBuilder};
 use mapping_trial::names::Named;
-use mapping_trial::operator::OperatorKind;
+use mapping_trial::policy::PolicyKind;
 
 use crate::cameras;
 use crate::compare::Comparison;
@@ -151,7 +151,7 @@ fn done(ui: &mut Ui, session: &mut Session, trial: &MappingTrial, truth: &Ground
     ui.horizontal(|ui| {
         let shown = session.rival.name().unwrap_or_default();
         ComboBox::from_id_salt("rival").selected_text(shown).show_ui(ui, |ui| {
-            for (name, kind) in OperatorKind::NAMES {
+            for (name, kind) in PolicyKind::NAMES {
                 ui.selectable_value(&mut session.rival, *kind, *name);
             }
         });

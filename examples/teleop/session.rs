@@ -9,12 +9,12 @@ use bevy_envgen::prelude::*;
 use bevy_envgen::ui::{FeedbackForm, SetupForm, SpecForm, TrialAction};
 use bevy_envgen::view::TrialView;
 use envgen::located::Locate;
-use envgen::{Kind, Seed, WorldSpec, whole_file};
+use envgen::{Seed, WorldKind, WorldSpec, whole_file};
 use mapping_trial::feedback::Feedback;
 use mapping_trial::names::Named;
-use mapping_trial::operator::OperatorKind;
+use mapping_trial::policy::PolicyKind;
 use mapping_trial::trial::{TrialReport, TrialSettings};
-use mapping_trial::truth::Truth;
+use mapping_trial::truth::MappableArea;
 
 use crate::arguments::{Arguments, Beginning};
 use crate::compare::{Comparison, SessionRun};
@@ -55,8 +55,8 @@ pub(crate) struct Session {
     pub(crate) form: Option<FeedbackForm>,
     pub(crate) report: Option<TrialReport>,
     /// What the last trial was measured against.
-    truth: Option<Arc<Truth>>,
-    pub(crate) rival: OperatorKind,
+    truth: Option<Arc<MappableArea>>,
+    pub(crate) rival: PolicyKind,
     pub(crate) comparison: Option<Comparison>,
     /// What happened last, in a line.
     pub(crate) message: String,
@@ -85,9 +85,10 @@ impl Session {
         let from_file = matches!(beginning, Beginning::World(_));
         let (spec, environment) = match beginning {
             Beginning::Spec(spec) => (SpecForm::new(&spec, seed), Environment::new(*spec, seed.0)),
-            Beginning::World(given) => {
-                (SpecForm::new(&Kind::Indoor.default_spec(), seed), Environment::from_world(given))
-            }
+            Beginning::World(given) => (
+                SpecForm::new(&WorldKind::Indoor.default_spec(), seed),
+                Environment::prebuilt(given),
+            ),
         };
         let training = arguments.training;
         let view = TrialView { truth: training, ..default() };
@@ -102,7 +103,7 @@ impl Session {
             form: None,
             report: None,
             truth: None,
-            rival: OperatorKind::Nearest,
+            rival: PolicyKind::Nearest,
             comparison: None,
             message: String::new(),
             out: arguments.out.clone(),
@@ -145,9 +146,9 @@ impl Session {
                 let view = TrialView { truth: self.setup.training, ..default() };
                 let mut world = commands.entity(self.world);
                 if settings.operator.is_none() {
-                    world.insert(Hands::default());
+                    world.insert(ManualControl::default());
                 } else {
-                    world.remove::<Hands>();
+                    world.remove::<ManualControl>();
                 }
                 world.insert((MappingTrial::new(settings), view));
             }
@@ -276,7 +277,7 @@ impl Session {
         let name = self.rival.name().unwrap_or("program");
         let run = SessionRun {
             log: trial.log(),
-            tracks: (0..trial.robots()).map(|robot| trial.track(robot).clone()).collect(),
+            tracks: (0..trial.robots()).map(|robot| trial.trajectory(robot).clone()).collect(),
         };
         let (world, truth) = (Arc::clone(&world.0), Arc::clone(truth));
         self.comparison = Some(Comparison::begin(run, world, truth, (name, program)));

@@ -38,7 +38,7 @@ fn impossible_specs_are_events() {
         ("Indoor(difficulty: 11.0)", "difficulty"),
     ] {
         let spec = WorldSpec::from_ron(text).unwrap();
-        for pace in [Pace::InPlace, Pace::Async, Pace::Auto] {
+        for pace in [GenerationMode::Blocking, GenerationMode::Async, GenerationMode::Auto] {
             let environment = Environment::new(spec.clone(), 1).with_pace(pace);
             let error = spawn_ready(&mut app, environment).unwrap_err();
             assert!(error.to_string().contains(says), "{text}: {error}");
@@ -65,7 +65,7 @@ fn a_world_that_stands_survives_an_impossible_change() {
 #[test]
 fn two_environments_on_one_entity_leave_the_last() {
     let mut app = test_app();
-    for pace in [Pace::InPlace, Pace::Async] {
+    for pace in [GenerationMode::Blocking, GenerationMode::Async] {
         let slow = ForestSpec { width: 300.0, height: 300.0, ..default() };
         let slow = Environment::new(slow, 1).with_pace(pace);
         let root = app.world_mut().spawn(slow.clone()).id();
@@ -105,7 +105,8 @@ fn despawns_at_any_moment_leave_nothing() {
     let mut app = test_app();
     for frames in 0..6 {
         let spec = ForestSpec { width: 200.0, height: 200.0, ..default() };
-        let root = app.world_mut().spawn(Environment::new(spec, 1).with_pace(Pace::Async)).id();
+        let root =
+            app.world_mut().spawn(Environment::new(spec, 1).with_pace(GenerationMode::Async)).id();
         step(&mut app, frames);
         app.world_mut().despawn(root);
         step(&mut app, 30);
@@ -216,7 +217,7 @@ fn streams_that_cannot_be_are_named() {
     let world = WorldSpec::from(world).generate(Seed(1)).unwrap().to_world();
     for (environment, stream, says) in [
         (hallway().endless(10.0), Some(around), "hallway cannot be endless"),
-        (Environment::from_world(world).endless(10.0), Some(around), "exists already"),
+        (Environment::prebuilt(world).endless(10.0), Some(around), "exists already"),
         (forest().endless(10.0), None, "StreamAround"),
         (forest().endless(0.0), Some(around), "tile"),
         (forest().endless(f64::NAN), Some(around), "tile"),
@@ -264,13 +265,13 @@ fn broken_worlds_and_worlds_of_too_many_parts_are_refused() {
     let sound = WorldSpec::from(HallwaySpec::default()).generate(Seed(1)).unwrap().to_world();
     let mut broken = sound.clone();
     broken.bounds.max.x = f64::NAN;
-    let error = spawn_ready(&mut app, Environment::from_world(broken)).unwrap_err();
+    let error = spawn_ready(&mut app, Environment::prebuilt(broken)).unwrap_err();
     assert!(error.to_string().contains("bounds"), "{error}");
     let mut crowded = sound;
     let tree = bevy_envgen::envgen::world::Tree { center: crowded.bounds.center(), radius: 0.1 };
     (crowded.start, crowded.goal) = (None, None);
     crowded.trees = vec![tree; MAX_PARTS];
-    let error = spawn_ready(&mut app, Environment::from_world(crowded)).unwrap_err();
+    let error = spawn_ready(&mut app, Environment::prebuilt(crowded)).unwrap_err();
     assert!(matches!(error, EnvironmentError::TooMany { .. }), "{error}");
     assert_eq!(spawned(&mut app), 0);
     goes_on(&mut app);

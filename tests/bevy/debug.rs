@@ -34,7 +34,7 @@ fn app(ticks: usize) -> (App, Entity) {
     for _ in 0..ticks {
         trial.step();
     }
-    let environment = Environment::from_world(world);
+    let environment = Environment::prebuilt(world);
     let root = app.world_mut().spawn((environment, Flat(Some(trial)))).id();
     wait_until_ready(&mut app, root).unwrap();
     (app, root)
@@ -114,15 +114,15 @@ fn rays_frontiers_and_plans_are_those_of_the_trial() {
     let plan = lines(&mut app, DebugLayers { plan: true, ..default() }).1;
     let holder = app.world().get::<Flat>(root).unwrap();
     let trial = holder.0.as_ref().unwrap();
-    let brain = trial.brain();
-    let echoes = brain.scan(0).ranges.iter().filter(|range| range.is_finite());
+    let autonomy = trial.autonomy();
+    let echoes = autonomy.scan(0).ranges.iter().filter(|range| range.is_finite());
     assert_eq!(rays.len(), 2 * echoes.count());
-    let at = brain.slam().estimate(0).pose.position.as_vec2();
+    let at = autonomy.slam().estimate(0).pose.position.as_vec2();
     assert!(rays.chunks(2).all(|ray| (ray[0].distance(at) - 0.21).abs() < 1e-3));
 
     // Each cell is a cross of two lines, its middle free with something unknown beside it.
     assert!(frontiers.len() >= 40 && frontiers.len().is_multiple_of(4));
-    let map = brain.slam().map();
+    let map = autonomy.slam().map();
     for cross in frontiers.chunks(4) {
         let middle = (cross[0] + cross[1]) * 0.5;
         let cell = mapping_trial::map::CellIndex::of(middle.as_dvec2());
@@ -134,7 +134,7 @@ fn rays_frontiers_and_plans_are_those_of_the_trial() {
         assert!(beside.contains(&Cell::Unknown));
     }
 
-    let path = brain.operator().unwrap().path(0);
+    let path = autonomy.policy().unwrap().path(0);
     assert!(path.len() >= 2);
     assert!(path.iter().all(|p| plan.iter().any(|q| q.distance(p.as_vec2()) < 1e-3)));
 }
@@ -145,7 +145,7 @@ fn without_bevys_plugin_for_gizmos_nothing_is_drawn() {
     app.insert_resource(DebugLayers::ALL).debug_trials::<Flat>();
     let world = IndoorSpec::default().generate(Seed(4)).unwrap().to_world();
     let trial = Trial::flat(&world, TrialSettings::default()).unwrap();
-    let environment = Environment::from_world(world);
+    let environment = Environment::prebuilt(world);
     let root = app.world_mut().spawn((environment, Flat(Some(trial)))).id();
     wait_until_ready(&mut app, root).unwrap();
     step(&mut app, 5);
@@ -172,7 +172,8 @@ const MADE_AGAIN: &[&str] = &[
 ];
 
 /// Components of the numbers of other crates, which do not reflect.
-const CLOSED: &[&str] = &["bevy_envgen::robot::model::RobotModel", "bevy_envgen::trial::Hands"];
+const CLOSED: &[&str] =
+    &["bevy_envgen::robot::model::RobotModel", "bevy_envgen::trial::ManualControl"];
 
 #[test]
 fn inspectors_know_every_component_and_resource() {

@@ -95,7 +95,7 @@ fn a_closed_door_is_solid_also_where_doors_do_not_move() {
     for moving in [true, false] {
         let mut app = test_app();
         let settings = ColliderSettings { doors: moving, ..default() };
-        let environment = Environment::from_world(world.clone());
+        let environment = Environment::prebuilt(world.clone());
         let root = app.world_mut().spawn((environment, EnvironmentColliders(settings))).id();
         wait_until_ready(&mut app, root).unwrap();
         step(&mut app, 2);
@@ -121,7 +121,7 @@ fn schedules_that_cannot_be_followed_move_no_door() {
         let error = schedule.validate().unwrap_err();
         assert_eq!(error.field, field, "{schedule:?}");
         let mut app = test_app();
-        let environment = Environment::from_world(IndoorSpec::default().generate_world(4));
+        let environment = Environment::prebuilt(IndoorSpec::default().generate_world(4));
         let root = app.world_mut().spawn((environment, schedule)).id();
         wait_until_ready(&mut app, root).unwrap();
         let openness = |app: &mut App| {
@@ -146,7 +146,7 @@ fn schedules_follow_from_the_seed() {
         let mut app = test_app();
         let schedule = DoorSchedule { mean_wait: 2.0, slam: 0.5 };
         let world = IndoorSpec::default().generate_world(4);
-        let mut environment = Environment::from_world(world);
+        let mut environment = Environment::prebuilt(world);
         environment.seed = seed;
         let root = app.world_mut().spawn((environment, schedule)).id();
         wait_until_ready(&mut app, root).unwrap();

@@ -20,7 +20,7 @@ mod worlds;
 use bevy::prelude::*;
 use bevy_envgen::Tile;
 use bevy_envgen::bevy_rapier2d::prelude::{RapierContextColliders, RapierRigidBodySet};
-use bevy_envgen::envgen::{Kind, WorldSpec};
+use bevy_envgen::envgen::{WorldKind, WorldSpec};
 use bevy_envgen::prelude::*;
 
 /// A spec of every kind, of a size that is spawned in an instant, with doors, rooms, surfaces and
@@ -48,7 +48,7 @@ fn specs() -> Vec<WorldSpec> {
     settings
         .iter()
         .map(|(kind, settings)| {
-            let mut spec = kind.parse::<Kind>().unwrap().default_spec();
+            let mut spec = kind.parse::<WorldKind>().unwrap().default_spec();
             for (name, value) in *settings {
                 spec.set(name, value).unwrap();
             }

@@ -9,7 +9,7 @@ use bevy_envgen::testing::{spawn_ready, step, test_app, test_app_with};
 use bevy_envgen::{EnvironmentError, Tile};
 
 fn hallway() -> Environment {
-    Environment::new(HallwaySpec::default(), 1).with_pace(Pace::InPlace)
+    Environment::new(HallwaySpec::default(), 1).with_pace(GenerationMode::Blocking)
 }
 
 fn walls(app: &mut App) -> usize {

@@ -9,7 +9,7 @@ use bevy_envgen::envgen::hallway::HallwaySpec;
 use bevy_envgen::envgen::raycast::Raycaster;
 use bevy_envgen::envgen::world::Wall as EnvgenWall;
 use bevy_envgen::envgen::{Blueprint, Seed, Spec, World as EnvgenWorld};
-use bevy_envgen::physics::Merge;
+use bevy_envgen::physics::ColliderMerging;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{spawn_ready, step, test_app, truth, wait_until_ready};
 
@@ -65,9 +65,9 @@ fn a_rapier_ray_and_an_exact_ray_agree_within_a_millimetre() {
     const RAYS: usize = 4000;
     for spec in specs() {
         for (merge, solids) in [
-            (Merge::Never, Solids::Entities),
-            (Merge::Always, Solids::Entities),
-            (Merge::Never, Solids::Data),
+            (ColliderMerging::Never, SolidStorage::Entities),
+            (ColliderMerging::Always, SolidStorage::Entities),
+            (ColliderMerging::Never, SolidStorage::TileData),
         ] {
             let mut app = test_app();
             let settings = ColliderSettings { merge, ..default() };
@@ -125,7 +125,7 @@ fn rays_agree_in_an_environment_that_was_moved_and_turned() {
 }
 
 /// Throws a body at every wall from where it is free, and returns those that got through.
-fn throw(spec: &HallwaySpec, merge: Merge) -> usize {
+fn throw(spec: &HallwaySpec, merge: ColliderMerging) -> usize {
     const SPEED: f32 = 10.0;
     const RADIUS: f64 = 0.15;
     let world = spec.generate(Seed(3)).unwrap().to_world();
@@ -133,12 +133,12 @@ fn throw(spec: &HallwaySpec, merge: Merge) -> usize {
     let root = app
         .world_mut()
         .spawn((
-            Environment::from_world(world.clone()),
+            Environment::prebuilt(world.clone()),
             EnvironmentColliders(ColliderSettings { merge, ..default() }),
         ))
         .id();
     wait_until_ready(&mut app, root).unwrap();
-    // Bodies do not meet each other, so that every wall is tried at once.
+    // RobotBackend do not meet each other, so that every wall is tried at once.
     let groups = CollisionGroups::new(Group::GROUP_1, !Group::GROUP_1);
     let mut thrown = Vec::new();
     for EnvgenWall { shape, .. } in &world.walls {
@@ -189,7 +189,7 @@ fn a_body_at_ten_metres_a_second_never_gets_through_a_wall() {
     let plain = HallwaySpec { segments: 30, p_st: 0.3, ..default() };
     let thin = HallwaySpec { wall: 0.02, ..plain.clone() };
     for spec in [plain, thin] {
-        for merge in [Merge::Never, Merge::Always] {
+        for merge in [ColliderMerging::Never, ColliderMerging::Always] {
             assert_eq!(throw(&spec, merge), 0, "{merge:?} {spec:?}");
         }
     }
@@ -221,14 +221,14 @@ fn colliders_are_merged_and_left_alone_as_asked() {
         world
     };
     for (merge, count, merged) in [
-        (Merge::default(), 1000, false),
-        (Merge::default(), 1001, true),
-        (Merge::Always, 10, true),
-        (Merge::Never, 1200, false),
+        (ColliderMerging::default(), 1000, false),
+        (ColliderMerging::default(), 1001, true),
+        (ColliderMerging::Always, 10, true),
+        (ColliderMerging::Never, 1200, false),
     ] {
         let mut app = test_app();
         let colliders = EnvironmentColliders(ColliderSettings { merge, ..default() });
-        let root = app.world_mut().spawn((Environment::from_world(trees(count)), colliders)).id();
+        let root = app.world_mut().spawn((Environment::prebuilt(trees(count)), colliders)).id();
         wait_until_ready(&mut app, root).unwrap();
         step(&mut app, 1);
         let (colliders, bodies) = in_rapier(&mut app);

@@ -74,7 +74,7 @@ fn check_seen(app: &mut App) {
 
 #[test]
 fn players_are_spawned_at_the_starts_of_their_own_worlds() {
-    for pace in [Pace::InPlace, Pace::Async] {
+    for pace in [GenerationMode::Blocking, GenerationMode::Async] {
         let mut app = user_app();
         let mut asked = Vec::new();
         for (i, spec) in specs().into_iter().enumerate() {
@@ -84,11 +84,11 @@ fn players_are_spawned_at_the_starts_of_their_own_worlds() {
             let root = app.world_mut().spawn((environment, at, ChildOf(above))).id();
             asked.push((root, above, at, origin));
         }
-        if pace == Pace::InPlace {
+        if pace == GenerationMode::Blocking {
             app.update();
         }
         for &(root, ..) in &asked {
-            if pace == Pace::Async {
+            if pace == GenerationMode::Async {
                 wait_until_ready(&mut app, root).unwrap();
             }
             assert_eq!(app.world().get(root), Some(&EnvironmentState::Ready));
@@ -154,7 +154,7 @@ fn a_world_that_is_moved_while_it_is_streamed_is_right_when_it_is_ready() {
     app.insert_resource(StreamingBudget::Parts(1));
     let anchor = app.world_mut().spawn(Transform::default()).id();
     let spec = ForestSpec { width: 60.0, height: 60.0, intensity: 0.2, ..default() };
-    let environment = Environment::new(spec, 2).with_pace(Pace::InPlace);
+    let environment = Environment::new(spec, 2).with_pace(GenerationMode::Blocking);
     let root = app.world_mut().spawn((environment, StreamAround::new(anchor, 100.0))).id();
     for frame in 0..200 {
         // With the anchor, so that its window stays.
@@ -210,7 +210,7 @@ fn landmarks_follow_their_environment_and_their_parts() {
     // Another world has others; none, none.
     let mut world = app.world().get::<GroundTruth>(root).unwrap().as_ref().clone();
     (world.start, world.goal) = (None, None);
-    app.world_mut().entity_mut(root).insert(Environment::from_world(world));
+    app.world_mut().entity_mut(root).insert(Environment::prebuilt(world));
     wait_until_ready(&mut app, root).unwrap();
     assert_eq!(app.world().get(root), Some(&EnvironmentLandmarks::default()));
 }
@@ -224,7 +224,7 @@ fn a_failure_stays_until_the_world_is_ready() {
     step(&mut app, 3);
     assert_eq!(app.world().get(root), Some(&EnvironmentFailure(error.clone())));
     // While the next one is made it is still why there is none.
-    let slow = Environment::new(HallwaySpec::default(), 1).with_pace(Pace::Async);
+    let slow = Environment::new(HallwaySpec::default(), 1).with_pace(GenerationMode::Async);
     app.world_mut().entity_mut(root).insert(slow);
     app.update();
     if app.world().get(root) == Some(&EnvironmentState::Generating) {
@@ -316,7 +316,7 @@ fn diagnostics_count_and_time() {
     assert_eq!(value(&app, &EnvgenDiagnosticsPlugin::STREAMING_TIME), None);
 
     let mut parts = 0.0;
-    for solids in [Solids::Entities, Solids::Data] {
+    for solids in [SolidStorage::Entities, SolidStorage::TileData] {
         let environment = Environment::new(ForestSpec::default(), 1).with_solids(solids);
         let root = spawn_ready(&mut app, environment).unwrap();
         parts += app.world().get::<EnvironmentStats>(root).unwrap().parts.unwrap() as f64;

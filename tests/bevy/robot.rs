@@ -29,7 +29,7 @@ fn room(width: f64, height: f64) -> EnvWorld {
 /// An app of 64 steps a second with robots, in a world.
 fn app(world: EnvWorld) -> App {
     let mut app = test_app_with((EnvgenPlugins::default(), RobotPlugin::default()));
-    spawn_ready(&mut app, Environment::from_world(Arc::new(world))).unwrap();
+    spawn_ready(&mut app, Environment::prebuilt(Arc::new(world))).unwrap();
     app
 }
 
@@ -145,7 +145,7 @@ fn water_drowns_and_deep_ground_stops() {
     let mut app = app(world);
     let robot = robot(&mut app, 8.0, 5.0);
     drive(&mut app, robot, 0.5, 0.0, 30.0);
-    assert_eq!(app.world().get(robot), Some(&RobotCondition::Able));
+    assert_eq!(app.world().get(robot), Some(&RobotCondition::Operational));
     assert!((13.9..=14.0).contains(&position(&app, robot).x), "{}", position(&app, robot));
     drive(&mut app, robot, -0.5, 0.0, 40.0);
     assert_eq!(app.world().get(robot), Some(&RobotCondition::Drowned));
@@ -202,7 +202,7 @@ fn robots_pass_gaps_of_their_own_size_and_refuse_narrower_ones() {
         let model = Robot {
             length: 2.0 * radius,
             width: 2.0 * radius,
-            swing_radius: radius,
+            circumscribed_radius: radius,
             footprint: Footprint::Disc,
             laser_offset: 0.0,
             ..Robot::default()

@@ -49,7 +49,9 @@ fn travel(app: &mut App, anchor: Entity, way: &[Vec2]) {
 
 #[test]
 fn an_endless_forest_stands_around_its_anchor() {
-    for (min_distance, pace) in [(0.0, Pace::InPlace), (1.5, Pace::Auto), (1.5, Pace::Async)] {
+    for (min_distance, pace) in
+        [(0.0, GenerationMode::Blocking), (1.5, GenerationMode::Auto), (1.5, GenerationMode::Async)]
+    {
         let mut app = test_app();
         let at = Vec2::new(1003.0, -517.0);
         let environment = endless(min_distance).with_pace(pace);
@@ -101,9 +103,9 @@ fn what_stands_does_not_depend_on_the_way_travelled() {
         let mut found = Vec::new();
         for way in [&zigzag[..], &jump, &[]] {
             for (budget, solids) in [
-                (StreamingBudget::Parts(150), Solids::Entities),
-                (StreamingBudget::Parts(150), Solids::Data),
-                (StreamingBudget::default(), Solids::Entities),
+                (StreamingBudget::Parts(150), SolidStorage::Entities),
+                (StreamingBudget::Parts(150), SolidStorage::TileData),
+                (StreamingBudget::default(), SolidStorage::Entities),
             ] {
                 let mut app = test_app();
                 app.insert_resource(budget);
@@ -211,7 +213,8 @@ fn a_budget_of_parts_is_kept_and_the_same_in_every_run() {
         app.insert_resource(StreamingBudget::Parts(200));
         let spec =
             ForestSpec { width: 200.0, height: 200.0, intensity: 0.3, radius: 0.2, ..default() };
-        let environment = Environment::new(spec, 2).with_pace(Pace::InPlace).with_solids(solids);
+        let environment =
+            Environment::new(spec, 2).with_pace(GenerationMode::Blocking).with_solids(solids);
         let (root, anchor) = streamed(&mut app, environment, Vec2::splat(100.0), 60.0);
         let mut history = Vec::new();
         for frame in 0..150 {
@@ -227,9 +230,9 @@ fn a_budget_of_parts_is_kept_and_the_same_in_every_run() {
         }
         history
     };
-    let first = run(Solids::Entities);
-    assert_eq!(first, run(Solids::Entities));
-    assert_eq!(first, run(Solids::Data));
+    let first = run(SolidStorage::Entities);
+    assert_eq!(first, run(SolidStorage::Entities));
+    assert_eq!(first, run(SolidStorage::TileData));
     assert!(first.iter().any(|frame| frame.3 == 0) && first[0].3 > 0);
 }
 

@@ -4,17 +4,17 @@ use bevy::prelude::*;
 use bevy_envgen::envgen::hallway::HallwaySpec;
 use bevy_envgen::envgen::indoor::IndoorSpec;
 use bevy_envgen::envgen::{Blueprint, Seed, Spec, World as EnvWorld};
-use bevy_envgen::mapping_trial::body::Bodies;
-use bevy_envgen::mapping_trial::body::Command;
+use bevy_envgen::mapping_trial::backend::Command;
+use bevy_envgen::mapping_trial::backend::RobotBackend;
 use bevy_envgen::mapping_trial::lidar::{LaserSensor, NO_ECHO, Scan};
 use bevy_envgen::mapping_trial::odometry::{Increment, WheelSensor};
-use bevy_envgen::mapping_trial::operator::{Decision, Operator, View};
+use bevy_envgen::mapping_trial::policy::{Decision, ExplorationPolicy, PolicyInput};
 use bevy_envgen::mapping_trial::slam::DeadReckoning;
 use bevy_envgen::mapping_trial::trial::{EndReason, Trial, TrialLog, TrialParts, TrialSettings};
-use bevy_envgen::mapping_trial::truth::Truth;
+use bevy_envgen::mapping_trial::truth::MappableArea;
 use bevy_envgen::prelude::*;
 use bevy_envgen::trial::{
-    MappingTrialError, RapierBodies, replay_headless, run_headless, run_headless_with,
+    MappingTrialError, RapierRobots, replay_headless, run_headless, run_headless_with,
 };
 
 fn hallway() -> EnvWorld {
@@ -25,11 +25,11 @@ fn short(time_limit: f64) -> TrialSettings {
     TrialSettings { time_limit, ..TrialSettings::default() }
 }
 
-fn state(trial: &Trial<RapierBodies>) -> impl PartialEq + std::fmt::Debug + use<> {
+fn state(trial: &Trial<RapierRobots>) -> impl PartialEq + std::fmt::Debug + use<> {
     let tracks: Vec<_> = (0..trial.robots())
         .map(|robot| {
-            let estimated = trial.brain().slam().trajectory(robot);
-            (trial.track(robot).clone(), trial.end_of(robot), estimated)
+            let estimated = trial.autonomy().slam().trajectory(robot);
+            (trial.trajectory(robot).clone(), trial.end_of(robot), estimated)
         })
         .collect();
     (tracks, trial.time())
@@ -40,7 +40,11 @@ fn a_trial_runs_again_from_its_log_to_the_bit() {
     let world = hallway();
     for settings in [short(40.0), TrialSettings { robots: 2, ..short(20.0) }] {
         let trial = run_headless(&world, settings.clone(), |_| ()).unwrap();
-        assert!(trial.is_over() && trial.track(0).metres > 2.0, "{}", trial.track(0).metres);
+        assert!(
+            trial.is_over() && trial.trajectory(0).distance > 2.0,
+            "{}",
+            trial.trajectory(0).distance
+        );
         let log = trial.log();
         let twice = run_headless(&world, settings, |_| ()).unwrap();
         assert_eq!(twice.log().digest(), log.digest());
@@ -85,7 +89,7 @@ fn listen(app: &mut App) {
 }
 
 fn environment() -> Environment {
-    Environment::from_world(hallway()).with_pace(Pace::InPlace)
+    Environment::prebuilt(hallway()).with_pace(GenerationMode::Blocking)
 }
 
 fn robots(app: &mut App) -> usize {
@@ -101,13 +105,15 @@ fn a_person_drives_and_stops_and_nothing_is_left() {
     let before = super::in_rapier(&mut app);
     let commands = vec![Command { speed: 0.4, turn_rate: 0.0 }];
     let settings = TrialSettings { operator: None, ..short(60.0) };
-    app.world_mut().entity_mut(root).insert((MappingTrial::new(settings), Hands { commands }));
+    app.world_mut()
+        .entity_mut(root)
+        .insert((MappingTrial::new(settings), ManualControl { commands }));
     bevy_envgen::testing::step(&mut app, 60);
     assert_eq!((robots(&mut app), app.world().resource::<Told>().0.len()), (1, 1));
     assert_eq!(super::in_rapier(&mut app), (before.0 + 1, before.1 + 1));
     let trial = |app: &App| -> (f64, bool) {
         let trial = app.world().get::<MappingTrial>(root).unwrap();
-        (trial.trial().unwrap().track(0).metres, trial.is_over())
+        (trial.trial().unwrap().trajectory(0).distance, trial.is_over())
     };
     assert!(trial(&app).0 > 0.5 && !trial(&app).1, "{:?}", trial(&app));
     app.world_mut().get_mut::<MappingTrial>(root).unwrap().stop();
@@ -118,9 +124,9 @@ fn a_person_drives_and_stops_and_nothing_is_left() {
 
     // What a person did replays, too.
     let log = ended.trial().unwrap().log();
-    let track = ended.trial().unwrap().track(0).clone();
+    let track = ended.trial().unwrap().trajectory(0).clone();
     let again = replay_headless(&hallway(), log, |_| ()).unwrap();
-    assert_eq!(again.track(0), &track);
+    assert_eq!(again.trajectory(0), &track);
 
     app.world_mut().entity_mut(root).remove::<MappingTrial>();
     bevy_envgen::testing::step(&mut app, 3);
@@ -177,10 +183,10 @@ fn frames_of_any_length_give_the_same_trial() {
     for frames in [7.0, 20.0, 190.0] {
         let mut app = app_with_frames(20.0, frames);
         app.insert_resource(ColliderSettings::for_trials());
-        let environment = Environment::from_world(world.clone()).with_pace(Pace::InPlace);
+        let environment = Environment::prebuilt(world.clone()).with_pace(GenerationMode::Blocking);
         let root = app.world_mut().spawn(environment).id();
         bevy_envgen::testing::step(&mut app, 5);
-        let mut hands = Hands::default();
+        let mut hands = ManualControl::default();
         let trial = MappingTrial::new(settings.clone());
         app.world_mut().entity_mut(root).insert((trial, hands.clone()));
         // Into walls and each other, along them and back.
@@ -193,16 +199,19 @@ fn frames_of_any_length_give_the_same_trial() {
         let mut held = app.world_mut().get_mut::<MappingTrial>(root).unwrap();
         held.stop();
         let trial = held.trial().unwrap();
-        let track = trial.track(0);
+        let track = trial.trajectory(0);
         assert!(
             track.poses.iter().take(9).all(|pose| pose.position.distance(start.position) < 0.1),
             "{start:?}"
         );
-        assert!((1.0..14.0).contains(&track.metres), "{}", track.metres);
+        assert!((1.0..14.0).contains(&track.distance), "{}", track.distance);
         assert!(trial.bodies().hits(0) > 0);
         let again = replay_headless(&world, trial.log(), |_| ()).unwrap();
         let robots = || 0..trial.robots();
-        assert!(robots().all(|robot| again.track(robot) == trial.track(robot)), "{frames} frames");
+        assert!(
+            robots().all(|robot| again.trajectory(robot) == trial.trajectory(robot)),
+            "{frames} frames"
+        );
     }
 }
 
@@ -216,22 +225,24 @@ fn another_trial_in_the_same_app_is_as_good_as_the_first() {
     let commands = vec![Command { speed: 0.6, turn_rate: 0.4 }; 3];
     for _ in 0..3 {
         let trial = MappingTrial::new(settings.clone());
-        app.world_mut().entity_mut(root).insert((trial, Hands { commands: commands.clone() }));
+        app.world_mut()
+            .entity_mut(root)
+            .insert((trial, ManualControl { commands: commands.clone() }));
         bevy_envgen::testing::step(&mut app, 300);
         let trial = app.world().get::<MappingTrial>(root).unwrap().trial().unwrap();
         assert!(trial.bodies().hits(0) > 0);
         let mut log = trial.log();
         log.ends.fill(None);
         let again = replay_headless(&hallway(), log, |_| ()).unwrap();
-        let ticks = again.track(0).poses.len();
+        let ticks = again.trajectory(0).poses.len();
         assert!(ticks > 290);
         for robot in 0..3 {
-            assert_eq!(again.track(robot).poses[..], trial.track(robot).poses[..ticks]);
+            assert_eq!(again.trajectory(robot).poses[..], trial.trajectory(robot).poses[..ticks]);
         }
     }
 }
 
-/// Bodies differ: rapier's is a box, the flat simulator's a disc. Stated for 20 maps: M and N differ by
+/// RobotBackend differ: rapier's is a box, the flat simulator's a disc. Stated for 20 maps: M and N differ by
 /// at most 0.3 in the mean, and on no map by more than 1.5.
 #[test]
 #[expect(clippy::print_stderr, reason = "the differences are what is asked for")]
@@ -262,7 +273,7 @@ fn difference(seed: u64) -> (f64, f64) {
     let spec = IndoorSpec { width: 4, height: 4, ..Default::default() };
     let world = spec.generate(Seed(seed)).unwrap().to_world();
     let settings = TrialSettings { seed: Seed(seed), ..short(400.0) };
-    let truth = Truth::new(&world, &settings.body).unwrap();
+    let truth = MappableArea::new(&world, &settings.body).unwrap();
     let mut flat = Trial::flat(&world, settings.clone()).unwrap();
     while flat.step() {}
     let flat = flat.score(&truth).unwrap();
@@ -291,8 +302,8 @@ fn where_another_world_failed_the_last_one_is_driven_in() {
 /// Drives ahead, asked every tick.
 struct Ahead;
 
-impl Operator for Ahead {
-    fn decide(&mut self, _: &View<'_>) -> Decision {
+impl ExplorationPolicy for Ahead {
+    fn decide(&mut self, _: &PolicyInput<'_>) -> Decision {
         Decision::Drive(Command { speed: 0.3, turn_rate: 0.0 })
     }
 
@@ -323,23 +334,23 @@ impl WheelSensor for Double {
 fn parts_of_ones_own_drive_robots_in_rapier() {
     let world = hallway();
     let parts =
-        TrialParts::default().operator(|_| Ahead).laser(|_, _| Blind).odometry(|_, _| Double).slam(
+        TrialParts::default().policy(|_| Ahead).laser(|_, _| Blind).odometry(|_, _| Double).slam(
             |setup| {
                 let TrialSettings { body, laser, .. } = setup.settings;
                 DeadReckoning::new(setup.starts, body, laser)
             },
         );
     let trial = run_headless_with(&world, short(4.0), parts, |_| ()).unwrap();
-    let driven = trial.track(0).metres;
+    let driven = trial.trajectory(0).distance;
     assert!((0.8..1.2).contains(&driven), "{driven}");
-    let estimated = trial.brain().slam().trajectory(0);
+    let estimated = trial.autonomy().slam().trajectory(0);
     let measured = estimated[0].position.distance(estimated[estimated.len() - 1].position);
     assert!((measured / driven - 2.0).abs() < 0.1, "{measured} of {driven}");
-    assert!(trial.brain().scan(0).ranges.iter().all(|range| *range == NO_ECHO));
+    assert!(trial.autonomy().scan(0).ranges.iter().all(|range| *range == NO_ECHO));
     let log = trial.log();
     assert_eq!((log.foreign.len(), log.engine.as_str()), (4, "rapier"));
     // The commands replay; built-in sensors take the place of those that only their author has.
     let again = replay_headless(&world, log, |_| ()).unwrap();
-    assert_eq!(again.track(0), trial.track(0));
-    assert!(again.brain().scan(0).ranges.iter().any(|range| range.is_finite()));
+    assert_eq!(again.trajectory(0), trial.trajectory(0));
+    assert!(again.autonomy().scan(0).ranges.iter().any(|range| range.is_finite()));
 }

@@ -26,7 +26,7 @@ use mapping_trial::trial::{Trial, TrialSettings};
 pub(super) struct Flat(pub(super) Option<Trial<FlatSimulator>>);
 
 impl WatchTrial for Flat {
-    type Bodies = FlatSimulator;
+    type RobotBackend = FlatSimulator;
 
     fn watched(&self) -> Option<&Trial<FlatSimulator>> {
         self.0.as_ref()
@@ -56,7 +56,7 @@ fn app() -> App {
 }
 
 fn watch(app: &mut App, world: &Arc<EnvgenWorld>, trial: Trial<FlatSimulator>) -> Entity {
-    let environment = Environment::from_world(world.clone());
+    let environment = Environment::prebuilt(world.clone());
     let root = app.world_mut().spawn((environment, Flat(Some(trial)))).id();
     wait_until_ready(app, root).unwrap();
     step(app, 2);
@@ -103,7 +103,7 @@ fn shown(pixel: &[u8], palette: &TrialPalette) -> Cell {
 fn compare(app: &mut App, root: Entity) -> usize {
     let mut sheets = app.world_mut().query::<(&Name, &Sprite, &Transform)>();
     let trial = app.world().get::<Flat>(root).unwrap().watched().unwrap();
-    let map = trial.brain().slam().map();
+    let map = trial.autonomy().slam().map();
     let palette = app.world().resource::<TrialPalette>();
     let images = app.world().resource::<Assets<Image>>();
     let mut known = 0;
@@ -187,7 +187,7 @@ fn only_what_changes_is_written() {
     // in the sheets around it.
     let revision = |app: &App| {
         let trial = app.world().get::<Flat>(root).unwrap().watched().unwrap();
-        trial.brain().slam().map().revision()
+        trial.autonomy().slam().map().revision()
     };
     let before = revision(&app);
     while revision(&app) == before {
@@ -205,7 +205,7 @@ fn the_truth_is_hidden_unless_asked_for() {
     let world = hallway();
     let mut app = app();
     // From the first frame on.
-    let environment = Environment::from_world(world.clone()).with_pace(Pace::InPlace);
+    let environment = Environment::prebuilt(world.clone()).with_pace(GenerationMode::Blocking);
     let root = app.world_mut().spawn((environment, Flat(Some(trial(&world, 1))))).id();
     let tell = |app: &mut App| {
         let walls = named(app, "Wall");
@@ -255,8 +255,8 @@ fn robots_are_where_they_believe_to_be() {
     drive(&mut app, root, 1500);
     step(&mut app, 2);
     let trial = app.world().get::<Flat>(root).unwrap().watched().unwrap();
-    let estimate = trial.brain().slam().estimate(0).pose;
-    let truth = *trial.track(0).poses.last().unwrap();
+    let estimate = trial.autonomy().slam().estimate(0).pose;
+    let truth = *trial.trajectory(0).poses.last().unwrap();
     assert!(estimate.position.distance(truth.position) > 0.05, "the two must differ");
     let at = |app: &mut App, name: &str| {
         let entity = named(app, name)[0];
@@ -297,7 +297,7 @@ fn a_scan_ends_at_the_walls() {
     drive(&mut app, root, 5);
     step(&mut app, 2);
     let flat = app.world().get::<Flat>(root).unwrap().watched().unwrap();
-    let scan = flat.brain().scan(0).clone();
+    let scan = flat.autonomy().scan(0).clone();
     let beams = scan.ranges.len();
     assert_eq!(beams, 181);
     let corners = corners(&mut app, "scan 0");
@@ -329,8 +329,8 @@ fn paths_follow_the_robots_also_through_loop_closing() {
         let near = |tracks: Vec<Vec2>, p: Vec2| tracks.iter().any(|q| q.distance(p) < 0.2);
         let mut tracks = Vec::new();
         for robot in 0..2 {
-            tracks.extend(flat.brain().slam().trajectory(robot));
-            tracks.extend(flat.track(robot).poses.iter().copied());
+            tracks.extend(flat.autonomy().slam().trajectory(robot));
+            tracks.extend(flat.trajectory(robot).poses.iter().copied());
         }
         let tracks: Vec<Vec2> = tracks.iter().map(|pose| pose.position.as_vec2()).collect();
         let drawn: Vec<Vec2> =
@@ -406,7 +406,7 @@ fn without_plugins_that_draw_nothing_is_drawn() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, EnvgenPlugins::default()));
     app.add_plugins(TrialViewPlugin::default()).watch_trials::<Flat>();
-    let environment = Environment::from_world(world.clone()).with_pace(Pace::InPlace);
+    let environment = Environment::prebuilt(world.clone()).with_pace(GenerationMode::Blocking);
     let root = app.world_mut().spawn((environment, Flat(Some(trial(&world, 1))))).id();
     for _ in 0..5 {
         drive(&mut app, root, 5);

@@ -3,7 +3,7 @@
 use bevy::mesh::{Mesh2d, MeshPlugin};
 use bevy::prelude::*;
 use bevy_envgen::EnvgenPlugins;
-use bevy_envgen::envgen::Kind;
+use bevy_envgen::envgen::WorldKind;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{spawn_ready, step, test_app_with, truth};
 
@@ -38,9 +38,9 @@ fn area(app: &mut App, ink: &str) -> f32 {
 
 #[test]
 fn what_is_drawn_has_the_area_of_the_parts() {
-    let both = Kind::ALL
-        .iter()
-        .flat_map(|kind| [Solids::Entities, Solids::Data].map(|solids| (kind, solids)));
+    let both = WorldKind::ALL.iter().flat_map(|kind| {
+        [SolidStorage::Entities, SolidStorage::TileData].map(|solids| (kind, solids))
+    });
     for (kind, solids) in both {
         let mut app = app();
         let environment = Environment::new(kind.default_spec(), 2).with_solids(solids);
@@ -75,7 +75,7 @@ fn materials_are_shared_and_everything_goes_with_the_environment() {
     let mut app = app();
     let roots: Vec<Entity> = (0..3)
         .map(|seed| {
-            let environment = Environment::new(Kind::Indoor.default_spec(), seed);
+            let environment = Environment::new(WorldKind::Indoor.default_spec(), seed);
             spawn_ready(&mut app, environment).unwrap()
         })
         .collect();
@@ -94,6 +94,6 @@ fn materials_are_shared_and_everything_goes_with_the_environment() {
 #[test]
 fn without_plugins_for_meshes_nothing_is_drawn() {
     let mut app = test_app_with(EnvgenPlugins::default());
-    spawn_ready(&mut app, Environment::new(Kind::Hallway.default_spec(), 2)).unwrap();
+    spawn_ready(&mut app, Environment::new(WorldKind::Hallway.default_spec(), 2)).unwrap();
     assert_eq!(app.world_mut().query::<&Mesh2d>().iter(app.world()).count(), 0);
 }

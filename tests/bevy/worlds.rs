@@ -197,7 +197,7 @@ fn both_paces_give_the_same_world_and_events() {
     #[derive(Resource, Default)]
     struct Ready(Vec<Entity>);
     let mut digests = Vec::new();
-    for pace in [Pace::InPlace, Pace::Async] {
+    for pace in [GenerationMode::Blocking, GenerationMode::Async] {
         let mut app = test_app();
         app.init_resource::<Ready>();
         app.add_observer(|ready: On<EnvironmentReady>, mut all: ResMut<Ready>| {
@@ -205,7 +205,7 @@ fn both_paces_give_the_same_world_and_events() {
         });
         let environment = Environment::new(ForestSpec::default(), 8).with_pace(pace);
         let root = app.world_mut().spawn(environment).id();
-        if pace == Pace::InPlace {
+        if pace == GenerationMode::Blocking {
             app.update();
             assert_eq!(app.world().get(root), Some(&EnvironmentState::Ready));
         } else {
@@ -224,7 +224,7 @@ fn worlds_that_exist_are_spawned_as_they_are() {
     let mut world = HallwaySpec::default().generate_world(3);
     world.walls.truncate(7);
     world.certificate.clear();
-    let root = spawn_ready(&mut app, Environment::from_world(world.clone())).unwrap();
+    let root = spawn_ready(&mut app, Environment::prebuilt(world.clone())).unwrap();
     assert_eq!(**truth(&app, root), world);
     assert_eq!(count::<Wall>(&mut app), 7);
 }
@@ -245,7 +245,7 @@ fn far_from_the_origin_another_origin_keeps_the_millimetre() {
     }
     world.certificate.clear();
     let mut app = test_app();
-    let environment = Environment::from_world(world).with_origin(far);
+    let environment = Environment::prebuilt(world).with_origin(far);
     let root = spawn_ready(&mut app, environment).unwrap();
     for part in parts(&app, root).iter().filter(|part| part.id.kind == bevy_envgen::PartKind::Tree)
     {
@@ -280,7 +280,7 @@ fn solids_as_data_are_the_same_parts_and_no_entities() {
         let entities = spawn_ready(&mut app, Environment::new(spec.clone(), 3)).unwrap();
         let expected = parts(&app, entities);
         app.world_mut().despawn(entities);
-        let environment = Environment::new(spec.clone(), 3).with_solids(Solids::Data);
+        let environment = Environment::new(spec.clone(), 3).with_solids(SolidStorage::TileData);
         let root = spawn_ready(&mut app, environment).unwrap();
         step(&mut app, 2);
         assert_eq!(parts(&app, root), expected, "{spec:?}");
@@ -289,10 +289,10 @@ fn solids_as_data_are_the_same_parts_and_no_entities() {
         assert_eq!(count::<TileSolids>(&mut app) > 0, solids > 0);
 
         // Asked for, they are entities again; nothing of either is left behind.
-        app.world_mut().get_mut::<Environment>(root).unwrap().solids = Solids::Entities;
+        app.world_mut().get_mut::<Environment>(root).unwrap().solids = SolidStorage::Entities;
         wait_until_ready(&mut app, root).unwrap();
         assert_eq!((count::<TileSolids>(&mut app), parts(&app, root)), (0, expected));
-        app.world_mut().get_mut::<Environment>(root).unwrap().solids = Solids::Data;
+        app.world_mut().get_mut::<Environment>(root).unwrap().solids = SolidStorage::TileData;
         wait_until_ready(&mut app, root).unwrap();
         app.world_mut().entity_mut(root).remove::<Environment>();
         step(&mut app, 3);
@@ -315,7 +315,7 @@ impl<S: Into<WorldSpec>> GenerateWorld for S {
 fn a_shared_world_stays_shared() {
     let mut app = test_app();
     let world = Arc::new(HallwaySpec::default().generate_world(3));
-    let root = spawn_ready(&mut app, Environment::from_world(Arc::clone(&world))).unwrap();
+    let root = spawn_ready(&mut app, Environment::prebuilt(Arc::clone(&world))).unwrap();
     assert!(Arc::ptr_eq(&truth(&app, root).0, &world));
 }
 
@@ -327,7 +327,7 @@ fn rooms_tell_what_was_taken_out_of_them() {
         room.contents = contents;
     }
     let mut app = test_app();
-    spawn_ready(&mut app, Environment::from_world(world.clone())).unwrap();
+    spawn_ready(&mut app, Environment::prebuilt(world.clone())).unwrap();
     let mut rooms = app.world_mut().query::<(&PartId, &Room)>();
     assert!(rooms.iter(app.world()).count() >= 3);
     for (id, room) in rooms.iter(app.world()) {

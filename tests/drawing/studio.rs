@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_envgen::capture::{
     CaptureError, MAX_SIDE, PictureFailed, PictureTaken, Studio, TakePicture,
 };
-use bevy_envgen::envgen::{Kind, WorldSpec};
+use bevy_envgen::envgen::{WorldKind, WorldSpec};
 use bevy_envgen::prelude::*;
 use bevy_envgen::visuals::Palette;
 
@@ -19,7 +19,7 @@ fn studio() -> Studio {
 }
 
 fn spec(kind: &str) -> WorldSpec {
-    kind.parse::<Kind>().unwrap().default_spec()
+    kind.parse::<WorldKind>().unwrap().default_spec()
 }
 
 /// Whether a pixel has a colour, within what drivers round.

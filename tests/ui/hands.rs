@@ -1,7 +1,7 @@
 use bevy::input::gamepad::{Gamepad, GamepadAxis};
 use bevy::prelude::*;
 use bevy_envgen::ui::command_of;
-use mapping_trial::body::Command;
+use mapping_trial::backend::Command;
 use mapping_trial::robot::Robot;
 
 fn keys(held: &[KeyCode]) -> ButtonInput<KeyCode> {

@@ -1,14 +1,14 @@
 use crate::screen::{click, show_in};
 use bevy_envgen::ui::*;
-use envgen::{Kind, Seed, WorldSpec};
+use envgen::{Seed, WorldKind, WorldSpec};
 
-fn form(kind: Kind) -> SpecForm {
+fn form(kind: WorldKind) -> SpecForm {
     SpecForm::new(&kind.default_spec(), Seed(3))
 }
 
 #[test]
 fn what_is_not_touched_comes_back_as_it_was() {
-    for &kind in Kind::ALL {
+    for &kind in WorldKind::ALL {
         let (spec, seed) = form(kind).request().expect("defaults are allowed");
         assert_eq!((spec, seed), (kind.default_spec(), Seed(3)), "{kind}");
     }
@@ -16,7 +16,7 @@ fn what_is_not_touched_comes_back_as_it_was() {
 
 #[test]
 fn every_setting_of_every_kind_is_shown() {
-    for &kind in Kind::ALL {
+    for &kind in WorldKind::ALL {
         let mut form = form(kind);
         let shown = show_in(egui::vec2(340.0, 4000.0), |ui| {
             assert_eq!(form.show(ui), None);
@@ -33,7 +33,7 @@ fn every_setting_of_every_kind_is_shown() {
 
 #[test]
 fn errors_stand_below_the_setting_they_name() {
-    let mut form = form(Kind::Indoor);
+    let mut form = form(WorldKind::Indoor);
     form.set("difficulty", "11");
     let text = "`difficulty` is 11, allowed is a number from 0 to 10";
     assert_eq!(form.error_of("difficulty"), Some(text));
@@ -49,17 +49,17 @@ fn errors_stand_below_the_setting_they_name() {
 
 #[test]
 fn other_kinds_keep_what_was_typed() {
-    let mut form = form(Kind::Hallway);
+    let mut form = form(WorldKind::Hallway);
     form.set("segments", "80");
-    form.set_kind(Kind::Forest);
-    form.set_kind(Kind::Hallway);
+    form.set_kind(WorldKind::Forest);
+    form.set_kind(WorldKind::Hallway);
     let (spec, _) = form.request().expect("allowed");
     assert_eq!(spec.settings_json()["segments"], 80);
 }
 
 #[test]
 fn the_button_asks_for_the_world() {
-    let mut form = form(Kind::Forest);
+    let mut form = form(WorldKind::Forest);
     form.set("intensity", "0.2");
     let action = click(egui::vec2(340.0, 900.0), "Regenerate", |ui| form.show(ui));
     let Some(SpecAction::Regenerate { spec, seed }) = action else { panic!("{action:?}") };
@@ -71,7 +71,7 @@ fn the_button_asks_for_the_world() {
 fn saved_specs_are_read_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("some.envgen.ron");
-    let mut form = form(Kind::Landscape);
+    let mut form = form(WorldKind::Landscape);
     form.set("total_edge", "1000");
     form.save(&path).expect("written");
     let text = std::fs::read_to_string(&path).expect("a file");

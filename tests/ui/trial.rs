@@ -1,6 +1,6 @@
 use bevy_envgen::ui::*;
 use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
-use mapping_trial::body::Command;
+use mapping_trial::backend::Command;
 use mapping_trial::trial::{Trial, TrialSettings};
 
 use crate::screen::{click, show_in};

@@ -9,9 +9,9 @@ use bevy_envgen::envgen::forest::ForestSpec;
 use bevy_envgen::envgen::geometry::{Pose, unit_vector};
 use bevy_envgen::envgen::glam::DVec2;
 use bevy_envgen::envgen::indoor::IndoorSpec;
-use bevy_envgen::envgen::raycast::{Fan, Raycaster};
+use bevy_envgen::envgen::raycast::{Raycaster, ScanPattern};
 use bevy_envgen::envgen::{Seed, WorldSpec};
-use bevy_envgen::physics::Merge;
+use bevy_envgen::physics::ColliderMerging;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{step, test_app, truth, wait_until_ready};
 
@@ -34,7 +34,7 @@ fn main() {
 }
 
 fn race(name: &str, spec: WorldSpec) {
-    for merge in [Merge::Never, Merge::Always] {
+    for merge in [ColliderMerging::Never, ColliderMerging::Always] {
         let mut app = test_app();
         let colliders = EnvironmentColliders(ColliderSettings { merge, ..default() });
         let root = app.world_mut().spawn((Environment::new(spec.clone(), 1), colliders)).id();
@@ -53,7 +53,7 @@ fn race(name: &str, spec: WorldSpec) {
         .filter(|place| world.clearance(place.position) > 0.4)
         .take(PLACES)
         .collect();
-        let fan = Fan::new(std::f64::consts::PI, BEAMS).expect("half a turn");
+        let fan = ScanPattern::new(std::f64::consts::PI, BEAMS).expect("half a turn");
         let ours = || {
             let mut ranges = Vec::new();
             let scan = |&place: &Pose| {
@@ -83,7 +83,11 @@ fn race(name: &str, spec: WorldSpec) {
         };
         let (a, b) = (ours(), rapier());
         assert!((a - b).abs() < 1e-3 * b, "{name}: the rays see different worlds, {a} and {b}");
-        let how = if merge == Merge::Never { "one collider a part" } else { "merged colliders" };
+        let how = if merge == ColliderMerging::Never {
+            "one collider a part"
+        } else {
+            "merged colliders"
+        };
         faster(&format!("rays in {name}, {how}"), contest(ours, rapier), TARGET);
     }
 }

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy_envgen::bevy_rapier2d::prelude::{Collider, Friction, Restitution, RigidBody};
 use bevy_envgen::envgen::forest::ForestSpec;
 use bevy_envgen::envgen::{Blueprint, Seed, Spec, World as EnvgenWorld};
-use bevy_envgen::physics::Merge;
+use bevy_envgen::physics::ColliderMerging;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{step, test_app, wait_until_ready};
 use bevy_envgen::{StreamingReport, Tile};
@@ -50,7 +50,8 @@ fn spawning(world: &Arc<EnvgenWorld>) {
     let mut best = (f64::INFINITY, f64::INFINITY);
     for _ in 0..ROUNDS {
         let mut app = bare_app();
-        let environment = Environment::from_world(Arc::clone(world)).with_pace(Pace::InPlace);
+        let environment =
+            Environment::prebuilt(Arc::clone(world)).with_pace(GenerationMode::Blocking);
         app.world_mut().spawn(environment);
         best.0 = best.0.min(seconds(|| app.world_mut().run_schedule(Update)));
 
@@ -115,7 +116,7 @@ fn resting(world: &Arc<EnvgenWorld>) {
     let app = |merge, solids| {
         let mut app = test_app();
         let colliders = EnvironmentColliders(ColliderSettings { merge, ..default() });
-        let environment = Environment::from_world(Arc::clone(world)).with_solids(solids);
+        let environment = Environment::prebuilt(Arc::clone(world)).with_solids(solids);
         let root = app.world_mut().spawn((environment, colliders)).id();
         if let Err(error) = wait_until_ready(&mut app, root) {
             say(&error.to_string());
@@ -124,9 +125,9 @@ fn resting(world: &Arc<EnvgenWorld>) {
         step(&mut app, 20);
         (app, first)
     };
-    let (mut data, first_data) = app(Merge::Always, Solids::Data);
-    let (mut merged, first) = app(Merge::Always, Solids::Entities);
-    let (mut single, first_single) = app(Merge::Never, Solids::Entities);
+    let (mut data, first_data) = app(ColliderMerging::Always, SolidStorage::TileData);
+    let (mut merged, first) = app(ColliderMerging::Always, SolidStorage::Entities);
+    let (mut single, first_single) = app(ColliderMerging::Never, SolidStorage::Entities);
     let mut empty = test_app();
     step(&mut empty, 20);
     let mut by_hand = test_app();

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 use envgen::glam::DVec2;
 use envgen::world::Violation;
-use envgen::{GenerateError, Kind, World, WorldSpec};
+use envgen::{GenerateError, World, WorldKind, WorldSpec};
 use thiserror::Error;
 
 /// Asks for a world on this entity: a spec and a seed.
@@ -48,14 +48,14 @@ pub struct Environment {
     /// From which everything random follows. Worlds that exist already have no use for it.
     pub seed: u64,
     /// Whether the schedule waits for the generator.
-    pub pace: Pace,
+    pub pace: GenerationMode,
     /// Whether the world has an end.
     pub extent: Extent,
     /// The point of the world, in metres, that lies at the entity's own origin. Single precision
     /// keeps a millimetre up to 8 km from it.
     pub origin: DVec2,
     /// Whether each wall, tree and obstacle is an entity.
-    pub solids: Solids,
+    pub solids: SolidStorage,
 }
 
 /// What a world is made of.
@@ -104,13 +104,13 @@ impl<'de> serde::Deserialize<'de> for SourceWorld {
 /// Whether the schedule waits for the generator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, PartialEq, Clone)]
-pub enum Pace {
+pub enum GenerationMode {
     /// It waits for worlds that take about a frame or less, by the spec's own estimate, and does not
     /// for others.
     #[default]
     Auto,
     /// It waits: the world is there in the same frame.
-    InPlace,
+    Blocking,
     /// It does not: the generator runs as a task of the pool for long computations.
     Async,
 }
@@ -134,14 +134,14 @@ pub enum Extent {
 /// How the parts that stop a robot and a ray are kept: walls, trees and obstacles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, PartialEq, Clone)]
-pub enum Solids {
+pub enum SolidStorage {
     /// Each is an entity, with the component of its kind.
     #[default]
     Entities,
     /// They are data of their tile, its [`TileSolids`](crate::TileSolids), for static worlds of
     /// 100,000 parts and more: Bevy's systems look at every entity with a [`Transform`] in every
     /// frame, and at none of these. Their colliders are merged, whatever the settings say.
-    Data,
+    TileData,
 }
 
 impl Environment {
@@ -157,12 +157,13 @@ impl Environment {
     }
 
     /// A world that exists already: composed, edited or read from a file.
-    pub fn from_world(world: impl Into<Arc<World>>) -> Self {
+    pub fn prebuilt(world: impl Into<Arc<World>>) -> Self {
         Self::of(WorldSource::World(SourceWorld(world.into())), 0)
     }
 
     fn of(source: WorldSource, seed: u64) -> Self {
-        let (pace, extent, solids) = (Pace::default(), Extent::default(), Solids::default());
+        let (pace, extent, solids) =
+            (GenerationMode::default(), Extent::default(), SolidStorage::default());
         Environment { source, seed, pace, extent, origin: DVec2::ZERO, solids }
     }
 
@@ -172,7 +173,7 @@ impl Environment {
     }
 
     /// The same, with the schedule waiting for the generator or not.
-    pub fn with_pace(self, pace: Pace) -> Self {
+    pub fn with_pace(self, pace: GenerationMode) -> Self {
         Environment { pace, ..self }
     }
 
@@ -182,7 +183,7 @@ impl Environment {
     }
 
     /// The same, with walls, trees and obstacles as entities or as data of their tiles.
-    pub fn with_solids(self, solids: Solids) -> Self {
+    pub fn with_solids(self, solids: SolidStorage) -> Self {
         Environment { solids, ..self }
     }
 
@@ -196,7 +197,7 @@ impl Environment {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
     pub(crate) origin: DVec2,
-    pub(crate) solids: Solids,
+    pub(crate) solids: SolidStorage,
 }
 
 /// How far an environment has come.
@@ -278,7 +279,7 @@ pub enum EnvironmentError {
     NoAssets,
     /// The kind of world cannot be endless.
     #[error("a {0} cannot be endless, only a forest can")]
-    NotEndless(Kind),
+    NotEndless(WorldKind),
     /// A world that exists already cannot be endless.
     #[error("a world that exists already cannot be endless")]
     Existing,

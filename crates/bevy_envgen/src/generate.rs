@@ -12,10 +12,10 @@ use envgen::{GenerateError, Seed, WorldSpec};
 use crate::diagnostics::{EnvgenDiagnosticsPlugin, measure};
 use crate::environment::{
     EndlessTruth, Environment, EnvironmentError, EnvironmentFailed, EnvironmentFailure,
-    EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GroundTruth, Pace,
+    EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GenerationMode, GroundTruth,
     RebuildEnvironment, WorldSource,
 };
-use crate::job::{Ask, Job, Made, Notices, Outcome, Slot, Standing};
+use crate::job::{Generated, GenerationJob, Job, Outcome, PendingEvents, Request, SpawnedTiles};
 use crate::landmarks::EnvironmentLandmarks;
 use crate::place::{check_transform, global_transform, propagate};
 use crate::plan::Plan;
@@ -25,7 +25,7 @@ use crate::streaming::{StreamAround, Streaming};
 /// Parts that are spawned at once, at most; larger worlds are streamed.
 pub const MAX_PARTS: usize = 2_000_000;
 
-/// Specs of at most this much work are generated while the schedule waits, by [`Pace::Auto`]: parts,
+/// Specs of at most this much work are generated while the schedule waits, by [`GenerationMode::Auto`]: parts,
 /// cells or points, of which each takes a fraction of a microsecond.
 const IN_PLACE_WORK: f64 = 1e4;
 
@@ -34,7 +34,7 @@ type Requested = (
     Entity,
     Ref<'static, Environment>,
     Option<&'static StreamAround>,
-    &'static mut Slot,
+    &'static mut GenerationJob,
     &'static mut EnvironmentState,
 );
 
@@ -52,7 +52,7 @@ pub(crate) fn request_worlds(
         if !(environment.is_changed() || slot.stale || waits || !same_tile) {
             continue;
         }
-        let ask = Ask { environment: (*environment).clone(), tile };
+        let ask = Request { environment: (*environment).clone(), tile };
         let same = slot.asked.as_ref() == Some(&ask);
         if same && !slot.stale && !waits {
             continue;
@@ -87,9 +87,9 @@ pub(crate) fn request_worlds(
             _ => spec.as_ref().map_or(0.0, WorldSpec::work),
         };
         let in_place = match ask.environment.pace {
-            Pace::Auto => work <= IN_PLACE_WORK,
-            Pace::InPlace => true,
-            Pace::Async => false,
+            GenerationMode::Auto => work <= IN_PLACE_WORK,
+            GenerationMode::Blocking => true,
+            GenerationMode::Async => false,
         };
         slot.asked = Some(ask.clone());
         if in_place {
@@ -103,13 +103,13 @@ pub(crate) fn request_worlds(
 }
 
 /// Makes a world and sorts its parts. The only step that may take long.
-fn make(ask: &Ask, spec: Option<WorldSpec>) -> Outcome {
+fn make(ask: &Request, spec: Option<WorldSpec>) -> Outcome {
     let start = Instant::now();
     let result = try_make(ask, spec);
     Outcome { result, time: start.elapsed() }
 }
 
-fn try_make(ask: &Ask, spec: Option<WorldSpec>) -> Result<Made, EnvironmentError> {
+fn try_make(ask: &Request, spec: Option<WorldSpec>) -> Result<Generated, EnvironmentError> {
     let Environment { source, seed, extent, origin, .. } = &ask.environment;
     if !origin.is_finite() {
         return Err(EnvironmentError::Origin(*origin));
@@ -127,16 +127,16 @@ fn try_make(ask: &Ask, spec: Option<WorldSpec>) -> Result<Made, EnvironmentError
                 return Err(EnvironmentError::NoAnchor);
             }
             let forest = EndlessForest::new(forest, *tile, seed).map_err(GenerateError::from)?;
-            Ok(Made::Endless(Arc::new(forest)))
+            Ok(Generated::Endless(Arc::new(forest)))
         }
         (Extent::Finite, _, Some(spec)) => {
             let world = spec.generate(seed)?.to_world();
             debug_assert_eq!(world.check(), Ok(()), "{spec:?}, seed {seed}");
-            Ok(Made::Finite(Arc::new(plan(Arc::new(world), ask.tile)?)))
+            Ok(Generated::Finite(Arc::new(plan(Arc::new(world), ask.tile)?)))
         }
         (Extent::Finite, WorldSource::World(world), None) => {
             world.check()?;
-            Ok(Made::Finite(Arc::new(plan(Arc::clone(&world.0), ask.tile)?)))
+            Ok(Generated::Finite(Arc::new(plan(Arc::clone(&world.0), ask.tile)?)))
         }
         #[cfg(feature = "asset")]
         (Extent::Finite, WorldSource::Asset(_), None) => Err(EnvironmentError::NoAssets),
@@ -156,7 +156,7 @@ fn plan(world: Arc<envgen::World>, tile: Option<f64>) -> Result<Plan, Environmen
 }
 
 /// Takes what the tasks have finished.
-pub(crate) fn poll_tasks(mut slots: Query<&mut Slot>) {
+pub(crate) fn poll_tasks(mut slots: Query<&mut GenerationJob>) {
     for mut slot in &mut slots {
         if let Job::Task(task) = &mut slot.bypass_change_detection().job
             && let Some(outcome) = check_ready(task)
@@ -167,7 +167,10 @@ pub(crate) fn poll_tasks(mut slots: Query<&mut Slot>) {
 }
 
 /// Replaces what stood before by what was made.
-pub(crate) fn spawn_worlds(world: &mut World, slots: &mut QueryState<(Entity, &mut Slot)>) {
+pub(crate) fn spawn_worlds(
+    world: &mut World,
+    slots: &mut QueryState<(Entity, &mut GenerationJob)>,
+) {
     let mut done: Vec<(Entity, Outcome)> = Vec::new();
     for (entity, mut slot) in slots.iter_mut(world) {
         if matches!(slot.job, Job::Done(_))
@@ -190,40 +193,40 @@ pub(crate) fn spawn_worlds(world: &mut World, slots: &mut QueryState<(Entity, &m
                 if parked {
                     park(world, entity);
                 }
-                world.get_resource_or_init::<Notices>().push(entity, Err(error));
+                world.get_resource_or_init::<PendingEvents>().push(entity, Err(error));
             }
         }
     }
 }
 
 /// Spawns what was made, or leaves it to the streaming.
-fn stand(world: &mut World, entity: Entity, global: &GlobalTransform, made: &Made) {
+fn stand(world: &mut World, entity: Entity, global: &GlobalTransform, made: &Generated) {
     clear(world, entity);
     propagate(world, entity, *global);
     let Ok(mut root) = world.get_entity_mut(entity) else { return };
     root.remove::<(GroundTruth, EndlessTruth, EnvironmentStats, Streaming)>();
-    let (layout, tile) = match root.get::<Slot>().and_then(|slot| slot.asked.as_ref()) {
+    let (layout, tile) = match root.get::<GenerationJob>().and_then(|slot| slot.asked.as_ref()) {
         Some(ask) => (ask.environment.layout(), ask.tile),
         None => return,
     };
     match made {
-        Made::Finite(plan) => {
+        Generated::Finite(plan) => {
             let stats = EnvironmentStats { parts: Some(plan.parts), solids: Some(plan.solids) };
             let landmarks = EnvironmentLandmarks::new(&plan.world, layout.origin, global);
             root.insert((GroundTruth(Arc::clone(&plan.world)), stats, landmarks));
         }
-        Made::Endless(forest) => {
+        Generated::Endless(forest) => {
             let stats = EnvironmentStats { parts: None, solids: None };
             let landmarks = EnvironmentLandmarks::default();
             root.insert((EndlessTruth(Arc::clone(forest)), stats, landmarks));
         }
     }
-    let mut standing = Standing::default();
+    let mut standing = SpawnedTiles::default();
     if tile.is_some() {
         root.insert((Streaming::new(made.clone(), layout), standing, EnvironmentState::Streaming));
         return;
     }
-    if let Made::Finite(plan) = made {
+    if let Generated::Finite(plan) = made {
         for (&key, tile) in &plan.tiles {
             let pages = tile.parts.len().div_ceil(plan.page);
             let spawned: Vec<Entity> = (0..pages)
@@ -235,14 +238,14 @@ fn stand(world: &mut World, entity: Entity, global: &GlobalTransform, made: &Mad
     // An observer of its tiles may have despawned it.
     if let Ok(mut root) = world.get_entity_mut(entity) {
         root.insert(standing);
-        world.get_resource_or_init::<Notices>().push(entity, Ok(()));
+        world.get_resource_or_init::<PendingEvents>().push(entity, Ok(()));
     }
 }
 
 /// Despawns everything that was spawned below an environment, and nothing else: also the tiles that
 /// came with it out of a scene, or as clones.
 pub(crate) fn clear(world: &mut World, entity: Entity) {
-    let mut tiles: Vec<Entity> = match world.get_mut::<Standing>(entity) {
+    let mut tiles: Vec<Entity> = match world.get_mut::<SpawnedTiles>(entity) {
         Some(mut standing) => std::mem::take(&mut standing.tiles).into_values().flatten().collect(),
         None => Vec::new(),
     };
@@ -260,7 +263,7 @@ fn park(world: &mut World, entity: Entity) {
     clear(world, entity);
     if let Ok(mut root) = world.get_entity_mut(entity) {
         root.remove::<Streaming>();
-        root.insert(Standing { parked: true, ..default() });
+        root.insert(SpawnedTiles { parked: true, ..default() });
     }
 }
 
@@ -268,10 +271,10 @@ fn park(world: &mut World, entity: Entity) {
 /// whose transform can again.
 pub(crate) fn watch_transforms(
     mut environments: Query<
-        (Entity, &GlobalTransform, &mut Slot, &mut EnvironmentState, &Standing),
+        (Entity, &GlobalTransform, &mut GenerationJob, &mut EnvironmentState, &SpawnedTiles),
         Changed<GlobalTransform>,
     >,
-    mut notices: ResMut<Notices>,
+    mut notices: ResMut<PendingEvents>,
     mut commands: Commands,
 ) {
     for (entity, transform, mut slot, mut state, standing) in &mut environments {
@@ -291,7 +294,7 @@ pub(crate) fn watch_transforms(
 
 /// Reports what became of the environments.
 pub(crate) fn notify(world: &mut World) {
-    let notices = std::mem::take(&mut world.get_resource_or_init::<Notices>().0);
+    let notices = std::mem::take(&mut world.get_resource_or_init::<PendingEvents>().0);
     for (entity, notice) in notices {
         let Ok(mut root) = world.get_entity_mut(entity) else { continue };
         if !root.contains::<Environment>() {
@@ -333,7 +336,8 @@ fn move_to_place(world: &mut World, entity: Entity) {
 /// Waits for the tasks that an environment has started; false when there are none.
 #[cfg(any(feature = "capture", feature = "testing"))]
 pub(crate) fn finish_tasks(world: &mut World, environment: Entity) -> bool {
-    let generated = world.get_mut::<Slot>(environment).is_some_and(|mut slot| slot.finish());
+    let generated =
+        world.get_mut::<GenerationJob>(environment).is_some_and(|mut slot| slot.finish());
     let drawn =
         world.get_mut::<Streaming>(environment).is_some_and(|mut streaming| streaming.finish());
     generated || drawn
@@ -353,8 +357,8 @@ pub(crate) fn clean_up(removed: On<Remove, Environment>, mut commands: Commands)
                 EnvironmentState,
                 EnvironmentStats,
                 GroundTruth,
-                Slot,
-                Standing,
+                GenerationJob,
+                SpawnedTiles,
                 Streaming,
             )>();
         }
@@ -362,7 +366,7 @@ pub(crate) fn clean_up(removed: On<Remove, Environment>, mut commands: Commands)
 }
 
 /// Marks an environment for being made again.
-pub(crate) fn rebuild(asked: On<RebuildEnvironment>, mut slots: Query<&mut Slot>) {
+pub(crate) fn rebuild(asked: On<RebuildEnvironment>, mut slots: Query<&mut GenerationJob>) {
     match slots.get_mut(asked.entity) {
         Ok(mut slot) => slot.stale = true,
         Err(_) => log::warn!("{} is to be made again but has no `Environment`", asked.entity),

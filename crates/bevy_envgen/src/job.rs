@@ -16,9 +16,9 @@ use crate::plan::{Plan, TileKey};
 
 /// What is being made for an environment.
 #[derive(Component, Default)]
-pub(crate) struct Slot {
+pub(crate) struct GenerationJob {
     /// What the last job was asked for.
-    pub(crate) asked: Option<Ask>,
+    pub(crate) asked: Option<Request>,
     /// Whether it has to be made again although the environment did not change.
     pub(crate) stale: bool,
     /// What the asset held when it was last used.
@@ -29,7 +29,7 @@ pub(crate) struct Slot {
 
 /// Everything that a world depends on.
 #[derive(Clone, PartialEq)]
-pub(crate) struct Ask {
+pub(crate) struct Request {
     pub(crate) environment: Environment,
     /// The side of its tiles, when it is streamed.
     pub(crate) tile: Option<f64>,
@@ -48,7 +48,7 @@ pub(crate) enum Job {
 
 /// What came of a job.
 pub(crate) struct Outcome {
-    pub(crate) result: Result<Made, EnvironmentError>,
+    pub(crate) result: Result<Generated, EnvironmentError>,
     /// What the generator took.
     pub(crate) time: Duration,
 }
@@ -61,14 +61,14 @@ impl From<EnvironmentError> for Outcome {
 
 /// What a generator made, sorted into tiles.
 #[derive(Clone)]
-pub(crate) enum Made {
+pub(crate) enum Generated {
     Finite(Arc<Plan>),
     Endless(Arc<EndlessForest>),
 }
 
 /// The tiles that are spawned below an environment.
 #[derive(Component, Default)]
-pub(crate) struct Standing {
+pub(crate) struct SpawnedTiles {
     pub(crate) tiles: BTreeMap<TileKey, Vec<Entity>>,
     /// Whether it was taken down because of the transform.
     pub(crate) parked: bool,
@@ -76,15 +76,15 @@ pub(crate) struct Standing {
 
 /// What is to be reported once the world is consistent.
 #[derive(Resource, Default)]
-pub(crate) struct Notices(pub(crate) Vec<(Entity, Result<(), EnvironmentError>)>);
+pub(crate) struct PendingEvents(pub(crate) Vec<(Entity, Result<(), EnvironmentError>)>);
 
-impl Notices {
+impl PendingEvents {
     pub(crate) fn push(&mut self, entity: Entity, notice: Result<(), EnvironmentError>) {
         self.0.push((entity, notice));
     }
 }
 
-impl Slot {
+impl GenerationJob {
     /// Whether it waits for an asset.
     #[cfg(feature = "asset")]
     pub(crate) fn waits(&self) -> bool {

@@ -28,7 +28,7 @@
 //! Every part has a [`PartId`] that is the same for the same spec and seed. Its [`Transform`] is
 //! where it lies in the environment's frame: metres, x right, y up; its [`GlobalTransform`] is right as
 //! soon as it is spawned. The kinds are in [`part`].
-//! Walls, trees and obstacles are data of their tile and not entities with [`Solids::Data`].
+//! Walls, trees and obstacles are data of their tile and not entities with [`SolidStorage::TileData`].
 //!
 //! # What is told
 //!
@@ -128,14 +128,14 @@ pub use mapping_trial;
 pub use diagnostics::EnvgenDiagnosticsPlugin;
 pub use environment::{
     EndlessTruth, Environment, EnvironmentError, EnvironmentFailed, EnvironmentFailure,
-    EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GroundTruth, Pace,
-    RebuildEnvironment, Solids, SourceSpec, SourceWorld, WorldSource,
+    EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GenerationMode, GroundTruth,
+    RebuildEnvironment, SolidStorage, SourceSpec, SourceWorld, WorldSource,
 };
 pub use generate::MAX_PARTS;
 pub use landmarks::{EnvironmentLandmarks, Landmark};
 pub use part::{PartId, PartKind, PartOf};
 pub use shape::PartShape;
-pub use spawn::{StandingPart, Tile, TileSolids, TileSpawned};
+pub use spawn::{SolidPart, Tile, TileSolids, TileSpawned};
 pub use streaming::{StreamAround, StreamingBudget, StreamingReport};
 
 /// What most apps need, the specs of [`envgen`] among it. What has a name that an app may have itself,
@@ -159,17 +159,17 @@ pub mod prelude {
     };
     #[cfg(feature = "trial")]
     pub use crate::trial::{
-        Hands, MappingTrial, TrialEnded, TrialFailed, TrialPlugin, TrialRobot, TrialStarted,
-        TrialSystems,
+        ManualControl, MappingTrial, TrialEnded, TrialFailed, TrialPlugin, TrialRobot,
+        TrialStarted, TrialSystems,
     };
     #[cfg(feature = "render")]
     pub use crate::visuals::EnvgenVisualsPlugin;
     pub use crate::{
         EnvgenCorePlugin, EnvgenDiagnosticsPlugin, EnvgenPlugins, EnvgenSystems, Environment,
         EnvironmentError, EnvironmentFailed, EnvironmentFailure, EnvironmentLandmarks,
-        EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GroundTruth, Landmark, Pace,
-        PartShape, RebuildEnvironment, Solids, StreamAround, StreamingBudget, TileSolids,
-        TileSpawned,
+        EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GenerationMode, GroundTruth,
+        Landmark, PartShape, RebuildEnvironment, SolidStorage, StreamAround, StreamingBudget,
+        TileSolids, TileSpawned,
     };
     pub use envgen::WorldSpec;
     pub use envgen::forest::ForestSpec;
@@ -241,8 +241,8 @@ impl Plugin for EnvgenCorePlugin {
             .register_type::<StreamingReport>()
             .init_resource::<StreamingBudget>()
             .init_resource::<StreamingReport>()
-            .init_resource::<job::Notices>()
-            .register_required_components::<Environment, job::Slot>()
+            .init_resource::<job::PendingEvents>()
+            .register_required_components::<Environment, job::GenerationJob>()
             .insert_resource(Schedules { main: self.schedule })
             .add_observer(generate::clean_up)
             .add_observer(generate::rebuild)

@@ -221,11 +221,11 @@ fn each_part(world: &World, block: u32, visit: &mut dyn FnMut(PartRef, Rect)) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use envgen::{Blueprint, Kind, Seed, Spec};
+    use envgen::{Blueprint, Seed, Spec, WorldKind};
     use proptest::prelude::*;
     use std::collections::BTreeSet;
 
-    fn world(kind: Kind, seed: u64) -> Arc<World> {
+    fn world(kind: WorldKind, seed: u64) -> Arc<World> {
         Arc::new(kind.default_spec().generate(Seed(seed)).unwrap().to_world())
     }
 
@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn every_part_stands_in_one_tile_that_reaches_around_it() {
-        for &kind in Kind::ALL {
+        for &kind in WorldKind::ALL {
             let world = world(kind, 1);
             for tile in [None, Some(0.7), Some(8.0), Some(1e5)] {
                 let plan = Plan::new(Arc::clone(&world), tile);
@@ -283,7 +283,7 @@ mod tests {
             tile in 0.3..40.0_f64,
         ) {
             static WORLD: std::sync::OnceLock<Arc<World>> = std::sync::OnceLock::new();
-            let world = WORLD.get_or_init(|| world(Kind::Road, 3));
+            let world = WORLD.get_or_init(|| world(WorldKind::Road, 3));
             let plan = Plan::new(Arc::clone(world), Some(tile));
             let p = world.bounds.center() + DVec2::new(x, y);
             let mut found: Vec<_> = plan.near(p, radius).into_iter().map(|(_, key)| key).collect();
@@ -300,7 +300,7 @@ mod tests {
 
     #[test]
     fn points_out_of_reach_find_nothing_and_do_not_panic() {
-        let plan = Plan::new(world(Kind::Forest, 1), Some(5.0));
+        let plan = Plan::new(world(WorldKind::Forest, 1), Some(5.0));
         for p in [DVec2::splat(1e300), DVec2::splat(-1e300), DVec2::splat(f64::NAN)] {
             assert!(plan.near(p, 10.0).is_empty());
         }

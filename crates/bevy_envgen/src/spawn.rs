@@ -6,7 +6,7 @@ use envgen::World as EnvgenWorld;
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
 
-use crate::environment::{Layout, Solids};
+use crate::environment::{Layout, SolidStorage};
 use crate::part::{
     Doorway, Goal, Ground, Obstacle, PartId, PartKind, PartOf, RoadStrip, Room, Start, Surface,
     Tree, Victim, Wall,
@@ -34,17 +34,17 @@ pub struct Tile {
 }
 
 /// The solid parts of a [`Tile`] that are data and not entities, in the order of their ids: see
-/// [`Solids::Data`]. On the entity of the tile.
+/// [`SolidStorage::TileData`]. On the entity of the tile.
 #[derive(Component, Clone, Debug, Default, PartialEq, Deref, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
-pub struct TileSolids(pub Vec<StandingPart>);
+pub struct TileSolids(pub Vec<SolidPart>);
 
 /// A part that stands, and where it lies. What else is known of it the [`GroundTruth`](crate::GroundTruth)
 /// tells, by [`PartId::in_world`].
 #[derive(Clone, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Debug, PartialEq, Clone)]
-pub struct StandingPart {
+pub struct SolidPart {
     /// Its stable name.
     pub id: PartId,
     /// Where it lies in the environment's frame.
@@ -129,7 +129,7 @@ pub(crate) fn spawn_page(
     let mut entities = Vec::new();
     let mut solids = Vec::new();
     for run in parts.chunk_by(|a, b| a.kind == b.kind) {
-        if layout.solids == Solids::Data && run[0].kind.is_solid() {
+        if layout.solids == SolidStorage::TileData && run[0].kind.is_solid() {
             solids.extend(run.iter().filter_map(|&part| solid(frame, &plan.world, part)));
         } else {
             spawn_run(world, &mut entities, above, frame, plan, run);
@@ -155,15 +155,15 @@ pub(crate) fn spawn_trees(
     let id = |index| PartId { kind: PartKind::Tree, tile: key.at, index };
     let trees = (first as u32..).map(id).zip(trees);
     let parts = match layout.solids {
-        Solids::Entities => world
+        SolidStorage::Entities => world
             .spawn_batch(trees.map(|(id, tree)| {
                 part(above, id, place_tree(frame, tree), Tree { radius: tree.radius as f32 })
             }))
             .collect(),
-        Solids::Data => {
+        SolidStorage::TileData => {
             let solids = trees.map(|(id, tree)| {
                 let (transform, shape) = place_tree(frame, tree);
-                StandingPart { id, transform, shape }
+                SolidPart { id, transform, shape }
             });
             keep(world, above.tile, solids.collect());
             Vec::new()
@@ -186,14 +186,14 @@ fn spawn_tile(world: &mut World, environment: Entity, key: TileKey, page: usize)
 }
 
 /// Keeps solid parts as data of a tile.
-fn keep(world: &mut World, tile: Entity, solids: Vec<StandingPart>) {
+fn keep(world: &mut World, tile: Entity, solids: Vec<SolidPart>) {
     if !solids.is_empty() {
         world.entity_mut(tile).insert(TileSolids(solids));
     }
 }
 
 /// A solid part as data; `None` for parts of other kinds.
-fn solid(frame: Frame, truth: &EnvgenWorld, part: PartRef) -> Option<StandingPart> {
+fn solid(frame: Frame, truth: &EnvgenWorld, part: PartRef) -> Option<SolidPart> {
     let i = part.index as usize;
     let (transform, shape) = match part.kind {
         PartKind::Wall => frame.place(&truth.walls[i].shape),
@@ -201,7 +201,7 @@ fn solid(frame: Frame, truth: &EnvgenWorld, part: PartRef) -> Option<StandingPar
         PartKind::Tree => place_tree(frame, &truth.trees[i]),
         _ => return None,
     };
-    Some(StandingPart { id: PartId::new(part.kind, part.index), transform, shape })
+    Some(SolidPart { id: PartId::new(part.kind, part.index), transform, shape })
 }
 
 /// Lets others add to what was spawned.

@@ -12,8 +12,8 @@ use envgen::glam::DVec2;
 use envgen::world::Tree;
 
 use crate::diagnostics::{EnvgenDiagnosticsPlugin, measure};
-use crate::environment::{Environment, EnvironmentError, EnvironmentState, Layout, Pace};
-use crate::job::{Made, Notices, Standing};
+use crate::environment::{Environment, EnvironmentError, EnvironmentState, GenerationMode, Layout};
+use crate::job::{Generated, PendingEvents, SpawnedTiles};
 use crate::place::global_transform;
 use crate::plan::{Plan, TileKey, distance};
 use crate::spawn::{TileSolids, spawn_page, spawn_trees};
@@ -27,7 +27,7 @@ const MAX_TILES_ACROSS: f64 = 512.0;
 /// Tiles of an endless forest that are drawn at a time on other threads.
 const MAX_TASKS: usize = 16;
 
-/// Trees that a tile of an endless forest may be expected to hold for [`Pace::Auto`] to draw it
+/// Trees that a tile of an endless forest may be expected to hold for [`GenerationMode::Auto`] to draw it
 /// while the schedule waits.
 const IN_PLACE_TREES: f64 = 500.0;
 
@@ -97,7 +97,7 @@ pub struct StreamingReport {
 /// A world that is streamed.
 #[derive(Component)]
 pub(crate) struct Streaming {
-    made: Made,
+    made: Generated,
     layout: Layout,
     /// Tiles that are spawned to the end.
     complete: BTreeSet<TileKey>,
@@ -116,7 +116,7 @@ enum Drawing {
 }
 
 impl Streaming {
-    pub(crate) fn new(made: Made, layout: Layout) -> Self {
+    pub(crate) fn new(made: Generated, layout: Layout) -> Self {
         let (complete, drawn) = (BTreeSet::new(), Vec::new());
         let (settled, refused, warned) = (false, None, false);
         Streaming { made, layout, complete, drawn, settled, refused, warned }
@@ -223,7 +223,8 @@ fn stream(
     };
     // Taken out, so that the ECS is free to spawn; put back below.
     let Ok(mut entity) = world.get_entity_mut(root) else { return };
-    let Some(standing) = entity.get_mut::<Standing>().map(|mut s| std::mem::take(&mut *s)) else {
+    let Some(standing) = entity.get_mut::<SpawnedTiles>().map(|mut s| std::mem::take(&mut *s))
+    else {
         return;
     };
     let Some(mut known) = entity.get_mut::<Streaming>() else { return };
@@ -234,7 +235,7 @@ fn stream(
     streamer.follow(stream, at);
     let TileStreamer { world, standing, streaming, .. } = streamer;
     if let Ok(mut root) = world.get_entity_mut(root) {
-        if let Some(mut known) = root.get_mut::<Standing>() {
+        if let Some(mut known) = root.get_mut::<SpawnedTiles>() {
             *known = standing;
         }
         if let Some(mut known) = root.get_mut::<Streaming>() {
@@ -270,8 +271,8 @@ fn endless_near(forest: &EndlessForest, at: DVec2, radius: f64) -> Vec<(f64, Til
 struct TileStreamer<'a> {
     world: &'a mut World,
     root: Entity,
-    pace: Pace,
-    standing: Standing,
+    pace: GenerationMode,
+    standing: SpawnedTiles,
     streaming: Streaming,
     allowance: &'a mut Allowance,
     report: &'a mut StreamingReport,
@@ -283,10 +284,10 @@ impl TileStreamer<'_> {
     fn follow(&mut self, stream: StreamAround, at: DVec2) {
         let at = at + self.streaming.layout.origin;
         let wanted = match &self.streaming.made {
-            Made::Finite(plan) => {
+            Generated::Finite(plan) => {
                 check_radius(stream.radius, stream.tile).map(|()| plan.near(at, stream.radius))
             }
-            Made::Endless(forest) => check_radius(stream.radius, forest.tile_side())
+            Generated::Endless(forest) => check_radius(stream.radius, forest.tile_side())
                 .map(|()| endless_near(forest, at, stream.radius)),
         };
         match wanted {
@@ -300,7 +301,7 @@ impl TileStreamer<'_> {
                 let waiting = self.settle(&wanted);
                 self.report.waiting += waiting;
                 if waiting == 0 && !std::mem::replace(&mut self.streaming.settled, true) {
-                    self.world.get_resource_or_init::<Notices>().push(self.root, Ok(()));
+                    self.world.get_resource_or_init::<PendingEvents>().push(self.root, Ok(()));
                 }
             }
             Err(error) => {
@@ -308,7 +309,7 @@ impl TileStreamer<'_> {
                 let radius = stream.radius.to_bits();
                 if self.streaming.refused.replace(radius) != Some(radius) {
                     self.streaming.settled = false;
-                    self.world.get_resource_or_init::<Notices>().push(self.root, Err(error));
+                    self.world.get_resource_or_init::<PendingEvents>().push(self.root, Err(error));
                 }
             }
         }
@@ -347,7 +348,7 @@ impl TileStreamer<'_> {
         let TileStreamer { world, root, pace, standing, streaming, allowance, report } = self;
         let (root, layout) = (*root, streaming.layout);
         match &streaming.made {
-            Made::Finite(plan) => {
+            Generated::Finite(plan) => {
                 let pages = pages(plan, key);
                 let entities = standing.tiles.entry(key).or_default();
                 while entities.len() < pages {
@@ -362,7 +363,7 @@ impl TileStreamer<'_> {
                 }
                 true
             }
-            Made::Endless(forest) => {
+            Generated::Endless(forest) => {
                 let forest = Arc::clone(forest);
                 let Some(trees) = draw(&mut streaming.drawn, &forest, key, *pace, allowance) else {
                     return false;
@@ -420,15 +421,15 @@ fn draw(
     drawn: &mut Vec<(TileKey, Drawing)>,
     forest: &Arc<EndlessForest>,
     key: TileKey,
-    pace: Pace,
+    pace: GenerationMode,
     allowance: &mut Allowance,
 ) -> Option<Arc<Vec<Tree>>> {
     let [i, j] = key.at;
     let Some(place) = drawn.iter().position(|(drawn, _)| *drawn == key) else {
         let in_place = match pace {
-            Pace::Auto => forest.expected_trees() <= IN_PLACE_TREES,
-            Pace::InPlace => true,
-            Pace::Async => false,
+            GenerationMode::Auto => forest.expected_trees() <= IN_PLACE_TREES,
+            GenerationMode::Blocking => true,
+            GenerationMode::Async => false,
         };
         if in_place {
             let trees = Arc::new(allowance.step(0, || forest.tile(i, j)));

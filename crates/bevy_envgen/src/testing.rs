@@ -21,7 +21,7 @@ use crate::environment::{
     Environment, EnvironmentError, EnvironmentFailure, EnvironmentState, GroundTruth,
 };
 use crate::generate::finish_tasks;
-use crate::{EnvgenPlugins, PartId, PartShape, StandingPart, TileSolids};
+use crate::{EnvgenPlugins, PartId, PartShape, SolidPart, TileSolids};
 
 /// Fixed steps a second of [`test_app`].
 pub const STEPS_A_SECOND: f64 = 64.0;
@@ -115,7 +115,7 @@ pub fn spawn_ready(app: &mut App, environment: Environment) -> Result<Entity, En
 }
 
 /// The parts below an environment, entities and data, in the order of their ids.
-pub fn parts(app: &App, environment: Entity) -> Vec<StandingPart> {
+pub fn parts(app: &App, environment: Entity) -> Vec<SolidPart> {
     let mut parts = Vec::new();
     let mut below = vec![environment];
     while let Some(entity) = below.pop() {
@@ -123,7 +123,7 @@ pub fn parts(app: &App, environment: Entity) -> Vec<StandingPart> {
         if let (Some(id), Some(transform), Some(shape)) =
             (entity.get::<PartId>(), entity.get::<Transform>(), entity.get::<PartShape>())
         {
-            parts.push(StandingPart { id: *id, transform: *transform, shape: shape.clone() });
+            parts.push(SolidPart { id: *id, transform: *transform, shape: shape.clone() });
         }
         parts
             .extend(entity.get::<TileSolids>().into_iter().flat_map(|data| data.0.iter().cloned()));

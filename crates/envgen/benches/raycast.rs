@@ -8,7 +8,7 @@ use envgen::geometry::{Pose, Shape, edges};
 use envgen::glam::DVec2;
 use envgen::hallway::HallwaySpec;
 use envgen::occupancy::{Coverage, OccupancyGrid};
-use envgen::raycast::{Fan, Raycaster};
+use envgen::raycast::{Raycaster, ScanPattern};
 use envgen::{Blueprint, Seed, Spec, World};
 
 const POSES: usize = 200;
@@ -48,7 +48,7 @@ fn main() {
 
 fn rays(name: &str, world: &World, poses: &[Pose]) {
     let index = Raycaster::new(world);
-    let fan = Fan::new(std::f64::consts::PI, BEAMS).expect("half a turn");
+    let fan = ScanPattern::new(std::f64::consts::PI, BEAMS).expect("half a turn");
     let mut ranges = Vec::new();
     let mut all = || {
         let mut sum = 0.0;

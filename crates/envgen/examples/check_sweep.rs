@@ -19,7 +19,7 @@ use std::panic::catch_unwind;
 use std::process::ExitCode;
 
 use envgen::certificate::{Claim, Verdict, verify};
-use envgen::{Kind, Seed, WorldSpec};
+use envgen::{Seed, WorldKind, WorldSpec};
 use serde_json::{Value, json};
 
 fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
@@ -36,7 +36,7 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
         done += 1;
     }
     for index in done..count {
-        let kind = Kind::ALL[(index % Kind::ALL.len() as u64) as usize];
+        let kind = WorldKind::ALL[(index % WorldKind::ALL.len() as u64) as usize];
         let spec = random_spec::random_spec(kind, index);
         let outcome = catch_unwind(|| outcome(&spec, Seed(index)))
             .unwrap_or_else(|_| vec!["panic".to_owned()]);

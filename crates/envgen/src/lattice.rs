@@ -122,20 +122,20 @@ impl Convex<'_> {
 
 /// A list a cell, all in one piece of memory.
 #[derive(Clone, Debug)]
-pub(crate) struct Lists<T> {
+pub(crate) struct CellBuckets<T> {
     /// Where each cell's list starts; one more than there are cells.
     starts: Vec<u32>,
     items: Vec<T>,
 }
 
-impl<T> Default for Lists<T> {
+impl<T> Default for CellBuckets<T> {
     fn default() -> Self {
-        Lists { starts: Vec::new(), items: Vec::new() }
+        CellBuckets { starts: Vec::new(), items: Vec::new() }
     }
 }
 
-impl<T: Copy> Lists<T> {
-    /// Lists each item in every cell that `runs` names for it; `None` when that would be more than
+impl<T: Copy> CellBuckets<T> {
+    /// CellBuckets each item in every cell that `runs` names for it; `None` when that would be more than
     /// `most` listings.
     pub(crate) fn build(
         lattice: &Lattice,
@@ -161,7 +161,9 @@ impl<T: Copy> Lists<T> {
             *start = end;
         }
         // Filled from the back, each start moves from the end of its list to its beginning.
-        let Some(&any) = items.first() else { return Some(Lists { starts, items: Vec::new() }) };
+        let Some(&any) = items.first() else {
+            return Some(CellBuckets { starts, items: Vec::new() });
+        };
         let mut listed = vec![any; total];
         for item in items.iter().rev() {
             runs(item, lattice, &mut |row, from, to| {
@@ -172,7 +174,7 @@ impl<T: Copy> Lists<T> {
                 }
             });
         }
-        Some(Lists { starts, items: listed })
+        Some(CellBuckets { starts, items: listed })
     }
 
     #[inline]

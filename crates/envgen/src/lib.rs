@@ -3,7 +3,7 @@
 //!
 //! ```
 //! use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
-//! use envgen::raycast::{Fan, Raycaster};
+//! use envgen::raycast::{ScanPattern, Raycaster};
 //!
 //! let spec = HallwaySpec { segments: 80, p_st: 0.2, ..Default::default() };
 //! let hallway = spec.generate(Seed(7))?;
@@ -11,7 +11,7 @@
 //!
 //! // A laser scan from the start.
 //! let mut ranges = Vec::new();
-//! let scanner = Fan::new(std::f64::consts::PI, 181)?;
+//! let scanner = ScanPattern::new(std::f64::consts::PI, 181)?;
 //! let start = world.start.expect("a hallway has a start");
 //! Raycaster::new(&world).scan(start, &scanner, 8.0, &mut ranges);
 //! assert_eq!(ranges.len(), 181);
@@ -23,7 +23,7 @@
 //! | what | where |
 //! |---|---|
 //! | generators, one module a kind | [`hallway`], [`forest`], [`road`], [`indoor`], [`landscape`] |
-//! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`Kind`], [`settings`] |
+//! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`WorldKind`], [`settings`] |
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | what generators make | [`World`], [`world`], [`geometry`] |
 //! | what reads a world | [`occupancy`], [`raycast`], [`proximity`], [`ground`], [`placement`], [`mod@distance`], [`certificate`], [`reproduction`], `picture` |
@@ -50,6 +50,7 @@
 //! | `cli` | no | the command `envgen` |
 
 pub mod certificate;
+pub mod clearance_index;
 pub mod curve;
 pub mod distance;
 pub mod distribution;
@@ -60,7 +61,6 @@ mod flood;
 pub mod forest;
 mod generate;
 pub mod geometry;
-pub mod ground;
 pub mod hallway;
 pub mod import;
 pub mod indoor;
@@ -72,13 +72,13 @@ pub mod occupancy;
 pub mod picture;
 pub mod placement;
 mod provenance;
-pub mod proximity;
 pub mod raycast;
 pub mod reproduction;
 pub mod road;
 mod seed;
 pub mod settings;
 mod spec;
+pub mod surface_index;
 #[cfg(feature = "whole-file")]
 pub mod whole_file;
 pub mod world;
@@ -87,7 +87,7 @@ pub use error::{GenerateError, SpecError};
 pub use generate::{Blueprint, Spec};
 pub use provenance::Provenance;
 pub use seed::{STREAM_ALGORITHM, Seed, Stream};
-pub use spec::{Kind, SettingsError, WorldBlueprint, WorldMetrics, WorldSpec};
+pub use spec::{SettingsError, WorldBlueprint, WorldKind, WorldMetrics, WorldSpec};
 pub use world::World;
 
 pub use glam;

@@ -11,16 +11,16 @@ use crate::occupancy::OccupancyGrid;
 ///
 /// ```
 /// use envgen::occupancy::{Coverage, OccupancyGrid};
-/// use envgen::placement::roomiest_place;
+/// use envgen::placement::max_clearance_point;
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
 ///
 /// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
 /// let grid = OccupancyGrid::of(&world, 0.1, Coverage::Conservative)?;
-/// let place = roomiest_place(&grid).expect("there is free ground");
+/// let place = max_clearance_point(&grid).expect("there is free ground");
 /// assert!(world.clearance(place) > 0.5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn roomiest_place(grid: &OccupancyGrid) -> Option<DVec2> {
+pub fn max_clearance_point(grid: &OccupancyGrid) -> Option<DVec2> {
     let (cols, rows) = (grid.cols(), grid.rows());
     let region = largest_region(cols, grid.cells());
     let distance = squared_distances(cols, grid.cells());
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn the_largest_region_wins_and_its_roomiest_place() {
-        let place = roomiest_place(&grid(&[
+        let place = max_clearance_point(&grid(&[
             "..#......", //
             "..#......",
             "..#......",
@@ -93,12 +93,12 @@ mod tests {
 
     #[test]
     fn corners_do_not_join() {
-        let place = roomiest_place(&grid(&["..#", "##.", "#.."]));
+        let place = max_clearance_point(&grid(&["..#", "##.", "#.."]));
         assert_eq!(place, Some(DVec2::new(10.75, 20.25)));
     }
 
     #[test]
     fn without_free_cells_there_is_no_place() {
-        assert_eq!(roomiest_place(&grid(&["##", "##"])), None);
+        assert_eq!(max_clearance_point(&grid(&["##", "##"])), None);
     }
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::seed::{STREAM_ALGORITHM, Seed};
-use crate::spec::Kind;
+use crate::spec::WorldKind;
 
 /// What made a world, complete enough to make it again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,7 +45,7 @@ impl Provenance {
     /// `difficulty 7, profile thesis`; at the end `edited` for a world that was. Empty for kinds
     /// that are not generated.
     pub fn changed_settings(&self) -> String {
-        let Some(kind) = Kind::ALL.iter().find(|kind| kind.name() == self.kind) else {
+        let Some(kind) = WorldKind::ALL.iter().find(|kind| kind.name() == self.kind) else {
             return String::new();
         };
         let defaults = kind.default_spec().settings_json();

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::error::SpecError;
 use crate::geometry::{Pose, Rect, Shape, edges, polygon_contains, unit_vector};
-use crate::lattice::{Convex, Lattice, Lists, MAX_CELLS};
+use crate::lattice::{CellBuckets, Convex, Lattice, MAX_CELLS};
 use crate::world::{PartId, World};
 
 /// Cells that the index has for each shape, about, where parts are spread evenly.
@@ -30,11 +30,11 @@ pub struct Hit {
 
 /// The directions of a laser scan, relative to the scanner.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fan {
+pub struct ScanPattern {
     directions: Vec<DVec2>,
 }
 
-impl Fan {
+impl ScanPattern {
     /// `beams` rays spread evenly over `field_of_view` radians, centred on the scanner's heading,
     /// from right to left; both ends have a ray. The field of view is from 0 to a full turn, the
     /// beams are a million at most.
@@ -53,7 +53,7 @@ impl Fan {
         let step = field_of_view / beams.saturating_sub(1).max(1) as f64;
         let first = if beams > 1 { -0.5 * field_of_view } else { 0.0 };
         let directions = (0..beams).map(|i| unit_vector(first + step * i as f64)).collect();
-        Ok(Fan { directions })
+        Ok(ScanPattern { directions })
     }
 
     /// Number of rays.
@@ -88,10 +88,10 @@ impl Fan {
 pub struct Raycaster {
     lattice: Lattice,
     per_cell: f64,
-    shapes: Lists<Listing>,
+    shapes: CellBuckets<Listing>,
     /// The filled polygons around each cell: they are listed by their sides, and only where a ray
     /// starts does it matter whether it starts inside.
-    fillings: Lists<u32>,
+    fillings: CellBuckets<u32>,
     polygons: Vec<(PartId, Vec<DVec2>)>,
 }
 
@@ -146,8 +146,8 @@ impl Raycaster {
         loop {
             let lattice = Lattice::over(around, target);
             let most = (lattice.cols * lattice.rows > 1).then_some(MAX_LISTINGS * shapes.len());
-            let listed = Lists::build(&lattice, &shapes, most, Listing::touched_runs);
-            let filled = Lists::build(&lattice, &numbers, most, |&i, lattice, visit| {
+            let listed = CellBuckets::build(&lattice, &shapes, most, Listing::touched_runs);
+            let filled = CellBuckets::build(&lattice, &numbers, most, |&i, lattice, visit| {
                 filled_runs(&polygons[i as usize].1, lattice, visit);
             });
             if let (Some(shapes), Some(fillings)) = (listed, filled) {
@@ -227,7 +227,7 @@ impl Raycaster {
 
     /// A whole scan: the ranges of all rays of `fan` from a pose, in metres, `max_range` where a
     /// ray meets nothing. `ranges` is overwritten.
-    pub fn scan(&self, pose: Pose, fan: &Fan, max_range: f64, ranges: &mut Vec<f64>) {
+    pub fn scan(&self, pose: Pose, fan: &ScanPattern, max_range: f64, ranges: &mut Vec<f64>) {
         let heading = unit_vector(pose.heading);
         ranges.clear();
         ranges.extend(fan.directions.iter().map(|&direction| {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::landscape::LandscapeSpec;
 use crate::provenance::Provenance;
-use crate::spec::{Kind, WorldBlueprint, WorldSpec};
+use crate::spec::{WorldBlueprint, WorldKind, WorldSpec};
 use crate::world::World;
 
 /// A spec is not generated again when it asks for more parts than this...
@@ -93,7 +93,7 @@ impl fmt::Display for Reproduction {
 /// and a fixed multiple of what the world holds.
 pub fn reproduce(world: &World) -> Reproduction {
     let provenance = &world.provenance;
-    let (Ok(kind), Some(seed)) = (provenance.kind.parse::<Kind>(), provenance.seed) else {
+    let (Ok(kind), Some(seed)) = (provenance.kind.parse::<WorldKind>(), provenance.seed) else {
         return Reproduction::NoSpec;
     };
     if provenance.edited {
@@ -153,12 +153,12 @@ mod tests {
     use serde_json::json;
 
     fn forest() -> World {
-        Kind::Forest.default_spec().generate(Seed(3)).unwrap().to_world()
+        WorldKind::Forest.default_spec().generate(Seed(3)).unwrap().to_world()
     }
 
     #[test]
     fn every_kind_is_made_again() {
-        for &kind in Kind::ALL {
+        for &kind in WorldKind::ALL {
             let blueprint = kind.default_spec().generate(Seed(3)).unwrap();
             let found = reproduce(&blueprint.to_world());
             assert_eq!(found, Reproduction::Same(Box::new(blueprint)), "{kind}");

@@ -31,7 +31,7 @@ pub enum SettingsError {
     #[error("kind {kind} has no setting `{name}`, it has: {known}")]
     UnknownSetting {
         /// The kind.
-        kind: Kind,
+        kind: WorldKind,
         /// The name given.
         name: String,
         /// The settings that exist.
@@ -51,59 +51,59 @@ macro_rules! kinds {
         /// The kinds of world.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[non_exhaustive]
-        pub enum Kind {
+        pub enum WorldKind {
             $(#[doc = $doc] $variant,)+
         }
 
-        impl Kind {
+        impl WorldKind {
             /// Every kind, in the order of the documentation.
-            pub const ALL: &'static [Kind] = &[$(Kind::$variant),+];
+            pub const ALL: &'static [WorldKind] = &[$(WorldKind::$variant),+];
 
             /// The name on the command line.
             pub fn name(self) -> &'static str {
                 match self {
-                    $(Kind::$variant => $name,)+
+                    $(WorldKind::$variant => $name,)+
                 }
             }
 
             /// What the kind is, in one sentence.
             pub fn summary(self) -> &'static str {
                 match self {
-                    $(Kind::$variant => $doc.trim_ascii(),)+
+                    $(WorldKind::$variant => $doc.trim_ascii(),)+
                 }
             }
 
             /// The settings of its specs.
             pub fn settings(self) -> &'static [Setting] {
                 match self {
-                    $(Kind::$variant => <$spec>::SETTINGS,)+
+                    $(WorldKind::$variant => <$spec>::SETTINGS,)+
                 }
             }
 
             /// What is allowed of several settings together, a sentence a rule.
             pub fn rules(self) -> &'static [&'static str] {
                 match self {
-                    $(Kind::$variant => <$spec>::RULES,)+
+                    $(WorldKind::$variant => <$spec>::RULES,)+
                 }
             }
 
             /// Raised by every change of what a seed yields.
             pub fn value_version(self) -> u32 {
                 match self {
-                    $(Kind::$variant => <$spec>::VALUE_VERSION,)+
+                    $(WorldKind::$variant => <$spec>::VALUE_VERSION,)+
                 }
             }
 
             /// The spec with every setting at its default.
             pub fn default_spec(self) -> WorldSpec {
                 match self {
-                    $(Kind::$variant => WorldSpec::$variant(Default::default()),)+
+                    $(WorldKind::$variant => WorldSpec::$variant(Default::default()),)+
                 }
             }
 
             fn spec_from_json(self, settings: Value) -> Result<WorldSpec, serde_json::Error> {
                 Ok(match self {
-                    $(Kind::$variant => WorldSpec::$variant(serde_json::from_value(settings)?),)+
+                    $(WorldKind::$variant => WorldSpec::$variant(serde_json::from_value(settings)?),)+
                 })
             }
         }
@@ -118,9 +118,9 @@ macro_rules! kinds {
 
         impl WorldSpec {
             /// Which kind it is.
-            pub fn kind(&self) -> Kind {
+            pub fn kind(&self) -> WorldKind {
                 match self {
-                    $(WorldSpec::$variant(_) => Kind::$variant,)+
+                    $(WorldSpec::$variant(_) => WorldKind::$variant,)+
                 }
             }
 
@@ -217,34 +217,35 @@ kinds! {
         crate::landscape::LandscapeSpec, crate::landscape::Landscape;
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for WorldKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
 }
 
-impl FromStr for Kind {
+impl FromStr for WorldKind {
     type Err = SettingsError;
 
     fn from_str(name: &str) -> Result<Self, SettingsError> {
-        Kind::ALL.iter().copied().find(|kind| kind.name() == name).ok_or_else(|| {
-            let known = Kind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
+        WorldKind::ALL.iter().copied().find(|kind| kind.name() == name).ok_or_else(|| {
+            let known =
+                WorldKind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
             SettingsError::UnknownKind { name: name.to_owned(), known }
         })
     }
 }
 
-impl Serialize for Kind {
+impl Serialize for WorldKind {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())
     }
 }
 
-impl Kind {
+impl WorldKind {
     /// The setting of a name.
     ///
     /// # Errors
-    /// Lists the settings that exist.
+    /// CellBuckets the settings that exist.
     pub fn setting(self, name: &str) -> Result<&'static Setting, SettingsError> {
         self.settings().iter().find(|setting| setting.name == name).ok_or_else(|| {
             let known: Vec<_> = self.settings().iter().map(|setting| setting.name).collect();
@@ -295,7 +296,7 @@ impl WorldSpec {
     /// # Errors
     /// When the provenance names no kind of this crate, or settings that the kind does not have.
     pub fn from_provenance(provenance: &Provenance) -> Result<Self, SettingsError> {
-        let kind: Kind = provenance.kind.parse()?;
+        let kind: WorldKind = provenance.kind.parse()?;
         kind.spec_from_json(provenance.spec.clone()).map_err(|error| {
             SpecError::new("spec", &provenance.spec, format!("settings of a {kind}: {error}"))
                 .into()
@@ -317,7 +318,7 @@ mod tests {
 
     #[test]
     fn the_table_of_settings_is_the_spec() {
-        for &kind in Kind::ALL {
+        for &kind in WorldKind::ALL {
             let fields = kind.default_spec().settings_json();
             let mut fields: Vec<_> = fields.as_object().unwrap().keys().cloned().collect();
             let mut table: Vec<_> = kind.settings().iter().map(|s| s.name.to_owned()).collect();
@@ -329,7 +330,7 @@ mod tests {
 
     #[test]
     fn defaults_are_allowed_and_every_choice_can_be_set() {
-        for &kind in Kind::ALL {
+        for &kind in WorldKind::ALL {
             assert_eq!(kind.default_spec().validate(), Ok(()), "{kind}");
             for setting in kind.settings() {
                 let mut spec = kind.default_spec();
@@ -352,7 +353,7 @@ mod tests {
 
     #[test]
     fn examples_and_rules_are_of_the_kind() {
-        for &kind in Kind::ALL {
+        for &kind in WorldKind::ALL {
             for setting in kind.settings() {
                 let form = matches!(setting.allowed, Allowed::List(_));
                 assert!(!form || setting.example.is_some(), "{kind} {}", setting.name);
@@ -378,17 +379,17 @@ mod tests {
     #[test]
     fn rules_give_the_limits_that_hold() {
         use crate::{forest, landscape, road};
-        let hold = |kind: Kind, limit: u64| {
+        let hold = |kind: WorldKind, limit: u64| {
             let digits = limit.to_string();
             let plain = |rule: &str| rule.replace(',', "").contains(&digits);
             assert!(kind.rules().iter().any(|rule| plain(rule)), "{kind} {limit}");
         };
-        hold(Kind::Forest, forest::MAX_TREES as u64);
-        hold(Kind::Forest, forest::MAX_HARD_CORE_TREES as u64);
-        hold(Kind::Road, road::MAX_WAYPOINTS);
-        hold(Kind::Road, road::MAX_SEGMENTS as u64);
-        hold(Kind::Landscape, landscape::MAX_CELLS);
-        hold(Kind::Landscape, landscape::MAX_SMOOTH_CELLS);
+        hold(WorldKind::Forest, forest::MAX_TREES as u64);
+        hold(WorldKind::Forest, forest::MAX_HARD_CORE_TREES as u64);
+        hold(WorldKind::Road, road::MAX_WAYPOINTS);
+        hold(WorldKind::Road, road::MAX_SEGMENTS as u64);
+        hold(WorldKind::Landscape, landscape::MAX_CELLS);
+        hold(WorldKind::Landscape, landscape::MAX_SMOOTH_CELLS);
     }
 
     #[test]
@@ -401,7 +402,7 @@ mod tests {
                 other => other.to_string(),
             }
         }
-        for &kind in Kind::ALL {
+        for &kind in WorldKind::ALL {
             for (name, value) in kind.default_spec().settings_json().as_object().unwrap() {
                 let mut spec = kind.default_spec();
                 assert_eq!(spec.set(name, &plain(value)), Ok(()), "{kind} {name}");
@@ -412,7 +413,7 @@ mod tests {
 
     #[test]
     fn ron_gives_the_same_spec_back() {
-        for &kind in Kind::ALL {
+        for &kind in WorldKind::ALL {
             let spec = kind.default_spec();
             assert_eq!(WorldSpec::from_ron(&spec.to_ron()), Ok(spec));
         }
@@ -426,10 +427,10 @@ mod tests {
 
     #[test]
     fn unknown_names_list_what_exists() {
-        let mut spec = Kind::Hallway.default_spec();
+        let mut spec = WorldKind::Hallway.default_spec();
         let error = spec.set("segmens", "3").unwrap_err().to_string();
         assert!(error.contains("segments, p_st"), "{error}");
-        let error = "lake".parse::<Kind>().unwrap_err().to_string();
+        let error = "lake".parse::<WorldKind>().unwrap_err().to_string();
         assert!(error.contains("hallway, forest"), "{error}");
         assert!(WorldSpec::from_ron("Hallway(segmens: 3)").is_err());
     }

@@ -6,14 +6,14 @@ mod random_spec;
 use envgen::certificate::{Claim, Verdict, verify};
 use envgen::geometry::Shape;
 use envgen::indoor::IndoorSpec;
-use envgen::{Blueprint, Kind, Seed, Spec, World};
+use envgen::{Blueprint, Seed, Spec, World, WorldKind};
 
 /// The example `check_sweep` does the same for thousands.
 #[test]
 fn random_specs_make_worlds_whose_promises_hold() {
     let (mut worlds, mut promises) = (0, 0);
     for index in 0..75 {
-        let kind = Kind::ALL[index as usize % Kind::ALL.len()];
+        let kind = WorldKind::ALL[index as usize % WorldKind::ALL.len()];
         let spec = random_spec::random_spec(kind, index);
         let Ok(blueprint) = spec.generate(Seed(index)) else { continue };
         let world = blueprint.to_world();
@@ -30,7 +30,9 @@ fn random_specs_make_worlds_whose_promises_hold() {
 /// Laps of roads, and hallways of rounded corners: many small pieces near each other.
 #[test]
 fn worlds_of_many_small_pieces_are_decided() {
-    for (kind, index) in [(Kind::Road, 6582), (Kind::Road, 7952), (Kind::Hallway, 7185)] {
+    for (kind, index) in
+        [(WorldKind::Road, 6582), (WorldKind::Road, 7952), (WorldKind::Hallway, 7185)]
+    {
         let spec = random_spec::random_spec(kind, index);
         let world = spec.generate(Seed(index)).unwrap().to_world();
         for (claim, verdict) in verify(&world) {

@@ -3,7 +3,7 @@
 use std::thread;
 
 use envgen::world::Digest;
-use envgen::{Kind, Seed, WorldSpec};
+use envgen::{Seed, WorldKind, WorldSpec};
 use proptest::prelude::*;
 
 fn digests(spec: &WorldSpec, seeds: impl Iterator<Item = u64>) -> Vec<(u64, Digest)> {
@@ -12,7 +12,7 @@ fn digests(spec: &WorldSpec, seeds: impl Iterator<Item = u64>) -> Vec<(u64, Dige
 
 #[test]
 fn one_thread_and_many_make_the_same_worlds() {
-    for &kind in Kind::ALL {
+    for &kind in WorldKind::ALL {
         let spec = kind.default_spec();
         let alone = digests(&spec, 0..16);
         let mut together: Vec<_> = thread::scope(|scope| {
@@ -32,7 +32,7 @@ fn one_thread_and_many_make_the_same_worlds() {
 
 #[test]
 fn seeds_differ_and_zero_is_one_of_them() {
-    for &kind in Kind::ALL {
+    for &kind in WorldKind::ALL {
         let made = digests(&kind.default_spec(), 0..8);
         for (i, (seed, digest)) in made.iter().enumerate() {
             for (other, same) in &made[i + 1..] {
@@ -44,7 +44,7 @@ fn seeds_differ_and_zero_is_one_of_them() {
 
 #[test]
 fn a_world_names_what_makes_it_again() {
-    for &kind in Kind::ALL {
+    for &kind in WorldKind::ALL {
         let spec = kind.default_spec();
         let world = spec.generate(Seed(3)).unwrap().to_world();
         assert_eq!(WorldSpec::from_provenance(&world.provenance), Ok(spec));
@@ -77,7 +77,7 @@ proptest! {
 
     #[test]
     fn text_like_a_spec_is_a_spec_or_an_error(
-        kind in prop::sample::select(Kind::ALL),
+        kind in prop::sample::select(WorldKind::ALL),
         fields in prop::collection::vec((any::<prop::sample::Index>(), nasty_number()), 0..4),
         brackets in 0..300_usize,
     ) {
@@ -97,7 +97,7 @@ proptest! {
 
     #[test]
     fn any_setting_can_be_given_any_text(
-        kind in prop::sample::select(Kind::ALL),
+        kind in prop::sample::select(WorldKind::ALL),
         setting in any::<prop::sample::Index>(),
         text in prop_oneof![nasty_number(), ".{0,20}"],
     ) {

@@ -5,7 +5,7 @@ use envgen::landscape::{
     edge_upper_bound, entropy_of, least_built,
 };
 use envgen::world::Digest;
-use envgen::{Blueprint, GenerateError, Kind, Seed, Spec, Stream};
+use envgen::{Blueprint, GenerateError, Seed, Spec, Stream, WorldKind};
 
 fn spec(rows: u64, cols: u64, classes: u64, entropy: f64) -> LandscapeSpec {
     LandscapeSpec { rows, cols, classes, entropy, ..Default::default() }
@@ -236,7 +236,7 @@ fn the_json_has_the_agreed_fields() {
 
 #[test]
 fn settings_from_the_command_line() {
-    let mut spec = Kind::Landscape.default_spec();
+    let mut spec = WorldKind::Landscape.default_spec();
     for (name, value) in [
         ("classes", "10"),
         ("entropy", "1.9"),

@@ -5,7 +5,7 @@ use envgen::geometry::{Pose, Rect, Shape, edges, unit_vector};
 use envgen::glam::DVec2;
 use envgen::hallway::{Corners, HallwaySpec};
 use envgen::occupancy::{Coverage, OccupancyGrid};
-use envgen::raycast::{Fan, Raycaster};
+use envgen::raycast::{Raycaster, ScanPattern};
 use envgen::world::{Obstacle, ObstacleKind};
 use envgen::{Blueprint, Provenance, Seed, Spec, World};
 use proptest::prelude::*;
@@ -172,7 +172,7 @@ fn an_empty_world_has_no_ranges() {
     let rays = Raycaster::new(&empty_world());
     assert_eq!(rays.cast(DVec2::ZERO, 1.0, f64::INFINITY), None);
     let mut ranges = vec![1.0];
-    rays.scan(Pose::default(), &Fan::new(3.0, 5).unwrap(), 8.0, &mut ranges);
+    rays.scan(Pose::default(), &ScanPattern::new(3.0, 5).unwrap(), 8.0, &mut ranges);
     assert_eq!(ranges, [8.0; 5]);
 }
 
@@ -191,13 +191,13 @@ fn nonsense_rays_meet_nothing_and_end() {
 #[test]
 fn a_fan_is_at_most_a_full_turn_of_a_million_rays() {
     for angle in [-0.1, f64::NAN, f64::INFINITY, 6.3] {
-        let error = Fan::new(angle, 3).unwrap_err().to_string();
+        let error = ScanPattern::new(angle, 3).unwrap_err().to_string();
         assert!(error.starts_with(&format!("`field_of_view` is {angle}, ")), "{error}");
     }
-    let error = Fan::new(1.0, usize::MAX).unwrap_err().to_string();
+    let error = ScanPattern::new(1.0, usize::MAX).unwrap_err().to_string();
     assert!(error.starts_with(&format!("`beams` is {}, ", usize::MAX)), "{error}");
-    assert!(Fan::new(0.0, 0).unwrap().is_empty());
-    assert_eq!(Fan::new(std::f64::consts::TAU, 1).unwrap().len(), 1);
+    assert!(ScanPattern::new(0.0, 0).unwrap().is_empty());
+    assert_eq!(ScanPattern::new(std::f64::consts::TAU, 1).unwrap().len(), 1);
 }
 
 #[test]
@@ -206,7 +206,7 @@ fn a_scan_runs_from_right_to_left() {
     let rays = Raycaster::new(&world_of(vec![wall]));
     let mut ranges = Vec::new();
     let pose = Pose::new(0.0, 0.0, 0.0);
-    rays.scan(pose, &Fan::new(std::f64::consts::PI, 3).unwrap(), 8.0, &mut ranges);
+    rays.scan(pose, &ScanPattern::new(std::f64::consts::PI, 3).unwrap(), 8.0, &mut ranges);
     assert_eq!(ranges[..2], [8.0, 8.0]);
     assert!((ranges[2] - 2.0).abs() < 1e-12);
 }

@@ -9,9 +9,9 @@ use envgen::indoor::IndoorSpec;
 use envgen::occupancy::{Coverage, OccupancyGrid};
 use envgen::{Blueprint, Seed, Spec};
 use mapping_trial::map::{CellIndex, OccupancyMap, RESOLUTION};
-use mapping_trial::operator::costmap::{Class, Costmap, SIDE};
-use mapping_trial::operator::frontier::Frontiers;
-use mapping_trial::operator::search::Search;
+use mapping_trial::policy::costmap::{CellCost, Costmap, SIDE};
+use mapping_trial::policy::frontier::Frontiers;
+use mapping_trial::policy::search::GridPlanner;
 use mapping_trial::robot::Robot;
 
 fn main() {
@@ -103,7 +103,7 @@ fn search(map: &OccupancyMap, start: DVec2) {
     let mut costmap = Costmap::new(&Robot::default());
     costmap.refresh(map);
     costmap.derive_all();
-    let mut search = Search::new();
+    let mut search = GridPlanner::new();
     // The reachable place that is farthest from the start.
     let mut last = None;
     search.nearest(&mut costmap, start, &[], |node, _| {
@@ -131,10 +131,10 @@ fn search(map: &OccupancyMap, start: DVec2) {
                         let at = at + IVec2::new(dx, dy);
                         let class = classes.class_at((at.as_dvec2() + 0.5) * SIDE);
                         let steps = match class {
-                            Class::Open => [10, 14],
-                            Class::Near => [14, 20],
-                            Class::Close => [22, 31],
-                            Class::Tight => [36, 51],
+                            CellCost::Open => [10, 14],
+                            CellCost::Near => [14, 20],
+                            CellCost::Close => [22, 31],
+                            CellCost::Tight => [36, 51],
                             _ => continue,
                         };
                         if (dx, dy) != (0, 0) {

@@ -9,11 +9,11 @@ use bench_ratio::{at_most, contest};
 use envgen::geometry::Pose;
 use envgen::indoor::IndoorSpec;
 use envgen::{Blueprint, Seed, Spec};
-use mapping_trial::operator::costmap::Costmap;
-use mapping_trial::operator::search::Search;
+use mapping_trial::policy::costmap::Costmap;
+use mapping_trial::policy::search::GridPlanner;
 use mapping_trial::robot::Robot;
-use mapping_trial::score::{Run, Scores, Track};
-use mapping_trial::truth::Truth;
+use mapping_trial::score::{RunSummary, Scores, TrajectoryPair};
+use mapping_trial::truth::MappableArea;
 
 /// Poses of 20 minutes.
 const TICKS: usize = 24_000;
@@ -25,12 +25,12 @@ fn main() {
         let Ok(plan) = spec.generate(Seed(1)) else { continue };
         let world = plan.to_world();
         let robot = Robot::default();
-        let Ok(truth) = Truth::new(&world, &robot) else { continue };
+        let Ok(truth) = MappableArea::new(&world, &robot) else { continue };
         let map = truth.perfect_map();
         let poses: Vec<Pose> =
             (0..TICKS).map(|i| Pose::new(0.02 * i as f64, 1.0, 1e-3 * i as f64)).collect();
-        let tracks = [Track { truth: &poses, estimated: &poses }];
-        let run = Run {
+        let tracks = [TrajectoryPair { truth: &poses, estimated: &poses }];
+        let run = RunSummary {
             map: &map,
             tracks: &tracks,
             time: 1200.0,
@@ -43,11 +43,11 @@ fn main() {
         };
         let Some(start) = world.start else { continue };
         let search = || {
-            let (mut costmap, mut search) = (Costmap::new(&robot), Search::new());
+            let (mut costmap, mut search) = (Costmap::new(&robot), GridPlanner::new());
             costmap.refresh(&map);
             search.nearest(&mut costmap, start.position, &[], |_, _| false)
         };
-        let truth_time = contest(|| Truth::new(&world, &robot).map_err(drop), search);
+        let truth_time = contest(|| MappableArea::new(&world, &robot).map_err(drop), search);
         let score_time = contest(|| Scores::of(&truth, &run).map_err(drop), search);
         println!(
             "{name}: {:.0} m^2 free, {} wall points; truth {:.0} ms, score {:.0} ms",

@@ -15,7 +15,7 @@ use mapping_trial::robot::Robot;
 use mapping_trial::slam::SlamKind;
 use mapping_trial::slam::likelihood::LikelihoodField;
 use mapping_trial::slam::matcher::{FINE_ANGLE, Matcher, Window};
-use mapping_trial::slam::painter::Painter;
+use mapping_trial::slam::scan_insertion::ScanInserter;
 use mapping_trial::slam::sweep::{Sweep, Sweeper};
 
 /// A building of 60 x 60 m with corridors around 25 blocks, and about 710 m of way through it.
@@ -46,7 +46,7 @@ fn main() {
     for (name, laser) in [("8 m", LaserProfile::LMS200_MM), ("20 m", long)] {
         let drive = Drive::new(&world, &way, &laser);
         let recording = drive.record(&OdometryProfile::SKID, 1);
-        let simulated = recording.steps.len() as f64 * mapping_trial::body::TICK;
+        let simulated = recording.steps.len() as f64 * mapping_trial::backend::TICK;
         let wheels = best(|| recording.replay(SlamKind::DeadReckoning));
         let kinds = [(SlamKind::ScanToMap, 2400.0, 30.0), (SlamKind::PoseGraph, 500.0, 80.0)];
         for (kind, limit, most) in kinds {
@@ -111,7 +111,7 @@ fn drawing(name: &str, sweep: &Sweep) {
         })
         .collect();
     let (mut painter, mut map, mut plain) =
-        (Painter::new(), OccupancyMap::new(), OccupancyMap::new());
+        (ScanInserter::new(), OccupancyMap::new(), OccupancyMap::new());
     let laser = Pose::default();
     let sides = contest(
         || poses.iter().for_each(|&pose| painter.draw(&mut map, pose, laser, sweep)),

@@ -8,11 +8,11 @@ use bench_ratio::{faster, seconds};
 use envgen::geometry::Pose;
 use envgen::indoor::IndoorSpec;
 use envgen::{Blueprint, Seed, Spec, World};
-use mapping_trial::body::{Bodies, Command, Condition, Observation};
+use mapping_trial::backend::{Command, Condition, Observation, RobotBackend};
 use mapping_trial::flat::{FlatSimulator, FlatWorld};
 use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::{Setup, Trial, TrialSettings};
-use mapping_trial::truth::Truth;
+use mapping_trial::truth::MappableArea;
 
 /// Maps that are driven; the best of each part's rounds is added up over them.
 const MAPS: u64 = 4;
@@ -29,7 +29,7 @@ struct Recorder {
     commands: Vec<Command>,
 }
 
-impl Bodies for Recorder {
+impl RobotBackend for Recorder {
     fn engine(&self) -> &str {
         "recorder"
     }
@@ -74,7 +74,7 @@ fn main() {
         let world = IndoorSpec::default().generate(Seed(map)).expect("defaults").to_world();
         let settings = TrialSettings { seed: Seed(map), ..TrialSettings::default() };
         let flat = Arc::new(FlatWorld::new(&world, &settings.body).expect("a robot"));
-        let truth = Truth::new(&world, &settings.body).expect("a start");
+        let truth = MappableArea::new(&world, &settings.body).expect("a start");
         let run = || {
             let builder = Trial::builder(&world, settings.clone());
             let mut trial = builder.build_flat_in(flat.clone()).expect("free");
@@ -91,7 +91,7 @@ fn main() {
         wheels += best(|| replayed(&log, &world, &flat, SlamKind::DeadReckoning));
         let recorded = recorded(&world, &flat, &settings);
         bodies +=
-            best(|| drive(simulator(&flat, &settings, &[trial.track(0).poses[0]]), &recorded));
+            best(|| drive(simulator(&flat, &settings, &[trial.trajectory(0).poses[0]]), &recorded));
     }
     faster("a trial of 20 minutes, scored, than real time", (whole + score, simulated), REAL_TIME);
     let share = |part: f64| 100.0 * part / (whole + score);

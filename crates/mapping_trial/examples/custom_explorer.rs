@@ -6,9 +6,9 @@ use std::error::Error;
 
 use envgen::indoor::IndoorSpec;
 use envgen::{Blueprint, Seed, Spec, World};
-use mapping_trial::body::Command;
+use mapping_trial::backend::Command;
 use mapping_trial::names::Named;
-use mapping_trial::operator::{Decision, Operator, OperatorKind, View};
+use mapping_trial::policy::{Decision, ExplorationPolicy, PolicyInput, PolicyKind};
 use mapping_trial::score::Scores;
 use mapping_trial::trial::{Trial, TrialBuilder, TrialSettings};
 
@@ -18,16 +18,16 @@ struct Bounce {
     turning: Option<f64>,
 }
 
-impl Operator for Bounce {
+impl ExplorationPolicy for Bounce {
     fn name(&self) -> &str {
         "bounce"
     }
 
-    fn decide(&mut self, view: &View<'_>) -> Decision {
+    fn decide(&mut self, view: &PolicyInput<'_>) -> Decision {
         // Lost beams are NaN, beams without an echo infinite: both fail the comparison.
         let beams = || view.scan.ranges.iter().enumerate();
         let near = beams().any(|(beam, &range)| {
-            view.laser.angle(beam).abs() < 0.8 && range < view.body.swing_radius + 0.3
+            view.laser.angle(beam).abs() < 0.8 && range < view.body.circumscribed_radius + 0.3
         });
         let turn_rate = match (near || view.seen.bumped, self.turning) {
             (false, _) => 0.0,
@@ -62,9 +62,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let Scores { coverage, mapping, navigation, difficulty, .. } = scores;
         println!("{name:<12}{coverage:>9.2}{mapping:>7.2}{navigation:>7.2}{difficulty:>7.2}");
     };
-    let own = Trial::builder(&world, settings.clone()).operator(|_| Bounce { turning: None });
+    let own = Trial::builder(&world, settings.clone()).policy(|_| Bounce { turning: None });
     row("bounce", score(&world, own)?);
-    for (name, kind) in OperatorKind::NAMES {
+    for (name, kind) in PolicyKind::NAMES {
         let settings = TrialSettings { operator: Some(*kind), ..settings.clone() };
         row(name, score(&world, Trial::builder(&world, settings))?);
     }

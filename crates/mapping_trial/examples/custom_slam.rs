@@ -9,11 +9,11 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use envgen::indoor::IndoorSpec;
 use envgen::{Blueprint, Seed, Spec, World};
-use mapping_trial::body::Observation;
+use mapping_trial::backend::Observation;
 use mapping_trial::map::{Estimate, OccupancyMap};
 use mapping_trial::names::Named;
 use mapping_trial::score::Scores;
-use mapping_trial::slam::painter::Painter;
+use mapping_trial::slam::scan_insertion::ScanInserter;
 use mapping_trial::slam::sweep::Sweeper;
 use mapping_trial::slam::{Slam, SlamKind};
 use mapping_trial::trial::{Setup, Trial, TrialBuilder, TrialSettings};
@@ -24,7 +24,7 @@ const GAIN: f64 = 0.2;
 /// Wheel odometry with a compass of walls, for one robot.
 struct WallCompass {
     sweeper: Sweeper,
-    painter: Painter,
+    painter: ScanInserter,
     map: OccupancyMap,
     trajectory: Vec<Pose>,
 }
@@ -33,7 +33,7 @@ impl WallCompass {
     fn new(setup: &Setup<'_>) -> Self {
         WallCompass {
             sweeper: Sweeper::new(&setup.settings.body, &setup.settings.laser),
-            painter: Painter::new(),
+            painter: ScanInserter::new(),
             map: OccupancyMap::new(),
             trajectory: vec![setup.starts[0]],
         }

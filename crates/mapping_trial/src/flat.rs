@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
+use envgen::clearance_index::ClearanceIndex;
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
-use envgen::ground::Grounds;
-use envgen::proximity::Proximity;
-use envgen::raycast::{Fan, Raycaster};
+use envgen::raycast::{Raycaster, ScanPattern};
+use envgen::surface_index::SurfaceIndex;
 use envgen::{Seed, SpecError, World};
 use glam::DVec2;
 
-use crate::body::{Bodies, Command, Condition, Observation, Sensors, TICK};
+use crate::backend::{Command, Condition, Observation, RobotBackend, Sensors, TICK};
 use crate::lidar::LaserProfile;
 use crate::odometry::{Increment, OdometryProfile};
 use crate::robot::Robot;
@@ -28,8 +28,8 @@ const TICKS_BETWEEN_HITS: u32 = 10;
 #[derive(Clone, Debug)]
 pub struct FlatWorld {
     rays: Raycaster,
-    near: Proximity,
-    grounds: Grounds,
+    near: ClearanceIndex,
+    grounds: SurfaceIndex,
 }
 
 impl FlatWorld {
@@ -41,8 +41,8 @@ impl FlatWorld {
         robot.validate()?;
         Ok(FlatWorld {
             rays: Raycaster::new(world),
-            near: Proximity::new(world, robot.swing_radius + 0.1)?,
-            grounds: Grounds::new(world),
+            near: ClearanceIndex::new(world, robot.circumscribed_radius + 0.1)?,
+            grounds: SurfaceIndex::new(world),
         })
     }
 }
@@ -56,7 +56,7 @@ pub struct FlatSimulator {
     world: Arc<FlatWorld>,
     robot: Robot,
     laser: LaserProfile,
-    fan: Fan,
+    fan: ScanPattern,
     ticks: u32,
     discs: Vec<Disc>,
     exact: Vec<f64>,
@@ -119,7 +119,7 @@ impl FlatSimulator {
             pose,
             speed: 0.0,
             turn_rate: 0.0,
-            condition: Condition::Able,
+            condition: Condition::Operational,
             touching: false,
             hits: 0,
             clear: TICKS_BETWEEN_HITS,
@@ -144,7 +144,8 @@ impl FlatSimulator {
             for (beam, range) in self.exact.iter_mut().enumerate() {
                 let direction = unit_vector(from.heading + self.laser.angle(beam));
                 let (along, across) = (to.dot(direction), to.perp_dot(direction));
-                let half2 = self.robot.swing_radius * self.robot.swing_radius - across * across;
+                let half2 = self.robot.circumscribed_radius * self.robot.circumscribed_radius
+                    - across * across;
                 if along > 0.0 && half2 >= 0.0 {
                     *range = range.min((along - half2.sqrt()).max(0.0));
                 }
@@ -154,7 +155,7 @@ impl FlatSimulator {
 
     /// Where a disc comes to rest that wants to be at `to`, and whether it touches something.
     fn slide(&self, robot: usize, from: DVec2, to: DVec2) -> (DVec2, bool) {
-        let radius = self.robot.swing_radius;
+        let radius = self.robot.circumscribed_radius;
         let mut at = to;
         let mut touching = false;
         let mut deepest = 0.0;
@@ -197,7 +198,7 @@ impl FlatSimulator {
 
     /// How deep a disc at a place is pressed into anything, in metres.
     fn depth(&self, robot: usize, at: DVec2) -> f64 {
-        let radius = self.robot.swing_radius;
+        let radius = self.robot.circumscribed_radius;
         let others = self.discs.iter().enumerate().filter(|&(i, _)| i != robot);
         let gap = others
             .map(|(_, other)| at.distance(other.pose.position) - radius)
@@ -242,7 +243,7 @@ impl FlatSimulator {
     }
 }
 
-impl Bodies for FlatSimulator {
+impl RobotBackend for FlatSimulator {
     fn engine(&self) -> &str {
         FlatSimulator::ENGINE
     }
@@ -270,7 +271,7 @@ impl Bodies for FlatSimulator {
 
     fn advance(&mut self, commands: &[Command]) {
         for robot in 0..self.discs.len() {
-            if self.discs[robot].condition == Condition::Able {
+            if self.discs[robot].condition == Condition::Operational {
                 let command = commands.get(robot).copied().unwrap_or(Command::STOP);
                 self.move_disc(robot, command);
             } else {
@@ -321,10 +322,10 @@ mod tests {
 
     #[test]
     fn a_world_is_indexed_for_robots_that_there_can_be() {
-        for swing_radius in [f64::NAN, -1.0, 0.0, 50.0] {
-            let robot = Robot { swing_radius, ..Robot::default() };
+        for circumscribed_radius in [f64::NAN, -1.0, 0.0, 50.0] {
+            let robot = Robot { circumscribed_radius, ..Robot::default() };
             let error = FlatWorld::new(&room(5.0, 5.0), &robot).expect_err("no robot").to_string();
-            assert!(error.contains("`body.swing_radius` is"), "{error}");
+            assert!(error.contains("`body.circumscribed_radius` is"), "{error}");
         }
     }
 
@@ -395,7 +396,7 @@ mod tests {
         surface(2.0, 0.0, SurfaceKind::Water);
         let mut bodies = simulator(&world, &[Pose::new(8.0, 5.0, 0.0)]);
         drive(&mut bodies, Command { speed: 0.5, turn_rate: 0.0 }, 30.0);
-        assert_eq!(bodies.condition(0), Condition::Able);
+        assert_eq!(bodies.condition(0), Condition::Operational);
         assert!((13.9..=14.0).contains(&bodies.pose(0).position.x), "{:?}", bodies.pose(0));
         drive(&mut bodies, Command { speed: -0.5, turn_rate: 0.0 }, 40.0);
         assert_eq!(bodies.condition(0), Condition::Drowned);

@@ -13,7 +13,7 @@
 //!
 //! // Everything that happened is in the log, from which it happens again.
 //! let again = trial.log().replay()?;
-//! assert_eq!(again.track(0), trial.track(0));
+//! assert_eq!(again.trajectory(0), trial.trajectory(0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -40,8 +40,8 @@
 //! - Metres, radians and seconds in `f64`; the map's frame is the world's, since a trial tells its
 //!   robots where they start.
 
-pub mod body;
-pub mod brain;
+pub mod autonomy;
+pub mod backend;
 #[cfg(feature = "driver")]
 pub mod driver;
 #[cfg(feature = "experiment")]
@@ -52,9 +52,9 @@ pub mod lidar;
 pub mod map;
 pub mod names;
 pub mod odometry;
-pub mod operator;
 #[cfg(feature = "picture")]
 pub mod picture;
+pub mod policy;
 pub mod robot;
 mod ros_map;
 pub mod score;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use envgen::raycast::Fan;
+use envgen::raycast::ScanPattern;
 use envgen::{Seed, SpecError};
 use serde::{Deserialize, Serialize};
 
@@ -89,9 +89,9 @@ impl LaserProfile {
     ///
     /// # Errors
     /// The first number that is not allowed.
-    pub fn fan(&self) -> Result<Fan, SpecError> {
+    pub fn fan(&self) -> Result<ScanPattern, SpecError> {
         self.validate()?;
-        Fan::new(self.field_of_view, self.beams as usize)
+        ScanPattern::new(self.field_of_view, self.beams as usize)
     }
 }
 

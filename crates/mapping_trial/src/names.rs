@@ -4,7 +4,7 @@ use envgen::SpecError;
 
 use crate::lidar::LaserProfile;
 use crate::odometry::OdometryProfile;
-use crate::operator::OperatorKind;
+use crate::policy::PolicyKind;
 use crate::slam::SlamKind;
 
 /// A value that has a name.
@@ -62,14 +62,14 @@ impl Named for OdometryProfile {
     ];
 }
 
-impl Named for OperatorKind {
+impl Named for PolicyKind {
     const FIELD: &'static str = "operator";
     const NAMES: &'static [(&'static str, Self)] = &[
-        ("nearest", OperatorKind::Nearest),
-        ("info_gain", OperatorKind::InfoGain),
-        ("cautious", OperatorKind::Cautious),
-        ("wall_follow", OperatorKind::WallFollow),
-        ("corridors", OperatorKind::Corridors),
+        ("nearest", PolicyKind::Nearest),
+        ("info_gain", PolicyKind::InfoGain),
+        ("cautious", PolicyKind::Cautious),
+        ("wall_follow", PolicyKind::WallFollow),
+        ("corridors", PolicyKind::Corridors),
     ];
 }
 
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn names_are_those_in_files_and_each_stands_for_one_value() {
-        as_in_files::<OperatorKind>();
+        as_in_files::<PolicyKind>();
         as_in_files::<SlamKind>();
         assert!(SlamKind::ALL.iter().all(|kind| kind.name().is_some()));
         for (name, value) in LaserProfile::NAMES {

@@ -9,7 +9,7 @@ use crate::trial::number;
 /// A motion in the robot's own frame: a way ahead and a turn, as small as a tick's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Increment {
-    /// Way ahead in metres, negative backwards.
+    /// Path ahead in metres, negative backwards.
     pub distance: f64,
     /// Turn in radians, counter-clockwise.
     pub turn: f64,

@@ -5,7 +5,7 @@ use envgen::picture::Figure;
 use glam::DVec2;
 
 use crate::map::{Cell, CellIndex, OccupancyMap, RESOLUTION};
-use crate::truth::Truth;
+use crate::truth::MappableArea;
 use envgen::distance::squared_distances;
 
 /// Pixels along a side, at most: larger areas have coarser pixels.
@@ -76,7 +76,7 @@ impl Picture {
 
     /// What could be mapped: the ground that the robot can reach white, the walls that can be seen
     /// from there black, the rest light grey.
-    pub fn of_truth(truth: &Truth, area: Rect) -> Self {
+    pub fn of_truth(truth: &MappableArea, area: Rect) -> Self {
         let mut picture = Picture::of_map(&truth.perfect_map(), area);
         for ink in picture.inks.iter_mut().filter(|ink| **ink == Ink::Unknown) {
             *ink = Ink::Outside;
@@ -87,7 +87,7 @@ impl Picture {
     /// A map over the truth: walls in their place black, walls where there is none vermilion, walls
     /// that the map has not blue, ground that it does not show as free light blue, and light grey
     /// where there is nothing to map.
-    pub fn of_errors(truth: &Truth, map: &OccupancyMap, area: Rect) -> Self {
+    pub fn of_errors(truth: &MappableArea, map: &OccupancyMap, area: Rect) -> Self {
         let mut picture = Picture::of_map(map, area);
         let perfect = Picture::of_truth(truth, area);
         let near = |picture: &Picture| {
@@ -220,8 +220,8 @@ mod tests {
         spec.generate(Seed(7)).expect("a hallway").to_world()
     }
 
-    fn truth() -> Truth {
-        Truth::new(&world(), &Robot::default()).expect("a start")
+    fn truth() -> MappableArea {
+        MappableArea::new(&world(), &Robot::default()).expect("a start")
     }
 
     fn count(picture: &Picture, ink: Ink) -> usize {

@@ -27,7 +27,8 @@ pub struct Robot {
     pub width: f64,
     /// Radius in metres of the circle that the body sweeps when it turns on the spot, from 0.05 to
     /// [`MAX_RADIUS`]: what planning, the flat simulator and the scores take the robot for.
-    pub swing_radius: f64,
+    #[serde(alias = "swing_radius")]
+    pub circumscribed_radius: f64,
     /// Outline seen from above, for physics.
     #[serde(skip_serializing_if = "is_default")]
     pub footprint: Footprint,
@@ -96,7 +97,7 @@ pub struct LaserMount {
 pub const PIONEER_3AT: Robot = Robot {
     length: 0.508,
     width: 0.497,
-    swing_radius: 0.355,
+    circumscribed_radius: 0.355,
     footprint: Footprint::Box,
     chassis: Chassis { mass: 12.0, track: 0.588, grip: 0.6 },
     max_speed: 0.7,
@@ -153,25 +154,34 @@ impl Robot {
     pub fn validate(&self) -> Result<(), SpecError> {
         number("body.length", self.length, 0.01, 2.0 * MAX_RADIUS)?;
         number("body.width", self.width, 0.01, 2.0 * MAX_RADIUS)?;
-        number("body.swing_radius", self.swing_radius, 0.05, MAX_RADIUS)?;
+        number("body.circumscribed_radius", self.circumscribed_radius, 0.05, MAX_RADIUS)?;
         let half = match self.footprint {
             Footprint::Box => 0.5 * libm::hypot(self.length, self.width),
             Footprint::Disc => 0.5 * self.length.max(self.width),
         };
-        if self.swing_radius < half - ROUNDING {
+        if self.circumscribed_radius < half - ROUNDING {
             let allowed = format!("at least {half:.3}, what the body's length and width sweep");
-            return Err(SpecError::new("body.swing_radius", self.swing_radius, allowed));
+            return Err(SpecError::new(
+                "body.circumscribed_radius",
+                self.circumscribed_radius,
+                allowed,
+            ));
         }
         number("body.chassis.mass", self.chassis.mass, 0.01, 1e5)?;
         number("body.chassis.track", self.chassis.track, 0.01, 4.0 * MAX_RADIUS)?;
         number("body.chassis.grip", self.chassis.grip, 0.01, 100.0)?;
         // A disc must not step over a wall, nor a robot turn past itself, within a tick.
-        number("body.max_speed", self.max_speed, 0.01, (10.0 * self.swing_radius).min(20.0))?;
+        number(
+            "body.max_speed",
+            self.max_speed,
+            0.01,
+            (10.0 * self.circumscribed_radius).min(20.0),
+        )?;
         number("body.max_turn_rate", self.max_turn_rate, 0.01, 20.0)?;
         number("body.acceleration", self.acceleration, 0.01, 100.0)?;
         number("body.turn_acceleration", self.turn_acceleration, 0.01, 100.0)?;
         // The laser sits on the body.
-        let reach = self.swing_radius;
+        let reach = self.circumscribed_radius;
         number("body.laser_offset", self.laser_offset, -reach, reach)?;
         let left = libm::sqrt(reach * reach - self.laser_offset * self.laser_offset);
         let LaserMount { left: side, heading, height } = self.laser_mount;
@@ -224,9 +234,18 @@ mod tests {
     #[test]
     fn numbers_that_fit_no_body_are_named() {
         let error = |text| Robot::from_ron(text).unwrap_err().to_string();
-        assert!(error("(swing_radius: 0)").contains("`body.swing_radius` is 0, allowed is 0.05"));
-        assert!(error("(swing_radius: 50)").contains("to 2"), "{}", error("(swing_radius: 50)"));
-        assert!(error("(swing_radius: NaN)").contains("`body.swing_radius` is NaN"));
+        assert!(
+            error("(circumscribed_radius: 0)")
+                .contains("`body.circumscribed_radius` is 0, allowed is 0.05")
+        );
+        assert!(
+            error("(circumscribed_radius: 50)").contains("to 2"),
+            "{}",
+            error("(circumscribed_radius: 50)")
+        );
+        assert!(
+            error("(circumscribed_radius: NaN)").contains("`body.circumscribed_radius` is NaN")
+        );
         let long = error("(length: 1.2)");
         assert!(long.contains("at least 0.649"), "{long}");
         let outside = error("(laser_offset: 0.5)");

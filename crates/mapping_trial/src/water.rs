@@ -2,8 +2,8 @@
 //! water as a hazard, while a laser sees nothing of it.
 
 use envgen::geometry::{Pose, unit_vector};
-use envgen::ground::Grounds;
 use envgen::raycast::Raycaster;
+use envgen::surface_index::SurfaceIndex;
 use glam::DVec2;
 
 use crate::robot::Robot;
@@ -18,7 +18,7 @@ const STEP: f64 = 0.1;
 /// The points that a robot sees to be water, in its own frame in metres (x ahead, y to the left):
 /// in front of it, at most [`Robot::water_sight`] away and not behind anything solid. For any body
 /// that knows where it is in its world; the same place gives the same points.
-pub fn seen(grounds: &Grounds, rays: &Raycaster, robot: &Robot, pose: Pose) -> Vec<DVec2> {
+pub fn seen(grounds: &SurfaceIndex, rays: &Raycaster, robot: &Robot, pose: Pose) -> Vec<DVec2> {
     let mut points = Vec::new();
     if !grounds.has_water() || robot.water_sight < NEAREST {
         return points;
@@ -67,7 +67,7 @@ mod tests {
 
     fn look(robot: &Robot, pose: Pose) -> Vec<DVec2> {
         let world = world();
-        seen(&Grounds::new(&world), &Raycaster::new(&world), robot, pose)
+        seen(&SurfaceIndex::new(&world), &Raycaster::new(&world), robot, pose)
     }
 
     #[test]

@@ -45,7 +45,7 @@ fn failure(script: &str, limits: Limits) -> String {
     assert_eq!(report.failure, driver.failure(), "{script}");
     assert!(report.scores.difficulty.is_finite());
     let again = trial.log().replay().expect("its own log");
-    assert_eq!(again.track(0), trial.track(0), "{script}");
+    assert_eq!(again.trajectory(0), trial.trajectory(0), "{script}");
     assert_eq!(again.end_of(0), trial.end_of(0), "{script}");
     driver.end(Some(&report));
     report.failure.expect("a reason")
@@ -66,10 +66,10 @@ fn a_driver_in_sh_drives_and_its_trial_runs_again() {
     assert_eq!((report.robots[0].end, &report.failure), (Some(EndReason::TimeLimit), &None));
     assert!(report.scores.distance > 1.0, "{}", report.scores.distance);
     let parts: Vec<_> = report.foreign.iter().map(|part| (part.role, part.name.as_str())).collect();
-    assert_eq!(parts, [(PartRole::Operator, "driver sh")]);
+    assert_eq!(parts, [(PartRole::Policy, "driver sh")]);
     assert!(report.headline().starts_with("driver sh with scan_to_map"), "{}", report.headline());
     let again = trial.log().replay().expect("its own log");
-    assert_eq!(again.track(0), trial.track(0));
+    assert_eq!(again.trajectory(0), trial.trajectory(0));
     driver.end(Some(&report));
     let told: serde_json::Value =
         serde_json::from_slice(&std::fs::read(last).expect("the last line")).expect("JSON");
@@ -180,13 +180,13 @@ fn what_a_driver_estimates_is_scored() {
     let (trial, report, driver) = run(&script, PATIENCE);
     assert_eq!((report.robots[0].end, &report.failure), (Some(EndReason::TimeLimit), &None));
     let names: Vec<_> = report.foreign.iter().map(|part| part.role).collect();
-    assert_eq!(names, [PartRole::Slam, PartRole::Operator]);
-    let last = trial.brain().slam().trajectory(0).last().copied().expect("a pose");
+    assert_eq!(names, [PartRole::Slam, PartRole::Policy]);
+    let last = trial.autonomy().slam().trajectory(0).last().copied().expect("a pose");
     assert_eq!((last.position.x, last.position.y), (9.0, 9.0));
     assert!(report.scores.trajectory_error > 1.0 && report.scores.coverage == 0.0);
     // The built-in SLAM stands in where the log runs again; the robot drives the same path.
     let again = trial.log().replay().expect("its own log");
-    assert_eq!(again.track(0), trial.track(0));
+    assert_eq!(again.trajectory(0), trial.trajectory(0));
     assert_eq!(again.foreign(), trial.foreign());
     driver.end(Some(&report));
 }

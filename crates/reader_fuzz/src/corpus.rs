@@ -13,7 +13,7 @@ use envgen::world::{
     ClassRaster, Contents, Doorway, Obstacle, ObstacleKind, Room, Surface, SurfaceKind, Tree, Wall,
     WallKind,
 };
-use envgen::{Kind, Provenance, Seed, World, WorldBlueprint, WorldSpec};
+use envgen::{Provenance, Seed, World, WorldBlueprint, WorldKind, WorldSpec};
 use mapping_trial::trial::{Trial, TrialSettings};
 use serde::de::DeserializeOwned;
 
@@ -147,7 +147,7 @@ pub fn spec_ron() -> Corpus {
 /// Settings as on the command line: a kind, then `name=value` a line.
 pub fn settings() -> Corpus {
     let mut files = Vec::new();
-    for (kind, spec) in Kind::ALL.iter().zip(specs()) {
+    for (kind, spec) in WorldKind::ALL.iter().zip(specs()) {
         let serde_json::Value::Object(fields) = spec.settings_json() else { continue };
         let mut file = format!("{kind}\n");
         for (name, value) in fields {

@@ -1,17 +1,17 @@
 //! What a program does with a world that it has read: nothing of it may panic or take long.
 
 use envgen::World;
+use envgen::clearance_index::ClearanceIndex;
 use envgen::export::ros_map::RosMap;
 use envgen::export::{Format, Job};
 use envgen::glam::DVec2;
-use envgen::ground::Grounds;
 use envgen::occupancy::{Coverage, OccupancyGrid};
-use envgen::placement::roomiest_place;
-use envgen::proximity::Proximity;
-use envgen::raycast::{Fan, Raycaster};
+use envgen::placement::max_clearance_point;
+use envgen::raycast::{Raycaster, ScanPattern};
+use envgen::surface_index::SurfaceIndex;
 use mapping_trial::robot::Robot;
 use mapping_trial::trial::{Trial, TrialSettings};
-use mapping_trial::truth::Truth;
+use mapping_trial::truth::MappableArea;
 
 /// Cells along a world's longer side.
 const CELLS: f64 = 64.0;
@@ -32,9 +32,9 @@ pub fn world(world: &World, thorough: bool) {
         DVec2::NAN,
     ];
     let rays = Raycaster::new(world);
-    let grounds = Grounds::new(world);
-    let Ok(near) = Proximity::new(world, 1.0) else { unreachable!("a metre") };
-    let Ok(fan) = Fan::new(std::f64::consts::TAU, 8) else { unreachable!("a full turn") };
+    let grounds = SurfaceIndex::new(world);
+    let Ok(near) = ClearanceIndex::new(world, 1.0) else { unreachable!("a metre") };
+    let Ok(fan) = ScanPattern::new(std::f64::consts::TAU, 8) else { unreachable!("a full turn") };
     let mut ranges = Vec::new();
     for p in points {
         let pose = envgen::geometry::Pose { position: p, heading: 0.3 };
@@ -46,7 +46,7 @@ pub fn world(world: &World, thorough: bool) {
     let resolution = bounds.size().max_element() / CELLS;
     for coverage in [Coverage::Centre, Coverage::Conservative] {
         if let Ok(grid) = OccupancyGrid::of(world, resolution, coverage) {
-            let _ = roomiest_place(&grid);
+            let _ = max_clearance_point(&grid);
         }
     }
     let _ = RosMap::of_world(world, resolution);
@@ -67,7 +67,7 @@ pub fn world(world: &World, thorough: bool) {
         }
     }
     if thorough && small {
-        let _ = Truth::new(world, &Robot::default());
+        let _ = MappableArea::new(world, &Robot::default());
         let settings = TrialSettings { time_limit: 0.5, ..Default::default() };
         if let Ok(mut trial) = Trial::flat(world, settings) {
             while trial.step() {}

@@ -8,7 +8,7 @@ use envgen::import::{
     read_world_generator_project, reader,
 };
 use envgen::indoor::{Catalogue, IndoorSpec, room_from_ron};
-use envgen::{Blueprint, Kind, Seed, World, WorldSpec};
+use envgen::{Blueprint, Seed, World, WorldKind, WorldSpec};
 use mapping_trial::robot::Robot;
 use mapping_trial::trial::TrialLog;
 
@@ -115,7 +115,7 @@ fn generated(spec: &WorldSpec, file: &[u8]) -> bool {
 
 fn settings(text: &str, file: &[u8]) -> bool {
     let mut lines = text.lines();
-    let Some(Ok(kind)) = lines.next().map(str::parse::<Kind>) else { return false };
+    let Some(Ok(kind)) = lines.next().map(str::parse::<WorldKind>) else { return false };
     let mut spec = kind.default_spec();
     for line in lines {
         let Some((name, value)) = line.split_once('=') else { continue };

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use super::file::{RoomAsset, RoomLoader, WorldAsset, WorldLoader};
 use crate::environment::{Environment, EnvironmentError, RebuildEnvironment, WorldSource};
 use crate::generate::request_worlds;
-use crate::job::Slot;
+use crate::job::GenerationJob;
 use crate::{EnvgenSystems, Schedules};
 
 /// Loads `.envgen.ron` and `.room.ron` files, and rebuilds worlds whose files change.
@@ -49,7 +49,7 @@ fn register(app: &mut App) {
 /// Asks for a rebuild of environments whose assets changed, and fails those whose assets cannot be
 /// loaded or vanished.
 fn watch_assets(
-    mut environments: Query<(Entity, &Environment, &mut Slot)>,
+    mut environments: Query<(Entity, &Environment, &mut GenerationJob)>,
     assets: Res<Assets<WorldAsset>>,
     server: Res<AssetServer>,
     mut events: MessageReader<AssetEvent<WorldAsset>>,

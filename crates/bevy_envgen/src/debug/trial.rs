@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use bevy::prelude::*;
 use envgen::geometry::unit_vector;
 use envgen::glam::DVec2;
-use mapping_trial::body::Bodies;
+use mapping_trial::backend::RobotBackend;
 use mapping_trial::map::OccupancyMap;
-use mapping_trial::operator::costmap::Costmap;
-use mapping_trial::operator::frontier::Frontiers;
+use mapping_trial::policy::costmap::Costmap;
+use mapping_trial::policy::frontier::Frontiers;
 use mapping_trial::robot::Robot;
 use mapping_trial::trial::Trial;
 
@@ -62,11 +62,11 @@ fn draw_rays<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<Envgen
 }
 
 /// Calls back with both ends of every beam that met something, in the world's frame.
-fn beams<B: Bodies>(trial: &Trial<B>, mut beam: impl FnMut(DVec2, DVec2)) {
-    let (brain, settings) = (trial.brain(), trial.settings());
+fn beams<B: RobotBackend>(trial: &Trial<B>, mut beam: impl FnMut(DVec2, DVec2)) {
+    let (autonomy, settings) = (trial.autonomy(), trial.settings());
     for robot in 0..trial.robots() {
-        let laser = settings.body.laser_pose(brain.slam().estimate(robot).pose);
-        for (i, &range) in brain.scan(robot).ranges.iter().enumerate() {
+        let laser = settings.body.laser_pose(autonomy.slam().estimate(robot).pose);
+        for (i, &range) in autonomy.scan(robot).ranges.iter().enumerate() {
             if range.is_finite() {
                 let way = unit_vector(laser.heading + settings.laser.angle(i)) * range;
                 beam(laser.position, laser.position + way);
@@ -127,7 +127,7 @@ fn draw_frontiers<T: WatchTrial>(
         let Some(trial) = holder.watched() else { continue };
         let robot = &trial.settings().body;
         let edge = edges.entry(entity).or_insert_with(|| Edge::new(robot));
-        edge.renew(trial.brain().slam().map(), robot);
+        edge.renew(trial.autonomy().slam().map(), robot);
         let place = Place { frame, origin: environment.origin };
         edge.cells(|cluster, p| {
             let color = Color::hsl((cluster as f32 * HUE_STEP) % 360.0, 0.9, 0.45);
@@ -143,7 +143,7 @@ fn draw_plans<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<Envge
     for (_, environment, frame, holder) in &trials {
         let Some(trial) = holder.watched() else { continue };
         let place = Place { frame, origin: environment.origin };
-        let Some(operator) = trial.brain().operator() else { continue };
+        let Some(operator) = trial.autonomy().policy() else { continue };
         for robot in 0..trial.robots() {
             let path = operator.path(robot);
             gizmos.linestrip_2d(path.iter().map(|&p| place.of(p)), PLAN);

@@ -33,20 +33,20 @@ pub const SENSOR_GROUP: Group = Group::GROUP_32;
 /// Whether the solid parts of a tile share a collider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, PartialEq, Clone)]
-pub enum Merge {
+pub enum ColliderMerging {
     /// They do in worlds of more solid parts than this, and in endless ones.
     Above(usize),
     /// They do: a compound on the entity of the [`Tile`](crate::Tile). A large world costs rapier a
     /// fraction of what single colliders do.
     Always,
     /// Every part has its own, which tells a ray or a contact which part was met. Parts that are
-    /// data have none of their own: see [`Solids::Data`](crate::Solids::Data).
+    /// data have none of their own: see [`SolidStorage::TileData`](crate::SolidStorage::TileData).
     Never,
 }
 
-impl Default for Merge {
+impl Default for ColliderMerging {
     fn default() -> Self {
-        Merge::Above(1000)
+        ColliderMerging::Above(1000)
     }
 }
 
@@ -58,7 +58,7 @@ impl Default for Merge {
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct ColliderSettings {
     /// Whether the solid parts of a tile share a collider.
-    pub merge: Merge,
+    pub merge: ColliderMerging,
     /// Whether surfaces, rooms and doorways are sensors.
     pub sensors: bool,
     /// Whether doors move; if not, closed ones are as solid as walls.
@@ -90,7 +90,7 @@ fn sensor_groups() -> CollisionGroups {
 impl Default for ColliderSettings {
     fn default() -> Self {
         ColliderSettings {
-            merge: Merge::default(),
+            merge: ColliderMerging::default(),
             sensors: true,
             doors: true,
             friction: 0.5,
@@ -107,7 +107,7 @@ impl ColliderSettings {
     /// As mapping trials want them: in one piece, which makes rapier's rays faster, and without
     /// sensors, since robots ask the world itself for its surfaces.
     pub fn for_trials() -> Self {
-        ColliderSettings { merge: Merge::Always, sensors: false, ..Default::default() }
+        ColliderSettings { merge: ColliderMerging::Always, sensors: false, ..Default::default() }
     }
 }
 
@@ -193,9 +193,9 @@ fn give_colliders(world: &mut World, spawned: &TileSpawned) {
     let solids = root.get::<EnvironmentStats>().and_then(|stats| stats.solids);
     let merge = tile.contains::<TileSolids>()
         || match settings.merge {
-            Merge::Above(most) => solids.is_none_or(|solids| solids > most),
-            Merge::Always => true,
-            Merge::Never => false,
+            ColliderMerging::Above(most) => solids.is_none_or(|solids| solids > most),
+            ColliderMerging::Always => true,
+            ColliderMerging::Never => false,
         };
     let kinds: Vec<(Entity, PartKind)> = spawned
         .parts

@@ -36,7 +36,7 @@ impl TopDownPhysicsPlugin {
     /// Steps as mapping trials need them: 20 a second, each in 4 substeps.
     #[cfg(feature = "trial")]
     pub fn for_trials() -> Self {
-        TopDownPhysicsPlugin::new(1.0 / mapping_trial::body::TICK).with_substeps(4)
+        TopDownPhysicsPlugin::new(1.0 / mapping_trial::backend::TICK).with_substeps(4)
     }
 
     /// With each step in so many equal ones of rapier, from 1 to 1000. Forces and commands act for

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{DefaultRapierContext, RapierRigidBodySet, RigidBody, Velocity};
 use envgen::geometry::{Pose, unit_vector};
-use mapping_trial::body::Command;
+use mapping_trial::backend::Command;
 use mapping_trial::robot::Footprint;
 
 use super::ground::Terrain;
@@ -72,7 +72,7 @@ pub(super) fn drive(
         // The same force at half the track turns the body, whose inertia is its footprint's.
         let radius2 = match model.footprint {
             Footprint::Box => (model.length * model.length + model.width * model.width) / 12.0,
-            Footprint::Disc => 0.5 * model.swing_radius * model.swing_radius,
+            Footprint::Disc => 0.5 * model.circumscribed_radius * model.circumscribed_radius,
         };
         let spin = grip * 0.5 * chassis.track / radius2;
         let angular = toward(f64::from(velocity.angular), turn_rate, spin);

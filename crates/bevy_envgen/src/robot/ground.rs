@@ -3,13 +3,13 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use envgen::glam::DVec2;
-use envgen::ground::{Ground, Grounds};
+use envgen::surface_index::{Ground, SurfaceIndex};
 
 use crate::environment::{Environment, GroundTruth};
 
 /// The surfaces of an environment, indexed.
 #[derive(Component)]
-pub(super) struct GroundIndex(Grounds);
+pub(super) struct GroundIndex(SurfaceIndex);
 
 /// Indexes the surfaces of worlds that are new.
 pub(super) fn index(
@@ -18,7 +18,7 @@ pub(super) fn index(
     mut commands: Commands,
 ) {
     for (entity, truth) in &worlds {
-        commands.entity(entity).try_insert(GroundIndex(Grounds::new(truth)));
+        commands.entity(entity).try_insert(GroundIndex(SurfaceIndex::new(truth)));
     }
     for entity in &gone {
         commands.entity(entity).try_remove::<GroundIndex>();

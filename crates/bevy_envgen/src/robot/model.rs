@@ -8,7 +8,7 @@ use bevy_rapier2d::prelude::{
 use envgen::Seed;
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
-use mapping_trial::body::Command;
+use mapping_trial::backend::Command;
 use mapping_trial::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
 use mapping_trial::robot::{Footprint, Robot};
 
@@ -179,7 +179,7 @@ pub struct Battery {
 pub enum RobotCondition {
     /// It drives.
     #[default]
-    Able,
+    Operational,
     /// It drove into water and stays where it is.
     Drowned,
 }
@@ -255,7 +255,7 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
     }
     let collider = match model.footprint {
         Footprint::Box => Collider::cuboid(0.5 * model.length as f32, 0.5 * model.width as f32),
-        Footprint::Disc => Collider::ball(model.swing_radius as f32),
+        Footprint::Disc => Collider::ball(model.circumscribed_radius as f32),
     };
     robot.insert((collider, ColliderMassProperties::Mass(chassis.mass)));
 }

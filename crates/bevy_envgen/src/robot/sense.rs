@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_rapier2d::prelude::ReadRapierContext;
 use bevy_rapier2d::prelude::systemparams::RapierContext;
 use envgen::geometry::{unit_vector, wrap_angle};
-use mapping_trial::body::Command;
+use mapping_trial::backend::Command;
 use mapping_trial::odometry::Increment;
 
 use super::drive::pose_of;

@@ -1,14 +1,14 @@
-//! Bodies that rapier moves, as a trial sees them.
+//! RobotBackend that rapier moves, as a trial sees them.
 
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
-use mapping_trial::body::{Bodies, Command, Condition, Observation, Sensors, TICK};
+use mapping_trial::backend::{Command, Condition, Observation, RobotBackend, Sensors, TICK};
 use mapping_trial::lidar::Scan;
 use mapping_trial::odometry::Increment;
 
 /// The robots of a trial in rapier: a letter box, into which every tick brings what the robots
 /// sensed, for the trial to read.
-pub struct RapierBodies {
+pub struct RapierRobots {
     ticks: u32,
     /// The robots' sensors, until the robots are spawned with them.
     sensors: Vec<Sensors>,
@@ -29,11 +29,11 @@ pub(super) struct Letter {
     pub(super) water: Option<Vec<DVec2>>,
 }
 
-impl RapierBodies {
+impl RapierRobots {
     pub(super) fn new(starts: &[Pose], battery: f64, sensors: Vec<Sensors>) -> Self {
         let letter = |&pose: &Pose| Letter {
             pose,
-            condition: Condition::Able,
+            condition: Condition::Operational,
             hits: 0,
             touching: false,
             odometry: Increment::default(),
@@ -41,7 +41,7 @@ impl RapierBodies {
             water: None,
         };
         let robots = starts.iter().map(letter).collect();
-        RapierBodies { ticks: 0, sensors, battery, robots }
+        RapierRobots { ticks: 0, sensors, battery, robots }
     }
 
     /// The robots' sensors, to spawn the robots with.
@@ -67,7 +67,7 @@ impl RapierBodies {
     }
 }
 
-impl Bodies for RapierBodies {
+impl RobotBackend for RapierRobots {
     fn engine(&self) -> &str {
         super::ENGINE
     }

@@ -3,20 +3,20 @@
 use envgen::World;
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
-use envgen::ground::Grounds;
 use envgen::raycast::Raycaster;
+use envgen::surface_index::SurfaceIndex;
 use mapping_trial::robot::Robot;
 use mapping_trial::water;
 
 /// The world as robots see it by camera.
 pub(super) struct Camera {
-    grounds: Grounds,
+    grounds: SurfaceIndex,
     rays: Raycaster,
 }
 
 impl Camera {
     pub(super) fn new(world: &World) -> Self {
-        Camera { grounds: Grounds::new(world), rays: Raycaster::new(world) }
+        Camera { grounds: SurfaceIndex::new(world), rays: Raycaster::new(world) }
     }
 
     /// The points that a robot at a pose of the world sees to be water, in its own frame.

@@ -6,13 +6,13 @@ use bevy::app::TaskPoolPlugin;
 use bevy::ecs::schedule::SingleThreadedExecutor;
 use bevy::prelude::*;
 use bevy::time::{TimePlugin, TimeUpdateStrategy};
-use mapping_trial::body::TICK;
+use mapping_trial::backend::TICK;
 use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
 use thiserror::Error;
 
-use super::{MappingTrial, MappingTrialError, RapierBodies, TrialFailed, TrialPlugin};
+use super::{MappingTrial, MappingTrialError, RapierRobots, TrialFailed, TrialPlugin};
 use crate::EnvgenCorePlugin;
-use crate::environment::{Environment, EnvironmentError, EnvironmentFailure, Pace};
+use crate::environment::{Environment, EnvironmentError, EnvironmentFailure, GenerationMode};
 use crate::physics::{ColliderSettings, EnvgenPhysicsPlugin, TopDownPhysicsPlugin};
 
 /// Ticks between two calls of the callback for progress.
@@ -43,7 +43,7 @@ pub fn run_headless(
     world: &envgen::World,
     settings: TrialSettings,
     progress: impl FnMut(f64),
-) -> Result<Trial<RapierBodies>, HeadlessError> {
+) -> Result<Trial<RapierRobots>, HeadlessError> {
     run_headless_with(world, settings, TrialParts::default(), progress)
 }
 
@@ -57,7 +57,7 @@ pub fn run_headless_with(
     settings: TrialSettings,
     parts: TrialParts,
     progress: impl FnMut(f64),
-) -> Result<Trial<RapierBodies>, HeadlessError> {
+) -> Result<Trial<RapierRobots>, HeadlessError> {
     drive(world.clone(), MappingTrial::new(settings).with_parts(parts), progress)
 }
 
@@ -70,7 +70,7 @@ pub fn replay_headless(
     world: &envgen::World,
     log: TrialLog,
     progress: impl FnMut(f64),
-) -> Result<Trial<RapierBodies>, HeadlessError> {
+) -> Result<Trial<RapierRobots>, HeadlessError> {
     drive(world.clone(), MappingTrial::replay(log), progress)
 }
 
@@ -82,9 +82,9 @@ fn drive(
     world: envgen::World,
     trial: MappingTrial,
     mut progress: impl FnMut(f64),
-) -> Result<Trial<RapierBodies>, HeadlessError> {
+) -> Result<Trial<RapierRobots>, HeadlessError> {
     let mut app = app();
-    let environment = Environment::from_world(world).with_pace(Pace::InPlace);
+    let environment = Environment::prebuilt(world).with_pace(GenerationMode::Blocking);
     let entity = app.world_mut().spawn((environment, trial)).id();
     let mut ticks = 0_u64;
     loop {

@@ -13,7 +13,7 @@
 //! let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
 //! let settings = TrialSettings { time_limit: 30.0, ..Default::default() };
 //! let trial = run_headless(&world, settings, |_| ())?;
-//! assert!(trial.track(0).metres > 1.0);
+//! assert!(trial.trajectory(0).distance > 1.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -21,7 +21,7 @@
 //!
 //! [`TrialSystems::Command`], [`RobotSystems::Drive`](crate::robot::RobotSystems), rapier's
 //! `PhysicsSet`, [`RobotSystems::Sense`](crate::robot::RobotSystems), [`TrialSystems::Record`]. The
-//! schedule's step must be [`TICK`](mapping_trial::body::TICK), and rapier's with it:
+//! schedule's step must be [`TICK`](mapping_trial::backend::TICK), and rapier's with it:
 //! [`TopDownPhysicsPlugin::for_trials`](crate::physics::TopDownPhysicsPlugin::for_trials) sets both.
 //! The first tick after the robots were spawned only looks: rapier has to know them before the
 //! first scan.
@@ -43,11 +43,11 @@ use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::PhysicsSet;
-use mapping_trial::body::Command;
+use mapping_trial::backend::Command;
 use mapping_trial::trial::{Trial, TrialError, TrialLog, TrialParts, TrialSettings};
 use thiserror::Error;
 
-pub use bodies::RapierBodies;
+pub use bodies::RapierRobots;
 use camera::Camera;
 pub use headless::{HeadlessError, replay_headless, run_headless, run_headless_with};
 
@@ -91,7 +91,7 @@ impl Plugin for TrialPlugin {
         if !app.is_plugin_added::<RobotPlugin>() {
             app.add_plugins(RobotPlugin::new(self.schedule));
         }
-        app.register_type::<Hands>()
+        app.register_type::<ManualControl>()
             .register_type::<MappingTrial>()
             .register_type::<TrialRobot>()
             .add_observer(run::leave)
@@ -125,7 +125,7 @@ pub struct MappingTrial {
     /// Simulated seconds so far, for inspectors.
     time: f64,
     #[reflect(ignore)]
-    ask: Ask,
+    ask: Request,
     /// What takes the place of built-in parts.
     #[reflect(ignore)]
     parts: TrialParts,
@@ -134,7 +134,7 @@ pub struct MappingTrial {
 }
 
 /// What a trial is to be.
-enum Ask {
+enum Request {
     New(Box<TrialSettings>),
     Replay(Box<TrialLog>),
 }
@@ -153,7 +153,7 @@ enum State {
 
 /// A trial that has begun.
 struct Run {
-    trial: Trial<RapierBodies>,
+    trial: Trial<RapierRobots>,
     world: Arc<envgen::World>,
     camera: Camera,
     robots: Vec<Entity>,
@@ -164,17 +164,17 @@ struct Run {
 }
 
 impl MappingTrial {
-    /// A trial of these settings. With an operator of `None` the commands are those of [`Hands`].
+    /// A trial of these settings. With an operator of `None` the commands are those of [`ManualControl`].
     pub fn new(settings: TrialSettings) -> Self {
-        MappingTrial::of(Ask::New(Box::new(settings)))
+        MappingTrial::of(Request::New(Box::new(settings)))
     }
 
     /// Runs a log of engine [`ENGINE`] again, whose world the environment must be.
     pub fn replay(log: TrialLog) -> Self {
-        MappingTrial::of(Ask::Replay(Box::new(log)))
+        MappingTrial::of(Request::Replay(Box::new(log)))
     }
 
-    fn of(ask: Ask) -> Self {
+    fn of(ask: Request) -> Self {
         MappingTrial { time: 0.0, ask, parts: TrialParts::default(), state: State::Waiting }
     }
 
@@ -185,7 +185,7 @@ impl MappingTrial {
     }
 
     /// The trial as far as it went; `None` before it begins.
-    pub fn trial(&self) -> Option<&Trial<RapierBodies>> {
+    pub fn trial(&self) -> Option<&Trial<RapierRobots>> {
         self.run().map(|run| &run.trial)
     }
 
@@ -219,7 +219,7 @@ impl MappingTrial {
     }
 
     /// The trial itself, where it came to its end.
-    fn into_trial(self) -> Option<Trial<RapierBodies>> {
+    fn into_trial(self) -> Option<Trial<RapierRobots>> {
         match self.state {
             State::Over(run) => Some(run.trial),
             _ => None,
@@ -232,7 +232,7 @@ impl MappingTrial {
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
-pub struct Hands {
+pub struct ManualControl {
     /// One command a robot.
     pub commands: Vec<Command>,
 }
@@ -278,7 +278,7 @@ pub enum MappingTrialError {
     /// Bevy's fixed step is not a tick.
     #[error(
         "the fixed step is {found} s, a trial needs {} s: use `TopDownPhysicsPlugin::for_trials`",
-        mapping_trial::body::TICK
+        mapping_trial::backend::TICK
     )]
     FixedStep {
         /// Seconds of the fixed step.
@@ -287,7 +287,7 @@ pub enum MappingTrialError {
     /// Rapier's step is not a tick.
     #[error(
         "rapier's step is {found}, a trial needs fixed ones of {} s: use `TopDownPhysicsPlugin::for_trials`",
-        mapping_trial::body::TICK
+        mapping_trial::backend::TICK
     )]
     RapierStep {
         /// The mode of rapier's steps.

@@ -3,15 +3,15 @@
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::TimestepMode;
 use envgen::geometry::Pose;
-use mapping_trial::body::{Bodies, Command, Condition, Sensors, TICK};
+use mapping_trial::backend::{Command, Condition, RobotBackend, Sensors, TICK};
 use mapping_trial::lidar::Scan;
 use mapping_trial::trial::{EndReason, Trial, TrialBuilder, TrialLog};
 
-use super::bodies::{Letter, RapierBodies};
+use super::bodies::{Letter, RapierRobots};
 use super::camera::Camera;
 use super::{
-    Ask, ENGINE, Hands, MappingTrial, MappingTrialError, Run, State, TrialEnded, TrialFailed,
-    TrialRobot, TrialStarted,
+    ENGINE, ManualControl, MappingTrial, MappingTrialError, Request, Run, State, TrialEnded,
+    TrialFailed, TrialRobot, TrialStarted,
 };
 use crate::environment::{Environment, EnvironmentState, GroundTruth};
 use crate::robot::{
@@ -62,8 +62,8 @@ pub(super) fn begin(
                 let robots = spawn(&mut commands, entity, environment, transform, &mut placed);
                 let scans = vec![0; robots.len()];
                 let script = match &trial.ask {
-                    Ask::New(_) => Vec::new(),
-                    Ask::Replay(log) => {
+                    Request::New(_) => Vec::new(),
+                    Request::Replay(log) => {
                         let track = |robot| log.commands(robot).collect::<Vec<_>>().into_iter();
                         (0..robots.len()).map(track).collect()
                     }
@@ -111,18 +111,18 @@ fn check(
 fn place(
     trial: &MappingTrial,
     world: &envgen::World,
-) -> Result<Trial<RapierBodies>, MappingTrialError> {
+) -> Result<Trial<RapierRobots>, MappingTrialError> {
     let bodies = |builder: TrialBuilder<'_>| {
         builder.parts(trial.parts.clone()).build(|setup, sensors| {
-            RapierBodies::new(setup.starts, setup.settings.body.battery, sensors)
+            RapierRobots::new(setup.starts, setup.settings.body.battery, sensors)
         })
     };
     Ok(match &trial.ask {
-        Ask::New(settings) => bodies(TrialBuilder::new(world, (**settings).clone()))?,
-        Ask::Replay(log) if log.engine != ENGINE => {
+        Request::New(settings) => bodies(TrialBuilder::new(world, (**settings).clone()))?,
+        Request::Replay(log) if log.engine != ENGINE => {
             return Err(MappingTrialError::Engine { found: log.engine.clone() });
         }
-        Ask::Replay(log) => log.replay_with(world, bodies)?,
+        Request::Replay(log) => log.replay_with(world, bodies)?,
     })
 }
 
@@ -132,7 +132,7 @@ fn spawn(
     entity: Entity,
     environment: &Environment,
     frame: &GlobalTransform,
-    trial: &mut Trial<RapierBodies>,
+    trial: &mut Trial<RapierRobots>,
 ) -> Vec<Entity> {
     let sensors = trial.bodies_mut().take_sensors();
     let settings = trial.settings();
@@ -161,7 +161,7 @@ fn spawn(
 
 /// Takes in what the robots sensed, and gives them their commands.
 pub(super) fn command(
-    mut trials: Query<(Entity, &mut MappingTrial, Option<&Hands>)>,
+    mut trials: Query<(Entity, &mut MappingTrial, Option<&ManualControl>)>,
     mut robots: Query<&mut DriveCommand, With<TrialRobot>>,
     mut commands: Commands,
 ) {
@@ -169,8 +169,8 @@ pub(super) fn command(
         let MappingTrial { ask, state, .. } = &mut *trial.bypass_change_detection();
         let State::Running(run) = state else { continue };
         let given = match ask {
-            Ask::Replay(log) => replayed(log, run),
-            Ask::New(_) => run.trial.command(hands.map(|hands| hands.commands.as_slice())),
+            Request::Replay(log) => replayed(log, run),
+            Request::New(_) => run.trial.command(hands.map(|hands| hands.commands.as_slice())),
         };
         let stop = vec![Command::STOP; run.robots.len()];
         for (&robot, &command) in run.robots.iter().zip(given.as_ref().unwrap_or(&stop)) {
@@ -253,7 +253,7 @@ pub(super) fn record(
             let pose = in_world(pose, &to_world, environment);
             let letter = Letter {
                 pose,
-                condition: if lost { Condition::Drowned } else { Condition::Able },
+                condition: if lost { Condition::Drowned } else { Condition::Operational },
                 hits: bumper.hits,
                 touching: bumper.touching,
                 odometry: wheels.last(),

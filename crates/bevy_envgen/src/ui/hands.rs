@@ -2,7 +2,7 @@
 
 use bevy::input::gamepad::Gamepad;
 use bevy::prelude::*;
-use mapping_trial::body::Command;
+use mapping_trial::backend::Command;
 use mapping_trial::robot::Robot;
 
 /// Share of a stick's way that counts as rest.

@@ -15,9 +15,9 @@
 //!
 //! ```
 //! use bevy_envgen::ui::{SpecForm, egui};
-//! use envgen::{Kind, Seed};
+//! use envgen::{WorldKind, Seed};
 //!
-//! let mut form = SpecForm::new(&Kind::Indoor.default_spec(), Seed(3));
+//! let mut form = SpecForm::new(&WorldKind::Indoor.default_spec(), Seed(3));
 //! form.set("difficulty", "11");
 //! let error = form.request().unwrap_err().to_string();
 //! assert_eq!(error, "`difficulty` is 11, allowed is a number from 0 to 10");

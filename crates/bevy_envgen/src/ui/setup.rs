@@ -5,7 +5,7 @@ use envgen::{Seed, SpecError};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
 use mapping_trial::odometry::OdometryProfile;
-use mapping_trial::operator::OperatorKind;
+use mapping_trial::policy::PolicyKind;
 use mapping_trial::trial::{MAX_TIME_LIMIT, TrialSettings};
 
 use super::{error, row};
@@ -40,7 +40,7 @@ impl SetupForm {
         row(ui, "operator", "who drives: you, or a program to watch", |ui| {
             ComboBox::from_id_salt("operator").selected_text(driver).show_ui(ui, |ui| {
                 ui.selectable_value(&mut settings.operator, None, PERSON);
-                for (name, kind) in OperatorKind::NAMES {
+                for (name, kind) in PolicyKind::NAMES {
                     ui.selectable_value(&mut settings.operator, Some(*kind), *name);
                 }
             });

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use bevy_egui::egui::{self, ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
 use envgen::settings::{Allowed, Setting};
-use envgen::{Kind, Seed, SettingsError, SpecError, WorldSpec, whole_file};
+use envgen::{Seed, SettingsError, SpecError, WorldKind, WorldSpec, whole_file};
 use serde_json::Value;
 
 use super::{error, row};
@@ -31,8 +31,8 @@ pub enum SpecAction {
 /// switching to another kind and back loses nothing.
 #[derive(Clone, Debug)]
 pub struct SpecForm {
-    kind: Kind,
-    texts: BTreeMap<Kind, Vec<Draft>>,
+    kind: WorldKind,
+    texts: BTreeMap<WorldKind, Vec<Draft>>,
     seed: u64,
     file: String,
     /// What the app or the disk said last.
@@ -52,7 +52,7 @@ struct Draft {
 impl SpecForm {
     /// The form with a spec and a seed in it.
     pub fn new(spec: &WorldSpec, seed: Seed) -> Self {
-        let texts = Kind::ALL.iter().map(|&kind| {
+        let texts = WorldKind::ALL.iter().map(|&kind| {
             let shown = if kind == spec.kind() { spec.clone() } else { kind.default_spec() };
             (kind, drafts(&shown))
         });
@@ -62,12 +62,12 @@ impl SpecForm {
     }
 
     /// The kind that is edited.
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> WorldKind {
         self.kind
     }
 
     /// Goes to another kind.
-    pub fn set_kind(&mut self, kind: Kind) {
+    pub fn set_kind(&mut self, kind: WorldKind) {
         if self.file == format!("{}.envgen.ron", self.kind) {
             self.file = format!("{kind}.envgen.ron");
         }
@@ -132,7 +132,7 @@ impl SpecForm {
         let mut kind = self.kind;
         row(ui, "kind", "", |ui| {
             ComboBox::from_id_salt("kind").selected_text(kind.name()).show_ui(ui, |ui| {
-                for &other in Kind::ALL {
+                for &other in WorldKind::ALL {
                     ui.selectable_value(&mut kind, other, other.name())
                         .on_hover_text(other.summary());
                 }

@@ -1,7 +1,7 @@
 //! The panel for a trial that runs.
 
 use bevy_egui::egui::{Grid, ProgressBar, Ui};
-use mapping_trial::body::Bodies;
+use mapping_trial::backend::RobotBackend;
 use mapping_trial::trial::Trial;
 
 /// What a person sees of a trial while it runs. How difficult the world is meant to be is not among
@@ -51,7 +51,7 @@ pub enum TrialAction {
 
 impl TrialStatus {
     /// The status of a trial in which a person drives `driven`.
-    pub fn of<B: Bodies>(trial: &Trial<B>, driven: usize) -> Self {
+    pub fn of<B: RobotBackend>(trial: &Trial<B>, driven: usize) -> Self {
         let settings = trial.settings();
         let driven = driven.min(trial.robots().saturating_sub(1));
         TrialStatus {
@@ -59,7 +59,7 @@ impl TrialStatus {
             time_limit: settings.time_limit,
             battery: (settings.body.battery - trial.time()).max(0.0),
             full_battery: settings.body.battery,
-            distance: trial.track(driven).metres,
+            distance: trial.trajectory(driven).distance,
             hits: trial.bodies().hits(driven),
             driven,
             robots: trial.robots(),

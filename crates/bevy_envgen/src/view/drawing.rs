@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy::sprite_render::AlphaMode2d;
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
-use mapping_trial::body::Bodies;
+use mapping_trial::backend::RobotBackend;
 use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::Trial;
 
@@ -86,7 +86,7 @@ pub(super) fn place(pose: Pose, origin: DVec2, height: f32) -> Transform {
 
 impl Drawing {
     /// Spawns what a trial always has. `None` where nothing can be drawn.
-    pub(super) fn begin<B: Bodies>(
+    pub(super) fn begin<B: RobotBackend>(
         environment: Entity,
         trial: &Trial<B>,
         palette: &TrialPalette,
@@ -155,7 +155,7 @@ impl Drawing {
     }
 
     /// Draws what has changed of a trial since the last time.
-    pub(super) fn renew<B: Bodies>(
+    pub(super) fn renew<B: RobotBackend>(
         &mut self,
         trial: &Trial<B>,
         view: &TrialView,
@@ -206,7 +206,7 @@ impl Drawing {
         }
     }
 
-    fn renew_map<B: Bodies>(
+    fn renew_map<B: RobotBackend>(
         &mut self,
         trial: &Trial<B>,
         origin: DVec2,
@@ -216,7 +216,7 @@ impl Drawing {
         let Some(images) = &mut canvas.images else { return };
         let (commands, maps, opacity) = (&mut canvas.commands, self.maps, self.opacity);
         let paint = Paint::new(palette.free, palette.occupied);
-        self.sheets.renew(trial.brain().slam().map(), paint, images, |at, image| {
+        self.sheets.renew(trial.autonomy().slam().map(), paint, images, |at, image| {
             let middle = (map::centre(at) - origin).as_vec2().extend(0.0);
             let sprite = Sprite {
                 image,
@@ -231,7 +231,7 @@ impl Drawing {
 }
 
 impl Drawn {
-    fn renew<B: Bodies>(
+    fn renew<B: RobotBackend>(
         &mut self,
         robot: usize,
         (trails, truths): (Entity, Entity),
@@ -239,9 +239,9 @@ impl Drawn {
         origin: DVec2,
         canvas: &mut Canvas<'_, '_>,
     ) {
-        let track = &trial.track(robot).poses;
+        let track = &trial.trajectory(robot).poses;
         let tick = track.len();
-        let estimate = trial.brain().slam().estimate(robot).pose;
+        let estimate = trial.autonomy().slam().estimate(robot).pose;
         let Some(meshes) = &mut canvas.meshes else { return };
         let mut put = |entity, at: Transform| {
             if let Ok(mut place) = canvas.places.get_mut(entity) {
@@ -257,7 +257,7 @@ impl Drawn {
         }
 
         // A scan stays where it was taken: the robot has moved on, what it saw has not.
-        let (scan, laser) = (trial.brain().scan(robot), &trial.settings().laser);
+        let (scan, laser) = (trial.autonomy().scan(robot), &trial.settings().laser);
         let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
         let seen = self.ranges.len() == scan.ranges.len()
             && self.ranges.iter().zip(&scan.ranges).all(same)
@@ -295,7 +295,7 @@ impl Drawn {
         if due || missed > RENEWAL {
             self.renewed = Some(tick);
             self.trail.clear(meshes);
-            for pose in trial.brain().slam().trajectory(robot) {
+            for pose in trial.autonomy().slam().trajectory(robot) {
                 trail(&mut self.trail, meshes, pose.position);
             }
         }
@@ -313,10 +313,10 @@ impl Drawn {
 impl Drawing {
     /// Whether it shows a trial that went on from what is drawn: another trial of the same
     /// environment begins with fewer ticks.
-    pub(super) fn is_of<B: Bodies>(&self, trial: &Trial<B>) -> bool {
+    pub(super) fn is_of<B: RobotBackend>(&self, trial: &Trial<B>) -> bool {
         self.robots.len() == trial.robots()
             && (0..)
                 .zip(&self.robots)
-                .all(|(robot, drawn)| drawn.ticks() <= trial.track(robot).poses.len())
+                .all(|(robot, drawn)| drawn.ticks() <= trial.trajectory(robot).poses.len())
     }
 }

@@ -29,7 +29,7 @@ use bevy::camera::visibility::{RenderLayers, VisibilitySystems};
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 use envgen::glam::DVec2;
-use mapping_trial::body::Bodies;
+use mapping_trial::backend::RobotBackend;
 use mapping_trial::trial::Trial;
 
 pub use camera::{FollowRobot, ShowWholeMap, TrialSights};
@@ -37,7 +37,7 @@ use drawing::{Canvas, Drawing};
 
 use crate::environment::Environment;
 use crate::spawn::Tile;
-use crate::trial::{MappingTrial, RapierBodies};
+use crate::trial::{MappingTrial, RapierRobots};
 use crate::visuals::require_visibility;
 
 /// The layer of what only minimaps show: arrows where the robots are.
@@ -77,7 +77,7 @@ pub struct TrialPalette {
     pub free: Color,
     /// Where the map is occupied.
     pub occupied: Color,
-    /// Bodies and paths of robots where they truly are.
+    /// RobotBackend and paths of robots where they truly are.
     pub truth: Color,
     /// Robots with their scans and paths; further ones start again with the first.
     pub robots: Vec<Color>,
@@ -107,16 +107,16 @@ impl TrialPalette {
 /// A component that holds a trial of the [`Environment`] on the same entity.
 pub trait WatchTrial: Component {
     /// What moves the robots.
-    type Bodies: Bodies;
+    type RobotBackend: RobotBackend;
 
     /// The trial; `None` while there is none.
-    fn watched(&self) -> Option<&Trial<Self::Bodies>>;
+    fn watched(&self) -> Option<&Trial<Self::RobotBackend>>;
 }
 
 impl WatchTrial for MappingTrial {
-    type Bodies = RapierBodies;
+    type RobotBackend = RapierRobots;
 
-    fn watched(&self) -> Option<&Trial<RapierBodies>> {
+    fn watched(&self) -> Option<&Trial<RapierRobots>> {
         self.trial()
     }
 }
@@ -276,8 +276,12 @@ fn draw<T: WatchTrial>(
 }
 
 /// Where the robots think they are, and what their map covers.
-fn look_around<B: Bodies>(trial: &Trial<B>, origin: DVec2, sights: &mut Mut<'_, TrialSights>) {
-    let slam = trial.brain().slam();
+fn look_around<B: RobotBackend>(
+    trial: &Trial<B>,
+    origin: DVec2,
+    sights: &mut Mut<'_, TrialSights>,
+) {
+    let slam = trial.autonomy().slam();
     let local = |p: DVec2| (p - origin).as_vec2();
     let map = slam.map().bounds();
     let map = map.map(|area| Rect::from_corners(local(area.min), local(area.max)));

@@ -9,10 +9,10 @@
 mod budget;
 mod piece;
 mod pieces;
-mod places;
+mod reachability;
 mod roomy;
-mod separation;
 mod squares;
+mod traversability;
 mod windings;
 
 use std::collections::BTreeMap;
@@ -22,12 +22,12 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize, Serializer};
 
 pub use budget::{Doubt, MAX_BEND_POINTS, MAX_COMPARISONS, MAX_PIECES, MAX_SQUARES};
-pub use places::PLACE_MARGIN;
+pub use reachability::PLACE_MARGIN;
 
 use budget::Budget;
 use pieces::Pieces;
 use roomy::Roomy;
-use separation::{Barriers, Nearer};
+use traversability::{Barriers, Nearer};
 
 use crate::geometry::{Rect, wrap_angle};
 use crate::world::{RoadStrip, World};
@@ -199,7 +199,7 @@ fn holds(world: &World, claim: &Claim) -> Result<bool, Doubt> {
             Ok(true)
         }
         Claim::EveryPlaceReachable { radius } => {
-            places::every_place_reachable(world, radius, budget)
+            reachability::every_place_reachable(world, radius, budget)
         }
         Claim::AddedDoorway { doorway } => {
             Ok(world.doorways.get(doorway as usize).is_some_and(|doorway| doorway.open))
@@ -281,7 +281,7 @@ fn trees_keep(world: &World, distance: f64, torus: Option<DVec2>) -> bool {
 fn bends_keep(strip: &RoadStrip, radius: f64, points: &mut u64) -> Result<bool, Doubt> {
     let path = strip.path();
     let stated = strip.centreline.iter().map(|point| point.curvature.abs());
-    let mut stated = stated.chain(path.curves().iter().map(|curve| curve.tightest()));
+    let mut stated = stated.chain(path.curves().iter().map(|curve| curve.max_curvature()));
     if !stated.all(|curvature| curvature * radius <= 1.0 + 1e-9) {
         return Ok(false);
     }

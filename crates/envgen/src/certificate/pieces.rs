@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::budget::{Budget, Doubt, MAX_PIECES};
 use super::piece::{Gap, Piece};
 use crate::geometry::{Rect, Shape};
-use crate::lattice::{Convex, Lattice, Lists};
+use crate::lattice::{CellBuckets, Convex, Lattice};
 
 /// Cells that list a piece, on average over all pieces, at most.
 const MAX_LISTINGS: usize = 8;
@@ -24,7 +24,7 @@ pub(super) struct Pieces {
     wanted: f64,
     reach: f64,
     lattice: Lattice,
-    near: Lists<u32>,
+    near: CellBuckets<u32>,
 }
 
 impl Pieces {
@@ -54,7 +54,7 @@ impl Pieces {
         loop {
             let lattice = Lattice::over(around, target);
             let most = (lattice.cols * lattice.rows > 1).then_some(MAX_LISTINGS * list.len());
-            let near = Lists::build(&lattice, &numbers, most, |&i, lattice, visit| {
+            let near = CellBuckets::build(&lattice, &numbers, most, |&i, lattice, visit| {
                 touched_runs(&list[i as usize], reach, lattice, visit);
             });
             if let Some(near) = near {

@@ -87,7 +87,7 @@ impl Roomy {
 
 #[cfg(test)]
 mod tests {
-    use super::super::separation::Barriers;
+    use super::super::traversability::Barriers;
     use super::*;
     use proptest::prelude::*;
 

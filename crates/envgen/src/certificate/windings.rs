@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::budget::{Budget, Doubt};
 use crate::geometry::Rect;
-use crate::lattice::{Convex, Lattice, Lists};
+use crate::lattice::{CellBuckets, Convex, Lattice};
 use crate::seed::Seed;
 
 /// Lines, and an index of them.
@@ -13,7 +13,7 @@ pub(super) struct Crossings {
     /// What a crossing of each line counts: one number keeps the sums of all lines.
     weights: Vec<u64>,
     lattice: Lattice,
-    near: Lists<u32>,
+    near: CellBuckets<u32>,
     /// The last stretch of a walk that each line was compared with.
     compared: Vec<u64>,
     stretches: u64,
@@ -29,7 +29,7 @@ impl Crossings {
         let lattice = Lattice::over(around, lines.len() as f64);
         // Rounding must not keep a line out of a cell where it is crossed.
         let margin = 1e-8 * (1.0 + lattice.side);
-        let near = Lists::build(&lattice, &numbers, None, |&i, lattice, visit| {
+        let near = CellBuckets::build(&lattice, &numbers, None, |&i, lattice, visit| {
             let [a, b] = lines[i as usize];
             let across = (b - a).perp().clamp_length(margin, margin);
             let along = (b - a).clamp_length(margin, margin);

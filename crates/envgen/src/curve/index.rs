@@ -70,7 +70,7 @@ impl PathIndex {
         let longest = path.length() / (CUTS * count as f64);
         let mut leaves = Vec::with_capacity(2 * count);
         for (i, curve) in path.curves().iter().enumerate() {
-            let by_turn = (curve.length * curve.tightest() / LEAF_TURN).ceil();
+            let by_turn = (curve.length * curve.max_curvature() / LEAF_TURN).ceil();
             let parts = by_turn.max((curve.length / longest).ceil()).clamp(1.0, MOST_LEAVES);
             let length = curve.length / parts;
             let mut start = curve.start;
@@ -87,7 +87,7 @@ impl PathIndex {
                 };
                 // An arc of the greatest curvature strays farthest from its chord; a little more
                 // covers the rounding of the start.
-                let sagitta = 0.126 * length * length * leaf.tightest()
+                let sagitta = 0.126 * length * length * leaf.max_curvature()
                     + 1e-12 * (1.0 + start.position.abs().max_element());
                 let s = path.start_of(i) + t;
                 leaves.push(Leaf { curve: leaf, s, axis, end: end.position, end_axis, sagitta });
@@ -215,7 +215,7 @@ impl Leaf {
             .into_iter()
             .flat_map(|k| offsets.map(|offset| k * offset))
             .fold(0.0, f64::max);
-        let slack = LEAF_TURN * (start.distance(p) + length) * self.curve.tightest();
+        let slack = LEAF_TURN * (start.distance(p) + length) * self.curve.max_curvature();
         let rises = inside + slack < 1.0;
         if rises && !(slopes.0 < 0.0 && slopes.1 > 0.0) {
             return;

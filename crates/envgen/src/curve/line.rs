@@ -50,7 +50,7 @@ impl Path<'_> {
 
     /// The points at `offset` metres to the left of the path at given distances along it, which
     /// must not fall.
-    pub fn beside(&self, offset: f64, stations: &[f64]) -> Vec<DVec2> {
+    pub fn offset_curve(&self, offset: f64, stations: &[f64]) -> Vec<DVec2> {
         let mut walk = self.walk();
         stations
             .iter()
@@ -65,7 +65,7 @@ impl Path<'_> {
 /// Into how many chords a stretch of a piece is cut. A chord over `l` metres of the centre strays
 /// from a line at `offset` by k l^2 (1 + k offset) / 8 on the outer side, less on the inner.
 fn chords(curve: &Curve, length: f64, offset: f64, tolerance: f64) -> f64 {
-    let k = curve.tightest();
+    let k = curve.max_curvature();
     let longest = (8.0 * tolerance / (k * (1.0 + k * offset))).sqrt();
     (length / longest).ceil().clamp(1.0, MOST_CHORDS)
 }

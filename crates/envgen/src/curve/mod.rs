@@ -64,7 +64,7 @@ impl Curve {
     }
 
     /// Greatest absolute curvature in 1/m.
-    pub fn tightest(&self) -> f64 {
+    pub fn max_curvature(&self) -> f64 {
         self.start_curvature.abs().max(self.end_curvature.abs())
     }
 

@@ -31,7 +31,7 @@ const TOUCH: f64 = 1e-9;
 /// `half`, covers itself: two distances along the path where it does, the lesser first, or `None`.
 ///
 /// A path whose headings span less than pi never does: for each of its points the two circles of
-/// the tightest bend's radius that touch the path there stay clear of the rest of it, because the
+/// the max_curvature bend's radius that touch the path there stay clear of the rest of it, because the
 /// sine of the heading changes by at most 1/radius a metre along the middle direction. So the
 /// normal at one point, inside those circles, is never as near to another point of the path as to
 /// its own, and no two normals meet.
@@ -401,8 +401,8 @@ mod tests {
     fn normals_meet(path: &Path<'_>, half: f64, step: f64) -> bool {
         let stations: Vec<f64> =
             (0..=(path.length() / step) as u32).map(|i| f64::from(i) * step).collect();
-        let left = path.beside(half, &stations);
-        let right = path.beside(-half, &stations);
+        let left = path.offset_curve(half, &stations);
+        let right = path.offset_curve(-half, &stations);
         let n = stations.len();
         (0..n).any(|i| (i + 1..n).any(|j| segments_cross(left[i], right[i], left[j], right[j])))
     }
@@ -467,7 +467,7 @@ mod tests {
         for (from, to) in clear {
             for i in 1..200 {
                 let s = from + (to - from) * f64::from(i) / 200.0;
-                let p = round.beside(3.0, &[s])[0];
+                let p = round.offset_curve(3.0, &[s])[0];
                 assert!(index.locate(p).unwrap().offset.abs() > 3.0 - 1e-4);
             }
         }

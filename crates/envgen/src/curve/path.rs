@@ -190,7 +190,7 @@ struct Patch {
 
 impl Patch {
     fn around(curve: &Curve, axis: DVec2, t: f64) -> Patch {
-        let count = (curve.length * curve.tightest() / (2.0 * HALF_TURN)).ceil().max(1.0);
+        let count = (curve.length * curve.max_curvature() / (2.0 * HALF_TURN)).ceil().max(1.0);
         let length = curve.length / count;
         let number = (t / length).floor().min(count - 1.0);
         let middle = (number + 0.5) * length;
@@ -258,10 +258,11 @@ mod tests {
         let path = path();
         for (offset, tolerance) in [(0.0, 0.01), (4.0, 0.01), (-4.0, 1e-4), (4.0, 0.3)] {
             let stations = path.stations(offset, tolerance);
-            let line = path.beside(offset, &stations);
+            let line = path.offset_curve(offset, &stations);
             for (pair, s) in line.windows(2).zip(stations.windows(2)) {
                 for i in 0..=10 {
-                    let p = path.beside(offset, &[s[0] + (s[1] - s[0]) * f64::from(i) / 10.0])[0];
+                    let p =
+                        path.offset_curve(offset, &[s[0] + (s[1] - s[0]) * f64::from(i) / 10.0])[0];
                     let stray = crate::geometry::distance_to_segment(p, pair[0], pair[1]);
                     assert!(stray <= tolerance * (1.0 + 1e-9), "{stray}");
                 }

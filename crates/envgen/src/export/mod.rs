@@ -240,7 +240,7 @@ impl Format {
     /// The format that a file's name asks for by its ending; upper and lower case are one.
     ///
     /// # Errors
-    /// Lists the endings that exist.
+    /// CellBuckets the endings that exist.
     pub fn from_path(path: &Path) -> Result<Format, ExportError> {
         let name = path.file_name().map(|name| name.to_string_lossy().to_ascii_lowercase());
         let known = || Format::ALL.iter().copied();

@@ -10,7 +10,7 @@ use crate::certificate::Claim;
 use crate::flood::flood;
 use crate::geometry::{Pose, Shape};
 use crate::occupancy::{Coverage, OccupancyError, OccupancyGrid};
-use crate::spec::Kind;
+use crate::spec::WorldKind;
 use crate::world::World;
 
 /// The most cells of a map that is read or written.
@@ -209,7 +209,7 @@ const EDGE_TOLERANCE: f64 = 0.01;
 /// the area of a forest.
 fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
     match world.provenance.kind.parse() {
-        Ok(Kind::Road) => {
+        Ok(WorldKind::Road) => {
             let Ok(mut inside) = OccupancyGrid::empty(world.bounds, grid.resolution()) else {
                 return;
             };
@@ -222,7 +222,7 @@ fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
             }
             open.iter_mut().zip(inside.cells()).for_each(|(open, inside)| *open &= inside);
         }
-        Ok(Kind::Forest) => {
+        Ok(WorldKind::Forest) => {
             let area = world.certificate.iter().find_map(|claim| match claim {
                 Claim::CrossesWestEast { area, .. } => Some(*area),
                 _ => None,

@@ -13,11 +13,11 @@ mod endless;
 mod hard_core;
 mod index;
 mod metrics;
-mod place;
 mod poisson;
 mod predict;
 mod radius;
 mod spec;
+mod start_goal;
 
 pub use density::{Density, DensityMap};
 pub use endless::EndlessForest;

@@ -10,7 +10,7 @@ use thiserror::Error;
 use super::density::{Density, DensityMap};
 use super::metrics::ForestMetrics;
 use super::radius::RadiusLaw;
-use super::{hard_core, metrics, place, poisson, radius};
+use super::{hard_core, metrics, poisson, radius, start_goal};
 use crate::error::{GenerateError, SpecError};
 use crate::generate::{Blueprint, Spec};
 use crate::geometry::Rect;
@@ -316,7 +316,7 @@ impl ForestSpec {
             poisson::centres(self, seed, density)?
         };
         let trees = radius::grow(self, seed, centres);
-        let (trees, cleared) = place::clear(self, trees);
+        let (trees, cleared) = start_goal::clear(self, trees);
         Ok(Forest { trees, cleared, spec: self.clone(), seed, edited: false })
     }
 
@@ -451,6 +451,6 @@ impl Blueprint for Forest {
     fn to_world(&self) -> World {
         let mut provenance = self.spec.provenance(self.seed);
         provenance.edited = self.edited;
-        place::world(self, provenance)
+        start_goal::world(self, provenance)
     }
 }

@@ -75,7 +75,7 @@ pub const READERS: &[(&str, Reader)] = &[
 /// The reader of a file, by the ending of its name; upper and lower case are one.
 ///
 /// # Errors
-/// Lists the endings that exist.
+/// CellBuckets the endings that exist.
 pub fn reader(path: &Path) -> Result<Reader, ImportError> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     let found = READERS.iter().find(|(known, _)| Some(*known) == ending.as_deref());

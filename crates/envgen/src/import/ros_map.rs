@@ -18,7 +18,7 @@ use crate::export::ros_map::{RESOLUTIONS, RosCell, RosMap};
 use crate::file::{self, FileError};
 use crate::geometry::{Pose, Rect, Shape, unit_vector};
 use crate::occupancy::OccupancyGrid;
-use crate::placement::roomiest_place;
+use crate::placement::max_clearance_point;
 use crate::provenance::Provenance;
 use crate::world::{Obstacle, ObstacleKind, Wall, WallKind, World};
 
@@ -246,7 +246,7 @@ impl RosMap {
         let obstacle = |cells| Obstacle { kind: ObstacleKind::Other, shape: self.box_of(cells) };
         world.obstacles = inside.into_iter().chain(border).map(obstacle).collect();
         let grid = OccupancyGrid::from_cells(DVec2::ZERO, self.resolution, self.cols, solid);
-        let place = grid.ok().and_then(|grid| roomiest_place(&grid));
+        let place = grid.ok().and_then(|grid| max_clearance_point(&grid));
         world.start = place.map(|place| Pose { position: self.place(place), heading });
         world
     }

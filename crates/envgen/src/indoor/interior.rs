@@ -381,7 +381,7 @@ impl Field {
         let mut order: Vec<u32> = (0..clearance.len() as u32).collect();
         order.sort_by(|&a, &b| clearance[b as usize].total_cmp(&clearance[a as usize]));
         let entries = Side::ALL.map(|side| self.behind(side, room.side_length(side), 0));
-        let mut sets = super::sets::Sets::new(clearance.len());
+        let mut sets = super::union_find::Sets::new(clearance.len());
         let mut joined = vec![false; clearance.len()];
         for i in order {
             let i = i as usize;

@@ -23,8 +23,8 @@ mod interior;
 mod metrics;
 mod plan;
 mod rules;
-mod sets;
 mod spec;
+mod union_find;
 mod variation;
 pub mod world_generator;
 

@@ -5,9 +5,9 @@ use std::io::Write;
 use glam::DVec2;
 use svg::node::element::Group;
 
-use super::furniture::{TITLE_HEIGHT, page, rectangle};
 use super::ink::Indexed;
 use super::legend::{self, Entry};
+use super::page::{TITLE_HEIGHT, page, rectangle};
 use super::parts::filled;
 use super::path::PathData;
 use super::style::{self, Color, Style};

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use svg::node::element::Group;
 
-use super::furniture::{arrow, difficulty_bar, flag, sample, scale_bar};
+use super::page::{arrow, difficulty_bar, flag, sample, scale_bar};
 use super::parts::{self, Layer, filled, stroked};
 use super::path::PathData;
 use super::raster;

@@ -21,11 +21,11 @@
 //! they cover.
 
 mod figure;
-mod furniture;
 mod hatch;
 mod ink;
+mod labels;
 mod legend;
-mod names;
+mod page;
 mod parts;
 mod path;
 mod pixels;
@@ -183,7 +183,7 @@ pub fn write_svg(
 ) -> Result<(), PictureError> {
     options.validate()?;
     world.check()?;
-    svg::write(&mut *out, &furniture::document(world, options)?)?;
+    svg::write(&mut *out, &page::document(world, options)?)?;
     Ok(writeln!(out)?)
 }
 

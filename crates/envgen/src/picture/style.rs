@@ -136,7 +136,7 @@ const OBSTACLES: &[(ObstacleKind, Style)] = &[
 ];
 const OTHER: Style = Style::edged("obstacle", rgb(0xb7_9c_c8), rgb(0x5d_43_70));
 
-/// Grounds, in the order in which they are drawn; kinds that are not here look like a floor.
+/// SurfaceIndex, in the order in which they are drawn; kinds that are not here look like a floor.
 const SURFACES: &[(SurfaceKind, Style)] = &[
     (SurfaceKind::OpenArea, Style::edged("open area", rgb(0xe9_f5_d8), rgb(0xe9_f5_d8))),
     (SurfaceKind::Hallway, Style::edged("hallway", rgb(0xd3_ec_c8), rgb(0xd3_ec_c8))),

@@ -51,7 +51,7 @@ pub struct RoadSegment {
     pub waypoints: u64,
     /// Least radius in metres; `None` for a straight.
     pub radius: Option<f64>,
-    /// Curvature in 1/m where it is tightest, positive to the left.
+    /// Curvature in 1/m where it is max_curvature, positive to the left.
     pub curvature: f64,
     /// Distance along the road at which it starts, in metres.
     pub start: f64,
@@ -202,7 +202,7 @@ pub struct RoadMetrics {
     pub turning: f64,
     /// Share of the length that is straight.
     pub straight_share: f64,
-    /// Lateral acceleration at the spec's speed in the tightest turn, in m/s^2.
+    /// Lateral acceleration at the spec's speed in the max_curvature turn, in m/s^2.
     pub lateral_acceleration: f64,
     /// Greatest speed in m/s at which friction holds in every turn; `None` without turns.
     pub max_speed: Option<f64>,

@@ -31,7 +31,7 @@ pub(super) fn world(road: &Road) -> World {
     let walls = kerbs(road);
 
     let stations = path.stations(half, KERB_TOLERANCE);
-    let edges = [half, -half].map(|offset| path.beside(offset, &stations));
+    let edges = [half, -half].map(|offset| path.offset_curve(offset, &stations));
     let around = Rect::around(edges.into_iter().flatten())
         .into_iter()
         .map(|rect| rect.grown(KERB_TOLERANCE))
@@ -99,8 +99,8 @@ fn kerb_along(
     (from, to): (f64, f64),
 ) -> impl Iterator<Item = Shape> {
     let stations = path.stations_between(from, to, half + kerb, KERB_TOLERANCE);
-    let face = path.beside(side * half, &stations);
-    let back = path.beside(side * (half + kerb), &stations);
+    let face = path.offset_curve(side * half, &stations);
+    let back = path.offset_curve(side * (half + kerb), &stations);
     (1..stations.len()).filter(move |&i| stations[i] - stations[i - 1] > SHORTEST).map(move |i| {
         let (a, b) = if side > 0.0 { (i - 1, i) } else { (i, i - 1) };
         Shape::Polygon { vertices: vec![face[a], face[b], back[b], back[a]] }

@@ -66,7 +66,7 @@ impl Part {
         Part { kind: SegmentKind::Straight, length, ramp: 0.0, radius: f64::INFINITY }
     }
 
-    /// Signed curvature where it is tightest, in 1/m.
+    /// Signed curvature where it is max_curvature, in 1/m.
     fn curvature(&self) -> f64 {
         match self.kind {
             SegmentKind::Straight => 0.0,
@@ -379,7 +379,7 @@ impl Attempt<'_> {
         };
         let all_inside = [half, -half]
             .into_iter()
-            .all(|offset| path.beside(offset, &stations).into_iter().all(inside));
+            .all(|offset| path.offset_curve(offset, &stations).into_iter().all(inside));
         if all_inside { Ok(()) } else { Err(RoadError::OutOfArea { side }) }
     }
 

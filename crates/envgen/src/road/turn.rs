@@ -20,7 +20,7 @@ pub struct TurnLimits {
 }
 
 impl TurnLimits {
-    /// The length in metres of a turn as if it kept its tightest curvature throughout: a clothoid
+    /// The length in metres of a turn as if it kept its max_curvature curvature throughout: a clothoid
     /// counts half, so this is the turn's angle times its least radius.
     pub fn effective(&self, length: f64) -> f64 {
         (1.0 - self.transition) * length

@@ -254,7 +254,7 @@ fn check_pieces(id: PartId, pieces: &[Curve]) -> Result<(), Violation> {
         if piece.length <= 0.0 {
             return Err(Violation::Size(id));
         }
-        if piece.length * piece.tightest() > MOST_TURNING {
+        if piece.length * piece.max_curvature() > MOST_TURNING {
             return Err(Violation::Pieces(id));
         }
     }

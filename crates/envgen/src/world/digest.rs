@@ -33,7 +33,7 @@ impl World {
             (&self.walls, &self.trees, &self.road_strips, &self.rooms),
             (&self.doorways, &self.obstacles, &self.surfaces, &self.raster),
         );
-        // Lists that later versions added count only when they hold something, so that the digests
+        // CellBuckets that later versions added count only when they hold something, so that the digests
         // of older worlds stay.
         if self.victims.is_empty() {
             Digest::of(&parts)

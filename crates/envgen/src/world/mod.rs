@@ -56,7 +56,7 @@ pub struct World {
     pub doorways: Vec<Doorway>,
     /// Things that stand in the way.
     pub obstacles: Vec<Obstacle>,
-    /// Grounds that change how a robot drives.
+    /// SurfaceIndex that change how a robot drives.
     pub surfaces: Vec<Surface>,
     /// Where people wait to be found. They are marks on the floor: nothing stands there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -57,7 +57,9 @@ impl RoadStrip {
         let path = self.path();
         let stations = path.stations(0.5 * self.width, tolerance);
         (0..=self.lanes)
-            .map(|i| path.beside(0.5 * self.width - f64::from(i) * self.lane_width(), &stations))
+            .map(|i| {
+                path.offset_curve(0.5 * self.width - f64::from(i) * self.lane_width(), &stations)
+            })
             .collect()
     }
 
@@ -69,8 +71,8 @@ impl RoadStrip {
     pub fn mesh(&self, tolerance: f64) -> RoadMesh {
         let path = self.path();
         let distances = path.stations(0.5 * self.width, tolerance);
-        let left = path.beside(0.5 * self.width, &distances);
-        let right = path.beside(-0.5 * self.width, &distances);
+        let left = path.offset_curve(0.5 * self.width, &distances);
+        let right = path.offset_curve(-0.5 * self.width, &distances);
         let quads = distances.len().saturating_sub(1) as u32;
         RoadMesh {
             vertices: left.into_iter().zip(right).flat_map(|(l, r)| [l, r]).collect(),

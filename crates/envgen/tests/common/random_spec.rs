@@ -1,7 +1,7 @@
 //! Specs drawn from all that the settings allow.
 
 use envgen::settings::{Allowed, Setting};
-use envgen::{Kind, Seed, Stream, WorldSpec};
+use envgen::{Seed, Stream, WorldKind, WorldSpec};
 use serde_json::{Value, json};
 
 /// The most that making and checking a world may cost, so that it takes a fraction of a second.
@@ -27,7 +27,7 @@ fn cost(spec: &WorldSpec) -> f64 {
 /// Numbers are uniform in their logarithm over the whole range that their setting allows, so that a
 /// millimetre is as common as a kilometre. Where settings do not go together, the one that the error
 /// names is drawn again or set to its default.
-pub(crate) fn random_spec(kind: Kind, seed: u64) -> WorldSpec {
+pub(crate) fn random_spec(kind: WorldKind, seed: u64) -> WorldSpec {
     for attempt in 0.. {
         let mut stream = Seed(seed).attempt(kind.name(), 0, attempt);
         let mut settings = kind.default_spec().settings_json();
@@ -44,7 +44,7 @@ pub(crate) fn random_spec(kind: Kind, seed: u64) -> WorldSpec {
     unreachable!("the defaults are valid, and drawn at times")
 }
 
-fn repaired(kind: Kind, mut settings: Value, stream: &mut Stream) -> Option<WorldSpec> {
+fn repaired(kind: WorldKind, mut settings: Value, stream: &mut Stream) -> Option<WorldSpec> {
     let defaults = kind.default_spec().settings_json();
     for _ in 0..60 {
         // What is too large is not worth the checks.
@@ -71,7 +71,7 @@ fn repaired(kind: Kind, mut settings: Value, stream: &mut Stream) -> Option<Worl
     None
 }
 
-fn spec_of(kind: Kind, settings: &Value) -> serde_json::Result<WorldSpec> {
+fn spec_of(kind: WorldKind, settings: &Value) -> serde_json::Result<WorldSpec> {
     serde_json::from_value(json!({ kind.name(): settings }))
 }
 

@@ -69,7 +69,7 @@ fn infeasible_roads_fail_at_once_with_three_numbers() {
 
 #[test]
 fn reserved_lengths_are_enough_even_where_nothing_is_left_over() {
-    // The tightest cases: a concentration that leaves all but one segment its bare minimum, and a
+    // The max_curvature cases: a concentration that leaves all but one segment its bare minimum, and a
     // length that is just what the minima need.
     for length in [1e6, 12_345.678, 300.0] {
         for transition in [0.0, 0.3, 0.5] {

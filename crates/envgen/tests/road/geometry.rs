@@ -251,7 +251,7 @@ proptest! {
         let (low, high) = road.path().headings();
         prop_assume!(high - low < PI && high - low > FRAC_PI_2);
         let stations: Vec<f64> = (0..=300).map(|i| f64::from(i) * 2.0).collect();
-        let (left, right) = (road.path().beside(3.5, &stations), road.path().beside(-3.5, &stations));
+        let (left, right) = (road.path().offset_curve(3.5, &stations), road.path().offset_curve(-3.5, &stations));
         for i in 0..stations.len() {
             for j in i + 1..stations.len() {
                 prop_assert!(!envgen::geometry::segments_cross(left[i], right[i], left[j], right[j]));

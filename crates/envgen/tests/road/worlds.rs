@@ -25,8 +25,8 @@ fn the_sbft_preset_keeps_the_competition_s_rules() {
             assert!(line.iter().all(|p| p.min_element() >= 0.0 && p.max_element() <= 200.0));
         }
         // No overlap of the strip, by its quads: none that are not neighbours meet.
-        let left = road.path().beside(4.0, &road.path().stations(4.0, 0.05));
-        let right = road.path().beside(-4.0, &road.path().stations(4.0, 0.05));
+        let left = road.path().offset_curve(4.0, &road.path().stations(4.0, 0.05));
+        let right = road.path().offset_curve(-4.0, &road.path().stations(4.0, 0.05));
         for i in 0..left.len() {
             for j in i + 1..left.len() {
                 let meet = envgen::geometry::segments_cross(left[i], right[i], left[j], right[j]);
@@ -122,7 +122,7 @@ fn kerbs_leave_the_road_free_even_where_it_crosses_itself() {
         if !road.metrics().crosses_itself {
             for s in (1..899).map(f64::from) {
                 for side in [3.575, -3.575] {
-                    let p = road.path().beside(side, &[s])[0];
+                    let p = road.path().offset_curve(side, &[s])[0];
                     let inside = boxes
                         .iter()
                         .any(|(b, w)| b.grown(0.1).contains(p) && w.shape.distance(p) < 0.02);

@@ -25,7 +25,7 @@ use std::time::Duration;
 use envgen::SpecError;
 use thiserror::Error;
 
-pub use parts::{DriverOperator, DriverSlam};
+pub use parts::{DriverPolicy, DriverSlam};
 pub use protocol::{Greeting, Hello, PROTOCOL};
 
 use crate::trial::{TrialParts, TrialReport};
@@ -94,7 +94,7 @@ pub enum DriverError {
     GaveUp(String),
 }
 
-/// A connection to a driver, which its [`DriverOperator`] and [`DriverSlam`] share.
+/// A connection to a driver, which its [`DriverPolicy`] and [`DriverSlam`] share.
 ///
 /// ```no_run
 /// use std::process::Command;
@@ -165,7 +165,7 @@ impl Driver {
     /// where it says so, it estimates.
     pub fn parts(&self) -> TrialParts {
         let driver = self.clone();
-        let parts = TrialParts::default().operator(move |_| DriverOperator::new(&driver));
+        let parts = TrialParts::default().policy(move |_| DriverPolicy::new(&driver));
         if !self.session().has_slam() {
             return parts;
         }

@@ -3,9 +3,9 @@
 use envgen::geometry::Pose;
 
 use super::Driver;
-use crate::body::Observation;
+use crate::backend::Observation;
 use crate::map::{Estimate, OccupancyMap};
-use crate::operator::{Decision, Operator, View};
+use crate::policy::{Decision, ExplorationPolicy, PolicyInput};
 use crate::slam::Slam;
 use crate::slam::motion::{advance, believable};
 
@@ -16,20 +16,20 @@ fn name(driver: &Driver) -> String {
 
 /// The operator that a driver is.
 #[derive(Debug)]
-pub struct DriverOperator {
+pub struct DriverPolicy {
     driver: Driver,
     name: String,
     failure: Option<String>,
 }
 
-impl DriverOperator {
+impl DriverPolicy {
     /// The operator of a driver that has been greeted.
     pub fn new(driver: &Driver) -> Self {
-        DriverOperator { driver: driver.clone(), name: name(driver), failure: None }
+        DriverPolicy { driver: driver.clone(), name: name(driver), failure: None }
     }
 }
 
-impl Operator for DriverOperator {
+impl ExplorationPolicy for DriverPolicy {
     fn name(&self) -> &str {
         &self.name
     }
@@ -39,7 +39,7 @@ impl Operator for DriverOperator {
         1
     }
 
-    fn decide(&mut self, view: &View<'_>) -> Decision {
+    fn decide(&mut self, view: &PolicyInput<'_>) -> Decision {
         let robot = view.robot;
         let mut session = self.driver.session();
         // One that estimates for itself has been asked where its estimate was.

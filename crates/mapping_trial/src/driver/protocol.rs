@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::DriverError;
 use super::grid::Grid;
-use crate::body::{Command, TICK};
+use crate::backend::{Command, TICK};
 use crate::lidar::Scan;
 use crate::score::Scores;
 use crate::trial::{EndReason, Setup, TrialReport, TrialSettings, number};
@@ -51,7 +51,7 @@ pub struct Hello {
 struct RobotNumbers {
     length: f64,
     width: f64,
-    swing_radius: f64,
+    circumscribed_radius: f64,
     max_speed: f64,
     max_turn_rate: f64,
     acceleration: f64,
@@ -85,7 +85,7 @@ impl Hello {
             robot: RobotNumbers {
                 length: robot.length,
                 width: robot.width,
-                swing_radius: robot.swing_radius,
+                circumscribed_radius: robot.circumscribed_radius,
                 max_speed: robot.max_speed,
                 max_turn_rate: robot.max_turn_rate,
                 acceleration: robot.acceleration,

@@ -9,9 +9,9 @@ use super::protocol::{
     Ended, Greeting, Hello, Observed, Odometry, Reply, Wish, excerpt, line, ranges, triple,
 };
 use super::{DriverError, Limits, Link, LinkError, Process};
-use crate::body::{Command, Observation};
+use crate::backend::{Command, Observation};
 use crate::map::OccupancyMap;
-use crate::operator::Decision;
+use crate::policy::Decision;
 use crate::trial::TrialReport;
 
 /// How long a driver may take to end after the last line before its process is ended.

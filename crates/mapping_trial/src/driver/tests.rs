@@ -9,11 +9,11 @@ use glam::DVec2;
 use serde_json::{Value, json};
 
 use super::*;
-use crate::body::{Command as Drive, Observation};
+use crate::backend::{Command as Drive, Observation};
 use crate::lidar::{NO_ECHO, Scan};
 use crate::map::{CLAMP, CellIndex, Estimate, OccupancyMap};
 use crate::odometry::Increment;
-use crate::operator::{Decision, Operator, View};
+use crate::policy::{Decision, ExplorationPolicy, PolicyInput};
 use crate::slam::Slam;
 use crate::trial::{Setup, TrialSettings};
 
@@ -55,14 +55,14 @@ fn hello(robots: usize) -> Hello {
 
 /// What an operator decides on what a robot sees, at a pose.
 fn decide(
-    operator: &mut DriverOperator,
+    operator: &mut DriverPolicy,
     robot: usize,
     seen: &Observation,
     pose: Pose,
     map: &OccupancyMap,
 ) -> Decision {
     let TrialSettings { body, laser, .. } = TrialSettings::default();
-    operator.decide(&View {
+    operator.decide(&PolicyInput {
         robot,
         estimates: &[Estimate { pose, ..Estimate::default() }; 2],
         map,
@@ -75,7 +75,7 @@ fn decide(
 }
 
 /// The same where neither pose nor map matter.
-fn decide_at(operator: &mut DriverOperator, tick: u32) -> Decision {
+fn decide_at(operator: &mut DriverPolicy, tick: u32) -> Decision {
     decide(operator, 0, &seen(tick), Pose::default(), &OccupancyMap::new())
 }
 
@@ -102,7 +102,7 @@ fn failure(text: &'static str) -> String {
         greeting(line, "").or_else(|| Some(text.to_owned()).filter(|text| !text.is_empty()))
     });
     driver.greet(&hello(1)).expect("a greeting");
-    let mut operator = DriverOperator::new(&driver);
+    let mut operator = DriverPolicy::new(&driver);
     assert_eq!(decide_at(&mut operator, 0), Decision::Failed, "{text}");
     // It stays failed.
     assert_eq!(decide_at(&mut operator, 1), Decision::Failed, "{text}");
@@ -117,7 +117,7 @@ fn what_was_measured_between_lines_is_told_with_the_next() {
         greeting(line, ", \"rate\": 3").or_else(|| Some(format!("{command}\n")))
     });
     assert_eq!(driver.greet(&hello(2)).expect("a greeting").rate, 3);
-    let mut operator = DriverOperator::new(&driver);
+    let mut operator = DriverPolicy::new(&driver);
     let pose = Pose::new(3.0, 4.0, 5.0);
     for tick in 0..7 {
         for robot in 0..2 {
@@ -154,7 +154,7 @@ fn the_map_comes_when_it_is_wanted() {
         greeting(line, "").or(Some(reply))
     });
     driver.greet(&hello(1)).expect("a greeting");
-    let mut operator = DriverOperator::new(&driver);
+    let mut operator = DriverPolicy::new(&driver);
     let mut map = OccupancyMap::new();
     map.add(CellIndex { col: 0, row: 1 }, CLAMP);
     for tick in 0..3 {
@@ -184,7 +184,7 @@ fn a_driver_may_estimate_for_itself() {
     assert!(driver.greet(&hello(1)).expect("a greeting").slam);
     let start = Pose::new(1.0, 2.0, 0.0);
     let mut slam = DriverSlam::new(&driver, &[start]);
-    let mut operator = DriverOperator::new(&driver);
+    let mut operator = DriverPolicy::new(&driver);
     for tick in 0..3 {
         slam.step(0, &seen(tick));
         let decision = decide_at(&mut operator, tick);
@@ -215,7 +215,7 @@ fn a_bad_map_fails_the_driver() {
     slam.step(0, &seen(3));
     let text = "`map.cells` is 1 bytes, allowed is 4, one a cell (observation 0, at 0.15 s)";
     assert_eq!(driver.failure().as_deref(), Some(text));
-    assert_eq!(decide_at(&mut DriverOperator::new(&driver), 3), Decision::Failed);
+    assert_eq!(decide_at(&mut DriverPolicy::new(&driver), 3), Decision::Failed);
     // The wheels count on to the end of the trial.
     slam.step(0, &seen(4));
     assert_eq!(slam.trajectory(0).len(), 3);
@@ -246,7 +246,7 @@ fn a_hello_that_is_none_is_a_failure_at_once() {
         assert_eq!(driver.greet(&hello(1)), None);
         let found = driver.failure().expect("a reason");
         assert!(found.contains(part), "{found}");
-        let mut operator = DriverOperator::new(&driver);
+        let mut operator = DriverPolicy::new(&driver);
         assert_eq!(decide_at(&mut operator, 0), Decision::Failed);
     }
 }

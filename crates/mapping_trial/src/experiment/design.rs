@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::lidar::LaserProfile;
 use crate::names::Named;
 use crate::odometry::OdometryProfile;
-use crate::operator::OperatorKind;
+use crate::policy::PolicyKind;
 use crate::slam::SlamKind;
 use crate::trial::TrialSettings;
 
@@ -49,7 +49,7 @@ pub struct Design {
     /// [`MAX_NOISE_SEEDS`].
     pub noise_seeds: u32,
     /// Who drives.
-    pub operators: Vec<OperatorKind>,
+    pub operators: Vec<PolicyKind>,
     /// The paper's own design.
     pub replay: Replay,
     /// How maps are generated.
@@ -75,7 +75,7 @@ pub struct Replay {
     /// Maps a level, at most [`Design::maps`].
     pub maps: u32,
     /// Who drives.
-    pub operators: Vec<OperatorKind>,
+    pub operators: Vec<PolicyKind>,
 }
 
 /// One trial of a design.
@@ -89,7 +89,7 @@ pub struct Trial {
     /// Number of the noise on this map.
     pub noise: u32,
     /// Who drives.
-    pub operator: OperatorKind,
+    pub operator: PolicyKind,
 }
 
 impl Default for Design {
@@ -113,12 +113,12 @@ impl Default for Design {
     }
 }
 
-fn every_operator() -> Vec<OperatorKind> {
-    OperatorKind::NAMES.iter().map(|(_, kind)| *kind).collect()
+fn every_operator() -> Vec<PolicyKind> {
+    PolicyKind::NAMES.iter().map(|(_, kind)| *kind).collect()
 }
 
 /// The name of an operator.
-pub fn operator_name(kind: OperatorKind) -> &'static str {
+pub fn operator_name(kind: PolicyKind) -> &'static str {
     kind.name().unwrap_or("custom")
 }
 
@@ -129,7 +129,7 @@ impl Design {
         Design {
             maps: 6,
             noise_seeds: 1,
-            operators: vec![OperatorKind::Nearest],
+            operators: vec![PolicyKind::Nearest],
             ..Design::default()
         }
     }
@@ -171,7 +171,7 @@ impl Design {
         for &level in &self.levels {
             self.spec(level).validate()?;
         }
-        self.settings(&Trial { level: 0, map: 0, noise: 0, operator: OperatorKind::Nearest })
+        self.settings(&Trial { level: 0, map: 0, noise: 0, operator: PolicyKind::Nearest })
             .validate()
     }
 
@@ -181,7 +181,7 @@ impl Design {
         for level in 0..self.levels.len() as u32 {
             for map in 0..self.maps {
                 for noise in 0..self.noise_seeds {
-                    for (_, operator) in OperatorKind::NAMES {
+                    for (_, operator) in PolicyKind::NAMES {
                         let trial = Trial { level, map, noise, operator: *operator };
                         if self.is_main(&trial) || self.is_replay(&trial) {
                             trials.push(trial);
@@ -343,7 +343,7 @@ mod tests {
         noise.sort_unstable();
         noise.dedup();
         assert_eq!(noise.len(), 5 * 40 * 7);
-        let trial = Trial { level: 3, map: 4, noise: 2, operator: OperatorKind::Nearest };
+        let trial = Trial { level: 3, map: 4, noise: 2, operator: PolicyKind::Nearest };
         assert_eq!(design.world_seed(&trial), Seed(70_004));
         assert_eq!(design.noise_seed(&trial), Seed(70_004_002));
         // Neither seed of an experiment is one of the next.
@@ -383,7 +383,7 @@ mod tests {
         assert!(error(&|d| d.noise_seeds = 0).contains("`noise_seeds`"));
         assert!(error(&|d| d.replay.maps = 21).contains("`replay.maps`"));
         assert!(error(&|d| d.operators.clear()).contains("`operators`"));
-        assert!(error(&|d| d.operators.push(OperatorKind::Nearest)).contains("each once"));
+        assert!(error(&|d| d.operators.push(PolicyKind::Nearest)).contains("each once"));
         assert!(error(&|d| d.size = 3).contains("`size` is 3"));
         assert!(error(&|d| d.size = u32::MAX).contains("`size`"));
         assert!(error(&|d| d.time_limit = f64::NAN).contains("`time_limit`"));

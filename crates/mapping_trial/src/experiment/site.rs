@@ -12,12 +12,12 @@ use super::store::ExperimentError;
 use crate::flat::{FlatSimulator, FlatWorld};
 use crate::robot::Robot;
 use crate::trial;
-use crate::truth::Truth;
+use crate::truth::MappableArea;
 
 /// A map that trials take place on.
 pub(super) struct Site {
     pub(super) world: World,
-    pub(super) truth: Truth,
+    pub(super) truth: MappableArea,
     flat: Arc<FlatWorld>,
     features: MapFeatures,
     digest: String,
@@ -33,7 +33,8 @@ impl Site {
         let flat =
             FlatWorld::new(&world, &body).map_err(|error| unusable(design, trial, &error))?;
         Ok(Site {
-            truth: Truth::new(&world, &body).map_err(|error| unusable(design, trial, &error))?,
+            truth: MappableArea::new(&world, &body)
+                .map_err(|error| unusable(design, trial, &error))?,
             flat: Arc::new(flat),
             features: MapFeatures::of(&plan),
             digest: world.digest().to_string(),

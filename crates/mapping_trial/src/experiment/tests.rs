@@ -9,17 +9,17 @@ use tempfile::TempDir;
 
 use super::stats::analyse;
 use super::*;
-use crate::operator::OperatorKind;
+use crate::policy::PolicyKind;
 use crate::score::Scores;
 
 /// Small maps and short trials.
 pub(super) fn small() -> Design {
-    let nearest = vec![OperatorKind::Nearest];
+    let nearest = vec![PolicyKind::Nearest];
     Design {
         maps: 2,
         noise_seeds: 2,
         operators: nearest.clone(),
-        replay: Replay { maps: 1, operators: vec![OperatorKind::Nearest, OperatorKind::Corridors] },
+        replay: Replay { maps: 1, operators: vec![PolicyKind::Nearest, PolicyKind::Corridors] },
         size: 7,
         time_limit: 4.0,
         ..Design::default()
@@ -34,7 +34,7 @@ fn tiny() -> Design {
 /// A record that no trial made.
 pub(super) fn record(level: u32, map: u32, noise: u32, difficulty: f64) -> Record {
     Record {
-        trial: Trial { level, map, noise, operator: OperatorKind::Nearest },
+        trial: Trial { level, map, noise, operator: PolicyKind::Nearest },
         world_seed: Seed(0),
         noise_seed: Seed(0),
         world_digest: String::new(),

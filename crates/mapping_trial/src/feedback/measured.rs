@@ -5,8 +5,8 @@ use envgen::geometry::Pose;
 use glam::DVec2;
 
 use super::{Experience, Feedback, NoRating, Rating, Session};
-use crate::body::TICK;
-use crate::score::{Scores, Track, Weights};
+use crate::backend::TICK;
+use crate::score::{Scores, TrajectoryPair, Weights};
 
 /// Ticks from one look at the tracks to the next: 0.2 s.
 const STRIDE: usize = 4;
@@ -20,7 +20,7 @@ const KNOWN: f64 = 5.0;
 /// Distance in metres up to which a doorway is near.
 const NEAR: f64 = 1.0;
 
-/// Way in metres before and after a place between which a robot has turned back when it has come
+/// Path in metres before and after a place between which a robot has turned back when it has come
 /// within [`BACK`] of where it was.
 const WAY: f64 = 2.0;
 
@@ -37,7 +37,7 @@ pub struct Measured<'a> {
     /// The scores of the run.
     pub scores: &'a Scores,
     /// One track a robot, a pose a tick.
-    pub tracks: &'a [Track<'a>],
+    pub tracks: &'a [TrajectoryPair<'a>],
 }
 
 /// Time spent somewhere, and by how much the position's error rose there.
@@ -119,7 +119,7 @@ impl Measured<'_> {
 
     /// Where each robot was, look by look, with the growth of its error until the next look.
     fn looks(&self) -> Vec<Vec<(Pose, f64)>> {
-        let looks = |track: &Track<'_>| {
+        let looks = |track: &TrajectoryPair<'_>| {
             let error = |i: usize| {
                 let (truth, found) = (track.truth[i].position, track.estimated[i].position);
                 truth.distance(found)

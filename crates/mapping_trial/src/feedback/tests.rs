@@ -5,7 +5,7 @@ use glam::DVec2;
 use proptest::prelude::*;
 
 use super::*;
-use crate::score::{Scores, Track};
+use crate::score::{Scores, TrajectoryPair};
 use crate::truth::tests::room;
 
 const ANSWERS: &str = "Okke\n3\n\n\nDistanceOnly\n2x P3AT\n6.5\n7\n5\nwater\nmaze, narrow\nnone\n\
@@ -129,7 +129,7 @@ fn a_program_states_what_it_measured() {
         hits: 3,
         ..Scores::default()
     };
-    let tracks = [Track { truth: &truth, estimated: &estimated }];
+    let tracks = [TrajectoryPair { truth: &truth, estimated: &estimated }];
     let measured =
         Measured { operator: "nearest", world: &world, scores: &scores, tracks: &tracks };
     let form = measured.fill(&session()).unwrap();

@@ -18,7 +18,7 @@ use self::raster::Raster;
 pub use self::rows::ScoreRow;
 pub use self::weights::{Difficulties, Sensitivity, Weights, kendall_tau, sensitivity};
 use crate::map::OccupancyMap;
-use crate::truth::Truth;
+use crate::truth::MappableArea;
 
 /// Distances in metres up to which a wall counts as mapped in its place.
 const TOLERANCES: [f64; 2] = [0.30, 0.15];
@@ -43,7 +43,7 @@ const HALF_TURNING: f64 = 60.0;
 
 /// Where one robot was, and where it was thought to be, tick by tick.
 #[derive(Clone, Copy, Debug)]
-pub struct Track<'a> {
+pub struct TrajectoryPair<'a> {
     /// True poses.
     pub truth: &'a [Pose],
     /// Estimated poses, as many.
@@ -52,14 +52,14 @@ pub struct Track<'a> {
 
 /// What is known of a run when it ends.
 #[derive(Clone, Copy, Debug)]
-pub struct Run<'a> {
+pub struct RunSummary<'a> {
     /// The map that was made, all its changes announced by [`OccupancyMap::touch`].
     pub map: &'a OccupancyMap,
     /// One track a robot.
-    pub tracks: &'a [Track<'a>],
+    pub tracks: &'a [TrajectoryPair<'a>],
     /// Simulated time in seconds.
     pub time: f64,
-    /// Way of all robots in metres.
+    /// Path of all robots in metres.
     pub distance: f64,
     /// Turning of all robots in radians, both ways added.
     pub turning: f64,
@@ -126,7 +126,7 @@ pub enum ScoreError {
     /// A number of the run is none, or negative.
     #[error("`{field}` is {value}, allowed is a finite number of 0 or more")]
     Number {
-        /// The field of [`Run`].
+        /// The field of [`RunSummary`].
         field: &'static str,
         /// Its value.
         value: f64,
@@ -198,7 +198,7 @@ pub struct Scores {
     pub free_area: f64,
     /// Simulated time in seconds.
     pub time: f64,
-    /// Way of all robots in metres.
+    /// Path of all robots in metres.
     pub distance: f64,
     /// Turning of all robots in radians.
     pub turning: f64,
@@ -217,7 +217,7 @@ impl Scores {
     ///
     /// # Errors
     /// When a track's lists differ in length, or a number is not finite or negative.
-    pub fn of(truth: &Truth, run: &Run<'_>) -> Result<Scores, ScoreError> {
+    pub fn of(truth: &MappableArea, run: &RunSummary<'_>) -> Result<Scores, ScoreError> {
         check(run)?;
         let raster = Raster::of(truth, run.map);
         let walls = walls::compare(truth, &raster, TOLERANCES);
@@ -272,7 +272,7 @@ impl Scores {
     }
 }
 
-fn check(run: &Run<'_>) -> Result<(), ScoreError> {
+fn check(run: &RunSummary<'_>) -> Result<(), ScoreError> {
     for (robot, track) in run.tracks.iter().enumerate() {
         let (truth, estimated) = (track.truth.len(), track.estimated.len());
         if truth != estimated {
@@ -302,7 +302,7 @@ fn check(run: &Run<'_>) -> Result<(), ScoreError> {
 }
 
 /// `C = |E_f and F| / |F|`.
-fn coverage(truth: &Truth, raster: &Raster) -> f64 {
+fn coverage(truth: &MappableArea, raster: &Raster) -> f64 {
     let free = raster.free.iter().enumerate().filter(|(_, free)| **free);
     let covered = free.filter(|(cell, _)| {
         let (col, row) = raster.frame.place(*cell);

@@ -5,9 +5,9 @@ use envgen::Seed;
 use glam::DVec2;
 
 use crate::map::OccupancyMap;
-use crate::operator::costmap::{Costmap, Node, SIDE};
-use crate::operator::search::Search;
-use crate::truth::Truth;
+use crate::policy::costmap::{Costmap, Node, SIDE};
+use crate::policy::search::GridPlanner;
+use crate::truth::MappableArea;
 
 /// Starts from which ways are planned.
 const STARTS: usize = 8;
@@ -38,7 +38,7 @@ pub(crate) struct Trip {
 
 /// Draws starts and goals that can be driven with the perfect map: what fails on another map is
 /// that map's fault. Less than 40 ways, or none, where the world has no room for them.
-pub(crate) fn trips(truth: &Truth, perfect: &OccupancyMap, seed: Seed) -> Vec<Trip> {
+pub(crate) fn trips(truth: &MappableArea, perfect: &OccupancyMap, seed: Seed) -> Vec<Trip> {
     let mut planner = Planner::new(truth, perfect);
     let free = truth.free().iter().enumerate().filter(|(_, free)| **free);
     let places: Vec<DVec2> = free
@@ -70,7 +70,7 @@ pub(crate) fn trips(truth: &Truth, perfect: &OccupancyMap, seed: Seed) -> Vec<Tr
 }
 
 /// The share of ways that lead to their goal without a touch; 1 where there are none to try.
-pub(super) fn navigability(truth: &Truth, map: &OccupancyMap) -> f64 {
+pub(super) fn navigability(truth: &MappableArea, map: &OccupancyMap) -> f64 {
     let mut planner = Planner::new(truth, map);
     let (mut arrived, mut all) = (0_u32, 0_u32);
     for trip in truth.trips() {
@@ -87,14 +87,14 @@ pub(super) fn navigability(truth: &Truth, map: &OccupancyMap) -> f64 {
 /// Plans on a map, as operators do.
 struct Planner {
     costmap: Costmap,
-    search: Search,
+    search: GridPlanner,
 }
 
 impl Planner {
-    fn new(truth: &Truth, map: &OccupancyMap) -> Self {
+    fn new(truth: &MappableArea, map: &OccupancyMap) -> Self {
         let mut costmap = Costmap::new(truth.robot());
         costmap.refresh(map);
-        Planner { costmap, search: Search::new() }
+        Planner { costmap, search: GridPlanner::new() }
     }
 
     /// The cheapest ways from a start to goals, as points to drive through; `None` for a goal that
@@ -137,7 +137,7 @@ impl Planner {
 
 /// Whether the robot's disc gets from a start along the points of a way to a goal without touching
 /// anything.
-fn arrives(truth: &Truth, start: DVec2, way: &[DVec2], goal: DVec2) -> bool {
+fn arrives(truth: &MappableArea, start: DVec2, way: &[DVec2], goal: DVec2) -> bool {
     let room_at = |p: DVec2| truth.room(p).min(MOST_ROOM);
     // All is clear around `at` as far as there is room, and `from` lies in that circle.
     let (mut at, mut room, mut from) = (start, room_at(start), start);
@@ -171,8 +171,8 @@ mod tests {
     use crate::robot::Robot;
     use crate::truth::tests::{add_wall, room};
 
-    fn truth(world: &World) -> Truth {
-        Truth::new(world, &Robot::default()).expect("a world with free space")
+    fn truth(world: &World) -> MappableArea {
+        MappableArea::new(world, &Robot::default()).expect("a world with free space")
     }
 
     /// Two rooms of 6 x 8 m beside each other and a doorway of 1.4 m between them.
@@ -236,12 +236,12 @@ mod tests {
         fn a_straight_way_arrives_where_the_swept_disc_is_clear(
             from in (0.5..9.5, 0.5..9.5), to in (0.5..9.5, 0.5..9.5),
         ) {
-            static TRUTH: LazyLock<Truth> = LazyLock::new(|| {
+            static TRUTH: LazyLock<MappableArea> = LazyLock::new(|| {
                 let mut world = room(10.0, 10.0);
                 add_wall(&mut world, (4.5, 4.5), (5.5, 5.5));
                 truth(&world)
             });
-            let radius = Robot::default().swing_radius;
+            let radius = Robot::default().circumscribed_radius;
             let (a, b) = (DVec2::from(from), DVec2::from(to));
             // Two convex shapes are nearest at a corner of one, but for those that cross.
             let pillar = Shape::from_rect(Rect::new(DVec2::splat(4.5), DVec2::splat(5.5)));

@@ -2,7 +2,7 @@
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 
-use super::Track;
+use super::TrajectoryPair;
 
 /// True way in metres between the poses of a near relation.
 pub(super) const NEAR: f64 = 1.0;
@@ -10,7 +10,7 @@ pub(super) const NEAR: f64 = 1.0;
 /// True way in metres between the poses of a far relation.
 pub(super) const FAR: f64 = 20.0;
 
-/// Way in metres from one relation to the next.
+/// Path in metres from one relation to the next.
 const SPACING: f64 = 0.25;
 
 /// A root mean square, of nothing so far.
@@ -33,7 +33,7 @@ impl Rms {
 
 /// Root mean square of the positions' errors in metres over all robots and ticks, in the start
 /// frame: no alignment. 0 where there are no poses.
-pub(super) fn absolute(tracks: &[Track<'_>]) -> f64 {
+pub(super) fn absolute(tracks: &[TrajectoryPair<'_>]) -> f64 {
     let mut errors = Rms::default();
     for track in tracks {
         for (truth, estimated) in track.truth.iter().zip(track.estimated) {
@@ -47,7 +47,7 @@ pub(super) fn absolute(tracks: &[Track<'_>]) -> f64 {
 /// apart: of the position in metres and of the heading in radians, over all robots. `None` where no
 /// robot went that far. (Kuemmerle et al., On measuring the accuracy of SLAM algorithms, Autonomous
 /// Robots 27, 2009.)
-pub(super) fn relative(tracks: &[Track<'_>], way: f64) -> Option<(f64, f64)> {
+pub(super) fn relative(tracks: &[TrajectoryPair<'_>], way: f64) -> Option<(f64, f64)> {
     let (mut positions, mut headings) = (Rms::default(), Rms::default());
     for track in tracks {
         let poses = || track.truth.iter().zip(track.estimated);
@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn a_scale_error_grows_with_the_way() {
         let (truth, estimated) = (straight(2000, 1.0, 0.0), straight(2000, 1.02, 0.0));
-        let tracks = [Track { truth: &truth, estimated: &estimated }];
+        let tracks = [TrajectoryPair { truth: &truth, estimated: &estimated }];
         let (near, turn) = relative(&tracks, NEAR).unwrap();
         assert!((near - 0.02).abs() < 1e-9 && turn == 0.0, "{near}");
         let (far, _) = relative(&tracks, FAR).unwrap();
@@ -121,7 +121,7 @@ mod tests {
     fn a_bend_turns_relations() {
         // 0.025 m a step: 40 steps a metre.
         let (truth, estimated) = (straight(2000, 1.0, 0.0), straight(2000, 1.0, 1e-4));
-        let tracks = [Track { truth: &truth, estimated: &estimated }];
+        let tracks = [TrajectoryPair { truth: &truth, estimated: &estimated }];
         let (_, turn) = relative(&tracks, NEAR).unwrap();
         assert!((turn - 40e-4).abs() < 1e-9, "{turn}");
         let (_, turn) = relative(&tracks, FAR).unwrap();
@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn short_runs_have_no_far_relations() {
         let truth = straight(100, 1.0, 0.0);
-        let tracks = [Track { truth: &truth, estimated: &truth }];
+        let tracks = [TrajectoryPair { truth: &truth, estimated: &truth }];
         assert_eq!(relative(&tracks, NEAR), Some((0.0, 0.0)));
         assert_eq!(relative(&tracks, FAR), None);
         assert_eq!(absolute(&[]), 0.0);

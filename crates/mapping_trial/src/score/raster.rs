@@ -1,12 +1,12 @@
 //! A robot's map on the grid that scores are counted on.
 
 use crate::map::{CellIndex, DECIDED, OccupancyMap, TILE};
-use crate::truth::{Frame, Truth};
+use crate::truth::{GridFrame, MappableArea};
 
 /// What a map says of the part of a truth's frame that it covers.
 pub(crate) struct Raster {
     /// Cells of scores.
-    pub(crate) frame: Frame,
+    pub(crate) frame: GridFrame,
     /// Cells of scores of which a quarter or more is occupied: `E_o`.
     pub(crate) occupied: Vec<bool>,
     /// Cells of scores that are not occupied and of which a quarter or more is free: `E_f`.
@@ -24,7 +24,7 @@ const AROUND: i32 = 11;
 const TILE_CELLS: i32 = TILE / 2;
 
 impl Raster {
-    pub(crate) fn of(truth: &Truth, map: &OccupancyMap) -> Self {
+    pub(crate) fn of(truth: &MappableArea, map: &OccupancyMap) -> Self {
         let tiles = map.tiles().map(|((col, row), _)| (col, row));
         let around = tiles.fold(None, |around: Option<[i32; 4]>, (col, row)| {
             let [left, low, right, high] = around.unwrap_or([col, row, col, row]);
@@ -32,13 +32,13 @@ impl Raster {
         });
         let frame = truth.frame().intersection(match around {
             // Walls of the world that lie beside the map are near to what it shows there.
-            Some([left, low, right, high]) => Frame {
+            Some([left, low, right, high]) => GridFrame {
                 col: left * TILE_CELLS - AROUND,
                 row: low * TILE_CELLS - AROUND,
                 cols: ((right - left + 1) * TILE_CELLS + 2 * AROUND) as usize,
                 rows: ((high - low + 1) * TILE_CELLS + 2 * AROUND) as usize,
             },
-            None => Frame { cols: 0, rows: 0, ..truth.frame() },
+            None => GridFrame { cols: 0, rows: 0, ..truth.frame() },
         });
         let mut raster = Raster {
             frame,

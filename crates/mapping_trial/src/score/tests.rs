@@ -8,8 +8,8 @@ use crate::map::{CLAMP, Cell, CellIndex, TILE};
 use crate::robot::Robot;
 use crate::truth::tests::{add_wall, room};
 
-fn truth(world: &World) -> Truth {
-    Truth::new(world, &Robot::default()).expect("a world with free space")
+fn truth(world: &World) -> MappableArea {
+    MappableArea::new(world, &Robot::default()).expect("a world with free space")
 }
 
 /// Two rooms and a corridor between them.
@@ -25,8 +25,8 @@ fn flat() -> World {
 }
 
 /// A run that made a map without moving.
-fn run(map: &OccupancyMap) -> Run<'_> {
-    Run {
+fn run(map: &OccupancyMap) -> RunSummary<'_> {
+    RunSummary {
         map,
         tracks: &[],
         time: 0.0,
@@ -39,7 +39,7 @@ fn run(map: &OccupancyMap) -> Run<'_> {
     }
 }
 
-fn scores(truth: &Truth, map: &OccupancyMap) -> Scores {
+fn scores(truth: &MappableArea, map: &OccupancyMap) -> Scores {
     Scores::of(truth, &run(map)).expect("a sound run")
 }
 
@@ -86,8 +86,8 @@ fn the_identical_map_has_no_mapping_difficulty() {
         let truth = truth(&world);
         let map = truth.perfect_map();
         let poses = [Pose::new(1.0, 2.0, 0.5), Pose::new(1.5, 2.0, 0.5)];
-        let tracks = [Track { truth: &poses, estimated: &poses }];
-        let found = Scores::of(&truth, &Run { tracks: &tracks, ..run(&map) }).unwrap();
+        let tracks = [TrajectoryPair { truth: &poses, estimated: &poses }];
+        let found = Scores::of(&truth, &RunSummary { tracks: &tracks, ..run(&map) }).unwrap();
         assert_eq!(found.mapping, 0.0, "{found:?}");
         assert_eq!((found.coverage, found.f1_30, found.f1_15), (1.0, 1.0, 1.0));
         assert_eq!(found.ghosting, 0.0);
@@ -182,7 +182,7 @@ fn an_empty_room_driven_through_is_easy() {
     let truth = truth(&room(20.0, 20.0));
     let map = truth.perfect_map();
     // What the operators need: a round of 60 m, with some turning.
-    let run = Run { time: 150.0, distance: 60.0, turning: 15.0, ..run(&map) };
+    let run = RunSummary { time: 150.0, distance: 60.0, turning: 15.0, ..run(&map) };
     let found = Scores::of(&truth, &run).unwrap();
     assert!(found.difficulty < 1.0, "{}", found.difficulty);
     assert!((found.e_time - 150.0 / (150.0 + 1.5 * found.free_area)).abs() < 1e-12);
@@ -194,13 +194,13 @@ fn an_empty_room_driven_through_is_easy() {
 fn trouble_makes_getting_around_difficult() {
     let truth = truth(&room(6.0, 4.0));
     let map = truth.perfect_map();
-    let found = Scores::of(&truth, &Run { hits: 2, stuck: 1, ..run(&map) }).unwrap();
+    let found = Scores::of(&truth, &RunSummary { hits: 2, stuck: 1, ..run(&map) }).unwrap();
     assert!((found.e_hit - (1.0 - libm::exp(-1.0))).abs() < 1e-12);
     assert!((found.navigation - 2.0 * found.e_hit).abs() < 1e-12);
     let poses = [Pose::new(1.0, 1.0, 0.0), Pose::new(2.0, 1.0, 0.0)];
     let off = poses.map(|pose| Pose { position: pose.position + DVec2::new(0.3, 0.4), ..pose });
-    let tracks = [Track { truth: &poses, estimated: &off }];
-    let found = Scores::of(&truth, &Run { tracks: &tracks, ..run(&map) }).unwrap();
+    let tracks = [TrajectoryPair { truth: &poses, estimated: &off }];
+    let found = Scores::of(&truth, &RunSummary { tracks: &tracks, ..run(&map) }).unwrap();
     assert!((found.trajectory_error - 0.5).abs() < 1e-12 && (found.e_pose - 0.5).abs() < 1e-12);
     assert!(found.relative_error_near.is_some_and(|error| error < 1e-12));
     assert_eq!(found.relative_error_far, None);
@@ -211,14 +211,14 @@ fn unsound_runs_have_no_scores() {
     let truth = truth(&room(6.0, 4.0));
     let map = OccupancyMap::new();
     let poses = [Pose::default(), Pose::new(f64::NAN, 0.0, 0.0)];
-    let tracks = [Track { truth: &poses, estimated: &poses[..1] }];
-    let error = Scores::of(&truth, &Run { tracks: &tracks, ..run(&map) }).unwrap_err();
+    let tracks = [TrajectoryPair { truth: &poses, estimated: &poses[..1] }];
+    let error = Scores::of(&truth, &RunSummary { tracks: &tracks, ..run(&map) }).unwrap_err();
     assert_eq!(error, ScoreError::Lengths { robot: 0, truth: 2, estimated: 1 });
-    let tracks = [Track { truth: &poses, estimated: &poses }];
-    let error = Scores::of(&truth, &Run { tracks: &tracks, ..run(&map) }).unwrap_err();
+    let tracks = [TrajectoryPair { truth: &poses, estimated: &poses }];
+    let error = Scores::of(&truth, &RunSummary { tracks: &tracks, ..run(&map) }).unwrap_err();
     assert_eq!(error, ScoreError::Pose { robot: 0, tick: 1 });
     for value in [-1.0, f64::NAN, f64::INFINITY] {
-        let error = Scores::of(&truth, &Run { turning: value, ..run(&map) }).unwrap_err();
+        let error = Scores::of(&truth, &RunSummary { turning: value, ..run(&map) }).unwrap_err();
         assert!(error.to_string().contains("`turning`"), "{error}");
     }
 }
@@ -246,7 +246,7 @@ proptest! {
         for (col, row, odds) in cells {
             map.add(CellIndex { col, row }, odds);
         }
-        let run = Run { time, turning, hits, stuck: hits, ..run(&map) };
+        let run = RunSummary { time, turning, hits, stuck: hits, ..run(&map) };
         let s = Scores::of(&truth, &run).unwrap();
         for share in [
             s.e_wall, s.e_use, s.e_pose, s.e_cov, s.e_time, s.e_hit, s.e_turn, s.coverage,

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::raster::Raster;
 use crate::map::{CellIndex, OccupancyMap, RESOLUTION};
-use crate::truth::{SCORE_CELL, Truth, WallPoint};
+use crate::truth::{MappableArea, SCORE_CELL, WallPoint};
 use envgen::distance::{FAR_SQUARED, squared_distances};
 
 /// Distances in metres count no further than this.
@@ -30,7 +30,7 @@ pub(super) struct WallScores {
 }
 
 /// Compares with two tolerances in metres.
-pub(super) fn compare(truth: &Truth, raster: &Raster, tolerances: [f64; 2]) -> WallScores {
+pub(super) fn compare(truth: &MappableArea, raster: &Raster, tolerances: [f64; 2]) -> WallScores {
     let (mut found, mut mapped) = (Tally::new(tolerances), Tally::new(tolerances));
     // Of the map: how far is the nearest true wall?
     for (cell, _) in raster.occupied.iter().enumerate().filter(|(_, occupied)| **occupied) {
@@ -101,13 +101,13 @@ impl Tally {
 }
 
 /// How often a look along each wall point's normal meets true walls.
-pub(crate) fn true_runs(truth: &Truth, perfect: &OccupancyMap) -> Vec<u8> {
+pub(crate) fn true_runs(truth: &MappableArea, perfect: &OccupancyMap) -> Vec<u8> {
     let raster = Raster::of(truth, perfect);
     truth.walls().iter().map(|point| runs(&raster, point, TRUE_REACH)).collect()
 }
 
 /// The share of wall points along whose normal the map has more walls than there are.
-fn ghosting(truth: &Truth, raster: &Raster) -> f64 {
+fn ghosting(truth: &MappableArea, raster: &Raster) -> f64 {
     let doubled = truth.walls().iter().zip(truth.runs());
     let doubled = doubled.filter(|(point, known)| runs(raster, point, GHOST_REACH) > **known);
     let count = doubled.count() as f64;

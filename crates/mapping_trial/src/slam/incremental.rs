@@ -4,7 +4,7 @@ use envgen::geometry::Pose;
 
 use super::Slam;
 use super::mapper::Mapper;
-use crate::body::Observation;
+use crate::backend::Observation;
 use crate::lidar::LaserProfile;
 use crate::map::{Estimate, OccupancyMap};
 use crate::robot::Robot;

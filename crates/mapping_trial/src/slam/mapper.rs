@@ -7,9 +7,9 @@ use glam::{DVec2, Vec2};
 use super::fusion::{Drift, fuse};
 use super::likelihood::LikelihoodField;
 use super::matcher::{Matcher, Window};
-use super::painter::{Painter, is_near};
+use super::scan_insertion::{ScanInserter, is_near};
 use super::sweep::{FEWEST_ECHOES, Sweep, Sweeper};
-use super::track::{Track, Variance};
+use super::track::{PoseTrack, Variance};
 use crate::lidar::{LaserProfile, Scan};
 use crate::map::{Estimate, OccupancyMap, RESOLUTION};
 use crate::odometry::Increment;
@@ -68,13 +68,13 @@ pub(crate) struct Added {
 #[derive(Clone, Debug)]
 pub(crate) struct Mapper {
     sweeper: Sweeper,
-    painter: Painter,
+    painter: ScanInserter,
     matcher: Matcher,
     /// What scans are matched against; none where poses come from the wheels alone.
     field: Option<LikelihoodField>,
     pub(crate) map: OccupancyMap,
     pub(crate) keyframes: Vec<Keyframe>,
-    pub(crate) tracks: Vec<Track>,
+    pub(crate) tracks: Vec<PoseTrack>,
     /// What each robot's last keyframe may be off against the map.
     drifts: Vec<Drift>,
 }
@@ -89,12 +89,12 @@ impl Mapper {
     ) -> Self {
         Mapper {
             sweeper: Sweeper::new(robot, laser),
-            painter: Painter::new(),
+            painter: ScanInserter::new(),
             matcher: Matcher::new(),
             field: matching.then(|| LikelihoodField::new(&BLOCKS)),
             map: OccupancyMap::new(),
             keyframes: Vec::new(),
-            tracks: starts.iter().copied().map(Track::new).collect(),
+            tracks: starts.iter().copied().map(PoseTrack::new).collect(),
             drifts: vec![Drift::NONE; starts.len()],
         }
     }
@@ -330,7 +330,7 @@ pub(crate) fn constrained(motion: Variance, walls: &[WallPiece]) -> Variance {
 
 /// Draws a keyframe; a robot's first twice, since a single pass decides no free cell, and robots
 /// that know of none stay where they are.
-fn draw(painter: &mut Painter, map: &mut OccupancyMap, laser: Pose, keyframe: &Keyframe) {
+fn draw(painter: &mut ScanInserter, map: &mut OccupancyMap, laser: Pose, keyframe: &Keyframe) {
     for _ in 0..if keyframe.is_first { 2 } else { 1 } {
         painter.draw(map, keyframe.pose, laser, &keyframe.sweep);
     }

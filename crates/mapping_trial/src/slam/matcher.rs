@@ -86,7 +86,7 @@ struct Step {
 
 /// Cells x to x + block - 1, y likewise, at one heading.
 #[derive(Clone, Copy, Debug)]
-struct Block {
+struct KeepoutZone {
     bound: f64,
     /// Place of the heading in the list of those that are searched.
     turn: i32,
@@ -101,11 +101,11 @@ pub struct Matcher {
     places: Vec<u32>,
     /// Echoes at one heading in fine steps from the field's corner, for the refinement.
     fine: Vec<(i32, i32)>,
-    roots: Vec<Block>,
+    roots: Vec<KeepoutZone>,
 }
 
 /// One search over the lattice of whole cells and coarse headings.
-struct Search<'a> {
+struct GridPlanner<'a> {
     field: &'a LikelihoodField,
     blocks: Vec<i32>,
     places: &'a [u32],
@@ -190,7 +190,7 @@ impl Matcher {
                 self.places.push((row * cols + col) as u32);
             }
         }
-        let mut search = Search {
+        let mut search = GridPlanner {
             field,
             blocks,
             places: &self.places,
@@ -281,8 +281,8 @@ impl Matcher {
     }
 }
 
-impl Search<'_> {
-    fn run(&mut self, roots: &mut Vec<Block>) {
+impl GridPlanner<'_> {
+    fn run(&mut self, roots: &mut Vec<KeepoutZone>) {
         // From the largest blocks to single cells.
         let mut order: Vec<usize> = (0..self.blocks.len()).collect();
         order.sort_by_key(|&level| std::cmp::Reverse(self.blocks[level]));
@@ -293,7 +293,7 @@ impl Search<'_> {
             for y in (-self.cells..=self.cells).step_by(size as usize) {
                 for x in (-self.cells..=self.cells).step_by(size as usize) {
                     let bound = self.bound(top, turn, x, y);
-                    roots.push(Block { bound, turn, x, y });
+                    roots.push(KeepoutZone { bound, turn, x, y });
                 }
             }
         }
@@ -307,7 +307,7 @@ impl Search<'_> {
     }
 
     /// Looks into a block of the first level of `order`.
-    fn descend(&mut self, order: &[usize], block: Block) {
+    fn descend(&mut self, order: &[usize], block: KeepoutZone) {
         let [level, finer @ ..] = order else { return };
         let Some(&next) = finer.first() else {
             if block.bound > self.best {
@@ -324,7 +324,7 @@ impl Search<'_> {
             for x in (block.x..=end(block.x)).step_by(step) {
                 let bound = self.bound(next, block.turn, x, y);
                 if bound > self.best {
-                    children.push(Block { bound, turn: block.turn, x, y });
+                    children.push(KeepoutZone { bound, turn: block.turn, x, y });
                 }
             }
         }
@@ -353,7 +353,7 @@ impl Search<'_> {
 }
 
 /// Puts the most promising blocks first; of equal ones those that came first stay first.
-fn by_bound(blocks: &mut [Block]) {
+fn by_bound(blocks: &mut [KeepoutZone]) {
     blocks.sort_by(|a, b| b.bound.total_cmp(&a.bound));
 }
 

@@ -18,8 +18,8 @@ mod loops;
 mod mapper;
 pub mod matcher;
 pub(crate) mod motion;
-pub mod painter;
 mod pose_graph;
+pub mod scan_insertion;
 pub mod sweep;
 mod track;
 
@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 pub use incremental::{DeadReckoning, Incremental, ScanToMap};
 pub use pose_graph::PoseGraph;
 
-use crate::body::Observation;
+use crate::backend::Observation;
 use crate::lidar::LaserProfile;
 use crate::map::{Estimate, OccupancyMap};
 use crate::robot::Robot;

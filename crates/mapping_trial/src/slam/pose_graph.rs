@@ -8,7 +8,7 @@ use super::loops::LoopCloser;
 use super::mapper::{Added, Mapper, WALL_VARIANCE, constrained};
 use super::motion::between;
 use super::track::Variance;
-use crate::body::Observation;
+use crate::backend::Observation;
 use crate::lidar::LaserProfile;
 use crate::map::{Estimate, OccupancyMap};
 use crate::robot::Robot;

@@ -5,7 +5,7 @@ use envgen::geometry::Pose;
 use super::motion::{advance, believable, compose};
 use crate::odometry::Increment;
 
-/// Way in metres after which a scan is put into the map.
+/// Path in metres after which a scan is put into the map.
 pub(crate) const KEYFRAME_WAY: f64 = 0.3;
 
 /// Turning in radians after which it is, too.
@@ -44,7 +44,7 @@ impl Variance {
 
 /// A robot's way so far.
 #[derive(Clone, Debug)]
-pub(crate) struct Track {
+pub(crate) struct PoseTrack {
     start: Pose,
     /// The last keyframe, none before the first scan.
     pub(crate) keyframe: Option<usize>,
@@ -60,11 +60,11 @@ pub(crate) struct Track {
     steps: Vec<(Option<u32>, Pose)>,
 }
 
-impl Track {
+impl PoseTrack {
     /// The way of a robot that has not moved.
     pub(crate) fn new(start: Pose) -> Self {
         let finite = start.position.is_finite() && start.heading.is_finite();
-        Track {
+        PoseTrack {
             start: if finite { start } else { Pose::default() },
             keyframe: None,
             relative: Pose::default(),
@@ -75,7 +75,7 @@ impl Track {
         }
     }
 
-    /// Moves on; [`Track::record`] is to follow.
+    /// Moves on; [`PoseTrack::record`] is to follow.
     pub(crate) fn advance(&mut self, odometry: Increment) {
         let by = believable(odometry);
         self.relative = advance(self.relative, by);

@@ -8,28 +8,28 @@ use envgen::geometry::Pose;
 use super::log::{CommandTrack, WorldSource};
 use super::parts::{Setup, TrialParts};
 use super::start::starts;
-use super::{Track, Trial, TrialError, TrialSettings};
-use crate::body::{Bodies, Sensors};
-use crate::brain::Brain;
+use super::{Trajectory, Trial, TrialError, TrialSettings};
+use crate::autonomy::Autonomy;
+use crate::backend::{RobotBackend, Sensors};
 use crate::flat::{FlatSimulator, FlatWorld};
 use crate::lidar::LaserSensor;
 use crate::odometry::WheelSensor;
-use crate::operator::Operator;
+use crate::policy::ExplorationPolicy;
 use crate::slam::Slam;
 
 /// Puts a trial together from settings and parts: what is not plugged in is what the settings name.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
-/// use mapping_trial::body::Command;
-/// use mapping_trial::operator::{Decision, Operator, View};
+/// use mapping_trial::backend::Command;
+/// use mapping_trial::policy::{Decision, ExplorationPolicy, PolicyInput};
 /// use mapping_trial::trial::{Trial, TrialSettings};
 ///
 /// /// Drives ahead until it touches something.
 /// struct Ahead;
 ///
-/// impl Operator for Ahead {
-///     fn decide(&mut self, view: &View<'_>) -> Decision {
+/// impl ExplorationPolicy for Ahead {
+///     fn decide(&mut self, view: &PolicyInput<'_>) -> Decision {
 ///         if view.seen.bumped {
 ///             return Decision::Finished;
 ///         }
@@ -39,7 +39,7 @@ use crate::slam::Slam;
 ///
 /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
 /// let settings = TrialSettings { time_limit: 60.0, ..Default::default() };
-/// let mut trial = Trial::builder(&world, settings).operator(|_| Ahead).build_flat()?;
+/// let mut trial = Trial::builder(&world, settings).policy(|_| Ahead).build_flat()?;
 /// while trial.step() {}
 /// let scores = trial.score(&trial.reference(&world)?)?;
 /// assert!(scores.coverage > 0.1 && scores.hits == 1);
@@ -70,11 +70,11 @@ impl<'w> TrialBuilder<'w> {
 
     /// With an operator of one's own. The settings' own counts as `None` then.
     #[must_use]
-    pub fn operator<O: Operator + Send + Sync + 'static>(
+    pub fn policy<O: ExplorationPolicy + Send + Sync + 'static>(
         mut self,
         make: impl Fn(&Setup<'_>) -> O + Send + Sync + 'static,
     ) -> Self {
-        self.parts = self.parts.operator(make);
+        self.parts = self.parts.policy(make);
         self
     }
 
@@ -151,7 +151,7 @@ impl<'w> TrialBuilder<'w> {
     /// # Errors
     ///
     /// As [`TrialBuilder::build_flat`].
-    pub fn build<B: Bodies>(
+    pub fn build<B: RobotBackend>(
         mut self,
         place: impl FnOnce(&Setup<'_>, Vec<Sensors>) -> B,
     ) -> Result<Trial<B>, TrialError> {
@@ -162,15 +162,18 @@ impl<'w> TrialBuilder<'w> {
         let operator = parts.make_operator(&setup);
         let sensors: Vec<Sensors> =
             (0..starts.len()).map(|robot| parts.make_sensors(&setup, robot)).collect();
-        let foreign =
-            parts.foreign(&*slam, operator.as_deref().map(|o| o as &dyn Operator), &sensors);
+        let foreign = parts.foreign(
+            &*slam,
+            operator.as_deref().map(|o| o as &dyn ExplorationPolicy),
+            &sensors,
+        );
         let bodies = place(&setup, sensors);
-        if parts.has(super::PartRole::Operator) {
+        if parts.has(super::PartRole::Policy) {
             settings.operator = None;
         }
-        let track = |&start: &_| Track { poses: vec![start], ..Track::default() };
+        let track = |&start: &_| Trajectory { poses: vec![start], ..Trajectory::default() };
         Ok(Trial {
-            brain: Brain::new(slam, operator, starts.len(), &settings.body, &settings.laser),
+            autonomy: Autonomy::new(slam, operator, starts.len(), &settings.body, &settings.laser),
             bodies,
             foreign,
             source: WorldSource::of(world),

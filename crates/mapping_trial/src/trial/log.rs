@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::{EndReason, ForeignPart, RobotEnd, Trial, TrialBuilder, TrialError, TrialSettings};
-use crate::body::{Bodies, Command};
+use crate::backend::{Command, RobotBackend};
 use crate::flat::FlatSimulator;
 
 /// Version of the logs' layout and of what a replay makes of them; a log of another version is
@@ -253,7 +253,7 @@ impl TrialLog {
     /// # Errors
     ///
     /// What `build` says; a world that is not the log's.
-    pub fn replay_with<'w, B: Bodies>(
+    pub fn replay_with<'w, B: RobotBackend>(
         &self,
         world: &'w World,
         build: impl FnOnce(TrialBuilder<'w>) -> Result<Trial<B>, TrialError>,
@@ -274,7 +274,7 @@ impl TrialLog {
     }
 
     /// Gives a trial made by [`TrialLog::replay_with`] all of the log's commands.
-    pub fn run_through<B: Bodies>(&self, trial: &mut Trial<B>) {
+    pub fn run_through<B: RobotBackend>(&self, trial: &mut Trial<B>) {
         let mut tracks: Vec<_> = self.commands.iter().map(CommandTrack::iter).collect();
         for _ in 0..self.ticks() {
             let commands: Vec<Command> =
@@ -310,7 +310,7 @@ impl Script {
     }
 }
 
-impl<B: Bodies> Trial<B> {
+impl<B: RobotBackend> Trial<B> {
     /// The log so far.
     pub fn log(&self) -> TrialLog {
         TrialLog {

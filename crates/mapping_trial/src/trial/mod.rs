@@ -20,12 +20,12 @@ pub use report::{REPORT_VERSION, RobotReport, TrialReport};
 pub use settings::{MAX_ROBOTS, MAX_TIME_LIMIT, TrialSettings};
 pub(crate) use settings::{count, number};
 
-use crate::body::{Bodies, Command, Condition, TICK};
-use crate::brain::Brain;
+use crate::autonomy::Autonomy;
+use crate::backend::{Command, Condition, RobotBackend, TICK};
 use crate::flat::FlatSimulator;
-use crate::operator::{Decision, Operator};
+use crate::policy::{Decision, ExplorationPolicy};
 use crate::score::{self, ScoreError, Scores};
-use crate::truth::{Truth, TruthError};
+use crate::truth::{MappableArea, MappableAreaError};
 
 /// Why a trial cannot begin.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -106,7 +106,7 @@ pub enum EndReason {
     Explored,
     /// It could not get free.
     Stuck,
-    /// Its operator broke down: see [`Operator::failure`].
+    /// Its operator broke down: see [`ExplorationPolicy::failure`].
     Failed,
     /// It drove into water.
     Drowned,
@@ -145,11 +145,11 @@ pub struct RobotEnd {
 
 /// What one robot did.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Track {
+pub struct Trajectory {
     /// True poses after every tick, the start first. A robot whose part has ended stands still.
     pub poses: Vec<Pose>,
-    /// Way in metres.
-    pub metres: f64,
+    /// Path in metres.
+    pub distance: f64,
     /// Total turning in radians.
     pub turning: f64,
 }
@@ -163,13 +163,13 @@ pub struct Track {
 /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
 /// let mut trial = Trial::flat(&world, TrialSettings { time_limit: 30.0, ..Default::default() })?;
 /// while trial.step() {}
-/// assert!(trial.track(0).metres > 1.0);
+/// assert!(trial.trajectory(0).distance > 1.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Trial<B> {
     settings: TrialSettings,
     bodies: B,
-    brain: Brain,
+    autonomy: Autonomy,
     foreign: Vec<ForeignPart>,
     starts: Vec<Pose>,
     source: WorldSource,
@@ -178,7 +178,7 @@ pub struct Trial<B> {
     ends: Vec<Option<RobotEnd>>,
     /// Who said last that nothing is left to explore.
     finished: Vec<bool>,
-    tracks: Vec<Track>,
+    tracks: Vec<Trajectory>,
     commands: Vec<log::CommandTrack>,
     /// What a replayed log knows of its operator.
     script: Option<log::Script>,
@@ -201,7 +201,7 @@ impl Trial<FlatSimulator> {
     }
 }
 
-impl<B: Bodies> Trial<B> {
+impl<B: RobotBackend> Trial<B> {
     /// One tick, driven by the program; false once the trial is over.
     pub fn step(&mut self) -> bool {
         self.tick(None)
@@ -226,7 +226,7 @@ impl<B: Bodies> Trial<B> {
     /// those of `hands`, one a robot, or the program's.
     ///
     /// When the bodies have moved for a [`TICK`], [`Trial::record`] is the second half.
-    /// [`Trial::step`] does it all, with [`Bodies::advance`] between the two.
+    /// [`Trial::step`] does it all, with [`RobotBackend::advance`] between the two.
     pub fn command(&mut self, hands: Option<&[Command]>) -> Option<Vec<Command>> {
         if self.over {
             return None;
@@ -237,7 +237,7 @@ impl<B: Bodies> Trial<B> {
             if self.ends[robot].is_some() {
                 continue;
             }
-            self.brain.sense(robot, &seen);
+            self.autonomy.sense(robot, &seen);
             let script = self.script.as_ref().and_then(|script| script.end_at(robot, self.tick));
             let end = if let Some(reason) = script {
                 Some(reason)
@@ -251,7 +251,7 @@ impl<B: Bodies> Trial<B> {
                 *command = hands.get(robot).copied().unwrap_or(Command::STOP).finite();
                 None
             } else {
-                let decision = self.brain.decide(robot, &seen);
+                let decision = self.autonomy.decide(robot, &seen);
                 self.finished[robot] = decision == Decision::Finished;
                 if let Decision::Drive(wanted) = decision {
                     *command = wanted.finite();
@@ -281,7 +281,7 @@ impl<B: Bodies> Trial<B> {
         self.tick += 1;
         for (robot, track) in self.tracks.iter_mut().enumerate() {
             let (pose, last) = (self.bodies.pose(robot), track.poses[track.poses.len() - 1]);
-            track.metres += pose.position.distance(last.position);
+            track.distance += pose.position.distance(last.position);
             track.turning += wrap_angle(pose.heading - last.heading).abs();
             track.poses.push(pose);
         }
@@ -317,8 +317,8 @@ impl<B: Bodies> Trial<B> {
     }
 
     /// The estimates, the map and the operator.
-    pub fn brain(&self) -> &Brain {
-        &self.brain
+    pub fn autonomy(&self) -> &Autonomy {
+        &self.autonomy
     }
 
     /// The bodies, for whoever moves them between [`Trial::command`] and [`Trial::record`].
@@ -332,7 +332,7 @@ impl<B: Bodies> Trial<B> {
     }
 
     /// What a robot did so far.
-    pub fn track(&self, robot: usize) -> &Track {
+    pub fn trajectory(&self, robot: usize) -> &Trajectory {
         &self.tracks[robot]
     }
 
@@ -348,7 +348,7 @@ impl<B: Bodies> Trial<B> {
 
     /// How often a robot had to be freed so far.
     pub fn recoveries(&self, robot: usize) -> u32 {
-        match (&self.script, self.brain.operator()) {
+        match (&self.script, self.autonomy.policy()) {
             (Some(script), _) => script.recoveries(robot),
             (None, Some(operator)) => operator.recoveries(robot),
             (None, None) => 0,
@@ -362,7 +362,7 @@ impl<B: Bodies> Trial<B> {
 
     /// Why the operator broke down; `None` while it works.
     pub fn failure(&self) -> Option<&str> {
-        self.brain.operator().and_then(Operator::failure)
+        self.autonomy.policy().and_then(ExplorationPolicy::failure)
     }
 
     /// What could be mapped of the trial's world from where it began: what its scores are measured
@@ -370,9 +370,9 @@ impl<B: Bodies> Trial<B> {
     ///
     /// # Errors
     ///
-    /// As [`Truth::new`].
-    pub fn reference(&self, world: &World) -> Result<Truth, TruthError> {
-        Truth::from_start(world, &self.settings.body, self.starts[0].position)
+    /// As [`MappableArea::new`].
+    pub fn reference(&self, world: &World) -> Result<MappableArea, MappableAreaError> {
+        MappableArea::from_start(world, &self.settings.body, self.starts[0].position)
     }
 
     /// Scores the trial as far as it went, against what could be mapped of its world.
@@ -380,7 +380,7 @@ impl<B: Bodies> Trial<B> {
     /// # Errors
     ///
     /// A truth of another start or robot; poses or counts that no trial of this crate's parts has.
-    pub fn score(&self, truth: &Truth) -> Result<Scores, ScoreError> {
+    pub fn score(&self, truth: &MappableArea) -> Result<Scores, ScoreError> {
         self.score_of(truth, &self.estimated_tracks()?)
     }
 
@@ -388,8 +388,8 @@ impl<B: Bodies> Trial<B> {
     /// part has ended are not estimated any more.
     fn estimated_tracks(&self) -> Result<Vec<Vec<Pose>>, ScoreError> {
         let estimated = |robot| {
-            let trajectory = self.brain.slam().trajectory(robot);
-            let (found, expected) = (trajectory.len() as u64, self.brain.steps(robot) + 1);
+            let trajectory = self.autonomy.slam().trajectory(robot);
+            let (found, expected) = (trajectory.len() as u64, self.autonomy.steps(robot) + 1);
             if found != expected {
                 return Err(ScoreError::Trajectory { robot, found, expected });
             }
@@ -400,17 +400,21 @@ impl<B: Bodies> Trial<B> {
         (0..self.robots()).map(estimated).collect()
     }
 
-    fn score_tracks<'a>(&'a self, estimated: &'a [Vec<Pose>]) -> Vec<score::Track<'a>> {
-        let track = |(track, estimated): (&'a Track, &'a Vec<Pose>)| {
+    fn score_tracks<'a>(&'a self, estimated: &'a [Vec<Pose>]) -> Vec<score::TrajectoryPair<'a>> {
+        let track = |(track, estimated): (&'a Trajectory, &'a Vec<Pose>)| {
             let ticks = track.poses.len().min(estimated.len());
-            score::Track { truth: &track.poses[..ticks], estimated: &estimated[..ticks] }
+            score::TrajectoryPair { truth: &track.poses[..ticks], estimated: &estimated[..ticks] }
         };
         self.tracks.iter().zip(estimated).map(track).collect()
     }
 
-    fn score_of(&self, truth: &Truth, estimated: &[Vec<Pose>]) -> Result<Scores, ScoreError> {
-        let (start, radius) = (self.starts[0].position, self.settings.body.swing_radius);
-        let (found, found_radius) = (truth.start(), truth.robot().swing_radius);
+    fn score_of(
+        &self,
+        truth: &MappableArea,
+        estimated: &[Vec<Pose>],
+    ) -> Result<Scores, ScoreError> {
+        let (start, radius) = (self.starts[0].position, self.settings.body.circumscribed_radius);
+        let (found, found_radius) = (truth.start(), truth.robot().circumscribed_radius);
         if (found, found_radius) != (start, radius) {
             return Err(ScoreError::Reference { found, found_radius, start, radius });
         }
@@ -422,11 +426,11 @@ impl<B: Bodies> Trial<B> {
         };
         Scores::of(
             truth,
-            &score::Run {
-                map: self.brain.slam().map(),
+            &score::RunSummary {
+                map: self.autonomy.slam().map(),
                 tracks: &tracks,
                 time: self.time(),
-                distance: self.tracks.iter().map(|track| track.metres).sum(),
+                distance: self.tracks.iter().map(|track| track.distance).sum(),
                 turning: self.tracks.iter().map(|track| track.turning).sum(),
                 hits: robots.clone().map(|robot| self.bodies.hits(robot)).sum(),
                 recoveries: robots.map(|robot| self.recoveries(robot)).sum(),

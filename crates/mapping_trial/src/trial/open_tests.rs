@@ -5,12 +5,12 @@ use envgen::{Blueprint, Seed, Spec, World};
 use glam::DVec2;
 
 use super::*;
-use crate::body::Observation;
+use crate::backend::Observation;
 use crate::flat::FlatSimulator;
 use crate::lidar::{LaserSensor, NO_ECHO, Scan};
 use crate::map::{Estimate, OccupancyMap};
 use crate::odometry::{Increment, WheelSensor};
-use crate::operator::{Operator, View};
+use crate::policy::{ExplorationPolicy, PolicyInput};
 use crate::slam::{DeadReckoning, Slam};
 
 fn hallway() -> World {
@@ -21,7 +21,7 @@ fn short(time_limit: f64) -> TrialSettings {
     TrialSettings { time_limit, ..TrialSettings::default() }
 }
 
-fn run<B: Bodies>(mut trial: Trial<B>) -> Trial<B> {
+fn run<B: RobotBackend>(mut trial: Trial<B>) -> Trial<B> {
     while trial.step() {}
     trial
 }
@@ -65,8 +65,8 @@ struct Ahead {
     breaks_after: u32,
 }
 
-impl Operator for Ahead {
-    fn decide(&mut self, view: &View<'_>) -> Decision {
+impl ExplorationPolicy for Ahead {
+    fn decide(&mut self, view: &PolicyInput<'_>) -> Decision {
         assert_eq!(view.seen.time, f64::from(self.decisions) * TICK, "asked every tick");
         self.decisions += 1;
         if self.decisions > self.breaks_after {
@@ -114,21 +114,21 @@ fn parts_are_named_and_used() {
             let TrialSettings { body, laser, .. } = setup.settings;
             Counting { wheels: DeadReckoning::new(setup.starts, body, laser), forgets: false }
         })
-        .operator(ahead(0.2, u32::MAX))
+        .policy(ahead(0.2, u32::MAX))
         .laser(|_, _| Blind)
         .odometry(|_, _| Double);
     let trial = run(builder.build_flat().expect("a trial"));
     let names: Vec<_> = trial.foreign().iter().map(|part| (part.role, &*part.name)).collect();
     assert_eq!(names[0], (PartRole::Slam, "counting"));
-    assert!(names[1].0 == PartRole::Operator && names[1].1.ends_with("::Ahead"), "{names:?}");
+    assert!(names[1].0 == PartRole::Policy && names[1].1.ends_with("::Ahead"), "{names:?}");
     assert_eq!(names.len(), 4);
     assert_eq!(trial.settings().operator, None, "the settings' operator did not drive");
-    let driven = trial.track(0).metres;
+    let driven = trial.trajectory(0).distance;
     assert!((0.7..1.0).contains(&driven), "{driven}");
-    let estimated = trial.brain().slam().trajectory(0);
+    let estimated = trial.autonomy().slam().trajectory(0);
     let measured = estimated[0].position.distance(estimated[estimated.len() - 1].position);
     assert!((measured / driven - 2.0).abs() < 0.05, "{measured} of {driven}");
-    assert!(trial.brain().scan(0).ranges.iter().all(|range| *range == NO_ECHO));
+    assert!(trial.autonomy().scan(0).ranges.iter().all(|range| *range == NO_ECHO));
     let report = trial.report(&world, &trial.reference(&world).expect("a start")).expect("scores");
     assert!(report.headline().contains("Ahead with counting and"), "{}", report.headline());
     assert_eq!(report.foreign, trial.foreign());
@@ -141,7 +141,7 @@ fn a_log_with_foreign_parts_replays_its_commands_and_names_them() {
         let TrialSettings { body, laser, .. } = setup.settings;
         Counting { wheels: DeadReckoning::new(setup.starts, body, laser), forgets: false }
     };
-    let builder = Trial::builder(&world, short(6.0)).slam(slam).operator(ahead(0.3, 80));
+    let builder = Trial::builder(&world, short(6.0)).slam(slam).policy(ahead(0.3, 80));
     let trial = run(builder.build_flat().expect("a trial"));
     let mut bytes = Vec::new();
     trial.log().write(&mut bytes).expect("memory takes all");
@@ -149,15 +149,15 @@ fn a_log_with_foreign_parts_replays_its_commands_and_names_them() {
     assert_eq!(log.foreign, trial.foreign());
     // Without the parts the bodies do the same; the built-in SLAM of the settings makes the map.
     let again = log.replay().expect("its own world");
-    assert_eq!(again.track(0), trial.track(0));
+    assert_eq!(again.trajectory(0), trial.trajectory(0));
     assert_eq!(again.end_of(0), trial.end_of(0));
     assert_eq!(again.log(), log);
-    assert_ne!(again.brain().slam().trajectory(0), trial.brain().slam().trajectory(0));
+    assert_ne!(again.autonomy().slam().trajectory(0), trial.autonomy().slam().trajectory(0));
     // With them, so does the map.
     let mut again =
         log.replay_with(&world, |builder| builder.slam(slam).build_flat()).expect("its own world");
     log.run_through(&mut again);
-    assert_eq!(again.brain().slam().trajectory(0), trial.brain().slam().trajectory(0));
+    assert_eq!(again.autonomy().slam().trajectory(0), trial.autonomy().slam().trajectory(0));
     let mut other = log.clone();
     other.engine = "wheels on desks".to_owned();
     let error = other.replay().map(|_| ()).expect_err("another engine").to_string();
@@ -174,7 +174,7 @@ fn built_in_parts_leave_no_trace_in_logs() {
 #[test]
 fn an_operator_that_breaks_down_ends_the_trial_with_its_reason() {
     let world = hallway();
-    let builder = Trial::builder(&world, short(60.0)).operator(ahead(0.3, 40));
+    let builder = Trial::builder(&world, short(60.0)).policy(ahead(0.3, 40));
     let trial = run(builder.build_flat().expect("a trial"));
     let end = RobotEnd { reason: EndReason::Failed, tick: 40 };
     assert_eq!(trial.end_of(0), Some(end));
@@ -186,7 +186,7 @@ fn an_operator_that_breaks_down_ends_the_trial_with_its_reason() {
 #[test]
 fn commands_that_are_not_finite_are_logged_as_zero() {
     let world = hallway();
-    let builder = Trial::builder(&world, short(1.0)).operator(ahead(f64::NAN, u32::MAX));
+    let builder = Trial::builder(&world, short(1.0)).policy(ahead(f64::NAN, u32::MAX));
     let trial = run(builder.build_flat().expect("a trial"));
     assert!(trial.log().commands(0).all(|command| command == Command::STOP));
     let mut trial = Trial::flat(&world, short(1.0)).expect("a trial");
@@ -219,18 +219,18 @@ fn scores_are_measured_from_where_the_trial_began() {
     let trial = run(Trial::flat(&world, settings.clone()).expect("free"));
     let mut moved = world.clone();
     moved.start = Some(elsewhere);
-    let expected = Truth::new(&moved, &settings.body).expect("a start");
+    let expected = MappableArea::new(&moved, &settings.body).expect("a start");
     let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
     assert_eq!(scores, trial.score(&expected).expect("scores"));
     // The world's own start is another one, which is said instead of measured against.
-    let wrong = trial.score(&Truth::new(&world, &settings.body).expect("a start"));
+    let wrong = trial.score(&MappableArea::new(&world, &settings.body).expect("a start"));
     assert!(matches!(wrong, Err(ScoreError::Reference { .. })), "{wrong:?}");
 }
 
 /// The flat simulator, driven backwards.
 struct Backwards(FlatSimulator);
 
-impl Bodies for Backwards {
+impl RobotBackend for Backwards {
     fn engine(&self) -> &str {
         "backwards"
     }
@@ -261,14 +261,15 @@ impl Bodies for Backwards {
 #[test]
 fn bodies_of_ones_own_name_their_engine() {
     let world = hallway();
-    let builder = Trial::builder(&world, short(2.0)).operator(ahead(0.3, u32::MAX));
+    let builder = Trial::builder(&world, short(2.0)).policy(ahead(0.3, u32::MAX));
     let trial = builder.build(|setup, sensors| {
         let TrialSettings { body, laser, .. } = setup.settings;
         let flat = std::sync::Arc::new(crate::flat::FlatWorld::new(&world, body).expect("a robot"));
         Backwards(FlatSimulator::with_sensors(flat, body, setup.starts, laser, sensors))
     });
     let trial = run(trial.expect("a trial"));
-    let (start, end) = (trial.track(0).poses[0], trial.track(0).poses.last().expect("poses"));
+    let (start, end) =
+        (trial.trajectory(0).poses[0], trial.trajectory(0).poses.last().expect("poses"));
     assert!(envgen::geometry::unit_vector(start.heading).dot(end.position - start.position) < -0.2);
     assert_eq!(trial.log().engine, "backwards");
 }

@@ -6,10 +6,10 @@ use envgen::geometry::Pose;
 use serde::{Deserialize, Serialize};
 
 use super::TrialSettings;
-use crate::body::Sensors;
+use crate::backend::Sensors;
 use crate::lidar::LaserSensor;
 use crate::odometry::WheelSensor;
-use crate::operator::{self, Operator};
+use crate::policy::{self, ExplorationPolicy};
 use crate::slam::Slam;
 
 /// What a part may know when it is made.
@@ -28,7 +28,8 @@ pub enum PartRole {
     /// Estimates poses and the map.
     Slam,
     /// Decides where to go.
-    Operator,
+    #[serde(rename = "operator", alias = "policy")]
+    Policy,
     /// Turns exact ranges into scans.
     Laser,
     /// Turns motions into odometry.
@@ -40,7 +41,7 @@ impl PartRole {
     pub fn text(self) -> &'static str {
         match self {
             PartRole::Slam => "SLAM",
-            PartRole::Operator => "operator",
+            PartRole::Policy => "policy",
             PartRole::Laser => "laser",
             PartRole::Odometry => "odometry",
         }
@@ -67,7 +68,7 @@ type MakeEach<T> = Arc<dyn Fn(&Setup<'_>, usize) -> Box<T> + Send + Sync>;
 #[derive(Clone, Default)]
 pub struct TrialParts {
     slam: Option<Make<dyn Slam + Send + Sync>>,
-    operator: Option<Make<dyn Operator + Send + Sync>>,
+    operator: Option<Make<dyn ExplorationPolicy + Send + Sync>>,
     laser: Option<MakeEach<dyn LaserSensor + Send + Sync>>,
     odometry: Option<MakeEach<dyn WheelSensor + Send + Sync>>,
 }
@@ -85,7 +86,7 @@ impl TrialParts {
 
     /// With an operator that `make` makes, in place of the settings' own.
     #[must_use]
-    pub fn operator<O: Operator + Send + Sync + 'static>(
+    pub fn policy<O: ExplorationPolicy + Send + Sync + 'static>(
         mut self,
         make: impl Fn(&Setup<'_>) -> O + Send + Sync + 'static,
     ) -> Self {
@@ -119,7 +120,7 @@ impl TrialParts {
     pub fn has(&self, role: PartRole) -> bool {
         match role {
             PartRole::Slam => self.slam.is_some(),
-            PartRole::Operator => self.operator.is_some(),
+            PartRole::Policy => self.operator.is_some(),
             PartRole::Laser => self.laser.is_some(),
             PartRole::Odometry => self.odometry.is_some(),
         }
@@ -149,10 +150,9 @@ impl TrialParts {
     pub(super) fn make_operator(
         &self,
         setup: &Setup<'_>,
-    ) -> Option<Box<dyn Operator + Send + Sync>> {
+    ) -> Option<Box<dyn ExplorationPolicy + Send + Sync>> {
         let TrialSettings { operator, body, laser, .. } = setup.settings;
-        let built_in =
-            || operator.map(|kind| operator::build(kind, setup.starts.len(), body, laser));
+        let built_in = || operator.map(|kind| policy::build(kind, setup.starts.len(), body, laser));
         self.operator.as_ref().map_or_else(built_in, |make| Some(make(setup)))
     }
 
@@ -160,7 +160,7 @@ impl TrialParts {
     pub(super) fn foreign(
         &self,
         slam: &dyn Slam,
-        operator: Option<&dyn Operator>,
+        operator: Option<&dyn ExplorationPolicy>,
         sensors: &[Sensors],
     ) -> Vec<ForeignPart> {
         let mut parts = Vec::new();
@@ -170,7 +170,7 @@ impl TrialParts {
             }
         };
         add(PartRole::Slam, slam.name());
-        add(PartRole::Operator, operator.map_or("", Operator::name));
+        add(PartRole::Policy, operator.map_or("", ExplorationPolicy::name));
         if let Some(Sensors { laser, odometry }) = sensors.first() {
             add(PartRole::Laser, laser.name());
             add(PartRole::Odometry, odometry.name());

@@ -4,11 +4,11 @@ use envgen::{Provenance, World};
 use serde::{Deserialize, Serialize};
 
 use super::{EndReason, ForeignPart, PartRole, Trial, TrialSettings};
-use crate::body::{Bodies, TICK};
+use crate::backend::{RobotBackend, TICK};
 use crate::feedback::{Feedback, Measured, Session};
 use crate::names::Named;
 use crate::score::{ScoreError, Scores};
-use crate::truth::Truth;
+use crate::truth::MappableArea;
 
 /// Version of the reports' layout.
 pub const REPORT_VERSION: u32 = 1;
@@ -58,7 +58,7 @@ pub struct RobotReport {
     pub end: Option<EndReason>,
     /// Simulated seconds until then.
     pub time: f64,
-    /// Way in metres.
+    /// Path in metres.
     pub distance: f64,
     /// Turning in radians, both ways added.
     pub turning: f64,
@@ -68,18 +68,18 @@ pub struct RobotReport {
     pub recoveries: u32,
 }
 
-impl<B: Bodies> Trial<B> {
+impl<B: RobotBackend> Trial<B> {
     /// What came of the trial so far, with the form filled where a program drove.
     ///
     /// # Errors
     ///
     /// As [`Trial::score`].
-    pub fn report(&self, world: &World, truth: &Truth) -> Result<TrialReport, ScoreError> {
+    pub fn report(&self, world: &World, truth: &MappableArea) -> Result<TrialReport, ScoreError> {
         let robot = |robot: usize| RobotReport {
             end: self.end_of(robot).map(|end| end.reason),
             time: self.end_of(robot).map_or(self.time(), |end| end.tick as f64 * TICK),
-            distance: self.track(robot).metres,
-            turning: self.track(robot).turning,
+            distance: self.trajectory(robot).distance,
+            turning: self.trajectory(robot).turning,
             hits: self.bodies().hits(robot),
             recoveries: self.recoveries(robot),
         };
@@ -99,7 +99,7 @@ impl<B: Bodies> Trial<B> {
             feedback: None,
         };
         let built_in = self.settings().operator.as_ref().and_then(Named::name);
-        let plugged_in = part(PartRole::Operator).map(|part| part.name.as_str());
+        let plugged_in = part(PartRole::Policy).map(|part| part.name.as_str());
         if let Some(operator) = plugged_in.or(built_in) {
             let tracks = self.score_tracks(&estimated);
             let measured = Measured { operator, world, scores: &scores, tracks: &tracks };

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::lidar::LaserProfile;
 use crate::odometry::OdometryProfile;
-use crate::operator::OperatorKind;
+use crate::policy::PolicyKind;
 use crate::robot::Robot;
 use crate::slam::SlamKind;
 
@@ -23,7 +23,7 @@ pub struct TrialSettings {
     /// Seed of what the sensors get wrong.
     pub seed: Seed,
     /// The program that drives; `None` for a person.
-    pub operator: Option<OperatorKind>,
+    pub operator: Option<PolicyKind>,
     /// How poses and map are estimated.
     pub slam: SlamKind,
     /// Number of robots, which share one map; from 1 to [`MAX_ROBOTS`].
@@ -45,7 +45,7 @@ impl Default for TrialSettings {
     fn default() -> Self {
         TrialSettings {
             seed: Seed(0),
-            operator: Some(OperatorKind::Nearest),
+            operator: Some(PolicyKind::Nearest),
             slam: SlamKind::ScanToMap,
             robots: 1,
             time_limit: 1200.0,
@@ -116,7 +116,9 @@ mod tests {
         assert!(error(&|s| s.time_limit = f64::NAN).contains("`time_limit` is NaN"));
         assert!(error(&|s| s.time_limit = 1e9).contains("86400"));
         assert!(error(&|s| s.start = Some(Pose::new(f64::INFINITY, 0.0, 0.0))).contains("start.x"));
-        assert!(error(&|s| s.body.swing_radius = -1.0).contains("body.swing_radius"));
+        assert!(
+            error(&|s| s.body.circumscribed_radius = -1.0).contains("body.circumscribed_radius")
+        );
         assert!(error(&|s| s.body.max_speed = 50.0).contains("body.max_speed"));
         assert!(error(&|s| s.body.water_sight = f64::NAN).contains("body.water_sight"));
         assert!(error(&|s| s.laser.beams = 0).contains("laser.beams"));

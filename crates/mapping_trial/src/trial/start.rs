@@ -1,10 +1,10 @@
 //! Where robots start.
 
 use envgen::World;
+use envgen::clearance_index::ClearanceIndex;
 use envgen::geometry::{Pose, unit_vector};
-use envgen::ground::Grounds;
-use envgen::proximity::Proximity;
 use envgen::raycast::Raycaster;
+use envgen::surface_index::SurfaceIndex;
 use glam::DVec2;
 
 use super::TrialError;
@@ -27,9 +27,9 @@ pub(super) fn starts(
     if !world.bounds.contains(start.position) {
         return Err(TrialError::OutsideStart { start });
     }
-    let radius = body.swing_radius;
-    let near = Proximity::new(world, radius + 0.1)?;
-    let grounds = Grounds::new(world);
+    let radius = body.circumscribed_radius;
+    let near = ClearanceIndex::new(world, radius + 0.1)?;
+    let grounds = SurfaceIndex::new(world);
     let clearance = near.clearance(start.position);
     if clearance < radius {
         return Err(TrialError::BlockedStart { start, clearance, radius });
@@ -104,7 +104,7 @@ mod tests {
             let starts = starts(&world, start, 4, &body).expect("room for four");
             assert_eq!(starts[0], start);
             for (i, a) in starts.iter().enumerate() {
-                assert!(world.clearance(a.position) >= body.swing_radius);
+                assert!(world.clearance(a.position) >= body.circumscribed_radius);
                 for b in &starts[..i] {
                     assert!(a.position.distance(b.position) >= APART - 1e-9);
                 }

@@ -13,7 +13,7 @@ impl TrialReport {
         let settings = &self.settings;
         format!(
             "{} with {} and {}, {:.0} m^2 to map",
-            name(PartRole::Operator, settings.operator.as_ref().and_then(Named::name))
+            name(PartRole::Policy, settings.operator.as_ref().and_then(Named::name))
                 .unwrap_or("a person"),
             name(PartRole::Slam, settings.slam.name()).unwrap_or("custom"),
             name(PartRole::Laser, settings.laser.name()).unwrap_or("custom"),

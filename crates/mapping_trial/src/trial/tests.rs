@@ -24,12 +24,12 @@ fn state(trial: &Trial<FlatSimulator>) -> impl PartialEq + std::fmt::Debug + use
     let robots = 0..trial.robots();
     let tracks: Vec<_> = robots
         .map(|robot| {
-            let slam = trial.brain().slam();
+            let slam = trial.autonomy().slam();
             let known = (trial.end_of(robot), trial.recoveries(robot), slam.trajectory(robot));
-            (trial.track(robot).clone(), known)
+            (trial.trajectory(robot).clone(), known)
         })
         .collect();
-    let map = trial.brain().slam().map();
+    let map = trial.autonomy().slam().map();
     let tiles: Vec<_> =
         map.changed_since(0).map(|(col, row)| map.tile(col, row).map(<[_]>::to_vec)).collect();
     (tracks, tiles, trial.time())
@@ -79,7 +79,7 @@ fn a_person_drives_and_stops() {
     assert!(!trial.step_with(&[Command::STOP]));
     let end = RobotEnd { reason: EndReason::Stopped, tick: 200 };
     assert_eq!(trial.end_of(0), Some(end));
-    assert!(trial.track(0).metres > 2.0);
+    assert!(trial.trajectory(0).distance > 2.0);
     let again = trial.log().replay().expect("its own world");
     assert_eq!(state(&again), state(&trial));
 }
@@ -105,7 +105,7 @@ fn exact_wheels_have_no_trajectory_error() {
         operator: None,
         ..short(60.0)
     };
-    let truth = Truth::new(&world, &settings.body).expect("a start");
+    let truth = MappableArea::new(&world, &settings.body).expect("a start");
     let mut trial = Trial::flat(&world, settings).expect("a trial");
     for tick in 0..400 {
         let turn_rate = if (tick + 20) / 40 % 2 == 0 { 0.4 } else { -0.4 };
@@ -113,7 +113,7 @@ fn exact_wheels_have_no_trajectory_error() {
     }
     trial.stop();
     let scores = trial.score(&truth).expect("scores");
-    assert_eq!((scores.hits, scores.distance), (0, trial.track(0).metres));
+    assert_eq!((scores.hits, scores.distance), (0, trial.trajectory(0).distance));
     assert!(scores.distance > 4.0 && scores.turning > 4.0, "{scores:?}");
     assert!(scores.trajectory_error < 1e-9, "{}", scores.trajectory_error);
     // A replay has the same scores, to the bit.

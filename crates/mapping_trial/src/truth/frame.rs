@@ -11,7 +11,7 @@ pub const SCORE_CELL: f64 = 2.0 * RESOLUTION;
 /// A rectangle of cells of [`SCORE_CELL`], in rows from below, in line with the cells of a map: four
 /// of those make one of these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Frame {
+pub struct GridFrame {
     /// Column of the leftmost cells, counted from the world's origin.
     pub col: i32,
     /// Row of the lowest cells, counted from the world's origin.
@@ -22,16 +22,21 @@ pub struct Frame {
     pub rows: usize,
 }
 
-impl Frame {
+impl GridFrame {
     /// The cells that touch a rectangle, which must not be far larger than memory.
     pub(crate) fn around(area: Rect) -> Self {
         let low = (area.min / SCORE_CELL).floor();
         let size = ((area.max / SCORE_CELL).ceil() - low).max(DVec2::ONE);
-        Frame { col: low.x as i32, row: low.y as i32, cols: size.x as usize, rows: size.y as usize }
+        GridFrame {
+            col: low.x as i32,
+            row: low.y as i32,
+            cols: size.x as usize,
+            rows: size.y as usize,
+        }
     }
 
     /// The cells that both have; empty when there are none.
-    pub(crate) fn intersection(self, other: Frame) -> Frame {
+    pub(crate) fn intersection(self, other: GridFrame) -> GridFrame {
         let (col, row) = (self.col.max(other.col), self.row.max(other.row));
         let end = |a: i32, a_len: usize, b: i32, b_len: usize, from: i32| {
             let end = (i64::from(a) + a_len as i64).min(i64::from(b) + b_len as i64);
@@ -40,9 +45,9 @@ impl Frame {
         let cols = end(self.col, self.cols, other.col, other.cols, col);
         let rows = end(self.row, self.rows, other.row, other.rows, row);
         if cols * rows == 0 {
-            Frame { col, row, cols: 0, rows: 0 }
+            GridFrame { col, row, cols: 0, rows: 0 }
         } else {
-            Frame { col, row, cols, rows }
+            GridFrame { col, row, cols, rows }
         }
     }
 

@@ -1,32 +1,32 @@
 //! Where a disc touches something.
 
 use envgen::World;
+use envgen::clearance_index::ClearanceIndex;
 use envgen::geometry::{Shape, edges};
-use envgen::ground::Grounds;
 use envgen::occupancy::{Coverage, OccupancyGrid};
-use envgen::proximity::Proximity;
+use envgen::surface_index::SurfaceIndex;
 use envgen::world::SurfaceKind;
 use glam::DVec2;
 
-use super::frame::{Frame, SCORE_CELL};
+use super::frame::{GridFrame, SCORE_CELL};
 
 /// Solid parts, and the ground that a robot's middle must not be on, over a frame.
 #[derive(Clone, Debug)]
 pub(super) struct DiscGround {
-    frame: Frame,
+    frame: GridFrame,
     /// The cells inside the world's bounds that no solid part enters.
     open: Vec<bool>,
     /// The cells that no water and no ground of speed 0 enters.
     dry: Vec<bool>,
-    near: Proximity,
-    grounds: Grounds,
+    near: ClearanceIndex,
+    grounds: SurfaceIndex,
 }
 
 impl DiscGround {
     /// Indexes a world for distances up to `reach` metres.
     ///
     /// `None` when there are too many cells, or the reach is no distance.
-    pub(super) fn new(world: &World, frame: Frame, reach: f64) -> Option<Self> {
+    pub(super) fn new(world: &World, frame: GridFrame, reach: f64) -> Option<Self> {
         let empty = OccupancyGrid::empty(frame.area(), SCORE_CELL).ok()?;
         let mut solid = empty.clone();
         for part in world.solids() {
@@ -42,12 +42,12 @@ impl DiscGround {
             frame,
             open: (0..frame.len()).map(|cell| !solid.cells()[cell] && inside(cell)).collect(),
             dry: wet.cells().iter().map(|wet| !wet).collect(),
-            near: Proximity::new(world, reach).ok()?,
-            grounds: Grounds::new(world),
+            near: ClearanceIndex::new(world, reach).ok()?,
+            grounds: SurfaceIndex::new(world),
         })
     }
 
-    pub(super) fn frame(&self) -> Frame {
+    pub(super) fn frame(&self) -> GridFrame {
         self.frame
     }
 

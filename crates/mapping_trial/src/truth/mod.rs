@@ -12,7 +12,7 @@ use envgen::world::{Violation, World};
 use glam::DVec2;
 use thiserror::Error;
 
-pub use self::frame::{Frame, SCORE_CELL};
+pub use self::frame::{GridFrame, SCORE_CELL};
 use self::ground::DiscGround;
 use self::reach::Reach;
 pub use self::walls::WallPoint;
@@ -47,7 +47,7 @@ const INTO_WALL: f64 = 1e-3;
 /// Why there is nothing that could be mapped.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
-pub enum TruthError {
+pub enum MappableAreaError {
     /// The world breaks an invariant.
     #[error("the world is broken: {0}")]
     World(#[from] Violation),
@@ -63,7 +63,7 @@ pub enum TruthError {
         height: f64,
     },
     /// The robot's size is not one that can be scored.
-    #[error("`swing_radius` is {0} m, allowed is from {min} to {max} m", min = RADII.start(), max = RADII.end())]
+    #[error("`circumscribed_radius` is {0} m, allowed is from {min} to {max} m", min = RADII.start(), max = RADII.end())]
     Radius(f64),
     /// The world has no start.
     #[error("`start` is absent, but a trial starts there")]
@@ -85,8 +85,8 @@ pub enum TruthError {
 
 /// What could be mapped of a world, worked out once for any number of trials in it.
 #[derive(Clone, Debug)]
-pub struct Truth {
-    frame: Frame,
+pub struct MappableArea {
+    frame: GridFrame,
     ground: DiscGround,
     /// Where the robot starts.
     start: DVec2,
@@ -100,14 +100,14 @@ pub struct Truth {
     trips: Vec<Trip>,
 }
 
-impl Truth {
+impl MappableArea {
     /// Works out what a robot could map from the world's start.
     ///
     /// # Errors
-    /// When the world has no start; else as [`Truth::from_start`].
-    pub fn new(world: &World, robot: &Robot) -> Result<Self, TruthError> {
-        let start = world.start.ok_or(TruthError::NoStart)?;
-        Truth::from_start(world, robot, start.position)
+    /// When the world has no start; else as [`MappableArea::from_start`].
+    pub fn new(world: &World, robot: &Robot) -> Result<Self, MappableAreaError> {
+        let start = world.start.ok_or(MappableAreaError::NoStart)?;
+        MappableArea::from_start(world, robot, start.position)
     }
 
     /// Works out what a robot could map from a start, the world's or another one.
@@ -118,14 +118,18 @@ impl Truth {
     /// # Errors
     /// When the world is broken or too large, when the robot does not fit at the start, or when it
     /// is smaller or larger than can be scored.
-    pub fn from_start(world: &World, robot: &Robot, start: DVec2) -> Result<Self, TruthError> {
-        let radius = robot.swing_radius;
+    pub fn from_start(
+        world: &World,
+        robot: &Robot,
+        start: DVec2,
+    ) -> Result<Self, MappableAreaError> {
+        let radius = robot.circumscribed_radius;
         if !RADII.contains(&radius) {
-            return Err(TruthError::Radius(radius));
+            return Err(MappableAreaError::Radius(radius));
         }
         world.check()?;
         let (around, too_large) = (Self::check_size(world)?, too_large(world));
-        let frame = Frame::around(around);
+        let frame = GridFrame::around(around);
 
         let footprint = radius + MARGIN;
         let ground = DiscGround::new(world, frame, footprint + REACH).ok_or(too_large)?;
@@ -135,11 +139,11 @@ impl Truth {
         let free = reach.covered(&land, footprint);
         let free_cells = free.iter().filter(|free| **free).count();
         if free_cells == 0 || ground.room(start, radius) < 0.0 {
-            return Err(TruthError::Start { x: start.x, y: start.y, radius: footprint });
+            return Err(MappableAreaError::Start { x: start.x, y: start.y, radius: footprint });
         }
         let joined = joined(frame, &free, ground.open());
         let walls = walls::seen(world, frame, &free, &joined);
-        let mut truth = Truth {
+        let mut truth = MappableArea {
             frame,
             ground,
             start,
@@ -179,7 +183,7 @@ impl Truth {
     ///
     /// # Errors
     /// When it is too large, or too far from the origin.
-    pub fn check_size(world: &World) -> Result<Rect, TruthError> {
+    pub fn check_size(world: &World) -> Result<Rect, MappableAreaError> {
         let around = world.bounds.grown(BORDER);
         let size = around.size();
         let cells = (size.x / SCORE_CELL + 2.0) * (size.y / SCORE_CELL + 2.0);
@@ -190,7 +194,7 @@ impl Truth {
     }
 
     /// The grid that the truth is given on.
-    pub fn frame(&self) -> Frame {
+    pub fn frame(&self) -> GridFrame {
         self.frame
     }
 
@@ -237,7 +241,7 @@ impl Truth {
     /// How far the robot's disc is from the nearest solid part in metres, infinite when far;
     /// negative where it touches one or cannot be.
     pub(crate) fn room(&self, p: DVec2) -> f64 {
-        self.ground.room(p, self.robot.swing_radius)
+        self.ground.room(p, self.robot.circumscribed_radius)
     }
 
     /// Squared distance of every cell to the nearest seen wall, in cells.
@@ -260,9 +264,9 @@ impl Truth {
     }
 }
 
-fn too_large(world: &World) -> TruthError {
+fn too_large(world: &World) -> MappableAreaError {
     let size = world.bounds.size();
-    TruthError::Size { width: size.x, height: size.y }
+    MappableAreaError::Size { width: size.x, height: size.y }
 }
 
 /// A place inside the wall at a point of its surface.
@@ -271,7 +275,7 @@ fn into_wall(point: WallPoint) -> DVec2 {
 }
 
 /// The open cells that are joined to free ones over sides.
-fn joined(frame: Frame, free: &[bool], open: &[bool]) -> Vec<bool> {
+fn joined(frame: GridFrame, free: &[bool], open: &[bool]) -> Vec<bool> {
     let mut joined = free.to_vec();
     let mut grown: Vec<usize> = (0..free.len()).filter(|&cell| free[cell]).collect();
     while let Some(cell) = grown.pop() {

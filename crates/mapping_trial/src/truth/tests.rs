@@ -1,7 +1,7 @@
 use envgen::geometry::{Pose, Rect, Shape};
 use envgen::indoor::IndoorSpec;
 use envgen::world::{Obstacle, ObstacleKind, Surface, SurfaceKind, Wall, WallKind};
-use envgen::{Blueprint, Kind, Provenance, Spec};
+use envgen::{Blueprint, Provenance, Spec, WorldKind};
 use proptest::prelude::*;
 
 use super::*;
@@ -28,8 +28,8 @@ pub(crate) fn add_wall(world: &mut World, min: (f64, f64), max: (f64, f64)) {
     world.walls.push(Wall { kind: WallKind::Wall, shape });
 }
 
-fn truth(world: &World) -> Truth {
-    Truth::new(world, &Robot::default()).expect("a world with free space")
+fn truth(world: &World) -> MappableArea {
+    MappableArea::new(world, &Robot::default()).expect("a world with free space")
 }
 
 #[test]
@@ -92,46 +92,47 @@ fn lines_are_seen_from_both_sides_and_count_once() {
 
 #[test]
 fn a_world_that_cannot_be_mapped_says_why() {
-    let error = |world: &World| Truth::new(world, &Robot::default()).map(|_| ()).unwrap_err();
+    let error =
+        |world: &World| MappableArea::new(world, &Robot::default()).map(|_| ()).unwrap_err();
     let mut world = room(10.0, 4.0);
     world.start = None;
-    assert_eq!(error(&world), TruthError::NoStart);
+    assert_eq!(error(&world), MappableAreaError::NoStart);
     world.start = Some(Pose::new(0.3, 2.0, 0.0));
-    assert!(matches!(error(&world), TruthError::Start { .. }));
+    assert!(matches!(error(&world), MappableAreaError::Start { .. }));
     let text = error(&world).to_string();
     assert!(text.contains("`start` is (0.3, 2) m") && text.contains("0.36 m"), "{text}");
     world.start = Some(Pose::new(-0.1, 2.0, 0.0));
-    assert!(matches!(error(&world), TruthError::World(Violation::Blocked { .. })));
+    assert!(matches!(error(&world), MappableAreaError::World(Violation::Blocked { .. })));
     world.start = Some(Pose::new(1.0, 1.9, 0.0));
     let shape = Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::splat(2.0)));
     let water = Surface { kind: SurfaceKind::Water, shape, speed: 0.5, odometry_noise: 1.0 };
     world.surfaces.push(water);
-    assert!(matches!(error(&world), TruthError::Start { .. }));
+    assert!(matches!(error(&world), MappableAreaError::Start { .. }));
     world.bounds.max.x = 1e6;
-    assert!(matches!(error(&world), TruthError::Size { .. }));
+    assert!(matches!(error(&world), MappableAreaError::Size { .. }));
     world.bounds = Rect::new(DVec2::splat(-1e300), DVec2::splat(1e300));
-    assert!(matches!(error(&world), TruthError::World(Violation::Extent { .. })));
+    assert!(matches!(error(&world), MappableAreaError::World(Violation::Extent { .. })));
     // Indoor maps of 192 grid units of 3 m and their walls, and of one more.
     for (side, fits) in [(576.1, true), (579.1, false)] {
         world.bounds = Rect::new(DVec2::ZERO, DVec2::splat(side));
-        assert_eq!(Truth::check_size(&world).is_ok(), fits, "{side}");
+        assert_eq!(MappableArea::check_size(&world).is_ok(), fits, "{side}");
     }
-    for swing_radius in [0.0, -1.0, f64::NAN, 1e9] {
-        let robot = Robot { swing_radius, ..Robot::default() };
-        let text = Truth::new(&world, &robot).unwrap_err().to_string();
-        assert!(text.contains("`swing_radius`") && text.contains("0.15 to 2"), "{text}");
+    for circumscribed_radius in [0.0, -1.0, f64::NAN, 1e9] {
+        let robot = Robot { circumscribed_radius, ..Robot::default() };
+        let text = MappableArea::new(&world, &robot).unwrap_err().to_string();
+        assert!(text.contains("`circumscribed_radius`") && text.contains("0.15 to 2"), "{text}");
     }
 }
 
 #[test]
 fn every_kind_of_world_has_a_truth() {
-    for &kind in Kind::ALL {
+    for &kind in WorldKind::ALL {
         let mut spec = kind.default_spec();
-        if kind == Kind::Road {
+        if kind == WorldKind::Road {
             spec.set("length", "150").expect("a setting of roads");
         }
         let world = spec.generate(Seed(2)).expect("defaults").to_world();
-        match Truth::new(&world, &Robot::default()) {
+        match MappableArea::new(&world, &Robot::default()) {
             Ok(truth) => assert!(truth.free_area() > 1.0, "{kind}"),
             Err(error) => assert!(world.start.is_none(), "{kind}: {error}"),
         }
@@ -151,7 +152,7 @@ fn the_perfect_map_shows_what_is_free_and_what_is_not() {
 }
 
 /// Free cells the slow way: discs around all points of a lattice, joined step by step.
-fn slow_free(world: &World, frame: Frame) -> Vec<bool> {
+fn slow_free(world: &World, frame: GridFrame) -> Vec<bool> {
     let (radius, step) = (0.36, 0.025);
     let low = frame.area().min + 0.5 * step;
     let (cols, rows) = (4 * frame.cols, 4 * frame.rows);
@@ -236,7 +237,7 @@ proptest! {
         for (heading, length) in way {
             for _ in 0..(length / 0.02) as u32 {
                 let next = at + envgen::geometry::unit_vector(heading) * 0.02;
-                if world.clearance(next) < robot.swing_radius + 0.03 || !truth.is_clear(next) {
+                if world.clearance(next) < robot.circumscribed_radius + 0.03 || !truth.is_clear(next) {
                     break;
                 }
                 at = next;

@@ -4,10 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use envgen::World;
 use envgen::geometry::{Pose, Shape, edges, unit_vector};
-use envgen::raycast::{Fan, Raycaster};
+use envgen::raycast::{Raycaster, ScanPattern};
 use glam::DVec2;
 
-use super::frame::{Frame, SCORE_CELL};
+use super::frame::{GridFrame, SCORE_CELL};
 
 /// Greatest distance between neighbouring points of an outline in metres: a cell of a map.
 const SPACING: f64 = 0.05;
@@ -32,8 +32,13 @@ pub struct WallPoint {
 
 /// The points of outlines that can be seen from the cells of `free`, in the world's order.
 /// `joined` are the cells that no barrier touches and that are joined to `free`.
-pub(super) fn seen(world: &World, frame: Frame, free: &[bool], joined: &[bool]) -> Vec<WallPoint> {
-    let Ok(fan) = Fan::new(PI, LOOKS) else { unreachable!("a half turn of {LOOKS} looks") };
+pub(super) fn seen(
+    world: &World,
+    frame: GridFrame,
+    free: &[bool],
+    joined: &[bool],
+) -> Vec<WallPoint> {
+    let Ok(fan) = ScanPattern::new(PI, LOOKS) else { unreachable!("a half turn of {LOOKS} looks") };
     let sight = Sight { rays: Raycaster::new(world), fan, frame, free, joined };
     let mut points = Vec::new();
     let mut ranges = Vec::new();
@@ -47,8 +52,8 @@ pub(super) fn seen(world: &World, frame: Frame, free: &[bool], joined: &[bool]) 
 
 struct Sight<'a> {
     rays: Raycaster,
-    fan: Fan,
-    frame: Frame,
+    fan: ScanPattern,
+    frame: GridFrame,
     free: &'a [bool],
     joined: &'a [bool],
 }

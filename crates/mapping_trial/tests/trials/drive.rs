@@ -6,7 +6,7 @@ use envgen::glam::DVec2;
 use envgen::raycast::Raycaster;
 use envgen::world::{Wall, WallKind};
 use envgen::{Provenance, Seed, World};
-use mapping_trial::body::{Observation, TICK};
+use mapping_trial::backend::{Observation, TICK};
 use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor};
 use mapping_trial::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
 use mapping_trial::robot::Robot;

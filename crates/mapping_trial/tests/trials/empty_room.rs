@@ -7,10 +7,10 @@ use glam::DVec2;
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
 use mapping_trial::odometry::OdometryProfile;
-use mapping_trial::operator::OperatorKind;
+use mapping_trial::policy::PolicyKind;
 use mapping_trial::score::Scores;
 use mapping_trial::trial::{EndReason, Trial, TrialSettings};
-use mapping_trial::truth::Truth;
+use mapping_trial::truth::MappableArea;
 
 /// A room of 20 x 20 m in which nothing stands.
 pub(crate) fn room() -> World {
@@ -26,7 +26,7 @@ pub(crate) fn room() -> World {
 
 fn run(settings: TrialSettings) -> (Option<EndReason>, Scores) {
     let world = room();
-    let truth = Truth::new(&world, &settings.body).expect("a start");
+    let truth = MappableArea::new(&world, &settings.body).expect("a start");
     let mut trial = Trial::flat(&world, settings).expect("a free start");
     while trial.step() {}
     (trial.end_of(0).map(|end| end.reason), trial.score(&truth).expect("scores"))
@@ -38,7 +38,7 @@ const SEEDS: u64 = 10;
 /// With the default laser, which is short of half the room, and with one that sees all of it.
 #[test]
 fn no_operator_finds_an_empty_room_difficult() {
-    for (name, operator) in OperatorKind::NAMES {
+    for (name, operator) in PolicyKind::NAMES {
         for laser in [LaserProfile::default(), LaserProfile::USARSIM] {
             let range = laser.max_range;
             for seed in 0..SEEDS {

@@ -3,17 +3,17 @@
 
 use std::sync::Arc;
 
+use envgen::clearance_index::ClearanceIndex;
 use envgen::geometry::{Pose, Rect, unit_vector};
 use envgen::occupancy::{Coverage, OccupancyGrid};
-use envgen::proximity::Proximity;
 use envgen::{Seed, World};
 use glam::DVec2;
-use mapping_trial::body::{Bodies, Command, Condition, TICK};
+use mapping_trial::backend::{Command, Condition, RobotBackend, TICK};
 use mapping_trial::flat::{FlatSimulator, FlatWorld};
 use mapping_trial::lidar::{LaserProfile, Scan};
 use mapping_trial::map::{Cell, CellIndex, Estimate, HIT, MISS, OccupancyMap, RESOLUTION};
 use mapping_trial::odometry::OdometryProfile;
-use mapping_trial::operator::{Decision, Operator, View};
+use mapping_trial::policy::{Decision, ExplorationPolicy, PolicyInput};
 use mapping_trial::robot::Robot;
 
 /// How a run ended.
@@ -72,7 +72,7 @@ impl Run {
     }
 
     /// Drives until the operator has finished, is stuck, or time is up.
-    pub(crate) fn drive(&mut self, operator: &mut dyn Operator, seconds: f64) -> Outcome {
+    pub(crate) fn drive(&mut self, operator: &mut dyn ExplorationPolicy, seconds: f64) -> Outcome {
         let robots = self.starts.len();
         let mut commands = vec![Command::STOP; robots];
         let mut ends: Vec<Option<End>> = vec![None; robots];
@@ -101,7 +101,7 @@ impl Run {
                     if matches!(ends[robot], Some(End::Stuck | End::Drowned)) {
                         continue;
                     }
-                    let decision = operator.decide(&View {
+                    let decision = operator.decide(&PolicyInput {
                         robot,
                         estimates: &estimates,
                         map: &self.map,
@@ -204,8 +204,8 @@ fn cells(from: DVec2, direction: DVec2, length: f64, mut visit: impl FnMut(CellI
 pub(crate) fn reachable(world: &World, start: DVec2, robot: &Robot) -> Vec<DVec2> {
     const SIDE: f64 = 0.1;
     let Ok(grid) = OccupancyGrid::of(world, SIDE, Coverage::Centre) else { return Vec::new() };
-    let near = Proximity::new(world, 1.0).expect("a reach");
-    let radius = robot.swing_radius + 0.005;
+    let near = ClearanceIndex::new(world, 1.0).expect("a reach");
+    let radius = robot.circumscribed_radius + 0.005;
     let (cols, rows) = (grid.cols(), grid.rows());
     let fits = |col: usize, row: usize| near.clearance(grid.cell_centre(col, row)) >= radius;
     let mut seen = vec![false; cols * rows];

@@ -5,7 +5,7 @@ use std::thread;
 use envgen::indoor::IndoorSpec;
 use envgen::{Blueprint, Seed, Spec, World};
 use mapping_trial::names::Named;
-use mapping_trial::operator::OperatorKind;
+use mapping_trial::policy::PolicyKind;
 use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::{Trial, TrialSettings};
 
@@ -28,7 +28,7 @@ fn world() -> World {
 
 fn settings() -> Vec<TrialSettings> {
     let short = TrialSettings { time_limit: 150.0, seed: Seed(5), ..TrialSettings::default() };
-    let operators = OperatorKind::NAMES
+    let operators = PolicyKind::NAMES
         .iter()
         .map(|(_, kind)| TrialSettings { operator: Some(*kind), ..short.clone() });
     operators
@@ -43,7 +43,7 @@ fn settings() -> Vec<TrialSettings> {
 fn digest(world: &World, settings: TrialSettings) -> String {
     let mut trial = Trial::flat(world, settings).expect("a free start");
     while trial.step() {}
-    let known = (trial.log(), trial.brain().slam().trajectory(0));
+    let known = (trial.log(), trial.autonomy().slam().trajectory(0));
     envgen::world::Digest::of(&known).to_string()[..32].to_owned()
 }
 

@@ -7,14 +7,14 @@ use envgen::glam::DVec2;
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::{Blueprint, Seed, Spec, World};
 use mapping_trial::lidar::LaserProfile;
-use mapping_trial::operator::{OperatorKind, build};
+use mapping_trial::policy::{PolicyKind, build};
 
-const KINDS: [OperatorKind; 5] = [
-    OperatorKind::Nearest,
-    OperatorKind::InfoGain,
-    OperatorKind::Cautious,
-    OperatorKind::WallFollow,
-    OperatorKind::Corridors,
+const KINDS: [PolicyKind; 5] = [
+    PolicyKind::Nearest,
+    PolicyKind::InfoGain,
+    PolicyKind::Cautious,
+    PolicyKind::WallFollow,
+    PolicyKind::Corridors,
 ];
 
 fn building(side: u32, seed: u64) -> World {
@@ -28,7 +28,7 @@ fn building(side: u32, seed: u64) -> World {
     spec.generate(Seed(seed)).expect("a plan").to_world()
 }
 
-fn run(world: &World, kind: OperatorKind, starts: &[Pose], seconds: f64) -> (Outcome, Run) {
+fn run(world: &World, kind: PolicyKind, starts: &[Pose], seconds: f64) -> (Outcome, Run) {
     let mut run = Run::new(world, starts, LaserProfile::LMS200_MM, Seed(1));
     let mut operator = build(kind, starts.len(), &run.robot, &run.laser);
     let mut outcome = run.drive(&mut *operator, seconds);
@@ -44,7 +44,7 @@ fn every_operator_covers_a_small_building() {
         let start = world.start.expect("a start");
         for kind in KINDS {
             let (outcome, _) = run(&world, kind, &[start], 1200.0);
-            let least = if kind == OperatorKind::WallFollow { 0.75 } else { 0.9 };
+            let least = if kind == PolicyKind::WallFollow { 0.75 } else { 0.9 };
             assert!(outcome.coverage > least, "{kind:?} in building {seed}: {outcome:?}");
             assert_ne!(outcome.end, End::Stuck, "{kind:?} in building {seed}: {outcome:?}");
         }
@@ -57,7 +57,7 @@ fn nearest_gets_stuck_nowhere() {
     for seed in 0..20 {
         let world = building(16, seed);
         let start = world.start.expect("a start");
-        let (outcome, _) = run(&world, OperatorKind::Nearest, &[start], 300.0);
+        let (outcome, _) = run(&world, PolicyKind::Nearest, &[start], 300.0);
         assert_ne!(outcome.end, End::Stuck, "building {seed}: {outcome:?}");
         assert!(outcome.metres > 60.0 || outcome.end == End::Drowned, "{seed}: {outcome:?}");
     }
@@ -67,12 +67,12 @@ fn nearest_gets_stuck_nowhere() {
 fn two_robots_share_the_work() {
     let world = building(10, 4);
     let start = world.start.expect("a start");
-    let near = envgen::proximity::Proximity::new(&world, 1.0).expect("a reach");
+    let near = envgen::clearance_index::ClearanceIndex::new(&world, 1.0).expect("a reach");
     let places = (0..63).map(|i| start.position + unit(f64::from(i) * 0.1));
     let second = places.max_by(|a, b| near.clearance(*a).total_cmp(&near.clearance(*b)));
     let second = Pose { position: second.expect("63 places"), heading: start.heading };
-    let (alone, _) = run(&world, OperatorKind::Nearest, &[start], 300.0);
-    let (both, _) = run(&world, OperatorKind::Nearest, &[start, second], 300.0);
+    let (alone, _) = run(&world, PolicyKind::Nearest, &[start], 300.0);
+    let (both, _) = run(&world, PolicyKind::Nearest, &[start, second], 300.0);
     assert_ne!(both.end, End::Stuck, "{both:?}");
     assert!(both.coverage > 1.1 * alone.coverage, "{both:?} against {alone:?}");
 }

@@ -8,15 +8,15 @@ use envgen::geometry::{Pose, Rect};
 use envgen::glam::DVec2;
 use envgen::hallway::HallwaySpec;
 use envgen::{Blueprint, Seed, Spec, World};
-use mapping_trial::body::{Bodies, Command};
+use mapping_trial::backend::{Command, RobotBackend};
 use mapping_trial::flat::{FlatSimulator, FlatWorld};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::odometry::OdometryProfile;
-use mapping_trial::operator::costmap::{Class, Costmap};
-use mapping_trial::operator::search::Search;
+use mapping_trial::policy::costmap::{CellCost, Costmap};
+use mapping_trial::policy::search::GridPlanner;
 use mapping_trial::robot::{Footprint, Robot};
 use mapping_trial::trial::{EndReason, Trial, TrialSettings};
-use mapping_trial::truth::Truth;
+use mapping_trial::truth::MappableArea;
 
 use crate::drive::{frame, rect, world_of};
 
@@ -28,7 +28,7 @@ fn disc(radius: f64) -> Robot {
     Robot {
         length: 2.0 * radius,
         width: 2.0 * radius,
-        swing_radius: radius,
+        circumscribed_radius: radius,
         footprint: Footprint::Disc,
         laser_offset: 0.0,
         ..Robot::default()
@@ -48,12 +48,12 @@ fn rooms(gap: f64) -> World {
 }
 
 /// Whether a plan on the map of a robot without errors leads into the right room.
-fn plan_passes(robot: &Robot, gap: f64, limit: Class) -> bool {
+fn plan_passes(robot: &Robot, gap: f64, limit: CellCost) -> bool {
     // A small robot maps both rooms, whatever the gap.
-    let map = Truth::new(&rooms(gap), &disc(0.15)).expect("a start").perfect_map();
+    let map = MappableArea::new(&rooms(gap), &disc(0.15)).expect("a start").perfect_map();
     let mut costmap = Costmap::new(robot);
     costmap.refresh(&map);
-    let mut search = Search::new();
+    let mut search = GridPlanner::new();
     search.set_limit(limit);
     let start = DVec2::new(0.5 * ROOM, 0.5 * ROOM);
     search.to(&mut costmap, start, &[], start + DVec2::X * ROOM).is_some()
@@ -69,12 +69,12 @@ fn drive_passes(robot: &Robot, gap: f64) -> (bool, u32) {
     for _ in 0..300 {
         bodies.advance(&[Command { speed: 0.5, turn_rate: 0.0 }]);
     }
-    (bodies.pose(0).position.x > ROOM + robot.swing_radius, bodies.hits(0))
+    (bodies.pose(0).position.x > ROOM + robot.circumscribed_radius, bodies.hits(0))
 }
 
 /// Square metres that the reference says can be mapped.
 fn mappable(robot: &Robot, gap: f64) -> f64 {
-    Truth::new(&rooms(gap), robot).expect("a start").free_area()
+    MappableArea::new(&rooms(gap), robot).expect("a start").free_area()
 }
 
 #[test]
@@ -83,9 +83,9 @@ fn robots_pass_gaps_of_their_own_size_and_refuse_narrower_ones() {
         let robot = disc(radius);
         // A plan keeps half a centimetre off, and knows walls to a cell of 5 cm on either side.
         let (wide, narrow) = (2.0 * radius + 0.15, 2.0 * radius - 0.15);
-        assert!(plan_passes(&robot, wide, Class::Tight), "{radius}");
-        assert!(!plan_passes(&robot, 2.0 * radius - 0.05, Class::Tight), "{radius}");
-        assert!(!plan_passes(&robot, narrow - 0.05, Class::Squeeze), "{radius}");
+        assert!(plan_passes(&robot, wide, CellCost::Tight), "{radius}");
+        assert!(!plan_passes(&robot, 2.0 * radius - 0.05, CellCost::Tight), "{radius}");
+        assert!(!plan_passes(&robot, narrow - 0.05, CellCost::Squeeze), "{radius}");
 
         assert_eq!(drive_passes(&robot, 2.0 * radius + 0.02), (true, 0), "{radius}");
         assert_eq!(drive_passes(&robot, 2.0 * radius - 0.02), (false, 1), "{radius}");
@@ -112,7 +112,7 @@ fn a_trial_ends_where_the_robot_no_longer_fits() {
             let mut trial = Trial::flat(&world, settings).expect("a free start");
             while trial.step() {}
             let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
-            let farthest = trial.track(0).poses.iter().map(|pose| pose.position.x);
+            let farthest = trial.trajectory(0).poses.iter().map(|pose| pose.position.x);
             (farthest.fold(0.0, f64::max), scores, trial.end_of(0).map(|end| end.reason))
         };
         let (x, scores, end) = run(2.0 * radius + 0.4);
@@ -135,7 +135,7 @@ fn the_robots_that_ship_can_be_driven() {
         let text = std::fs::read_to_string(&path).expect("a file");
         let robot = Robot::from_ron(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         // A corridor as wide for a large robot as it is for the Pioneer.
-        let larger = (robot.swing_radius / 0.355).max(1.0);
+        let larger = (robot.circumscribed_radius / 0.355).max(1.0);
         let (pitch, width) = (5.0 * larger, 2.0 * larger);
         let spec = HallwaySpec { segments: 4, pitch, width, ..Default::default() };
         let world = spec.generate(Seed(7)).expect("a hall").to_world();

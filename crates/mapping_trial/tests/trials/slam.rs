@@ -4,7 +4,7 @@ use envgen::geometry::Pose;
 use envgen::glam::DVec2;
 use envgen::raycast::Raycaster;
 use envgen::{Seed, World};
-use mapping_trial::body::Observation;
+use mapping_trial::backend::Observation;
 use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor, Scan};
 use mapping_trial::map::{Cell, CellIndex, OccupancyMap};
 use mapping_trial::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};

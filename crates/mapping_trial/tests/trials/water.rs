@@ -8,11 +8,11 @@ use envgen::world::{Surface, SurfaceKind, Wall, WallKind};
 use envgen::{Blueprint, Provenance, Seed, Spec, World};
 use glam::DVec2;
 use mapping_trial::names::Named;
-use mapping_trial::operator::OperatorKind;
+use mapping_trial::policy::PolicyKind;
 use mapping_trial::robot::Robot;
 use mapping_trial::score::Scores;
 use mapping_trial::trial::{EndReason, Trial, TrialSettings};
-use mapping_trial::truth::Truth;
+use mapping_trial::truth::MappableArea;
 
 /// A room of 16 x 12 m with a pond of 6 x 4 m in its middle.
 fn room_with_a_pond() -> World {
@@ -30,7 +30,7 @@ fn room_with_a_pond() -> World {
 }
 
 fn run(world: &World, settings: TrialSettings) -> (EndReason, Scores) {
-    let truth = Truth::new(world, &settings.body).expect("a start");
+    let truth = MappableArea::new(world, &settings.body).expect("a start");
     let mut trial = Trial::flat(world, settings).expect("a free start");
     while trial.step() {}
     (trial.end_of(0).expect("an end").reason, trial.score(&truth).expect("scores"))
@@ -39,7 +39,7 @@ fn run(world: &World, settings: TrialSettings) -> (EndReason, Scores) {
 #[test]
 fn a_room_with_a_pond_is_explored_around_it() {
     let world = room_with_a_pond();
-    for (name, operator) in OperatorKind::NAMES {
+    for (name, operator) in PolicyKind::NAMES {
         for seed in 0..4 {
             let operator = Some(*operator);
             let settings = TrialSettings { operator, seed: Seed(seed), ..Default::default() };

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::Args;
-use envgen::Kind;
+use envgen::WorldKind;
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -22,7 +22,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let kinds = match &arguments.kind {
         Some(name) => vec![name.parse()?],
-        None => Kind::ALL.to_vec(),
+        None => WorldKind::ALL.to_vec(),
     };
     let mut out = io::stdout().lock();
     if arguments.json {
@@ -55,7 +55,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn describe(kind: Kind) -> Value {
+fn describe(kind: WorldKind) -> Value {
     let defaults = kind.default_spec().settings_json();
     let settings: Vec<Value> = kind
         .settings()

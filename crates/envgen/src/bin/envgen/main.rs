@@ -26,7 +26,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Lists every kind with its settings, units, defaults and limits.
+    /// CellBuckets every kind with its settings, units, defaults and limits.
     Kinds(kinds::Arguments),
     /// Generates one world and writes it to files; the format follows a file's ending.
     Generate(generate::Arguments),

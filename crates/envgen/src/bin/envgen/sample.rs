@@ -4,7 +4,7 @@ use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
 
 use clap::Args;
-use envgen::{Kind, Seed, SpecError, WorldBlueprint, WorldMetrics};
+use envgen::{Seed, SpecError, WorldBlueprint, WorldKind, WorldMetrics};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -33,7 +33,7 @@ fn count(text: &str) -> Result<u64, SpecError> {
 /// One line of the output.
 #[derive(Serialize)]
 struct Line<'a> {
-    kind: Kind,
+    kind: WorldKind,
     seed: Seed,
     spec: &'a Value,
     blueprint: &'a WorldBlueprint,

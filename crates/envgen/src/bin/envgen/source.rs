@@ -9,7 +9,7 @@ use envgen::import;
 use envgen::indoor::world_generator::{HALLWAY, LibraryRoom};
 use envgen::indoor::{Catalogue, PlacedRoom};
 use envgen::located::Locate;
-use envgen::{Blueprint, Kind, Seed, SpecError, World, WorldSpec};
+use envgen::{Blueprint, Seed, SpecError, World, WorldKind, WorldSpec};
 
 use crate::failure::Failure;
 
@@ -39,7 +39,7 @@ impl Source {
     pub(crate) fn spec(&self) -> Result<WorldSpec, Failure> {
         let mut spec = match self.file() {
             Some(path) => WorldSpec::from_ron(&read(path)?).in_file(path)?,
-            None => self.what.parse::<Kind>()?.default_spec(),
+            None => self.what.parse::<WorldKind>()?.default_spec(),
         };
         let settings = self.settings()?;
         for &(name, value, option) in &settings {

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::Interiors;
 use crate::indoor::grid::Cell;
 use crate::indoor::plan::FloorPlan;
-use crate::indoor::sets::Sets;
+use crate::indoor::union_find::Sets;
 
 /// Which place of a plan leads to which: the cells of hallways and open areas, the rooms, and the
 /// ways between them.

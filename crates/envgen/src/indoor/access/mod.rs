@@ -12,7 +12,7 @@ use super::grid::{Cell, Gate, Grid};
 use super::interior::{Dimensions, Interior};
 use super::plan::PlacedRoom;
 use super::rules::doorways::is_whole;
-use super::sets::Sets;
+use super::union_find::Sets;
 
 /// The free space inside each room of a plan, and numbers for all its places: the floor cells first,
 /// then the parts of the rooms.

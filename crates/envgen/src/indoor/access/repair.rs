@@ -7,7 +7,7 @@ use crate::indoor::grid::{Cell, Gate, Grid, Opening, Origin, Side};
 use crate::indoor::interior::Dimensions;
 use crate::indoor::plan::PlacedRoom;
 use crate::indoor::rules::doorways;
-use crate::indoor::sets::Sets;
+use crate::indoor::union_find::Sets;
 use crate::seed::Stream;
 use crate::world::Contents;
 

@@ -55,7 +55,7 @@ pub struct RoomDesign {
     /// What stands in the way.
     #[serde(default)]
     pub obstacles: Vec<Obstacle>,
-    /// Grounds that change how a robot drives.
+    /// SurfaceIndex that change how a robot drives.
     #[serde(default)]
     pub surfaces: Vec<Surface>,
     /// Where people wait to be found.

@@ -46,10 +46,10 @@ fn pictures(experiment: &Experiment, record: &Record) -> Result<MapPictures, Exp
     let site = Site::new(design, &record.trial)?;
     let (again, run) = site.run(design, &record.trial)?;
     experiment.require_same(record, &again)?;
-    let (map, truth) = (run.brain().slam().map(), &site.truth);
+    let (map, truth) = (run.autonomy().slam().map(), &site.truth);
     // The robot's map may reach beyond the world where it went wrong.
     let area = map.bounds().map_or(site.world.bounds, |seen| seen.union(site.world.bounds));
-    let estimated = run.brain().slam().trajectory(0);
+    let estimated = run.autonomy().slam().trajectory(0);
     let png = |picture: Picture| {
         let mut bytes = Vec::new();
         let figure = picture.figure("", Vec::new());
@@ -58,7 +58,7 @@ fn pictures(experiment: &Experiment, record: &Record) -> Result<MapPictures, Exp
     let mut own = Picture::of_map(map, area);
     own.draw_estimated_path(&estimated);
     let mut errors = Picture::of_errors(truth, map, area);
-    errors.draw_true_path(&run.track(0).poses);
+    errors.draw_true_path(&run.trajectory(0).poses);
     errors.draw_estimated_path(&estimated);
     let options = PictureOptions {
         width: 640,

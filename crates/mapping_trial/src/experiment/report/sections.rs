@@ -57,7 +57,7 @@ pub(super) fn page(
 }
 
 fn names(design: &Design) -> (String, String) {
-    let of = |kinds: &[crate::operator::OperatorKind]| {
+    let of = |kinds: &[crate::policy::PolicyKind]| {
         list(&kinds.iter().map(|&kind| operator_name(kind).to_owned()).collect::<Vec<_>>())
     };
     (of(&design.replay.operators), of(&design.operators))

@@ -168,8 +168,8 @@ fn part(design: &Design, records: &[&Record]) -> Part {
 }
 
 /// Operators by name.
-const MEASURED_OPERATORS: &[(&str, crate::operator::OperatorKind)] =
-    <crate::operator::OperatorKind as crate::names::Named>::NAMES;
+const MEASURED_OPERATORS: &[(&str, crate::policy::PolicyKind)] =
+    <crate::policy::PolicyKind as crate::names::Named>::NAMES;
 
 fn weightings(design: &Design, values: &[MapValues]) -> Vec<Weighting> {
     // D is linear in its parts: the D of mean parts is the mean D.

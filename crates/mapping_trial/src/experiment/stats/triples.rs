@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::measure::Measure;
 use crate::experiment::record::Record;
-use crate::operator::OperatorKind;
+use crate::policy::PolicyKind;
 
 /// The mean ranks of the easiest, the middle and the hardest of three maps by their levels; 1, 2
 /// and 3 when every operator finds every three in order, 2 for all by chance. Equals share ranks.
@@ -24,14 +24,14 @@ pub struct Relative {
 /// follow from comparisons of pairs: O(n^2) for n maps, not O(n^3).
 pub fn relative(measure: &Measure, records: &[&Record]) -> Relative {
     // Means over noise, by operator, level and map.
-    let mut maps: BTreeMap<(OperatorKind, u32, u32), (f64, f64)> = BTreeMap::new();
+    let mut maps: BTreeMap<(PolicyKind, u32, u32), (f64, f64)> = BTreeMap::new();
     for record in records {
         let trial = record.trial;
         let (sum, count) = maps.entry((trial.operator, trial.level, trial.map)).or_default();
         *sum += (measure.of)(&record.scores);
         *count += 1.0;
     }
-    let mut operators: BTreeMap<OperatorKind, BTreeMap<u32, Vec<f64>>> = BTreeMap::new();
+    let mut operators: BTreeMap<PolicyKind, BTreeMap<u32, Vec<f64>>> = BTreeMap::new();
     for ((operator, level, _), (sum, count)) in maps {
         operators.entry(operator).or_default().entry(level).or_default().push(sum / count);
     }

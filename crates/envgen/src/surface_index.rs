@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use crate::geometry::{Rect, Shape};
-use crate::lattice::{Convex, Lattice, Lists};
+use crate::lattice::{CellBuckets, Convex, Lattice};
 use crate::world::{ClassRaster, Surface, SurfaceKind, World};
 
 /// Cells that list a surface, on average, at most.
@@ -29,22 +29,22 @@ impl Ground {
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
-/// use envgen::ground::{Ground, Grounds};
+/// use envgen::surface_index::{Ground, SurfaceIndex};
 ///
 /// let world = ForestSpec::default().generate(Seed(7))?.to_world();
-/// assert_eq!(Grounds::new(&world).at(world.bounds.center()), Ground::PLAIN);
+/// assert_eq!(SurfaceIndex::new(&world).at(world.bounds.center()), Ground::PLAIN);
 /// # Ok::<(), envgen::GenerateError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Grounds {
+pub struct SurfaceIndex {
     lattice: Lattice,
-    lists: Lists<u32>,
+    lists: CellBuckets<u32>,
     surfaces: Vec<Surface>,
     /// Where the surfaces of a landscape are too many to be listed.
     raster: Option<ClassRaster>,
 }
 
-impl Grounds {
+impl SurfaceIndex {
     /// Indexes the surfaces of a world that are not plain, and its raster if it has no surfaces.
     pub fn new(world: &World) -> Self {
         let plain = |surface: &&Surface| {
@@ -63,12 +63,12 @@ impl Grounds {
         loop {
             let lattice = Lattice::over(around, target);
             let most = (lattice.cols * lattice.rows > 1).then_some(MAX_LISTINGS * surfaces.len());
-            let lists = Lists::build(&lattice, &numbers, most, |&i, lattice, visit| {
+            let lists = CellBuckets::build(&lattice, &numbers, most, |&i, lattice, visit| {
                 let corners = Shape::from_rect(surfaces[i as usize].shape.bounds()).corners();
                 lattice.touched_runs(&Convex::Polygon(&corners), visit);
             });
             if let Some(lists) = lists {
-                return Grounds { lattice, lists, surfaces, raster };
+                return SurfaceIndex { lattice, lists, surfaces, raster };
             }
             target *= 0.25;
         }
@@ -130,7 +130,7 @@ mod tests {
         for seed in 0..10 {
             let spec = IndoorSpec { difficulty: 9.0, ..Default::default() };
             let world = spec.generate(Seed(seed)).expect("a map").to_world();
-            let grounds = Grounds::new(&world);
+            let grounds = SurfaceIndex::new(&world);
             let is_water = |surface: &Surface| surface.kind == SurfaceKind::Water;
             assert_eq!(grounds.has_water(), world.surfaces.iter().any(is_water));
             for p in points(&world, 2000) {
@@ -147,9 +147,9 @@ mod tests {
     fn a_landscape_of_many_pieces_has_its_raster() {
         let spec = LandscapeSpec { rows: 40, cols: 40, ..Default::default() };
         let mut world = spec.generate(Seed(1)).expect("a landscape").to_world();
-        let listed = Grounds::new(&world);
+        let listed = SurfaceIndex::new(&world);
         world.surfaces.clear();
-        let raster = Grounds::new(&world);
+        let raster = SurfaceIndex::new(&world);
         let cell = world.raster.as_ref().expect("a raster").cell;
         let border = |p: DVec2| ((p / cell) - (p / cell).round()).abs().min_element() < 1e-6;
         for p in points(&world, 500).filter(|&p| !border(p)) {

@@ -35,7 +35,7 @@ impl Guard {
             beams: beams.collect(),
             laser: mount.position,
             horizon: horizon(robot),
-            radius: robot.swing_radius,
+            radius: robot.circumscribed_radius,
             echoes: Vec::new(),
             water: Vec::new(),
         }
@@ -120,5 +120,5 @@ impl Guard {
 /// How far in metres from the laser echoes matter: the robot has to stand before what it reaches.
 fn horizon(robot: &Robot) -> f64 {
     let stopping = robot.max_speed * robot.max_speed / (2.0 * robot.acceleration);
-    HORIZON.max(stopping + 2.0 * robot.swing_radius + 1.0)
+    HORIZON.max(stopping + 2.0 * robot.circumscribed_radius + 1.0)
 }

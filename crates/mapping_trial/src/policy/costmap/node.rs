@@ -6,10 +6,10 @@ use super::{CELLS, NODES};
 
 /// One planning cell: 256 to a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Node(pub(in crate::operator) u32);
+pub struct Node(pub(in crate::policy) u32);
 
 impl Node {
-    pub(in crate::operator) fn slot(self) -> usize {
+    pub(in crate::policy) fn slot(self) -> usize {
         self.0 as usize / NODES
     }
 

@@ -6,10 +6,10 @@ use std::collections::VecDeque;
 use envgen::geometry::{unit_vector, wrap_angle};
 use glam::DVec2;
 
-use super::costmap::{Class, Node};
+use super::costmap::{CellCost, Node};
 use super::navigator::{Navigator, Planning, pose_of};
-use super::{Decision, Operator, View};
-use crate::body::{Command, TICK};
+use super::{Decision, ExplorationPolicy, PolicyInput};
+use crate::backend::{Command, TICK};
 use crate::map::Estimate;
 
 /// Seconds from seeing to doing.
@@ -50,7 +50,7 @@ impl Corridors {
 
     /// Where the robot will be when what is decided now is done: operators know what they have
     /// just asked for.
-    fn foresee(&mut self, view: &View<'_>) {
+    fn foresee(&mut self, view: &PolicyInput<'_>) {
         self.estimates.clear();
         self.estimates.extend_from_slice(view.estimates);
         let Some(pose) = self.estimates.get_mut(view.robot).map(|estimate| &mut estimate.pose)
@@ -65,8 +65,8 @@ impl Corridors {
     }
 }
 
-impl Operator for Corridors {
-    fn decide(&mut self, view: &View<'_>) -> Decision {
+impl ExplorationPolicy for Corridors {
+    fn decide(&mut self, view: &PolicyInput<'_>) -> Decision {
         let robot = view.robot;
         let (Some(pose), true) = (pose_of(view), robot < self.homes.len()) else {
             return Decision::Drive(Command::STOP);
@@ -74,7 +74,7 @@ impl Operator for Corridors {
         self.foresee(view);
         let Corridors { navigator, homes, pending, carried_out, estimates } = self;
         let (home, next_look) = homes[robot].get_or_insert((pose.position, 0.0));
-        let view = View { estimates: &*estimates, ..*view };
+        let view = PolicyInput { estimates: &*estimates, ..*view };
         let decision =
             navigator.explore(&view, |planning| choose(planning, view.seen.time, home, next_look));
         let Decision::Drive(command) = decision else { return decision };
@@ -109,7 +109,7 @@ fn choose(
     let here = planning.pose.position;
     let Planning { costmap, frontiers, search, limit, .. } = planning;
     let (limit, goal) = (*limit, |node, _| frontiers.cluster_at(node).is_some());
-    search.set_limit(Class::Near);
+    search.set_limit(CellCost::Near);
     if here.distance(*home) < 0.5 || search.to(costmap, here, &[], *home).is_some() {
         *home = here;
         let node = search.nearest(costmap, here, planning.blocks, goal);

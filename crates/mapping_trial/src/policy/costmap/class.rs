@@ -7,7 +7,7 @@
 /// margins around a robot of another radius are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
-pub enum Class {
+pub enum CellCost {
     /// Free, and nothing known within 0.75 m.
     Open,
     /// Free, and something within 0.75 m.
@@ -26,22 +26,22 @@ pub enum Class {
     Occupied,
 }
 
-impl Class {
+impl CellCost {
     /// Whether a plan may lead through the cell.
     pub fn is_passable(self) -> bool {
-        self <= Class::Tight
+        self <= CellCost::Tight
     }
 
-    pub(super) fn of(bits: u8) -> Class {
+    pub(super) fn of(bits: u8) -> CellCost {
         match bits & 7 {
-            0 => Class::Open,
-            1 => Class::Near,
-            2 => Class::Close,
-            3 => Class::Tight,
-            4 => Class::Squeeze,
-            5 => Class::Inflated,
-            6 => Class::Unknown,
-            _ => Class::Occupied,
+            0 => CellCost::Open,
+            1 => CellCost::Near,
+            2 => CellCost::Close,
+            3 => CellCost::Tight,
+            4 => CellCost::Squeeze,
+            5 => CellCost::Inflated,
+            6 => CellCost::Unknown,
+            _ => CellCost::Occupied,
         }
     }
 }

@@ -4,11 +4,11 @@
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
 
-use super::costmap::{Class, Costmap};
+use super::costmap::{CellCost, Costmap};
 use super::guard::Guard;
 use super::margins::Margins;
-use super::way::{Way, worst_between};
-use crate::body::Command;
+use super::path::{Path, worst_between};
+use crate::backend::Command;
 use crate::robot::Robot;
 
 /// Metres ahead on the way that the robot drives towards where it is tight.
@@ -41,7 +41,7 @@ impl Pursuit {
         &mut self,
         robot: &Robot,
         pose: Pose,
-        way: &mut Way,
+        way: &mut Path,
         costmap: &mut Costmap,
         guard: &Guard,
         margins: &Margins,
@@ -97,13 +97,13 @@ impl Pursuit {
 }
 
 /// The point to drive towards: as far ahead on the way as the robot can drive straight.
-fn target(p: DVec2, way: &Way, costmap: &mut Costmap, lookahead: f64) -> Option<DVec2> {
+fn target(p: DVec2, way: &Path, costmap: &mut Costmap, lookahead: f64) -> Option<DVec2> {
     let mut target = None;
     let leaving = !costmap.class_at(p).is_passable();
     let mut driven = 0.0;
     way.ahead(0.1, lookahead, |ahead| {
-        let class = if leaving { Class::Open } else { worst_between(costmap, p, ahead) };
-        let tight = class >= Class::Tight && driven > SHORT_LOOKAHEAD;
+        let class = if leaving { CellCost::Open } else { worst_between(costmap, p, ahead) };
+        let tight = class >= CellCost::Tight && driven > SHORT_LOOKAHEAD;
         if driven <= 0.15 || (class.is_passable() && !tight) {
             target = Some(ahead);
             driven += 0.1;

@@ -3,14 +3,14 @@
 use glam::DVec2;
 
 use super::navigator::Navigator;
-use super::{Decision, Operator, View};
+use super::{Decision, ExplorationPolicy, PolicyInput};
 
 /// Goes to the nearest frontier.
 #[derive(Debug)]
 pub(super) struct Nearest(pub(super) Navigator);
 
-impl Operator for Nearest {
-    fn decide(&mut self, view: &View<'_>) -> Decision {
+impl ExplorationPolicy for Nearest {
+    fn decide(&mut self, view: &PolicyInput<'_>) -> Decision {
         self.0.explore(view, |planning| planning.nearest())
     }
 

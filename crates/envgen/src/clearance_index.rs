@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::error::SpecError;
 use crate::geometry::{Rect, Shape, edges};
-use crate::lattice::{Convex, Lattice, Lists};
+use crate::lattice::{CellBuckets, Convex, Lattice};
 use crate::world::{PartId, World};
 
 /// Cells that the index has for each shape, about, where parts are spread evenly.
@@ -33,24 +33,24 @@ pub struct Contact {
 /// question. Distances are exact. The index is a copy: a world that changes needs a new one.
 ///
 /// ```
-/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec, proximity::Proximity};
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec, proximity::ClearanceIndex};
 ///
 /// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
-/// let near = Proximity::new(&world, 1.5)?;
+/// let near = ClearanceIndex::new(&world, 1.5)?;
 /// let start = world.start.expect("hallways have a start");
 /// // The corridor is 2 m wide.
 /// assert!((near.clearance(start.position) - 1.0).abs() < 1e-12);
 /// # Ok::<(), envgen::GenerateError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Proximity {
+pub struct ClearanceIndex {
     reach: f64,
     lattice: Lattice,
-    lists: Lists<u32>,
+    lists: CellBuckets<u32>,
     shapes: Vec<(PartId, Shape)>,
 }
 
-impl Proximity {
+impl ClearanceIndex {
     /// Indexes the solid parts of a world for questions about what is within `reach` metres, from
     /// 0 to 1e9.
     ///
@@ -81,11 +81,11 @@ impl Proximity {
         loop {
             let lattice = Lattice::over(around, target);
             let most = (lattice.cols * lattice.rows > 1).then_some(MAX_LISTINGS * shapes.len());
-            let lists = Lists::build(&lattice, &numbers, most, |&i, lattice, visit| {
+            let lists = CellBuckets::build(&lattice, &numbers, most, |&i, lattice, visit| {
                 touched_runs(&shapes[i as usize].1, reach, lattice, visit);
             });
             if let Some(lists) = lists {
-                return Ok(Proximity { reach, lattice, lists, shapes });
+                return Ok(ClearanceIndex { reach, lattice, lists, shapes });
             }
             target *= 0.25;
         }
@@ -96,7 +96,7 @@ impl Proximity {
         self.reach
     }
 
-    /// Calls `visit` for everything within `radius` metres of a point, [`Proximity::reach`] at
+    /// Calls `visit` for everything within `radius` metres of a point, [`ClearanceIndex::reach`] at
     /// most. A part with a long outline may be met several times.
     pub fn contacts(&self, p: DVec2, radius: f64, mut visit: impl FnMut(Contact)) {
         let Some(cell) = self.lattice.cell_at(p) else { return };
@@ -111,7 +111,7 @@ impl Proximity {
         }
     }
 
-    /// The nearest part within [`Proximity::reach`]; of several equally near ones any, but always
+    /// The nearest part within [`ClearanceIndex::reach`]; of several equally near ones any, but always
     /// the same.
     pub fn nearest(&self, p: DVec2) -> Option<Contact> {
         let mut nearest: Option<Contact> = None;
@@ -124,7 +124,7 @@ impl Proximity {
     }
 
     /// Distance in metres to the nearest solid part, infinite when none is within
-    /// [`Proximity::reach`].
+    /// [`ClearanceIndex::reach`].
     pub fn clearance(&self, p: DVec2) -> f64 {
         self.nearest(p).map_or(f64::INFINITY, |contact| contact.distance)
     }
@@ -158,7 +158,7 @@ mod tests {
 
     use super::*;
     use crate::world::{Obstacle, ObstacleKind, Tree};
-    use crate::{Kind, Provenance, Seed};
+    use crate::{Provenance, Seed, WorldKind};
 
     fn world(shapes: Vec<Shape>) -> World {
         let mut world = World::new(
@@ -197,7 +197,7 @@ mod tests {
             reach in 0.0..6.0,
         ) {
             let world = world(shapes);
-            let near = Proximity::new(&world, reach).expect("a reach");
+            let near = ClearanceIndex::new(&world, reach).expect("a reach");
             for (x, y) in points {
                 let p = DVec2::new(x, y);
                 let slow = world.clearance(p);
@@ -221,9 +221,9 @@ mod tests {
 
     #[test]
     fn every_kind_of_world_is_indexed_exactly() {
-        for &kind in Kind::ALL {
+        for &kind in WorldKind::ALL {
             let world = kind.default_spec().generate(Seed(3)).expect("defaults").to_world();
-            let near = Proximity::new(&world, 1.0).expect("a reach");
+            let near = ClearanceIndex::new(&world, 1.0).expect("a reach");
             let mut draws = Seed(1).stream("test", 0);
             for _ in 0..200 {
                 let size = world.bounds.size();
@@ -238,7 +238,7 @@ mod tests {
 
     #[test]
     fn nothing_and_nonsense_are_far() {
-        let near = Proximity::new(&world(Vec::new()), 0.0).expect("a reach");
+        let near = ClearanceIndex::new(&world(Vec::new()), 0.0).expect("a reach");
         assert_eq!(near.nearest(DVec2::ZERO), None);
         assert_eq!(near.nearest(DVec2::NAN), None);
         assert_eq!(near.clearance(DVec2::splat(1e300)), f64::INFINITY);
@@ -248,11 +248,11 @@ mod tests {
     fn a_reach_is_a_distance() {
         let world = world(vec![Shape::Disc { center: DVec2::ONE, radius: 0.5 }]);
         for reach in [f64::NAN, -1.0, -1e-3, f64::INFINITY, 2e9] {
-            let error = Proximity::new(&world, reach).expect_err("it is none").to_string();
+            let error = ClearanceIndex::new(&world, reach).expect_err("it is none").to_string();
             let named = error.starts_with(&format!("`reach` is {reach}, "));
             assert!(named && error.contains("from 0 to 1000000000"), "{error}");
         }
-        let far = Proximity::new(&world, 1e9).expect("a reach");
+        let far = ClearanceIndex::new(&world, 1e9).expect("a reach");
         assert_eq!(far.clearance(DVec2::new(1.0, 1e6)), 1e6 - 1.5);
     }
 
@@ -263,7 +263,7 @@ mod tests {
             Tree { center: DVec2::new(3.0, 0.0), radius: 1.0 },
             Tree { center: DVec2::new(-4.0, 0.0), radius: 1.0 },
         ];
-        let near = Proximity::new(&world, 5.0).expect("a reach");
+        let near = ClearanceIndex::new(&world, 5.0).expect("a reach");
         let contact = near.nearest(DVec2::ZERO).expect("a tree");
         assert_eq!((contact.part.index, contact.point, contact.distance), (0, DVec2::X * 2.0, 2.0));
     }

@@ -14,7 +14,8 @@ pub(super) const LEVELS: usize = 5;
 /// The greatest reach of any robot, in cells of the map.
 pub(super) const MOST: usize = 48;
 
-const _: () = assert!(MOST as f64 * RESOLUTION > MAX_RADIUS - PIONEER_3AT.swing_radius + 0.75);
+const _: () =
+    assert!(MOST as f64 * RESOLUTION > MAX_RADIUS - PIONEER_3AT.circumscribed_radius + 0.75);
 
 /// Squared distances in cells at which what is occupied counts, by level, and the discs of that size.
 #[derive(Clone, Debug)]
@@ -30,7 +31,7 @@ pub(super) struct Inflation {
 impl Inflation {
     /// For a robot that is valid.
     pub(super) fn of(robot: &Robot) -> Self {
-        let larger = robot.swing_radius - PIONEER_3AT.swing_radius;
+        let larger = robot.circumscribed_radius - PIONEER_3AT.circumscribed_radius;
         let squared = DISTANCES.map(|distance| {
             let cells = (distance + larger) / RESOLUTION;
             // What rounding takes from 9 x 9 cells is given back.
@@ -64,9 +65,10 @@ mod tests {
 
     #[test]
     fn every_cell_within_a_distance_is_reached_and_no_other() {
-        for radius in [0.05, 0.15, 0.2, 0.208, PIONEER_3AT.swing_radius, 0.5, 0.8, 1.3, MAX_RADIUS]
+        for radius in
+            [0.05, 0.15, 0.2, 0.208, PIONEER_3AT.circumscribed_radius, 0.5, 0.8, 1.3, MAX_RADIUS]
         {
-            let robot = Robot { swing_radius: radius, ..Robot::default() };
+            let robot = Robot { circumscribed_radius: radius, ..Robot::default() };
             for (level, distance) in [
                 (0, radius - 0.045),
                 (1, radius + 0.005),

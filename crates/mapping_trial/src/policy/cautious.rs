@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::navigator::{Aim, Navigator, pose_of};
-use super::{Decision, Operator, View};
+use super::{Decision, ExplorationPolicy, PolicyInput};
 
 /// Standard deviation of the position in metres from which on the robot goes back.
 const UNSURE: f64 = 0.30;
@@ -43,8 +43,8 @@ impl Cautious {
     }
 }
 
-impl Operator for Cautious {
-    fn decide(&mut self, view: &View<'_>) -> Decision {
+impl ExplorationPolicy for Cautious {
+    fn decide(&mut self, view: &PolicyInput<'_>) -> Decision {
         let Cautious { navigator, memories } = self;
         let robot = view.robot;
         if let (Some(pose), Some(memory)) = (pose_of(view), memories.get_mut(robot)) {

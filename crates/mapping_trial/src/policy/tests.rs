@@ -8,12 +8,12 @@ use envgen::geometry::{Pose, Rect, unit_vector};
 use glam::{DVec2, IVec2};
 use proptest::prelude::*;
 
-use super::costmap::{Class, Costmap, SIDE, STEPS};
+use super::costmap::{CellCost, Costmap, SIDE, STEPS};
 use super::frontier::Frontiers;
 use super::guard::Guard;
-use super::search::{Block, Search};
+use super::search::{GridPlanner, KeepoutZone};
 use super::*;
-use crate::body::Observation;
+use crate::backend::Observation;
 use crate::map::{Cell, CellIndex, RESOLUTION};
 
 const SPAN: i32 = 80;
@@ -74,7 +74,7 @@ proptest! {
         map.clear();
         step_by_step.refresh(&map);
         prop_assert_eq!(step_by_step.frontier_len(), 0);
-        every_node(|_, p| same &= step_by_step.class_at(p) == Class::Unknown);
+        every_node(|_, p| same &= step_by_step.class_at(p) == CellCost::Unknown);
         prop_assert!(same);
     }
 
@@ -90,7 +90,7 @@ proptest! {
         let robot = Robot {
             length: side,
             width: side,
-            swing_radius: radius,
+            circumscribed_radius: radius,
             max_speed: 0.5,
             laser_offset: 0.0,
             ..Robot::default()
@@ -119,21 +119,21 @@ proptest! {
             let best = free.map(far).fold(0.0, f64::max);
             let touches = radius + 0.005 - RESOLUTION;
             let limits = [
-                (radius + 0.395, Class::Open),
-                (radius + 0.195, Class::Near),
-                (radius + 0.095, Class::Close),
-                (radius + 0.005, Class::Tight),
-                (touches, Class::Squeeze),
+                (radius + 0.395, CellCost::Open),
+                (radius + 0.195, CellCost::Near),
+                (radius + 0.095, CellCost::Close),
+                (radius + 0.005, CellCost::Tight),
+                (touches, CellCost::Squeeze),
             ];
             let class = limits.into_iter().find(|(far, _)| best > *far + 1e-9).map_or_else(
                 || {
                     let near = |at: &IVec2| is(*at) == Cell::Free || far(*at) <= touches + 1e-9;
                     if four.iter().any(|at| is(*at) == Cell::Occupied) {
-                        Class::Occupied
+                        CellCost::Occupied
                     } else if four.iter().any(near) {
-                        Class::Inflated
+                        CellCost::Inflated
                     } else {
-                        Class::Unknown
+                        CellCost::Unknown
                     }
                 },
                 |(_, class)| class,
@@ -159,7 +159,7 @@ proptest! {
         });
         let Some(start) = start else { return Ok(()) };
         let plain = plain_costs(&mut costmap, start);
-        let mut search = Search::new();
+        let mut search = GridPlanner::new();
         search.nearest(&mut costmap, start, &[], |_, _| false);
         let mut found = BTreeMap::new();
         every_node(|cell, p| {
@@ -186,7 +186,7 @@ proptest! {
         guard.look(&Scan { ranges });
         let curvature = if curvature.abs() < 0.05 { 0.0 } else { curvature };
         let touches = |p: DVec2| {
-            guard.echoes().iter().any(|echo| echo.distance(p) < robot.swing_radius)
+            guard.echoes().iter().any(|echo| echo.distance(p) < robot.circumscribed_radius)
         };
         prop_assume!(!touches(DVec2::ZERO));
         let free = guard.free_along(curvature);
@@ -213,10 +213,10 @@ fn plain_costs(costmap: &mut Costmap, start: DVec2) -> BTreeMap<(i32, i32), u32>
             let next = IVec2::new(at.0, at.1) + step;
             let class = costmap.class_at((next.as_dvec2() + 0.5) * SIDE);
             let steps = match class {
-                Class::Open => [10, 14],
-                Class::Near => [14, 20],
-                Class::Close => [22, 31],
-                Class::Tight => [36, 51],
+                CellCost::Open => [10, 14],
+                CellCost::Near => [14, 20],
+                CellCost::Close => [22, 31],
+                CellCost::Tight => [36, 51],
                 _ => continue,
             };
             let (next, through) = ((next.x, next.y), cost + steps[way % 2]);
@@ -247,9 +247,9 @@ fn a_door_of_the_smallest_kind_stays_open() {
         let mut costmap = Costmap::new(&Robot::default());
         costmap.refresh(&map);
         let (a, b) = (DVec2::new(-1.0, 0.45), DVec2::new(1.0, 0.45));
-        let mut search = Search::new();
+        let mut search = GridPlanner::new();
         assert!(search.to(&mut costmap, a, &[], b).is_some(), "shifted by {low} m");
-        let door = Block { center: DVec2::new(0.05, 0.5), radius: 0.6 };
+        let door = KeepoutZone { center: DVec2::new(0.05, 0.5), radius: 0.6 };
         assert!(search.to(&mut costmap, a, &[door], b).is_none(), "the door is blocked");
     }
 }
@@ -265,9 +265,9 @@ fn a_robot_that_does_not_fit_gets_out_but_not_through_walls() {
     map.touch(Rect::new(DVec2::splat(-3.0), DVec2::splat(3.0)));
     let mut costmap = Costmap::new(&Robot::default());
     costmap.refresh(&map);
-    let mut search = Search::new();
+    let mut search = GridPlanner::new();
     let start = DVec2::new(0.15, 0.0);
-    assert_eq!(costmap.class_at(start), Class::Inflated);
+    assert_eq!(costmap.class_at(start), CellCost::Inflated);
     assert!(search.to(&mut costmap, start, &[], DVec2::new(1.0, 0.0)).is_some());
     assert!(search.to(&mut costmap, start, &[], DVec2::new(-1.0, 0.0)).is_none());
 }
@@ -298,12 +298,12 @@ fn frontiers_are_where_the_unknown_is_wide() {
     assert_eq!(frontiers.goals(), 0);
 }
 
-const KINDS: [OperatorKind; 5] = [
-    OperatorKind::Nearest,
-    OperatorKind::InfoGain,
-    OperatorKind::Cautious,
-    OperatorKind::WallFollow,
-    OperatorKind::Corridors,
+const KINDS: [PolicyKind; 5] = [
+    PolicyKind::Nearest,
+    PolicyKind::InfoGain,
+    PolicyKind::Cautious,
+    PolicyKind::WallFollow,
+    PolicyKind::Corridors,
 ];
 
 /// Asks every operator for some seconds, and gives its last decisions.
@@ -323,7 +323,7 @@ fn ask(map: &OccupancyMap, estimate: Estimate, scan: &Scan, robots: usize) -> Ve
                     ..Default::default()
                 };
                 for robot in 0..robots {
-                    last = operator.decide(&View {
+                    last = operator.decide(&PolicyInput {
                         robot,
                         estimates: &estimates,
                         map,

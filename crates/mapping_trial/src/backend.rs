@@ -1,4 +1,4 @@
-//! What passes between a robot's body and its brain.
+//! What passes between a robot's body and its autonomy.
 
 use envgen::Seed;
 use envgen::geometry::Pose;
@@ -54,7 +54,7 @@ pub struct Observation {
 #[serde(rename_all = "snake_case")]
 pub enum Condition {
     /// It drives.
-    Able,
+    Operational,
     /// It drove into water and is lost.
     Drowned,
 }
@@ -62,10 +62,10 @@ pub enum Condition {
 /// The bodies of one or more robots in a world: the flat simulator's discs, or anything else that
 /// can be driven.
 ///
-/// Each tick a trial calls [`Bodies::observe`] for each robot, asks the brain, and calls
-/// [`Bodies::advance`] once. The first observation, before the first command, has a scan and no
+/// Each tick a trial calls [`RobotBackend::observe`] for each robot, asks the brain, and calls
+/// [`RobotBackend::advance`] once. The first observation, before the first command, has a scan and no
 /// motion.
-pub trait Bodies {
+pub trait RobotBackend {
     /// What moves these bodies, as logs and reports name it: `flat`, `rapier`, or a name of one's own.
     fn engine(&self) -> &str;
 

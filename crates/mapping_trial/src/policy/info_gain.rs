@@ -8,8 +8,8 @@ use glam::DVec2;
 
 use super::costmap::{Costmap, Node, SIDE};
 use super::navigator::{Navigator, Planning};
-use super::search::METRE;
-use super::{Decision, Operator, View};
+use super::search::COST_PER_METRE;
+use super::{Decision, ExplorationPolicy, PolicyInput};
 use crate::map::{Cell, CellIndex};
 
 /// Rays that look for unknown space around a goal.
@@ -42,8 +42,8 @@ impl InfoGain {
     }
 }
 
-impl Operator for InfoGain {
-    fn decide(&mut self, view: &View<'_>) -> Decision {
+impl ExplorationPolicy for InfoGain {
+    fn decide(&mut self, view: &PolicyInput<'_>) -> Decision {
         let InfoGain { navigator, rays, seen, candidates } = self;
         let range = view.laser.max_range.clamp(0.0, 10.0);
         navigator.explore(view, |planning| {
@@ -51,7 +51,7 @@ impl Operator for InfoGain {
             let costmap = &*planning.costmap;
             let worth = |&(node, cost): &(Node, u32)| {
                 let gain = unknown_area(costmap, costmap.point(node), rays, range);
-                gain / (f64::from(cost) / f64::from(METRE) + HANDICAP)
+                gain / (f64::from(cost) / f64::from(COST_PER_METRE) + HANDICAP)
             };
             let worths = candidates.iter().map(|candidate| (candidate.0, worth(candidate)));
             // Of equals the nearest: the first.
@@ -81,7 +81,7 @@ fn collect(planning: &mut Planning<'_>, seen: &mut Vec<bool>, candidates: &mut V
             && !seen[cluster]
         {
             if candidates.is_empty() {
-                farthest = cost.saturating_add((FARTHER * f64::from(METRE)) as u32);
+                farthest = cost.saturating_add((FARTHER * f64::from(COST_PER_METRE)) as u32);
             }
             seen[cluster] = true;
             candidates.push((node, cost));

@@ -3,10 +3,10 @@
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
 
-use super::costmap::{Class, Costmap};
+use super::costmap::{CellCost, Costmap};
 use super::navigator::{Navigator, pose_of};
-use super::way::worst_between;
-use super::{Decision, Operator, View};
+use super::path::worst_between;
+use super::{Decision, ExplorationPolicy, PolicyInput};
 
 /// Metres that have to be free in a direction to take it.
 const PROBE: f64 = 0.6;
@@ -71,8 +71,8 @@ impl WallFollow {
     }
 }
 
-impl Operator for WallFollow {
-    fn decide(&mut self, view: &View<'_>) -> Decision {
+impl ExplorationPolicy for WallFollow {
+    fn decide(&mut self, view: &PolicyInput<'_>) -> Decision {
         let WallFollow { navigator, followers } = self;
         if let (Some(pose), Some(follower)) = (pose_of(view), followers.get_mut(view.robot)) {
             follower.note(pose);
@@ -147,7 +147,7 @@ impl Follower {
         }
         let costmap = &mut navigator.costmap;
         // As far from the wall as it is now at least, but doorways that it is in may be left.
-        let limit = costmap.class_at(pose.position).clamp(Class::Close, Class::Tight);
+        let limit = costmap.class_at(pose.position).clamp(CellCost::Close, CellCost::Tight);
         let free = |costmap: &mut Costmap, angle: f64, far: f64| {
             let to = pose.position + unit_vector(pose.heading + angle) * far;
             (worst_between(costmap, pose.position, to) <= limit).then_some(to)
@@ -168,7 +168,7 @@ impl Follower {
             let Some(to) = free(costmap, angle(step), PROBE) else { break };
             let middle = pose.position.midpoint(to);
             roomy = roomy.or(Some(to));
-            if worst_between(costmap, middle, to) <= Class::Near {
+            if worst_between(costmap, middle, to) <= CellCost::Near {
                 roomy = Some(to);
                 break;
             }

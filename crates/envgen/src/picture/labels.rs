@@ -3,7 +3,7 @@
 use glam::DVec2;
 use svg::node::element::Group;
 
-use super::furniture::{haloed, symbols};
+use super::page::{haloed, symbols};
 use super::parts::room_color;
 use super::path::PathData;
 use super::style::{self, Texture};

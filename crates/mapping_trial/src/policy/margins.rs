@@ -37,7 +37,7 @@ pub(super) struct Margins {
 
 impl Margins {
     pub(super) fn of(robot: &Robot, laser: &LaserProfile) -> Self {
-        let larger = robot.swing_radius - PIONEER_3AT.swing_radius;
+        let larger = robot.circumscribed_radius - PIONEER_3AT.circumscribed_radius;
         // 5 / 7, in the order of operations that gives the Pioneer exactly 0.5.
         let cruise = robot.max_speed * (CRUISE * 10.0) / (PIONEER_3AT.max_speed * 10.0);
         let slow = 0.15_f64.min(robot.max_speed);

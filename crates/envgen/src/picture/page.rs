@@ -6,14 +6,14 @@ use svg::node::element::{
     ClipPath, Definitions, Group, LinearGradient, Path, Rectangle, Stop, Title,
 };
 
-use super::names::Names;
+use super::labels::Names;
 use super::parts::{self, filled, stroked};
 use super::path::PathData;
 use super::style::{self, Color, Style};
 use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
 use super::title::Heading;
 use super::view::{self, View};
-use super::{MAX_PIXELS, PictureError, PictureOptions, legend, names, profile};
+use super::{MAX_PIXELS, PictureError, PictureOptions, labels, legend, profile};
 use crate::geometry::{Pose, Rect, unit_vector};
 use crate::world::World;
 
@@ -62,7 +62,7 @@ pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Docume
     }
 
     let names = if options.names {
-        names::draw(world, &view, options.legend, &typesetter)
+        labels::draw(world, &view, options.legend, &typesetter)
     } else {
         Names::default()
     };

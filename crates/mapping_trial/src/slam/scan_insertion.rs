@@ -25,17 +25,17 @@ pub(crate) fn is_near(p: DVec2) -> bool {
 /// The rays first mark a scratch board, by storing alone; then the marks are added to the map,
 /// tile by tile. Memory is bounded by the reach of a ray.
 #[derive(Clone, Debug, Default)]
-pub struct Painter {
+pub struct ScanInserter {
     /// The change of each cell of a board of whole tiles, row by row; zero between scans.
     marks: Vec<i8>,
     /// Ends of rays in fixed point on the board, reused.
     ends: Vec<(i32, i32)>,
 }
 
-impl Painter {
+impl ScanInserter {
     /// A painter with an empty board.
     pub fn new() -> Self {
-        Painter::default()
+        ScanInserter::default()
     }
 
     /// Draws a scan that was taken from `pose`, with the laser at `laser` in the robot's frame, and
@@ -168,7 +168,7 @@ mod tests {
     fn a_ray_frees_what_it_passes_and_fills_what_it_meets() {
         let mut map = OccupancyMap::new();
         let sweep = Sweep { echoes: vec![Vec2::new(1.0, 0.0)], clear: vec![Vec2::new(0.0, 0.5)] };
-        Painter::new().draw(&mut map, Pose::new(0.02, 0.02, 0.0), Pose::default(), &sweep);
+        ScanInserter::new().draw(&mut map, Pose::new(0.02, 0.02, 0.0), Pose::default(), &sweep);
         let drawn = cells(&map);
         assert_eq!(drawn[&(20, 0)], HIT);
         assert!((0..20).all(|x| drawn[&(x, 0)] == -MISS), "{drawn:?}");
@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(map.cell(CellIndex { col: 20, row: 0 }), Cell::Occupied);
         // Once more: a free cell is decided by two scans.
         assert_eq!(map.cell(CellIndex { col: 5, row: 0 }), Cell::Unknown);
-        Painter::new().draw(&mut map, Pose::new(0.02, 0.02, 0.0), Pose::default(), &sweep);
+        ScanInserter::new().draw(&mut map, Pose::new(0.02, 0.02, 0.0), Pose::default(), &sweep);
         assert_eq!(map.cell(CellIndex { col: 5, row: 0 }), Cell::Free);
     }
 
@@ -194,7 +194,7 @@ mod tests {
             let points = |list: &[(f32, f32)]| list.iter().map(|&(x, y)| Vec2::new(x, y)).collect();
             let sweep = Sweep { echoes: points(&echoes), clear: points(&clear) };
             let (pose, laser) = (Pose::new(x, y, heading), Pose::new(offset, 0.0, 0.0));
-            let (mut map, mut painter) = (OccupancyMap::new(), Painter::new());
+            let (mut map, mut painter) = (OccupancyMap::new(), ScanInserter::new());
             painter.draw(&mut map, pose, laser, &sweep);
             prop_assert!(painter.marks.iter().all(|&mark| mark == 0));
 
@@ -223,7 +223,7 @@ mod tests {
         fn any_pose_can_be_drawn_from(x in any::<f64>(), y in any::<f64>(), heading in any::<f64>()) {
             let sweep = Sweep { echoes: vec![Vec2::splat(30.0), Vec2::ZERO], clear: vec![Vec2::X] };
             let mut map = OccupancyMap::new();
-            Painter::new().draw(&mut map, Pose::new(x, y, heading), Pose::default(), &sweep);
+            ScanInserter::new().draw(&mut map, Pose::new(x, y, heading), Pose::default(), &sweep);
             prop_assert!(cells(&map).len() < 2000);
         }
     }

@@ -7,8 +7,8 @@ use glam::DVec2;
 
 use super::budget::{Budget, Doubt};
 use super::pieces::Pieces;
-use super::separation::{Barriers, Nearer};
 use super::squares::{Square, Squares};
+use super::traversability::{Barriers, Nearer};
 use crate::geometry::{Rect, Shape};
 use crate::world::{SurfaceKind, World};
 

@@ -1,9 +1,9 @@
 //! Observation in, command out: the same whatever body it drives.
 
-use crate::body::{Command, Observation};
+use crate::backend::{Command, Observation};
 use crate::lidar::{LaserProfile, Scan};
 use crate::map::Estimate;
-use crate::operator::{Decision, Operator, View};
+use crate::policy::{Decision, ExplorationPolicy, PolicyInput};
 use crate::robot::Robot;
 use crate::slam::Slam;
 
@@ -14,9 +14,9 @@ use glam::DVec2;
 ///
 /// A person takes the operator's half: a brain without an operator makes the map and estimates the
 /// poses, and leaves the commands to the caller.
-pub struct Brain {
+pub struct Autonomy {
     slam: Box<dyn Slam + Send + Sync>,
-    operator: Option<Box<dyn Operator + Send + Sync>>,
+    operator: Option<Box<dyn ExplorationPolicy + Send + Sync>>,
     body: Robot,
     laser: LaserProfile,
     /// Each robot's last scan, empty before the first.
@@ -30,16 +30,16 @@ pub struct Brain {
     estimates: Vec<Estimate>,
 }
 
-impl Brain {
+impl Autonomy {
     /// A brain for so many robots of one sort; `operator` is `None` for a person.
     pub fn new(
         slam: Box<dyn Slam + Send + Sync>,
-        operator: Option<Box<dyn Operator + Send + Sync>>,
+        operator: Option<Box<dyn ExplorationPolicy + Send + Sync>>,
         robots: usize,
         body: &Robot,
         laser: &LaserProfile,
     ) -> Self {
-        Brain {
+        Autonomy {
             estimates: (0..robots).map(|robot| slam.estimate(robot)).collect(),
             slam,
             operator,
@@ -68,13 +68,13 @@ impl Brain {
         self.ticks[robot] += 1;
     }
 
-    /// What the operator wants of a robot now, after [`Brain::sense`] of the same observation. A
+    /// What the operator wants of a robot now, after [`Autonomy::sense`] of the same observation. A
     /// brain without an operator wants it to stand still.
     pub fn decide(&mut self, robot: usize, seen: &Observation) -> Decision {
         if let Some(operator) = &mut self.operator
             && (self.ticks[robot] + 1).is_multiple_of(operator.ticks_per_decision().max(1))
         {
-            self.decisions[robot] = operator.decide(&View {
+            self.decisions[robot] = operator.decide(&PolicyInput {
                 robot,
                 estimates: &self.estimates,
                 map: self.slam.map(),
@@ -94,8 +94,8 @@ impl Brain {
     }
 
     /// The operator; `None` where a person drives.
-    pub fn operator(&self) -> Option<&dyn Operator> {
-        self.operator.as_deref().map(|operator| operator as &dyn Operator)
+    pub fn policy(&self) -> Option<&dyn ExplorationPolicy> {
+        self.operator.as_deref().map(|operator| operator as &dyn ExplorationPolicy)
     }
 
     /// A robot's last scan in metres, empty before the first.

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::costmap::{Class, Costmap};
+use super::costmap::{CellCost, Costmap};
 use crate::map::RESOLUTION;
 
 /// Longest straight piece of a way in metres: bounds what shortening costs.
@@ -10,21 +10,21 @@ const LONGEST: f64 = 4.0;
 
 /// The way that a robot follows.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Way {
+pub(super) struct Path {
     points: Vec<DVec2>,
     /// The piece that the robot is on, from this point to the next, and how far along it in metres.
     piece: usize,
     along: f64,
 }
 
-impl Way {
+impl Path {
     /// Takes a way from cell to cell and pulls it straight where that leads nowhere nearer to walls.
     pub(super) fn set(&mut self, costmap: &mut Costmap, cells: &[DVec2]) {
         self.clear();
         let Some(&first) = cells.first() else { return };
         self.points.push(first);
         let (mut from, mut to) = (0, 1);
-        let mut worst = Class::Open;
+        let mut worst = CellCost::Open;
         while to < cells.len() {
             worst = worst.max(costmap.class_at(cells[to]));
             let straight = to == from + 1
@@ -118,7 +118,7 @@ impl Way {
         self.ahead(0.1, far, |p| {
             let class = costmap.class_at(p);
             out |= class.is_passable();
-            passable = class <= Class::Squeeze || (!out && class != Class::Occupied);
+            passable = class <= CellCost::Squeeze || (!out && class != CellCost::Occupied);
             passable
         });
         passable
@@ -126,13 +126,13 @@ impl Way {
 }
 
 /// The worst class on the straight line between two points.
-pub(super) fn worst_between(costmap: &mut Costmap, from: DVec2, to: DVec2) -> Class {
+pub(super) fn worst_between(costmap: &mut Costmap, from: DVec2, to: DVec2) -> CellCost {
     let way = to - from;
     let steps = (way.length() / RESOLUTION).ceil().clamp(1.0, 1e4);
-    let mut worst = Class::Open;
+    let mut worst = CellCost::Open;
     for step in 0..=steps as usize {
         worst = worst.max(costmap.class_at(from + way * (step as f64 / steps)));
-        if worst == Class::Occupied {
+        if worst == CellCost::Occupied {
             break;
         }
     }

@@ -3,10 +3,10 @@
 
 use glam::{DVec2, IVec2};
 
-use super::costmap::{Class, Costmap, NODES, Node, SIDE, STEPS};
+use super::costmap::{CellCost, Costmap, NODES, Node, SIDE, STEPS};
 
 /// Cost of a metre where nothing is near.
-pub const METRE: u32 = (10.0 / SIDE) as u32;
+pub const COST_PER_METRE: u32 = (10.0 / SIDE) as u32;
 
 /// Cost of a straight and of a diagonal step, by class. Cells that the body does not fit into lead
 /// a robot out that finds itself in them, and nowhere else.
@@ -25,7 +25,7 @@ const BODY: f64 = 0.3;
 
 /// A round place that no way may lead through for now.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Block {
+pub struct KeepoutZone {
     /// Middle.
     pub center: DVec2,
     /// Radius in metres.
@@ -34,13 +34,13 @@ pub struct Block {
 
 /// The state of the last search, and its memory.
 #[derive(Clone, Debug)]
-pub struct Search {
+pub struct GridPlanner {
     nodes: Vec<State>,
     /// The search that each tile was last used in.
     used: Vec<u32>,
     search: u32,
     /// The worst class that ways may lead through.
-    limit: Class,
+    limit: CellCost,
     queues: Vec<Vec<(Node, u32)>>,
     /// [`ESCAPE`] of the robot that is searched for, in planning cells.
     escape: i32,
@@ -57,27 +57,27 @@ struct State {
 const UNSEEN: State = State { cost: u32::MAX, from: START, closed: false };
 const START: u8 = 8;
 
-impl Default for Search {
+impl Default for GridPlanner {
     fn default() -> Self {
-        Search {
+        GridPlanner {
             nodes: Vec::new(),
             used: Vec::new(),
             search: 0,
-            limit: Class::Tight,
+            limit: CellCost::Tight,
             queues: vec![Vec::new(); QUEUES],
             escape: 0,
         }
     }
 }
 
-impl Search {
+impl GridPlanner {
     /// A search that has not begun.
     pub fn new() -> Self {
-        Search::default()
+        GridPlanner::default()
     }
 
     /// From now on ways lead through cells of this class and better ones.
-    pub fn set_limit(&mut self, limit: Class) {
+    pub fn set_limit(&mut self, limit: CellCost) {
         self.limit = limit;
     }
 
@@ -87,7 +87,7 @@ impl Search {
         &mut self,
         costmap: &mut Costmap,
         start: DVec2,
-        blocks: &[Block],
+        blocks: &[KeepoutZone],
         done: impl FnMut(Node, u32) -> bool,
     ) -> Option<Node> {
         self.run(costmap, start, blocks, |_| 0, done)
@@ -98,7 +98,7 @@ impl Search {
         &mut self,
         costmap: &mut Costmap,
         start: DVec2,
-        blocks: &[Block],
+        blocks: &[KeepoutZone],
         goal: DVec2,
     ) -> Option<Node> {
         let goal = costmap.node_at(goal)?;
@@ -137,7 +137,7 @@ impl Search {
         &mut self,
         costmap: &mut Costmap,
         start: DVec2,
-        blocks: &[Block],
+        blocks: &[KeepoutZone],
         left: impl Fn(IVec2) -> u32,
         mut done: impl FnMut(Node, u32) -> bool,
     ) -> Option<Node> {
@@ -193,7 +193,7 @@ impl Search {
     }
 
     /// Closes the nodes of a block, but for those at the start, which the robot has to leave.
-    fn block(&mut self, costmap: &mut Costmap, block: &Block, start: IVec2) {
+    fn block(&mut self, costmap: &mut Costmap, block: &KeepoutZone, start: IVec2) {
         if !(block.radius.is_finite() && block.center.is_finite()) {
             return;
         }
@@ -227,13 +227,13 @@ impl Search {
         let Some(node) = costmap.node_at(start) else { return (0, 0) };
         let (mut seeds, mut least) = (0, u32::MAX);
         let body = in_cells(costmap.grown(BODY));
-        let reach = if costmap.class(node) == Class::Occupied { body } else { 0 };
+        let reach = if costmap.class(node) == CellCost::Occupied { body } else { 0 };
         for dy in -reach..=reach {
             for dx in -reach..=reach {
                 let p = start + DVec2::new(f64::from(dx), f64::from(dy)) * SIDE;
                 let Some(node) = costmap.node_at(p) else { continue };
                 self.enter(costmap, node.slot());
-                if costmap.derived_class(node) == Class::Occupied {
+                if costmap.derived_class(node) == CellCost::Occupied {
                     continue;
                 }
                 let cost = (dx * dx + dy * dy) as u32;
@@ -271,7 +271,7 @@ impl Search {
                 // A robot that does not fit where it is may drive on until it does, but not far,
                 // not between two occupied cells, and never from where it fits to where it does
                 // not.
-                if class == Class::Occupied
+                if class == CellCost::Occupied
                     || (inside && !fits)
                     || (costmap.place(next) - start).abs().max_element() > self.escape
                     || (way % 2 == 1 && self.squeezes(costmap, node, way))
@@ -294,7 +294,7 @@ impl Search {
     /// Whether one of the two cells beside a diagonal step is occupied.
     fn squeezes(&mut self, costmap: &mut Costmap, node: Node, way: usize) -> bool {
         [way - 1, (way + 1) % 8].into_iter().any(|side| {
-            costmap.step(node, side).is_none_or(|node| costmap.class(node) == Class::Occupied)
+            costmap.step(node, side).is_none_or(|node| costmap.class(node) == CellCost::Occupied)
         })
     }
 }

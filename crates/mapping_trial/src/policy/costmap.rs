@@ -8,7 +8,7 @@ mod table;
 
 use glam::{DVec2, IVec2};
 
-pub use self::class::Class;
+pub use self::class::CellCost;
 pub use self::node::Node;
 use self::row::Row;
 use super::inflation::{Inflation, LEVELS, MOST};
@@ -51,7 +51,7 @@ pub struct Costmap {
     revision: u64,
     table: Table,
     tiles: Vec<Tile>,
-    /// Class in the low three bits and the best of the four cells in the high four, node by node.
+    /// CellCost in the low three bits and the best of the four cells in the high four, node by node.
     classes: Vec<u8>,
     /// Tiles whose frontier is to be derived again.
     stale: Vec<u32>,
@@ -127,8 +127,8 @@ impl Costmap {
     }
 
     /// What the planning cell that holds a point is for the robot's middle.
-    pub fn class_at(&mut self, p: DVec2) -> Class {
-        self.node_at(p).map_or(Class::Unknown, |node| self.class(node))
+    pub fn class_at(&mut self, p: DVec2) -> CellCost {
+        self.node_at(p).map_or(CellCost::Unknown, |node| self.class(node))
     }
 
     /// What a cell of the map is taken for, as of the last refresh.
@@ -249,15 +249,15 @@ impl Costmap {
     }
 
     /// A node's class, derived now if it must be.
-    pub(super) fn class(&mut self, node: Node) -> Class {
+    pub(super) fn class(&mut self, node: Node) -> CellCost {
         self.derive_classes(node.slot());
         self.derived_class(node)
     }
 
     /// A node's class in a tile that is derived.
     #[inline]
-    pub(super) fn derived_class(&self, node: Node) -> Class {
-        Class::of(self.classes[node.0 as usize])
+    pub(super) fn derived_class(&self, node: Node) -> CellCost {
+        CellCost::of(self.classes[node.0 as usize])
     }
 
     /// The point of a node to drive through: the middle of the best of its four cells.
@@ -320,7 +320,7 @@ impl Costmap {
             stale_classes: true,
             stale_frontier: false,
         });
-        self.classes.resize(self.classes.len() + NODES, Class::Unknown as u8);
+        self.classes.resize(self.classes.len() + NODES, CellCost::Unknown as u8);
         slot as usize
     }
 
@@ -479,25 +479,25 @@ impl Costmap {
                 let four = |rows: [u32; 2]| {
                     (rows[0] >> (2 * col) & 3 | (rows[1] >> (2 * col) & 3) << 2) as u8
                 };
-                let class = |class: Class, best: u8| class as u8 | best << 4;
+                let class = |class: CellCost, best: u8| class as u8 | best << 4;
                 classes[row * CELLS as usize + col] = if four(free[0]) == 0 {
                     if four(occupied) != 0 {
-                        class(Class::Occupied, 0)
+                        class(CellCost::Occupied, 0)
                     } else if four(inflated) != 0 {
-                        class(Class::Inflated, 0)
+                        class(CellCost::Inflated, 0)
                     } else {
-                        class(Class::Unknown, 0)
+                        class(CellCost::Unknown, 0)
                     }
                 } else if four(free[1]) == 0 {
-                    class(Class::Squeeze, four(free[0]))
+                    class(CellCost::Squeeze, four(free[0]))
                 } else if four(free[2]) == 0 {
-                    class(Class::Tight, four(free[1]))
+                    class(CellCost::Tight, four(free[1]))
                 } else if four(free[3]) == 0 {
-                    class(Class::Close, four(free[2]))
+                    class(CellCost::Close, four(free[2]))
                 } else if four(free[4]) == 0 {
-                    class(Class::Near, four(free[3]))
+                    class(CellCost::Near, four(free[3]))
                 } else {
-                    class(Class::Open, four(free[4]))
+                    class(CellCost::Open, four(free[4]))
                 };
             }
         }

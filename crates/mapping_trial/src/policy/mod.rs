@@ -10,22 +10,22 @@ mod info_gain;
 mod margins;
 mod navigator;
 mod nearest;
+mod path;
 mod pursuit;
 pub mod search;
 mod wall_follow;
-mod way;
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::body::{Command, Observation};
+use crate::backend::{Command, Observation};
 use crate::lidar::{LaserProfile, Scan};
 use crate::map::{Estimate, OccupancyMap};
 use crate::robot::Robot;
 
 /// What an operator sees when it is asked for one robot's command.
 #[derive(Clone, Copy, Debug)]
-pub struct View<'a> {
+pub struct PolicyInput<'a> {
     /// The robot that is asked for.
     pub robot: usize,
     /// Where each robot is thought to be.
@@ -53,22 +53,22 @@ pub enum Decision {
     Finished,
     /// The robot cannot get free.
     Stuck,
-    /// The operator itself broke down, as [`Operator::failure`] says: the trial ends.
+    /// The operator itself broke down, as [`ExplorationPolicy::failure`] says: the trial ends.
     Failed,
 }
 
 /// An operator of one or more robots: an exploration policy.
 ///
-/// One of your own is plugged in by [`TrialBuilder::operator`](crate::trial::TrialBuilder::operator).
-pub trait Operator {
+/// One of your own is plugged in by [`TrialBuilder::policy`](crate::trial::TrialBuilder::policy).
+pub trait ExplorationPolicy {
     /// What logs and reports call it where it was plugged in: the type's path unless it says
     /// otherwise.
     fn name(&self) -> &str {
         std::any::type_name::<Self>()
     }
 
-    /// What a robot is to do now; asked every [`Operator::ticks_per_decision`] ticks.
-    fn decide(&mut self, view: &View<'_>) -> Decision;
+    /// What a robot is to do now; asked every [`ExplorationPolicy::ticks_per_decision`] ticks.
+    fn decide(&mut self, view: &PolicyInput<'_>) -> Decision;
 
     /// Ticks from one decision to the next, at least 1: 2 are 10 decisions a second.
     fn ticks_per_decision(&self) -> u64 {
@@ -94,7 +94,7 @@ pub trait Operator {
 /// The operators that are programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum OperatorKind {
+pub enum PolicyKind {
     /// Goes to the nearest frontier.
     Nearest,
     /// Goes where most unknown space is seen for the way.
@@ -110,18 +110,18 @@ pub enum OperatorKind {
 
 /// The operator of a kind for so many robots of one sort.
 pub fn build(
-    kind: OperatorKind,
+    kind: PolicyKind,
     robots: usize,
     robot: &Robot,
     laser: &LaserProfile,
-) -> Box<dyn Operator + Send + Sync> {
+) -> Box<dyn ExplorationPolicy + Send + Sync> {
     let navigator = navigator::Navigator::new(robots, robot, laser);
     match kind {
-        OperatorKind::Nearest => Box::new(nearest::Nearest(navigator)),
-        OperatorKind::InfoGain => Box::new(info_gain::InfoGain::new(navigator)),
-        OperatorKind::Cautious => Box::new(cautious::Cautious::new(navigator, robots)),
-        OperatorKind::WallFollow => Box::new(wall_follow::WallFollow::new(navigator, robots)),
-        OperatorKind::Corridors => Box::new(corridors::Corridors::new(navigator, robots)),
+        PolicyKind::Nearest => Box::new(nearest::Nearest(navigator)),
+        PolicyKind::InfoGain => Box::new(info_gain::InfoGain::new(navigator)),
+        PolicyKind::Cautious => Box::new(cautious::Cautious::new(navigator, robots)),
+        PolicyKind::WallFollow => Box::new(wall_follow::WallFollow::new(navigator, robots)),
+        PolicyKind::Corridors => Box::new(corridors::Corridors::new(navigator, robots)),
     }
 }
 

@@ -9,15 +9,15 @@ use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
 
 use self::recovery::Progress;
-use super::costmap::{Class, Costmap, Node};
+use super::costmap::{CellCost, Costmap, Node};
 use super::frontier::{Frontiers, is_left, unknown_from};
 use super::guard::Guard;
 use super::margins::Margins;
+use super::path::Path;
 use super::pursuit::{Pursuit, turn};
-use super::search::{Block, METRE, Search};
-use super::way::Way;
-use super::{Decision, View};
-use crate::body::{Command, TICK};
+use super::search::{COST_PER_METRE, GridPlanner, KeepoutZone};
+use super::{Decision, PolicyInput};
+use crate::backend::{Command, TICK};
 use crate::lidar::LaserProfile;
 use crate::map::CellIndex;
 use crate::robot::Robot;
@@ -52,13 +52,13 @@ const LOOK: f64 = 0.6;
 pub(super) struct Planning<'a> {
     pub(super) costmap: &'a mut Costmap,
     pub(super) frontiers: &'a mut Frontiers,
-    pub(super) search: &'a mut Search,
+    pub(super) search: &'a mut GridPlanner,
     /// Where the robot is.
     pub(super) pose: Pose,
     /// What no way may lead through.
-    pub(super) blocks: &'a [Block],
+    pub(super) blocks: &'a [KeepoutZone],
     /// The worst class that ways may lead through.
-    pub(super) limit: Class,
+    pub(super) limit: CellCost,
 }
 
 impl Planning<'_> {
@@ -88,12 +88,12 @@ pub(super) enum Aim<'a> {
 pub(super) struct Navigator {
     pub(super) costmap: Costmap,
     frontiers: Frontiers,
-    search: Search,
+    search: GridPlanner,
     pub(super) guard: Guard,
     pilots: Vec<Pilot>,
     failures: Vec<Failure>,
     refreshed: f64,
-    blocks: Vec<Block>,
+    blocks: Vec<KeepoutZone>,
     cells: Vec<DVec2>,
     pub(super) margins: Margins,
 }
@@ -110,13 +110,13 @@ struct Failure {
 /// What a navigator knows of one robot.
 #[derive(Debug, Default)]
 struct Pilot {
-    way: Way,
+    way: Path,
     pursuit: Pursuit,
     task: Task,
     progress: Progress,
     recovered: VecDeque<f64>,
     recoveries: u32,
-    avoid: Vec<(f64, Block)>,
+    avoid: Vec<(f64, KeepoutZone)>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -163,7 +163,7 @@ impl Navigator {
         Navigator {
             costmap: Costmap::new(robot),
             frontiers: Frontiers::new(),
-            search: Search::new(),
+            search: GridPlanner::new(),
             guard: Guard::new(robot, laser),
             pilots: (0..robots).map(|_| Pilot::default()).collect(),
             failures: Vec::new(),
@@ -185,7 +185,7 @@ impl Navigator {
     /// Drives to goals that `choose` names until none is left.
     pub(super) fn explore(
         &mut self,
-        view: &View<'_>,
+        view: &PolicyInput<'_>,
         mut choose: impl FnMut(&mut Planning<'_>) -> Option<Node>,
     ) -> Decision {
         let decision = self.pursue(view, &mut Aim::Explore(&mut choose));
@@ -210,7 +210,7 @@ impl Navigator {
     }
 
     /// Drives on towards an aim; `None` when it is reached or cannot be.
-    pub(super) fn pursue(&mut self, view: &View<'_>, aim: &mut Aim<'_>) -> Option<Decision> {
+    pub(super) fn pursue(&mut self, view: &PolicyInput<'_>, aim: &mut Aim<'_>) -> Option<Decision> {
         let Some(pose) = pose_of(view) else { return Some(Decision::Drive(Command::STOP)) };
         if view.robot >= self.pilots.len() {
             return None;
@@ -299,7 +299,7 @@ impl Navigator {
 
     /// Drives straight to a point nearby, for operators that choose their ways themselves; `None`
     /// when the robot is stuck there.
-    pub(super) fn steer(&mut self, view: &View<'_>, target: DVec2) -> Option<Decision> {
+    pub(super) fn steer(&mut self, view: &PolicyInput<'_>, target: DVec2) -> Option<Decision> {
         let pose = pose_of(view)?;
         self.look(view, pose);
         if view.seen.time - self.refreshed >= REFRESH {
@@ -320,7 +320,7 @@ impl Navigator {
     }
 
     /// Takes in what a robot sees: what is in its way now, and water for later.
-    fn look(&mut self, view: &View<'_>, pose: Pose) {
+    fn look(&mut self, view: &PolicyInput<'_>, pose: Pose) {
         self.guard.look(view.scan);
         self.guard.look_at_water(pose, view.water);
         for &p in view.water {
@@ -329,20 +329,20 @@ impl Navigator {
     }
 
     /// Whether the map shows a frontier anywhere.
-    pub(super) fn has_frontiers(&mut self, view: &View<'_>) -> bool {
+    pub(super) fn has_frontiers(&mut self, view: &PolicyInput<'_>) -> bool {
         self.costmap.refresh(view.map);
         self.frontiers.gather(&mut self.costmap, |_, _| false);
         !self.frontiers.is_empty()
     }
 
     /// Takes over what has changed in the map.
-    fn refresh(&mut self, view: &View<'_>) {
+    fn refresh(&mut self, view: &PolicyInput<'_>) {
         self.costmap.refresh(view.map);
         self.refreshed = view.seen.time;
     }
 
     /// Drives on; `None` when the task is at its end.
-    fn go(&mut self, view: &View<'_>, pose: Pose, renewed: bool) -> Option<Decision> {
+    fn go(&mut self, view: &PolicyInput<'_>, pose: Pose, renewed: bool) -> Option<Decision> {
         let pilot = &mut self.pilots[view.robot];
         let Task::Go { goal, deadline, squeezes, waited } = pilot.task else { return None };
         if let Some(ahead) = other_ahead(view, pose, self.margins.meeting) {
@@ -403,7 +403,7 @@ impl Navigator {
     }
 
     /// Chooses a goal and plans the way there; false when there is none left.
-    fn choose(&mut self, view: &View<'_>, pose: Pose, aim: &mut Aim<'_>) -> bool {
+    fn choose(&mut self, view: &PolicyInput<'_>, pose: Pose, aim: &mut Aim<'_>) -> bool {
         self.costmap.refresh(view.map);
         self.collect_blocks(view);
         match aim {
@@ -422,12 +422,12 @@ impl Navigator {
         }
     }
 
-    fn plan_visit(&mut self, view: &View<'_>, pose: Pose, place: DVec2) -> bool {
+    fn plan_visit(&mut self, view: &PolicyInput<'_>, pose: Pose, place: DVec2) -> bool {
         if place.distance(pose.position) < 2.0 * ARRIVED {
             return false;
         }
         let Navigator { costmap, search, blocks, .. } = self;
-        search.set_limit(Class::Tight);
+        search.set_limit(CellCost::Tight);
         let Some(node) = search.to(costmap, pose.position, blocks, place) else { return false };
         self.set_way(view, node, Goal::Place(place), false);
         true
@@ -438,11 +438,11 @@ impl Navigator {
     /// where this one was stuck, then what it failed at once, at last the width of gaps.
     fn choose_frontier(
         &mut self,
-        view: &View<'_>,
+        view: &PolicyInput<'_>,
         pose: Pose,
         choose: &mut dyn FnMut(&mut Planning<'_>) -> Option<Node>,
     ) -> Option<(Node, bool)> {
-        let (fits, mut restraint) = (Class::Tight, Restraint { in_sight: true, others: true });
+        let (fits, mut restraint) = (CellCost::Tight, Restraint { in_sight: true, others: true });
         if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
             return Some((node, false));
         }
@@ -471,15 +471,15 @@ impl Navigator {
                 return Some((node, false));
             }
         }
-        let node = self.search_goal(view, pose, Class::Squeeze, restraint, choose)?;
+        let node = self.search_goal(view, pose, CellCost::Squeeze, restraint, choose)?;
         Some((node, true))
     }
 
     fn search_goal(
         &mut self,
-        view: &View<'_>,
+        view: &PolicyInput<'_>,
         pose: Pose,
-        limit: Class,
+        limit: CellCost,
         restraint: Restraint,
         choose: &mut dyn FnMut(&mut Planning<'_>) -> Option<Node>,
     ) -> Option<Node> {
@@ -506,38 +506,38 @@ impl Navigator {
         choose(&mut Planning { costmap, frontiers, search, pose, blocks, limit })
     }
 
-    fn set_way(&mut self, view: &View<'_>, node: Node, goal: Goal, squeezes: bool) {
+    fn set_way(&mut self, view: &PolicyInput<'_>, node: Node, goal: Goal, squeezes: bool) {
         let cost = self.search.cost(node).unwrap_or(0);
         self.search.way(&self.costmap, node, &mut self.cells);
         let pilot = &mut self.pilots[view.robot];
         pilot.way.set(&mut self.costmap, &self.cells);
-        let length = f64::from(cost) / f64::from(METRE);
+        let length = f64::from(cost) / f64::from(COST_PER_METRE);
         let deadline = view.seen.time + 30.0 + length / self.margins.slowest;
         pilot.task = Task::Go { goal, deadline, squeezes, waited: 0.0 };
     }
 
     /// What no way of a robot may lead through for now.
-    fn collect_blocks(&mut self, view: &View<'_>) {
+    fn collect_blocks(&mut self, view: &PolicyInput<'_>) {
         let pilot = &mut self.pilots[view.robot];
         pilot.avoid.retain(|(until, _)| *until > view.seen.time);
         self.blocks.clear();
         self.blocks.extend(pilot.avoid.iter().map(|(_, block)| *block));
         let others = view.estimates.iter().enumerate().filter(|(other, _)| *other != view.robot);
-        self.blocks.extend(others.map(|(_, other)| Block {
+        self.blocks.extend(others.map(|(_, other)| KeepoutZone {
             center: other.pose.position,
-            radius: 2.0 * view.body.swing_radius + 0.1,
+            radius: 2.0 * view.body.circumscribed_radius + 0.1,
         }));
     }
 }
 
 /// Where the robot that is asked for is thought to be, if that is a place at all.
-pub(super) fn pose_of(view: &View<'_>) -> Option<Pose> {
+pub(super) fn pose_of(view: &PolicyInput<'_>) -> Option<Pose> {
     let pose = view.estimates.get(view.robot)?.pose;
     (pose.position.is_finite() && pose.heading.is_finite()).then_some(pose)
 }
 
 /// Another robot that is nearer than `meeting` metres and in the direction in which this one drives.
-fn other_ahead(view: &View<'_>, pose: Pose, meeting: f64) -> Option<usize> {
+fn other_ahead(view: &PolicyInput<'_>, pose: Pose, meeting: f64) -> Option<usize> {
     let ahead = unit_vector(pose.heading);
     let mut others = view.estimates.iter().enumerate().filter(|(other, _)| *other != view.robot);
     let found = others.find(|(_, other)| {

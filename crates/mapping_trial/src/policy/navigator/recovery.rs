@@ -4,10 +4,10 @@ use envgen::geometry::{Pose, unit_vector};
 use glam::DVec2;
 
 use super::{FAILED, Failure, Goal, Navigator, Task};
-use crate::body::Command;
+use crate::backend::Command;
 use crate::map::{Cell, CellIndex, RESOLUTION};
-use crate::operator::search::Block;
-use crate::operator::{Decision, View};
+use crate::policy::search::KeepoutZone;
+use crate::policy::{Decision, PolicyInput};
 use crate::robot::Robot;
 
 /// What a second of turning on the spot counts of a second without moving.
@@ -33,7 +33,7 @@ impl Navigator {
     /// Begins to free a robot that is stuck; gives it up when that has happened too often.
     pub(super) fn recover(
         &mut self,
-        view: &View<'_>,
+        view: &PolicyInput<'_>,
         pose: Pose,
         goal: Goal,
         squeezes: bool,
@@ -66,7 +66,7 @@ impl Navigator {
             ahead = p;
             true
         });
-        let block = Block { center: ahead, radius };
+        let block = KeepoutZone { center: ahead, radius };
         pilot.avoid.push((view.seen.time + AVOID, block));
         pilot.task = Task::BackOff { from: pose.position, until: view.seen.time + 4.0 };
         pilot.way.clear();
@@ -76,12 +76,12 @@ impl Navigator {
     /// Whether nothing is known to stand, and no water, where the robot would back to.
     pub(super) fn is_free_behind(&self, robot: &Robot, pose: Pose) -> bool {
         let back = -unit_vector(pose.heading);
-        let reach = (robot.swing_radius / RESOLUTION) as i32;
+        let reach = (robot.circumscribed_radius / RESOLUTION) as i32;
         let middle = pose.position + back * 0.1;
         (-reach..=reach).all(|dy| {
             (-reach..=reach).all(|dx| {
                 let off = DVec2::new(f64::from(dx), f64::from(dy)) * RESOLUTION;
-                let counts = off.length() < robot.swing_radius && off.dot(back) > 0.1;
+                let counts = off.length() < robot.circumscribed_radius && off.dot(back) > 0.1;
                 let cell = CellIndex::of(middle + off);
                 let stands = self.costmap.cell(cell) == Cell::Occupied;
                 !counts || !(stands || self.costmap.is_water(cell))
