@@ -150,11 +150,11 @@ fn what_cannot_be_done_is_said() {
     let slow = folder.path().join("slow.ron");
     fs::write(&slow, "(max_speed: 0)").expect("a file");
     let error = EXAMPLE.error(&["--robot", slow.to_str().expect("a path")], &out);
-    assert!(error.contains("slow.ron: `body.max_speed` is 0, allowed is 0.01 to"), "{error}");
+    assert!(error.contains("slow.ron: `body.max_speed` must be 0.01 to"), "{error}");
     assert!(EXAMPLE.error(&["--difficulty", "11"], &out).contains("`difficulty` is 11"));
     assert!(EXAMPLE.error(&["--robots", "0"], &out).contains("`robots` is 0"));
     assert!(EXAMPLE.error(&["--size", "193"], &out).contains("193 is not in 4..=192"));
-    assert!(EXAMPLE.error(&["--seed", "-1"], &out).contains("`seed` is -1, allowed is a whole"));
+    assert!(EXAMPLE.error(&["--seed", "-1"], &out).contains("`seed` must be a whole"));
     let wide = folder.path().join("wide.envgen.ron");
     fs::write(&wide, "Forest(width: 600, height: 600, intensity: 0.001)").expect("a file");
     let error = EXAMPLE.error(&["--world", wide.to_str().expect("a path")], &out);

@@ -53,9 +53,9 @@ fn shards_join_into_the_report_of_one_run() {
 fn bad_arguments_are_told() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
-    assert!(EXAMPLE.error(&["--maps=1"], &out).contains("`maps` is 1, allowed is 2 to 1000"));
+    assert!(EXAMPLE.error(&["--maps=1"], &out).contains("`maps` must be 2 to 1000, got 1"));
     assert!(EXAMPLE.error(&["--levels=9,1"], &out).contains("`levels` is 9, 1, allowed is"));
-    assert!(EXAMPLE.error(&["--operators=nobody"], &out).contains("allowed is nearest, info_gain"));
+    assert!(EXAMPLE.error(&["--operators=nobody"], &out).contains("must be nearest, info_gain"));
     assert!(EXAMPLE.error(&["--shard=3/2"], &out).contains("`shard` is 3/2"));
     assert!(EXAMPLE.error(&["--size=3"], &out).contains("`size` is 3"));
     assert!(!out.exists(), "nothing is written for bad arguments");

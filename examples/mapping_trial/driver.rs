@@ -58,5 +58,5 @@ impl Arguments {
 
 fn seconds(option: &str, value: f64) -> Result<Duration, String> {
     let duration = Duration::try_from_secs_f64(value).ok().filter(|value| !value.is_zero());
-    duration.ok_or_else(|| format!("`{option}` is {value}, allowed is a number of seconds above 0"))
+    duration.ok_or_else(|| format!("`{option}` must be a number of seconds above 0, got {value}"))
 }

@@ -164,9 +164,9 @@ fn what_cannot_be_is_told() {
     let text = told(64.0, short(9.0));
     assert!(text.starts_with("the fixed step is 0.015625 s"), "{text}");
     let text = told(20.0, TrialSettings { robots: 0, ..short(9.0) });
-    assert_eq!(text, "`robots` is 0, allowed is 1 to 8");
+    assert_eq!(text, "`robots` must be 1 to 8, got 0");
     let error = run_headless(&hallway(), short(f64::NAN), |_| ()).err().unwrap().to_string();
-    assert!(error.contains("`time_limit` is NaN"), "{error}");
+    assert!(error.contains("`time_limit` must be"), "{error}");
 
     let log = Trial::flat(&hallway(), short(1.0)).unwrap().log();
     let error = replay_headless(&hallway(), log, |_| ()).err().unwrap();

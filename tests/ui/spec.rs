@@ -35,7 +35,7 @@ fn every_setting_of_every_kind_is_shown() {
 fn errors_stand_below_the_setting_they_name() {
     let mut form = form(WorldKind::Indoor);
     form.set("difficulty", "11");
-    let text = "`difficulty` is 11, allowed is a number from 0 to 10";
+    let text = "`difficulty` must be a number from 0 to 10, got 11";
     assert_eq!(form.error_of("difficulty"), Some(text));
     assert!(show_in(egui::vec2(340.0, 4000.0), |ui| drop(form.show(ui))).has(text));
     assert!(form.request().is_err());

@@ -287,7 +287,7 @@ pub enum EnvironmentError {
     #[error("an endless world needs the component `StreamAround`")]
     NoAnchor,
     /// A number of the component [`StreamAround`](crate::StreamAround) is not allowed.
-    #[error("`{field}` of `StreamAround` is {value}, allowed is {allowed}")]
+    #[error("`{field}` of `StreamAround` must be {allowed}, got {value}")]
     Stream {
         /// The field.
         field: &'static str,
@@ -308,7 +308,7 @@ pub enum EnvironmentError {
         limit: usize,
     },
     /// The transform of the entity, with those above it, cannot carry a flat world.
-    #[error("the transform has {what} {value}, allowed is {allowed}")]
+    #[error("the transform has {what} {value}, expected {allowed}")]
     Transform {
         /// Which of its parts.
         what: &'static str,

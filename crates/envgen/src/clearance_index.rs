@@ -249,7 +249,8 @@ mod tests {
         let world = world(vec![Shape::Disc { center: DVec2::ONE, radius: 0.5 }]);
         for reach in [f64::NAN, -1.0, -1e-3, f64::INFINITY, 2e9] {
             let error = ClearanceIndex::new(&world, reach).expect_err("it is none").to_string();
-            let named = error.starts_with(&format!("`reach` is {reach}, "));
+            let named =
+                error.starts_with("`reach` must be") && error.ends_with(&format!("got {reach}"));
             assert!(named && error.contains("from 0 to 1000000000"), "{error}");
         }
         let far = ClearanceIndex::new(&world, 1e9).expect("a reach");

@@ -21,7 +21,7 @@ use crate::road::RoadError;
 
 /// A value of a spec that is not allowed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("`{field}` is {value}, allowed is {allowed}")]
+#[error("`{field}` must be {allowed}, got {value}")]
 pub struct SpecError {
     /// The setting, for instance `p_st`.
     pub field: String,

@@ -25,11 +25,11 @@ pub enum Coverage {
 #[non_exhaustive]
 pub enum OccupancyError {
     /// The resolution is not a positive number.
-    #[error("`resolution` is {0} m, allowed is a positive number")]
+    #[error("`resolution` must be a positive number, got {0} m")]
     Resolution(f64),
     /// The grid would take too much memory.
     #[error(
-        "`resolution` is {resolution} m, allowed is about {:.2e} m or more: {cols} x {rows} cells \
+        "`resolution` is {resolution} m, expected about {:.2e} m or more: {cols} x {rows} cells \
          are more than {most}", resolution * (cols * rows / *most as f64).sqrt()
     )]
     Size {

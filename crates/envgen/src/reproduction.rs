@@ -179,7 +179,9 @@ mod tests {
         let mut world = forest();
         world.provenance.spec["intensity"] = json!(-1);
         let found = reproduce(&world);
-        assert!(matches!(&found, Reproduction::NoWorld(why) if why.contains("`intensity` is -1")));
+        assert!(
+            matches!(&found, Reproduction::NoWorld(why) if why.contains("`intensity` must be"))
+        );
         assert!(!found.is_credible());
         world.provenance.spec["intensity"] = json!("dense");
         assert!(matches!(reproduce(&world), Reproduction::NoWorld(_)));

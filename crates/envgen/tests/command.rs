@@ -308,7 +308,7 @@ fn check_says_whether_a_file_is_what_its_spec_and_seed_make() {
             1,
             "not reproducible: its spec and seed make ano",
         ),
-        (&|w| w["provenance"]["spec"]["intensity"] = (-1).into(), 1, "`intensity` is -1"),
+        (&|w| w["provenance"]["spec"]["intensity"] = (-1).into(), 1, "`intensity` must be"),
         (&|w| w["provenance"]["spec"]["width"] = 1e6.into(), 1, "asks for about"),
         (
             &|w| w["provenance"]["value_version"] = 9.into(),
@@ -336,8 +336,11 @@ fn check_says_whether_a_file_is_what_its_spec_and_seed_make() {
         assert!(found == Some(code) && text.contains(says), "{found:?}, {says}: {text}");
     }
     for (value, says) in [
-        (18446744073709551616.0, "`bounds.max.x` is 1.8446744073709552e19 m, allowed is from -1e8"),
-        (2147483647.0, "`bounds.max.x` is 2.147483647e9 m, allowed is from -1e8 to 1e8 m"),
+        (
+            18446744073709551616.0,
+            "`bounds.max.x` must be from -1e8 to 1e8 m, got 1.8446744073709552e19 m",
+        ),
+        (2147483647.0, "`bounds.max.x` must be from -1e8 to 1e8 m, got 2.147483647e9 m"),
     ] {
         assert_eq!(check(&|w| w["bounds"]["max"][0] = value.into()).0, Some(1));
         for command in ["check", "inspect"] {
@@ -356,7 +359,7 @@ fn bad_arguments_are_exit_code_two_and_leave_nothing() {
         (vec!["generate", "lake", "--out", out], "hallway, forest"),
         (vec!["generate", "forest", "--set", "widht=3", "--out", out], "width, height, intensity"),
         (vec!["generate", "forest", "--set", "width=wide", "--out", out], "from 0.01 to 1000000"),
-        (vec!["generate", "forest", "--set", "width=NaN", "--out", out], "`width` is NaN"),
+        (vec!["generate", "forest", "--set", "width=NaN", "--out", out], "`width` must be"),
         (vec!["generate", "forest", "--set", "width=1e300", "--out", out], "`width` is 1e300"),
         (vec!["generate", "forest", "--set", "border=round", "--out", out], "open, inset, torus"),
         (
@@ -371,10 +374,7 @@ fn bad_arguments_are_exit_code_two_and_leave_nothing() {
             vec!["generate", "landscape", "--set", "rows=9999", "--set", "cols=9999", "--out", out],
             "--set rows=9999: `rows * cols` is",
         ),
-        (
-            vec!["generate", "hallway", "--seed", "-1", "--out", out],
-            "`seed` is -1, allowed is a whole",
-        ),
+        (vec!["generate", "hallway", "--seed", "-1", "--out", out], "`seed` must be a whole"),
         (
             vec!["generate", "hallway", "--resolution", "0.1", "--out", out],
             "--resolution 0.1: is for",
@@ -395,7 +395,7 @@ fn bad_arguments_are_exit_code_two_and_leave_nothing() {
         (vec!["generate", "hallway"], "--out"),
         (vec!["inspect", "world.xyz"], ".json, .ron"),
         (vec!["generate", "hallway", "--picture-width", "1", "--out", out], "--picture-width 1: "),
-        (vec!["sample", "hallway", "--count", "-1"], "`count` is -1, allowed is a whole number"),
+        (vec!["sample", "hallway", "--count", "-1"], "`count` must be a whole number, got -1"),
     ] {
         let (code, text) = failure(&arguments);
         assert_eq!(code, 2, "{arguments:?}: {text}");

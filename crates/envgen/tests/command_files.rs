@@ -339,7 +339,7 @@ fn the_size_of_maps_is_said_and_can_be_chosen() {
     let before = folder.names();
     let error = folder.error("generate forest --resolution 0.005 --out g.yaml", 2);
     let expected =
-        "--out g.yaml, --resolution 0.005: `resolution` is 0.005 m, allowed is about 6.35e-3 m";
+        "--out g.yaml, --resolution 0.005: `resolution` is 0.005 m, expected about 6.35e-3 m";
     assert!(error.contains(expected), "{error}");
     assert_eq!(folder.names(), before);
     let said = folder.notes("generate road --set length=20000 --set kerb=0 --out b.yaml");

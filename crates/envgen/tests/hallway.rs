@@ -118,7 +118,7 @@ fn corridors_that_would_merge_are_refused_with_the_numbers() {
     let wide = HallwaySpec { width: 4.95, ..Default::default() };
     assert_eq!(
         wide.validate().unwrap_err().to_string(),
-        "`width` is 4.95, allowed is at most 4.9 m: with p_tt = 0 parallel arms lie 5 m apart, and \
+        "`width` is 4.95, expected at most 4.9 m: with p_tt = 0 parallel arms lie 5 m apart, and \
          the wall between them is 0.1 m thick"
     );
     let u_turns = HallwaySpec { p_tt: 0.1, width: 2.45, ..Default::default() };
@@ -149,7 +149,7 @@ fn bad_numbers_name_field_value_and_limits() {
     let spec = HallwaySpec { p_st: 1.000_000_1, ..Default::default() };
     assert_eq!(
         spec.validate().unwrap_err().to_string(),
-        "`p_st` is 1.0000001, allowed is a number from 0 to 1"
+        "`p_st` must be a number from 0 to 1, got 1.0000001"
     );
     for segments in [0, 1_000_001, u64::MAX] {
         let spec = HallwaySpec { segments, ..Default::default() };

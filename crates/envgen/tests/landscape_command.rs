@@ -120,7 +120,7 @@ fn bad_input_ends_with_its_code_and_a_reason() {
     }
     for (setting, reason) in [
         ("entropy=2.5", "at most 2.197"),
-        ("total_edge=4513", "allowed is from"),
+        ("total_edge=4513", "`total_edge` must be from"),
         ("classes=0", "from 1 to 65535"),
         ("rows=99999999999", "`rows`"),
     ] {

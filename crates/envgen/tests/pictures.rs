@@ -415,10 +415,7 @@ fn broken_worlds_and_options_are_refused() {
         let error = picture::png(&common::empty(1.0, 1.0), &options).unwrap_err();
         assert!(error.to_string().contains(name), "{error}");
     };
-    refused(
-        PictureOptions { width: 3, ..Default::default() },
-        "width is 3, allowed is 100 to 16384",
-    );
+    refused(PictureOptions { width: 3, ..Default::default() }, "width is 3, expected 100 to 16384");
     refused(PictureOptions { height: 1 << 20, ..Default::default() }, "height is 1048576");
     refused(PictureOptions { margin: 2000, ..Default::default() }, "margin is 2000");
     for ratio in [0.0, f64::NAN, f64::INFINITY, 11.0] {

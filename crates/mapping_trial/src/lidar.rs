@@ -200,7 +200,7 @@ mod tests {
     use super::*;
 
     #[test]
-    #[should_panic(expected = "`laser.beams` is 0, allowed is 1 to 4096")]
+    #[should_panic(expected = "`laser.beams` must be 1 to 4096, got 0")]
     fn a_laser_has_beams() {
         Laser::new(LaserProfile { beams: 0, ..LaserProfile::USARSIM }, Seed(0), 0);
     }

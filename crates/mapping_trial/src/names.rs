@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn an_unknown_name_is_told_with_all_known_ones() {
         let error = OdometryProfile::named("slick").expect_err("no such profile");
-        let text = "`odometry` is slick, allowed is skid, mild, poor, exact";
+        let text = "`odometry` must be skid, mild, poor, exact, got slick";
         assert_eq!(error.to_string(), text);
     }
 }

@@ -142,7 +142,7 @@ mod tests {
     use super::*;
 
     #[test]
-    #[should_panic(expected = "`odometry.k_st` is NaN, allowed is 0 to 1")]
+    #[should_panic(expected = "`odometry.k_st` must be 0 to 1, got NaN")]
     fn wheels_have_errors_that_are_numbers() {
         Odometry::new(OdometryProfile { k_st: f64::NAN, ..OdometryProfile::MILD }, Seed(0), 0);
     }

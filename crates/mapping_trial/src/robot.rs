@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(robot.chassis, Chassis { mass: 3.0, ..PIONEER_3AT.chassis });
         assert_eq!(Robot::from_ron("()"), Ok(Robot::default()));
         let error = |text| Robot::from_ron(text).unwrap_err().to_string();
-        assert_eq!(error("(width: -1)"), "`body.width` is -1, allowed is 0.01 to 4");
+        assert_eq!(error("(width: -1)"), "`body.width` must be 0.01 to 4, got -1");
         assert!(error("(widht: 1)").contains("widht"), "{}", error("(widht: 1)"));
         assert!(error("(width: ").contains("1:9"), "{}", error("(width: "));
     }
@@ -235,8 +235,7 @@ mod tests {
     fn numbers_that_fit_no_body_are_named() {
         let error = |text| Robot::from_ron(text).unwrap_err().to_string();
         assert!(
-            error("(circumscribed_radius: 0)")
-                .contains("`body.circumscribed_radius` is 0, allowed is 0.05")
+            error("(circumscribed_radius: 0)").contains("`body.circumscribed_radius` must be 0.05")
         );
         assert!(
             error("(circumscribed_radius: 50)").contains("to 2"),
@@ -244,7 +243,7 @@ mod tests {
             error("(circumscribed_radius: 50)")
         );
         assert!(
-            error("(circumscribed_radius: NaN)").contains("`body.circumscribed_radius` is NaN")
+            error("(circumscribed_radius: NaN)").contains("`body.circumscribed_radius` must be")
         );
         let long = error("(length: 1.2)");
         assert!(long.contains("at least 0.649"), "{long}");
@@ -253,7 +252,7 @@ mod tests {
         let outside = error("(laser_offset: 0.3, laser_mount: (left: 0.3))");
         assert!(outside.contains("`body.laser_mount.left` is 0.3"), "{outside}");
         assert!(error("(chassis: (mass: 0))").contains("`body.chassis.mass` is 0"));
-        assert!(error("(chassis: (track: inf))").contains("`body.chassis.track` is inf"));
+        assert!(error("(chassis: (track: inf))").contains("`body.chassis.track` must be"));
     }
 
     #[test]

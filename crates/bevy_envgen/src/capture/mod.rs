@@ -58,7 +58,7 @@ pub enum CaptureError {
         camera: Entity,
     },
     /// The size is not one that can be drawn.
-    #[error("a picture of {width} x {height} pixels, allowed are sides of 1 to {MAX_SIDE}")]
+    #[error("a picture of {width} x {height} pixels, expected sides of 1 to {MAX_SIDE}")]
     Size {
         /// Pixels from left to right.
         width: u32,

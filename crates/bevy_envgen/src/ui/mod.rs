@@ -20,7 +20,7 @@
 //! let mut form = SpecForm::new(&WorldKind::Indoor.default_spec(), Seed(3));
 //! form.set("difficulty", "11");
 //! let error = form.request().unwrap_err().to_string();
-//! assert_eq!(error, "`difficulty` is 11, allowed is a number from 0 to 10");
+//! assert_eq!(error, "`difficulty` must be a number from 0 to 10, got 11");
 //!
 //! let context = egui::Context::default();
 //! context.run_ui(egui::RawInput::default(), |ui| {

@@ -158,7 +158,7 @@ const DENSITY: Setting = Setting::other(
 pub enum ForestError {
     /// The number of trees that was drawn cannot keep their distance.
     #[error(
-        "`min_distance` is {distance} m, allowed is less: {trees} trees were drawn and the area \
+        "`min_distance` is {distance} m, expected less: {trees} trees were drawn and the area \
          takes at most {capacity} at this distance"
     )]
     Capacity {
@@ -185,7 +185,7 @@ pub enum ForestError {
         distance: f64,
     },
     /// A density gave a value that it had promised not to give.
-    #[error("the density at ({x}, {y}) is {value}, allowed is a number from 0 to {max}")]
+    #[error("the density at ({x}, {y}) is {value}, expected a number from 0 to {max}")]
     Density {
         /// Where, in metres.
         x: f64,

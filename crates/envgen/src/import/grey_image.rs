@@ -15,7 +15,7 @@ pub enum ImageError {
     #[error("a PNG image; this build was made without the feature `picture`, which reads them")]
     NoPng,
     /// The PGM's header is not what it should be.
-    #[error("`{field}` of the PGM header is {value}, allowed is {allowed}")]
+    #[error("`{field}` of the PGM header must be {allowed}, got {value}")]
     Header {
         /// Width, height or greatest value.
         field: &'static str,
@@ -25,7 +25,7 @@ pub enum ImageError {
         allowed: String,
     },
     /// There are no pixels, or too many.
-    #[error("{width} x {height} pixels, allowed are from 1 to {MAX_CELLS}")]
+    #[error("{width} x {height} pixels, expected from 1 to {MAX_CELLS}")]
     Size {
         /// Columns.
         width: u64,
@@ -43,7 +43,7 @@ pub enum ImageError {
         unit: &'static str,
     },
     /// A value of the PGM is no number, or above the greatest value.
-    #[error("pixel {pixel} of the PGM is {value}, allowed is from 0 to {greatest}")]
+    #[error("pixel {pixel} of the PGM is {value}, expected from 0 to {greatest}")]
     Value {
         /// The pixel, counted from 0 row by row from the top.
         pixel: u64,
@@ -240,20 +240,20 @@ mod tests {
             (b"P5 2", "`height` of the PGM header is ,"),
             (b"P5 -2 2 255 ", "`width` of the PGM header is -2"),
             (b"P5 2 2.5 255 ", "`height` of the PGM header is 2.5"),
-            (b"P5 2 2 0 \x00\x00\x00\x00", "`maxval` of the PGM header is 0, allowed is from 1"),
+            (b"P5 2 2 0 \x00\x00\x00\x00", "`maxval` of the PGM header must be from 1 to"),
             (b"P5 2 2 65536 \x00\x00\x00\x00", "`maxval` of the PGM header is 65536"),
-            (b"P5 0 2 255 ", "0 x 2 pixels, allowed are from 1"),
+            (b"P5 0 2 255 ", "0 x 2 pixels, expected from 1"),
             (b"P5 4294967296 4294967296 255 ", "4294967296 x 4294967296 pixels"),
             (b"P5 99999999 1 255 ", "99999999 x 1 pixels"),
             (b"P5 2 2 255 \x00\x00\x00", "says 4 bytes of pixels, the file holds 3"),
             (b"P5 2 2 256 \x00\x00\x00\x00", "says 8 bytes of pixels, the file holds 4"),
             (b"P5 2 1 255 \x00\x00\x00", "says 2 bytes of pixels, the file holds 3"),
-            (b"P5 2 1 200 \x00\xc9", "pixel 1 of the PGM is 201, allowed is from 0 to 200"),
+            (b"P5 2 1 200 \x00\xc9", "pixel 1 of the PGM is 201, expected from 0 to 200"),
             (b"P2 2 1 9 1", "says 2 numbers, the file holds 1"),
             (b"P2 2 1 9 1 2 3", "says 2 numbers, the file holds 3"),
             (b"P2 8000 8000 9 1", "says 64000000 numbers, the file holds 1"),
             (b"P2 2 1 9 1 x", "pixel 1 of the PGM is x"),
-            (b"P2 2 1 9 1 10", "pixel 1 of the PGM is 10, allowed is from 0 to 9"),
+            (b"P2 2 1 9 1 10", "pixel 1 of the PGM is 10, expected from 0 to 9"),
             (b"P2 2 1 9 1 NaN", "pixel 1 of the PGM is NaN"),
         ] {
             let error = greys(bytes).unwrap_err();

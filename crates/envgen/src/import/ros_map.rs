@@ -108,7 +108,7 @@ fn flag<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<bool, D::Er
         Flag::Word(flag) => Ok(flag),
         Flag::Number(number @ 0..=1) => Ok(number == 1),
         Flag::Number(other) => {
-            let text = format!("`negate` is {other}, allowed is 0, 1, false or true");
+            let text = format!("`negate` must be 0, 1, false or true, got {other}");
             Err(serde::de::Error::custom(text))
         }
     }

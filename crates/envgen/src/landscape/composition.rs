@@ -556,7 +556,7 @@ mod tests {
             "{}",
             error(100, 7, 0.01, true)
         );
-        assert!(error(100, 7, f64::NAN, false).contains("`entropy` is NaN"));
+        assert!(error(100, 7, f64::NAN, false).contains("`entropy` must be"));
         assert!(error(100, 7, -0.1, false).contains("`entropy` is -0.1"));
         assert!(error(100, 101, 1.0, false).contains("at most the 100 cells"));
         assert!(error(100, 0, 1.0, false).contains("`classes` is 0"));

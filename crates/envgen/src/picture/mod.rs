@@ -105,7 +105,7 @@ pub enum PictureError {
     #[error("the world is broken: {0}")]
     World(#[from] Violation),
     /// An option is out of its limits.
-    #[error("the picture's {option} is {value}, allowed is {min} to {max}")]
+    #[error("the picture's {option} is {value}, expected {min} to {max}")]
     Option {
         /// Which option.
         option: &'static str,

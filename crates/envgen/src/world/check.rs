@@ -28,9 +28,7 @@ pub enum Violation {
     #[error("the bounds {0:?} are not a finite rectangle")]
     Bounds(Rect),
     /// A coordinate or length is beyond what worlds may extend to.
-    #[error(
-        "`{field}` is {value:e} m, allowed is from -{MAX_COORDINATE:e} to {MAX_COORDINATE:e} m"
-    )]
+    #[error("`{field}` must be from -{MAX_COORDINATE:e} to {MAX_COORDINATE:e} m, got {value:e} m")]
     Extent {
         /// The field of the world.
         field: String,
@@ -365,7 +363,7 @@ mod tests {
         let mut far = world();
         far.bounds.min.y = -1e9;
         let error = far.check().unwrap_err().to_string();
-        assert_eq!(error, "`bounds.min.y` is -1e9 m, allowed is from -1e8 to 1e8 m");
+        assert_eq!(error, "`bounds.min.y` must be from -1e8 to 1e8 m, got -1e9 m");
 
         let mut broken = world();
         broken.trees[0].radius = f64::INFINITY;

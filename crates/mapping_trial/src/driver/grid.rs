@@ -284,16 +284,13 @@ mod tests {
         let good = grid(0.1, 2, &[0, 0, 0, 0]);
         assert!(drawn(&good).is_ok());
         let text = error(&Grid { resolution: 0.0, ..good.clone() });
-        assert_eq!(text, "`map.resolution` is 0, allowed is 0.01 to 1 m");
+        assert_eq!(text, "`map.resolution` must be 0.01 to 1 m, got 0");
         let text = error(&Grid { cols: 3, ..good.clone() });
-        assert_eq!(text, "`map.cells` is 4 bytes, allowed is 6, one a cell");
+        assert_eq!(text, "`map.cells` must be 6, one a cell, got 4 bytes");
         let text = error(&Grid { cols: 4_000_000_000, ..good.clone() });
-        assert_eq!(text, "`map.cols` is 4000000000, allowed is 1 to 4000, 400 m of 0.1 m");
+        assert_eq!(text, "`map.cols` must be 1 to 4000, 400 m of 0.1 m, got 4000000000");
         let text = error(&Grid { origin: [0.0, 2e3], ..good.clone() });
-        assert!(
-            text.starts_with("`map.origin[1]` is 2000, allowed is a map within 1000 m"),
-            "{text}"
-        );
+        assert!(text.starts_with("`map.origin[1]` must be a map within 1000 m"), "{text}");
         assert!(error(&Grid { cells: "???".to_owned(), ..good }).contains("`map.cells`"));
         assert!(error(&grid(0.1, 1, &[101])).contains("101 in a cell"));
     }

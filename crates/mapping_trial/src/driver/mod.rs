@@ -72,7 +72,7 @@ pub enum DriverError {
     #[error("it does not read its input")]
     Deaf,
     /// It wrote something that it was not asked for.
-    #[error("a line that answers nothing: `{0}`; allowed is one line for each that it is sent")]
+    #[error("a line that answers nothing: `{0}`; expected one line for each that it is sent")]
     Unasked(String),
     /// What it is to be told cannot be written.
     #[error("its line cannot be written: {0}")]

@@ -385,18 +385,18 @@ mod tests {
     #[test]
     fn what_is_wrong_with_a_reply_is_named() {
         for (text, part) in [
-            (r#"{"speed": 1}"#, "`turn_rate` is missing, allowed is -1000 to 1000 rad/s"),
-            (r#"{"speed": 1e4, "turn_rate": 0}"#, "`speed` is 10000, allowed is -1000 to 1000 m/s"),
+            (r#"{"speed": 1}"#, "`turn_rate` must be -1000 to 1000 rad/s, got missing"),
+            (r#"{"speed": 1e4, "turn_rate": 0}"#, "`speed` must be -1000 to 1000 m/s, got 10000"),
             (r#"{"speed": NaN, "turn_rate": 0}"#, "`speed`: expected value at character 11"),
             (r#"{"turn_rate": 0, "speed": -Infinity}"#, "`speed`: "),
             (r#"{"speed": 1e999, "turn_rate": 0}"#, "`speed`: number out of range"),
             (r#"{"speed": "fast", "turn_rate": 0}"#, "`speed`: invalid type: string \"fast\""),
             (r#"{"sped": 1}"#, "unknown field `sped`"),
             (r#"{"speed": 1, "speed": 2}"#, "duplicate field `speed`"),
-            (r#"{"finished": true, "stuck": true}"#, "`stuck` is true, allowed is false"),
-            (r#"{"finished": true, "id": 6}"#, "`id` is 6, allowed is 7, the last observation's"),
+            (r#"{"finished": true, "stuck": true}"#, "`stuck` must be false, got true"),
+            (r#"{"finished": true, "id": 6}"#, "`id` must be 7, the last observation's, got 6"),
             (r#"{"finished": true, "want": ["scan"]}"#, "`want[0]`: unknown variant `scan`"),
-            (r#"{"finished": true, "pose": [0, 0, 0]}"#, "`pose` is given, allowed is none"),
+            (r#"{"finished": true, "pose": [0, 0, 0]}"#, "`pose` must be none, got given"),
             (r#"{"finished": true} {}"#, "trailing characters"),
             ("", "EOF"),
             ("hello", "expected value at character 1, in `hello`"),
@@ -410,7 +410,7 @@ mod tests {
         assert!(long.len() < 400, "{} characters", long.len());
         let own = |text: &str| Reply::parse(text.as_bytes(), 0, true).unwrap_err().to_string();
         let text = own(r#"{"finished": true, "pose": [0, 2e6, 0]}"#);
-        assert_eq!(text, "`pose[1]` is 2000000, allowed is -1000000 to 1000000");
+        assert_eq!(text, "`pose[1]` must be -1000000 to 1000000, got 2000000");
         assert!(own(r#"{"finished": true, "pose": [0, 1]}"#).contains("`pose`: invalid length 2"));
         let map = json!({"origin": [0, 0], "resolution": 0.1, "cols": 1, "rows": -1, "cells": ""});
         assert!(own(&json!({"finished": true, "map": map}).to_string()).contains("`map.rows`"));
@@ -424,11 +424,11 @@ mod tests {
         assert_eq!((read.name.as_str(), read.rate, read.slam), ("a b", 1, false));
         let error = |text| parse(text).expect_err(text);
         let text = error(r#"{"protocol": "envgen-driver 2", "name": "a"}"#);
-        assert_eq!(text, "`protocol` is envgen-driver 2, allowed is envgen-driver 1");
+        assert_eq!(text, "`protocol` must be envgen-driver 1, got envgen-driver 2");
         assert!(error(r#"{"name": "a"}"#).contains("missing field `protocol`"));
         assert!(error(r#"{"protocol": "envgen-driver 1", "name": " "}"#).contains("`name`"));
         let text = error(r#"{"protocol": "envgen-driver 1", "name": "a", "rate": 0}"#);
-        assert_eq!(text, "`rate` is 0, allowed is 1 to 200 ticks");
+        assert_eq!(text, "`rate` must be 1 to 200 ticks, got 0");
     }
 
     #[test]

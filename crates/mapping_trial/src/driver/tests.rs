@@ -213,7 +213,7 @@ fn a_bad_map_fails_the_driver() {
     driver.greet(&hello(1)).expect("a greeting");
     let mut slam = DriverSlam::new(&driver, &[Pose::default()]);
     slam.step(0, &seen(3));
-    let text = "`map.cells` is 1 bytes, allowed is 4, one a cell (observation 0, at 0.15 s)";
+    let text = "`map.cells` must be 4, one a cell, got 1 bytes (observation 0, at 0.15 s)";
     assert_eq!(driver.failure().as_deref(), Some(text));
     assert_eq!(decide_at(&mut DriverPolicy::new(&driver), 3), Decision::Failed);
     // The wheels count on to the end of the trial.
@@ -226,7 +226,7 @@ fn bad_answers_fail_the_driver() {
     for (answer, part) in [
         ("garbage\n", "a line that is no answer: expected value at character 1, in `garbage`"),
         ("{\"speed\": 1, \"turn_rate\": NaN}\n", "`turn_rate`: expected value"),
-        ("{\"speed\": 1e9, \"turn_rate\": 0}\n", "`speed` is 1000000000, allowed is -1000 to"),
+        ("{\"speed\": 1e9, \"turn_rate\": 0}\n", "`speed` must be -1000 to"),
         ("{\"failed\": \"no way\"}\n", "it gave up: no way (observation 0, at 0.00 s)"),
         ("", "it closed its output (observation 0"),
         ("{\"speed\": ", "it closed its output after 10 bytes of a line without its end"),
@@ -239,7 +239,10 @@ fn bad_answers_fail_the_driver() {
 #[test]
 fn a_hello_that_is_none_is_a_failure_at_once() {
     for (answer, part) in [
-        ("{\"protocol\": \"envgen-driver 0\", \"name\": \"old\"}\n", "allowed is envgen-driver 1"),
+        (
+            "{\"protocol\": \"envgen-driver 0\", \"name\": \"old\"}\n",
+            "`protocol` must be envgen-driver 1",
+        ),
         ("Python 3.11.7\n", "in `Python 3.11.7` (answer to the hello)"),
     ] {
         let (driver, _) = driver(PATIENCE, move |_| Some(answer.to_owned()));

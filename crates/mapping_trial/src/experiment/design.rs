@@ -379,7 +379,7 @@ mod tests {
         assert!(error(&|d| d.levels = vec![1.0, f64::NAN]).contains("NaN"));
         assert!(error(&|d| d.levels = vec![1.0, 2.55]).contains("tenths"));
         assert!(error(&|d| d.levels = vec![1.0, 11.0]).contains("from 0 to 10"));
-        assert!(error(&|d| d.maps = 1).contains("`maps` is 1, allowed is 2 to 1000"));
+        assert!(error(&|d| d.maps = 1).contains("`maps` must be 2 to 1000, got 1"));
         assert!(error(&|d| d.noise_seeds = 0).contains("`noise_seeds`"));
         assert!(error(&|d| d.replay.maps = 21).contains("`replay.maps`"));
         assert!(error(&|d| d.operators.clear()).contains("`operators`"));

@@ -157,7 +157,7 @@ pub struct Rating(f64);
 
 /// A number that is no rating.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error("`{0}` is no rating, allowed is a number from 0 to 10")]
+#[error("`{0}` is no rating, expected a number from 0 to 10")]
 pub struct NoRating(String);
 
 impl Rating {

@@ -59,7 +59,7 @@ fn answers_that_are_not_allowed_are_asked_for_again() {
     let (feedback, shown) = asked(&wrong).unwrap();
     assert_eq!(feedback, asked(ANSWERS).unwrap().0);
     assert!(shown.contains("`some` is none of: none, experimental"), "{shown}");
-    assert!(shown.contains("`10.5` is no rating, allowed is a number from 0 to 10"), "{shown}");
+    assert!(shown.contains("`10.5` is no rating, expected a number from 0 to 10"), "{shown}");
     assert_eq!(shown.matches("is no rating").count(), 4);
 }
 

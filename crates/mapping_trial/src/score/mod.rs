@@ -78,7 +78,7 @@ pub struct RunSummary<'a> {
 #[non_exhaustive]
 pub enum ScoreError {
     /// A track has not as many estimated poses as true ones.
-    #[error("`estimated` of robot {robot} has {estimated} poses, allowed are {truth}, one a tick")]
+    #[error("`estimated` of robot {robot} has {estimated} poses, expected {truth}, one a tick")]
     Lengths {
         /// The robot.
         robot: usize,
@@ -89,7 +89,7 @@ pub enum ScoreError {
     },
     /// An estimator's trajectory does not have a pose for each step.
     #[error(
-        "the estimated trajectory of robot {robot} has {found} poses, allowed are {expected}, the start and one a step"
+        "the estimated trajectory of robot {robot} has {found} poses, expected {expected}, the start and one a step"
     )]
     Trajectory {
         /// The robot.
@@ -124,7 +124,7 @@ pub enum ScoreError {
         radius: f64,
     },
     /// A number of the run is none, or negative.
-    #[error("`{field}` is {value}, allowed is a finite number of 0 or more")]
+    #[error("`{field}` must be a finite number of 0 or more, got {value}")]
     Number {
         /// The field of [`RunSummary`].
         field: &'static str,

@@ -137,7 +137,7 @@ pub enum LogError {
         found: u64,
     },
     /// It tells of more or other things than a trial can have.
-    #[error("`{field}` is {value}, allowed is {allowed}")]
+    #[error("`{field}` must be {allowed}, got {value}")]
     Content {
         /// The field.
         field: &'static str,

@@ -112,8 +112,8 @@ mod tests {
             settings.validate().expect_err("not allowed").to_string()
         };
         let text = error(&|s| s.robots = 0);
-        assert_eq!(text, "`robots` is 0, allowed is 1 to 8");
-        assert!(error(&|s| s.time_limit = f64::NAN).contains("`time_limit` is NaN"));
+        assert_eq!(text, "`robots` must be 1 to 8, got 0");
+        assert!(error(&|s| s.time_limit = f64::NAN).contains("`time_limit` must be"));
         assert!(error(&|s| s.time_limit = 1e9).contains("86400"));
         assert!(error(&|s| s.start = Some(Pose::new(f64::INFINITY, 0.0, 0.0))).contains("start.x"));
         assert!(

@@ -158,7 +158,7 @@ fn bad_logs_are_told() {
     let other = error(&text.replacen("\"version\":2", "\"version\":7", 1));
     assert_eq!(other, "a log of version 7, this crate reads version 2");
     let robots = error(&text.replacen("\"robots\":1", "\"robots\":2", 1));
-    assert_eq!(robots, "`commands` is 1, allowed is 2, one a robot");
+    assert_eq!(robots, "`commands` must be 2, one a robot, got 1");
     let mut value: serde_json::Value = serde_json::from_str(&text).expect("a log");
     value["commands"][0][0][2] = u64::MAX.into();
     assert!(error(&value.to_string()).contains("`commands`"));
@@ -167,7 +167,7 @@ fn bad_logs_are_told() {
     let mut timeless = log.clone();
     timeless.settings.time_limit = -1.0;
     let told = error(&written(&timeless));
-    assert!(told.starts_with("the log's settings: `time_limit` is -1"), "{told}");
+    assert!(told.starts_with("the log's settings: `time_limit` must be"), "{told}");
     let mut world = hallway();
     world.bounds.max = world.bounds.min;
     let mut broken = log.clone();

@@ -53,7 +53,7 @@ pub enum MappableAreaError {
     World(#[from] Violation),
     /// The world is too large.
     #[error(
-        "`bounds` are {width} m x {height} m, allowed are {MAX_CELLS} cells of 0.1 m, which are 576 m \
+        "`bounds` are {width} m x {height} m, expected at most {MAX_CELLS} cells of 0.1 m, which are 576 m \
          x 576 m with a border, no farther than {FARTHEST} m from the origin"
     )]
     Size {
@@ -63,14 +63,14 @@ pub enum MappableAreaError {
         height: f64,
     },
     /// The robot's size is not one that can be scored.
-    #[error("`circumscribed_radius` is {0} m, allowed is from {min} to {max} m", min = RADII.start(), max = RADII.end())]
+    #[error("`circumscribed_radius` must be from {min} to {max} m, got {0} m", min = RADII.start(), max = RADII.end())]
     Radius(f64),
     /// The world has no start.
     #[error("`start` is absent, but a trial starts there")]
     NoStart,
     /// The robot does not fit at the start.
     #[error(
-        "`start` is ({x}, {y}) m, allowed is a place to drive on with {radius} m \
+        "`start` is ({x}, {y}) m, expected a place to drive on with {radius} m \
          of free ground all around"
     )]
     Start {

@@ -75,7 +75,7 @@ pub enum RoomError {
     #[error("a room has no name")]
     Unnamed,
     /// Width or height is out of range.
-    #[error("room `{name}` is {width} by {height} cells, allowed is 1 to {MAX_ROOM_SIZE} each")]
+    #[error("room `{name}` is {width} by {height} cells, expected 1 to {MAX_ROOM_SIZE} each")]
     Size {
         /// The room.
         name: String,
@@ -85,7 +85,7 @@ pub enum RoomError {
         height: u32,
     },
     /// The difficulty is out of range or no number.
-    #[error("room `{name}` has difficulty {difficulty}, allowed is 0 to 10")]
+    #[error("room `{name}` has difficulty {difficulty}, expected 0 to 10")]
     Difficulty {
         /// The room.
         name: String,
@@ -116,7 +116,7 @@ pub enum RoomError {
         height: f64,
     },
     /// There are too many things in the room.
-    #[error("room `{name}` holds {count} things, allowed are {MAX_ROOM_PARTS}")]
+    #[error("room `{name}` holds {count} things, expected at most {MAX_ROOM_PARTS}")]
     TooMany {
         /// The room.
         name: String,

@@ -40,7 +40,7 @@ pub enum CatalogueError {
     #[error("there are two rooms of the name `{0}`")]
     Duplicate(String),
     /// There are no rooms, or too many.
-    #[error("the catalogue has {0} rooms, allowed are 1 to {MAX_ROOMS}")]
+    #[error("the catalogue has {0} rooms, expected 1 to {MAX_ROOMS}")]
     Count(usize),
 }
 

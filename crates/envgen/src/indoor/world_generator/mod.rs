@@ -34,7 +34,7 @@ pub const MAX_TEXT: usize = 64 << 20;
 #[non_exhaustive]
 pub enum WorldGeneratorError {
     /// The text is longer than any file of the tool.
-    #[error("the text has {0} bytes, allowed are {MAX_TEXT}")]
+    #[error("the text has {0} bytes, expected at most {MAX_TEXT}")]
     TooLong(usize),
     /// The text is not well-formed XML, or ends early.
     #[error("not XML at byte {position}: {reason}")]
@@ -56,7 +56,7 @@ pub enum WorldGeneratorError {
         expected: &'static str,
     },
     /// An element has no such attribute, or one that is not allowed.
-    #[error("`{element}` {number}: `{attribute}` is {value}, allowed is {allowed}")]
+    #[error("`{element}` {number}: `{attribute}` must be {allowed}, got {value}")]
     Attribute {
         /// The element's name.
         element: &'static str,
