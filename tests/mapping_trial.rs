@@ -127,6 +127,12 @@ fn no_file_that_is_read_is_written_over() {
         let error = EXAMPLE.error(&[option, input.to_str().expect("a path")], &out);
         assert!(error.contains(name) && error.contains("is the input"), "{error}");
     }
+    // The image that a description in another folder names is read too.
+    let yaml = fs::read_to_string(out.join("ros_map.yaml")).expect("a file");
+    let elsewhere = folder.path().join("map.yaml");
+    fs::write(&elsewhere, yaml.replace("ros_map.pgm", "out/ros_map.pgm")).expect("a file");
+    let error = EXAMPLE.error(&["--map", elsewhere.to_str().expect("a path")], &out);
+    assert!(error.contains("is the input") && error.contains("out/ros_map.pgm"), "{error}");
     assert_eq!(files(&out), before);
 }
 
@@ -151,17 +157,17 @@ fn what_cannot_be_done_is_said() {
     fs::write(&slow, "(max_speed: 0)").expect("a file");
     let error = EXAMPLE.error(&["--robot", slow.to_str().expect("a path")], &out);
     assert!(error.contains("slow.ron: `body.max_speed` must be 0.01 to"), "{error}");
-    assert!(EXAMPLE.error(&["--difficulty", "11"], &out).contains("`difficulty` is 11"));
-    assert!(EXAMPLE.error(&["--robots", "0"], &out).contains("`robots` is 0"));
+    assert!(EXAMPLE.error(&["--difficulty", "11"], &out).contains("`difficulty` must be"));
+    assert!(EXAMPLE.error(&["--robots", "0"], &out).contains("`robots` must be"));
     assert!(EXAMPLE.error(&["--size", "193"], &out).contains("193 is not in 4..=192"));
     assert!(EXAMPLE.error(&["--seed", "-1"], &out).contains("`seed` must be a whole"));
     let wide = folder.path().join("wide.envgen.ron");
     fs::write(&wide, "Forest(width: 600, height: 600, intensity: 0.001)").expect("a file");
     let error = EXAMPLE.error(&["--world", wide.to_str().expect("a path")], &out);
-    assert!(error.contains("wide.envgen.ron: `bounds` are 602 m x 602 m, allowed"), "{error}");
+    assert!(error.contains("wide.envgen.ron: `bounds` are 602 m x 602 m, expected"), "{error}");
     fs::write(&wide, "Forest(width: -6)").expect("a file");
     let error = EXAMPLE.error(&["--world", wide.to_str().expect("a path")], &out);
-    assert!(error.contains("wide.envgen.ron: `width` is -6"), "{error}");
+    assert!(error.contains("wide.envgen.ron: `width` must be"), "{error}");
     assert!(EXAMPLE.error(&["--operator", "chauffeur"], &out).contains("nearest, info_gain"));
     assert!(EXAMPLE.error(&["--start", "1,2,3,4"], &out).contains("x,y,heading"));
     assert!(EXAMPLE.error(&["--start", "-50,0,0"], &out).contains("start"));

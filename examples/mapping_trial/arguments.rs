@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use envgen::geometry::Pose;
+use envgen::import::ros_map::RosDescription;
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::located::Locate;
 use envgen::whole_file::{WholeFile, refuse_inputs};
@@ -146,8 +147,9 @@ impl Arguments {
 
     /// Every file that is to be written can be, and none of them is read.
     pub(crate) fn check_outputs(&self) -> Result<(), Box<dyn Error>> {
-        let inputs: Vec<_> =
-            [&self.world, &self.map, &self.robot, &self.replay].into_iter().flatten().collect();
+        let image = self.map.as_deref().and_then(image_of);
+        let files = [&self.world, &self.map, &image, &self.robot, &self.replay];
+        let inputs: Vec<_> = files.into_iter().flatten().collect();
         for name in output::FILES {
             let path = self.out.join(name);
             refuse_inputs(&path, &inputs).in_file(&path)?;
@@ -191,4 +193,10 @@ fn pose(text: &str) -> Result<Pose, String> {
         Ok(&[x, y]) => Ok(Pose::new(x, y, 0.0)),
         _ => Err("not of the form x,y,heading with numbers in metres and degrees".to_owned()),
     }
+}
+
+/// The image that the description of a map names; `None` where reading the map reports why not.
+fn image_of(map: &Path) -> Option<PathBuf> {
+    let text = std::fs::read_to_string(map).ok()?;
+    Some(RosDescription::from_yaml(&text).ok()?.image_path(map))
 }

@@ -218,12 +218,12 @@ fn errors_name_the_file_or_the_option() {
     folder.write("twice.yaml", "image: a.pgm\nimage: b.pgm\n");
     folder.write("a.asc", "ncols 2\n");
     for (arguments, code, expected) in [
-        ("generate bad.envgen.ron --out a.svg", 2, "error: bad.envgen.ron: `width` is -5"),
-        ("sample bad.envgen.ron --count 1", 2, "error: bad.envgen.ron: `width` is -5"),
+        ("generate bad.envgen.ron --out a.svg", 2, "error: bad.envgen.ron: `width` must be"),
+        ("sample bad.envgen.ron --count 1", 2, "error: bad.envgen.ron: `width` must be"),
         (
             "generate bad.envgen.ron --set width=-6 --out a.svg",
             2,
-            "error: --set width=-6: `width` is -6",
+            "error: --set width=-6: `width` must be",
         ),
         (
             "generate syntax.ron --out a.svg",

@@ -160,24 +160,24 @@ fn bad_input_is_named() {
         error.to_string()
     };
     let has = |error: String, words: &str| assert!(error.contains(words), "{error}");
-    has(error(&|s| s.entropy = -0.1), "`entropy` is -0.1");
+    has(error(&|s| s.entropy = -0.1), "`entropy` must be");
     has(error(&|s| s.entropy = f64::NAN), "`entropy` must be");
     has(error(&|s| s.entropy = f64::INFINITY), "`entropy` must be");
     has(error(&|s| s.entropy = 2.2), "at most 2.197");
     has(error(&|s| s.classes = 0), "`classes` must be a whole number from 1 to 65535, got 0");
-    has(error(&|s| s.classes = 65_536), "`classes` is 65536");
+    has(error(&|s| s.classes = 65_536), "`classes` must be");
     has(error(&|s| s.classes = 1), "at most 0 nats");
     has(error(&|s| s.classes = 2305), "at most the 2304 cells");
-    has(error(&|s| s.rows = 0), "`rows` is 0");
-    has(error(&|s| (s.rows, s.cols) = (0, 5)), "`rows` is 0");
-    has(error(&|s| (s.rows, s.cols) = (1_000_000_000, 1_000_000_000)), "`rows` is 1000000000");
+    has(error(&|s| s.rows = 0), "`rows` must be");
+    has(error(&|s| (s.rows, s.cols) = (0, 5)), "`rows` must be");
+    has(error(&|s| (s.rows, s.cols) = (1_000_000_000, 1_000_000_000)), "`rows` must be");
     has(error(&|s| (s.rows, s.cols) = (u64::MAX, u64::MAX)), "`rows`");
     has(error(&|s| (s.rows, s.cols) = (8193, 8192)), "at most 67108864 cells");
     has(
         error(&|s| (s.rows, s.cols, s.algorithm) = (4097, 4096, Algorithm::Smooth)),
         "at most 16777216 cells with the algorithm `smooth`",
     );
-    has(error(&|s| s.epsilon = Some(1.5)), "`epsilon` is 1.5");
+    has(error(&|s| s.epsilon = Some(1.5)), "`epsilon` must be");
     has(error(&|s| s.epsilon = Some(f64::NAN)), "`epsilon` must be");
     has(error(&|s| s.sigma = Some(-1.0)), "`sigma` must be");
     has(error(&|s| s.mixing = Some(f64::NAN)), "`mixing` must be");
@@ -185,14 +185,14 @@ fn bad_input_is_named() {
         error(&|s| (s.rows, s.cols, s.mixing) = (8192, 8192, Some(15.0))),
         "`mixing` must be at most 14.9, got 15",
     );
-    has(error(&|s| s.cell = 0.0), "`cell` is 0");
+    has(error(&|s| s.cell = 0.0), "`cell` must be");
     has(error(&|s| s.speeds = vec![1.0; 8]), "as many as the 9 classes");
     has(error(&|s| s.speeds = vec![f64::NAN; 9]), "`speeds` must be");
     has(error(&|s| s.speeds = vec![-1.0; 9]), "`speeds` must be");
     let range = error(&|s| s.total_edge = Some(5000));
     has(range.clone(), "`total_edge` must be from ");
     has(range, " to 4512");
-    has(error(&|s| s.total_edge = Some(3)), "`total_edge` is 3");
+    has(error(&|s| s.total_edge = Some(3)), "`total_edge` must be");
 }
 
 #[test]

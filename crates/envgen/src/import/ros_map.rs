@@ -115,6 +115,11 @@ fn flag<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<bool, D::Er
 }
 
 impl RosDescription {
+    /// Path of the image, for a description at `yaml`: it names the image relative to its own folder.
+    pub fn image_path(&self, yaml: &Path) -> PathBuf {
+        yaml.parent().unwrap_or(Path::new("")).join(&self.image)
+    }
+
     /// Reads a description and checks it. Fields that are not known are left out.
     ///
     /// # Errors
@@ -344,7 +349,7 @@ impl RosMap {
 /// When the YAML or the image cannot be read, or hold no map.
 pub fn read_ros_map(input: &mut dyn Read, path: &Path) -> Result<RosMap, RosMapError> {
     let description = RosDescription::from_yaml(&file::read_text(input)?)?;
-    let path = path.parent().unwrap_or(Path::new("")).join(&description.image);
+    let path = description.image_path(path);
     let bytes = match File::open(&path).map_err(FileError::Io) {
         Ok(mut file) => file::read_bytes(&mut file),
         Err(error) => Err(error),

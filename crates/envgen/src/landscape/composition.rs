@@ -557,10 +557,10 @@ mod tests {
             error(100, 7, 0.01, true)
         );
         assert!(error(100, 7, f64::NAN, false).contains("`entropy` must be"));
-        assert!(error(100, 7, -0.1, false).contains("`entropy` is -0.1"));
+        assert!(error(100, 7, -0.1, false).contains("`entropy` must be"));
         assert!(error(100, 101, 1.0, false).contains("at most the 100 cells"));
-        assert!(error(100, 0, 1.0, false).contains("`classes` is 0"));
-        assert!(error(1 << 20, 65_536, 1.0, false).contains("`classes` is 65536"));
+        assert!(error(100, 0, 1.0, false).contains("`classes` must be"));
+        assert!(error(1 << 20, 65_536, 1.0, false).contains("`classes` must be"));
         assert!(error(1_000_000_000_000_000_000, 5, 1.0, false).contains("from 1 to"));
         assert!(error(0, 5, 1.0, false).contains("from 1 to"));
     }

@@ -374,7 +374,7 @@ mod tests {
             change(&mut design);
             design.validate().expect_err("not allowed").to_string()
         };
-        assert!(error(&|d| d.levels = vec![1.0]).starts_with("`levels` is 1,"));
+        assert!(error(&|d| d.levels = vec![1.0]).starts_with("`levels` must be"));
         assert!(error(&|d| d.levels = vec![3.0, 1.0]).contains("increasing"));
         assert!(error(&|d| d.levels = vec![1.0, f64::NAN]).contains("NaN"));
         assert!(error(&|d| d.levels = vec![1.0, 2.55]).contains("tenths"));
@@ -384,7 +384,7 @@ mod tests {
         assert!(error(&|d| d.replay.maps = 21).contains("`replay.maps`"));
         assert!(error(&|d| d.operators.clear()).contains("`operators`"));
         assert!(error(&|d| d.operators.push(PolicyKind::Nearest)).contains("each once"));
-        assert!(error(&|d| d.size = 3).contains("`size` is 3"));
+        assert!(error(&|d| d.size = 3).contains("`size` must be"));
         assert!(error(&|d| d.size = u32::MAX).contains("`size`"));
         assert!(error(&|d| d.time_limit = f64::NAN).contains("`time_limit`"));
         assert!(error(&|d| (d.maps, d.noise_seeds) = (1000, 1000)).contains("1000000"));

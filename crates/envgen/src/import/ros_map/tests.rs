@@ -83,7 +83,7 @@ fn what_is_wrong_with_a_description_is_named() {
         ("0.65", "1.5", "`occupied_thresh` must be from 0 to 1, got 1.5"),
         ("0.196", ".nan", "`free_thresh` must be from 0 to 1, got NaN"),
         ("0.196", "0.7", "`free_thresh` must be less than `occupied_thresh`, 0.65, got 0.7"),
-        ("0.196", "0.65", "`free_thresh` is 0.65"),
+        ("0.196", "0.65", "`free_thresh` must be"),
         ("negate: 0", "negate: 0\nmode: dual", "trinary"),
         ("image: ", "image: [", "not the YAML of a map"),
         ("image: ", "image: [", "line 1, `image: [hall.pgm`: not a text or a number"),
