@@ -1,0 +1,46 @@
+"""Judges pictures: an SVG looks the same in cairosvg as in envgen's own PNG."""
+
+import io
+from xml.etree import ElementTree
+
+import cairosvg
+import numpy as np
+from PIL import Image
+
+# Pixels of the squares over which both are averaged: renderers draw edges and hair
+# lines within a pixel in their own ways.
+SQUARE = 4
+# Greys, of 255, by which squares may differ in the mean.
+MEAN = 2
+# Share of the squares that may differ clearly, by more than CLEAR greys.
+SHARE, CLEAR = 0.005, 24
+
+
+def judge(world, report):
+    """Compares the two pictures of a world."""
+    size = ElementTree.parse(world.path("svg")).getroot().attrib
+    ours = picture(world.path("png").read_bytes())
+    theirs = picture(cairosvg.svg2png(url=str(world.path("svg"))))
+    stated = round(float(size["width"])), round(float(size["height"]))
+    if not ours.size == theirs.size == stated:
+        report.complain(f"pictures of {ours.size} and {theirs.size} px, not {stated}")
+        return
+    difference = np.abs(squares(ours) - squares(theirs)).max(axis=2)
+    mean, share = difference.mean(), (difference > CLEAR).mean()
+    if mean > MEAN or share > SHARE:
+        report.complain(
+            f"pictures differ by {mean:.2f} greys, {100 * share:.2f} % clearly"
+        )
+    report.count("pictures in cairosvg and resvg")
+
+
+def picture(png):
+    """A picture on a white page."""
+    drawn = Image.open(io.BytesIO(png)).convert("RGBA")
+    page = Image.new("RGBA", drawn.size, "white")
+    return Image.alpha_composite(page, drawn).convert("RGB")
+
+
+def squares(drawn):
+    """Mean colours of squares, as numbers whose differences can be negative."""
+    return np.asarray(drawn.reduce(SQUARE), int)

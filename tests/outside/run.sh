@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# Judges 3 worlds of each kind (or as many as `--count` says) with programs of others, after the judges
+# have shown that they notice what is wrong. Arguments are those of judge.py. Needs Python 3.10 to 3.12
+# and libcairo2; what requirements.txt names goes to target/outside, about 1.1 GB.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+here=tests/outside
+venv=target/outside/venv
+pins=$venv/requirements.txt
+if ! cmp -s $here/requirements.txt $pins; then
+  rm -rf $venv
+  "${PYTHON:-python3}" -m venv $venv
+  # Installs in parallel: pip alone takes minutes.
+  $venv/bin/pip install --quiet --disable-pip-version-check uv==0.13.9
+  $venv/bin/uv pip install --quiet --python $venv/bin/python --no-deps --only-binary :all: \
+    --requirements $here/requirements.txt
+  cp $here/requirements.txt $pins
+fi
+# Python's compiled files go beside the installed packages and not into the sources.
+export PYTHONPYCACHEPREFIX=$PWD/target/outside/pycache PYTHONDONTWRITEBYTECODE=
+rm -rf target/outside/complaints
+$venv/bin/python $here/self_test.py "$@"
+$venv/bin/python $here/judge.py --keep target/outside/complaints "$@"
