@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use crate::certificate::Claim;
 use crate::flood::flood;
-use crate::geometry::{Pose, Shape};
+use crate::geometry::{Pose, Shape, edges};
 use crate::occupancy::{Coverage, OccupancyError, OccupancyGrid};
 use crate::spec::WorldKind;
 use crate::world::World;
@@ -86,7 +86,12 @@ impl RosMap {
             let thin = match &*solid.shape {
                 Shape::Box { half_size, .. } => 2.0 * half_size.min_element() < thinnest,
                 Shape::Disc { radius, .. } => 2.0 * radius < thinnest,
-                Shape::Segment { .. } | Shape::Polygon { .. } => false,
+                // The width of a strip is a little more than twice its area over its outline.
+                Shape::Polygon { vertices } => {
+                    let outline: f64 = edges(vertices).map(|(a, b)| a.distance(b)).sum();
+                    2.0 * solid.shape.area() < thinnest * outline
+                }
+                Shape::Segment { .. } => false,
             };
             grid.occupy(&solid.shape, if thin { Coverage::Conservative } else { Coverage::Centre });
         }
@@ -205,9 +210,13 @@ pub(super) fn write_description(
 /// How far the edge of a road is drawn from where it is, in metres.
 const EDGE_TOLERANCE: f64 = 0.01;
 
-/// Closes what lies outside of worlds that no walls enclose: the ground beside a road, and around
-/// the area of a forest.
+/// Closes what lies beyond the bounds, where the last row and column may have their middles, and what lies
+/// outside of worlds that no walls enclose: the ground beside a road, and around the area of a forest.
 fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
+    let (cols, end) = (grid.cols(), world.bounds.max - 1e-9 * grid.resolution());
+    for (cell, open) in open.iter_mut().enumerate() {
+        *open &= grid.cell_centre(cell % cols, cell / cols).cmplt(end).all();
+    }
     match world.provenance.kind.parse() {
         Ok(WorldKind::Road) => {
             let Ok(mut inside) = OccupancyGrid::empty(world.bounds, grid.resolution()) else {
@@ -228,7 +237,6 @@ fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
                 _ => None,
             });
             let Some(area) = area else { return };
-            let cols = grid.cols();
             for (cell, open) in open.iter_mut().enumerate() {
                 *open &= area.contains(grid.cell_centre(cell % cols, cell / cols));
             }
@@ -252,8 +260,11 @@ fn nearest(grid: &OccupancyGrid, open: &[bool], p: DVec2) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::generate::{Blueprint, Spec};
     use crate::geometry::Rect;
+    use crate::hallway::{Corners, HallwaySpec};
     use crate::provenance::Provenance;
+    use crate::seed::Seed;
     use crate::world::{Wall, WallKind};
 
     fn world() -> World {
@@ -285,6 +296,34 @@ mod tests {
         world.walls.push(Wall { kind: WallKind::Wall, shape });
         let map = RosMap::of_world(&world, 0.5).unwrap();
         assert!(map.cells[..4].iter().all(|cell| *cell == RosCell::Occupied));
+    }
+
+    #[test]
+    fn free_cells_do_not_leak() {
+        // Thin walls of rounded corners, which are polygons.
+        let hallway = HallwaySpec { corners: Corners::Rounded, wall: 0.04, ..Default::default() };
+        let world = hallway.generate(Seed(7)).unwrap().to_world();
+        for resolution in [0.05, 0.1, 0.2] {
+            let map = RosMap::of_world(&world, resolution).unwrap();
+            let free = map.cells.iter().filter(|&&cell| cell == RosCell::Free).count();
+            let area = free as f64 * resolution * resolution;
+            assert!((200.0..300.0).contains(&area), "{resolution}: {area}");
+        }
+        // A wall across a world whose last row and column lie beyond the bounds.
+        let mut world = World::new(
+            Provenance::other("manual", serde_json::Value::Null),
+            Rect::new(DVec2::ZERO, DVec2::splat(4.0)),
+        );
+        let rect = Rect::new(DVec2::new(2.0, 0.0), DVec2::new(2.9, 4.0));
+        world.walls.push(Wall { kind: WallKind::Wall, shape: Shape::from_rect(rect) });
+        world.start = Some(Pose::new(1.0, 1.0, 0.0));
+        for resolution in [0.9, 0.8, 0.75, 0.6, 0.5] {
+            let map = RosMap::of_world(&world, resolution).unwrap();
+            for (cell, state) in map.cells.iter().enumerate() {
+                let x = ((cell % map.cols) as f64 + 0.5) * resolution;
+                assert!(*state != RosCell::Free || x < 2.0, "{resolution}: cell {cell}");
+            }
+        }
     }
 
     #[test]

@@ -219,7 +219,7 @@ impl Indexed {
             .set("width", size.x)
             .set("height", size.y)
             .set("preserveAspectRatio", "none")
-            .set("style", "image-rendering:pixelated")
+            .set("image-rendering", "optimizeSpeed")
             .set("href", format!("data:image/png;base64,{}", STANDARD.encode(&file))))
     }
 
