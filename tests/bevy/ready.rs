@@ -256,7 +256,7 @@ fn a_radius_that_is_refused_is_mended() {
         app.world_mut().get_mut::<StreamAround>(root).unwrap().radius = radius;
         step(&mut app, 1);
         let failure = app.world().get::<EnvironmentFailure>(root).unwrap().to_string();
-        assert!(failure.contains(&format!("is {radius}")), "{failure}");
+        assert!(failure.contains(&format!("got {radius}")), "{failure}");
     }
     app.world_mut().get_mut::<StreamAround>(root).unwrap().radius = 20.0;
     wait_until_ready(&mut app, root).unwrap();

@@ -33,7 +33,7 @@ pub struct Contact {
 /// question. Distances are exact. The index is a copy: a world that changes needs a new one.
 ///
 /// ```
-/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec, proximity::ClearanceIndex};
+/// use envgen::{Blueprint, Seed, Spec, clearance_index::ClearanceIndex, hallway::HallwaySpec};
 ///
 /// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
 /// let near = ClearanceIndex::new(&world, 1.5)?;

@@ -21,7 +21,7 @@ use crate::road::RoadError;
 
 /// A value of a spec that is not allowed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("`{field}` must be {allowed}, got {value}")]
+#[error("{}", must_be(&format!("`{field}`"), value, allowed))]
 pub struct SpecError {
     /// The setting, for instance `p_st`.
     pub field: String,
@@ -41,6 +41,14 @@ impl SpecError {
             value = format!("{number:e}");
         }
         SpecError { field: field.to_owned(), value, allowed: allowed.into() }
+    }
+}
+
+/// The sentence of an error: that a field must be what is allowed, what it got, and after a colon why.
+pub(crate) fn must_be(field: &str, value: &str, allowed: &str) -> String {
+    match allowed.split_once(": ") {
+        Some((allowed, why)) => format!("{field} must be {allowed}, got {value}: {why}"),
+        None => format!("{field} must be {allowed}, got {value}"),
     }
 }
 

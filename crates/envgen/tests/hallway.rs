@@ -108,7 +108,7 @@ fn a_stationary_start_without_a_stationary_law_is_an_error() {
         ..Default::default()
     };
     let error = spec.generate(Seed(0)).unwrap_err().to_string();
-    assert!(error.contains("`start` is stationary") && error.contains("not unique"), "{error}");
+    assert!(error.contains("got stationary") && error.contains("not unique"), "{error}");
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn corridors_that_would_merge_are_refused_with_the_numbers() {
     let wide = HallwaySpec { width: 4.95, ..Default::default() };
     assert_eq!(
         wide.validate().unwrap_err().to_string(),
-        "`width` is 4.95, expected at most 4.9 m: with p_tt = 0 parallel arms lie 5 m apart, and \
+        "`width` must be at most 4.9 m, got 4.95: with p_tt = 0 parallel arms lie 5 m apart, and \
          the wall between them is 0.1 m thick"
     );
     let u_turns = HallwaySpec { p_tt: 0.1, width: 2.45, ..Default::default() };

@@ -192,7 +192,7 @@ fn nonsense_rays_meet_nothing_and_end() {
 fn a_fan_is_at_most_a_full_turn_of_a_million_rays() {
     for angle in [-0.1, f64::NAN, f64::INFINITY, 6.3] {
         let error = ScanPattern::new(angle, 3).unwrap_err().to_string();
-        assert!(error.starts_with(&format!("`field_of_view` is {angle}, ")), "{error}");
+        assert!(error.starts_with("`field_of_view` must be"), "{error}");
     }
     let error = ScanPattern::new(1.0, usize::MAX).unwrap_err().to_string();
     assert!(error.starts_with(&format!("`beams` is {}, ", usize::MAX)), "{error}");

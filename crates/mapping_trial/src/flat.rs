@@ -325,7 +325,7 @@ mod tests {
         for circumscribed_radius in [f64::NAN, -1.0, 0.0, 50.0] {
             let robot = Robot { circumscribed_radius, ..Robot::default() };
             let error = FlatWorld::new(&room(5.0, 5.0), &robot).expect_err("no robot").to_string();
-            assert!(error.contains("`body.circumscribed_radius` is"), "{error}");
+            assert!(error.contains("`body.circumscribed_radius` must be"), "{error}");
         }
     }
 

@@ -212,7 +212,7 @@ mod tests {
             profile[field] = (-1.0).into();
             let profile: LaserProfile = serde_json::from_value(profile).expect("a profile");
             let error = profile.validate().expect_err("it is negative").to_string();
-            assert!(error.starts_with(&format!("`laser.{field}` is -1, ")), "{error}");
+            assert!(error.starts_with(&format!("`laser.{field}` must be ")), "{error}");
         }
     }
 

@@ -27,7 +27,7 @@ pub struct Robot {
     pub width: f64,
     /// Radius in metres of the circle that the body sweeps when it turns on the spot, from 0.05 to
     /// [`MAX_RADIUS`]: what planning, the flat simulator and the scores take the robot for.
-    #[serde(alias = "swing_radius")]
+    #[serde(rename = "swing_radius", alias = "circumscribed_radius")]
     pub circumscribed_radius: f64,
     /// Outline seen from above, for physics.
     #[serde(skip_serializing_if = "is_default")]

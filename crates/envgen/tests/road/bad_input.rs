@@ -62,7 +62,7 @@ fn infeasible_roads_fail_at_once_with_three_numbers() {
     let needed = 3.0 + 2.0 * PI / 6.0 * 8100.0 / (9.81 * 0.7);
     let speed = (498.5 * 6.0 / PI * 9.81 * 0.7).sqrt();
     let text = error.to_string();
-    for number in [format!("{needed:.3} m"), "is 1000,".to_owned(), format!("{speed:.4}")] {
+    for number in [format!("{needed:.3} m"), "got 1000".to_owned(), format!("{speed:.4}")] {
         assert!(text.contains(&number), "{text} lacks {number}");
     }
 }

@@ -363,7 +363,7 @@ mod tests {
         assert_eq!("3/7".parse(), Ok(Shard { index: 3, of: 7 }));
         for bad in ["0/3", "4/3", "3", "", "a/b", "1/0", "-1/3", "1/3/5"] {
             let error = bad.parse::<Shard>().expect_err("no shard").to_string();
-            assert!(error.starts_with("`shard` is "), "{error}");
+            assert!(error.starts_with("`shard` must be "), "{error}");
         }
     }
 

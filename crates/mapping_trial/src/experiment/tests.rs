@@ -235,7 +235,7 @@ fn folders_of_other_experiments_are_refused() {
     let told = open(&design, Shard { index: 1, of: 2 });
     assert!(told.contains("share 1/1, asked is 1/2"), "{told}");
     let told = open(&Design { maps: 0, ..design.clone() }, Shard::WHOLE);
-    assert!(told.contains("`maps` is 0"), "{told}");
+    assert!(told.contains("`maps` must be"), "{told}");
 
     let head = folder.path().join("experiment.json");
     let text = fs::read_to_string(&head).unwrap();

@@ -123,7 +123,7 @@ fn bad_files_are_refused_with_the_reason() {
     assert!(error("").contains("no element"));
     assert!(error("{\"world\": 3}").contains("no element"));
     assert!(error("<roomList/>").contains("`roomList`"));
-    assert!(error("<world width=\"4\"/>").contains("`depth` is missing"));
+    assert!(error("<world width=\"4\"/>").contains("`depth` must be"));
     assert!(error("<world depth=\"0\" width=\"4\"/>").contains("from 1 to 1024"));
     assert!(error("<world depth=\"1e9\" width=\"4\"/>").contains("from 1 to 1024"));
     assert!(error("<world depth=\"4\" width=\"4\"></room>").contains("not XML"));
