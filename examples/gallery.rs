@@ -1,4 +1,4 @@
-//! Draws every kind of world, and films a mapping trial, without a window.
+//! Draws every kind of world and films a mapping trial, without a window.
 //!
 //! `cargo run --release --features render --example gallery`
 //!
@@ -27,19 +27,19 @@ const FILM_SEED: u64 = 2;
 /// Width and height of the film in pixels.
 const FILM_SIZE: UVec2 = UVec2::new(480, 480);
 
-/// Simulated time from frame to frame in ticks of 50 ms, and frames a second of the film.
-const TICKS_A_FRAME: u32 = 50;
+/// Simulated time from frame to frame in ticks of 50 ms, and frames per second of the film.
+const TICKS_PER_FRAME: u32 = 50;
 const FRAMES_A_SECOND: f64 = 12.5;
 
-/// Draws every kind of world and a mapping trial, without a window.
+/// Draws every kind of world and films a mapping trial, without a window.
 #[derive(Parser)]
 struct Arguments {
-    /// Folder to write into.
+    /// The folder to write into.
     #[arg(long, default_value = "docs/gallery")]
     out: PathBuf,
 }
 
-/// What is drawn: a name, a kind, its settings and a seed.
+/// A picture: its name, the kind of world, its settings and a seed.
 type Sketch = (&'static str, &'static str, &'static [(&'static str, &'static str)], u64);
 
 /// Every kind of world.
@@ -71,7 +71,7 @@ fn main() -> std::process::ExitCode {
     match gallery(&Arguments::parse()) {
         Ok(()) => std::process::ExitCode::SUCCESS,
         Err(error) => {
-            #[expect(clippy::print_stderr, reason = "where errors are told")]
+            #[expect(clippy::print_stderr, reason = "errors belong on stderr")]
             {
                 eprintln!("error: {error}");
             }
@@ -80,7 +80,7 @@ fn main() -> std::process::ExitCode {
     }
 }
 
-#[expect(clippy::print_stdout, reason = "what an example is for")]
+#[expect(clippy::print_stdout, reason = "the output of an example")]
 fn gallery(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     println!("drawing by {}", find_renderer()?);
     std::fs::create_dir_all(&arguments.out)?;
@@ -112,8 +112,8 @@ fn draw(
     Ok(studio.picture(camera)?)
 }
 
-/// Films a mapping trial from its start to its end: the map that the robot makes, its scan, where it
-/// thinks it is and the way it has come. Gives the simulated seconds.
+/// Films a mapping trial from start to end: the map, the scan, the estimated pose and the
+/// trajectory. Returns the simulated seconds.
 fn film(path: &Path) -> Result<f64, Box<dyn std::error::Error>> {
     let mut studio = Studio::new()?;
     studio.set_frame_time(Duration::from_secs_f64(TICK));
@@ -132,7 +132,7 @@ fn film(path: &Path) -> Result<f64, Box<dyn std::error::Error>> {
     let world = studio.app().world_mut().spawn(environment).id();
     studio.wait_until_ready(world)?;
     let camera = studio.camera_over(world, FILM_SIZE)?;
-    // Where no picture is taken nothing need be drawn.
+    // Nothing needs to be drawn between pictures.
     if let Some(mut camera) = studio.app().world_mut().get_mut::<Camera>(camera) {
         camera.is_active = false;
     }
@@ -141,7 +141,7 @@ fn film(path: &Path) -> Result<f64, Box<dyn std::error::Error>> {
 
     let mut film = Film::create(path, FRAMES_A_SECOND)?;
     loop {
-        for _ in 0..TICKS_A_FRAME {
+        for _ in 0..TICKS_PER_FRAME {
             studio.step()?;
         }
         film.push(&studio.picture(camera)?)?;

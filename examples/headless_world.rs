@@ -1,5 +1,5 @@
-//! Spawns a world of every kind side by side in a headless Bevy app, lets physics run for 500 fixed
-//! steps while a robot drives about in each, casts rays and prints what is there.
+//! Spawns a world of every kind side by side in a headless Bevy app, runs physics for 500 fixed
+//! steps with a moving robot in each, casts rays and prints the results.
 //!
 //! `cargo run --release --example headless_world`
 
@@ -14,11 +14,11 @@ use bevy_envgen::envgen::raycast::Raycaster;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{parts, spawn_ready, step, test_app};
 
-/// Rays of a robot's scanner, and how far they reach in metres.
+/// Rays of a robot's scanner, and their range in metres.
 const RAYS: usize = 16;
 const RANGE: f32 = 20.0;
 
-#[expect(clippy::print_stdout, reason = "what an example is for")]
+#[expect(clippy::print_stdout, reason = "the output of an example")]
 fn main() -> Result {
     let mut app = test_app();
     for (place, &kind) in (0_u8..).zip(WorldKind::ALL) {
@@ -31,7 +31,7 @@ fn main() -> Result {
         }
         println!("{kind}: {counts:?}");
 
-        // A robot at the start, with a push ahead.
+        // A robot at the start, with an initial speed.
         let Some(truth) = app.world().get::<GroundTruth>(world).cloned() else { continue };
         let Some(start) = truth.start else { continue };
         let from = start.position.as_vec2().extend(0.0) + offset;
@@ -50,7 +50,7 @@ fn main() -> Result {
         };
         println!("  after 500 steps the robot is {:.2} m from its start", to.distance(from));
 
-        // What its scanner sees, by rapier and exactly.
+        // The ranges of its scanner, by rapier and exact.
         let see = move |rapier: ReadRapierContext| scan(&rapier, robot, to.truncate());
         let ranges: Vec<f32> = match app.world_mut().run_system_once(see) {
             Ok(ranges) => ranges,
@@ -76,7 +76,7 @@ fn angle(ray: usize) -> f32 {
     std::f32::consts::TAU * ray as f32 / RAYS as f32
 }
 
-/// The ranges of rays all around.
+/// The ranges of rays in all directions.
 fn scan(rapier: &ReadRapierContext, robot: Entity, from: Vec2) -> Result<Vec<f32>> {
     let rapier = rapier.single()?;
     let filter = QueryFilter::default().exclude_sensors().exclude_collider(robot);

@@ -1,5 +1,5 @@
-//! Draws the equivalents of figures 2, 5 and 6 of Zwennes (2011): how an indoor map changes with its
-//! difficulty, and the two things that this crate adds.
+//! Draws the equivalents of figures 2, 5 and 6 of Zwennes (2011): how an indoor map changes with
+//! its difficulty, and two additions of this crate.
 //!
 //! `cargo run --release --example indoor_figures -- docs/pictures`
 
@@ -13,7 +13,8 @@ use envgen::picture::{PictureOptions, write_svg};
 use envgen::{Blueprint, Seed, Spec};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder: PathBuf = std::env::args_os().nth(1).ok_or("name the folder to draw into")?.into();
+    let folder: PathBuf =
+        std::env::args_os().nth(1).ok_or("expected the output folder as argument")?.into();
     fs::create_dir_all(&folder)?;
     let thesis = |difficulty, cycles| IndoorSpec {
         difficulty,

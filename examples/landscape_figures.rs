@@ -1,6 +1,6 @@
-//! The four figures of Kuznetsov (2017), Generation of a random landscape by given configuration
-//! entropy and Total Edge, made anew, with our numbers beside the printed ones; and a fifth that
-//! shows what the paper set out for: one entropy and one Total Edge in every look.
+//! Reproduces the four figures of Kuznetsov (2017), Generation of a random landscape by given
+//! configuration entropy and Total Edge, with our numbers beside the printed ones. A fifth figure
+//! shows the aim of the paper: one entropy and one Total Edge in every look.
 //!
 //! `cargo run --release --example landscape_figures -- --out docs/figures`
 
@@ -25,7 +25,7 @@ const SIDE: usize = 48;
 const CELLS: u64 = (SIDE * SIDE) as u64;
 const REPEATS: u64 = 50;
 
-/// Colours of curves that the colour-blind can tell apart (Okabe and Ito, 2008).
+/// Colours of curves that colour-blind people can distinguish (Okabe and Ito, 2008).
 const COLOURS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -39,7 +39,7 @@ fn main() -> Result {
     let out = folder()?;
     fs::create_dir_all(&out)?;
     let mut report = String::from(
-        "# Kuznetsov's figures, printed and made anew\n\n\
+        "# Kuznetsov's figures, printed and reproduced\n\n\
          Made by `cargo run --release --example landscape_figures -- --out docs/figures`. TED is \
          Total Edge by number of cells; all maps have 48 x 48 cells.\n",
     );
@@ -153,7 +153,7 @@ fn figure_3(out: &Path, report: &mut String) -> Result {
     {
         let composition = Composition::closest(CELLS, 9, entropy, false)?;
         let found = automaton_ted(composition.counts(), epsilon);
-        // The paper's aim: its Total Edge, exactly.
+        // The paper's aim: exactly its Total Edge.
         let target = (printed * CELLS as f64).round() as u64;
         let spec = LandscapeSpec {
             classes: 9,
@@ -237,7 +237,7 @@ fn looks(out: &Path, report: &mut String) -> Result {
     draw_maps(&out.join("landscape_looks.svg"), &maps)
 }
 
-/// Maps side by side, each under its title; runs of equal cells are one rectangle.
+/// Draws maps side by side, each below its title; runs of equal cells are one rectangle.
 fn draw_maps(path: &Path, maps: &[(String, Landscape)]) -> Result {
     const CELL: i32 = 6;
     let side = SIDE as i32 * CELL;
@@ -263,7 +263,7 @@ fn draw_maps(path: &Path, maps: &[(String, Landscape)]) -> Result {
     Ok(())
 }
 
-/// Measured points, and a line to compare them with.
+/// Measured points and a curve to compare them with.
 struct Series {
     name: String,
     points: Vec<(f64, f64)>,

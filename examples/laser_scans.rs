@@ -1,5 +1,5 @@
-//! Drives a laser scanner down the middle of a hallway and prints what it sees: how a program that
-//! needs worlds, and no engine, uses them.
+//! Drives a laser scanner along the middle of a hallway and prints its ranges: how a program uses
+//! worlds without an engine.
 //!
 //! `cargo run --release --example laser_scans`
 
@@ -26,7 +26,7 @@ fn main() -> Result<(), GenerateError> {
             PI
         };
         rays.scan(Pose::new(cell.x, cell.y, heading), &scanner, 8.0, &mut ranges);
-        #[expect(clippy::print_stdout, reason = "what an example is for")]
+        #[expect(clippy::print_stdout, reason = "the output of an example")]
         {
             let (right, front, left) = (ranges[0], ranges[90], ranges[180]);
             println!(

@@ -1,4 +1,4 @@
-//! A player at the start of each of two worlds, where the worlds have been put:
+//! Spawns a player at the start of each of two worlds, wherever the worlds are placed:
 //!
 //! ```sh
 //! cargo run --release --example spawn_player
@@ -26,8 +26,8 @@ fn ask_for_worlds(mut commands: Commands) {
     commands.spawn((Name::new("forest"), Environment::new(ForestSpec::default(), 7), turned));
 }
 
-/// The entity of the event leads to the start of that world, in the app's space.
-#[expect(clippy::print_stdout, reason = "the result of an example")]
+/// The event's entity has the start of its world, in the app's space.
+#[expect(clippy::print_stdout, reason = "the output of an example")]
 fn spawn_player(
     ready: On<EnvironmentReady>,
     worlds: Query<(&Name, &EnvironmentLandmarks)>,

@@ -1,14 +1,14 @@
 //! The experiment of O. Zwennes, *Adaptive Indoor Map Generator for USARSim* (2011), replayed with
-//! programs at the controls: do the rules order maps by difficulty, and which rule is to blame where
-//! not?
+//! exploration policies as operators: do the rules order maps by difficulty, and which rule is to
+//! blame if not?
 //!
 //! ```text
 //! cargo run --release --example thesis_experiment -- --quick
 //! cargo run --release --example thesis_experiment -- --maps 10 --seeds 3
 //! ```
 //!
-//! Every finished trial is on disk at once: a run that was interrupted goes on where it stopped when
-//! the same command is given again. In the folder appear `report.html`, `summary.json`,
+//! Every finished trial is on disk at once: the same command continues an interrupted run. The
+//! output folder gets `report.html`, `summary.json`,
 //! `trials.csv` and `trials.parquet`, the same to the last byte whatever the number of threads and
 //! however often it was interrupted.
 //!
@@ -44,25 +44,24 @@ use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
 use mapping_trial::slam::SlamKind;
 
-/// Do the rules of Zwennes (2011) order indoor maps by difficulty? Programs map them, the maps are
-/// scored, and a report says what was measured.
+/// Do the rules of Zwennes (2011) order indoor maps by difficulty? Policies map them, the maps are
+/// scored, and a report shows the results.
 ///
 /// The paper's design (levels 1, 3, 5, 7 and 9, two maps each, five operators) always runs; the
-/// larger design is set by the options. An interrupted run goes on when the same command is given
-/// again.
+/// larger design is set by the options. The same command continues an interrupted run.
 #[derive(Parser)]
 #[command(after_long_help = JOBS)]
-#[expect(clippy::doc_markdown, reason = "texts for the terminal are no markdown")]
+#[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
 struct Arguments {
-    /// A look within two minutes: six maps a level, one noise seed, by `nearest`.
+    /// A small design for two minutes: six maps per level, one noise seed, by `nearest`.
     #[arg(long)]
     quick: bool,
 
-    /// Maps a level [default: 20, with --quick 6].
+    /// Maps per level [default: 20, with --quick 6].
     #[arg(long)]
     maps: Option<u32>,
 
-    /// Noise seeds a map [default: 5, with --quick 1].
+    /// Noise seeds per map [default: 5, with --quick 1].
     #[arg(long)]
     seeds: Option<u32>,
 
@@ -70,11 +69,11 @@ struct Arguments {
     #[arg(long, value_delimiter = ',', default_value = "1,3,5,7,9")]
     levels: Vec<f64>,
 
-    /// Who maps the larger design [default: all five, with --quick nearest].
+    /// Operators (policies) of the larger design [default: all five, with --quick nearest].
     #[arg(long, value_delimiter = ',', value_parser = PolicyKind::named)]
     operators: Option<Vec<PolicyKind>>,
 
-    /// The rules to the letter, or with every place reachable.
+    /// The thesis's rules exactly, or with the guarantee that every cell is reachable.
     #[arg(long, default_value = "thesis", value_parser = ["thesis", "guaranteed"])]
     profile: String,
 
@@ -86,7 +85,7 @@ struct Arguments {
     #[arg(long, default_value = "scan_to_map", value_parser = SlamKind::named)]
     slam: SlamKind,
 
-    /// What the laser measures: lms200_mm, lms200_mm_rough or usarsim.
+    /// Laser profile: lms200_mm, lms200_mm_rough or usarsim.
     #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named)]
     laser: LaserProfile,
 
@@ -98,7 +97,7 @@ struct Arguments {
     #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true)]
     seed: Seed,
 
-    /// Threads; one a core when 0.
+    /// Threads; 0 for one per core.
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
     threads: u16,
 
@@ -113,7 +112,7 @@ struct Arguments {
     ])]
     merge: Vec<PathBuf>,
 
-    /// Throw away what the folder holds of an earlier experiment.
+    /// Delete an earlier experiment in the folder first.
     #[arg(long)]
     fresh: bool,
 
@@ -134,9 +133,9 @@ On many machines, with the same other options in every job:
   Kubernetes (a Job with completionMode: Indexed and completions: 100)
     thesis_experiment --shard $((JOB_COMPLETION_INDEX + 1))/100 --out /parts/$JOB_COMPLETION_INDEX
 
-The merged report is that of one run, byte for byte.";
+The merged report equals that of one run, byte for byte.";
 
-#[expect(clippy::print_stderr, reason = "where errors are told")]
+#[expect(clippy::print_stderr, reason = "errors go to stderr")]
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
@@ -195,7 +194,7 @@ impl Arguments {
     }
 }
 
-/// Says how much there is to do.
+/// Prints how much there is to do.
 #[expect(clippy::print_stdout, reason = "what an example is for")]
 fn announce(experiment: &Experiment) {
     let (design, all) = (experiment.design(), experiment.trials());
@@ -206,7 +205,7 @@ fn announce(experiment: &Experiment) {
     };
     println!(
         "{all} trials{share}: {} levels x {} maps x {} noise seeds x {} operators, and the paper's \
-         {} maps a level by {} operators",
+         {} maps per level by {} operators",
         design.levels.len(),
         design.maps,
         design.noise_seeds,
@@ -219,7 +218,7 @@ fn announce(experiment: &Experiment) {
     }
 }
 
-/// A bar with the time left on stderr; nothing where that is no terminal.
+/// A bar with the time left on stderr; nothing if that is not a terminal.
 fn progress(experiment: &Experiment) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();

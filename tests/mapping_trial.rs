@@ -34,9 +34,13 @@ fn twice_and_replayed(engine: &str) {
     let folder = tempfile::tempdir().expect("a folder");
     let out = |name: &str| folder.path().join(name);
     let world = ["--difficulty", "3", "--seed", "4", "--size", "6", "--engine", engine];
-    let arguments = [&world[..], &["--time-limit", "90", "--robots", "2"]].concat();
-    let table = EXAMPLE.ok(&arguments, &out("first"));
-    EXAMPLE.ok(&arguments, &out("second"));
+    let arguments = |policy| {
+        let options = [policy, "corridors", "--time-limit", "90", "--robots", "2"];
+        [&world[..], &options].concat()
+    };
+    let table = EXAMPLE.ok(&arguments("--policy"), &out("first"));
+    // The old name of the option.
+    EXAMPLE.ok(&arguments("--operator"), &out("second"));
     let log = out("first").join("log.json");
     EXAMPLE.ok(&["--replay", log.to_str().expect("a path")], &out("replay"));
 
@@ -145,18 +149,18 @@ fn files_appear_together_or_not_at_all() {
     fs::write(&report, "mine").expect("a file");
     fs::set_permissions(&report, PermissionsExt::from_mode(0o444)).expect("a mode");
     let error = EXAMPLE.error(&["--size", "4", "--time-limit", "5"], folder.path());
-    assert!(error.contains("report.json: is there and read-only"), "{error}");
+    assert!(error.contains("report.json: exists and is read-only"), "{error}");
     assert_eq!(files(folder.path()).len(), 1);
 }
 
 #[test]
-fn what_cannot_be_done_is_said() {
+fn impossible_arguments_are_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
     let slow = folder.path().join("slow.ron");
     fs::write(&slow, "(max_speed: 0)").expect("a file");
     let error = EXAMPLE.error(&["--robot", slow.to_str().expect("a path")], &out);
-    assert!(error.contains("slow.ron: `body.max_speed` must be 0.01 to"), "{error}");
+    assert!(error.contains("slow.ron: `body.max_speed` must be a number from 0.01 to"), "{error}");
     assert!(EXAMPLE.error(&["--difficulty", "11"], &out).contains("`difficulty` must be"));
     assert!(EXAMPLE.error(&["--robots", "0"], &out).contains("`robots` must be"));
     assert!(EXAMPLE.error(&["--size", "193"], &out).contains("193 is not in 4..=192"));
@@ -168,7 +172,7 @@ fn what_cannot_be_done_is_said() {
     fs::write(&wide, "Forest(width: -6)").expect("a file");
     let error = EXAMPLE.error(&["--world", wide.to_str().expect("a path")], &out);
     assert!(error.contains("wide.envgen.ron: `width` must be"), "{error}");
-    assert!(EXAMPLE.error(&["--operator", "chauffeur"], &out).contains("nearest, info_gain"));
+    assert!(EXAMPLE.error(&["--policy", "chauffeur"], &out).contains("nearest, info_gain"));
     assert!(EXAMPLE.error(&["--start", "1,2,3,4"], &out).contains("x,y,heading"));
     assert!(EXAMPLE.error(&["--start", "-50,0,0"], &out).contains("start"));
     assert!(EXAMPLE.error(&["--world", "nowhere.ron"], &out).contains("nowhere.ron"));

@@ -129,7 +129,7 @@ for size in 1280x720 1920x1080; do
   cmp "$session/report.json" "$scratch/again/report.json" || fail "$size: interrupted, and another trial"
 
   # A program drives, and another one is compared with it.
-  open --robots 1 --operator nearest --time-limit 12 --out "$scratch/$size-program"
+  open --robots 1 --policy nearest --time-limit 12 --out "$scratch/$size-program"
   for _ in $(seq 120); do [ -s "$scratch/$size-program/001/report.json" ] && break; sleep 0.5; done
   sleep 2
   picture scores

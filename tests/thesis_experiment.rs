@@ -45,15 +45,19 @@ fn shards_join_into_the_report_of_one_run() {
     let told = EXAMPLE.ok(&SMALL, &out("whole"));
     assert!(told.contains("20 of them were finished before"), "{told}");
     let told = EXAMPLE.error(&[&SMALL[..], &["--seed=1"]].concat(), &out("whole"));
-    assert!(told.contains("`seed` is 0, asked is 1"), "{told}");
+    assert!(told.contains("`seed` is 0, expected 1"), "{told}");
     EXAMPLE.ok(&[&SMALL[..], &["--seed=1", "--fresh"]].concat(), &out("whole"));
 }
 
 #[test]
-fn bad_arguments_are_told() {
+fn bad_arguments_are_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
-    assert!(EXAMPLE.error(&["--maps=1"], &out).contains("`maps` must be 2 to 1000, got 1"));
+    assert!(
+        EXAMPLE
+            .error(&["--maps=1"], &out)
+            .contains("`maps` must be a whole number from 2 to 1000, got 1")
+    );
     assert!(EXAMPLE.error(&["--levels=9,1"], &out).contains("`levels` must be"));
     assert!(EXAMPLE.error(&["--operators=nobody"], &out).contains("must be nearest, info_gain"));
     assert!(EXAMPLE.error(&["--shard=3/2"], &out).contains("`shard` must be"));

@@ -143,7 +143,7 @@ class Grid:
                     while path[-1] != start:
                         path.append(origins[path[-1]])
                     return path[::-1]
-            # Whoever stands too near to something may leave.
+            # A robot that is too near to an obstacle may leave.
             leaving = blocked[cell] and cost < 1000
             for step, length in STEPS:
                 after = cell + step

@@ -1,4 +1,4 @@
-//! What the command line asks for.
+//! The command line.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -26,13 +26,13 @@ const MAX_SIZE: i64 = 192;
 
 /// Drive a simulated robot through a world that it does not know, and score the map that it makes.
 #[derive(Parser)]
-#[expect(clippy::doc_markdown, reason = "texts for the terminal are no markdown")]
+#[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
 pub(crate) struct Arguments {
     /// Difficulty of the indoor map, from 0 to 10.
     #[arg(long, default_value_t = 5.0, conflicts_with_all = ["world", "map", "replay"])]
     difficulty: f64,
 
-    /// Follow the rules of Zwennes (2011) to the letter, or guarantee that every place is reachable.
+    /// The rules of Zwennes (2011) exactly, or with the guarantee that every cell is reachable.
     #[arg(long, default_value = "guaranteed", value_parser = ["thesis", "guaranteed"],
           conflicts_with_all = ["world", "map", "replay"])]
     profile: String,
@@ -43,11 +43,11 @@ pub(crate) struct Arguments {
           allow_negative_numbers = true, conflicts_with_all = ["world", "map", "replay"])]
     size: u32,
 
-    /// The seed of the world, and of what the sensors get wrong.
+    /// The seed of the world and of the sensor noise.
     #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true, conflicts_with = "replay")]
     seed: Seed,
 
-    /// Another seed for what the sensors get wrong.
+    /// The seed of the sensor noise, if not that of the world.
     #[arg(long, allow_negative_numbers = true, conflicts_with = "replay")]
     noise_seed: Option<Seed>,
 
@@ -59,21 +59,22 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.yaml", conflicts_with = "replay")]
     map: Option<PathBuf>,
 
-    /// Who decides where to go: nearest, info_gain, cautious, wall_follow or corridors.
-    #[arg(long, default_value = "nearest", value_parser = PolicyKind::named, conflicts_with = "replay")]
-    operator: PolicyKind,
+    /// The policy that decides where to go: nearest, info_gain, cautious, wall_follow or corridors.
+    #[arg(long = "policy", alias = "operator", default_value = "nearest",
+          value_parser = PolicyKind::named, conflicts_with = "replay")]
+    policy: PolicyKind,
 
-    /// A program that drives instead, with its arguments, as docs/driver-protocol.md describes; - for
-    /// whoever started this one, over the standard input and output.
+    /// A driver program with its arguments instead of a policy, see docs/driver-protocol.md; - for the
+    /// program that started this one, over standard input and output.
     #[arg(long, value_name = "PROGRAM", allow_hyphen_values = true,
-          conflicts_with_all = ["operator", "replay"])]
+          conflicts_with_all = ["policy", "replay"])]
     pub(crate) driver: Option<String>,
 
-    /// Seconds that the driver has for one answer.
+    /// Seconds per answer of the driver.
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, requires = "driver")]
     pub(crate) driver_timeout: f64,
 
-    /// Seconds that the driver has for all its answers together.
+    /// Seconds for all answers of the driver together.
     #[arg(long, value_name = "SECONDS", default_value_t = 3600.0, requires = "driver")]
     pub(crate) driver_total: f64,
 
@@ -85,15 +86,15 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 1, conflicts_with = "replay")]
     robots: u32,
 
-    /// The robots' numbers in RON, such as `(length: 0.4, width: 0.4)`; the Pioneer 3-AT's else.
+    /// The robot in RON, such as `(length: 0.4, width: 0.4)`; defaults to the Pioneer 3-AT.
     #[arg(long, value_name = "FILE.ron", conflicts_with = "replay")]
     robot: Option<PathBuf>,
 
-    /// What the laser measures: lms200_mm, lms200_mm_rough or usarsim.
+    /// Laser profile: lms200_mm, lms200_mm_rough or usarsim.
     #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named, conflicts_with = "replay")]
     laser: LaserProfile,
 
-    /// What the wheels measure: skid, mild, poor or exact.
+    /// Wheel odometry profile: skid, mild, poor or exact.
     #[arg(long, default_value = "skid", value_parser = OdometryProfile::named, conflicts_with = "replay")]
     odometry: OdometryProfile,
 
@@ -106,15 +107,15 @@ pub(crate) struct Arguments {
           conflicts_with = "replay")]
     start: Option<Pose>,
 
-    /// What moves the robots: flat, the fast simulator of discs, or rapier, the physics of bodies.
+    /// The simulator: flat, fast with robots as discs, or rapier, with rigid-body physics.
     #[arg(long, default_value = "flat", value_parser = ["flat", "rapier"], conflicts_with = "replay")]
     pub(crate) engine: String,
 
-    /// Run a log again instead, in the engine that made it.
+    /// Run a log again instead, in the simulator that made it.
     #[arg(long, value_name = "LOG")]
     pub(crate) replay: Option<PathBuf>,
 
-    /// Fill the feedback form of Zwennes (2011) yourself, instead of the program.
+    /// Fill the feedback form of Zwennes (2011) yourself, instead of from measurements.
     #[arg(long)]
     pub(crate) form: bool,
 
@@ -128,7 +129,7 @@ impl Arguments {
     pub(crate) fn world(&self) -> Result<World, Box<dyn Error>> {
         if let Some(path) = self.map.as_deref().or(self.world.as_deref()) {
             let world = self.read(path).in_file(path)?;
-            // Nobody is to wait for a trial that cannot be scored.
+            // A trial that cannot be scored is not run.
             MappableArea::check_size(&world).in_file(path)?;
             return Ok(world);
         }
@@ -145,7 +146,7 @@ impl Arguments {
         Ok(spec.generate(self.seed)?.to_world())
     }
 
-    /// Every file that is to be written can be, and none of them is read.
+    /// Checks that every output file can be written, and that none is an input.
     pub(crate) fn check_outputs(&self) -> Result<(), Box<dyn Error>> {
         let image = self.map.as_deref().and_then(image_of);
         let files = [&self.world, &self.map, &image, &self.robot, &self.replay];
@@ -166,13 +167,13 @@ impl Arguments {
         Ok(import::read_world(path)?)
     }
 
-    /// What the trial is made of. Where neither the arguments nor the world give a start, it is in
+    /// The settings of the trial. If neither the arguments nor the world give a start, it is in
     /// the largest free region, away from walls.
     pub(crate) fn settings(&self, world: &World) -> Result<TrialSettings, Box<dyn Error>> {
         let settings = TrialSettings {
             body: self.robot.as_deref().map_or(Ok(Robot::default()), robot::read)?,
             seed: self.noise_seed.unwrap_or(self.seed),
-            operator: Some(self.operator),
+            policy: Some(self.policy),
             slam: self.slam,
             robots: self.robots,
             time_limit: self.time_limit,

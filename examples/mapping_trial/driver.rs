@@ -1,4 +1,4 @@
-//! Robots that another program drives.
+//! Drivers: other programs that drive the robots.
 
 use std::error::Error;
 use std::process::Command;
@@ -10,7 +10,7 @@ use mapping_trial::trial::{Setup, Trial, TrialSettings};
 
 use crate::arguments::Arguments;
 
-/// The driver that is whoever started this program, over our own standard input and output.
+/// The value of `--driver` for the program that started this one, over standard input and output.
 const OURSELVES: &str = "-";
 
 impl Arguments {
@@ -19,7 +19,7 @@ impl Arguments {
         self.driver.as_deref() == Some(OURSELVES)
     }
 
-    /// The driver that is asked for, greeted. One that fails at that fails in the trial.
+    /// The driver from the arguments, after its hello. If the hello fails, the trial fails.
     pub(crate) fn start_driver(
         &self,
         world: &World,
@@ -30,7 +30,7 @@ impl Arguments {
             reply: seconds("--driver-timeout", self.driver_timeout)?,
             total: seconds("--driver-total", self.driver_total)?,
         };
-        // Said before anything is started.
+        // Checked before anything is started.
         let starts = Trial::builder(world, settings.clone()).starts()?;
         let driver = if self.is_driven_by_caller() {
             if self.form {

@@ -1,16 +1,16 @@
-//! A robot maps a world that it does not know, and its map is scored against the truth.
+//! A robot maps a world that it does not know, and its map is scored against the world.
 //!
 //! ```text
 //! cargo run --release --example mapping_trial
-//! cargo run --release --example mapping_trial -- --difficulty 8 --seed 3 --operator corridors
+//! cargo run --release --example mapping_trial -- --difficulty 8 --seed 3 --policy corridors
 //! cargo run --release --example mapping_trial -- --engine rapier
 //! cargo run --release --example mapping_trial -- --driver "python3 examples/drivers/explorer.py"
 //! cargo run --release --example mapping_trial -- --replay out/log.json --out out/again
 //! ```
 //!
-//! In the output folder appear the robot's map, the truth and the two over each other as pictures
-//! with the ways driven, the map for ROS's `map_server`, the log, from which the trial runs again to
-//! the bit, and the report as JSON. Two runs with the same arguments write the same bytes.
+//! The output folder gets pictures of the robot's map, of the mappable area and of both over each
+//! other, with trajectories; the map for ROS's `map_server`; the log, from which the trial runs again
+//! to the last bit; and the report as JSON. Two runs with the same arguments write the same bytes.
 
 mod arguments;
 mod driver;
@@ -49,14 +49,14 @@ const FLAT: &str = FlatSimulator::ENGINE;
 /// Rapier, as logs and reports name it.
 const RAPIER: &str = bevy_envgen::trial::ENGINE;
 
-/// Ticks between two looks at the progress bar.
+/// Ticks between two updates of the progress bar.
 const TICKS_A_LOOK: u64 = 200;
 
 fn main() -> ExitCode {
     match trial(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            #[expect(clippy::print_stderr, reason = "where errors are told")]
+            #[expect(clippy::print_stderr, reason = "errors go to stderr")]
             {
                 eprintln!("error: {error}");
             }
@@ -65,7 +65,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs a trial, or a log again, and tells what came of it.
+/// Runs a trial, or replays a log, and prints the results.
 fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     output::folder(&arguments.out)?;
     arguments.check_outputs()?;
@@ -106,24 +106,24 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             tell(arguments, &world, &trial, clock)?
         }
         other => {
-            let text = format!("engine is `{other}`, known are `{FLAT}` and `{RAPIER}`");
+            let text = format!("unknown engine `{other}`, expected `{FLAT}` or `{RAPIER}`");
             return Ok(Err(text).in_file(path)?);
         }
     };
     Ok(())
 }
 
-/// What a log's part that was plugged in leaves to the built-in one; an operator's commands are in
+/// The notice that a built-in part replaces a part that was plugged in; a policy's commands are in
 /// the log.
 fn missing(part: &ForeignPart) -> String {
     let ForeignPart { role, name } = part;
     format!(
-        "the log's {} `{name}` is not in this program: the built-in one takes its place",
+        "the log's {} `{name}` is not part of this program: the built-in one replaces it",
         role.text()
     )
 }
 
-/// Tells what came of a trial that took so long, and writes its files.
+/// Prints the results of a trial that took `seconds`, and writes its files.
 fn tell<B: RobotBackend>(
     arguments: &Arguments,
     world: &World,
@@ -152,8 +152,8 @@ fn tell<B: RobotBackend>(
     Ok(report)
 }
 
-/// Prints to stdout, or to stderr where stdout is a driver's. A reader that has gone, as `head` does,
-/// is no error: the files are still written.
+/// Prints to stdout, or to stderr if stdout is a driver's. A reader that closes early, as `head` does,
+/// is not an error: the files are still written.
 fn say(arguments: &Arguments, text: std::fmt::Arguments<'_>) -> std::io::Result<()> {
     let said = if arguments.is_driven_by_caller() {
         std::io::stderr().write_fmt(text)
@@ -185,7 +185,7 @@ fn run_flat(
     Ok(trial)
 }
 
-/// A bar of simulated seconds on stderr; nothing where that is no terminal.
+/// A bar of simulated seconds on stderr; nothing if that is not a terminal.
 fn progress(limit: f64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -197,7 +197,7 @@ fn progress(limit: f64) -> ProgressBar {
     }
 }
 
-#[expect(clippy::disallowed_methods, reason = "how long a trial took is told to the terminal only")]
+#[expect(clippy::disallowed_methods, reason = "how long a trial took is only printed")]
 fn now() -> Instant {
     Instant::now()
 }

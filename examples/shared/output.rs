@@ -1,4 +1,4 @@
-//! The files that a trial leaves. Each appears whole or not at all.
+//! The files that a trial writes. Each is written whole or not at all.
 
 use std::error::Error;
 use std::io::Write;
@@ -18,7 +18,7 @@ pub(crate) fn folder(path: &Path) -> Result<&Path, Box<dyn Error>> {
     Ok(path)
 }
 
-/// The files that a trial leaves: map, truth and errors as pictures, the map for ROS, the log and the
+/// The files that a trial writes: map, mappable area and errors as pictures, the map for ROS, the log and the
 /// report.
 pub(crate) const FILES: [&str; 7] = [
     "map.png",
@@ -30,7 +30,7 @@ pub(crate) const FILES: [&str; 7] = [
     "report.json",
 ];
 
-/// Writes all [`FILES`], or none where one cannot be written.
+/// Writes all [`FILES`], or none if one cannot be written.
 pub(crate) fn write<B: RobotBackend>(
     folder: &Path,
     trial: &Trial<B>,
@@ -65,8 +65,8 @@ pub(crate) fn write<B: RobotBackend>(
     ros.write_pgm(&mut ros_image)?;
     let contents = [
         picture(Picture::of_map(map, area), "map", false, true)?,
-        picture(Picture::of_truth(truth, area), "truth", true, false)?,
-        picture(Picture::of_errors(truth, map, area), "map over the truth", true, true)?,
+        picture(Picture::of_truth(truth, area), "mappable area", true, false)?,
+        picture(Picture::of_errors(truth, map, area), "map over the mappable area", true, true)?,
         ros_yaml,
         ros_image,
         log,
@@ -83,7 +83,7 @@ pub(crate) fn write<B: RobotBackend>(
     Ok(paths.to_vec())
 }
 
-/// What is written below the pictures: the settings that differ from the defaults, and the scores.
+/// The notes below the pictures: the settings that differ from the defaults, and the scores.
 fn notes(report: &TrialReport) -> Vec<String> {
     let Scores { difficulty, mapping, navigation, coverage, f1_30, time, distance, .. } =
         report.scores;

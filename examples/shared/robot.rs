@@ -6,7 +6,7 @@ use std::path::Path;
 use envgen::located::Locate;
 use mapping_trial::robot::Robot;
 
-/// Reads a robot's numbers from a RON file.
+/// Reads a robot from a RON file.
 pub(crate) fn read(path: &Path) -> Result<Robot, Box<dyn Error>> {
     let text = std::fs::read_to_string(path).in_file(path)?;
     Ok(Robot::from_ron(&text).in_file(path)?)

@@ -8,10 +8,10 @@ use envgen::occupancy::{Coverage, OccupancyGrid};
 use envgen::placement::max_clearance_point;
 use mapping_trial::trial::TrialSettings;
 
-/// Cells in metres of the grid on which the roomiest place is looked for.
+/// Cells in metres of the grid on which the point of largest clearance is searched.
 const GRID: f64 = 0.1;
 
-/// Settings with a start: where neither they nor the world give one, it is in the largest free
+/// Settings with a start: if neither they nor the world give one, it is in the largest free
 /// region, away from walls.
 pub(crate) fn with_start(
     world: &World,

@@ -1,4 +1,4 @@
-//! What the command line asks for.
+//! The command line.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -18,18 +18,18 @@ use mapping_trial::trial::TrialSettings;
 
 use crate::robot;
 
-/// Side of the indoor map in grid units: what one robot explores in 20 minutes.
+/// Side of the indoor map in grid units: about the size that one robot explores in 20 minutes.
 const SIZE: u32 = 10;
 
-/// Drive a simulated robot through a world that you do not know, and see how well it is mapped.
+/// Drive a simulated robot through a world that you do not know, and see how well you map it.
 #[derive(Parser, Clone)]
-#[expect(clippy::doc_markdown, reason = "texts for the terminal are no markdown")]
+#[expect(clippy::doc_markdown, reason = "these texts are for the terminal, not Markdown")]
 pub(crate) struct Arguments {
     /// Difficulty of the indoor map, from 0 to 10.
     #[arg(long, default_value_t = 5.0, conflicts_with = "world")]
     difficulty: f64,
 
-    /// The seed of the world, and of what the sensors get wrong.
+    /// The seed of the world and of the sensor noise.
     #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true)]
     pub(crate) seed: Seed,
 
@@ -37,27 +37,27 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     world: Option<PathBuf>,
 
-    /// Number of robots, which share one map; Tab goes from one to the next.
+    /// Number of robots, which share one map; Tab switches between them.
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4))]
     robots: u32,
 
     /// Watch a program drive: nearest, info_gain, cautious, wall_follow or corridors.
-    #[arg(long, value_parser = PolicyKind::named)]
-    pub(crate) operator: Option<PolicyKind>,
+    #[arg(long = "policy", alias = "operator", value_parser = PolicyKind::named)]
+    pub(crate) policy: Option<PolicyKind>,
 
     /// How poses and map are estimated: scan_to_map, pose_graph or dead_reckoning.
     #[arg(long, default_value = "scan_to_map", value_parser = SlamKind::named)]
     slam: SlamKind,
 
-    /// The robots' numbers in RON, such as `(length: 0.4, width: 0.4)`; the Pioneer 3-AT's else.
+    /// A robot file in RON, such as `(length: 0.4, width: 0.4)` [default: the Pioneer 3-AT].
     #[arg(long, value_name = "FILE.ron")]
     robot: Option<PathBuf>,
 
-    /// What the laser measures: lms200_mm, lms200_mm_rough or usarsim.
+    /// Resolution and noise of the laser: lms200_mm, lms200_mm_rough or usarsim.
     #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named)]
     laser: LaserProfile,
 
-    /// What the wheels measure: skid, mild, poor or exact.
+    /// Noise of the wheel odometry: skid, mild, poor or exact.
     #[arg(long, default_value = "skid", value_parser = OdometryProfile::named)]
     odometry: OdometryProfile,
 
@@ -65,7 +65,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 1200.0)]
     time_limit: f64,
 
-    /// Show the truth from the start, for training.
+    /// Show the true world from the start, for training.
     #[arg(long)]
     pub(crate) training: bool,
 
@@ -73,19 +73,19 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "out/teleop", value_name = "FOLDER")]
     pub(crate) out: PathBuf,
 
-    /// Write the time of every frame, and the ticks that were done by then.
+    /// Write the duration of every frame and the number of ticks so far as CSV.
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) frame_log: Option<PathBuf>,
 }
 
-/// What the window begins with: a spec, or a world from a file.
+/// What the window starts with: a spec, or a world from a file.
 pub(crate) enum Beginning {
     Spec(Box<WorldSpec>),
     World(Arc<World>),
 }
 
 impl Arguments {
-    /// The world, or what it is made of.
+    /// The world or spec to start with.
     pub(crate) fn beginning(&self) -> Result<Beginning, Box<dyn Error>> {
         let Some(path) = &self.world else {
             let (width, height) = (SIZE, SIZE);
@@ -105,12 +105,12 @@ impl Arguments {
         Ok(Beginning::World(Arc::new(world)))
     }
 
-    /// What trials are made of at first.
+    /// The initial settings of trials.
     pub(crate) fn settings(&self) -> Result<TrialSettings, Box<dyn Error>> {
         let settings = TrialSettings {
             body: self.robot.as_deref().map_or(Ok(Robot::default()), robot::read)?,
             seed: self.seed,
-            operator: self.operator,
+            policy: self.policy,
             slam: self.slam,
             robots: self.robots,
             time_limit: self.time_limit,

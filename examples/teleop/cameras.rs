@@ -10,10 +10,10 @@ use bevy_envgen::view::{FollowRobot, ShowWholeMap, TrialPalette, minimap_layers}
 use crate::panels;
 use crate::session::{Phase, Session};
 
-/// Metres from the lower edge of the picture to the upper one, at first.
+/// Initial height of the visible area in metres.
 const HEIGHT: f32 = 14.0;
 
-/// Share of the picture's lesser side that the minimap takes.
+/// Side of the minimap as a share of the picture's shorter side.
 const MINIMAP: f32 = 0.34;
 
 /// Pixels between the minimap and the window's edge.
@@ -55,7 +55,7 @@ pub(crate) fn spawn(
     ));
 }
 
-/// Follows the robot that is driven.
+/// Follows the driven robot.
 pub(crate) fn follow_driven(session: Res<Session>, mut cameras: Query<&mut FollowRobot>) {
     for mut camera in &mut cameras {
         if camera.robot != session.driven {
@@ -64,14 +64,14 @@ pub(crate) fn follow_driven(session: Res<Session>, mut cameras: Query<&mut Follo
     }
 }
 
-/// Pixels of the window beside the panel.
+/// The window's pixels beside the panel.
 pub(crate) fn beside(window: &Window) -> URect {
     let size = window.physical_size();
     let panel = panels::WIDTH * panels::zoom(window.height()) * window.scale_factor();
     URect::from_corners(UVec2::new((panel as u32).min(size.x), 0), size)
 }
 
-/// Pixels of the minimap, in the lower right corner.
+/// The minimap's pixels, in the lower right corner.
 pub(crate) fn minimap(size: UVec2, beside: URect) -> URect {
     let side = (beside.size().min_element() as f32 * MINIMAP) as u32;
     let corner = size.saturating_sub(UVec2::splat(side + MARGIN));
@@ -96,7 +96,7 @@ pub(crate) fn fit(
     }
 }
 
-/// Moves a viewport, where it is not there already.
+/// Moves a viewport, unless it is already there.
 fn put(camera: &mut Mut<'_, Camera>, place: URect, shown: bool) {
     if camera.is_active != shown {
         camera.is_active = shown;

@@ -1,4 +1,4 @@
-//! The session again from its log, and a program on the same map, beside each other.
+//! Compares the replayed session with a program on the same map.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use mapping_trial::score::Scores;
 use mapping_trial::trial::{Trajectory, TrialLog, TrialSettings};
 use mapping_trial::truth::MappableArea;
 
-/// A comparison that runs, or has been made.
+/// A comparison that is running or finished.
 pub(crate) enum Comparison {
     Running(Task<Result<Box<Compared>, String>>),
     Done(Result<Box<Compared>, String>),
@@ -17,24 +17,24 @@ pub(crate) enum Comparison {
 
 /// The scores of two runs in the same world with the same settings.
 pub(crate) struct Compared {
-    /// Of the session, run again from its log.
+    /// The scores of the session, replayed from its log.
     pub(crate) replayed: Scores,
-    /// Whether that run was the session's to the last bit.
+    /// Whether the replay equals the session to the last bit.
     pub(crate) same: bool,
-    /// Of the program.
+    /// The scores of the program.
     pub(crate) program: Scores,
     /// The program's name.
     pub(crate) name: &'static str,
 }
 
-/// A session: what was commanded, and where the robots went.
+/// A session: its commands and the robots' trajectories.
 pub(crate) struct SessionRun {
     pub(crate) log: TrialLog,
     pub(crate) tracks: Vec<Trajectory>,
 }
 
 impl Comparison {
-    /// Begins to compare a session with a program, on another thread.
+    /// Starts to compare a session with a program, on another thread.
     pub(crate) fn begin(
         session: SessionRun,
         world: Arc<World>,
@@ -54,7 +54,7 @@ impl Comparison {
         }))
     }
 
-    /// Takes the result once it is there.
+    /// Takes the result when it is ready.
     pub(crate) fn poll(&mut self) {
         if let Comparison::Running(task) = self
             && let Some(result) = block_on(future::poll_once(task))

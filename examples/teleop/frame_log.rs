@@ -1,4 +1,4 @@
-//! How long every frame took, for those who want to know.
+//! A log of how long every frame took.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -8,7 +8,7 @@ use bevy::prelude::*;
 
 use crate::session::Session;
 
-/// A table with a row a frame.
+/// A CSV file with one row per frame.
 #[derive(Resource)]
 pub(crate) struct FrameLog(BufWriter<File>);
 
@@ -20,7 +20,7 @@ impl FrameLog {
     }
 }
 
-/// Adds a row. A table that cannot be written any more is dropped.
+/// Adds a row. After a write error the file is given up.
 pub(crate) fn write(
     mut log: ResMut<FrameLog>,
     time: Res<Time<Real>>,
@@ -35,9 +35,9 @@ pub(crate) fn write(
     let due = exits.read().next().is_some() || frame.is_multiple_of(60);
     let flushed = if due { log.0.flush() } else { Ok(()) };
     if let Err(problem) = row.and(flushed) {
-        #[expect(clippy::print_stderr, reason = "where errors are told")]
+        #[expect(clippy::print_stderr, reason = "errors belong on stderr")]
         {
-            eprintln!("the frame log ends here: {problem}");
+            eprintln!("the frame log is incomplete: {problem}");
         }
         commands.remove_resource::<FrameLog>();
     }

@@ -11,13 +11,13 @@ use mapping_trial::backend::Command;
 
 use crate::session::{Phase, Session};
 
-/// Metres from the lower edge of the picture to the upper one, at least and at most.
+/// Minimum and maximum height of the visible area in metres.
 const ZOOM: (f32, f32) = (3.0, 200.0);
 
 /// How much a key changes the zoom.
 const ZOOM_STEP: f32 = 1.25;
 
-/// What the person asks of the robot that is driven; nothing while a panel takes the keys.
+/// Commands the driven robot by keys and gamepads; no command while a panel has the keyboard focus.
 pub(crate) fn steer(
     session: Res<Session>,
     keys: Res<ButtonInput<KeyCode>>,
@@ -31,13 +31,13 @@ pub(crate) fn steer(
     } else {
         command_of(&keys, pads, &session.setup.settings.body)
     };
-    // Those that are left stand still.
+    // The robots that are not driven stop.
     let robots = session.setup.settings.robots as usize;
     let command_of = |robot| if robot == session.driven { command } else { Command::STOP };
     hands.set_if_neq(ManualControl { commands: (0..robots).map(command_of).collect() });
 }
 
-/// Keys that do something once.
+/// Keys with a single action.
 pub(crate) fn act(
     mut session: ResMut<Session>,
     keys: Res<ButtonInput<KeyCode>>,
@@ -89,7 +89,7 @@ pub(crate) fn act(
     }
 }
 
-/// Tab goes from robot to robot, not from button to button, while the robots drive.
+/// While the robots drive, Tab switches robots instead of buttons.
 pub(crate) fn keep_tab(session: Res<Session>, mut inputs: Query<&mut EguiInput>) {
     if session.phase == Phase::Running {
         for mut input in &mut inputs {

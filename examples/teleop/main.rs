@@ -1,17 +1,17 @@
-//! A window to drive a robot in: map a world that you do not know, fill the operator's form, see
-//! the scores.
+//! A window to drive a robot: map a world that you do not know, fill in the feedback form, see the
+//! scores.
 //!
 //! ```text
 //! cargo run --release --features window --example teleop
 //! cargo run --release --features window --example teleop -- --difficulty 8 --seed 3 --robots 2
-//! cargo run --release --features window --example teleop -- --operator corridors
+//! cargo run --release --features window --example teleop -- --policy corridors
 //! cargo run --release --features window --example mapping_trial -- --replay out/teleop/001/log.json --out out/again
 //! ```
 //!
-//! W, A, S, D, the arrows or a gamepad (feature `gamepad`) drive, Tab goes to the next robot, P or
-//! Esc pauses, R begins anew, T shows the truth, + and - zoom, End ends the trial. The folder `--out`
-//! then holds a folder for every trial, with what `mapping_trial` writes: log, report with the form,
-//! pictures, the map for ROS.
+//! W, A, S, D, the arrows or a gamepad (feature `gamepad`) drive, Tab switches to the next robot, P
+//! or Esc pauses, R restarts, T shows the true world, + and - zoom, End ends the trial. The folder
+//! `--out` then holds a folder for every trial, with the files of `mapping_trial`: log, report with
+//! the form, pictures, the map for ROS.
 
 mod arguments;
 mod cameras;
@@ -53,7 +53,7 @@ fn main() -> ExitCode {
         Ok(AppExit::Success) => ExitCode::SUCCESS,
         Ok(AppExit::Error(code)) => ExitCode::from(code.get()),
         Err(error) => {
-            #[expect(clippy::print_stderr, reason = "where errors are told")]
+            #[expect(clippy::print_stderr, reason = "errors belong on stderr")]
             {
                 eprintln!("error: {error}");
             }
@@ -62,12 +62,12 @@ fn main() -> ExitCode {
     }
 }
 
-/// Opens the window. What the command line gets wrong is said before.
+/// Opens the window. Mistakes in the command line are reported before.
 fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let beginning = arguments.beginning()?;
     let settings = arguments.settings()?;
     output::folder(&arguments.out)?;
-    // Bevy panics where there is none.
+    // Without a graphics driver Bevy would panic.
     find_renderer()?;
     let frame_log = arguments
         .frame_log

@@ -17,16 +17,16 @@ use crate::session::{Phase, Session};
 /// Width of the panel at the left, in points.
 pub(crate) const WIDTH: f32 = 360.0;
 
-/// Height of the window in points at which texts have their plain size.
+/// Window height in points at which texts have their normal size.
 const PLAIN_HEIGHT: f32 = 800.0;
 
-/// How large a point is on a window of this height: texts grow with it.
+/// Size of a point for a window of this height: texts grow with the window.
 pub(crate) fn zoom(window_height: f32) -> f32 {
     (window_height / PLAIN_HEIGHT).clamp(1.0, 2.5)
 }
 
-/// Texts that can be read on the dark panels, also from a screen that stands in the sun. Does
-/// nothing after the first time.
+/// Sets texts that are readable on the dark panels, even on a screen in sunlight. Does nothing
+/// after the first call.
 fn dress(context: &egui::Context) {
     let text = Some(egui::Color32::from_gray(222));
     if context.global_style().visuals.override_text_color != text {
@@ -38,7 +38,7 @@ fn dress(context: &egui::Context) {
     }
 }
 
-/// Draws the panels, and does what they say.
+/// Draws the panels and carries out the person's actions.
 pub(crate) fn panels(
     mut contexts: EguiContexts,
     window: Single<&Window>,
@@ -77,7 +77,7 @@ pub(crate) fn panels(
             }
             (Phase::Form, _) => {
                 ui.heading("The trial is over");
-                ui.label("Please fill the form. The scores come after it.");
+                ui.label("Please fill in the form. The scores come after it.");
             }
             (Phase::Done, Some((trial, _, truth))) => done(ui, session, trial, truth),
             _ => setup(ui, session, worlds.get(session.world).ok(), &mut commands),
@@ -100,7 +100,7 @@ pub(crate) fn panels(
     Ok(())
 }
 
-/// The choice of a world and a trial.
+/// The choice of a world and the settings of a trial.
 fn setup(ui: &mut Ui, session: &mut Session, truth: Option<&GroundTruth>, commands: &mut Commands) {
     ui.heading("Trial");
     session.setup.show(ui);
@@ -114,7 +114,7 @@ fn setup(ui: &mut Ui, session: &mut Session, truth: Option<&GroundTruth>, comman
         }
         if session.phase == Phase::Generating {
             ui.spinner();
-            ui.label("the world is being made");
+            ui.label("the world is being generated");
         }
     });
     ui.separator();
@@ -126,7 +126,7 @@ fn setup(ui: &mut Ui, session: &mut Session, truth: Option<&GroundTruth>, comman
     }
 }
 
-/// Lines over the world, for training.
+/// Switches for lines over the world, for training.
 fn debug_layers(ui: &mut Ui, layers: &mut ResMut<DebugLayers>) {
     let mut wanted = **layers;
     ui.label("Lines over the world");
@@ -140,14 +140,16 @@ fn debug_layers(ui: &mut Ui, layers: &mut ResMut<DebugLayers>) {
     layers.set_if_neq(wanted);
 }
 
-/// What can be done when all is over.
+/// The choices after a trial.
 fn done(ui: &mut Ui, session: &mut Session, trial: &MappingTrial, truth: &GroundTruth) {
     ui.heading("The trial is over");
     if ui.button("Another trial").clicked() {
         session.phase = Phase::Setup;
     }
     ui.separator();
-    ui.label("The session again from its log, and a program on the same map with the same seeds:");
+    ui.label(
+        "The session replayed from its log, and a program on the same map with the same seeds:",
+    );
     ui.horizontal(|ui| {
         let shown = session.rival.name().unwrap_or_default();
         ComboBox::from_id_salt("rival").selected_text(shown).show_ui(ui, |ui| {
@@ -158,7 +160,7 @@ fn done(ui: &mut Ui, session: &mut Session, trial: &MappingTrial, truth: &Ground
         match session.comparison {
             Some(Comparison::Running(_)) => {
                 ui.spinner();
-                ui.label("they drive");
+                ui.label("the trials are running");
             }
             _ if ui.button("Compare").clicked() => session.compare(trial, truth),
             _ => {}
@@ -170,9 +172,9 @@ fn done(ui: &mut Ui, session: &mut Session, trial: &MappingTrial, truth: &Ground
             ScrollArea::vertical().show(ui, |ui| {
                 comparison(ui, &runs);
                 ui.weak(if compared.same {
-                    "Run again from its log, the session is the same to the bit."
+                    "Replayed from its log, the session is identical to the last bit."
                 } else {
-                    "Run again from its log, the session is NOT the same."
+                    "Replayed from its log, the session is NOT identical."
                 });
             });
         }
@@ -183,7 +185,7 @@ fn done(ui: &mut Ui, session: &mut Session, trial: &MappingTrial, truth: &Ground
     }
 }
 
-/// Form and scores, beside the panel.
+/// The windows of form and scores, beside the panel.
 fn windows(context: &egui::Context, session: &mut Session) {
     let screen = context.viewport_rect();
     let middle = egui::vec2(0.5 * WIDTH, 0.0);

@@ -1,4 +1,4 @@
-//! The log on its way to the disk, while the session goes on.
+//! Writing the log to disk while the session continues.
 
 use std::path::Path;
 
@@ -8,12 +8,12 @@ use envgen::located::Locate;
 use envgen::whole_file;
 use mapping_trial::trial::TrialLog;
 
-/// At most one log at a time, which takes the place of the one before.
+/// Writes at most one log at a time; a newer log replaces the previous one.
 #[derive(Default)]
 pub(crate) struct Saving(Option<Task<Result<(), String>>>);
 
 impl Saving {
-    /// Whether the last log is on the disk; why not, where it could not be written.
+    /// Whether the last log is written; an error if it could not be written.
     pub(crate) fn is_done(&mut self) -> Result<bool, String> {
         let Some(task) = &mut self.0 else { return Ok(true) };
         let Some(written) = check_ready(task) else { return Ok(false) };
@@ -21,12 +21,12 @@ impl Saving {
         written.map(|()| true)
     }
 
-    /// Waits until the last log is on the disk, so that the folder is free.
+    /// Waits until the last log is written, so that the folder can be used.
     pub(crate) fn wait(&mut self) -> Result<(), String> {
         self.0.take().map_or(Ok(()), block_on)
     }
 
-    /// Has a log written into a folder, on another thread.
+    /// Starts to write a log into a folder, on another thread.
     pub(crate) fn begin(&mut self, log: TrialLog, folder: &Path) {
         let folder = folder.to_owned();
         let pool = IoTaskPool::get_or_init(TaskPool::default);

@@ -1,4 +1,4 @@
-//! From the choice of a world to the scores: what the person does, and what is kept of it.
+//! The session from the choice of a world to the scores: the person's actions and what is saved.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -21,19 +21,19 @@ use crate::compare::{Comparison, SessionRun};
 use crate::saving::Saving;
 use crate::{output, start};
 
-/// Ticks between two writings of the log while the trial runs: what is lost when the power fails.
-const TICKS_A_LOG: u64 = 200;
+/// Ticks between two writes of the log during the trial: the most that a power failure loses.
+const TICKS_PER_LOG: u64 = 200;
 
-/// Where the person is.
+/// The step of the session that the person is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Phase {
-    /// The world is being made.
+    /// The world is being generated.
     Generating,
-    /// The world stands, the trial is chosen.
+    /// The world is ready, and the person chooses the trial.
     Setup,
     /// The robots drive.
     Running,
-    /// The form is to be filled.
+    /// The form is to be filled in.
     Form,
     /// The scores are shown.
     Done,
@@ -47,34 +47,34 @@ pub(crate) struct Session {
     pub(crate) setup: SetupForm,
     /// The environment.
     pub(crate) world: Entity,
-    /// The robot that is driven.
+    /// Index of the driven robot.
     pub(crate) driven: usize,
     pub(crate) paused: bool,
-    /// Ticks done since the program began.
+    /// Number of ticks since the program started.
     pub(crate) ticks: u64,
     pub(crate) form: Option<FeedbackForm>,
     pub(crate) report: Option<TrialReport>,
-    /// What the last trial was measured against.
+    /// The mappable area that the last trial was scored against.
     truth: Option<Arc<MappableArea>>,
     pub(crate) rival: PolicyKind,
     pub(crate) comparison: Option<Comparison>,
-    /// What happened last, in a line.
+    /// The last event, in one line.
     pub(crate) message: String,
-    /// Holds a folder a trial.
+    /// The folder that holds one folder per trial.
     out: PathBuf,
-    /// The folder of the last trial that began.
+    /// The folder of the current or last trial.
     folder: PathBuf,
-    /// Whether the truth was shown during the last trial.
+    /// Whether the true world was shown during the trial.
     truth_seen: bool,
     saving: Saving,
-    /// Whether the world is from a file, and of no spec.
+    /// Whether the world was read from a file, not generated from a spec.
     from_file: bool,
-    /// Whether a program that was asked for on the command line has still to begin.
+    /// Whether a program from the command line still has to begin.
     pub(crate) at_once: bool,
 }
 
 impl Session {
-    /// The session of the command line, with its world asked for.
+    /// The session of the command line, which requests its world.
     pub(crate) fn begin(
         arguments: &Arguments,
         beginning: Beginning,
@@ -111,24 +111,24 @@ impl Session {
             truth_seen: training,
             saving: Saving::default(),
             from_file,
-            at_once: arguments.operator.is_some(),
+            at_once: arguments.policy.is_some(),
         }
     }
 
-    /// Asks for another world.
+    /// Requests another world.
     pub(crate) fn regenerate(&mut self, spec: WorldSpec, seed: Seed, commands: &mut Commands) {
         commands.entity(self.world).remove::<MappingTrial>();
         let view = TrialView { truth: self.setup.training, ..default() };
         commands.entity(self.world).insert((Environment::new(spec, seed.0), view));
-        // Also where it is the spec that stands: it is asked for.
+        // Also if the spec is unchanged: the person asked for it.
         commands.trigger(RebuildEnvironment { entity: self.world });
         self.phase = Phase::Generating;
         self.from_file = false;
     }
 
-    /// Begins a trial in the world that stands, from its start.
+    /// Begins a trial in the current world, from its start.
     pub(crate) fn start(&mut self, truth: &GroundTruth, commands: &mut Commands) {
-        // Of a world from a file the panel's, as of everything else that is not in the file.
+        // For a world from a file, the panel's seed is used.
         let made = truth.provenance.seed.filter(|_| !self.from_file);
         let seed = made.unwrap_or(self.spec.seed());
         let begun = self.setup.request(seed).map_err(Into::into);
@@ -145,7 +145,7 @@ impl Session {
                 self.folder = new_folder(&self.out);
                 let view = TrialView { truth: self.setup.training, ..default() };
                 let mut world = commands.entity(self.world);
-                if settings.operator.is_none() {
+                if settings.policy.is_none() {
                     world.insert(ManualControl::default());
                 } else {
                     world.remove::<ManualControl>();
@@ -159,8 +159,8 @@ impl Session {
         }
     }
 
-    /// Ends a trial: log, pictures and report are written, and the form is asked for where a person
-    /// drove. The scores come after it, so that they sway no rating.
+    /// Ends a trial: writes log, pictures and report, and asks for the form if a person drove. The
+    /// scores are shown after the form, so that they do not influence the ratings.
     pub(crate) fn finish(&mut self, holder: &mut MappingTrial, world: &GroundTruth) {
         holder.stop();
         self.paused = false;
@@ -180,7 +180,7 @@ impl Session {
                 return;
             }
         };
-        if report.settings.operator.is_none() {
+        if report.settings.policy.is_none() {
             self.form = Some(FeedbackForm::new(report.session()));
             self.phase = Phase::Form;
         }
@@ -197,7 +197,7 @@ impl Session {
         self.truth = Some(Arc::new(truth));
     }
 
-    /// Has the log written as far as it goes, unless it is being written.
+    /// Starts to write the current log, unless a log is being written.
     fn keep_log(&mut self, holder: &MappingTrial) {
         let Some(trial) = holder.trial() else { return };
         match self.saving.is_done() {
@@ -214,18 +214,18 @@ impl Session {
         }
     }
 
-    /// Gives the folder of a trial whose truth was seen a name that says so: its scores are no blind ones.
+    /// Marks the folder of a trial during which the true world was shown: its scores are not blind.
     fn mark_training(&mut self) {
         let mut name = self.folder.clone().into_os_string();
         name.push("_training");
         let marked = PathBuf::from(name);
-        // Where the log was not kept yet, there is none to be renamed.
+        // Before the log is first written, no folder exists that could be renamed.
         if !self.folder.exists() || std::fs::rename(&self.folder, &marked).is_ok() {
             self.folder = marked;
         }
     }
 
-    /// Puts the filled form into the report, or goes on without one.
+    /// Adds the answers to the report, or continues without them.
     pub(crate) fn hand_in(&mut self, feedback: Option<Feedback>) {
         self.phase = Phase::Done;
         self.form = None;
@@ -242,7 +242,7 @@ impl Session {
         }
     }
 
-    /// Does what a key or a button asks for while a trial runs.
+    /// Carries out an action of a key or a button during a trial.
     pub(crate) fn act(
         &mut self,
         action: TrialAction,
@@ -270,10 +270,10 @@ impl Session {
         }
     }
 
-    /// Compares the session with the program that is chosen.
+    /// Compares the session with the chosen program.
     pub(crate) fn compare(&mut self, holder: &MappingTrial, world: &GroundTruth) {
         let (Some(trial), Some(truth)) = (holder.trial(), &self.truth) else { return };
-        let program = TrialSettings { operator: Some(self.rival), ..trial.settings().clone() };
+        let program = TrialSettings { policy: Some(self.rival), ..trial.settings().clone() };
         let name = self.rival.name().unwrap_or("program");
         let run = SessionRun {
             log: trial.log(),
@@ -284,7 +284,7 @@ impl Session {
     }
 }
 
-/// The first of the folders `001`, `002` and so on that is not there yet, with or without a mark.
+/// The first of the folders `001`, `002` and so on that does not exist, with or without a mark.
 fn new_folder(out: &Path) -> PathBuf {
     (1_u32..)
         .map(|number| format!("{number:03}"))
@@ -292,14 +292,14 @@ fn new_folder(out: &Path) -> PathBuf {
         .map_or_else(|| out.to_path_buf(), |name| out.join(name))
 }
 
-/// Lines over the world are the truth, too.
+/// Hides the lines over the world, which show the true world, too.
 pub(crate) fn hide_lines(session: Res<Session>, mut layers: ResMut<DebugLayers>) {
     if !session.setup.training {
         layers.set_if_neq(DebugLayers::default());
     }
 }
 
-/// The world stands: a trial can begin.
+/// The world is ready: a trial can begin.
 pub(crate) fn world_is_ready(
     ready: On<EnvironmentReady>,
     mut session: ResMut<Session>,
@@ -319,13 +319,13 @@ pub(crate) fn world_is_ready(
     }
 }
 
-/// There is no such world: the panel says why.
+/// The world cannot be generated: the panel shows the error.
 pub(crate) fn world_has_failed(failed: On<EnvironmentFailed>, mut session: ResMut<Session>) {
     session.spec.set_failure(Some(failed.error.to_string()));
     session.phase = Phase::Setup;
 }
 
-/// The trial has come to its end by itself.
+/// The trial has ended by itself.
 pub(crate) fn trial_has_ended(
     ended: On<TrialEnded>,
     mut session: ResMut<Session>,
@@ -338,13 +338,13 @@ pub(crate) fn trial_has_ended(
     }
 }
 
-/// The trial cannot begin: the panel says why.
+/// The trial cannot begin: the panel shows the error.
 pub(crate) fn trial_has_failed(failed: On<TrialFailed>, mut session: ResMut<Session>) {
     session.message = failed.error.to_string();
     session.phase = Phase::Setup;
 }
 
-/// Time stands still while the trial is paused.
+/// Stops time while the trial is paused.
 pub(crate) fn halt(session: Res<Session>, mut time: ResMut<Time<Virtual>>) {
     if session.paused != time.is_paused() {
         if session.paused {
@@ -355,26 +355,26 @@ pub(crate) fn halt(session: Res<Session>, mut time: ResMut<Time<Virtual>>) {
     }
 }
 
-/// Counts the ticks of trials, 20 a second, and keeps their logs.
+/// Counts the ticks of trials, 20 per second, and saves their logs.
 pub(crate) fn count(mut session: ResMut<Session>, trials: Query<&MappingTrial>) {
     if session.phase != Phase::Running || session.paused {
         return;
     }
     let Ok(trial) = trials.get(session.world) else { return };
     session.ticks += 1;
-    if session.ticks.is_multiple_of(TICKS_A_LOG) {
+    if session.ticks.is_multiple_of(TICKS_PER_LOG) {
         session.keep_log(trial);
     }
 }
 
-/// Takes a comparison that is made.
+/// Takes a finished comparison.
 pub(crate) fn poll_comparison(mut session: ResMut<Session>) {
     if let Some(comparison) = &mut session.bypass_change_detection().comparison {
         comparison.poll();
     }
 }
 
-/// A window that is closed ends the trial; nothing of it is lost.
+/// Closing the window ends the trial and saves it.
 pub(crate) fn save_at_exit(
     mut exits: MessageReader<AppExit>,
     mut session: ResMut<Session>,

@@ -216,7 +216,7 @@ fn streams_that_cannot_be_are_named() {
     let world = ForestSpec::default();
     let world = WorldSpec::from(world).generate(Seed(1)).unwrap().to_world();
     for (environment, stream, says) in [
-        (hallway().endless(10.0), Some(around), "hallway cannot be endless"),
+        (hallway().endless(10.0), Some(around), "`hallway` cannot be endless"),
         (Environment::prebuilt(world).endless(10.0), Some(around), "exists already"),
         (forest().endless(10.0), None, "StreamAround"),
         (forest().endless(0.0), Some(around), "tile"),

@@ -104,7 +104,7 @@ fn a_person_drives_and_stops_and_nothing_is_left() {
     bevy_envgen::testing::step(&mut app, 3);
     let before = super::in_rapier(&mut app);
     let commands = vec![Command { speed: 0.4, turn_rate: 0.0 }];
-    let settings = TrialSettings { operator: None, ..short(60.0) };
+    let settings = TrialSettings { policy: None, ..short(60.0) };
     app.world_mut()
         .entity_mut(root)
         .insert((MappingTrial::new(settings), ManualControl { commands }));
@@ -164,7 +164,7 @@ fn what_cannot_be_is_told() {
     let text = told(64.0, short(9.0));
     assert!(text.starts_with("the fixed step is 0.015625 s"), "{text}");
     let text = told(20.0, TrialSettings { robots: 0, ..short(9.0) });
-    assert_eq!(text, "`robots` must be 1 to 8, got 0");
+    assert_eq!(text, "`robots` must be a whole number from 1 to 8, got 0");
     let error = run_headless(&hallway(), short(f64::NAN), |_| ()).err().unwrap().to_string();
     assert!(error.contains("`time_limit` must be"), "{error}");
 
@@ -179,7 +179,7 @@ fn frames_of_any_length_give_the_same_trial() {
     let world = IndoorSpec { width: 5, height: 5, ..Default::default() };
     let world = world.generate(Seed(3)).unwrap().to_world();
     let start = world.start.unwrap();
-    let settings = TrialSettings { operator: None, robots: 2, ..short(60.0) };
+    let settings = TrialSettings { policy: None, robots: 2, ..short(60.0) };
     for frames in [7.0, 20.0, 190.0] {
         let mut app = app_with_frames(20.0, frames);
         app.insert_resource(ColliderSettings::for_trials());
@@ -221,7 +221,7 @@ fn another_trial_in_the_same_app_is_as_good_as_the_first() {
     app.insert_resource(ColliderSettings::for_trials());
     let root = app.world_mut().spawn(environment()).id();
     bevy_envgen::testing::step(&mut app, 5);
-    let settings = TrialSettings { operator: None, robots: 3, ..short(60.0) };
+    let settings = TrialSettings { policy: None, robots: 3, ..short(60.0) };
     let commands = vec![Command { speed: 0.6, turn_rate: 0.4 }; 3];
     for _ in 0..3 {
         let trial = MappingTrial::new(settings.clone());

@@ -1,20 +1,21 @@
-//! Runs the examples as a user does.
+//! Runs the examples as users do.
 
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// An example by its name.
+/// An example, by name.
 pub(crate) struct Example(pub(crate) &'static str);
 
 impl Example {
-    /// The example, which `cargo test` builds beside the tests, as it is to run into a folder.
+    /// The command of an example, which `cargo test` builds beside the tests, with its output
+    /// folder.
     pub(crate) fn command(&self, arguments: &[&str], out: &Path) -> Command {
         let mut path = std::env::current_exe().expect("this test");
         path.pop();
         path.pop();
         path.push("examples");
         path.push(format!("{}{}", self.0, std::env::consts::EXE_SUFFIX));
-        assert!(path.exists(), "{} is not there: build the examples first", path.display());
+        assert!(path.exists(), "{} does not exist: build the examples first", path.display());
         let mut command = Command::new(path);
         command.args(arguments).arg("--out").arg(out);
         command
@@ -24,7 +25,7 @@ impl Example {
         self.command(arguments, out).output().expect("the example starts")
     }
 
-    /// What it says where all goes well.
+    /// The output of a run that must succeed.
     pub(crate) fn ok(&self, arguments: &[&str], out: &Path) -> String {
         let output = self.run(arguments, out);
         let errors = String::from_utf8_lossy(&output.stderr);
@@ -32,7 +33,7 @@ impl Example {
         String::from_utf8(output.stdout).expect("text")
     }
 
-    /// What it says of its error, where it is to have one; then there is no report.
+    /// The error output of a run that must fail without a report.
     pub(crate) fn error(&self, arguments: &[&str], out: &Path) -> String {
         let output = self.run(arguments, out);
         assert!(!output.status.success(), "{arguments:?} went well");

@@ -62,7 +62,7 @@ fn frames_of_a_film_have_one_size() {
     let mut film = Film::create(folder.path().join("film.gif"), 10.0).unwrap();
     film.push(&picture(20, 15, 3)).unwrap();
     let error = film.push(&picture(15, 20, 3)).unwrap_err().to_string();
-    assert_eq!(error, "a frame of [15, 20] pixels in a film of [20, 15]");
+    assert_eq!(error, "the frame must have [20, 15] pixels like the film, got [15, 20]");
     drop(film);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left behind");
 }
@@ -83,7 +83,7 @@ fn rates_that_gif_cannot_tell_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for rate in [f64::NAN, f64::INFINITY, -1.0, 0.0, 0.5, 50.1] {
         let error = Film::create(folder.path().join("film.gif"), rate).err().unwrap().to_string();
-        assert!(error.contains("frames_a_second") && error.contains("from 1 to 50"), "{error}");
+        assert!(error.contains("frames_per_second") && error.contains("from 1 to 50"), "{error}");
     }
     for rate in [1.0, 50.0] {
         Film::create(folder.path().join("film.gif"), rate).unwrap();

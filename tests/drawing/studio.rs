@@ -102,7 +102,7 @@ fn an_app_asks_for_pictures_of_its_cameras() {
     }
     let answers = &studio.app().world().resource::<Answers>().0;
     assert_eq!(answers.len(), 2, "{answers:?}");
-    assert!(answers[0].as_ref().unwrap_err().contains("is no camera"), "{answers:?}");
+    assert!(answers[0].as_ref().unwrap_err().contains("is not a camera"), "{answers:?}");
     assert_eq!(answers[1], Ok(path.clone()));
     assert!(path.exists());
 }

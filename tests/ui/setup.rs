@@ -5,7 +5,7 @@ use mapping_trial::trial::TrialSettings;
 
 #[test]
 fn the_choices_are_shown_and_checked() {
-    let settings = TrialSettings { operator: None, ..Default::default() };
+    let settings = TrialSettings { policy: None, ..Default::default() };
     let mut form = SetupForm { settings, training: false };
     let shown = show_in(egui::vec2(300.0, 400.0), |ui| form.show(ui));
     for text in ["a person", "scan_to_map", "lms200_mm", "skid", "robots", "time limit"] {

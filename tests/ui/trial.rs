@@ -9,7 +9,7 @@ use crate::screen::{click, show_in};
 fn the_status_is_that_of_the_trial() {
     let spec = HallwaySpec { segments: 3, ..Default::default() };
     let world = spec.generate(Seed(7)).expect("a hallway").to_world();
-    let settings = TrialSettings { operator: None, time_limit: 600.0, ..Default::default() };
+    let settings = TrialSettings { policy: None, time_limit: 600.0, ..Default::default() };
     let mut trial = Trial::flat(&world, settings).expect("a trial");
     for _ in 0..40 {
         trial.step_with(&[Command { speed: 0.5, turn_rate: 0.0 }]);

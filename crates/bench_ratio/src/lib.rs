@@ -1,28 +1,28 @@
-//! Ratios against a baseline that is measured in the same run: these machines are shared and noisy,
-//! so that seconds alone say little.
+//! Benchmark ratios against a baseline that is measured in the same run. Machines are shared and
+//! noisy, so absolute seconds say little.
 
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Rounds of a contest; the best of each side counts.
+/// Number of rounds; the best of each side counts.
 const ROUNDS: usize = 15;
 
-/// Seconds of one call of each side, best of many rounds that take turns.
+/// Seconds per call of each side: the best of many alternating rounds.
 pub fn contest<A, B>(mut ours: impl FnMut() -> A, mut baseline: impl FnMut() -> B) -> (f64, f64) {
     (0..ROUNDS).fold((f64::INFINITY, f64::INFINITY), |best, _| {
         (best.0.min(seconds(&mut ours)), best.1.min(seconds(&mut baseline)))
     })
 }
 
-/// Seconds of one call.
-#[expect(clippy::disallowed_methods, reason = "a benchmark looks at the clock")]
+/// Seconds per call.
+#[expect(clippy::disallowed_methods, reason = "a benchmark needs the clock")]
 pub fn seconds<T>(mut work: impl FnMut() -> T) -> f64 {
     let start = Instant::now();
     black_box(work());
     start.elapsed().as_secs_f64()
 }
 
-/// Prints how many times the baseline's time ours takes, and whether that is at most `limit`.
+/// Prints the ratio of our time to the baseline's, and whether it is at most `limit`.
 #[expect(clippy::print_stdout, reason = "the result of a benchmark")]
 pub fn at_most(what: &str, (ours, baseline): (f64, f64), limit: f64) {
     let ratio = ours / baseline;

@@ -1,5 +1,4 @@
-//! Exact rays against rapier's on the same worlds: the laser scans of a robot that stands in many
-//! places.
+//! Exact rays against rapier's in the same worlds: laser scans of a robot at many positions.
 
 use bench_ratio::{contest, faster};
 use bevy::ecs::system::SystemState;
@@ -18,13 +17,13 @@ use bevy_envgen::testing::{step, test_app, truth, wait_until_ready};
 /// Range of the laser in metres: the SICK LMS 200's in millimetre mode.
 const RANGE: f64 = 8.19;
 
-/// Beams of a scan, over half a circle.
+/// Beams per scan, over half a circle.
 const BEAMS: usize = 181;
 
-/// Places in each world.
+/// Scan positions per world.
 const PLACES: usize = 100;
 
-/// How many times faster than rapier's rays ours are to be.
+/// How many times faster than rapier's rays the exact ones should be.
 const TARGET: f64 = 3.0;
 
 fn main() {
@@ -73,8 +72,8 @@ fn race(name: &str, spec: WorldSpec) {
                 (0..BEAMS)
                     .map(|beam| {
                         let turn = std::f64::consts::PI * (beam as f64 / (BEAMS - 1) as f64 - 0.5);
-                        let way = unit_vector(place.heading + turn).as_vec2();
-                        let hit = context.cast_ray(from, way, RANGE as f32, true, filter);
+                        let direction = unit_vector(place.heading + turn).as_vec2();
+                        let hit = context.cast_ray(from, direction, RANGE as f32, true, filter);
                         hit.map_or(RANGE, |(_, distance)| f64::from(distance))
                     })
                     .sum::<f64>()
@@ -84,7 +83,7 @@ fn race(name: &str, spec: WorldSpec) {
         let (a, b) = (ours(), rapier());
         assert!((a - b).abs() < 1e-3 * b, "{name}: the rays see different worlds, {a} and {b}");
         let how = if merge == ColliderMerging::Never {
-            "one collider a part"
+            "one collider per part"
         } else {
             "merged colliders"
         };

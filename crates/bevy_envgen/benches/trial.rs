@@ -8,13 +8,13 @@ use envgen::indoor::IndoorSpec;
 use envgen::{Blueprint, Seed, Spec};
 use mapping_trial::trial::{Trial, TrialSettings};
 
-/// Maps that are driven.
+/// Number of maps.
 const MAPS: u64 = 4;
 
-/// How many times faster than real time a trial is to be.
+/// How many times faster than real time a trial should be.
 const REAL_TIME: f64 = 100.0;
 
-/// How many times the flat simulator's time it may take.
+/// The largest ratio of the time in rapier to that of the flat simulator.
 const FLAT: f64 = 10.0;
 
 fn main() {

@@ -1,4 +1,4 @@
-//! What spawning, resting and streaming cost, against the least that they could.
+//! The cost of spawning, of a world at rest and of streaming, against hand-written baselines.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{step, test_app, wait_until_ready};
 use bevy_envgen::{StreamingReport, Tile};
 
-/// Rounds that take turns; the best of each side counts.
+/// Alternating rounds; the best of each side counts.
 const ROUNDS: usize = 9;
 
 fn main() {
@@ -36,7 +36,7 @@ fn say(line: &str) {
     println!("{line}");
 }
 
-/// An app that spawns, and does nothing else.
+/// An app that only spawns worlds.
 fn bare_app() -> App {
     let mut app = App::new();
     app.add_plugins((EnvgenCorePlugin::default(), EnvgenPhysicsPlugin::default()));
@@ -44,8 +44,9 @@ fn bare_app() -> App {
     app
 }
 
-/// From a world to children with colliders, against `spawn_batch` of the same components, as one
-/// would write it by hand for this world: the trees of each tile known before, nothing looked up.
+/// From a world to entities with colliders, against a hand-written `spawn_batch` of the same
+/// components for this world: the trees of each tile are known in advance, and nothing is looked
+/// up.
 fn spawning(world: &Arc<EnvgenWorld>) {
     let mut best = (f64::INFINITY, f64::INFINITY);
     for _ in 0..ROUNDS {
@@ -63,7 +64,7 @@ fn spawning(world: &Arc<EnvgenWorld>) {
     at_most("from a world to children with colliders, against spawn_batch", best, 1.3);
 }
 
-/// The tiles of an app, and which trees stand in each.
+/// The tiles of an app, with the trees in each.
 fn tiles(app: &mut App) -> Vec<(Tile, Vec<u32>)> {
     let world = app.world_mut();
     let mut tiles = world.query::<(&Tile, &Children)>();
@@ -110,8 +111,9 @@ fn by_hand(bare: &mut World, world: &EnvgenWorld, tiles: &[(Tile, Vec<u32>)]) {
     }
 }
 
-/// A static world that rapier steps: merged colliders against one for every tree, by the plugin and as
-/// one would write it by hand with fixed bodies, each less what the same app costs without a world.
+/// A static world that rapier steps: merged colliders against one collider per tree, by the plugin
+/// and hand-written with fixed bodies. The cost of the same app without a world is subtracted from
+/// each.
 fn resting(world: &Arc<EnvgenWorld>) {
     let app = |merge, solids| {
         let mut app = test_app();
@@ -167,19 +169,19 @@ fn resting(world: &Arc<EnvgenWorld>) {
         [("as data", data, first_data), ("merged, entities", merged, first)]
     {
         let cost = (at_rest - empty, single - empty);
-        at_most(&format!("{what}, at rest, the world's cost against one a tree"), cost, 0.1);
+        at_most(&format!("{what}, at rest, the world's cost against one per tree"), cost, 0.1);
         let cost = (at_rest - empty, by_hand - empty);
-        at_most("the same against one a tree by hand", cost, 0.1);
+        at_most("the same against one per tree by hand", cost, 0.1);
         at_most(
-            &format!("{what}, the first update against one a tree"),
+            &format!("{what}, the first update against one per tree"),
             (first, first_single),
             0.1,
         );
-        at_most("the same against one a tree by hand", (first, first_by_hand), 0.1);
+        at_most("the same against one per tree by hand", (first, first_by_hand), 0.1);
     }
 }
 
-/// A window that moves at 20 m/s through an endless forest of 0.05 trees a square metre.
+/// A window that moves at 20 m/s through an endless forest of 0.05 trees per square metre.
 fn streaming() {
     const SPEED: f32 = 20.0;
     const FRAMES: usize = 2000;

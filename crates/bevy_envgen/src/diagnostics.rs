@@ -1,4 +1,4 @@
-//! How much there is, and what it costs, as Bevy's diagnostics.
+//! Bevy diagnostics: counts of parts and tiles, and the time that they cost.
 
 use bevy::diagnostic::{
     Diagnostic, DiagnosticMeasurement, DiagnosticPath, Diagnostics, DiagnosticsStore,
@@ -11,22 +11,24 @@ use crate::part::PartId;
 use crate::spawn::{Tile, TileSolids};
 use crate::{EnvgenSystems, Schedules};
 
-/// Measures the worlds of an app as Bevy's diagnostics, for its `LogDiagnosticsPlugin` and the like.
+/// Measures the worlds of an app as Bevy diagnostics, for `LogDiagnosticsPlugin` and similar
+/// plugins.
 ///
-/// Not of the group: it counts parts in every frame. Add it after
-/// [`EnvgenPlugins`](crate::EnvgenPlugins).
+/// Not in the group [`EnvgenPlugins`](crate::EnvgenPlugins), because it counts parts in every
+/// frame. Add it after the group.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EnvgenDiagnosticsPlugin;
 
 impl EnvgenDiagnosticsPlugin {
-    /// Parts that are spawned now, entities and data, of all environments.
+    /// Number of spawned parts, entities and data, of all environments.
     pub const PARTS: DiagnosticPath = DiagnosticPath::const_new("envgen/parts");
-    /// Tiles that are spawned now.
+    /// Number of spawned tiles.
     pub const TILES: DiagnosticPath = DiagnosticPath::const_new("envgen/tiles");
-    /// Milliseconds that the generator took for a world, measured when its parts are spawned.
+    /// Time in milliseconds that the generator took for a world, measured when its parts are
+    /// spawned.
     pub const GENERATION_TIME: DiagnosticPath = DiagnosticPath::const_new("envgen/generation_time");
-    /// Milliseconds of a frame that the streaming of all environments took; nothing is measured while
-    /// none is streamed.
+    /// Time in milliseconds per frame that the streaming of all environments took; not measured
+    /// while no environment is streamed.
     pub const STREAMING_TIME: DiagnosticPath = DiagnosticPath::const_new("envgen/streaming_time");
 }
 
@@ -43,7 +45,7 @@ impl Plugin for EnvgenDiagnosticsPlugin {
     }
 }
 
-/// Counts what is spawned.
+/// Counts spawned parts and tiles.
 fn count(
     mut diagnostics: Diagnostics,
     parts: Query<(), With<PartId>>,
@@ -56,7 +58,7 @@ fn count(
     diagnostics.add_measurement(&EnvgenDiagnosticsPlugin::TILES, || tiles.iter().len() as f64);
 }
 
-/// Adds a measurement, where the plugin is there and the diagnostic enabled.
+/// Adds a measurement, if the plugin is added and the diagnostic enabled.
 pub(crate) fn measure(world: &mut World, path: &DiagnosticPath, value: f64) {
     let Some(mut store) = world.get_resource_mut::<DiagnosticsStore>() else { return };
     if let Some(diagnostic) = store.get_mut(path).filter(|diagnostic| diagnostic.is_enabled) {

@@ -1,4 +1,4 @@
-//! Asking for a world, and what comes of it.
+//! The component that asks for a world, and its result.
 
 use std::sync::Arc;
 
@@ -14,15 +14,15 @@ use thiserror::Error;
 ///
 /// The parts are spawned below the entity, so that its [`Transform`] moves and turns them, and
 /// [`EnvironmentReady`] or [`EnvironmentFailed`] is triggered on it and written as a message. Changing
-/// the component, or the asset behind it, rebuilds the world; until the new one is ready the old one
-/// stays. Removing the component, or despawning the entity, removes everything.
+/// the component, or the asset behind it, rebuilds the world; the old world is kept until the new
+/// one is ready. Removing the component, or despawning the entity, removes everything.
 ///
-/// With the feature `serialize` a Bevy scene can hold it. The scene needs nothing of what it makes: the
-/// other components of the entity and its tiles are made again where the scene is loaded, and so they
-/// are for a clone of the entity.
+/// With the feature `serialize` a Bevy scene can hold this component. The other components of the
+/// entity and its tiles need not be in the scene: they are rebuilt where the scene is loaded, and
+/// also for a clone of the entity.
 ///
-/// Units are metres, x right and y up in the entity's frame. Scales other than 1 make all of it
-/// larger or smaller; they must be positive and the same along x and y.
+/// Units are metres, x right and y up in the entity's frame. A scale other than 1 resizes the whole
+/// world; it must be positive and the same along x and y.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -43,27 +43,27 @@ use thiserror::Error;
 #[reflect(Component, Debug, PartialEq, Clone)]
 #[require(EnvironmentState, Transform)]
 pub struct Environment {
-    /// What the world is made of.
+    /// The spec, the file or the finished world.
     pub source: WorldSource,
-    /// From which everything random follows. Worlds that exist already have no use for it.
+    /// Determines everything random. Unused for a world that exists already.
     pub seed: u64,
-    /// Whether the schedule waits for the generator.
+    /// Whether generation blocks the schedule or runs as a background task.
     pub pace: GenerationMode,
-    /// Whether the world has an end.
+    /// Whether the world is finite or endless.
     pub extent: Extent,
-    /// The point of the world, in metres, that lies at the entity's own origin. Single precision
-    /// keeps a millimetre up to 8 km from it.
+    /// The point of the world, in metres, at the entity's own origin. Single precision resolves a
+    /// millimetre up to 8 km from it.
     pub origin: DVec2,
     /// Whether each wall, tree and obstacle is an entity.
     pub solids: SolidStorage,
 }
 
-/// What a world is made of.
+/// Where a world comes from.
 #[derive(Clone, Debug, PartialEq, Reflect)]
 #[reflect(Debug, PartialEq, Clone)]
 #[non_exhaustive]
 pub enum WorldSource {
-    /// A spec, which the seed makes a world of.
+    /// A spec, from which a world is generated with the seed.
     Spec(SourceSpec),
     /// A spec in a file such as `hall.envgen.ron`.
     #[cfg(feature = "asset")]
@@ -72,7 +72,7 @@ pub enum WorldSource {
     World(SourceWorld),
 }
 
-/// A spec as a value that scenes can hold, by the serde of [`WorldSpec`].
+/// A spec as a value that scenes can hold, serialized as [`WorldSpec`].
 #[derive(Clone, Debug, PartialEq, Deref, DerefMut, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
@@ -80,7 +80,7 @@ pub enum WorldSource {
 #[reflect(Debug, PartialEq, Clone)]
 pub struct SourceSpec(pub Box<WorldSpec>);
 
-/// A world as a value that scenes can hold, by the serde of [`World`].
+/// A world as a value that scenes can hold, serialized as [`World`].
 #[derive(Clone, Debug, PartialEq, Deref, Reflect)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[reflect(opaque)]
@@ -101,46 +101,46 @@ impl<'de> serde::Deserialize<'de> for SourceWorld {
     }
 }
 
-/// Whether the schedule waits for the generator.
+/// Whether generation blocks the schedule or runs as a background task.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, PartialEq, Clone)]
 pub enum GenerationMode {
-    /// It waits for worlds that take about a frame or less, by the spec's own estimate, and does not
-    /// for others.
+    /// Blocks for worlds that take about a frame or less, by the spec's own estimate, and runs in
+    /// the background for others.
     #[default]
     Auto,
-    /// It waits: the world is there in the same frame.
+    /// Blocks: the world is ready in the same frame.
     Blocking,
-    /// It does not: the generator runs as a task of the pool for long computations.
+    /// Runs as a task of the pool for long computations.
     Async,
 }
 
-/// Whether a world has an end.
+/// Whether a world is finite or endless.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Default, Debug, PartialEq, Clone)]
 pub enum Extent {
-    /// It has.
+    /// It is finite.
     #[default]
     Finite,
-    /// It has none. Only forests can be endless, and only around the anchor of a
+    /// It is endless. Only forests can be endless, and only around the anchor of a
     /// [`StreamAround`](crate::StreamAround).
     Endless {
-        /// Side of a tile in metres. It is part of what the seed means: another side is another
-        /// forest.
+        /// Side of a tile in metres. The world depends on it: another side gives another forest for
+        /// the same seed.
         tile: f64,
     },
 }
 
-/// How the parts that stop a robot and a ray are kept: walls, trees and obstacles.
+/// How solid parts (walls, trees and obstacles) are stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, PartialEq, Clone)]
 pub enum SolidStorage {
     /// Each is an entity, with the component of its kind.
     #[default]
     Entities,
-    /// They are data of their tile, its [`TileSolids`](crate::TileSolids), for static worlds of
-    /// 100,000 parts and more: Bevy's systems look at every entity with a [`Transform`] in every
-    /// frame, and at none of these. Their colliders are merged, whatever the settings say.
+    /// They are data of their tile, in [`TileSolids`](crate::TileSolids), for static worlds of
+    /// 100,000 parts and more: Bevy's systems visit every entity with a [`Transform`] in every
+    /// frame, but none of these. Their colliders are always merged.
     TileData,
 }
 
@@ -167,22 +167,22 @@ impl Environment {
         Environment { source, seed, pace, extent, origin: DVec2::ZERO, solids }
     }
 
-    /// The same without an end, in square tiles of `tile` metres: see [`Extent::Endless`].
+    /// The same, but endless, in square tiles of `tile` metres: see [`Extent::Endless`].
     pub fn endless(self, tile: f64) -> Self {
         Environment { extent: Extent::Endless { tile }, ..self }
     }
 
-    /// The same, with the schedule waiting for the generator or not.
+    /// The same with another generation mode.
     pub fn with_pace(self, pace: GenerationMode) -> Self {
         Environment { pace, ..self }
     }
 
-    /// The same, with another point of the world at the entity's origin.
+    /// The same with another point of the world at the entity's origin.
     pub fn with_origin(self, origin: DVec2) -> Self {
         Environment { origin, ..self }
     }
 
-    /// The same, with walls, trees and obstacles as entities or as data of their tiles.
+    /// The same with walls, trees and obstacles as entities or as data of their tiles.
     pub fn with_solids(self, solids: SolidStorage) -> Self {
         Environment { solids, ..self }
     }
@@ -200,35 +200,35 @@ pub(crate) struct Layout {
     pub(crate) solids: SolidStorage,
 }
 
-/// How far an environment has come.
+/// The state of an environment's world.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[component(clone_behavior = Ignore)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub enum EnvironmentState {
-    /// Nothing has been done yet, or its asset is not loaded.
+    /// Generation has not started, or the asset is not loaded.
     #[default]
     Waiting,
-    /// The generator is at work.
+    /// The generator is running.
     Generating,
     /// The first tiles around the anchor are being spawned.
     Streaming,
-    /// The world stands.
+    /// All parts, or all tiles around the anchor, are spawned.
     Ready,
-    /// There is no world, or the one that was there before: see [`EnvironmentFailure`].
+    /// Generation failed; a previous world, if any, is kept: see [`EnvironmentFailure`].
     Failed,
 }
 
-/// Why the world of an environment cannot be made, on its entity until the world is ready. Scenes do not
-/// hold it.
+/// Why the world of an environment could not be made. On its entity until a world is ready; scenes
+/// do not hold it.
 #[derive(Component, Clone, Debug, PartialEq, Deref)]
 #[component(clone_behavior = Ignore)]
 pub struct EnvironmentFailure(pub EnvironmentError);
 
-/// Triggered on an environment, and written as a message, when its world stands, at first and
-/// after every change.
+/// Triggered on an environment, and written as a message, when its world is ready: the first time
+/// and after every change.
 ///
-/// The [`GlobalTransform`]s of all that stands are right by then, also before Bevy propagates
-/// transforms. Where the start and the goal are is in
+/// The [`GlobalTransform`]s of all spawned parts are correct by then, even before Bevy propagates
+/// transforms. The poses of the start and the goal are in
 /// [`EnvironmentLandmarks`](crate::EnvironmentLandmarks).
 #[derive(EntityEvent, Message, Clone, Debug)]
 pub struct EnvironmentReady {
@@ -236,8 +236,8 @@ pub struct EnvironmentReady {
     pub entity: Entity,
 }
 
-/// Triggered on an environment, and written as a message, when its world cannot be made. A world
-/// that stood before stays. The error is also kept on the entity: see [`EnvironmentFailure`].
+/// Triggered on an environment, and written as a message, when its world cannot be made. A previous
+/// world is kept. The error is also stored on the entity: see [`EnvironmentFailure`].
 #[derive(EntityEvent, Message, Clone, Debug)]
 pub struct EnvironmentFailed {
     /// The environment.
@@ -246,7 +246,7 @@ pub struct EnvironmentFailed {
     pub error: EnvironmentError,
 }
 
-/// Trigger it on an environment to have its world made again, although nothing changed.
+/// Trigger it on an environment to rebuild its world although nothing changed.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct RebuildEnvironment {
     /// The environment.
@@ -257,11 +257,11 @@ pub struct RebuildEnvironment {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum EnvironmentError {
-    /// The spec asks for what is not allowed, or this seed has no world that keeps it.
+    /// The spec is invalid, or no world of this seed satisfies it.
     #[error(transparent)]
     Generate(#[from] GenerateError),
-    /// A world that was given breaks an invariant.
-    #[error("the world is broken: {0}")]
+    /// The world that was passed in breaks an invariant.
+    #[error("the world is invalid: {0}")]
     Broken(#[from] Violation),
     /// The file of the spec could not be loaded.
     #[error("{path} cannot be loaded: {reason}")]
@@ -272,13 +272,13 @@ pub enum EnvironmentError {
         reason: String,
     },
     /// The asset of the spec was removed.
-    #[error("the asset {0} of the spec is gone")]
+    #[error("the asset {0} of the spec was removed")]
     AssetGone(String),
-    /// There is no server for assets.
+    /// The app has no asset server.
     #[error("the spec is an asset, but the app has no `AssetPlugin`")]
     NoAssets,
     /// The kind of world cannot be endless.
-    #[error("a {0} cannot be endless, only a forest can")]
+    #[error("a world of kind `{0}` cannot be endless, only one of kind `forest` can")]
     NotEndless(WorldKind),
     /// A world that exists already cannot be endless.
     #[error("a world that exists already cannot be endless")]
@@ -286,59 +286,61 @@ pub enum EnvironmentError {
     /// An endless world is not streamed.
     #[error("an endless world needs the component `StreamAround`")]
     NoAnchor,
-    /// A number of the component [`StreamAround`](crate::StreamAround) is not allowed.
+    /// A field of the component [`StreamAround`](crate::StreamAround) is out of range.
     #[error("`{field}` of `StreamAround` must be {allowed}, got {value}")]
     Stream {
         /// The field.
         field: &'static str,
         /// Its value.
         value: f64,
-        /// What would have been allowed.
+        /// The allowed range.
         allowed: String,
     },
     /// The origin is not finite.
-    #[error("the origin {0} is not finite")]
+    #[error("the origin must be finite, got {0}")]
     Origin(DVec2),
     /// There are too many parts to be spawned at once.
-    #[error("the world has {parts} parts, at most {limit} are spawned at once; add `StreamAround`")]
+    #[error(
+        "the world has {parts} parts, but at most {limit} can be spawned at once; add `StreamAround`"
+    )]
     TooMany {
         /// Parts of the world.
         parts: usize,
-        /// The most that are allowed: [`MAX_PARTS`](crate::MAX_PARTS).
+        /// The maximum: [`MAX_PARTS`](crate::MAX_PARTS).
         limit: usize,
     },
-    /// The transform of the entity, with those above it, cannot carry a flat world.
-    #[error("the transform has {what} {value}, expected {allowed}")]
+    /// The transform of the entity, combined with its ancestors', is not one of a flat world.
+    #[error("the {what} of the transform must be {allowed}, got {value}")]
     Transform {
-        /// Which of its parts.
+        /// The property of the transform, such as `scale`.
         what: &'static str,
         /// Its value.
         value: Vec3,
-        /// What would have been allowed.
+        /// The allowed values.
         allowed: &'static str,
     },
 }
 
-/// The world that stands, on the entity of its [`Environment`]: exact geometry, certificate and
-/// provenance. It is not reflected, so that scenes do not hold it: it is made again.
+/// The exact world that is spawned, on the entity of its [`Environment`]: geometry, certificate and
+/// provenance. It is not reflected, so scenes do not hold it: it is generated again.
 #[derive(Component, Clone, Debug, Deref)]
 #[component(clone_behavior = Ignore)]
 pub struct GroundTruth(pub Arc<World>);
 
-/// The endless forest that is streamed, on the entity of its [`Environment`]. It is not reflected, so
-/// that scenes do not hold it: it is made again.
+/// The endless forest that is streamed, on the entity of its [`Environment`]. It is not reflected,
+/// so scenes do not hold it: it is generated again.
 #[derive(Component, Clone, Debug, Deref)]
 #[component(clone_behavior = Ignore)]
 pub struct EndlessTruth(pub Arc<envgen::forest::EndlessForest>);
 
-/// How much there is of the world that stands, on the entity of its [`Environment`].
+/// The size of the spawned world, on the entity of its [`Environment`].
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[component(clone_behavior = Ignore)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct EnvironmentStats {
-    /// Parts of the whole world; absent for an endless one.
+    /// Number of parts of the whole world; `None` for an endless one.
     pub parts: Option<usize>,
-    /// Parts that stop a robot and a ray, of the whole world; absent for an endless one.
+    /// Number of solid parts of the whole world; `None` for an endless one.
     pub solids: Option<usize>,
 }
 

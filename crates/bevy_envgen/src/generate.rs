@@ -1,4 +1,4 @@
-//! From a request to a world that stands: the systems of [`EnvgenCorePlugin`](crate::EnvgenCorePlugin).
+//! From a request to a spawned world: the systems of [`EnvgenCorePlugin`](crate::EnvgenCorePlugin).
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -22,14 +22,14 @@ use crate::plan::Plan;
 use crate::spawn::{Tile, spawn_page};
 use crate::streaming::{StreamAround, Streaming};
 
-/// Parts that are spawned at once, at most; larger worlds are streamed.
+/// The most parts that are spawned at once; larger worlds must be streamed.
 pub const MAX_PARTS: usize = 2_000_000;
 
-/// Specs of at most this much work are generated while the schedule waits, by [`GenerationMode::Auto`]: parts,
-/// cells or points, of which each takes a fraction of a microsecond.
+/// [`GenerationMode::Auto`] blocks for specs of at most this much work: parts, cells or points,
+/// each of which takes a fraction of a microsecond.
 const IN_PLACE_WORK: f64 = 1e4;
 
-/// An environment, and what is known of it.
+/// An environment and its state.
 type Requested = (
     Entity,
     Ref<'static, Environment>,
@@ -46,7 +46,7 @@ pub(crate) fn request_worlds(
     for (entity, environment, stream, mut slot, mut state) in &mut environments {
         let tile = stream.map(|stream| stream.tile);
         let waits = matches!(slot.job, Job::Asset);
-        // By bits, so that a side that is no number is refused once and not in every frame.
+        // Compared by bits, so that a NaN side is refused once and not in every frame.
         let bits = |tile: Option<f64>| tile.map(f64::to_bits);
         let same_tile = slot.asked.as_ref().is_some_and(|asked| bits(asked.tile) == bits(tile));
         if !(environment.is_changed() || slot.stale || waits || !same_tile) {
@@ -58,7 +58,9 @@ pub(crate) fn request_worlds(
             continue;
         }
         if !same && matches!(slot.job, Job::Asset | Job::Task(_)) {
-            log::warn!("environment {entity}: another world is asked for before the first is made");
+            log::warn!(
+                "environment {entity}: another world is requested before the previous one is ready"
+            );
         }
         slot.stale = false;
         let spec = match &ask.environment.source {
@@ -102,7 +104,7 @@ pub(crate) fn request_worlds(
     }
 }
 
-/// Makes a world and sorts its parts. The only step that may take long.
+/// Generates a world and sorts its parts into tiles. The only step that may take long.
 fn make(ask: &Request, spec: Option<WorldSpec>) -> Outcome {
     let start = Instant::now();
     let result = try_make(ask, spec);
@@ -155,7 +157,7 @@ fn plan(world: Arc<envgen::World>, tile: Option<f64>) -> Result<Plan, Environmen
     Ok(plan)
 }
 
-/// Takes what the tasks have finished.
+/// Collects the results of finished tasks.
 pub(crate) fn poll_tasks(mut slots: Query<&mut GenerationJob>) {
     for mut slot in &mut slots {
         if let Job::Task(task) = &mut slot.bypass_change_detection().job
@@ -166,7 +168,7 @@ pub(crate) fn poll_tasks(mut slots: Query<&mut GenerationJob>) {
     }
 }
 
-/// Replaces what stood before by what was made.
+/// Replaces the previous world by the generated one.
 pub(crate) fn spawn_worlds(
     world: &mut World,
     slots: &mut QueryState<(Entity, &mut GenerationJob)>,
@@ -187,11 +189,11 @@ pub(crate) fn spawn_worlds(
             Ok(made)
         });
         match placed {
-            Ok(made) => stand(world, entity, &global, &made),
+            Ok(made) => spawn_world(world, entity, &global, &made),
             Err(error) => {
-                let parked = matches!(error, EnvironmentError::Transform { .. });
-                if parked {
-                    park(world, entity);
+                let suspended = matches!(error, EnvironmentError::Transform { .. });
+                if suspended {
+                    suspend(world, entity);
                 }
                 world.get_resource_or_init::<PendingEvents>().push(entity, Err(error));
             }
@@ -199,8 +201,8 @@ pub(crate) fn spawn_worlds(
     }
 }
 
-/// Spawns what was made, or leaves it to the streaming.
-fn stand(world: &mut World, entity: Entity, global: &GlobalTransform, made: &Generated) {
+/// Spawns the generated world, or leaves that to streaming.
+fn spawn_world(world: &mut World, entity: Entity, global: &GlobalTransform, made: &Generated) {
     clear(world, entity);
     propagate(world, entity, *global);
     let Ok(mut root) = world.get_entity_mut(entity) else { return };
@@ -221,9 +223,13 @@ fn stand(world: &mut World, entity: Entity, global: &GlobalTransform, made: &Gen
             root.insert((EndlessTruth(Arc::clone(forest)), stats, landmarks));
         }
     }
-    let mut standing = SpawnedTiles::default();
+    let mut spawned_tiles = SpawnedTiles::default();
     if tile.is_some() {
-        root.insert((Streaming::new(made.clone(), layout), standing, EnvironmentState::Streaming));
+        root.insert((
+            Streaming::new(made.clone(), layout),
+            spawned_tiles,
+            EnvironmentState::Streaming,
+        ));
         return;
     }
     if let Generated::Finite(plan) = made {
@@ -232,21 +238,23 @@ fn stand(world: &mut World, entity: Entity, global: &GlobalTransform, made: &Gen
             let spawned: Vec<Entity> = (0..pages)
                 .filter_map(|page| spawn_page(world, entity, layout, plan, key, page))
                 .collect();
-            standing.tiles.insert(key, spawned);
+            spawned_tiles.tiles.insert(key, spawned);
         }
     }
-    // An observer of its tiles may have despawned it.
+    // An observer of its tiles may have despawned the environment.
     if let Ok(mut root) = world.get_entity_mut(entity) {
-        root.insert(standing);
+        root.insert(spawned_tiles);
         world.get_resource_or_init::<PendingEvents>().push(entity, Ok(()));
     }
 }
 
-/// Despawns everything that was spawned below an environment, and nothing else: also the tiles that
-/// came with it out of a scene, or as clones.
+/// Despawns everything that was spawned below an environment, and nothing else. This includes tiles
+/// that came out of a scene or as clones together with the environment.
 pub(crate) fn clear(world: &mut World, entity: Entity) {
     let mut tiles: Vec<Entity> = match world.get_mut::<SpawnedTiles>(entity) {
-        Some(mut standing) => std::mem::take(&mut standing.tiles).into_values().flatten().collect(),
+        Some(mut spawned_tiles) => {
+            std::mem::take(&mut spawned_tiles.tiles).into_values().flatten().collect()
+        }
         None => Vec::new(),
     };
     let below = world.get::<Children>(entity).into_iter().flatten();
@@ -258,17 +266,17 @@ pub(crate) fn clear(world: &mut World, entity: Entity) {
     }
 }
 
-/// Takes an environment down until its transform can carry it again.
-fn park(world: &mut World, entity: Entity) {
+/// Despawns an environment's world until its transform is valid again.
+fn suspend(world: &mut World, entity: Entity) {
     clear(world, entity);
     if let Ok(mut root) = world.get_entity_mut(entity) {
         root.remove::<Streaming>();
-        root.insert(SpawnedTiles { parked: true, ..default() });
+        root.insert(SpawnedTiles { suspended: true, ..default() });
     }
 }
 
-/// Takes environments down whose transform can no longer carry a flat world, and asks anew for those
-/// whose transform can again.
+/// Suspends environments whose transform is no longer valid for a flat world, and requests those
+/// again whose transform is valid again.
 pub(crate) fn watch_transforms(
     mut environments: Query<
         (Entity, &GlobalTransform, &mut GenerationJob, &mut EnvironmentState, &SpawnedTiles),
@@ -277,11 +285,11 @@ pub(crate) fn watch_transforms(
     mut notices: ResMut<PendingEvents>,
     mut commands: Commands,
 ) {
-    for (entity, transform, mut slot, mut state, standing) in &mut environments {
-        match (check_transform(transform), standing.parked) {
+    for (entity, transform, mut slot, mut state, spawned_tiles) in &mut environments {
+        match (check_transform(transform), spawned_tiles.suspended) {
             (Err(error), false) => {
                 notices.push(entity, Err(error));
-                commands.queue(move |world: &mut World| park(world, entity));
+                commands.queue(move |world: &mut World| suspend(world, entity));
             }
             (Ok(()), true) => {
                 slot.stale = true;
@@ -292,7 +300,7 @@ pub(crate) fn watch_transforms(
     }
 }
 
-/// Reports what became of the environments.
+/// Reports environments that became ready or failed.
 pub(crate) fn notify(world: &mut World) {
     let notices = std::mem::take(&mut world.get_resource_or_init::<PendingEvents>().0);
     for (entity, notice) in notices {
@@ -321,7 +329,7 @@ pub(crate) fn notify(world: &mut World) {
     }
 }
 
-/// Propagates the transform of an environment that was moved since Bevy did.
+/// Propagates the transform of an environment that has moved since Bevy last did.
 fn move_to_place(world: &mut World, entity: Entity) {
     let global = global_transform(world, entity);
     if world.get::<GlobalTransform>(entity) == Some(&global) {
@@ -343,11 +351,12 @@ pub(crate) fn finish_tasks(world: &mut World, environment: Entity) -> bool {
     generated || drawn
 }
 
-/// Removes what belongs to an [`Environment`] that is removed.
+/// Removes everything that belongs to a removed [`Environment`].
 pub(crate) fn clean_up(removed: On<Remove, Environment>, mut commands: Commands) {
     let entity = removed.entity;
     commands.queue(move |world: &mut World| {
-        // Inserting another one over it removes nothing; despawning takes the children with it.
+        // Inserting another `Environment` removes nothing here; despawning removes the children
+        // too.
         if world.get_entity(entity).is_ok_and(|root| !root.contains::<Environment>()) {
             clear(world, entity);
             world.entity_mut(entity).remove::<(
@@ -365,10 +374,10 @@ pub(crate) fn clean_up(removed: On<Remove, Environment>, mut commands: Commands)
     });
 }
 
-/// Marks an environment for being made again.
+/// Marks an environment to be rebuilt.
 pub(crate) fn rebuild(asked: On<RebuildEnvironment>, mut slots: Query<&mut GenerationJob>) {
     match slots.get_mut(asked.entity) {
         Ok(mut slot) => slot.stale = true,
-        Err(_) => log::warn!("{} is to be made again but has no `Environment`", asked.entity),
+        Err(_) => log::warn!("{} cannot be rebuilt: it has no `Environment`", asked.entity),
     }
 }

@@ -1,5 +1,5 @@
-//! What is known of an environment between the request and the report: the state that the systems of
-//! generation, of streaming and of assets share.
+//! The state of an environment between the request and the report, shared by the systems of
+//! generation, streaming and assets.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,14 +14,14 @@ use envgen::forest::EndlessForest;
 use crate::environment::{Environment, EnvironmentError};
 use crate::plan::{Plan, TileKey};
 
-/// What is being made for an environment.
+/// The generation of an environment's world.
 #[derive(Component, Default)]
 pub(crate) struct GenerationJob {
-    /// What the last job was asked for.
+    /// The last request.
     pub(crate) asked: Option<Request>,
-    /// Whether it has to be made again although the environment did not change.
+    /// Whether it must be rebuilt although the environment did not change.
     pub(crate) stale: bool,
-    /// What the asset held when it was last used.
+    /// The spec that the asset held when it was last used.
     #[cfg(feature = "asset")]
     pub(crate) spec: Option<WorldSpec>,
     pub(crate) job: Job,
@@ -31,7 +31,7 @@ pub(crate) struct GenerationJob {
 #[derive(Clone, PartialEq)]
 pub(crate) struct Request {
     pub(crate) environment: Environment,
-    /// The side of its tiles, when it is streamed.
+    /// The side of its tiles in metres, when it is streamed.
     pub(crate) tile: Option<f64>,
 }
 
@@ -40,16 +40,19 @@ pub(crate) enum Job {
     #[default]
     Idle,
     /// The asset is not loaded.
-    #[cfg_attr(not(feature = "asset"), expect(dead_code, reason = "there is none to wait for"))]
+    #[cfg_attr(
+        not(feature = "asset"),
+        expect(dead_code, reason = "without assets, no request waits")
+    )]
     Asset,
     Task(Task<Outcome>),
     Done(Outcome),
 }
 
-/// What came of a job.
+/// The result of a job.
 pub(crate) struct Outcome {
     pub(crate) result: Result<Generated, EnvironmentError>,
-    /// What the generator took.
+    /// How long the generator took.
     pub(crate) time: Duration,
 }
 
@@ -59,7 +62,7 @@ impl From<EnvironmentError> for Outcome {
     }
 }
 
-/// What a generator made, sorted into tiles.
+/// A generated world, sorted into tiles.
 #[derive(Clone)]
 pub(crate) enum Generated {
     Finite(Arc<Plan>),
@@ -70,11 +73,11 @@ pub(crate) enum Generated {
 #[derive(Component, Default)]
 pub(crate) struct SpawnedTiles {
     pub(crate) tiles: BTreeMap<TileKey, Vec<Entity>>,
-    /// Whether it was taken down because of the transform.
-    pub(crate) parked: bool,
+    /// Whether it is despawned because its transform is invalid.
+    pub(crate) suspended: bool,
 }
 
-/// What is to be reported once the world is consistent.
+/// Events to send once the world is consistent.
 #[derive(Resource, Default)]
 pub(crate) struct PendingEvents(pub(crate) Vec<(Entity, Result<(), EnvironmentError>)>);
 
@@ -91,7 +94,7 @@ impl GenerationJob {
         matches!(self.job, Job::Asset)
     }
 
-    /// Gives up waiting, or reports that the spawned world has lost its source.
+    /// Stops waiting, or reports that the spawned world has lost its source.
     #[cfg(feature = "asset")]
     pub(crate) fn fail(&mut self, error: EnvironmentError) {
         self.job = Job::Done(error.into());

@@ -1,4 +1,4 @@
-//! Where the start and the goal of a world are in the app.
+//! The start and the goal of an environment's world.
 
 use bevy::ecs::entity::MapEntities;
 use bevy::prelude::*;
@@ -9,7 +9,7 @@ use envgen::glam::DVec2;
 use crate::part::{Goal, PartOf, Start};
 use crate::shape::Frame;
 
-/// Where the start and the goal of an environment's world are, on the entity of the
+/// The start and the goal of an environment's world, on the entity of the
 /// [`Environment`](crate::Environment).
 ///
 /// ```
@@ -36,30 +36,30 @@ use crate::shape::Frame;
 #[component(clone_behavior = Ignore)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct EnvironmentLandmarks {
-    /// Where a robot starts; absent when the world has no start.
+    /// The start pose; `None` when the world has no start.
     #[entities]
     pub start: Option<Landmark>,
-    /// Where it is to go; absent when the world has no goal.
+    /// The goal pose; `None` when the world has no goal.
     #[entities]
     pub goal: Option<Landmark>,
 }
 
-/// A place of a world. The headings are along +x of its transforms.
+/// A start or a goal. Headings are along +x of its transforms.
 #[derive(Clone, Copy, Debug, PartialEq, MapEntities, Reflect)]
 #[reflect(Debug, PartialEq, Clone)]
 pub struct Landmark {
-    /// Its part, with [`Start`] or [`Goal`]; absent while its tile is not spawned.
+    /// The entity of the part, with [`Start`] or [`Goal`]; `None` while its tile is not spawned.
     #[entities]
     pub part: Option<Entity>,
-    /// Where it is in the environment's frame, for children of the environment.
+    /// The pose in the environment's frame, for children of the environment.
     pub local: Transform,
-    /// Where it is in the app's space, at scale 1. It follows the environment when that is moved, as
-    /// Bevy propagates transforms.
+    /// The pose in the app's space, at scale 1. It follows the environment when Bevy propagates its
+    /// transform.
     pub pose: Transform,
 }
 
 impl EnvironmentLandmarks {
-    /// Of a world with a given point at the origin of its environment.
+    /// The landmarks of a world, with `origin` at the origin of its environment.
     pub(crate) fn new(world: &EnvgenWorld, origin: DVec2, environment: &GlobalTransform) -> Self {
         let frame = Frame::new(origin);
         let landmark = |pose: Pose| {
@@ -69,7 +69,7 @@ impl EnvironmentLandmarks {
         EnvironmentLandmarks { start: world.start.map(landmark), goal: world.goal.map(landmark) }
     }
 
-    /// Moves them with their environment.
+    /// Updates the poses from the environment's transform.
     pub(crate) fn follow(&mut self, environment: &GlobalTransform) {
         for landmark in [&mut self.start, &mut self.goal].into_iter().flatten() {
             landmark.pose = in_space(environment, landmark.local);
@@ -82,7 +82,7 @@ fn in_space(environment: &GlobalTransform, local: Transform) -> Transform {
     pose.with_scale(Vec3::ONE)
 }
 
-/// The parts that are landmarks.
+/// The components that mark landmarks.
 trait Mark: Component {
     fn of(landmarks: &mut EnvironmentLandmarks) -> Option<&mut Landmark>;
 }
@@ -99,7 +99,7 @@ impl Mark for Goal {
     }
 }
 
-/// Notes the part of a landmark when it is spawned.
+/// Stores the entity of a landmark's part when it is spawned.
 fn find<M: Mark>(
     added: On<Add, M>,
     parts: Query<&PartOf>,
@@ -109,12 +109,12 @@ fn find<M: Mark>(
         && let Ok(mut landmarks) = environments.get_mut(part.0)
         && let Some(landmark) = M::of(&mut landmarks)
     {
-        // A clone of a part does not take the place of the part.
+        // A clone of a part does not replace the part.
         landmark.part.get_or_insert(added.entity);
     }
 }
 
-/// Forgets the part of a landmark when it is despawned.
+/// Removes the entity of a landmark's part when it is despawned.
 fn lose<M: Mark>(
     removed: On<Remove, M>,
     parts: Query<&PartOf>,
@@ -128,7 +128,7 @@ fn lose<M: Mark>(
     }
 }
 
-/// Moves the landmarks of environments that were moved.
+/// Updates the landmarks of environments that moved.
 pub(crate) fn follow_environments(
     mut environments: Query<
         (&GlobalTransform, &mut EnvironmentLandmarks),

@@ -1,5 +1,5 @@
-//! Bevy plugins for the worlds of [`envgen`]: ask for a world with a component, and its parts are
-//! entities with colliders; headless first.
+//! Bevy plugins for the worlds of [`envgen`]: a component asks for a world, and its parts are
+//! spawned as entities with colliders. No window or renderer is needed.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -26,13 +26,13 @@
 //! ```
 //!
 //! Every part has a [`PartId`] that is the same for the same spec and seed. Its [`Transform`] is
-//! where it lies in the environment's frame: metres, x right, y up; its [`GlobalTransform`] is right as
-//! soon as it is spawned. The kinds are in [`part`].
-//! Walls, trees and obstacles are data of their tile and not entities with [`SolidStorage::TileData`].
+//! its pose in the environment's frame: metres, x right, y up. Its [`GlobalTransform`] is correct
+//! as soon as it is spawned. The kinds of parts are in [`part`]. With [`SolidStorage::TileData`],
+//! walls, trees and obstacles are data of their tile, not entities.
 //!
-//! # What is told
+//! # Events
 //!
-//! | event of an observer | also as | about |
+//! | event for observers | also as | reported for |
 //! |---|---|---|
 //! | [`EnvironmentReady`], [`EnvironmentFailed`] | messages; [`EnvironmentState`], [`EnvironmentFailure`] | an environment |
 //! | [`TileSpawned`] | `Added<Tile>` | each tile, as it is spawned |
@@ -40,44 +40,45 @@
 //!
 //! # Plugins
 //!
-//! [`EnvgenPlugins`] adds them all; each can be left out.
+//! [`EnvgenPlugins`] is the group of these plugins, except where the table says otherwise. Each can
+//! be disabled.
 //!
 //! | plugin | feature | adds |
 //! |---|---|---|
 //! | [`EnvgenCorePlugin`] | | generation, spawning, streaming |
 //! | `EnvgenAssetPlugin` | `asset` | `.envgen.ron` and `.room.ron` files |
-//! | `EnvgenPhysicsPlugin` | `physics` | rapier colliders, doors that move |
+//! | `EnvgenPhysicsPlugin` | `physics` | rapier colliders, moving doors |
 //! | `EnvgenVisualsPlugin` | `render` | meshes and colours |
-//! | `RobotPlugin` | `trial` | not of the group: robots that drive and sense in rapier |
-//! | `TrialPlugin` | `trial` | not of the group: mapping trials, with `RobotPlugin` |
-//! | `TrialViewPlugin` | `render`, `trial` | not of the group: how mapping trials look |
-//! | [`EnvgenDiagnosticsPlugin`] | | not of the group: numbers of parts and tiles, time of generation and streaming, as Bevy's diagnostics |
-//! | `EnvgenDebugPlugin` | `debug` | not of the group: lines over colliders, rays, frontiers, plans, rooms |
-//! | `TopDownPhysicsPlugin` | `physics` | not of the group: rapier itself, without gravity, in fixed steps |
+//! | `RobotPlugin` | `trial` | not in the group: robots that drive and sense in rapier |
+//! | `TrialPlugin` | `trial` | not in the group: mapping trials, with `RobotPlugin` |
+//! | `TrialViewPlugin` | `render`, `trial` | not in the group: draws mapping trials |
+//! | [`EnvgenDiagnosticsPlugin`] | | not in the group: counts of parts and tiles, times of generation and streaming, as Bevy's diagnostics |
+//! | `EnvgenDebugPlugin` | `debug` | not in the group: lines over colliders, rays, frontiers, plans, rooms |
+//! | `TopDownPhysicsPlugin` | `physics` | not in the group: rapier itself, without gravity, in fixed steps |
 //!
 //! # System sets
 //!
-//! All in the schedule of [`EnvgenPlugins::in_schedule`], `Update` by default, in the order of
+//! All are in the schedule of [`EnvgenPlugins::in_schedule`], `Update` by default, in the order of
 //! [`EnvgenSystems`]: `Request`, `Collect`, `Spawn`, `Stream`, `Notify`. Transforms are watched in
-//! `PostUpdate`; doors move in `DoorSystems`, in `FixedUpdate` by default. There robots and trials go
-//! around rapier: `TrialSystems::Command`, `RobotSystems::Drive`, rapier's `PhysicsSet`,
-//! `RobotSystems::Sense`, `TrialSystems::Record`.
+//! `PostUpdate`. Doors move in `DoorSystems`, in `FixedUpdate` by default. The same schedule runs
+//! robots and trials before and after rapier: `TrialSystems::Command`, `RobotSystems::Drive`,
+//! rapier's `PhysicsSet`, `RobotSystems::Sense`, `TrialSystems::Record`.
 //!
 //! # Features
 //!
 //! | feature | default | what it adds |
 //! |---|---|---|
 //! | `asset` | yes | specs and rooms as Bevy assets |
-//! | `multi_threaded` | yes | generation on other threads than the schedule's |
-//! | `physics` | yes | colliders and doors, by `bevy_rapier2d` |
-//! | `file_watcher` | no | files that change are loaded again |
-//! | `render` | no | meshes; with the features that build on it the only one with rendering crates |
+//! | `multi_threaded` | yes | generation on background threads |
+//! | `physics` | yes | colliders and doors, with `bevy_rapier2d` |
+//! | `file_watcher` | no | reloads files that change |
+//! | `render` | no | meshes; only this feature and those that include it need rendering crates |
 //! | `capture` | no | pictures and films of cameras, with or without a window |
 //! | `debug` | no | lines over colliders, rays, frontiers, plans and the graph of rooms |
-//! | `trial` | no | robots in rapier, and mapping trials with them, by `mapping_trial` |
-//! | `egui` | no | panels for specs, trials, scores and the operator's form |
+//! | `trial` | no | robots in rapier, and mapping trials with them, with `mapping_trial` |
+//! | `egui` | no | panels for specs, trials, scores and the feedback form |
 //! | `serialize` | no | environments in Bevy's scenes; serde for the components of parts |
-//! | `testing` | no | `testing`, helpers for the tests of apps |
+//! | `testing` | no | `testing`, helpers for testing apps |
 
 #[cfg(feature = "asset")]
 pub mod asset;
@@ -138,8 +139,8 @@ pub use shape::PartShape;
 pub use spawn::{SolidPart, Tile, TileSolids, TileSpawned};
 pub use streaming::{StreamAround, StreamingBudget, StreamingReport};
 
-/// What most apps need, the specs of [`envgen`] among it. What has a name that an app may have itself,
-/// such as [`part::Start`] or [`Tile`], is not.
+/// What most apps need, including the specs of [`envgen`]. Items whose names an app or Bevy may use
+/// too, such as [`part::Start`] or [`Tile`], are left out.
 pub mod prelude {
     #[cfg(feature = "asset")]
     pub use crate::asset::{EnvgenAssetPlugin, RoomAsset};
@@ -179,18 +180,18 @@ pub mod prelude {
     pub use envgen::road::RoadSpec;
 }
 
-/// The systems that turn requests into entities, in this order.
+/// The systems that generate, spawn and report worlds, in this order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EnvgenSystems {
-    /// Environments that changed are noticed, and their generators started.
+    /// Detects environments that changed and starts their generators.
     Request,
-    /// Worlds that other threads have finished are taken.
+    /// Collects the worlds that background threads have finished.
     Collect,
-    /// What stood before is despawned, and the new parts spawned with all that other plugins add.
+    /// Despawns the previous parts and spawns the new ones, with all that other plugins add.
     Spawn,
-    /// The tiles of streamed worlds follow their anchors.
+    /// Spawns and despawns the tiles of streamed worlds around their anchors.
     Stream,
-    /// [`EnvironmentReady`] and [`EnvironmentFailed`] are triggered and written.
+    /// Triggers and writes [`EnvironmentReady`] and [`EnvironmentFailed`].
     Notify,
 }
 
@@ -204,7 +205,7 @@ pub struct EnvgenCorePlugin {
 }
 
 impl EnvgenCorePlugin {
-    /// With the systems in another schedule than `Update`.
+    /// Runs the systems in `schedule` instead of `Update`.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         EnvgenCorePlugin { schedule: schedule.intern() }
     }
@@ -216,7 +217,7 @@ impl Default for EnvgenCorePlugin {
     }
 }
 
-/// Where the core plugin put its systems, for the plugins after it.
+/// The schedule of the core plugin's systems, for the plugins that are added after it.
 #[derive(Resource, Clone, Copy)]
 struct Schedules {
     main: Interned<dyn ScheduleLabel>,
@@ -275,7 +276,8 @@ impl Plugin for EnvgenCorePlugin {
     }
 }
 
-/// All plugins of this crate but `TopDownPhysicsPlugin`, which sets rapier itself up.
+/// The group of plugins for worlds: generation, assets, colliders and meshes, as far as features
+/// are on. Rapier itself is added by `TopDownPhysicsPlugin`.
 #[derive(Clone, Debug, Default)]
 pub struct EnvgenPlugins {
     core: EnvgenCorePlugin,
@@ -284,13 +286,13 @@ pub struct EnvgenPlugins {
 }
 
 impl EnvgenPlugins {
-    /// With the systems that make worlds in another schedule than `Update`.
+    /// Runs the systems that generate and spawn worlds in `schedule` instead of `Update`.
     pub fn in_schedule(mut self, schedule: impl ScheduleLabel) -> Self {
         self.core = EnvgenCorePlugin::new(schedule);
         self
     }
 
-    /// With other colliders than the default ones.
+    /// Uses `colliders` instead of the default settings.
     #[cfg(feature = "physics")]
     pub fn with_colliders(mut self, colliders: physics::ColliderSettings) -> Self {
         self.physics = self.physics.with_colliders(colliders);

@@ -28,7 +28,7 @@ macro_rules! data {
 }
 
 data! {
-    /// What a part is.
+    /// The kind of a part.
     field pub enum PartKind {
         /// A [`Wall`].
         Wall,
@@ -56,7 +56,7 @@ data! {
 }
 
 impl PartKind {
-    /// Whether parts of this kind stop a robot and a ray. Doorways have a door that may.
+    /// Whether parts of this kind stop robots and rays. Doorways have a separate door that may.
     pub fn is_solid(self) -> bool {
         matches!(self, PartKind::Wall | PartKind::Tree | PartKind::Obstacle)
     }
@@ -80,15 +80,15 @@ impl PartKind {
 }
 
 data! {
-    /// The stable name of a part: the same spec and seed give every part the same id, however it
-    /// came to be spawned. It is unique within one environment.
+    /// The stable name of a part: the same spec and seed always give a part the same id. It is
+    /// unique within one environment.
     #[derive(Copy, Eq, PartialOrd, Ord, Hash)]
     component pub struct PartId {
-        /// What it is.
+        /// The kind of the part.
         pub kind: PartKind,
         /// The tile of an endless world, (0, 0) in a finite one.
         pub tile: [i32; 2],
-        /// The place in the world's list of that kind, or in the tile's.
+        /// The index in the list of that kind, of the world or of the tile.
         pub index: u32,
     }
 }
@@ -99,8 +99,8 @@ impl PartId {
         PartId { kind, tile: [0, 0], index }
     }
 
-    /// Its name in [`envgen`], for looking it up in the world or in a ray's hit; `None` for what
-    /// has none there.
+    /// Its id in [`envgen`], for finding it in the world or comparing it with what a ray met;
+    /// `None` for parts that have none there.
     pub fn in_world(self) -> Option<world::PartId> {
         let kind = match self.kind {
             PartKind::Wall => world::PartKind::Wall,
@@ -147,8 +147,8 @@ impl fmt::Display for PartId {
     }
 }
 
-/// An enum of the pure crate as one that can be reflected. What a later version of it adds is read
-/// as the last variant.
+/// Mirrors an enum of the pure crate as one that can be reflected. Variants that a later version
+/// adds become the last variant.
 macro_rules! mirror {
     ($(#[$meta:meta])* $name:ident { $($(#[$doc:meta])* $variant:ident),+ } else $other:ident) => {
         data! {
@@ -184,7 +184,7 @@ mirror! {
 }
 
 mirror! {
-    /// What an obstacle is.
+    /// The kind of an obstacle.
     ObstacleKind {
         /// One of the two posts that narrow a corridor at a door frame.
         DoorPost,
@@ -208,7 +208,7 @@ mirror! {
         Pipe,
         /// A statue.
         Statue,
-        /// A wall of a cubicle that has come down.
+        /// A cubicle wall that has fallen over.
         Panel,
         /// A heap of rubble.
         Rubble,
@@ -220,11 +220,11 @@ mirror! {
 }
 
 data! {
-    /// What a surface is.
+    /// The kind of a surface.
     field pub enum SurfaceKind {
         /// Uneven ground.
         Uneven,
-        /// Strewn with debris.
+        /// Ground covered with debris.
         Debris,
         /// Water, which a robot must not enter.
         Water,
@@ -254,13 +254,13 @@ impl From<world::SurfaceKind> for SurfaceKind {
 }
 
 data! {
-    /// What a generator left of a room's contents: some may have had to go so that a robot can enter.
+    /// Which of a room's contents a generator kept: some may be removed so that a robot can enter.
     #[derive(Default)]
     field pub enum Contents {
-        /// All of them.
+        /// All.
         #[default]
         AsDesigned,
-        /// All but those that stood in a doorway's way.
+        /// All but those that blocked a doorway.
         Cleared,
         /// None.
         Emptied,
@@ -310,11 +310,11 @@ data! {
     component pub struct Room {
         /// Name, not necessarily unique.
         pub name: String,
-        /// Difficulty on the scale from 0 to 10, where one is annotated.
+        /// Difficulty on the scale from 0 to 10, `None` where none is annotated.
         pub difficulty: Option<f32>,
-        /// Whether there is light.
+        /// Whether the room is lit.
         pub lit: bool,
-        /// Whether it still holds what its name and difficulty stand for.
+        /// Whether it still holds what its name and difficulty are based on.
         #[cfg_attr(feature = "serialize", serde(default))]
         pub contents: Contents,
     }
@@ -325,25 +325,25 @@ data! {
     component pub struct Doorway {
         /// Whether the generator left the door open.
         pub open: bool,
-        /// The indices of the rooms that it joins; `None` is a hallway or the open.
+        /// The indices of the rooms that it joins; `None` is a hallway or the outside.
         pub rooms: [Option<u32>; 2],
     }
 }
 
 data! {
-    /// A thing that stands in the way.
+    /// A solid obstacle.
     component pub struct Obstacle {
-        /// What it is.
+        /// The kind of the obstacle.
         pub kind: ObstacleKind,
     }
 }
 
 data! {
-    /// Ground that changes how a robot drives.
+    /// Ground that changes how robots drive.
     component pub struct Surface {
-        /// What it is.
+        /// The kind of the surface.
         pub kind: SurfaceKind,
-        /// Factor on a robot's greatest speed, 1 for plain ground, 0 where it cannot drive.
+        /// Factor on a robot's maximum speed, from 0 (cannot drive there) to 1 (plain ground).
         pub speed: f32,
         /// Factor on the variances of a robot's odometry, 1 for plain ground.
         pub odometry_noise: f32,
@@ -351,19 +351,19 @@ data! {
 }
 
 data! {
-    /// Where a robot starts; its heading is the transform's.
+    /// The start pose of a robot; the heading is the transform's x axis.
     #[derive(Copy)]
     component pub struct Start;
 }
 
 data! {
-    /// Where a robot is to go; its heading is the transform's.
+    /// The goal pose of a robot; the heading is the transform's x axis.
     #[derive(Copy)]
     component pub struct Goal;
 }
 
 data! {
-    /// Where a person waits to be found.
+    /// A person who is to be found.
     #[derive(Copy)]
     component pub struct Victim;
 }
@@ -385,7 +385,7 @@ data! {
     }
 }
 
-/// Makes the types known to inspectors, also without Bevy's `reflect_auto_register`.
+/// Registers the types for inspectors, also without Bevy's `reflect_auto_register`.
 pub(crate) fn register(app: &mut App) {
     app.register_type::<PartId>()
         .register_type::<PartOf>()
@@ -409,7 +409,7 @@ mod tests {
     use serde::de::{DeserializeOwned, Deserializer, IntoDeserializer, Visitor};
     use serde::forward_to_deserialize_any;
 
-    /// The variants of an enum of the pure crate as its files name them, whatever a later version adds.
+    /// The variants of an enum of the pure crate as its files name them, with those that a later version adds.
     fn variants<T: DeserializeOwned>() -> &'static [&'static str] {
         struct Names<'a>(&'a mut &'static [&'static str]);
 
@@ -484,7 +484,7 @@ mod tests {
             lit: false,
             contents,
         });
-        // Files from before rooms told of their contents.
+        // Files from before rooms had the field `contents`.
         let old: Room = ron::from_str("(name: \"hall\", difficulty: None, lit: true)").unwrap();
         assert_eq!(old.contents, Contents::AsDesigned);
         there_and_back(Surface { kind: SurfaceKind::Class(4), speed: 0.5, odometry_noise: 2.0 });
@@ -496,8 +496,8 @@ mod tests {
         });
     }
 
-    /// Each variant of an enum of the pure crate is one of the same name here. Those of the pure crate
-    /// are asked of its serde, so that one that a later version adds and that is missing here shows.
+    /// Checks that each variant of an enum of the pure crate has one of the same name here. The
+    /// names come from its serde, so that a variant that a later version adds cannot be missed.
     fn check_names<T, U>(with_fields: &[&str])
     where
         T: DeserializeOwned + Into<U> + Copy + fmt::Debug,

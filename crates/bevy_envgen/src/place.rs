@@ -1,10 +1,10 @@
-//! Where an environment is in the app, and whether a world can be there.
+//! The transform of an environment, and whether it is valid for a world.
 
 use bevy::prelude::*;
 
 use crate::environment::EnvironmentError;
 
-/// The transform of an entity as it will be once it is propagated, to the bit.
+/// The transform of an entity exactly as Bevy will propagate it.
 pub(crate) fn global_transform(world: &World, entity: Entity) -> GlobalTransform {
     let parent = |entity| world.get::<ChildOf>(entity).map(ChildOf::parent);
     let mut locals = Vec::new();
@@ -17,7 +17,7 @@ pub(crate) fn global_transform(world: &World, entity: Entity) -> GlobalTransform
     locals.iter().rfold(root.into(), |above: GlobalTransform, local| above.mul_transform(*local))
 }
 
-/// Sets the global transforms of an entity and of all below it, as Bevy will when it propagates.
+/// Sets the global transforms of an entity and its descendants as Bevy will when it propagates.
 pub(crate) fn propagate(world: &mut World, entity: Entity, global: GlobalTransform) {
     let mut left = vec![(entity, global)];
     while let Some((entity, global)) = left.pop() {
@@ -56,11 +56,7 @@ pub(crate) fn check_transform(transform: &GlobalTransform) -> Result<(), Environ
         return error("scale", scale, allowed);
     }
     if x.z.abs().max(y.z.abs()) > TOLERANCE * scale.x || x.truncate().perp_dot(y.truncate()) < 0.0 {
-        return error(
-            "x axis",
-            x / scale.x,
-            "in the xy plane, which cannot be tilted or turned over",
-        );
+        return error("x axis", x / scale.x, "in the xy plane, neither tilted nor turned over");
     }
     Ok(())
 }

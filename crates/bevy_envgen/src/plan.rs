@@ -1,4 +1,4 @@
-//! Which part of a world stands in which tile.
+//! The tiles of a world: which part belongs to which tile.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,21 +10,21 @@ use envgen::glam::DVec2;
 
 use crate::part::PartKind;
 
-/// Parts that one entity of the class [`Tile`](crate::Tile) holds, at most: in a world that is
-/// spawned at once, and in one that is streamed, where it is the least step of work.
+/// The most parts that one [`Tile`](crate::Tile) entity holds: in a world that is spawned at once,
+/// and in one that is streamed, where a tile entity is the smallest step of work.
 const PAGES: [usize; 2] = [512, 128];
 
-/// Cells along the side of a block of a landscape, at most.
+/// The most cells along the side of a block of a landscape.
 const MAX_BLOCK: f64 = 64.0;
 
-/// A square of the plane. At level 0 its side is the grid's, at each further level twice that.
+/// A square of the plane. Its side is the grid's at level 0 and doubles with each level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct TileKey {
     pub(crate) level: u8,
     pub(crate) at: [i32; 2],
 }
 
-/// A part by its list and its place in it.
+/// A part by its kind and its index in the list of that kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PartRef {
     pub(crate) kind: PartKind,
@@ -34,16 +34,16 @@ pub(crate) struct PartRef {
 /// The parts of a tile in the order of their ids.
 #[derive(Debug)]
 pub(crate) struct TilePlan {
-    /// Around the parts.
+    /// The bounding rectangle of the parts.
     pub(crate) bounds: Rect,
     pub(crate) parts: Vec<PartRef>,
 }
 
 /// A world with its parts sorted into tiles.
 ///
-/// A part belongs to the one tile, of the least level whose side is as long as the part, that holds
-/// its middle. So it reaches over its tile by half a side at most, and a tile never has to be
-/// searched for far away, however long some parts are.
+/// A part belongs to the tile that holds its middle, at the lowest level whose side is at least as
+/// long as the part. So it extends beyond its tile by at most half a side, and nearby tiles are
+/// found quickly, however long some parts are.
 #[derive(Debug)]
 pub(crate) struct Plan {
     pub(crate) world: Arc<World>,
@@ -52,14 +52,15 @@ pub(crate) struct Plan {
     pub(crate) solids: usize,
     /// Cells along the side of a block of ground.
     pub(crate) block: u32,
-    /// The most parts an entity for a tile holds.
+    /// The most parts that one tile entity holds.
     pub(crate) page: usize,
     side: f64,
     levels: u8,
 }
 
 impl Plan {
-    /// Sorts the parts of a world into tiles of a given side, or into as many as suit its size.
+    /// Sorts the parts of a world into tiles of a given side, or of a side that suits the number of
+    /// parts.
     pub(crate) fn new(world: Arc<World>, tile: Option<f64>) -> Self {
         let page = PAGES[usize::from(tile.is_some())];
         let size = world.bounds.size();
@@ -80,9 +81,9 @@ impl Plan {
             levels: 0,
             world: Arc::clone(&world),
         };
-        // A world of one page needs no tiles, unless they come and go.
+        // A world of one page needs no tiles, unless it is streamed.
         let mut tiles: Vec<(TileKey, TilePlan)> = Vec::new();
-        // For finding tiles again, never for their order.
+        // Only for lookup, never for the order of tiles.
         let mut places: HashMap<TileKey, usize> = HashMap::default();
         let whole = (tile.is_none() && listed <= page).then_some(TileKey { level: 0, at: [0, 0] });
         each_part(&world, block, &mut |part, bounds| {
@@ -112,8 +113,8 @@ impl Plan {
         TileKey { level, at: cell(bounds.center(), side) }
     }
 
-    /// The tiles that have a part within `radius` of a point, or nearly so, with the distance to
-    /// the rectangle around their parts.
+    /// The tiles that have a part within about `radius` of a point, with the distance to the
+    /// bounding rectangle of their parts.
     pub(crate) fn near(&self, p: DVec2, radius: f64) -> Vec<(f64, TileKey)> {
         let mut found = Vec::new();
         if !p.is_finite() {
@@ -153,13 +154,14 @@ pub(crate) fn distance(rect: Rect, p: DVec2) -> f64 {
     (rect.min - p).max(p - rect.max).max(DVec2::ZERO).length()
 }
 
-/// The cell of a grid through the origin. Casts saturate: what is out of reach shares a cell.
+/// The grid cell of a point, in a grid through the origin. Casts saturate: points beyond the range
+/// of `i32` share cells.
 fn cell(p: DVec2, side: f64) -> [i32; 2] {
     let cell = (p / side).floor();
     [cell.x as i32, cell.y as i32]
 }
 
-/// About how many parts there are, without counting.
+/// An estimate of the number of parts, from the lengths of the lists.
 fn list_lengths(world: &World) -> usize {
     let blocks = world.raster.as_ref().map_or(0, |raster| raster.cells.len() / 4096);
     world.walls.len()
@@ -173,14 +175,15 @@ fn list_lengths(world: &World) -> usize {
         + blocks
 }
 
-/// A landscape's block of a number: its first row and column, and how many of each.
+/// A landscape's block of the given index: its first row and column, and its numbers of rows and
+/// columns.
 pub(crate) fn block_cells(rows: u32, cols: u32, block: u32, index: u32) -> [u32; 4] {
     let across = cols.div_ceil(block).max(1);
     let (row, col) = (index / across * block, index % across * block);
     [row, col, block.min(rows.saturating_sub(row)), block.min(cols.saturating_sub(col))]
 }
 
-/// Visits every part, in the order of the ids, with the rectangle around it.
+/// Visits every part, in the order of ids, with its bounding rectangle.
 fn each_part(world: &World, block: u32, visit: &mut dyn FnMut(PartRef, Rect)) {
     let mut list = |kind: PartKind, bounds: &mut dyn Iterator<Item = Rect>| {
         for (index, bounds) in (0..).zip(bounds) {
@@ -200,7 +203,7 @@ fn each_part(world: &World, block: u32, visit: &mut dyn FnMut(PartRef, Rect)) {
     );
     list(PartKind::Room, &mut world.rooms.iter().map(|room| room.shape.bounds()));
     list(PartKind::Doorway, &mut world.doorways.iter().map(|door| door.shape.bounds()));
-    list(PartKind::Obstacle, &mut world.obstacles.iter().map(|thing| thing.shape.bounds()));
+    list(PartKind::Obstacle, &mut world.obstacles.iter().map(|obstacle| obstacle.shape.bounds()));
     list(PartKind::Surface, &mut world.surfaces.iter().map(|surface| surface.shape.bounds()));
     list(PartKind::Start, &mut world.start.iter().map(at));
     list(PartKind::Goal, &mut world.goal.iter().map(at));

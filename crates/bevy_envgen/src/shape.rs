@@ -1,4 +1,4 @@
-//! What a part looks like, in its own frame and in single precision.
+//! The shape of a part, in its own frame and in single precision.
 
 use bevy::prelude::*;
 #[cfg(feature = "serialize")]
@@ -15,7 +15,7 @@ use envgen::glam::DVec2;
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub enum PartShape {
-    /// A place without extent, its heading along +x.
+    /// A point, its heading along +x.
     Point,
     /// A line without thickness along the x axis, its middle at the origin.
     Segment {
@@ -32,14 +32,14 @@ pub enum PartShape {
         /// Half the extent along x and y.
         half_size: Vec2,
     },
-    /// A filled simple polygon, counter-clockwise, not closed by a repeated corner.
+    /// A filled simple polygon, counter-clockwise, without a repeated last corner.
     Polygon {
         /// At least three corners.
         vertices: Vec<Vec2>,
     },
     /// A strip of constant width along a line.
     Strip {
-        /// Points of the middle line, in travel order.
+        /// Points of the middle line, in the direction of travel.
         centreline: Vec<Vec2>,
         /// Full width.
         width: f32,
@@ -48,7 +48,8 @@ pub enum PartShape {
     },
 }
 
-/// From the world's double precision to a frame whose origin is a given point of the world.
+/// Conversion from the world's double precision to a frame whose origin is a given point of the
+/// world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     origin: DVec2,
@@ -62,7 +63,7 @@ impl Frame {
     /// A pose in the frame.
     pub(crate) fn pose(self, position: DVec2, heading: f64) -> Transform {
         let at = (position - self.origin).as_vec2();
-        // Half-angle sine and cosine from `libm`, so that transforms are the same everywhere.
+        // Sine and cosine from `libm`, so that transforms are the same on every platform.
         let half = unit_vector(0.5 * heading);
         let rotation = if heading == 0.0 {
             Quat::IDENTITY
@@ -94,12 +95,12 @@ impl Frame {
         }
     }
 
-    /// Points relative to the middle of their bounds, and that middle.
+    /// Points relative to the middle of their bounding box, and that middle.
     pub(crate) fn around(self, points: &[DVec2]) -> (Transform, Vec<Vec2>) {
         let middle =
             WorldRect::around(points.iter().copied()).map_or(DVec2::ZERO, WorldRect::center);
         let transform = self.pose(middle, 0.0);
-        // Relative to the middle as it was rounded, so that the rounding is undone.
+        // Relative to the rounded middle, so that its rounding error is corrected.
         let rounded = transform.translation.truncate().as_dvec2() + self.origin;
         (transform, points.iter().map(|point| (*point - rounded).as_vec2()).collect())
     }
@@ -110,7 +111,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The corners of a placed shape, back in the frame.
+    /// The corners of a placed shape, in the environment's frame.
     fn corners(transform: Transform, shape: &PartShape) -> Vec<Vec2> {
         let local = match shape {
             PartShape::Segment { half_length } => {
@@ -143,7 +144,7 @@ mod tests {
                     prop_assert_eq!(ours.len(), shape.corners().len());
                     for (ours, theirs) in ours.iter().zip(shape.corners()) {
                         let theirs = theirs - shift;
-                        // A unit in the last place at this distance, a few times over.
+                        // A few units in the last place at this distance.
                         let tolerance = 1e-5 + 5e-7 * theirs.length();
                         prop_assert!(ours.as_dvec2().distance(theirs) < tolerance);
                     }

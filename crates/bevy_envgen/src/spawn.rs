@@ -1,4 +1,4 @@
-//! From a world's parts to entities.
+//! Spawning a world's parts as entities.
 
 use bevy::ecs::bundle::NoBundleEffect;
 use bevy::prelude::*;
@@ -15,11 +15,11 @@ use crate::place::global_transform;
 use crate::plan::{PartRef, Plan, TileKey, block_cells};
 use crate::shape::{Frame, PartShape};
 
-/// A group of neighbouring parts: the entity between an environment and its parts, which come and
-/// go with it.
+/// A group of neighbouring parts: the entity between an environment and its parts, which are
+/// spawned and despawned with it.
 ///
-/// Its transform is the identity, so that a part's [`Transform`] is where the part lies in the
-/// environment's frame.
+/// Its transform is the identity, so that a part's [`Transform`] is its pose in the environment's
+/// frame.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 #[require(Transform)]
@@ -27,34 +27,34 @@ pub struct Tile {
     /// How often the side of the smallest tiles is doubled: tiles of a higher level hold parts that
     /// are longer than that side.
     pub level: u8,
-    /// The place in the grid of that level.
+    /// The position in the grid of that level: column and row.
     pub at: [i32; 2],
-    /// Tiles of many parts are split.
+    /// The number of this entity among those of the same tile: tiles of many parts are split.
     pub page: u32,
 }
 
-/// The solid parts of a [`Tile`] that are data and not entities, in the order of their ids: see
-/// [`SolidStorage::TileData`]. On the entity of the tile.
+/// The solid parts of a [`Tile`] that are stored as data, not as entities, in the order of their
+/// ids: see [`SolidStorage::TileData`]. On the entity of the tile.
 #[derive(Component, Clone, Debug, Default, PartialEq, Deref, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct TileSolids(pub Vec<SolidPart>);
 
-/// A part that stands, and where it lies. What else is known of it the [`GroundTruth`](crate::GroundTruth)
-/// tells, by [`PartId::in_world`].
+/// A solid part stored as tile data, with its local transform. Its other properties are in the
+/// [`GroundTruth`](crate::GroundTruth), under [`PartId::in_world`].
 #[derive(Clone, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Debug, PartialEq, Clone)]
 pub struct SolidPart {
-    /// Its stable name.
+    /// Its stable id.
     pub id: PartId,
-    /// Where it lies in the environment's frame.
+    /// Its pose in the environment's frame.
     pub transform: Transform,
-    /// What it looks like.
+    /// Its shape.
     pub shape: PartShape,
 }
 
-/// Triggered on an environment for every [`Tile`] as it is spawned, before the environment is reported
-/// ready: the place to add something to its parts, or to the tile itself.
+/// Triggered on an environment for every [`Tile`] when it is spawned, before the environment is
+/// reported ready. Use it to add components to the tile or its parts.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -75,10 +75,10 @@ pub struct SolidPart {
 /// # assert!(app.world_mut().query::<&Health>().iter(app.world()).count() > 100);
 /// ```
 ///
-/// Observers run in no particular order. What they and their commands do in a streamed world counts
-/// towards the frame's [`StreamingBudget`](crate::StreamingBudget). Systems between
-/// [`EnvgenSystems::Stream`](crate::EnvgenSystems) and `Notify` see all tiles of the frame, with all
-/// that observers added, and find the new ones by `Added<Tile>`.
+/// The order of observers is not defined. The time that they and their commands take in a streamed
+/// world counts towards the frame's [`StreamingBudget`](crate::StreamingBudget). Systems between
+/// [`EnvgenSystems::Stream`](crate::EnvgenSystems) and `Notify` see all tiles of the frame with
+/// everything that observers added, and find the new tiles by `Added<Tile>`.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TileSpawned {
     /// The entity of the environment.
@@ -86,13 +86,13 @@ pub struct TileSpawned {
     pub environment: Entity,
     /// The entity of the tile.
     pub tile: Entity,
-    /// The entities of the parts in it, in the order of their ids. Parts that are data are in the
+    /// The entities of its parts, in the order of their ids. Parts stored as data are in the
     /// [`TileSolids`] of the tile.
     pub parts: Vec<Entity>,
 }
 
 impl TileSpawned {
-    /// All parts in the tile, entities and data, and where they lie.
+    /// All parts of the tile, entities and data, with their poses in the environment's frame.
     pub fn placed<'w>(
         &'w self,
         world: &'w World,
@@ -106,9 +106,9 @@ impl TileSpawned {
     }
 }
 
-/// What the parts of a tile are spawned below.
+/// The ancestors of the parts of a tile.
 #[derive(Clone, Copy)]
-struct Above {
+struct Ancestors {
     environment: Entity,
     tile: Entity,
     global: GlobalTransform,
@@ -124,7 +124,7 @@ pub(crate) fn spawn_page(
     page: usize,
 ) -> Option<Entity> {
     let parts = plan.tiles.get(&key)?.parts.chunks(plan.page).nth(page)?;
-    let above = spawn_tile(world, environment, key, page)?;
+    let ancestors = spawn_tile(world, environment, key, page)?;
     let frame = Frame::new(layout.origin);
     let mut entities = Vec::new();
     let mut solids = Vec::new();
@@ -132,16 +132,16 @@ pub(crate) fn spawn_page(
         if layout.solids == SolidStorage::TileData && run[0].kind.is_solid() {
             solids.extend(run.iter().filter_map(|&part| solid(frame, &plan.world, part)));
         } else {
-            spawn_run(world, &mut entities, above, frame, plan, run);
+            spawn_run(world, &mut entities, ancestors, frame, plan, run);
         }
     }
-    keep(world, above.tile, solids);
-    tell(world, above, entities);
-    Some(above.tile)
+    store_solids(world, ancestors.tile, solids);
+    trigger_spawned(world, ancestors, entities);
+    Some(ancestors.tile)
 }
 
-/// Spawns some of the trees of a tile of an endless forest, of which `first` is the index of the first;
-/// `None` when the environment is gone.
+/// Spawns some trees of a tile of an endless forest; `first` is the index of the first one. `None`
+/// when the environment is gone.
 pub(crate) fn spawn_trees(
     world: &mut World,
     environment: Entity,
@@ -150,14 +150,14 @@ pub(crate) fn spawn_trees(
     (first, trees): (usize, &[envgen::world::Tree]),
     page: usize,
 ) -> Option<Entity> {
-    let above = spawn_tile(world, environment, key, page)?;
+    let ancestors = spawn_tile(world, environment, key, page)?;
     let frame = Frame::new(layout.origin);
     let id = |index| PartId { kind: PartKind::Tree, tile: key.at, index };
     let trees = (first as u32..).map(id).zip(trees);
     let parts = match layout.solids {
         SolidStorage::Entities => world
             .spawn_batch(trees.map(|(id, tree)| {
-                part(above, id, place_tree(frame, tree), Tree { radius: tree.radius as f32 })
+                part(ancestors, id, place_tree(frame, tree), Tree { radius: tree.radius as f32 })
             }))
             .collect(),
         SolidStorage::TileData => {
@@ -165,28 +165,33 @@ pub(crate) fn spawn_trees(
                 let (transform, shape) = place_tree(frame, tree);
                 SolidPart { id, transform, shape }
             });
-            keep(world, above.tile, solids.collect());
+            store_solids(world, ancestors.tile, solids.collect());
             Vec::new()
         }
     };
-    tell(world, above, parts);
-    Some(above.tile)
+    trigger_spawned(world, ancestors, parts);
+    Some(ancestors.tile)
 }
 
 /// Spawns a tile without its parts; `None` when an observer has despawned the environment.
-fn spawn_tile(world: &mut World, environment: Entity, key: TileKey, page: usize) -> Option<Above> {
+fn spawn_tile(
+    world: &mut World,
+    environment: Entity,
+    key: TileKey,
+    page: usize,
+) -> Option<Ancestors> {
     world.get_entity(environment).ok()?;
     let TileKey { level, at: [i, j] } = key;
     let name = Name::new(format!("tile ({i}, {j})"));
     let tile = Tile { level, at: key.at, page: page as u32 };
-    // What is spawned is where it belongs at once, whenever Bevy propagates transforms.
+    // Correct at once, whenever Bevy propagates transforms.
     let global = global_transform(world, environment).mul_transform(Transform::IDENTITY);
     let tile = world.spawn((tile, name, global, ChildOf(environment))).id();
-    Some(Above { environment, tile, global })
+    Some(Ancestors { environment, tile, global })
 }
 
-/// Keeps solid parts as data of a tile.
-fn keep(world: &mut World, tile: Entity, solids: Vec<SolidPart>) {
+/// Stores solid parts as data of a tile.
+fn store_solids(world: &mut World, tile: Entity, solids: Vec<SolidPart>) {
     if !solids.is_empty() {
         world.entity_mut(tile).insert(TileSolids(solids));
     }
@@ -204,26 +209,26 @@ fn solid(frame: Frame, truth: &EnvgenWorld, part: PartRef) -> Option<SolidPart> 
     Some(SolidPart { id: PartId::new(part.kind, part.index), transform, shape })
 }
 
-/// Lets others add to what was spawned.
-fn tell(world: &mut World, above: Above, parts: Vec<Entity>) {
-    let Above { environment, tile, .. } = above;
+/// Triggers [`TileSpawned`], so that observers can add to the new parts.
+fn trigger_spawned(world: &mut World, ancestors: Ancestors, parts: Vec<Entity>) {
+    let Ancestors { environment, tile, .. } = ancestors;
     world.trigger(TileSpawned { environment, tile, parts });
     world.flush();
 }
 
-/// A part as components: what every part has, and what its kind has.
+/// The components of a part: the common ones and that of its kind.
 fn part<P: Component>(
-    above: Above,
+    ancestors: Ancestors,
     id: PartId,
     (transform, shape): (Transform, PartShape),
     part: P,
 ) -> impl Bundle<Effect: NoBundleEffect> {
-    let global = above.global.mul_transform(transform);
-    let belongs = (ChildOf(above.tile), PartOf(above.environment));
+    let global = ancestors.global.mul_transform(transform);
+    let belongs = (ChildOf(ancestors.tile), PartOf(ancestors.environment));
     (id, Name::new(name(id)), belongs, transform, global, shape, part)
 }
 
-/// The id as text. Most ids are short, and formatting them is much of what spawning costs.
+/// The id as text, without `format!`: naming parts is a large share of the cost of spawning.
 fn name(id: PartId) -> String {
     if id.tile != [0, 0] {
         return id.to_string();
@@ -254,7 +259,7 @@ fn place_tree(frame: Frame, tree: &envgen::world::Tree) -> (Transform, PartShape
 fn spawn_run(
     world: &mut World,
     entities: &mut Vec<Entity>,
-    above: Above,
+    ancestors: Ancestors,
     frame: Frame,
     plan: &Plan,
     run: &[PartRef],
@@ -268,7 +273,7 @@ fn spawn_run(
         ($i:ident => $placed:expr) => {
             entities.extend(world.spawn_batch(ids.map(|$i| {
                 let (place, component) = $placed;
-                part(above, PartId::new(kind, $i as u32), place, component)
+                part(ancestors, PartId::new(kind, $i as u32), place, component)
             })))
         };
     }

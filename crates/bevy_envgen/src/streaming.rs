@@ -1,4 +1,4 @@
-//! Worlds that come and go with an anchor.
+//! Streaming: spawning and despawning the tiles of a world around an anchor.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -18,34 +18,34 @@ use crate::place::global_transform;
 use crate::plan::{Plan, TileKey, distance};
 use crate::spawn::{TileSolids, spawn_page, spawn_trees};
 
-/// Trees that one entity for a tile of an endless forest holds, at most.
+/// The most trees that one tile entity of an endless forest holds.
 const PAGE: usize = 128;
 
-/// Tiles across a window, at most.
+/// The most tiles across a window.
 const MAX_TILES_ACROSS: f64 = 512.0;
 
-/// Tiles of an endless forest that are drawn at a time on other threads.
+/// Tiles of an endless forest that other threads generate at the same time.
 const MAX_TASKS: usize = 16;
 
-/// Trees that a tile of an endless forest may be expected to hold for [`GenerationMode::Auto`] to draw it
-/// while the schedule waits.
+/// [`GenerationMode::Auto`] blocks to generate a tile of an endless forest that is expected to hold
+/// at most this many trees.
 const IN_PLACE_TREES: f64 = 500.0;
 
-/// Spawns only what is near an anchor: the tiles that have a part within `radius` of it.
+/// Spawns only the tiles that have a part within `radius` of an anchor.
 ///
-/// On the entity of an [`Environment`]. Which parts are there follows from where the anchor is, not
-/// from where it has been, as soon as the [`StreamingBudget`] has let the window settle. Adding or
-/// removing the component, or another `tile`, rebuilds the world. In scenes and clones the anchor is
-/// the loaded or cloned one, where it is among them.
+/// On the entity of an [`Environment`]. Once the [`StreamingBudget`] has let the window settle, the
+/// spawned parts depend only on the anchor's current position, not on where it has been. Adding or
+/// removing the component, or changing `tile`, rebuilds the world. In scenes and clones the anchor
+/// is the loaded or cloned entity, if it is among them.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct StreamAround {
-    /// The entity around which the world stands, such as a robot or a camera.
+    /// The entity around which the world is spawned, such as a robot or a camera.
     #[entities]
     pub anchor: Entity,
-    /// Everything within this distance of the anchor is there, in metres.
+    /// Everything within this distance of the anchor is spawned, in metres.
     pub radius: f64,
-    /// Side of a tile in metres; an endless world has its own.
+    /// Side of a tile in metres; ignored for an endless world, which has its own.
     pub tile: f64,
 }
 
@@ -61,15 +61,15 @@ impl StreamAround {
     }
 }
 
-/// How much of a frame the streaming of all worlds may take.
+/// How much work streaming may do per frame, for all worlds together.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub enum StreamingBudget {
-    /// Time by the clock. At least one step is taken in every frame, which spawns 128 parts or
-    /// despawns a tile, so that the window settles whatever the budget.
+    /// Elapsed time. At least one step is taken in every frame, which spawns 128 parts or despawns
+    /// a tile, so that the window settles with any budget.
     Time(Duration),
-    /// Parts spawned or despawned, rounded up to whole steps: the same in every run, for simulations
-    /// that must be repeatable to the frame.
+    /// Number of parts spawned or despawned, rounded up to whole steps: the same in every run, for
+    /// simulations that must be repeatable frame by frame.
     Parts(usize),
 }
 
@@ -79,18 +79,18 @@ impl Default for StreamingBudget {
     }
 }
 
-/// What the streaming did in the last frame. Its time is also a diagnostic:
+/// What streaming did in the last frame. Its time is also a diagnostic:
 /// [`EnvgenDiagnosticsPlugin::STREAMING_TIME`].
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct StreamingReport {
-    /// Entities for tiles that were spawned.
+    /// Tile entities that were spawned.
     pub spawned: usize,
-    /// Entities for tiles that were despawned.
+    /// Tile entities that were despawned.
     pub despawned: usize,
-    /// Tiles that are missing or left over, for the next frames.
+    /// Tiles that still have to be spawned or despawned.
     pub waiting: usize,
-    /// Time that it took.
+    /// The time that it took.
     pub time: Duration,
 }
 
@@ -99,14 +99,14 @@ pub struct StreamingReport {
 pub(crate) struct Streaming {
     made: Generated,
     layout: Layout,
-    /// Tiles that are spawned to the end.
+    /// Tiles that are fully spawned.
     complete: BTreeSet<TileKey>,
-    /// Tiles of an endless forest that are drawn or being drawn, but not spawned to the end.
+    /// Tiles of an endless forest that are generated or being generated, but not fully spawned.
     drawn: Vec<(TileKey, Drawing)>,
     settled: bool,
     /// The bits of the radius that was refused last.
     refused: Option<u64>,
-    /// Whether a missing anchor was reported.
+    /// Whether a missing anchor has been reported.
     warned: bool,
 }
 
@@ -136,7 +136,7 @@ impl Streaming {
     }
 }
 
-/// What is left of a frame.
+/// What remains of a frame's budget.
 struct Allowance {
     budget: StreamingBudget,
     start: Instant,
@@ -147,7 +147,7 @@ struct Allowance {
 }
 
 impl Allowance {
-    /// Whether there is time for one more step.
+    /// Whether one more step fits.
     fn remains(&self) -> bool {
         self.steps == 0
             || match self.budget {
@@ -156,7 +156,7 @@ impl Allowance {
             }
     }
 
-    /// Takes a step that spawns or despawns so many parts.
+    /// Takes a step that spawns or despawns `parts` parts.
     fn step<T>(&mut self, parts: usize, work: impl FnOnce() -> T) -> T {
         let start = Instant::now();
         let result = work();
@@ -184,7 +184,7 @@ fn check_radius(radius: f64, tile: f64) -> Result<(), EnvironmentError> {
     Err(EnvironmentError::Stream { field: "radius", value: radius, allowed })
 }
 
-/// Spawns and despawns tiles of all streamed worlds, as far as the budget reaches.
+/// Spawns and despawns tiles of all streamed worlds within the budget.
 pub(crate) fn stream_tiles(world: &mut World, streamed: &mut QueryState<Entity, With<Streaming>>) {
     let roots: Vec<Entity> = streamed.iter(world).collect();
     let mut report = StreamingReport::default();
@@ -217,13 +217,13 @@ fn stream(
         if let Some(mut streaming) = world.get_mut::<Streaming>(root)
             && !std::mem::replace(&mut streaming.warned, true)
         {
-            log::warn!("environment {root}: its anchor {} has no finite place", stream.anchor);
+            log::warn!("environment {root}: its anchor {} has no finite position", stream.anchor);
         }
         return;
     };
-    // Taken out, so that the ECS is free to spawn; put back below.
+    // Taken out, so that the ECS can be borrowed for spawning; put back below.
     let Ok(mut entity) = world.get_entity_mut(root) else { return };
-    let Some(standing) = entity.get_mut::<SpawnedTiles>().map(|mut s| std::mem::take(&mut *s))
+    let Some(spawned_tiles) = entity.get_mut::<SpawnedTiles>().map(|mut s| std::mem::take(&mut *s))
     else {
         return;
     };
@@ -231,12 +231,13 @@ fn stream(
     let placeholder = Streaming::new(known.made.clone(), known.layout);
     let mut streaming = std::mem::replace(&mut *known, placeholder);
     streaming.warned = false;
-    let mut streamer = TileStreamer { world, root, pace, standing, streaming, allowance, report };
+    let mut streamer =
+        TileStreamer { world, root, pace, spawned_tiles, streaming, allowance, report };
     streamer.follow(stream, at);
-    let TileStreamer { world, standing, streaming, .. } = streamer;
+    let TileStreamer { world, spawned_tiles, streaming, .. } = streamer;
     if let Ok(mut root) = world.get_entity_mut(root) {
         if let Some(mut known) = root.get_mut::<SpawnedTiles>() {
-            *known = standing;
+            *known = spawned_tiles;
         }
         if let Some(mut known) = root.get_mut::<Streaming>() {
             *known = streaming;
@@ -244,7 +245,7 @@ fn stream(
     }
 }
 
-/// Where the anchor is in the frame of the environment.
+/// The position of the anchor in the frame of the environment.
 fn anchor(world: &World, root: Entity, anchor: Entity) -> Option<DVec2> {
     world.get::<Transform>(anchor)?;
     let into_frame = global_transform(world, root).affine().inverse();
@@ -252,7 +253,7 @@ fn anchor(world: &World, root: Entity, anchor: Entity) -> Option<DVec2> {
     at.is_finite().then(|| at.as_dvec2())
 }
 
-/// The tiles of an endless forest that reach within `radius` of a point, with the distance.
+/// The tiles of an endless forest within `radius` of a point, with the distance.
 fn endless_near(forest: &EndlessForest, at: DVec2, radius: f64) -> Vec<(f64, TileKey)> {
     let cell = |p: DVec2| {
         let cell = (p / forest.tile_side()).floor();
@@ -267,20 +268,20 @@ fn endless_near(forest: &EndlessForest, at: DVec2, radius: f64) -> Vec<(f64, Til
         .collect()
 }
 
-/// The tiles of one environment, on their way to where its anchor wants them.
+/// The tiles of one environment while they are brought up to date with its anchor.
 struct TileStreamer<'a> {
     world: &'a mut World,
     root: Entity,
     pace: GenerationMode,
-    standing: SpawnedTiles,
+    spawned_tiles: SpawnedTiles,
     streaming: Streaming,
     allowance: &'a mut Allowance,
     report: &'a mut StreamingReport,
 }
 
 impl TileStreamer<'_> {
-    /// Brings the tiles nearer to what is wanted around a point of the world, and notes what is to be
-    /// reported.
+    /// Spawns and despawns tiles towards those wanted around a point of the world, and notes
+    /// events.
     fn follow(&mut self, stream: StreamAround, at: DVec2) {
         let at = at + self.streaming.layout.origin;
         let wanted = match &self.streaming.made {
@@ -305,7 +306,7 @@ impl TileStreamer<'_> {
                 }
             }
             Err(error) => {
-                // Once for each radius, and not in every frame.
+                // Once per radius, not in every frame.
                 let radius = stream.radius.to_bits();
                 if self.streaming.refused.replace(radius) != Some(radius) {
                     self.streaming.settled = false;
@@ -315,8 +316,8 @@ impl TileStreamer<'_> {
         }
     }
 
-    /// Takes steps towards the wanted tiles, nearest first; returns how many are still missing or left
-    /// over.
+    /// Takes steps towards the wanted tiles, nearest first; returns the number of tiles still to be
+    /// spawned or despawned.
     fn settle(&mut self, wanted: &[(f64, TileKey)]) -> usize {
         let mut keys: Vec<TileKey> = wanted.iter().map(|(_, key)| *key).collect();
         keys.sort_unstable();
@@ -336,21 +337,21 @@ impl TileStreamer<'_> {
         }
 
         let unwanted: Vec<TileKey> =
-            self.standing.tiles.keys().filter(|key| !is_wanted(key)).copied().collect();
+            self.spawned_tiles.tiles.keys().filter(|key| !is_wanted(key)).copied().collect();
         for key in unwanted {
             waiting += usize::from(!self.remove(key));
         }
         waiting
     }
 
-    /// Spawns pages of one tile while the budget lasts; true when it is complete.
+    /// Spawns pages of one tile within the budget; true when the tile is complete.
     fn complete(&mut self, key: TileKey) -> bool {
-        let TileStreamer { world, root, pace, standing, streaming, allowance, report } = self;
+        let TileStreamer { world, root, pace, spawned_tiles, streaming, allowance, report } = self;
         let (root, layout) = (*root, streaming.layout);
         match &streaming.made {
             Generated::Finite(plan) => {
                 let pages = pages(plan, key);
-                let entities = standing.tiles.entry(key).or_default();
+                let entities = spawned_tiles.tiles.entry(key).or_default();
                 while entities.len() < pages {
                     if !allowance.remains() {
                         return false;
@@ -368,7 +369,7 @@ impl TileStreamer<'_> {
                 let Some(trees) = draw(&mut streaming.drawn, &forest, key, *pace, allowance) else {
                     return false;
                 };
-                let entities = standing.tiles.entry(key).or_default();
+                let entities = spawned_tiles.tiles.entry(key).or_default();
                 for (page, trees) in trees.chunks(PAGE).enumerate().skip(entities.len()) {
                     if !allowance.remains() {
                         return false;
@@ -385,10 +386,10 @@ impl TileStreamer<'_> {
         }
     }
 
-    /// Despawns the entities of one tile while the budget lasts; true when none is left.
+    /// Despawns the entities of one tile within the budget; true when none is left.
     fn remove(&mut self, key: TileKey) -> bool {
-        let TileStreamer { world, standing, streaming, allowance, report, .. } = self;
-        let Some(entities) = standing.tiles.get_mut(&key) else { return true };
+        let TileStreamer { world, spawned_tiles, streaming, allowance, report, .. } = self;
+        let Some(entities) = spawned_tiles.tiles.get_mut(&key) else { return true };
         if allowance.remains() {
             streaming.complete.remove(&key);
         }
@@ -406,7 +407,7 @@ impl TileStreamer<'_> {
         }
         let gone = entities.is_empty();
         if gone {
-            standing.tiles.remove(&key);
+            spawned_tiles.tiles.remove(&key);
         }
         gone
     }
@@ -416,7 +417,7 @@ fn pages(plan: &Plan, key: TileKey) -> usize {
     plan.tiles.get(&key).map_or(0, |tile| tile.parts.len().div_ceil(plan.page))
 }
 
-/// The trees of a tile of an endless forest, once they are drawn.
+/// The trees of a tile of an endless forest, once they are generated.
 fn draw(
     drawn: &mut Vec<(TileKey, Drawing)>,
     forest: &Arc<EndlessForest>,

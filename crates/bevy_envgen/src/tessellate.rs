@@ -1,10 +1,10 @@
-//! Simple polygons as triangles.
+//! Triangulation of simple polygons.
 
 use bevy::math::Vec2;
 use earcut::Earcut;
 
-/// The corners of counter-clockwise triangles that fill a simple polygon. Those without area, which
-/// corners on one line give, are left out.
+/// The corners of counter-clockwise triangles that fill a simple polygon. Triangles without area,
+/// which collinear corners cause, are left out.
 pub(crate) fn triangles(polygon: &[Vec2]) -> Vec<[u32; 3]> {
     let mut corners: Vec<u32> = Vec::new();
     Earcut::new().earcut(polygon.iter().map(|p| p.as_dvec2().to_array()), &[], &mut corners);

@@ -1,5 +1,5 @@
-//! Helpers for tests of apps that use this crate: an app whose time is counted in steps, and what
-//! stands in it. With the feature `testing`, which is for dev-dependencies.
+//! Helpers for tests of apps that use this crate: an app whose time is counted in steps, and access
+//! to what is spawned in it. With the feature `testing`, which is for dev-dependencies.
 //!
 //! ```
 //! use bevy_envgen::prelude::*;
@@ -23,28 +23,28 @@ use crate::environment::{
 use crate::generate::finish_tasks;
 use crate::{EnvgenPlugins, PartId, PartShape, SolidPart, TileSolids};
 
-/// Fixed steps a second of [`test_app`].
+/// Fixed steps per second of [`test_app`].
 pub const STEPS_A_SECOND: f64 = 64.0;
 
-/// Frames that [`wait_until_ready`] waits, at most; those that wait for a file take a millisecond each
-/// by the clock.
+/// The most frames that [`wait_until_ready`] waits. While a file is loaded, a frame takes at least
+/// one millisecond.
 const MOST_FRAMES: usize = 60_000;
 
-/// A headless app with every plugin of this crate and those that they need, in which a frame is
-/// exactly one fixed step of 1/64 s. It is finished and has had its first, empty frame.
+/// A headless app with every plugin of this crate and the plugins that they need, in which a frame
+/// is exactly one fixed step of 1/64 s. It is finished and has run its first, empty frame.
 pub fn test_app() -> App {
     test_app_with(EnvgenPlugins::default())
 }
 
-/// The same with assets from a folder of one's own; files that change are loaded again with the
-/// feature `file_watcher`.
+/// The same with assets from `folder`; with the feature `file_watcher`, files that change are
+/// reloaded.
 #[cfg(feature = "asset")]
 pub fn test_app_in(folder: &std::path::Path) -> App {
     let file_path = folder.to_string_lossy().into_owned();
     finished(AssetPlugin { file_path, ..default() }, EnvgenPlugins::default())
 }
 
-/// The same with plugins of one's own choice and settings.
+/// The same with the given plugins in place of this crate's.
 pub fn test_app_with<M>(plugins: impl bevy::app::Plugins<M>) -> App {
     #[cfg(feature = "asset")]
     let assets = AssetPlugin::default();
@@ -65,27 +65,26 @@ fn finished<A, M>(assets: impl bevy::app::Plugins<A>, plugins: impl bevy::app::P
     app.insert_resource(Time::<Fixed>::from_duration(step));
     app.finish();
     app.cleanup();
-    // Time starts to run with the second frame.
+    // Time starts with the second frame.
     app.update();
     app
 }
 
-/// Runs so many frames: in a [`test_app`] as many fixed steps.
+/// Runs `frames` frames, which are as many fixed steps in a [`test_app`].
 pub fn step(app: &mut App, frames: usize) {
     for _ in 0..frames {
         app.update();
     }
 }
 
-/// Runs frames until an environment is ready or has failed. The tasks that it starts are waited for;
-/// the clock is, by a millisecond a frame, only while a file of its spec is loaded, which other threads
-/// do.
+/// Runs frames until an environment is ready or has failed. Its tasks are waited for. Only while a
+/// file of its spec is loaded, on other threads, does each frame wait for a millisecond.
 ///
 /// # Errors
-/// Why it failed.
+/// The reason why the environment failed.
 ///
 /// # Panics
-/// When nothing comes of it in 60,000 frames, or the entity has no [`Environment`].
+/// If it is neither ready nor failed after 60,000 frames, or the entity has no [`Environment`].
 pub fn wait_until_ready(app: &mut App, environment: Entity) -> Result<(), EnvironmentError> {
     for _ in 0..MOST_FRAMES {
         app.update();
@@ -102,13 +101,13 @@ pub fn wait_until_ready(app: &mut App, environment: Entity) -> Result<(), Enviro
             (None, _) => panic!("{environment} has no `Environment`"),
         }
     }
-    panic!("{environment} was neither ready nor failed after {MOST_FRAMES} frames");
+    panic!("{environment} is neither ready nor failed after {MOST_FRAMES} frames");
 }
 
 /// Spawns an environment and waits until it is ready.
 ///
 /// # Errors
-/// Why it failed.
+/// The reason why the environment failed.
 pub fn spawn_ready(app: &mut App, environment: Environment) -> Result<Entity, EnvironmentError> {
     let environment = app.world_mut().spawn(environment).id();
     wait_until_ready(app, environment).map(|()| environment)
@@ -133,7 +132,7 @@ pub fn parts(app: &App, environment: Entity) -> Vec<SolidPart> {
     parts
 }
 
-/// A fingerprint of the [`parts`]: equal for equal ids, transforms and shapes, to the last bit.
+/// A digest of the [`parts`]: equal for equal ids, transforms and shapes, to the last bit.
 pub fn digest(app: &App, environment: Entity) -> Digest {
     let parts = parts(app, environment);
     let parts: Vec<_> = parts
@@ -175,7 +174,7 @@ fn shape_bits(shape: &PartShape) -> (&'static str, Vec<u32>) {
 /// The exact world of an environment that is ready.
 ///
 /// # Panics
-/// When it has none.
+/// If it has none.
 pub fn truth(app: &App, environment: Entity) -> GroundTruth {
     match app.world().get::<GroundTruth>(environment) {
         Some(truth) => truth.clone(),
@@ -187,7 +186,8 @@ pub fn truth(app: &App, environment: Entity) -> GroundTruth {
 mod tests {
     use super::*;
 
-    /// What a digest must tell apart, although it looks the same when it is printed to some digits.
+    /// Values that a digest must distinguish, although they look the same when printed to some
+    /// digits.
     #[test]
     fn digests_see_single_bits() {
         let next = |x: f32| f32::from_bits(x.to_bits() + 1);

@@ -13,16 +13,16 @@ use crate::shape::PartShape;
 use crate::spawn::{Tile, TileSpawned};
 use crate::tessellate::triangles;
 
-/// Distance in z between what is drawn above each other.
+/// Distance in z between layers.
 const LAYER: f32 = 0.01;
 
-/// Meshes of roads stray from the exact edges by at most this, in metres.
+/// The largest distance of road meshes from the exact edges, in metres.
 const ROAD_TOLERANCE: f64 = 0.01;
 
 /// Side of the mark of a start, goal or victim in metres.
 const MARK: f32 = 0.4;
 
-/// The colours of a world, by what its parts are.
+/// The colours of a world's parts.
 #[derive(Resource, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct Palette {
@@ -32,27 +32,27 @@ pub struct Palette {
     pub tree: Color,
     /// Roads.
     pub road: Color,
-    /// Floors of rooms with light.
+    /// Floors of lit rooms.
     pub room: Color,
-    /// Floors of rooms without light.
+    /// Floors of dark rooms.
     pub dark_room: Color,
     /// Openings in walls.
     pub doorway: Color,
-    /// Things in the way.
+    /// Obstacles.
     pub obstacle: Color,
-    /// Ground that is harder to drive on.
+    /// Uneven ground and debris.
     pub rough: Color,
     /// Water.
     pub water: Color,
     /// Plain floors of hallways and open areas.
     pub floor: Color,
-    /// Where a robot starts.
+    /// The start.
     pub start: Color,
-    /// Where it is to go.
+    /// The goal.
     pub goal: Color,
     /// People to be found.
     pub victim: Color,
-    /// The classes of a landscape from 1 on; further ones start again with the first.
+    /// The classes of a landscape from 1 on; repeated when there are more classes than colours.
     pub classes: Vec<Color>,
 }
 
@@ -72,7 +72,7 @@ impl Default for Palette {
             start: Color::srgb_u8(0x2e, 0x9e, 0x4f),
             goal: Color::srgb_u8(0xd0, 0x3b, 0x3b),
             victim: Color::srgb_u8(0xe0, 0x7a, 0x1f),
-            // Okabe and Ito's colours, which most colour-blind people tell apart, made pale.
+            // Okabe and Ito's colours, which most colour-blind people can distinguish, made pale.
             classes: [
                 0x9fd0a8, 0xf3e3a1, 0xe8b8a0, 0xa8cbe8, 0xd3b5dc, 0xc9d98f, 0xf0cf8c, 0x9dd9d2,
                 0xd9d9d9,
@@ -86,17 +86,17 @@ impl Default for Palette {
     }
 }
 
-/// Draws the parts of worlds: one mesh a tile and colour, as children of the tile.
+/// Draws the parts of worlds: one mesh per tile and colour, as children of the tile.
 ///
-/// Needs Bevy's plugins for meshes and `ColorMaterial`s; without them it draws nothing. Nothing in
-/// it is needed by anything else.
+/// Needs Bevy's plugins for meshes and `ColorMaterial`s; without them it draws nothing. No other
+/// plugin depends on it.
 #[derive(Clone, Debug, Default)]
 pub struct EnvgenVisualsPlugin {
     palette: Palette,
 }
 
 impl EnvgenVisualsPlugin {
-    /// With other colours than the default ones.
+    /// Uses `palette` instead of the default colours.
     pub fn new(palette: Palette) -> Self {
         EnvgenVisualsPlugin { palette }
     }
@@ -112,15 +112,15 @@ impl Plugin for EnvgenVisualsPlugin {
     }
 }
 
-/// Bevy hides what stands below an entity that cannot be seen. A plugin that said so before makes
-/// it no error.
+/// Bevy hides the children of an entity without visibility. Another plugin may have required it
+/// before: that is no error.
 pub(crate) fn require_visibility(app: &mut App) {
     app.try_register_required_components::<Environment, Visibility>().ok();
     app.try_register_required_components::<Tile, Visibility>().ok();
     app.try_register_required_components::<PartId, Visibility>().ok();
 }
 
-/// What is drawn alike, from the lowest to the highest.
+/// The groups of parts with one colour, from the lowest layer to the highest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Ink {
     Class(u16),
@@ -181,12 +181,12 @@ impl Ink {
     }
 }
 
-/// The materials of the inks used so far, shared by all environments, and the colours that they
-/// were made of.
+/// The materials of the inks used so far, shared by all environments, with the colours that they
+/// were made from.
 #[derive(Resource, Default)]
 struct Inks(BTreeMap<Ink, (Color, Handle<ColorMaterial>)>);
 
-/// Triangles in the environment's frame.
+/// A mesh in the environment's frame.
 #[derive(Default)]
 struct Drawing {
     corners: Vec<[f32; 3]>,
@@ -296,7 +296,7 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<Ink, Drawing> {
                 add_road(drawing, world, spawned.environment, *id);
                 continue;
             }
-            // Below, with those that are data and no entities.
+            // Drawn below, together with those that are data.
             PartKind::Wall | PartKind::Tree | PartKind::Obstacle => continue,
             PartKind::Room if part.get::<Room>().is_some_and(|room| !room.lit) => Ink::DarkRoom,
             PartKind::Room => Ink::Room,
@@ -304,7 +304,7 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<Ink, Drawing> {
             PartKind::Surface => match part.get::<Surface>().map(|surface| surface.kind) {
                 Some(SurfaceKind::Water) => Ink::Water,
                 Some(SurfaceKind::Hallway | SurfaceKind::OpenArea) => Ink::Floor,
-                // The ground below shows it.
+                // Drawn by its ground.
                 Some(SurfaceKind::Class(_)) => continue,
                 _ => Ink::Rough,
             },
@@ -327,7 +327,7 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<Ink, Drawing> {
     drawings
 }
 
-/// Cells of one class beside each other in a row are one rectangle.
+/// Adds a block of ground. Neighbouring cells of one class in a row become one rectangle.
 fn add_ground(
     drawings: &mut BTreeMap<Ink, Drawing>,
     at: &Transform,
@@ -358,7 +358,7 @@ fn add_ground(
     }
 }
 
-/// The exact surface of a road, from the world itself.
+/// Adds the exact surface of a road, from the world itself.
 fn add_road(drawing: &mut Drawing, world: &World, environment: Entity, id: PartId) {
     let truth = world.get::<GroundTruth>(environment);
     let origin = world.get::<Environment>(environment).map(|environment| environment.origin);

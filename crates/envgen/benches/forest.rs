@@ -1,4 +1,4 @@
-//! Forests against two uniform numbers a tree, against the crate `fast_poisson` and against brute
+//! Forests against two uniform numbers per tree, against the crate `fast_poisson` and against brute
 //! force.
 #![expect(clippy::print_stdout, reason = "the result of a benchmark")]
 
@@ -76,7 +76,7 @@ fn spaced() {
             (best.0.min(seconds(|| trees(&large))), best.1.min(seconds(hundred_small)))
         });
         at_most(&format!("a tree of 1e6, against one of 1e4, at {filling}"), times, 3.0);
-        println!("  {:.2} million trees a second at 1e6", trees(&large) as f64 / times.0 / 1e6);
+        println!("  {:.2} million trees per second at 1e6", trees(&large) as f64 / times.0 / 1e6);
     }
 }
 
@@ -86,20 +86,20 @@ fn brute_force() {
         || spec.generate(Seed(1)),
         || {
             let mut stream = Seed(1).stream("uniform", 0);
-            let mut standing: Vec<DVec2> = Vec::new();
-            while standing.len() < 2000 {
+            let mut placed: Vec<DVec2> = Vec::new();
+            while placed.len() < 2000 {
                 let p = DVec2::new(stream.unit() * spec.width, stream.unit() * spec.height);
-                if standing.iter().all(|q| q.distance_squared(p) >= 1.0) {
-                    standing.push(p);
+                if placed.iter().all(|q| q.distance_squared(p) >= 1.0) {
+                    placed.push(p);
                 }
             }
-            standing
+            placed
         },
     );
     faster("2000 spaced trees, against comparing each with each", times, 4.0);
 }
 
-/// A window of 100 x 100 tiles, spaced and plain, of as many trees.
+/// A window of 100 x 100 tiles, spaced and plain, with as many trees.
 fn endless() {
     let window = Rect::new(DVec2::splat(-503.0), DVec2::splat(497.0));
     let forest = |min_distance: f64| {

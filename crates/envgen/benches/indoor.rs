@@ -1,9 +1,9 @@
-//! What an indoor map costs, rule by rule.
+//! The cost of an indoor map, rule by rule.
 //!
-//! `cargo bench -p envgen --bench indoor` prints the time of each stage, plans a second, and how the
+//! `cargo bench -p envgen --bench indoor` prints the time of each stage, plans per second, and how the
 //! cost of a cell grows from a map of 16 x 16 to one of 256 x 256 cells. Every number is the best of
-//! several interleaved rounds; the ratios, not the seconds, tell one machine from another. It ends
-//! with 1 when a target is missed.
+//! several interleaved rounds; compare the ratios between machines, not the seconds. It ends with exit
+//! code 1 when a target is missed.
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints its results")]
 #![expect(clippy::disallowed_methods, reason = "a benchmark needs a clock")]
@@ -39,7 +39,7 @@ fn stages(spec: &IndoorSpec, count: u64) -> Times {
     Times { stages: times, all: begin.elapsed().as_secs_f64() }
 }
 
-/// Seconds for something to be done to `count` plans, their making included.
+/// Seconds to generate `count` plans and to do something with them.
 fn after(spec: &IndoorSpec, count: u64, work: impl Fn(&FloorPlan)) -> f64 {
     let begin = Instant::now();
     for seed in 0..count {
@@ -67,7 +67,7 @@ fn main() -> ExitCode {
         height: size,
         ..Default::default()
     };
-    // The rooms' free space is worked out once for all maps.
+    // The rooms' free space is computed once for all maps.
     black_box(spec(5.0, Profile::Guaranteed, 16).generate(Seed(0))).expect("the spec is valid");
 
     println!("share of each stage, 16 x 16, microseconds a plan");

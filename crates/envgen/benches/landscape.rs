@@ -1,5 +1,5 @@
 //! Landscapes against baselines of the same run: a shuffle of the same bytes, a pass over the same
-//! memory. Absolute times are given too, of the best turn.
+//! memory. Absolute times are given too, of the best round.
 //!
 //! `cargo bench -p envgen --bench landscape`
 
@@ -13,10 +13,10 @@ use envgen::landscape::{
 };
 use envgen::{Seed, Spec};
 
-/// Turns of tasks that take a second or more.
+/// Rounds of tasks that take a second or more.
 const LONG_TURNS: u32 = 3;
 
-/// The best of a few turns of two tasks.
+/// The best of a few rounds of two tasks.
 fn long_contest<A, B>(mut ours: impl FnMut() -> A, mut baseline: impl FnMut() -> B) -> (f64, f64) {
     (0..LONG_TURNS).fold((f64::INFINITY, f64::INFINITY), |best, _| {
         (best.0.min(seconds(&mut ours)), best.1.min(seconds(&mut baseline)))
@@ -102,7 +102,7 @@ fn counting() {
     }
 }
 
-/// Both targets on 1000 x 1000 cells, in every look; the target is half a second.
+/// Both targets on 1000 x 1000 cells, with every algorithm; the target is half a second.
 fn exact() {
     for (algorithm, target) in [
         (Algorithm::Mixed, 800_000),

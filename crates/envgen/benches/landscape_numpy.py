@@ -1,6 +1,6 @@
 """The paper's two algorithms and Total Edge in Python and numpy, as a baseline to envgen.
 
-Prints nanoseconds a cell at 256^2 and 1000^2; compare with `cargo bench -p envgen --bench
+Prints nanoseconds per cell at 256^2 and 1000^2; compare with `cargo bench -p envgen --bench
 landscape` on the same machine. Needs numpy.
 """
 

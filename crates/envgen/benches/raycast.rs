@@ -77,14 +77,14 @@ fn rays(name: &str, world: &World, poses: &[Pose]) {
     let (ours, baseline) = contest(&mut all, brute);
     let count = (poses.len() * BEAMS) as f64;
     faster(&format!("rays in a {name}, against brute force"), (ours, baseline), 20.0);
-    // A bound that no caster can pass: reading one uniform number a ray.
+    // A bound that no caster can pass: reading one uniform number per ray.
     let mut stream = Seed(1).stream("uniform", 0);
     let (ours, bound) =
         contest(all, || (0..poses.len() * BEAMS).map(|_| stream.unit()).sum::<f64>());
     at_most(&format!("a ray in a {name}, against a uniform number"), (ours, bound), 50.0);
     #[expect(clippy::print_stdout, reason = "the result of a benchmark")]
     {
-        println!("  {:.1} million rays a second in a {name}", count / ours / 1e6);
+        println!("  {:.1} million rays per second in a {name}", count / ours / 1e6);
     }
 }
 
@@ -99,9 +99,9 @@ fn range(shape: &Shape, from: DVec2, direction: DVec2) -> f64 {
     let corners = shape.corners();
     edges(&corners)
         .map(|(a, b)| {
-            let (to, way) = (a - from, b - a);
-            let across = direction.perp_dot(way);
-            let (t, s) = (to.perp_dot(way) / across, to.perp_dot(direction) / across);
+            let (to, edge) = (a - from, b - a);
+            let across = direction.perp_dot(edge);
+            let (t, s) = (to.perp_dot(edge) / across, to.perp_dot(direction) / across);
             if t >= 0.0 && (0.0..=1.0).contains(&s) { t } else { f64::INFINITY }
         })
         .fold(f64::INFINITY, f64::min)

@@ -5,7 +5,7 @@
 //! cargo run --release -p envgen --example check_sweep -- sweep.jsonl 10000
 //! ```
 //!
-//! Each spec is one line of the file, so that a run that was stopped resumes where it was. It ends
+//! Each spec is one line of the file, so that a stopped run can be resumed. It ends
 //! with exit code 1 if a generator panicked, a world broke an invariant, a promise was broken, or one
 //! about a disc of at least a centimetre is undecided.
 
@@ -55,7 +55,7 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     Ok(ExitCode::from(u8::from(failed)))
 }
 
-/// What became of a spec: one entry for each promise.
+/// The result of a spec: one entry per promise.
 fn outcome(spec: &WorldSpec, seed: Seed) -> Vec<String> {
     let blueprint = match spec.generate(seed) {
         Ok(blueprint) => blueprint,

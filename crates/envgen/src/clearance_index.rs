@@ -1,4 +1,4 @@
-//! What of a [`World`] stands near a point: clearances and contacts.
+//! Clearances and contacts: which solid parts of a [`World`] are near a point.
 
 use glam::DVec2;
 
@@ -7,13 +7,13 @@ use crate::geometry::{Rect, Shape, edges};
 use crate::lattice::{CellBuckets, Convex, Lattice};
 use crate::world::{PartId, World};
 
-/// Cells that the index has for each shape, about, where parts are spread evenly.
+/// About this many cells of the index per shape, where parts are spread evenly.
 const CELLS_A_SHAPE: f64 = 1.0;
 
-/// Cells that list a shape, on average over all shapes, at most.
+/// A shape is listed in at most this many cells, on average over all shapes.
 const MAX_LISTINGS: usize = 48;
 
-/// The farthest that an index may see, in metres.
+/// The greatest reach of an index, in metres.
 const MAX_REACH: f64 = 1e9;
 
 /// The nearest point of a solid part.
@@ -21,16 +21,16 @@ const MAX_REACH: f64 = 1e9;
 pub struct Contact {
     /// The part.
     pub part: PartId,
-    /// Its point that is nearest; the point asked for when it lies inside the part.
+    /// Its nearest point; the query point itself when that lies inside the part.
     pub point: DVec2,
     /// Distance to that point in metres.
     pub distance: f64,
 }
 
-/// An index of a world's solid parts by what is near.
+/// A spatial index of a world's solid parts for nearest-part queries.
 ///
-/// A uniform grid whose cells list the shapes within `reach` of them, so that one cell answers a
-/// question. Distances are exact. The index is a copy: a world that changes needs a new one.
+/// A uniform grid whose cells list the shapes within `reach` of them, so that a query reads one
+/// cell. Distances are exact. The index is a copy: build a new one when the world changes.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, clearance_index::ClearanceIndex, hallway::HallwaySpec};
@@ -51,11 +51,10 @@ pub struct ClearanceIndex {
 }
 
 impl ClearanceIndex {
-    /// Indexes the solid parts of a world for questions about what is within `reach` metres, from
-    /// 0 to 1e9.
+    /// Indexes the solid parts of a world for queries within `reach` metres, from 0 to 1e9.
     ///
     /// # Errors
-    /// When `reach` is not such a number.
+    /// When `reach` is out of this range.
     pub fn new(world: &World, reach: f64) -> Result<Self, SpecError> {
         if !(0.0..=MAX_REACH).contains(&reach) {
             let allowed = format!("a number from 0 to {MAX_REACH}");
@@ -64,7 +63,7 @@ impl ClearanceIndex {
         let mut shapes = Vec::new();
         for solid in world.solids() {
             match &*solid.shape {
-                // The sides stand for themselves, the polygon for its inside.
+                // Each side is listed on its own, the polygon for its inside.
                 Shape::Polygon { vertices } if vertices.len() > 8 => {
                     let sides = edges(vertices).map(|(a, b)| (solid.id, Shape::Segment { a, b }));
                     shapes.extend(sides);
@@ -91,13 +90,14 @@ impl ClearanceIndex {
         }
     }
 
-    /// How far the index sees, in metres.
+    /// The reach of the index, in metres.
     pub fn reach(&self) -> f64 {
         self.reach
     }
 
-    /// Calls `visit` for everything within `radius` metres of a point, [`ClearanceIndex::reach`] at
-    /// most. A part with a long outline may be met several times.
+    /// Calls `visit` for every part within `radius` metres of a point, or within
+    /// [`ClearanceIndex::reach`] where that is less. A part with a long outline may be visited several
+    /// times.
     pub fn contacts(&self, p: DVec2, radius: f64, mut visit: impl FnMut(Contact)) {
         let Some(cell) = self.lattice.cell_at(p) else { return };
         let radius = radius.min(self.reach);
@@ -111,8 +111,8 @@ impl ClearanceIndex {
         }
     }
 
-    /// The nearest part within [`ClearanceIndex::reach`]; of several equally near ones any, but always
-    /// the same.
+    /// The nearest part within [`ClearanceIndex::reach`]; of several equally near ones always the
+    /// same.
     pub fn nearest(&self, p: DVec2) -> Option<Contact> {
         let mut nearest: Option<Contact> = None;
         self.contacts(p, self.reach, |contact| {
@@ -248,7 +248,9 @@ mod tests {
     fn a_reach_is_a_distance() {
         let world = world(vec![Shape::Disc { center: DVec2::ONE, radius: 0.5 }]);
         for reach in [f64::NAN, -1.0, -1e-3, f64::INFINITY, 2e9] {
-            let error = ClearanceIndex::new(&world, reach).expect_err("it is none").to_string();
+            let error = ClearanceIndex::new(&world, reach)
+                .expect_err("the reach is not allowed")
+                .to_string();
             let named =
                 error.starts_with("`reach` must be") && error.ends_with(&format!("got {reach}"));
             assert!(named && error.contains("from 0 to 1000000000"), "{error}");

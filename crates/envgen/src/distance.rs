@@ -1,20 +1,20 @@
 //! Exact Euclidean distances on a grid.
 
-/// Greatest distance in cells that is told apart; farther cells count as this far.
+/// Greatest distance in cells that is measured; farther cells count as this far.
 const FAR: u8 = u8::MAX;
 
-/// The square of 255 cells or more.
+/// Squared distance of cells that are 255 cells away or more.
 pub const FAR_SQUARED: u16 = u16::MAX;
 
-/// For every cell of a grid of `cols` columns, given row by row, the squared distance in cells from its middle to the middle of the
-/// nearest marked cell; [`FAR_SQUARED`] where none is within 255 cells.
+/// For every cell of a grid of `cols` columns, row by row: the squared distance in cells from its
+/// middle to the middle of the nearest marked cell; [`FAR_SQUARED`] where none is within 255 cells.
 ///
 /// Distances along columns first, then the lower envelope of the parabolas that they make in each
 /// row: Felzenszwalb and Huttenlocher, Distance Transforms of Sampled Functions, Theory of
 /// Computing 8 (2012), in whole numbers as in Meijster, Roerdink and Hesselink (2000). O(cells).
 ///
 /// # Panics
-/// When the cells are no whole number of rows.
+/// When the number of cells is not a multiple of `cols`.
 #[track_caller]
 pub fn squared_distances(cols: usize, marked: &[bool]) -> Vec<u16> {
     assert_whole_rows(marked.len(), cols);
@@ -35,11 +35,10 @@ pub fn squared_distances(cols: usize, marked: &[bool]) -> Vec<u16> {
         }
     };
     (0..rows).for_each(&mut sweep);
-    // What the first sweep leaves is a way to a marked cell too, so that the second may go on
-    // from it.
+    // The first sweep leaves distances to marked cells too, so the second continues from them.
     (0..rows).rev().for_each(sweep);
 
-    // The columns whose parabolas make the envelope, and where each begins.
+    // The columns whose parabolas form the envelope, and where each begins.
     let mut envelope: Vec<(i64, i64, i64)> = Vec::with_capacity(cols);
     for (along, squared) in along.chunks_exact(cols).zip(squared.chunks_exact_mut(cols)) {
         envelope.clear();
@@ -47,9 +46,9 @@ pub fn squared_distances(cols: usize, marked: &[bool]) -> Vec<u16> {
             let height = i64::from(height) * i64::from(height);
             let mut from = 0;
             while let Some(&(other, other_height, other_from)) = envelope.last() {
-                let way = |x: i64| (x - col) * (x - col) + height;
-                let other_way = (other_from - other) * (other_from - other) + other_height;
-                if way(other_from) <= other_way {
+                let squared_to = |x: i64| (x - col) * (x - col) + height;
+                let squared_to_other = (other_from - other) * (other_from - other) + other_height;
+                if squared_to(other_from) <= squared_to_other {
                     envelope.pop();
                     continue;
                 }
@@ -65,8 +64,8 @@ pub fn squared_distances(cols: usize, marked: &[bool]) -> Vec<u16> {
         let mut end = cols;
         for &(col, height, from) in envelope.iter().rev() {
             for (x, squared) in (from..).zip(&mut squared[from as usize..end]) {
-                let way = (x - col) * (x - col) + height;
-                *squared = u16::try_from(way).unwrap_or(FAR_SQUARED);
+                let exact = (x - col) * (x - col) + height;
+                *squared = u16::try_from(exact).unwrap_or(FAR_SQUARED);
             }
             end = from as usize;
         }
@@ -74,10 +73,13 @@ pub fn squared_distances(cols: usize, marked: &[bool]) -> Vec<u16> {
     squared
 }
 
-/// That cells given row by row are whole rows of `cols` columns; no cells are none of any.
+/// Asserts that cells given row by row fill whole rows of `cols` columns; no cells fit any `cols`.
 #[track_caller]
 pub(crate) fn assert_whole_rows(cells: usize, cols: usize) {
-    assert!(cells == 0 || cells.is_multiple_of(cols), "{cells} cells are no rows of {cols}");
+    assert!(
+        cells == 0 || cells.is_multiple_of(cols),
+        "{cells} cells do not fill whole rows of {cols}"
+    );
 }
 
 #[cfg(test)]

@@ -1,15 +1,15 @@
 //! What can go wrong between a spec and a world.
 //!
-//! A number that is not allowed is never replaced by another one in silence:
+//! An invalid number is never silently replaced by another:
 //!
-//! - What a program may compute or read (a reach, a resolution, a field of view, any setting of a
-//!   spec) is checked where it comes in, and the answer is an error that names the field, its value
-//!   and what is allowed, such as [`SpecError`].
-//! - What a programmer writes down (a range to draw from, the number of columns of a slice) is a
-//!   mistake in the program when it is wrong: the function panics, says so under "Panics", and its
-//!   message names the argument and its value.
-//! - Pure geometry takes every number: of NaN it makes NaN, or "no hit", "outside" and "infinitely
-//!   far". Where something else is meant by such a number, the documentation says what.
+//! - Input that a program may compute or read (a reach, a resolution, a field of view, any setting of
+//!   a spec) is checked on entry. The error names the field, its value and the allowed values, such
+//!   as [`SpecError`].
+//! - Arguments that a programmer writes down (a range to draw from, the number of columns of a slice)
+//!   are bugs when they are wrong: the function panics, documents so under "Panics", and its message
+//!   names the argument and its value.
+//! - Pure geometry accepts every number: NaN gives NaN, or "no hit", "outside" and "infinitely far".
+//!   Where such a number has another meaning, the documentation says so.
 
 use std::fmt;
 
@@ -27,12 +27,12 @@ pub struct SpecError {
     pub field: String,
     /// The value that was given.
     pub value: String,
-    /// What would have been allowed, with the numbers that decide it.
+    /// The allowed values with their limits, as after "must be"; a reason may follow after a colon.
     pub allowed: String,
 }
 
 impl SpecError {
-    /// An error from its three parts; a value of very many digits is given by its exponent.
+    /// An error from its three parts; a value with very many digits is shown with an exponent.
     pub fn new(field: &str, value: impl fmt::Display, allowed: impl Into<String>) -> Self {
         let mut value = value.to_string();
         if value.len() > 24
@@ -59,13 +59,13 @@ pub enum GenerateError {
     /// The spec asks for something that is not allowed.
     #[error(transparent)]
     Spec(#[from] SpecError),
-    /// A forest could not be made.
+    /// A forest could not be generated.
     #[error(transparent)]
     Forest(#[from] ForestError),
-    /// A landscape could not be made.
+    /// A landscape could not be generated.
     #[error(transparent)]
     Landscape(#[from] LandscapeError),
-    /// A road could not be made.
+    /// A road could not be generated.
     #[error(transparent)]
     Road(#[from] RoadError),
 }

@@ -1,7 +1,7 @@
-//! World files: a whole world as JSON or RON, read back to the last bit.
+//! World files: a whole world as JSON or RON. Reading one back gives the same bits.
 //!
 //! Both hold the same fields, those of [`World`], the schema version first. JSON is compact; RON
-//! has one line a part, so that a world can be edited by hand and its changes reviewed.
+//! has one line per part, so that a world can be edited by hand and its changes reviewed.
 
 use std::io::{self, Read, Write};
 
@@ -16,12 +16,11 @@ use crate::world::{SCHEMA_VERSION, Violation, World};
 /// memory.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// The deepest nesting of the provenance's spec that is written. The readers follow no file deeper
-/// than 128 levels, of which RON counts two for each of a value's, so that none can exhaust the
-/// stack.
+/// The deepest nesting of the provenance's spec that is written. The readers stop at 128 levels, and
+/// RON counts two for each level of a value, so that no file can exhaust the stack.
 pub const MAX_SPEC_DEPTH: usize = 32;
 
-/// Keyword of the text in a PNG that says that it is a picture of a world and holds no classes.
+/// Keyword of the PNG text chunk that marks a picture of a world, which holds no classes.
 #[cfg(feature = "picture")]
 pub(crate) const PICTURE_KEY: &str = "envgen-picture";
 
@@ -32,8 +31,8 @@ pub enum FileError {
     /// Reading or writing failed.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// The file has another layout.
-    #[error("a world file of schema version {found}; this crate reads version {SCHEMA_VERSION}")]
+    /// The file has another schema version.
+    #[error("the world file has schema version {found}, expected {SCHEMA_VERSION}")]
     Schema {
         /// Its version.
         found: u64,
@@ -106,7 +105,7 @@ impl World {
         Ok(world)
     }
 
-    /// The world as RON, one line a part.
+    /// The world as RON, one line per part.
     ///
     /// # Errors
     /// When the world breaks an invariant, or its provenance is nested too deeply.
@@ -120,7 +119,7 @@ impl World {
         Ok(text)
     }
 
-    /// Writes the world as RON, one line a part.
+    /// Writes the world as RON, one line per part.
     ///
     /// # Errors
     /// When the world breaks an invariant, its provenance is nested too deeply, or writing fails.
@@ -181,8 +180,8 @@ fn ron_options() -> ron::Options {
     ron::Options::default().with_recursion_limit(128)
 }
 
-/// Whether arrays and objects of a value are nested more than `limit` deep. It follows no more than
-/// that, so that it costs no more stack than the limit.
+/// Whether arrays and objects of a value are nested more than `limit` deep. It looks no deeper, so
+/// that it needs no more stack than the limit.
 fn is_deeper(value: &Value, limit: usize) -> bool {
     match value {
         Value::Array(items) => limit == 0 || items.iter().any(|item| is_deeper(item, limit - 1)),

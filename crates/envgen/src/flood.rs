@@ -1,9 +1,9 @@
-//! Regions of a grid that are joined over the sides of cells.
+//! Flood fill: regions of grid cells that are connected by their sides.
 
 use std::ops::Range;
 
-/// Closes the open cells that are joined to `first`, itself included, and tells of them run by run.
-/// The grid has `cols` cells to a row; every cell is looked at a few times at most.
+/// Closes the open cells connected to `first`, itself included, and reports them run by run. The grid
+/// has `cols` cells per row; every cell is read a few times at most.
 pub(crate) fn flood(
     cols: usize,
     open: &mut [bool],

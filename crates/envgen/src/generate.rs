@@ -1,4 +1,4 @@
-//! What all kinds have in common: a spec with a seed gives a blueprint, a blueprint gives a world.
+//! The interface of all kinds: a spec with a seed gives a blueprint, a blueprint gives a world.
 
 use std::fmt::Debug;
 
@@ -12,48 +12,48 @@ use crate::seed::Seed;
 use crate::settings::Setting;
 use crate::world::World;
 
-/// What is asked of one kind of world.
+/// The settings of one kind of world.
 pub trait Spec: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned {
-    /// What the generator makes of it.
+    /// What the generator makes from the spec.
     type Blueprint: Blueprint;
 
     /// The kind's name, as on the command line.
     const KIND: &'static str;
 
-    /// Raised by every change of what a seed yields.
+    /// The value version: it rises when a spec and a seed give other values.
     const VALUE_VERSION: u32;
 
     /// Every field of the spec.
     const SETTINGS: &'static [Setting];
 
-    /// What is allowed of several settings together, beside the limits of each: a sentence a rule,
-    /// without a full stop, with names of settings in backticks.
+    /// Rules between several settings, besides the limits of each: one sentence per rule, without a
+    /// full stop, with the names of settings in backticks.
     const RULES: &'static [&'static str] = &[];
 
     /// Checks every field, and the fields together.
     ///
     /// # Errors
-    /// The first setting that is not allowed, with its value and what is.
+    /// Names the first setting that is not allowed, its value and the allowed values.
     fn validate(&self) -> Result<(), SpecError>;
 
-    /// About how many parts, cells or points a blueprint has: what generating it costs.
+    /// About how many parts, cells or points a blueprint has: the cost of generating it.
     fn work(&self) -> f64;
 
     /// Generates a blueprint; the same spec and seed always give the same one.
     ///
     /// # Errors
-    /// When the spec is not valid, or when this seed has no blueprint that keeps it.
+    /// When the spec is not valid, or when this seed has no blueprint that satisfies it.
     fn generate(&self, seed: Seed) -> Result<Self::Blueprint, GenerateError>;
 
-    /// The provenance of what `seed` makes of this spec.
+    /// The provenance of the world that this spec and `seed` give.
     fn provenance(&self, seed: Seed) -> Provenance {
         let spec = serde_json::to_value(self).unwrap_or(Value::Null);
         Provenance::generated(Self::KIND, spec, seed, Self::VALUE_VERSION)
     }
 }
 
-/// What a generator makes: the abstract plan of a world, in the generator's own terms. It
-/// serialises to the `blueprint` field of `envgen sample`.
+/// The plan of a world that a generator makes, in the generator's own terms. It serialises to the
+/// `blueprint` field of `envgen sample`.
 pub trait Blueprint: Clone + Debug + PartialEq + Serialize {
     /// Numbers that describe it: the `metrics` field of `envgen sample`.
     type Metrics: Clone + Debug + PartialEq + Serialize;

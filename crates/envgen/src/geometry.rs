@@ -11,7 +11,7 @@ pub fn unit_vector(heading: f64) -> DVec2 {
     DVec2::new(cos, sin)
 }
 
-/// A heading in (-pi, pi] that points the same way.
+/// The same direction as a heading in (-pi, pi].
 pub fn wrap_angle(heading: f64) -> f64 {
     let wrapped = libm::fmod(heading, TAU);
     if wrapped > PI {
@@ -56,7 +56,7 @@ impl Rect {
         Rect { min, max }
     }
 
-    /// The smallest rectangle that holds all points; `None` when there are none.
+    /// The smallest rectangle that holds all points; `None` without points.
     pub fn around(points: impl IntoIterator<Item = DVec2>) -> Option<Self> {
         points.into_iter().fold(None, |rect, p| {
             Some(rect.map_or(Rect::new(p, p), |r: Rect| Rect::new(r.min.min(p), r.max.max(p))))
@@ -300,7 +300,7 @@ pub fn segments_cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
         }
     };
     let within = |p: DVec2, q: DVec2, r: DVec2| Rect::new(p.min(q), p.max(q)).contains(r);
-    // Far pieces of one line would pass for crossing when rounding puts them on both its sides.
+    // Rounding may put a distant piece of the same line on both sides of it, which is no crossing.
     if !Rect::new(a.min(b), a.max(b)).overlaps(Rect::new(c.min(d), c.max(d))) {
         return false;
     }
@@ -312,7 +312,7 @@ pub fn segments_cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
         || (s4 == 0 && within(c, d, b))
 }
 
-/// Even-odd rule.
+/// Whether a point lies inside a polygon, by the even-odd rule.
 pub(crate) fn polygon_contains(vertices: &[DVec2], p: DVec2) -> bool {
     edges(vertices).fold(false, |inside, (a, b)| {
         let crosses =

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::geometry::{Rect, edges};
 
-/// Cells of a lattice that indexes parts, at most: 8 bytes each.
+/// The most cells of a lattice that indexes parts: 8 bytes each.
 pub(crate) const MAX_CELLS: f64 = (1 << 22) as f64;
 
 /// Square cells in rows over an area; row 0 is the lowest.
@@ -17,7 +17,7 @@ pub(crate) struct Lattice {
     pub(crate) rows: usize,
 }
 
-/// A shape of which every horizontal strip cuts out one piece.
+/// A shape that every horizontal strip cuts in one interval.
 pub(crate) enum Convex<'a> {
     Disc(DVec2, f64),
     Polygon(&'a [DVec2]),
@@ -120,7 +120,7 @@ impl Convex<'_> {
     }
 }
 
-/// A list a cell, all in one piece of memory.
+/// One list per cell, all in one allocation.
 #[derive(Clone, Debug)]
 pub(crate) struct CellBuckets<T> {
     /// Where each cell's list starts; one more than there are cells.
@@ -135,7 +135,7 @@ impl<T> Default for CellBuckets<T> {
 }
 
 impl<T: Copy> CellBuckets<T> {
-    /// CellBuckets each item in every cell that `runs` names for it; `None` when that would be more than
+    /// Lists each item in every cell that `runs` names for it; `None` when that would be more than
     /// `most` listings.
     pub(crate) fn build(
         lattice: &Lattice,

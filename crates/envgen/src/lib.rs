@@ -1,5 +1,5 @@
-//! Seeded random worlds for robots: what is asked (a spec) and a seed become a blueprint, a
-//! blueprint becomes a [`World`] in metres, and everything else reads that one world.
+//! Seeded random worlds for robots: a spec and a seed give a blueprint, a blueprint gives a [`World`]
+//! in metres, and everything else reads that world.
 //!
 //! ```
 //! use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -18,27 +18,27 @@
 //! # Ok::<(), envgen::GenerateError>(())
 //! ```
 //!
-//! # Finding one's way
+//! # Where to find what
 //!
 //! | what | where |
 //! |---|---|
-//! | generators, one module a kind | [`hallway`], [`forest`], [`road`], [`indoor`], [`landscape`] |
+//! | generators, one module per kind | [`hallway`], [`forest`], [`road`], [`indoor`], [`landscape`] |
 //! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`WorldKind`], [`settings`] |
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | what generators make | [`World`], [`world`], [`geometry`] |
-//! | what reads a world | [`occupancy`], [`raycast`], [`proximity`], [`ground`], [`placement`], [`mod@distance`], [`certificate`], [`reproduction`], `picture` |
+//! | queries and checks of a world | [`occupancy`], [`raycast`], [`clearance_index`], [`surface_index`], [`placement`], [`mod@distance`], [`certificate`], [`reproduction`], `picture` |
 //! | files | [`export`], [`import`], [`mod@file`], `whole_file` |
 //! | errors with the name of their file or option | [`located`] |
 //!
-//! # What holds
+//! # Guarantees
 //!
 //! - The same spec, seed and crate version give the same world, to the last bit, on every platform,
 //!   with every set of features and any number of threads.
 //! - Metres, radians and seconds in `f64`; x right, y up, headings counter-clockwise from +x.
-//! - Every spec is validated; an error names the field, the value and what is allowed. Nothing
-//!   panics or takes unbounded time or memory on any spec.
-//! - No number is replaced in silence: NaN, a negative or a zero where none is allowed is an error,
-//!   or a panic that the documentation names where only a mistake in the program can cause it.
+//! - Every spec is validated; an error names the field, the value and the allowed values. No spec
+//!   causes a panic, or unbounded time or memory.
+//! - An invalid number is never silently replaced: NaN, a negative number or a zero that is not allowed
+//!   is an error, or a documented panic where only a mistake in the program can cause it.
 //!
 //! # Features
 //!
@@ -46,7 +46,7 @@
 //! |---|---|---|
 //! | `parallel` | yes | large rasters are counted on all cores |
 //! | `picture` | yes | SVG and PNG pictures, drawn on the CPU |
-//! | `whole-file` | no | files that appear whole or not at all |
+//! | `whole-file` | no | files that are written completely or not at all |
 //! | `cli` | no | the command `envgen` |
 
 pub mod certificate;

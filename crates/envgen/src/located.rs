@@ -1,7 +1,7 @@
 //! Errors that say which file or option they are about.
 //!
-//! Readers and writers of this crate take streams and know no names. Whoever opened the file or read
-//! the command line puts the name before the error, always in the same form:
+//! Readers and writers of this crate take streams and do not know file names. The caller that opened
+//! the file or read the command line puts the name before the error, always in the same form:
 //!
 //! ```
 //! use envgen::WorldSpec;
@@ -18,12 +18,12 @@ use std::error::Error;
 use std::fmt::{self, Debug, Display};
 use std::path::Path;
 
-/// An error, and what it is about.
+/// An error, and the file or option that it is about.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Located<E> {
-    /// A file, or an option with its value.
+    /// The file, or the option with its value.
     pub place: String,
-    /// What is wrong there.
+    /// The error there.
     pub error: E,
 }
 
@@ -35,15 +35,15 @@ impl<E: Display> Display for Located<E> {
 
 impl<E: Debug + Display> Error for Located<E> {}
 
-/// Says what an error is about.
+/// Adds to an error the file or option that it is about.
 pub trait Locate<T, E> {
-    /// It is about a file.
+    /// Adds the name of a file.
     ///
     /// # Errors
     /// The error with the file's name.
     fn in_file(self, path: &Path) -> Result<T, Located<E>>;
 
-    /// It is about an option of the command line.
+    /// Adds an option of the command line and its value.
     ///
     /// # Errors
     /// The error with the option and its value.

@@ -20,7 +20,7 @@ pub enum Coverage {
     Centre,
 }
 
-/// Why a world has no grid.
+/// Why a grid could not be made.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum OccupancyError {
@@ -29,11 +29,11 @@ pub enum OccupancyError {
     Resolution(f64),
     /// The grid would take too much memory.
     #[error(
-        "`resolution` is {resolution} m, expected about {:.2e} m or more: {cols} x {rows} cells \
+        "`resolution` must be about {:.2e} m or more, got {resolution} m: {cols} x {rows} cells \
          are more than {most}", resolution * (cols * rows / *most as f64).sqrt()
     )]
     Size {
-        /// The side of a cell asked, in metres.
+        /// The requested side of a cell, in metres.
         resolution: f64,
         /// Columns it would take.
         cols: f64,
@@ -42,8 +42,8 @@ pub enum OccupancyError {
         /// The most cells.
         most: u64,
     },
-    /// Cells that are no grid.
-    #[error("{cells} cells are no whole number of rows of {cols}, or none")]
+    /// The cells do not fill whole rows.
+    #[error("{cells} cells do not fill one or more whole rows of {cols}")]
     Cells {
         /// Cells that were given.
         cells: usize,
@@ -73,7 +73,7 @@ pub struct OccupancyGrid {
 }
 
 impl OccupancyGrid {
-    /// The grid over a world's bounds. Time: one step a cell at most, and one a row that a part
+    /// The grid over a world's bounds. Time: at most one step per cell, and one per row that a part
     /// crosses.
     ///
     /// # Errors
@@ -108,7 +108,7 @@ impl OccupancyGrid {
         Ok(OccupancyGrid { lattice, occupied })
     }
 
-    /// A grid of cells that are known, row by row from the lowest, each `cols` long.
+    /// A grid of given cells, row by row from the lowest, `cols` per row.
     ///
     /// # Errors
     /// As [`OccupancyGrid::of`], and when the cells are not one or more whole rows.

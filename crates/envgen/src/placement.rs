@@ -1,13 +1,13 @@
-//! Where a robot can start in a world that does not say so.
+//! A start for a robot in a world that has none.
 
 use glam::DVec2;
 
 use crate::distance::squared_distances;
 use crate::occupancy::OccupancyGrid;
 
-/// The place in the largest free region of a grid that is farthest from everything occupied and
-/// from the grid's border: the middle of a cell. Regions are joined over sides; of equals the
-/// first, row by row from below, is taken. `None` when no cell is free.
+/// The middle of the cell in the largest free region of a grid that is farthest from occupied cells
+/// and from the grid's border. Cells are connected by their sides; of equal ones the first is taken, row
+/// by row from the lowest. `None` when no cell is free.
 ///
 /// ```
 /// use envgen::occupancy::{Coverage, OccupancyGrid};

@@ -6,28 +6,28 @@ use serde_json::Value;
 use crate::seed::{STREAM_ALGORITHM, Seed};
 use crate::spec::WorldKind;
 
-/// What made a world, complete enough to make it again.
+/// Where a world comes from, complete enough to generate it again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Provenance {
     /// The kind of world, such as `hallway`; `import` for one that was read from another format
     /// and `manual` for one that was put together by hand.
     pub kind: String,
-    /// The settings, by name, or what is known of the source.
+    /// The settings, by name, or what is known about the source.
     pub spec: Value,
-    /// The seed, absent from worlds that no seed made.
+    /// The seed; absent for worlds made without one.
     pub seed: Option<Seed>,
     /// The algorithm of the random streams, [`STREAM_ALGORITHM`] when it was generated.
     pub algorithm: String,
     /// The version of the crate `envgen`.
     pub crate_version: String,
-    /// The version of the values of this kind: the same spec and seed give the same world as long
-    /// as it stays.
+    /// The value version of this kind: the same spec and seed give the same world as long as it does
+    /// not change.
     pub value_version: u32,
     /// Whether the world was changed after it was generated, so that it may no longer be what the
     /// spec asked for.
     pub edited: bool,
-    /// The difficulty that was asked for, once an edit has made the promise of it void.
+    /// The requested difficulty, recorded when an edit makes it invalid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub difficulty_requested: Option<f64>,
 }
@@ -42,8 +42,8 @@ impl Provenance {
     }
 
     /// The settings that differ from the defaults of the kind, in the order of its list, such as
-    /// `difficulty 7, profile thesis`; at the end `edited` for a world that was. Empty for kinds
-    /// that are not generated.
+    /// `difficulty 7, profile thesis`; at the end `edited` for an edited world. Empty for kinds that are
+    /// not generated.
     pub fn changed_settings(&self) -> String {
         let Some(kind) = WorldKind::ALL.iter().find(|kind| kind.name() == self.kind) else {
             return String::new();
@@ -73,7 +73,7 @@ impl Provenance {
     }
 
     /// The provenance of a world that was put together by hand (`manual`) or read from another
-    /// format (`import`), with what is known of it.
+    /// format (`import`), with what is known about it.
     pub fn other(kind: &str, source: Value) -> Self {
         Provenance {
             kind: kind.to_owned(),
@@ -93,7 +93,7 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
 
-/// A value in words; `None` for one of several parts.
+/// A value as text; `None` for one with several parts.
 fn plain(value: &Value) -> Option<String> {
     match value {
         Value::Bool(true) => Some("on".to_owned()),

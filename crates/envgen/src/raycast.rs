@@ -9,17 +9,17 @@ use crate::geometry::{Pose, Rect, Shape, edges, polygon_contains, unit_vector};
 use crate::lattice::{CellBuckets, Convex, Lattice, MAX_CELLS};
 use crate::world::{PartId, World};
 
-/// Cells that the index has for each shape, about, where parts are spread evenly.
+/// About this many cells of the index per shape, where parts are spread evenly.
 const CELLS_A_SHAPE: f64 = 2.0;
 
-/// Cells that list a shape, on average over all shapes, at most. Worlds whose parts lie over each
-/// other get a coarser index, so that its memory is bounded.
+/// A shape is listed in at most this many cells, on average over all shapes. Worlds whose parts
+/// overlap each other get a coarser index, so that its memory is bounded.
 const MAX_LISTINGS: usize = 24;
 
-/// Rays of a fan, at most.
+/// The most rays of a scan pattern.
 const MAX_BEAMS: usize = 1_000_000;
 
-/// What a ray met.
+/// The first part that a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance in metres; 0 for a ray that starts inside a part.
@@ -36,11 +36,11 @@ pub struct ScanPattern {
 
 impl ScanPattern {
     /// `beams` rays spread evenly over `field_of_view` radians, centred on the scanner's heading,
-    /// from right to left; both ends have a ray. The field of view is from 0 to a full turn, the
-    /// beams are a million at most.
+    /// from right to left; both ends have a ray. The field of view is from 0 to 2 pi, the number of
+    /// beams at most a million.
     ///
     /// # Errors
-    /// The first of the two that is not allowed.
+    /// Names the first of the two that is out of range.
     pub fn new(field_of_view: f64, beams: usize) -> Result<Self, SpecError> {
         if !(0.0..=TAU).contains(&field_of_view) {
             let allowed = format!("a number from 0 to {TAU}");
@@ -69,9 +69,9 @@ impl ScanPattern {
 
 /// An index of a world's solid parts for casting rays.
 ///
-/// A coarse uniform grid, of which a ray visits the cells that it crosses in order; each cell lists
-/// the shapes that touch it. Ranges are exact: the shapes themselves are intersected, not cells.
-/// The index is a copy: a world that changes needs a new one.
+/// A coarse uniform grid: a ray visits the cells that it crosses in order, and each cell lists the
+/// shapes that touch it. Ranges are exact: the shapes themselves are intersected, not cells. The index
+/// is a copy: build a new one when the world changes.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec, raycast::Raycaster};
@@ -79,7 +79,7 @@ impl ScanPattern {
 /// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
 /// let rays = Raycaster::new(&world);
 /// let start = world.start.expect("hallways have a start");
-/// // The first segment goes up: the corridor's walls stand 1 m to the left and right.
+/// // The first segment goes up: the corridor's walls are 1 m to the left and right.
 /// let hit = rays.cast(start.position, std::f64::consts::PI, 8.0).expect("a wall");
 /// assert!((hit.distance - 1.0).abs() < 1e-12);
 /// # Ok::<(), envgen::GenerateError>(())
@@ -89,13 +89,13 @@ pub struct Raycaster {
     lattice: Lattice,
     per_cell: f64,
     shapes: CellBuckets<Listing>,
-    /// The filled polygons around each cell: they are listed by their sides, and only where a ray
-    /// starts does it matter whether it starts inside.
+    /// The filled polygons around each cell. Rays meet their sides; the fillings only tell whether a
+    /// ray starts inside one.
     fillings: CellBuckets<u32>,
     polygons: Vec<(PartId, Vec<DVec2>)>,
 }
 
-/// A shape as a cell lists it: all that a ray needs, in one place.
+/// A shape as a cell lists it, with all that a ray needs.
 #[derive(Clone, Copy, Debug)]
 struct Listing {
     outline: Outline,
@@ -104,7 +104,7 @@ struct Listing {
 
 #[derive(Clone, Copy, Debug)]
 enum Outline {
-    /// Start, and the way to the end.
+    /// Start, and the vector to the end.
     Side(DVec2, DVec2),
     /// Middle and squared radius, filled.
     Disc(DVec2, f64),
@@ -138,7 +138,7 @@ impl Raycaster {
                 }
             }
         }
-        // Shapes on the border, and rays that graze it, stay inside by a little.
+        // A small margin keeps shapes on the border, and rays that graze it, inside.
         let around = around.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
         let around = around.grown(1e-9 * (1.0 + around.size().max_element()));
         let numbers: Vec<u32> = (0..polygons.len() as u32).collect();
@@ -158,8 +158,8 @@ impl Raycaster {
         }
     }
 
-    /// The first part that a ray meets within `max_range` metres; `None` when there is none, as
-    /// for a negative range or where a number is NaN. `heading` is in radians.
+    /// The first part that a ray meets within `max_range` metres; `None` when it meets none, and for a
+    /// negative range or NaN. `heading` is in radians.
     pub fn cast(&self, from: DVec2, heading: f64, max_range: f64) -> Option<Hit> {
         self.cast_along(from, unit_vector(heading), max_range)
     }
@@ -244,15 +244,15 @@ impl Raycaster {
     }
 }
 
-/// Steps to the next cell of an axis; false at the grid's end.
+/// Steps to the next cell along an axis; false at the grid's end.
 fn shift(cell: &mut usize, forward: bool, len: usize) -> bool {
     let next = if forward { *cell + 1 } else { cell.wrapping_sub(1) };
     *cell = next;
     next < len
 }
 
-/// The cells around a filled polygon's bounding box: only where rays start does a listing too many
-/// cost anything.
+/// The cells around a filled polygon's bounding box. A superfluous listing costs time only where a
+/// ray starts.
 fn filled_runs(vertices: &[DVec2], lattice: &Lattice, visit: &mut dyn FnMut(usize, usize, usize)) {
     let Some(bounds) = Rect::around(vertices.iter().copied()) else { return };
     let corners = Shape::from_rect(bounds).corners();
@@ -262,7 +262,7 @@ fn filled_runs(vertices: &[DVec2], lattice: &Lattice, visit: &mut dyn FnMut(usiz
 impl Listing {
     fn touched_runs(&self, lattice: &Lattice, visit: &mut dyn FnMut(usize, usize, usize)) {
         match self.outline {
-            Outline::Side(a, way) => lattice.touched_runs(&Convex::Polygon(&[a, a + way]), visit),
+            Outline::Side(a, edge) => lattice.touched_runs(&Convex::Polygon(&[a, a + edge]), visit),
             Outline::Disc(center, radius2) => {
                 lattice.touched_runs(&Convex::Disc(center, radius2.sqrt()), visit);
             }
@@ -279,16 +279,16 @@ impl Outline {
     #[inline]
     fn distance(&self, from: DVec2, direction: DVec2, inverse: DVec2) -> Option<f64> {
         match *self {
-            Outline::Side(a, way) => {
+            Outline::Side(a, edge) => {
                 let to = a - from;
-                let across = direction.perp_dot(way);
+                let across = direction.perp_dot(edge);
                 let off = to.perp_dot(direction);
                 if across == 0.0 {
                     // Along the side: the nearer end, when the ray runs on its line.
-                    let (s, e) = (to.dot(direction), (to + way).dot(direction));
+                    let (s, e) = (to.dot(direction), (to + edge).dot(direction));
                     return (off == 0.0 && s.max(e) >= 0.0).then(|| s.min(e).max(0.0));
                 }
-                let distance = to.perp_dot(way) / across;
+                let distance = to.perp_dot(edge) / across;
                 let along = off / across;
                 (distance >= 0.0 && (0.0..=1.0).contains(&along)).then_some(distance)
             }
@@ -311,8 +311,8 @@ impl Outline {
     }
 }
 
-/// Where a ray's line enters and leaves an axis-aligned box. NaN, from a ray that runs in a side's
-/// line, falls out of `min` and `max`.
+/// Where a ray's line enters and leaves an axis-aligned box. `min` and `max` ignore NaN, which a ray
+/// along the line of a side gives.
 #[inline]
 fn slab(from: DVec2, inverse: DVec2, min: DVec2, max: DVec2) -> (f64, f64) {
     let (a, b) = ((min - from) * inverse, (max - from) * inverse);

@@ -1,4 +1,4 @@
-//! Whether a world is what its spec and seed make.
+//! Checks whether a world is the one that its spec and seed give.
 
 use std::fmt;
 
@@ -13,15 +13,15 @@ const MOST_WORK: f64 = 1e6;
 /// ...and for more than this many times the parts that the world has.
 const MOST_WORK_A_PART: f64 = 1e3;
 
-/// How a world compares with what its provenance makes.
+/// How a world compares with the one that its provenance gives.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Reproduction {
-    /// It is the world that its spec and seed make, to the last bit: this blueprint's.
+    /// Its spec and seed give this world, to the last bit, from this blueprint.
     Same(Box<WorldBlueprint>),
-    /// Its spec and seed make another world.
+    /// Its spec and seed give another world.
     Different,
-    /// Its spec and seed make no world; the text says why.
+    /// Its spec and seed give no world; the text says why.
     NoWorld(String),
     /// Its spec asks for so much more than the world holds that it was not generated.
     TooLarge {
@@ -30,21 +30,21 @@ pub enum Reproduction {
         /// Parts that the world holds.
         parts: u64,
     },
-    /// It was made by another version of the kind's values, and not compared.
+    /// It has another value version, and was not compared.
     OtherVersion {
-        /// The version that made it.
+        /// The value version of the world.
         made_by: u32,
-        /// The version that this crate makes.
+        /// The value version of this crate.
         makes: u32,
     },
-    /// It was changed after it was generated, as it says itself, and not compared.
+    /// It is marked as edited, and was not compared.
     Edited,
     /// It has no spec and seed: it was imported or put together by hand.
     NoSpec,
 }
 
 impl Reproduction {
-    /// Whether the world may be what it says that it is: it is that, or does not say so.
+    /// Whether nothing speaks against the world's provenance.
     pub fn is_credible(&self) -> bool {
         match self {
             Reproduction::Same(_)
@@ -89,8 +89,8 @@ impl fmt::Display for Reproduction {
 }
 
 /// Generates a world again from the spec and the seed in its provenance, and compares the two by
-/// their [digests](World::digest). What the provenance claims costs no more than a fixed amount
-/// and a fixed multiple of what the world holds.
+/// their [digests](World::digest). Whatever the provenance claims, the cost is at most a fixed amount
+/// and a fixed multiple of the world's size.
 pub fn reproduce(world: &World) -> Reproduction {
     let provenance = &world.provenance;
     let (Ok(kind), Some(seed)) = (provenance.kind.parse::<WorldKind>(), provenance.seed) else {
@@ -138,7 +138,7 @@ fn has_size(world: &World, spec: &LandscapeSpec) -> bool {
     })
 }
 
-/// How much the world holds: parts, and points and cells of parts.
+/// The size of a world: its parts, and the points and cells of parts.
 fn parts(world: &World) -> u64 {
     let points: usize = world.road_strips.iter().map(|strip| strip.centreline.len()).sum();
     let cells = world.raster.as_ref().map_or(0, |raster| raster.cells.len());

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::SpecError;
 
-/// Name and version of the algorithm behind every [`Stream`], as it stands in a world's provenance.
+/// Name and version of the algorithm behind every [`Stream`], as a world's provenance records it.
 pub const STREAM_ALGORITHM: &str = "chacha8-v1";
 
 /// The number from which everything random in a world follows. Seed 0 is a seed like any other.
@@ -46,7 +46,7 @@ impl Seed {
         Seed(self.0.wrapping_add(n))
     }
 
-    /// The `n`-th seed after this one; `None` behind the greatest.
+    /// The `n`-th seed after this one; `None` past the greatest.
     pub fn checked_offset(self, n: u64) -> Option<Seed> {
         self.0.checked_add(n).map(Seed)
     }
@@ -111,7 +111,7 @@ impl Stream {
     /// Uniform in [`low`, `high`), or `low` when the two are equal.
     ///
     /// # Panics
-    /// When `low` is greater than `high`, or the two are not finitely far apart.
+    /// When `low` is greater than `high`, or their difference is not finite.
     #[inline]
     #[track_caller]
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
@@ -120,7 +120,7 @@ impl Stream {
         low + (high - low) * self.unit()
     }
 
-    /// True with probability `p`; never for 0 and less or NaN, always for 1 and more.
+    /// True with probability `p`: never for `p` <= 0 or NaN, always for `p` >= 1.
     #[inline]
     pub fn chance(&mut self, p: f64) -> bool {
         self.unit() < p

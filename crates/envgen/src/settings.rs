@@ -21,7 +21,7 @@ pub struct Setting {
     pub allowed: Allowed,
     /// What the setting does, in one sentence without a full stop.
     pub help: &'static str,
-    /// A value as after `--set name=`, where its form needs one to be seen.
+    /// An example of a value, as after `--set name=`, where the form is not obvious.
     pub example: Option<&'static str>,
 }
 
@@ -47,7 +47,7 @@ pub enum Allowed {
     /// `true` or `false`.
     Flag,
     /// A list, separated by commas on the command line, with or without brackets around it; the
-    /// text says of what.
+    /// text names its items.
     List(&'static str),
     /// Another form, which the text describes.
     Other(&'static str),
@@ -97,7 +97,7 @@ impl Setting {
         Setting { name, unit: "", allowed: Allowed::Flag, help, example: None }
     }
 
-    /// A list of what `of` says.
+    /// A list; `of` names its items.
     pub const fn list(
         name: &'static str,
         unit: &'static str,
@@ -107,7 +107,7 @@ impl Setting {
         Setting { name, unit, allowed: Allowed::List(of), help, example: None }
     }
 
-    /// A setting of another form.
+    /// A value of another form, which `form` describes.
     pub const fn other(
         name: &'static str,
         unit: &'static str,
@@ -127,7 +127,7 @@ impl Setting {
         self.error_with(value, self.allowed.to_string())
     }
 
-    /// The error for a value of this setting that something else than its limits forbids.
+    /// The error for a value that is within the limits but not allowed for another reason.
     pub fn error_with(&self, value: impl fmt::Display, allowed: impl Into<String>) -> SpecError {
         SpecError::new(self.name, value, allowed)
     }

@@ -15,12 +15,12 @@ use crate::seed::Seed;
 use crate::settings::Setting;
 use crate::world::World;
 
-/// Why settings do not make a spec.
+/// Why a spec could not be made from settings.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SettingsError {
     /// There is no such kind.
-    #[error("`{name}` is no kind of world, there are: {known}")]
+    #[error("unknown world kind `{name}`, expected one of {known}")]
     UnknownKind {
         /// The name given.
         name: String,
@@ -28,7 +28,7 @@ pub enum SettingsError {
         known: String,
     },
     /// The kind has no such setting.
-    #[error("kind {kind} has no setting `{name}`, it has: {known}")]
+    #[error("kind {kind} has no setting `{name}`, expected one of {known}")]
     UnknownSetting {
         /// The kind.
         kind: WorldKind,
@@ -45,7 +45,7 @@ pub enum SettingsError {
     Ron(Box<ron::error::SpannedError>),
 }
 
-/// One line a kind: variant, name on the command line, spec and blueprint.
+/// One line per kind: variant, name on the command line, spec and blueprint.
 macro_rules! kinds {
     ($($variant:ident, $name:literal, $doc:literal, $spec:ty, $blueprint:ty;)+) => {
         /// The kinds of world.
@@ -80,14 +80,14 @@ macro_rules! kinds {
                 }
             }
 
-            /// What is allowed of several settings together, a sentence a rule.
+            /// Rules between several settings, one sentence per rule.
             pub fn rules(self) -> &'static [&'static str] {
                 match self {
                     $(WorldKind::$variant => <$spec>::RULES,)+
                 }
             }
 
-            /// Raised by every change of what a seed yields.
+            /// The value version: it rises when a spec and a seed give other values.
             pub fn value_version(self) -> u32 {
                 match self {
                     $(WorldKind::$variant => <$spec>::VALUE_VERSION,)+
@@ -135,14 +135,14 @@ macro_rules! kinds {
             /// Checks every setting, and the settings together.
             ///
             /// # Errors
-            /// The first setting that is not allowed, with its value and what is.
+            /// Names the first setting that is not allowed, its value and the allowed values.
             pub fn validate(&self) -> Result<(), SpecError> {
                 match self {
                     $(WorldSpec::$variant(spec) => spec.validate(),)+
                 }
             }
 
-            /// About how many parts, cells or points a blueprint has: what generating it costs.
+            /// About how many parts, cells or points a blueprint has: the cost of generating it.
             pub fn work(&self) -> f64 {
                 match self {
                     $(WorldSpec::$variant(spec) => spec.work(),)+
@@ -152,7 +152,7 @@ macro_rules! kinds {
             /// Generates a blueprint; the same spec and seed always give the same one.
             ///
             /// # Errors
-            /// When the spec is not valid, or when this seed has no blueprint that keeps it.
+            /// When the spec is not valid, or when this seed has no blueprint that satisfies it.
             pub fn generate(&self, seed: Seed) -> Result<WorldBlueprint, GenerateError> {
                 Ok(match self {
                     $(WorldSpec::$variant(spec) => {
@@ -245,7 +245,7 @@ impl WorldKind {
     /// The setting of a name.
     ///
     /// # Errors
-    /// CellBuckets the settings that exist.
+    /// Lists the settings that exist.
     pub fn setting(self, name: &str) -> Result<&'static Setting, SettingsError> {
         self.settings().iter().find(|setting| setting.name == name).ok_or_else(|| {
             let known: Vec<_> = self.settings().iter().map(|setting| setting.name).collect();
@@ -267,7 +267,7 @@ impl WorldSpec {
     pub fn set(&mut self, name: &str, value: &str) -> Result<(), SettingsError> {
         let setting = self.kind().setting(name)?;
         let mut settings = self.settings_json();
-        // What is absent by default can be made absent again.
+        // A setting that is absent by default can be made absent again.
         let optional = self.kind().default_spec().settings_json()[name].is_null();
         settings[name] = match value.trim() {
             "none" if optional => Value::Null,
@@ -280,7 +280,7 @@ impl WorldSpec {
     /// Reads a spec from RON.
     ///
     /// # Errors
-    /// Line and column of what is wrong.
+    /// Line and column of the mistake.
     pub fn from_ron(text: &str) -> Result<Self, SettingsError> {
         ron_options().from_str(text).map_err(|error| SettingsError::Ron(Box::new(error)))
     }
@@ -304,7 +304,7 @@ impl WorldSpec {
     }
 }
 
-/// How specs stand in RON: `Hallway(segments: 80)`, without a second pair of brackets.
+/// How specs are written in RON: `Hallway(segments: 80)`, without a second pair of parentheses.
 fn ron_options() -> ron::Options {
     ron::Options::default()
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)

@@ -1,4 +1,4 @@
-//! What a robot drives on: how a [`World`]'s surfaces change its speed and its odometry.
+//! The ground under a robot: how a [`World`]'s surfaces change its speed and its odometry.
 
 use glam::DVec2;
 
@@ -6,7 +6,7 @@ use crate::geometry::{Rect, Shape};
 use crate::lattice::{CellBuckets, Convex, Lattice};
 use crate::world::{ClassRaster, Surface, SurfaceKind, World};
 
-/// Cells that list a surface, on average, at most.
+/// A surface is listed in at most this many cells, on average.
 const MAX_LISTINGS: usize = 24;
 
 /// The ground at a point. Where surfaces overlap, the worst of each counts.
@@ -25,7 +25,7 @@ impl Ground {
     pub const PLAIN: Ground = Ground { speed: 1.0, odometry_noise: 1.0, water: false };
 }
 
-/// An index of a world's surfaces and raster by place.
+/// A spatial index of a world's surfaces and raster.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
@@ -40,7 +40,7 @@ pub struct SurfaceIndex {
     lattice: Lattice,
     lists: CellBuckets<u32>,
     surfaces: Vec<Surface>,
-    /// Where the surfaces of a landscape are too many to be listed.
+    /// Set where a landscape has too many surfaces to be listed.
     raster: Option<ClassRaster>,
 }
 
@@ -74,7 +74,7 @@ impl SurfaceIndex {
         }
     }
 
-    /// Whether there is any water.
+    /// Whether the world has water.
     pub fn has_water(&self) -> bool {
         self.surfaces.iter().any(|surface| surface.kind == SurfaceKind::Water)
     }
@@ -104,7 +104,7 @@ mod tests {
     use crate::landscape::LandscapeSpec;
     use crate::{Blueprint, Seed, Spec};
 
-    /// The slow, obvious way.
+    /// The slow, obvious method.
     fn slow(world: &World, p: DVec2) -> Ground {
         let mut ground = Ground::PLAIN;
         for surface in world.surfaces.iter().filter(|surface| surface.shape.contains(p)) {

@@ -1,7 +1,7 @@
-//! Files that appear whole or not at all.
+//! Files that are written completely or not at all.
 //!
-//! A file is written beside its place and takes the place of the old one when it is complete. Where
-//! the system has files without a name (Linux), nothing is left even of a process that is killed.
+//! A file is written under a temporary name beside its path, and replaces the old file when it is
+//! complete. On systems that have files without a name (Linux), even a killed process leaves nothing.
 //!
 //! ```
 //! use std::io::Write;
@@ -26,35 +26,35 @@ use tempfile::TempPath;
 
 use crate::located::{Locate, Located};
 
-/// Beginning of the temporary names, which do not grow with the files' own.
+/// Prefix of temporary names, whose length does not depend on the file's name.
 const PREFIX: &str = ".envgen-";
 
 /// Random letters of a temporary name: two are never alike.
 const RANDOM_LETTERS: usize = 16;
 
-/// Links that are followed from one to the next.
+/// The most symbolic links that are followed.
 const MAX_LINKS: usize = 40;
 
-/// A file to be. Dropped without [`WholeFile::commit`], it leaves nothing, and what was in its place
-/// stays.
+/// A file that is being written. Dropped without [`WholeFile::commit`], it leaves nothing, and an old
+/// file stays as it was.
 #[derive(Debug)]
 pub struct WholeFile {
     file: AtomicWriteFile,
-    /// The name between the end of writing and the place.
+    /// The temporary name that the file has before it gets its own.
     between: TempPath,
-    /// As it was given.
+    /// The path as given.
     path: PathBuf,
-    /// Where its links lead.
+    /// The path with its links resolved.
     target: PathBuf,
 }
 
 impl WholeFile {
-    /// A new file for a place. Where that is a link, the file that it leads to is meant. A file that
-    /// is already there keeps its mode and owner; a new one gets those of any new file.
+    /// Begins a file for a path. Where that is a link, the file that it leads to is written. An existing
+    /// file keeps its mode and owner; a new one gets those of any new file.
     ///
     /// # Errors
-    /// When the folder is missing, when a folder or a device is in the place, when the file there
-    /// may not be written, or what the system says.
+    /// When the folder is missing, when the path is a folder or a device, when the existing file is
+    /// read-only, or when the system reports an error.
     pub fn create(path: &Path) -> io::Result<Self> {
         let target = followed(path)?;
         let there = match fs::metadata(&target) {
@@ -70,7 +70,7 @@ impl WholeFile {
         let mut options = AtomicWriteFile::options();
         #[cfg(unix)]
         {
-            // They would be those of the temporary name.
+            // They would be the mode and owner of the file with the temporary name.
             use atomic_write_file::unix::OpenOptionsExt;
             options.preserve_mode(false).preserve_owner(false);
         }
@@ -86,15 +86,15 @@ impl WholeFile {
         Ok(WholeFile { file, between, path: path.to_owned(), target })
     }
 
-    /// Puts the file, which is complete, into its place.
+    /// Completes the file and puts it in place of the old one.
     ///
     /// # Errors
-    /// What the system says; then what was in the place is still there.
+    /// When the system reports an error; the old file then stays.
     pub fn commit(self) -> io::Result<()> {
         self.complete()?.place()
     }
 
-    /// Brings everything to the disk, under a temporary name.
+    /// Writes everything to the disk, under a temporary name.
     fn complete(self) -> io::Result<Complete> {
         self.file.commit()?;
         Ok(Complete { between: self.between, target: self.target })
@@ -120,8 +120,8 @@ struct Complete {
 impl Complete {
     fn place(self) -> io::Result<()> {
         self.between.persist(&self.target)?;
-        // The name as well is to outlive a loss of power; that some systems cannot promise it does
-        // not undo the file.
+        // The new name must survive a loss of power too; where a system cannot ensure that, the file is
+        // kept all the same.
         if cfg!(unix)
             && let Ok(folder) = File::open(folder_of(&self.target))
         {
@@ -131,11 +131,11 @@ impl Complete {
     }
 }
 
-/// Puts several files into their places, none before all are complete.
+/// Commits several files, none before all are complete.
 ///
 /// # Errors
-/// The first file for which the system has an objection. Only where files get their names can
-/// others have got theirs before.
+/// The first file for which the system reports an error. Other files can have been replaced before
+/// only when the error comes from the final renaming.
 pub fn commit_all(files: impl IntoIterator<Item = WholeFile>) -> Result<(), Located<io::Error>> {
     let complete = |file: WholeFile| {
         let path = file.path.clone();
@@ -158,18 +158,18 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Located<io::Error>> {
     write().in_file(path)
 }
 
-/// Makes a folder if need be, and says whether files can be written into it.
+/// Creates a folder if it does not exist, and checks that files can be written into it.
 ///
 /// # Errors
-/// What the system says.
+/// When the system reports an error.
 pub fn create_folder(path: &Path) -> io::Result<()> {
     fs::create_dir_all(path)?;
     tempfile::Builder::new().prefix(PREFIX).tempfile_in(path).map(drop)
 }
 
-/// Whether two names mean the same file, over links and whether or not it is there yet.
+/// Whether two paths mean the same file, with links resolved; the file need not exist.
 pub fn is_same(a: &Path, b: &Path) -> bool {
-    // Where the last link leads to nothing yet, the folder and the name decide.
+    // Where the target does not exist yet, its folder and name decide.
     let place = |path: &Path| {
         let target = followed(path).ok()?;
         Some(fs::canonicalize(folder_of(&target)).ok()?.join(target.file_name()?))
@@ -178,10 +178,10 @@ pub fn is_same(a: &Path, b: &Path) -> bool {
         || place(a).is_some_and(|place_of_a| Some(place_of_a) == place(b))
 }
 
-/// Refuses a file to write that is one of the files that were read.
+/// Refuses an output that is one of the input files.
 ///
 /// # Errors
-/// Names the file that was read.
+/// Names the input file.
 pub fn refuse_inputs<P: AsRef<Path>>(output: &Path, inputs: &[P]) -> Result<(), io::Error> {
     match inputs.iter().find(|input| is_same(output, input.as_ref())) {
         None => Ok(()),
@@ -192,7 +192,7 @@ pub fn refuse_inputs<P: AsRef<Path>>(output: &Path, inputs: &[P]) -> Result<(), 
     }
 }
 
-/// Where the links of a name lead in the end, whether something is there or not.
+/// A path with all links resolved, whether or not the target exists.
 fn followed(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MAX_LINKS {
@@ -201,7 +201,7 @@ fn followed(path: &Path) -> io::Result<PathBuf> {
             Err(_) => return Ok(path),
         }
     }
-    Err(io::Error::other("is a link that leads to no end"))
+    Err(io::Error::other("is a link that leads through too many links"))
 }
 
 fn folder_of(path: &Path) -> &Path {
@@ -211,7 +211,7 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// What is in a file's place, if it may be replaced.
+/// The metadata of an existing file that may be replaced.
 fn writable(target: &Path, there: fs::Metadata) -> io::Result<fs::Metadata> {
     if there.is_dir() {
         return Err(io::Error::new(ErrorKind::IsADirectory, "is a folder"));
@@ -220,14 +220,14 @@ fn writable(target: &Path, there: fs::Metadata) -> io::Result<fs::Metadata> {
         return Err(io::Error::new(ErrorKind::InvalidInput, "is a device and not a file"));
     }
     if there.permissions().readonly() {
-        return Err(io::Error::new(ErrorKind::PermissionDenied, "is there and read-only"));
+        return Err(io::Error::new(ErrorKind::PermissionDenied, "exists and is read-only"));
     }
-    // Whoever may not write the file may not replace it either.
+    // A file that may not be written may not be replaced either.
     File::options().write(true).open(target)?;
     Ok(there)
 }
 
-/// Gives a file the owner of another, where the system lets one.
+/// Gives a file the owner of another, where the system allows it.
 fn keep_owner(file: &File, there: &fs::Metadata) {
     #[cfg(unix)]
     {

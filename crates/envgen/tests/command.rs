@@ -234,7 +234,9 @@ fn room_libraries_describe_what_the_catalogue_lacks() {
     assert!(output.status.success(), "{notes}");
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&report["parts"]["rooms"], &report["parts"]["doorways"]), (&1.into(), &1.into()));
-    for says in ["1 doors lead nowhere", "1 elements are no rooms or doors", "1 rooms are known"] {
+    for says in
+        ["1 doors lead nowhere", "1 elements are neither rooms nor doors", "1 rooms are empty"]
+    {
         assert!(notes.contains(&format!("note: {project}: {says}")), "{notes}");
     }
     let (code, error) = failure(&["check", &project]);
@@ -279,7 +281,7 @@ fn a_certificate_that_does_not_hold_is_exit_code_one() {
     let output = run(&["check", path]);
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8(output.stdout).unwrap().contains("broken: a disc of radius 1.2"));
-    // The same when nobody reads on.
+    // The same when the reader has closed the pipe.
     let mut child = command().args(["check", path]).stdout(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     assert_eq!(child.wait().unwrap().code(), Some(1));
@@ -385,7 +387,7 @@ fn bad_arguments_are_exit_code_two_and_leave_nothing() {
         ),
         (
             vec!["sample", "hallway", "--count", "3", "--seed", "18446744073709551614"],
-            "--count 3: from seed 18446744073709551614 on there are 2 seeds",
+            "--count 3: only 2 seeds are left from seed 18446744073709551614 on",
         ),
         (vec!["generate", "forest", "--set", "intensity=1e5", "--out", out], "`intensity`"),
         (vec!["generate", "hallway", "--set", "p_st=1.0000001", "--out", out], "from 0 to 1"),
@@ -395,7 +397,7 @@ fn bad_arguments_are_exit_code_two_and_leave_nothing() {
         (vec!["generate", "hallway"], "--out"),
         (vec!["inspect", "world.xyz"], ".json, .ron"),
         (vec!["generate", "hallway", "--picture-width", "1", "--out", out], "--picture-width 1: "),
-        (vec!["sample", "hallway", "--count", "-1"], "`count` must be a whole number, got -1"),
+        (vec!["sample", "hallway", "--count", "-1"], "`count` must be a whole number from 0"),
     ] {
         let (code, text) = failure(&arguments);
         assert_eq!(code, 2, "{arguments:?}: {text}");
@@ -411,7 +413,7 @@ fn what_fails_on_the_way_is_exit_code_one_and_leaves_nothing() {
     let (code, text) =
         failure(&["generate", "forest", "--set", "min_distance=4", "--out", &at("f.svg")]);
     assert_eq!(code, 1);
-    assert!(text.contains("the area takes at most"), "{text}");
+    assert!(text.contains("the area holds at most"), "{text}");
     // The second file cannot be written, so the first is not either.
     std::fs::create_dir(at("folder.svg")).unwrap();
     let (code, text) =
@@ -454,7 +456,7 @@ fn maps_for_robots_are_two_files_that_are_read_back() {
     std::fs::write(folder.path().join("hall.pgm"), &image[..image.len() / 2]).unwrap();
     let (code, text) = failure(&["inspect", file]);
     assert_eq!(code, 1);
-    assert!(text.contains("hall.pgm: the PGM header says"), "{text}");
+    assert!(text.contains("hall.pgm: the PGM must hold"), "{text}");
     std::fs::remove_file(folder.path().join("hall.pgm")).unwrap();
     let (code, text) = failure(&["inspect", file]);
     assert!(code == 1 && text.contains("hall.pgm, which cannot be read"), "{text}");

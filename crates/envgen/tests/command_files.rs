@@ -81,7 +81,10 @@ fn links_are_followed_and_modes_kept() {
     assert_eq!((mode("b.json"), mode("far/new.json")), (0o600, mode("usual")));
     assert!(fs::symlink_metadata(folder.path("first.json")).unwrap().is_symlink());
     let error = folder.error(&format!("generate {TREES} --out loop.json"), 1);
-    assert!(error.contains("--out loop.json: is a link that leads to no end"), "{error}");
+    assert!(
+        error.contains("--out loop.json: is a link that leads through too many links"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -95,7 +98,7 @@ fn what_may_not_be_replaced_stays() {
     fs::create_dir(folder.path("folder.json")).unwrap();
     let before = folder.names();
     for (name, what) in [
-        ("fixed.json", "is there and read-only"),
+        ("fixed.json", "exists and is read-only"),
         ("null.json", "is a device and not a file"),
         ("folder.json", "is a folder"),
         ("none/a.json", "there is no folder `none`"),
@@ -145,7 +148,7 @@ fn the_longest_names_can_be_written() {
     for length in [246, 255] {
         let name = format!("{}.json", "n".repeat(length - 5));
         folder.notes(&format!("generate {TREES} --out {name}"));
-        // Once more, over the file that is there.
+        // Once more, over the existing file.
         folder.notes(&format!("generate {TREES} --out {name}"));
         assert!(read_world(&folder.path(&name)).is_ok());
     }
@@ -231,7 +234,7 @@ fn errors_name_the_file_or_the_option() {
             "error: syntax.ron: not the RON of a world spec, at",
         ),
         ("generate crowded.ron --out a.svg", 1, "error: crowded.ron: "),
-        ("generate forest --out a.xodr", 1, "error: --out a.xodr: the world holds no road"),
+        ("generate forest --out a.xodr", 1, "error: --out a.xodr: the world has no road"),
         ("generate forest --out a.svg --out b.xml", 1, "error: --out b.xml: "),
         ("generate indoor --library none.xml --out a.svg", 1, "error: none.xml: No such file"),
         ("generate indoor --rooms none --out a.svg", 2, "error: --rooms none: "),
@@ -338,12 +341,14 @@ fn the_size_of_maps_is_said_and_can_be_chosen() {
     assert_eq!((map(&folder, "f.yaml").cols, map(&folder, "f.yaml").resolution), (260, 0.2));
     let before = folder.names();
     let error = folder.error("generate forest --resolution 0.005 --out g.yaml", 2);
-    let expected =
-        "--out g.yaml, --resolution 0.005: `resolution` is 0.005 m, expected about 6.35e-3 m";
+    let expected = "--out g.yaml, --resolution 0.005: `resolution` must be about 6.35e-3 m or more";
     assert!(error.contains(expected), "{error}");
     assert_eq!(folder.names(), before);
     let said = folder.notes("generate road --set length=20000 --set kerb=0 --out b.yaml");
-    assert!(said.contains("; more than 0.05 m, as the world is large: see --resolution"), "{said}");
+    assert!(
+        said.contains("; coarser than 0.05 m because the world is large: see --resolution"),
+        "{said}"
+    );
     assert!(map(&folder, "b.yaml").resolution > 0.05);
     assert!(fs::metadata(folder.path("b.pgm")).unwrap().len() <= (1 << 24) + 100);
     assert!(Path::new(&folder.path("b.yaml")).exists());

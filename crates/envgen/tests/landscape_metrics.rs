@@ -1,4 +1,4 @@
-//! The measures of rasters against a second, slow and obvious way to find each.
+//! The measures of rasters against a second, slow and obvious method for each.
 
 use std::collections::BTreeMap;
 
@@ -224,7 +224,7 @@ fn many_rasters_agree_with_the_slow_way() {
     ] {
         check(&random(&mut stream, rows, cols, classes, holes));
     }
-    // Over 512 classes, which are counted another way.
+    // Over 512 classes, which are counted by another method.
     let cells = (0..900).map(|_| 1 + stream.below(700) as u16 * 90).collect();
     check(&raster(30, 30, 0.1, cells));
 }

@@ -189,7 +189,7 @@ fn export_writes_the_pictures() {
     assert_eq!(png, picture::png(&world, &small(200)).unwrap());
 }
 
-/// A world of 10 m x 10 m with one thing around its middle.
+/// A world of 10 m x 10 m with one part around its middle.
 fn with(change: impl FnOnce(&mut World)) -> World {
     let mut world = common::empty(10.0, 10.0);
     change(&mut world);
@@ -263,7 +263,7 @@ fn every_kind_of_part_is_seen() {
             assert_ne!(&pixels.rgb, others, "{id} looks like {other}");
         }
         seen.push((id, pixels.rgb));
-        // What is there is in the legend, which changes the foot of the picture.
+        // The legend lists the parts that occur, which changes the foot of the picture.
         if !id.starts_with("rooms-") {
             let with_legend = PictureOptions { legend: true, ..options.clone() };
             assert_ne!(svg, picture::svg(world, &with_legend).unwrap(), "{id} in no legend");
@@ -415,7 +415,10 @@ fn broken_worlds_and_options_are_refused() {
         let error = picture::png(&common::empty(1.0, 1.0), &options).unwrap_err();
         assert!(error.to_string().contains(name), "{error}");
     };
-    refused(PictureOptions { width: 3, ..Default::default() }, "width is 3, expected 100 to 16384");
+    refused(
+        PictureOptions { width: 3, ..Default::default() },
+        "width must be from 100 to 16384, got 3",
+    );
     refused(PictureOptions { height: 1 << 20, ..Default::default() }, "height is 1048576");
     refused(PictureOptions { margin: 2000, ..Default::default() }, "margin is 2000");
     for ratio in [0.0, f64::NAN, f64::INFINITY, 11.0] {

@@ -10,7 +10,7 @@ use envgen::world::{Obstacle, ObstacleKind};
 use envgen::{Blueprint, Provenance, Seed, Spec, World};
 use proptest::prelude::*;
 
-/// Range to one shape, by another way than the library's: sides by Cramer's rule, discs by the
+/// Range to one shape, by another method than the library's: sides by Cramer's rule, discs by the
 /// quadratic formula, insides by `contains`.
 fn range_to(shape: &Shape, from: DVec2, direction: DVec2) -> f64 {
     if shape.contains(from) {

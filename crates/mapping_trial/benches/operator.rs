@@ -1,4 +1,4 @@
-//! Planning against plain ways to do it.
+//! Planning against simple methods for the same.
 
 use std::hint::black_box;
 
@@ -47,7 +47,7 @@ fn known(
     map
 }
 
-/// A scan's worth of changes against everything anew.
+/// A scan's worth of changes against deriving everything again.
 fn renewal(map: &mut OccupancyMap, at: DVec2) {
     let mut costmap = Costmap::new(&Robot::default());
     costmap.refresh(map);
@@ -77,7 +77,7 @@ fn renewal(map: &mut OccupancyMap, at: DVec2) {
     faster("a changed room, against the whole map anew", contest(ours, full), 10.0);
 }
 
-/// The frontiers of a map that is half known, against all else that operators derive from it.
+/// The frontiers of a map that is half known, against everything else that policies derive from it.
 fn frontiers(map: &OccupancyMap) {
     let mut costmap = Costmap::new(&Robot::default());
     costmap.refresh(map);
@@ -112,7 +112,7 @@ fn search(map: &OccupancyMap, start: DVec2) {
     });
     let mut points = Vec::new();
     let Some(last) = last else { return };
-    search.way(&costmap, last, &mut points);
+    search.path_to(&costmap, last, &mut points);
     let Some(&goal) = points.last() else { return };
     let mut classes = costmap.clone();
     let ours = || {

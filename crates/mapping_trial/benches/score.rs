@@ -1,7 +1,7 @@
-//! What scores cost: the truth of a world, once, and the score of a run in it.
+//! The cost of scores: the mappable area of a world, once, and the score of a run in it.
 //!
 //! `cargo bench -p mapping_trial --bench score` compares both, in the same run, with one search of
-//! the operators' planner over all of the map: a score makes eight, and drives 40 ways.
+//! the policies' planner over all of the map: a score makes eight, and drives 40 paths.
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints its results")]
 

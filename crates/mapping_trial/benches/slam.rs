@@ -1,4 +1,4 @@
-//! What SLAM costs, in parts, against plain ways to do the same.
+//! The cost of SLAM, in parts, against simple methods for the same.
 
 #[path = "../tests/trials/drive.rs"]
 mod drive;
@@ -18,7 +18,7 @@ use mapping_trial::slam::matcher::{FINE_ANGLE, Matcher, Window};
 use mapping_trial::slam::scan_insertion::ScanInserter;
 use mapping_trial::slam::sweep::{Sweep, Sweeper};
 
-/// A building of 60 x 60 m with corridors around 25 blocks, and about 710 m of way through it.
+/// A building of 60 x 60 m with corridors around 25 blocks, and a path of about 710 m through it.
 fn building() -> (Vec<envgen::geometry::Rect>, Vec<DVec2>) {
     let mut walls = frame(0.0, 0.0, 60.0, 60.0);
     for i in 0..25 {

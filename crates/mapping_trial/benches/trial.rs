@@ -23,7 +23,7 @@ const ROUNDS: usize = 3;
 /// How many times faster than real time a trial is to be.
 const REAL_TIME: f64 = 1000.0;
 
-/// A simulator that remembers what it was told.
+/// A simulator that remembers its commands.
 struct Recorder {
     bodies: FlatSimulator,
     commands: Vec<Command>,
@@ -102,7 +102,7 @@ fn main() {
     println!("  score                     {:4.0} %", share(score));
 }
 
-/// The log again, with another way to estimate poses.
+/// The log again, with another estimator.
 fn replayed(
     log: &mapping_trial::trial::TrialLog,
     world: &World,
@@ -129,7 +129,7 @@ fn recorded(world: &World, flat: &Arc<FlatWorld>, settings: &TrialSettings) -> V
     trial.bodies().commands.clone()
 }
 
-/// The bodies alone.
+/// The robot backend alone.
 fn drive(mut bodies: FlatSimulator, commands: &[Command]) -> FlatSimulator {
     for command in commands {
         bodies.observe(0);

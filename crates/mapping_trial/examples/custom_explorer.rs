@@ -1,4 +1,4 @@
-//! An exploration policy of one's own, measured beside the built-in ones.
+//! A custom exploration policy, compared with the built-in ones.
 //!
 //! `cargo run --release --example custom_explorer`
 
@@ -12,9 +12,9 @@ use mapping_trial::policy::{Decision, ExplorationPolicy, PolicyInput, PolicyKind
 use mapping_trial::score::Scores;
 use mapping_trial::trial::{Trial, TrialBuilder, TrialSettings};
 
-/// Drives straight on until something is near, then turns to where the laser sees farthest.
+/// Drives straight on until an obstacle is near, then turns to where the laser sees farthest.
 struct Bounce {
-    /// Whether it is turning, in one or the other direction.
+    /// Whether it is turning, in either direction.
     turning: Option<f64>,
 }
 
@@ -65,7 +65,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let own = Trial::builder(&world, settings.clone()).policy(|_| Bounce { turning: None });
     row("bounce", score(&world, own)?);
     for (name, kind) in PolicyKind::NAMES {
-        let settings = TrialSettings { operator: Some(*kind), ..settings.clone() };
+        let settings = TrialSettings { policy: Some(*kind), ..settings.clone() };
         row(name, score(&world, Trial::builder(&world, settings))?);
     }
     Ok(())

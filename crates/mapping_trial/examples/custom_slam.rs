@@ -1,5 +1,5 @@
-//! SLAM of one's own, measured beside the built-in estimators: wheel odometry whose heading is
-//! corrected by the walls, which in buildings stand at right angles.
+//! A custom SLAM, compared with the built-in estimators: wheel odometry whose heading is
+//! corrected by the walls, which in buildings are at right angles.
 //!
 //! `cargo run --release --example custom_slam`
 
@@ -18,7 +18,7 @@ use mapping_trial::slam::sweep::Sweeper;
 use mapping_trial::slam::{Slam, SlamKind};
 use mapping_trial::trial::{Setup, Trial, TrialBuilder, TrialSettings};
 
-/// How much of the difference between walls and heading a scan corrects.
+/// Share of the difference between walls and heading that one scan corrects.
 const GAIN: f64 = 0.2;
 
 /// Wheel odometry with a compass of walls, for one robot.
@@ -52,7 +52,7 @@ impl Slam for WallCompass {
         let mut pose = Pose { position, heading: wrap_angle(heading + seen.odometry.turn) };
         if let Some(scan) = &seen.scan {
             let sweep = self.sweeper.sweep(scan);
-            // Directions from echo to echo, times four, point the same way along all walls.
+            // Directions from echo to echo, times four, are the same along all walls.
             let walls = sweep.echoes.windows(2).map(|pair| (pair[1] - pair[0]).as_dvec2());
             let walls = walls.filter(|wall| wall.length() < 0.3).map(|wall| {
                 let angle = pose.heading + libm::atan2(wall.y, wall.x);

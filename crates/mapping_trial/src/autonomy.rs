@@ -1,4 +1,4 @@
-//! Observation in, command out: the same whatever body it drives.
+//! From observations to commands: the same for every robot backend.
 
 use crate::backend::{Command, Observation};
 use crate::lidar::{LaserProfile, Scan};
@@ -10,13 +10,13 @@ use crate::slam::Slam;
 use envgen::geometry::{Pose, unit_vector};
 use glam::DVec2;
 
-/// SLAM and an operator for one or more robots.
+/// SLAM and an exploration policy for one or more robots.
 ///
-/// A person takes the operator's half: a brain without an operator makes the map and estimates the
-/// poses, and leaves the commands to the caller.
+/// Without a policy, for a person who drives, it makes the map and estimates the poses, and leaves the
+/// commands to the caller.
 pub struct Autonomy {
     slam: Box<dyn Slam + Send + Sync>,
-    operator: Option<Box<dyn ExplorationPolicy + Send + Sync>>,
+    policy: Option<Box<dyn ExplorationPolicy + Send + Sync>>,
     body: Robot,
     laser: LaserProfile,
     /// Each robot's last scan, empty before the first.
@@ -25,16 +25,16 @@ pub struct Autonomy {
     water: Vec<Vec<DVec2>>,
     /// Each robot's last decision.
     decisions: Vec<Decision>,
-    /// Each robot's observations so far.
+    /// Number of each robot's observations so far.
     ticks: Vec<u64>,
     estimates: Vec<Estimate>,
 }
 
 impl Autonomy {
-    /// A brain for so many robots of one sort; `operator` is `None` for a person.
+    /// For this number of equal robots; `policy` is `None` for a person who drives.
     pub fn new(
         slam: Box<dyn Slam + Send + Sync>,
-        operator: Option<Box<dyn ExplorationPolicy + Send + Sync>>,
+        policy: Option<Box<dyn ExplorationPolicy + Send + Sync>>,
         robots: usize,
         body: &Robot,
         laser: &LaserProfile,
@@ -42,7 +42,7 @@ impl Autonomy {
         Autonomy {
             estimates: (0..robots).map(|robot| slam.estimate(robot)).collect(),
             slam,
-            operator,
+            policy,
             body: body.clone(),
             laser: laser.clone(),
             scans: vec![Scan { ranges: Vec::new() }; robots],
@@ -52,7 +52,7 @@ impl Autonomy {
         }
     }
 
-    /// Takes in what a robot observes: its pose and the map are estimated again.
+    /// Takes in a robot's observation and updates its pose estimate and the map.
     pub fn sense(&mut self, robot: usize, seen: &Observation) {
         self.slam.step(robot, seen);
         if let Some(scan) = &seen.scan {
@@ -68,13 +68,13 @@ impl Autonomy {
         self.ticks[robot] += 1;
     }
 
-    /// What the operator wants of a robot now, after [`Autonomy::sense`] of the same observation. A
-    /// brain without an operator wants it to stand still.
+    /// The policy's decision for a robot now, after [`Autonomy::sense`] of the same observation.
+    /// Without a policy the robot stops.
     pub fn decide(&mut self, robot: usize, seen: &Observation) -> Decision {
-        if let Some(operator) = &mut self.operator
-            && (self.ticks[robot] + 1).is_multiple_of(operator.ticks_per_decision().max(1))
+        if let Some(policy) = &mut self.policy
+            && (self.ticks[robot] + 1).is_multiple_of(policy.ticks_per_decision().max(1))
         {
-            self.decisions[robot] = operator.decide(&PolicyInput {
+            self.decisions[robot] = policy.decide(&PolicyInput {
                 robot,
                 estimates: &self.estimates,
                 map: self.slam.map(),
@@ -88,14 +88,14 @@ impl Autonomy {
         self.decisions[robot]
     }
 
-    /// The estimates and the map.
+    /// SLAM: the pose estimates and the map.
     pub fn slam(&self) -> &dyn Slam {
         &*self.slam
     }
 
-    /// The operator; `None` where a person drives.
+    /// The policy; `None` where a person drives.
     pub fn policy(&self) -> Option<&dyn ExplorationPolicy> {
-        self.operator.as_deref().map(|operator| operator as &dyn ExplorationPolicy)
+        self.policy.as_deref().map(|policy| policy as &dyn ExplorationPolicy)
     }
 
     /// A robot's last scan in metres, empty before the first.
@@ -103,7 +103,7 @@ impl Autonomy {
         &self.scans[robot]
     }
 
-    /// How many observations of a robot were taken in.
+    /// Number of observations of a robot so far.
     pub fn steps(&self, robot: usize) -> u64 {
         self.ticks[robot]
     }

@@ -1,4 +1,4 @@
-//! What passes between a robot's body and its autonomy.
+//! What a robot backend and the robots' autonomy exchange: commands and observations.
 
 use envgen::Seed;
 use envgen::geometry::Pose;
@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 use crate::lidar::{Laser, LaserProfile, LaserSensor, Scan};
 use crate::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
 
-/// Length of a tick in seconds: bodies move, and commands are logged, 20 times a second.
+/// Length of a tick in seconds: robots move, and commands are logged, 20 times per second.
 pub const TICK: f64 = 0.05;
 
-/// What a brain or a person asks of a body for one tick. NaN and infinite values count as 0.
+/// A command to a robot for one tick. NaN and infinite values count as 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Command {
     /// Speed ahead in m/s, negative backwards.
@@ -21,17 +21,17 @@ pub struct Command {
 }
 
 impl Command {
-    /// Stand still.
+    /// No motion.
     pub const STOP: Command = Command { speed: 0.0, turn_rate: 0.0 };
 
-    /// The same with 0 in place of NaN and infinities, which no log can hold.
+    /// The same with 0 in place of NaN and infinite values, which no log can hold.
     pub(crate) fn finite(self) -> Command {
         let or_zero = |value: f64| if value.is_finite() { value } else { 0.0 };
         Command { speed: or_zero(self.speed), turn_rate: or_zero(self.turn_rate) }
     }
 }
 
-/// What a body tells its brain after a tick.
+/// What a robot measured in a tick.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Observation {
     /// Simulated seconds since the start.
@@ -40,62 +40,62 @@ pub struct Observation {
     pub odometry: Increment,
     /// The laser's scan, in the ticks in which one is taken.
     pub scan: Option<Scan>,
-    /// What its camera shows to be water, as [`crate::water::seen`] gives it, in the ticks of scans;
+    /// The water that its camera sees, as [`crate::water::seen`] gives it, in the ticks of scans;
     /// `None` between them.
     pub water: Option<Vec<DVec2>>,
-    /// Whether the body touches something solid.
+    /// Whether the robot touches a solid part or another robot.
     pub bumped: bool,
-    /// Seconds that the battery still lasts.
+    /// Seconds that the battery will still last.
     pub battery: f64,
 }
 
-/// What became of a body.
+/// The state of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {
-    /// It drives.
+    /// It can drive.
     Operational,
-    /// It drove into water and is lost.
+    /// It drove into water and can no longer drive.
     Drowned,
 }
 
-/// The bodies of one or more robots in a world: the flat simulator's discs, or anything else that
-/// can be driven.
+/// A simulator that moves one or more robots in a world and senses for them: the flat simulator or
+/// one of your own.
 ///
-/// Each tick a trial calls [`RobotBackend::observe`] for each robot, asks the brain, and calls
-/// [`RobotBackend::advance`] once. The first observation, before the first command, has a scan and no
-/// motion.
+/// In each tick a trial calls [`RobotBackend::observe`] for each robot, asks for the commands, and
+/// calls [`RobotBackend::advance`] once. The first observation, before the first command, has a scan
+/// and no motion.
 pub trait RobotBackend {
-    /// What moves these bodies, as logs and reports name it: `flat`, `rapier`, or a name of one's own.
+    /// Name of the backend in logs and reports: `flat`, `rapier`, or a name of your own.
     fn engine(&self) -> &str;
 
-    /// What a robot measures now. Called once a tick for each robot, in order.
+    /// What a robot measures now. Called once per tick for each robot, in order.
     fn observe(&mut self, robot: usize) -> Observation;
 
-    /// Carries out one command a robot for one [`TICK`], within the robots' limits. Robots that are
-    /// lost stay where they are.
+    /// Carries out one command per robot for one [`TICK`], within the robots' limits. Lost robots
+    /// stay where they are.
     fn advance(&mut self, commands: &[Command]);
 
-    /// The true pose of a robot, which scores may see and brains may not.
+    /// The true pose of a robot in the world's frame: for scores, never for SLAM or policies.
     fn pose(&self, robot: usize) -> Pose;
 
-    /// What became of a robot so far.
+    /// The state of a robot now.
     fn condition(&self, robot: usize) -> Condition;
 
-    /// How many times a robot has run into something.
+    /// Number of collisions of a robot so far.
     fn hits(&self, robot: usize) -> u32;
 }
 
-/// What one robot measures with.
+/// The sensors of one robot.
 pub struct Sensors {
     /// The laser.
     pub laser: Box<dyn LaserSensor + Send + Sync>,
-    /// The wheels.
+    /// The wheel encoders.
     pub odometry: Box<dyn WheelSensor + Send + Sync>,
 }
 
 impl Sensors {
-    /// The built-in ones of the robot of number `robot` in the run of a seed.
+    /// The built-in sensors of robot number `robot` (from 0), with noise drawn from `seed`.
     pub fn new(laser: &LaserProfile, odometry: &OdometryProfile, seed: Seed, robot: u64) -> Self {
         Sensors {
             laser: Box::new(Laser::new(laser.clone(), seed, robot)),

@@ -1,4 +1,4 @@
-//! The fast simulator: discs that drive, slide along and bump into a world.
+//! The fast simulator: discs that drive in a world, collide with its solids and slide along them.
 
 use std::sync::Arc;
 
@@ -15,16 +15,16 @@ use crate::odometry::{Increment, OdometryProfile};
 use crate::robot::Robot;
 use crate::water;
 
-/// How often a disc is pushed out of what it is pressed into before it stays where it was.
+/// How often a disc is pushed out of solids before it returns to where it was.
 const PUSHES: usize = 8;
 
-/// Depth in metres to which a disc may be pressed into something.
+/// Depth in metres to which a disc may overlap a solid.
 const SLACK: f64 = 1e-6;
 
-/// Ticks without a contact after which the next one is another hit.
+/// Ticks without contact after which the next contact is another collision.
 const TICKS_BETWEEN_HITS: u32 = 10;
 
-/// A world as the simulator needs it; trials on one world may share it.
+/// A world indexed for the simulator; trials in one world may share it.
 #[derive(Clone, Debug)]
 pub struct FlatWorld {
     rays: Raycaster,
@@ -36,7 +36,7 @@ impl FlatWorld {
     /// Indexes a world for robots whose bodies are not larger than `robot`'s.
     ///
     /// # Errors
-    /// When [`Robot::validate`] refuses the robot.
+    /// If [`Robot::validate`] refuses the robot.
     pub fn new(world: &World, robot: &Robot) -> Result<Self, SpecError> {
         robot.validate()?;
         Ok(FlatWorld {
@@ -47,11 +47,11 @@ impl FlatWorld {
     }
 }
 
-/// Robots as discs of their swing radius.
+/// Robots as discs of their circumscribed radius.
 ///
-/// A disc that meets something solid slides along it; its wheels are stalled by what stops it, so
-/// that odometry measures the way that was really made. Robots are solid to each other and seen by
-/// each other's lasers. Ground of speed 0 stops a disc's middle, water drowns it.
+/// A disc that touches a solid slides along it; its wheels are stalled by the contact, so
+/// that odometry measures the path that was really driven. Robots are solid to each other and seen by
+/// each other's lasers. Ground of speed 0 stops a disc's centre, water drowns it.
 pub struct FlatSimulator {
     world: Arc<FlatWorld>,
     robot: Robot,
@@ -69,7 +69,7 @@ struct Disc {
     condition: Condition,
     touching: bool,
     hits: u32,
-    /// Ticks since it last touched something.
+    /// Ticks since the last contact.
     clear: u32,
     /// What the wheels measured in the last tick.
     measured: Increment,
@@ -77,13 +77,13 @@ struct Disc {
 }
 
 impl FlatSimulator {
-    /// What logs and reports call it.
+    /// Name of the backend in logs and reports.
     pub const ENGINE: &str = "flat";
 
-    /// Robots at their starts; what their sensors get wrong follows from the seed.
+    /// Robots at their starts; their sensor noise follows from the seed.
     ///
     /// # Panics
-    /// When the robot or one of the profiles is not valid.
+    /// If the robot or one of the profiles is not valid.
     #[track_caller]
     pub fn new(
         world: Arc<FlatWorld>,
@@ -99,10 +99,10 @@ impl FlatSimulator {
         FlatSimulator::with_sensors(world, robot, starts, laser, sensors)
     }
 
-    /// The same with sensors of one's own, one set a start.
+    /// The same with sensors of your own, one set per start.
     ///
     /// # Panics
-    /// When the robot or the laser's profile is not valid.
+    /// If the robot or the laser's profile is not valid.
     #[track_caller]
     pub fn with_sensors(
         world: Arc<FlatWorld>,
@@ -153,7 +153,7 @@ impl FlatSimulator {
         }
     }
 
-    /// Where a disc comes to rest that wants to be at `to`, and whether it touches something.
+    /// The final position of a disc that moves to `to`, and whether it touches something.
     fn slide(&self, robot: usize, from: DVec2, to: DVec2) -> (DVec2, bool) {
         let radius = self.robot.circumscribed_radius;
         let mut at = to;
@@ -166,7 +166,7 @@ impl FlatSimulator {
                 let depth = radius - gap;
                 if depth > deepest {
                     deepest = depth;
-                    // A middle that lies on an outline goes back to where it came from.
+                    // A centre on an outline is pushed back to where it came from.
                     let away = (at - toward).try_normalize();
                     push = away.or((from - at).try_normalize()).unwrap_or(DVec2::ZERO) * depth;
                 }
@@ -185,7 +185,7 @@ impl FlatSimulator {
             touching = true;
             at += push;
         }
-        // Wedged: it stays, unless it stood no better before.
+        // Wedged: it stays, unless it was no better before.
         if deepest > SLACK && self.depth(robot, at) > self.depth(robot, from).max(SLACK) {
             at = from;
         }
@@ -196,7 +196,7 @@ impl FlatSimulator {
         (at, touching)
     }
 
-    /// How deep a disc at a place is pressed into anything, in metres.
+    /// How deep a disc at a position overlaps any solid, in metres.
     fn depth(&self, robot: usize, at: DVec2) -> f64 {
         let radius = self.robot.circumscribed_radius;
         let others = self.discs.iter().enumerate().filter(|&(i, _)| i != robot);
@@ -351,11 +351,11 @@ mod tests {
     fn a_free_robot_drives_as_its_wheels_say() {
         let mut bodies = simulator(&room(20.0, 20.0), &[Pose::new(5.0, 10.0, 0.0)]);
         let command = Command { speed: 0.5, turn_rate: 0.0 };
-        let way = drive(&mut bodies, command, 10.0);
-        // A second to reach 0.5 m/s at 0.5 m/s^2.
+        let driven = drive(&mut bodies, command, 10.0);
+        // It takes one second to reach 0.5 m/s at 0.5 m/s^2.
         let expected = 0.5 * 10.0 - 0.25;
-        assert!((way.distance - expected).abs() < 0.03, "{}", way.distance);
-        assert!((bodies.pose(0).position.x - 5.0 - way.distance).abs() < 1e-9);
+        assert!((driven.distance - expected).abs() < 0.03, "{}", driven.distance);
+        assert!((bodies.pose(0).position.x - 5.0 - driven.distance).abs() < 1e-9);
         assert_eq!(bodies.hits(0), 0);
         let turned = drive(&mut bodies, Command { speed: 0.0, turn_rate: 9.0 }, 5.0);
         assert!(turned.turn < 1.4 * 5.0 && turned.turn > 1.4 * 4.0, "{}", turned.turn);
@@ -427,8 +427,8 @@ mod tests {
                         &profile,
                         Seed(seed),
                     );
-                    let way = drive(&mut bodies, Command { speed: 0.5, turn_rate: 0.0 }, 30.0);
-                    way.distance - (bodies.pose(0).position.x - 2.0)
+                    let driven = drive(&mut bodies, Command { speed: 0.5, turn_rate: 0.0 }, 30.0);
+                    driven.distance - (bodies.pose(0).position.x - 2.0)
                 })
                 .collect();
             errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64
@@ -458,7 +458,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(24))]
 
-        /// Whatever the commands, a disc never gets into anything.
+        /// Whatever the commands are, a disc never enters a solid.
         #[test]
         fn nothing_is_passed_through(
             seed in 0_u64..1000,

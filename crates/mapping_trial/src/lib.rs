@@ -1,5 +1,5 @@
 //! Mapping trials: a simulated robot maps a world that it does not know, and the map that it made
-//! is scored against the truth. Difficulty is measured, not asked.
+//! is scored against what could be mapped. Difficulty is measured, not requested.
 //!
 //! ```
 //! use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -11,34 +11,34 @@
 //! let scores = trial.score(&trial.reference(&world)?)?;
 //! assert!(scores.coverage > 0.2 && scores.difficulty < 10.0);
 //!
-//! // Everything that happened is in the log, from which it happens again.
+//! // The log replays the trial exactly.
 //! let again = trial.log().replay()?;
 //! assert_eq!(again.trajectory(0), trial.trajectory(0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Finding one's way
+//! # Modules
 //!
 //! | what | where |
 //! |---|---|
 //! | the robot and its sensors | [`robot`], [`lidar`], [`odometry`], [`water`] |
-//! | bodies that take commands and give observations | [`body`], [`flat`] |
-//! | where am I and what is around me | [`slam`], [`map`] |
-//! | where to next | [`operator`] |
-//! | the two together: observation in, command out | [`brain`] |
-//! | programs of their own in their place | `driver` |
+//! | robot backends: they take commands and give observations | [`backend`], [`flat`] |
+//! | where the robot is, and what is around it | [`slam`], [`map`] |
+//! | where it goes next | [`policy`] |
+//! | both together: observation in, command out | [`autonomy`] |
+//! | programs in processes of their own in their place | `driver` |
 //! | pictures of maps | `picture` |
 //! | the protocol: clock, ends, log and replay | [`trial`] |
 //! | what could be mapped, and how well it was | [`truth`], [`score`] |
-//! | what the operator says of it | [`feedback`] |
-//! | many trials at once, and what they say | `experiment` |
+//! | the operator's rating of it | [`feedback`] |
+//! | many trials at once, and their statistics | `experiment` |
 //!
-//! # What holds
+//! # Guarantees
 //!
 //! - The same world, settings and seed give the same trial to the last bit, on every platform, in
 //!   debug and release, with any number of threads.
-//! - Metres, radians and seconds in `f64`; the map's frame is the world's, since a trial tells its
-//!   robots where they start.
+//! - Metres, radians and seconds in `f64`; the map's frame is the world's, since a trial gives its
+//!   robots the poses where they start.
 
 pub mod autonomy;
 pub mod backend;

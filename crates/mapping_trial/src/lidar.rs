@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::trial::{count, number};
 
-/// Random numbers that each beam has, used or not, so that its errors depend on nothing else.
+/// Random numbers per beam, used or not, so that a beam's errors do not depend on other beams.
 const DRAWS_A_BEAM: usize = 4;
 
-/// Range of a beam that met nothing, as in REP 117 of ROS.
+/// Range of a beam without echo, as in REP 117 of ROS.
 pub const NO_ECHO: f64 = f64::INFINITY;
 
 /// Least difference in metres between neighbouring ranges at which a beam can hit both.
@@ -27,13 +27,13 @@ pub struct LaserProfile {
     pub field_of_view: f64,
     /// Greatest range in metres.
     pub max_range: f64,
-    /// Ranges are multiples of this many metres; 0 for none.
+    /// Ranges are multiples of this many metres; 0 for no rounding.
     pub range_step: f64,
     /// Standard deviation of a range in metres.
     pub sigma: f64,
     /// Ticks from one scan to the next.
     pub ticks_a_scan: u32,
-    /// Probability that a beam gives nothing.
+    /// Probability that a beam is lost, from 0 to 1.
     pub dropout: f64,
     /// Probability that a beam returns too early, at any range.
     pub short: f64,
@@ -64,7 +64,7 @@ impl LaserProfile {
     /// Checks every number.
     ///
     /// # Errors
-    /// The first field whose value is not allowed, as `laser.beams`.
+    /// The first field that is not allowed, as `laser.beams`.
     pub fn validate(&self) -> Result<(), SpecError> {
         count("laser.beams", self.beams, 1, 4096)?;
         number("laser.field_of_view", self.field_of_view, 0.0, TAU)?;
@@ -102,27 +102,27 @@ impl Default for LaserProfile {
 }
 
 /// The ranges of one scan in metres, beam by beam from right to left. As in REP 117 of ROS,
-/// [`NO_ECHO`] is a beam that met nothing within the greatest range, and NaN one that is to be
+/// [`NO_ECHO`] is a beam without echo within the greatest range, and NaN is a beam to be
 /// ignored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scan {
-    /// One range a beam.
+    /// One range per beam.
     pub ranges: Vec<f64>,
 }
 
-/// Turns exact ranges into what a laser measures: [`Laser`], or an error model of one's own.
+/// Turns exact ranges into what a laser measures: [`Laser`], or an error model of your own.
 ///
 /// Beams, field of view, greatest range and rate are those of the trial's [`LaserProfile`], whatever
 /// the sensor makes of them. One of your own is plugged in by
 /// [`TrialBuilder::laser`](crate::trial::TrialBuilder::laser).
 pub trait LaserSensor {
-    /// What logs and reports call it where it was plugged in: the type's path unless it says
-    /// otherwise.
+    /// Its name in logs and reports of trials that it is plugged into; the type's path by
+    /// default.
     fn name(&self) -> &str {
         std::any::type_name::<Self>()
     }
 
-    /// The next scan, from exact ranges, one a beam. A range of the profile's `max_range` or more
+    /// The next scan, from exact ranges, one per beam. A range of the profile's `max_range` or more
     /// is no echo.
     fn measure(&mut self, exact: &[f64]) -> Scan;
 }
@@ -137,10 +137,10 @@ pub struct Laser {
 }
 
 impl Laser {
-    /// The laser of the robot of number `robot` in the run of a seed.
+    /// The laser of robot number `robot` (from 0), with noise drawn from `seed`.
     ///
     /// # Panics
-    /// When [`LaserProfile::validate`] refuses the profile.
+    /// If [`LaserProfile::validate`] refuses the profile.
     #[track_caller]
     pub fn new(profile: LaserProfile, seed: Seed, robot: u64) -> Self {
         if let Err(error) = profile.validate() {
@@ -149,7 +149,7 @@ impl Laser {
         Laser { profile, seed, robot, scans: 0 }
     }
 
-    /// What it measures.
+    /// The laser's profile.
     pub fn profile(&self) -> &LaserProfile {
         &self.profile
     }
@@ -200,7 +200,7 @@ mod tests {
     use super::*;
 
     #[test]
-    #[should_panic(expected = "`laser.beams` must be 1 to 4096, got 0")]
+    #[should_panic(expected = "`laser.beams` must be a whole number from 1 to 4096, got 0")]
     fn a_laser_has_beams() {
         Laser::new(LaserProfile { beams: 0, ..LaserProfile::USARSIM }, Seed(0), 0);
     }

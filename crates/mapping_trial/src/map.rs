@@ -12,27 +12,27 @@ pub const TILE: i32 = 32;
 /// Hundredths of log odds that an echo adds to its cell.
 pub const HIT: i16 = 85;
 
-/// Hundredths of log odds that a ray through a cell takes away.
+/// Hundredths of log odds that a ray takes from each cell that it passes through.
 pub const MISS: i16 = 40;
 
-/// Hundredths of log odds at which a cell is as sure as it gets.
+/// Greatest absolute log odds of a cell, in hundredths.
 pub const CLAMP: i16 = 400;
 
 /// Log odds in hundredths above which a cell is occupied (probability 0.65), and below whose
 /// negative it is free (0.35).
 pub const DECIDED: i16 = 62;
 
-/// Tiles along a side of the map, at most: 6.5 km.
+/// Greatest number of tiles along a side of the map: 6.5 km.
 const MAX_TILES: i64 = 4096;
 
-/// What a cell is taken for.
+/// The state of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cell {
     /// Nothing is known.
     Unknown,
-    /// Nothing stands there.
+    /// No obstacle.
     Free,
-    /// Something stands there.
+    /// An obstacle or a wall.
     Occupied,
 }
 
@@ -46,18 +46,18 @@ pub struct CellIndex {
 }
 
 impl CellIndex {
-    /// The cell that holds a point.
+    /// The cell that contains a point, in metres in the map's frame.
     pub fn of(p: DVec2) -> CellIndex {
         let scaled = (p * (1.0 / RESOLUTION)).floor();
         CellIndex { col: scaled.x as i32, row: scaled.y as i32 }
     }
 
-    /// The middle of the cell.
+    /// The centre of the cell in metres.
     pub fn centre(self) -> DVec2 {
         (DVec2::new(f64::from(self.col), f64::from(self.row)) + 0.5) * RESOLUTION
     }
 
-    /// The tile that holds the cell.
+    /// The tile that contains the cell.
     fn tile(self) -> (i32, i32) {
         (self.col.div_euclid(TILE), self.row.div_euclid(TILE))
     }
@@ -65,15 +65,15 @@ impl CellIndex {
 
 /// Occupancy in log odds, tile by tile, in the world's frame.
 ///
-/// Every tile tells when it last changed, so that what is derived from a map (frontiers, costs,
-/// pictures) can be renewed where it must.
+/// Every tile has the revision of its last change, so that what is derived from a map (frontiers,
+/// costs, pictures) can be updated where the map changed.
 #[derive(Clone, Debug, Default)]
 pub struct OccupancyMap {
     /// Column and row of the lower left tile of the table.
     corner: (i32, i32),
     cols: i32,
     rows: i32,
-    /// Place in `tiles` of each tile of the table, row by row from below.
+    /// Index into `tiles` of each tile of the table, row by row from below.
     table: Vec<u32>,
     tiles: Vec<Tile>,
     revision: u64,
@@ -87,17 +87,16 @@ struct Tile {
     cells: Box<[i16]>,
 }
 
-/// A tile that was never touched.
+/// A tile that does not exist.
 const NONE: u32 = u32::MAX;
 
 impl OccupancyMap {
-    /// A map of which nothing is known.
+    /// An unknown map.
     pub fn new() -> Self {
         OccupancyMap::default()
     }
 
-    /// A map of which nothing is known yet and that takes the place of another: its changes are
-    /// later than all of that one's.
+    /// An unknown map that replaces another one: its changes are later than all of that one's.
     #[cfg(feature = "driver")]
     pub(crate) fn after(before: &OccupancyMap) -> Self {
         OccupancyMap { revision: before.revision + 1, ..OccupancyMap::default() }
@@ -108,7 +107,7 @@ impl OccupancyMap {
         self.revision
     }
 
-    /// What a cell is taken for.
+    /// The state of a cell.
     pub fn cell(&self, index: CellIndex) -> Cell {
         let odds = self.log_odds(index);
         if odds > DECIDED {
@@ -150,8 +149,8 @@ impl OccupancyMap {
         }
     }
 
-    /// Forgets what every cell is, and announces it. The tiles stay, so that what is derived from
-    /// the map hears of cells that are not drawn again.
+    /// Makes every cell unknown, and announces it. The tiles stay, so that what is derived from
+    /// the map is updated for cells that are not drawn again.
     pub fn clear(&mut self) {
         self.revision += 1;
         for tile in &mut self.tiles {
@@ -160,8 +159,8 @@ impl OccupancyMap {
         }
     }
 
-    /// Begins a change: what [`OccupancyMap::tile_mut`] hands out until the next one is announced
-    /// under a new revision.
+    /// Begins a change: the tiles that [`OccupancyMap::tile_mut`] returns until the next one get a
+    /// new revision.
     pub(crate) fn begin(&mut self) {
         self.revision += 1;
     }
@@ -211,7 +210,7 @@ impl OccupancyMap {
         (slot != NONE).then_some(slot as usize)
     }
 
-    /// Makes a tile, and room for it in the table; `None` where the map may not grow.
+    /// Creates a tile, and extends the table if needed; `None` where the map may not grow.
     fn grow(&mut self, col: i32, row: i32) -> Option<usize> {
         let empty = self.table.is_empty();
         let low = if empty { (col, row) } else { (self.corner.0.min(col), self.corner.1.min(row)) };
@@ -243,19 +242,19 @@ impl OccupancyMap {
     }
 }
 
-/// Place of a cell in its tile.
+/// Index of a cell in its tile.
 fn place(index: CellIndex) -> usize {
     (index.row.rem_euclid(TILE) * TILE + index.col.rem_euclid(TILE)) as usize
 }
 
-/// The pose of a robot as it is estimated, and how sure that is.
+/// An estimated pose of a robot, and its uncertainty.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate {
-    /// Where the robot is thought to be.
+    /// The estimated pose.
     pub pose: Pose,
-    /// Standard deviation of the position in metres, as the estimator believes it.
+    /// Standard deviation of the position in metres, according to the estimator.
     pub deviation: f64,
-    /// Standard deviation of the heading in radians, as the estimator believes it.
+    /// Standard deviation of the heading in radians, according to the estimator.
     pub heading_deviation: f64,
 }
 

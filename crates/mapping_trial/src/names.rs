@@ -1,4 +1,4 @@
-//! The names by which commands and reports call profiles, estimators and operators.
+//! The names of profiles, estimators and policies in commands and reports.
 
 use envgen::SpecError;
 
@@ -18,13 +18,13 @@ use crate::slam::SlamKind;
 /// # Ok::<(), envgen::SpecError>(())
 /// ```
 pub trait Named: Clone + PartialEq + Sized + 'static {
-    /// What it is, as the field of an error.
+    /// The field that errors name.
     const FIELD: &'static str;
 
-    /// All names and what they stand for.
+    /// All names and their values.
     const NAMES: &'static [(&'static str, Self)];
 
-    /// What a name stands for.
+    /// The value of a name.
     ///
     /// # Errors
     ///
@@ -37,7 +37,7 @@ pub trait Named: Clone + PartialEq + Sized + 'static {
         })
     }
 
-    /// Its name; `None` for a profile of one's own.
+    /// Its name; `None` for a profile of your own.
     fn name(&self) -> Option<&'static str> {
         Self::NAMES.iter().find(|(_, value)| value == self).map(|(name, _)| *name)
     }
@@ -63,7 +63,7 @@ impl Named for OdometryProfile {
 }
 
 impl Named for PolicyKind {
-    const FIELD: &'static str = "operator";
+    const FIELD: &'static str = "policy";
     const NAMES: &'static [(&'static str, Self)] = &[
         ("nearest", PolicyKind::Nearest),
         ("info_gain", PolicyKind::InfoGain),
@@ -88,7 +88,7 @@ mod tests {
 
     use super::*;
 
-    /// Names of choices are those of logs and reports.
+    /// The names are those in logs and reports.
     fn as_in_files<T: Named + Serialize>() {
         for (name, value) in T::NAMES {
             assert_eq!(serde_json::to_value(value).expect("a name"), *name);
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_those_in_files_and_each_stands_for_one_value() {
+    fn names_are_those_in_files_and_each_has_one_value() {
         as_in_files::<PolicyKind>();
         as_in_files::<SlamKind>();
         assert!(SlamKind::ALL.iter().all(|kind| kind.name().is_some()));
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_name_is_told_with_all_known_ones() {
+    fn an_unknown_name_is_an_error_with_all_known_ones() {
         let error = OdometryProfile::named("slick").expect_err("no such profile");
         let text = "`odometry` must be skid, mild, poor, exact, got slick";
         assert_eq!(error.to_string(), text);

@@ -1,4 +1,4 @@
-//! Dead odometry: what wheels measure of a motion.
+//! Wheel odometry: what wheel encoders measure of a motion.
 
 use envgen::distribution::standard_normal;
 use envgen::{Seed, SpecError, Stream};
@@ -6,31 +6,31 @@ use serde::{Deserialize, Serialize};
 
 use crate::trial::number;
 
-/// A motion in the robot's own frame: a way ahead and a turn, as small as a tick's.
+/// A motion in the robot's own frame: a distance ahead and a turn, as small as in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Increment {
-    /// Path ahead in metres, negative backwards.
+    /// Distance ahead in metres, negative backwards.
     pub distance: f64,
     /// Turn in radians, counter-clockwise.
     pub turn: f64,
 }
 
-/// Errors of an odometry: variances linear in the way, so that they do not depend on how often it
-/// is read, and systematic errors drawn once a run.
+/// Errors of wheel odometry: variances linear in the distance, so that they do not depend on how
+/// often it is read, and systematic errors drawn once per run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OdometryProfile {
-    /// Variance of the distance by distance, m^2/m.
+    /// Variance of the distance per distance, m^2/m.
     pub k_ss: f64,
-    /// Variance of the distance by turning, m^2/rad.
+    /// Variance of the distance per turning, m^2/rad.
     pub k_st: f64,
-    /// Variance of the turn by turning, rad^2/rad.
+    /// Variance of the turn per turning, rad^2/rad.
     pub k_tt: f64,
-    /// Variance of the turn by distance, rad^2/m.
+    /// Variance of the turn per distance, rad^2/m.
     pub k_ts: f64,
-    /// Standard deviation of the run's relative error of distances.
+    /// Standard deviation of a run's relative error of distances.
     pub b_s: f64,
-    /// Standard deviation of the run's relative error of turns.
+    /// Standard deviation of a run's relative error of turns.
     pub b_t: f64,
 }
 
@@ -59,7 +59,7 @@ impl OdometryProfile {
     /// Checks every number.
     ///
     /// # Errors
-    /// The first field whose value is not allowed, as `odometry.k_ss`.
+    /// The first field that is not allowed, as `odometry.k_ss`.
     pub fn validate(&self) -> Result<(), SpecError> {
         number("odometry.k_ss", self.k_ss, 0.0, 1.0)?;
         number("odometry.k_st", self.k_st, 0.0, 1.0)?;
@@ -76,12 +76,12 @@ impl Default for OdometryProfile {
     }
 }
 
-/// Turns true motions into what wheels measure: [`Odometry`], or an error model of one's own.
+/// Turns true motions into what wheels measure: [`Odometry`], or an error model of your own.
 ///
 /// One of your own is plugged in by [`TrialBuilder::odometry`](crate::trial::TrialBuilder::odometry).
 pub trait WheelSensor {
-    /// What logs and reports call it where it was plugged in: the type's path unless it says
-    /// otherwise.
+    /// Its name in logs and reports of trials that it is plugged into; the type's path by
+    /// default.
     fn name(&self) -> &str {
         std::any::type_name::<Self>()
     }
@@ -101,10 +101,10 @@ pub struct Odometry {
 }
 
 impl Odometry {
-    /// The wheels of the robot of number `robot` in the run of a seed.
+    /// The wheels of robot number `robot` (from 0), with noise drawn from `seed`.
     ///
     /// # Panics
-    /// When [`OdometryProfile::validate`] refuses the profile.
+    /// If [`OdometryProfile::validate`] refuses the profile.
     #[track_caller]
     pub fn new(profile: OdometryProfile, seed: Seed, robot: u64) -> Self {
         if let Err(error) = profile.validate() {
@@ -122,13 +122,13 @@ impl Odometry {
 
 impl WheelSensor for Odometry {
     fn measure(&mut self, motion: Increment, factor: f64) -> Increment {
-        let (way, turn) = (motion.distance.abs(), motion.turn.abs());
-        if way == 0.0 && turn == 0.0 {
+        let (length, turn) = (motion.distance.abs(), motion.turn.abs());
+        if length == 0.0 && turn == 0.0 {
             return motion;
         }
         let p = &self.profile;
-        let distance = (factor * (p.k_ss * way + p.k_st * turn)).sqrt();
-        let angle = (factor * (p.k_tt * turn + p.k_ts * way)).sqrt();
+        let distance = (factor * (p.k_ss * length + p.k_st * turn)).sqrt();
+        let angle = (factor * (p.k_tt * turn + p.k_ts * length)).sqrt();
         Increment {
             distance: motion.distance * self.distance_scale
                 + distance * standard_normal(&mut self.noise),
@@ -142,12 +142,12 @@ mod tests {
     use super::*;
 
     #[test]
-    #[should_panic(expected = "`odometry.k_st` must be 0 to 1, got NaN")]
+    #[should_panic(expected = "`odometry.k_st` must be a number from 0 to 1, got NaN")]
     fn wheels_have_errors_that_are_numbers() {
         Odometry::new(OdometryProfile { k_st: f64::NAN, ..OdometryProfile::MILD }, Seed(0), 0);
     }
 
-    /// Mean and variance of what is measured of `ways` runs, each cut into `steps`.
+    /// Mean and variance of the distance measured in `ways` runs, each cut into `steps`.
     fn distances(steps: u32, profile: &OdometryProfile) -> (f64, f64) {
         let runs = 2000;
         let totals: Vec<f64> = (0..runs)
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn who_stands_measures_nothing() {
+    fn a_robot_at_rest_measures_nothing() {
         let mut wheels = Odometry::new(OdometryProfile::POOR, Seed(3), 0);
         let still = Increment::default();
         assert!((0..50).all(|_| wheels.measure(still, 9.0) == still));

@@ -1,4 +1,4 @@
-//! Pictures of maps: the robot's, the truth, and the two over each other, with the ways driven.
+//! Pictures of maps: the robot's map, the mappable area, and both over each other, with trajectories.
 
 use envgen::geometry::{Pose, Rect, unit_vector};
 use envgen::picture::Figure;
@@ -8,28 +8,28 @@ use crate::map::{Cell, CellIndex, OccupancyMap, RESOLUTION};
 use crate::truth::MappableArea;
 use envgen::distance::squared_distances;
 
-/// Pixels along a side, at most: larger areas have coarser pixels.
+/// Greatest number of pixels along a side: larger areas have coarser pixels.
 const MAX_SIDE: f64 = 4000.0;
 
 /// Distance in metres up to which a wall counts as mapped in its place, as in the scores.
 const IN_PLACE: f64 = 0.30;
 
-/// The colours of pictures, which are also told apart in grey and by most colour-blind people.
+/// The colours of pictures, distinct in grey and for most colour-blind people.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 enum Ink {
     Unknown,
     Free,
     Wall,
-    /// A wall of the map where there is none.
+    /// A wall of the map that the world does not have.
     False,
-    /// A wall that the map has not.
+    /// A wall that the map does not show.
     Missed,
     /// Ground that the map does not show as free.
     Unseen,
     TruePath,
     EstimatedPath,
-    /// Where there is nothing to map: no robot can see it.
+    /// Where no robot can see, and there is nothing to map.
     Outside,
 }
 
@@ -38,11 +38,11 @@ const PALETTE: [([u8; 3], &str); 9] = [
     ([205, 205, 205], "unknown"),
     ([254, 254, 254], "free"),
     ([30, 30, 30], "wall"),
-    ([213, 70, 0], "wall in the map alone"),
-    ([0, 90, 190], "wall that was missed"),
+    ([213, 70, 0], "wall only in the map"),
+    ([0, 90, 190], "missed wall"),
     ([190, 215, 240], "free but not mapped"),
-    ([0, 140, 90], "path driven"),
-    ([204, 80, 160], "path as estimated"),
+    ([0, 140, 90], "true trajectory"),
+    ([204, 80, 160], "estimated trajectory"),
     ([232, 229, 222], "nothing to map"),
 ];
 
@@ -74,7 +74,7 @@ impl Picture {
         picture
     }
 
-    /// What could be mapped: the ground that the robot can reach white, the walls that can be seen
+    /// The mappable area: the ground that the robot can reach white, the walls that can be seen
     /// from there black, the rest light grey.
     pub fn of_truth(truth: &MappableArea, area: Rect) -> Self {
         let mut picture = Picture::of_map(&truth.perfect_map(), area);
@@ -84,9 +84,9 @@ impl Picture {
         picture
     }
 
-    /// A map over the truth: walls in their place black, walls where there is none vermilion, walls
-    /// that the map has not blue, ground that it does not show as free light blue, and light grey
-    /// where there is nothing to map.
+    /// A map over the mappable area: walls in their place black, walls that do not exist vermilion,
+    /// walls that the map does not show blue, ground that it does not show as free light blue, and
+    /// light grey where there is nothing to map.
     pub fn of_errors(truth: &MappableArea, map: &OccupancyMap, area: Rect) -> Self {
         let mut picture = Picture::of_map(map, area);
         let perfect = Picture::of_truth(truth, area);
@@ -110,17 +110,17 @@ impl Picture {
         picture
     }
 
-    /// Draws the way that a robot really drove, green.
+    /// Draws a robot's true trajectory, green.
     pub fn draw_true_path(&mut self, poses: &[Pose]) {
         self.draw_path(poses, Ink::TruePath);
     }
 
-    /// Draws the way that a robot thought it drove, pink.
+    /// Draws a robot's estimated trajectory, pink.
     pub fn draw_estimated_path(&mut self, poses: &[Pose]) {
         self.draw_path(poses, Ink::EstimatedPath);
     }
 
-    /// The picture with its scale, what its colours mean, and notes below: to be written as SVG or
+    /// The picture with its scale, a legend of its colours, and notes below: to be written as SVG or
     /// PNG.
     pub fn figure(&self, title: &str, notes: Vec<String>) -> Figure {
         // The top row comes first.
@@ -147,7 +147,7 @@ impl Picture {
         Picture { area, pixel, width, height, inks: vec![Ink::Unknown; width * height] }
     }
 
-    /// What the cells under a pixel are: a wall if one is, else free if one is.
+    /// The state of the cells under a pixel: occupied if one is, else free if one is.
     fn look(&self, map: &OccupancyMap, col: usize, row: usize) -> Cell {
         let corner = self.area.min + DVec2::new(col as f64, row as f64) * self.pixel;
         let first = CellIndex::of(corner + 0.5 * RESOLUTION);
@@ -171,7 +171,7 @@ impl Picture {
             self.dot(pose.position, 1.5 * self.pixel, ink);
         }
         if let (Some(start), Some(end)) = (poses.first(), poses.last()) {
-            // A triangle that points where the robot looks.
+            // A triangle that points in the robot's heading.
             for step in 0..=20 {
                 let along = f64::from(step) / 20.0;
                 let half = 0.25 * (1.0 - along);

@@ -1,4 +1,4 @@
-//! The robot that trials drive, and its numbers.
+//! The robot that trials use: its size, weight and limits.
 
 use std::f64::consts::TAU;
 
@@ -9,11 +9,11 @@ use thiserror::Error;
 
 use crate::trial::{MAX_TIME_LIMIT, number};
 
-/// The greatest swing radius in metres that robots may have.
+/// The greatest circumscribed radius in metres that robots may have.
 pub const MAX_RADIUS: f64 = 2.0;
 
-/// How much smaller a swing radius may be than the body's half diagonal, in metres: data sheets
-/// round.
+/// How much smaller a circumscribed radius may be than the body's half diagonal, in metres: data
+/// sheets round.
 const ROUNDING: f64 = 1e-3;
 
 /// Size, weight and limits of a robot. The default is the Pioneer 3-AT, which the operators of
@@ -26,7 +26,7 @@ pub struct Robot {
     /// Width of the body in metres.
     pub width: f64,
     /// Radius in metres of the circle that the body sweeps when it turns on the spot, from 0.05 to
-    /// [`MAX_RADIUS`]: what planning, the flat simulator and the scores take the robot for.
+    /// [`MAX_RADIUS`]: the robot's size for planning, the flat simulator and the scores.
     #[serde(rename = "swing_radius", alias = "circumscribed_radius")]
     pub circumscribed_radius: f64,
     /// Outline seen from above, for physics.
@@ -43,26 +43,26 @@ pub struct Robot {
     pub acceleration: f64,
     /// Greatest change of the rate of turning in rad/s^2.
     pub turn_acceleration: f64,
-    /// Place of the laser ahead of the middle, in metres.
+    /// Position of the laser ahead of the robot's centre, in metres.
     pub laser_offset: f64,
     /// The rest of the laser's pose.
     #[serde(skip_serializing_if = "is_default")]
     pub laser_mount: LaserMount,
     /// Time in seconds that the battery lasts.
     pub battery: f64,
-    /// How far in metres its camera tells water from floor, from 0 to 5. A robot of 0 is blind to
-    /// water and drives into it.
+    /// How far in metres its camera distinguishes water from floor, from 0 to 5. A robot of 0 does not
+    /// see water and drives into it.
     pub water_sight: f64,
 }
 
-/// What a body looks like from above.
+/// The outline of a body from above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Footprint {
     /// A box of the body's length and width.
     #[default]
     Box,
-    /// A disc of the swing radius.
+    /// A disc of the circumscribed radius.
     Disc,
 }
 
@@ -72,21 +72,21 @@ pub enum Footprint {
 pub struct Chassis {
     /// Mass in kg.
     pub mass: f64,
-    /// Effective track of the wheels in metres. That of a skid-steered robot is wider than the
-    /// distance of its wheels, since wheels that turn it slip sideways.
+    /// Effective track of the wheels in metres. A skid-steered robot's is wider than the
+    /// distance of its wheels, since its wheels slip sideways when it turns.
     pub track: f64,
     /// Coefficient of friction of the wheels on the ground, which bounds the force that they push
     /// with: the larger it is, the less they slip.
     pub grip: f64,
 }
 
-/// Where a laser sits, besides its place ahead of the middle.
+/// The pose of a laser, besides its position ahead of the centre.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LaserMount {
-    /// Place to the left of the middle, in metres.
+    /// Position to the left of the centre, in metres.
     pub left: f64,
-    /// Where it looks, in radians counter-clockwise from straight ahead.
+    /// Its heading, in radians counter-clockwise from straight ahead.
     pub heading: f64,
     /// Height of its plane above the ground in metres. Worlds are flat: it is kept for logs and
     /// drivers, and changes nothing.
@@ -128,16 +128,16 @@ impl Default for LaserMount {
     }
 }
 
-/// Whether a value is the Pioneer's, which files need not name.
+/// Whether a value is the Pioneer's, which files may omit.
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// Why a text is no robot.
+/// Why a text does not describe a robot.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RobotError {
-    /// Line and column of what is wrong.
+    /// A syntax error or an unknown field, with line and column.
     #[error(transparent)]
     Ron(#[from] Box<ron::error::SpannedError>),
     /// A number that is not allowed.
@@ -160,7 +160,7 @@ impl Robot {
             Footprint::Disc => 0.5 * self.length.max(self.width),
         };
         if self.circumscribed_radius < half - ROUNDING {
-            let allowed = format!("at least {half:.3}, what the body's length and width sweep");
+            let allowed = format!("at least {half:.3}, the half diagonal of the body");
             return Err(SpecError::new(
                 "body.circumscribed_radius",
                 self.circumscribed_radius,
@@ -170,7 +170,7 @@ impl Robot {
         number("body.chassis.mass", self.chassis.mass, 0.01, 1e5)?;
         number("body.chassis.track", self.chassis.track, 0.01, 4.0 * MAX_RADIUS)?;
         number("body.chassis.grip", self.chassis.grip, 0.01, 100.0)?;
-        // A disc must not step over a wall, nor a robot turn past itself, within a tick.
+        // Within a tick a disc must not jump over a wall, nor a robot turn by more than half a circle.
         number(
             "body.max_speed",
             self.max_speed,
@@ -192,19 +192,19 @@ impl Robot {
         number("body.water_sight", self.water_sight, 0.0, 5.0)
     }
 
-    /// Reads a robot from RON, such as `(length: 0.4, width: 0.4, max_speed: 1.2)`; what it does not
-    /// name is the Pioneer's.
+    /// Reads a robot from RON, such as `(length: 0.4, width: 0.4, max_speed: 1.2)`; omitted fields
+    /// are the Pioneer's.
     ///
     /// # Errors
     ///
-    /// What is wrong with the text, or the first field whose value is not allowed.
+    /// A syntax error, or the first field whose value is not allowed.
     pub fn from_ron(text: &str) -> Result<Self, RobotError> {
         let robot: Robot = ron::from_str(text).map_err(Box::new)?;
         robot.validate()?;
         Ok(robot)
     }
 
-    /// Pose of the laser of a robot at `pose`.
+    /// Pose of the laser of a robot at `pose`, in the same frame.
     pub fn laser_pose(&self, pose: Pose) -> Pose {
         let ahead = unit_vector(pose.heading);
         let LaserMount { left, heading, .. } = self.laser_mount;
@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(robot.chassis, Chassis { mass: 3.0, ..PIONEER_3AT.chassis });
         assert_eq!(Robot::from_ron("()"), Ok(Robot::default()));
         let error = |text| Robot::from_ron(text).unwrap_err().to_string();
-        assert_eq!(error("(width: -1)"), "`body.width` must be 0.01 to 4, got -1");
+        assert_eq!(error("(width: -1)"), "`body.width` must be a number from 0.01 to 4, got -1");
         assert!(error("(widht: 1)").contains("widht"), "{}", error("(widht: 1)"));
         assert!(error("(width: ").contains("1:9"), "{}", error("(width: "));
     }
@@ -235,7 +235,8 @@ mod tests {
     fn numbers_that_fit_no_body_are_named() {
         let error = |text| Robot::from_ron(text).unwrap_err().to_string();
         assert!(
-            error("(circumscribed_radius: 0)").contains("`body.circumscribed_radius` must be 0.05")
+            error("(circumscribed_radius: 0)")
+                .contains("`body.circumscribed_radius` must be a number from 0.05")
         );
         assert!(
             error("(circumscribed_radius: 50)").contains("to 2"),

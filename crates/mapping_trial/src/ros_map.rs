@@ -8,11 +8,11 @@ use glam::DVec2;
 use crate::map::{DECIDED, OccupancyMap, RESOLUTION, TILE};
 
 impl OccupancyMap {
-    /// The map as a file for ROS can hold it, the smallest one around all tiles that were ever
-    /// written; one unknown cell where there are none.
+    /// The map as a file for ROS: the smallest one around all tiles that were ever
+    /// written; one unknown cell if there are no tiles.
     ///
     /// # Errors
-    /// When that is more than [`MAX_CELLS`] cells.
+    /// If that is more than [`MAX_CELLS`] cells.
     pub fn to_ros_map(&self) -> Result<RosMap, OccupancyError> {
         let around = self.tiles().map(|(at, _)| at).fold(None, |around, (col, row)| {
             let [left, low, right, high] = around.unwrap_or([col, row, col, row]);
@@ -73,7 +73,7 @@ mod tests {
         assert_eq!([at(31), at(72), at(73)], [RosCell::Occupied, RosCell::Free, RosCell::Unknown]);
         let known = found.cells.iter().filter(|cell| **cell != RosCell::Unknown).count();
         assert_eq!(known, 2);
-        // What is read of the files is the same map.
+        // Reading the files gives the same map.
         let (mut yaml, mut image) = (Vec::new(), Vec::new());
         found.write_yaml("map.pgm", &mut yaml).unwrap();
         found.write_pgm(&mut image).unwrap();

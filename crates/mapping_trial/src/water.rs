@@ -1,5 +1,5 @@
-//! What a robot's camera shows of water: the operators of Zwennes (2011) saw its picture and named
-//! water as a hazard, while a laser sees nothing of it.
+//! The water that a robot's camera sees: the operators of Zwennes (2011) saw its picture and named
+//! water as a hazard, while a laser does not see it.
 
 use envgen::geometry::{Pose, unit_vector};
 use envgen::raycast::Raycaster;
@@ -8,16 +8,16 @@ use glam::DVec2;
 
 use crate::robot::Robot;
 
-/// Directions that are looked into, from 90 degrees on the right to 90 degrees on the left.
+/// Number of directions that are sampled, from 90 degrees on the right to 90 degrees on the left.
 const DIRECTIONS: u32 = 31;
 
-/// Metres from the robot's middle to the nearest point that is looked at, and between points.
+/// Metres from the robot's centre to the nearest sampled point, and between points.
 const NEAREST: f64 = 0.3;
 const STEP: f64 = 0.1;
 
-/// The points that a robot sees to be water, in its own frame in metres (x ahead, y to the left):
-/// in front of it, at most [`Robot::water_sight`] away and not behind anything solid. For any body
-/// that knows where it is in its world; the same place gives the same points.
+/// The points where a robot sees water, in its own frame in metres (x ahead, y to the left):
+/// in front of it, at most [`Robot::water_sight`] away and not behind anything solid. For any robot
+/// backend that knows the robot's true pose; the same pose gives the same points.
 pub fn seen(grounds: &SurfaceIndex, rays: &Raycaster, robot: &Robot, pose: Pose) -> Vec<DVec2> {
     let mut points = Vec::new();
     if !grounds.has_water() || robot.water_sight < NEAREST {

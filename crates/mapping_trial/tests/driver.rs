@@ -14,7 +14,7 @@ use mapping_trial::trial::{EndReason, PartRole, Setup, Trial, TrialReport, Trial
 /// The hello of a driver in sh.
 const HELLO: &str = r#"read hello; echo '{"protocol": "envgen-driver 1", "name": "sh"}';"#;
 
-/// Long enough for a machine that does other things as well.
+/// Long enough for a busy machine.
 const PATIENCE: Limits = Limits { reply: Duration::from_secs(60), total: Duration::from_secs(600) };
 
 fn world() -> World {
@@ -53,7 +53,7 @@ fn failure(script: &str, limits: Limits) -> String {
 
 #[test]
 fn a_driver_in_sh_drives_and_its_trial_runs_again() {
-    // The last line has no answer; the file tells what it was.
+    // The last line has no answer; the file holds it.
     let folder = tempfile::tempdir().expect("a folder");
     let last = folder.path().join("last");
     let script = format!(
@@ -79,7 +79,7 @@ fn a_driver_in_sh_drives_and_its_trial_runs_again() {
 }
 
 #[test]
-fn what_a_driver_does_wrong_is_told() {
+fn a_drivers_errors_are_reported() {
     let reply = r#"read line; echo '{"speed": 0.4, "turn_rate": 0}';"#;
     let drives = |then: &str| format!("{HELLO} {reply} {reply} {then}");
     for (script, parts) in [
@@ -104,7 +104,7 @@ fn what_a_driver_does_wrong_is_told() {
         ),
         (
             drives("read line; echo '[]'; cat > /dev/null"),
-            ["a line that is no answer", "`[]`", "observation 2"],
+            ["a line that is not an answer", "`[]`", "observation 2"],
         ),
         (
             drives("exec >&-; cat > /dev/null"),
@@ -126,12 +126,12 @@ fn a_line_without_an_end_is_not_kept() {
 }
 
 #[test]
-fn a_driver_that_does_not_wait_is_told_from_one_that_answers() {
+fn a_driver_that_does_not_wait_is_an_error() {
     let found = failure(&format!("{HELLO} yes '{{\"finished\": false}}'"), PATIENCE);
-    let either = ["a line that answers nothing", "`speed` is missing"];
+    let either = ["an unexpected line", "got missing"];
     assert!(either.iter().any(|part| found.contains(part)), "{found}");
     let found = failure(&format!("{HELLO} yes '{{\"speed\": 0, \"turn_rate\": 0}}'"), PATIENCE);
-    let either = ["a line that answers nothing", "it does not read its input"];
+    let either = ["an unexpected line", "it does not read its input"];
     assert!(either.iter().any(|part| found.contains(part)), "{found}");
 }
 
@@ -171,7 +171,7 @@ fn a_driver_that_is_not_there_cannot_be_started() {
 #[test]
 fn what_a_driver_estimates_is_scored() {
     let hello = HELLO.replace("\"sh\"", "\"sh\", \"slam\": true");
-    // The robot is said to stand still at its start, in a map of one wall.
+    // The driver reports the robot at its start, in a map of one wall.
     let map = r#"{"origin": [0, 0], "resolution": 0.5, "cols": 1, "rows": 1, "cells": "ZA=="}"#;
     let script = format!(
         "{hello} while read line; do echo '{{\"speed\": 0.4, \"turn_rate\": 0, \"pose\": [9, 9, 0], \
@@ -184,7 +184,7 @@ fn what_a_driver_estimates_is_scored() {
     let last = trial.autonomy().slam().trajectory(0).last().copied().expect("a pose");
     assert_eq!((last.position.x, last.position.y), (9.0, 9.0));
     assert!(report.scores.trajectory_error > 1.0 && report.scores.coverage == 0.0);
-    // The built-in SLAM stands in where the log runs again; the robot drives the same path.
+    // The built-in SLAM replaces the driver's in a replay; the robot drives the same path.
     let again = trial.log().replay().expect("its own log");
     assert_eq!(again.trajectory(0), trial.trajectory(0));
     assert_eq!(again.foreign(), trial.foreign());

@@ -1,4 +1,4 @@
-//! The files that mutations start from, all small and made here.
+//! The files that mutations start from, all small and generated here.
 
 use envgen::certificate::Claim;
 use envgen::export::{Format, Job};
@@ -41,11 +41,11 @@ pub fn worlds() -> Vec<World> {
     blueprints().iter().map(WorldBlueprint::to_world).chain([every_part()]).collect()
 }
 
-/// Every value of an enum of names, as its reader lists them for a name that is none of them.
+/// Every value of an enum of names, as its reader lists them in the error for an unknown name.
 pub fn every<T: DeserializeOwned>() -> Vec<T> {
     let Err(error) = serde_json::from_str::<T>("\"\"") else { return Vec::new() };
     let text = error.to_string();
-    // The first name is the one that was given.
+    // The first name is the unknown one.
     let names = text.split('`').skip(1).step_by(2).skip(1);
     names.filter_map(|name| serde_json::from_value(name.into()).ok()).collect()
 }
@@ -137,14 +137,14 @@ pub fn world_ron() -> Corpus {
     written(Format::Ron, "ron")
 }
 
-/// Specs as RON, whole and short.
+/// Specs as RON, with all fields and with few.
 pub fn spec_ron() -> Corpus {
     let whole = specs().into_iter().map(|spec| spec.to_ron());
     let short = ["Hallway(segments: 8, p_st: 0.2)", "forest(width: 9, height: 9, intensity: 0.2)"];
     whole.chain(short.map(str::to_owned)).map(String::into_bytes).collect()
 }
 
-/// Settings as on the command line: a kind, then `name=value` a line.
+/// Settings as on the command line: a kind, then one `name=value` per line.
 pub fn settings() -> Corpus {
     let mut files = Vec::new();
     for (kind, spec) in WorldKind::ALL.iter().zip(specs()) {
@@ -289,7 +289,8 @@ pub fn robot_ron() -> Corpus {
         .to_vec()
 }
 
-/// Logs of short trials, in a world that is made again and in one that the log holds.
+/// Logs of short trials, one in a world that is generated again and one in a world that the log
+/// holds.
 pub fn trial_log() -> Corpus {
     let worlds = worlds();
     let mut files = Vec::new();

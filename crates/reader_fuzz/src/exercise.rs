@@ -1,4 +1,4 @@
-//! What a program does with a world that it has read: nothing of it may panic or take long.
+//! What a program does with a world that it has read: none of it may panic or take long.
 
 use envgen::World;
 use envgen::clearance_index::ClearanceIndex;
@@ -16,10 +16,10 @@ use mapping_trial::truth::MappableArea;
 /// Cells along a world's longer side.
 const CELLS: f64 = 64.0;
 
-/// Worlds longer than this are in no map of fixed resolution, in metres.
+/// Worlds longer than this, in metres, are not mapped at a fixed resolution.
 const LONGEST: f64 = 30.0;
 
-/// Uses a checked world; `dear` things are left out where `thorough` is false.
+/// Uses a checked world; expensive steps are left out unless `thorough`.
 pub fn world(world: &World, thorough: bool) {
     let digest = world.digest();
     let bounds = world.bounds;

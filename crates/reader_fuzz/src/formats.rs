@@ -1,4 +1,4 @@
-//! The formats: for each a corpus, and what is done with a file.
+//! The formats: each with a corpus and a function that reads a file and uses what it holds.
 
 use std::path::Path;
 
@@ -15,21 +15,21 @@ use mapping_trial::trial::TrialLog;
 use crate::corpus::{self, Corpus};
 use crate::exercise;
 
-/// Specs of more work than this are only checked.
+/// Specs of more work than this are checked but not generated.
 const MOST_WORK: f64 = 3e4;
 
-/// Logs of more ticks than this are only read.
+/// Logs of more ticks than this are read but not replayed.
 const MOST_TICKS: u64 = 400;
 
-/// A format that is read.
+/// A format with a reader.
 pub struct Format {
-    /// Its name, by which it is asked for.
+    /// Its name on the command line.
     pub name: &'static str,
-    /// Ending of its files.
+    /// The extension of its files.
     pub ending: &'static str,
     /// The files that mutations start from.
     pub corpus: fn() -> Corpus,
-    /// Reads a file, and uses what it holds; whether it was read.
+    /// Reads a file and uses what it holds; returns whether it was read.
     pub read: fn(&[u8]) -> bool,
 }
 
@@ -74,12 +74,12 @@ formats! {
     trial_log "json" |file| log(file);
 }
 
-/// Readers of text take what is UTF-8, as the command does.
+/// Text readers get files that are UTF-8, as in the command.
 fn text(file: &[u8]) -> Option<&str> {
     std::str::from_utf8(file).ok()
 }
 
-/// Whether dear things are done with what this file holds: with one of 32.
+/// Whether this file gets the expensive steps: one file in 32.
 fn thorough(file: &[u8]) -> bool {
     crc32fast::hash(file).is_multiple_of(32)
 }
@@ -119,7 +119,7 @@ fn settings(text: &str, file: &[u8]) -> bool {
     let mut spec = kind.default_spec();
     for line in lines {
         let Some((name, value)) = line.split_once('=') else { continue };
-        // Of a setting that is not allowed nothing stays.
+        // A refused setting must change nothing.
         let _ = spec.set(name, value);
     }
     generated(&spec, file)

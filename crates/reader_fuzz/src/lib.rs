@@ -1,13 +1,13 @@
 //! Mutated files for every reader of [`envgen`] and [`mapping_trial`].
 //!
-//! A [`Format`] has a few small files that are made here, and a function that reads a file and uses
-//! what was read as a program would: rays, distances, grids, exports, a short trial. Case `n` of a
-//! format is always the same file, so that a number is all that a report needs.
+//! A [`Format`] has a few small generated files, and a function that reads a file and uses the
+//! result as a program would: rays, distances, grids, exports, a short trial. Case `n` of a format
+//! is always the same file, so that a report needs only the number.
 //!
-//! - `cargo test -p reader_fuzz` runs a few hundred cases of each format, and the files that were
-//!   found to do harm.
-//! - `cargo run --release -p reader_fuzz -- --cases 100000` runs many in processes of bounded
-//!   memory and time, resumes where it stopped, and keeps the files that do harm.
+//! - `cargo test -p reader_fuzz` runs a few hundred cases of each format, and the files that once
+//! caused failures.
+//! - `cargo run --release -p reader_fuzz -- --cases 100000` runs many in processes of limited
+//! memory and time, resumes after an interruption, and keeps the files that cause failures.
 
 pub mod corpus;
 pub mod exercise;

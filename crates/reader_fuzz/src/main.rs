@@ -1,7 +1,7 @@
-//! Reads many mutated files of every format, in processes of bounded memory and time.
+//! Reads many mutated files of every format, in processes of limited memory and time.
 //!
-//! Cases that panic, abort, take more than two seconds of computing or do not end are counted, and
-//! the first of each kind are kept. A run resumes where the one before stopped.
+//! Cases that panic, abort, hang or take more than two seconds of computing are counted, and the
+//! first of each kind are kept. A run resumes where the previous one stopped.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -16,14 +16,14 @@ use clap::{Parser, Subcommand};
 use reader_fuzz::mutate::mutated;
 use reader_fuzz::{FORMATS, Format, work};
 
-/// Cases that one process reads.
+/// Cases per process.
 const BATCH: u64 = 2000;
 
-/// A process that says nothing for so long is ended: much more than a case may compute, since other
-/// programs may have the machine.
+/// A process without output for this long is killed. Much more than a case may compute, because
+/// other programs may use the machine.
 const SILENCE: Duration = Duration::from_secs(30);
 
-/// Files that are kept of each kind of finding.
+/// Number of files kept per kind of finding.
 const KEPT: u64 = 5;
 
 #[derive(Parser)]
@@ -31,13 +31,13 @@ struct Arguments {
     /// Cases of each format.
     #[arg(long, default_value_t = 100_000)]
     cases: u64,
-    /// The formats; all without it.
+    /// The formats [default: all].
     #[arg(long)]
     format: Vec<String>,
-    /// Memory that a process may map, in MiB.
+    /// Memory limit of each process, in MiB.
     #[arg(long, default_value_t = 1024)]
     memory: u64,
-    /// Where findings and progress are written.
+    /// The folder for findings and progress.
     #[arg(long, default_value = "target/reader_fuzz")]
     out: PathBuf,
     #[command(subcommand)]
@@ -64,7 +64,7 @@ enum Other {
     },
 }
 
-/// What came of a format's cases so far.
+/// The results of a format's cases so far.
 #[derive(Default)]
 struct Progress {
     next: u64,
@@ -79,7 +79,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     match &arguments.other {
         Some(Other::Work { format, from, to }) => {
             let ended = work::work(named(format)?, *from..*to);
-            return ended.map_err(|_| "the thread that reads has ended".into());
+            return ended.map_err(|_| "the reading thread has ended".into());
         }
         Some(Other::File { format, path }) => {
             let file = fs::read(path)?;
@@ -138,7 +138,7 @@ fn format_cases(format: &Format, arguments: &Arguments) -> Result<Progress, Box<
     Ok(progress)
 }
 
-/// What one process said.
+/// The output of one process.
 struct Batch {
     next: u64,
     read: u64,
@@ -213,7 +213,7 @@ impl Batch {
     }
 }
 
-/// A process that reads cases and cannot take more memory than allowed.
+/// Starts a process that reads cases, with limited memory.
 fn spawn(format: &Format, cases: &std::ops::Range<u64>, memory: u64) -> std::io::Result<Child> {
     let script = format!("ulimit -v {} && exec \"$0\" \"$@\"", memory * 1024);
     Command::new("sh")

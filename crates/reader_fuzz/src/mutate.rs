@@ -1,14 +1,14 @@
-//! Mutations of files: some know of numbers, brackets, lines and chunks, some only of bytes.
+//! Mutations of files: some change numbers, brackets, lines and chunks, some change bytes.
 
 use envgen::{Seed, Stream};
 
 /// Mutated files are cut to this length, in bytes.
 const LONGEST: usize = 1 << 18;
 
-/// The greatest depth of brackets that is put in.
+/// The greatest depth of inserted brackets.
 const DEEPEST: u64 = 50_000;
 
-/// Numbers at which readers break.
+/// Numbers that often break readers.
 const NUMBERS: &[&str] = &[
     "0",
     "-0",
@@ -67,11 +67,11 @@ const NUMBERS: &[&str] = &[
     "",
 ];
 
-/// Openings that readers may follow too deeply.
+/// Openings that readers may nest too deeply.
 const OPENINGS: &[&str] =
     &["[", "(", "{", "{\"a\":", "<a>", "Some(", "- ", "[[", "? ", "&a [*a,", "{a: ", "/*", "((("];
 
-/// Texts that mean something to one reader or another.
+/// Texts with a meaning for some reader.
 const WORDS: &[&str] = &[
     "\0",
     "\u{feff}",
@@ -122,11 +122,11 @@ const WORDS: &[&str] = &[
     "\u{85}",
 ];
 
-/// The mutated file of a number, from one of the files of a corpus.
+/// Mutated file number `case`, from one of the files of a corpus.
 pub fn mutated(corpus: &[Vec<u8>], format: &str, case: u64) -> Vec<u8> {
     let mut draw = Draw(Seed(case).stream(format, 0));
     let Some(mut file) = draw.choice(corpus).cloned() else { return Vec::new() };
-    // Half of the files change in their numbers and lines only: more of them can be read.
+    // In half of the files only numbers and lines change: more of them can be read.
     let gentle = draw.below(2) == 0;
     for _ in 0..1 + draw.below(4) {
         if gentle {
@@ -136,7 +136,7 @@ pub fn mutated(corpus: &[Vec<u8>], format: &str, case: u64) -> Vec<u8> {
         }
         file.truncate(LONGEST);
     }
-    // Most decoders stop at a chunk's wrong checksum and never see what is in it.
+    // Most decoders stop at the wrong checksum of a chunk and never see its contents.
     if file.starts_with(b"\x89PNG") && draw.below(4) > 0 {
         mend_checksums(&mut file);
     }
@@ -146,7 +146,7 @@ pub fn mutated(corpus: &[Vec<u8>], format: &str, case: u64) -> Vec<u8> {
 struct Draw(Stream);
 
 impl Draw {
-    /// A whole number below `n`, and 0 where there is none.
+    /// A random whole number below `n`, or 0 if `n` is 0.
     fn below(&mut self, n: usize) -> usize {
         if n == 0 { 0 } else { self.0.below(n as u64) as usize }
     }
@@ -155,7 +155,7 @@ impl Draw {
         items.get(self.below(items.len()))
     }
 
-    /// A piece of a file of `len` bytes: mostly short.
+    /// A random range of a file of `len` bytes, mostly short.
     fn piece(&mut self, len: usize) -> std::ops::Range<usize> {
         let from = self.below(len + 1);
         let most = if self.below(4) > 0 { 16 } else { len };
@@ -215,7 +215,7 @@ fn mutate_gently(file: &mut Vec<u8>, draw: &mut Draw) {
     }
 }
 
-/// Puts another number in place of one that is written in digits.
+/// Replaces a number that is written in digits.
 fn change_number(file: &mut Vec<u8>, draw: &mut Draw) {
     let runs = runs(file, |byte| byte.is_ascii_digit() || b"+-.eE".contains(&byte));
     let numbers: Vec<_> =
@@ -223,7 +223,7 @@ fn change_number(file: &mut Vec<u8>, draw: &mut Draw) {
     let Some(place) = draw.choice(&numbers).cloned() else { return };
     let old: Option<f64> = String::from_utf8_lossy(&file[place.clone()]).parse().ok();
     let new = match old {
-        // Most files stay whole only when a number changes a little.
+        // Most files stay readable only if a number changes a little.
         Some(old) if draw.below(2) == 0 => {
             let factors = [-1.0, 0.5, 2.0, 10.0, 0.1, 1000.0, 1e-3, 1.0 + 1e-15, 1e6];
             let terms = [1.0, -1.0, 0.1, -0.25, 1e-9, 100.0];
@@ -239,7 +239,7 @@ fn change_number(file: &mut Vec<u8>, draw: &mut Draw) {
     file.splice(place, new.into_bytes());
 }
 
-/// Puts a word or number of the file in place of another.
+/// Replaces a word or number of the file by another one of it.
 fn swap_words(file: &mut Vec<u8>, draw: &mut Draw) {
     let words = runs(file, |byte| byte.is_ascii_alphanumeric() || b"_.+-".contains(&byte));
     let (Some(from), Some(to)) = (draw.choice(&words).cloned(), draw.choice(&words).cloned())
@@ -250,7 +250,7 @@ fn swap_words(file: &mut Vec<u8>, draw: &mut Draw) {
     file.splice(to, text);
 }
 
-/// Leaves a line out, doubles it or moves it.
+/// Deletes, doubles or moves a line.
 fn change_line(file: &mut Vec<u8>, draw: &mut Draw) {
     let lines = runs(file, |byte| byte != b'\n');
     let (Some(from), Some(to)) = (draw.choice(&lines).cloned(), draw.choice(&lines).cloned())
@@ -266,11 +266,11 @@ fn change_line(file: &mut Vec<u8>, draw: &mut Draw) {
     }
 }
 
-/// Writes a number into four bytes, as the headers of binary files have them.
+/// Writes a number as four big-endian bytes, as in the headers of binary files.
 fn big_endian(file: &mut [u8], draw: &mut Draw) {
     let numbers = [0, 1, 2, 7, 255, 65_535, 65_536, 1 << 24, i32::MAX as u32, 1 << 31, u32::MAX];
     let number = *draw.choice(&numbers).unwrap_or(&0);
-    // A PNG's width and height lie near the front.
+    // A PNG's width and height are near the beginning.
     let most = if draw.below(2) == 0 { file.len().min(32) } else { file.len() };
     let at = draw.below(most.saturating_sub(3));
     if let Some(place) = file.get_mut(at..at + 4) {
@@ -278,7 +278,7 @@ fn big_endian(file: &mut [u8], draw: &mut Draw) {
     }
 }
 
-/// Where runs of bytes of a kind lie.
+/// The ranges of successive bytes that satisfy `is`.
 fn runs(file: &[u8], is: impl Fn(u8) -> bool) -> Vec<std::ops::Range<usize>> {
     let mut runs = Vec::new();
     let mut start = None;
@@ -295,7 +295,7 @@ fn runs(file: &[u8], is: impl Fn(u8) -> bool) -> Vec<std::ops::Range<usize>> {
     runs
 }
 
-/// Writes the right checksum after every whole chunk of a PNG.
+/// Writes the correct checksum after every complete chunk of a PNG.
 fn mend_checksums(file: &mut [u8]) {
     let mut at = 8;
     while let Some(header) = file.get(at..at + 4) {

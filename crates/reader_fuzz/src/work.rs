@@ -1,4 +1,4 @@
-//! One process that reads many cases, and tells of each before it begins.
+//! One process that reads many cases, and reports each before it begins.
 
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -6,18 +6,18 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::formats::Format;
 use crate::mutate::mutated;
 
-/// Seconds of computing that a case may take.
+/// Limit of computing time per case, in seconds.
 pub const LIMIT: f64 = 2.0;
 
-/// Threads of a program have this much stack, in bytes.
+/// Stack size of the reading thread in bytes, as threads of a program have.
 const STACK: usize = 2 << 20;
 
 /// The case that is being read.
 static CASE: AtomicU64 = AtomicU64::new(0);
 
-/// Reads cases of a format, and prints a line `case N` before each, `panic N WHERE: WHAT` and
-/// `slow N SECONDS` where that happened, and at the end `read COUNT`.
-#[expect(clippy::print_stdout, reason = "the process that began this one reads it")]
+/// Reads cases of a format. Prints a line `case N` before each, `panic N WHERE: WHAT` and `slow N
+/// SECONDS` after a panic or a slow case, and `read COUNT` at the end.
+#[expect(clippy::print_stdout, reason = "the parent process reads it")]
 pub fn work(format: &'static Format, cases: std::ops::Range<u64>) -> std::thread::Result<()> {
     panic::set_hook(Box::new(|info| {
         let place = info.location().map_or_else(String::new, ToString::to_string);
@@ -47,10 +47,10 @@ pub fn work(format: &'static Format, cases: std::ops::Range<u64>) -> std::thread
     }
 }
 
-/// What reading a file came to: whether it was read, or the panic's words.
+/// Whether a file was read.
 ///
 /// # Errors
-/// What the panic said, and where.
+/// The message and the place of a panic.
 pub fn attempt(format: &Format, file: &[u8]) -> Result<bool, String> {
     panic::catch_unwind(AssertUnwindSafe(|| (format.read)(file))).map_err(|payload| {
         let text = payload.downcast_ref::<String>().cloned();
@@ -59,18 +59,18 @@ pub fn attempt(format: &Format, file: &[u8]) -> Result<bool, String> {
     })
 }
 
-/// Seconds that this process has computed, of all its threads; of the clock where the system does
-/// not say.
+/// Seconds that all threads of this process have computed; elapsed seconds where the system does
+/// not report this.
 pub fn seconds() -> f64 {
     computed().unwrap_or_else(clock)
 }
 
 fn computed() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The program's name, in brackets, may hold anything.
+    // The program's name, in brackets, may contain anything.
     let rest = &text[text.rfind(')')? + 2..];
     let field = |n: usize| rest.split(' ').nth(n)?.parse::<f64>().ok();
-    // User and system time, in hundredths on every Linux.
+    // User and system time, in hundredths of a second on every Linux.
     Some((field(11)? + field(12)?) / 100.0)
 }
 

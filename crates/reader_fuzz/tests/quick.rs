@@ -1,13 +1,13 @@
-//! Some mutated files of every format: no reader panics on them, nor does what uses them.
+//! Some mutated files of every format: neither readers nor the code that uses the result panics.
 
 use reader_fuzz::mutate::mutated;
 use reader_fuzz::work::attempt;
 use reader_fuzz::{FORMATS, corpus};
 
-/// Mutated files of a format.
+/// Mutated files per format.
 const CASES: u64 = 150;
 
-/// The file itself, of every format's corpus, is read.
+/// Unchanged, every file of every corpus is read.
 #[test]
 fn every_file_of_a_corpus_is_read() {
     for format in FORMATS {
@@ -19,7 +19,7 @@ fn every_file_of_a_corpus_is_read() {
     }
 }
 
-/// Mutations leave some files whole enough to be read, and break others.
+/// Some mutated files are still read, others are refused.
 #[test]
 fn mutated_files_are_read_or_refused() {
     for format in FORMATS {
@@ -36,7 +36,7 @@ fn mutated_files_are_read_or_refused() {
     }
 }
 
-/// The worlds that mutations start from hold every kind of part and shape.
+/// The worlds that mutations start from contain every kind of part and shape.
 #[test]
 fn the_corpus_holds_every_kind_of_part() {
     use envgen::world::{Contents, ObstacleKind, SurfaceKind, WallKind};

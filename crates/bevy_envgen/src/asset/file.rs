@@ -1,4 +1,4 @@
-//! What the files hold, and how they are read.
+//! The contents of asset files, and their loaders.
 
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, AsyncReadExt, LoadContext};
@@ -7,7 +7,7 @@ use envgen::indoor::{Catalogue, CatalogueError, RoomDesign, RoomError, room_from
 use envgen::{SettingsError, SpecError, WorldSpec};
 use thiserror::Error;
 
-/// The longest file that is read, in bytes.
+/// The largest file that is read, in bytes.
 pub const MAX_FILE_BYTES: usize = 4 << 20;
 
 /// A spec from a file such as `hall.envgen.ron`, which holds the RON of a [`WorldSpec`]:
@@ -18,14 +18,14 @@ pub const MAX_FILE_BYTES: usize = 4 << 20;
 /// and a change of one of them reloads the spec.
 #[derive(Asset, TypePath, Clone, Debug, PartialEq)]
 pub struct WorldAsset {
-    /// The spec, which is valid.
+    /// The spec, validated.
     pub spec: WorldSpec,
 }
 
-/// A room from a file such as `cell.room.ron`, as a catalogue of `envgen` holds it.
+/// A room from a file such as `cell.room.ron`, in the form of `envgen`'s catalogues.
 #[derive(Asset, TypePath, Clone, Debug, PartialEq)]
 pub struct RoomAsset {
-    /// The room, which is valid.
+    /// The room, validated.
     pub design: RoomDesign,
 }
 
@@ -36,8 +36,8 @@ pub enum WorldLoadError {
     /// The file could not be read.
     #[error(transparent)]
     Read(#[from] std::io::Error),
-    /// The file is too long.
-    #[error("the file has over {MAX_FILE_BYTES} bytes")]
+    /// The file is too large.
+    #[error("the file has more than {MAX_FILE_BYTES} bytes")]
     TooLong,
     /// The file is not text.
     #[error("the file is not UTF-8: {0}")]
@@ -45,13 +45,13 @@ pub enum WorldLoadError {
     /// The text is not the RON of a spec.
     #[error(transparent)]
     Ron(#[from] SettingsError),
-    /// The spec asks for what is not allowed.
+    /// The spec is invalid.
     #[error(transparent)]
     Spec(#[from] SpecError),
     /// The text is not the RON of a room.
     #[error("not the RON of a room, at {0}")]
     RoomRon(#[from] Box<ron::error::SpannedError>),
-    /// The room is not sound.
+    /// The room is invalid.
     #[error(transparent)]
     Room(#[from] RoomError),
     /// A room that the spec names could not be loaded.
@@ -62,7 +62,7 @@ pub enum WorldLoadError {
         /// What is wrong with it.
         reason: String,
     },
-    /// The rooms together do not make a catalogue.
+    /// The rooms together are not a valid catalogue.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
 }
@@ -75,7 +75,7 @@ pub(super) struct WorldLoader;
 #[derive(Default, TypePath)]
 pub(super) struct RoomLoader;
 
-/// How the name of a room file ends.
+/// The ending of room files.
 const ROOM_ENDING: &str = ".room.ron";
 
 impl AssetLoader for WorldLoader {
@@ -137,7 +137,7 @@ impl AssetLoader for RoomLoader {
     }
 }
 
-/// Reads a text, but no more than is allowed.
+/// Reads a text of at most [`MAX_FILE_BYTES`].
 async fn read(reader: &mut dyn Reader) -> Result<String, WorldLoadError> {
     let mut bytes = Vec::new();
     let mut part = [0; 4096];

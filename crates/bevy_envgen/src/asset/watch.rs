@@ -1,4 +1,4 @@
-//! Environments follow the files of their specs.
+//! Rebuilding environments when the files of their specs change.
 
 use bevy::asset::{AssetLoadFailedEvent, LoadState};
 use bevy::prelude::*;
@@ -11,8 +11,9 @@ use crate::{EnvgenSystems, Schedules};
 
 /// Loads `.envgen.ron` and `.room.ron` files, and rebuilds worlds whose files change.
 ///
-/// Needs Bevy's `AssetPlugin`, in any order; without it specs in files fail with an event. Files
-/// are watched with Bevy's feature `file_watcher`, which the feature of the same name turns on.
+/// Needs Bevy's `AssetPlugin`, added before or after; without it, environments with specs in files
+/// fail. Files are watched with Bevy's feature `file_watcher`, which the feature of the same name
+/// turns on.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EnvgenAssetPlugin;
 
@@ -34,7 +35,7 @@ impl Plugin for EnvgenAssetPlugin {
     }
 }
 
-/// Registers assets and loaders as soon as there is a server for them.
+/// Registers assets and loaders as soon as there is an asset server.
 fn register(app: &mut App) {
     if app.world().contains_resource::<AssetServer>()
         && !app.world().contains_resource::<Assets<WorldAsset>>()
@@ -46,8 +47,8 @@ fn register(app: &mut App) {
     }
 }
 
-/// Asks for a rebuild of environments whose assets changed, and fails those whose assets cannot be
-/// loaded or vanished.
+/// Requests a rebuild of environments whose assets changed, and fails those whose assets cannot be
+/// loaded or were removed.
 fn watch_assets(
     mut environments: Query<(Entity, &Environment, &mut GenerationJob)>,
     assets: Res<Assets<WorldAsset>>,
@@ -85,7 +86,7 @@ fn watch_assets(
         } else if slot.waits()
             && let Some(LoadState::Failed(failure)) = server.get_load_state(id)
         {
-            // It failed before the environment asked for it.
+            // Loading failed before the environment requested the asset.
             error = Some(asset(failure.to_string()));
         }
         if let Some(error) = error {

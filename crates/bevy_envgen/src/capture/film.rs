@@ -1,4 +1,4 @@
-//! Pictures one after another: an animated GIF, or a folder of PNGs.
+//! Sequences of pictures: an animated GIF, or a folder of PNGs.
 
 use std::fs;
 use std::io::{BufWriter, Write};
@@ -12,9 +12,9 @@ use gif::{Encoder, Frame, Repeat};
 use super::CaptureError;
 use super::picture::Picture;
 
-/// An animated GIF, which plays again and again. Frames are written as they come, each with its own
-/// colours (up to 256 exactly, more by the nearest), and of each only what changed; the file appears
-/// with [`Film::finish`], and none where that is not called.
+/// An animated GIF, which loops forever. Each frame is written when it is added, with its own
+/// palette (up to 256 colours exactly, more by the nearest colour), and only where it changed. The
+/// file appears with [`Film::finish`]; without that call there is none.
 ///
 /// ```
 /// use bevy_envgen::capture::Film;
@@ -31,38 +31,38 @@ use super::picture::Picture;
 /// ```
 pub struct Film {
     path: PathBuf,
-    /// Hundredths of a second from frame to frame.
+    /// Time from frame to frame in hundredths of a second.
     delay: u16,
-    /// Until the first frame tells the size.
+    /// `None` until the first frame defines the size.
     file: Option<BufWriter<WholeFile>>,
     encoder: Option<Encoder<BufWriter<WholeFile>>>,
     last: Option<Picture>,
-    /// Hundredths of a second for which the last picture has not been shown yet.
+    /// Hundredths of a second for which the last picture has not yet been shown.
     waiting: u16,
 }
 
 impl Film {
-    /// A film of so many frames a second, of which GIF can tell 1 to 50, in steps of a hundredth of a
-    /// second.
+    /// A film of `frames_per_second` frames per second, from 1 to 50. GIF stores the time of a frame
+    /// in hundredths of a second.
     ///
     /// # Errors
-    /// Other numbers of frames, or a file that cannot be made.
-    pub fn create(path: impl Into<PathBuf>, frames_a_second: f64) -> Result<Self, CaptureError> {
-        if !(1.0..=50.0).contains(&frames_a_second) {
+    /// A frame rate that is out of range, or a file that cannot be created.
+    pub fn create(path: impl Into<PathBuf>, frames_per_second: f64) -> Result<Self, CaptureError> {
+        if !(1.0..=50.0).contains(&frames_per_second) {
             let allowed = "a number from 1 to 50";
-            return Err(SpecError::new("frames_a_second", frames_a_second, allowed).into());
+            return Err(SpecError::new("frames_per_second", frames_per_second, allowed).into());
         }
         let path = path.into();
         let error = |source| CaptureError::File { path: path.clone(), source };
         let file = BufWriter::new(WholeFile::create(&path).map_err(error)?);
-        let delay = (100.0 / frames_a_second).round() as u16;
+        let delay = (100.0 / frames_per_second).round() as u16;
         Ok(Film { path, delay, file: Some(file), encoder: None, last: None, waiting: 0 })
     }
 
-    /// Adds a picture. One that is equal to the last only makes that one last longer.
+    /// Adds a picture. If it is equal to the last one, that one is shown longer instead.
     ///
     /// # Errors
-    /// A size that is not the film's, or what the system says.
+    /// A size that differs from the film's, or an error of the file system.
     pub fn push(&mut self, picture: &Picture) -> Result<(), CaptureError> {
         let size = picture.size();
         let sides = u16::try_from(size.x).ok().zip(u16::try_from(size.y).ok());
@@ -94,7 +94,7 @@ impl Film {
                 let (from, to) = (row + area.min.x as usize, row + area.max.x as usize);
                 pixels.extend_from_slice(&picture.rgb()[3 * from..3 * to]);
             }
-            // Within sizes that were checked above.
+            // Within the sizes that were checked above.
             let [left, top] = area.min.to_array().map(|side| side as u16);
             let [width, height] = area.size().to_array().map(|side| side as u16);
             let mut frame = Frame::from_rgb_speed(width, height, &pixels, 10);
@@ -105,7 +105,7 @@ impl Film {
         Ok(())
     }
 
-    /// Shows the last picture for as long as nothing changed, by a single pixel of it.
+    /// Shows the last picture for the time in which nothing changed, by a frame of a single pixel.
     fn hold(&mut self) -> Result<(), CaptureError> {
         let waiting = std::mem::take(&mut self.waiting);
         if let (1.., Some(encoder), Some(last)) = (waiting, &mut self.encoder, &self.last) {
@@ -116,10 +116,10 @@ impl Film {
         Ok(())
     }
 
-    /// Writes the rest, and gives the file its name. A film without frames leaves none.
+    /// Writes the rest, and gives the file its name. A film without frames leaves no file.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the file system.
     pub fn finish(mut self) -> Result<(), CaptureError> {
         self.hold()?;
         let Some(encoder) = self.encoder else {
@@ -143,7 +143,7 @@ fn failure(path: &Path, error: gif::EncodingError) -> CaptureError {
     CaptureError::File { path: path.to_owned(), source }
 }
 
-/// The smallest rectangle around all pixels that differ; `None` where none does.
+/// The smallest rectangle around all pixels that differ; `None` when none does.
 fn changes(a: &Picture, b: &Picture) -> Option<URect> {
     let width = a.size().x as usize;
     let pixels = a.rgb().as_chunks::<3>().0.iter().zip(b.rgb().as_chunks::<3>().0);
@@ -164,10 +164,10 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Frames in a folder, which is made if need be. Frames that lie there are written over.
+    /// Frames in a folder, which is created if it does not exist. Existing frames are overwritten.
     ///
     /// # Errors
-    /// A folder that cannot be made.
+    /// A folder that cannot be created.
     pub fn create(folder: impl Into<PathBuf>) -> Result<Self, CaptureError> {
         let folder = folder.into();
         match fs::create_dir_all(&folder) {
@@ -176,10 +176,10 @@ impl Frames {
         }
     }
 
-    /// Writes the next picture, and tells where.
+    /// Writes the next picture and returns its path.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the file system.
     pub fn push(&mut self, picture: &Picture) -> Result<PathBuf, CaptureError> {
         let path = self.folder.join(format!("frame_{:06}.png", self.count + 1));
         picture.write_png(&path)?;
@@ -187,12 +187,12 @@ impl Frames {
         Ok(path)
     }
 
-    /// Where they lie.
+    /// The folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// How many were written.
+    /// Number of frames written.
     pub fn count(&self) -> u32 {
         self.count
     }

@@ -1,9 +1,9 @@
 //! Pictures and films of what cameras see, with or without a window.
 //!
-//! An app that draws adds [`CapturePlugin`] and triggers [`TakePicture`] on a camera. Tests, servers
-//! and scripts without a display use a [`Studio`]: an app that draws into images, on a graphics card
-//! or on Mesa's software Vulkan. [`Film`] makes an animated GIF of its pictures, and [`Frames`] a
-//! folder of PNGs.
+//! An app that draws adds [`CapturePlugin`] and triggers [`TakePicture`] on a camera. Tests,
+//! servers and scripts without a display use a [`Studio`]: an app that draws into images, on a
+//! graphics card or with Mesa's software Vulkan. [`Film`] makes an animated GIF of its pictures,
+//! and [`Frames`] a folder of PNGs.
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -38,60 +38,60 @@ pub use picture::Picture;
 pub use request::{CapturePlugin, PictureFailed, PictureTaken, TakePicture};
 pub use studio::{MAX_SIDE, Studio, find_renderer};
 
-/// Why there is no picture.
+/// Why a picture or film cannot be made.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CaptureError {
-    /// Nothing on this machine can draw.
+    /// The machine has no driver that can draw.
     #[error(
-        "no Vulkan, Metal or DirectX driver was found ({reason}); without a graphics card Mesa's software \
-         Vulkan draws too: on Debian and Ubuntu `apt-get install mesa-vulkan-drivers`"
+        "no Vulkan, Metal or DirectX driver was found ({reason}); without a graphics card, Mesa's software \
+         Vulkan can draw; on Debian and Ubuntu: `apt-get install mesa-vulkan-drivers`"
     )]
     NoRenderer {
-        /// What the search said.
+        /// The message of the search for drivers.
         reason: String,
     },
-    /// The entity cannot be photographed.
-    #[error("{camera} is no camera that draws into an image or a window")]
+    /// The entity is not a camera whose picture can be taken.
+    #[error("{camera} is not a camera that draws into an image or a window")]
     NoCamera {
         /// The entity.
         camera: Entity,
     },
-    /// The size is not one that can be drawn.
-    #[error("a picture of {width} x {height} pixels, expected sides of 1 to {MAX_SIDE}")]
+    /// The size of the picture is out of range.
+    #[error("the sides of a picture must be 1 to {MAX_SIDE} pixels, got {width} x {height}")]
     Size {
         /// Pixels from left to right.
         width: u32,
         /// Pixels from top to bottom.
         height: u32,
     },
-    /// The camera's picture has a format that is no picture for eyes, for instance a depth.
-    #[error("pixels of the format {format} make no picture")]
+    /// The format of the camera's image has no colours, for instance a depth format.
+    #[error("the image must have colours, got the format {format}")]
     Format {
         /// The format.
         format: String,
     },
-    /// Frames of a film have one size.
-    #[error("a frame of {found} pixels in a film of {expected}")]
+    /// The size of a frame differs from that of the film.
+    #[error("the frame must have {expected} pixels like the film, got {found}")]
     OtherSize {
         /// The frame's size.
         found: UVec2,
         /// The film's.
         expected: UVec2,
     },
-    /// The picture did not come back from the driver.
-    #[error("the driver gave no picture after {frames} frames")]
+    /// The driver did not deliver the picture.
+    #[error("the driver delivered no picture within {frames} frames")]
     Lost {
-        /// Frames waited for.
+        /// Number of frames waited for.
         frames: u32,
     },
-    /// An argument is not allowed.
+    /// An argument is out of range.
     #[error(transparent)]
     Argument(#[from] SpecError),
-    /// The environment that was to be seen is not there.
+    /// The environment failed.
     #[error(transparent)]
     Environment(#[from] EnvironmentError),
-    /// The entity has no world that could be seen.
+    /// The entity has no world.
     #[error("{entity} has no `GroundTruth`: is its `Environment` ready?")]
     NoWorld {
         /// The entity.
@@ -102,7 +102,7 @@ pub enum CaptureError {
     File {
         /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the file system.
         source: std::io::Error,
     },
 }

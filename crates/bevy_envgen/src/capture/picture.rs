@@ -8,7 +8,7 @@ use envgen::whole_file::WholeFile;
 
 use super::CaptureError;
 
-/// Pixels without alpha.
+/// Pixels in red, green and blue.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
     size: UVec2,
@@ -16,10 +16,10 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// From an image that Bevy drew into.
+    /// The pixels of an image that Bevy drew into.
     ///
     /// # Errors
-    /// A format that has no colours.
+    /// A format without colours.
     pub fn of(image: &Image) -> Result<Self, CaptureError> {
         let format =
             || CaptureError::Format { format: format!("{:?}", image.texture_descriptor.format) };
@@ -38,7 +38,7 @@ impl Picture {
         &self.rgb
     }
 
-    /// Red, green and blue of a pixel; `None` outside.
+    /// Red, green and blue of a pixel, counted from the top left; `None` outside of the picture.
     pub fn pixel(&self, x: u32, y: u32) -> Option<[u8; 3]> {
         if x >= self.size.x || y >= self.size.y {
             return None;
@@ -47,10 +47,10 @@ impl Picture {
         self.rgb.get(first..first + 3)?.try_into().ok()
     }
 
-    /// Writes a PNG, which appears whole or not at all.
+    /// Writes a PNG, which appears completely or not at all.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the file system.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<(), CaptureError> {
         let path = path.as_ref();
         self.write(path).map_err(|source| CaptureError::File { path: path.to_owned(), source })

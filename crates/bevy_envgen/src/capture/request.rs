@@ -1,4 +1,4 @@
-//! Pictures of the cameras of an app that runs.
+//! Pictures of the cameras of a running app.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
 use super::{CaptureError, Picture};
 
-/// Asks for a picture of what a camera draws into, as PNG: an image or a window. A few frames later
+/// Requests a picture of what a camera draws into, an image or a window, as PNG. A few frames later
 /// [`PictureTaken`] or [`PictureFailed`] is triggered on the camera.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TakePicture {
@@ -19,7 +19,7 @@ pub struct TakePicture {
     pub path: PathBuf,
 }
 
-/// A picture of a camera was written.
+/// Triggered on a camera when its picture was written.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct PictureTaken {
     /// The camera.
@@ -28,17 +28,17 @@ pub struct PictureTaken {
     pub path: PathBuf,
 }
 
-/// A picture of a camera could not be taken or written.
+/// Triggered on a camera when its picture could not be taken or written.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct PictureFailed {
-    /// What was to be the camera.
+    /// The entity of the request.
     pub entity: Entity,
     /// Why.
     pub error: Arc<CaptureError>,
 }
 
-/// Takes pictures of cameras when [`TakePicture`] is triggered. Needs Bevy's `RenderPlugin`; without
-/// it no answer comes.
+/// Takes pictures of cameras when [`TakePicture`] is triggered. Needs Bevy's `RenderPlugin`;
+/// without it, requests are not answered.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CapturePlugin;
 

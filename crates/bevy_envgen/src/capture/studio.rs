@@ -27,23 +27,24 @@ use super::{CaptureError, CapturePlugin, Picture};
 use crate::environment::{EnvironmentFailure, EnvironmentState, GroundTruth};
 use crate::generate::finish_tasks;
 
-/// Most pixels along a side of a picture: what every driver can draw.
+/// The largest side of a picture in pixels, which every driver can draw.
 pub const MAX_SIDE: u32 = 8192;
 
-/// Frames after which a picture that has not come back is given up.
+/// The number of frames after which a missing picture is an error.
 const MOST_FRAMES: u32 = 100;
 
-/// Frames that [`Studio::wait_until_ready`] waits, at most; those that wait for a file take a
-/// millisecond each by the clock.
+/// The most frames that [`Studio::wait_until_ready`] waits. While a file is loaded, a frame takes
+/// at least one millisecond.
 const MOST_WAITING: u32 = 60_000;
 
 /// Margin around a world, as a share of its size.
 const MARGIN: f32 = 0.03;
 
-/// Name of what would draw here, for instance a graphics card or Mesa's `llvmpipe`.
+/// The name of the graphics card or software renderer, for instance Mesa's `llvmpipe`.
 ///
 /// # Errors
-/// [`CaptureError::NoRenderer`], with what to install. Bevy's `RenderPlugin` would panic there.
+/// [`CaptureError::NoRenderer`], which says what to install. Bevy's `RenderPlugin` would panic
+/// instead.
 pub fn find_renderer() -> Result<String, CaptureError> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends: wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all()),
@@ -55,16 +56,16 @@ pub fn find_renderer() -> Result<String, CaptureError> {
     }
 }
 
-/// An app that draws into images, without a window or a display: as many frames as asked, each of
-/// which takes as much time of the app as [`Studio::set_frame_time`] says.
+/// An app that draws into images, without a window or a display. Frames run only when asked for,
+/// and the app's time advances by [`Studio::set_frame_time`] per frame.
 pub struct Studio {
     app: App,
     begun: bool,
 }
 
 impl Studio {
-    /// An app with Bevy's plugins for drawing in two dimensions and [`CapturePlugin`], to which
-    /// others can be added before the first frame.
+    /// An app with Bevy's plugins for two-dimensional drawing and [`CapturePlugin`]. More plugins
+    /// can be added before the first frame.
     ///
     /// # Errors
     /// [`CaptureError::NoRenderer`].
@@ -77,7 +78,7 @@ impl Studio {
             TimePlugin,
             TransformPlugin,
             bevy::input::InputPlugin,
-            // Bevy's renderer expects its types, of which there are none here.
+            // Bevy's renderer needs the types of windows, although there are no windows here.
             WindowPlugin {
                 primary_window: None,
                 exit_condition: ExitCondition::DontExit,
@@ -98,12 +99,12 @@ impl Studio {
         Ok(studio)
     }
 
-    /// The app.
+    /// The Bevy app.
     pub fn app(&mut self) -> &mut App {
         &mut self.app
     }
 
-    /// How much time of the app passes with a frame, whatever the clock says.
+    /// Sets how much the app's time advances per frame, whatever the clock says.
     pub fn set_frame_time(&mut self, time: Duration) {
         self.app.insert_resource(TimeUpdateStrategy::ManualDuration(time));
     }
@@ -111,7 +112,7 @@ impl Studio {
     /// Runs and draws one frame.
     ///
     /// # Errors
-    /// A driver that fails.
+    /// A failure of the driver.
     pub fn step(&mut self) -> Result<(), CaptureError> {
         if !self.begun {
             while self.app.plugins_state() == PluginsState::Adding {
@@ -134,8 +135,8 @@ impl Studio {
     /// Runs frames until an environment is ready.
     ///
     /// # Errors
-    /// Why it failed; [`CaptureError::NoWorld`] when it is not an environment, or not ready after 60,000
-    /// frames.
+    /// The reason why it failed; [`CaptureError::NoWorld`] when it is not an environment, or not
+    /// ready after 60,000 frames.
     pub fn wait_until_ready(&mut self, environment: Entity) -> Result<(), CaptureError> {
         for _ in 0..MOST_WAITING {
             self.step()?;
@@ -145,7 +146,7 @@ impl Studio {
                 (Some(EnvironmentState::Failed), Some(failure)) => {
                     return Err(failure.0.clone().into());
                 }
-                // The file of its spec is loaded by other threads.
+                // Other threads load the file of its spec.
                 (Some(EnvironmentState::Waiting), _) => {
                     std::thread::sleep(Duration::from_millis(1));
                 }
@@ -158,10 +159,10 @@ impl Studio {
         Err(CaptureError::NoWorld { entity: environment })
     }
 
-    /// A camera that looks down on an area in metres, which fits into the picture whole.
+    /// A camera that looks down on an area in metres, which fits into the picture completely.
     ///
     /// # Errors
-    /// A size that cannot be drawn.
+    /// A size that is out of range.
     pub fn camera(&mut self, area: Rect, size: UVec2) -> Result<Entity, CaptureError> {
         let sides = 1..=MAX_SIDE;
         if !(sides.contains(&size.x) && sides.contains(&size.y)) {
@@ -183,10 +184,10 @@ impl Studio {
         Ok(self.app.world_mut().spawn(camera).id())
     }
 
-    /// A camera that looks down on a whole world, wherever its environment has been moved.
+    /// A camera that looks down on a whole world, at the environment's current transform.
     ///
     /// # Errors
-    /// An entity without a world; a size that cannot be drawn.
+    /// An entity without a world, or a size that is out of range.
     pub fn camera_over(
         &mut self,
         environment: Entity,
@@ -207,11 +208,12 @@ impl Studio {
         self.camera(area, size)
     }
 
-    /// What a camera sees now. Frames are drawn for it in which no time of the app passes. A camera
-    /// that is not active draws for them alone, which saves time where many frames make one picture.
+    /// The current picture of a camera. Extra frames are drawn for it, in which the app's time does
+    /// not advance. An inactive camera draws only for these, which saves time when many frames pass
+    /// per picture.
     ///
     /// # Errors
-    /// An entity that is no camera, or a driver that fails.
+    /// An entity that is not a camera, or a failure of the driver.
     pub fn picture(&mut self, camera: Entity) -> Result<Picture, CaptureError> {
         let target = self.app.world().get_entity(camera).ok().filter(|c| c.contains::<Camera>());
         let Some(target) = target.and_then(|camera| camera.get::<RenderTarget>()).cloned() else {
@@ -228,14 +230,14 @@ impl Studio {
         picture
     }
 
-    /// Whether a camera was active before it was made so, or not.
+    /// Sets whether a camera is active; returns whether it was before.
     fn activate(&mut self, camera: Entity, active: bool) -> bool {
         let camera = self.app.world_mut().get_mut::<Camera>(camera);
         camera.is_some_and(|mut camera| std::mem::replace(&mut camera.is_active, active))
     }
 
     fn take(&mut self, target: RenderTarget) -> Result<Picture, CaptureError> {
-        // What was spawned since the last frame is drawn first.
+        // Draws a frame first, for entities that were spawned since the last one.
         self.step()?;
         let taken = Arc::new(Mutex::new(None));
         let film = taken.clone();

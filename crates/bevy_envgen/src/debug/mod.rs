@@ -1,6 +1,6 @@
-//! Lines over worlds and trials, for whoever looks for a mistake.
+//! Lines over worlds and trials, for debugging.
 //!
-//! What is drawn here does not ask whether a person may see it: colliders and rooms are the truth.
+//! These layers ignore what a person may see: colliders and rooms show the true world.
 
 #[cfg(feature = "trial")]
 mod trial;
@@ -15,30 +15,29 @@ use envgen::glam::DVec2;
 
 use crate::environment::{Environment, GroundTruth};
 
-/// The gizmos of this crate, for their width and whether they are drawn at all in Bevy's
-/// `GizmoConfigStore`.
+/// The gizmos of this crate, to set their line width and visibility in Bevy's `GizmoConfigStore`.
 #[derive(GizmoConfigGroup, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Default, Debug, Clone)]
 pub struct EnvgenGizmos;
 
-/// What is drawn. Nothing is, to begin with.
+/// The layers that are drawn; by default none.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct DebugLayers {
     /// The outlines of all colliders.
     pub colliders: bool,
-    /// The beams of the robots' last scans, from where the robots think they are.
+    /// The beams of the robots' last scans, from the estimated poses.
     pub rays: bool,
-    /// Where the robots' map ends: the clusters that are worth a visit.
+    /// The frontiers of the robots' map, in clusters that are worth a visit.
     pub frontiers: bool,
-    /// The ways that programs follow.
+    /// The paths that exploration policies follow.
     pub plan: bool,
-    /// The graph of rooms: rooms that a doorway joins, open or closed.
+    /// The graph of rooms: lines between rooms that a doorway joins, open or closed.
     pub rooms: bool,
 }
 
 impl DebugLayers {
-    /// All that there is.
+    /// All layers.
     pub const ALL: DebugLayers =
         DebugLayers { colliders: true, rays: true, frontiers: true, plan: true, rooms: true };
 }
@@ -50,15 +49,15 @@ const ROOM: Color = Color::srgb(0.34, 0.71, 0.91);
 const OPEN: Color = Color::srgb(0.34, 0.71, 0.91);
 const CLOSED: Color = Color::srgb(0.84, 0.37, 0.0);
 
-/// Radius in metres of the mark of a room, and of a doorway to a hallway or the open.
+/// Radius in metres of the mark of a room, and of a doorway to a hallway or the outside.
 const NODE: f32 = 0.3;
 const WAY_OUT: f32 = 0.12;
 
-/// The systems that draw, in `PostUpdate` after the transforms are up to date.
+/// The systems that draw, in `PostUpdate` after transforms are propagated.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct DebugSystems;
 
-/// Whether Bevy's plugin for gizmos is there.
+/// Exists if Bevy's plugin for gizmos is added.
 #[derive(Resource)]
 struct Drawable;
 
@@ -101,7 +100,7 @@ fn on(layer: fn(&DebugLayers) -> bool) -> impl Fn(Res<DebugLayers>) -> bool + Cl
     move |layers| layer(&layers)
 }
 
-/// From the world's frame to what gizmos are drawn in.
+/// Conversion from the world's frame to the gizmos' frame.
 #[derive(Clone, Copy)]
 struct Place<'a> {
     frame: &'a GlobalTransform,
@@ -119,7 +118,7 @@ impl Place<'_> {
 struct Link {
     doorway: DVec2,
     open: bool,
-    /// The middles of the rooms that it joins.
+    /// The centres of the rooms that it joins.
     rooms: [Option<DVec2>; 2],
 }
 
@@ -135,7 +134,7 @@ fn links(world: &EnvgenWorld) -> impl Iterator<Item = Link> + '_ {
     })
 }
 
-/// Draws rooms joined by doorways.
+/// Draws lines between rooms that doorways join.
 fn draw_rooms(
     worlds: Query<(&Environment, &GroundTruth, &GlobalTransform)>,
     mut gizmos: Gizmos<EnvgenGizmos>,
@@ -167,7 +166,7 @@ fn draw_colliders(
     mut gizmos: Gizmos<EnvgenGizmos>,
 ) {
     for (collider, frame) in &colliders {
-        // The scale is in the shape.
+        // The shape includes the scale.
         let (_, rotation, translation) = frame.to_scale_rotation_translation();
         let place = |p: Vec2| (translation + rotation * p.extend(0.0)).truncate();
         outline(&*collider.raw, &mut |from, to| {
@@ -181,7 +180,7 @@ fn draw_colliders(
 const CIRCLE: u32 = 24;
 
 /// Calls back with every edge of a shape, in its own frame. Shapes that neither this crate nor
-/// robots have are drawn as the boxes around them.
+/// robots use are drawn as their bounding boxes.
 #[cfg(feature = "physics")]
 fn outline(shape: &dyn bevy_rapier2d::parry::shape::Shape, edge: &mut dyn FnMut(Vec2, Vec2)) {
     use bevy_rapier2d::parry::shape::TypedShape;
@@ -207,7 +206,7 @@ fn outline(shape: &dyn bevy_rapier2d::parry::shape::Shape, edge: &mut dyn FnMut(
         _ => {
             let around = shape.compute_local_aabb();
             let (low, high) = (around.mins, around.maxs);
-            // A half-plane has no end.
+            // A half-plane is unbounded.
             if low.is_finite() && high.is_finite() && (high - low).max_element() < 1e6 {
                 ring(&[low, Vec2::new(high.x, low.y), high, Vec2::new(low.x, high.y)]);
             }

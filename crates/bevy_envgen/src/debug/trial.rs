@@ -1,4 +1,4 @@
-//! Lines over trials: beams, frontiers and plans, where the robots think that they are.
+//! Lines over trials: beams, frontiers and plans, at the estimated poses.
 
 use std::collections::BTreeMap;
 
@@ -23,15 +23,15 @@ const PLAN: Color = Color::srgb(0.8, 0.47, 0.65);
 /// Radius in metres of the mark of a goal.
 const GOAL: f32 = 0.2;
 
-/// Half a side in metres of the mark of a frontier cell.
+/// Half the side in metres of the mark of a frontier cell.
 const CELL: f64 = 0.02;
 
-/// Degrees between the hues of two clusters: far apart for neighbours in the list.
+/// Degrees between the hues of successive clusters, so that neighbours in the list differ clearly.
 const HUE_STEP: f32 = 137.5;
 
-/// For plugins whose components hold trials.
+/// Extension of [`App`] for plugins whose components hold trials.
 pub trait DebugTrials {
-    /// Has the layers of trials drawn for those of a component.
+    /// Draws the layers of trials for the trials of a component.
     fn debug_trials<T: WatchTrial>(&mut self) -> &mut Self;
 }
 
@@ -61,21 +61,21 @@ fn draw_rays<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<Envgen
     }
 }
 
-/// Calls back with both ends of every beam that met something, in the world's frame.
+/// Calls back with both ends of every beam that has an echo, in the world's frame.
 fn beams<B: RobotBackend>(trial: &Trial<B>, mut beam: impl FnMut(DVec2, DVec2)) {
     let (autonomy, settings) = (trial.autonomy(), trial.settings());
     for robot in 0..trial.robots() {
         let laser = settings.body.laser_pose(autonomy.slam().estimate(robot).pose);
         for (i, &range) in autonomy.scan(robot).ranges.iter().enumerate() {
             if range.is_finite() {
-                let way = unit_vector(laser.heading + settings.laser.angle(i)) * range;
-                beam(laser.position, laser.position + way);
+                let ray = unit_vector(laser.heading + settings.laser.angle(i)) * range;
+                beam(laser.position, laser.position + ray);
             }
         }
     }
 }
 
-/// The frontiers of a map, gathered anew only when the map has changed.
+/// The frontiers of a map, updated only when the map has changed.
 struct Edge {
     /// Revision of the map.
     revision: Option<u64>,
@@ -100,7 +100,7 @@ impl Edge {
         }
     }
 
-    /// Calls back with the number of its cluster and the middle of every cell.
+    /// Calls back with the index of the cluster and the centre of every cell.
     fn cells(&self, mut cell: impl FnMut(usize, DVec2)) {
         for cluster in 0..self.frontiers.len() {
             for index in self.frontiers.cells(cluster) {
@@ -110,7 +110,7 @@ impl Edge {
     }
 }
 
-/// Draws the frontiers of the robots' map, each cluster in a colour of its own.
+/// Draws the frontiers of the robots' map, each cluster in its own colour.
 fn draw_frontiers<T: WatchTrial>(
     trials: Trials<'_, '_, T>,
     layers: Res<DebugLayers>,
@@ -118,7 +118,7 @@ fn draw_frontiers<T: WatchTrial>(
     mut gizmos: Gizmos<EnvgenGizmos>,
 ) {
     if !layers.frontiers {
-        // The next time it may be another trial's map.
+        // The next frame may show another trial's map.
         edges.clear();
         return;
     }
@@ -138,7 +138,7 @@ fn draw_frontiers<T: WatchTrial>(
     }
 }
 
-/// Draws the ways that programs follow, and where they lead to.
+/// Draws the paths that exploration policies follow, and their goals.
 fn draw_plans<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<EnvgenGizmos>) {
     for (_, environment, frame, holder) in &trials {
         let Some(trial) = holder.watched() else { continue };

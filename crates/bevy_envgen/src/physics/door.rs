@@ -10,27 +10,27 @@ use crate::environment::{Environment, EnvironmentState};
 use crate::part::{Doorway, PartId, PartOf};
 use crate::shape::PartShape;
 
-/// Seconds that a door takes to open or close, and to slam.
+/// Seconds that a door takes to open or close, and to slam shut.
 const OPENING: f32 = 1.0;
 const SLAMMING: f32 = 0.15;
 
-/// The shortest mean wait of a schedule in seconds, so that a door that comes back after hours can
-/// be brought up to date.
+/// The shortest mean wait of a schedule in seconds, so that a door that is spawned again after
+/// hours can catch up with its schedule.
 const SHORTEST_WAIT: f32 = 0.5;
 
-/// The door in a [`Doorway`]: a leaf that slides into the wall.
+/// The door of a [`Doorway`]: a leaf that slides into the wall.
 ///
-/// Closed it fills the opening, as the world says; open it is out of the way, and so out of the way
-/// of rays. Between the two it is a kinematic body, which pushes what stands there.
+/// Closed, it fills the opening as the world defines it. Open, it blocks neither robots nor rays.
+/// In between it is a kinematic body, which pushes what is in the opening.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct Door {
-    /// The entity of the leaf, the body that moves.
+    /// The entity of the leaf, which is the moving body.
     #[entities]
     pub leaf: Entity,
     openness: f32,
     target: f32,
-    /// Openness a second.
+    /// Change of openness per second.
     speed: f32,
     /// The next action of the schedule, and when it is due, in seconds of the environment's clock.
     next: Option<(u64, f64)>,
@@ -42,37 +42,38 @@ impl Door {
         Door { leaf, openness, target: openness, speed: 0.0, next: None }
     }
 
-    /// Lets it slide open, within a second.
+    /// Starts to open it; takes at most 1 s.
     pub fn open(&mut self) {
         (self.target, self.speed) = (1.0, 1.0 / OPENING);
     }
 
-    /// Lets it slide shut, within a second.
+    /// Starts to close it; takes at most 1 s.
     pub fn close(&mut self) {
         (self.target, self.speed) = (0.0, 1.0 / OPENING);
     }
 
-    /// Lets it fly shut, within 0.15 s.
+    /// Starts to slam it shut; takes at most 0.15 s.
     pub fn slam(&mut self) {
         (self.target, self.speed) = (0.0, 1.0 / SLAMMING);
     }
 
-    /// 0 when it is closed, 1 when it is open.
+    /// How far it is open: 0 is closed, 1 is open.
     pub fn openness(&self) -> f32 {
         self.openness
     }
 
-    /// Whether it is wide open, or on the way.
+    /// Whether it is open or opening.
     pub fn opens(&self) -> bool {
         self.target > 0.5
     }
 }
 
-/// Has the doors of an environment opened, closed and slammed at random: on the entity of its
+/// Opens, closes and slams the doors of an environment at random. On the entity of its
 /// [`Environment`].
 ///
-/// When and how follows from the environment's seed and the doorway alone, so that every run is the
-/// same. Time counts from when the world is ready. A schedule outside of its fields' ranges is told in the
+/// The times and actions depend only on the environment's seed and the doorway, so that every run
+/// is the same. Time starts when the world is ready. A schedule whose fields are out of range is
+/// logged as a warning and moves no door.
 /// log and moves no door.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
@@ -80,15 +81,15 @@ impl Door {
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(DoorClock)]
 pub struct DoorSchedule {
-    /// Mean seconds from one action of a door to its next, at least 0.5; the waits follow an
-    /// exponential law.
+    /// Mean time in seconds between actions of a door, at least 0.5; the waits are exponentially
+    /// distributed.
     pub mean_wait: f32,
-    /// Probability that a door that closes slams, from 0 to 1.
+    /// Probability that a closing door slams, from 0 to 1.
     pub slam: f32,
 }
 
 impl DoorSchedule {
-    /// Whether it can be followed; the error names the field, its value and what is allowed.
+    /// Checks the fields; the error names the field, its value and the allowed range.
     pub fn validate(&self) -> Result<(), SpecError> {
         if !(self.mean_wait.is_finite() && self.mean_wait >= SHORTEST_WAIT) {
             let allowed = format!("a finite number of seconds of at least {SHORTEST_WAIT}");
@@ -107,12 +108,12 @@ impl Default for DoorSchedule {
     }
 }
 
-/// Seconds that a scheduled environment has been ready.
+/// Seconds since the world of a scheduled environment became ready.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct DoorClock(pub f64);
 
-/// Triggered on a [`Doorway`], and written as a message, when its door has come to rest.
+/// Triggered on a [`Doorway`], and written as a message, when its door has fully opened or closed.
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DoorStopped {
     /// The doorway.
@@ -121,8 +122,8 @@ pub struct DoorStopped {
     pub open: bool,
 }
 
-/// Gives a doorway its door; one that cannot move is only there when it is closed.
-pub(super) fn hang(world: &mut World, doorway: Entity, groups: CollisionGroups, moves: bool) {
+/// Adds a door to a doorway; a door that cannot move only exists when it is closed.
+pub(super) fn add_door(world: &mut World, doorway: Entity, groups: CollisionGroups, moves: bool) {
     let entity = world.entity(doorway);
     let (Some(part), Some(shape)) = (entity.get::<Doorway>(), entity.get::<PartShape>()) else {
         return;
@@ -144,10 +145,10 @@ pub(super) fn hang(world: &mut World, doorway: Entity, groups: CollisionGroups, 
     world.entity_mut(doorway).insert(Door::new(leaf, open));
 }
 
-/// Where a leaf stands in the frame of its doorway.
+/// The pose of a leaf in the frame of its doorway.
 fn place(shape: &PartShape, openness: f32) -> Transform {
     let width = match shape {
-        // A doorway's width is the longer side: the other is the wall's thickness.
+        // A doorway's width is the longer side, the wall's thickness the other.
         PartShape::Box { half_size } if half_size.x >= half_size.y => Vec2::X * 2.0 * half_size.x,
         PartShape::Box { half_size } => Vec2::Y * 2.0 * half_size.y,
         PartShape::Segment { half_length } => Vec2::X * 2.0 * *half_length,
@@ -161,7 +162,7 @@ fn place(shape: &PartShape, openness: f32) -> Transform {
     Transform::from_translation((width * openness).extend(0.0))
 }
 
-/// Lets the clocks of scheduled environments run.
+/// Advances the clocks of scheduled environments.
 pub(super) fn run_clocks(
     time: Res<Time>,
     mut clocks: Query<(&mut DoorClock, &EnvironmentState), With<DoorSchedule>>,
@@ -173,8 +174,8 @@ pub(super) fn run_clocks(
     }
 }
 
-/// Tells which schedules cannot be followed.
-pub(super) fn tell_bad_schedules(schedules: Query<(Entity, &DoorSchedule), Changed<DoorSchedule>>) {
+/// Logs schedules whose fields are out of range.
+pub(super) fn warn_bad_schedules(schedules: Query<(Entity, &DoorSchedule), Changed<DoorSchedule>>) {
     for (entity, schedule) in &schedules {
         if let Err(error) = schedule.validate() {
             log::warn!("door schedule of environment {entity}: {error}");
@@ -211,7 +212,7 @@ pub(super) fn follow_schedules(
         door.next = Some((action, due));
         if let Some((action, since)) = last {
             act(&mut door, schedule, environment.seed, id.index, action);
-            // What came back with a tile is where it would be by now.
+            // A door that was spawned again with its tile has already reached its position.
             if clock.0 - since > f64::from(OPENING) {
                 door.openness = door.target;
             }
@@ -222,12 +223,13 @@ pub(super) fn follow_schedules(
 /// Seconds before an action of a door.
 fn wait(schedule: &DoorSchedule, seed: u64, door: u32, action: u64) -> f64 {
     let mut stream = Seed(seed).attempt("bevy/doors/wait", u64::from(door), action);
-    // The exponential law by inversion. No wait is so short that hours of them could not be caught up.
+    // The exponential law by inversion. Waits have a minimum, so that hours of them can be caught
+    // up.
     let mean = f64::from(schedule.mean_wait);
     f64::from(0.25 * SHORTEST_WAIT).max(-mean * libm::log1p(-stream.unit()))
 }
 
-/// Starts an action: doors are opened and closed in turn, at first whichever the seed says.
+/// Starts an action: opening and closing alternate, and the seed decides which is first.
 fn act(door: &mut Door, schedule: &DoorSchedule, seed: u64, index: u32, action: u64) {
     let first = Seed(seed).stream("bevy/doors/first", u64::from(index)).chance(0.5);
     if first == action.is_multiple_of(2) {
@@ -242,7 +244,7 @@ fn act(door: &mut Door, schedule: &DoorSchedule, seed: u64, index: u32, action: 
     }
 }
 
-/// Moves the leaves of doors that are on their way.
+/// Moves the leaves of doors that are opening or closing.
 pub(super) fn move_doors(
     time: Res<Time>,
     mut doors: Query<(Entity, &mut Door, &PartShape, &GlobalTransform)>,
@@ -254,15 +256,15 @@ pub(super) fn move_doors(
         let Ok((mut at, mut global, disabled)) = leaves.get_mut(door.leaf) else { continue };
         let placed = place(shape, door.openness);
         let moving = door.openness != door.target;
-        // Rapier writes back what it was given, but for rounding.
+        // Rapier writes the transform back with rounding errors.
         if !moving && at.translation.distance_squared(placed.translation) < 1e-8 {
             continue;
         }
-        let way = door.target - door.openness;
-        let step = way.abs().min(door.speed * time.delta_secs());
-        door.openness += step * way.signum();
+        let remaining = door.target - door.openness;
+        let step = remaining.abs().min(door.speed * time.delta_secs());
+        door.openness += step * remaining.signum();
         *at = place(shape, door.openness);
-        // Propagated at once: rapier reads it in this step, and Bevy's propagation comes later.
+        // Propagated at once: rapier reads it in this step, before Bevy propagates transforms.
         *global = *doorway * *at;
         let open = door.openness >= 1.0;
         if disabled && !open {

@@ -1,7 +1,7 @@
-//! Colliders for the parts of worlds, and doors that move.
+//! Colliders for the parts of worlds, and moving doors.
 //!
 //! Walls, trees, obstacles and closed doors stop bodies and rays, exactly where [`envgen::raycast`]
-//! says. Surfaces, rooms and doorways are sensors, which report who is in them.
+//! does. Surfaces, rooms and doorways are sensors, which report the bodies inside them.
 
 mod collider;
 mod door;
@@ -23,24 +23,25 @@ use crate::part::{PartId, PartKind};
 use crate::shape::PartShape;
 use crate::spawn::{TileSolids, TileSpawned};
 
-/// The group of walls, trees and obstacles.
+/// The collision group of walls, trees and obstacles.
 pub const SOLID_GROUP: Group = Group::GROUP_30;
-/// The group of doors.
+/// The collision group of doors.
 pub const DOOR_GROUP: Group = Group::GROUP_31;
-/// The group of surfaces, rooms and doorways.
+/// The collision group of surfaces, rooms and doorways.
 pub const SENSOR_GROUP: Group = Group::GROUP_32;
 
-/// Whether the solid parts of a tile share a collider.
+/// Whether the solid parts of a tile share one collider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, PartialEq, Clone)]
 pub enum ColliderMerging {
-    /// They do in worlds of more solid parts than this, and in endless ones.
+    /// Merged in worlds with more solid parts than this, and in endless ones.
     Above(usize),
-    /// They do: a compound on the entity of the [`Tile`](crate::Tile). A large world costs rapier a
-    /// fraction of what single colliders do.
+    /// Merged: one compound on the entity of the [`Tile`](crate::Tile). In a large world it costs
+    /// rapier a fraction of single colliders.
     Always,
-    /// Every part has its own, which tells a ray or a contact which part was met. Parts that are
-    /// data have none of their own: see [`SolidStorage::TileData`](crate::SolidStorage::TileData).
+    /// Every part has a collider of its own, so that a ray or a contact identifies the part. Parts
+    /// that are data are merged all the same: see
+    /// [`SolidStorage::TileData`](crate::SolidStorage::TileData).
     Never,
 }
 
@@ -57,21 +58,21 @@ impl Default for ColliderMerging {
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct ColliderSettings {
-    /// Whether the solid parts of a tile share a collider.
+    /// Whether the solid parts of a tile share one collider.
     pub merge: ColliderMerging,
-    /// Whether surfaces, rooms and doorways are sensors.
+    /// Whether surfaces, rooms and doorways get sensors.
     pub sensors: bool,
-    /// Whether doors move; if not, closed ones are as solid as walls.
+    /// Whether doors can move; if not, closed doors are fixed like walls.
     pub doors: bool,
     /// Coefficient of friction of walls, trees and obstacles.
     pub friction: f32,
     /// Coefficient of restitution of walls, trees and obstacles, 0 for no bounce.
     pub restitution: f32,
-    /// Groups of walls, trees and obstacles.
+    /// Collision groups of walls, trees and obstacles.
     pub solid_groups: CollisionGroups,
-    /// Groups of doors.
+    /// Collision groups of doors.
     pub door_groups: CollisionGroups,
-    /// Groups of sensors, which by default see all but the world itself.
+    /// Collision groups of sensors, which by default detect everything but the world's own parts.
     pub sensor_groups: CollisionGroups,
 }
 
@@ -104,8 +105,8 @@ impl Default for ColliderSettings {
 
 #[cfg(feature = "trial")]
 impl ColliderSettings {
-    /// As mapping trials want them: in one piece, which makes rapier's rays faster, and without
-    /// sensors, since robots ask the world itself for its surfaces.
+    /// For mapping trials: merged, which makes rapier's rays faster, and without sensors, because
+    /// robots query the surfaces of the world directly.
     pub fn for_trials() -> Self {
         ColliderSettings { merge: ColliderMerging::Always, sensors: false, ..Default::default() }
     }
@@ -116,11 +117,11 @@ impl ColliderSettings {
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct EnvironmentColliders(pub ColliderSettings);
 
-/// The systems that move doors, before rapier reads where they are.
+/// The systems that move doors, before rapier reads their poses.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct DoorSystems;
 
-/// Gives the parts of worlds their colliders, and doorways their doors.
+/// Adds colliders to the parts of worlds, and doors to doorways.
 ///
 /// Rapier itself is not added: see [`TopDownPhysicsPlugin`]. Without it the colliders have no
 /// effect.
@@ -131,12 +132,12 @@ pub struct EnvgenPhysicsPlugin {
 }
 
 impl EnvgenPhysicsPlugin {
-    /// With doors that move in another schedule than `FixedUpdate`: rapier's.
+    /// Moves doors in `schedule` instead of `FixedUpdate`; it must be rapier's schedule.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         EnvgenPhysicsPlugin { schedule: schedule.intern(), colliders: default() }
     }
 
-    /// With other colliders than the default ones.
+    /// Uses `colliders` instead of the default settings.
     pub fn with_colliders(self, colliders: ColliderSettings) -> Self {
         EnvgenPhysicsPlugin { colliders, ..self }
     }
@@ -162,7 +163,7 @@ impl Plugin for EnvgenPhysicsPlugin {
             .add_systems(
                 self.schedule,
                 (
-                    door::tell_bad_schedules,
+                    door::warn_bad_schedules,
                     door::run_clocks,
                     door::follow_schedules,
                     door::move_doors,
@@ -173,14 +174,14 @@ impl Plugin for EnvgenPhysicsPlugin {
     }
 }
 
-/// Gives the parts of a tile their colliders.
+/// Adds colliders to the parts of a tile.
 fn collide(spawned: On<TileSpawned>, mut commands: Commands) {
     let spawned = spawned.event().clone();
     commands.queue(move |world: &mut World| give_colliders(world, &spawned));
 }
 
 fn give_colliders(world: &mut World, spawned: &TileSpawned) {
-    // What other observers of the tile may have despawned is left out.
+    // Entities that other observers of the tile have despawned are skipped.
     let (Ok(root), Ok(tile)) =
         (world.get_entity(spawned.environment), world.get_entity(spawned.tile))
     else {
@@ -231,11 +232,11 @@ fn give_colliders(world: &mut World, spawned: &TileSpawned) {
             .insert_batch(colliders.into_iter().map(|(part, collider)| (part, (collider, sensor))));
     }
     for doorway in of_kind(|kind| kind == PartKind::Doorway) {
-        door::hang(world, doorway, settings.door_groups, settings.doors);
+        door::add_door(world, doorway, settings.door_groups, settings.doors);
     }
 }
 
-/// The colliders of parts that have an extent.
+/// The colliders of the parts that have an extent.
 fn colliders(world: &World, parts: &[Entity]) -> Vec<(Entity, Collider)> {
     let collider = |&part: &Entity| {
         let shape = world.get::<PartShape>(part)?;

@@ -1,4 +1,4 @@
-//! Rapier as a world seen from above needs it.
+//! The set-up of rapier for worlds seen from above.
 
 use std::fmt::Display;
 
@@ -12,38 +12,38 @@ use envgen::SpecError;
 /// Adds rapier for worlds seen from above: no gravity, metres, and steps of fixed length in
 /// `FixedUpdate`.
 ///
-/// Rapier's own defaults pull everything to -y and let the steps follow the clock, so that no two
-/// runs are alike. Apps that add `RapierPhysicsPlugin` themselves do without this plugin; it then
-/// warns and changes nothing.
+/// By default rapier has gravity along -y and steps of varying length, so that no two runs are the
+/// same. Apps that add `RapierPhysicsPlugin` themselves do not need this plugin; it then warns and
+/// changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TopDownPhysicsPlugin {
-    steps_a_second: f64,
+    steps_per_second: f64,
     substeps: usize,
 }
 
 impl TopDownPhysicsPlugin {
-    /// With so many steps a second, from 1 to 100,000.
+    /// With `steps_per_second` steps per second, from 1 to 100,000.
     ///
     /// # Panics
-    /// With any other number of steps, NaN among them: it is a mistake in the program.
-    pub fn new(steps_a_second: f64) -> Self {
-        if !(1.0..=1e5).contains(&steps_a_second) {
-            refuse("steps_a_second", steps_a_second, "a number from 1 to 100000");
+    /// If the number is out of range or NaN, which is a mistake in the program.
+    pub fn new(steps_per_second: f64) -> Self {
+        if !(1.0..=1e5).contains(&steps_per_second) {
+            refuse("steps_per_second", steps_per_second, "a number from 1 to 100000");
         }
-        TopDownPhysicsPlugin { steps_a_second, substeps: 1 }
+        TopDownPhysicsPlugin { steps_per_second, substeps: 1 }
     }
 
-    /// Steps as mapping trials need them: 20 a second, each in 4 substeps.
+    /// With the steps of mapping trials: 20 per second, each of 4 substeps.
     #[cfg(feature = "trial")]
     pub fn for_trials() -> Self {
         TopDownPhysicsPlugin::new(1.0 / mapping_trial::backend::TICK).with_substeps(4)
     }
 
-    /// With each step in so many equal ones of rapier, from 1 to 1000. Forces and commands act for
-    /// whole steps.
+    /// Splits each step into `substeps` equal steps of rapier, from 1 to 1000. Forces and commands
+    /// are constant over a whole step.
     ///
     /// # Panics
-    /// With any other number of substeps: it is a mistake in the program.
+    /// If the number is out of range, which is a mistake in the program.
     pub fn with_substeps(self, substeps: usize) -> Self {
         if !(1..=1000).contains(&substeps) {
             refuse("substeps", substeps, "a whole number from 1 to 1000");
@@ -52,7 +52,7 @@ impl TopDownPhysicsPlugin {
     }
 }
 
-/// Panics over an argument that is not allowed.
+/// Panics because of an argument that is out of range.
 fn refuse(argument: &str, value: impl Display, allowed: &str) -> ! {
     panic!("TopDownPhysicsPlugin: {}", SpecError::new(argument, value, allowed));
 }
@@ -67,15 +67,15 @@ impl Plugin for TopDownPhysicsPlugin {
     fn build(&self, app: &mut App) {
         if app.is_plugin_added::<RapierPhysicsPlugin<NoUserData>>() {
             log::warn!(
-                "`RapierPhysicsPlugin` is there already: `TopDownPhysicsPlugin` does nothing"
+                "`RapierPhysicsPlugin` is already added: `TopDownPhysicsPlugin` does nothing"
             );
             return;
         }
-        let dt = (1.0 / self.steps_a_second) as f32;
+        let dt = (1.0 / self.steps_per_second) as f32;
         let rapier_configuration =
             RapierConfiguration { gravity: Vec2::ZERO, ..RapierConfiguration::new(1.0) };
         let integration_parameters = IntegrationParameters { dt, ..default() };
-        app.insert_resource(Time::<Fixed>::from_hz(self.steps_a_second))
+        app.insert_resource(Time::<Fixed>::from_hz(self.steps_per_second))
             .insert_resource(TimestepMode::Fixed { dt, substeps: self.substeps })
             .add_plugins(
                 RapierPhysicsPlugin::<NoUserData>::default()
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
-    /// What a constructor says when it refuses its argument.
+    /// The message of a constructor that refuses its argument.
     fn refusal(construct: impl FnOnce() -> TopDownPhysicsPlugin) -> Option<String> {
         let panic = catch_unwind(AssertUnwindSafe(construct)).err()?;
         panic.downcast_ref::<String>().cloned()
@@ -105,14 +105,14 @@ mod tests {
     fn impossible_steps_are_refused_by_name() {
         for steps in [f64::NAN, f64::INFINITY, -64.0, 0.0, 0.999, 100_001.0] {
             let said = refusal(|| TopDownPhysicsPlugin::new(steps)).unwrap();
-            assert!(said.contains("`steps_a_second`") && said.contains("100000"), "{said}");
+            assert!(said.contains("`steps_per_second`") && said.contains("100000"), "{said}");
         }
         for substeps in [0, 1001, usize::MAX] {
             let said = refusal(|| TopDownPhysicsPlugin::default().with_substeps(substeps)).unwrap();
             assert!(said.contains("`substeps`") && said.contains("1000"), "{said}");
         }
         for steps in [1.0, 20.0, 1e5] {
-            assert_eq!(TopDownPhysicsPlugin::new(steps).steps_a_second, steps);
+            assert_eq!(TopDownPhysicsPlugin::new(steps).steps_per_second, steps);
         }
         assert_eq!(TopDownPhysicsPlugin::default().with_substeps(1000).substeps, 1000);
     }

@@ -1,4 +1,4 @@
-//! From commands to wheels, and from wheels to bodies.
+//! From commands to wheel speeds, and from wheel speeds to forces on bodies.
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{DefaultRapierContext, RapierRigidBodySet, RigidBody, Velocity};
@@ -12,7 +12,7 @@ use super::model::{Battery, Chassis, DriveCommand, RobotCondition, RobotModel, W
 /// Acceleration of gravity in m/s^2.
 const G: f64 = 9.81;
 
-/// What drives.
+/// The components of a robot that drives.
 type Driven = (
     Entity,
     &'static RobotModel,
@@ -25,7 +25,7 @@ type Driven = (
     &'static mut RigidBody,
 );
 
-/// Lets wheels follow their commands, and the ground push the bodies.
+/// Lets wheels follow their commands and the ground push the bodies.
 pub(super) fn drive(
     time: Res<Time>,
     mut robots: Query<Driven>,
@@ -40,7 +40,7 @@ pub(super) fn drive(
     for (entity, model, command, chassis, condition, battery, mut wheels, mut velocity, mut kind) in
         &mut robots
     {
-        // What is lost is not even pushed.
+        // A drowned robot is not even pushed.
         if *condition == RobotCondition::Drowned {
             kind.set_if_neq(RigidBody::Fixed);
             wheels.set_if_neq(Wheels::default());
@@ -64,12 +64,13 @@ pub(super) fn drive(
         wheels.bogged = bogged;
         wheels.set(Command { speed, turn_rate }, chassis.track);
 
-        // Coulomb's law for the contact of wheels and ground, ahead and sideways as one.
+        // Coulomb's law for the contact of wheels and ground, for longitudinal and lateral force
+        // together.
         let grip = f64::from(chassis.grip) * G * dt;
         let now = velocity.linear.as_dvec2();
         let wanted = ahead * speed;
         let linear = if bogged { wanted } else { now + (wanted - now).clamp_length_max(grip) };
-        // The same force at half the track turns the body, whose inertia is its footprint's.
+        // The same force at half the track turns the body; its inertia is that of its footprint.
         let radius2 = match model.footprint {
             Footprint::Box => (model.length * model.length + model.width * model.width) / 12.0,
             Footprint::Disc => 0.5 * model.circumscribed_radius * model.circumscribed_radius,
@@ -81,7 +82,7 @@ pub(super) fn drive(
     }
 }
 
-/// Where a body is after the last step; `None` before rapier knows it.
+/// The pose of a body after the last step; `None` before rapier has created it.
 pub(super) fn pose_of(bodies: &RapierRigidBodySet, entity: Entity) -> Option<Pose> {
     let handle = bodies.entity2body().get(&entity)?;
     let at = bodies.bodies.get(*handle)?.position();
@@ -89,13 +90,13 @@ pub(super) fn pose_of(bodies: &RapierRigidBodySet, entity: Entity) -> Option<Pos
     Some(Pose { position: at.translation.as_dvec2(), heading })
 }
 
-/// A number cut to a limit on either side. Numbers that are none, and limits that are none or negative,
-/// give 0: a robot that stands still.
+/// A number clamped to a limit in both directions. NaN and infinite values, and NaN or negative
+/// limits, give 0: the robot stops.
 fn within(value: f64, limit: f64) -> f64 {
     if value.is_finite() && limit > 0.0 { value.clamp(-limit, limit) } else { 0.0 }
 }
 
-/// One step of at most `change` from a value towards another.
+/// Moves a value towards `wanted` by at most `change`.
 fn toward(value: f64, wanted: f64, change: f64) -> f64 {
     value + within(wanted - value, change)
 }

@@ -1,4 +1,4 @@
-//! What robots drive on.
+//! The ground that robots drive on.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -7,11 +7,11 @@ use envgen::surface_index::{Ground, SurfaceIndex};
 
 use crate::environment::{Environment, GroundTruth};
 
-/// The surfaces of an environment, indexed.
+/// The indexed surfaces of an environment.
 #[derive(Component)]
 pub(super) struct GroundIndex(SurfaceIndex);
 
-/// Indexes the surfaces of worlds that are new.
+/// Indexes the surfaces of new worlds.
 pub(super) fn index(
     worlds: Query<(Entity, &GroundTruth), Changed<GroundTruth>>,
     gone: Query<Entity, (With<GroundIndex>, Without<GroundTruth>)>,
@@ -32,7 +32,8 @@ pub(super) struct Terrain<'w, 's> {
 }
 
 impl Terrain<'_, '_> {
-    /// The ground at a point of rapier's world; the worst of each where environments overlap.
+    /// The ground at a point of rapier's world; where environments overlap, the worst value of each
+    /// property.
     pub(super) fn at(&self, p: DVec2) -> Ground {
         self.worlds.iter().fold(Ground::PLAIN, |worst, (index, environment, transform)| {
             let affine = transform.affine().as_daffine3().inverse();

@@ -1,4 +1,4 @@
-//! Lasers that see what rapier knows.
+//! Laser scanners with rapier's rays.
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{QueryFilter, ReadRapierContext};
@@ -8,11 +8,11 @@ use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor};
 
 use super::model::{RobotModel, TruePose};
 
-/// A laser at the place that the robot's model gives it.
+/// A laser at the mounting pose of the robot's model.
 ///
-/// It sees every collider but the robot's own and sensors: walls, doors as far as they are closed,
-/// other robots, and whatever else there is. A scan is taken in the first step and then every so
-/// many steps as the profile says; it is in [`LaserScan`].
+/// It detects all colliders except sensors and the robot's own: walls, doors as far as they are
+/// closed, other robots and anything else. The first scan is taken in the first step, later ones at
+/// the profile's rate; the result is in [`LaserScan`].
 #[derive(Component, Reflect)]
 #[reflect(from_reflect = false)]
 #[reflect(Component)]
@@ -27,28 +27,28 @@ pub struct LaserScanner {
 }
 
 impl LaserScanner {
-    /// The laser of the robot of number `robot` in the run of a seed, which its noise follows from.
+    /// The laser of robot number `robot`; its noise depends on that number and on `seed`.
     ///
     /// # Panics
-    /// When [`LaserProfile::validate`] refuses the profile.
+    /// If [`LaserProfile::validate`] rejects the profile.
     pub fn new(profile: LaserProfile, seed: u64, robot: u64) -> Self {
         let sensor = Laser::new(profile.clone(), Seed(seed), robot);
         LaserScanner::with_sensor(profile, Box::new(sensor))
     }
 
-    /// A laser with the beams and the rate of a profile, and an error model of one's own.
+    /// A laser with the beams and the rate of `profile`, and a custom error model.
     pub fn with_sensor(profile: LaserProfile, sensor: Box<dyn LaserSensor + Send + Sync>) -> Self {
         LaserScanner { profile, sensor, wait: 0 }
     }
 
-    /// What it measures.
+    /// The beams, range and rate of the laser.
     pub fn profile(&self) -> &LaserProfile {
         &self.profile
     }
 }
 
 impl Default for LaserScanner {
-    /// SICK's LMS 200 with the noise of seed 0.
+    /// The SICK LMS 200 with the noise of seed 0.
     fn default() -> Self {
         LaserScanner::new(LaserProfile::default(), 0, 0)
     }
@@ -58,13 +58,13 @@ impl Default for LaserScanner {
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct LaserScan {
-    /// One range in metres a beam, from right to left: infinite where nothing was met, NaN where
-    /// the beam is to be ignored.
+    /// One range in metres per beam, from right to left: infinite where the beam met nothing, NaN
+    /// where it is to be ignored.
     pub ranges: Vec<f64>,
-    /// Where the laser was, in the frame of rapier's world.
+    /// The pose of the laser, in the frame of rapier's world.
     #[reflect(ignore)]
     pub pose: Pose,
-    /// How many scans there were so far, 0 before the first.
+    /// Number of scans so far, 0 before the first.
     pub number: u64,
 }
 

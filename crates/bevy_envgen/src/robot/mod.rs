@@ -1,7 +1,7 @@
-//! Robots in rapier: a body that drives, bumps, slips, sees and counts the turns of its wheels.
+//! Robots in rapier: bodies that drive, slip and collide, with laser, bumper, battery and odometry.
 //!
 //! [`RobotModel`] makes an entity a robot; [`LaserScanner`] and [`WheelOdometry`] are its sensors,
-//! [`DriveCommand`] is what it is told. Nothing here needs rendering.
+//! [`DriveCommand`] is its input. Nothing here needs rendering.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -17,13 +17,14 @@
 //! assert!(pose.position.x > 0.7);
 //! ```
 //!
-//! # The model of the drive
+//! # Drive model
 //!
-//! The wheels follow the command within the robot's limits of speed and acceleration, each side at
-//! v -/+ w b / 2 with the effective track b. The ground then pushes the body towards the motion of
-//! its wheels, ahead and sideways, with at most grip * mass * g: so a robot does not push through
-//! walls, slips where the wall holds it, and is stopped sideways. What stops the body stops its
-//! wheels, as in the flat simulator, so that odometry measures the way that was really made.
+//! The wheels follow the command within the robot's limits of speed and acceleration. Each side
+//! runs at v -/+ w b / 2 with the effective track b. The ground then pushes the body towards the
+//! motion of its wheels, longitudinally and laterally, with a force of at most grip * mass * g. So
+//! a robot cannot push through walls, and slips where a wall holds it. When the body is stopped,
+//! its wheels stop too, as in the flat simulator, so that odometry measures the distance really
+//! travelled.
 
 mod drive;
 mod ground;
@@ -44,12 +45,12 @@ pub use model::{
 
 use crate::physics::DoorSystems;
 
-/// The systems of robots, around those of rapier: `Drive`, [`PhysicsSet`], `Sense`.
+/// The systems of robots, before and after rapier's: `Drive`, [`PhysicsSet`], `Sense`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RobotSystems {
-    /// Wheels follow their commands, and the ground pushes the bodies.
+    /// Updates wheel speeds from commands, and pushes the bodies.
     Drive,
-    /// Poses, bumpers, odometry, batteries and lasers are read.
+    /// Reads poses, bumpers, odometry, batteries and lasers.
     Sense,
 }
 
@@ -63,7 +64,7 @@ pub struct RobotPlugin {
 }
 
 impl RobotPlugin {
-    /// With the systems in another schedule than `FixedUpdate`: rapier's.
+    /// Runs the systems in `schedule` instead of `FixedUpdate`; it must be rapier's schedule.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         RobotPlugin { schedule: schedule.intern() }
     }

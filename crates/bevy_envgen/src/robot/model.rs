@@ -12,13 +12,12 @@ use mapping_trial::backend::Command;
 use mapping_trial::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
 use mapping_trial::robot::{Footprint, Robot};
 
-/// Makes an entity a robot of these numbers; the default is the Pioneer 3-AT.
+/// Makes an entity a robot with these properties; the default is the Pioneer 3-AT.
 ///
-/// It is a dynamic body of rapier with a collider of the model's footprint, which is put on when the
-/// component is inserted, unless the entity has a collider of its own; colliders of its children
-/// count as the robot's, too. Its [`Chassis`] is the model's, unless the entity has one of its own.
-/// Robots of other numbers can be read from RON: see [`Robot::from_ron`].
-/// One whose numbers are not allowed gets no body and a warning.
+/// Inserting it adds a dynamic body, a collider of the model's footprint and a [`Chassis`] of the
+/// model. A collider or chassis that the entity already has is kept, and colliders of its children
+/// belong to the robot too. Models of other robots can be read from RON: see [`Robot::from_ron`].
+/// An invalid model gets no body and logs a warning.
 #[derive(Component, Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
@@ -36,14 +35,14 @@ use mapping_trial::robot::{Footprint, Robot};
 )]
 pub struct RobotModel(pub Robot);
 
-/// What a robot is told to do, until it is told otherwise. Numbers that are none, or beyond the
-/// model's limits, are cut to them.
+/// The command to a robot, valid until it is changed. Values beyond the model's limits are clamped;
+/// NaN and infinite values are treated as 0.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct DriveCommand {
-    /// Speed ahead in m/s, negative backwards.
+    /// Forward speed in m/s, negative backwards.
     pub speed: f64,
-    /// Rate of turning in rad/s, counter-clockwise.
+    /// Turn rate in rad/s, counter-clockwise.
     pub turn_rate: f64,
 }
 
@@ -53,7 +52,7 @@ impl From<Command> for DriveCommand {
     }
 }
 
-/// Weight and wheels of a robot in rapier; the default is the Pioneer 3-AT.
+/// Mass and wheels of a robot in rapier; the default is the Pioneer 3-AT.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
@@ -61,11 +60,10 @@ impl From<Command> for DriveCommand {
 pub struct Chassis {
     /// Mass in kg.
     pub mass: f32,
-    /// Coefficient of friction of the wheels on the ground, which bounds the force that they push
-    /// with.
+    /// Coefficient of friction between wheels and ground, which limits the driving force.
     pub grip: f32,
-    /// Effective track of the skid-steered wheels in metres: wider than the geometric one, since
-    /// wheels that turn a robot slip sideways.
+    /// Effective track of the skid-steered wheels in metres: wider than the geometric track,
+    /// because the wheels slip sideways when the robot turns.
     pub track: f64,
 }
 
@@ -82,7 +80,7 @@ impl Default for Chassis {
     }
 }
 
-/// How fast the wheels of either side turn, as speed over ground in m/s.
+/// Wheel speeds of both sides, as speed over ground in m/s.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct Wheels {
@@ -90,14 +88,14 @@ pub struct Wheels {
     pub left: f64,
     /// Speed of the right wheels.
     pub right: f64,
-    /// Whether ground on which it cannot drive stopped it in the last step.
+    /// Whether impassable ground stopped it in the last step.
     pub(super) bogged: bool,
-    /// Whether it was felt before, so that the next motion is one.
+    /// Whether its pose was read before, so that the next change is a motion.
     pub(super) placed: bool,
 }
 
 impl Wheels {
-    /// Speed ahead in m/s, and rate of turning in rad/s, of wheels that far apart.
+    /// Forward speed in m/s and turn rate in rad/s, for wheels that are `track` metres apart.
     pub fn motion(&self, track: f64) -> Command {
         let Wheels { left, right, .. } = *self;
         let turn_rate = if track > 0.0 { (right - left) / track } else { 0.0 };
@@ -110,18 +108,19 @@ impl Wheels {
     }
 }
 
-/// Where a robot truly is after the last step, in the frame of rapier's world: metres and radians.
+/// The true pose of a robot after the last step, in the frame of rapier's world: metres and
+/// radians.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct TruePose {
-    /// Its middle.
+    /// The position of its centre.
     pub position: DVec2,
-    /// Where it looks, counter-clockwise from the x axis.
+    /// Its heading, counter-clockwise from the x axis.
     pub heading: f64,
 }
 
 impl TruePose {
-    /// The same as a pose.
+    /// Position and heading as a [`Pose`].
     pub fn pose(&self) -> Pose {
         Pose { position: self.position, heading: self.heading }
     }
@@ -133,24 +132,24 @@ impl From<Pose> for TruePose {
     }
 }
 
-/// What a robot's bumper feels.
+/// The state of a robot's bumper.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct Bumper {
-    /// Whether it touches something solid, or is stopped by the ground.
+    /// Whether it touches a solid or is stopped by impassable ground.
     pub touching: bool,
-    /// How often it has run into something: contacts with at least 10 steps without one between.
+    /// Number of collisions: contacts that begin after at least 10 steps without contact.
     pub hits: u32,
-    /// Steps since it last touched something.
+    /// Steps since the last contact.
     pub(super) clear: u32,
 }
 
 impl Bumper {
-    /// Steps without a contact after which the next one is another hit.
-    const STEPS_BETWEEN_HITS: u32 = 10;
+    /// Steps without contact after which the next contact is a new collision.
+    const STEPS_BETWEEN_COLLISIONS: u32 = 10;
 
     pub(super) fn feel(&mut self, touching: bool) {
-        if touching && self.clear >= Bumper::STEPS_BETWEEN_HITS {
+        if touching && self.clear >= Bumper::STEPS_BETWEEN_COLLISIONS {
             self.hits += 1;
         }
         self.clear = if touching { 0 } else { self.clear.saturating_add(1) };
@@ -160,24 +159,24 @@ impl Bumper {
 
 impl Default for Bumper {
     fn default() -> Self {
-        Bumper { touching: false, hits: 0, clear: Bumper::STEPS_BETWEEN_HITS }
+        Bumper { touching: false, hits: 0, clear: Bumper::STEPS_BETWEEN_COLLISIONS }
     }
 }
 
-/// What is left in a robot's battery. An empty one stops the robot. It is put on with the
-/// [`RobotModel`], full.
+/// The charge of a robot's battery; an empty one stops the robot. Added full with the
+/// [`RobotModel`].
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct Battery {
-    /// Seconds that it still lasts.
+    /// Remaining operating time in seconds.
     pub left: f64,
 }
 
-/// What became of a robot.
+/// Whether a robot still works.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub enum RobotCondition {
-    /// It drives.
+    /// It works.
     #[default]
     Operational,
     /// It drove into water and stays where it is.
@@ -189,29 +188,29 @@ pub enum RobotCondition {
 #[reflect(from_reflect = false)]
 #[reflect(Component)]
 pub struct WheelOdometry {
-    /// Metres ahead in the last step, as measured.
+    /// Forward distance in the last step in metres, as measured.
     pub distance: f64,
-    /// Radians turned in the last step, as measured.
+    /// Turn in the last step in radians, as measured, counter-clockwise.
     pub turn: f64,
     #[reflect(ignore)]
     wheels: Box<dyn WheelSensor + Send + Sync>,
 }
 
 impl WheelOdometry {
-    /// The wheels of the robot of number `robot` in the run of a seed.
+    /// The wheel odometry of robot number `robot`; its noise depends on that number and on `seed`.
     ///
     /// # Panics
-    /// When [`OdometryProfile::validate`] refuses the profile.
+    /// If [`OdometryProfile::validate`] rejects the profile.
     pub fn new(profile: OdometryProfile, seed: u64, robot: u64) -> Self {
         WheelOdometry::with_sensor(Box::new(Odometry::new(profile, Seed(seed), robot)))
     }
 
-    /// Wheels with an error model of one's own.
+    /// Wheel odometry with a custom error model.
     pub fn with_sensor(wheels: Box<dyn WheelSensor + Send + Sync>) -> Self {
         WheelOdometry { distance: 0.0, turn: 0.0, wheels }
     }
 
-    /// What was measured in the last step.
+    /// The measurement of the last step.
     pub fn last(&self) -> Increment {
         Increment { distance: self.distance, turn: self.turn }
     }
@@ -222,18 +221,18 @@ impl WheelOdometry {
     }
 }
 
-/// What follows from the model: another model changes it.
+/// The components that were added because of the model: another model replaces them.
 #[derive(Component, Clone, Copy, Default)]
 pub(super) struct Fitted {
     chassis: bool,
     collider: bool,
 }
 
-/// A model, and what is on its robot already.
+/// A model, and the components that its entity already has.
 type Model =
     (&'static RobotModel, Option<&'static Chassis>, Has<Collider>, Option<&'static Fitted>);
 
-/// Puts a collider, a chassis and a full battery on a robot.
+/// Adds a collider, a chassis and a full battery to a robot.
 pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut commands: Commands) {
     let Ok((model, chassis, collides, fitted)) = models.get(fit.entity) else { return };
     let fitted = fitted.copied().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What robots feel after a step: where they are, what they touch, what their wheels turned.
+//! Sensing after a step: poses, contacts, wheel odometry and batteries.
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::ReadRapierContext;
@@ -13,7 +13,7 @@ use super::model::{
     Battery, Bumper, Chassis, RobotCondition, RobotModel, TruePose, WheelOdometry, Wheels,
 };
 
-/// What senses.
+/// The components of a robot that senses.
 type Sensing = (
     Entity,
     &'static Chassis,
@@ -56,7 +56,7 @@ pub(super) fn sense(
         let touching = wheels.bogged || touches(&rapier, entity);
         bumper.feel(touching);
         if touching && dt > 0.0 {
-            // What stops the body stops its wheels.
+            // A stopped body stops its wheels.
             let motion = Command { speed: distance / dt, turn_rate: turn / dt };
             wheels.set(motion, chassis.track);
         }
@@ -70,7 +70,7 @@ pub(super) fn sense(
     }
 }
 
-/// Whether a body presses against something solid, with any of its colliders.
+/// Whether any collider of a body touches a solid.
 fn touches(rapier: &RapierContext, body: Entity) -> bool {
     let RapierContext { simulation, colliders, rigidbody_set, .. } = *rapier;
     colliders.rigid_body_colliders(body, rigidbody_set).any(|collider| {

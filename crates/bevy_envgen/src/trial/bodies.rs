@@ -1,4 +1,4 @@
-//! RobotBackend that rapier moves, as a trial sees them.
+//! The robot backend of trials in rapier.
 
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
@@ -6,20 +6,20 @@ use mapping_trial::backend::{Command, Condition, Observation, RobotBackend, Sens
 use mapping_trial::lidar::Scan;
 use mapping_trial::odometry::Increment;
 
-/// The robots of a trial in rapier: a letter box, into which every tick brings what the robots
-/// sensed, for the trial to read.
+/// The robots of a trial in rapier. In every tick, systems store here what the robots sensed, and
+/// the trial reads it.
 pub struct RapierRobots {
     ticks: u32,
-    /// The robots' sensors, until the robots are spawned with them.
+    /// The robots' sensors, until they are moved to the spawned robots.
     sensors: Vec<Sensors>,
-    /// Seconds that a battery lasts.
+    /// Operating time of a full battery in seconds.
     battery: f64,
-    robots: Vec<Letter>,
+    robots: Vec<TickReport>,
 }
 
-/// What became of a robot in the last tick.
+/// What a robot sensed in the last tick.
 #[derive(Clone, Debug)]
-pub(super) struct Letter {
+pub(super) struct TickReport {
     pub(super) pose: Pose,
     pub(super) condition: Condition,
     pub(super) hits: u32,
@@ -31,7 +31,7 @@ pub(super) struct Letter {
 
 impl RapierRobots {
     pub(super) fn new(starts: &[Pose], battery: f64, sensors: Vec<Sensors>) -> Self {
-        let letter = |&pose: &Pose| Letter {
+        let report = |&pose: &Pose| TickReport {
             pose,
             condition: Condition::Operational,
             hits: 0,
@@ -40,28 +40,28 @@ impl RapierRobots {
             scan: None,
             water: None,
         };
-        let robots = starts.iter().map(letter).collect();
+        let robots = starts.iter().map(report).collect();
         RapierRobots { ticks: 0, sensors, battery, robots }
     }
 
-    /// The robots' sensors, to spawn the robots with.
+    /// The robots' sensors, for spawning the robots.
     pub(super) fn take_sensors(&mut self) -> Vec<Sensors> {
         std::mem::take(&mut self.sensors)
     }
 
-    /// Brings what a robot sensed.
-    pub(super) fn bring(&mut self, robot: usize, letter: Letter) {
+    /// Stores what a robot sensed.
+    pub(super) fn store(&mut self, robot: usize, report: TickReport) {
         if let Some(place) = self.robots.get_mut(robot) {
-            *place = letter;
+            *place = report;
         }
     }
 
-    /// A tick has passed.
+    /// Advances the clock by a tick.
     pub(super) fn tick(&mut self) {
         self.ticks += 1;
     }
 
-    /// Seconds that every battery still lasts.
+    /// Remaining operating time of every battery in seconds.
     pub(super) fn battery(&self) -> f64 {
         (self.battery - f64::from(self.ticks) * TICK).max(0.0)
     }
@@ -74,22 +74,22 @@ impl RobotBackend for RapierRobots {
 
     fn observe(&mut self, robot: usize) -> Observation {
         let battery = self.battery();
-        let letter = &mut self.robots[robot];
+        let report = &mut self.robots[robot];
         Observation {
             time: f64::from(self.ticks) * TICK,
-            odometry: letter.odometry,
-            scan: letter.scan.take(),
-            water: letter.water.take(),
-            bumped: letter.touching,
+            odometry: report.odometry,
+            scan: report.scan.take(),
+            water: report.water.take(),
+            bumped: report.touching,
             battery,
         }
     }
 
-    /// Time passes and nothing moves: rapier moves these bodies, in Bevy's schedule.
+    /// Only advances time: rapier moves these robots, in Bevy's schedule.
     fn advance(&mut self, _: &[Command]) {
         self.tick();
-        for letter in &mut self.robots {
-            letter.odometry = Increment::default();
+        for report in &mut self.robots {
+            report.odometry = Increment::default();
         }
     }
 

@@ -1,4 +1,4 @@
-//! Trials without an app of one's own.
+//! Trials in a headless app that is created for them.
 
 use std::time::Duration;
 
@@ -15,30 +15,30 @@ use crate::EnvgenCorePlugin;
 use crate::environment::{Environment, EnvironmentError, EnvironmentFailure, GenerationMode};
 use crate::physics::{ColliderSettings, EnvgenPhysicsPlugin, TopDownPhysicsPlugin};
 
-/// Ticks between two calls of the callback for progress.
-const TICKS_A_CALL: u64 = 200;
+/// Ticks between two calls of the progress callback.
+const TICKS_PER_CALL: u64 = 200;
 
 /// Why a trial cannot be run headless.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum HeadlessError {
-    /// The world is not sound.
+    /// The world is invalid.
     #[error(transparent)]
     World(#[from] EnvironmentError),
     /// The trial cannot begin.
     #[error(transparent)]
     Trial(#[from] MappingTrialError),
-    /// The trial did not begin, and nothing said why.
+    /// The trial did not begin, for an unknown reason.
     #[error("the trial did not begin")]
     Stalled,
 }
 
-/// Runs a trial in rapier to its end, as fast as it goes, on this thread alone. `progress` is
-/// called now and then with the simulated seconds so far.
+/// Runs a trial in rapier to its end, as fast as possible and on this thread alone. `progress` is
+/// called from time to time with the simulated seconds so far.
 ///
 /// # Errors
 ///
-/// A world that is not sound; settings that are not allowed, or a start that is not free.
+/// An invalid world, settings that are out of range, or a start that is not free.
 pub fn run_headless(
     world: &envgen::World,
     settings: TrialSettings,
@@ -47,7 +47,7 @@ pub fn run_headless(
     run_headless_with(world, settings, TrialParts::default(), progress)
 }
 
-/// The same with SLAM, operator or sensors of one's own, in place of those that the settings name.
+/// The same with a custom SLAM, exploration policy or sensors, in place of those of the settings.
 ///
 /// # Errors
 ///
@@ -61,11 +61,11 @@ pub fn run_headless_with(
     drive(world.clone(), MappingTrial::new(settings).with_parts(parts), progress)
 }
 
-/// Runs a log of engine [`ENGINE`](super::ENGINE) again, in `world`, which must be the log's.
+/// Replays a log of engine [`ENGINE`](super::ENGINE) in `world`, which must be the log's world.
 ///
 /// # Errors
 ///
-/// As [`run_headless`]; another world or engine than the log's.
+/// As [`run_headless`]; a world or an engine that is not the log's.
 pub fn replay_headless(
     world: &envgen::World,
     log: TrialLog,
@@ -74,7 +74,7 @@ pub fn replay_headless(
     drive(world.clone(), MappingTrial::replay(log), progress)
 }
 
-/// The last reason why the trial cannot begin.
+/// The last reason why the trial could not begin.
 #[derive(Resource)]
 struct Failure(MappingTrialError);
 
@@ -103,16 +103,16 @@ fn drive(
             return trial.ok_or(HeadlessError::Stalled);
         }
         let time = trial.trial().map(Trial::time);
-        if time.is_none() && ticks > TICKS_A_CALL {
+        if time.is_none() && ticks > TICKS_PER_CALL {
             return Err(HeadlessError::Stalled);
         }
-        if ticks.is_multiple_of(TICKS_A_CALL) {
+        if ticks.is_multiple_of(TICKS_PER_CALL) {
             progress(time.unwrap_or(0.0));
         }
     }
 }
 
-/// An app in which an update is a tick, with no more plugins than a trial needs.
+/// An app in which an update is a tick, with only the plugins that a trial needs.
 fn app() -> App {
     let mut app = App::new();
     app.add_plugins((
@@ -128,7 +128,7 @@ fn app() -> App {
     app.add_observer(|failed: On<TrialFailed>, mut commands: Commands| {
         commands.insert_resource(Failure(failed.error.clone()));
     });
-    // The systems are many and short: threads would only wait for each other.
+    // The systems are many and short: with threads they would mostly wait for each other.
     for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
         schedule.set_executor(SingleThreadedExecutor::new());
     }

@@ -1,9 +1,9 @@
-//! Mapping trials in rapier: the brain, protocol, log and scores of [`mapping_trial`], with the
-//! robots of [`crate::robot`] as its bodies.
+//! Mapping trials in rapier: the autonomy, protocol, log and scores of [`mapping_trial`], with the
+//! robots of [`crate::robot`] as robot backend.
 //!
 //! Put a [`MappingTrial`] on the entity of an [`Environment`](crate::Environment): once the world
-//! stands, its robots are spawned as children of it, and the trial runs at 20 ticks a second.
-//! [`run_headless`] does it all without an app of one's own.
+//! is ready, its robots are spawned as children of the environment, and the trial runs at 20 ticks
+//! per simulated second. [`run_headless`] runs a trial without an app.
 //!
 //! ```
 //! use bevy_envgen::trial::run_headless;
@@ -23,14 +23,14 @@
 //! `PhysicsSet`, [`RobotSystems::Sense`](crate::robot::RobotSystems), [`TrialSystems::Record`]. The
 //! schedule's step must be [`TICK`](mapping_trial::backend::TICK), and rapier's with it:
 //! [`TopDownPhysicsPlugin::for_trials`](crate::physics::TopDownPhysicsPlugin::for_trials) sets both.
-//! The first tick after the robots were spawned only looks: rapier has to know them before the
-//! first scan.
+//! In the first tick after the robots were spawned only observations are made: rapier must create
+//! their bodies before the first scan.
 //!
-//! # What replays
+//! # Replay
 //!
-//! A log of engine [`ENGINE`] runs again to the last bit with the same build of the program, on the
-//! same kind of machine; rapier's floats are not the same everywhere. Doors that move, and whatever
-//! else an app adds to the world, are not in the log.
+//! A log of engine [`ENGINE`] replays to the last bit with the same build of the program, on the
+//! same kind of machine; rapier's floating-point results differ between platforms. Moving doors,
+//! and everything else that an app adds to the world, are not in the log.
 
 mod bodies;
 mod camera;
@@ -54,27 +54,27 @@ pub use headless::{HeadlessError, replay_headless, run_headless, run_headless_wi
 use crate::physics::DoorSystems;
 use crate::robot::{RobotPlugin, RobotSystems};
 
-/// What moves the bodies, as logs name it.
+/// The name of the robot backend in logs.
 pub const ENGINE: &str = "rapier";
 
-/// The systems of trials, around those of robots.
+/// The systems of trials, before and after those of robots.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TrialSystems {
-    /// What the robots sensed is taken in, and their commands are given; trials begin and end.
+    /// Processes what the robots sensed and commands them; begins and ends trials.
     Command,
-    /// Where the robots are now is recorded.
+    /// Records the robots' new poses and measurements.
     Record,
 }
 
-/// Runs the trials of [`MappingTrial`] components. Adds [`RobotPlugin`] to the same schedule, where
-/// it is not there yet.
+/// Runs the trials of [`MappingTrial`] components. Adds [`RobotPlugin`] to the same schedule,
+/// unless it is added already.
 #[derive(Clone, Copy, Debug)]
 pub struct TrialPlugin {
     schedule: Interned<dyn ScheduleLabel>,
 }
 
 impl TrialPlugin {
-    /// With the systems in another schedule than `FixedUpdate`: rapier's.
+    /// Runs the systems in `schedule` instead of `FixedUpdate`; it must be rapier's schedule.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         TrialPlugin { schedule: schedule.intern() }
     }
@@ -114,10 +114,10 @@ impl Plugin for TrialPlugin {
 
 /// A mapping trial in the world of the [`Environment`](crate::Environment) on the same entity.
 ///
-/// It begins once the world stands: its robots are spawned as children of the environment, with
-/// the component [`TrialRobot`], and [`TrialStarted`] is triggered. Another world of the same
-/// environment begins it anew; removing the component or despawning the environment removes the
-/// robots. What happens is told by [`TrialStarted`], [`TrialEnded`] and [`TrialFailed`].
+/// It begins once the world is ready: its robots are spawned as children of the environment, with
+/// the component [`TrialRobot`], and [`TrialStarted`] is triggered. When the environment gets
+/// another world, the trial begins again. Removing the component or despawning the environment
+/// removes the robots. The events are [`TrialStarted`], [`TrialEnded`] and [`TrialFailed`].
 #[derive(Component, Reflect)]
 #[reflect(from_reflect = false)]
 #[reflect(Component)]
@@ -126,28 +126,28 @@ pub struct MappingTrial {
     time: f64,
     #[reflect(ignore)]
     ask: Request,
-    /// What takes the place of built-in parts.
+    /// Custom parts that replace built-in ones.
     #[reflect(ignore)]
     parts: TrialParts,
     #[reflect(ignore)]
     state: State,
 }
 
-/// What a trial is to be.
+/// What trial was requested.
 enum Request {
     New(Box<TrialSettings>),
     Replay(Box<TrialLog>),
 }
 
-/// How far a trial has come.
+/// The state of a trial.
 enum State {
-    /// There is no world yet.
+    /// The world is not ready.
     Waiting,
-    /// Robots were spawned, and rapier does not know them yet.
+    /// Robots were spawned, but rapier has not created their bodies.
     Warming(Box<Run>),
     Running(Box<Run>),
     Over(Box<Run>),
-    /// It cannot begin in this world.
+    /// The trial cannot begin in this world.
     Failed(Arc<envgen::World>),
 }
 
@@ -157,19 +157,20 @@ struct Run {
     world: Arc<envgen::World>,
     camera: Camera,
     robots: Vec<Entity>,
-    /// Scans of each robot that the trial has seen.
+    /// Number of scans of each robot that the trial has processed.
     scans: Vec<u64>,
-    /// Each robot's commands of the log that are still to come.
+    /// The remaining commands of the log, for each robot.
     script: Vec<std::vec::IntoIter<Command>>,
 }
 
 impl MappingTrial {
-    /// A trial of these settings. With an operator of `None` the commands are those of [`ManualControl`].
+    /// A trial with these settings. If their exploration policy is `None`, the commands are those of
+    /// [`ManualControl`].
     pub fn new(settings: TrialSettings) -> Self {
         MappingTrial::of(Request::New(Box::new(settings)))
     }
 
-    /// Runs a log of engine [`ENGINE`] again, whose world the environment must be.
+    /// Replays a log of engine [`ENGINE`]; the environment's world must be the log's.
     pub fn replay(log: TrialLog) -> Self {
         MappingTrial::of(Request::Replay(Box::new(log)))
     }
@@ -178,33 +179,33 @@ impl MappingTrial {
         MappingTrial { time: 0.0, ask, parts: TrialParts::default(), state: State::Waiting }
     }
 
-    /// With SLAM, operator or sensors of one's own, in place of those that the settings name.
+    /// Uses a custom SLAM, exploration policy or sensors, in place of those of the settings.
     #[must_use]
     pub fn with_parts(self, parts: TrialParts) -> Self {
         MappingTrial { parts, ..self }
     }
 
-    /// The trial as far as it went; `None` before it begins.
+    /// The trial up to now; `None` before it begins.
     pub fn trial(&self) -> Option<&Trial<RapierRobots>> {
         self.run().map(|run| &run.trial)
     }
 
-    /// The robots' entities, in the order of the trial; none before it begins.
+    /// The robots' entities, in the order of the trial; empty before it begins.
     pub fn robots(&self) -> &[Entity] {
         self.run().map_or(&[], |run| &run.robots)
     }
 
-    /// Whether it has come to its end; a log, to the end of its commands.
+    /// Whether it has ended; a replay ends with the commands of the log.
     pub fn is_over(&self) -> bool {
         matches!(self.state, State::Over(_))
     }
 
-    /// Whether it cannot begin in the world that stands: see [`TrialFailed`].
+    /// Whether it cannot begin in the current world: see [`TrialFailed`].
     pub fn has_failed(&self) -> bool {
         matches!(self.state, State::Failed(_))
     }
 
-    /// Ends the trial, for every robot whose part has not ended yet, in the next tick.
+    /// Ends the trial in the next tick, for every robot that is still driving.
     pub fn stop(&mut self) {
         if let State::Warming(run) | State::Running(run) = &mut self.state {
             run.trial.stop();
@@ -218,7 +219,7 @@ impl MappingTrial {
         }
     }
 
-    /// The trial itself, where it came to its end.
+    /// The trial itself, if it has ended.
     fn into_trial(self) -> Option<Trial<RapierRobots>> {
         match self.state {
             State::Over(run) => Some(run.trial),
@@ -227,13 +228,13 @@ impl MappingTrial {
     }
 }
 
-/// A person's commands, one a robot, beside a [`MappingTrial`]: they take the operator's place as
-/// long as the component is there. Robots without a command stand still.
+/// Commands of a person, one per robot, next to a [`MappingTrial`]. While the component exists, they
+/// replace those of the exploration policy. Robots without a command stop.
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ManualControl {
-    /// One command a robot.
+    /// One command per robot, in the order of the trial.
     pub commands: Vec<Command>,
 }
 
@@ -245,21 +246,21 @@ pub struct TrialRobot {
     pub index: usize,
 }
 
-/// Triggered on an environment when the trial in it begins.
+/// Triggered on an environment when its trial begins.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TrialStarted {
     /// The environment.
     pub entity: Entity,
 }
 
-/// Triggered on an environment when the trial in it is over.
+/// Triggered on an environment when its trial has ended.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TrialEnded {
     /// The environment.
     pub entity: Entity,
 }
 
-/// Triggered on an environment when the trial in it cannot begin.
+/// Triggered on an environment when its trial cannot begin.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TrialFailed {
     /// The environment.
@@ -272,12 +273,12 @@ pub struct TrialFailed {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MappingTrialError {
-    /// The settings, the start or the log.
+    /// The settings, the start or the log is invalid.
     #[error(transparent)]
     Trial(#[from] TrialError),
     /// Bevy's fixed step is not a tick.
     #[error(
-        "the fixed step is {found} s, a trial needs {} s: use `TopDownPhysicsPlugin::for_trials`",
+        "the fixed step is {found} s, but a trial needs {} s: use `TopDownPhysicsPlugin::for_trials`",
         mapping_trial::backend::TICK
     )]
     FixedStep {
@@ -286,21 +287,21 @@ pub enum MappingTrialError {
     },
     /// Rapier's step is not a tick.
     #[error(
-        "rapier's step is {found}, a trial needs fixed ones of {} s: use `TopDownPhysicsPlugin::for_trials`",
+        "rapier's step is {found}, but a trial needs a fixed {} s: use `TopDownPhysicsPlugin::for_trials`",
         mapping_trial::backend::TICK
     )]
     RapierStep {
         /// The mode of rapier's steps.
         found: String,
     },
-    /// Something else moved the bodies of the log.
-    #[error("the log's engine is `{found}`, only `{ENGINE}` replays here")]
+    /// The log was made with another engine.
+    #[error("the log's engine must be `{ENGINE}` to be replayed here, got `{found}`")]
     Engine {
         /// The log's engine.
         found: String,
     },
-    /// The environment is not as large as its world says.
-    #[error("the environment has scale {found}, a trial needs 1")]
+    /// The environment is scaled.
+    #[error("the environment's scale must be 1 for a trial, got {found}")]
     Scale {
         /// The scale.
         found: Vec3,

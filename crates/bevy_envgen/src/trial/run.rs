@@ -7,7 +7,7 @@ use mapping_trial::backend::{Command, Condition, RobotBackend, Sensors, TICK};
 use mapping_trial::lidar::Scan;
 use mapping_trial::trial::{EndReason, Trial, TrialBuilder, TrialLog};
 
-use super::bodies::{Letter, RapierRobots};
+use super::bodies::{RapierRobots, TickReport};
 use super::camera::Camera;
 use super::{
     ENGINE, ManualControl, MappingTrial, MappingTrialError, Request, Run, State, TrialEnded,
@@ -32,7 +32,7 @@ type Asked = (
     &'static GlobalTransform,
 );
 
-/// Begins the trials whose worlds stand, and those anew whose worlds are others now.
+/// Begins trials whose worlds are ready, and begins those again whose worlds have changed.
 pub(super) fn begin(
     mut trials: Query<Asked>,
     fixed: Res<Time<Fixed>>,
@@ -52,7 +52,7 @@ pub(super) fn begin(
             commands.entity(robot).try_despawn();
         }
         trial.state = State::Waiting;
-        // Where another world failed, the last one still stands.
+        // When another world failed, the previous one is still spawned.
         if !matches!(state, EnvironmentState::Ready | EnvironmentState::Failed) {
             continue;
         }
@@ -82,7 +82,7 @@ pub(super) fn begin(
     }
 }
 
-/// Whether time and place are such that a trial can be held.
+/// Checks that the time steps and the environment's transform suit a trial.
 fn check(
     fixed: &Time<Fixed>,
     rapier: Option<&TimestepMode>,
@@ -126,7 +126,7 @@ fn place(
     })
 }
 
-/// Spawns the robots of a trial below its environment.
+/// Spawns the robots of a trial as children of its environment.
 fn spawn(
     commands: &mut Commands,
     entity: Entity,
@@ -150,7 +150,7 @@ fn spawn(
                 LaserScanner::with_sensor(settings.laser.clone(), laser),
                 WheelOdometry::with_sensor(odometry),
                 place,
-                // Bevy renews it once a frame; rapier, in this very tick, asks for it.
+                // Bevy updates it once per frame, but rapier reads it in this tick.
                 frame.mul_transform(place),
                 ChildOf(entity),
             );
@@ -159,7 +159,7 @@ fn spawn(
         .collect()
 }
 
-/// Takes in what the robots sensed, and gives them their commands.
+/// Passes what the robots sensed to their trials, and commands the robots.
 pub(super) fn command(
     mut trials: Query<(Entity, &mut MappingTrial, Option<&ManualControl>)>,
     mut robots: Query<&mut DriveCommand, With<TrialRobot>>,
@@ -200,13 +200,13 @@ fn replayed(log: &TrialLog, run: &mut Run) -> Option<Vec<Command>> {
     if log.ends.iter().any(|end| stopped(end.map(|end| end.reason))) {
         trial.stop();
     } else if log.ends.iter().all(Option::is_some) {
-        // The last observation, after which nobody had anything left to do.
+        // The last observation, after which no robot had a command.
         trial.command(Some(&[]));
     }
     None
 }
 
-/// What a robot sensed.
+/// The components that hold what a robot sensed.
 type Sensed = (
     &'static TruePose,
     &'static Bumper,
@@ -216,7 +216,7 @@ type Sensed = (
     &'static mut Battery,
 );
 
-/// Brings what the robots sensed to their trials.
+/// Stores what the robots sensed in their trials.
 pub(super) fn record(
     mut trials: Query<(Entity, &mut MappingTrial, &Environment, &GlobalTransform)>,
     mut robots: Query<Sensed, With<TrialRobot>>,
@@ -251,7 +251,7 @@ pub(super) fn record(
             run.scans[robot] = scan.number;
             let lost = *condition == RobotCondition::Drowned;
             let pose = in_world(pose, &to_world, environment);
-            let letter = Letter {
+            let report = TickReport {
                 pose,
                 condition: if lost { Condition::Drowned } else { Condition::Operational },
                 hits: bumper.hits,
@@ -260,7 +260,7 @@ pub(super) fn record(
                 scan: fresh.then(|| Scan { ranges: scan.ranges.clone() }),
                 water: fresh.then(|| run.camera.water(&run.trial.settings().body, pose)),
             };
-            run.trial.bodies_mut().bring(robot, letter);
+            run.trial.bodies_mut().store(robot, report);
         }
         if warming {
             if let State::Warming(run) = std::mem::replace(state, State::Waiting) {
@@ -275,7 +275,7 @@ pub(super) fn record(
     }
 }
 
-/// From rapier's frame to the world's.
+/// A pose of rapier's frame in the frame of the world.
 fn in_world(pose: &TruePose, to_world: &bevy::math::DAffine3, environment: &Environment) -> Pose {
     let position = to_world.transform_point3(pose.position.extend(0.0)).truncate();
     let turn = to_world.matrix3.x_axis;
@@ -283,7 +283,7 @@ fn in_world(pose: &TruePose, to_world: &bevy::math::DAffine3, environment: &Envi
     Pose { position: position + environment.origin, heading: envgen::geometry::wrap_angle(heading) }
 }
 
-/// Takes the robots of a trial away with it.
+/// Despawns the robots of a removed trial.
 pub(super) fn leave(
     gone: On<Discard, MappingTrial>,
     trials: Query<&MappingTrial>,

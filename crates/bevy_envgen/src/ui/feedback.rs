@@ -1,4 +1,4 @@
-//! The operator's form as a panel.
+//! The panel with the feedback form.
 
 use bevy_egui::egui::{ComboBox, ScrollArea, Slider, TextEdit, Ui};
 use mapping_trial::feedback::{Connection, Experience, Feedback, Rating, Session, questions};
@@ -18,7 +18,7 @@ const OPEN: [&str; 5] = [
     questions::OTHER,
 ];
 
-/// A rating that the form needs and has not.
+/// A required rating that is missing.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("not answered yet: {question}")]
 pub struct Unanswered {
@@ -26,17 +26,17 @@ pub struct Unanswered {
     pub question: &'static str,
 }
 
-/// The form of Zwennes (2011), appendix B, with two questions more, as it is filled. The open
-/// questions may stay empty; a rating that nobody gave is no rating, so that none has a default.
+/// The form of Zwennes (2011), appendix B, and two further questions, as it is filled in. The open
+/// questions may stay empty. Ratings have no default, because a rating must be given by a person.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeedbackForm {
     /// Name of the operator.
     pub name: String,
     /// Experience as operator.
     pub experience: Experience,
-    /// What the run was about.
+    /// The trial that the form is about.
     pub session: Session,
-    /// The ratings from 0 to 10: overall, mapping, getting around.
+    /// The ratings from 0 to 10: overall, mapping, navigation.
     pub ratings: [Option<f64>; 3],
     /// Answers to the open questions, in the form's order.
     pub answers: [String; 5],
@@ -56,10 +56,10 @@ impl FeedbackForm {
         }
     }
 
-    /// The form, filled.
+    /// The answers of the filled form.
     ///
     /// # Errors
-    /// The first rating that is missing.
+    /// The first missing rating.
     pub fn fill(&self) -> Result<Feedback, Unanswered> {
         let rating = |i: usize| {
             let value = self.ratings[i].and_then(|value| Rating::try_from(value).ok());
@@ -82,8 +82,8 @@ impl FeedbackForm {
         })
     }
 
-    /// Draws the form, in an area of at most `height` points that scrolls; the form when it is
-    /// handed in.
+    /// Draws the form, in a scrolling area of at most `height` points; returns the answers when the
+    /// form is handed in.
     pub fn show(&mut self, ui: &mut Ui, height: f32) -> Option<Feedback> {
         let mut filled = None;
         ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
@@ -161,14 +161,14 @@ impl FeedbackForm {
     }
 }
 
-/// A rating: none until it is given.
+/// A rating, which is `None` until it is given.
 fn rate(ui: &mut Ui, rating: &mut Option<f64>) {
     ui.horizontal(|ui| {
         let mut value = rating.unwrap_or(5.0);
         ui.spacing_mut().slider_width = 240.0;
         let slider = Slider::new(&mut value, 0.0..=10.0).step_by(0.5).show_value(false);
         let response = ui.add(slider);
-        // A click on the middle is an answer as well.
+        // A click on the middle also counts as an answer.
         if response.changed() || response.clicked() || response.drag_stopped() {
             *rating = Some(value);
         }

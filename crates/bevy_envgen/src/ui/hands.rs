@@ -1,16 +1,16 @@
-//! Keys and gamepads become commands.
+//! Commands from keys and gamepads.
 
 use bevy::input::gamepad::Gamepad;
 use bevy::prelude::*;
 use mapping_trial::backend::Command;
 use mapping_trial::robot::Robot;
 
-/// Share of a stick's way that counts as rest.
+/// Stick deflections below this share count as zero.
 const REST: f32 = 0.12;
 
-/// What a person asks of the robot that is driven: W, A, S, D or the arrows, and the left stick of
-/// every gamepad, which is stronger where it is moved. Forwards and left are positive; all that a
-/// robot can is the most that can be asked for.
+/// The command of a person to the driven robot: from W, A, S, D or the arrows, and the left sticks
+/// of all gamepads, whichever is larger. Forwards and left are positive. Full deflection gives the
+/// robot's maximum speed and turn rate.
 pub fn command_of<'a>(
     keys: &ButtonInput<KeyCode>,
     pads: impl IntoIterator<Item = &'a Gamepad>,

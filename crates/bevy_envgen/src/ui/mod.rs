@@ -1,17 +1,17 @@
-//! Panels of egui for specs, trials, scores and the operator's form.
+//! egui panels for specs, trials, scores and the feedback form.
 //!
-//! Each panel is a plain type with the data that it edits and a `show` that draws it into any
-//! [`egui::Ui`] and says what the person wants. None of them knows of a window, so that all can be
-//! tested without one; an app calls them from a system in `EguiPrimaryContextPass`.
+//! Each panel is a plain type with the data that it edits, and a `show` that draws it into any
+//! [`egui::Ui`] and returns what the person asks for. No panel depends on a window, so all can be
+//! tested without one. An app calls them from a system in `EguiPrimaryContextPass`.
 //!
-//! | panel | edits or shows | says |
+//! | panel | edits or shows | returns |
 //! |---|---|---|
 //! | [`SpecForm`] | every setting of every kind of world, and the seed | [`SpecAction`] |
-//! | [`SetupForm`] | what a trial is made of | |
-//! | [`TrialStatus`] | clock, battery, way, hits of a trial that runs | [`TrialAction`] |
-//! | [`scores`] | D, M, N and what they are made of | |
-//! | [`FeedbackForm`] | appendix B of Zwennes (2011), and two questions more | the form, filled |
-//! | [`comparison`] | two runs on the same map beside each other | |
+//! | [`SetupForm`] | the settings of a trial | |
+//! | [`TrialStatus`] | clock, battery, distance and collisions of a running trial | [`TrialAction`] |
+//! | [`scores`] | D, M, N and their components | |
+//! | [`FeedbackForm`] | appendix B of Zwennes (2011), and two further questions | the answers |
+//! | [`comparison`] | two runs on the same map, side by side | |
 //!
 //! ```
 //! use bevy_envgen::ui::{SpecForm, egui};
@@ -53,12 +53,12 @@ const ERROR: Color32 = Color32::from_rgb(255, 140, 110);
 /// Width in points of the names before settings.
 const NAME_WIDTH: f32 = 130.0;
 
-/// An error below what it is about, wrapped to the panel's width.
+/// An error below the input that it is about, wrapped to the panel's width.
 fn error(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).color(ERROR));
 }
 
-/// A row with a name of fixed width, and what edits its value.
+/// A row with a name of fixed width, and the widgets that edit its value.
 fn row(ui: &mut Ui, name: &str, help: &str, edit: impl FnOnce(&mut Ui)) {
     ui.horizontal(|ui| {
         let size = egui::vec2(NAME_WIDTH, ui.spacing().interact_size.y);

@@ -1,10 +1,10 @@
-//! The panels for scores, and for two runs beside each other.
+//! The panels for scores and for the comparison of two runs.
 
 use bevy_egui::egui::{Grid, RichText, Ui};
 use mapping_trial::score::Scores;
 use mapping_trial::trial::TrialReport;
 
-/// Draws what came of a trial: what each robot did, D, M, N, and what they are made of.
+/// Draws the result of a trial: a summary of each robot, D, M, N and their components.
 pub fn scores(ui: &mut Ui, report: &TrialReport) {
     ui.label(report.headline());
     for (i, robot) in report.robots.iter().enumerate() {
@@ -23,7 +23,7 @@ pub fn scores(ui: &mut Ui, report: &TrialReport) {
     });
 }
 
-/// Draws runs on the same map beside each other, each with its name.
+/// Draws runs on the same map side by side, each with its name.
 pub fn comparison(ui: &mut Ui, runs: &[(&str, &Scores)]) {
     let columns: Vec<_> = runs.iter().map(|(_, scores)| scores.rows()).collect();
     let Some(first) = columns.first() else { return };
@@ -50,6 +50,6 @@ pub fn comparison(ui: &mut Ui, runs: &[(&str, &Scores)]) {
         };
         fact("time", &|scores| format!("{:.0} s", scores.time));
         fact("distance", &|scores| format!("{:.0} m", scores.distance));
-        fact("hits", &|scores| scores.hits.to_string());
+        fact("collisions", &|scores| scores.hits.to_string());
     });
 }

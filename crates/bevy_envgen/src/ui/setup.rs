@@ -1,4 +1,4 @@
-//! The panel for what a trial is made of.
+//! The panel for the settings of a trial.
 
 use bevy_egui::egui::{ComboBox, DragValue, Slider, Ui};
 use envgen::{Seed, SpecError};
@@ -10,15 +10,15 @@ use mapping_trial::trial::{MAX_TIME_LIMIT, TrialSettings};
 
 use super::{error, row};
 
-/// How a person is called where operators have names.
+/// The entry for a person in the list of exploration policies.
 const PERSON: &str = "a person";
 
-/// What a trial is to be made of, before it begins.
+/// The settings of a trial, before it begins.
 #[derive(Clone, Debug)]
 pub struct SetupForm {
     /// The settings.
     pub settings: TrialSettings,
-    /// Whether the truth is shown, for training.
+    /// Whether the true world and the true poses are shown, for training.
     pub training: bool,
 }
 
@@ -26,7 +26,7 @@ impl SetupForm {
     /// The settings for a world of this seed.
     ///
     /// # Errors
-    /// The first setting whose value is not allowed.
+    /// The first setting that is out of range.
     pub fn request(&self, seed: Seed) -> Result<TrialSettings, SpecError> {
         let settings = TrialSettings { seed, ..self.settings.clone() };
         settings.validate()?;
@@ -36,12 +36,12 @@ impl SetupForm {
     /// Draws the panel.
     pub fn show(&mut self, ui: &mut Ui) {
         let settings = &mut self.settings;
-        let driver = settings.operator.as_ref().and_then(Named::name).unwrap_or(PERSON);
+        let driver = settings.policy.as_ref().and_then(Named::name).unwrap_or(PERSON);
         row(ui, "operator", "who drives: you, or a program to watch", |ui| {
             ComboBox::from_id_salt("operator").selected_text(driver).show_ui(ui, |ui| {
-                ui.selectable_value(&mut settings.operator, None, PERSON);
+                ui.selectable_value(&mut settings.policy, None, PERSON);
                 for (name, kind) in PolicyKind::NAMES {
-                    ui.selectable_value(&mut settings.operator, Some(*kind), *name);
+                    ui.selectable_value(&mut settings.policy, Some(*kind), *name);
                 }
             });
         });
@@ -50,10 +50,10 @@ impl SetupForm {
         choose::<OdometryProfile>(
             ui,
             "odometry",
-            "what the wheels measure",
+            "how exactly the wheels measure",
             &mut settings.odometry,
         );
-        row(ui, "robots", "they share one map; Tab goes from one to the other", |ui| {
+        row(ui, "robots", "they share one map; Tab switches between them", |ui| {
             ui.spacing_mut().slider_width = 80.0;
             ui.add(Slider::new(&mut settings.robots, 1..=4));
         });
@@ -61,7 +61,7 @@ impl SetupForm {
             let seconds = DragValue::new(&mut settings.time_limit).range(1.0..=MAX_TIME_LIMIT);
             ui.add(seconds.speed(5.0).suffix(" s"));
         });
-        row(ui, "training", "shows the truth beside the map", |ui| {
+        row(ui, "training", "shows the true world with the map", |ui| {
             ui.checkbox(&mut self.training, "show the truth");
         });
         if let Err(problem) = self.settings.validate() {
@@ -70,7 +70,7 @@ impl SetupForm {
     }
 }
 
-/// One of the values that have names.
+/// A choice among named values.
 fn choose<T: Named>(ui: &mut Ui, name: &str, help: &str, value: &mut T) {
     row(ui, name, help, |ui| {
         let shown = value.name().unwrap_or("custom");

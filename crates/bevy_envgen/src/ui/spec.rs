@@ -10,15 +10,15 @@ use serde_json::Value;
 
 use super::{error, row};
 
-/// The widest range of numbers that a slider is precise enough for.
+/// The widest range for which a slider is precise enough.
 const SLIDER_RANGE: f64 = 20.0;
 
-/// What is asked of the app.
+/// What the person asks the app for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SpecAction {
-    /// Make the world of this spec and seed.
+    /// Generate the world of this spec and seed.
     Regenerate {
-        /// The spec, which is valid.
+        /// The spec, validated.
         spec: Box<WorldSpec>,
         /// The seed.
         seed: Seed,
@@ -27,7 +27,7 @@ pub enum SpecAction {
     Saved(PathBuf),
 }
 
-/// The spec as it is edited: for each kind one text a setting, as `--set` takes them, so that
+/// A spec as it is edited: for each kind one text per setting, in the syntax of `--set`, so that
 /// switching to another kind and back loses nothing.
 #[derive(Clone, Debug)]
 pub struct SpecForm {
@@ -35,7 +35,7 @@ pub struct SpecForm {
     texts: BTreeMap<WorldKind, Vec<Draft>>,
     seed: u64,
     file: String,
-    /// What the app or the disk said last.
+    /// The last error of the app or the disk.
     failure: Option<String>,
 }
 
@@ -50,7 +50,7 @@ struct Draft {
 }
 
 impl SpecForm {
-    /// The form with a spec and a seed in it.
+    /// A form that holds a spec and a seed.
     pub fn new(spec: &WorldSpec, seed: Seed) -> Self {
         let texts = WorldKind::ALL.iter().map(|&kind| {
             let shown = if kind == spec.kind() { spec.clone() } else { kind.default_spec() };
@@ -66,7 +66,7 @@ impl SpecForm {
         self.kind
     }
 
-    /// Goes to another kind.
+    /// Switches to another kind.
     pub fn set_kind(&mut self, kind: WorldKind) {
         if self.file == format!("{}.envgen.ron", self.kind) {
             self.file = format!("{kind}.envgen.ron");
@@ -81,8 +81,8 @@ impl SpecForm {
         Seed(self.seed)
     }
 
-    /// Sets one setting of the kind from text, as `--set` takes it. Names that the kind has not are
-    /// ignored.
+    /// Sets one setting of the kind from text, in the syntax of `--set`. Names that the kind does
+    /// not have are ignored.
     pub fn set(&mut self, name: &str, text: &str) {
         let drafts = self.texts.get_mut(&self.kind);
         let draft = drafts.and_then(|drafts| drafts.iter_mut().find(|d| d.setting.name == name));
@@ -92,16 +92,16 @@ impl SpecForm {
         }
     }
 
-    /// The error that stands below a setting.
+    /// The error that is shown below a setting.
     pub fn error_of(&self, name: &str) -> Option<&str> {
         let draft = self.texts.get(&self.kind)?.iter().find(|d| d.setting.name == name)?;
         draft.error.as_deref()
     }
 
-    /// The spec and the seed that the form asks for.
+    /// The spec and the seed in the form.
     ///
     /// # Errors
-    /// The first setting that is not allowed, with its value and what is.
+    /// The first setting that is out of range, with its value and the allowed range.
     pub fn request(&self) -> Result<(WorldSpec, Seed), SettingsError> {
         let mut spec = self.kind.default_spec();
         for draft in self.texts.get(&self.kind).into_iter().flatten() {
@@ -111,15 +111,15 @@ impl SpecForm {
         Ok((spec, Seed(self.seed)))
     }
 
-    /// Shows what went wrong with the world that was asked for; `None` when nothing did.
+    /// Shows an error of the requested world; `None` removes it.
     pub fn set_failure(&mut self, failure: Option<String>) {
         self.failure = failure;
     }
 
-    /// Writes the spec as RON, whole or not at all.
+    /// Writes the spec as RON, completely or not at all.
     ///
     /// # Errors
-    /// What is not allowed in the spec, or what the disk says, with the file's name.
+    /// An invalid setting, or an error of the file system with the file's name.
     pub fn save(&self, path: &Path) -> Result<(), String> {
         let (spec, _) = self.request().map_err(|error| error.to_string())?;
         let text = spec.to_ron() + "\n";
@@ -141,7 +141,7 @@ impl SpecForm {
         if kind != self.kind {
             self.set_kind(kind);
         }
-        row(ui, "seed", "from which everything random in the world follows", |ui| {
+        row(ui, "seed", "determines everything random in the world", |ui| {
             ui.add(DragValue::new(&mut self.seed).speed(0.1));
             if ui.button("Next").on_hover_text("the next seed, and its world").clicked() {
                 self.seed = self.seed.wrapping_add(1);
@@ -200,7 +200,7 @@ impl SpecForm {
         }
     }
 
-    /// Puts each error below the setting that it names.
+    /// Shows each error below the setting that it names.
     fn check(&mut self) {
         let Some(drafts) = self.texts.get_mut(&self.kind) else { return };
         let mut spec = self.kind.default_spec();
@@ -237,7 +237,7 @@ impl Draft {
         row(ui, setting.name, &help, |ui| {
             if *optional && !matches!(setting.allowed, Allowed::List(_)) {
                 let mut set = text != "none";
-                if ui.checkbox(&mut set, "").on_hover_text("none when not ticked").changed() {
+                if ui.checkbox(&mut set, "").on_hover_text("absent when not ticked").changed() {
                     *text = if set { first_value(setting) } else { "none".to_owned() };
                 }
                 if !set {
@@ -254,7 +254,7 @@ impl Draft {
     }
 }
 
-/// Edits a value by what fits its type.
+/// Edits a value with a widget that suits its type.
 fn edit(ui: &mut Ui, setting: &Setting, text: &mut String) {
     let unit = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
     match setting.allowed {
@@ -282,8 +282,8 @@ fn edit(ui: &mut Ui, setting: &Setting, text: &mut String) {
     }
 }
 
-/// A slider for narrow ranges and a value to drag for wide ones. Either takes any number that is
-/// typed: what is not allowed is told below.
+/// A slider for narrow ranges and a drag value for wide ones. Both accept any typed number; errors
+/// are shown below.
 fn edit_number(ui: &mut Ui, text: &mut String, (min, max): (f64, f64), unit: &str, whole: bool) {
     let Ok(mut value) = text.parse::<f64>() else {
         ui.add(TextEdit::singleline(text).desired_width(f32::INFINITY));
@@ -305,7 +305,7 @@ fn edit_number(ui: &mut Ui, text: &mut String, (min, max): (f64, f64), unit: &st
     }
 }
 
-/// What an absent setting becomes when it is to have a value.
+/// The value of an absent setting when it is ticked.
 fn first_value(setting: &Setting) -> String {
     match setting.allowed {
         Allowed::Integer { min, .. } => min.to_string(),
@@ -316,7 +316,7 @@ fn first_value(setting: &Setting) -> String {
     }
 }
 
-/// A text a setting.
+/// One text per setting.
 fn drafts(spec: &WorldSpec) -> Vec<Draft> {
     let (values, defaults) = (spec.settings_json(), spec.kind().default_spec().settings_json());
     let draft = |setting: &'static Setting| Draft {
@@ -328,7 +328,7 @@ fn drafts(spec: &WorldSpec) -> Vec<Draft> {
     spec.kind().settings().iter().map(draft).collect()
 }
 
-/// A value as one would give it to `--set`.
+/// A value in the syntax of `--set`.
 fn plain(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),

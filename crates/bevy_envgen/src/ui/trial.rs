@@ -1,51 +1,51 @@
-//! The panel for a trial that runs.
+//! The panel for a running trial.
 
 use bevy_egui::egui::{Grid, ProgressBar, Ui};
 use mapping_trial::backend::RobotBackend;
 use mapping_trial::trial::Trial;
 
-/// What a person sees of a trial while it runs. How difficult the world is meant to be is not among
-/// it: a person rates blind.
+/// What a person sees of a running trial. The intended difficulty of the world is left out, so that
+/// ratings are blind.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrialStatus {
     /// Simulated seconds since the start.
     pub time: f64,
     /// Simulated seconds after which the trial ends.
     pub time_limit: f64,
-    /// Seconds that the battery still lasts.
+    /// Remaining operating time of the battery in seconds.
     pub battery: f64,
-    /// Seconds that a full battery lasts.
+    /// Operating time of a full battery in seconds.
     pub full_battery: f64,
-    /// Way of the robot that is driven, in metres.
+    /// Distance that the driven robot has travelled, in metres.
     pub distance: f64,
-    /// How often that robot ran into something.
+    /// Number of collisions of the driven robot.
     pub hits: u32,
-    /// The robot that is driven, from 0 on.
+    /// Index of the driven robot, from 0.
     pub driven: usize,
     /// Number of robots.
     pub robots: usize,
-    /// Whether a program drives.
+    /// Whether an exploration policy drives.
     pub program: bool,
-    /// Whether time stands still.
+    /// Whether time is stopped.
     pub paused: bool,
-    /// Whether the truth is shown.
+    /// Whether the true world and the true poses are shown.
     pub training: bool,
-    /// Why the robot's part ended; `None` while it drives.
+    /// Why the robot has ended its trial; `None` while it drives.
     pub end: Option<&'static str>,
 }
 
-/// What a person wants of a trial.
+/// What a person asks for during a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrialAction {
-    /// Time stops, or goes on.
+    /// Pause or resume time.
     Pause,
-    /// The same trial from its start.
+    /// Start the same trial again.
     Reset,
-    /// The trial ends here.
+    /// End the trial now.
     Stop,
-    /// The truth is shown, or hidden.
+    /// Show or hide the true world and the true poses.
     Training,
-    /// The next robot is driven.
+    /// Drive the next robot.
     NextRobot,
 }
 
@@ -63,7 +63,7 @@ impl TrialStatus {
             hits: trial.bodies().hits(driven),
             driven,
             robots: trial.robots(),
-            program: settings.operator.is_some(),
+            program: settings.policy.is_some(),
             paused: false,
             training: false,
             end: trial.end_of(driven).map(|end| end.reason.text()),
@@ -85,7 +85,7 @@ impl TrialStatus {
             ui.label("distance");
             ui.label(format!("{:.1} m", self.distance));
             ui.end_row();
-            ui.label("hits");
+            ui.label("collisions");
             ui.label(self.hits.to_string());
             ui.end_row();
             ui.label("robot");
@@ -99,13 +99,13 @@ impl TrialStatus {
             ui.end_row();
         });
         ui.horizontal_wrapped(|ui| {
-            let pause = if self.paused { "Go on (P)" } else { "Pause (P)" };
+            let pause = if self.paused { "Resume (P)" } else { "Pause (P)" };
             let training = if self.training { "Hide the truth (T)" } else { "Training view (T)" };
             for (text, wanted, help) in [
-                (pause, TrialAction::Pause, "Esc does it too"),
-                ("Reset (R)", TrialAction::Reset, "the same trial from its start"),
-                ("Stop (End)", TrialAction::Stop, "ends the trial here: form and scores follow"),
-                (training, TrialAction::Training, "for training: it shows what is to be found"),
+                (pause, TrialAction::Pause, "also with Esc"),
+                ("Reset (R)", TrialAction::Reset, "starts the same trial again"),
+                ("Stop (End)", TrialAction::Stop, "ends the trial now; form and scores follow"),
+                (training, TrialAction::Training, "for training: shows the true world"),
             ] {
                 if ui.button(text).on_hover_text(help).clicked() {
                     action = Some(wanted);

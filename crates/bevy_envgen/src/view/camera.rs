@@ -1,25 +1,25 @@
-//! Cameras that look where there is something to be seen.
+//! Cameras that follow robots or show the whole map.
 
 use bevy::camera::ScalingMode;
 use bevy::prelude::*;
 
 use super::TrialView;
 
-/// Keeps a two-dimensional camera above a robot of a trial, where it is thought to be.
+/// Keeps a two-dimensional camera above the estimated position of a robot of a trial.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct FollowRobot {
     /// The environment that the trial is in.
     #[entities]
     pub trial: Entity,
-    /// Which robot, counted from 0; the last one there is for greater numbers.
+    /// Index of the robot, from 0; numbers that are too large mean the last robot.
     pub robot: usize,
-    /// Metres of the world from the lower edge of the picture to the upper one.
+    /// Height of the visible area in metres.
     pub height: f32,
 }
 
-/// Keeps the whole map of a trial in a two-dimensional camera's picture, at least as large as a square
-/// of 10 m.
+/// Keeps the whole map of a trial in a two-dimensional camera's view, and at least a square of 10
+/// m.
 ///
 /// With [`RenderLayers`](bevy::camera::visibility::RenderLayers) of 0 and
 /// [`MINIMAP_LAYER`](super::MINIMAP_LAYER) it also shows arrows where the robots are.
@@ -29,28 +29,29 @@ pub struct ShowWholeMap {
     /// The environment that the trial is in.
     #[entities]
     pub trial: Entity,
-    /// Metres around the map.
+    /// Margin around the map in metres.
     pub margin: f32,
 }
 
-/// Least side in metres of what a [`ShowWholeMap`] shows.
+/// The smallest side in metres of the area that a [`ShowWholeMap`] shows.
 const LEAST: f32 = 10.0;
 
-/// Length of a robot's arrow as a share of the lesser side of what a [`ShowWholeMap`] shows.
+/// Length of a robot's arrow as a share of the shorter side of the area that a [`ShowWholeMap`]
+/// shows.
 const ARROW: f32 = 0.06;
 
-/// An arrow where a robot is, for maps.
+/// An arrow at a robot's position, for maps.
 #[derive(Component)]
 pub(super) struct MapMark;
 
-/// Where the robots of a trial are thought to be and what their map covers, in the environment's
-/// frame in metres.
+/// The estimated positions of the robots of a trial and the bounds of their map, in the
+/// environment's frame in metres.
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct TrialSights {
     /// The position of each robot.
     pub robots: Vec<Vec2>,
-    /// The map; `None` as long as nothing is drawn on it.
+    /// The bounds of the map; `None` while the map is empty.
     pub map: Option<Rect>,
 }
 

@@ -1,4 +1,4 @@
-//! What is drawn of one trial, and how it is kept up to date.
+//! The drawing of one trial, and how it is updated.
 
 use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
 use bevy::ecs::system::SystemParam;
@@ -14,7 +14,7 @@ use super::map::{self, Paint, Sheets};
 use super::trail::Trail;
 use super::{MINIMAP_LAYER, TrialPalette, TrialView, scan, shape};
 
-/// Height of the view above all that is drawn of worlds.
+/// Height of the view above everything that is drawn of worlds.
 const ABOVE: f32 = 0.5;
 
 /// Heights within the view.
@@ -25,13 +25,13 @@ const TRUE_BODY: f32 = 0.04;
 const BODY: f32 = 0.05;
 const MARK: f32 = 0.06;
 
-/// Opacity of the map where the truth is to be seen below it.
+/// Opacity of the map over the true world.
 const MAP_OVER_TRUTH: f32 = 0.6;
 
-/// Ticks between two looks at whether loop closing has changed where a robot has been.
+/// Ticks between two checks of whether loop closing has changed the past trajectory.
 const RENEWAL: usize = 40;
 
-/// Where things that are drawn are kept. All of it may be absent, in apps that do not draw.
+/// The assets that drawings are made of. All may be missing, in apps that do not draw.
 #[derive(SystemParam)]
 pub(super) struct Canvas<'w, 's> {
     pub(super) commands: Commands<'w, 's>,
@@ -43,10 +43,10 @@ pub(super) struct Canvas<'w, 's> {
     pub(super) sprites: Query<'w, 's, &'static mut Sprite>,
 }
 
-/// What is drawn of a trial, on the entity of its environment.
+/// The drawing of a trial, on the entity of its environment.
 #[derive(Component)]
 pub(super) struct Drawing {
-    /// The entity above all that is drawn.
+    /// The parent of everything that is drawn.
     pub(super) root: Entity,
     maps: Entity,
     scans: Entity,
@@ -58,7 +58,7 @@ pub(super) struct Drawing {
     opacity: f32,
 }
 
-/// What is drawn of one robot.
+/// The drawing of one robot.
 struct Drawn {
     body: Entity,
     true_body: Entity,
@@ -71,9 +71,9 @@ struct Drawn {
     trail_ink: Handle<ColorMaterial>,
     true_trail: Trail,
     true_ink: Handle<ColorMaterial>,
-    /// True poses that are drawn.
+    /// Number of true poses that are drawn.
     tracked: usize,
-    /// Tick at which the trail was last drawn from its beginning.
+    /// Tick at which the trail was last redrawn from its beginning.
     renewed: Option<usize>,
 }
 
@@ -85,7 +85,7 @@ pub(super) fn place(pose: Pose, origin: DVec2, height: f32) -> Transform {
 }
 
 impl Drawing {
-    /// Spawns what a trial always has. `None` where nothing can be drawn.
+    /// Spawns the parts of the drawing that exist all the time. `None` if the app does not draw.
     pub(super) fn begin<B: RobotBackend>(
         environment: Entity,
         trial: &Trial<B>,
@@ -123,7 +123,7 @@ impl Drawing {
                 |name: &str, mesh: &Handle<Mesh>, ink: &Handle<ColorMaterial>, parent| {
                     let name = Name::new(format!("{name} {robot}"));
                     let look = (Mesh2d(mesh.clone()), MeshMaterial2d(ink.clone()));
-                    // Meshes that change would need their bounds anew each time, and the others are few.
+                    // Meshes that change would need new bounds each time, and the others are few.
                     commands.spawn((name, look, NoFrustumCulling, ChildOf(parent))).id()
                 };
             let drawn = Drawn {
@@ -154,7 +154,7 @@ impl Drawing {
         Some(Drawing { root, maps, scans, trails, truths, sheets, robots, opacity: 1.0 })
     }
 
-    /// Draws what has changed of a trial since the last time.
+    /// Draws what has changed in a trial since the last call.
     pub(super) fn renew<B: RobotBackend>(
         &mut self,
         trial: &Trial<B>,
@@ -178,7 +178,7 @@ impl Drawing {
         }
     }
 
-    /// Shows and hides what is asked for.
+    /// Shows and hides layers as `view` asks.
     fn show(&mut self, view: &TrialView, canvas: &mut Canvas<'_, '_>) {
         let switches = [
             (self.maps, view.map),
@@ -191,7 +191,7 @@ impl Drawing {
             if let Ok(mut visibility) = canvas.groups.get_mut(group) {
                 visibility.set_if_neq(wanted);
             } else {
-                // It was spawned in this very frame, in which nobody may see the truth either.
+                // It was spawned in this frame, in which the true poses must be hidden as well.
                 canvas.commands.entity(group).insert(wanted);
             }
         }
@@ -247,7 +247,7 @@ impl Drawn {
             if let Ok(mut place) = canvas.places.get_mut(entity) {
                 place.set_if_neq(at);
             } else {
-                // It was spawned in this very frame.
+                // It was spawned in this frame.
                 canvas.commands.entity(entity).insert(at);
             }
         };
@@ -256,7 +256,7 @@ impl Drawn {
             put(self.true_body, place(truth, origin, TRUE_BODY));
         }
 
-        // A scan stays where it was taken: the robot has moved on, what it saw has not.
+        // A scan is drawn where it was taken, although the robot has moved since.
         let (scan, laser) = (trial.autonomy().scan(robot), &trial.settings().laser);
         let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
         let seen = self.ranges.len() == scan.ranges.len()
@@ -289,7 +289,7 @@ impl Drawn {
         let mut trail = |trail: &mut Trail, meshes: &mut Assets<Mesh>, p: DVec2| {
             trail.extend(at(p), meshes, |mesh| ribbon(&self.trail_ink, trails, TRAIL, mesh));
         };
-        // Loop closing changes the past, and more than a few ticks at once leave gaps.
+        // Loop closing changes past poses, and skipping several ticks at once leaves gaps.
         let changes = trial.settings().slam == SlamKind::PoseGraph && missed > 0;
         let due = self.renewed.is_none_or(|then| changes && tick >= then + RENEWAL);
         if due || missed > RENEWAL {
@@ -304,15 +304,15 @@ impl Drawn {
         }
     }
 
-    /// Ticks of the trial that are drawn.
+    /// Number of ticks of the trial that are drawn.
     pub(super) fn ticks(&self) -> usize {
         self.tracked
     }
 }
 
 impl Drawing {
-    /// Whether it shows a trial that went on from what is drawn: another trial of the same
-    /// environment begins with fewer ticks.
+    /// Whether the trial continues the drawn one: another trial of the same environment begins with
+    /// fewer ticks.
     pub(super) fn is_of<B: RobotBackend>(&self, trial: &Trial<B>) -> bool {
         self.robots.len() == trial.robots()
             && (0..)

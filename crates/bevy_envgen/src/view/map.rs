@@ -1,4 +1,4 @@
-//! The growing map as textures, of which only those are written that changed.
+//! The growing map as textures, of which only the changed ones are written.
 
 use std::collections::BTreeMap;
 
@@ -8,12 +8,12 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use mapping_trial::map::{DECIDED, OccupancyMap, RESOLUTION, TILE};
 
-/// Tiles of the map along a side of a sheet. A sheet is sent to the graphics card as a whole, and
-/// drawn with one call: larger ones cost more where little changes, smaller ones where much is seen.
-const TILES_A_SHEET: i32 = 4;
+/// Map tiles along a side of a sheet. A sheet is sent to the graphics card as a whole, and drawn
+/// with one call: larger sheets cost more when little changes, smaller ones when much is visible.
+const TILES_PER_SHEET: i32 = 4;
 
 /// Cells, and pixels, along a side of a sheet.
-pub(super) const SHEET_CELLS: i32 = TILES_A_SHEET * TILE;
+pub(super) const SHEET_CELLS: i32 = TILES_PER_SHEET * TILE;
 
 /// Side of a sheet in metres.
 pub(super) const SHEET_SIDE: f64 = SHEET_CELLS as f64 * RESOLUTION;
@@ -21,7 +21,7 @@ pub(super) const SHEET_SIDE: f64 = SHEET_CELLS as f64 * RESOLUTION;
 /// Bytes of a pixel.
 const PIXEL: usize = 4;
 
-/// What pixels are made of: red, green, blue in sRGB and opacity.
+/// The colours of pixels: red, green, blue in sRGB and opacity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Paint {
     pub(super) free: [u8; PIXEL],
@@ -29,7 +29,7 @@ pub(super) struct Paint {
 }
 
 impl Paint {
-    /// Where nothing is known, what lies below shows.
+    /// Transparent where the map is unknown.
     pub(super) const UNKNOWN: [u8; PIXEL] = [0x80, 0x80, 0x80, 0];
 
     pub(super) fn new(free: Color, occupied: Color) -> Self {
@@ -54,14 +54,14 @@ pub(super) struct Sheet {
     pub(super) entity: Entity,
 }
 
-/// The sheets of a map that were drawn so far.
+/// The sheets of a map that have been drawn so far.
 #[derive(Debug, Default)]
 pub(super) struct Sheets {
     /// By column and row.
     sheets: BTreeMap<(i32, i32), Sheet>,
-    /// The map's revision that they show, and in which colours.
+    /// The revision of the map that they show, and the colours.
     drawn: Option<(u64, Paint)>,
-    /// Changed tiles beside their sheets, kept for its memory.
+    /// Changed tiles with their sheets, kept to reuse its memory.
     changed: Vec<((i32, i32), (i32, i32))>,
 }
 
@@ -70,8 +70,8 @@ impl Sheets {
         self.sheets.values()
     }
 
-    /// Writes the tiles that have changed since the last time into their textures, all of them
-    /// where the colours are others. `spawn` makes the entity of a new sheet at a column and row.
+    /// Writes the tiles that have changed since the last call into their textures, or all tiles if
+    /// the colours have changed. `spawn` creates the entity of a new sheet at a column and row.
     pub(super) fn renew(
         &mut self,
         map: &OccupancyMap,
@@ -85,8 +85,9 @@ impl Sheets {
             _ => 0,
         };
         self.drawn = Some((map.revision(), paint));
-        let sheet =
-            |tile: (i32, i32)| (tile.0.div_euclid(TILES_A_SHEET), tile.1.div_euclid(TILES_A_SHEET));
+        let sheet = |tile: (i32, i32)| {
+            (tile.0.div_euclid(TILES_PER_SHEET), tile.1.div_euclid(TILES_PER_SHEET))
+        };
         self.changed.clear();
         self.changed.extend(map.changed_since(since).map(|tile| (sheet(tile), tile)));
         self.changed.sort_unstable();
@@ -101,8 +102,8 @@ impl Sheets {
             for &(_, (col, row)) in tiles {
                 if let Some(cells) = map.tile(col, row) {
                     let corner = (
-                        col.rem_euclid(TILES_A_SHEET) * TILE,
-                        row.rem_euclid(TILES_A_SHEET) * TILE,
+                        col.rem_euclid(TILES_PER_SHEET) * TILE,
+                        row.rem_euclid(TILES_PER_SHEET) * TILE,
                     );
                     write(pixels, corner, cells, paint);
                 }
@@ -111,13 +112,13 @@ impl Sheets {
     }
 }
 
-/// Where the middle of a sheet lies in metres.
+/// The centre of a sheet in metres.
 pub(super) fn centre((col, row): (i32, i32)) -> envgen::glam::DVec2 {
     (envgen::glam::DVec2::new(f64::from(col), f64::from(row)) + 0.5) * SHEET_SIDE
 }
 
-/// A texture of which nothing is known. Cells are squares from near, and walls of one cell do not
-/// vanish from far.
+/// A texture of unknown cells. Close up, cells are squares; from far away, walls of one cell stay
+/// visible.
 fn blank() -> Image {
     let side = SHEET_CELLS as u32;
     let size = Extent3d { width: side, height: side, depth_or_array_layers: 1 };

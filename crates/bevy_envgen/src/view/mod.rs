@@ -1,19 +1,19 @@
-//! How a mapping trial looks: the growing map, the current scans, the robots and their paths, where
-//! the robots themselves think that all this is.
+//! The view of a mapping trial: the growing map, the current scans, the robots and their paths, at
+//! the poses that the robots estimate.
 //!
-//! The world itself is hidden from the first frame on, unless [`TrialView::truth`] asks for it.
+//! The world itself is hidden from the first frame on, unless [`TrialView::truth`] is set.
 //!
 //! ```text
-//! Environment          TrialView (what is shown), TrialSights (where it is)
+//! Environment          TrialView (what is shown), TrialSights (positions)
 //!   trial view
 //!     map              a sprite for every 6.4 m of the map
 //!     scans            a fan for every robot
 //!     paths            ribbons
 //!     robot 0          a box with an arrow head; an arrow for minimaps
-//!     truth            true bodies and paths, for training
+//!     truth            true poses and paths, for training
 //! ```
 //!
-//! [`MappingTrial`]s are looked at, and any other component that holds a trial can be: see
+//! [`MappingTrial`]s are drawn, and so can be any other component that holds a trial: see
 //! [`WatchTrials`].
 
 mod camera;
@@ -40,24 +40,24 @@ use crate::spawn::Tile;
 use crate::trial::{MappingTrial, RapierRobots};
 use crate::visuals::require_visibility;
 
-/// The layer of what only minimaps show: arrows where the robots are.
+/// The render layer that only minimaps show: arrows at the robots' positions.
 pub const MINIMAP_LAYER: usize = 30;
 
-/// What is shown of a trial, on the entity of its environment.
+/// The visible layers of a trial, on the entity of its environment.
 ///
-/// Removing it shows the world as it is.
+/// Removing it shows the plain world.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(TrialSights)]
 pub struct TrialView {
-    /// The world, where the robots truly are, and the ways that they have truly come: for training
-    /// only, since it is what a trial asks for.
+    /// The world, and the true poses and paths of the robots: for training only, because a trial
+    /// asks for them.
     pub truth: bool,
     /// The map.
     pub map: bool,
     /// The current scans.
     pub scan: bool,
-    /// The ways that the robots think they have come.
+    /// The paths of the robots, as they estimate them.
     pub path: bool,
 }
 
@@ -71,15 +71,15 @@ impl Default for TrialView {
 #[derive(Resource, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct TrialPalette {
-    /// Where nothing is known: what lies behind the map, for cameras to clear their pictures with.
+    /// The background of the map, where nothing is known; also for the clear colour of cameras.
     pub unknown: Color,
-    /// Where the map is free.
+    /// Free cells of the map.
     pub free: Color,
-    /// Where the map is occupied.
+    /// Occupied cells of the map.
     pub occupied: Color,
-    /// RobotBackend and paths of robots where they truly are.
+    /// The true poses and paths of the robots.
     pub truth: Color,
-    /// Robots with their scans and paths; further ones start again with the first.
+    /// Robots with their scans and paths; repeated when there are more robots than colours.
     pub robots: Vec<Color>,
 }
 
@@ -89,7 +89,7 @@ impl Default for TrialPalette {
             unknown: Color::srgb_u8(0x8a, 0x8f, 0x98),
             free: Color::srgb_u8(0xf4, 0xf4, 0xf1),
             occupied: Color::srgb_u8(0x1c, 0x1f, 0x26),
-            // Okabe and Ito's colours, which most colour-blind people tell apart.
+            // Okabe and Ito's colours, which most colour-blind people can distinguish.
             truth: Color::srgb_u8(0x00, 0x9e, 0x73),
             robots: vec![Color::srgb_u8(0xd5, 0x5e, 0x00), Color::srgb_u8(0x00, 0x72, 0xb2)],
         }
@@ -97,7 +97,7 @@ impl Default for TrialPalette {
 }
 
 impl TrialPalette {
-    /// The colour of a robot, counted from 0.
+    /// The colour of a robot, by its index from 0.
     pub fn robot(&self, robot: usize) -> Color {
         let color = self.robots.get(robot % self.robots.len().max(1));
         color.copied().unwrap_or(self.occupied)
@@ -106,10 +106,10 @@ impl TrialPalette {
 
 /// A component that holds a trial of the [`Environment`] on the same entity.
 pub trait WatchTrial: Component {
-    /// What moves the robots.
+    /// The robot backend of the trial.
     type RobotBackend: RobotBackend;
 
-    /// The trial; `None` while there is none.
+    /// The trial; `None` before it begins.
     fn watched(&self) -> Option<&Trial<Self::RobotBackend>>;
 }
 
@@ -121,16 +121,16 @@ impl WatchTrial for MappingTrial {
     }
 }
 
-/// For plugins whose components hold trials.
+/// Extension of [`App`] for plugins whose components hold trials.
 pub trait WatchTrials {
-    /// Has the trials of a component drawn. It requires a [`TrialView`], so that no world is seen
-    /// before its trial.
+    /// Draws the trials of a component. The component then requires a [`TrialView`], so that no
+    /// world is visible before its trial begins.
     fn watch_trials<T: WatchTrial>(&mut self) -> &mut Self;
 }
 
 impl WatchTrials for App {
     fn watch_trials<T: WatchTrial>(&mut self) -> &mut Self {
-        // Two plugins may know the same component; it already has what it needs then.
+        // Two plugins may register the same component; it then already requires a view.
         if self.try_register_required_components::<T, TrialView>().is_ok() {
             self.add_observer(forget::<T>);
             self.add_systems(PostUpdate, draw::<T>.in_set(TrialViewSystems::Draw));
@@ -142,11 +142,11 @@ impl WatchTrials for App {
 /// The systems that draw trials, in this order, in `PostUpdate`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TrialViewSystems {
-    /// Worlds are hidden, or shown where it is asked for.
+    /// Hides worlds, or shows them where asked for.
     Hide,
-    /// What has changed is drawn.
+    /// Draws what has changed.
     Draw,
-    /// Cameras are moved.
+    /// Moves cameras.
     Look,
 }
 
@@ -160,7 +160,7 @@ pub struct TrialViewPlugin {
 }
 
 impl TrialViewPlugin {
-    /// With other colours than the default ones.
+    /// Uses `palette` instead of the default colours.
     pub fn new(palette: TrialPalette) -> Self {
         TrialViewPlugin { palette }
     }
@@ -196,12 +196,13 @@ impl Plugin for TrialViewPlugin {
     }
 }
 
-/// What a minimap's camera sees: everything that others see, and arrows where the robots are.
+/// The render layers of a minimap's camera: everything that other cameras see, and arrows at the
+/// robots.
 pub fn minimap_layers() -> RenderLayers {
     RenderLayers::from_layers(&[0, MINIMAP_LAYER])
 }
 
-/// Hides the parts of worlds whose trials are looked at.
+/// Hides the parts of worlds whose trials are drawn.
 fn hide_worlds(
     views: Query<(&TrialView, &Children)>,
     mut tiles: Query<&mut Visibility, With<Tile>>,
@@ -215,7 +216,7 @@ fn hide_worlds(
     }
 }
 
-/// Shows a world again that is not looked at any more, and forgets what was drawn over it.
+/// Shows a world again whose trial is no longer drawn, and removes the drawing.
 fn show_world(
     removed: On<Remove, TrialView>,
     children: Query<&Children>,
@@ -230,22 +231,22 @@ fn show_world(
         }
     }
     if let Ok(drawing) = drawings.get(removed.entity) {
-        // All of it goes when the environment is despawned.
+        // Everything is despawned with the environment.
         commands.entity(drawing.root).try_despawn();
         commands.entity(removed.entity).try_remove::<(Drawing, TrialSights)>();
     }
 }
 
-/// A trial that is gone is not looked at.
+/// Stops drawing a trial that was removed.
 fn forget<T: WatchTrial>(removed: On<Remove, T>, mut commands: Commands) {
     commands.entity(removed.entity).try_remove::<TrialView>();
 }
 
-/// A trial and what is drawn of it.
+/// A trial and its drawing.
 type Watched<'a, T> =
     (Entity, &'a Environment, &'a T, &'a TrialView, &'a mut TrialSights, Option<&'a mut Drawing>);
 
-/// Draws what has changed of the trials.
+/// Draws what has changed in the trials.
 fn draw<T: WatchTrial>(
     mut trials: Query<Watched<'_, T>>,
     palette: Res<TrialPalette>,
@@ -275,7 +276,7 @@ fn draw<T: WatchTrial>(
     }
 }
 
-/// Where the robots think they are, and what their map covers.
+/// The estimated positions of the robots and the bounds of their map.
 fn look_around<B: RobotBackend>(
     trial: &Trial<B>,
     origin: DVec2,

@@ -1,4 +1,4 @@
-//! The current scan: the fan that its beams have found free, and a point at every echo.
+//! The current scan: the fan of free space along its beams, and a point at every echo.
 
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
@@ -10,11 +10,11 @@ use super::shape::Sketch;
 const FAN: [f32; 4] = [1.0, 1.0, 1.0, 0.18];
 const POINT: [f32; 4] = [1.0, 1.0, 1.0, 1.0];
 
-/// Half a side of a point in metres.
+/// Half the side of a point in metres.
 const HALF: f32 = 0.035;
 
-/// A mesh for the scans of a laser, in the laser's frame, with every beam at its origin. Its corners
-/// are: the laser, the end of each beam, four of the point of each beam.
+/// A mesh for the scans of a laser, in the laser's frame, with all beams of length 0. Its vertices
+/// are: the laser, the end of each beam, and four for the point of each beam.
 pub(super) fn fan(laser: &LaserProfile) -> Mesh {
     let beams = laser.beams as usize;
     let corners = 1 + 5 * beams;
@@ -29,8 +29,8 @@ pub(super) fn fan(laser: &LaserProfile) -> Mesh {
     Sketch { corners: vec![[0.0; 3]; corners], colors, triangles }.into_mesh()
 }
 
-/// Moves the corners of a [`fan`] to where a scan puts them. Beams that tell nothing shrink to the
-/// laser, those without an echo have no point.
+/// Moves the vertices of a [`fan`] to the ranges of a scan. Ignored beams shrink to the laser, and
+/// beams without an echo have no point.
 pub(super) fn spread(mesh: &mut Mesh, laser: &LaserProfile, scan: &Scan) {
     let Some(VertexAttributeValues::Float32x3(corners)) =
         mesh.attribute_mut(Mesh::ATTRIBUTE_POSITION)

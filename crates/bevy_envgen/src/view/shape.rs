@@ -5,14 +5,14 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use mapping_trial::robot::Robot;
 
-/// How dark the mark of the heading is.
+/// Factor on the colour of the heading mark.
 const MARK: [f32; 4] = [0.08, 0.08, 0.08, 1.0];
 const PLAIN: [f32; 4] = [1.0; 4];
 
-/// Width in metres of the lines of an outline.
+/// Width of outlines in metres.
 const LINE: f32 = 0.04;
 
-/// Triangles with a colour for every corner, by which the material's is multiplied.
+/// Triangles with a colour per vertex, which is multiplied with the material's.
 #[derive(Default)]
 pub(super) struct Sketch {
     pub(super) corners: Vec<[f32; 3]>,
@@ -21,7 +21,7 @@ pub(super) struct Sketch {
 }
 
 impl Sketch {
-    /// Adds a convex polygon, its corners counter-clockwise.
+    /// Adds a convex polygon with counter-clockwise corners.
     fn add(&mut self, corners: &[Vec2], color: [f32; 4]) {
         let first = self.corners.len() as u32;
         self.corners.extend(corners.iter().map(|p| [p.x, p.y, 0.0]));
@@ -40,7 +40,7 @@ impl Sketch {
     }
 }
 
-/// The corners of a box of half a size around the origin.
+/// The corners of a box around the origin, from its half size.
 fn corners(half: Vec2) -> [Vec2; 4] {
     [-half, Vec2::new(half.x, -half.y), half, Vec2::new(-half.x, half.y)]
 }
@@ -58,7 +58,7 @@ fn head(half: Vec2) -> [Vec2; 3] {
     ]
 }
 
-/// A robot's body from above with a mark of its heading, which is x.
+/// A robot's body from above, with a mark of its heading along x.
 pub(super) fn body(robot: &Robot) -> Mesh {
     let half = half_size(robot);
     let mut sketch = Sketch::default();
@@ -67,7 +67,7 @@ pub(super) fn body(robot: &Robot) -> Mesh {
     sketch.into_mesh()
 }
 
-/// The outline of a robot's body with a mark of its heading, which is x.
+/// The outline of a robot's body, with a mark of its heading along x.
 pub(super) fn outline(robot: &Robot) -> Mesh {
     let half = half_size(robot);
     let (outer, inner) = (corners(half), corners((half - LINE).max(Vec2::ZERO)));
@@ -80,7 +80,7 @@ pub(super) fn outline(robot: &Robot) -> Mesh {
     sketch.into_mesh()
 }
 
-/// An arrow head of length 1 that points along x, for maps on which a robot is too small.
+/// An arrow head of length 1 along x, for maps on which a robot is too small to see.
 pub(super) fn mark() -> Mesh {
     let mut sketch = Sketch::default();
     sketch.add(&[Vec2::new(-0.5, -0.4), Vec2::new(0.5, 0.0), Vec2::new(-0.5, 0.4)], PLAIN);

@@ -1,31 +1,31 @@
-//! The way that a robot has come, as ribbons that grow.
+//! A robot's trajectory, as ribbons that grow.
 
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 
 use super::shape::Sketch;
 
-/// Segments of a ribbon. Each has a mesh of its own, so that what a robot has left behind is not sent
+/// Segments per ribbon. Each ribbon has its own mesh, so that old parts of the trail are not sent
 /// to the graphics card again.
 pub(super) const SEGMENTS: usize = 256;
 
-/// Length in metres from which a segment is drawn.
+/// Minimum length of a segment in metres.
 pub(super) const STEP: f32 = 0.1;
 
 /// Half the width of a ribbon in metres.
 const HALF: f32 = 0.03;
 
-/// A way in the environment's frame.
+/// A drawn trajectory in the environment's frame.
 #[derive(Debug, Default)]
 pub(super) struct Trail {
     ribbons: Vec<Handle<Mesh>>,
-    /// Segments that are drawn.
+    /// Number of segments that are drawn.
     segments: usize,
     last: Option<Vec2>,
 }
 
 impl Trail {
-    /// Goes on to a point. `spawn` makes the entity of a new ribbon.
+    /// Extends the trail to a point. `spawn` creates the entity of a new ribbon.
     pub(super) fn extend(
         &mut self,
         to: Vec2,
@@ -58,7 +58,7 @@ impl Trail {
         self.last = Some(to);
     }
 
-    /// Forgets the way, and keeps the ribbons for another one.
+    /// Clears the trail, and keeps the ribbons for the next one.
     pub(super) fn clear(&mut self, meshes: &mut Assets<Mesh>) {
         for ribbon in &self.ribbons {
             if let Some(mut mesh) = meshes.get_mut(ribbon)
@@ -78,7 +78,7 @@ fn positions(mesh: &mut Mesh) -> Option<&mut Vec<[f32; 3]>> {
     }
 }
 
-/// A ribbon whose segments have no length yet.
+/// A ribbon whose segments have length 0.
 fn blank() -> Mesh {
     let corners = 4 * SEGMENTS;
     let quads =

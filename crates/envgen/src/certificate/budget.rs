@@ -1,4 +1,4 @@
-//! What a check may cost, and why one comes to no verdict.
+//! The limits of a check's cost, and why a claim is undecided.
 
 use std::fmt;
 
@@ -6,8 +6,8 @@ use std::fmt;
 /// about 100 bytes each.
 pub const MAX_PIECES: usize = 1 << 23;
 
-/// The most comparisons of a piece with a point that a claim may cost, other work counted as so
-/// many of them: a few seconds.
+/// The most comparisons of a piece with a point per claim, with other work counted in the same unit:
+/// a few seconds.
 pub const MAX_COMPARISONS: u64 = 1 << 29;
 
 /// The most squares into which free space is divided to find its places: 8 bytes each.
@@ -16,7 +16,7 @@ pub const MAX_SQUARES: usize = 1 << 25;
 /// The most points of its roads at which a world's bends are measured.
 pub const MAX_BEND_POINTS: u64 = 1 << 23;
 
-/// Why a claim is neither found to hold nor to be broken.
+/// Why a claim is undecided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Doubt {
@@ -36,12 +36,12 @@ impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Doubt::TooClose => f.write_str("a gap is as wide as the robot, up to rounding"),
-            Doubt::Pieces => write!(f, "the budget is {MAX_PIECES} convex pieces of solid parts"),
+            Doubt::Pieces => write!(f, "the world has more than {MAX_PIECES} convex pieces"),
             Doubt::Comparisons => write!(f, "the budget of {MAX_COMPARISONS} comparisons is spent"),
             Doubt::Squares => {
                 write!(f, "the budget of {MAX_SQUARES} squares of free space is spent")
             }
-            Doubt::BendPoints => write!(f, "the budget is {MAX_BEND_POINTS} points of roads"),
+            Doubt::BendPoints => write!(f, "the roads need more than {MAX_BEND_POINTS} points"),
         }
     }
 }
@@ -61,7 +61,7 @@ impl Budget {
         Budget(half)
     }
 
-    /// Takes off what a step costs.
+    /// Subtracts the cost of a step.
     pub(super) fn spend(&mut self, comparisons: u64) -> Result<(), Doubt> {
         self.0 = self.0.checked_sub(comparisons).ok_or(Doubt::Comparisons)?;
         Ok(())

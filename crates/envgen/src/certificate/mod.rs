@@ -1,4 +1,4 @@
-//! What is promised of a world, and an independent check of it.
+//! The promises of a world, and an independent check of them.
 //!
 //! A generator writes its promises into [`World::certificate`]. [`verify`] checks them on the world
 //! alone: on the shapes of its solid parts, whatever the generator's own plan says. What a disc can
@@ -57,7 +57,7 @@ pub enum Claim {
         radius: f64,
         /// Whether it can.
         crosses: bool,
-        /// Whether theory predicts so for a wide forest of this density.
+        /// Whether theory predicts a crossing for a wide forest of this density.
         predicted: bool,
     },
     /// No bend of a road is tighter than this.
@@ -67,14 +67,14 @@ pub enum Claim {
     },
     /// From the start a disc of this radius can reach every room, or every part of a room that its
     /// contents divide, and every piece of the hallways and open areas. Parts count where the disc
-    /// has [`PLACE_MARGIN`] to spare.
+    /// has a clearance of [`PLACE_MARGIN`] to spare.
     EveryPlaceReachable {
         /// Radius of the disc in metres.
         radius: f64,
     },
     /// This doorway was added, and is open, so that some place can be reached.
     AddedDoorway {
-        /// Its place in [`World::doorways`](crate::World::doorways).
+        /// Its index in [`World::doorways`](crate::World::doorways).
         doorway: u32,
     },
 }
@@ -100,14 +100,14 @@ impl Claim {
     }
 }
 
-/// What became of a claim. It serialises to its name alone, such as `holds`.
+/// The result of checking a claim. It serialises to its name alone, such as `holds`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// It holds.
     Holds,
     /// It does not hold.
     Broken,
-    /// It is too close to call, or too much work.
+    /// It could not be decided, for this reason.
     Undecided(Doubt),
 }
 
@@ -231,7 +231,7 @@ fn start_reaches_goal(world: &World, radius: f64, budget: &mut Budget) -> Result
     match barriers.join(&[ends], &mut half) {
         // Many small pieces near each other make many pairs, but hardly more squares.
         Err(Doubt::Comparisons) if radius > 0.0 => {
-            // What rounding may take is not to spare.
+            // Clearance that rounding may take away does not count.
             let radius = radius + barriers.rounding();
             let roomy = Roomy::new(world.solids().map(|solid| solid.shape), area, radius, budget)?;
             if roomy.joins(ends, budget)? { Ok(true) } else { Err(Doubt::Comparisons) }
@@ -250,7 +250,7 @@ fn trees_keep(world: &World, distance: f64, torus: Option<DVec2>) -> bool {
     let mut put = |p: DVec2| rows.entry((p.y / distance).floor() as i64).or_default().push(p);
     for center in world.trees.iter().map(|tree| tree.center) {
         put(center);
-        // Trees near the low sides stand beyond the high ones too.
+        // Trees near the low sides count beyond the high sides too.
         if let Some(size) = torus {
             let low = [center.x < distance, center.y < distance];
             for (i, j) in [(1, 0), (0, 1), (1, 1), (-1, 1)] {
@@ -331,19 +331,19 @@ mod tests {
 
     #[test]
     fn a_gap_lets_through_what_is_narrower() {
-        for (gap, way) in [(1.02, true), (0.98, false), (0.0, false)] {
+        for (gap, passable) in [(1.02, true), (0.98, false), (0.0, false)] {
             let mut world = gap_world(gap);
             let area = world.bounds;
             for claimed in [true, false] {
                 let claim =
                     Claim::CrossesWestEast { area, radius: 0.5, crosses: claimed, predicted: true };
-                let expected = if way == claimed { Verdict::Holds } else { Verdict::Broken };
+                let expected = if passable == claimed { Verdict::Holds } else { Verdict::Broken };
                 world.certificate = vec![claim];
                 assert_eq!(verify(&world), [(claim, expected)], "gap {gap}");
             }
             let claim = Claim::Connected { radius: 0.5 };
             world.certificate = vec![claim];
-            let expected = if way { Verdict::Holds } else { Verdict::Broken };
+            let expected = if passable { Verdict::Holds } else { Verdict::Broken };
             assert_eq!(verify(&world), [(claim, expected)], "gap {gap}");
         }
     }
@@ -449,16 +449,16 @@ mod tests {
     #[test]
     fn the_union_of_trunks_and_the_flood_agree_on_ways_through() {
         // Below and above the percolation threshold.
-        let mut ways = 0;
+        let mut crossings = 0;
         for seed in 0..30 {
             let intensity = if seed % 2 == 0 { 0.15 } else { 0.22 };
             let spec = ForestSpec { intensity, ..Default::default() };
             let world = spec.generate(Seed(seed)).unwrap().to_world();
             let [(claim, verdict)] = verify(&world)[..] else { panic!("one claim") };
             assert_eq!(verdict, Verdict::Holds, "seed {seed}: {claim}");
-            ways += u32::from(matches!(claim, Claim::CrossesWestEast { crosses: true, .. }));
+            crossings += u32::from(matches!(claim, Claim::CrossesWestEast { crosses: true, .. }));
         }
-        assert!((8..=22).contains(&ways), "{ways} ways");
+        assert!((8..=22).contains(&crossings), "{crossings} crossings");
     }
 
     #[test]

@@ -24,8 +24,8 @@ pub(super) struct Gap {
 }
 
 impl Piece {
-    /// The pieces of a shape. A polygon falls into its sides: they keep in and out apart as well
-    /// as the whole of it does.
+    /// The pieces of a shape. A polygon becomes its sides, which separate inside from outside as well
+    /// as the whole polygon does.
     pub(super) fn of(shape: &Shape, mut visit: impl FnMut(Piece)) {
         match shape {
             Shape::Segment { a, b } => visit(Piece::line(*a, *b)),

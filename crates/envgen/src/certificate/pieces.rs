@@ -9,18 +9,18 @@ use super::piece::{Gap, Piece};
 use crate::geometry::{Rect, Shape};
 use crate::lattice::{CellBuckets, Convex, Lattice};
 
-/// Cells that list a piece, on average over all pieces, at most.
+/// A piece is listed in at most this many cells, on average over all pieces.
 const MAX_LISTINGS: usize = 8;
 
-/// What a quick look at two pieces costs that are not both round, and what the comparison of two that it
-/// does not part costs.
+/// Cost of the quick test of two pieces that are not both round, and of the full comparison of two that
+/// it does not separate.
 const LOOK_COST: u64 = 3;
 const GAP_COST: u64 = 32;
 
 /// Pieces, and a lattice whose cells list those within reach.
 pub(super) struct Pieces {
     list: Vec<Piece>,
-    /// How far is asked, and how far the cells see.
+    /// The reach asked for, and the reach of the cells.
     wanted: f64,
     reach: f64,
     lattice: Lattice,
@@ -46,7 +46,7 @@ impl Pieces {
         }
         let around = list.iter().map(Piece::bounds).reduce(Rect::union);
         let around = around.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
-        // Who sees farther than this sees every piece from any other.
+        // A greater reach would not find more: every piece is within this distance of any other.
         let (wanted, reach) = (reach, reach.min(1.0 + around.size().length()));
         let around = around.grown(reach + 1e-9 * (1.0 + around.size().max_element()));
         let numbers: Vec<u32> = (0..list.len() as u32).collect();
@@ -68,7 +68,7 @@ impl Pieces {
         &self.list
     }
 
-    /// Distance from a point to the nearest piece, as far as was asked; infinite beyond.
+    /// Distance from a point to the nearest piece; infinite beyond the reach.
     pub(super) fn clearance(&self, p: DVec2, budget: &mut Budget) -> Result<f64, Doubt> {
         let near = self.lattice.cell_at(p).map_or(&[][..], |cell| self.near.of(cell));
         budget.spend(near.len() as u64)?;
@@ -82,7 +82,7 @@ impl Pieces {
     }
 
     /// Calls `visit` for every pair of pieces at most `distance` apart, which is twice the reach or
-    /// less, until it says that this is enough.
+    /// less, until `visit` returns true.
     pub(super) fn pairs(
         &self,
         distance: f64,

@@ -12,19 +12,19 @@ use super::traversability::{Barriers, Nearer};
 use crate::geometry::{Rect, Shape};
 use crate::world::{SurfaceKind, World};
 
-/// A place on a floor counts where a disc has this much to spare to every side, in metres. What is
-/// narrower is the gap between two chairs: no part of a room.
+/// A place on a floor counts where a disc has this much clearance to spare on every side, in metres.
+/// Narrower places, such as the gap between two chairs, are not part of a room.
 pub const PLACE_MARGIN: f64 = 0.0625;
 
-/// Places whose room to spare differs by less than this, in metres, are alike.
+/// Places whose spare clearance differs by less than this, in metres, count as equal.
 const ALIKE: f64 = 1e-4;
 
 /// Whether a disc can move from the start to every place on the floors of the world's rooms,
 /// hallways and open areas where it has [`PLACE_MARGIN`] to spare, and into every room. It does not
 /// drive on surfaces of speed 0.
 ///
-/// Squares of free space show nearly every place that can be reached, and all places that there
-/// are. For those that they do not join to the start, [`Barriers`] decide.
+/// Squares of free space show all places, and for nearly every one of them that it can be reached. For
+/// the others [`Barriers`] decide.
 pub(super) fn every_place_reachable(
     world: &World,
     radius: f64,
@@ -42,7 +42,7 @@ pub(super) fn every_place_reachable(
         Nearer::Perhaps => return Err(Doubt::TooClose),
         Nearer::No => {}
     }
-    // Ways that lead elsewhere are for the barriers to find.
+    // Connections through other ground are left to the barriers.
     let around = floors(world).map(Shape::bounds).fold(Rect::new(start, start), Rect::union);
     let around = around.grown(PLACE_MARGIN);
     let around = Rect::new(around.min.max(area.min), around.max.min(area.max));
@@ -82,8 +82,8 @@ struct Space<'a> {
 }
 
 impl Space<'_> {
-    /// Distance to what keeps the disc's middle away, as far as the pieces are indexed; what lies
-    /// outside of the area counts as a piece a radius behind its sides.
+    /// Distance to what blocks the disc's middle, as far as the pieces are indexed; the outside of the
+    /// area counts as a piece one radius beyond its sides.
     fn clearance(&self, p: DVec2, budget: &mut Budget) -> Result<f64, Doubt> {
         budget.spend(self.outlines.len() as u64)?;
         if self.outlines.iter().any(|outline| outline.contains(p)) {
@@ -93,8 +93,9 @@ impl Space<'_> {
         Ok(self.pieces.clearance(p, budget)?.min(sides + self.radius))
     }
 
-    /// A point of a floor inside a square with a clearance of `least`, found from the roomiest
-    /// parts on; `None` where there is none, or a clearance so by less than [`ALIKE`].
+    /// A point of a floor inside a square with a clearance of `least`, searched in the order of falling
+    /// clearance; `None` where there is no such point. One that exceeds `least` by less than [`ALIKE`] may
+    /// be missed.
     fn find(
         &self,
         floor: &Shape,
@@ -121,7 +122,7 @@ impl Space<'_> {
                     return Ok(Some(middle));
                 }
                 if clearance + reach >= least && reach > ALIKE {
-                    // The bits of numbers that are not negative have the numbers' order.
+                    // The bits of non-negative numbers sort as the numbers do.
                     open.push(((clearance + reach).to_bits(), parts.len()));
                     parts.push((middle, half));
                 }
@@ -131,7 +132,7 @@ impl Space<'_> {
     }
 }
 
-/// The places found, and what is known of the way to them.
+/// The places found, and which of them are known to be reachable.
 struct Survey<'a> {
     space: &'a Space<'a>,
     squares: &'a Squares,
@@ -140,7 +141,7 @@ struct Survey<'a> {
     reached: BTreeSet<usize>,
     /// The start's region.
     home: Option<usize>,
-    /// From places that the start reaches to places of which this is to be shown.
+    /// From reached places to places that are still to be shown reachable.
     lines: Vec<[DVec2; 2]>,
 }
 
@@ -188,7 +189,7 @@ impl<'a> Survey<'a> {
         Ok(found)
     }
 
-    /// Adds a line to some point of a room where the disc just fits; false where there is none.
+    /// Adds a line to some point of a room where the disc just fits; false where there is no such point.
     fn find_any(&mut self, room: &Shape, budget: &mut Budget) -> Result<bool, Doubt> {
         let bounds = room.bounds();
         let (middle, half) = (bounds.center(), 0.5 * bounds.size().max_element());

@@ -10,11 +10,11 @@ use super::pieces::Pieces;
 use super::squares::{Square, Squares};
 use crate::geometry::{Rect, Shape};
 
-/// What the disc has to spare all along the path, as a share of its radius. What generators claim of
-/// halls and roads leaves a fifth of half their width.
+/// The clearance to spare along the whole path, as a share of the radius. The claims of generators
+/// leave a fifth of half the width of hallways and roads.
 const SPARE: f64 = 0.2;
 
-/// The least step along a line, as a share of the radius: who has less to spare does not pass here.
+/// The least step along a line, as a share of the radius: a disc with less to spare does not pass.
 const STEP: f64 = 1e-3;
 
 /// Free space with room to spare.
@@ -49,7 +49,7 @@ impl Roomy {
         Ok(from == to)
     }
 
-    /// The region that a point lies in, or gets to on a straight line.
+    /// The region that a point lies in, or reaches on a straight line.
     fn region(&self, p: DVec2, budget: &mut Budget) -> Result<Option<usize>, Doubt> {
         if let Some(square) = self.squares.at(p) {
             return Ok(Some(self.squares.region(square)));

@@ -6,7 +6,7 @@ use super::budget::{Budget, Doubt, MAX_SQUARES};
 use super::piece::Piece;
 use crate::geometry::{Rect, Shape};
 
-/// What a square costs beside the comparisons with its pieces.
+/// The cost of a square besides the comparisons with its pieces.
 const SQUARE_COST: u64 = 4;
 
 /// Half the diagonal of a square, for half a side of 1.
@@ -22,10 +22,10 @@ const WIDE: u32 = u32::MAX - 2;
 /// A tree of squares over a rectangle. Every point where a disc has some margin to spare to all
 /// pieces and to what lies outside lies in a square that is free as a whole.
 ///
-/// A point's distance to the nearest piece changes by no more than the point moves, so that one
-/// look at a square's middle tells of the whole square. Squares are divided until they are free as
-/// a whole, or can hold no point of that margin: at the latest when their diagonal is as long as
-/// the margin.
+/// A point's distance to the nearest piece changes by no more than the point moves, so that the
+/// distance at a square's middle bounds it in the whole square. Squares are divided until they are
+/// free as a whole, or can hold no point of that margin: at the latest when their diagonal is as
+/// long as the margin.
 pub(super) struct Squares {
     middle: DVec2,
     half: f64,
@@ -52,7 +52,7 @@ struct Builder<'a> {
     radius: f64,
     margin: f64,
     nodes: Vec<u32>,
-    /// Pieces that can be nearest to a point of a square, of all squares on the way down.
+    /// Pieces that can be nearest to a point of a square, for all squares on the path from the root.
     near: Vec<u32>,
     distances: Vec<f64>,
 }
@@ -200,7 +200,7 @@ impl Builder<'_> {
         self.distances
             .extend(self.near[from..end].iter().map(|&i| pieces[i as usize].distance(middle)));
         let least = self.distances.iter().copied().fold(f64::INFINITY, f64::min);
-        // What lies outside is as good as a piece a radius behind the area's sides.
+        // The outside counts as a piece one radius beyond the area's sides.
         let sides = (middle - self.area.min).min(self.area.max - middle).min_element();
         let clearance = least.min(sides + self.radius);
         let reach = half * DIAGONAL;

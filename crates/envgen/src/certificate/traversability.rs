@@ -22,10 +22,10 @@ use crate::geometry::Rect;
 /// Lengths that differ by this share of the largest coordinate may differ by rounding alone.
 const ROUNDING: f64 = 1e-13;
 
-/// Pairs that may or may not be too near, at most: a world that has more is made of them.
+/// The most pairs whose overlap rounding leaves open: a world with more consists of such pairs.
 const MAX_UNSURE: usize = 1 << 20;
 
-/// What rounding leaves of "nearer than".
+/// The result of a comparison up to rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Nearer {
     Yes,
@@ -410,7 +410,7 @@ mod tests {
         let area = Rect::new(DVec2::splat(-6.0), DVec2::splat(6.0));
         let line = [DVec2::ZERO, DVec2::new(-5.9, 0.0)];
         for (gap, expected) in [(1.0, true), (0.7, false)] {
-            // The way around leads between the ring and the area's sides, 0.9 m wide.
+            // The path around leads between the ring and the area's sides, 0.9 m wide.
             let pieces = pieces(&ring(gap), 0.4);
             let joined = Barriers::new(&pieces, area, 0.4).join(&[line], &mut budget());
             assert_eq!(joined, Ok(expected));

@@ -80,7 +80,7 @@ impl Crossings {
     }
 }
 
-/// 1 where a stretch crosses a line from its left to its right, -1 the other way, 0 where it does
+/// 1 where a stretch crosses a line from its left to its right, -1 from right to left, 0 where it does
 /// not cross. A point on the line counts as left of it, for every stretch that it is part of.
 fn crossing([p, q]: [DVec2; 2], [a, b]: [DVec2; 2]) -> i32 {
     let along = q - p;
@@ -98,7 +98,7 @@ fn crossing([p, q]: [DVec2; 2], [a, b]: [DVec2; 2]) -> i32 {
     }
 }
 
-/// Sets of things that walks join (Tarjan's union-find with path halving), and what the walk to
+/// Sets of elements that walks join (Tarjan's union-find with path halving), and what the walk to
 /// each of them from its set's root crosses.
 pub(super) struct Windings {
     parents: Vec<u32>,
@@ -126,8 +126,8 @@ impl Windings {
         (i, sum)
     }
 
-    /// Joins two things by a walk from the first to the second. Whether it crosses what every other
-    /// walk between them crosses.
+    /// Joins two elements by a walk from the first to the second. Returns whether it crosses what every
+    /// other walk between them crosses.
     pub(super) fn join(&mut self, [from, to]: [usize; 2], crossed: u64) -> bool {
         let ((a, before), (b, after)) = (self.root(from), self.root(to));
         let before = before.wrapping_add(crossed);

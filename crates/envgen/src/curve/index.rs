@@ -8,24 +8,24 @@ use super::{Curve, Path};
 use crate::geometry::{Pose, Rect, distance_to_segment, unit_vector};
 
 /// Pieces are cut where their heading has changed by this much, in radians, so that their boxes are
-/// tight and few of them need more than their chord looked at.
+/// tight and for most of them the chord is enough.
 const LEAF_TURN: f64 = 0.2;
 
-/// Straight pieces are cut too, so that the box of one that runs askew is not mostly empty: into
-/// lengths of the average piece over this.
+/// Straight pieces are cut too, so that the box of an oblique one is not mostly empty: into
+/// lengths of the average piece divided by this.
 const CUTS: f64 = 2.0;
 
-/// Coefficients of a leaf: its turn to the power of so many, over their factorial, is under 1e-16.
+/// Coefficients of a leaf: its turn to this power, divided by the factorial, is under 1e-16.
 const DEGREE: usize = 14;
 
 /// No piece is cut more often than this, so that one that turns by over 20,000 rad is located
 /// roughly; a world's pieces turn by 1,000 at most.
 const MOST_LEAVES: f64 = 100_000.0;
 
-/// Leaves that are kept to be looked at together.
+/// Leaves that are kept to be examined together.
 const KEPT: usize = 16;
 
-/// Where a clothoid is probed for minima of the distance, when there may be several.
+/// Points at which a clothoid is probed for minima of the distance, when there may be several.
 const PROBES: usize = 8;
 
 /// Where a point lies relative to a path.
@@ -36,7 +36,7 @@ pub struct Located {
     /// How far to the left of the path the point lies, in metres; negative to the right. Its
     /// absolute value is the distance to the path.
     pub offset: f64,
-    /// The path's pose there.
+    /// Pose of the path there.
     pub pose: Pose,
     /// The path's curvature there, in 1/m.
     pub curvature: f64,
@@ -59,12 +59,12 @@ struct Leaf {
     axis: DVec2,
     end: DVec2,
     end_axis: DVec2,
-    /// How far it strays from its chord at most, in metres.
+    /// Its greatest distance from its chord, in metres.
     sagitta: f64,
 }
 
 impl PathIndex {
-    /// Indexes a path; costs time and memory in proportion to its pieces and their turning.
+    /// Indexes a path; time and memory are proportional to its pieces and their turning.
     pub fn new(path: &Path<'_>) -> Self {
         let count = path.curves().len();
         let longest = path.length() / (CUTS * count as f64);
@@ -85,7 +85,7 @@ impl PathIndex {
                     start_curvature: curve.curvature_at(t),
                     end_curvature: curve.curvature_at(t + length),
                 };
-                // An arc of the greatest curvature strays farthest from its chord; a little more
+                // An arc of the greatest curvature strays farthest from its chord; a small margin
                 // covers the rounding of the start.
                 let sagitta = 0.126 * length * length * leaf.max_curvature()
                     + 1e-12 * (1.0 + start.position.abs().max_element());
@@ -94,7 +94,7 @@ impl PathIndex {
                 (start, axis) = (end, end_axis);
             }
         }
-        // A path may come back to where it was: what is near in space is put near in the tree.
+        // A path may return to an earlier position: neighbours in space become neighbours in the tree.
         let middles: Vec<DVec2> = leaves.iter().map(|leaf| leaf.bounds().center()).collect();
         let mut order: Vec<usize> = (0..leaves.len()).collect();
         arrange(&mut order, leaves.len().next_power_of_two(), &middles);
@@ -104,14 +104,14 @@ impl PathIndex {
     }
 
     /// The point of the path nearest to `p`; of several equally near ones the first. `None` when
-    /// the path is empty or `p` is not finite. Costs about the logarithm of the number of pieces.
+    /// the path is empty or `p` is not finite. Time: about the logarithm of the number of pieces.
     pub fn locate(&self, p: DVec2) -> Option<Located> {
         if !p.is_finite() {
             return None;
         }
         let mut best = Nearest { squared: f64::INFINITY, s: f64::INFINITY, leaf: 0, t: 0.0 };
-        // A leaf's chord bounds its distance from both sides. What may be the nearest is kept, and
-        // looked at exactly when all bounds are known.
+        // A leaf's chord bounds its distance from both sides. Leaves that may be the nearest are kept, and
+        // examined exactly when all bounds are known.
         let mut bound = f64::INFINITY;
         let mut kept = [(0.0, 0); KEPT];
         let mut count = 0;
@@ -143,7 +143,7 @@ impl PathIndex {
         Some(Located { s: best.s, offset, pose, curvature: curve.curvature_at(best.t) })
     }
 
-    /// Offers the leaves that may be as near as the bound.
+    /// Examines the leaves that may be as near as the bound.
     fn look(&self, kept: &[(f64, usize)], p: DVec2, bound: f64, best: &mut Nearest) {
         for &(least, i) in kept.iter().filter(|(least, _)| *least <= bound) {
             if least <= best.squared {
@@ -187,7 +187,7 @@ impl Leaf {
         self.curve.position_from(self.axis, t)
     }
 
-    /// Offers the leaf's points as the nearest to `p`.
+    /// Updates the nearest point with the leaf's points.
     fn offer(&self, leaf: usize, p: DVec2, best: &mut Nearest) {
         let start = self.curve.start.position;
         let mut take = |t: f64, at: DVec2| {
@@ -255,7 +255,7 @@ impl Leaf {
         p: DVec2,
         (mut low, mut high): (f64, f64),
     ) -> f64 {
-        // Begin where the chord's foot would be, were the leaf one.
+        // Begin at the foot on the chord, as if the leaf were straight.
         let (from, to) = (self.curve.start.position, self.end);
         let share = (p - from).dot(to - from) / to.distance_squared(from);
         let mut t = (share * self.curve.length).clamp(low, high);

@@ -9,9 +9,9 @@ use crate::geometry::unit_vector;
 const MOST_CHORDS: f64 = 100_000.0;
 
 impl Path<'_> {
-    /// The distances along the path between which chords of the lines up to `offset` metres beside
-    /// it stray by at most `tolerance` metres: start, cuts and end. Straight pieces that go on
-    /// straight are one chord.
+    /// The distances along the path, in metres, between which chords of lines up to `offset` metres beside
+    /// it stray by at most `tolerance` metres: start, cuts and end. Consecutive pieces on one straight line
+    /// are one chord.
     ///
     /// # Panics
     /// When `tolerance` is not positive.
@@ -26,7 +26,7 @@ impl Path<'_> {
     /// As [`Path::stations`].
     #[track_caller]
     pub fn stations_between(&self, from: f64, to: f64, offset: f64, tolerance: f64) -> Vec<f64> {
-        assert!(tolerance > 0.0, "a line cannot stray by at most {tolerance} m");
+        assert!(tolerance > 0.0, "the tolerance must be positive, got {tolerance} m");
         let mut stations = vec![from];
         let first = self.piece_at(from).map_or(0, |(i, _)| i);
         let mut straight = false;
@@ -49,7 +49,7 @@ impl Path<'_> {
     }
 
     /// The points at `offset` metres to the left of the path at given distances along it, which
-    /// must not fall.
+    /// must not decrease.
     pub fn offset_curve(&self, offset: f64, stations: &[f64]) -> Vec<DVec2> {
         let mut walk = self.walk();
         stations

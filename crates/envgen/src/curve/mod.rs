@@ -2,10 +2,10 @@
 //!
 //! A [`Curve`] is a piece whose curvature changes linearly with the distance along it, which is
 //! what OpenDRIVE calls `line`, `arc` and `spiral`. A [`Path`] joins pieces; [`PathIndex`] finds
-//! the nearest point of a path; [`overlap`] tells whether a strip along a path covers itself.
+//! the nearest point of a path; [`overlap`] finds whether a strip along a path covers itself.
 //!
 //! Every point comes from a closed form in the piece that it lies on, never from summing steps, so
-//! that its error does not grow along the path: it stays within a few units of the last place of
+//! that its error does not grow along the path: it stays within a few units in the last place of
 //! the coordinates.
 
 mod index;
@@ -58,7 +58,7 @@ impl Curve {
         self.start_curvature == self.end_curvature
     }
 
-    /// Change of curvature a metre, in 1/m^2.
+    /// Change of curvature per metre, in 1/m^2.
     pub fn sharpness(&self) -> f64 {
         if self.is_arc() { 0.0 } else { (self.end_curvature - self.start_curvature) / self.length }
     }
@@ -78,7 +78,7 @@ impl Curve {
         self.start_curvature + self.sharpness() * t
     }
 
-    /// Heading at `t` metres from the start, not wrapped: it grows on past pi.
+    /// Heading in radians at `t` metres from the start, not wrapped: it can exceed pi.
     pub fn heading_at(&self, t: f64) -> f64 {
         self.start.heading + t * (self.start_curvature + 0.5 * self.sharpness() * t)
     }

@@ -15,10 +15,10 @@ use super::tree::BoxTree;
 use super::{Curve, Path};
 use crate::geometry::{Rect, unit_vector};
 
-/// How far the arcs that stand for a clothoid's border stray from it at most, in metres.
+/// How far the arcs that replace a clothoid's border stray from it at most, in metres.
 pub const TOLERANCE: f64 = 1e-5;
 
-/// Pieces shorter than this, in metres, are no part of the border: their neighbours meet.
+/// Shorter pieces, in metres, are not part of the border: their neighbours meet.
 const SHORTEST: f64 = 1e-6;
 
 /// Rounding in the fraction along a line or arc.
@@ -31,8 +31,8 @@ const TOUCH: f64 = 1e-9;
 /// `half`, covers itself: two distances along the path where it does, the lesser first, or `None`.
 ///
 /// A path whose headings span less than pi never does: for each of its points the two circles of
-/// the max_curvature bend's radius that touch the path there stay clear of the rest of it, because the
-/// sine of the heading changes by at most 1/radius a metre along the middle direction. So the
+/// the tightest bend's radius that touch the path there stay clear of the rest of it, because the
+/// sine of the heading changes by at most 1/radius per metre along the middle direction. So the
 /// normal at one point, inside those circles, is never as near to another point of the path as to
 /// its own, and no two normals meet.
 pub fn strip_overlap(path: &Path<'_>, half: f64, closed: bool) -> Option<(f64, f64)> {

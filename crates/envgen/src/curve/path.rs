@@ -49,8 +49,8 @@ impl<'a> Path<'a> {
         self.starts[self.starts.len() - 1]
     }
 
-    /// The pose at `s` metres along the path; before the start and after the end, the first or last
-    /// piece's curve goes on. The default pose when there are no pieces. Costs the logarithm of the
+    /// The pose at `s` metres along the path; before the start and after the end, the curve of the first
+    /// or last piece continues. The default pose when there are no pieces. Time: the logarithm of the
     /// number of pieces; a [`Path::walk`] takes many poses in order faster.
     pub fn pose_at(&self, s: f64) -> Pose {
         self.piece_at(s).map_or_else(Pose::default, |(i, t)| self.curves[i].pose_at(t))
@@ -62,7 +62,7 @@ impl<'a> Path<'a> {
         self.piece_at(s).map_or(0.0, |(i, t)| self.curves[i].curvature_at(t))
     }
 
-    /// The path with neighbouring lines, and neighbouring arcs of one curvature, made one piece.
+    /// The path with neighbouring lines, and neighbouring arcs of one curvature, merged into one piece.
     pub fn merged(&self) -> Path<'static> {
         let mut merged: Vec<Curve> = Vec::with_capacity(self.curves.len());
         for curve in self.curves.iter() {
@@ -130,7 +130,7 @@ impl<'a> Path<'a> {
     }
 }
 
-/// Takes poses along a path in order of distance, at the cost of about one sine and cosine each.
+/// Computes poses along a path in order of distance, at the cost of about one sine and cosine each.
 #[derive(Clone, Debug)]
 pub struct Walk<'a> {
     path: &'a Path<'a>,
@@ -140,9 +140,9 @@ pub struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Pose and curvature at `s` metres along the path, which must not be less than at the call
-    /// before: the walk goes on from the piece that it reached. What it returns does not depend on
-    /// where it was before; it agrees with [`Path::pose_at`] to the rounding of the coordinates.
+    /// Pose and curvature at `s` metres along the path, which must not be less than in the call
+    /// before: the walk continues from the piece that it reached. The result does not depend on
+    /// earlier calls; it agrees with [`Path::pose_at`] to the rounding of the coordinates.
     #[inline]
     pub fn to(&mut self, s: f64) -> (Pose, f64) {
         let path = self.path;
@@ -169,8 +169,7 @@ impl Walk<'_> {
     }
 }
 
-/// Coefficients of a patch: its half turn to the power of so many, over their factorial, is under
-/// 1e-17.
+/// Coefficients of a patch: its half turn to this power, divided by the factorial, is under 1e-17.
 const DEGREE: usize = 14;
 
 /// Half of the angle that a patch turns by at most, in radians.
@@ -180,7 +179,7 @@ const HALF_TURN: f64 = 0.3;
 /// fixed, and their middles come from the piece's start, so that no error adds up.
 #[derive(Clone, Debug)]
 struct Patch {
-    /// Which of the piece's patches it is, how many there are, and the length of each.
+    /// Its index among the piece's patches, their number, and the length of each.
     number: f64,
     count: f64,
     length: f64,

@@ -15,14 +15,14 @@ const INVERSE: [f64; 66] = {
     table
 };
 
-/// Stretches of more than this bound on their heading's change, in radians, are cut: the terms of
+/// Stretches whose heading may change by more than this, in radians, are cut: the terms of
 /// the series then fall quickly, and none is so large that digits cancel.
 const LONGEST: f64 = 1.5;
 
 /// No more cuts than this; [`World::check`](crate::World::check) refuses curves that need more.
 const MOST_CUTS: f64 = 4096.0;
 
-/// Where one is after `t` metres from the origin along +x, on a curve of curvature `k` + `c` t.
+/// The position after `t` metres from the origin along +x, on a curve of curvature `k` + `c` t.
 #[inline]
 pub(super) fn displacement(k: f64, c: f64, t: f64) -> DVec2 {
     if c != 0.0 {
@@ -80,7 +80,7 @@ pub(super) struct Polynomial<const N: usize> {
 }
 
 impl<const N: usize> Polynomial<N> {
-    /// Around a point with its direction, its curvature `k` and the change of curvature a metre
+    /// Around a point with its direction, its curvature `k` and the change of curvature per metre
     /// `c`: the direction f has f' = i (k + c u) f.
     pub(super) fn new(start: DVec2, axis: DVec2, k: f64, c: f64) -> Self {
         let mut direction = [axis; N];

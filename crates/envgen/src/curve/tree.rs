@@ -1,4 +1,4 @@
-//! A tree of boxes over things that lie in order along a path.
+//! A tree of boxes over elements in order along a path.
 
 use glam::DVec2;
 
@@ -13,7 +13,7 @@ pub(super) struct BoxTree {
     leaves: usize,
 }
 
-/// A box of nothing: it overlaps none, and lies infinitely far away.
+/// An empty box: it overlaps none, and is infinitely far away.
 const NOTHING: Rect = Rect::new(DVec2::INFINITY, DVec2::NEG_INFINITY);
 
 impl BoxTree {

@@ -1,4 +1,4 @@
-//! PNG images of which each pixel is a cell's class.
+//! PNG images whose pixels are the classes of cells.
 
 use std::io::{self, Write};
 
@@ -9,8 +9,8 @@ use crate::world::ClassRaster;
 /// The text chunk that holds the side of a cell in metres.
 pub const CELL_KEY: &str = "envgen cell m";
 
-/// Writes the classes of a raster as an image of one pixel a cell: an indexed one, the index being
-/// the class, with up to 255 classes, and a grey one of 16 bits, the grey being the class, with
+/// Writes the classes of a raster as an image with one pixel per cell: an indexed one, whose index is
+/// the class, for up to 255 classes, and a grey one of 16 bits, whose grey is the class, for
 /// more. No data is transparent. Reading it back with
 /// [`read_class_png`](crate::import::read_class_png) gives the same cells and cell side.
 ///
@@ -43,7 +43,7 @@ pub fn write_class_png(raster: &ClassRaster, out: &mut dyn Write) -> io::Result<
 }
 
 /// Colours from dark blue over green to yellow, after matplotlib's viridis (CC0): their lightness
-/// rises with the class, and no two are taken for each other by the colour-blind.
+/// rises with the class, so that colour-blind people can distinguish them.
 pub fn colour(class: u16, classes: u16) -> [u8; 3] {
     const VIRIDIS: [[f64; 3]; 9] = [
         [68.0, 1.0, 84.0],

@@ -1,9 +1,9 @@
 //! The waypoints of the roads as comma-separated values.
 //!
-//! One line a waypoint under the header `road,s,x,y,heading,curvature`: the road's number from 0,
+//! One line per waypoint under the header `road,s,x,y,heading,curvature`: the road's number from 0,
 //! distance along it in metres, position in metres, heading in radians and curvature in 1/m.
-//! A closed road ends with its first waypoint once more, a lap farther. Numbers have as many digits as
-//! it takes to read the same ones back.
+//! A closed road ends with its first waypoint again, one lap farther. Numbers have as many digits as are
+//! needed to read the same ones back.
 
 use std::io::{self, Write};
 

@@ -1,8 +1,8 @@
 //! Writing worlds: every format that a world can be written in, by the ending of the file's name.
 //!
 //! A [`Format`] is one line of the table below: what it is, and for each of its files the ending
-//! and the function that writes it. Most formats are one file; a format of several, such as an
-//! image with its description, names the file that the others belong to first.
+//! and the function that writes it. Most formats are one file; a format with several, such as an
+//! image with its description, lists the file that refers to the others first.
 //!
 //! ```
 //! use envgen::export::{Format, Job};
@@ -41,15 +41,15 @@ use crate::seed::Seed;
 use crate::spec::WorldBlueprint;
 use crate::world::{ClassRaster, World};
 
-/// How many tasks stand in a MovingAI scenario file.
+/// Number of tasks in a MovingAI scenario file.
 const TASKS: usize = 100;
 
 /// Why a world could not be written.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ExportError {
-    /// The file's name ends like that of no format.
-    #[error("no format for `{path}`, there are: {known}")]
+    /// The file's name has the ending of no format.
+    #[error("unknown file ending in `{path}`, expected one of {known}")]
     UnknownEnding {
         /// The file's name.
         path: PathBuf,
@@ -59,27 +59,27 @@ pub enum ExportError {
     /// Writing failed.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// The format holds plans of another kind than this world's.
-    #[error("{format} holds {wanted}, which this world was not built from")]
+    /// The format holds blueprints of another kind than this world's.
+    #[error("{format} holds {wanted}, but this world was not built from one")]
     Blueprint {
         /// The format.
         format: &'static str,
         /// What it holds.
         wanted: &'static str,
     },
-    /// The world cannot stand in a world file.
+    /// The world cannot be written to a world file.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The world's raster is broken.
+    /// The world's raster is invalid.
     #[error(transparent)]
     Raster(#[from] RasterError),
-    /// The world holds nothing that the format is for.
-    #[error("the world holds no {part}, which is all that a file of this format can hold")]
+    /// The world has no part that the format can hold.
+    #[error("the world has no {part}, and files of this format hold nothing else")]
     Empty {
-        /// What the format is for.
+        /// The part that the format holds.
         part: &'static str,
     },
-    /// The world has no grid.
+    /// No grid of the world could be made.
     #[error(transparent)]
     Occupancy(#[from] OccupancyError),
     /// The world cannot be drawn.
@@ -88,7 +88,7 @@ pub enum ExportError {
     Picture(#[from] PictureError),
 }
 
-/// What is to be written, and how.
+/// What to write, and how.
 #[derive(Clone, Debug)]
 pub struct Job<'a> {
     /// The world.
@@ -98,7 +98,7 @@ pub struct Job<'a> {
     pub blueprint: Option<&'a WorldBlueprint>,
     /// The file's name without its ending, for formats of several files that name each other.
     pub stem: String,
-    /// Side in metres of the cells of maps that have cells of any size; `None` for the usual one
+    /// Side in metres of the cells of maps whose cell size can be chosen; `None` for the usual one
     /// ([`ros_map::usual_resolution`]).
     pub resolution: Option<f64>,
     /// How pictures are drawn.
@@ -157,7 +157,7 @@ impl<'a> Job<'a> {
 /// Writes one file of a format.
 pub type Writer = fn(&Job<'_>, &mut dyn Write) -> Result<(), ExportError>;
 
-/// One line a format: variant, what it is, and its files, each an ending and a writer.
+/// One line per format: variant, what it is, and its files, each an ending and a writer.
 macro_rules! formats {
     ($($(#[$when:meta])? $variant:ident, $doc:literal, [$($ending:literal => $writer:expr),+];)+) => {
         /// A file format that worlds can be written in.
@@ -192,7 +192,7 @@ macro_rules! formats {
 formats! {
     Json, " The whole world as JSON, for reading back.",
         ["json" => |job, out| Ok(job.world.write_json(out)?)];
-    Ron, " The whole world as RON, one line a part, for reading back.",
+    Ron, " The whole world as RON, one line per part, for reading back.",
         ["ron" => |job, out| Ok(job.world.write_ron(out)?)];
     OpenDrive, " The roads as OpenDRIVE 1.7.",
         ["xodr" => |job, out| opendrive::write(job.world, out)];
@@ -209,7 +209,7 @@ formats! {
     Asc, " A landscape's classes as an ESRI ASCII grid.",
         ["asc" => |job, out| Ok(write_asc(job.raster()?, out)?)];
     #[cfg(feature = "picture")]
-    ClassPng, " A landscape's classes as an image, a pixel a cell.",
+    ClassPng, " A landscape's classes as an image, one pixel per cell.",
         ["classes.png" => |job, out| Ok(class_png::write_class_png(job.raster()?, out)?)];
     MovingAi, " Where a landscape can be passed as a MovingAI map, with a scenario of 100 tasks.",
         ["map" => |job, out| Ok(movingai::write_map(job.raster()?, out)?),
@@ -237,10 +237,10 @@ impl Format {
         self.files()[0].0
     }
 
-    /// The format that a file's name asks for by its ending; upper and lower case are one.
+    /// The format selected by the ending of a file's name, in upper or lower case.
     ///
     /// # Errors
-    /// CellBuckets the endings that exist.
+    /// Lists the endings that exist.
     pub fn from_path(path: &Path) -> Result<Format, ExportError> {
         let name = path.file_name().map(|name| name.to_string_lossy().to_ascii_lowercase());
         let known = || Format::ALL.iter().copied();
@@ -248,7 +248,7 @@ impl Format {
             let stem = name.as_ref()?.strip_suffix(format.ending())?.strip_suffix('.')?;
             (!stem.is_empty()).then_some(())
         };
-        // Of two endings that fit, such as `classes.png` and `png`, the longer one says more.
+        // Of two endings that match, such as `classes.png` and `png`, the longer one is meant.
         let fitting = known().filter(|format| ends(format).is_some());
         fitting.max_by_key(|format| format.ending().len()).ok_or_else(|| {
             let known: Vec<_> = known().map(|format| format!(".{}", format.ending())).collect();
@@ -259,7 +259,7 @@ impl Format {
     /// Writes the format's first file; for most formats it is the only one.
     ///
     /// # Errors
-    /// When the world does not fit the format, or writing fails.
+    /// When the format cannot hold the world, or writing fails.
     pub fn write(self, job: &Job<'_>, out: &mut dyn Write) -> Result<(), ExportError> {
         (self.files()[0].1)(job, out)
     }
@@ -280,7 +280,7 @@ mod tests {
     fn endings_find_their_format() {
         let mut endings = BTreeSet::new();
         for &format in Format::ALL {
-            assert!(endings.insert(format.ending()), "{format} stands twice");
+            assert!(endings.insert(format.ending()), "{format} is listed twice");
             for name in [format!("a.b.{format}"), format!("A.{format}").to_uppercase()] {
                 assert_eq!(Format::from_path(Path::new(&name)).unwrap(), format);
             }

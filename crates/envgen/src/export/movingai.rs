@@ -34,7 +34,7 @@ pub fn write_map(raster: &ClassRaster, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// A task of path finding on a MovingAI map; x to the right, y down from the top left cell.
+/// A task of path planning on a MovingAI map; x to the right, y down from the top left cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     /// The task's group: a quarter of the path's length.
@@ -55,7 +55,7 @@ pub struct Scenario {
 }
 
 /// Draws tasks between uniformly random cells of the largest region that can be passed, in order
-/// of length; none where there are not two such cells.
+/// of length; none where there are less than two such cells.
 ///
 /// # Errors
 /// When the raster's sizes do not fit together.
@@ -65,7 +65,7 @@ pub fn scenarios(
     count: usize,
     seed: Seed,
 ) -> Result<Vec<Scenario>, RasterError> {
-    // The lengths of the benchmarks know no slow ground.
+    // The lengths of the benchmarks ignore slow ground.
     let mut plain = raster.clone();
     plain.cell = 1.0;
     plain.speeds = (0..=u16::MAX)
@@ -109,7 +109,7 @@ pub fn write_scenarios(tasks: &[Scenario], out: &mut dyn Write) -> io::Result<()
     for task in tasks {
         let Scenario { bucket, map, width, height, start, goal, length } = task;
         let ([sx, sy], [gx, gy]) = (start, goal);
-        // Columns are parted by tabs, so that a name with spaces stays whole.
+        // Columns are separated by tabs, so that a name with spaces stays one field.
         let map = map.replace(['\t', '\n', '\r'], " ");
         writeln!(out, "{bucket}\t{map}\t{width}\t{height}\t{sx}\t{sy}\t{gx}\t{gy}\t{length:.8}")?;
     }

@@ -1,10 +1,10 @@
 //! Roads as ASAM OpenDRIVE 1.7.
 //!
 //! Each road strip is a `road` whose reference line is the strip's centreline: lines, arcs and
-//! spirals, exactly as the world holds them. Numbers are written with as many digits as it takes to
-//! read the same ones back, at most 17. Lanes lie beside the reference line, the even half of them
-//! to each side; of an odd number one more lies to the right, and a lane offset puts the border
-//! between them where it belongs. A closed strip is linked to itself.
+//! spirals, exactly as the world holds them. Numbers are written with as many digits as are needed to
+//! read the same ones back, at most 17. Lanes lie beside the reference line, half of them on each
+//! side; of an odd number one more lies to the right, and a lane offset moves the border
+//! between them to its position. A closed strip is linked to itself.
 
 use std::io::Write;
 
@@ -143,7 +143,7 @@ fn lane(xml: &mut Xml<'_>, strip: &RoadStrip, id: i64, outer: bool) -> Result<()
     })
 }
 
-/// The line at a lane's outer side: solid at the road's edge, else broken.
+/// The line at a lane's outer side: solid at the road's edge, otherwise broken.
 fn road_mark(xml: &mut Xml<'_>, edge: bool) -> Result<(), ExportError> {
     let attributes = [
         ("sOffset", number(0.0)),
@@ -167,7 +167,7 @@ fn cubic(from: &'static str, value: f64) -> [Attribute; 5] {
 
 type Attribute = (&'static str, String);
 
-/// As many digits as it takes to read the same number back.
+/// As many digits as are needed to read the same number back.
 fn number(value: f64) -> String {
     let plain = value.to_string();
     if plain.len() <= 24 { plain } else { format!("{value:e}") }

@@ -1,4 +1,4 @@
-//! Occupancy grids as ROS's `map_server` and Nav2 keep them: a YAML description and an image.
+//! Occupancy grids in the format of ROS's `map_server` and Nav2: a YAML description and an image.
 //!
 //! Format: <http://wiki.ros.org/map_server>, and Nav2's `nav2_map_server`.
 
@@ -16,19 +16,19 @@ use crate::world::World;
 /// The most cells of a map that is read or written.
 pub const MAX_CELLS: u64 = 1 << 26;
 
-/// The sides of a cell that are read, in metres.
+/// The cell sides that are read, in metres.
 pub const RESOLUTIONS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 
-/// Side of a cell in metres that a world is written with, where it is not too large for that.
+/// Side in metres of the cells of a written map, unless the world is too large for it.
 pub const RESOLUTION: f64 = 0.05;
 
-/// Cells that a map has at most where no resolution is asked for: an image of 17 MB.
+/// The most cells of a map where no resolution is given: an image of 17 MB.
 pub const USUAL_CELLS: u64 = 1 << 24;
 
-/// Probability of occupancy above which a cell is occupied, as maps are written.
+/// Probability of occupancy above which a cell is occupied, in written maps.
 pub const OCCUPIED_THRESHOLD: f64 = 0.65;
 
-/// Probability of occupancy below which a cell is free, as maps are written: the grey of unknown
+/// Probability of occupancy below which a cell is free, in written maps: the grey of unknown
 /// cells, 205, is just not below.
 pub const FREE_THRESHOLD: f64 = 0.196;
 
@@ -39,12 +39,12 @@ pub enum RosCell {
     Unknown,
     /// It is free.
     Free,
-    /// Something stands there.
+    /// It is occupied.
     Occupied,
 }
 
 impl RosCell {
-    /// The grey that stands for the cell.
+    /// The grey of the cell in the image.
     fn grey(self) -> u8 {
         match self {
             RosCell::Unknown => 205,
@@ -63,15 +63,15 @@ pub struct RosMap {
     pub resolution: f64,
     /// The lower left corner of the lowest, leftmost cell, and the direction of the rows.
     pub origin: Pose,
-    /// The cells, row by row from the lowest, `cols` to a row.
+    /// The cells, row by row from the lowest, `cols` per row.
     pub cells: Vec<RosCell>,
 }
 
 impl RosMap {
-    /// What a robot could come to know of a world from its start.
+    /// What a robot can learn of a world from its start.
     ///
     /// Cells whose middle lies in a solid part are occupied, and cells that a part touches which is
-    /// thinner than a cell. The others are free where a way over their sides leads to them from the
+    /// thinner than a cell. The others are free where a path over their sides connects them to the
     /// start, and unknown elsewhere: outside of a corridor or a building, in closed rooms, beside a
     /// road, around a forest. In a world without a start all are free.
     ///
@@ -80,7 +80,7 @@ impl RosMap {
     pub fn of_world(world: &World, resolution: f64) -> Result<Self, OccupancyError> {
         size_in_cells(world, resolution)?;
         let mut grid = OccupancyGrid::empty(world.bounds, resolution)?;
-        // A box as thick as a cell is not thinner by rounding.
+        // Rounding must not make a box as thick as a cell count as thinner.
         let thinnest = resolution * (1.0 - 1e-6);
         for solid in world.solids() {
             let thin = match &*solid.shape {
@@ -117,7 +117,7 @@ impl RosMap {
         self.cells.len() / self.cols.max(1)
     }
 
-    /// The cells' greys, the top row first, as images have it.
+    /// The cells' greys, the top row first, as in images.
     fn greys(&self) -> Vec<u8> {
         let rows = self.cells.chunks_exact(self.cols.max(1)).rev();
         rows.flatten().map(|cell| cell.grey()).collect()
@@ -156,13 +156,13 @@ impl RosMap {
     }
 }
 
-/// Where the map of a world lies.
+/// The lower left corner of the map of a world.
 pub(super) fn origin(world: &World) -> Pose {
     Pose { position: world.bounds.min, heading: 0.0 }
 }
 
-/// The resolution in metres that a world is written with where none is asked for: [`RESOLUTION`],
-/// or so much coarser by a power of two that there are at most [`USUAL_CELLS`].
+/// The resolution in metres of the map of a world where none is given: [`RESOLUTION`], or coarser by
+/// the power of two that gives at most [`USUAL_CELLS`].
 pub fn usual_resolution(world: &World) -> f64 {
     let size = world.bounds.size() + RESOLUTION;
     let mut resolution = RESOLUTION;
@@ -172,7 +172,7 @@ pub fn usual_resolution(world: &World) -> f64 {
     resolution
 }
 
-/// Columns and rows of the map of a world, which is not made for this.
+/// Columns and rows of the map of a world, computed without making the map.
 ///
 /// # Errors
 /// As [`RosMap::of_world`].
@@ -196,7 +196,7 @@ pub(super) fn write_description(
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let Pose { position, heading } = origin;
-    // JSON's strings are YAML's too, whatever is in the name.
+    // JSON's strings are valid in YAML, whatever the name holds.
     let image = serde_json::to_string(image)?;
     writeln!(out, "image: {image}")?;
     writeln!(out, "mode: trinary")?;
@@ -207,10 +207,10 @@ pub(super) fn write_description(
     writeln!(out, "free_thresh: {FREE_THRESHOLD}")
 }
 
-/// How far the edge of a road is drawn from where it is, in metres.
+/// How far the drawn edge of a road may stray from the true one, in metres.
 const EDGE_TOLERANCE: f64 = 0.01;
 
-/// Closes what lies beyond the bounds, where the last row and column may have their middles, and what lies
+/// Closes what lies beyond the bounds, where the last row and column may have their middles, and the
 /// outside of worlds that no walls enclose: the ground beside a road, and around the area of a forest.
 fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
     let (cols, end) = (grid.cols(), world.bounds.max - 1e-9 * grid.resolution());

@@ -1,4 +1,4 @@
-//! Where a forest is dense and where it is light.
+//! Densities of forests that vary over the area.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -10,28 +10,28 @@ use crate::landscape::metrics::{RasterError, check};
 use crate::seed::Stream;
 use crate::world::ClassRaster;
 
-/// The most cells that a density map may have.
+/// The most cells of a density map.
 const MAX_CELLS: usize = 1 << 24;
 
 /// The greatest factor of a density map.
 const MAX_FACTOR: f64 = 1e6;
 
-/// Mean number of trees a square metre, as a function of the place.
+/// Mean number of trees per square metre, as a function of the position.
 pub trait Density {
-    /// The greatest value anywhere, in trees a square metre.
+    /// The greatest value anywhere, in trees per square metre.
     fn max(&self) -> f64;
 
     /// The value at a point, from 0 to [`Density::max`].
     fn at(&self, p: DVec2) -> f64;
 
-    /// A point of `within`, drawn in proportion to the density; `None` where throwing points away
-    /// is the only way to draw one.
+    /// A point of `within`, drawn in proportion to the density; `None` where rejecting uniform points is
+    /// the only method to draw one.
     fn draw(&self, _within: Rect, _stream: &mut Stream) -> Option<DVec2> {
         None
     }
 
     /// The area in square metres that discs of diameter `distance` cover at most when their
-    /// middles lie in `within` where the density is not 0.
+    /// middles lie in the part of `within` where the density is not 0.
     fn room(&self, within: Rect, distance: f64) -> f64 {
         let size = within.size() + distance;
         size.x * size.y
@@ -63,8 +63,8 @@ impl DensityMap {
     /// classes without a factor have 0.
     ///
     /// # Errors
-    /// When the raster's sizes do not fit together. What the factors may be is checked with the spec
-    /// that the map becomes part of.
+    /// When the raster's sizes do not fit together. The factors are checked together with the spec that
+    /// the map becomes part of.
     pub fn from_classes(raster: &ClassRaster, factors: &[f64]) -> Result<Self, RasterError> {
         check(raster)?;
         let factor = |&class: &u16| {
@@ -142,7 +142,7 @@ impl Density for MapDensity<'_> {
         let rows = &self.map.rows;
         let (height, width) = (rows.len(), rows[0].len());
         let size = self.cell_size();
-        // Cells that reach over the area of the centres are drawn again where they do.
+        // Cells that extend beyond the area of the centres are drawn again there.
         loop {
             let wanted = stream.unit() * self.sums[self.sums.len() - 1];
             let cell = self.sums.partition_point(|&sum| sum <= wanted).min(self.sums.len() - 1);
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn a_landscape_says_where_trees_grow() {
-        // Grass above water: trees on class 1 alone.
+        // Grass above water: trees on class 1 only.
         let raster = ClassRaster {
             rows: 2,
             cols: 1,

@@ -18,15 +18,15 @@ use crate::world::Tree;
 /// The most trees that one tile may be expected to hold, before thinning.
 const MAX_TREES_A_TILE: f64 = 1e6;
 
-/// Thinning by marks keeps at most 1 / (pi d^2) trees a square metre, and needs ever more trees to
-/// choose from as one comes near: up to this share of it the choice is among at most 3 a tree.
+/// Thinning by marks keeps at most 1 / (pi d^2) trees per square metre, and needs ever more trees to
+/// choose from near that limit: up to this share of it, at most 3 per tree that stays.
 const MOST_OF_MATERN: f64 = 0.95;
 
-/// Up to so many pairs of trees are compared each with each, which is faster than a grid of them.
+/// Up to this many pairs of trees are compared directly, which is faster than a grid of them.
 const FEW_PAIRS: usize = 4096;
 
 /// A forest that covers the whole plane, in square tiles whose trees are a function of the seed and
-/// the tile alone: any window holds the same trees, whatever was asked for before.
+/// the tile alone: a window holds the same trees whatever was asked for before.
 ///
 /// Of the spec it reads `intensity`, the radii and `min_distance`; size, border, density and
 /// clearing belong to rectangular forests.
@@ -35,8 +35,9 @@ const FEW_PAIRS: usize = 4096;
 ///   numbers of mean intensity x area.
 /// - With a least distance d: Matern's second hard-core process (B. Matern, Spatial Variation,
 ///   1960). A Poisson process of intensity -ln(1 - lambda pi d^2) / (pi d^2) gives every
+///   1960). A Poisson process of intensity -ln(1 - lambda pi d^2) / (pi d^2) gives every
 ///   tree a mark, uniform in [0, 1); a tree stays if no tree within d has a lower mark. That leaves
-///   exactly `intensity` trees a square metre, and needs to look no further than d over a tile's
+///   exactly `intensity` trees per square metre, and depends on no tree farther than d beyond a tile's
 ///   border. Sequential addition, which packs tighter, has no such local rule.
 ///
 /// ```
@@ -54,7 +55,7 @@ pub struct EndlessForest {
     spec: ForestSpec,
     tile: f64,
     seed: Seed,
-    /// Trees a square metre before thinning.
+    /// Trees per square metre before thinning.
     parents: f64,
 }
 
@@ -71,13 +72,13 @@ impl EndlessForest {
     /// A forest in tiles of `tile` metres.
     ///
     /// # Errors
-    /// When a setting is not allowed, when the intensity is beyond what marks can thin to (19 in
+    /// When a setting is not allowed, when the intensity is above what thinning by marks can keep (19 in
     /// 20 of 1 / (pi d^2)), and when a tile is narrower than the least distance or would hold more
     /// than a million trees.
     pub fn new(spec: &ForestSpec, tile: f64, seed: Seed) -> Result<Self, SpecError> {
         let spec = ForestSpec { width: 1.0, height: 1.0, density: None, ..spec.clone() };
         let distance = spec.min_distance;
-        // The rectangle's own limits do not matter here.
+        // The rectangle's own limits do not apply here.
         ForestSpec { min_distance: 0.0, border: super::Border::Open, ..spec.clone() }.validate()?;
         if !(distance >= 0.0 && distance.is_finite()) {
             let allowed = "a finite number, at least 0".to_owned();
@@ -107,7 +108,7 @@ impl EndlessForest {
         self.tile
     }
 
-    /// Trees that a tile is expected to hold: what drawing it costs, where there is no least distance.
+    /// Expected number of trees of a tile: the cost of drawing it, where there is no least distance.
     pub fn expected_trees(&self) -> f64 {
         self.spec.intensity * self.tile * self.tile
     }
@@ -127,10 +128,10 @@ impl EndlessForest {
         self.thinned(i, j, around(rows.each_ref(), 0))
     }
 
-    /// The trees of tile (`i`, `j`) that marks leave.
+    /// The trees of tile (`i`, `j`) that thinning keeps.
     fn thinned(&self, i: i32, j: i32, parents: Around) -> Vec<Tree> {
         let distance = self.spec.min_distance;
-        // Trees of the tiles around matter where they come near enough to this one.
+        // Trees of the tiles around matter where they are near enough to this tile.
         let around = self.tile_rect(i, j).grown(distance);
         let own = parents[1][1];
         let near = |parent: &&Parent| around.contains(parent.tree.center);
@@ -158,7 +159,7 @@ impl EndlessForest {
         trees
     }
 
-    /// What marks choose from in row `j`, from the tile before the first to the one after the last.
+    /// The trees before thinning in row `j`, from the tile before the first to the one after the last.
     fn row(&self, i: RangeInclusive<i32>, j: Option<i32>) -> Vec<Vec<Parent>> {
         let all = i64::from(*i.start()) - 1..=i64::from(*i.end()) + 1;
         let tile = |i: i64| match (i32::try_from(i), j) {
@@ -198,7 +199,7 @@ impl EndlessForest {
         };
         let columns = low.x as i32..=high.x as i32;
         let mut trees = Vec::new();
-        // Of a row of tiles and the next, two of three rows to thin by are the same.
+        // Two of the three rows that a row of tiles needs for thinning are also needed for the next.
         let mut rows: VecDeque<Vec<Vec<Parent>>> = VecDeque::new();
         for j in low.y as i32..=high.y as i32 {
             if self.spec.min_distance <= 0.0 {
@@ -303,7 +304,7 @@ mod tests {
 
     #[test]
     fn marks_thin_to_the_asked_intensity_and_keep_the_distance_across_tiles() {
-        // Tiles of few trees and of many, which are thinned in two ways.
+        // Tiles of few trees and of many, which are thinned by two methods.
         for tile in [4.0, 40.0] {
             let forest = forest(1.5, 0.12, tile);
             let trees = forest.window(window(-200.0, -200.0, 400.0, 400.0)).unwrap();

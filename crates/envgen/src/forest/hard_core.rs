@@ -1,8 +1,8 @@
 //! Centres with a least distance: a Poisson count, then random sequential addition.
 //!
 //! The paper modifies the Poisson process "using rejection sampling during the tree-placement
-//! phase": the number of trees is drawn first, then each tree is thrown again until it keeps its
-//! distance to all that stand.
+//! phase": the number of trees is drawn first, then each tree is drawn again until it keeps its
+//! distance to all trees placed before.
 
 use std::hint::black_box;
 
@@ -16,17 +16,17 @@ use crate::geometry::Rect;
 use crate::seed::{Seed, Stream};
 
 /// Random sequential addition jams at intensity x distance^2 = 0.6967 (coverage 0.547 by discs of
-/// that diameter: E. L. Hinrichsen, J. Feder and T. Jossang, Physical Review A 41, 1990), and slows
-/// down without bound before: up to 0.65 it ends in reasonable time.
+/// that diameter: E. L. Hinrichsen, J. Feder and T. Jossang, Physical Review A 41, 1990), and its time
+/// grows without bound near there: up to 0.65 it ends in reasonable time.
 const FILLING_LIMIT: f64 = 0.65;
 
-/// Attempts a tree, on average over all.
+/// Attempts per tree, on average over all.
 const ATTEMPTS: u64 = 400;
 
-/// Draws that may be thrown away in all to follow a density function that is mostly near 0.
+/// The most draws in all that may be rejected to follow a density function that is mostly near 0.
 const MOST_WASTED: u64 = 500_000_000;
 
-/// Throws whose places are looked up together before any of them is placed.
+/// Draws whose positions are looked up together before any of them is placed.
 const BATCH: usize = 64;
 
 pub(super) fn centres(
@@ -37,7 +37,7 @@ pub(super) fn centres(
     let area = spec.centre_area();
     let count = match density {
         None => poisson::draw_count(area, spec.intensity, seed),
-        // The Poisson count of the thinned process: how many of the densest forest's trees stay.
+        // The Poisson count of the thinned process: how many trees of the densest forest stay.
         Some(_) => poisson::centres(spec, seed, density)?.len() as u64,
     };
     let distance = spec.min_distance;
@@ -57,13 +57,13 @@ pub(super) fn centres(
     }
 }
 
-/// What sequential addition asks of an index of the points that stand.
-pub(super) trait Standing {
-    /// Whether a point stands nearer than the least distance.
+/// What sequential addition needs from an index of the placed points.
+pub(super) trait PointIndex {
+    /// Whether a placed point is nearer than the least distance.
     fn conflicts(&self, p: DVec2) -> bool;
 
-    /// Reads the memory that [`Standing::conflicts`] will read, and nothing else: many such reads
-    /// are under way at once, where those of a whole look-up would wait for each other.
+    /// Reads the memory that [`PointIndex::conflicts`] will read, and nothing else: many such reads run at
+    /// the same time, whereas whole look-ups would wait for each other.
     fn touch(&self, p: DVec2) -> u32;
 
     /// Adds a point that does not conflict.
@@ -74,7 +74,7 @@ pub(super) trait Standing {
 }
 
 fn add(
-    mut standing: impl Standing,
+    mut index: impl PointIndex,
     mut thrower: Thrower<'_>,
     count: u64,
     distance: f64,
@@ -95,34 +95,34 @@ fn add(
             };
             *p = place;
         }
-        black_box(batch[..thrown].iter().fold(0, |sum, &p| sum ^ standing.touch(p)));
+        black_box(batch[..thrown].iter().fold(0, |sum, &p| sum ^ index.touch(p)));
         for (free, &p) in free[..thrown].iter_mut().zip(&batch) {
-            *free = !standing.conflicts(p);
+            *free = !index.conflicts(p);
         }
         for (_, &p) in free.iter().zip(&batch[..thrown]).filter(|(free, _)| **free) {
             attempts += 1;
-            // Those of this batch that stand by now may be in the way.
-            if placed < count && !standing.conflicts(p) {
-                standing.insert(p);
+            // Points of this batch that were placed by now may conflict.
+            if placed < count && !index.conflicts(p) {
+                index.insert(p);
                 placed += 1;
             }
         }
         attempts += free[..thrown].iter().filter(|free| !**free).count() as u64;
     }
-    Ok(standing.into_points())
+    Ok(index.into_points())
 }
 
-/// Draws places: uniform, or in proportion to a density.
+/// Draws positions: uniform, or in proportion to a density.
 struct Thrower<'a> {
     area: Rect,
     density: Option<&'a dyn Density>,
     stream: Stream,
-    /// Draws that were thrown away to follow the density.
+    /// Draws that were rejected to follow the density.
     wasted: u64,
 }
 
 impl Thrower<'_> {
-    /// A place; `None` when too many draws were thrown away.
+    /// A position; `None` when too many draws were rejected.
     fn throw(&mut self) -> Result<Option<DVec2>, ForestError> {
         let Some(density) = self.density else {
             return Ok(Some(poisson::uniform(self.area, &mut self.stream)));

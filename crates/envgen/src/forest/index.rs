@@ -1,24 +1,24 @@
-//! Grids that answer "which points stand near here".
+//! Grids that find the points near a position.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::DVec2;
 
-use super::hard_core::Standing;
+use super::hard_core::PointIndex;
 use crate::geometry::Rect;
 
 /// A grid whose cells are so small that each holds at most one point.
 ///
-/// With a cell side of distance / sqrt 2 a conflicting point stands at most two cells away. A cell
-/// holds two bytes, its point to within 1/255 of the side: enough to decide all but one place in a
-/// hundred, and so little that the grid of a million points fits into a processor's cache. Places
+/// With a cell side of distance / sqrt 2 a conflicting point is at most two cells away. A cell
+/// holds two bytes, its point to within 1/255 of the side: enough to decide all but one position in a
+/// hundred, and so little that the grid of a million points fits into a processor's cache. Positions
 /// that it cannot decide are looked up in a [`CellList`].
 pub(super) struct FineGrid {
     per_cell: f64,
     /// Columns, margins included: no look-up checks a border, and on a torus the margins hold
     /// copies of the points from the other side.
     stride: usize,
-    /// 0 where no point stands, else its place in the cell in steps of 1/255 of the side: that
+    /// 0 where there is no point, else its position in the cell in steps of 1/255 of the side: that
     /// along x plus one in the high byte, that along y in the low byte.
     codes: Vec<u16>,
     /// The points themselves, with the area and whether it is a torus.
@@ -28,20 +28,20 @@ pub(super) struct FineGrid {
 /// Cells around the area, on every side.
 const MARGIN: usize = 2;
 
-/// Cells of a row that a look-up reads: the five that matter and three that fill a register; those
-/// lie too far away to conflict.
+/// Cells of a row that a look-up reads: the five that matter, and three that fill a register, which
+/// are too far away to conflict.
 const RUN: usize = 8;
 
 /// Steps of a code along a cell's side.
 const STEPS: f64 = 255.0;
 
-/// The least distance in steps, and how far a distance between a place and a coded point can be off:
-/// half a step along both axes, and rounding.
+/// The least distance in steps, and the greatest error of a distance between a position and a coded
+/// point: half a step along both axes, and rounding.
 const DISTANCE_IN_STEPS: f64 = STEPS * std::f64::consts::SQRT_2;
 const CODE_ERROR: f64 = 0.75;
 
 impl FineGrid {
-    /// Whether the grid takes at most 16 cells a point, 32 bytes.
+    /// Whether the grid takes at most 16 cells per point, 32 bytes.
     pub(super) fn suits(area: Rect, distance: f64, count: u64) -> bool {
         let size = (area.size() / (distance * FRAC_1_SQRT_2)).ceil();
         size.x * size.y <= 16.0 * count as f64 + 4096.0
@@ -57,12 +57,12 @@ impl FineGrid {
         FineGrid { per_cell, stride, codes: vec![0; cells], exact }
     }
 
-    /// A place in cells from the lower left corner of the grid, margins included.
+    /// A position in cells from the lower left corner of the grid, margins included.
     fn scaled(&self, p: DVec2) -> DVec2 {
         (p - self.exact.area.min) * self.per_cell + MARGIN as f64
     }
 
-    /// The cell at the lower left of the five by five around a place.
+    /// The cell at the lower left of the five by five around a position.
     fn first_around(&self, at: DVec2) -> usize {
         (at.y as usize - MARGIN) * self.stride + at.x as usize - MARGIN
     }
@@ -76,8 +76,8 @@ impl FineGrid {
     }
 }
 
-/// An offset, on a torus the shorter way round.
-fn shorter_way(offset: DVec2, area: Rect, torus: bool) -> DVec2 {
+/// An offset, on a torus in the shorter direction.
+fn shorter_offset(offset: DVec2, area: Rect, torus: bool) -> DVec2 {
     if !torus {
         return offset;
     }
@@ -85,7 +85,7 @@ fn shorter_way(offset: DVec2, area: Rect, torus: bool) -> DVec2 {
     offset - size * (offset / size).round()
 }
 
-impl Standing for FineGrid {
+impl PointIndex for FineGrid {
     #[inline]
     fn conflicts(&self, p: DVec2) -> bool {
         let at = self.scaled(p);
@@ -125,7 +125,7 @@ impl Standing for FineGrid {
         }
         let size = self.exact.area.size();
         let margin = MARGIN as f64;
-        // The cells that places of the area lie in, and the margins around them.
+        // The cells that positions of the area lie in, and the margins around them.
         let high = (size * self.per_cell).floor() + 1.0 + 2.0 * margin;
         for (i, j) in [(-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)] {
             let at = self.scaled(p + size * DVec2::new(f64::from(i), f64::from(j)));
@@ -146,7 +146,7 @@ impl Standing for FineGrid {
     }
 }
 
-/// A grid of cells at least as wide as the reach of a question, each with a list of its points.
+/// A grid of cells at least as wide as the reach of a query, each with a list of its points.
 pub(super) struct CellList {
     area: Rect,
     torus: bool,
@@ -163,7 +163,7 @@ pub(super) struct CellList {
 const NONE: u32 = u32::MAX;
 
 impl CellList {
-    /// An empty grid for about `count` points in `area`, asked about points within `reach`.
+    /// An empty grid for about `count` points in `area`, for queries within `reach`.
     pub(super) fn new(area: Rect, reach: f64, count: u64, torus: bool) -> Self {
         let size = area.size();
         let spacing = (size.x * size.y / (count as f64 + 1.0)).sqrt();
@@ -195,7 +195,7 @@ impl CellList {
     }
 
     /// Calls `visit` with every point that may be within the reach: its number in the order of
-    /// insertion and its offset from `p`, the shorter way round on a torus.
+    /// insertion and its offset from `p`, on a torus in the shorter direction.
     pub(super) fn visit(&self, p: DVec2, mut visit: impl FnMut(u32, DVec2)) {
         self.any(p, |i, offset| {
             visit(i, offset);
@@ -203,8 +203,8 @@ impl CellList {
         });
     }
 
-    /// Distance in metres from `p` to the nearest point but number `except`; infinite when there is
-    /// none. Looks ring by ring around the cell of `p`.
+    /// Distance in metres from `p` to the nearest point other than number `except`; infinite when there
+    /// is none. Searches ring by ring around the cell of `p`.
     pub(super) fn nearest(&self, p: DVec2, except: u32) -> f64 {
         let (col, row) = self.cell(p);
         // On each axis, the first and last cell of the grid as seen from here.
@@ -245,8 +245,8 @@ impl CellList {
         best
     }
 
-    /// Whether `found` says so of any point that may be within the reach, as for
-    /// [`CellList::visit`]; the first that it says so of is the last that it is asked of.
+    /// Whether `found` is true for any point that may be within the reach, visited as by
+    /// [`CellList::visit`]; it is not called again after the first such point.
     pub(super) fn any(&self, p: DVec2, mut found: impl FnMut(u32, DVec2) -> bool) -> bool {
         let (col, row) = self.cell(p);
         let near = |at: usize, len: usize| -> [Option<usize>; 3] {
@@ -273,7 +273,7 @@ impl CellList {
     }
 
     fn offset(&self, from: DVec2, to: DVec2) -> DVec2 {
-        shorter_way(to - from, self.area, self.torus)
+        shorter_offset(to - from, self.area, self.torus)
     }
 
     fn cell(&self, p: DVec2) -> (usize, usize) {
@@ -282,7 +282,7 @@ impl CellList {
     }
 }
 
-impl Standing for CellList {
+impl PointIndex for CellList {
     fn conflicts(&self, p: DVec2) -> bool {
         let reach2 = self.reach * self.reach;
         self.any(p, |_, offset| offset.length_squared() < reach2)
@@ -326,7 +326,7 @@ mod tests {
             for (i, &p) in points.iter().enumerate() {
                 let others = points.iter().enumerate().filter(|(j, _)| *j != i);
                 let brute = others
-                    .map(|(_, &q)| shorter_way(q - p, area, torus).length())
+                    .map(|(_, &q)| shorter_offset(q - p, area, torus).length())
                     .fold(f64::INFINITY, f64::min);
                 prop_assert_eq!(list.nearest(p, i as u32), brute);
             }
@@ -343,10 +343,10 @@ mod tests {
             let area = Rect::new(DVec2::new(-1.0, 3.0), DVec2::new(width - 1.0, height + 3.0));
             let mut fine = FineGrid::new(area, distance, 80, torus);
             let mut coarse = CellList::new(area, distance, points.len() as u64, torus);
-            let mut standing: Vec<DVec2> = Vec::new();
+            let mut placed: Vec<DVec2> = Vec::new();
             for (x, y) in points {
                 let p = area.min + DVec2::new(x, y) * area.size();
-                let conflict = standing.iter().any(|&q| {
+                let conflict = placed.iter().any(|&q| {
                     let mut d = (q - p).abs();
                     if torus {
                         d = d.min(area.size() - d);
@@ -356,7 +356,7 @@ mod tests {
                 prop_assert_eq!(coarse.conflicts(p), conflict);
                 prop_assert_eq!(fine.conflicts(p), conflict);
                 if !conflict {
-                    standing.push(p);
+                    placed.push(p);
                     coarse.insert(p);
                     fine.insert(p);
                 }

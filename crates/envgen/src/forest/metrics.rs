@@ -1,4 +1,4 @@
-//! What theory predicts of a forest, and what was drawn.
+//! Measures of a forest, and what theory predicts for them.
 
 use std::f64::consts::PI;
 
@@ -21,13 +21,13 @@ pub const PERCOLATION_THRESHOLD: f64 = 1.128;
 /// The cover is measured on a raster of about this many cells along the longer side.
 const COVER_CELLS: f64 = 256.0;
 
-/// Numbers that describe a forest. On a torus cover, touching and nearest neighbours count across
-/// its sides, ways through do not.
+/// Numbers that describe a forest. On a torus, cover, touching and nearest neighbours count across
+/// its sides, crossings do not.
 ///
 /// Predictions are those of the Poisson process with the spec's intensity and radii, absent where the
-/// density varies; a least distance or clearings make them wrong. The mean over many forests is what
-/// is predicted: trees at the border miss neighbours beyond it, and the ground there misses trunks,
-/// which the predictions account for. Those of an endless forest are given beside them.
+/// density varies; a least distance or clearings make them wrong. They predict the mean over many
+/// forests, and account for the border: trees there miss neighbours beyond it, and the ground there
+/// misses trunks. The formulas of an endless forest are given beside them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ForestMetrics {
     /// Number of trees.
@@ -43,20 +43,20 @@ pub struct ForestMetrics {
     /// Share of trees whose trunk touches no other; absent without trees.
     pub untouched: Option<f64>,
     /// exp(-4 lambda pi r^2) in an endless forest of a fixed radius r; more with a border. Absent for
-    /// other laws.
+    /// other radius laws.
     pub untouched_predicted: Option<f64>,
-    /// Mean distance from a tree's centre to the nearest other in metres; absent under two trees.
+    /// Mean distance from a tree's centre to the nearest other in metres; absent for less than two trees.
     pub nearest_neighbour: Option<f64>,
-    /// 1 / (2 sqrt lambda) in an endless forest; more with a border, and as the number of trees is
-    /// drawn: few trees are farther from each other than many are nearer.
+    /// 1 / (2 sqrt lambda) in an endless forest; more with a border, and because the number of trees is
+    /// random: the mean distance grows more with fewer trees than it falls with more.
     pub nearest_neighbour_predicted: Option<f64>,
-    /// Mean free path in metres of a robot that drives straight on in an endless forest,
+    /// Mean free path in metres of a robot that drives straight in an endless forest,
     /// `1 / (2 lambda (E[r] + rho))`.
     pub free_path_predicted: Option<f64>,
-    /// lambda pi E[(r + rho)^2] with the spec's own intensity, whatever a density map makes of it:
-    /// above [`PERCOLATION_THRESHOLD`] a wide even forest has no way through.
+    /// lambda pi E[(r + rho)^2] with the spec's own intensity, whatever the density map:
+    /// above [`PERCOLATION_THRESHOLD`] a wide even forest cannot be crossed.
     pub reduced_density: f64,
-    /// Whether a wide forest of this reduced density has ways through.
+    /// Whether a wide forest of this reduced density can be crossed.
     pub traversable_predicted: bool,
     /// Whether the robot's middle can go from the west side of the area to its east side, inside.
     pub traversable: bool,
@@ -67,7 +67,7 @@ pub(super) fn measure(forest: &Forest) -> ForestMetrics {
     let size = spec.centre_area().size();
     let lambda = spec.intensity;
     let fixed = spec.radius_law == RadiusLaw::Fixed;
-    // Theory is of forests of even density.
+    // The theory holds for forests of even density.
     let is_even = lambda > 0.0 && spec.density.is_none() && !forest.edited();
     let even = |value: fn(&ForestSpec) -> f64| {
         is_even.then(|| value(spec)).filter(|value| value.is_finite())
@@ -85,12 +85,12 @@ pub(super) fn measure(forest: &Forest) -> ForestMetrics {
         nearest_neighbour_predicted: even(predict::nearest_neighbour),
         free_path_predicted: even(free_path),
         reduced_density: reduced_density(spec),
-        traversable_predicted: predicts_ways(spec),
+        traversable_predicted: predicts_crossing(spec),
         traversable: crosses_west_east(forest),
     }
 }
 
-/// The mean free path of a robot that drives straight on, in an endless forest.
+/// The mean free path of a robot that drives straight in an endless forest.
 fn free_path(spec: &ForestSpec) -> f64 {
     let (mean, _) = radius_moments(spec);
     0.5 / (spec.intensity * (mean + spec.robot_radius))
@@ -103,8 +103,8 @@ fn reduced_density(spec: &ForestSpec) -> f64 {
     spec.intensity * PI * (mean_square + 2.0 * mean * rho + rho * rho)
 }
 
-/// Whether a wide forest of this density has ways through.
-pub(super) fn predicts_ways(spec: &ForestSpec) -> bool {
+/// Whether a wide forest of this density can be crossed.
+pub(super) fn predicts_crossing(spec: &ForestSpec) -> bool {
     reduced_density(spec) < PERCOLATION_THRESHOLD
 }
 
@@ -168,7 +168,7 @@ fn cover(spec: &ForestSpec, trees: &[Tree]) -> f64 {
             grid.occupy(&trunk, Coverage::Centre);
         }
     }
-    // The last row or column of cells may lie outside.
+    // The last row or column of cells may lie outside the area.
     let mut inside = 0_u32;
     let mut covered = 0_u32;
     for row in 0..grid.rows() {

@@ -6,7 +6,7 @@
 //! - [`ForestSpec`] and [`Forest`]: a rectangular forest, with a least distance between trees, a
 //!   law of radii and a density that may vary.
 //! - [`EndlessForest`]: a forest without borders, tile by tile.
-//! - [`ForestMetrics`]: what the theory predicts of a forest, beside what was drawn.
+//! - [`ForestMetrics`]: measures of a forest, and what theory predicts for them.
 
 mod density;
 mod endless;

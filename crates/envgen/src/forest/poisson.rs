@@ -1,4 +1,4 @@
-//! Centres without a least distance: a Poisson count, then uniform places.
+//! Centres without a least distance: a Poisson count, then uniform positions.
 
 use glam::DVec2;
 
@@ -41,7 +41,7 @@ pub(super) fn uniform(area: Rect, stream: &mut Stream) -> DVec2 {
     DVec2::new(x, stream.between(area.min.y, area.max.y))
 }
 
-/// The density at a point, if it keeps its own limits.
+/// The density at a point, checked against its own limits.
 pub(super) fn checked(density: &dyn Density, p: DVec2) -> Result<f64, ForestError> {
     let (value, max) = (density.at(p), density.max());
     if value >= 0.0 && value <= max {

@@ -1,9 +1,9 @@
-//! What theory predicts of a Poisson forest in its own area, border and all.
+//! What theory predicts for a Poisson forest in its own area, border included.
 //!
 //! A disc around a point holds a Poisson number of centres whose mean is the intensity times the
 //! area of the disc **inside the area of the centres**. Every prediction is a mean of a function of
 //! that mean, over the points of an area: constant in its interior, less near the border, where
-//! part of the disc lies outside. On a torus all points are alike, and a disc that reaches around it
+//! part of the disc lies outside. On a torus all points are alike, and a disc that extends around it
 //! is cut off half a side away.
 
 use std::f64::consts::PI;
@@ -27,13 +27,13 @@ const DISTANCE_PANELS: usize = 4;
 /// Panels of eight nodes for radii.
 const RADIUS_PANELS: usize = 2;
 
-/// A disc with so many centres on average is taken to hold one.
+/// A disc with this many centres on average is assumed to hold one.
 const CERTAIN: f64 = 36.0;
 
-/// From so many centres on average in a disc on, the border beyond it hardly matters.
+/// With this many centres on average in a disc, the border beyond it hardly matters.
 const FAR: f64 = 14.0;
 
-/// So many standard deviations of a log-normal law hold all of it.
+/// This many standard deviations hold practically all of a log-normal law.
 const ALL_OF_NORMAL: f64 = 8.0;
 
 /// The share of the area under trunks.
@@ -167,7 +167,7 @@ impl Centres {
         if self.torus {
             return f(DVec2::ZERO);
         }
-        // One quarter stands for all.
+        // One quarter represents all, by symmetry.
         let x = self.axis(half.x, self.half.x, reach);
         let y = self.axis(half.y, self.half.y, reach);
         let row = |&(y, weight): &(f64, f64)| {

@@ -11,8 +11,8 @@ use crate::error::SpecError;
 use crate::seed::{Seed, Stream};
 use crate::world::Tree;
 
-/// The least share of a log-normal law that must lie between the limits, so that redrawing what
-/// lies outside ends soon.
+/// The least share of a log-normal law that must lie between the limits, so that drawing values
+/// outside again ends soon.
 const LEAST_SHARE: f64 = 1e-3;
 
 /// The law of the radii.
@@ -23,8 +23,8 @@ pub enum RadiusLaw {
     Fixed,
     /// Uniform from `radius_min` to `radius_max`.
     Uniform,
-    /// Log-normal with median `radius` and `radius_sigma`, drawn again outside `radius_min` to
-    /// `radius_max`.
+    /// Log-normal with median `radius` and `radius_sigma`; values outside `radius_min` to `radius_max`
+    /// are drawn again.
     LogNormal,
 }
 

@@ -1,4 +1,4 @@
-//! What is asked of a forest, and the trees that are drawn.
+//! The settings of a forest, and the trees that are drawn.
 
 use std::f64::consts::PI;
 
@@ -21,8 +21,8 @@ use crate::world::{Tree, World};
 /// The most trees that a forest may be expected to hold.
 pub const MAX_TREES: f64 = 2e7;
 
-/// The most trees that a forest with a least distance may be expected to hold: it keeps a grid of
-/// up to 256 bytes a tree while it is made.
+/// The most trees that a forest with a least distance may be expected to hold: generating it needs a
+/// grid of up to 256 bytes per tree.
 pub const MAX_HARD_CORE_TREES: f64 = 5e6;
 
 /// A forest to generate: the rectangle from (0, 0) to (`width`, `height`).
@@ -44,7 +44,7 @@ pub struct ForestSpec {
     pub width: f64,
     /// Height of the area in metres.
     pub height: f64,
-    /// Mean number of trees a square metre.
+    /// Mean number of trees per square metre.
     pub intensity: f64,
     /// Radius of the trunks in metres; the median of `log_normal`, unused by `uniform`.
     pub radius: f64,
@@ -58,14 +58,14 @@ pub struct ForestSpec {
     pub radius_sigma: f64,
     /// Least distance between two trees' centres in metres; 0 for none.
     pub min_distance: f64,
-    /// What the border does.
+    /// How the border limits the trees.
     pub border: Border,
     /// Radius in metres around start and goal that no trunk reaches into; 0 clears nothing.
     pub clearing: f64,
-    /// Radius in metres of the robot for which start, goal and the ways through are found; 0 for a
-    /// point, which only trunks that touch stop.
+    /// Radius in metres of the robot for which start, goal and crossings are found; 0 for a point, which
+    /// is stopped only by trunks that touch.
     pub robot_radius: f64,
-    /// Where the forest is dense and where it is light: factors on `intensity`.
+    /// Density over the area: factors on `intensity`.
     pub density: Option<DensityMap>,
 }
 
@@ -89,15 +89,15 @@ impl Default for ForestSpec {
     }
 }
 
-/// What a forest's border does.
+/// How a forest's border limits the trees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Border {
     /// Centres lie inside; trunks may stick out by their radius.
     Open,
-    /// Whole trunks lie inside; `intensity` counts on the area that is left for the centres.
+    /// Whole trunks lie inside; `intensity` applies to the area that is left for the centres.
     Inset,
-    /// Opposite sides are joined: distances count across, so that copies of the forest tile the
+    /// Opposite sides are joined: distances count across them, so that copies of the forest tile the
     /// plane.
     Torus,
 }
@@ -105,7 +105,7 @@ pub enum Border {
 const WIDTH: Setting = Setting::number("width", "m", 0.01, 1e6, "width of the area");
 const HEIGHT: Setting = Setting::number("height", "m", 0.01, 1e6, "height of the area");
 const INTENSITY: Setting =
-    Setting::number("intensity", "1/m^2", 0.0, 1e6, "mean number of trees a square metre");
+    Setting::number("intensity", "1/m^2", 0.0, 1e6, "mean number of trees per square metre");
 const RADIUS: Setting = Setting::number(
     "radius",
     "m",
@@ -134,7 +134,7 @@ const MIN_DISTANCE: Setting = Setting::number(
     "least distance between two trees' centres (0: none)",
 );
 const BORDER: Setting =
-    Setting::choice("border", &["open", "inset", "torus"], "what the border does");
+    Setting::choice("border", &["open", "inset", "torus"], "how the border limits the trees");
 const CLEARING: Setting =
     Setting::number("clearing", "m", 0.0, 1e5, "radius kept free of trunks around start and goal");
 const ROBOT_RADIUS: Setting = Setting::number(
@@ -142,7 +142,7 @@ const ROBOT_RADIUS: Setting = Setting::number(
     "m",
     0.0,
     1e4,
-    "radius of the robot for which start, goal and the ways through are found (0: a point)",
+    "radius of the robot for which start, goal and crossings are found (0: a point)",
 );
 const DENSITY: Setting = Setting::other(
     "density",
@@ -152,24 +152,24 @@ const DENSITY: Setting = Setting::other(
 )
 .such_as("[[0, 1], [1, 0.5]]");
 
-/// Why a forest could not be made.
+/// Why a forest could not be generated.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ForestError {
-    /// The number of trees that was drawn cannot keep their distance.
+    /// The drawn number of trees does not fit at the least distance.
     #[error(
-        "`min_distance` is {distance} m, expected less: {trees} trees were drawn and the area \
-         takes at most {capacity} at this distance"
+        "`min_distance` must be less, got {distance} m: {trees} trees were drawn and the area \
+         holds at most {capacity} at this distance"
     )]
     Capacity {
         /// The number of trees drawn.
         trees: u64,
-        /// The number from which on random placement does not come to an end.
+        /// The number above which random placement does not end.
         capacity: f64,
-        /// The least distance asked.
+        /// The least distance in metres.
         distance: f64,
     },
-    /// Random placement did not find a place for every tree.
+    /// Random placement did not find a position for every tree.
     #[error(
         "{placed} of {trees} trees were placed at a distance of {distance} m in {attempts} \
          attempts; ask for a lower `intensity` or `min_distance`"
@@ -177,14 +177,14 @@ pub enum ForestError {
     Attempts {
         /// The number of trees drawn.
         trees: u64,
-        /// Those that found a place.
+        /// Trees that were placed.
         placed: u64,
         /// The attempts made.
         attempts: u64,
-        /// The least distance asked.
+        /// The least distance in metres.
         distance: f64,
     },
-    /// A density gave a value that it had promised not to give.
+    /// A density function gave a value outside of its own limits.
     #[error("the density at ({x}, {y}) is {value}, expected a number from 0 to {max}")]
     Density {
         /// Where, in metres.
@@ -193,7 +193,7 @@ pub enum ForestError {
         y: f64,
         /// What it gave.
         value: f64,
-        /// The greatest value it promised.
+        /// The greatest value of its own limits.
         max: f64,
     },
 }
@@ -271,8 +271,8 @@ impl Spec for ForestSpec {
 }
 
 impl ForestSpec {
-    /// Generates a forest of varying density: `density` takes the place of `intensity` and of the
-    /// spec's own raster. It cannot stand in the provenance, which is therefore marked as edited.
+    /// Generates a forest of varying density: `density` replaces `intensity` and the spec's own raster.
+    /// The provenance cannot hold it and is therefore marked as edited.
     ///
     /// # Errors
     /// As [`Spec::generate`], and when the density gives a value outside its own limits.
@@ -368,12 +368,12 @@ impl ForestSpec {
     }
 }
 
-/// The most trunks, grown by the robot's radius, that may lie over a point on average: far beyond
-/// any way through.
+/// The most trunks, grown by the robot's radius, that may cover a point on average: far too many to
+/// be crossed.
 const MAX_REDUCED_DENSITY: f64 = 100.0;
 
-/// The most overlaps of such trunks that a forest may be expected to hold: they bound the time that
-/// its metrics cost.
+/// The expected overlaps of such trunks that a forest may have at most: they bound the time of its
+/// metrics.
 const MAX_OVERLAPS: f64 = 4e7;
 
 /// The trees of a forest, with the spec and seed that they were drawn for.
@@ -392,23 +392,23 @@ impl Forest {
         &self.trees
     }
 
-    /// How many trees the clearings took away.
+    /// How many trees the clearings removed.
     pub fn cleared(&self) -> u64 {
         self.cleared
     }
 
-    /// What was asked.
+    /// The settings.
     pub fn spec(&self) -> &ForestSpec {
         &self.spec
     }
 
-    /// The seed it was drawn with.
+    /// The seed that it was drawn with.
     pub fn seed(&self) -> Seed {
         self.seed
     }
 
-    /// Whether a density function took the place of the spec's intensity, which is then the
-    /// greatest value of that function.
+    /// Whether a density function replaced the spec's intensity, which is then the greatest value of
+    /// that function.
     pub fn edited(&self) -> bool {
         self.edited
     }

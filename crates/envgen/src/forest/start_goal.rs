@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::index::CellList;
-use super::metrics::{crosses_west_east, predicts_ways};
+use super::metrics::{crosses_west_east, predicts_crossing};
 use super::spec::{Border, Forest, ForestSpec};
 use crate::certificate::Claim;
 use crate::geometry::{Pose, Rect};
@@ -13,14 +13,14 @@ use crate::world::{Tree, World};
 /// Start and goal lie this far from the west and east border, in metres, in a wide forest.
 const FROM_BORDER: f64 = 2.0;
 
-/// Where start and goal should be: the middle of the west and of the east side.
+/// The preferred start and goal: the middle of the west and of the east side.
 fn wished(spec: &ForestSpec) -> [DVec2; 2] {
     let inset = FROM_BORDER.max(spec.robot_radius).min(0.25 * spec.width);
     let y = 0.5 * spec.height;
     [DVec2::new(inset, y), DVec2::new(spec.width - inset, y)]
 }
 
-/// Takes away the trees that reach into the clearings, and counts them.
+/// Removes the trees that extend into the clearings, and counts them.
 pub(super) fn clear(spec: &ForestSpec, mut trees: Vec<Tree>) -> (Vec<Tree>, u64) {
     if spec.clearing <= 0.0 {
         return (trees, 0);
@@ -61,7 +61,7 @@ pub(super) fn world(forest: &Forest, provenance: Provenance) -> World {
         area: spec.area(),
         radius: spec.robot_radius,
         crosses: crosses_west_east(forest),
-        predicted: predicts_ways(spec),
+        predicted: predicts_crossing(spec),
     }];
     if spec.min_distance > 0.0 {
         let torus = (spec.border == Border::Torus).then_some(spec.area().size());
@@ -70,8 +70,8 @@ pub(super) fn world(forest: &Forest, provenance: Provenance) -> World {
     world
 }
 
-/// A free point near `wish`: the nearest of a square lattice of side `step`, looked for ring by
-/// ring. Where none is near the lattice becomes coarser, so that a wide thicket costs little.
+/// A free point near `wish`: the nearest of a square lattice of side `step`, searched ring by
+/// ring. Where no free point is near, the lattice becomes coarser, so that a wide thicket costs little.
 fn nearest_free(
     wish: DVec2,
     area: Rect,

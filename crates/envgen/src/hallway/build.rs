@@ -10,7 +10,7 @@ use crate::generate::Spec;
 use crate::geometry::{Rect, Shape, signed_area};
 use crate::world::{Obstacle, ObstacleKind, Wall, WallKind, World};
 
-/// Runs shorter than this, in metres, are rounding: the walls beside them meet without.
+/// Shorter runs, in metres, are rounding: the walls beside them meet without a run between.
 const SHORTEST_RUN: f64 = 1e-9;
 
 pub(super) fn world(hallway: &Hallway) -> World {
@@ -60,7 +60,7 @@ fn narrowest(features: &[Feature], spec: &HallwaySpec) -> f64 {
     });
     let between = in_the_way.windows(2).filter(|pair| pair[0].leg == pair[1].leg).map(|pair| {
         let apart = (pair[1].at - pair[0].at).dot(pair[0].direction).abs();
-        // Nothing is drawn nearer; rounding must not say so.
+        // No feature is drawn nearer; rounding must not claim less.
         (apart - 0.5 * (pair[0].length + pair[1].length)).max(feature::passage(spec))
     });
     beside.chain(between).fold(spec.width, f64::min)
@@ -97,7 +97,7 @@ fn side_walls(
             from = middle + half;
             recesses.push((middle - half, middle + half));
         }
-        // The outer wall of a square corner runs on by its thickness, which fills the corner.
+        // The outer wall of a square corner is longer by its thickness, which fills the corner.
         let corner = layout.corner(k);
         let outer = corner.is_some_and(|corner| corner.turn * side.sign() < 0.0);
         let extension = if outer && layout.arc_radius == 0.0 { spec.wall } else { 0.0 };
@@ -149,7 +149,7 @@ fn arc_walls(
     }
 }
 
-/// What stands in the corridor: the posts of a door frame, or a crate.
+/// The obstacles in the corridor: the posts of a door frame, or a crate.
 fn obstacles(feature: &Feature, spec: &HallwaySpec) -> Vec<Obstacle> {
     let along = feature.direction * (0.5 * feature.length);
     let left = feature.direction.perp();
@@ -229,7 +229,7 @@ mod tests {
                     prop_assert!(is_free(p), "{p} lies in a wall");
                 }
             }
-            // Just behind either face stands a wall, except where an alcove opens.
+            // Just behind either face is a wall, except where an alcove opens.
             let solid = |p: DVec2| world.solids().any(|s| s.shape.distance(p) < 1e-6);
             for (k, _) in layout.legs.iter().enumerate() {
                 for side in [0.5, -0.5] {
@@ -271,7 +271,7 @@ mod tests {
 
     #[test]
     fn crates_that_stand_near_each_other_leave_what_is_promised() {
-        // Rare door frames are narrow, so that crates may stand near each other where there are none.
+        // Rare door frames are narrow, so that crates may be near each other where there are no frames.
         let spec = HallwaySpec {
             segments: 41,
             door_frame_rate: 0.003,

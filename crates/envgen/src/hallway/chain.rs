@@ -62,7 +62,7 @@ impl State {
         State(NEXT[self.0 as usize][1])
     }
 
-    /// Unit vector of the direction in which one enters the segment.
+    /// Unit vector of the direction in which the segment is entered.
     #[inline]
     pub const fn entry(self) -> DVec2 {
         match self.0 {
@@ -72,8 +72,8 @@ impl State {
         }
     }
 
-    /// Unit vector of the direction in which one leaves the segment. It is never down, which is why
-    /// a hallway cannot cross itself.
+    /// Unit vector of the direction in which the segment is left. It is never down, which is why a hallway
+    /// cannot cross itself.
     #[inline]
     pub const fn exit(self) -> DVec2 {
         match self.0 {
@@ -110,7 +110,9 @@ impl Serialize for State {
 impl<'de> Deserialize<'de> for State {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let number = u8::deserialize(deserializer)?;
-        State::new(number).ok_or_else(|| de::Error::custom(format!("{number} is no state 1 to 8")))
+        State::new(number).ok_or_else(|| {
+            de::Error::custom(format!("the state must be from 1 to 8, got {number}"))
+        })
     }
 }
 
@@ -153,12 +155,12 @@ impl HallwayChain {
 
     /// The stationary law: the shares of states 1..=8 in the long run.
     ///
-    /// With `p_st` = 0 and `p_tt` < 1 every straight segment keeps itself for ever, and the law
-    /// given is the limit for `p_st` to 0: a quarter each.
+    /// With `p_st` = 0 and `p_tt` < 1 a straight segment is never followed by a turn, and the result is
+    /// the limit for `p_st` to 0: a quarter each.
     ///
     /// # Errors
-    /// With `p_st` = 0 and `p_tt` = 1, where straights and turns both keep themselves for ever and
-    /// no share of turns is better than another.
+    /// With `p_st` = 0 and `p_tt` = 1, where straights follow straights and turns follow turns forever,
+    /// so that the stationary law is not unique.
     pub fn stationary(&self) -> Result<[f64; 8], SpecError> {
         let leave = self.p_st + (1.0 - self.p_tt);
         if leave <= 0.0 {
@@ -188,7 +190,7 @@ impl HallwayChain {
         n * tau + (t0 - tau) * (1.0 - libm::pow(rho, n)) / leave
     }
 
-    /// Draws a history of `n` states that begins with `start`: one uniform number a transition.
+    /// Draws a history of `n` states that begins with `start`: one uniform number per transition.
     pub fn sample(&self, start: State, n: usize, stream: &mut Stream) -> Vec<State> {
         let mut state = start;
         let mut states = Vec::with_capacity(n);
@@ -206,7 +208,7 @@ impl HallwayChain {
     /// Estimates both probabilities from a history of states by maximum likelihood.
     ///
     /// # Errors
-    /// At the first transition that the chain does not have.
+    /// The first transition that the chain does not have.
     pub fn estimate(states: &[State]) -> Result<Estimate, HistoryError> {
         let mut estimate = Estimate::default();
         for (step, pair) in states.windows(2).enumerate() {
@@ -222,7 +224,7 @@ impl HallwayChain {
     }
 }
 
-/// A history that no hallway has.
+/// A history that the chain cannot produce.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("state {to} cannot follow state {from} (transition {step}, counted from 0)")]
 pub struct HistoryError {
@@ -234,7 +236,7 @@ pub struct HistoryError {
     pub to: State,
 }
 
-/// What a history of states tells of the chain that made it.
+/// Estimates of a chain's probabilities from a history of states.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Estimate {
     /// Turns among the transitions that leave a straight segment.
@@ -246,7 +248,7 @@ pub struct Estimate {
 /// A share of trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Proportion {
-    /// Trials that hit.
+    /// Trials with the outcome that is counted.
     pub hits: u64,
     /// All trials.
     pub trials: u64,

@@ -1,8 +1,8 @@
-//! Alcoves, door frames and crates: what tells one piece of a corridor from another.
+//! Alcoves, door frames and crates: the features that make pieces of a corridor differ.
 //!
 //! Zwennes (2011) asks for "different hallway pieces" because plain corridors were the predictable
 //! part of his maps. Every inner straight cell draws at most one feature, with probability rate x
-//! pitch: the rate is that of the draws, and `features_dropped` tells how many had no room.
+//! pitch: the rate is that of the draws, and `features_dropped` counts those without enough room.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use super::layout::HallwayLayout;
 use super::spec::{Hallway, HallwaySpec};
 use crate::geometry::Rect;
 
-/// Depth of a door frame and of a crate along the corridor, in metres, where the cell has it.
+/// Depth of a door frame and of a crate along the corridor, in metres, where the cell is that long.
 const FRAME_DEPTH: f64 = 0.2;
 const CRATE_DEPTH: f64 = 0.6;
 
@@ -25,9 +25,9 @@ pub struct Feature {
     pub cell: usize,
     /// Its middle on the centreline, in metres.
     pub at: DVec2,
-    /// Unit vector of travel there.
+    /// Unit vector of the direction of travel there.
     pub direction: DVec2,
-    /// Which wall it stands at; a door frame stands at both.
+    /// The wall that it is at; a door frame is at both.
     pub side: Side,
     /// Its length along the corridor in metres.
     pub length: f64,
@@ -68,8 +68,8 @@ impl Side {
 pub(super) struct Placed {
     pub(super) features: Vec<Feature>,
     pub(super) dropped: u64,
-    /// The last one that stands in the way: anything but an alcove.
-    last_in_the_way: Option<Feature>,
+    /// The last one that narrows the corridor: anything but an alcove.
+    last_narrowing: Option<Feature>,
 }
 
 /// Draws the features of a hallway and drops those for which there is no room: beside a corner, or
@@ -87,7 +87,7 @@ pub(super) fn place(hallway: &Hallway, layout: &HallwayLayout) -> Placed {
         let end =
             layout.legs.get(k + 1).map_or(hallway.states().len() - 1, |next| next.first_cell - 1);
         for cell in leg.first_cell.max(1)..end {
-            // Always the same three draws a cell, so that one cell's luck does not move the next.
+            // Always three draws per cell, so that a cell's outcome does not change the next one's draws.
             let (which, jitter, left) = (stream.unit(), stream.unit(), stream.chance(0.5));
             let Some((kind, length)) = draw(spec, which) else { continue };
             let side = if left { Side::Left } else { Side::Right };
@@ -101,7 +101,7 @@ pub(super) fn place(hallway: &Hallway, layout: &HallwayLayout) -> Placed {
             if room && taken.claim(spec, &feature) {
                 placed.features.push(feature);
                 if kind != FeatureKind::Alcove {
-                    placed.last_in_the_way = Some(feature);
+                    placed.last_narrowing = Some(feature);
                 }
             } else {
                 placed.dropped += 1;
@@ -111,18 +111,18 @@ pub(super) fn place(hallway: &Hallway, layout: &HallwayLayout) -> Placed {
     placed
 }
 
-/// The narrowest way through that the spec asks for, in metres.
+/// The narrowest passage that the spec asks for, in metres.
 pub(super) fn passage(spec: &HallwaySpec) -> f64 {
     let frame = if spec.door_frame_rate > 0.0 { spec.door_frame_width } else { spec.width };
     let crate_ = if spec.narrowing_rate > 0.0 { spec.narrowing_width } else { spec.width };
     frame.min(crate_)
 }
 
-/// Whether what fits through the narrowest way can also move aside between this feature and the
-/// last one: a crate right behind a door frame would close the corridor.
+/// Whether a robot that fits through the narrowest passage can also move aside between this feature
+/// and the last one: a crate right behind a door frame would close the corridor.
 fn clear_of_last(placed: &Placed, feature: &Feature, passage: f64) -> bool {
     feature.kind == FeatureKind::Alcove
-        || placed.last_in_the_way.is_none_or(|last| {
+        || placed.last_narrowing.is_none_or(|last| {
             let apart = (feature.at - last.at).dot(feature.direction).abs();
             let lengths = 0.5 * (feature.length + last.length);
             last.leg != feature.leg || apart >= lengths + passage - 1e-9
@@ -145,13 +145,13 @@ fn draw(spec: &HallwaySpec, which: f64) -> Option<(FeatureKind, f64)> {
     }
 }
 
-/// Whether both walls stand straight beside the whole feature, with a wall's thickness to spare.
+/// Whether both walls are straight beside the whole feature, with a wall's thickness to spare.
 fn fits_on_leg(layout: &HallwayLayout, spec: &HallwaySpec, feature: &Feature) -> bool {
     let half = 0.5 * feature.length + spec.wall;
     let at = feature.at.dot(feature.direction);
     [0.5, -0.5].iter().all(|side| {
         let (a, b) = layout.run(feature.leg, side * spec.width);
-        // The outer wall runs on past the corner, where there is no wall to the other side.
+        // The outer wall continues past the corner, where there is no wall on the other side.
         a.dot(feature.direction) + half <= at && at + half <= b.dot(feature.direction)
     })
 }
@@ -171,7 +171,7 @@ impl Feature {
 /// The lattice cells that the corridor and the alcoves placed so far use.
 struct Taken {
     cells: BTreeMap<(i64, i64), Vec<Owner>>,
-    /// Half the side of the square around a cell's middle that its piece of corridor stays in.
+    /// Half the side of the square around a cell's middle that holds its piece of corridor.
     reach: f64,
 }
 
@@ -195,8 +195,8 @@ impl Taken {
         Taken { cells, reach: (0.5 * spec.pitch).max(0.5 * spec.width + spec.wall) }
     }
 
-    /// Takes the place of an alcove; false when something is there. Other features stand inside the
-    /// corridor and always have their place.
+    /// Claims the cells of an alcove; false when one is taken. Other features lie inside the corridor and
+    /// always have room.
     fn claim(&mut self, spec: &HallwaySpec, feature: &Feature) -> bool {
         if feature.kind != FeatureKind::Alcove {
             return true;

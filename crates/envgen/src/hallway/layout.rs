@@ -1,8 +1,8 @@
 //! From states to a corridor in metres.
 //!
 //! Each state owns one square cell of a lattice, and the next cell lies in the exit direction. No
-//! exit direction is down, inside a row of cells the walk goes one way, and a row is left for good:
-//! so no cell is used twice, whatever the probabilities are.
+//! exit direction is down, the walk keeps one direction inside a row of cells, and it never returns to
+//! a row: so no cell is used twice, whatever the probabilities are.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -12,7 +12,7 @@ use super::chain::State;
 use super::spec::{Corners, HallwaySpec};
 use crate::geometry::{Pose, unit_vector};
 
-/// Arcs are drawn as chords that stay this near to them, in metres.
+/// Arcs are drawn as chords that stray from them by at most this, in metres.
 const CHORD_TOLERANCE: f64 = 0.002;
 
 /// A corridor in metres: the first cell's middle is the origin.
@@ -46,8 +46,8 @@ impl HallwayLayout {
             Corners::Square => 0.0,
             Corners::Rounded => half_width.max(0.5 * spec.pitch),
         };
-        // An end that turns needs room for its inner corner, which a corridor wider than its cells
-        // would push out of the end cell.
+        // An end that turns needs room for its inner corner, which would lie outside of the end cell if the
+        // corridor were wider than its cells.
         let stub = |state: State| {
             let half_pitch = 0.5 * spec.pitch;
             if state.is_turn() { half_pitch.max(half_width + spec.wall) } else { half_pitch }
@@ -119,7 +119,7 @@ impl HallwayLayout {
         self.start
     }
 
-    /// Where it is to go: the last cell.
+    /// Where it should go: the last cell.
     pub fn goal(&self) -> Pose {
         self.goal
     }

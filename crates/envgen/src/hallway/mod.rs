@@ -5,7 +5,7 @@
 //!
 //! - [`HallwayChain`]: the eight states, the transition matrix, its stationary law, sampling and
 //!   estimation from a history of states.
-//! - [`HallwaySpec`] and [`Hallway`]: what is asked and the states that were drawn.
+//! - [`HallwaySpec`] and [`Hallway`]: the settings, and the states that were drawn.
 //! - [`HallwayLayout`]: the corridor's centreline and walls in metres.
 
 mod build;

@@ -1,4 +1,4 @@
-//! What is asked of a hallway, and the states that are drawn.
+//! The settings of a hallway, and the states that are drawn.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
@@ -44,17 +44,17 @@ pub struct HallwaySpec {
     pub corners: Corners,
     /// Whether walls close the corridor's two ends.
     pub ends: Ends,
-    /// Alcoves a metre of straight corridor.
+    /// Alcoves per metre of straight corridor.
     pub alcove_rate: f64,
     /// Width of an alcove along the corridor in metres.
     pub alcove_width: f64,
     /// Depth of an alcove behind the wall's inner face in metres.
     pub alcove_depth: f64,
-    /// Door frames a metre of straight corridor.
+    /// Door frames per metre of straight corridor.
     pub door_frame_rate: f64,
     /// Clear width between the posts of a door frame in metres.
     pub door_frame_width: f64,
-    /// Narrow places a metre of straight corridor, each a crate at one wall.
+    /// Narrow places per metre of straight corridor, each a crate at one wall.
     pub narrowing_rate: f64,
     /// Clear width beside a crate in metres.
     pub narrowing_width: f64,
@@ -105,7 +105,7 @@ impl<'de> Deserialize<'de> for Start {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         const ALLOWED: &str = "a state from 1 to 8 or stationary";
 
-        /// A bare word, as RON allows, is read as a text too.
+        /// RON reads a bare word as text too.
         #[derive(Deserialize)]
         #[serde(untagged, expecting = "a state from 1 to 8 or stationary")]
         enum Written {
@@ -136,13 +136,13 @@ pub enum Corners {
     Rounded,
 }
 
-/// What stands at a hallway's two ends.
+/// Whether walls close a hallway's two ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ends {
     /// A wall at each.
     Closed,
-    /// Nothing.
+    /// No wall.
     Open,
 }
 
@@ -158,18 +158,19 @@ const PITCH: Setting =
 const WIDTH: Setting = Setting::number("width", "m", 0.05, 1000.0, "clear width of the corridor");
 const WALL: Setting = Setting::number("wall", "m", 0.001, 100.0, "thickness of the walls");
 const CORNERS: Setting = Setting::choice("corners", &["square", "rounded"], "how the walls turn");
-const ENDS: Setting = Setting::choice("ends", &["closed", "open"], "what stands at the two ends");
-const ALCOVE_RATE: Setting = rate("alcove_rate", "alcoves a metre of straight corridor");
+const ENDS: Setting =
+    Setting::choice("ends", &["closed", "open"], "whether walls close the two ends");
+const ALCOVE_RATE: Setting = rate("alcove_rate", "alcoves per metre of straight corridor");
 const ALCOVE_WIDTH: Setting =
     Setting::number("alcove_width", "m", 0.01, 1000.0, "width of an alcove along the corridor");
 const ALCOVE_DEPTH: Setting =
     Setting::number("alcove_depth", "m", 0.01, 1000.0, "depth of an alcove behind the wall's face");
 const DOOR_FRAME_RATE: Setting =
-    rate("door_frame_rate", "door frames a metre of straight corridor");
+    rate("door_frame_rate", "door frames per metre of straight corridor");
 const DOOR_FRAME_WIDTH: Setting =
     Setting::number("door_frame_width", "m", 0.01, 1000.0, "clear width of a door frame");
 const NARROWING_RATE: Setting =
-    rate("narrowing_rate", "crates that narrow the corridor, a metre of straight corridor");
+    rate("narrowing_rate", "narrowing crates per metre of straight corridor");
 const NARROWING_WIDTH: Setting =
     Setting::number("narrowing_width", "m", 0.01, 1000.0, "clear width beside a crate");
 
@@ -179,7 +180,7 @@ const fn rate(name: &'static str, help: &'static str) -> Setting {
 
 const RULES: &[&str] = &[
     "`width` plus `wall` is at most the `pitch`, or twice the `pitch` where `p_tt` is 0",
-    "`alcove_rate`, `door_frame_rate` and `narrowing_rate` together are at most one a `pitch`",
+    "`alcove_rate`, `door_frame_rate` and `narrowing_rate` together are at most one per `pitch`",
     "`alcove_width` is at most the `pitch` less two times `wall`, `alcove_depth` at most the `pitch`, \
      where `alcove_rate` is not 0",
     "`door_frame_width` is under the `width`, where `door_frame_rate` is not 0",
@@ -278,7 +279,7 @@ impl HallwaySpec {
 
     /// A hallway without turns must end inside the largest world.
     fn check_extent(&self) -> Result<(), SpecError> {
-        // Walls, alcoves and ends reach over the cells of the segments by no more than four cells.
+        // Walls, alcoves and ends extend beyond the cells of the segments by at most four cells.
         let cells = self.segments as f64 + 4.0;
         if self.pitch * cells <= MAX_COORDINATE {
             return Ok(());
@@ -297,7 +298,7 @@ impl HallwaySpec {
             return Err(SpecError::new(
                 "alcove_rate + door_frame_rate + narrowing_rate",
                 rate,
-                format!("at most {} 1/m: one a segment of {} m", 1.0 / self.pitch, self.pitch),
+                format!("at most {} 1/m: one per segment of {} m", 1.0 / self.pitch, self.pitch),
             ));
         }
         let length = self.pitch - 2.0 * self.wall;
@@ -338,12 +339,12 @@ impl Hallway {
         &self.states
     }
 
-    /// What was asked.
+    /// The settings.
     pub fn spec(&self) -> &HallwaySpec {
         &self.spec
     }
 
-    /// The seed it was drawn with.
+    /// The seed that it was drawn with.
     pub fn seed(&self) -> Seed {
         self.seed
     }
@@ -369,7 +370,7 @@ pub struct HallwayMetrics {
     pub length: f64,
     /// Alcoves, door frames and narrow places that were placed.
     pub features: u64,
-    /// Those that were drawn where there was no room for them.
+    /// Features that were dropped because there was no room for them.
     pub features_dropped: u64,
 }
 

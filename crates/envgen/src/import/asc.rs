@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::raster::{ImportedRaster, RasterFileError, check_size};
 use crate::file;
 
-/// The value that is no data where the header names none.
+/// The no-data value where the header gives none.
 const NO_DATA: f64 = -9999.0;
 
 /// Reads an ESRI ASCII grid of whole numbers: `ncols`, `nrows`, `xllcorner` or `xllcenter`,
@@ -15,7 +15,7 @@ const NO_DATA: f64 = -9999.0;
 /// top row first. Source: ESRI ASCII raster format, `ArcGIS` documentation.
 ///
 /// # Errors
-/// Names the line that is wrong.
+/// Names the line with the mistake.
 pub fn read_asc(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError> {
     let text = file::read_text(input)?;
     let wrong = |line: usize, what: String| RasterFileError::Line { line, what };
@@ -37,9 +37,9 @@ pub fn read_asc(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
             .parse()
             .ok()
             .filter(|value: &f64| value.is_finite())
-            .ok_or_else(|| wrong(number, format!("`{key}` is `{word}`, which is no number")))?;
+            .ok_or_else(|| wrong(number, format!("`{key}` must be a number, got `{word}`")))?;
         let whole = || {
-            let wrong = || wrong(number, format!("`{key}` is `{word}`, which is no whole number"));
+            let wrong = || wrong(number, format!("`{key}` must be a whole number, got `{word}`"));
             word.parse::<u64>().map_err(|_| wrong())
         };
         match key.as_str() {
@@ -51,7 +51,7 @@ pub fn read_asc(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
             "yllcorner" => y = value,
             "xllcenter" => (x, centred[0]) = (value, true),
             "yllcenter" => (y, centred[1]) = (value, true),
-            _ => return Err(wrong(number, format!("`{key}` is no key of an ESRI ASCII grid"))),
+            _ => return Err(wrong(number, format!("`{key}` is not a key of an ESRI ASCII grid"))),
         }
         lines.next();
     }
@@ -61,23 +61,24 @@ pub fn read_asc(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
     let rows = rows.ok_or_else(|| missing("nrows"))?;
     let (at, cell) = cell.ok_or_else(|| missing("cellsize"))?;
     if cell <= 0.0 {
-        return Err(wrong(at, format!("`cellsize` is {cell}, it must be positive")));
+        return Err(wrong(at, format!("`cellsize` must be positive, got {cell}")));
     }
     check_size(rows, cols)?;
     let mut values = Vec::new();
     for (number, line) in lines {
         for word in line.split_ascii_whitespace() {
-            let value: f64 =
-                word.parse().map_err(|_| wrong(number, format!("`{word}` is no number")))?;
+            let value: f64 = word
+                .parse()
+                .map_err(|_| wrong(number, format!("expected a number, got `{word}`")))?;
             values.push(if value == no_data {
                 None
             } else if value.fract() == 0.0 && value.abs() < 9e15 {
                 Some(value as i64)
             } else {
-                return Err(wrong(number, format!("`{word}` is no whole number")));
+                return Err(wrong(number, format!("expected a whole number, got `{word}`")));
             });
         }
-        // Values beyond what the header says are counted, but not kept.
+        // Values beyond the number in the header are counted, but not kept.
         if values.len() as u64 > rows * cols {
             break;
         }
@@ -113,19 +114,19 @@ mod tests {
     #[test]
     fn what_is_wrong_is_named() {
         for (from, to, what) in [
-            ("ncols 3", "ncols x", "line 1: `ncols` is `x`"),
+            ("ncols 3", "ncols x", "line 1: `ncols` must be a number, got `x`"),
             ("ncols 3\n", "", "the header has no `ncols`"),
-            ("ncols 3", "ncols -3", "no whole number"),
-            ("ncols 3", "ncols 1000000000", "1000000000 cells; a raster has from 1 to"),
-            ("NROWS 2", "NROWS 0", "a raster has from 1 to"),
-            ("cellsize 1.0", "cellsize 0", "line 5: `cellsize` is 0"),
+            ("ncols 3", "ncols -3", "`ncols` must be a whole number, got `-3`"),
+            ("ncols 3", "ncols 1000000000", "got 2 rows of 1000000000"),
+            ("NROWS 2", "NROWS 0", "the raster must have from 1 to"),
+            ("cellsize 1.0", "cellsize 0", "line 5: `cellsize` must be positive, got 0"),
             ("cellsize 1.0", "cellsize inf", "line 5"),
-            ("1 2 -1", "1 2", "5 values, but 2 rows of 3"),
-            ("1 2 -1", "1 2 3 4", "7 values, but 2 rows of 3"),
-            ("1 2 -1", "1 2.5 3", "line 7: `2.5` is no whole number"),
-            ("1 2 -1", "1 NaN 3", "line 7: `NaN` is no whole number"),
-            ("1 2 -1", "1 two 3", "line 7: `two` is no number"),
-            ("cellsize", "cellsise", "no key"),
+            ("1 2 -1", "1 2", "values for 2 rows of 3 cells, got 5"),
+            ("1 2 -1", "1 2 3 4", "values for 2 rows of 3 cells, got 7"),
+            ("1 2 -1", "1 2.5 3", "line 7: expected a whole number, got `2.5`"),
+            ("1 2 -1", "1 NaN 3", "line 7: expected a whole number, got `NaN`"),
+            ("1 2 -1", "1 two 3", "line 7: expected a number, got `two`"),
+            ("cellsize", "cellsise", "not a key"),
         ] {
             let error = read_asc(&mut GRID.replace(from, to).as_bytes()).unwrap_err().to_string();
             assert!(error.contains(what), "{to}: {error}");

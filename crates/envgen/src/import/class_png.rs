@@ -1,4 +1,4 @@
-//! PNG images of which each pixel is a cell's class.
+//! PNG images whose pixels are the classes of cells.
 
 use std::io::Read;
 
@@ -11,15 +11,15 @@ use crate::file::{self, PICTURE_KEY};
 
 /// Reads an image as classes: the index of an indexed image, the grey of a grey one, and the
 /// colour of any other as the number `0xRRGGBB`. Transparent pixels are no data. A cell has a side
-/// of 1 m where the image does not tell.
+/// of 1 m where the image does not give one.
 ///
 /// # Errors
-/// When it is no PNG image, or one of too many pixels.
+/// When the file is not a PNG image, or has too many pixels.
 pub fn read_class_png(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError> {
     let bytes = file::read_bytes(input)?;
     let mut decoder = Decoder::new(std::io::Cursor::new(bytes));
     decoder.set_transformations(Transformations::IDENTITY);
-    // Room for MAX_CELLS pixels of the widest kind; checked against the header before it is used.
+    // Memory for MAX_CELLS pixels of the widest kind; checked against the header before it is used.
     decoder.set_limits(Limits { bytes: 1 << 30 });
     let header = decoder.read_header_info()?;
     let (rows, cols) = (u64::from(header.height), u64::from(header.width));
@@ -50,7 +50,7 @@ pub fn read_class_png(input: &mut dyn Read) -> Result<ImportedRaster, RasterFile
         let sample = |i: usize| match depth {
             BitDepth::Sixteen => i64::from(u16::from_be_bytes([row[2 * i], row[2 * i + 1]])),
             BitDepth::Eight => i64::from(row[i]),
-            // The first pixel stands in the upper bits.
+            // The first pixel is in the upper bits.
             _ => {
                 let at = i * bits;
                 i64::from(row[at / 8] >> (8 - bits - at % 8)) & ((1 << bits) - 1)

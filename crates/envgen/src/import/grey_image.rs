@@ -1,4 +1,4 @@
-//! Images as shades: PGM, and PNG where pictures are built in.
+//! Images as shades: PGM, and PNG where the feature `picture` is on.
 
 use thiserror::Error;
 
@@ -8,20 +8,20 @@ use crate::export::ros_map::MAX_CELLS;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ImageError {
-    /// It is of no format that is read.
+    /// The format is not one that is read.
     #[error("neither a PGM image (P2 or P5) nor a PNG image")]
     Format,
-    /// It is a PNG, and this build reads none.
+    /// It is a PNG, and this build cannot read one.
     #[error("a PNG image; this build was made without the feature `picture`, which reads them")]
     NoPng,
-    /// The PGM's header is not what it should be.
+    /// A field of the PGM's header is not allowed.
     #[error("`{field}` of the PGM header must be {allowed}, got {value}")]
     Header {
         /// Width, height or greatest value.
         field: &'static str,
-        /// What stands there.
+        /// The value in the file.
         value: String,
-        /// What may stand there.
+        /// The allowed values.
         allowed: String,
     },
     /// There are no pixels, or too many.
@@ -33,26 +33,26 @@ pub enum ImageError {
         height: u64,
     },
     /// The PGM holds more or less than its header says.
-    #[error("the PGM header says {expected} {unit}, the file holds {found}")]
+    #[error("the PGM must hold {expected} {unit} by its header, got {found}")]
     Length {
-        /// What its header says.
+        /// The number by its header.
         expected: u64,
-        /// What there is.
+        /// The number in the file.
         found: u64,
-        /// Of what: bytes or numbers.
+        /// The unit: bytes or numbers.
         unit: &'static str,
     },
-    /// A value of the PGM is no number, or above the greatest value.
+    /// A value of the PGM is not a number, or above the greatest value.
     #[error("pixel {pixel} of the PGM is {value}, expected from 0 to {greatest}")]
     Value {
         /// The pixel, counted from 0 row by row from the top.
         pixel: u64,
-        /// What stands there.
+        /// The value in the file.
         value: String,
-        /// The greatest value by the header.
+        /// The greatest value in the header.
         greatest: u32,
     },
-    /// The PNG is broken.
+    /// The PNG is invalid.
     #[cfg(feature = "picture")]
     #[error("not a PNG image: {0}")]
     Png(#[from] png::DecodingError),
@@ -74,7 +74,7 @@ pub(super) struct GreyImage {
     pub(super) shades: Vec<Shade>,
 }
 
-/// Reads an image by its first bytes.
+/// Reads an image in the format that its first bytes give.
 pub(super) fn read_image(bytes: &[u8]) -> Result<GreyImage, ImageError> {
     match bytes {
         [b'P', kind @ (b'2' | b'5'), rest @ ..] => read_pgm(*kind == b'5', rest),
@@ -127,7 +127,7 @@ fn read_pgm(binary: bool, bytes: &[u8]) -> Result<GreyImage, ImageError> {
         let data = data[..expected as usize].chunks_exact(wide as usize);
         (0..).zip(data).map(|(pixel, bytes)| shade(pixel, value(bytes))).collect()
     } else {
-        // At least a digit and a space each: a header's lie allocates nothing.
+        // At least a digit and a space each: a false header allocates nothing.
         let most = (rest.len() as u64).min(pixels);
         let mut shades = Vec::with_capacity(most as usize);
         let mut found = 0;
@@ -183,7 +183,7 @@ fn read_png(bytes: &[u8]) -> Result<GreyImage, ImageError> {
     use png::{ColorType, Decoder, Limits, Transformations};
 
     let mut decoder = Decoder::new(std::io::Cursor::new(bytes));
-    // Palettes, few bits and transparent colours become plain 8 bits; so do 16.
+    // Palettes, few bits and transparent colours become plain 8 bits; so do 16 bits.
     decoder.set_transformations(Transformations::EXPAND | Transformations::STRIP_16);
     decoder.set_limits(Limits { bytes: 1 << 30 });
     let header = decoder.read_header_info()?;
@@ -238,20 +238,23 @@ mod tests {
             (b"", "neither a PGM"),
             (b"P5", "`width` of the PGM header must be a whole number, got "),
             (b"P5 2", "`height` of the PGM header must be a whole number, got "),
-            (b"P5 -2 2 255 ", "`width` of the PGM header must be"),
-            (b"P5 2 2.5 255 ", "`height` of the PGM header must be"),
+            (b"P5 -2 2 255 ", "`width` of the PGM header must be a whole number, got -2"),
+            (b"P5 2 2.5 255 ", "`height` of the PGM header must be a whole number, got 2.5"),
             (b"P5 2 2 0 \x00\x00\x00\x00", "`maxval` of the PGM header must be from 1 to"),
-            (b"P5 2 2 65536 \x00\x00\x00\x00", "`maxval` of the PGM header must be"),
+            (
+                b"P5 2 2 65536 \x00\x00\x00\x00",
+                "`maxval` of the PGM header must be from 1 to 65535, got 65536",
+            ),
             (b"P5 0 2 255 ", "0 x 2 pixels, expected from 1"),
             (b"P5 4294967296 4294967296 255 ", "4294967296 x 4294967296 pixels"),
             (b"P5 99999999 1 255 ", "99999999 x 1 pixels"),
-            (b"P5 2 2 255 \x00\x00\x00", "says 4 bytes of pixels, the file holds 3"),
-            (b"P5 2 2 256 \x00\x00\x00\x00", "says 8 bytes of pixels, the file holds 4"),
-            (b"P5 2 1 255 \x00\x00\x00", "says 2 bytes of pixels, the file holds 3"),
+            (b"P5 2 2 255 \x00\x00\x00", "must hold 4 bytes of pixels by its header, got 3"),
+            (b"P5 2 2 256 \x00\x00\x00\x00", "must hold 8 bytes of pixels by its header, got 4"),
+            (b"P5 2 1 255 \x00\x00\x00", "must hold 2 bytes of pixels by its header, got 3"),
             (b"P5 2 1 200 \x00\xc9", "pixel 1 of the PGM is 201, expected from 0 to 200"),
-            (b"P2 2 1 9 1", "says 2 numbers, the file holds 1"),
-            (b"P2 2 1 9 1 2 3", "says 2 numbers, the file holds 3"),
-            (b"P2 8000 8000 9 1", "says 64000000 numbers, the file holds 1"),
+            (b"P2 2 1 9 1", "must hold 2 numbers by its header, got 1"),
+            (b"P2 2 1 9 1 2 3", "must hold 2 numbers by its header, got 3"),
+            (b"P2 8000 8000 9 1", "must hold 64000000 numbers by its header, got 1"),
             (b"P2 2 1 9 1 x", "pixel 1 of the PGM is x"),
             (b"P2 2 1 9 1 10", "pixel 1 of the PGM is 10, expected from 0 to 9"),
             (b"P2 2 1 9 1 NaN", "pixel 1 of the PGM is NaN"),

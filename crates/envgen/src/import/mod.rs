@@ -35,8 +35,8 @@ use crate::world::World;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ImportError {
-    /// The file's name ends like that of no format.
-    #[error("no format for `{path}`, there are: {known}")]
+    /// The file's name has the ending of no format.
+    #[error("unknown file ending in `{path}`, expected one of {known}")]
     UnknownEnding {
         /// The file's name.
         path: PathBuf,
@@ -49,15 +49,15 @@ pub enum ImportError {
     /// The file holds no raster.
     #[error(transparent)]
     Raster(#[from] RasterFileError),
-    /// The file holds no map of a robot.
+    /// The file holds no map for robots.
     #[error(transparent)]
     RosMap(#[from] RosMapError),
-    /// The file is no project of the World Generator.
+    /// The file is not a project of the World Generator.
     #[error(transparent)]
     WorldGenerator(#[from] WorldGeneratorError),
 }
 
-/// Reads a world and checks it. The path is where the input comes from, for formats whose files name
+/// Reads a world and checks it. The path is that of the input, for formats whose files refer to
 /// others.
 pub type Reader = fn(&mut dyn Read, &Path) -> Result<World, ImportError>;
 
@@ -72,10 +72,10 @@ pub const READERS: &[(&str, Reader)] = &[
     ("yml", world_of_ros_map),
 ];
 
-/// The reader of a file, by the ending of its name; upper and lower case are one.
+/// The reader of a file, selected by the ending of its name, in upper or lower case.
 ///
 /// # Errors
-/// CellBuckets the endings that exist.
+/// Lists the endings that exist.
 pub fn reader(path: &Path) -> Result<Reader, ImportError> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     let found = READERS.iter().find(|(known, _)| Some(*known) == ending.as_deref());
@@ -85,7 +85,7 @@ pub fn reader(path: &Path) -> Result<Reader, ImportError> {
     })
 }
 
-/// Reads a world from a file, in the format that the ending of its name tells.
+/// Reads a world from a file, in the format that the ending of its name gives.
 ///
 /// # Errors
 /// When the ending is unknown, or the file cannot be read or holds no world.
@@ -98,7 +98,7 @@ pub fn read_world(path: &Path) -> Result<World, ImportError> {
 /// Reads a world from its JSON file.
 ///
 /// # Errors
-/// When the file holds no world of this crate's schema, or a broken one.
+/// When the file holds no world of this crate's schema, or an invalid one.
 pub fn read_json(input: &mut dyn Read) -> Result<World, ImportError> {
     Ok(World::from_json(&file::read_text(input)?)?)
 }
@@ -106,16 +106,16 @@ pub fn read_json(input: &mut dyn Read) -> Result<World, ImportError> {
 /// Reads a world from its RON file.
 ///
 /// # Errors
-/// When the file holds no world of this crate's schema, or a broken one.
+/// When the file holds no world of this crate's schema, or an invalid one.
 pub fn read_ron(input: &mut dyn Read) -> Result<World, ImportError> {
     Ok(World::from_ron(&file::read_text(input)?)?)
 }
 
 /// Reads a project of the World Generator for `USARSim`, with the built-in rooms; see
-/// [`read_world_generator_project`] for others, and for what is left out.
+/// [`read_world_generator_project`] for other rooms, and for what is left out.
 ///
 /// # Errors
-/// When the file is no project, or a room is unknown, overlaps another or leaves the world.
+/// When the file is not a project, or a room is unknown, overlaps another or extends beyond the world.
 pub fn read_world_generator(input: &mut dyn Read) -> Result<World, ImportError> {
     Ok(read_world_generator_project(input, Catalogue::builtin(), &[])?.plan.to_world())
 }
@@ -124,7 +124,7 @@ pub fn read_world_generator(input: &mut dyn Read) -> Result<World, ImportError> 
 /// libraries.
 ///
 /// # Errors
-/// When the file is no project, or a room is unknown, overlaps another or leaves the world.
+/// When the file is not a project, or a room is unknown, overlaps another or extends beyond the world.
 pub fn read_world_generator_project(
     input: &mut dyn Read,
     catalogue: &Catalogue,
@@ -136,19 +136,19 @@ pub fn read_world_generator_project(
 /// Reads a library of rooms of the World Generator.
 ///
 /// # Errors
-/// When the file is no library.
+/// When the file is not a library.
 pub fn read_world_generator_library(input: &mut dyn Read) -> Result<Vec<LibraryRoom>, ImportError> {
     Ok(read_library(&file::read_text(input)?)?)
 }
 
-/// Reads the map of a ROS robot; unknown cells are solid.
+/// Reads a ROS map; unknown cells are solid.
 fn world_of_ros_map(input: &mut dyn Read, path: &Path) -> Result<World, ImportError> {
     let world = ros_map::read_ros_map(input, path)?.to_world(UnknownCells::default());
     world.check().map_err(FileError::World)?;
     Ok(world)
 }
 
-/// The world of a raster that was read: all ground can be passed where the format tells no speeds.
+/// The world of a raster that was read: all ground can be passed where the format has no speeds.
 fn world_of_raster(format: &str, read: ImportedRaster) -> Result<World, ImportError> {
     let source = serde_json::json!({ "format": format, "labels": read.labels });
     let world = raster_world(read.raster, Provenance::other("import", source));

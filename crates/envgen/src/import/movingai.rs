@@ -9,8 +9,8 @@ use crate::export::movingai::Scenario;
 use crate::file;
 
 /// The classes that a map's terrain becomes, with its letters and the factor on a robot's speed:
-/// ground, swamp, water, trees, and what is out of bounds. Of these the benchmarks let an agent
-/// pass the first two.
+/// ground, swamp, water, trees, and out of bounds. In the benchmarks an agent can pass the first
+/// two.
 const TERRAIN: [(&str, f64); 5] = [(".G", 1.0), ("S", 0.5), ("W", 0.0), ("T", 0.0), ("@O", 0.0)];
 
 /// Reads a MovingAI map as classes: 1 ground (`.`, `G`), 2 swamp (`S`), 3 water (`W`), 4 trees
@@ -18,7 +18,7 @@ const TERRAIN: [(&str, f64); 5] = [(".G", 1.0), ("S", 0.5), ("W", 0.0), ("T", 0.
 /// a side of 1 m.
 ///
 /// # Errors
-/// Names the line that is wrong.
+/// Names the line with the mistake.
 pub fn read_map(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError> {
     let text = file::read_text(input)?;
     let wrong = |line: usize, what: String| RasterFileError::Line { line, what };
@@ -51,12 +51,13 @@ pub fn read_map(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
         let before = values.len();
         for letter in line.chars() {
             let class = (1..).zip(TERRAIN).find(|(_, terrain)| terrain.0.contains(letter));
-            let class = class.ok_or_else(|| wrong(number, format!("`{letter}` is no terrain")))?;
+            let class =
+                class.ok_or_else(|| wrong(number, format!("`{letter}` is not a terrain")))?;
             values.push(Some(class.0));
         }
         let found = (values.len() - before) as u64;
         if found != cols {
-            return Err(wrong(number, format!("{found} cells, but the width is {cols}")));
+            return Err(wrong(number, format!("the row must have {cols} cells, got {found}")));
         }
         if values.len() as u64 > rows * cols {
             break;
@@ -70,7 +71,7 @@ pub fn read_map(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
 /// Reads a MovingAI scenario file.
 ///
 /// # Errors
-/// Names the line that is wrong.
+/// Names the line with the mistake.
 pub fn read_scenarios(input: &mut dyn Read) -> Result<Vec<Scenario>, RasterFileError> {
     let text = file::read_text(input)?;
     let mut tasks = Vec::new();
@@ -80,7 +81,8 @@ pub fn read_scenarios(input: &mut dyn Read) -> Result<Vec<Scenario>, RasterFileE
         }
         let task = scenario(line).ok_or_else(|| RasterFileError::Line {
             line: number,
-            what: "not bucket, map, width, height, start x, y, goal x, y and length".to_owned(),
+            what: "expected bucket, map, width, height, start x, y, goal x, y and length"
+                .to_owned(),
         })?;
         tasks.push(task);
     }
@@ -125,12 +127,12 @@ mod tests {
         for (from, to, what) in [
             ("height 2", "height two", "line 2"),
             ("height 2\n", "", "no line `height`"),
-            ("height 2", "height 3", "8 values, but 3 rows of 4"),
-            ("height 2", "height 1", "8 values, but 1 rows of 4"),
-            ("width 4", "width 4000000000000", "a raster has from 1 to"),
-            ("width 4", "width 0", "a raster has from 1 to"),
-            (".GSW", ".GS", "line 5: 3 cells, but the width is 4"),
-            (".GSW", ".GSx", "line 5: `x` is no terrain"),
+            ("height 2", "height 3", "values for 3 rows of 4 cells, got 8"),
+            ("height 2", "height 1", "values for 1 rows of 4 cells, got 8"),
+            ("width 4", "width 4000000000000", "the raster must have from 1 to"),
+            ("width 4", "width 0", "the raster must have from 1 to"),
+            (".GSW", ".GS", "line 5: the row must have 4 cells, got 3"),
+            (".GSW", ".GSx", "line 5: `x` is not a terrain"),
             ("map\n", "mop\n", "line 4: `mop` before the line `map`"),
         ] {
             let error = read_map(&mut MAP.replace(from, to).as_bytes()).unwrap_err().to_string();

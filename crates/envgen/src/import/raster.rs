@@ -11,49 +11,49 @@ use crate::file::{self, FileError};
 use crate::landscape::MAX_CELLS;
 use crate::world::ClassRaster;
 
-/// Why a file holds no raster of classes.
+/// Why no raster of classes could be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RasterFileError {
     /// Reading failed.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The file's name ends like that of no format of rasters.
-    #[error("`{0}` is no raster of classes: its name must end in {ENDINGS}")]
+    /// The file's name has the ending of no raster format.
+    #[error("`{0}` is not a raster of classes: its name must end in {ENDINGS}")]
     UnknownEnding(String),
     /// The image is a picture that this crate drew.
     #[error("the image is a picture of a world; write the classes themselves as `.classes.png`")]
     Picture,
     /// There are no cells, or too many.
-    #[error("{rows} rows of {cols} cells; a raster has from 1 to {MAX_CELLS} cells")]
+    #[error("the raster must have from 1 to {MAX_CELLS} cells, got {rows} rows of {cols}")]
     Size {
         /// Rows.
         rows: u64,
         /// Columns.
         cols: u64,
     },
-    /// A line of the file is not what it should be.
+    /// A line of the file has a mistake.
     #[error("line {line}: {what}")]
     Line {
         /// Its number, counted from 1.
         line: usize,
-        /// What is wrong.
+        /// The mistake.
         what: String,
     },
-    /// The values are not as many as the header says.
-    #[error("{found} values, but {rows} rows of {cols} cells")]
+    /// The number of values is not the one in the header.
+    #[error("the file must have values for {rows} rows of {cols} cells, got {found}")]
     Values {
-        /// Rows of the header.
+        /// Rows in the header.
         rows: u64,
-        /// Columns of the header.
+        /// Columns in the header.
         cols: u64,
-        /// Values that were found.
+        /// Values in the file.
         found: u64,
     },
     /// There are too many classes.
-    #[error("{0} different values, at most 65535 classes are read")]
+    #[error("the raster must have at most 65535 different values, got {0}")]
     Classes(usize),
-    /// The JSON is of another form.
+    /// The JSON has another structure.
     #[error("not the JSON of a landscape, of a world with a raster, or of a list of rows: {0}")]
     Json(serde_json::Error),
     /// The JSON holds neither cells nor a raster.
@@ -70,13 +70,13 @@ const ENDINGS: &str = ".asc, .json, .map or .png";
 #[cfg(not(feature = "picture"))]
 const ENDINGS: &str = ".asc, .json or .map";
 
-/// A raster that was read, with what its classes are called in the file.
+/// A raster that was read, with the values of its classes in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImportedRaster {
     /// The raster.
     pub raster: ClassRaster,
-    /// The file's values, of class `k + 1` at `k`, where they cannot be class numbers themselves:
-    /// where one of them is not from 1 to 65535. Classes are then numbered in the values' order.
+    /// The file's values, for class `k + 1` at `k`, where they cannot be class numbers themselves:
+    /// where one of them is not from 1 to 65535. Classes are then numbered in the order of values.
     pub labels: Option<Vec<i64>>,
 }
 
@@ -115,10 +115,10 @@ impl ImportedRaster {
         })
     }
 
-    /// Reads a raster in the format that the ending of a file's name tells.
+    /// Reads a raster in the format that the ending of a file's name gives.
     ///
     /// # Errors
-    /// When the ending is unknown (the error lists those that are not), or the file holds no
+    /// When the ending is unknown (the error lists the known ones), or the file holds no
     /// raster of that format.
     pub fn read(name: &std::path::Path, input: &mut dyn Read) -> Result<Self, RasterFileError> {
         let ending = name.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
@@ -152,7 +152,7 @@ struct Document {
 /// Reads the raster of a landscape's JSON, of a line of `envgen sample`, of a world, or a plain
 /// list of rows. 0 and null are no data; a cell has a side of 1 m where none is given.
 ///
-/// # Errors
+/// When there is no raster, or its rows differ in length.
 /// When there is no raster, or its rows are not of one length.
 pub fn read_raster_json(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError> {
     let text = file::read_text(input)?;
@@ -179,14 +179,15 @@ pub fn read_raster_json(input: &mut dyn Read) -> Result<ImportedRaster, RasterFi
     let mut values = Vec::with_capacity(lines.iter().map(Vec::len).sum());
     for (line, row) in (1..).zip(&lines) {
         if row.len() as u64 != cols {
-            let what = format!("row {line} has {} cells, the first has {cols}", row.len());
+            let what =
+                format!("row {line} must have {cols} cells as the first has, got {}", row.len());
             return Err(RasterFileError::Line { line, what });
         }
         values.extend(row.iter().map(|value| value.filter(|&value| value != 0)));
     }
     let cell = document.cell.unwrap_or(1.0);
     if !(cell.is_finite() && cell > 0.0) {
-        let what = format!("the side of a cell is {cell} m, it must be positive");
+        let what = format!("the side of a cell must be positive, got {cell} m");
         return Err(RasterFileError::Line { line: 1, what });
     }
     ImportedRaster::new(rows, cols, cell, DVec2::ZERO, &values)
@@ -217,7 +218,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_named() {
         let error = |text: &str| read(text).unwrap_err().to_string();
-        assert!(error("[[1, 2], [3]]").contains("row 2 has 1 cells, the first has 2"));
+        assert!(error("[[1, 2], [3]]").contains("row 2 must have 2 cells as the first has, got 1"));
         assert!(error("[]").contains("from 1 to"));
         assert!(error("[[]]").contains("from 1 to"));
         assert!(error("{}").contains("neither"));
@@ -225,7 +226,7 @@ mod tests {
         assert!(error(r#"{"cells": [[1]], "cell": -1}"#).contains("positive"));
         let raster =
             r#"{"raster": {"rows": 2, "cols": 2, "cell": 1, "origin": [0, 0], "cells": [1]}}"#;
-        assert!(error(raster).contains("1 values, but 2 rows of 2"), "{}", error(raster));
+        assert!(error(raster).contains("values for 2 rows of 2 cells, got 1"), "{}", error(raster));
         assert!(error("nonsense").contains("not the JSON"));
     }
 }

@@ -25,17 +25,17 @@ use crate::world::{Obstacle, ObstacleKind, Wall, WallKind, World};
 /// The greatest coordinate of an origin that is read, in metres.
 const MAX_ORIGIN: f64 = 1e7;
 
-/// The greatest grey that stands for a probability in a raw map, in percent.
+/// The greatest grey that is a probability in a raw map, in percent.
 const MAX_PERCENT: f64 = 100.0;
 
-/// Why a map cannot be read.
+/// Why a map could not be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RosMapError {
     /// Reading the description failed.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The description is no YAML of a map.
+    /// The description is not the YAML of a map.
     #[error("not the YAML of a map: {0}")]
     Yaml(String),
     /// A value of the description is not allowed.
@@ -44,23 +44,23 @@ pub enum RosMapError {
     /// The image's file cannot be read.
     #[error("`image` is {path}, which cannot be read: {error}")]
     Missing {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         error: FileError,
     },
-    /// The image is broken.
+    /// The image is invalid.
     #[error("`image` is {path}: {error}")]
     Image {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         error: ImageError,
     },
 }
 
 /// How greys become occupancy. With p the probability of occupancy, 1 for black and 0 for white,
-/// or the other way round where the map says `negate`:
+/// or reversed where the map says `negate`:
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RosMode {
@@ -68,8 +68,8 @@ pub enum RosMode {
     /// unknown between. Transparency counts as a fourth colour, as in ROS.
     #[default]
     Trinary,
-    /// The same, but pixels that are not opaque are unknown. (What lies between the thresholds is a
-    /// probability from 0 to 99 % for ROS; a world has no half walls.)
+    /// The same, but pixels that are not opaque are unknown. (Between the thresholds ROS computes a
+    /// probability from 0 to 99 %; a wall of a world is solid or absent.)
     Scale,
     /// The grey itself, from 0 to 100, is p in percent; greys above are unknown. It is not negated.
     Raw,
@@ -120,10 +120,10 @@ impl RosDescription {
         yaml.parent().unwrap_or(Path::new("")).join(&self.image)
     }
 
-    /// Reads a description and checks it. Fields that are not known are left out.
+    /// Reads a description and checks it. Unknown fields are ignored.
     ///
     /// # Errors
-    /// When the text is no YAML, lacks a field, or a value is not allowed.
+    /// When the text is not YAML, a field is missing, or a value is not allowed.
     pub fn from_yaml(text: &str) -> Result<Self, RosMapError> {
         let description: RosDescription = serde_saphyr::from_str(text)
             .map_err(|error| RosMapError::Yaml(yaml::reason(&error, text)))?;
@@ -158,10 +158,10 @@ impl RosDescription {
         Ok(())
     }
 
-    /// Makes a map of the bytes of the image, a PGM or a PNG.
+    /// Makes a map from the bytes of the image, a PGM or a PNG.
     ///
     /// # Errors
-    /// When the image is broken or has too many pixels.
+    /// When the image is invalid or has too many pixels.
     pub fn map(&self, image: &[u8]) -> Result<RosMap, ImageError> {
         let image = read_image(image)?;
         let rows = image.shades.chunks_exact(image.cols).rev();
@@ -198,10 +198,10 @@ impl RosDescription {
     }
 }
 
-/// What unknown cells become.
+/// How unknown cells become parts of a world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum UnknownCells {
-    /// Obstacles: nobody knows a way there. So a map is closed where its walls have holes.
+    /// Obstacles: no free path through them is known. So a map is closed where its walls have holes.
     #[default]
     Solid,
     /// Free ground.
@@ -214,13 +214,13 @@ type Cells = ([i64; 2], [i64; 2]);
 
 impl RosMap {
     /// The map as a world. Occupied cells become walls, whose outlines are exactly the cells': runs
-    /// of cells of a row, joined where rows are alike, each a box. Unknown cells become obstacles
-    /// of the kind [`ObstacleKind::Other`] in the same way, or nothing. Nothing is known beyond the
-    /// map either: where its border is open, obstacles as wide as a cell stand around it, within the
-    /// world's bounds.
+    /// of cells in a row, joined where rows are alike, each a box. Unknown cells become obstacles
+    /// of the kind [`ObstacleKind::Other`] in the same form, or free ground. The ground beyond the map is
+    /// unknown too: where its border is open, obstacles one cell wide close it, within the world's
+    /// bounds.
     ///
-    /// The world starts at the roomiest place of the largest free region, heading along the map's
-    /// rows; it has no start where no cell is free. Another start can be set in
+    /// The world's start is the point of greatest clearance in the largest free region, heading along the
+    /// map's rows; it has no start where no cell is free. Another start can be set in
     /// [`World::start`].
     pub fn to_world(&self, unknown: UnknownCells) -> World {
         let is_solid = |cell: &RosCell| match cell {
@@ -256,7 +256,7 @@ impl RosMap {
         world
     }
 
-    /// A point of the map, in metres from its lower left corner along its sides, in the world.
+    /// A point of the map, in metres from its lower left corner along its sides, in the world's frame.
     fn place(&self, p: DVec2) -> DVec2 {
         self.origin.position + unit_vector(self.origin.heading).rotate(p)
     }
@@ -265,7 +265,7 @@ impl RosMap {
     fn border(&self, solid: &[bool]) -> Vec<Cells> {
         let (cols, rows) = (self.cols, self.rows());
         let mut boxes = Vec::new();
-        // Each side: how many cells, the number of each, and the box that closes a run of them.
+        // Each side: the number of its cells, the index of each, and the box that closes a run of them.
         let below = |[from, to]: [i64; 2]| ([from, to], [-1, 0]);
         let above = |[from, to]: [i64; 2]| ([from, to], [rows as i64, rows as i64 + 1]);
         let left = |[from, to]: [i64; 2]| ([-1, 0], [from, to]);
@@ -277,7 +277,7 @@ impl RosMap {
                 for run in open.chunk_by(|a, b| a == b) {
                     let to = from + run.len();
                     if run[0] {
-                        // Past the corners, so that nothing slips through between two sides.
+                        // Past the corners, so that there is no gap between two sides.
                         let low = if from == 0 { -1 } else { from as i64 };
                         let high = if to == len { to as i64 + 1 } else { to as i64 };
                         boxes.push(beside([low, high]));
@@ -298,7 +298,7 @@ impl RosMap {
         let low = DVec2::new(cols[0] as f64, rows[0] as f64) * self.resolution;
         let high = DVec2::new(cols[1] as f64, rows[1] as f64) * self.resolution;
         if self.origin.heading == 0.0 {
-            // Neighbours share their sides to the last bit, or nearly.
+            // Neighbours share their sides to the last bit, or nearly so.
             let origin = self.origin.position;
             return Shape::from_rect(Rect::new(origin + low, origin + high));
         }
@@ -310,7 +310,7 @@ impl RosMap {
     }
 
     /// Rectangles of cells of a kind, without overlap. Runs of a row that lie over a run of the same
-    /// columns join it.
+    /// columns are merged with it.
     fn boxes(&self, wanted: RosCell) -> Vec<Cells> {
         let mut done = Vec::new();
         // Runs that end at the row below: their columns, and the row that they begin at.
@@ -343,10 +343,10 @@ impl RosMap {
     }
 }
 
-/// Reads the YAML of a map, and the image that it names; `path` is the YAML's own place.
+/// Reads the YAML of a map, and the image that it names; `path` is the path of the YAML file.
 ///
 /// # Errors
-/// When the YAML or the image cannot be read, or hold no map.
+/// When the YAML or the image cannot be read, or holds no map.
 pub fn read_ros_map(input: &mut dyn Read, path: &Path) -> Result<RosMap, RosMapError> {
     let description = RosDescription::from_yaml(&file::read_text(input)?)?;
     let path = description.image_path(path);

@@ -73,7 +73,7 @@ fn walls(plan: &FloorPlan, walls: &mut Vec<Wall>) {
     }
 }
 
-/// The walls on one line. `openings` are those not passed yet, in order.
+/// The walls on one line. `openings` are those that are still ahead, in order.
 fn runs(
     plan: &FloorPlan,
     axis: Axis,
@@ -101,7 +101,7 @@ fn runs(
         while end < cells && wall(end) {
             end += 1;
         }
-        // A run ends in a wall across, and fills its corner.
+        // A run ends at a crossing wall, and fills its corner.
         let mut from = f64::from(along) * unit - half_wall;
         let to = f64::from(end) * unit + half_wall;
         let here = |gate: &Gate| gate.wall == axis && gate.line == line && gate.at < 2 * end;
@@ -229,10 +229,10 @@ fn start(plan: &FloorPlan, access: &AccessGraph) -> Option<u32> {
     cells.get(drawn).copied()
 }
 
-/// The direction of the first way out of a place.
+/// The direction of the first link of a place.
 fn heading(access: &AccessGraph, place: u32) -> f64 {
-    let way = access.links().iter().find(|link| link.places.contains(&place));
-    let Some(link) = way else { return 0.0 };
+    let first = access.links().iter().find(|link| link.places.contains(&place));
+    let Some(link) = first else { return 0.0 };
     let other = link.places[usize::from(link.places[0] == place)];
     let along = access.places()[other as usize].at - access.places()[place as usize].at;
     libm::atan2(along.y, along.x)

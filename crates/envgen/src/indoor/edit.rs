@@ -22,9 +22,9 @@ pub enum Edit {
         /// Quarter turns counter-clockwise.
         quarters: u8,
     },
-    /// Moves a room, with those of its doorways that lead somewhere at the new place.
+    /// Moves a room, with those of its doorways that lead somewhere at the new position.
     MoveRoom {
-        /// Its place in [`FloorPlan::rooms`].
+        /// Its index in [`FloorPlan::rooms`].
         room: usize,
         /// Column of its leftmost cells.
         x: u32,
@@ -33,15 +33,15 @@ pub enum Edit {
     },
     /// Turns a room about its upper left corner, with its doorways.
     TurnRoom {
-        /// Its place in [`FloorPlan::rooms`].
+        /// Its index in [`FloorPlan::rooms`].
         room: usize,
         /// Quarter turns counter-clockwise.
         quarters: u8,
     },
-    /// Takes a room away; its cells become open area, or solid where the spec has none.
-    /// The last room takes its place in [`FloorPlan::rooms`].
+    /// Removes a room; its cells become open area, or solid where the spec has no open areas.
+    /// The last room takes its index in [`FloorPlan::rooms`].
     RemoveRoom {
-        /// Its place in [`FloorPlan::rooms`].
+        /// Its index in [`FloorPlan::rooms`].
         room: usize,
     },
     /// Makes a solid cell or a piece of open area a hallway.
@@ -69,9 +69,9 @@ pub enum Edit {
 #[non_exhaustive]
 pub enum EditError {
     /// There is no such room.
-    #[error("there is no room {room}, the plan has {count}")]
+    #[error("there is no room {room}; the plan has {count}")]
     NoRoom {
-        /// The place asked.
+        /// The requested index.
         room: usize,
         /// Number of rooms.
         count: usize,
@@ -79,7 +79,7 @@ pub enum EditError {
     /// It would leave the grid.
     #[error("{what} at column {x}, row {y} would leave the grid of {columns} by {rows} cells")]
     Outside {
-        /// What.
+        /// The room or hallway.
         what: String,
         /// Column.
         x: u32,
@@ -93,7 +93,7 @@ pub enum EditError {
     /// It would overlap something.
     #[error("{what} would overlap {with} at column {x}, row {y}")]
     Overlap {
-        /// What.
+        /// The room or hallway.
         what: String,
         /// A hallway or a room's name.
         with: String,
@@ -102,15 +102,15 @@ pub enum EditError {
         /// Row of the first such cell.
         y: u32,
     },
-    /// The cell is no hallway.
-    #[error("the cell at column {x}, row {y} is no hallway")]
+    /// The cell is not a hallway.
+    #[error("the cell at column {x}, row {y} is not a hallway")]
     NoHallway {
         /// Column.
         x: u32,
         /// Row.
         y: u32,
     },
-    /// There is no room's wall, or it has not one space behind the whole width of a doorway.
+    /// There is no wall of a room, or not one single space behind the whole width of the doorway.
     #[error("a doorway at {0:?} would not lead from a room to one other space")]
     NoWall(Gate),
     /// The doorway is open already.
@@ -121,7 +121,7 @@ pub enum EditError {
     NotOpen(Gate),
 }
 
-/// A plan under change. Every edit can be undone and redone; one that is refused changes nothing.
+/// A plan that is being edited. Every edit can be undone and redone; a refused one changes nothing.
 ///
 /// ```
 /// use envgen::indoor::{Edit, IndoorSpec, PlanEditor};
@@ -144,7 +144,7 @@ pub struct PlanEditor {
     undone: Vec<Vec<Change>>,
 }
 
-/// One reversible change: what was there and what is there now.
+/// One reversible change: the state before and the state after.
 #[derive(Clone, Debug)]
 enum Change {
     Cell {
@@ -152,7 +152,7 @@ enum Change {
         from: Cell,
         to: Cell,
     },
-    /// A room at the end appears or vanishes where one of the two is absent.
+    /// A room at the end is added or removed where one of the two is absent.
     Room {
         index: usize,
         from: Option<Box<PlacedRoom>>,
@@ -196,7 +196,7 @@ impl PlanEditor {
         Ok(())
     }
 
-    /// Takes the last change back; whether there was one.
+    /// Undoes the last change; returns whether there was one.
     pub fn undo(&mut self) -> bool {
         let Some(step) = self.done.pop() else { return false };
         self.revert(&step);
@@ -205,7 +205,7 @@ impl PlanEditor {
         true
     }
 
-    /// Makes the last change again that was taken back; whether there was one.
+    /// Makes the last undone change again; returns whether there was one.
     pub fn redo(&mut self) -> bool {
         let Some(step) = self.undone.pop() else { return false };
         step.iter().for_each(|change| self.change(change));
@@ -336,7 +336,7 @@ impl PlanEditor {
                 let (mut side, mut at) = (side, at);
                 let mut lengths = old.size();
                 for _ in 0..quarters {
-                    // Between north and west, and south and east, a side runs the other way.
+                    // Between north and west, and south and east, the direction of a side changes.
                     if matches!(side, Side::North | Side::South) {
                         at = 2 * lengths.0 - at;
                     }
@@ -403,7 +403,7 @@ impl PlanEditor {
         }
     }
 
-    /// Whether a doorway at a place lies in a room's wall and is whole.
+    /// Whether a doorway at a position lies in a room's wall and is whole.
     fn takes_doorway(&self, gate: Gate) -> bool {
         let grid = &self.plan.grid;
         let (lines, along) = match gate.wall {

@@ -14,17 +14,17 @@ use crate::seed::Seed;
 pub enum Stage {
     /// The distances between hallways are drawn, and the hallways placed or grown.
     Hallways,
-    /// Cycles are prevented, where drawn.
+    /// Hallway cycles are prevented, where the draw says so.
     Cycles,
     /// Rooms are drawn and placed.
     Rooms,
-    /// What is left becomes open area.
+    /// The remaining cells become open area.
     OpenAreas,
-    /// Contents are moved, where a clearance is asked.
+    /// Contents are moved, where a clearance is set.
     Contents,
     /// Doorways are drawn and walls opened.
     Doorways,
-    /// What cannot be reached gets doorways, in the profile `guaranteed`.
+    /// Unreachable places get doorways, in the profile `guaranteed`.
     Access,
 }
 
@@ -41,11 +41,11 @@ impl Stage {
     ];
 }
 
-/// The plan of a valid spec; `after` is called behind every stage.
+/// The plan of a valid spec; `after` is called after every stage.
 pub(super) fn plan(spec: &IndoorSpec, seed: Seed, after: &mut dyn FnMut(Stage)) -> FloorPlan {
     let mut stream = seed.stream("indoor/spacing", 0);
     let mut space = |given: Option<u32>, size: u32| {
-        // Drawn even where it is given, so that one setting does not change the other's draw.
+        // Drawn even where a spacing is set, so that setting one does not change the draw of the other.
         let raw = adapt::spacing_raw(spec.difficulty, size, standard_normal(&mut stream));
         given.map_or((raw, adapt::spacing(raw, size)), |given| (f64::from(given), given))
     };

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// What a cell of the grid is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Cell {
-    /// Solid: nothing is there, and nothing can go there.
+    /// Solid: not part of any room, hallway or open area.
     #[default]
     Solid,
     /// A piece of a hallway.
@@ -17,7 +17,7 @@ pub enum Cell {
 }
 
 impl Cell {
-    /// Whether it is a hallway or an open area, which no wall divides.
+    /// Whether it is a hallway or an open area; no walls divide these.
     #[inline]
     pub fn is_floor(self) -> bool {
         matches!(self, Cell::Hallway | Cell::Open)
@@ -70,18 +70,18 @@ impl Grid {
         &self.cells
     }
 
-    /// Number of cells that a condition holds for.
+    /// Number of cells for which a condition holds.
     pub fn count(&self, condition: impl Fn(Cell) -> bool) -> usize {
         self.cells.iter().filter(|&&cell| condition(cell)).count()
     }
 
-    /// The place of a cell in [`Grid::cells`]. The cell must lie in the grid.
+    /// The index of a cell in [`Grid::cells`]. The cell must lie in the grid.
     #[inline]
     pub(super) fn index(&self, x: u32, y: u32) -> usize {
         y as usize * self.width as usize + x as usize
     }
 
-    /// The cell of a place in [`Grid::cells`].
+    /// The cell of an index in [`Grid::cells`].
     #[inline]
     pub(super) fn position(&self, index: usize) -> (u32, u32) {
         ((index % self.width as usize) as u32, (index / self.width as usize) as u32)
@@ -140,8 +140,8 @@ impl Side {
         Side::ALL[(self as usize + 4 - usize::from(quarters % 4)) % 4]
     }
 
-    /// The side that becomes this one by `quarters` quarter turns counter-clockwise, and the place
-    /// on it that comes to `at`. `length` tells how long each side is before the turn; places count
+    /// The side that becomes this one by `quarters` quarter turns counter-clockwise, and the position
+    /// on it that becomes `at`. `length` gives the length of each side before the turn; positions count
     /// from the left or from the top.
     pub(super) fn before_turn(
         self,
@@ -151,7 +151,7 @@ impl Side {
     ) -> (Side, u32) {
         let original = self.turned((4 - quarters % 4) % 4);
         // Sides run from left to right and from top to bottom, so that every turn between north
-        // and west, or south and east, runs them the other way.
+        // and west, or south and east, reverses their direction.
         let reversed = match quarters % 4 {
             0 => false,
             1 => matches!(self, Side::West | Side::East),
@@ -161,7 +161,7 @@ impl Side {
         (original, if reversed { length(original).saturating_sub(at) } else { at })
     }
 
-    /// The side across.
+    /// The opposite side.
     pub fn opposite(self) -> Side {
         self.turned(2)
     }
@@ -199,7 +199,7 @@ impl Sides {
     }
 }
 
-/// Which way a wall runs.
+/// The direction of a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Axis {
@@ -209,12 +209,12 @@ pub enum Axis {
     Vertical,
 }
 
-/// The place of an opening in a wall: one doorway wide, its middle at a multiple of half a cell.
+/// The position of an opening in a wall: one doorway wide, its middle at a multiple of half a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Gate {
-    /// Which way the wall runs.
+    /// The direction of the wall.
     pub wall: Axis,
-    /// The line that the wall stands on: above row `line`, or left of column `line`.
+    /// The grid line of the wall: above row `line`, or left of column `line`.
     pub line: u32,
     /// Middle of the opening along the wall, in half cells from the left or from the top.
     pub at: u32,
@@ -267,17 +267,17 @@ impl Gate {
 pub struct Opening {
     /// Where it is.
     pub gate: Gate,
-    /// Why it is there.
+    /// Why it exists.
     pub origin: Origin,
 }
 
-/// Why an opening is there.
+/// Why an opening exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Origin {
     /// Drawn, in the middle of a room's side.
     Drawn,
-    /// Drawn, but moved along the side to where it is whole.
+    /// Drawn, but moved along the side to a position where it is whole.
     Shifted,
     /// Added so that a place can be reached.
     Added,

@@ -1,8 +1,8 @@
-//! The free space inside a room: where a disc can be, which doorways lead where, and how wide the
-//! narrowest way through is.
+//! The free space inside a room: where a disc can be, which doorways are connected, and how wide the
+//! narrowest passage is.
 //!
 //! The room is sampled at points at most [`STEP`] apart. A point counts as free when the disc has
-//! half a step of room to spare there, so that the disc can also move along the straight line
+//! a clearance of half a step to spare there, so that the disc can also move along the straight line
 //! between two free neighbours: what is found connected is connected.
 
 use glam::DVec2;
@@ -16,17 +16,17 @@ use crate::geometry::{Rect, Shape};
 /// Greatest distance between two samples, in metres.
 pub const STEP: f64 = 0.05;
 
-/// The same where nothing may be overlooked.
+/// The same for checks that may overlook nothing.
 const FINE_STEP: f64 = 0.0125;
 
-/// Distances are measured up to here, in metres.
+/// Greatest distance that is measured, in metres.
 const REACH: f64 = 1.5;
 
-/// Depth behind the wall's face, in metres, to which the contents of a room leave every doorway of
-/// the profile `guaranteed` clear.
+/// Depth behind the wall's face, in metres, that the contents of a room leave clear at every doorway
+/// in the profile `guaranteed`.
 pub const DOORWAY_DEPTH: f64 = 0.5;
 
-/// The measures that decide where a robot can go, all in metres.
+/// The dimensions that decide where a robot can go, all in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dimensions {
     /// Side of a cell.
@@ -40,11 +40,11 @@ pub struct Dimensions {
 }
 
 impl Dimensions {
-    /// Checks the measures against the limits of the settings of an
+    /// Checks the dimensions against the limits of the settings of an
     /// [`IndoorSpec`](super::IndoorSpec); a radius may be 0.
     ///
     /// # Errors
-    /// The first measure that is not allowed.
+    /// The first dimension that is not allowed.
     pub fn validate(&self) -> Result<(), SpecError> {
         UNIT.check(self.unit)?;
         WALL.check(self.wall)?;
@@ -57,39 +57,39 @@ impl Dimensions {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interior {
     parts: Vec<Part>,
-    /// By side, in half cells from the left or from the top, the first at half a cell.
+    /// For each side, in half cells from the left or from the top, the first at half a cell.
     ports: [Vec<Port>; 4],
 }
 
 /// A connected piece of a room's free space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// The point that is farthest from everything, in metres from the room's lower left corner.
+    /// The point with the greatest clearance, in metres from the room's lower left corner.
     pub anchor: DVec2,
-    /// Distance from the anchor to the nearest thing, in metres, at most 1.5.
+    /// Distance from the anchor to the nearest wall or part, in metres, at most 1.5.
     pub clearance: f64,
-    /// Area of the places where the footprint's middle can be, in square metres.
+    /// Area of the positions where the footprint's middle can be, in square metres.
     pub area: f64,
 }
 
-/// A place in a room's side where a doorway can be.
+/// A position in a room's side where a doorway can be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Port {
     /// The part of the free space that a doorway here leads to; `None` where contents block it.
     pub part: Option<u32>,
-    /// Whether the contents keep away from the doorway, to a depth of [`DOORWAY_DEPTH`].
+    /// Whether the contents keep clear of the doorway, to a depth of [`DOORWAY_DEPTH`].
     pub clear: bool,
 }
 
 impl Port {
-    /// Whether a doorway may be put here: it leads somewhere and nothing stands right behind it.
+    /// Whether a doorway is possible here: it leads somewhere and no contents are right behind it.
     pub fn usable(self) -> bool {
         self.clear && self.part.is_some()
     }
 }
 
 impl Interior {
-    /// Works out the free space of a room.
+    /// Computes the free space of a room.
     ///
     /// # Panics
     /// When [`Dimensions::validate`] refuses the dimensions.
@@ -105,7 +105,7 @@ impl Interior {
     }
 
     /// Number of places in the room where the footprint has 2 cm to spare, but that the samples did
-    /// not find: they can lie between things that stand anywhere.
+    /// not find: they can lie between parts at any position.
     pub(super) fn overlooked(&self, room: &RoomDesign, dimensions: Dimensions) -> usize {
         let field = Field::sampled(room, dimensions, FINE_STEP, dimensions.radius + STEP);
         let (labels, parts) = field.label();
@@ -125,15 +125,14 @@ impl Interior {
         &self.parts
     }
 
-    /// The place for a doorway in a side of the unturned room, `at` half cells from its left or
-    /// upper end; blocked outside the side.
+    /// The port in a side of the unturned room, `at` half cells from its left or upper end; blocked
+    /// outside the side.
     pub fn port(&self, side: Side, at: u32) -> Port {
         let ports = &self.ports[side as usize];
         (at as usize).checked_sub(1).and_then(|i| ports.get(i)).copied().unwrap_or_default()
     }
 
-    /// The place for a doorway in a side of the room after `quarters` quarter turns
-    /// counter-clockwise.
+    /// The port in a side of the room after `quarters` quarter turns counter-clockwise.
     pub fn turned_port(&self, quarters: u8, side: Side, at: u32) -> Port {
         let length = |side: Side| self.ports[side as usize].len() as u32 + 1;
         let (original, at) = side.before_turn(at, quarters, length);
@@ -141,9 +140,9 @@ impl Interior {
     }
 }
 
-/// The width in metres of the narrowest place on the best ways between the middles of all four
-/// sides, at most 3; 0 where some side cannot be reached. The measure is that of the room alone,
-/// whatever its doorways, to about a step of [`STEP`].
+/// The width in metres of the narrowest point on the widest paths between the middles of all four
+/// sides, at most 3; 0 where some side cannot be reached. It depends on the room alone, not on its
+/// doorways, and is exact to about a step of [`STEP`].
 ///
 /// # Panics
 /// As [`Interior::new`].
@@ -152,8 +151,8 @@ pub fn narrowest_way(room: &RoomDesign, unit: f64, wall: f64, doorway: f64) -> f
     field.narrowest_way(room, 0.5 * doorway)
 }
 
-/// The room without the contents that stand in the way of a doorway in a side, `at` half cells from
-/// its left or upper end: in the zone that is to stay clear, or where the footprint enters.
+/// The room without the contents that block a doorway in a side, `at` half cells from its left or upper
+/// end: in the zone that must stay clear, or where the footprint enters.
 pub(super) fn cleared(
     room: &RoomDesign,
     dimensions: Dimensions,
@@ -163,11 +162,11 @@ pub(super) fn cleared(
     let field = Field::bare(room, dimensions, STEP, REACH);
     let need = field.need();
     let zone = field.doorway_zone(side, at);
-    let way: Vec<DVec2> = field.way_in(side, at).map(|i| field.point(i)).collect();
+    let entry: Vec<DVec2> = field.entry_samples(side, at).map(|i| field.point(i)).collect();
     let frame = field.frame(room);
     let stays = |shape: &Shape| {
         let shape = frame.shape(shape);
-        !overlaps(&shape, zone) && way.iter().all(|&p| shape.distance(p) >= need)
+        !overlaps(&shape, zone) && entry.iter().all(|&p| shape.distance(p) >= need)
     };
     let mut room = room.clone();
     room.walls.retain(|wall| stays(&wall.shape));
@@ -183,7 +182,7 @@ struct Field {
     rows: usize,
     size: DVec2,
     dimensions: Dimensions,
-    /// Samples a cell's side, even.
+    /// Samples per side of a cell, an even number.
     per_cell: usize,
     barriers: Vec<Shape>,
     reach: f64,
@@ -207,13 +206,13 @@ impl Field {
         field
     }
 
-    /// Of the room's walls alone.
+    /// Only the room's walls.
     fn bare(room: &RoomDesign, dimensions: Dimensions, step: f64, reach: f64) -> Field {
         if let Err(error) = dimensions.validate() {
             panic!("{error}");
         }
         let unit = dimensions.unit;
-        // Even, so that the middles of cells are samples.
+        // An even number, so that the middles of cells are samples.
         let per_cell = 2 * (0.5 * unit / step).ceil() as usize;
         let step = unit / per_cell as f64;
         let columns = per_cell * room.width as usize + 1;
@@ -237,7 +236,7 @@ impl Field {
         Frame { corner: DVec2::ZERO, scale, quarters: 0, size: room.size() }
     }
 
-    /// Room that the footprint's middle needs to every side to be free at a sample.
+    /// Clearance that the footprint's middle needs at a sample to be free.
     fn need(&self) -> f64 {
         self.dimensions.radius + 0.5 * self.step
     }
@@ -328,7 +327,7 @@ impl Field {
         row * self.columns + column
     }
 
-    /// The floor that a doorway's contents-free zone covers.
+    /// The part of the floor that must stay clear at a doorway.
     fn doorway_zone(&self, side: Side, at: u32) -> Rect {
         let depth = 0.5 * self.dimensions.wall + DOORWAY_DEPTH;
         let along = f64::from(at) * 0.5 * self.dimensions.unit;
@@ -343,8 +342,8 @@ impl Field {
         Rect::new(min.into(), max.into())
     }
 
-    /// The samples from a wall's middle line inward to where the footprint is past the wall.
-    fn way_in(&self, side: Side, at: u32) -> impl Iterator<Item = usize> + use<'_> {
+    /// The samples from a wall's middle line inward until the footprint is past the wall.
+    fn entry_samples(&self, side: Side, at: u32) -> impl Iterator<Item = usize> + use<'_> {
         let deepest = ((0.5 * self.dimensions.wall + self.need()) / self.step).ceil() as usize + 1;
         let last = deepest.min(self.columns.min(self.rows) - 1);
         (0..=last).map(move |depth| self.behind(side, at, depth))
@@ -354,7 +353,7 @@ impl Field {
         let zone = self.doorway_zone(side, at);
         let clear = !self.barriers.iter().any(|shape| overlaps(shape, zone));
         let mut part = None;
-        for i in self.way_in(side, at) {
+        for i in self.entry_samples(side, at) {
             if self.contents[i] < need {
                 break;
             }
@@ -366,11 +365,11 @@ impl Field {
         Port { part, clear }
     }
 
-    /// Joins samples from the clearest to the least clear until the middles of all sides meet.
+    /// Joins samples in the order of falling clearance until the middles of all sides are connected.
     fn narrowest_way(&self, room: &RoomDesign, half_doorway: f64) -> f64 {
         let clearance: Vec<f64> = (0..self.contents.len())
             .map(|i| {
-                // In the strip behind a doorway the wall beside it does not count.
+                // In the strip behind a doorway the wall next to it does not count.
                 let p = (self.point(i) - 0.5 * self.size).abs();
                 let wall = 0.5 * self.size - p - 0.5 * self.dimensions.wall;
                 let x = if p.y <= half_doorway { REACH } else { wall.x };
@@ -481,7 +480,7 @@ mod tests {
 
     #[test]
     fn the_narrowest_way_is_measured() {
-        // North lies in the middle of the long side: its way west passes the shelf.
+        // North lies in the middle of the long side: the path west passes the shelf.
         for width in [0.4, 0.6, 0.9, 1.2] {
             let room = room(&[block(1.6, 0.05 + width, 2.0, 2.95)]);
             let measured = narrowest_way(&room, 3.0, 0.1, 0.94);

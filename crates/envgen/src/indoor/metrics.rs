@@ -9,7 +9,7 @@ use super::grid::{Cell, Origin};
 use super::plan::FloorPlan;
 use crate::world::Contents;
 
-/// Numbers that describe a plan. What was drawn is null or empty for plans that were not generated.
+/// Numbers that describe a plan. Draws are null or empty for plans that were not generated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct IndoorMetrics {
     /// Distance between vertical and between horizontal hallways before the clamp, in cells.
@@ -18,27 +18,27 @@ pub struct IndoorMetrics {
     pub first_choice: BTreeMap<String, u64>,
     /// Mean difficulty of the first drawn rooms.
     pub first_choice_difficulty_mean: Option<f64>,
-    /// Mean difficulty that the probabilities of the rooms give.
+    /// Mean difficulty that the rooms' probabilities predict.
     pub room_difficulty_expected: Option<f64>,
-    /// Mean difficulty of the rooms that stand on the plan.
+    /// Mean difficulty of the rooms on the plan.
     pub room_difficulty_mean: Option<f64>,
     /// Number of rooms.
     pub rooms: u64,
-    /// Sides of all rooms: each drew once for a doorway.
+    /// Sides of all rooms: each had one draw for a doorway.
     pub sides: u64,
-    /// Sides that a doorway was drawn for.
+    /// Sides for which a doorway was drawn.
     pub doorways: u64,
-    /// Drawn doorways that stayed closed, having nowhere to lead.
+    /// Drawn doorways that stayed closed because nothing is behind them.
     pub doorways_closed: u64,
     /// Openings in the walls; two rooms may share one.
     pub openings: u64,
-    /// Openings that were moved from the middle of their side to be whole.
+    /// Openings that were moved away from the middle of their side to be whole.
     pub openings_shifted: u64,
     /// Openings that were added so that a place can be reached.
     pub openings_added: u64,
-    /// Rooms whose contents were taken out so that a place can be reached.
+    /// Rooms whose contents were removed so that a place can be reached.
     pub rooms_emptied: u64,
-    /// Rooms that lost what stood in the way of a drawn doorway.
+    /// Rooms that lost the contents that blocked a drawn doorway.
     pub rooms_cleared: u64,
     /// Area of each room in square metres, in the order of the rooms, from the middles of the walls.
     pub room_areas: Vec<f64>,
@@ -48,22 +48,22 @@ pub struct IndoorMetrics {
     pub hallway_ends: u64,
     /// Independent cycles of the hallway cells alone.
     pub hallway_cycles: u64,
-    /// Connected pieces of the hallway cells alone.
+    /// Connected components of the hallway cells alone.
     pub hallway_parts: u64,
-    /// Floor cells that only one way leads to, hallways, open areas and doorways counted.
+    /// Floor cells with only one link, counting hallways, open areas and doorways.
     pub dead_ends: u64,
-    /// Rooms, and parts of divided rooms, that only one way leads to.
+    /// Rooms, and parts of divided rooms, with only one link.
     pub room_dead_ends: u64,
     /// Rooms without a passable doorway.
     pub rooms_closed: u64,
-    /// Passable doorways a room on average.
+    /// Mean number of passable doorways per room.
     pub doors_a_room: Option<f64>,
     /// Independent cycles of hallways, open areas, doorways and rooms together.
     pub cycles: u64,
-    /// Pieces of the plan that do not lead to each other.
+    /// Connected components of the plan.
     pub parts: u64,
-    /// The narrowest way through each room before and after its contents were moved, in metres;
-    /// empty when they were left alone.
+    /// The narrowest passage through each room before and after its contents were moved, in metres;
+    /// empty when they were not moved.
     pub variations: Vec<[f64; 2]>,
 }
 

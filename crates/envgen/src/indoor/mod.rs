@@ -5,11 +5,11 @@
 //!
 //! - [`adaptation`]: the equations of the five adaptive rules.
 //! - [`Catalogue`] and [`RoomDesign`]: the rooms that a map may hold; the paper's 20 are built in.
-//! - [`IndoorSpec`] and [`FloorPlan`]: what is asked, and the plan on the grid that the rules draw.
-//! - [`AccessGraph`]: which place leads to which; [`Interior`]: the same inside one room.
+//! - [`IndoorSpec`] and [`FloorPlan`]: the settings, and the plan on the grid that the rules draw.
+//! - [`AccessGraph`]: which places are connected; [`Interior`]: the same inside one room.
 //! - [`PlanEditor`]: changes by hand, with undo and redo.
 //! - [`world_generator`]: the files of the tool that the paper extended.
-//! - [`vary`]: the contents of a room moved until the narrowest way through has a wanted width.
+//! - [`vary`]: moves the contents of a room until its narrowest passage has a wanted width.
 
 pub mod adaptation;
 

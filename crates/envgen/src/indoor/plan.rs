@@ -21,17 +21,17 @@ pub struct FloorPlan {
     pub(super) seed: Option<Seed>,
     pub(super) grid: Grid,
     pub(super) rooms: Vec<PlacedRoom>,
-    /// Sorted by place, without repetition.
+    /// Sorted by position, without duplicates.
     pub(super) openings: Vec<Opening>,
     pub(super) draws: Option<Draws>,
     pub(super) edited: bool,
 }
 
-/// What was drawn for a generated plan.
+/// The draws of a generated plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draws {
-    /// Distance between vertical and between horizontal hallways before the clamp, in cells; what
-    /// was given by hand where it was.
+    /// Distance between vertical and between horizontal hallways before the clamp, in cells; the
+    /// setting where it is set.
     pub spacing_raw: [f64; 2],
     /// Distance between vertical and between horizontal hallways, in cells.
     pub spacing: [u32; 2],
@@ -39,10 +39,10 @@ pub struct Draws {
     pub cycles_prevented: bool,
     /// How often each allowed room was the first drawn for a cell.
     pub first_choice: Vec<(String, u64)>,
-    /// Drawn doorways that stayed closed, having nowhere to lead.
+    /// Drawn doorways that stayed closed because nothing is behind them.
     pub doorways_closed: u64,
-    /// The narrowest way through each room before and after its contents were moved, in metres;
-    /// empty when they were left alone.
+    /// The narrowest passage through each room before and after its contents were moved, in metres;
+    /// empty when they were not moved.
     pub variations: Vec<[f64; 2]>,
 }
 
@@ -57,10 +57,10 @@ pub struct PlacedRoom {
     pub y: u32,
     /// Quarter turns counter-clockwise.
     pub quarters: u8,
-    /// Sides that a doorway was drawn for.
+    /// Sides for which a doorway was drawn.
     pub doorways: Sides,
-    /// What is left of its contents: in the profile `guaranteed` they yield to drawn doorways, and
-    /// are all taken out where nothing else makes a place reachable.
+    /// Which of its contents remain: in the profile `guaranteed` those that block drawn doorways are
+    /// removed, and all of them where nothing else makes a place reachable.
     pub contents: Contents,
 }
 
@@ -82,7 +82,7 @@ impl PlacedRoom {
         }
     }
 
-    /// The place of an opening in a side, `at` half cells from its left or upper end.
+    /// The gate of an opening in a side, `at` half cells from its left or upper end.
     pub fn gate(&self, side: Side, at: u32) -> Gate {
         let (width, height) = self.size();
         match side {
@@ -95,7 +95,7 @@ impl PlacedRoom {
         }
     }
 
-    /// Takes the contents out.
+    /// Removes the contents.
     pub(super) fn empty(&mut self) {
         self.contents = Contents::Emptied;
         if let Ok(room) = SharedRoom::new(self.room.emptied()) {
@@ -103,14 +103,14 @@ impl PlacedRoom {
         }
     }
 
-    /// The place in the room's free space of an opening in its walls.
+    /// The port of an opening in its walls.
     pub(super) fn port(&self, gate: Gate, dimensions: Dimensions) -> Port {
         let port = |(side, at)| self.room.interior(dimensions).turned_port(self.quarters, side, at);
         self.side_of(gate).map_or_else(Port::default, port)
     }
 
-    /// The room without what stands in the way of an opening in its walls; `None` when it could not
-    /// be used even so.
+    /// The room without the contents that block an opening in its walls; `None` when the opening could
+    /// not be used even so.
     pub(super) fn cleared(&self, gate: Gate, dimensions: Dimensions) -> Option<PlacedRoom> {
         let (side, at) = self.side_of(gate)?;
         let (side, at) =
@@ -142,22 +142,22 @@ impl FloorPlan {
         &self.rooms
     }
 
-    /// The openings in walls, sorted by place.
+    /// The openings in walls, sorted by position.
     pub fn openings(&self) -> &[Opening] {
         &self.openings
     }
 
-    /// What was asked.
+    /// The settings.
     pub fn spec(&self) -> &IndoorSpec {
         &self.spec
     }
 
-    /// The seed it was drawn with; `None` when no seed made it.
+    /// The seed that it was drawn with; `None` when it was made without a seed.
     pub fn seed(&self) -> Option<Seed> {
         self.seed
     }
 
-    /// What was drawn; `None` when it was not generated.
+    /// The draws; `None` when it was not generated.
     pub fn draws(&self) -> Option<&Draws> {
         self.draws.as_ref()
     }
@@ -183,7 +183,7 @@ impl FloorPlan {
         DVec2::new(x, f64::from(self.grid.height()) - y) * self.spec.unit
     }
 
-    /// From a room's design to the map.
+    /// The transform from a room's design to the map.
     pub(super) fn design_frame(&self, room: usize) -> Frame {
         let room = &self.rooms[room];
         let corner = self.point(f64::from(room.x), f64::from(room.y + room.size().1));
@@ -191,13 +191,13 @@ impl FloorPlan {
         Frame { corner, scale, quarters: room.quarters, size: room.room.size() }
     }
 
-    /// From a room's own metres of the map, unturned, to the map.
+    /// The transform from a room's own frame, unturned and in metres of the map, to the map.
     pub(super) fn metric_frame(&self, room: usize) -> Frame {
         let frame = self.design_frame(room);
         Frame { scale: 1.0, size: frame.size * frame.scale, ..frame }
     }
 
-    /// Which place leads to which, for a robot of the spec's footprint.
+    /// Which places are connected, for a robot of the spec's footprint.
     pub fn access(&self) -> AccessGraph {
         AccessGraph::new(self)
     }

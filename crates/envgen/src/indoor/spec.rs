@@ -1,4 +1,4 @@
-//! What is asked of an indoor map.
+//! The settings of an indoor map.
 
 use std::collections::BTreeSet;
 
@@ -36,7 +36,7 @@ pub struct IndoorSpec {
     pub height: u32,
     /// Side of a cell in metres.
     pub unit: f64,
-    /// To the letter of the paper, or with every place reachable.
+    /// Exactly as in the paper, or with every place reachable.
     pub profile: Profile,
     /// How the hallways are laid out.
     pub layout: Layout,
@@ -45,7 +45,7 @@ pub struct IndoorSpec {
     pub branching: f64,
     /// Names of the rooms that may be placed; empty for all of the catalogue.
     pub rooms: Vec<String>,
-    /// The rooms there are; the built-in ones when absent.
+    /// The available rooms; the built-in ones when absent.
     pub catalogue: Option<Catalogue>,
     /// How rooms are chosen.
     pub room_choice: RoomChoice,
@@ -55,11 +55,11 @@ pub struct IndoorSpec {
     pub spacing_h: Option<u32>,
     /// Distance between horizontal hallways in cells; drawn from the difficulty when absent.
     pub spacing_v: Option<u32>,
-    /// Probability of a doorway in a side of a room; that of the difficulty when absent.
+    /// Probability of a doorway in a side of a room; it follows from the difficulty when absent.
     pub doorway_probability: Option<f64>,
     /// Whether hallway cycles are prevented.
     pub cycles: Cycles,
-    /// Whether cells that no room takes become open areas; solid otherwise.
+    /// Whether the remaining cells become open areas; they are solid otherwise.
     pub open_areas: bool,
     /// Thickness of the walls in metres.
     pub wall: f64,
@@ -67,7 +67,7 @@ pub struct IndoorSpec {
     pub doorway: f64,
     /// Radius in metres of the robot that must reach every place.
     pub footprint: f64,
-    /// Width in metres that the narrowest way through each room is to have: contents are moved,
+    /// Width in metres that the narrowest passage through each room should have: contents are moved,
     /// turned, removed or doubled. Rooms stay as designed when absent.
     pub clearance: Option<f64>,
 }
@@ -103,7 +103,7 @@ impl Default for IndoorSpec {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Profile {
-    /// To the letter, flaws included: rooms may be closed, contents may block a doorway.
+    /// Exactly as in the paper, flaws included: rooms may be closed, contents may block a doorway.
     Thesis,
     /// Every place can be reached by the footprint.
     Guaranteed,
@@ -125,7 +125,7 @@ pub enum Layout {
 pub enum RoomChoice {
     /// By how near their difficulty is.
     Difficulty,
-    /// All alike, as in the original World Generator.
+    /// All with equal probability, as in the original World Generator.
     Uniform,
 }
 
@@ -137,7 +137,7 @@ pub enum Turn {
     Profile,
     /// Never.
     Never,
-    /// Allowed: either way with equal probability.
+    /// Allowed: turned or not with equal probability.
     Allowed,
 }
 
@@ -161,7 +161,7 @@ pub(super) const UNIT: Setting = Setting::number("unit", "m", 1.2, 12.0, "side o
 const PROFILE: Setting = Setting::choice(
     "profile",
     &["thesis", "guaranteed"],
-    "to the letter of the paper, or with every place reachable",
+    "exactly as in the paper, or with every place reachable",
 );
 const LAYOUT: Setting =
     Setting::choice("layout", &["grid", "l_system"], "how the hallways are laid out");
@@ -183,7 +183,7 @@ const CATALOGUE: Setting = Setting::other(
     "catalogue",
     "",
     "a list of rooms as in *.room.ron files, or null for the built-in 20",
-    "the rooms there are",
+    "the available rooms",
 )
 .such_as(r#"[{"name": "vault", "width": 1, "height": 1, "difficulty": 3}]"#);
 const ROOM_CHOICE: Setting =
@@ -194,7 +194,7 @@ const TURN: Setting = Setting::choice(
     "whether rooms that are not square may be turned by a quarter",
 );
 const SPACING: &str =
-    "a whole number from 3 to the map's size less one, or null for the difficulty's";
+    "a whole number from 3 to the map's size less one, or null to follow from the difficulty";
 const SPACING_H: Setting =
     Setting::other("spacing_h", "cells", SPACING, "distance between vertical hallways");
 const SPACING_V: Setting =
@@ -202,7 +202,7 @@ const SPACING_V: Setting =
 const DOORWAY_PROBABILITY: Setting = Setting::other(
     "doorway_probability",
     "",
-    "a number from 0 to 1, or null for the difficulty's",
+    "a number from 0 to 1, or null to follow from the difficulty",
     "probability of a doorway in a side of a room",
 );
 const CYCLES: Setting = Setting::choice(
@@ -211,7 +211,7 @@ const CYCLES: Setting = Setting::choice(
     "whether hallway cycles are prevented",
 );
 const OPEN_AREAS: Setting =
-    Setting::flag("open_areas", "whether cells that no room takes become open areas");
+    Setting::flag("open_areas", "whether the remaining cells become open areas");
 pub(super) const WALL: Setting = Setting::number("wall", "m", 0.01, 0.5, "thickness of the walls");
 pub(super) const DOORWAY: Setting =
     Setting::number("doorway", "m", 0.2, 3.0, "width of a doorway, at most a cell less two walls");
@@ -226,7 +226,7 @@ const CLEARANCE: Setting = Setting::other(
     "clearance",
     "m",
     "a number from 0 to 2, or null to leave rooms as designed",
-    "width that the narrowest way through each room is to have",
+    "width that the narrowest passage through each room should have",
 );
 
 const RULES: &[&str] = &[
@@ -303,7 +303,7 @@ impl Spec for IndoorSpec {
     }
 
     fn work(&self) -> f64 {
-        // Moving the contents of a room measures it again and again.
+        // Moving the contents of a room measures it many times.
         let a_cell = if self.clearance.is_some() { 1000.0 } else { 1.0 };
         f64::from(self.width) * f64::from(self.height) * a_cell
     }
@@ -314,8 +314,8 @@ impl Spec for IndoorSpec {
 }
 
 impl IndoorSpec {
-    /// Generates a plan as [`Spec::generate`] does, and calls `after` behind every stage: for clocks
-    /// and progress bars, which this crate has none of.
+    /// Generates a plan as [`Spec::generate`] does, and calls `after` after every stage: for clocks
+    /// and progress bars, which this crate does not have.
     ///
     /// # Errors
     /// As [`Spec::generate`].
@@ -328,7 +328,7 @@ impl IndoorSpec {
         Ok(super::generate::plan(self, seed, after))
     }
 
-    /// The catalogue: its own, or the built-in one.
+    /// The catalogue: the spec's own, or the built-in one.
     pub fn catalogue(&self) -> &Catalogue {
         self.catalogue.as_ref().unwrap_or(Catalogue::builtin())
     }
@@ -351,7 +351,7 @@ impl IndoorSpec {
         }
     }
 
-    /// The measures that decide where a robot can go.
+    /// The dimensions that decide where a robot can go.
     pub fn dimensions(&self) -> Dimensions {
         Dimensions {
             unit: self.unit,
@@ -413,7 +413,7 @@ impl IndoorSpec {
     }
 }
 
-/// Without the rounding of a difference, which would refuse what was asked to the millimetre.
+/// Rounded, so that the rounding of a difference does not refuse a value that is exactly allowed.
 fn to_nanometres(metres: f64) -> f64 {
     (metres * 1e9).round() / 1e9
 }

@@ -255,7 +255,7 @@ fn drawn_doorways_open_and_contents_yield() {
         let metrics = plan.metrics();
         (rooms, cleared) = (rooms + metrics.rooms, cleared + metrics.rooms_cleared);
     }
-    // Doorways go where nothing stands if they can: few rooms lose something.
+    // Doorways go where nothing blocks them if they can: few rooms lose contents.
     assert!(cleared > 0 && cleared * 10 < rooms, "{cleared} of {rooms} rooms were cleared");
 }
 
@@ -344,7 +344,7 @@ proptest! {
     }
 }
 
-/// Walls stand on every line between cells that are not one space, but for the doorways.
+/// There are walls on every line between cells that are not one space, except for the doorways.
 fn check_world(plan: &FloorPlan, world: &World) {
     let spec = plan.spec();
     let walls: Vec<_> = world

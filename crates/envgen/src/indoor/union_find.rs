@@ -13,7 +13,7 @@ impl Sets {
         Sets { parent: (0..n as u32).collect(), size: vec![1; n] }
     }
 
-    /// The number that stands for the set of `i`.
+    /// The number that represents the set of `i`.
     #[inline]
     pub(super) fn find(&mut self, i: usize) -> usize {
         let mut i = i;
@@ -24,7 +24,7 @@ impl Sets {
         i
     }
 
-    /// Joins two sets; whether they were apart.
+    /// Joins two sets; returns whether they were separate.
     pub(super) fn join(&mut self, a: usize, b: usize) -> bool {
         let (a, b) = (self.find(a), self.find(b));
         if a == b {

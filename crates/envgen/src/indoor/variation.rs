@@ -1,5 +1,5 @@
-//! Rules at the level of objects: the contents of a room are moved until the narrowest way through
-//! it has a wanted width.
+//! Rules at the level of objects: the contents of a room are moved until its narrowest passage has a
+//! wanted width.
 //!
 //! Zwennes' future work asks for "rules that can rearrange objects inside a room to narrow or widen
 //! the paths through the room".
@@ -12,10 +12,10 @@ use super::interior::{Dimensions, Interior, STEP, narrowest_way};
 use crate::geometry::{Shape, unit_vector, wrap_angle};
 use crate::seed::Stream;
 
-/// Changes that are tried at most.
+/// The most changes that are tried.
 const TRIES: u32 = 80;
 
-/// Farthest that one change moves a thing along each axis, in metres of the design.
+/// The greatest distance by which one change moves a part along each axis, in metres of the design.
 const FARTHEST_MOVE: f64 = 0.6;
 
 /// A room whose contents were moved.
@@ -23,16 +23,16 @@ const FARTHEST_MOVE: f64 = 0.6;
 pub struct Varied {
     /// The room as it is now.
     pub room: SharedRoom,
-    /// The narrowest way through the room as it was, in metres.
+    /// The narrowest passage through the room before, in metres.
     pub before: f64,
-    /// The narrowest way through it now, in metres.
+    /// The narrowest passage through it now, in metres.
     pub after: f64,
 }
 
-/// Moves, turns, removes and doubles obstacles until the narrowest way through the room, as
+/// Moves, turns, removes and doubles obstacles until the narrowest passage through the room, as
 /// [`narrowest_way`] measures it, is as near to `wanted` metres as 80 changes bring it. Walls stay.
 /// Doorways that were clear stay clear, no free space is cut off from the doorways, and no pocket is
-/// left between things that the footprint just fits in. A room without obstacles stays as it is.
+/// left between parts that the footprint just fits in. A room without obstacles stays as it is.
 ///
 /// # Panics
 /// When `wanted` is NaN or negative, and as [`Interior::new`].
@@ -121,7 +121,7 @@ fn moved(shape: &Shape, by: DVec2, angle: f64) -> Shape {
     }
 }
 
-/// Whether the middle of each side takes a doorway.
+/// Whether a doorway is possible in the middle of each side.
 fn clear_ports(interior: &Interior, room: &RoomDesign) -> [bool; 4] {
     Side::ALL.map(|side| interior.port(side, room.side_length(side)).usable())
 }

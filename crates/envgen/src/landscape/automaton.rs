@@ -4,14 +4,14 @@ use crate::seed::Stream;
 
 /// Fills a grid cell by cell in serpentine order: each cell keeps the class of the one before it,
 /// but with probability `epsilon`, or when that class has no cells left, takes a class drawn
-/// uniformly from the other classes that have (Kuznetsov 2017, section 3). O(1) a cell, whatever
-/// the number of classes. Class `k + 1` gets `counts[k]` cells, which must fill the grid.
+/// uniformly from the other classes that have cells left (Kuznetsov 2017, section 3). O(1) per cell,
+/// whatever the number of classes. Class `k + 1` gets `counts[k]` cells, which must fill the grid.
 ///
 /// The paper's rule reads as "out of turn with probability epsilon"; its formula leaves open
 /// whether the class drawn may be the one before. R0 is the reading in which it may not.
 ///
 /// # Panics
-/// When the counts do not fill the grid, or `epsilon` is no probability.
+/// When the counts do not fill the grid, or `epsilon` is not a probability.
 #[track_caller]
 pub fn automaton_fill(
     rows: usize,
@@ -22,7 +22,7 @@ pub fn automaton_fill(
 ) -> Vec<u16> {
     let filled: u64 = counts.iter().map(|&n| u64::from(n)).sum();
     assert!(filled == (rows * cols) as u64, "{filled} cells do not fill {rows} rows of {cols}");
-    assert!((0.0..=1.0).contains(&epsilon), "`epsilon` is {epsilon}, no probability");
+    assert!((0.0..=1.0).contains(&epsilon), "`epsilon` must be a probability, got {epsilon}");
     let mut cells = vec![0; rows * cols];
     let mut reserve = Reserve::new(counts);
     let Some(mut class) = reserve.draw(None, stream) else { return cells };
@@ -73,7 +73,7 @@ impl Reserve {
         self.left[class] > 0
     }
 
-    /// A class that has cells left and is not `but`, uniformly; `None` when there is none.
+    /// A class that has cells left and is not `but`, uniformly; `None` when there is no such class.
     #[inline]
     fn draw(&self, but: Option<usize>, stream: &mut Stream) -> Option<usize> {
         let skipped = but.filter(|&class| self.left(class)).map(|class| self.place[class] as usize);

@@ -1,4 +1,4 @@
-//! The landscape that is made of a spec.
+//! The landscape that is generated from a spec.
 
 use serde::ser::SerializeSeq;
 use serde::{Serialize, Serializer};
@@ -12,7 +12,7 @@ use crate::generate::Blueprint;
 use crate::seed::Seed;
 use crate::world::{ClassRaster, World};
 
-/// A landscape: the class of each cell, with the spec and seed it was made for.
+/// A landscape: the class of each cell, with the spec and seed that it was generated from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Landscape {
     beta: f64,
@@ -70,7 +70,7 @@ impl Landscape {
         entropy_of(&self.counts)
     }
 
-    /// Number of sides between cells of different class. It is the one asked, or the nearest that
+    /// Number of sides between cells of different class. It is the requested one, or the nearest that
     /// was found where no landscape of these counts has it.
     pub fn total_edge(&self) -> u64 {
         self.total_edge
@@ -81,7 +81,7 @@ impl Landscape {
         self.total_edge as f64 / self.cells.len() as f64
     }
 
-    /// The automaton's probability of a change out of turn, where the automaton was used.
+    /// The automaton's probability of an extra change of class, where the automaton was used.
     pub fn epsilon(&self) -> Option<f64> {
         self.epsilon
     }
@@ -91,12 +91,12 @@ impl Landscape {
         self.sigma
     }
 
-    /// What was asked.
+    /// The settings.
     pub fn spec(&self) -> &LandscapeSpec {
         &self.spec
     }
 
-    /// The seed it was drawn with.
+    /// The seed that it was drawn with.
     pub fn seed(&self) -> Seed {
         self.seed
     }
@@ -170,23 +170,23 @@ impl Serialize for Rows<'_> {
     }
 }
 
-/// Numbers that describe a landscape: how near it is to what was asked, what would have been
-/// possible, and the measures of its raster.
+/// Numbers that describe a landscape: its deviation from the request, the bounds of what is possible,
+/// and the measures of its raster.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LandscapeMetrics {
-    /// Entropy minus the one asked, in nats.
+    /// Entropy minus the requested one, in nats.
     pub entropy_error: f64,
-    /// Total Edge minus the one asked, where one was: not 0 only where no landscape was found.
+    /// Total Edge minus the requested one, if any: not 0 only where no landscape was found.
     pub total_edge_error: Option<i64>,
     /// Exact mean of Total Edge over all arrangements of the counts.
     pub total_edge_mean: f64,
-    /// No arrangement has less.
+    /// Lower bound of Total Edge over all arrangements.
     pub total_edge_lower_bound: u64,
-    /// The least that bands have.
+    /// The least Total Edge of bands.
     pub total_edge_least_built: u64,
-    /// No arrangement has more.
+    /// Upper bound of Total Edge over all arrangements.
     pub total_edge_upper_bound: u64,
-    /// Swaps by which the Total Edge was met.
+    /// Swaps that were needed to reach the Total Edge.
     pub swaps: u64,
     /// The measures of the raster.
     #[serde(flatten)]

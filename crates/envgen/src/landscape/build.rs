@@ -9,8 +9,8 @@ use crate::generate::Spec;
 use crate::geometry::{Pose, Rect, Shape};
 use crate::world::{ClassRaster, Obstacle, ObstacleKind, Surface, SurfaceKind, World};
 
-/// At most this many surfaces are listed. A landscape of more pieces lists none: its raster holds
-/// the speed of every place all the same.
+/// At most this many surfaces are listed. A landscape with more pieces lists none: its raster holds
+/// the speed of every position all the same.
 pub(super) const MAX_SURFACES: usize = 1 << 16;
 
 pub(super) fn world(landscape: &Landscape) -> World {
@@ -78,7 +78,7 @@ struct Piece {
 /// The cells of each key, 0 left out, as simple polygons that fill them without overlap.
 ///
 /// A run of cells in a row is joined to the one run of the same key below it where neither touches
-/// another, so that a region falls into pieces of one run a row: these have no holes and their
+/// another, so that a region is divided into pieces of one run per row: these have no holes and their
 /// outlines never touch themselves, whatever the region. O(N).
 fn outlines(raster: &ClassRaster, key: impl Fn(u16) -> u16) -> Vec<(u16, Shape)> {
     let mut pieces: Vec<Piece> = Vec::new();
@@ -95,7 +95,7 @@ fn outlines(raster: &ClassRaster, key: impl Fn(u16) -> u16) -> Vec<(u16, Shape)>
                 _ => {}
             }
         }
-        // Both lists are in order: one sweep finds who touches whom.
+        // Both lists are in order: one sweep finds which runs touch.
         let mut parents = vec![(0_u32, 0_usize); runs.len()];
         let (mut i, mut j) = (0, 0);
         while i < above.len() && j < runs.len() {
@@ -184,7 +184,7 @@ pub(crate) fn largest_region(raster: &ClassRaster) -> Vec<u32> {
     best
 }
 
-/// The middles of the two cells of the largest region that lie nearest to the lower left and to
+/// The middles of the two cells of the largest region that are nearest to the lower left and to
 /// the upper right corner.
 fn ends(raster: &ClassRaster) -> Option<(DVec2, DVec2)> {
     let cols = raster.cols as usize;

@@ -3,20 +3,20 @@
 use super::spec::{CLASSES, ENTROPY, MAX_CELLS};
 use crate::error::SpecError;
 
-/// At most this many ways to part the cells are tried one by one.
+/// At most this many partitions of the cells are tried one by one.
 const EXHAUSTIVE: u64 = 1 << 19;
 
-/// Above this many cells there are always more ways than [`EXHAUSTIVE`], but for two classes, where
-/// moving single cells finds the closest counts anyway.
+/// Above this many cells there are always more partitions than [`EXHAUSTIVE`], except for two classes,
+/// where moving single cells finds the closest counts anyway.
 const EXHAUSTIVE_CELLS: u64 = 4096;
 
 /// How many cells each class has, greatest count first.
 ///
 /// Kuznetsov (2017), section 2: the counts fall as a geometric sequence of ratio `beta`, which
 /// solves his equation (4). That equation cancels near `beta` = 1, so its defining sum is solved
-/// instead. The counts are then rounded by largest remainders, and cells move between classes, a
-/// few at a time, as long as this brings the entropy nearer to its target. Where there are at most 2^19
-/// ways to part the cells among the classes, all are tried, so that none is nearer.
+/// instead. The counts are then rounded by largest remainders, and cells move between classes, a few
+/// at a time, as long as this brings the entropy nearer to its target. Where the cells have at most 2^19
+/// partitions among the classes, all are tried, so that none is nearer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Composition {
     counts: Vec<u32>,
@@ -47,11 +47,11 @@ impl Composition {
         ENTROPY.check(entropy)?;
         let (cells, l) = (cells as u32, classes as usize);
         let most = entropy_of(&even_counts(cells, l));
-        // An entropy that was written with few digits may round to just over the maximum.
+        // An entropy that was written with few digits may round to just above the maximum.
         if entropy > most + 1e-9 {
             return Err(ENTROPY.error_with(
                 entropy,
-                format!("at most {most} nats, what {cells} cells in {l} classes reach"),
+                format!("at most {most} nats, which {cells} cells in {l} classes reach"),
             ));
         }
         let floor = u32::from(keep_classes);
@@ -60,8 +60,9 @@ impl Composition {
             least[0] = cells - (l as u32 - 1);
             let least = entropy_of(&least);
             if entropy < least - 1e-9 {
-                let allowed =
-                    format!("at least {least} nats, what {l} classes reach of which none is empty");
+                let allowed = format!(
+                    "at least {least} nats, which {l} classes reach with none of them empty"
+                );
                 return Err(ENTROPY.error_with(entropy, allowed));
             }
         }
@@ -93,7 +94,7 @@ impl Composition {
 }
 
 /// The entropy of class counts in nats: Kuznetsov's definition 2, the Shannon diversity index of
-/// ecology. 0 when there is no cell; the same to the last bit in whatever order the classes are.
+/// ecology. 0 when there are no cells; the same to the last bit in any order of the classes.
 pub fn entropy_of(counts: &[u32]) -> f64 {
     let mut counts: Vec<u32> = counts.iter().copied().filter(|&n| n > 0).collect();
     counts.sort_unstable();
@@ -114,7 +115,7 @@ pub fn largest_entropy(cells: u64, classes: u64) -> f64 {
         let counts = even_counts(cells as u32, classes as usize);
         return if classes == 0 { 0.0 } else { entropy_of(&counts) };
     }
-    // More than a map can have: the sum of the two sizes that classes then have.
+    // More classes than a map can have: the sum of the two sizes that classes then have.
     if cells == 0 || classes == 0 {
         return 0.0;
     }
@@ -254,11 +255,11 @@ fn move_single_cells(counts: &mut Vec<u32>, entropy: f64, floor: u32) {
     }
 }
 
-/// Pairs of moves are tried while there are at most this many moves; where counts are of more
-/// kinds, single moves come near enough.
+/// Pairs of moves are tried while there are at most this many moves; with more kinds of counts, single
+/// moves come near enough.
 const PAIRED: usize = 1 << 13;
 
-/// The most cells of a move of a pair. The counts being nearly geometric, single cells change the
+/// The most cells of a move of a pair. As the counts are nearly geometric, single cells change the
 /// sum by multiples of one number; more cells at once do not.
 const LARGEST_MOVE: usize = 8;
 
@@ -285,7 +286,7 @@ impl Moves {
     }
 
     /// The counts after `cells` cells went from a class of `from` cells to one that then has `to`;
-    /// `None` where there are no such classes, or the first may not lose as many.
+    /// `None` where there are no such classes, or the first must not lose that many.
     fn moved(&self, from: u32, to: u32, cells: u32) -> Option<Moves> {
         if from < self.floor + cells {
             return None;
@@ -296,7 +297,7 @@ impl Moves {
         Some(moved)
     }
 
-    /// The move that leaves the least of `miss`, the sum's excess: a cell from a to b lowers the
+    /// The move that leaves the least of `miss`, the excess of the sum: a cell from a to b lowers the
     /// sum by marginal(a) - marginal(b + 1).
     fn best_single(&self, miss: f64) -> Option<Moves> {
         let mut best: Option<(f64, u32, u32)> = None;
@@ -370,28 +371,28 @@ fn regroup(groups: &mut Vec<(u32, usize)>, from: u32, to: u32) -> Option<()> {
     Some(())
 }
 
-/// In how many ways `cells` cells fall into `classes` classes of at least `floor` cells, whatever
-/// the order of the classes; `u64::MAX` when they are many.
+/// The number of partitions of `cells` cells into `classes` classes of at least `floor` cells, whatever
+/// the order of the classes; `u64::MAX` when there are many.
 fn partitions(cells: u32, classes: usize, floor: u32) -> u64 {
     let free = u64::from(cells) - classes as u64 * u64::from(floor);
     if free > EXHAUSTIVE_CELLS {
         return u64::MAX;
     }
     let free = free as usize;
-    let mut ways = vec![0_u64; free + 1];
-    ways[0] = 1;
+    let mut partitions = vec![0_u64; free + 1];
+    partitions[0] = 1;
     for part in 1..=classes.min(free) {
         for n in part..=free {
-            ways[n] = ways[n].saturating_add(ways[n - part]);
+            partitions[n] = partitions[n].saturating_add(partitions[n - part]);
         }
-        if ways[free] > EXHAUSTIVE {
+        if partitions[free] > EXHAUSTIVE {
             return u64::MAX;
         }
     }
-    ways[free]
+    partitions[free]
 }
 
-/// Tries every way to part the cells; equally near ones leave the counts as they are.
+/// Tries every partition of the cells; equally near ones leave the counts as they are.
 fn try_all(counts: &mut Vec<u32>, entropy: f64, floor: u32) {
     let cells: u32 = counts.iter().sum();
     let n = f64::from(cells);
@@ -454,7 +455,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Every list of counts, in any order: slow and obvious.
+    /// Every list of counts, in any order: the slow, obvious method.
     fn least_error(cells: u32, classes: usize, entropy: f64, floor: u32) -> f64 {
         fn walk(left: u32, counts: &mut Vec<u32>, classes: usize, visit: &mut impl FnMut(&[u32])) {
             if counts.len() + 1 == classes {
@@ -484,7 +485,7 @@ mod tests {
             let found = largest_entropy(cells, classes);
             assert!((found - libm::log(classes as f64)).abs() < 1e-9, "{cells} {classes}: {found}");
         }
-        // Of more classes than cells each cell is of its own.
+        // With more classes than cells, each cell has a class of its own.
         assert!((largest_entropy(70_000, 80_000) - libm::log(70_000.0)).abs() < 1e-9);
         assert!((largest_entropy(10, 70_000) - libm::log(10.0)).abs() < 1e-12);
         assert_eq!((largest_entropy(1 << 40, 0), largest_entropy(0, 1 << 40)), (0.0, 0.0));

@@ -1,5 +1,5 @@
-//! Landscapes built rather than drawn: of little Total Edge (bands), of much (checkerboard), and
-//! stripes in between.
+//! Landscapes built by construction: little Total Edge (bands), much (checkerboard), and stripes in
+//! between.
 
 use super::edge::edge_count;
 use crate::seed::Stream;
@@ -7,7 +7,7 @@ use crate::seed::Stream;
 /// A grid is searched for its best band height exhaustively while this many cell visits suffice.
 const EVERY_HEIGHT: usize = 1 << 24;
 
-/// Classes with their counts, in the order in which they are laid.
+/// Classes with their counts, in the order in which they are placed.
 pub(super) type Runs = Vec<(u16, u32)>;
 
 /// The classes, greatest count first.
@@ -18,7 +18,7 @@ pub(super) fn descending(counts: &[u32]) -> Runs {
     runs
 }
 
-/// Lays runs of classes along a serpentine over horizontal bands of `height` rows, column by
+/// Places runs of classes along a serpentine over horizontal bands of `height` rows, column by
 /// column within a band; over vertical bands when `upright`.
 pub(super) fn bands(
     rows: usize,
@@ -51,8 +51,8 @@ pub(super) fn bands(
     cells
 }
 
-/// Bands whose height suits the larger classes, in random order and direction: a start of little
-/// Total Edge in one go.
+/// Bands whose height suits the larger classes, in random order and direction: a quick start of little
+/// Total Edge.
 pub(super) fn random_bands(
     rows: usize,
     cols: usize,
@@ -72,8 +72,8 @@ pub(super) fn random_bands(
     cells
 }
 
-/// The bands of least Total Edge: of all heights both ways where the grid is small enough to try
-/// them all, otherwise of heights that part the grid evenly. O(N) a height.
+/// The bands of least Total Edge: of all heights in both directions where the grid is small enough to try
+/// them all, otherwise of heights that divide the grid evenly. O(N) per height.
 pub(super) fn best_bands(rows: usize, cols: usize, counts: &[u32]) -> (Vec<u16>, u64) {
     let runs = descending(counts);
     let mut best: Option<(Vec<u16>, u64)> = None;
@@ -106,9 +106,9 @@ pub(super) fn stripes(rows: usize, cols: usize, classes: &[(u16, u32)], repeats:
     bands(rows, cols, runs, 1, false)
 }
 
-/// Much Total Edge: where one class has half the cells or more, the others stand apart on the
+/// Much Total Edge: where one class has half the cells or more, the others are isolated on the
 /// cells of one colour that have most neighbours; otherwise the classes fill one colour and then
-/// the other, greatest first, each colour in random order but for the class in both.
+/// the other, greatest first, each colour in random order except for the class in both.
 pub(super) fn checkerboard(
     rows: usize,
     cols: usize,
@@ -148,7 +148,7 @@ pub(super) fn checkerboard(
     let mut classes: Vec<u16> =
         runs.iter().flat_map(|&(class, n)| std::iter::repeat_n(class, n as usize)).collect();
     let half = first.len();
-    // The class on both colours keeps to the end of one and the beginning of the other, which are
+    // The class on both colours stays at the end of one and the beginning of the other, which are
     // far from each other.
     let shared =
         (half < total && half > 0 && classes[half - 1] == classes[half]).then(|| classes[half]);

@@ -6,11 +6,11 @@ use crate::distance::assert_whole_rows;
 const LANE: usize = 1 << 12;
 
 /// The number of sides between two cells of different class, each once, the border not counted:
-/// Kuznetsov's Total Edge. Every cell counts as of a class; see
+/// Kuznetsov's Total Edge. Every cell counts as a cell of a class; see
 /// [`Adjacency`](super::metrics::Adjacency) for rasters with no-data cells. O(N), in one vectorised pass.
 ///
 /// # Panics
-/// When the cells are no whole number of rows.
+/// When the number of cells is not a multiple of `cols`.
 #[track_caller]
 pub fn edge_count(cells: &[u16], cols: usize) -> u64 {
     assert_whole_rows(cells.len(), cols);
@@ -23,7 +23,7 @@ pub fn edge_count(cells: &[u16], cols: usize) -> u64 {
     let mut above = first;
     for row in rows {
         let (left, last) = row.split_at(cols - 1);
-        // Equal ones are counted: a comparison gives them as -1, which is subtracted as it is.
+        // Equal pairs are counted: a comparison gives -1 for them, which is subtracted as it is.
         let equal: u64 = left
             .chunks(LANE)
             .zip(row[1..].chunks(LANE))
@@ -49,7 +49,7 @@ pub fn inner_sides(rows: u64, cols: u64) -> u64 {
 /// The exact mean of Total Edge over all arrangements of the counts: each inner side joins two
 /// cells of different class with probability 1 - sum n (n - 1) / (N (N - 1)).
 ///
-/// It stands in place of the fit in Kuznetsov (2017), section 4; see
+/// It replaces the fit in Kuznetsov (2017), section 4; see
 /// [`published::random_ted`](super::published::random_ted).
 pub fn mean_edge_count(rows: u64, cols: u64, counts: &[u32]) -> f64 {
     let cells = (rows * cols) as f64;
@@ -61,7 +61,7 @@ pub fn mean_edge_count(rows: u64, cols: u64, counts: &[u32]) -> f64 {
 }
 
 /// The least number of inner sides between `k` cells of a grid and the others: of a block in a
-/// corner, or of a strip across the grid, whichever is less, and as well of the others' block.
+/// corner, of a strip across the grid, or of the others as a block, whichever is least.
 pub fn least_cut(rows: u64, cols: u64, k: u64) -> u64 {
     let cells = rows * cols;
     if k == 0 || k >= cells {
@@ -82,14 +82,14 @@ pub fn least_cut(rows: u64, cols: u64, k: u64) -> u64 {
     one(k).min(one(cells - k)).min(strip(cols)).min(strip(rows))
 }
 
-/// A bound that no arrangement of the counts goes below: every class has at least its least cut,
-/// and each side counts for two classes.
+/// A lower bound over all arrangements of the counts: every class has at least its least cut, and each
+/// side counts for two classes.
 pub fn edge_lower_bound(rows: u64, cols: u64, counts: &[u32]) -> u64 {
     counts.iter().map(|&n| least_cut(rows, cols, u64::from(n))).sum::<u64>().div_ceil(2)
 }
 
-/// A bound that no arrangement of the counts goes above: each side that counts has an end outside
-/// the largest class, and the other cells cover most sides when they stand on one colour of the
+/// An upper bound over all arrangements of the counts: each side that counts has an end outside
+/// the largest class, and the other cells cover most sides when they are on one colour of the
 /// checkerboard, where no two are neighbours.
 pub fn edge_upper_bound(rows: u64, cols: u64, counts: &[u32]) -> u64 {
     let largest = counts.iter().copied().max().unwrap_or(0);
@@ -232,7 +232,7 @@ mod tests {
         use crate::landscape::metrics::{Adjacency, Neighbourhood, patches};
         for (cells, cols) in [(4, 0), (4, 3), (3, 4)] {
             let cells = vec![1; cells];
-            let message = format!("{} cells are no rows of {cols}", cells.len());
+            let message = format!("{} cells do not fill whole rows of {cols}", cells.len());
             let panics = |count: &dyn Fn()| {
                 let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(count));
                 let payload = caught.expect_err("it panics");

@@ -11,11 +11,11 @@ use super::spec::{Algorithm, ClassOrder, LandscapeError, LandscapeSpec};
 use crate::error::GenerateError;
 use crate::seed::Seed;
 
-/// What the automaton and the smoothing use where no Total Edge asks for another value.
+/// Defaults of the automaton and the smoothing where no Total Edge determines another value.
 const EPSILON: f64 = 0.1;
 const SIGMA: f64 = 3.0;
 
-/// What an arrangement settles besides the cells.
+/// The result of an arrangement besides the cells.
 struct Arranged {
     cells: Vec<u16>,
     epsilon: Option<f64>,
@@ -53,7 +53,7 @@ pub(super) fn landscape(spec: &LandscapeSpec, seed: Seed) -> Result<Landscape, G
 }
 
 /// The least Total Edge that bands of these counts have: every value from here up to
-/// [`edge_upper_bound`](super::edge_upper_bound) is looked for, and only few at the very ends do
+/// [`edge_upper_bound`](super::edge_upper_bound) is searched for, and only few at the very ends do
 /// not exist. Below, down to [`edge_lower_bound`](super::edge_lower_bound), the search still
 /// tries.
 pub fn least_built(rows: u64, cols: u64, counts: &[u32]) -> u64 {
@@ -118,7 +118,7 @@ impl Grid<'_> {
     }
 
     /// Where to start: bands below the mean of random landscapes, a checkerboard above it. From a
-    /// start beyond the target, random swaps approach it quickly; un-mixing is what is slow.
+    /// start beyond the target, random swaps approach it quickly; un-mixing is slow.
     fn start(&self, target: u64) -> Vec<u16> {
         let (rows, cols, counts) = (self.rows, self.cols, self.counts);
         if target as f64 > mean_edge_count(rows as u64, cols as u64, counts) {
@@ -139,7 +139,7 @@ impl Grid<'_> {
             let met = board.cells();
             board.mix(target, attempts as u64, &mut stream);
             swaps += board.seek(target, &mut stream);
-            // At the ends of the range the way back may not be found.
+            // At the ends of the range the search may not find the target again.
             if board.edges() != target {
                 board = Board::new(&met, self.cols);
             }
@@ -175,7 +175,7 @@ impl Grid<'_> {
         Ok(Arranged { epsilon: Some(epsilon), ..self.repaired(&start.cells, target) })
     }
 
-    /// Bands up to the Total Edge of rows that alternate as often as possible without passing the
+    /// Bands up to the Total Edge of rows that alternate as often as possible without exceeding the
     /// target; beyond that, and above the mean of random landscapes, as `mixed`.
     fn bands_towards(&self, target: u64) -> Arranged {
         let (rows, cols) = (self.rows, self.cols);
@@ -189,8 +189,8 @@ impl Grid<'_> {
         if edges(1) > target {
             return self.mixed(target, 0.0);
         }
-        // More repeats than rows make no more bands of whole rows, and more than the cells of a
-        // class, on average, leave classes out.
+        // More repeats than rows make no more bands of whole rows, and more repeats than the mean number of
+        // cells per class leave classes out.
         let most = rows.min(rows * cols / classes.len().max(1)) as u32;
         let (mut low, mut high) = (1, most.max(1) + 1);
         while high - low > 1 {

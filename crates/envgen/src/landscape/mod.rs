@@ -3,13 +3,13 @@
 //! Source: A. V. Kuznetsov, Generation of a random landscape by given configuration entropy and
 //! Total Edge, Computational Technologies 22 (4), 2017. Entropy is the Shannon entropy of the
 //! classes' shares in nats (what ecology calls SHDI), Total Edge the number of sides between cells
-//! of different class. The paper meets the first and aims at the second; here both are met exactly.
+//! of different class. The paper reaches the first and approximates the second; here both are exact.
 //!
 //! - [`Composition`]: from an entropy to the number of cells of each class.
 //! - [`random_fill`] and [`automaton_fill`]: the paper's two algorithms; [`published`]: its
 //!   formulas, with their limits.
-//! - [`LandscapeSpec`] and [`Landscape`]: what is asked, entropy and Total Edge together in five
-//!   looks, and the landscape.
+//! - [`LandscapeSpec`] and [`Landscape`]: the settings, entropy and Total Edge together in five
+//!   algorithms, and the landscape.
 //! - [`metrics`]: the measures of landscape ecology for any raster of classes.
 //! - [`paths`]: costs of travel, least-cost paths and cost fields.
 

@@ -54,7 +54,7 @@ impl<'a> TravelMap<'a> {
         Ok(TravelMap { raster, slowness, least, moves })
     }
 
-    /// Cost of a metre in each cell, infinite where it cannot be passed.
+    /// Cost per metre in each cell, infinite where it cannot be passed.
     pub fn cost_raster(&self) -> Vec<f64> {
         self.raster.cells.iter().map(|&class| self.slowness[usize::from(class)]).collect()
     }
@@ -85,12 +85,12 @@ impl<'a> TravelMap<'a> {
     }
 
     /// A least-cost path between two cells (A* with the straight distance over the fastest
-    /// ground); `None` when there is none, or a cell cannot be passed.
+    /// ground); `None` when there is no path, or a cell cannot be passed.
     pub fn path(&self, from: usize, to: usize) -> Option<TravelPath> {
         if !(self.is_passable(from) && self.is_passable(to)) {
             return None;
         }
-        // A little less than the distance, so that rounding does not make it too much.
+        // Slightly less than the distance, so that rounding does not overestimate it.
         let pace = self.least * self.raster.cell * (1.0 - 1e-9);
         let cols = self.raster.cols as usize;
         let ahead = |&cell: &u32| {
@@ -109,7 +109,7 @@ impl<'a> TravelMap<'a> {
         Some(TravelPath { cells, cost: cost.0 })
     }
 
-    /// The least cost from a cell to every cell, infinite where there is no way (Dijkstra).
+    /// The least cost from a cell to every cell, infinite where there is no path (Dijkstra).
     pub fn cost_field(&self, from: usize) -> Vec<f64> {
         let mut field = vec![f64::INFINITY; self.raster.cells.len()];
         if self.is_passable(from) {

@@ -32,8 +32,8 @@ pub const TABLE_1: [TedFit; 5] = [
 /// a0 ln(c0 eps^k / (1 - c0 eps)) + b0.
 ///
 /// Valid for about 150 to 225 classes and `epsilon` of at least 0.02 only: with 15 classes it is
-/// off by up to 0.34. The scan of the paper lost the denominator's place; this reading agrees with
-/// simulation and with the paper's figure 2. To find the `epsilon` of a wanted density, simulate:
+/// off by up to 0.34. The scan of the paper lost the position of the denominator; this reading agrees
+/// with simulation and with the paper's figure 2. To find the `epsilon` of a wanted density, simulate:
 /// [`automaton_epsilon`](super::automaton_epsilon).
 ///
 /// `None` where the model has no value: `epsilon` outside (0, 1].
@@ -48,8 +48,8 @@ pub fn published_ted(fit: &TedFit, epsilon: f64) -> Option<f64> {
 /// The Total Edge Density that the paper fits to random filling:
 /// a1 s(b1 S / ln l) - a1 / 2, with s the logistic function.
 ///
-/// The paper prints "+ a1 / 2", which would make it a1 / 2 where there is no entropy and hence no
-/// edge; and its a1 has a power of l - 10.9641, which is no number for fewer classes and far too
+/// The paper prints "+ a1 / 2", which would give a1 / 2 where there is no entropy and hence no
+/// edge; and its a1 has a power of l - 10.9641, which is not a number for fewer classes and far too
 /// large just above: 12 classes get twice the exact density, from 20 on the fit is good to 0.12.
 /// `None` for up to 10 classes, and where `entropy` is outside [0, ln l].
 pub fn random_ted(classes: u32, entropy: f64) -> Option<f64> {

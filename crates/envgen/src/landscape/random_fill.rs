@@ -1,15 +1,15 @@
-//! Algorithm 1: classes in uniformly random places.
+//! Algorithm 1: classes at uniformly random positions.
 
 use crate::seed::Seed;
 
-/// Up to this many cells are shuffled as a whole: they fit a processor's second cache.
+/// Up to this many cells are shuffled as a whole: they fit a processor's second-level cache.
 const WHOLE: usize = 1 << 17;
 
-/// Larger fillings fall into parts of about this many cells.
+/// Larger fillings are divided into parts of about this many cells.
 const PART: usize = 1 << 16;
 
-/// A uniformly random arrangement of `counts[k]` cells of each class `k + 1`: what the loop of
-/// Kuznetsov (2017), section 2, gives. O(N), 2 bytes a cell.
+/// A uniformly random arrangement of `counts[k]` cells of each class `k + 1`: the same as the loop of
+/// Kuznetsov (2017), section 2. O(N), 2 bytes per cell.
 ///
 /// A plain shuffle of a large map waits for memory at every step. Here the cells are first dealt
 /// to parts, each cell to a uniformly random one, and then shuffled within the parts, which gives

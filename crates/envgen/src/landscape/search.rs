@@ -3,13 +3,13 @@
 use super::edge::edge_count;
 use crate::seed::Stream;
 
-/// Rounds of the fine search before the nearest landscape found is the answer.
+/// Rounds of the fine search, after which the nearest landscape found is the result.
 const ROUNDS: u32 = 60;
 
-/// By how much the fine search may leave its best in each round, again and again.
+/// By how many sides the fine search may get worse than its best in each round, cyclically.
 const SLACK: [i64; 8] = [0, 0, 0, 1, 2, 4, 8, 0];
 
-/// Landscapes of little or much Total Edge are few: mixing runs within this distance of the target.
+/// Landscapes of little or much Total Edge are rare: mixing stays within this distance of the target.
 const MIXING_WINDOW: i64 = 24;
 
 /// A grid with a frame of zeros, which are no class, so that every cell has four neighbours.
@@ -44,7 +44,7 @@ impl Board {
         cells
     }
 
-    /// A uniformly random cell. Its bias is under 2^-18, of no account for a search.
+    /// A uniformly random cell. Its bias is under 2^-18, which does not matter for a search.
     #[inline]
     fn draw(&self, bits: u64) -> usize {
         let r = ((bits >> 32) * self.rows as u64) >> 32;
@@ -69,7 +69,7 @@ impl Board {
         let apart = u.abs_diff(v);
         let before = self.alike(u, a) + self.alike(v, b);
         let mut after = self.alike(u, b) + self.alike(v, a);
-        // Neighbours see each other's old class; the side between them stays.
+        // Both neighbours still count the other's old class; the side between them stays.
         if apart == 1 || apart == self.cols + 2 {
             after -= 2;
         }
@@ -115,10 +115,10 @@ impl Board {
 
     /// Brings Total Edge to `target`, or as near as the search finds; returns the number of swaps.
     ///
-    /// Random pairs do nearly all of the way. Near the ends of the range only few pairs lead on:
+    /// Random pairs do nearly all of the search. Near the ends of the range only few pairs help:
     /// there the cells are listed by how many of their neighbours are alike, and pairs are drawn
     /// from random lists, which finds the rare kinks and corners; in some rounds the search may
-    /// leave its best by a few sides.
+    /// get worse than its best by a few sides.
     pub(super) fn seek(&mut self, target: u64, stream: &mut Stream) -> u64 {
         let target = target as i64;
         let cells = (self.rows * self.cols) as u64;
@@ -160,7 +160,7 @@ impl Board {
                 _ => pick(stream),
             };
             let allowed = self.miss(target).min(start) + slack;
-            // The frame is of no class and stays.
+            // The frame has no class and stays.
             if self.cells[v] != 0 && self.try_swap(u, v, target, allowed) {
                 accepted += 1;
                 if self.edges == target {
@@ -171,8 +171,8 @@ impl Board {
         accepted
     }
 
-    /// The cells, in lists of equal number of neighbours, of alike ones, and of those of the other
-    /// class that is most common among them.
+    /// The cells, in lists by their number of neighbours, of neighbours of their own class, and of
+    /// neighbours of the most common other class.
     fn pools(&self) -> Vec<Vec<u32>> {
         let mut pools = vec![Vec::new(); 125];
         let stride = self.cols + 2;
@@ -194,8 +194,8 @@ impl Board {
         pools
     }
 
-    /// Swaps random cells `attempts` times at about constant Total Edge, so that the landscape
-    /// forgets what it was built from; Total Edge ends near `target`.
+    /// Swaps random cells `attempts` times at about constant Total Edge, so that the landscape does not
+    /// depend on how it was built; Total Edge ends near `target`.
     pub(super) fn mix(&mut self, target: u64, attempts: u64, stream: &mut Stream) {
         let target = target as i64;
         for _ in 0..attempts {

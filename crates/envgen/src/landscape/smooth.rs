@@ -1,13 +1,12 @@
-//! Natural patches: white noise, smoothed, and cut into classes at the counts.
+//! Natural patches: white noise, smoothed, and divided into classes by the counts.
 
 use super::edge::edge_count;
 use crate::seed::Seed;
 
-/// A passage forth and back is repeated this often: the kernel is nearly Gaussian.
+/// The filter runs forth and back this often: the kernel is nearly Gaussian.
 const PASSAGES: u32 = 3;
 
-/// Columns that are smoothed side by side, so that the steps of one column do not wait for each
-/// other.
+/// Columns that are smoothed together, so that the steps of one column do not wait for each other.
 const SIDE_BY_SIDE: usize = 64;
 
 /// White noise over a grid, the same for every smoothing.
@@ -67,13 +66,13 @@ impl Noise {
         if below > target {
             return Err((below, most));
         }
-        // Far from exact is near enough for the repair, which changes few cells.
+        // A coarse result is near enough for the repair, which changes few cells.
         let near = target - target / 200;
         for _ in 0..40 {
             if below >= near {
                 break;
             }
-            // The Total Edge falls about as 1 / sigma: the geometric middle halves the way.
+            // The Total Edge falls about as 1 / sigma: the geometric middle halves the interval.
             let middle: f64 = if low == 0.0 { high / 8.0 } else { (low * high).sqrt() };
             if middle <= low * 1.0001 || middle < 0.05 {
                 break;
@@ -140,9 +139,9 @@ fn transpose(from: &[f32], to: &mut [f32], cols: usize) {
     }
 }
 
-/// Gives the cells of least value the first class and so on; equal values go by their place.
+/// Gives the cells of least value the first class and so on; equal values are in the order of cells.
 fn cut(field: &[f32], counts: &[u32]) -> Vec<u16> {
-    // The bits of an f32, turned so that they sort as the numbers do.
+    // The bits of an f32, changed so that they sort as the numbers do.
     let key = |x: f32| {
         let bits = x.to_bits();
         if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }

@@ -1,4 +1,4 @@
-//! What is asked of a landscape.
+//! The settings of a landscape.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -16,13 +16,13 @@ use crate::world::MAX_COORDINATE;
 /// The most cells a landscape can have: 8192 x 8192, which take 128 MiB.
 pub const MAX_CELLS: u64 = 1 << 26;
 
-/// The most cells a smoothed landscape can have: 4096 x 4096. Smoothing takes 28 bytes a cell.
+/// The most cells a smoothed landscape can have: 4096 x 4096. Smoothing takes 28 bytes per cell.
 pub const MAX_SMOOTH_CELLS: u64 = 1 << 24;
 
-/// The most swaps that mixing tries: a minute or so.
+/// The most swaps that mixing tries: about a minute.
 const MAX_SWAPS: f64 = 1e9;
 
-/// The swaps that mixing tries where none are asked, for landscapes of 40,000 to 5,000,000 cells.
+/// The swaps that mixing tries by default, for landscapes of 40,000 to 5,000,000 cells.
 const DEFAULT_SWAPS: f64 = 4e7;
 
 /// The fewest and most of them per cell, for larger and for smaller landscapes.
@@ -52,21 +52,20 @@ pub struct LandscapeSpec {
     pub entropy: f64,
     /// Whether every class has a cell.
     pub keep_classes: bool,
-    /// Which class gets which count.
+    /// Which class gets which number of cells.
     pub order: ClassOrder,
     /// How the classes are arranged.
     pub algorithm: Algorithm,
-    /// Probability that the automaton changes its class out of turn; `None` is the one that the
-    /// Total Edge needs, or 0.1 where none is asked.
+    /// Probability of an extra change of class in the automaton; `None` is the one that the Total Edge
+    /// needs, or 0.1 where none is requested.
     pub epsilon: Option<f64>,
     /// Standard deviation of the smoothing in cells; `None` is the one that the Total Edge needs,
-    /// or 3 where none is asked.
+    /// or 3 where none is requested.
     pub sigma: Option<f64>,
-    /// Total Edge to reach exactly, in cell sides; `None` takes what the arrangement gives.
+    /// Total Edge to reach exactly, in cell sides; `None` accepts what the arrangement gives.
     pub total_edge: Option<u64>,
-    /// Swaps tried per cell at the Total Edge that is asked, by which a mixed landscape forgets
-    /// what it was built from; `None` is 1000, fewer for landscapes of more than 40,000 cells, and
-    /// at least 8.
+    /// Swaps tried per cell at the requested Total Edge, so that a mixed landscape does not depend on how
+    /// it was built; `None` is 1000, fewer for landscapes of more than 40,000 cells, and at least 8.
     pub mixing: Option<f64>,
     /// Side of a cell in metres.
     pub cell: f64,
@@ -95,7 +94,7 @@ impl Default for LandscapeSpec {
     }
 }
 
-/// Which class gets which count.
+/// Which class gets which number of cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ClassOrder {
@@ -115,9 +114,9 @@ pub enum Algorithm {
     Automaton,
     /// Salt and pepper: from bands or a checkerboard by random swaps.
     Mixed,
-    /// Bands, which repeat as often as the Total Edge needs.
+    /// Bands, repeated as often as the Total Edge needs.
     Bands,
-    /// Natural patches: smoothed noise, cut at the counts.
+    /// Natural patches: smoothed noise, divided by the counts.
     Smooth,
 }
 
@@ -134,23 +133,23 @@ impl Algorithm {
     }
 }
 
-/// Why a landscape could not be made.
+/// Why a landscape could not be generated.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum LandscapeError {
-    /// The look has no landscape of this Total Edge, though other looks may.
+    /// This algorithm cannot reach the requested Total Edge, though other algorithms may.
     #[error(
-        "`total_edge` is {target}, but {} landscapes of this seed have from {low} to {high}; \
+        "`total_edge` must be from {low} to {high} for {} landscapes of this seed, got {target}; \
          `mixed` and `bands` reach further", algorithm.name()
     )]
     Look {
-        /// The look.
+        /// The algorithm.
         algorithm: Algorithm,
         /// The least Total Edge that it reaches.
         low: u64,
-        /// The most.
+        /// The greatest.
         high: u64,
-        /// What was asked.
+        /// The requested Total Edge.
         target: u64,
     },
 }
@@ -162,7 +161,7 @@ pub(super) const ENTROPY: Setting =
     Setting::number("entropy", "nats", 0.0, 12.0, "Shannon entropy of the classes' shares");
 const KEEP_CLASSES: Setting = Setting::flag("keep_classes", "whether every class has a cell");
 const ORDER: Setting =
-    Setting::choice("order", &["shuffled", "descending"], "which class gets which count");
+    Setting::choice("order", &["shuffled", "descending"], "which class gets which number of cells");
 const ALGORITHM: Setting = Setting::choice(
     "algorithm",
     &["random", "automaton", "mixed", "bands", "smooth"],
@@ -173,7 +172,7 @@ const EPSILON: Setting = Setting::number(
     "",
     0.0,
     1.0,
-    "probability that the automaton changes its class out of turn (absent: as total_edge needs, \
+    "probability of an extra change of class in the automaton (absent: as total_edge needs, \
      or 0.1)",
 );
 const SIGMA: Setting = Setting::number(
@@ -187,20 +186,20 @@ const TOTAL_EDGE: Setting = Setting::integer(
     "total_edge",
     0,
     2 * MAX_CELLS,
-    "number of sides between cells of different class to reach exactly (absent: not asked)",
+    "number of sides between cells of different class to reach exactly (absent: any)",
 );
 const MIXING: Setting = Setting::number(
     "mixing",
     "1/cell",
     0.0,
     1000.0,
-    "swaps tried at the Total Edge asked (absent: 1000, fewer for over 40,000 cells, at least 8)",
+    "swaps tried per cell at total_edge (absent: 1000, fewer for over 40,000 cells, at least 8)",
 );
 const CELL: Setting = Setting::number("cell", "m", 1e-3, 1e4, "side of a cell");
 const SPEEDS: Setting = Setting::list(
     "speeds",
     "",
-    "numbers from 0 to 10, one a class",
+    "numbers from 0 to 10, one per class",
     "factor on a robot's greatest speed for each class, 0 where it cannot pass (empty: 1)",
 )
 .such_as("1,0.5,0");
@@ -261,10 +260,10 @@ impl LandscapeSpec {
         self.mixing.unwrap_or_else(|| (DEFAULT_SWAPS / self.work()).clamp(least, most))
     }
 
-    /// Checks every setting, and the settings together; the composition that they give.
+    /// Checks every setting, and the settings together; returns the composition that they give.
     ///
     /// # Errors
-    /// The first setting that is not allowed, with its value and what is.
+    /// Names the first setting that is not allowed, its value and the allowed values.
     pub fn composition(&self) -> Result<Composition, SpecError> {
         ROWS.check_integer(self.rows)?;
         COLS.check_integer(self.cols)?;
@@ -322,7 +321,7 @@ impl LandscapeSpec {
     }
 
     /// Landscapes of the seeds from `seed` on, without end: equal in entropy and, where it is
-    /// asked, in Total Edge, and otherwise independent.
+    /// requested, in Total Edge, and otherwise independent.
     pub fn batch(
         &self,
         seed: Seed,

@@ -1,4 +1,4 @@
-//! Maps of coloured cells, as they are printed.
+//! Maps of coloured cells with a title, legend and notes.
 
 use std::io::Write;
 
@@ -21,10 +21,10 @@ const MARGIN: f64 = 16.0;
 const NOTE_SIZE: f64 = 12.0;
 const NOTE_ROW: f64 = 17.0;
 
-/// The longer side of the map in px. A PNG has at least a pixel for each cell all the same.
+/// The longer side of the map in px. A PNG has at least one pixel per cell in any case.
 const SIDES: [f64; 2] = [480.0, 1000.0];
 
-/// A map of coloured cells, such as a robot's, with its scale, what its colours mean, and notes.
+/// A map of coloured cells, such as a robot's map, with scale, legend and notes.
 ///
 /// ```
 /// use envgen::picture::Figure;
@@ -44,15 +44,15 @@ const SIDES: [f64; 2] = [480.0, 1000.0];
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Above the map; an empty text for nothing.
+    /// Title above the map; empty for none.
     pub title: String,
     /// Side of a cell in metres.
     pub cell: f64,
     /// Cells in a row.
     pub width: u32,
-    /// The number of each cell's colour, row by row from the top.
+    /// The index of each cell's colour, row by row from the top.
     pub cells: Vec<u8>,
-    /// Colours in red, green and blue, and what they mean. The legend shows those that occur and
+    /// Colours in red, green and blue, and their meaning. The legend shows those that occur and
     /// have a name.
     pub colors: Vec<([u8; 3], String)>,
     /// Lines below the legend.
@@ -63,8 +63,8 @@ impl Figure {
     /// The figure as SVG.
     ///
     /// # Errors
-    /// When there are no cells, they are not whole rows, their side is not a positive number, a
-    /// colour is missing, or the map has more than [`MAX_PIXELS`] cells.
+    /// When there are no cells, when they do not fill whole rows, when their side is not a positive number,
+    /// when a colour is missing, or when the map has more than [`MAX_PIXELS`] cells.
     pub fn svg(&self) -> Result<String, PictureError> {
         let (width, height) = (u64::from(self.width), self.height()?);
         if width * height > MAX_PIXELS {
@@ -95,7 +95,7 @@ impl Figure {
             Entry::Named(style, name.clone())
         });
         let corner = DVec2::new(plan.min.x, plan.max.y + 8.0);
-        // Narrow maps have wide legends all the same.
+        // Narrow maps may still have wide legends.
         let room = plan.size().x.max(SIDES[0]);
         let (legend, size) = legend::draw(entries.collect(), &view, corner, room, &typesetter);
         let right = plan.max.x.max(corner.x + size.x);
@@ -130,7 +130,7 @@ impl Figure {
         Ok(document.to_string() + "\n")
     }
 
-    /// Writes the figure as a PNG file, with at least a pixel for each cell.
+    /// Writes the figure as a PNG file, with at least one pixel per cell.
     ///
     /// # Errors
     /// Those of [`Figure::svg`], and when writing fails.

@@ -1,4 +1,4 @@
-//! Hatched grounds.
+//! Hatched areas.
 
 use glam::DVec2;
 
@@ -15,7 +15,7 @@ pub(super) const RISING: DVec2 = DVec2::new(HALF, -HALF);
 /// Down to the right.
 const FALLING: DVec2 = DVec2::new(HALF, HALF);
 
-/// Hatches stop when they are this many lines: worlds of very many overlapping grounds stay small.
+/// Hatching stops at this many lines: pictures of very many overlapping areas stay small.
 const MOST_LINES: usize = 100_000;
 
 /// The outline of any shape in px; discs have 24 corners.
@@ -71,7 +71,7 @@ impl Hatch {
         }
     }
 
-    /// Adds the lines of a direction (a unit vector) that are multiples of `spacing` px from the
+    /// Adds the lines of a direction (a unit vector) at multiples of `spacing` px from the
     /// picture's corner, so that the lines of neighbours meet.
     pub(super) fn add(&mut self, outline: &[DVec2], direction: DVec2, spacing: f64) {
         let normal = direction.perp();

@@ -1,4 +1,4 @@
-//! Everything of one style in one path, and what is too small for one as a shadow.
+//! All parts of one style in one path, with very small ones as a shadow.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -11,7 +11,7 @@ use super::style::{Color, Style};
 use super::view::View;
 use crate::geometry::Shape;
 
-/// Parts that go into paths whatever their size; with more of them in a world, those that are
+/// Up to this many parts are drawn as paths whatever their size; with more of them in a world, those
 /// smaller than a pixel are drawn as a shadow.
 pub(super) const MANY_PARTS: usize = 30_000;
 
@@ -26,7 +26,7 @@ pub(super) struct Ink<'a> {
 }
 
 impl<'a> Ink<'a> {
-    /// Nothing yet. With `many` parts in the world, coordinates are coarser and the smallest parts
+    /// An empty collection. With `many` parts in the world, coordinates are coarser and the smallest parts
     /// become a shadow.
     pub(super) fn new(view: &'a View, many: bool) -> Self {
         let decimals = if many { 1 } else { 2 };
@@ -39,7 +39,7 @@ impl<'a> Ink<'a> {
         }
     }
 
-    /// Nothing yet, for styles so many that each cannot have a shadow of its own.
+    /// An empty collection, for so many styles that each cannot have a shadow of its own.
     pub(super) fn without_shadow(view: &'a View, many: bool) -> Self {
         Ink { shadows: false, ..Ink::new(view, many) }
     }
@@ -59,7 +59,7 @@ impl<'a> Ink<'a> {
         }
     }
 
-    /// Takes a shape that is smaller than a pixel.
+    /// Adds a shape that is smaller than a pixel to the shadow.
     fn shade(&mut self, shape: &Shape) -> bool {
         let around = self.view.px_rect(shape.bounds());
         if around.size().max_element() >= 1.0 {
@@ -75,7 +75,7 @@ impl<'a> Ink<'a> {
         true
     }
 
-    /// The group of what was taken.
+    /// The group of all shapes.
     pub(super) fn into_group(self, id: &str, style: Style) -> Result<Group, PictureError> {
         let mut group = Group::new().set("id", id);
         if let Some(shadow) = self.shadow {
@@ -109,14 +109,14 @@ pub(super) struct Shadow {
     corner: DVec2,
     width: usize,
     height: usize,
-    /// In [`FULL`]ths of a pixel.
+    /// In units of 1 / [`FULL`] of a pixel.
     covered: Vec<u16>,
 }
 
-/// A pixel that is covered altogether.
+/// The value of a fully covered pixel.
 const FULL: f64 = 4096.0;
 
-/// Parts count as at least this many square pixels, lest they round to nothing.
+/// Parts count as at least this many square pixels, so that they do not round to nothing.
 const LEAST_AREA: f64 = 0.02;
 
 impl Shadow {
@@ -126,7 +126,7 @@ impl Shadow {
         Shadow { corner: view.plan.min, width, height, covered: vec![0; width * height] }
     }
 
-    /// Adds `area` square pixels at a point, shared out between the four nearest pixels.
+    /// Adds `area` square pixels at a point, divided between the four nearest pixels.
     pub(super) fn add(&mut self, at: DVec2, area: f64) {
         let area = area.max(LEAST_AREA);
         let at = at - self.corner - DVec2::splat(0.5);
@@ -147,8 +147,8 @@ impl Shadow {
         }
     }
 
-    /// The shadow as an image: darker where more is covered, and all the stronger the fainter it
-    /// would be.
+    /// The shadow as an image: darker where more is covered, and amplified where it would be too faint
+    /// to see.
     pub(super) fn into_image(self, color: Color) -> Result<Image, PictureError> {
         let alphas: Vec<u8> = (0..=255).collect();
         let strength = 255.0 * (0.85 / self.upper_percentile()).max(1.0) / FULL;
@@ -165,7 +165,7 @@ impl Shadow {
         image.to_element(self.corner, size)
     }
 
-    /// The share of a pixel that 95 of 100 shaded pixels are covered to or less.
+    /// The coverage that 95 of 100 shaded pixels do not exceed, as a share of a pixel.
     fn upper_percentile(&self) -> f64 {
         let mut counts = vec![0_u64; FULL as usize + 1];
         for &covered in self.covered.iter().filter(|&&covered| covered > 0) {
@@ -223,7 +223,7 @@ impl Indexed {
             .set("href", format!("data:image/png;base64,{}", STANDARD.encode(&file))))
     }
 
-    /// Rows of pixels with as many in a byte as the depth allows, the first in the highest bits.
+    /// Rows of pixels with as many per byte as the depth allows, the first in the highest bits.
     fn packed(&self, depth: png::BitDepth) -> Vec<u8> {
         let bits = depth as usize;
         if bits == 8 {

@@ -12,13 +12,13 @@ use super::view::View;
 use crate::geometry::Rect;
 use crate::world::{Room, World};
 
-/// More names than a picture has room for.
+/// The most names in a picture.
 const MOST_NAMES: usize = 5000;
 
-/// Longer names than any room is wide are not measured again and again.
+/// Longer names are cut before they are measured.
 const LONGEST_NAME: usize = 80;
 
-/// Names give way to no more obstacles than these.
+/// Names keep clear of at most this many obstacles.
 const MOST_OBSTACLES: usize = 500;
 
 /// Width of the stroke of the rim around a name in px.
@@ -27,14 +27,14 @@ const HALO: f64 = 2.2;
 /// The height of a line of a label, as a share of its font size.
 const LINE: f64 = 1.25;
 
-/// The most different rooms that bear a number which the legend explains.
+/// The most different rooms whose number the legend explains.
 const MOST_NUMBERS: usize = 24;
 
 /// The greatest share of a room that its name may cover where a number can take its place.
 const MOST_COVERED: f64 = 0.35;
 
 /// Lines and font sizes of a name, the better ones first: few lines unless they would be small. The
-/// first [`READABLE`] are easily read.
+/// first [`READABLE`] are easy to read.
 const SETTINGS: [(usize, f64); 16] = [
     (1, 12.0),
     (1, 11.0),
@@ -59,13 +59,13 @@ const READABLE: usize = 8;
 #[derive(Debug, Default)]
 pub(super) struct Names {
     pub(super) group: Option<Group>,
-    /// What the numbers in small rooms mean, from 1 on.
+    /// The names behind the numbers in small rooms, from 1 on.
     pub(super) numbers: Vec<String>,
 }
 
 /// Names in the middle of their rooms, where they fit, with the difficulty below; above or below
-/// the middle where another name is in the way, or an obstacle need not be; beside start and goal.
-/// With a legend, rooms too small for their names bear numbers.
+/// the middle where that avoids another name or an obstacle; beside start and goal.
+/// With a legend, rooms too small for their names get numbers.
 pub(super) fn draw(world: &World, view: &View, legend: bool, typesetter: &Typesetter) -> Names {
     let mut numbers: Vec<String> = Vec::new();
     let [mut dark, mut light] = [PathData::new(2), PathData::new(2)];
@@ -97,7 +97,7 @@ pub(super) fn draw(world: &World, view: &View, legend: bool, typesetter: &Typese
             let at = label.place(&taken, &obstacles)?;
             Some((label, at))
         });
-        // Beside a symbol, where the label becomes largest.
+        // Beside a symbol, in the part where the label becomes largest.
         let aside = || {
             let parts = symbols.iter().flat_map(|symbol| around_symbol(around, *symbol));
             let labels = parts.filter_map(|part| Label::new(room, part, number, typesetter));
@@ -134,13 +134,13 @@ pub(super) fn draw(world: &World, view: &View, legend: bool, typesetter: &Typese
     Names { group: Some(group), numbers }
 }
 
-/// Everything that a room's label says, in one line.
+/// All text of a room's label, in one line.
 fn described(room: &Room) -> String {
     let name: String = room.name.trim().chars().take(LONGEST_NAME).collect();
     std::iter::once(name).chain(notes(room)).collect::<Vec<_>>().join(" ")
 }
 
-/// The difficulty of a room, and what was taken out of it.
+/// The difficulty of a room, and which contents were removed.
 fn notes(room: &Room) -> impl Iterator<Item = String> {
     let contents = Some(room.contents).filter(|contents| !contents.is_as_designed());
     let contents = contents.map(|contents| contents.name().to_owned());
@@ -162,7 +162,7 @@ fn around_symbol(room: Rect, symbol: Rect) -> Vec<Rect> {
     parts
 }
 
-/// A room's label, and the space that it is for.
+/// A room's label, and the space for it.
 struct Label {
     space: Rect,
     /// With font sizes.
@@ -174,9 +174,9 @@ struct Label {
 }
 
 impl Label {
-    /// The room's name in as few lines and as large as fits, its difficulty, and what was taken out
-    /// of it. Where that would be small or hide the room, its number; without one, the name smaller
-    /// and then cut short. `None` where nothing fits.
+    /// The room's name in as few lines and as large as fits, its difficulty, and which contents were
+    /// removed. Where that would be small or hide the room, its number; without a number, the name smaller
+    /// and then cut. `None` where nothing fits.
     fn new(
         room: &Room,
         space: Rect,
@@ -224,7 +224,7 @@ impl Label {
         })
     }
 
-    /// Where it keeps away from what is taken and, if it can, from obstacles.
+    /// A position clear of what is taken and, if possible, of obstacles.
     fn place(&self, taken: &[Rect], obstacles: &[Rect]) -> Option<Rect> {
         let aside = (0.5 * (self.space.size().y - self.size.y) - 7.0).max(0.0);
         let places = [0.0, 0.5, -0.5, 1.0, -1.0].map(|share| {
@@ -237,7 +237,7 @@ impl Label {
     }
 }
 
-/// A difficulty with one digit behind the point, or two where it has two.
+/// A difficulty with one decimal, or two where it has two.
 fn difficulty(difficulty: f64) -> String {
     let text = format!("{difficulty:.2}");
     text.strip_suffix('0').map_or(text.clone(), str::to_owned)

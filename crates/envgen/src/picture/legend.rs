@@ -1,4 +1,4 @@
-//! The row under the plan: scale bar, and what the colours mean.
+//! The row under the plan: scale bar and legend.
 
 use glam::DVec2;
 use svg::node::element::Group;
@@ -19,10 +19,10 @@ const GAP: f64 = 18.0;
 const SAMPLE: DVec2 = DVec2::new(16.0, 11.0);
 const BAR: f64 = 130.0;
 
-/// Thinner kerbs, in px, are not told from the edge of the road.
+/// Thinner kerbs, in px, cannot be distinguished from the edge of the road.
 const LEAST_KERB: f64 = 0.4;
 
-/// More classes than these are named by their number.
+/// Only this many classes are listed, by their number.
 const MOST_CLASSES: usize = 12;
 
 /// One entry of the legend.
@@ -63,7 +63,7 @@ impl Entry {
     }
 }
 
-/// What a world's picture has to explain; last what the numbers in its rooms mean.
+/// The entries of a world's legend; the last ones explain the numbers in rooms.
 pub(super) fn entries(world: &World, view: &View, numbers: &[String]) -> Vec<Entry> {
     let mut entries = Vec::new();
     if world.start.is_some() {
@@ -116,7 +116,7 @@ pub(super) fn entries(world: &World, view: &View, numbers: &[String]) -> Vec<Ent
     entries
 }
 
-/// Whether a layer of walls shows in a picture: kerbs vanish at the edge of a road that is far away.
+/// Whether a layer of walls is visible in a picture: kerbs vanish at the edge of a distant road.
 fn is_seen(layer: &Layer<'_, Wall>, view: &View) -> bool {
     let kerb = |wall: &&Wall| wall.kind == WallKind::Kerb;
     layer.parts.iter().any(|wall| !kerb(wall) || thickness(&wall.shape) * view.scale >= LEAST_KERB)
@@ -128,7 +128,7 @@ fn thickness(shape: &Shape) -> f64 {
     if outline > 0.0 { 2.0 * shape.area() / outline } else { 0.0 }
 }
 
-/// Scale bar and legend, row by row within `width` px or one to a row, and their size.
+/// Scale bar and legend, row by row within `width` px or one per row, and their size.
 pub(super) fn draw(
     entries: Vec<Entry>,
     view: &View,

@@ -1,8 +1,8 @@
 //! Pictures of a world: SVG, and PNG drawn from exactly that SVG, on the CPU.
 //!
-//! A picture is made of the [`World`] alone. It shows every kind of part in its own colour, start
-//! (a disc with an arrow along the heading) and goal (a flag), a scale bar, and a legend of what is
-//! there. Labels are outlines of an embedded font, coordinates are rounded to a fraction of a pixel:
+//! A picture is made from the [`World`] alone. It shows every kind of part in its own colour, start
+//! (a disc with an arrow along the heading) and goal (a flag), a scale bar, and a legend of the parts
+//! that occur. Labels are outlines of an embedded font, coordinates are rounded to a fraction of a pixel:
 //! the same world and options give the same SVG text, and the same pixels, everywhere.
 //!
 //! ```
@@ -16,7 +16,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A world of very many parts stays a small file and a quick one: all parts of a style are one path,
+//! A world with very many parts still gives a small file quickly: all parts of a style are one path,
 //! and parts smaller than a pixel are drawn together as a shadow, an image of how much of each pixel
 //! they cover.
 
@@ -59,25 +59,25 @@ pub const MAX_PIXELS: u64 = 1 << 26;
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureOptions {
     /// Greatest width of the picture in px, within [`WIDTHS`]. The picture is as large as it can
-    /// be; high worlds make narrower ones.
+    /// be; high worlds give narrower ones.
     pub width: u32,
     /// Greatest height of the world in the picture in px, within [`HEIGHTS`]; title, legend and
-    /// curvature profile come on top.
+    /// curvature profile are added to it.
     pub height: u32,
-    /// Pixels of a PNG for one px of the picture, from 0.1 to 10; 2 for dense screens.
+    /// Pixels of a PNG per px of the picture, from 0.1 to 10; 2 for dense screens.
     pub pixel_ratio: f64,
-    /// White space at the picture's four sides in px, at most 200.
+    /// White space on the four sides of the picture in px, at most 200.
     pub margin: u32,
-    /// Above the world; `None` for kind, seed and the settings that differ from the defaults, an
-    /// empty text for nothing.
+    /// Title above the world; `None` for kind, seed and the settings that differ from the defaults, an
+    /// empty text for no title.
     pub title: Option<String>,
-    /// Whether a legend says what the colours mean.
+    /// Whether a legend explains the colours.
     pub legend: bool,
-    /// Whether rooms bear their names.
+    /// Whether the names of rooms are shown.
     pub names: bool,
     /// Whether a grid of round metres lies under the world.
     pub grid: bool,
-    /// Whether roads have their curvature drawn over their length, under the world.
+    /// Whether the curvature of roads over their length is drawn under the world.
     pub curvature_profile: bool,
 }
 
@@ -105,11 +105,11 @@ pub enum PictureError {
     #[error("the world is broken: {0}")]
     World(#[from] Violation),
     /// An option is out of its limits.
-    #[error("the picture's {option} is {value}, expected {min} to {max}")]
+    #[error("the picture's {option} must be from {min} to {max}, got {value}")]
     Option {
         /// Which option.
         option: &'static str,
-        /// What was asked.
+        /// The requested value.
         value: f64,
         /// The least value.
         min: f64,
@@ -123,7 +123,7 @@ pub enum PictureError {
     #[error("the cells of a map must {0}")]
     Cells(&'static str),
     /// The PNG would be too large.
-    #[error("a PNG of {width} x {height} pixels has more than {MAX_PIXELS}")]
+    #[error("a PNG must have at most {MAX_PIXELS} pixels, got {width} x {height}")]
     TooLarge {
         /// Its width.
         width: u64,
@@ -145,7 +145,7 @@ impl PictureOptions {
     /// Checks the options against their limits.
     ///
     /// # Errors
-    /// The first option that is not allowed.
+    /// Names the first option that is not allowed.
     pub fn validate(&self) -> Result<(), PictureError> {
         let check = |option, value: f64, min: f64, max: f64| {
             let inside = value >= min && value <= max;
@@ -168,7 +168,7 @@ impl PictureOptions {
 pub fn svg(world: &World, options: &PictureOptions) -> Result<String, PictureError> {
     let mut text = Vec::new();
     write_svg(world, options, &mut text)?;
-    // What was written is UTF-8 throughout.
+    // All that was written is UTF-8.
     Ok(String::from_utf8_lossy(&text).into_owned())
 }
 

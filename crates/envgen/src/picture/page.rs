@@ -1,4 +1,4 @@
-//! What stands around the world: page, frame, title, start and goal, scale bar, legend.
+//! The page around the world: frame, title, start and goal, scale bar, legend.
 
 use glam::DVec2;
 use svg::Document;
@@ -20,14 +20,14 @@ use crate::world::World;
 /// Space between the frame and the world's bounds in px.
 const BORDER: f64 = 14.0;
 
-/// The same where the symbol of start or goal would reach over the frame.
+/// The same where the symbol of start or goal would extend beyond the frame.
 const WIDE_BORDER: f64 = 30.0;
 pub(super) const TITLE_HEIGHT: f64 = 26.0;
 
 /// The narrowest and lowest plan in px.
 const LEAST_PLAN: DVec2 = DVec2::new(120.0, 40.0);
 
-/// What a legend at the side takes of the width in px.
+/// The width of a legend at the side in px.
 const SIDE: f64 = 200.0;
 
 /// The whole picture.
@@ -54,7 +54,7 @@ pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Docume
         if inside { Ok(view) } else { fit(WIDE_BORDER) }
     };
     let mut view = fit(most)?;
-    // High worlds have the legend at their side.
+    // High worlds have the legend at the side.
     let shape = view.plan.size();
     let beside = options.legend && shape.x < 0.6 * shape.y && most.x >= 2.0 * SIDE;
     if beside {
@@ -163,8 +163,8 @@ pub(super) fn arrow(at: DVec2, pose: Pose) -> Group {
     haloed(path, style::START, style::PAGE, 3.0)
 }
 
-/// A symbol or a label on a rim of another colour, which sets it off from what lies below. The rim
-/// is an element of its own, since not every program knows `paint-order`.
+/// A symbol or a label with a rim of another colour, which separates it from what lies below. The rim
+/// is an element of its own, since not every program supports `paint-order`.
 pub(super) fn haloed(path: PathData, color: Color, halo: Color, width: f64) -> Group {
     let rim = filled(path.clone(), halo)
         .set("stroke", halo.to_string())
@@ -173,8 +173,8 @@ pub(super) fn haloed(path: PathData, color: Color, halo: Color, width: f64) -> G
     Group::new().add(rim).add(filled(path, color))
 }
 
-/// The goal: a flag whose pole stands on it, 23 px high at a size of 1. It has no rim, which would
-/// cut walls open that it stands before.
+/// The goal: a flag whose pole ends on it, 23 px high at a size of 1. It has no rim, which would cut
+/// open the walls behind it.
 pub(super) fn flag(at: DVec2, size: f64) -> Group {
     let p = |x: f64, y: f64| at + DVec2::new(x, y) * size;
     let [mut pole, mut cloth] = [PathData::new(2), PathData::new(2)];
@@ -188,7 +188,7 @@ pub(super) fn flag(at: DVec2, size: f64) -> Group {
     Group::new().add(filled(pole, style::INK)).add(cloth)
 }
 
-/// What the symbols of start and goal cover.
+/// The rectangles that the symbols of start and goal cover.
 pub(super) fn symbols(world: &World, view: &View) -> Vec<Rect> {
     let start = world.start.map(|start| {
         let at = view.px(start.position);
@@ -204,7 +204,7 @@ pub(super) fn symbols(world: &World, view: &View) -> Vec<Rect> {
 }
 
 /// The scale bar with its lower left corner at `at`, and its width with the label; `None` when
-/// nothing round is long enough to be seen.
+/// no round length is long enough to be visible.
 pub(super) fn scale_bar(view: &View, at: DVec2, typesetter: &Typesetter) -> Option<(Group, f64)> {
     let metres = view::round_number(130.0_f64.min(0.5 * view.plan.size().x) / view.scale)?;
     let long = metres * view.scale;

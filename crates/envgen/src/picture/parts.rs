@@ -1,4 +1,4 @@
-//! The parts of a world, from the ground up.
+//! The parts of a world, from the lowest layer up.
 
 use std::collections::BTreeMap;
 
@@ -14,10 +14,10 @@ use super::{PictureError, PictureOptions, raster, roads};
 use crate::geometry::Shape;
 use crate::world::{Doorway, Obstacle, Room, Surface, Wall, World};
 
-/// With more styles than these in a list, none has a shadow.
+/// With more styles than this in a list, none has a shadow.
 const MOST_SHADOWS: usize = 40;
 
-/// Everything inside the plan's frame but names, start and goal.
+/// Everything inside the plan's frame except names, start and goal.
 pub(super) fn draw(
     world: &World,
     view: &View,
@@ -30,7 +30,7 @@ pub(super) fn draw(
     if options.grid {
         groups.push(grid(view));
     }
-    // Plain floors and classes lie below the rooms; what makes driving hard shows on them.
+    // Plain floors and classes lie below the rooms; surfaces that make driving hard are drawn on them.
     let (floors, grounds): (Vec<_>, Vec<_>) =
         surface_layers(world).into_iter().partition(|layer| layer.style.texture == Texture::Plain);
     groups.extend(draw_layers("surfaces", floors, view, |s| &s.shape)?);
@@ -45,7 +45,7 @@ pub(super) fn draw(
     Ok(groups)
 }
 
-/// Dots of a round line cap, as trees are.
+/// Dots with a round line cap, as trees are.
 fn victims(world: &World, view: &View) -> Option<Group> {
     if world.victims.is_empty() {
         return None;
@@ -71,7 +71,7 @@ pub(super) fn filled(path: PathData, color: Color) -> Path {
     Path::new().set("d", path.into_text()).set("fill", color.to_string())
 }
 
-/// The side of the grid's cells in metres: none is smaller than 40 px.
+/// The side of the grid's cells in metres: at least 40 px.
 pub(super) fn grid_step(view: &View) -> Option<f64> {
     round_number(100.0 / view.scale)
 }
@@ -80,8 +80,8 @@ fn grid(view: &View) -> Group {
     let mut path = PathData::new(1);
     let (low, high) = (view.px(view.world.min), view.px(view.world.max));
     if let Some(step) = grid_step(view) {
-        // Lines are counted from 0, not from the bounds; worlds so far out that a step is lost in
-        // rounding have none.
+        // Lines are counted from 0, not from the bounds; worlds so far from the origin that rounding loses a
+        // step have no grid.
         let lines = |min: f64, max: f64| {
             let first = (min / step).ceil();
             (0..1000).map(move |i| (first + f64::from(i)) * step).take_while(move |&v| v <= max)
@@ -175,8 +175,8 @@ fn draw_layers<T>(
     Ok(groups)
 }
 
-/// Trees are dots of a round line cap: two for each, the edge and the crown. Radii are rounded to
-/// a tenth of a pixel, so that all trees of a size are one path.
+/// Trees are dots with a round line cap: two for each, the edge and the crown. Radii are rounded to
+/// a tenth of a pixel, so that all trees of one size are one path.
 fn trees(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), PictureError> {
     let many = world.trees.len() > MANY_PARTS;
     let mut shadow = None;
@@ -205,7 +205,7 @@ fn trees(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), Pict
     let (mut edges, mut crowns) = (Vec::new(), Vec::new());
     for (tenths, path) in sizes {
         let radius = f64::from(tenths) / 10.0;
-        // Small trees are dark all through.
+        // Small trees are dark throughout.
         let edge = (0.12 * radius).clamp(0.8, 1.5);
         if radius > edge + 0.5 {
             crowns.push(stroked(path.clone(), style::TREE, 2.0 * (radius - edge)));
@@ -244,7 +244,7 @@ fn rooms(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), Pict
     Ok(())
 }
 
-/// Difficulties are told apart to a tenth; rooms without light are darker.
+/// Difficulties are distinguished to a tenth; rooms without light are darker.
 pub(super) fn room_color(room: &Room) -> Color {
     let color = room
         .difficulty

@@ -7,11 +7,11 @@ use glam::DVec2;
 /// Control points of a quarter circle of radius 1 lie this far from its ends.
 const QUARTER: f64 = 0.552_284_749_830_793_4;
 
-/// Pixel coordinates are cut off here: far outside any picture, far inside `f32`.
+/// Pixel coordinates are clamped here: far outside any picture, far inside `f32`.
 const FARTHEST: f64 = 1e6;
 
 /// The `d` of an SVG path. Coordinates are rounded to a fraction of a pixel and written relative
-/// to the one before, as differences of rounded numbers, so that nothing drifts.
+/// to the one before, as differences of rounded numbers, so that errors do not add up.
 #[derive(Clone, Debug)]
 pub(super) struct PathData {
     text: String,
@@ -56,7 +56,7 @@ impl PathData {
         (self.at, self.start) = (to, to);
     }
 
-    /// A line; nothing when it is shorter than the coordinates are exact.
+    /// A line; nothing when it is shorter than the resolution of the coordinates.
     pub(super) fn line_to(&mut self, p: DVec2) {
         let to = self.quantised(p);
         match self.offset(to) {
@@ -88,7 +88,7 @@ impl PathData {
         self.at = self.start;
     }
 
-    /// A point: nothing but a round line cap, when the path is stroked with one.
+    /// A point: only a round line cap, when the path is stroked with one.
     pub(super) fn dot(&mut self, p: DVec2) {
         self.move_to(p);
         self.numbers('h', &[0]);
@@ -139,7 +139,7 @@ impl PathData {
     }
 
     fn numbers(&mut self, command: char, numbers: &[i64]) {
-        // A repeated command goes without its letter; after a move the letter left out would be l.
+        // A repeated command is written without its letter; after a move the omitted letter is l.
         let repeated = command == self.command && command != 'm';
         if !repeated {
             self.text.push(command);
@@ -169,7 +169,7 @@ impl PathData {
             (0, _) => write!(self.text, ".{part:0digits$}"),
             _ => write!(self.text, "{whole}.{part:0digits$}"),
         };
-        debug_assert!(written.is_ok(), "a string takes all");
+        debug_assert!(written.is_ok(), "writing to a string does not fail");
         self.number_has_point = part > 0;
     }
 }

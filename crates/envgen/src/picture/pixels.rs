@@ -7,7 +7,7 @@ use resvg::usvg;
 
 use super::{MAX_PIXELS, PictureError};
 
-/// Renders an SVG, whose background must be opaque, with `ratio` pixels a px.
+/// Renders an SVG, whose background must be opaque, with `ratio` pixels per px.
 pub(super) fn write(svg: &str, ratio: f64, out: &mut dyn Write) -> Result<(), PictureError> {
     let tree = usvg::Tree::from_str(svg, &usvg::Options::default())?;
     let pixels = |px: f32| (f64::from(px) * ratio).ceil().max(1.0) as u64;
@@ -25,7 +25,7 @@ pub(super) fn write(svg: &str, ratio: f64, out: &mut dyn Write) -> Result<(), Pi
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::High);
-    // Whoever reads classes from images can tell that this is a picture.
+    // Readers of classes from images recognise by it that this is a picture.
     encoder
         .add_text_chunk(crate::file::PICTURE_KEY.to_owned(), "a picture of a world".to_owned())?;
     let mut writer = encoder.write_header()?;

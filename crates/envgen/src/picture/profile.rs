@@ -11,15 +11,15 @@ use super::view::{self, View, round_number};
 use crate::world::World;
 
 const HEIGHT: f64 = 124.0;
-/// Room for the numbers below the axis, and its name.
+/// Space for the numbers below the axis, and its name.
 const FOOT: f64 = 32.0;
-/// Room for the title above the curve.
+/// Space for the title above the curve.
 const HEAD: f64 = 18.0;
 
 /// The profile with its upper border at `top`, and its height; `None` without roads.
 ///
 /// Roads follow each other in the order of the world's list. Each pixel shows the greatest
-/// curvature to the left and to the right that lies in it.
+/// curvature to the left and to the right within it.
 pub(super) fn draw(
     world: &World,
     view: &View,
@@ -130,7 +130,7 @@ pub(super) fn draw(
     Some((group, HEIGHT))
 }
 
-/// Length from the start and curvature from there on, of all roads one after another.
+/// Distance from the start, and the curvature from there on, of all roads one after another.
 fn samples(world: &World) -> Vec<(f64, f64)> {
     let mut samples = Vec::new();
     let mut length = 0.0;
@@ -144,7 +144,7 @@ fn samples(world: &World) -> Vec<(f64, f64)> {
             samples.push((length, point.curvature));
             previous = Some(at);
         }
-        // Nothing between one road and the next.
+        // No curvature between one road and the next.
         if let Some(last) = samples.last_mut() {
             last.1 = 0.0;
         }

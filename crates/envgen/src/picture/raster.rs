@@ -28,7 +28,7 @@ pub(super) fn group(raster: &ClassRaster, view: &View) -> Result<Group, PictureE
 fn image(raster: &ClassRaster, view: &View) -> Result<Image, PictureError> {
     let size = DVec2::new(raster.cols.into(), raster.rows.into()) * raster.cell;
     let around = view.px_rect(Rect::new(raster.origin, raster.origin + size));
-    // Index 0 is no data; where there are more classes than colours, they share them.
+    // Index 0 is no data; where there are more classes than colours, classes share them.
     let greatest = raster.cells.iter().copied().max().unwrap_or(0).min(255);
     let index = |class: u16| if class < 256 { class as u8 } else { ((class - 1) % 255 + 1) as u8 };
     let colors = std::iter::once(PLAN).chain((1..=greatest).map(class_color)).collect::<Vec<_>>();
@@ -41,7 +41,7 @@ fn image(raster: &ClassRaster, view: &View) -> Result<Image, PictureError> {
     image.to_element(around.min, around.size())
 }
 
-/// One cell for each pixel of the picture, of a raster with smaller cells.
+/// A raster with smaller cells, sampled to one cell per pixel of the picture.
 fn sampled(
     raster: &ClassRaster,
     view: &View,

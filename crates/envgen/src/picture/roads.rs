@@ -15,7 +15,7 @@ pub(super) fn draw(world: &World, view: &View) -> Option<Group> {
     if world.road_strips.is_empty() {
         return None;
     }
-    // Widths in tenths of a pixel; strips of one width are one path.
+    // Widths in tenths of a pixel; strips of the same width are one path.
     let mut widths: BTreeMap<u32, PathData> = BTreeMap::new();
     let mut markings = PathData::new(1);
     let mut dashes = PathData::new(1);
@@ -52,7 +52,7 @@ pub(super) fn draw(world: &World, view: &View) -> Option<Group> {
         group = group.add(stroked(markings, style::MARKING, 0.8).set("stroke-opacity", 0.85));
     }
     if !dashes.is_empty() {
-        // Lines of 3 m with gaps of 6 m, or as short as can still be seen.
+        // Lines of 3 m with gaps of 6 m, or the shortest that are visible.
         let dash = (3.0 * view.scale).clamp(4.0, 200.0);
         let path = stroked(dashes, style::MARKING, 1.1);
         group = group.add(path.set("stroke-dasharray", format!("{dash:.1} {:.1}", 1.5 * dash)));
@@ -60,8 +60,8 @@ pub(super) fn draw(world: &World, view: &View) -> Option<Group> {
     Some(group)
 }
 
-/// A line beside a road's centreline, `offset` metres to its left. Points nearer to each other
-/// than can be seen are left out.
+/// A line beside a road's centreline, `offset` metres to its left. Points too near to each other to be
+/// distinguished are left out.
 fn lane_line(strip: &RoadStrip, offset: f64, view: &View, path: &mut PathData) {
     let last = strip.centreline.len() - 1;
     let mut previous = None;

@@ -1,8 +1,9 @@
 //! The colours of everything.
 //!
-//! Told apart by colour-blind eyes as well: hues after M. Okabe and K. Ito, Color Universal Design
-//! (2008), difficulties after `YlOrRd` of C. Brewer's colour schemes for maps (2003), whose lightness falls all the
-//! way, and landscape classes after P. Tol's "light" scheme (Colour Schemes, SRON/EPS/TN/09-002).
+//! Colour-blind people can distinguish them too: hues after M. Okabe and K. Ito, Color Universal Design
+//! (2008), difficulties after `YlOrRd` of C. Brewer's colour schemes for maps (2003), whose lightness
+//! falls throughout, and landscape classes after P. Tol's "light" scheme (Colour Schemes,
+//! SRON/EPS/TN/09-002).
 
 use std::fmt;
 
@@ -73,16 +74,16 @@ pub(super) const CURVE_RIGHT: Color = rgb(0xd5_5e_00);
 /// How a filled part looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Style {
-    /// In the legend.
+    /// Name in the legend.
     pub(super) name: &'static str,
     pub(super) fill: Color,
     pub(super) edge: Color,
-    /// Width of the edge in px. Walls get one of their own colour, so that thin ones stay visible.
+    /// Width of the edge in px. Walls have an edge of their own colour, so that thin ones stay visible.
     pub(super) edge_width: f64,
     pub(super) texture: Texture,
 }
 
-/// What is drawn onto a ground.
+/// The texture of an area.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Texture {
     Plain,
@@ -116,7 +117,7 @@ const WALLS: &[(WallKind, Style)] = &[
     (WallKind::EndCap, Style::solid("end cap", 0xa3_3b_78)),
 ];
 
-/// Obstacles, in the order in which they are drawn; kinds that are not here look like `Other`.
+/// Obstacles, in the order in which they are drawn; kinds that are not listed look like `Other`.
 const OBSTACLES: &[(ObstacleKind, Style)] = &[
     (ObstacleKind::Other, OTHER),
     (ObstacleKind::Stairs, Style::edged("flight of stairs", rgb(0xc3_c7_d0), rgb(0x5a_62_70))),
@@ -136,7 +137,7 @@ const OBSTACLES: &[(ObstacleKind, Style)] = &[
 ];
 const OTHER: Style = Style::edged("obstacle", rgb(0xb7_9c_c8), rgb(0x5d_43_70));
 
-/// SurfaceIndex, in the order in which they are drawn; kinds that are not here look like a floor.
+/// Surfaces, in the order in which they are drawn; kinds that are not listed look like a floor.
 const SURFACES: &[(SurfaceKind, Style)] = &[
     (SurfaceKind::OpenArea, Style::edged("open area", rgb(0xe9_f5_d8), rgb(0xe9_f5_d8))),
     (SurfaceKind::Hallway, Style::edged("hallway", rgb(0xd3_ec_c8), rgb(0xd3_ec_c8))),
@@ -160,7 +161,7 @@ const SURFACES: &[(SurfaceKind, Style)] = &[
 const FLOOR: Style = Style::edged("floor", rgb(0xf1_ef_ea), rgb(0xe2_df_d8));
 
 pub(super) const ROOM_STYLE: Style = Style::edged("room", ROOM, ROOM_EDGE);
-/// People who wait to be found.
+/// People to be found.
 pub(super) const VICTIM: Style =
     Style { edge_width: 1.0, ..Style::edged("victim", rgb(0xcc_79_a7), rgb(0x7a_2f_5a)) };
 pub(super) const OPEN_DOOR: Style =
@@ -173,17 +174,17 @@ fn find<K: PartialEq>(table: &[(K, Style)], kind: &K) -> Option<(u32, Style)> {
     Some((place as u32 + 1, table[place].1))
 }
 
-/// A wall's place in the order of drawing, and its style.
+/// A wall's index in the order of drawing, and its style.
 pub(super) fn wall(kind: WallKind) -> (u32, Style) {
     find(WALLS, &kind).unwrap_or((0, WALLS[3].1))
 }
 
-/// An obstacle's place in the order of drawing, and its style.
+/// An obstacle's index in the order of drawing, and its style.
 pub(super) fn obstacle(kind: ObstacleKind) -> (u32, Style) {
     find(OBSTACLES, &kind).unwrap_or((1, OTHER))
 }
 
-/// A ground's place in the order of drawing, and its style: floors, classes by their number, then
+/// A surface's index in the order of drawing, and its style: floors, classes by their number, then
 /// the others.
 pub(super) fn surface(kind: SurfaceKind) -> (u32, Style) {
     if let SurfaceKind::Class(class) = kind {
@@ -202,7 +203,7 @@ const DIFFICULTIES: [Color; 6] = [
     rgb(0x9c_22_42),
 ];
 
-/// The colour of a difficulty from 0 to 10; others count as the nearer of the two.
+/// The colour of a difficulty from 0 to 10; values outside are clamped.
 pub(super) fn difficulty(difficulty: f64) -> Color {
     let at = (difficulty.clamp(0.0, 10.0) / 10.0) * (DIFFICULTIES.len() - 1) as f64;
     let i = (at as usize).min(DIFFICULTIES.len() - 2);
@@ -221,8 +222,8 @@ const CLASSES: [Color; 9] = [
     rgb(0xcc_cc_cc),
 ];
 
-/// The colour of a landscape class, counted from 1. The first nine are made to be told apart; later
-/// ones are their mixtures with their second neighbours and with the ink.
+/// The colour of a landscape class, counted from 1. The first nine are chosen to be distinguishable;
+/// later ones are their mixtures with their second neighbours and with the ink.
 pub(super) fn class_color(class: u16) -> Color {
     let index = usize::from(class.saturating_sub(1));
     let (i, round) = (index % CLASSES.len(), index / CLASSES.len());

@@ -6,7 +6,7 @@ use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 use super::path::PathData;
 
-/// Where a label's given point lies on it.
+/// Which point of a label its given position is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Align {
     Left,
@@ -20,7 +20,7 @@ pub(super) const CAPITAL_HEIGHT: f64 = 0.714;
 /// Writes labels into paths.
 #[derive(Debug)]
 pub(super) struct Typesetter {
-    /// `None` should the font be unreadable, which a test rules out.
+    /// `None` if the font cannot be read, which a test rules out.
     face: Option<Face<'static>>,
 }
 
@@ -64,8 +64,8 @@ impl Typesetter {
         }
     }
 
-    /// The label broken between words into at most so many lines no wider than `width` px; `None`
-    /// where it does not go, or is empty.
+    /// The label broken between words into at most the given number of lines, none wider than `width` px;
+    /// `None` where that is impossible, or where it is empty.
     pub(super) fn wrapped(
         &self,
         label: &str,
@@ -109,7 +109,7 @@ impl Typesetter {
 }
 
 fn glyph(face: &Face<'_>, c: char) -> GlyphId {
-    // Glyph 0 is the box that stands for what the font does not have.
+    // Glyph 0 is the box for characters that the font does not have.
     face.glyph_index(c).unwrap_or(GlyphId(0))
 }
 

@@ -1,4 +1,4 @@
-//! The title of a picture: kind of world and seed, and the settings that tell it from others.
+//! The title of a picture: kind of world and seed, and the settings that differ from the defaults.
 
 use glam::DVec2;
 use svg::node::element::Group;
@@ -12,15 +12,15 @@ use super::view::{self, View};
 use crate::world::World;
 
 const SIZE: f64 = 15.0;
-/// Of the settings, and of the extent.
+/// Font size of the settings, and of the extent.
 const SMALL_SIZE: f64 = 12.0;
-/// Between the parts of the row, in px.
+/// Space between the parts of the row, in px.
 const GAP: f64 = 12.0;
 
-/// What is written above a world.
+/// The text above a world.
 #[derive(Debug)]
 pub(super) struct Heading {
-    /// Kind and seed, or what the options say.
+    /// Kind and seed, or the title from the options.
     pub(super) name: String,
     /// Settings that differ from the defaults.
     settings: String,
@@ -40,7 +40,7 @@ impl Heading {
         }
     }
 
-    /// All of it, without the characters that XML cannot hold.
+    /// The whole text, without the characters that XML cannot hold.
     pub(super) fn text(&self) -> String {
         let whole = match self.settings.as_str() {
             "" => self.name.clone(),
@@ -50,7 +50,7 @@ impl Heading {
         whole.chars().filter(printable).collect()
     }
 
-    /// The name, the settings, and at the right the size of the world where there is room for it.
+    /// The name, the settings, and at the right the size of the world where there is space for it.
     pub(super) fn row(&self, view: &View, right: f64, typesetter: &Typesetter) -> Group {
         let (left, baseline) = (view.plan.min.x, view.plan.min.y - 9.0);
         let room = right - left;

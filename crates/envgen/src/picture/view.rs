@@ -1,4 +1,4 @@
-//! Where the world lies in the picture.
+//! The position of the world in the picture.
 
 use glam::DVec2;
 
@@ -8,20 +8,20 @@ use crate::world::World;
 /// From metres (y up) to pixels (y down).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View {
-    /// What is shown, in metres.
+    /// The visible area, in metres.
     pub(super) world: Rect,
-    /// Where the plan lies in the picture, in whole px.
+    /// The position of the plan in the picture, in whole px.
     pub(super) plan: Rect,
-    /// Pixels a metre.
+    /// Pixels per metre.
     pub(super) scale: f64,
-    /// Where the lower left corner of `world` lies, in px.
+    /// The position of the lower left corner of `world`, in px.
     origin: DVec2,
 }
 
 impl View {
     /// A plan of at most `most` px, borders of `border` px around the world included, and of at
-    /// least `least` px, with its upper left corner at `corner`. `None` when no finite scale does
-    /// it.
+    /// least `least` px, with its upper left corner at `corner`. `None` when no finite scale is
+    /// possible.
     pub(super) fn new(
         world: Rect,
         corner: DVec2,
@@ -29,7 +29,7 @@ impl View {
         most: DVec2,
         border: f64,
     ) -> Option<View> {
-        // Halves, since the whole size of the greatest worlds is infinite.
+        // Halves, since the full size of the largest worlds is infinite.
         let half = world.max * 0.5 - world.min * 0.5;
         let room = (most - DVec2::splat(2.0 * border)).max(DVec2::ONE);
         let scale = (0.5 * room / half).min_element();
@@ -62,7 +62,7 @@ impl View {
     }
 }
 
-/// What a picture of a world has to show: its bounds, roads to their edges, and the raster.
+/// The area that a picture of a world shows: its bounds, roads to their edges, and the raster.
 pub(super) fn extent(world: &World) -> Rect {
     let mut extent = world.bounds;
     for strip in &world.road_strips {
@@ -92,7 +92,7 @@ pub(super) fn round_number(most: f64) -> Option<f64> {
         .filter(|number| number.is_normal())
 }
 
-/// A length for people: `500 m`, `2 km`, `5 cm`.
+/// A length as text: `500 m`, `2 km`, `5 cm`.
 pub(super) fn length(metres: f64) -> String {
     match metres {
         m if m >= 1e7 => format!("{} km", scientific(m / 1000.0)),
@@ -104,7 +104,7 @@ pub(super) fn length(metres: f64) -> String {
     }
 }
 
-/// Three significant digits, without needless zeros.
+/// Three significant digits, without trailing zeros.
 pub(super) fn short(number: f64) -> String {
     let decimals = match number.abs() {
         n if n >= 100.0 => 0,

@@ -4,14 +4,14 @@ use super::concentration::Concentration;
 use crate::distribution::ln_gamma_variate;
 use crate::seed::Stream;
 
-/// Shares below this length in metres are rounding of what the law makes next to nothing of.
+/// Shares below this length, in metres, are rounding errors of a share of almost nothing.
 const VANISHING: f64 = 1e-9;
 
 /// Proportions drawn from a Dirichlet law, which sum to 1: `count` of them, all with the one
 /// concentration or each with its own.
 ///
-/// Gamma variates are drawn and normalised as logarithms, so that a concentration of 1e-6 is as
-/// good as any: one proportion is then 1 and the others are 0, as the law has it.
+/// Gamma variates are drawn and normalised as logarithms, so that very small concentrations such as
+/// 1e-6 work too: one proportion is then 1 and the others are 0, as the law requires.
 pub fn dirichlet(alpha: &Concentration, count: usize, stream: &mut Stream) -> Vec<f64> {
     if count == 1 {
         return vec![1.0];
@@ -25,7 +25,7 @@ pub fn dirichlet(alpha: &Concentration, count: usize, stream: &mut Stream) -> Ve
 }
 
 /// Lengths of the segments: each its minimum and its proportion of what is left of `length`. They
-/// are multiples of the [`quantum`] and sum to `length` exactly, in whatever order; a length of
+/// are multiples of the [`quantum`] and sum to `length` exactly, in any order; a length of
 /// under a nanometre becomes 0.
 pub fn lengths(length: f64, minima: &[f64], proportions: &[f64]) -> Vec<f64> {
     let free = length - minima.iter().sum::<f64>();
@@ -48,23 +48,23 @@ pub(super) fn settle(lengths: &mut [f64], length: f64) {
     }
 }
 
-/// The least power of two whose multiples up to `length` are all numbers without rounding, so that
-/// sums of them up to `length` are exact.
+/// The least power of two whose multiples up to `length` are exact numbers, so that sums of them up to
+/// `length` are exact.
 pub fn quantum(length: f64) -> f64 {
     let (_, exponent) = libm::frexp(length);
     libm::ldexp(1.0, exponent - 53)
 }
 
-/// Shares `count` out in proportion to `lengths` by largest remainder: each gets the whole part of
+/// Divides `count` in proportion to `lengths` by largest remainder: each gets the whole part of
 /// its quota, and what is left goes to the largest fractions, to the lower index among equals.
 pub fn largest_remainder(lengths: &[f64], count: u64) -> Vec<u64> {
     let total: f64 = lengths.iter().sum();
     let quotas: Vec<f64> = lengths.iter().map(|l| l / total * count as f64).collect();
-    // A quota that rounding left just under a whole number is that number.
+    // A quota that is just under a whole number because of rounding is that number.
     let mut shares: Vec<u64> = quotas.iter().map(|q| (q + 1e-9).floor() as u64).collect();
     let given: u64 = shares.iter().sum();
     let mut order: Vec<usize> = (0..quotas.len()).collect();
-    // In whole billionths, among which "about equal" is an order.
+    // In whole billionths, for which "about equal" is a consistent order.
     let fraction = |i: usize| ((quotas[i] - (quotas[i] + 1e-9).floor()).max(0.0) * 1e9).round();
     order.sort_by(|&a, &b| fraction(b).total_cmp(&fraction(a)).then(a.cmp(&b)));
     for &i in order.iter().take(count.saturating_sub(given) as usize) {

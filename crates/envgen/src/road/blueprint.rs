@@ -51,7 +51,7 @@ pub struct RoadSegment {
     pub waypoints: u64,
     /// Least radius in metres; `None` for a straight.
     pub radius: Option<f64>,
-    /// Curvature in 1/m where it is max_curvature, positive to the left.
+    /// Signed curvature in 1/m at the tightest point, positive to the left.
     pub curvature: f64,
     /// Distance along the road at which it starts, in metres.
     pub start: f64,
@@ -78,7 +78,7 @@ pub struct Road {
     pub(super) index: OnceLock<PathIndex>,
 }
 
-/// Roads are equal when all that was drawn is; whether the index is made yet is no part of it.
+/// Roads are equal when all that was drawn is equal; whether the index exists already does not count.
 impl PartialEq for Road {
     fn eq(&self, other: &Road) -> bool {
         self.spec == other.spec
@@ -90,17 +90,17 @@ impl PartialEq for Road {
 }
 
 impl Road {
-    /// What was asked.
+    /// The settings.
     pub fn spec(&self) -> &RoadSpec {
         &self.spec
     }
 
-    /// The seed it was drawn with.
+    /// The seed that it was drawn with.
     pub fn seed(&self) -> Seed {
         self.seed
     }
 
-    /// Attempts that it took: 1 unless the spec allows more.
+    /// Attempts that were needed: 1 unless the spec allows more.
     pub fn attempts(&self) -> u64 {
         self.attempts
     }
@@ -110,8 +110,8 @@ impl Road {
         self.length
     }
 
-    /// Distance between waypoints in metres: the length divided by their number. As published, each
-    /// segment's waypoints lie evenly on it instead, this far from each other on average.
+    /// Distance between waypoints in metres: the length divided by their number. With lengths as published,
+    /// the waypoints of each segment lie evenly on it instead, this far from each other on average.
     pub fn step(&self) -> f64 {
         self.step
     }
@@ -136,8 +136,8 @@ impl Road {
         self.path.curves().last().map_or(self.spec.start(), Curve::end)
     }
 
-    /// The pose at `s` metres along the road; before the start and after the end its first or last
-    /// piece goes on.
+    /// The pose at `s` metres along the road; before the start and after the end the curve of its first or
+    /// last piece continues.
     pub fn pose_at(&self, s: f64) -> Pose {
         self.path.pose_at(s)
     }
@@ -148,8 +148,8 @@ impl Road {
     }
 
     /// Where a point lies relative to the road: the nearest point of the exact centreline. `None`
-    /// for a point that is not finite. Costs about the logarithm of the number of segments; the
-    /// first call also makes the index.
+    /// for a point that is not finite. Time: about the logarithm of the number of segments; the
+    /// first call also builds the index.
     pub fn locate(&self, point: DVec2) -> Option<Located> {
         self.index().locate(point)
     }
@@ -202,15 +202,15 @@ pub struct RoadMetrics {
     pub turning: f64,
     /// Share of the length that is straight.
     pub straight_share: f64,
-    /// Lateral acceleration at the spec's speed in the max_curvature turn, in m/s^2.
+    /// Lateral acceleration at the spec's speed in the tightest turn, in m/s^2.
     pub lateral_acceleration: f64,
-    /// Greatest speed in m/s at which friction holds in every turn; `None` without turns.
+    /// Greatest speed in m/s at which friction is sufficient in every turn; `None` without turns.
     pub max_speed: Option<f64>,
     /// Distance between start and end over the length, 1 for a straight road.
     pub directness: f64,
     /// Whether the road covers itself.
     pub crosses_itself: bool,
-    /// Attempts that it took.
+    /// Attempts that were needed.
     pub attempts: u64,
 }
 

@@ -47,7 +47,7 @@ pub(super) fn world(road: &Road) -> World {
     world
 }
 
-/// What the road promises.
+/// The claims of the road's certificate.
 fn promises(road: &Road) -> Vec<Claim> {
     let mut claims = vec![Claim::Connected { radius: 0.4 * road.spec().width }];
     let radii = road.segments().iter().filter_map(|segment| segment.radius);
@@ -55,7 +55,7 @@ fn promises(road: &Road) -> Vec<Claim> {
     claims
 }
 
-/// Where a robot is to go: the end, or on a circuit the last waypoint of the lap.
+/// Where a robot should go: the end, or on a circuit the last waypoint of the lap.
 fn goal(road: &Road) -> Pose {
     if road.spec().closed {
         road.waypoints().last().map_or(road.end(), |point| point.pose)
@@ -64,7 +64,7 @@ fn goal(road: &Road) -> Pose {
     }
 }
 
-/// The kerbs: along both edges, but not where they would stand on another part of the road.
+/// The kerbs: along both edges, except where they would lie on another part of the road.
 fn kerbs(road: &Road) -> Vec<Wall> {
     let spec = road.spec();
     let (half, kerb) = (0.5 * spec.width, spec.kerb);
@@ -107,5 +107,5 @@ fn kerb_along(
     })
 }
 
-/// A kerb shorter than this, in metres, is rounding.
+/// A shorter kerb, in metres, is rounding.
 const SHORTEST: f64 = 1e-6;

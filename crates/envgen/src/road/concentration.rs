@@ -1,4 +1,4 @@
-//! How alike the segments' lengths are.
+//! The concentration of the Dirichlet law: how similar the lengths of the segments are.
 
 use std::fmt;
 

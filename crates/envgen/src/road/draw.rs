@@ -19,13 +19,13 @@ use crate::seed::Seed;
 use crate::settings::Allowed;
 use crate::world::RoadPoint;
 
-/// Draws of the angles of a closed road, where it is not drawn anew as a whole.
+/// Draws of the angles of a closed road, unless the whole road is drawn again.
 const CLOSING_TRIES: u64 = 64;
 
-/// An end as near as this to where it must be, in metres, is there: half of what is promised.
+/// An end as near as this to its target, in metres, has reached it: half of the promised distance.
 const ON_POINT: f64 = 5e-10;
 
-/// How far in metres the border of the strip may stray from the points that the area is checked at.
+/// How far in metres the strip's border may stray from the points at which the area is checked.
 const AREA_TOLERANCE: f64 = 1e-3;
 
 pub(super) fn road(spec: &RoadSpec, seed: Seed) -> Result<Road, GenerateError> {
@@ -44,13 +44,13 @@ pub(super) fn road(spec: &RoadSpec, seed: Seed) -> Result<Road, GenerateError> {
 }
 
 impl RoadError {
-    /// Whether another draw may do better.
+    /// Whether another draw may succeed.
     fn is_chance(&self) -> bool {
         !matches!(self, RoadError::TurnTooShort { .. })
     }
 }
 
-/// A segment before it has its place.
+/// A segment before it is placed.
 #[derive(Clone, Copy)]
 struct Part {
     kind: SegmentKind,
@@ -66,7 +66,7 @@ impl Part {
         Part { kind: SegmentKind::Straight, length, ramp: 0.0, radius: f64::INFINITY }
     }
 
-    /// Signed curvature where it is max_curvature, in 1/m.
+    /// Signed curvature at its tightest point, in 1/m.
     fn curvature(&self) -> f64 {
         match self.kind {
             SegmentKind::Straight => 0.0,
@@ -80,7 +80,7 @@ impl Part {
         (self.length - self.ramp) * self.curvature()
     }
 
-    /// The pieces of curve that it is made of, from a pose on.
+    /// The curves that it consists of, starting at a pose.
     fn pieces(&self, start: Pose) -> impl Iterator<Item = Curve> {
         let k = self.curvature();
         let steps =
@@ -95,7 +95,7 @@ impl Part {
         )
     }
 
-    /// Where it leads, for the heading that it starts with.
+    /// The displacement from its start to its end, for the heading at the start.
     fn displacement(&self, heading: f64) -> DVec2 {
         let start = Pose { position: DVec2::ZERO, heading };
         self.pieces(start).last().map_or(DVec2::ZERO, |curve| curve.end().position)
@@ -186,7 +186,7 @@ impl Attempt<'_> {
             .collect()
     }
 
-    /// Solves the straights' lengths so that the road ends at a point; angles and arcs stay.
+    /// Solves the straights' lengths so that the road ends at a point; angles and arcs are kept.
     fn aim(&self, parts: &mut [Part], aim: DVec2) -> Result<(), RoadError> {
         let spec = self.spec;
         let mut heading = spec.start().heading;
@@ -261,8 +261,8 @@ impl Attempt<'_> {
     }
 
     /// The multiples of a full turn that the angles can add up to, in the order in which they are
-    /// tried: once around first, as every circuit goes that does not cross itself; then the others
-    /// from the nearest to the drawn angles on.
+    /// tried: once around first, as for every circuit that does not cross itself; then the others,
+    /// nearest to the drawn angles first.
     fn whole_turns(
         &self,
         signs: &[f64],
@@ -290,7 +290,7 @@ impl Attempt<'_> {
         Ok(turns.into_iter().map(|turn| turn as f64 * TAU).collect())
     }
 
-    /// Solves the lengths for given angles of the turns; `None` where there are none.
+    /// Solves the lengths for given angles of the turns; `None` where there is no solution.
     fn close_lengths(
         &self,
         parts: &[Part],
@@ -303,7 +303,7 @@ impl Attempt<'_> {
             .iter()
             .map(|part| if part.kind.is_turn() { *angles.next().unwrap_or(&0.0) } else { 0.0 })
             .collect();
-        // A turn keeps its angle, hence its shape: where it leads grows with its length.
+        // A turn keeps its angle, hence its shape: its displacement grows with its length.
         let of_length = |part: &Part, angle: f64, length: f64| match part.kind.is_turn() {
             false => Part::straight(length),
             true => {
@@ -422,7 +422,7 @@ impl Attempt<'_> {
 }
 
 /// Waypoints every `step` metres, and how many lie on each segment; one where two segments meet
-/// lies on the later.
+/// belongs to the later.
 fn evenly(starts: &[f64], count: u64, step: f64) -> (Vec<f64>, Vec<u64>) {
     let stations: Vec<f64> = (0..count).map(|j| j as f64 * step).collect();
     let before: Vec<u64> = starts[..starts.len() - 1]
@@ -433,8 +433,8 @@ fn evenly(starts: &[f64], count: u64, step: f64) -> (Vec<f64>, Vec<u64>) {
     (stations, before.windows(2).map(|pair| pair[1] - pair[0]).collect())
 }
 
-/// The published way: each segment gets its share of the waypoints, which lie evenly on it from its
-/// start on.
+/// The published rule: each segment gets its share of the waypoints, which lie evenly on it from its
+/// start.
 fn by_segment(starts: &[f64], count: u64) -> (Vec<f64>, Vec<u64>) {
     let lengths: Vec<f64> = starts.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let counts = largest_remainder(&lengths, count);

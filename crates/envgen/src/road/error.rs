@@ -1,8 +1,8 @@
-//! Why a road could not be made.
+//! Why a road could not be generated.
 
 use thiserror::Error;
 
-/// Why a road could not be made from a spec that is valid.
+/// Why a road could not be generated from a valid spec.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RoadError {
@@ -12,7 +12,7 @@ pub enum RoadError {
          but at least {least:.3} m are needed; `lengths` = reserve always leaves enough"
     )]
     TurnTooShort {
-        /// Which segment, counted from 1.
+        /// The segment, counted from 1.
         segment: usize,
         /// Its length in metres.
         length: f64,
@@ -23,7 +23,7 @@ pub enum RoadError {
     },
     /// The road covers itself.
     #[error(
-        "the road covers itself: {first:.3} m from the start it meets its part at {second:.3} m"
+        "the road covers itself: {first:.3} m from the start it overlaps its part at {second:.3} m"
     )]
     Crossing {
         /// Distance along the road in metres.
@@ -32,12 +32,12 @@ pub enum RoadError {
         second: f64,
     },
     /// The road leaves its area.
-    #[error("the road reaches over the square of {side} m that it must stay in")]
+    #[error("the road leaves its square area of {side} m")]
     OutOfArea {
         /// Side of the square in metres.
         side: f64,
     },
-    /// No lengths of the straights let the road end at the point asked for.
+    /// No lengths of the straights let the road end at the requested point.
     #[error(
         "the road cannot end at ({x}, {y}): with the drawn turns no lengths of its straights of at \
          least {shortest} m each lead there"
@@ -50,7 +50,7 @@ pub enum RoadError {
         /// Least length of a straight in metres.
         shortest: f64,
     },
-    /// The straights that would lead to the point asked for are too long.
+    /// The straights that would lead to the requested point are too long.
     #[error(
         "the road could end there only with a length of {length:.0} m, and {most} m or {waypoints} \
          waypoints are the most"
@@ -75,7 +75,7 @@ pub enum RoadError {
         greatest: f64,
     },
     /// No lengths within their limits close the road.
-    #[error("the road cannot close: for {tries} draws of its angles no lengths of its segments do")]
+    #[error("no segment lengths close the road after {tries} draws of the turn angles")]
     NotClosed {
         /// Draws of the angles that were tried.
         tries: u64,
@@ -85,7 +85,7 @@ pub enum RoadError {
     Attempts {
         /// Attempts made.
         attempts: u64,
-        /// What was wrong with the last one.
+        /// Why the last one failed.
         last: Box<RoadError>,
     },
 }

@@ -1,16 +1,16 @@
-//! Lengths that lead where they must: the nearest ones to those drawn.
+//! Lengths that lead to a given point: those nearest to the drawn ones.
 
-/// Newton steps before the lengths are taken not to exist.
+/// The most Newton steps; after these there is no solution.
 const MOST_STEPS: u32 = 100;
 
 /// The lengths x nearest to `wanted` in the sum of squares for which x >= `least` and the sum of
-/// `columns`[i] x[i] is `target`; `None` when there are none, or when the only ones are many times
+/// `columns`[i] x[i] is `target`; `None` when there is no solution, or when the only ones are many times
 /// as long as the target because all directions are nearly opposite or parallel.
 ///
-/// The dual problem has one multiplier an equation: x(m) = max(least, wanted + columns m), and the
+/// The dual problem has one multiplier per equation: x(m) = max(least, wanted + columns m), and the
 /// equations' residual is the gradient of a convex, piecewise quadratic function of m. Newton's
-/// method with a line search finds its minimum in finitely many steps; without solution the
-/// function has none. Costs one pass over the lengths a step.
+/// method with a line search finds its minimum in finitely many steps; without a solution the
+/// function has no minimum. Each step costs one pass over the lengths.
 pub(super) fn nearest_lengths<const M: usize>(
     wanted: &[f64],
     least: &[f64],
@@ -33,7 +33,7 @@ pub(super) fn nearest_lengths<const M: usize>(
             let next = std::array::from_fn(|k| at[k] - fraction * step[k]);
             let there = problem.evaluate(&next);
             let falls = there.value <= now.value + 1e-4 * fraction * slope;
-            // Next to the minimum the value's rounding hides the fall, the residual still shows it.
+            // Next to the minimum, rounding hides that the value falls; the residual still shows it.
             if (falls && there.value < now.value) || norm(&there.residual) < 0.5 * size {
                 break Some((next, there));
             }

@@ -3,13 +3,13 @@
 //! Source: Pseudo-random procedural roads (web page): the lengths of a list of prefabs follow a
 //! Dirichlet law, the radius of a turn is uniform between what speed and angle allow.
 //!
-//! - [`RoadSpec`] and [`Road`]: what is asked and what was drawn, with its exact centreline.
+//! - [`RoadSpec`] and [`Road`]: the settings, and the drawn road with its exact centreline.
 //! - [`dirichlet`], [`lengths`], [`largest_remainder`]: how the length is shared out.
 //! - [`TurnLimits`]: the radii that a turn can have.
 //!
-//! Where this differs from the source: lengths are metres throughout, where the source's code takes
-//! waypoints for metres and its radii change with the step; `lengths` = `reserve` leaves every turn
-//! the length that it needs, where the source's radii have no range when a turn comes out short.
+//! Differences from the source: lengths are in metres throughout, where the source's code uses
+//! waypoints as metres, so that its radii change with the step; `lengths` = `reserve` leaves every turn
+//! the length that it needs, where the source has no valid radius for a turn that is too short.
 
 mod apportion;
 mod blueprint;

@@ -1,4 +1,4 @@
-//! What is asked of a road.
+//! The settings of a road.
 
 use serde::{Deserialize, Serialize};
 
@@ -63,7 +63,7 @@ pub struct RoadSpec {
     pub theta_max: f64,
     /// Least radius of a turn in metres, beside what speed and width demand.
     pub min_radius: f64,
-    /// What of a turn is uniform between its limits.
+    /// Which quantity of a turn is uniform between its limits.
     pub turns: TurnLaw,
     /// Share of a turn's length that each of its two clothoids takes; 0 for arcs alone.
     pub transition: f64,
@@ -167,7 +167,7 @@ impl RoadSpec {
         Pose::new(self.start_x, self.start_y, self.start_heading.to_radians())
     }
 
-    /// Where the road is to end.
+    /// The point where the road should end.
     pub fn aim(&self) -> Option<glam::DVec2> {
         Some(glam::DVec2::new(self.aim_x?, self.aim_y?))
     }
@@ -204,10 +204,10 @@ impl RoadSpec {
         }
     }
 
-    /// Whether `reserve` has room for the most turns that the road can have.
+    /// Checks that `reserve` has room for the most turns that the road can have.
     ///
     /// # Errors
-    /// Names the length needed, the length given and the greatest speed that would be allowed.
+    /// Names the required length, the given length and the greatest speed that would be allowed.
     fn check_reserve(&self) -> Result<(), SpecError> {
         let turns = self.most_turns();
         let straights = (self.count() - turns) as f64 * self.reserve(false);
@@ -221,7 +221,7 @@ impl RoadSpec {
             let speed = (radius * GRAVITY * self.friction).sqrt();
             format!("or a speed of at most {} m/s", rounded_down(speed))
         } else {
-            "at whatever speed".to_owned()
+            "at any speed".to_owned()
         };
         let most = if self.random > 0 { "up to " } else { "" };
         let allowed = format!(
@@ -231,7 +231,7 @@ impl RoadSpec {
         Err(SpecError::new(LENGTH.name, self.length, allowed))
     }
 
-    /// The fields that go together.
+    /// Checks the fields that depend on each other.
     fn check_together(&self) -> Result<(), SpecError> {
         if self.step > self.length {
             let allowed = format!("at most the length of {} m", self.length);
@@ -277,7 +277,7 @@ impl RoadSpec {
     }
 }
 
-/// A number of m/s that is not rounded up, so that it is allowed as it is printed.
+/// A speed in m/s rounded down, so that the printed number is allowed.
 fn rounded_down(speed: f64) -> f64 {
     (speed * 1e6 - 1e-3).floor() / 1e6
 }
@@ -292,7 +292,7 @@ pub enum Prefab {
     Left,
     /// A turn to the right.
     Right,
-    /// A turn to either side, by a fair bit.
+    /// A turn to either side with equal probability.
     Turn,
 }
 
@@ -306,7 +306,7 @@ pub enum Lengths {
     AsPublished,
 }
 
-/// What of a turn is uniform between its limits.
+/// Which quantity of a turn is uniform between its limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TurnLaw {
@@ -324,7 +324,7 @@ pub enum Crossing {
     Allow,
     /// Generation fails.
     Reject,
-    /// The road is drawn anew, `attempts` times at most; also where it misses its aim, its start
+    /// The road is drawn again, up to `attempts` times; also where it misses its requested end, its start
     /// or its area.
     Resample,
 }
@@ -344,7 +344,7 @@ const RANDOM: Setting = Setting::integer(
     "random",
     0,
     MAX_SEGMENTS as u64,
-    "segments drawn at random in place of prefabs (0: takes prefabs); the length must do for all of \
+    "segments drawn at random instead of prefabs (0: use prefabs); the length must suffice for all of \
      them being turns",
 );
 const P_TURN: Setting =
@@ -352,7 +352,7 @@ const P_TURN: Setting =
 pub(super) const ALPHA: Setting = Setting::other(
     "alpha",
     "",
-    "a number from 1e-6 to 1e12, or a list of one a segment",
+    "a number from 1e-6 to 1e12, or a list with one per segment",
     "concentration of the Dirichlet law of the lengths",
 )
 .such_as("1,2,1,2,1");
@@ -380,7 +380,7 @@ const MIN_RADIUS: Setting =
 const TURNS: Setting = Setting::choice(
     "turns",
     &["uniform_radius", "uniform_angle"],
-    "what of a turn is uniform between its limits",
+    "which quantity of a turn is uniform between its limits",
 );
 const TRANSITION: Setting = Setting::number(
     "transition",
@@ -418,7 +418,7 @@ const AREA: Setting = Setting::number(
 const ATTEMPTS: Setting = Setting::integer("attempts", 1, 10_000, "most attempts of resample");
 
 const fn aim(name: &'static str, help: &'static str) -> Setting {
-    Setting::other(name, "m", "a number from -1e6 to 1e6, or null for no aim", help)
+    Setting::other(name, "m", "a number from -1e6 to 1e6, or null for none", help)
 }
 
 const RULES: &[&str] = &[

@@ -20,7 +20,7 @@ pub struct TurnLimits {
 }
 
 impl TurnLimits {
-    /// The length in metres of a turn as if it kept its max_curvature curvature throughout: a clothoid
+    /// The length in metres of a turn as if it kept its greatest curvature throughout: a clothoid
     /// counts half, so this is the turn's angle times its least radius.
     pub fn effective(&self, length: f64) -> f64 {
         (1.0 - self.transition) * length
@@ -32,17 +32,17 @@ impl TurnLimits {
     }
 
     /// Least and greatest radius in metres of a turn of the given length; the first exceeds the
-    /// second when there is none.
+    /// second when no radius is allowed.
     pub fn radii(&self, length: f64) -> (f64, f64) {
         let effective = self.effective(length);
         (self.least_radius.max(effective / self.theta_max), effective / self.theta_min)
     }
 
-    /// Draws the least radius, in metres, of a turn of the given length: uniform between its
-    /// limits, or such that the angle is. `None` when no radius is allowed.
+    /// Draws the least radius, in metres, of a turn of the given length, such that the radius or the
+    /// angle is uniform between its limits. `None` when no radius is allowed.
     pub fn draw(&self, length: f64, law: TurnLaw, stream: &mut Stream) -> Option<f64> {
         let (low, high) = self.radii(length);
-        // A turn of just the reserved length has one radius, which rounding may put on either side.
+        // A turn of exactly the reserved length has one radius, and rounding may put it outside the limits.
         if low > high * (1.0 + 1e-12) {
             return None;
         }

@@ -11,7 +11,7 @@ use crate::geometry::{Pose, Rect, Shape, edges, segments_cross, signed_area, wra
 /// grid of the Earth, and near enough that coordinates are exact to a hundredth of a micrometre.
 pub const MAX_COORDINATE: f64 = 1e8;
 
-/// Parts may reach this far over the bounds, in metres: rounding, no more.
+/// Parts may reach this far beyond the bounds, in metres, which allows for rounding only.
 const TOLERANCE: f64 = 1e-6;
 
 /// Consecutive pieces of a road join this well, in metres and radians.
@@ -66,15 +66,17 @@ pub enum Violation {
     Blocked {
         /// `start` or `goal`.
         pose: &'static str,
-        /// The part in the way.
+        /// The part.
         part: PartId,
     },
     /// A claim of the certificate holds a number that is not finite, a negative distance, or an
     /// empty area.
-    #[error("claim {0} of the certificate is about no finite distance or area")]
+    #[error("claim {0} of the certificate has a non-finite or negative distance, or an empty area")]
     Claim(usize),
     /// The class raster's sizes do not fit together.
-    #[error("the class raster has {cells} cells in {rows} rows of {cols}, of {cell} m each")]
+    #[error(
+        "the class raster has {cells} cells of {cell} m, which do not fit {rows} rows of {cols}"
+    )]
     Raster {
         /// Rows it claims.
         rows: u32,

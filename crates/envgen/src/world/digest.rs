@@ -33,8 +33,8 @@ impl World {
             (&self.walls, &self.trees, &self.road_strips, &self.rooms),
             (&self.doorways, &self.obstacles, &self.surfaces, &self.raster),
         );
-        // CellBuckets that later versions added count only when they hold something, so that the digests
-        // of older worlds stay.
+        // Lists that later versions added count only when they hold something, so that the digests
+        // of older worlds do not change.
         if self.victims.is_empty() {
             Digest::of(&parts)
         } else {

@@ -42,7 +42,7 @@ pub struct World {
     pub bounds: Rect,
     /// Where a robot starts; absent where the generator found no free place.
     pub start: Option<Pose>,
-    /// Where it is to go.
+    /// Where the robot should go.
     pub goal: Option<Pose>,
     /// Walls, kerbs and partitions.
     pub walls: Vec<Wall>,
@@ -54,20 +54,20 @@ pub struct World {
     pub rooms: Vec<Room>,
     /// Openings in walls, and their doors.
     pub doorways: Vec<Doorway>,
-    /// Things that stand in the way.
+    /// Solids that are not walls, trees or doors.
     pub obstacles: Vec<Obstacle>,
-    /// SurfaceIndex that change how a robot drives.
+    /// Surfaces that change how a robot drives.
     pub surfaces: Vec<Surface>,
-    /// Where people wait to be found. They are marks on the floor: nothing stands there.
+    /// Poses of people to be found. They are marks on the floor, not solids.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub victims: Vec<Pose>,
     /// A landscape's cells.
     pub raster: Option<ClassRaster>,
-    /// What is promised of this world.
+    /// The promises that the generator makes of this world.
     pub certificate: Vec<Claim>,
 }
 
-/// The list that a part stands in.
+/// The list that a part belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[expect(missing_docs, reason = "the names say it: each is one of World's lists")]
@@ -81,12 +81,12 @@ pub enum PartKind {
     Surface,
 }
 
-/// The stable name of a part: its kind and its place in the world's list of that kind.
+/// The stable name of a part: its kind and its index in the world's list of that kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct PartId {
     /// The list.
     pub kind: PartKind,
-    /// The place in the list.
+    /// The index in the list, from 0.
     pub index: u32,
 }
 
@@ -160,7 +160,7 @@ impl World {
     }
 
     /// Distance in metres from a point to the nearest solid part, infinite when there is none.
-    /// Costs one step a part.
+    /// Costs one step per part.
     pub fn clearance(&self, p: DVec2) -> f64 {
         self.solids().map(|solid| solid.shape.distance(p)).fold(f64::INFINITY, f64::min)
     }
@@ -181,7 +181,7 @@ impl<'de> Deserialize<'de> for Schema {
         match u32::deserialize(deserializer)? {
             SCHEMA_VERSION => Ok(Schema),
             other => Err(de::Error::custom(format!(
-                "world file of schema version {other}, this crate reads version {SCHEMA_VERSION}"
+                "the world file has schema version {other}, expected {SCHEMA_VERSION}"
             ))),
         }
     }

@@ -65,7 +65,7 @@ pub struct RoadStrip {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoadPoint {
-    /// Where the road is and where it leads.
+    /// Position and heading of the centreline.
     pub pose: Pose,
     /// Curvature in 1/m, positive to the left.
     pub curvature: f64,
@@ -83,12 +83,12 @@ pub struct Room {
     pub difficulty: Option<f64>,
     /// Whether there is light.
     pub lit: bool,
-    /// Whether it still holds what its name and difficulty stand for.
+    /// Whether the room still has the contents that its name and difficulty describe.
     #[serde(default, skip_serializing_if = "Contents::is_as_designed")]
     pub contents: Contents,
 }
 
-/// What a generator left of a room's contents: some may have had to go so that a robot can enter.
+/// What a generator left of a room's contents: some may be removed so that a robot can enter.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
@@ -97,7 +97,7 @@ pub enum Contents {
     /// All of them.
     #[default]
     AsDesigned,
-    /// All but those that stood in a doorway's way.
+    /// All except those that blocked a doorway.
     Cleared,
     /// None.
     Emptied,
@@ -109,7 +109,7 @@ impl Contents {
         *self == Contents::AsDesigned
     }
 
-    /// What to call it, such as `cleared`.
+    /// The name, such as `cleared`.
     pub fn name(self) -> &'static str {
         match self {
             Contents::AsDesigned => "as designed",
@@ -125,14 +125,14 @@ impl Contents {
 pub struct Doorway {
     /// The opening, as thick as the wall; a closed door fills it.
     pub shape: Shape,
-    /// Whether one can pass.
+    /// Whether a robot can pass.
     pub open: bool,
-    /// The places in [`World::rooms`](crate::World::rooms) of the rooms that it joins; `None` is a
-    /// hallway or the open.
+    /// The indices in [`World::rooms`](crate::World::rooms) of the rooms that it joins; `None` stands
+    /// for a hallway or an open area.
     pub rooms: [Option<u32>; 2],
 }
 
-/// A thing that stands in the way.
+/// A solid obstacle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Obstacle {

@@ -1,4 +1,4 @@
-//! The geometry of a road strip: what every exporter, picture and collider reads of it.
+//! The geometry of a road strip, for exporters, pictures and colliders.
 
 use std::borrow::Cow;
 
@@ -15,7 +15,7 @@ pub struct RoadMesh {
     pub vertices: Vec<DVec2>,
     /// Distance along the road of each corner in metres, for textures.
     pub distances: Vec<f64>,
-    /// Three corners a triangle, counter-clockwise.
+    /// Three corners per triangle, counter-clockwise.
     pub triangles: Vec<[u32; 3]>,
 }
 

@@ -77,7 +77,7 @@ fn spec_of(kind: WorldKind, settings: &Value) -> serde_json::Result<WorldSpec> {
 
 fn draw(setting: &Setting, settings: &Value, stream: &mut Stream) -> Value {
     match setting.allowed {
-        // Attempts cost time and change nothing of what is made.
+        // Attempts cost time and do not change the result.
         Allowed::Integer { .. } if setting.name == "attempts" => stream.below(20).max(1).into(),
         Allowed::Integer { min, max } => {
             let drawn = spread(min as f64, max as f64, 1.0, stream).round();
@@ -134,7 +134,7 @@ fn draw_other(name: &str, settings: &Value, stream: &mut Stream) -> Value {
             let speed = |stream: &mut Stream| stream.below(3) as f64 * 0.5;
             (0..whole("classes")).map(|_| speed(stream)).collect::<Vec<_>>().into()
         }
-        // Rooms are data: the built-in ones stand for them.
+        // Rooms are data: the built-in ones represent them.
         "rooms" => json!([]),
         _ => Value::Null,
     }

@@ -69,7 +69,7 @@ fn infeasible_roads_fail_at_once_with_three_numbers() {
 
 #[test]
 fn reserved_lengths_are_enough_even_where_nothing_is_left_over() {
-    // The max_curvature cases: a concentration that leaves all but one segment its bare minimum, and a
+    // The tightest cases: a concentration that leaves all but one segment its bare minimum, and a
     // length that is just what the minima need.
     for length in [1e6, 12_345.678, 300.0] {
         for transition in [0.0, 0.3, 0.5] {
@@ -122,7 +122,7 @@ fn the_speed_that_an_error_names_is_the_greatest() {
     }
     // Where the width alone asks for too much, no speed helps.
     let wide = RoadSpec { width: 100.0, length: 40.0, ..Default::default() };
-    assert!(wide.validate().unwrap_err().to_string().contains("at whatever speed"));
+    assert!(wide.validate().unwrap_err().to_string().contains("at any speed"));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Maps as lines hold them: cells as in ROS's `OccupancyGrid`, in base64.
+//! Maps in driver messages: cells as in ROS's `OccupancyGrid`, in base64.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use super::DriverError;
 use super::protocol::not_allowed;
 use crate::map::{CLAMP, OccupancyMap, RESOLUTION, TILE};
 
-/// Cells as bytes: percent of being occupied, 255 (-1 as a signed byte) where nothing is known.
+/// Cells as bytes: percent of being occupied; 255 (-1 as a signed byte) is unknown.
 const FREE: u8 = 0;
 const OCCUPIED: u8 = 100;
 const UNKNOWN: u8 = 255;
@@ -22,7 +22,7 @@ const UNKNOWN: u8 = 255;
 const SURELY_OCCUPIED: u8 = 65;
 const SURELY_FREE: u8 = 35;
 
-/// Sides of cells in metres that a driver's map may have.
+/// Least and greatest side in metres of a cell of a driver's map.
 const FINEST: f64 = 0.01;
 const COARSEST: f64 = 1.0;
 
@@ -32,7 +32,7 @@ const LARGEST: f64 = 400.0;
 /// How far in metres a driver's map may reach from the first robot's start.
 const FARTHEST: f64 = 1000.0;
 
-/// A map in a line.
+/// A map in a message.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Grid {
@@ -42,12 +42,12 @@ pub(super) struct Grid {
     resolution: f64,
     cols: u32,
     rows: u32,
-    /// Base64 of one byte a cell, row by row from the lowest.
+    /// Base64 of one byte per cell, row by row from the lowest.
     cells: String,
 }
 
 impl Grid {
-    /// A map for a driver.
+    /// Encodes a map for a driver.
     pub(super) fn of(map: &OccupancyMap) -> Result<Grid, DriverError> {
         let map = map.to_ros_map().map_err(|error| DriverError::MapSize(error.to_string()))?;
         let byte = |cell: &RosCell| match cell {
@@ -65,8 +65,8 @@ impl Grid {
         })
     }
 
-    /// A driver's map on the cells of our own, which takes the place of `before`. `start` is where
-    /// the first robot started.
+    /// A driver's map, resampled to our own cells; it replaces `before`. `start` is where the first
+    /// robot started.
     pub(super) fn to_map(
         &self,
         start: DVec2,
@@ -79,26 +79,26 @@ impl Grid {
         let count = self.cols as usize * self.rows as usize;
         if cells.len() != count {
             let bytes = format!("{} bytes", cells.len());
-            return Err(not_allowed("map.cells", bytes, format!("{count}, one a cell")));
+            return Err(not_allowed("map.cells", bytes, format!("{count}, one per cell")));
         }
         if let Some(bad) = cells.iter().find(|&&cell| cell > OCCUPIED && cell != UNKNOWN) {
-            let allowed = "0 to 100, or 255 where nothing is known";
+            let allowed = "from 0 to 100, or 255 for unknown";
             return Err(not_allowed("map.cells", format!("{bad} in a cell"), allowed));
         }
         Ok(self.draw(&cells, area, before))
     }
 
-    /// The area of the map in metres, if all numbers are allowed.
+    /// The area of the map in metres, or the first value that is not allowed.
     fn check(&self, start: DVec2) -> Result<Rect, DriverError> {
         let Grid { origin, resolution, cols, rows, .. } = *self;
         if !(FINEST..=COARSEST).contains(&resolution) {
-            let allowed = format!("{FINEST} to {COARSEST} m");
+            let allowed = format!("from {FINEST} to {COARSEST} m");
             return Err(not_allowed("map.resolution", resolution, allowed));
         }
         for (field, count) in [("map.cols", cols), ("map.rows", rows)] {
             let most = (LARGEST / resolution) as u32;
             if !(1..=most).contains(&count) {
-                let allowed = format!("1 to {most}, {LARGEST} m of {resolution} m");
+                let allowed = format!("from 1 to {most}, {LARGEST} m of {resolution} m");
                 return Err(not_allowed(field, count, allowed));
             }
         }
@@ -136,7 +136,7 @@ impl Grid {
     }
 
     /// Along one axis: the tiles of our map from `low` to `high`, and for each of their cells which
-    /// of the grid's `count` cells it looks at. A cell looks at as many places, evenly spread, as
+    /// of the grid's `count` cells it samples. A cell takes as many evenly spaced samples as
     /// the grid has cells across it, so that no thin wall of a finer grid is lost.
     fn strips(&self, low: f64, high: f64, count: u32) -> Vec<(i32, Vec<Range<usize>>)> {
         let looks = (RESOLUTION / self.resolution - 1e-9).ceil().max(1.0);
@@ -153,8 +153,8 @@ impl Grid {
         tiles.map(|tile| (tile, (tile * TILE..(tile + 1) * TILE).map(span).collect())).collect()
     }
 
-    /// What one of our cells is whose places lie in these rows and columns: occupied where one is,
-    /// else free where one is.
+    /// The log odds of one of our cells that samples these rows and columns: occupied if any sample
+    /// is, else free if any sample is.
     fn odds(&self, cells: &[u8], rows: Range<usize>, columns: Range<usize>) -> i16 {
         let mut odds = 0;
         for row in rows {
@@ -194,7 +194,7 @@ mod tests {
         });
         let cells = tiles.map(|at| (at, map.cell(at)));
         let mut known: Vec<_> = cells.filter(|(_, cell)| *cell != Cell::Unknown).collect();
-        // Tiles come in the order in which they were made.
+        // Tiles come in the order of their creation.
         known.sort_by_key(|(at, _)| (at.row, at.col));
         known
     }
@@ -284,11 +284,11 @@ mod tests {
         let good = grid(0.1, 2, &[0, 0, 0, 0]);
         assert!(drawn(&good).is_ok());
         let text = error(&Grid { resolution: 0.0, ..good.clone() });
-        assert_eq!(text, "`map.resolution` must be 0.01 to 1 m, got 0");
+        assert_eq!(text, "`map.resolution` must be from 0.01 to 1 m, got 0");
         let text = error(&Grid { cols: 3, ..good.clone() });
-        assert_eq!(text, "`map.cells` must be 6, one a cell, got 4 bytes");
+        assert_eq!(text, "`map.cells` must be 6, one per cell, got 4 bytes");
         let text = error(&Grid { cols: 4_000_000_000, ..good.clone() });
-        assert_eq!(text, "`map.cols` must be 1 to 4000, 400 m of 0.1 m, got 4000000000");
+        assert_eq!(text, "`map.cols` must be from 1 to 4000, 400 m of 0.1 m, got 4000000000");
         let text = error(&Grid { origin: [0.0, 2e3], ..good.clone() });
         assert!(text.starts_with("`map.origin[1]` must be a map within 1000 m"), "{text}");
         assert!(error(&Grid { cells: "???".to_owned(), ..good }).contains("`map.cells`"));

@@ -1,5 +1,5 @@
-//! Lines to a driver and back, with limits of time and length: whatever the other side does, a
-//! question comes back with its answer or an error.
+//! Lines to a driver and back, with limits of time and length: whatever the driver does, every
+//! question ends with an answer or an error.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync_channel};
@@ -11,7 +11,7 @@ use super::{Limits, MAX_LINE};
 /// Bytes that are read at once.
 const CHUNK: usize = 1 << 16;
 
-/// What happens on the other side.
+/// What happens on the driver's side.
 #[derive(Debug)]
 enum Event {
     Line(Vec<u8>),
@@ -27,9 +27,9 @@ pub(super) enum LinkError {
     Read(std::io::Error),
     /// It has closed its input.
     Write(std::io::Error),
-    /// Its line goes on for more than [`MAX_LINE`] bytes.
+    /// Its line is longer than [`MAX_LINE`] bytes.
     TooLong,
-    /// It answers, but reads nothing.
+    /// It answers, but does not read.
     Deaf,
     /// It wrote a line before it was asked for one.
     Unasked(Vec<u8>),
@@ -43,7 +43,7 @@ pub(super) enum LinkError {
 #[derive(Debug)]
 pub(super) struct Link {
     limits: Limits,
-    /// What is to be written; `None` once all is said.
+    /// What is to be written; `None` after the last line.
     lines: Option<SyncSender<Vec<u8>>>,
     events: Receiver<Event>,
     /// How long all answers took so far.
@@ -51,14 +51,14 @@ pub(super) struct Link {
 }
 
 impl Link {
-    /// Reads and writes on threads of its own. They end when the other side closes its ends, or
-    /// with the program.
+    /// Reads and writes on its own threads. They end when the driver closes its ends, or with the
+    /// program.
     pub(super) fn new(
         input: impl Write + Send + 'static,
         output: impl Read + Send + 'static,
         limits: Limits,
     ) -> Self {
-        // A driver that does not wait for questions is held up, and its lines take no more memory.
+        // A driver that writes without being asked is blocked, and its lines take no more memory.
         let (to_events, events) = sync_channel(1);
         let (lines, to_write) = sync_channel(1);
         let broken = to_events.clone();
@@ -67,7 +67,7 @@ impl Link {
         Link { limits, lines: Some(lines), events, waited: Duration::ZERO }
     }
 
-    /// Writes a line and waits for the next one back. No second question may follow an error.
+    /// Writes a line and waits for the answer. No second question may follow an error.
     pub(super) fn ask(&mut self, line: Vec<u8>) -> Result<Vec<u8>, LinkError> {
         match self.events.try_recv() {
             Ok(Event::Line(line)) => return Err(LinkError::Unasked(line)),
@@ -93,8 +93,8 @@ impl Link {
         }
     }
 
-    /// Writes the last line, which has no answer, and closes the driver's input. Where the driver
-    /// does not read, nothing is lost but the line.
+    /// Writes the last line, which has no answer, and closes the driver's input. If the driver does
+    /// not read, only the line is lost.
     pub(super) fn close(&mut self, line: Option<Vec<u8>>) {
         if let Some((lines, line)) = self.lines.take().zip(line) {
             let _ = lines.try_send(line);
@@ -114,7 +114,7 @@ fn write_lines(mut input: impl Write, lines: &Receiver<Vec<u8>>, events: &SyncSe
     for mut line in lines {
         line.push(b'\n');
         if let Err(error) = input.write_all(&line).and_then(|()| input.flush()) {
-            // Nobody listens any more where the trial is over.
+            // The receiver is gone when the trial is over.
             let _ = events.send(Event::Broken(LinkError::Write(error)));
             return;
         }
@@ -135,7 +135,7 @@ fn read_lines(output: impl Read, events: &SyncSender<Event>) {
     }
 }
 
-/// The next line without its end.
+/// The next line without its line end.
 fn read_line(output: &mut impl BufRead) -> Result<Vec<u8>, LinkError> {
     let mut line = Vec::new();
     loop {
@@ -168,7 +168,7 @@ mod tests {
 
     use super::*;
 
-    /// A stream of one byte for ever that counts what is read of it.
+    /// An endless stream of one byte that counts how much of it is read.
     struct Endless(Arc<AtomicUsize>);
 
     impl Read for Endless {
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn silence_is_told_from_slowness() {
+    fn silence_and_slowness_are_different_errors() {
         let (reader, _writer) = std::io::pipe().unwrap();
         let mut link = Link::new(std::io::sink(), reader, limits(20, 60_000));
         assert!(matches!(link.ask(b"?".to_vec()), Err(LinkError::Late)));
@@ -212,13 +212,13 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_before_the_question_is_none() {
+    fn an_answer_before_the_question_is_an_error() {
         let mut link = Link::new(std::io::sink(), Talker, limits(60_000, 60_000));
         let error = (0..).find_map(|_| link.ask(b"?".to_vec()).err()).unwrap();
         assert!(matches!(&error, LinkError::Unasked(line) if line == b"yes"), "{error:?}");
     }
 
-    /// Says yes for ever.
+    /// Writes "yes" forever.
     struct Talker;
 
     impl Read for Talker {
@@ -229,7 +229,7 @@ mod tests {
         }
     }
 
-    /// Takes nothing, and says that it was asked to.
+    /// Accepts nothing, and reports that it was asked to.
     struct Full(SyncSender<()>, Receiver<()>);
 
     impl Write for Full {

@@ -1,11 +1,11 @@
-//! Drivers: programs of their own that drive a trial's robots, over lines of JSON.
+//! Drivers: programs in processes of their own that drive a trial's robots, over lines of JSON.
 //!
-//! A driver reads one object a line from its standard input and writes one back for each. It
-//! decides where the robots go and, where it says so in its hello, estimates poses and map itself.
+//! A driver reads one object per line from its standard input and answers each with one line. It
+//! decides where the robots go and, if its hello says so, estimates poses and map itself.
 //! `docs/driver-protocol.md` describes the lines.
 //!
-//! Whatever a driver does, a trial goes on or ends with [`EndReason::Failed`] and a reason: lines
-//! are at most [`MAX_LINE`] long, answers come within [`Limits`], and a process is ended with the
+//! Whatever a driver does, a trial continues or ends with [`EndReason::Failed`] and a reason: lines
+//! are at most [`MAX_LINE`] long, answers come within [`Limits`], and the process is ended with the
 //! last of its [`Driver`]s.
 //!
 //! [`EndReason::Failed`]: crate::trial::EndReason::Failed
@@ -46,7 +46,7 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// 10 seconds for an answer, an hour for all of them.
+    /// 10 seconds per answer, one hour for all answers.
     fn default() -> Self {
         Limits { reply: Duration::from_secs(10), total: Duration::from_secs(3600) }
     }
@@ -68,26 +68,26 @@ pub enum DriverError {
     /// All its answers together took too long.
     #[error("its answers took more than {} s together", .0.as_secs_f64())]
     Slow(Duration),
-    /// It answers, but does not read what it is told.
+    /// It answers, but does not read its input.
     #[error("it does not read its input")]
     Deaf,
-    /// It wrote something that it was not asked for.
-    #[error("a line that answers nothing: `{0}`; expected one line for each that it is sent")]
+    /// It wrote a line that it was not asked for.
+    #[error("an unexpected line: `{0}`; expected one line per line sent")]
     Unasked(String),
-    /// What it is to be told cannot be written.
-    #[error("its line cannot be written: {0}")]
+    /// A line for the driver cannot be written.
+    #[error("a line for it cannot be written: {0}")]
     Line(#[from] serde_json::Error),
-    /// Its line does not end.
+    /// Its line is too long.
     #[error("a line of more than {MAX_LINE} bytes")]
     TooLong,
-    /// A line that is no answer.
-    #[error("a line that is no answer: {0}")]
+    /// A line that is not an answer.
+    #[error("a line that is not an answer: {0}")]
     NoReply(String),
     /// A value that is not allowed.
     #[error(transparent)]
     Field(#[from] SpecError),
     /// The map is too large to be sent.
-    #[error("it wants the map, which is too large: {0}")]
+    #[error("it asks for the map, which is too large: {0}")]
     MapSize(String),
     /// It gave up.
     #[error("it gave up: {0}")]
@@ -155,14 +155,14 @@ impl Driver {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Sends the hello and gives what the driver says of itself; `None` where it fails at that.
-    /// A trial may begin nevertheless: it ends at once, with [`Driver::failure`] as the reason.
+    /// Sends the hello and returns the driver's answer; `None` if the driver fails. A trial may
+    /// begin nevertheless: it ends at once, with [`Driver::failure`] as the reason.
     pub fn greet(&self, hello: &Hello) -> Option<Greeting> {
         self.session().greet(hello)
     }
 
-    /// The parts that a driver takes over in a trial, after [`Driver::greet`]: it decides, and
-    /// where it says so, it estimates.
+    /// The trial parts that the driver provides, after [`Driver::greet`]: the policy and, if its
+    /// hello says so, SLAM.
     pub fn parts(&self) -> TrialParts {
         let driver = self.clone();
         let parts = TrialParts::default().policy(move |_| DriverPolicy::new(&driver));
@@ -173,12 +173,12 @@ impl Driver {
         parts.slam(move |setup| DriverSlam::new(&driver, setup.starts))
     }
 
-    /// Why the driver failed; `None` while it does not.
+    /// Why the driver failed; `None` if it did not.
     pub fn failure(&self) -> Option<String> {
         self.session().failure().map(str::to_owned)
     }
 
-    /// Tells the driver what came of the trial, and waits a moment for it to end.
+    /// Sends the driver the trial's result, and waits a moment for it to end.
     pub fn end(&self, report: Option<&TrialReport>) {
         self.session().end(report);
     }

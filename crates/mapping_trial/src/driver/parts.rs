@@ -1,4 +1,4 @@
-//! A driver's parts in a trial: who decides, and where it says so, who estimates.
+//! A driver's parts in a trial: the policy and, if it says so, SLAM.
 
 use envgen::geometry::Pose;
 
@@ -14,7 +14,7 @@ fn name(driver: &Driver) -> String {
     driver.session().name().map_or("driver".to_owned(), |name| format!("driver {name}"))
 }
 
-/// The operator that a driver is.
+/// The policy of a driver.
 #[derive(Debug)]
 pub struct DriverPolicy {
     driver: Driver,
@@ -23,7 +23,7 @@ pub struct DriverPolicy {
 }
 
 impl DriverPolicy {
-    /// The operator of a driver that has been greeted.
+    /// The policy of a driver that has answered the hello.
     pub fn new(driver: &Driver) -> Self {
         DriverPolicy { driver: driver.clone(), name: name(driver), failure: None }
     }
@@ -34,7 +34,7 @@ impl ExplorationPolicy for DriverPolicy {
         &self.name
     }
 
-    /// The driver is asked each tick, or as rarely as it wants.
+    /// The driver is asked each tick, or as rarely as it asked for.
     fn ticks_per_decision(&self) -> u64 {
         1
     }
@@ -42,7 +42,7 @@ impl ExplorationPolicy for DriverPolicy {
     fn decide(&mut self, view: &PolicyInput<'_>) -> Decision {
         let robot = view.robot;
         let mut session = self.driver.session();
-        // One that estimates for itself has been asked where its estimate was.
+        // A driver with SLAM was asked when it estimated.
         if !session.has_slam() {
             session.tick(robot, view.seen, Some((view.estimates[robot].pose, view.map)));
         }
@@ -57,8 +57,8 @@ impl ExplorationPolicy for DriverPolicy {
     }
 }
 
-/// The estimates of a driver that makes them itself. Between its poses, and where it gives none, the
-/// wheels are believed.
+/// SLAM of a driver. Between its poses, and where it gives none, poses come from the wheel
+/// odometry.
 #[derive(Debug)]
 pub struct DriverSlam {
     driver: Driver,
@@ -68,7 +68,7 @@ pub struct DriverSlam {
 }
 
 impl DriverSlam {
-    /// The estimates of a driver that has been greeted, for robots that stand at `starts`.
+    /// SLAM of a driver that has answered the hello, for robots at the poses `starts`.
     pub fn new(driver: &Driver, starts: &[Pose]) -> Self {
         DriverSlam {
             driver: driver.clone(),

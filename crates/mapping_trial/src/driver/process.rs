@@ -1,4 +1,4 @@
-//! A driver's process: it is ended and waited for whatever happens.
+//! A driver's process: it is always ended and waited for.
 
 use std::collections::VecDeque;
 use std::io::{Read, Write};
@@ -8,16 +8,16 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// Bytes of a driver's standard error that are kept for the error.
+/// Bytes at the end of a driver's standard error that are kept for error messages.
 const TAIL: usize = 1024;
 
-/// How long a process that has closed its output is waited for, and its last words.
+/// How long to wait for a process that has closed its output to end, and for its last output.
 const ENDING: Duration = Duration::from_millis(500);
 
-/// Time between two looks whether it has ended.
+/// Time between two checks whether it has ended.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// A process that ends with its owner.
+/// A process that is ended when it is dropped.
 #[derive(Debug)]
 pub(super) struct Process {
     child: Child,
@@ -45,7 +45,7 @@ impl Process {
         Ok((process, input, output))
     }
 
-    /// How it ended, if it does within so long.
+    /// How it ended, if it ends within this time.
     pub(super) fn ended(&mut self, within: Duration) -> Option<ExitStatus> {
         let looks = within.div_duration_f64(LOOK).ceil() as u64;
         for _ in 0..looks {
@@ -57,11 +57,11 @@ impl Process {
         self.child.try_wait().ok().flatten()
     }
 
-    /// How it ended, where it is about to, and the last line of its standard error.
+    /// How it ended, if it is about to, and the last line of its standard error.
     pub(super) fn last_words(&mut self) -> (Option<ExitStatus>, Option<String>) {
         let status = self.ended(ENDING);
         if status.is_some() {
-            // Others may still hold its standard error open.
+            // Other processes may still hold its standard error open.
             let _ = self.silent.recv_timeout(ENDING);
         }
         let tail = self.tail.lock().unwrap_or_else(PoisonError::into_inner);
@@ -80,7 +80,7 @@ impl Drop for Process {
     }
 }
 
-/// Copies what a process says, and keeps the end of it.
+/// Copies a process's standard error, and keeps its end.
 fn listen(
     mut said: ChildStderr,
     mut errors: impl Write,
@@ -90,7 +90,7 @@ fn listen(
     let mut buffer = [0; 4096];
     while let Ok(count @ 1..) = said.read(&mut buffer) {
         let part = &buffer[..count];
-        // Where nobody reads our own standard error, the driver may still speak.
+        // Also when nothing reads our own standard error, the driver may still write.
         let _ = errors.write_all(part);
         let mut tail = tail.lock().unwrap_or_else(PoisonError::into_inner);
         tail.extend(part);

@@ -1,4 +1,4 @@
-//! The lines that pass between a trial and a driver, version 1.
+//! The lines that a trial and a driver exchange, version 1.
 
 use std::fmt;
 
@@ -13,20 +13,20 @@ use crate::lidar::Scan;
 use crate::score::Scores;
 use crate::trial::{EndReason, Setup, TrialReport, TrialSettings, number};
 
-/// The protocol's name and version, as both sides' hello gives it.
+/// The protocol's name and version, as in the hello of both sides.
 pub const PROTOCOL: &str = "envgen-driver 1";
 
-/// Greatest speed in m/s and rate of turning in rad/s that a reply may ask for; the robot's own
-/// limits cut what is less.
+/// Greatest speed in m/s and turn rate in rad/s that a reply may ask for; they are cut to the
+/// robot's own limits.
 const FASTEST: f64 = 1000.0;
 
-/// Farthest from the origin in metres that a pose may be, and the largest heading in radians.
+/// Greatest distance from the origin in metres of a pose, and greatest heading in radians.
 const FARTHEST: f64 = 1e6;
 
 /// Ticks from one observation to the next that a driver may ask for, at most: 10 s.
 const SLOWEST_RATE: u64 = 200;
 
-/// Characters of a driver's name, and of its reason for giving up, at most.
+/// Greatest number of characters of a driver's name, and of its reason for giving up.
 const LONGEST_NAME: usize = 64;
 const LONGEST_REASON: usize = 500;
 
@@ -71,7 +71,7 @@ struct LaserNumbers {
 }
 
 impl Hello {
-    /// What a driver is told before a trial.
+    /// What a driver is sent before a trial.
     pub fn new(setup: &Setup<'_>) -> Self {
         let Setup { settings, starts } = setup;
         let TrialSettings { body: robot, laser, time_limit, .. } = settings;
@@ -108,13 +108,13 @@ impl Hello {
         self.robots
     }
 
-    /// The greatest range of the laser.
+    /// The greatest range of the laser in metres.
     pub(super) fn max_range(&self) -> f64 {
         self.laser.max_range
     }
 }
 
-/// What a robot observed, as a line.
+/// A robot's observation, as a line.
 #[derive(Debug, Serialize)]
 #[serde(tag = "type", rename = "observation")]
 pub(super) struct Observed<'a> {
@@ -137,7 +137,7 @@ pub(super) struct Odometry {
     pub(super) turn: f64,
 }
 
-/// The last line to a driver: what came of the trial.
+/// The last line to a driver: the result of the trial.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "type", rename = "end")]
 pub(super) struct Ended<'a> {
@@ -169,7 +169,7 @@ impl<'a> Ended<'a> {
 #[serde(deny_unknown_fields)]
 pub struct Greeting {
     protocol: String,
-    /// What the driver calls itself.
+    /// The driver's name.
     pub name: String,
     /// Ticks from one observation of a robot to the next.
     #[serde(default = "every_tick")]
@@ -194,17 +194,17 @@ impl Greeting {
             || name.chars().count() > LONGEST_NAME
             || name.chars().any(char::is_control)
         {
-            let allowed = format!("1 to {LONGEST_NAME} printable characters");
+            let allowed = format!("from 1 to {LONGEST_NAME} printable characters");
             return Err(not_allowed("name", format!("`{}`", excerpt(name)), allowed));
         }
         if !(1..=SLOWEST_RATE).contains(rate) {
-            return Err(not_allowed("rate", rate, format!("1 to {SLOWEST_RATE} ticks")));
+            return Err(not_allowed("rate", rate, format!("from 1 to {SLOWEST_RATE} ticks")));
         }
         Ok(greeting)
     }
 }
 
-/// What can be asked for.
+/// What a driver can ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Want {
@@ -252,13 +252,13 @@ impl Reply {
         }
         if !slam && (raw.pose.is_some() || raw.map.is_some()) {
             let field = if raw.pose.is_some() { "pose" } else { "map" };
-            return Err(not_allowed(field, "given", "none but where the hello says `slam`: true"));
+            return Err(not_allowed(field, "given", "absent unless the hello says `slam`: true"));
         }
         let pose = raw.pose.map(pose).transpose()?;
         let wish = match (raw.failed, raw.finished, raw.stuck) {
             (Some(reason), _, _) => Wish::GiveUp(reason.chars().take(LONGEST_REASON).collect()),
             (None, true, true) => {
-                return Err(not_allowed("stuck", "true", "false where `finished` is true"));
+                return Err(not_allowed("stuck", "true", "absent or false if `finished` is true"));
             }
             (None, true, false) => Wish::Finished,
             (None, false, true) => Wish::Stuck,
@@ -272,7 +272,7 @@ impl Reply {
 }
 
 fn rate(field: &str, value: Option<f64>, unit: &str) -> Result<f64, DriverError> {
-    let allowed = || format!("{} to {FASTEST} {unit}", -FASTEST);
+    let allowed = || format!("from {} to {FASTEST} {unit}", -FASTEST);
     let Some(value) = value else { return Err(not_allowed(field, "missing", allowed())) };
     if value.abs() <= FASTEST { Ok(value) } else { Err(not_allowed(field, value, allowed())) }
 }
@@ -299,10 +299,10 @@ pub(super) fn line(value: &impl Serialize) -> Result<Vec<u8>, DriverError> {
 
 /// Reads a line of JSON; errors name the field.
 fn read<'a, T: Deserialize<'a>>(line: &'a [u8]) -> Result<T, DriverError> {
-    // Else the fields' values in their order would do as well.
+    // Otherwise an array of the fields' values in their order would be accepted, too.
     if line.trim_ascii_start().starts_with(b"[") {
         let near = String::from_utf8_lossy(&line[..line.len().min(4 * EXCERPT)]);
-        return Err(DriverError::NoReply(format!("no object, in `{}`", excerpt(&near))));
+        return Err(DriverError::NoReply(format!("not an object, in `{}`", excerpt(&near))));
     }
     let mut input = serde_json::Deserializer::from_slice(line);
     let found = serde_path_to_error::deserialize(&mut input)
@@ -311,7 +311,7 @@ fn read<'a, T: Deserialize<'a>>(line: &'a [u8]) -> Result<T, DriverError> {
     found.map_err(|(path, error)| {
         let field = path.filter(|path| path != ".");
         let field = field.map_or(String::new(), |field| format!("`{}`: ", excerpt(&field)));
-        // The error shows the value, and that may be as long as the line.
+        // The error shows the value, which may be as long as the line.
         let column = error.column();
         let what = error.to_string();
         let what = what.strip_suffix(&format!(" at line 1 column {column}")).unwrap_or(&what);
@@ -325,7 +325,7 @@ fn read<'a, T: Deserialize<'a>>(line: &'a [u8]) -> Result<T, DriverError> {
     })
 }
 
-/// The beginning of a text that may be long and hold anything.
+/// The beginning of a text that may be long and hold any characters.
 pub(super) fn excerpt(text: &str) -> String {
     let mut short = String::new();
     for char in text.chars().take(EXCERPT) {
@@ -346,8 +346,8 @@ pub(super) fn triple(pose: Pose) -> [f64; 3] {
     [pose.position.x, pose.position.y, pose.heading]
 }
 
-/// The ranges of a scan as a line holds them: the greatest range where nothing was met up to there,
-/// none for a beam that is to be ignored. JSON has neither infinity nor NaN.
+/// The ranges of a scan in a line, in metres: the greatest range where there was no echo, `None` for
+/// a beam to be ignored. JSON has neither infinity nor NaN.
 pub(super) fn ranges(scan: &Scan, max_range: f64, out: &mut Vec<Option<f64>>) {
     out.clear();
     out.extend(scan.ranges.iter().map(|&r| (!r.is_nan()).then_some(r.min(max_range))));
@@ -385,8 +385,11 @@ mod tests {
     #[test]
     fn what_is_wrong_with_a_reply_is_named() {
         for (text, part) in [
-            (r#"{"speed": 1}"#, "`turn_rate` must be -1000 to 1000 rad/s, got missing"),
-            (r#"{"speed": 1e4, "turn_rate": 0}"#, "`speed` must be -1000 to 1000 m/s, got 10000"),
+            (r#"{"speed": 1}"#, "`turn_rate` must be from -1000 to 1000 rad/s, got missing"),
+            (
+                r#"{"speed": 1e4, "turn_rate": 0}"#,
+                "`speed` must be from -1000 to 1000 m/s, got 10000",
+            ),
             (r#"{"speed": NaN, "turn_rate": 0}"#, "`speed`: expected value at character 11"),
             (r#"{"turn_rate": 0, "speed": -Infinity}"#, "`speed`: "),
             (r#"{"speed": 1e999, "turn_rate": 0}"#, "`speed`: number out of range"),
@@ -401,8 +404,8 @@ mod tests {
             ("", "EOF"),
             ("hello", "expected value at character 1, in `hello`"),
             ("\u{1b}[31m", "in `\\u{1b}[31m`"),
-            ("[0.1, 0.2]", "a line that is no answer: no object, in `[0.1, 0.2]`"),
-            ("[]", "no object"),
+            ("[0.1, 0.2]", "a line that is not an answer: not an object, in `[0.1, 0.2]`"),
+            ("[]", "not an object"),
         ] {
             assert!(error(text).contains(part), "{text}: {}", error(text));
         }
@@ -410,7 +413,7 @@ mod tests {
         assert!(long.len() < 400, "{} characters", long.len());
         let own = |text: &str| Reply::parse(text.as_bytes(), 0, true).unwrap_err().to_string();
         let text = own(r#"{"finished": true, "pose": [0, 2e6, 0]}"#);
-        assert_eq!(text, "`pose[1]` must be -1000000 to 1000000, got 2000000");
+        assert_eq!(text, "`pose[1]` must be from -1000000 to 1000000, got 2000000");
         assert!(own(r#"{"finished": true, "pose": [0, 1]}"#).contains("`pose`: invalid length 2"));
         let map = json!({"origin": [0, 0], "resolution": 0.1, "cols": 1, "rows": -1, "cells": ""});
         assert!(own(&json!({"finished": true, "map": map}).to_string()).contains("`map.rows`"));
@@ -428,7 +431,7 @@ mod tests {
         assert!(error(r#"{"name": "a"}"#).contains("missing field `protocol`"));
         assert!(error(r#"{"protocol": "envgen-driver 1", "name": " "}"#).contains("`name`"));
         let text = error(r#"{"protocol": "envgen-driver 1", "name": "a", "rate": 0}"#);
-        assert_eq!(text, "`rate` must be 1 to 200 ticks, got 0");
+        assert_eq!(text, "`rate` must be from 1 to 200 ticks, got 0");
     }
 
     #[test]

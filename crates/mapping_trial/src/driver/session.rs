@@ -1,4 +1,4 @@
-//! A talk with a driver: what each robot observed is gathered, asked and answered.
+//! The exchange with a driver: gathers what each robot observed, asks, and keeps the answers.
 
 use std::time::Duration;
 
@@ -17,7 +17,7 @@ use crate::trial::TrialReport;
 /// How long a driver may take to end after the last line before its process is ended.
 const FAREWELL: Duration = Duration::from_secs(2);
 
-/// What one robot's next line will tell, and what its last answer said.
+/// What one robot's next line will hold, and what its last answer said.
 #[derive(Debug)]
 struct Gathered {
     ticks: u64,
@@ -60,22 +60,22 @@ impl Gathered {
         self.ticks += 1;
     }
 
-    /// What was told is not told again.
-    fn told(&mut self) {
+    /// What was sent is not sent again.
+    fn mark_sent(&mut self) {
         self.odometry = Odometry::default();
         self.scanned = false;
         self.bumped = false;
     }
 }
 
-/// What a driver says of a robot's pose and of the map.
+/// A driver's estimate of a robot's pose and of the map.
 #[derive(Debug)]
 pub(super) struct Said {
     pub(super) pose: Option<Pose>,
     pub(super) map: Option<Grid>,
 }
 
-/// The talk with one driver.
+/// The exchange with one driver.
 #[derive(Debug)]
 pub(super) struct Session {
     link: Link,
@@ -84,7 +84,7 @@ pub(super) struct Session {
     greeting: Option<Greeting>,
     max_range: f64,
     robots: Vec<Gathered>,
-    /// Observations told so far.
+    /// Number of observations sent so far.
     id: u64,
     failure: Option<String>,
 }
@@ -133,14 +133,14 @@ impl Session {
         self.failure.get_or_insert_with(|| format!("{error} (observation {id}, at {time:.2} s)"));
     }
 
-    /// What the driver last wanted of a robot; `None` once it failed.
+    /// The driver's last decision for a robot; `None` once it failed.
     pub(super) fn decision(&self, robot: usize) -> Option<Decision> {
         let gathered = self.robots.get(robot).filter(|_| self.failure.is_none());
         gathered.map(|gathered| gathered.decision)
     }
 
-    /// A tick of a robot: the driver is asked where it is due, and what it says is given back.
-    /// `known` are pose and map where the driver does not estimate them itself.
+    /// A tick of a robot: asks the driver if it is due, and returns its estimates.
+    /// `known` are pose and map if the driver does not estimate them itself.
     pub(super) fn tick(
         &mut self,
         robot: usize,
@@ -182,7 +182,7 @@ impl Session {
             pose: known.map(|(pose, _)| triple(pose)),
             map,
         })?;
-        gathered.told();
+        gathered.mark_sent();
         let answer = self.answer(line)?;
         let Reply { wish, wants_map, pose, map } = Reply::parse(&answer, id, self.has_slam())?;
         let gathered = &mut self.robots[robot];
@@ -211,12 +211,12 @@ impl Session {
                 self.gone("closed its output", &half)
             }
             LinkError::Read(error) => self.gone(&format!("cannot be read: {error}"), ""),
-            LinkError::Write(error) => self.gone(&format!("cannot be told anything: {error}"), ""),
+            LinkError::Write(error) => self.gone(&format!("cannot be written to: {error}"), ""),
         })
     }
 
-    /// A driver that is gone or has closed one of its ends: where its process has ended, how. Which
-    /// end was seen to close first says nothing then.
+    /// A driver that is gone or has closed one of its ends; says how its process ended, if it has.
+    /// Which end was seen to close first means nothing then.
     fn gone(&mut self, what: &str, half: &str) -> DriverError {
         let Some(process) = &mut self.process else {
             return DriverError::Gone(format!("it {what}{half}"));
@@ -235,7 +235,7 @@ impl Session {
     pub(super) fn end(&mut self, report: Option<&TrialReport>) {
         let last = line(&Ended::new(report, self.failure.as_deref()));
         self.link.close(last.ok());
-        // One that failed may hang; what it does then is of no interest.
+        // A driver that failed may hang; its state no longer matters.
         if self.failure.is_none()
             && let Some(process) = &mut self.process
         {

@@ -17,11 +17,11 @@ use crate::policy::{Decision, ExplorationPolicy, PolicyInput};
 use crate::slam::Slam;
 use crate::trial::{Setup, TrialSettings};
 
-/// Long enough for a machine that does other things as well.
+/// Long enough for a busy machine.
 const PATIENCE: Limits = Limits { reply: Duration::from_secs(60), total: Duration::from_secs(600) };
 
-/// A driver that answers each line by a function until it gives none or half a line. What it was told comes back
-/// when it ends.
+/// A driver that answers each line by a function until that returns none or half a line. The thread
+/// returns the lines sent to it.
 fn driver(
     limits: Limits,
     mut answer: impl FnMut(&Value) -> Option<String> + Send + 'static,
@@ -53,7 +53,7 @@ fn hello(robots: usize) -> Hello {
     Hello::new(&Setup { settings: &TrialSettings::default(), starts: &starts })
 }
 
-/// What an operator decides on what a robot sees, at a pose.
+/// The decision of a policy on an observation at a pose.
 fn decide(
     operator: &mut DriverPolicy,
     robot: usize,
@@ -74,7 +74,7 @@ fn decide(
     })
 }
 
-/// The same where neither pose nor map matter.
+/// The same if neither pose nor map matter.
 fn decide_at(operator: &mut DriverPolicy, tick: u32) -> Decision {
     decide(operator, 0, &seen(tick), Pose::default(), &OccupancyMap::new())
 }
@@ -96,7 +96,7 @@ fn seen(tick: u32) -> Observation {
     }
 }
 
-/// What becomes of a driver that answers its first observation with a text.
+/// The failure of a driver that answers its first observation with a text.
 fn failure(text: &'static str) -> String {
     let (driver, _) = driver(PATIENCE, move |line| {
         greeting(line, "").or_else(|| Some(text.to_owned()).filter(|text| !text.is_empty()))
@@ -111,7 +111,7 @@ fn failure(text: &'static str) -> String {
 }
 
 #[test]
-fn what_was_measured_between_lines_is_told_with_the_next() {
+fn what_was_measured_between_lines_is_sent_with_the_next() {
     let (driver, told) = driver(PATIENCE, |line| {
         let command = json!({"speed": 0.1, "turn_rate": 0.2, "id": line["id"]});
         greeting(line, ", \"rate\": 3").or_else(|| Some(format!("{command}\n")))
@@ -213,10 +213,10 @@ fn a_bad_map_fails_the_driver() {
     driver.greet(&hello(1)).expect("a greeting");
     let mut slam = DriverSlam::new(&driver, &[Pose::default()]);
     slam.step(0, &seen(3));
-    let text = "`map.cells` must be 4, one a cell, got 1 bytes (observation 0, at 0.15 s)";
+    let text = "`map.cells` must be 4, one per cell, got 1 bytes (observation 0, at 0.15 s)";
     assert_eq!(driver.failure().as_deref(), Some(text));
     assert_eq!(decide_at(&mut DriverPolicy::new(&driver), 3), Decision::Failed);
-    // The wheels count on to the end of the trial.
+    // The wheels continue to the end of the trial.
     slam.step(0, &seen(4));
     assert_eq!(slam.trajectory(0).len(), 3);
 }
@@ -224,9 +224,9 @@ fn a_bad_map_fails_the_driver() {
 #[test]
 fn bad_answers_fail_the_driver() {
     for (answer, part) in [
-        ("garbage\n", "a line that is no answer: expected value at character 1, in `garbage`"),
+        ("garbage\n", "a line that is not an answer: expected value at character 1, in `garbage`"),
         ("{\"speed\": 1, \"turn_rate\": NaN}\n", "`turn_rate`: expected value"),
-        ("{\"speed\": 1e9, \"turn_rate\": 0}\n", "`speed` must be -1000 to"),
+        ("{\"speed\": 1e9, \"turn_rate\": 0}\n", "`speed` must be from -1000 to"),
         ("{\"failed\": \"no way\"}\n", "it gave up: no way (observation 0, at 0.00 s)"),
         ("", "it closed its output (observation 0"),
         ("{\"speed\": ", "it closed its output after 10 bytes of a line without its end"),
@@ -237,7 +237,7 @@ fn bad_answers_fail_the_driver() {
 }
 
 #[test]
-fn a_hello_that_is_none_is_a_failure_at_once() {
+fn a_bad_hello_is_a_failure_at_once() {
     for (answer, part) in [
         (
             "{\"protocol\": \"envgen-driver 0\", \"name\": \"old\"}\n",

@@ -12,18 +12,18 @@ use crate::names::Named;
 use crate::odometry::OdometryProfile;
 use crate::policy::PolicyKind;
 use crate::slam::SlamKind;
-use crate::trial::TrialSettings;
+use crate::trial::{TrialSettings, count};
 
-/// Maps a level, at most.
+/// Greatest number of maps per level.
 pub const MAX_MAPS: u32 = 1000;
 
-/// Noise seeds a map, at most.
+/// Greatest number of noise seeds per map.
 pub const MAX_NOISE_SEEDS: u32 = 1000;
 
-/// Columns and rows of a map, at most.
+/// Greatest number of columns and of rows of a map.
 pub const MAX_SIZE: u32 = 128;
 
-/// Trials of a design, at most.
+/// Greatest number of trials of a design.
 pub const MAX_TRIALS: u64 = 1_000_000;
 
 /// Trials on maps of several levels.
@@ -40,17 +40,17 @@ pub const MAX_TRIALS: u64 = 1_000_000;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Design {
-    /// Difficulties that maps are generated with: in increasing order, from 0 to 10 in tenths, at
+    /// The requested difficulties of the maps: in increasing order, from 0 to 10 in steps of 0.1, at
     /// least two.
     pub levels: Vec<f64>,
-    /// Maps a level, from 2 to [`MAX_MAPS`].
+    /// Maps per level, from 2 to [`MAX_MAPS`].
     pub maps: u32,
-    /// Trials of each operator on each map that differ in what the sensors get wrong, from 1 to
+    /// Trials of each operator on each map, which differ in sensor noise; from 1 to
     /// [`MAX_NOISE_SEEDS`].
     pub noise_seeds: u32,
-    /// Who drives.
+    /// The operators: policies that stand for the thesis's operators.
     pub operators: Vec<PolicyKind>,
-    /// The paper's own design.
+    /// The design of the paper.
     pub replay: Replay,
     /// How maps are generated.
     pub profile: Profile,
@@ -64,17 +64,17 @@ pub struct Design {
     pub odometry: OdometryProfile,
     /// Simulated seconds after which a trial ends.
     pub time_limit: f64,
-    /// From which the seeds of maps and noise follow.
+    /// The seed from which the seeds of maps and noise follow.
     pub seed: Seed,
 }
 
-/// The paper's own design: a few maps a level, once by each operator.
+/// The paper's own design: a few maps per level, once by each operator.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Replay {
-    /// Maps a level, at most [`Design::maps`].
+    /// Maps per level, at most [`Design::maps`].
     pub maps: u32,
-    /// Who drives.
+    /// The operators.
     pub operators: Vec<PolicyKind>,
 }
 
@@ -82,18 +82,18 @@ pub struct Replay {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trial {
-    /// Place of the level among [`Design::levels`].
+    /// Index of the level in [`Design::levels`].
     pub level: u32,
     /// Number of the map within its level.
     pub map: u32,
-    /// Number of the noise on this map.
+    /// Number of the noise seed on this map.
     pub noise: u32,
-    /// Who drives.
+    /// The operator.
     pub operator: PolicyKind,
 }
 
 impl Default for Design {
-    /// 20 maps a level of the profile `thesis`, 5 noise seeds, five operators.
+    /// 20 maps per level of the profile `thesis`, 5 noise seeds, five operators.
     fn default() -> Self {
         let TrialSettings { slam, laser, odometry, time_limit, .. } = TrialSettings::default();
         Design {
@@ -123,8 +123,8 @@ pub fn operator_name(kind: PolicyKind) -> &'static str {
 }
 
 impl Design {
-    /// The paper's design, and six maps a level once by the operator `nearest`: a look within two
-    /// minutes.
+    /// The paper's design, and six maps per level once by the operator `nearest`: takes less
+    /// than two minutes.
     pub fn quick() -> Self {
         Design {
             maps: 6,
@@ -164,7 +164,8 @@ impl Design {
         let main = self.levels.len() as u64 * u64::from(self.maps);
         let all = main * u64::from(self.noise_seeds) * self.operators.len() as u64;
         if all > MAX_TRIALS {
-            let allowed = format!("at most {MAX_TRIALS} with levels, noise seeds and operators");
+            let allowed =
+                format!("at most {MAX_TRIALS} trials with levels, noise seeds and operators");
             return Err(SpecError::new("maps", self.maps, allowed));
         }
         count("size", self.size, 4, MAX_SIZE)?;
@@ -205,7 +206,7 @@ impl Design {
             && self.replay.operators.contains(&trial.operator)
     }
 
-    /// What a map of a level is generated from.
+    /// The spec of the maps of a level.
     pub fn spec(&self, level: f64) -> IndoorSpec {
         IndoorSpec {
             difficulty: level,
@@ -216,10 +217,10 @@ impl Design {
         }
     }
 
-    /// The difficulty that a trial's map is generated with.
+    /// The requested difficulty of a trial's map.
     ///
     /// # Panics
-    /// When the trial is of a level that the design does not have.
+    /// If the design does not have the trial's level.
     #[track_caller]
     pub fn level(&self, trial: &Trial) -> f64 {
         self.levels[trial.level as usize]
@@ -233,17 +234,17 @@ impl Design {
         Seed(self.seed.0.wrapping_mul(1_000_000).wrapping_add(own))
     }
 
-    /// The seed of what the sensors get wrong: the same for all operators, another for each map.
+    /// The seed of a trial's sensor noise: the same for all operators, another for each map.
     pub fn noise_seed(&self, trial: &Trial) -> Seed {
         let maps = self.world_seed(trial).0.wrapping_mul(u64::from(MAX_NOISE_SEEDS));
         Seed(maps).offset(u64::from(trial.noise))
     }
 
-    /// What a trial is made of besides its world.
+    /// The settings of a trial.
     pub fn settings(&self, trial: &Trial) -> TrialSettings {
         TrialSettings {
             seed: self.noise_seed(trial),
-            operator: Some(trial.operator),
+            policy: Some(trial.operator),
             slam: self.slam,
             time_limit: self.time_limit,
             laser: self.laser.clone(),
@@ -253,20 +254,13 @@ impl Design {
     }
 }
 
-fn count(field: &str, value: u32, least: u32, most: u32) -> Result<(), SpecError> {
-    if (least..=most).contains(&value) {
-        return Ok(());
-    }
-    Err(SpecError::new(field, value, format!("{least} to {most}")))
-}
-
 /// A share of a design's trials: every `of`-th, beginning with the `index`-th. Written `2/8`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shard {
-    /// Which share, from 1 to `of`.
+    /// Number of this share, from 1 to `of`.
     pub index: u32,
-    /// Into how many shares the trials are parted.
+    /// Number of shares.
     pub of: u32,
 }
 
@@ -274,10 +268,10 @@ impl Shard {
     /// All trials.
     pub const WHOLE: Shard = Shard { index: 1, of: 1 };
 
-    /// Checks that it is one of its shares.
+    /// Checks the numbers.
     ///
     /// # Errors
-    /// When the index is not from 1 to the number of shares.
+    /// If the index is not from 1 to the number of shares.
     pub fn validate(self) -> Result<(), SpecError> {
         if (1..=self.of).contains(&self.index) {
             return Ok(());
@@ -285,10 +279,10 @@ impl Shard {
         Err(SpecError::new("shard", self, "I/N with I from 1 to N, such as 2/8"))
     }
 
-    /// Whether the trial at a place in the design's order belongs to this share.
+    /// Whether the trial at an index of the design's order belongs to this share.
     ///
     /// # Panics
-    /// When the trials are parted into 0 shares.
+    /// If the number of shares is 0.
     #[track_caller]
     pub fn has(self, place: usize) -> bool {
         assert!(self.of > 0, "`of` is 0 shares");
@@ -379,7 +373,9 @@ mod tests {
         assert!(error(&|d| d.levels = vec![1.0, f64::NAN]).contains("NaN"));
         assert!(error(&|d| d.levels = vec![1.0, 2.55]).contains("tenths"));
         assert!(error(&|d| d.levels = vec![1.0, 11.0]).contains("from 0 to 10"));
-        assert!(error(&|d| d.maps = 1).contains("`maps` must be 2 to 1000, got 1"));
+        assert!(
+            error(&|d| d.maps = 1).contains("`maps` must be a whole number from 2 to 1000, got 1")
+        );
         assert!(error(&|d| d.noise_seeds = 0).contains("`noise_seeds`"));
         assert!(error(&|d| d.replay.maps = 21).contains("`replay.maps`"));
         assert!(error(&|d| d.operators.clear()).contains("`operators`"));

@@ -1,21 +1,21 @@
-//! Experiments: the same trials on maps of several difficulties, by several operators, many times
-//! over, and what they say about the rules that made the maps.
+//! Experiments: repeated trials on maps of several difficulties, by several operators, and the
+//! statistics of the rules that generated the maps.
 //!
 //! The design replays the experiment of O. Zwennes, *Adaptive Indoor Map Generator for USARSim*
 //! (2011), sections 5 and 6: two maps each of the levels 1, 3, 5, 7 and 9. People rated those maps;
-//! here programs map them and what they made is measured. Ten maps show little, so a larger design
-//! of the same kind stands beside it.
+//! here policies map them and the results are measured. Ten maps show little, so a larger design
+//! of the same kind is run with it.
 //!
 //! | what | where |
 //! |---|---|
 //! | which trials | [`Design`], [`Trial`] |
-//! | what came of one | [`Record`] |
-//! | a folder of records that an interrupt does not harm | [`Experiment`] |
-//! | the numbers | [`stats`] |
+//! | the result of one | [`Record`] |
+//! | a folder of records that survives interrupts | [`Experiment`] |
+//! | the statistics | [`stats`] |
 //! | tables and the report | [`table`], [`report`] |
 //!
-//! A finished experiment is the same to the last byte whether it ran on one thread or many, in one
-//! go or interrupted, in one folder or in shards that were merged.
+//! A finished experiment is the same to the last byte whether it ran on one thread or many, at
+//! once or interrupted, in one folder or in shards that were merged.
 
 mod design;
 mod record;

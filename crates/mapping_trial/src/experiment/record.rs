@@ -1,4 +1,4 @@
-//! What came of a trial, as a line of a file.
+//! The result of a trial, as a line of a file.
 
 use envgen::Blueprint;
 use envgen::Seed;
@@ -9,7 +9,7 @@ use super::design::Trial;
 use crate::score::Scores;
 use crate::trial::EndReason;
 
-/// What came of one trial.
+/// The result of one trial.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
@@ -17,13 +17,13 @@ pub struct Record {
     pub trial: Trial,
     /// The seed of its map.
     pub world_seed: Seed,
-    /// The seed of what the sensors got wrong.
+    /// The seed of the sensor noise.
     pub noise_seed: Seed,
     /// Digest of the map's geometry.
     pub world_digest: String,
     /// Digest of the trial's log.
     pub log_digest: String,
-    /// Why it ended; `None` where it was broken off.
+    /// Why it ended; `None` if it was broken off.
     pub end: Option<EndReason>,
     /// What the generator's rules made of the map.
     pub features: MapFeatures,
@@ -31,15 +31,15 @@ pub struct Record {
     pub scores: Scores,
 }
 
-/// What the five rules of Zwennes (2011) made of a map.
+/// The features of a map that the five rules of Zwennes (2011) control.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapFeatures {
     /// Distance between hallways in cells, the mean of both directions.
     pub hallway_spacing: f64,
-    /// Share of the floor, solid cells aside, that is open area.
+    /// Open area as a share of the floor, without solid cells.
     pub open_share: f64,
-    /// Doorways drawn for a side of a room, on average.
+    /// Mean number of doorways drawn per side of a room.
     pub doorways_a_side: f64,
     /// Mean difficulty of the rooms; `None` without rooms.
     pub room_difficulty: Option<f64>,
@@ -47,7 +47,7 @@ pub struct MapFeatures {
     pub cycles_prevented: f64,
     /// Independent cycles of the hallways.
     pub hallway_cycles: f64,
-    /// Floor cells that only one way leads to.
+    /// Floor cells with only one neighbouring floor cell to reach them from.
     pub dead_ends: f64,
     /// Number of rooms.
     pub rooms: f64,

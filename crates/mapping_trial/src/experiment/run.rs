@@ -9,12 +9,12 @@ use super::record::Record;
 use super::site::{Held, Sites};
 use super::store::{ExperimentError, Lines};
 
-/// How far an experiment is.
+/// The progress of an experiment.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
-    /// Trials that are finished, those of earlier runs too.
+    /// Number of finished trials, with those of earlier runs.
     pub done: usize,
-    /// All trials of this share.
+    /// Number of trials of this share.
     pub all: usize,
     /// The trial that was finished last.
     pub last: &'a Record,
@@ -23,7 +23,7 @@ pub struct Progress<'a> {
 /// What all threads share.
 struct Work<'a> {
     design: &'a Design,
-    /// Places in the design's order that are still to do.
+    /// Trials still to do, with their indices in the design's order.
     pending: &'a [(usize, Trial)],
     next: AtomicUsize,
     stop: AtomicBool,
@@ -40,7 +40,7 @@ struct Sink<'a> {
     error: Option<ExperimentError>,
 }
 
-/// Runs trials on so many threads (0 for one a core), and writes each as it ends.
+/// Runs trials on `threads` threads (0 for one per core), and writes each as it ends.
 pub(super) fn run(
     design: &Design,
     pending: &[(usize, Trial)],
@@ -72,7 +72,7 @@ pub(super) fn run(
 
 impl Work<'_> {
     /// One thread's part: it takes one trial after the other. Neighbours in the list are mostly of
-    /// one map, which stays in memory as long as some thread is at it.
+    /// one map, which stays in memory as long as a thread uses it.
     fn go(&self) {
         let mut held: Option<(u32, u32, Held)> = None;
         while !self.stop.load(Ordering::Relaxed) {
@@ -94,7 +94,7 @@ impl Work<'_> {
 
     fn take(&self, place: usize, found: Result<Record, ExperimentError>) {
         let mut sink = self.sink.lock().unwrap_or_else(PoisonError::into_inner);
-        // After an error nothing is written any more: a half line must stay the last one.
+        // After an error nothing more is written: a half line must stay the last one.
         if sink.error.is_some() {
             return;
         }

@@ -1,4 +1,4 @@
-//! The maps of an experiment, each worked out once for all trials on it.
+//! The maps of an experiment, each computed once for all trials on it.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -14,7 +14,7 @@ use crate::robot::Robot;
 use crate::trial;
 use crate::truth::MappableArea;
 
-/// A map that trials take place on.
+/// A map on which trials take place.
 pub(super) struct Site {
     pub(super) world: World,
     pub(super) truth: MappableArea,
@@ -48,11 +48,11 @@ impl Site {
         design: &Design,
         trial: &Trial,
     ) -> Result<(Record, trial::Trial<FlatSimulator>), ExperimentError> {
-        let told = |error: &dyn Error| unusable(design, trial, error);
+        let failed = |error: &dyn Error| unusable(design, trial, error);
         let settings = design.settings(trial);
         let mut run = trial::Trial::builder(&self.world, settings)
             .build_flat_in(Arc::clone(&self.flat))
-            .map_err(|error| told(&error))?;
+            .map_err(|error| failed(&error))?;
         while run.step() {}
         let record = Record {
             trial: *trial,
@@ -62,7 +62,7 @@ impl Site {
             log_digest: run.log().digest().to_string(),
             end: run.end_of(0).map(|end| end.reason),
             features: self.features.clone(),
-            scores: run.score(&self.truth).map_err(|error| told(&error))?,
+            scores: run.score(&self.truth).map_err(|error| failed(&error))?,
         };
         Ok((record, run))
     }
@@ -77,16 +77,16 @@ fn unusable(design: &Design, trial: &Trial, error: &dyn Error) -> ExperimentErro
     }
 }
 
-/// The maps that are in use at the moment.
+/// The maps that are in use now.
 #[derive(Default)]
 pub(super) struct Sites {
     known: Mutex<BTreeMap<(u32, u32), Weak<Slot>>>,
 }
 
-/// A map that the first who needs it works out, while others wait for it.
+/// A map that the first thread that needs it computes, while others wait.
 type Slot = OnceLock<Result<Site, ExperimentError>>;
 
-/// A map that stays in memory as long as somebody holds it.
+/// A map that stays in memory as long as it is held.
 #[derive(Clone)]
 pub(super) struct Held(Arc<Slot>);
 

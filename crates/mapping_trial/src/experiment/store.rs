@@ -19,13 +19,13 @@ use super::write;
 /// Version of the folders' layout; a folder of another version is refused.
 pub const EXPERIMENT_VERSION: u32 = 2;
 
-/// The file that says what a folder holds.
+/// The file that describes what a folder holds.
 const HEAD: &str = "experiment.json";
 
-/// The file of the trials, one a line.
+/// The file of the trials, one per line.
 const TRIALS: &str = "trials.jsonl";
 
-/// Why an experiment cannot go on.
+/// Why an experiment cannot continue.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ExperimentError {
@@ -40,7 +40,7 @@ pub enum ExperimentError {
         /// Why.
         source: io::Error,
     },
-    /// A file is not what it should be.
+    /// A file has wrong content.
     #[error("{}: {reason}", path.display())]
     Content {
         /// Its path.
@@ -50,7 +50,7 @@ pub enum ExperimentError {
     },
     /// A folder holds another experiment.
     #[error(
-        "{} holds another experiment: {difference}; choose another folder, or start anew",
+        "{} holds another experiment: {difference}; choose another folder, or start again",
         path.display()
     )]
     Other {
@@ -59,10 +59,10 @@ pub enum ExperimentError {
         /// What differs.
         difference: String,
     },
-    /// A folder's trials come out otherwise now.
+    /// A folder's trials now give other results.
     #[error(
-        "{} was made by another version of this program: {trial} comes out otherwise now; \
-         choose another folder, or start anew",
+        "{} was made by another version of this program: {trial} now gives another result; \
+         choose another folder, or start again",
         path.display()
     )]
     Code {
@@ -71,8 +71,8 @@ pub enum ExperimentError {
         /// The trial.
         trial: String,
     },
-    /// Another process is at work in the folder.
-    #[error("{}: another process is at work in this folder", .0.display())]
+    /// Another process uses the folder.
+    #[error("{}: another process uses this folder", .0.display())]
     Busy(PathBuf),
     /// Trials are missing.
     #[error("{missing} of {all} trials are missing, the first is {first}")]
@@ -84,7 +84,7 @@ pub enum ExperimentError {
         /// One of them.
         first: String,
     },
-    /// A map cannot be generated or tried.
+    /// A map cannot be generated, or no trial can run on it.
     #[error("map {map} of level {level} (seed {seed}): {reason}")]
     Map {
         /// Its number within the level.
@@ -105,7 +105,7 @@ pub enum ExperimentError {
 }
 
 impl ExperimentError {
-    /// The same error once more, for whoever else needs the same map.
+    /// A copy of the error, for other threads that need the same map.
     pub(super) fn again(&self) -> ExperimentError {
         match self {
             ExperimentError::Map { map, level, seed, reason } => ExperimentError::Map {
@@ -128,7 +128,7 @@ struct Head {
     design: Design,
 }
 
-/// An experiment in its folder: finished trials are there, whatever happens to the program.
+/// An experiment in its folder: finished trials are kept, whatever happens to the program.
 ///
 /// ```no_run
 /// use std::ops::ControlFlow;
@@ -147,21 +147,21 @@ struct Head {
 pub struct Experiment {
     folder: PathBuf,
     head: Head,
-    /// This share's trials with their places in the design's order.
+    /// This share's trials with their indices in the design's order.
     trials: Vec<(usize, Trial)>,
-    /// Finished trials by place.
+    /// Finished trials by index.
     records: BTreeMap<usize, Record>,
     lines: Lines,
 }
 
 impl Experiment {
-    /// Begins an experiment in a folder, or goes on with it. A last line that was not finished is
+    /// Begins an experiment in a folder, or continues it. An unfinished last line is
     /// dropped.
     ///
     /// # Errors
     ///
     /// A design that is not allowed; a folder that cannot be written, holds another experiment,
-    /// is in use, or holds trials that come out otherwise now.
+    /// is in use, or holds trials that now give other results.
     pub fn open(folder: &Path, design: &Design, shard: Shard) -> Result<Self, ExperimentError> {
         design.validate()?;
         shard.validate()?;
@@ -176,7 +176,7 @@ impl Experiment {
             Some(_) => {}
             None => {
                 if folder.join(TRIALS).exists() {
-                    let reason = format!("there are trials but no {HEAD} that says of what");
+                    let reason = format!("there are trials, but no {HEAD} that describes them");
                     return Err(ExperimentError::Content { path: folder.to_owned(), reason });
                 }
                 write::whole(&head_path, &json(&head, &head_path)?)?;
@@ -190,7 +190,7 @@ impl Experiment {
         Ok(experiment)
     }
 
-    /// Begins an experiment anew: what the folder holds of an earlier one is thrown away.
+    /// Begins an experiment again: deletes what the folder holds of an earlier one.
     ///
     /// # Errors
     ///
@@ -222,7 +222,7 @@ impl Experiment {
             let path = part.join(HEAD);
             let missing = || ExperimentError::Content {
                 path: path.clone(),
-                reason: "this file is not there: the folder holds no share".to_owned(),
+                reason: "this file does not exist: the folder holds no share".to_owned(),
             };
             let head = read_head(&path)?.ok_or_else(missing)?;
             let joined = Head { shard: Shard::WHOLE, ..head.clone() };
@@ -257,13 +257,13 @@ impl Experiment {
         Ok(merged)
     }
 
-    /// Runs the trials that are still to do on so many threads, 0 for one a core. `watch` is told of
-    /// every finished trial and can stop the experiment, which goes on from there another time.
-    /// True when all trials are finished.
+    /// Runs the trials that are still to do on `threads` threads, 0 for one per core. `watch` is
+    /// called after every finished trial and can stop the experiment, which a later call continues.
+    /// True if all trials are finished.
     ///
     /// # Errors
     ///
-    /// A map that cannot be tried, a file that cannot be written. What is finished stays.
+    /// No trial can run on a map, or a file cannot be written. Finished trials stay.
     pub fn run(
         &mut self,
         threads: usize,
@@ -292,7 +292,7 @@ impl Experiment {
         Ok(true)
     }
 
-    /// Puts the lines into the design's order, so that threads and interrupts leave no trace.
+    /// Sorts the lines into the design's order, whatever the threads and interrupts were.
     fn settle(&mut self) -> Result<(), ExperimentError> {
         let mut text = Vec::new();
         for record in self.records.values() {
@@ -309,7 +309,7 @@ impl Experiment {
         self.require_same(record, &again)
     }
 
-    /// Says when a trial comes out otherwise than it did.
+    /// The error if a trial gives another result than before.
     pub(super) fn require_same(
         &self,
         known: &Record,
@@ -322,7 +322,7 @@ impl Experiment {
         Err(ExperimentError::Code { path: self.folder.clone(), trial })
     }
 
-    /// Says which trials are missing.
+    /// The error if trials are missing.
     pub(super) fn require_all(&self) -> Result<(), ExperimentError> {
         let mut missing = self.trials.iter().filter(|(place, _)| !self.records.contains_key(place));
         let Some((_, first)) = missing.next() else { return Ok(()) };
@@ -343,7 +343,7 @@ impl Experiment {
         &self.folder
     }
 
-    /// What is to be tried.
+    /// The design.
     pub fn design(&self) -> &Design {
         &self.head.design
     }
@@ -407,22 +407,22 @@ fn read_head(path: &Path) -> Result<Option<Head>, ExperimentError> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(source) => return Err(ExperimentError::File { path: path.to_owned(), source }),
     };
-    let not = |error: serde_json::Error| content(format!("this is no experiment: {error}"));
+    let not = |error: serde_json::Error| content(format!("this is not an experiment: {error}"));
     let value: serde_json::Value = serde_json::from_slice(&text).map_err(not)?;
     // The version first: another one may have other fields.
     let version = value.get("version").and_then(serde_json::Value::as_u64);
     if let Some(version) = version.filter(|&version| version != u64::from(EXPERIMENT_VERSION)) {
         let expected = EXPERIMENT_VERSION;
-        let reason = format!("an experiment of version {version}, this one reads {expected}");
+        let reason = format!("an experiment of version {version}, expected {expected}");
         return Err(content(reason));
     }
     serde_json::from_value(value).map(Some).map_err(not)
 }
 
-/// The first thing in which two experiments differ.
+/// The first difference between two experiments.
 fn difference(found: &Head, asked: &Head) -> String {
     if found.shard != asked.shard {
-        return format!("share {}, asked is {}", found.shard, asked.shard);
+        return format!("share {}, expected {}", found.shard, asked.shard);
     }
     let fields = |head: &Head| match serde_json::to_value(&head.design) {
         Ok(serde_json::Value::Object(fields)) => fields,
@@ -432,14 +432,14 @@ fn difference(found: &Head, asked: &Head) -> String {
     let mut differ = found.iter().filter(|(name, value)| asked.get(*name) != Some(*value));
     differ.next().map_or_else(String::new, |(name, value)| {
         let asked = asked.get(name).unwrap_or(&serde_json::Value::Null);
-        format!("`{name}` is {value}, asked is {asked}")
+        format!("`{name}` is {value}, expected {asked}")
     })
 }
 
 /// Reads whole lines, each a trial of this share that was not there before.
 fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<usize, Record>, ExperimentError> {
     let places = share(head);
-    // Trials are in order of level, map, noise and operator's place among all.
+    // Trials are sorted by level, map, noise and the operator's index among all.
     let key = |trial: &Trial| (trial.level, trial.map, trial.noise, operator_name(trial.operator));
     let places: BTreeMap<_, usize> =
         places.into_iter().map(|(place, trial)| (key(&trial), place)).collect();
@@ -453,7 +453,7 @@ fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<usize, Record>
         let of_design = places.get(&key(&record.trial));
         let place = *of_design.ok_or_else(|| bad("a trial of another design".to_owned()))?;
         if records.insert(place, record).is_some() {
-            return Err(bad("a trial that is there twice".to_owned()));
+            return Err(bad("a trial that occurs twice".to_owned()));
         }
     }
     Ok(records)
@@ -469,7 +469,7 @@ pub(super) struct Lines {
 }
 
 impl Lines {
-    /// Opens the file, and takes it for this process alone. A last line without its end is cut off.
+    /// Opens the file, and locks it for this process. A last line without its line end is cut off.
     fn open(folder: &Path) -> Result<(Self, String), ExperimentError> {
         let path = folder.join(TRIALS);
         let error = |source| ExperimentError::File { path: path.clone(), source };
@@ -477,10 +477,10 @@ impl Lines {
         options.read(true).write(true).create(true).truncate(false);
         let mut file = options.open(&path).map_err(error)?;
         if !file.metadata().map_err(error)?.is_file() {
-            let reason = "this is no file".to_owned();
+            let reason = "this is not a file".to_owned();
             return Err(ExperimentError::Content { path, reason });
         }
-        // Where files cannot be locked there is nobody to tell.
+        // Where files cannot be locked there is no way to detect another process.
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(ExperimentError::Busy(folder.to_owned()));
         }
@@ -497,7 +497,7 @@ impl Lines {
         Ok((Lines { path, file, len: whole as u64 }, text))
     }
 
-    /// Adds a trial; when that fails, nothing of it stays if the disk allows.
+    /// Adds a trial; if that fails, nothing of it stays if the disk allows.
     pub(super) fn append(&mut self, record: &Record) -> Result<(), ExperimentError> {
         let bytes = line(record, &self.path)?;
         match self.file.write_all(&bytes) {
@@ -507,7 +507,7 @@ impl Lines {
             }
             Err(source) => {
                 let cut = self.file.set_len(self.len);
-                // What is left of the line is dropped by whoever reads the file next.
+                // What is left of the line is dropped when the file is read next.
                 drop(cut);
                 Err(ExperimentError::File { path: self.path.clone(), source })
             }
@@ -519,7 +519,7 @@ impl Lines {
         write::whole(&self.path, text)?;
         let error = |source| ExperimentError::File { path: self.path.clone(), source };
         let file = OpenOptions::new().append(true).open(&self.path).map_err(error)?;
-        // The lock of the old file goes with it; the new one is this process's own as well.
+        // The lock of the old file is released with it; the new file is locked as well.
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(ExperimentError::Busy(self.path.clone()));
         }
@@ -535,7 +535,7 @@ mod tests {
     use crate::experiment::tests::record;
 
     #[test]
-    fn a_full_disk_is_told() {
+    fn a_full_disk_is_reported() {
         let path = PathBuf::from("/dev/full");
         let file = OpenOptions::new().write(true).open(&path).unwrap();
         let mut lines = Lines { path, file, len: 0 };

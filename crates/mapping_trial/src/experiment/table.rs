@@ -1,4 +1,4 @@
-//! Every trial as a row: CSV and Parquet.
+//! All trials as rows: CSV and Parquet.
 
 use std::sync::Arc;
 
@@ -16,10 +16,10 @@ use super::record::Record;
 use super::stats::driver;
 use super::store::ExperimentError;
 
-/// A column: its name and a value a trial.
+/// A column: its name and one value per trial.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// As in the files' heads.
+    /// Its name in the files' heads.
     pub name: String,
     /// The values.
     pub values: Values,
@@ -36,12 +36,12 @@ pub enum Values {
     Text(Vec<String>),
 }
 
-/// The columns of all trials: which trial it was, M, N, D and their parts, the other scores, what
-/// the rules made of the map, and what proves it.
+/// The columns of all trials: which trial it was, M, N, D and their parts, the other scores, the
+/// features of the map, and the digests.
 pub fn columns(design: &Design, records: &[&Record]) -> Vec<Column> {
     let whole = |name: &str, of: &dyn Fn(&Record) -> u64| Column {
         name: name.to_owned(),
-        // Parquet's tools read seeds best as signed numbers; they are far below 2^63 by default.
+        // Parquet's tools read seeds best as signed numbers; default seeds are far below 2^63.
         values: Values::Whole(records.iter().map(|record| of(record) as i64).collect()),
     };
     let text = |name: &str, of: &dyn Fn(&Record) -> String| Column {
@@ -67,7 +67,7 @@ pub fn columns(design: &Design, records: &[&Record]) -> Vec<Column> {
     columns
 }
 
-/// The fields of flat structs of numbers, the difficulties and their parts first.
+/// The numeric fields of flat structs, the difficulties and their parts first.
 fn numbers<T: Serialize>(rows: impl Iterator<Item = T>) -> Vec<Column> {
     let rows: Vec<serde_json::Map<String, Value>> = rows
         .filter_map(|row| match serde_json::to_value(row) {
@@ -97,18 +97,18 @@ fn numbers<T: Serialize>(rows: impl Iterator<Item = T>) -> Vec<Column> {
     names.into_iter().map(column).collect()
 }
 
-/// The table as CSV (RFC 4180). Numbers keep every digit; what a trial does not have is empty.
+/// The table as CSV (RFC 4180). Numbers keep every digit; absent values are empty.
 pub fn csv(columns: &[Column]) -> Result<Vec<u8>, ExperimentError> {
-    let told = |error: csv::Error| ExperimentError::Report(error.to_string());
+    let report_error = |error: csv::Error| ExperimentError::Report(error.to_string());
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(columns.iter().map(|column| &column.name)).map_err(told)?;
+    writer.write_record(columns.iter().map(|column| &column.name)).map_err(report_error)?;
     for row in 0..rows(columns) {
         let cells = columns.iter().map(|column| match &column.values {
             Values::Whole(values) => values[row].to_string(),
             Values::Real(values) => values[row].map_or_else(String::new, |x| x.to_string()),
             Values::Text(values) => values[row].clone(),
         });
-        writer.write_record(cells).map_err(told)?;
+        writer.write_record(cells).map_err(report_error)?;
     }
     writer.into_inner().map_err(|error| ExperimentError::Report(error.error().to_string()))
 }

@@ -51,7 +51,7 @@ pub(super) fn record(level: u32, map: u32, noise: u32, difficulty: f64) -> Recor
     }
 }
 
-/// Records of a whole design whose difficulties are given by level and map.
+/// Records of a whole design with given difficulties by level and map.
 pub(super) fn made_records(design: &Design, of: impl Fn(usize, u32) -> f64) -> Vec<Record> {
     let trials = design.trials().into_iter();
     let made = trials.map(|trial| {
@@ -231,28 +231,28 @@ fn folders_of_other_experiments_are_refused() {
         Experiment::open(folder.path(), design, shard).expect_err("another").to_string()
     };
     let told = open(&Design { maps: 3, ..design.clone() }, Shard::WHOLE);
-    assert!(told.contains("`maps` is 2, asked is 3"), "{told}");
+    assert!(told.contains("`maps` is 2, expected 3"), "{told}");
     let told = open(&design, Shard { index: 1, of: 2 });
-    assert!(told.contains("share 1/1, asked is 1/2"), "{told}");
+    assert!(told.contains("share 1/1, expected 1/2"), "{told}");
     let told = open(&Design { maps: 0, ..design.clone() }, Shard::WHOLE);
-    assert!(told.contains("`maps` must be"), "{told}");
+    assert!(told.contains("`maps` must be a whole number from 2 to 1000, got 0"), "{told}");
 
     let head = folder.path().join("experiment.json");
     let text = fs::read_to_string(&head).unwrap();
     fs::write(&head, text.replacen("\"version\": 2", "\"version\": 9", 1)).unwrap();
     let told = open(&design, Shard::WHOLE);
-    assert!(told.contains("version 9, this one reads 2"), "{told}");
+    assert!(told.contains("version 9, expected 2"), "{told}");
     fs::write(&head, "no json").unwrap();
-    assert!(open(&design, Shard::WHOLE).contains("this is no experiment"));
+    assert!(open(&design, Shard::WHOLE).contains("this is not an experiment"));
     fs::remove_file(&head).unwrap();
     assert!(open(&design, Shard::WHOLE).contains("no experiment.json"));
-    // Anew, all is well.
-    drop(Experiment::fresh(folder.path(), &design, Shard::WHOLE).expect("anew"));
+    // A new experiment works.
+    drop(Experiment::fresh(folder.path(), &design, Shard::WHOLE).expect("a folder"));
     drop(Experiment::open(folder.path(), &design, Shard::WHOLE).expect("again"));
 }
 
 #[test]
-fn bad_lines_and_other_code_are_told() {
+fn bad_lines_and_other_code_are_reported() {
     let folder = TempDir::new().unwrap();
     let design = Design { noise_seeds: 1, ..tiny() };
     drop(run(folder.path(), &design, Shard::WHOLE, 2));
@@ -263,7 +263,7 @@ fn bad_lines_and_other_code_are_told() {
         Experiment::open(folder.path(), &design, Shard::WHOLE).expect_err("bad").to_string()
     };
     let first = text.lines().next().unwrap();
-    assert!(open(&format!("{text}{first}\n")).contains("there twice"));
+    assert!(open(&format!("{text}{first}\n")).contains("occurs twice"));
     assert!(open(&format!("{text}{{}}\n")).contains("line 7: missing field"));
     let other = first.replacen("\"map\":0", "\"map\":77", 1);
     assert!(open(&format!("{other}\n")).contains("a trial of another design"));
@@ -286,7 +286,7 @@ fn a_folder_is_one_process_at_a_time() {
 }
 
 #[test]
-fn folders_that_cannot_be_written_are_told() {
+fn folders_that_cannot_be_written_are_reported() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("file");
     fs::write(&file, "").unwrap();
@@ -307,11 +307,11 @@ fn a_device_in_a_files_place_is_not_read() {
     fs::remove_file(&lines).unwrap();
     std::os::unix::fs::symlink("/dev/zero", &lines).unwrap();
     let told = Experiment::open(folder.path(), &tiny(), Shard::WHOLE).expect_err("a device");
-    assert!(told.to_string().contains("this is no file"), "{told}");
+    assert!(told.to_string().contains("this is not a file"), "{told}");
 }
 
 #[test]
-fn operators_averaged_and_alone_are_told_apart() {
+fn operators_averaged_and_alone_differ() {
     let design = small();
     let records = made_records(&design, |level, map| level as f64 + 0.1 * f64::from(map));
     let records: Vec<&Record> = records.iter().collect();
@@ -328,7 +328,7 @@ fn operators_averaged_and_alone_are_told_apart() {
     assert!(shares.level > 0.99 && shares.noise.is_some_and(|noise| noise < 1e-9));
     assert_eq!(found.main.relative[0].ranks, [1.0, 2.0, 3.0]);
     assert_eq!(found.weights.len(), 20);
-    // One map a level: no spread within levels, and no interval but the whole scale.
+    // One map per level: no spread within levels, and no interval but the whole scale.
     let alone = found.replay.orders[0].means[0].mean;
     assert_eq!((alone.low, alone.high), (0.0, 10.0));
     assert_eq!(found.replay.orders[0].shares, None);

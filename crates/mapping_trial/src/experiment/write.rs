@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all, with the errors of experiments.
+//! Files that are written whole or not at all, with the errors of experiments.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use envgen::whole_file;
 
 use super::store::ExperimentError;
 
-/// Makes a folder, and says whether files can be written into it.
+/// Creates a folder, and checks that files can be written into it.
 pub(super) fn folder(path: &Path) -> Result<(), ExperimentError> {
     whole_file::create_folder(path)
         .map_err(|source| ExperimentError::File { path: path.to_owned(), source })

@@ -18,8 +18,8 @@ pub enum FeedbackError {
     /// The terminal cannot be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// There are no more answers.
-    #[error("the form ends at the question: {question}")]
+    /// The input ends before the form does.
+    #[error("the input ends at the question: {question}")]
     End {
         /// The question without an answer.
         question: String,
@@ -29,12 +29,12 @@ pub enum FeedbackError {
     Long,
 }
 
-/// Asks the questions of the form in its order, one line an answer. What is known of the session
-/// stands in brackets, and an empty answer keeps it; an answer that is not allowed is asked for
+/// Asks the questions of the form in its order, one line per answer. What is known of the session
+/// is shown in brackets, and an empty answer keeps it; an answer that is not allowed is asked for
 /// again.
 ///
 /// # Errors
-/// When the input ends, an answer is too long, or reading or writing fails.
+/// If the input ends, an answer is too long, or reading or writing fails.
 pub fn ask(
     session: &Session,
     input: &mut dyn BufRead,

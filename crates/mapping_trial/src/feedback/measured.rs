@@ -1,4 +1,4 @@
-//! The form as a program fills it: with what was measured, and nothing else.
+//! The form as filled from measurements, for a trial that a policy drove.
 
 use envgen::World;
 use envgen::geometry::Pose;
@@ -8,39 +8,39 @@ use super::{Experience, Feedback, NoRating, Rating, Session};
 use crate::backend::TICK;
 use crate::score::{Scores, TrajectoryPair, Weights};
 
-/// Ticks from one look at the tracks to the next: 0.2 s.
+/// Ticks from one sample of the trajectories to the next: 0.2 s.
 const STRIDE: usize = 4;
 
-/// How many rooms an answer names.
+/// Greatest number of rooms that an answer names.
 const NAMED: usize = 3;
 
-/// Seconds in a room from which on it counts as known.
+/// Least time in seconds in a room for the room to be reported.
 const KNOWN: f64 = 5.0;
 
 /// Distance in metres up to which a doorway is near.
 const NEAR: f64 = 1.0;
 
-/// Path in metres before and after a place between which a robot has turned back when it has come
+/// Path length in metres before and after a point between which a robot has turned back if it came
 /// within [`BACK`] of where it was.
-const WAY: f64 = 2.0;
+const STRETCH: f64 = 2.0;
 
-/// See [`WAY`].
+/// See [`STRETCH`].
 const BACK: f64 = 0.5;
 
-/// What a program knows of a run when it fills the form.
+/// What is known of a run when the form is filled.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured<'a> {
-    /// Name of the operator.
+    /// Name of the policy or driver.
     pub operator: &'a str,
-    /// The world, for the places of its rooms and doorways.
+    /// The world, for its rooms and doorways.
     pub world: &'a World,
     /// The scores of the run.
     pub scores: &'a Scores,
-    /// One track a robot, a pose a tick.
+    /// One pair of trajectories per robot, one pose per tick.
     pub tracks: &'a [TrajectoryPair<'a>],
 }
 
-/// Time spent somewhere, and by how much the position's error rose there.
+/// Time spent in a place, and the growth of the position error there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Stay {
     seconds: f64,
@@ -62,7 +62,7 @@ impl Measured<'_> {
     /// Fills the form. The ratings are the scores D, M and N; every answer states what was measured.
     ///
     /// # Errors
-    /// When a score is no rating from 0 to 10.
+    /// If a score is not a rating from 0 to 10.
     pub fn fill(&self, session: &Session) -> Result<Feedback, NoRating> {
         let looks = self.looks();
         let (difficult_rooms, easy_rooms) = self.rooms(&looks);
@@ -79,8 +79,8 @@ impl Measured<'_> {
             easy_rooms,
             patterns: self.patterns(&looks),
             other: format!(
-                "{} hits, {} recoveries, {} robots stuck for good; {:.0} % of the ground was mapped, \
-                 {:.0} % of the walls are mapped twice.",
+                "{} collisions, {} recoveries, {} robots stuck for good; {:.0} % of the ground was \
+                 mapped, {:.0} % of the walls are mapped twice.",
                 s.hits,
                 s.recoveries,
                 s.stuck,
@@ -90,7 +90,7 @@ impl Measured<'_> {
         })
     }
 
-    /// How much each part adds to M and to N, the most first.
+    /// How much each part adds to M and to N, the largest first.
     fn contributed(&self) -> String {
         let (s, w) = (self.scores, Weights::default());
         let list = |mut parts: Vec<(&str, f64)>| {
@@ -101,14 +101,14 @@ impl Measured<'_> {
         };
         let mapping = list(vec![
             ("walls out of place", w.wall * s.e_wall),
-            ("ways that the map does not allow", w.navigability * s.e_use),
+            ("paths planned on the map that fail", w.navigability * s.e_use),
             ("error of the trajectory", w.pose * s.e_pose),
             ("ground not mapped", w.coverage * s.e_cov),
         ]);
         let navigation = list(vec![
             ("time", w.time * s.e_time),
             ("ground not reached", w.reach * s.e_cov),
-            ("hits", w.hits * s.e_hit),
+            ("collisions", w.hits * s.e_hit),
             ("turning", w.turning * s.e_turn),
         ]);
         format!(
@@ -117,7 +117,7 @@ impl Measured<'_> {
         )
     }
 
-    /// Where each robot was, look by look, with the growth of its error until the next look.
+    /// Each robot's sampled poses, with the growth of its error until the next sample.
     fn looks(&self) -> Vec<Vec<(Pose, f64)>> {
         let looks = |track: &TrajectoryPair<'_>| {
             let error = |i: usize| {
@@ -192,7 +192,7 @@ impl Measured<'_> {
         }
         format!(
             "Outside rooms, away from doorways: {}. Within {NEAR} m of a doorway, {passes} times: {}. \
-             Turned back on its way, {turns} times: {} within {WAY} m.",
+             Turned back {turns} times: {} within {STRETCH} m.",
             hallways.text(),
             doorways.text(),
             dead_ends.text()
@@ -200,25 +200,25 @@ impl Measured<'_> {
     }
 }
 
-/// How often a robot turned back, and what it cost from [`WAY`] before to [`WAY`] after.
+/// How often a robot turned back, and time and error from [`STRETCH`] before to [`STRETCH`] after.
 fn turn_backs(track: &[(Pose, f64)]) -> (u32, Stay) {
     let mut gone = Vec::with_capacity(track.len());
-    let mut way = 0.0;
+    let mut distance = 0.0;
     for (i, (pose, _)) in track.iter().enumerate() {
-        way += if i > 0 { track[i - 1].0.position.distance(pose.position) } else { 0.0 };
-        gone.push(way);
+        distance += if i > 0 { track[i - 1].0.position.distance(pose.position) } else { 0.0 };
+        gone.push(distance);
     }
     let (mut count, mut stay, mut after) = (0, Stay::default(), 0.0);
     for &middle in &gone {
         if middle < after {
             continue;
         }
-        let from = gone.partition_point(|&way| way < middle - WAY);
-        let to = gone.partition_point(|&way| way < middle + WAY);
-        let whole = middle >= WAY && to < track.len();
+        let from = gone.partition_point(|&distance| distance < middle - STRETCH);
+        let to = gone.partition_point(|&distance| distance < middle + STRETCH);
+        let whole = middle >= STRETCH && to < track.len();
         if whole && track[from].0.position.distance(track[to].0.position) <= BACK {
             count += 1;
-            after = middle + WAY;
+            after = middle + STRETCH;
             for (_, growth) in &track[from..to] {
                 stay.add(STRIDE as f64 * TICK, *growth);
             }

@@ -1,5 +1,5 @@
 //! The form that an operator fills after a run: appendix B of Zwennes (2011), and two questions
-//! that part what its one rating mixed.
+//! that separate what its one rating mixed.
 
 mod ask;
 mod measured;
@@ -14,14 +14,14 @@ use thiserror::Error;
 pub use ask::{FeedbackError, MAX_LINE, ask};
 pub use measured::Measured;
 
-/// The form, filled.
+/// The filled form.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Feedback {
-    /// Name of the operator.
+    /// Name of the operator: a person, a policy or a driver.
     pub name: String,
     /// Experience level as operator.
     pub experience: Experience,
-    /// What the run was about, which the form asks for as well.
+    /// The environment and the setup, which the form asks for as well.
     #[serde(flatten)]
     pub session: Session,
     /// Overall difficulty of the environment: 0 when nothing in it forces a mapping error on the
@@ -94,7 +94,7 @@ macro_rules! choices {
         impl FromStr for $name {
             type Err = NoChoice;
 
-            /// By name, upper and lower case alike, or by number from 1 on.
+            /// By name in upper or lower case, or by number from 1.
             fn from_str(text: &str) -> Result<Self, NoChoice> {
                 let text = text.trim();
                 let number = text.parse::<usize>().ok().and_then(|n| n.checked_sub(1));
@@ -131,18 +131,18 @@ choices! {
         /// Always.
         #[default]
         Direct = "Direct",
-        /// By a model of how waves spread.
+        /// By a model of radio propagation.
         PropagationModel = "PropagationModel",
-        /// As far as a distance allows.
+        /// Up to a distance.
         DistanceOnly = "DistanceOnly",
-        /// By a model of how waves spread that knows of obstacles.
+        /// By a model of radio propagation that includes obstacles.
         ObstaclePropagationModel = "ObstaclePropagationModel",
     }
 }
 
 /// A word that is not one of the form's choices.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("`{value}` is none of: {allowed}")]
+#[error("`{value}` is unknown, expected one of: {allowed}")]
 pub struct NoChoice {
     /// The word.
     pub value: String,
@@ -155,9 +155,9 @@ pub struct NoChoice {
 #[serde(try_from = "f64", into = "f64")]
 pub struct Rating(f64);
 
-/// A number that is no rating.
+/// A number that is not a rating.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error("`{0}` is no rating, expected a number from 0 to 10")]
+#[error("a rating must be a number from 0 to 10, got `{0}`")]
 pub struct NoRating(String);
 
 impl Rating {

@@ -1,26 +1,26 @@
-//! Goes to the nearest frontier, but back to an old place when it is not sure where it is.
+//! Goes to the nearest frontier, but back to an old position if the pose is uncertain.
 
 use glam::DVec2;
 
 use super::navigator::{Aim, Navigator, pose_of};
 use super::{Decision, ExplorationPolicy, PolicyInput};
 
-/// Standard deviation of the position in metres from which on the robot goes back.
+/// Standard deviation of the position in metres from which the robot goes back.
 const UNSURE: f64 = 0.30;
 
-/// The share of it below which the robot is sure again.
+/// The share of it below which the pose is certain again.
 const SURE: f64 = 0.5;
 
-/// What a robot that went back in vain multiplies the deviation with that it bears.
+/// Factor by which the tolerated deviation rises after going back did not help.
 const PATIENCE: f64 = 1.5;
 
-/// Metres between the places that are remembered.
+/// Metres between the positions that are remembered.
 const APART: f64 = 1.0;
 
-/// Places that are remembered at most; then every second one is forgotten.
+/// Greatest number of remembered positions; then every second one is forgotten.
 const PLACES: usize = 4096;
 
-/// Goes to the nearest frontier, and back to an old place when its pose is uncertain.
+/// Goes to the nearest frontier, and back to an old position if the pose is uncertain.
 #[derive(Debug)]
 pub(super) struct Cautious {
     navigator: Navigator,
@@ -29,9 +29,9 @@ pub(super) struct Cautious {
 
 #[derive(Clone, Debug)]
 struct Memory {
-    /// Where the robot was, and how sure it was there.
+    /// Where the robot was, and the standard deviation of its position there.
     places: Vec<(DVec2, f64)>,
-    /// The place that it is going back to.
+    /// The position that it is going back to.
     back_to: Option<DVec2>,
     bears: f64,
 }
@@ -62,7 +62,7 @@ impl ExplorationPolicy for Cautious {
                 if let Some(decision) = navigator.pursue(view, &mut Aim::Visit(place)) {
                     return decision;
                 }
-                // There, or no way there: it has to bear what it could not mend.
+                // It has arrived or found no path: it has to tolerate what it could not improve.
                 if deviation >= SURE * memory.bears {
                     memory.bears = PATIENCE * memory.bears.max(deviation);
                 }
@@ -97,7 +97,7 @@ impl Memory {
         }
     }
 
-    /// The last place at which the robot was at most half as unsure, or else its first.
+    /// The last position at which the deviation was at most half of this, or else the first one.
     fn surest(&self, deviation: f64) -> Option<DVec2> {
         let sure = self.places.iter().rev().find(|(_, then)| *then <= SURE * deviation);
         sure.or(self.places.first()).map(|(place, _)| *place)

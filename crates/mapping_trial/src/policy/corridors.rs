@@ -12,13 +12,13 @@ use super::{Decision, ExplorationPolicy, PolicyInput};
 use crate::backend::{Command, TICK};
 use crate::map::Estimate;
 
-/// Seconds from seeing to doing.
+/// Seconds from seeing to acting.
 const DELAY: f64 = 0.25;
 
-/// Cruising speed, as a share of that of a program that reacts at once: 0.4 m/s for the Pioneer 3-AT.
+/// Cruising speed, as a share of that of a policy without delay: 0.4 m/s for the Pioneer 3-AT.
 const CAUTION: f64 = 0.8;
 
-/// Seconds after which a robot in a room thinks of the hallways again.
+/// Seconds after which a robot in a room looks for goals in hallways again.
 const LOOK_AGAIN: f64 = 10.0;
 
 /// Hallways first, rooms later.
@@ -28,9 +28,9 @@ const LOOK_AGAIN: f64 = 10.0;
 #[derive(Debug)]
 pub(super) struct Corridors {
     navigator: Navigator,
-    /// A place in a hallway, and when to look for frontiers from there again.
+    /// A position in a hallway, and when to look for frontiers from there again.
     homes: Vec<Option<(DVec2, f64)>>,
-    /// Commands that are decided and not yet carried out, robot by robot.
+    /// Commands that are decided and not yet carried out, per robot.
     pending: Vec<VecDeque<(f64, Command)>>,
     carried_out: Vec<Command>,
     estimates: Vec<Estimate>,
@@ -48,8 +48,8 @@ impl Corridors {
         }
     }
 
-    /// Where the robot will be when what is decided now is done: operators know what they have
-    /// just asked for.
+    /// Where the robot will be when the pending commands are carried out: operators know what they
+    /// have just asked for.
     fn foresee(&mut self, view: &PolicyInput<'_>) {
         self.estimates.clear();
         self.estimates.extend_from_slice(view.estimates);
@@ -98,7 +98,7 @@ impl ExplorationPolicy for Corridors {
     }
 }
 
-/// The nearest goal in a hallway, or else the nearest one. `home` is a place in a hallway, and
+/// The nearest goal in a hallway, or else the nearest one. `home` is a position in a hallway, and
 /// follows the robot while it is in one; `next_look` is when to look from there again.
 fn choose(
     planning: &mut Planning<'_>,

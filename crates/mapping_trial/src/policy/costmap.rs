@@ -1,4 +1,4 @@
-//! What an operator derives from the map: where the robot's middle may be, what it costs to be
+//! What a policy derives from the map: where the robot's centre may be, what it costs to be
 //! there, and where the known world ends. Only tiles that changed are derived again.
 
 mod class;
@@ -25,13 +25,13 @@ pub const SIDE: f64 = 2.0 * RESOLUTION;
 /// Planning cells in a tile.
 pub(super) const NODES: usize = (CELLS * CELLS) as usize;
 
-/// Farthest in metres that [`Costmap::stands_within`] looks: bounds its work.
+/// Farthest in metres that the search of [`Costmap::is_occupied_within`] looks: bounds its work.
 const FARTHEST_LOOK: f64 = 20.0;
 
-/// No way at all, beside the eight of [`STEPS`].
+/// No step at all, beside the eight of [`STEPS`].
 const HERE: usize = STEPS.len();
 
-/// The eight ways from a cell to its neighbours, counter-clockwise from +x; the odd ones are
+/// The eight steps from a cell to its neighbours, counter-clockwise from +x; the odd ones are
 /// diagonal.
 pub(super) const STEPS: [IVec2; 8] = [
     IVec2::new(1, 0),
@@ -44,14 +44,14 @@ pub(super) const STEPS: [IVec2; 8] = [
     IVec2::new(1, -1),
 ];
 
-/// Classes of planning cells and frontier cells, tile by tile as the map has them.
+/// Costs of planning cells, and frontier cells, tile by tile as in the map.
 #[derive(Clone, Debug)]
 pub struct Costmap {
     inflation: Inflation,
     revision: u64,
     table: Table,
     tiles: Vec<Tile>,
-    /// CellCost in the low three bits and the best of the four cells in the high four, node by node.
+    /// [`CellCost`] in the low three bits and the best of the four cells in the high four, per node.
     classes: Vec<u8>,
     /// Tiles whose frontier is to be derived again.
     stale: Vec<u32>,
@@ -60,16 +60,16 @@ pub struct Costmap {
 #[derive(Clone, Debug)]
 struct Tile {
     at: IVec2,
-    /// Slots of the tiles around, in the order of [`STEPS`].
+    /// Slots of the neighbouring tiles, in the order of [`STEPS`].
     around: [u32; 8],
     /// A bit for each occupied cell, column 0 lowest, row by row from below.
     occupied: Bits,
     free: Bits,
-    /// What was seen to be water, which no map of walls shows.
+    /// Cells where water was seen, which no map of walls shows.
     water: Bits,
     frontier: Bits,
     /// Whether any cell is occupied.
-    stands: bool,
+    has_occupied: bool,
     stale_classes: bool,
     stale_frontier: bool,
 }
@@ -77,10 +77,10 @@ struct Tile {
 pub(super) type Bits = [u32; TILE as usize];
 
 impl Costmap {
-    /// A costmap of which nothing is known, for robots of this size.
+    /// An unknown costmap for robots of this size.
     ///
     /// # Panics
-    /// When [`Robot::validate`] refuses the robot.
+    /// If [`Robot::validate`] refuses the robot.
     #[track_caller]
     pub fn new(robot: &Robot) -> Self {
         if let Err(error) = robot.validate() {
@@ -96,18 +96,18 @@ impl Costmap {
         }
     }
 
-    /// A distance in metres that fits the Pioneer 3-AT, and grows with the robot's radius.
+    /// A distance in metres that fits the Pioneer 3-AT, enlarged by the robot's excess radius.
     pub(super) fn grown(&self, pioneer: f64) -> f64 {
         self.inflation.grown(pioneer)
     }
 
-    /// Takes over what has changed in the map; the same map each time.
+    /// Takes over the changes of the map, which must be the same map each time.
     pub fn refresh(&mut self, map: &OccupancyMap) {
         if map.revision() == self.revision {
             return;
         }
         let since = std::mem::replace(&mut self.revision, map.revision());
-        // A map that is drawn anew drops its tiles without a word.
+        // A map that is drawn again drops its tiles without a notice.
         for slot in 0..self.tiles.len() {
             let at = self.tiles[slot].at;
             if map.tile(at.x, at.y).is_none() {
@@ -126,12 +126,12 @@ impl Costmap {
         }
     }
 
-    /// What the planning cell that holds a point is for the robot's middle.
+    /// The cost of the planning cell that contains a point, for the robot's centre.
     pub fn class_at(&mut self, p: DVec2) -> CellCost {
         self.node_at(p).map_or(CellCost::Unknown, |node| self.class(node))
     }
 
-    /// What a cell of the map is taken for, as of the last refresh.
+    /// The state of a cell of the map, as of the last refresh.
     pub fn cell(&self, index: CellIndex) -> Cell {
         let side = IVec2::splat(TILE);
         let index = IVec2::new(index.col, index.row);
@@ -147,13 +147,13 @@ impl Costmap {
         }
     }
 
-    /// Keeps robots away from water that was seen at a point in metres, as from what stands there;
+    /// Keeps robots away from water that was seen at a point in metres, as from obstacles;
     /// it is remembered for good.
     pub fn mark_water(&mut self, p: DVec2) {
         let side = IVec2::splat(TILE);
         let index = CellIndex::of(p);
         let index = IVec2::new(index.col, index.row);
-        // Water beyond the map is seen again where the map has come so far.
+        // Water beyond the map is seen again when the map reaches it.
         let Some(slot) = self.table.get(index.div_euclid(side)) else { return };
         let cell = index.rem_euclid(side);
         let tile = &mut self.tiles[slot as usize];
@@ -190,9 +190,9 @@ impl Costmap {
             .is_some_and(|slot| self.frontier(slot as usize)[cell.y as usize] >> cell.x & 1 == 1)
     }
 
-    /// Whether anything is known to stand within a distance in metres of a point, to about a metre:
-    /// a tile with something in it counts as standing where its middle is.
-    pub fn stands_within(&self, p: DVec2, distance: f64) -> bool {
+    /// Whether an occupied cell is known within a distance in metres of a point, to about a metre:
+    /// a tile with an occupied cell counts as occupied at its centre.
+    pub fn is_occupied_within(&self, p: DVec2, distance: f64) -> bool {
         let tile = f64::from(TILE) * RESOLUTION;
         let reach = DVec2::splat(distance.clamp(0.0, FARTHEST_LOOK));
         let (low, high) = ((p - reach) / tile, (p + reach) / tile);
@@ -202,7 +202,7 @@ impl Costmap {
                 let at = IVec2::new(col, row);
                 let middle = (at.as_dvec2() + 0.5) * tile;
                 middle.distance(p) <= distance
-                    && self.table.get(at).is_some_and(|slot| self.tiles[slot as usize].stands)
+                    && self.table.get(at).is_some_and(|slot| self.tiles[slot as usize].has_occupied)
             })
         })
     }
@@ -213,15 +213,15 @@ impl Costmap {
         self.tiles.iter().map(|tile| ones(tile) as usize).sum()
     }
 
-    /// Derives everything that is still to be derived: for benchmarks and tests, since whoever asks
-    /// for a class has its tile derived then.
+    /// Derives everything that is still to be derived: for benchmarks and tests, since a cell's tile
+    /// is otherwise derived when the cell's cost is asked for.
     pub fn derive_all(&mut self) {
         for slot in 0..self.tiles.len() {
             self.derive_classes(slot);
         }
     }
 
-    /// The planning cell that holds a point; `None` where the map has no tile.
+    /// The planning cell that contains a point; `None` where the map has no tile.
     pub fn node_at(&self, p: DVec2) -> Option<Node> {
         let cell = cell_of(p);
         let side = IVec2::splat(CELLS);
@@ -231,14 +231,14 @@ impl Costmap {
 
     /// The neighbour of a node in one of [`STEPS`].
     #[inline]
-    pub(super) fn step(&self, node: Node, way: usize) -> Option<Node> {
-        let cell = node.cell() + STEPS[way];
+    pub(super) fn step(&self, node: Node, direction: usize) -> Option<Node> {
+        let cell = node.cell() + STEPS[direction];
         let inside = |v: i32| (0..CELLS).contains(&v);
         if inside(cell.x) && inside(cell.y) {
             return Some(Node::at(node.slot(), cell));
         }
         let over = IVec2::new(cell.x.div_euclid(CELLS), cell.y.div_euclid(CELLS));
-        let slot = self.tiles[node.slot()].around[direction(over)];
+        let slot = self.tiles[node.slot()].around[step_index(over)];
         (slot != NONE).then(|| Node::at(slot as usize, cell.rem_euclid(IVec2::splat(CELLS))))
     }
 
@@ -248,19 +248,19 @@ impl Costmap {
         self.tiles[node.slot()].at * CELLS + node.cell()
     }
 
-    /// A node's class, derived now if it must be.
+    /// A node's cost, derived now if needed.
     pub(super) fn class(&mut self, node: Node) -> CellCost {
         self.derive_classes(node.slot());
         self.derived_class(node)
     }
 
-    /// A node's class in a tile that is derived.
+    /// A node's cost in a tile that is derived.
     #[inline]
     pub(super) fn derived_class(&self, node: Node) -> CellCost {
         CellCost::of(self.classes[node.0 as usize])
     }
 
-    /// The point of a node to drive through: the middle of the best of its four cells.
+    /// The point of a node to drive through: the centre of the best of its four cells.
     pub(super) fn point(&self, node: Node) -> DVec2 {
         let low = self.place(node).as_dvec2() * SIDE;
         let best = self.classes[node.0 as usize] >> 4;
@@ -286,8 +286,8 @@ impl Costmap {
     }
 
     /// The slot of a tile's neighbour in one of [`STEPS`].
-    pub(super) fn beside(&self, slot: usize, way: usize) -> Option<usize> {
-        let slot = self.tiles[slot].around[way];
+    pub(super) fn beside(&self, slot: usize, direction: usize) -> Option<usize> {
+        let slot = self.tiles[slot].around[direction];
         (slot != NONE).then_some(slot as usize)
     }
 
@@ -303,9 +303,9 @@ impl Costmap {
         let slot = self.tiles.len() as u32;
         self.table.set(at, slot);
         let around = STEPS.map(|step| self.table.get(at + step).unwrap_or(NONE));
-        for (way, &other) in around.iter().enumerate() {
+        for (direction, &other) in around.iter().enumerate() {
             if other != NONE {
-                self.tiles[other as usize].around[(way + 4) % 8] = slot;
+                self.tiles[other as usize].around[(direction + 4) % 8] = slot;
             }
         }
         let empty = [0; TILE as usize];
@@ -316,7 +316,7 @@ impl Costmap {
             free: empty,
             water: empty,
             frontier: empty,
-            stands: false,
+            has_occupied: false,
             stale_classes: true,
             stale_frontier: false,
         });
@@ -341,26 +341,26 @@ impl Costmap {
             return;
         }
         (tile.occupied, tile.free) = (occupied, free);
-        tile.stands = occupied.iter().any(|&row| row != 0);
+        tile.has_occupied = occupied.iter().any(|&row| row != 0);
         tile.stale_classes = true;
         let around = tile.around;
         self.mark_frontier(slot as u32);
-        // What changed counts in the tiles around that are within a margin of it.
+        // A change matters to the tiles around that are within a margin of it.
         let reaches = |changed: u32, step: i32, margin: i32| match step {
             1 => changed >> (TILE - margin) != 0,
             -1 => changed << (TILE - margin) != 0,
             _ => changed != 0,
         };
-        for (way, step) in STEPS.into_iter().enumerate() {
-            if around[way] == NONE {
+        for (direction, step) in STEPS.into_iter().enumerate() {
+            if around[direction] == NONE {
                 continue;
             }
             if reaches(known_cols, step.x, 3) && reaches(known_rows, step.y, 3) {
-                self.mark_frontier(around[way]);
+                self.mark_frontier(around[direction]);
             }
             let margin = self.inflation.margin.min(TILE);
             if reaches(cols, step.x, margin) && reaches(rows, step.y, margin) {
-                self.tiles[around[way] as usize].stale_classes = true;
+                self.tiles[around[direction] as usize].stale_classes = true;
             }
         }
         if rows != 0 {
@@ -368,8 +368,8 @@ impl Costmap {
         }
     }
 
-    /// Marks the tiles beyond the neighbours of one that has changed, where the robot is so large
-    /// that their classes depend on it.
+    /// Marks the tiles beyond the neighbours of a changed tile, if the robot is so large
+    /// that their costs depend on it.
     fn mark_far_classes(&mut self, slot: usize) {
         if self.inflation.margin <= TILE {
             return;
@@ -392,8 +392,8 @@ impl Costmap {
         }
     }
 
-    /// Finds the free cells beside what is unknown. Where less than 3 x 3 cells are unknown together
-    /// nothing is to be discovered: walls that are seen at a small angle have such gaps.
+    /// Finds the free cells beside unknown ones. Where less than 3 x 3 cells are unknown together
+    /// there is nothing to discover: walls that are seen at a small angle have such gaps.
     fn derive_frontier(&mut self, slot: usize) {
         const ROWS: usize = TILE as usize + 6;
         let wide = |bits: u64| (bits & bits << 1 & bits >> 1, bits | bits << 1 | bits >> 1);
@@ -421,7 +421,7 @@ impl Costmap {
         tile.stale_frontier = false;
     }
 
-    /// Derives a tile's classes if something has changed.
+    /// Derives a tile's costs if something has changed.
     #[inline]
     pub(super) fn derive_classes(&mut self, slot: usize) {
         if self.tiles[slot].stale_classes {
@@ -429,7 +429,7 @@ impl Costmap {
         }
     }
 
-    /// Spreads what is occupied, or water, in and around a tile by discs of all levels at once, a row
+    /// Inflates occupied cells and water in and around a tile by discs of all levels at once, a row
     /// of cells (the tile's and those on either side) in one number.
     fn spread<R: Row>(&self, slot: usize) -> [[u32; TILE as usize]; LEVELS] {
         let Inflation { margin, half_widths, .. } = &self.inflation;
@@ -460,7 +460,7 @@ impl Costmap {
         near
     }
 
-    /// Derives a tile's classes.
+    /// Derives a tile's costs.
     fn inflate(&mut self, slot: usize) {
         let near = if self.inflation.margin <= u64::SIDE {
             self.spread::<u64>(slot)
@@ -514,7 +514,7 @@ impl Costmap {
         of: impl Fn(&Tile, usize) -> u32,
     ) -> u64 {
         let tile = &self.tiles[slot];
-        let ways = if row < 0 {
+        let directions = if row < 0 {
             [5, 6, 7]
         } else if row >= TILE {
             [3, 2, 1]
@@ -522,7 +522,7 @@ impl Costmap {
             [4, HERE, 0]
         };
         let row = row.rem_euclid(TILE) as usize;
-        let [left, middle, right] = ways.map(|way| match tile.around.get(way) {
+        let [left, middle, right] = directions.map(|direction| match tile.around.get(direction) {
             None => of(tile, row),
             Some(&slot) => self.tiles.get(slot as usize).map_or(missing, |tile| of(tile, row)),
         });
@@ -530,14 +530,14 @@ impl Costmap {
     }
 }
 
-/// Column and row of the planning cell that holds a point.
+/// Column and row of the planning cell that contains a point.
 pub(super) fn cell_of(p: DVec2) -> IVec2 {
     let index = CellIndex::of(p);
     IVec2::new(index.col.div_euclid(2), index.row.div_euclid(2))
 }
 
-/// The place in [`STEPS`] of one of them.
-fn direction(step: IVec2) -> usize {
+/// The index of a step in [`STEPS`].
+fn step_index(step: IVec2) -> usize {
     const PLACES: [[usize; 3]; 3] = [[5, 6, 7], [4, 0, 0], [3, 2, 1]];
     PLACES[(step.y + 1) as usize][(step.x + 1) as usize]
 }

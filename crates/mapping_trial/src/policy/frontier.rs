@@ -11,18 +11,18 @@ use crate::map::{Cell, CellIndex, RESOLUTION, TILE};
 /// Frontier cells that make a cluster worth a visit: 0.5 m.
 pub const LEAST_CELLS: usize = 10;
 
-/// How near in metres the middle of a robot of the Pioneer's size has to come to a frontier that it
-/// cannot stand on; larger ones have to stay farther away.
+/// Distance in metres to which the centre of a robot of the Pioneer's size has to approach a frontier
+/// that it cannot drive onto; larger ones have to stay farther away.
 const VIEWPOINT: f64 = 0.6;
 
 /// Cells of the map along a side of a block. The last rays of a scan lie some cells apart, and so do
-/// the cells where they end: blocks that touch hang together.
+/// the cells where they end: blocks that touch are connected.
 const BLOCK: i32 = 4;
 
 /// Blocks along a side of a tile.
 const BLOCKS: i32 = TILE / BLOCK;
 
-/// Frontier cells that hang together, with at most 0.2 m from one to the next in either direction.
+/// Connected frontier cells, with at most 0.2 m from one to the next in either direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cluster {
     cells: Range<usize>,
@@ -37,7 +37,7 @@ pub struct Frontiers {
     /// Blocks that are still to be taken into a cluster, tile by tile.
     pending: Vec<u64>,
     open: Vec<(usize, IVec2)>,
-    /// Number of the cluster plus one that a planning cell is a goal of, 0 for none.
+    /// The number of the cluster whose goal a planning cell is, plus one; 0 for none.
     labels: Vec<u32>,
     labelled: Vec<Node>,
 }
@@ -48,9 +48,9 @@ impl Frontiers {
         Frontiers::default()
     }
 
-    /// Gathers the frontier cells of a costmap into clusters, and finds the goals: of each cluster
-    /// its own cells that the robot fits into or, when it fits into none, cells nearby that see one.
-    /// Frontier cells that `skip` names are no goals.
+    /// Gathers the frontier cells of a costmap into clusters, and finds the goals of each cluster:
+    /// its own cells that the robot fits into or, if it fits into none, cells nearby that see one.
+    /// Frontier cells for which `skip` is true are no goals.
     pub fn gather(&mut self, costmap: &mut Costmap, skip: impl Fn(&Costmap, DVec2) -> bool) {
         self.cluster(costmap);
         for node in self.labelled.drain(..) {
@@ -89,7 +89,7 @@ impl Frontiers {
         self.clusters.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no clusters.
     pub fn is_empty(&self) -> bool {
         self.clusters.is_empty()
     }
@@ -161,7 +161,7 @@ impl Frontiers {
         }
     }
 
-    /// Takes a block and all that hang together with it into a new cluster.
+    /// Takes a block and all connected blocks into a new cluster.
     fn flood(&mut self, costmap: &Costmap, slot: usize, block: IVec2) {
         let first = self.cells.len();
         self.pending[slot] &= !(1 << (block.y * BLOCKS + block.x));
@@ -180,7 +180,7 @@ impl Frontiers {
                 let over = next.div_euclid(IVec2::splat(BLOCKS));
                 let slot = match STEPS.iter().position(|&step| step == over) {
                     None => slot,
-                    Some(way) => match costmap.beside(slot, way) {
+                    Some(direction) => match costmap.beside(slot, direction) {
                         Some(slot) => slot,
                         None => continue,
                     },
@@ -213,12 +213,12 @@ fn blocks(frontier: &Bits) -> u64 {
     blocks
 }
 
-/// Whether nothing occupied is known between two points.
+/// Whether no occupied cell is known between two points.
 pub(super) fn sees(costmap: &Costmap, from: DVec2, to: DVec2) -> bool {
-    let way = to - from;
-    let steps = (way.length() / (0.8 * RESOLUTION)).ceil().clamp(1.0, 1e4);
+    let offset = to - from;
+    let steps = (offset.length() / (0.8 * RESOLUTION)).ceil().clamp(1.0, 1e4);
     (0..steps as usize).all(|step| {
-        let p = from + way * (step as f64 / steps);
+        let p = from + offset * (step as f64 / steps);
         costmap.cell(CellIndex::of(p)) != Cell::Occupied
     })
 }
@@ -238,7 +238,7 @@ pub(super) fn is_left(costmap: &Costmap, p: DVec2, within: f64) -> bool {
     })
 }
 
-/// The way from a point to the middle of what is unknown around another; `None` when all is known.
+/// The vector from a point to the centre of the unknown cells around another; `None` if all are known.
 pub(super) fn unknown_from(costmap: &Costmap, p: DVec2, around: DVec2) -> Option<DVec2> {
     const REACH: i32 = 10;
     let middle = CellIndex::of(around);

@@ -1,4 +1,4 @@
-//! What the current scan and the camera say about where the robot can go, without any map.
+//! Where the robot can go according to the current scan and the camera, without any map.
 
 use envgen::geometry::{Pose, unit_vector};
 use glam::DVec2;
@@ -6,11 +6,11 @@ use glam::DVec2;
 use crate::lidar::{LaserProfile, Scan};
 use crate::robot::Robot;
 
-/// Echoes farther than this many metres from the laser matter to no motion of the next seconds of a
-/// robot that is not fast.
+/// Echoes farther than this many metres from the laser do not matter in the next seconds to a robot
+/// that is not fast.
 const HORIZON: f64 = 3.0;
 
-/// Share of the body's radius within which the wheels stand: a robot on a walkway through water has
+/// Share of the body's radius within which the wheels are: a robot on a walkway through water has
 /// them on the walkway.
 const WHEELS: f64 = 0.7;
 
@@ -41,7 +41,7 @@ impl Guard {
         }
     }
 
-    /// Takes a scan; lost and ignored beams say nothing.
+    /// Takes a scan; lost and ignored beams are skipped.
     pub(super) fn look(&mut self, scan: &Scan) {
         self.echoes.clear();
         let near = |range: &f64| *range > 0.0 && *range < self.horizon;
@@ -56,20 +56,20 @@ impl Guard {
         self.water.extend(water.iter().map(|&p| back.rotate(p - pose.position)));
     }
 
-    /// What the robot must not touch, each with the radius of what must not touch it: the whole body
-    /// and an echo, the wheels and water.
+    /// What the robot must not touch, each with the radius to keep free: the whole body for an echo,
+    /// the wheels for water.
     fn obstacles(&self) -> impl Iterator<Item = (DVec2, f64)> + '_ {
         let echoes = self.echoes.iter().map(|&echo| (echo, self.radius));
         echoes.chain(self.water.iter().map(|&water| (water, WHEELS * self.radius)))
     }
 
-    /// The echoes taken.
+    /// The echoes of the scan.
     pub(super) fn echoes(&self) -> &[DVec2] {
         &self.echoes
     }
 
-    /// Metres that the body can go along an arc of a curvature in 1/m (left positive) before it
-    /// touches an echo or gets into water, infinite when it does neither.
+    /// Metres that the body can drive along an arc of a curvature in 1/m (left positive) before it
+    /// touches an echo or gets into water, infinite if it does neither.
     pub(super) fn free_along(&self, curvature: f64) -> f64 {
         if curvature.abs() < 0.05 {
             return self.free_towards(DVec2::X);
@@ -79,7 +79,7 @@ impl Guard {
         let mut free = f64::INFINITY;
         for (echo, body) in self.obstacles() {
             let (near, far) = (radius - body, radius + body);
-            // Around the middle of a left-hand circle, counted from where the robot is.
+            // Around the centre of a left-hand circle, counted from where the robot is.
             let from_middle = DVec2::new(echo.x, side * echo.y - radius);
             let distance2 = from_middle.length_squared();
             if distance2 >= far * far || (near > 0.0 && distance2 <= near * near) {
@@ -110,14 +110,14 @@ impl Guard {
         free
     }
 
-    /// Metres between the body and the nearest echo, infinite when there is none.
+    /// Metres between the body and the nearest echo, infinite without one.
     pub(super) fn clearance(&self) -> f64 {
         let nearest = self.echoes.iter().map(|echo| echo.length_squared());
         (nearest.fold(f64::INFINITY, f64::min).sqrt() - self.radius).max(0.0)
     }
 }
 
-/// How far in metres from the laser echoes matter: the robot has to stand before what it reaches.
+/// How far in metres from the laser echoes matter: the robot must be able to stop within it.
 fn horizon(robot: &Robot) -> f64 {
     let stopping = robot.max_speed * robot.max_speed / (2.0 * robot.acceleration);
     HORIZON.max(stopping + 2.0 * robot.circumscribed_radius + 1.0)

@@ -1,14 +1,14 @@
-//! How far obstacles reach into what is free for the middle of a robot, which follows from its size.
+//! How far obstacles reach into free space for the centre of a robot, which follows from its size.
 
 use crate::map::RESOLUTION;
 use crate::robot::{MAX_RADIUS, PIONEER_3AT, Robot};
 
-/// Distances in metres up to which something occupied counts for the Pioneer 3-AT: where its middle
-/// may not be (its radius less a cell of the map, and its radius), and where it had better not be.
+/// Distances in metres up to which an occupied cell counts for the Pioneer 3-AT: where its centre
+/// may not be (its radius less a cell of the map, and its radius), and where it should rather not be.
 /// For other robots the margins around the body are the same.
 const DISTANCES: [f64; LEVELS] = [0.31, 0.36, 0.45, 0.55, 0.75];
 
-/// Levels of nearness.
+/// Number of distance levels.
 pub(super) const LEVELS: usize = 5;
 
 /// The greatest reach of any robot, in cells of the map.
@@ -17,7 +17,7 @@ pub(super) const MOST: usize = 48;
 const _: () =
     assert!(MOST as f64 * RESOLUTION > MAX_RADIUS - PIONEER_3AT.circumscribed_radius + 0.75);
 
-/// Squared distances in cells at which what is occupied counts, by level, and the discs of that size.
+/// Squared distances in cells at which an occupied cell counts, by level, and the discs of that size.
 #[derive(Clone, Debug)]
 pub(super) struct Inflation {
     /// The farthest reach in cells.
@@ -29,12 +29,12 @@ pub(super) struct Inflation {
 }
 
 impl Inflation {
-    /// For a robot that is valid.
+    /// For a valid robot.
     pub(super) fn of(robot: &Robot) -> Self {
         let larger = robot.circumscribed_radius - PIONEER_3AT.circumscribed_radius;
         let squared = DISTANCES.map(|distance| {
             let cells = (distance + larger) / RESOLUTION;
-            // What rounding takes from 9 x 9 cells is given back.
+            // Compensates for rounding at whole numbers such as 9 x 9 cells.
             (cells * cells + 1e-9) as i32
         });
         let half_widths = squared.map(|squared| {
@@ -46,7 +46,7 @@ impl Inflation {
         Inflation { margin: squared[LEVELS - 1].isqrt(), half_widths, larger }
     }
 
-    /// A distance in metres that fits the Pioneer 3-AT, and grows with the robot's radius.
+    /// A distance in metres that fits the Pioneer 3-AT, enlarged by the robot's excess radius.
     pub(super) fn grown(&self, pioneer: f64) -> f64 {
         pioneer + self.larger
     }

@@ -1,4 +1,4 @@
-//! Goes where most unknown space is seen for the way (Gonzalez-Banos and Latombe, Navigation
+//! Goes where most unknown space is seen per metre of path (Gonzalez-Banos and Latombe, Navigation
 //! strategies for exploring indoor environments, 2002).
 
 use std::f64::consts::TAU;
@@ -15,18 +15,18 @@ use crate::map::{Cell, CellIndex};
 /// Rays that look for unknown space around a goal.
 const RAYS: u32 = 32;
 
-/// Metres of unknown space that a ray is trusted to see into.
+/// Metres of unknown space that a ray is expected to see into.
 const DEPTH: f64 = 3.0;
 
-/// Metres that are added to every way, so that what is near does not always win.
+/// Metres that are added to every path, so that near goals do not always win.
 const HANDICAP: f64 = 2.0;
 
-/// Goals that are weighed against each other, and the metres beyond the way to the nearest one up to
-/// which they are.
+/// Number of goals that are compared, and the metres beyond the path length to the nearest one up
+/// to which they are.
 const CANDIDATES: usize = 16;
 const FARTHER: f64 = 15.0;
 
-/// Goes where most unknown space is seen for the way.
+/// Goes where most unknown space is seen per metre of path.
 #[derive(Debug)]
 pub(super) struct InfoGain {
     navigator: Navigator,
@@ -69,7 +69,7 @@ impl ExplorationPolicy for InfoGain {
     }
 }
 
-/// The nearest goal of each of the nearest clusters, with the cost of the way.
+/// The nearest goal of each of the nearest clusters, with the cost of the path.
 fn collect(planning: &mut Planning<'_>, seen: &mut Vec<bool>, candidates: &mut Vec<(Node, u32)>) {
     let Planning { costmap, frontiers, search, pose, blocks, .. } = planning;
     seen.clear();

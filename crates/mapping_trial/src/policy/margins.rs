@@ -5,33 +5,33 @@ use std::f64::consts::PI;
 use crate::lidar::LaserProfile;
 use crate::robot::{PIONEER_3AT, Robot};
 
-/// Speed in m/s at which a Pioneer 3-AT cruises on open ground; other robots at the same share of
-/// their greatest speed.
+/// Speed in m/s at which a Pioneer 3-AT cruises on open ground; other robots cruise at the same share
+/// of their greatest speed.
 const CRUISE: f64 = 0.5;
 
-/// What driving keeps to, worked out once a robot. All are in metres, m/s, radians and seconds.
+/// The limits of driving, computed once per robot. All are in metres, m/s, radians and seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Margins {
     /// Speed on open ground.
     pub(super) cruise: f64,
-    /// Speed with which the robot feels its way around what is not on the map.
+    /// Speed at which the robot drives around obstacles that are not on the map.
     pub(super) creep: f64,
     /// Distance ahead on the path that the robot drives towards.
     pub(super) lookahead: f64,
-    /// Radius around its middle within which a robot does not look for frontiers: its own feet.
+    /// Radius around its centre within which a robot does not look for frontiers: its own body.
     pub(super) feet: f64,
-    /// Distance between the middles of two robots at which one waits for the other.
+    /// Distance between the centres of two robots at which one waits for the other.
     pub(super) meeting: f64,
-    /// Turn in the beginning, with which the laser has seen all around, and the time after which
-    /// that must do.
+    /// Turn in the beginning, after which the laser has seen all around, and the time after which
+    /// the turn ends in any case.
     pub(super) survey: (f64, f64),
-    /// Speed that every path is driven at in the mean, at least: slower is given up.
+    /// Least mean speed on a path: slower ones are given up.
     pub(super) slowest: f64,
     /// A robot that moves less than this in so many seconds is stuck.
     pub(super) stuck: (f64, f64),
     /// Distance and speed of backing off.
     pub(super) back_off: (f64, f64),
-    /// Radius of a place where the robot got stuck, and how far ahead of its middle that is.
+    /// Radius of a keepout zone where the robot got stuck, and its distance ahead of the robot's centre.
     pub(super) obstruction: (f64, f64),
 }
 

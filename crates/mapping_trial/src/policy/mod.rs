@@ -1,4 +1,4 @@
-//! Operators: who decides where a robot goes next, on the estimated map alone.
+//! Exploration policies: they decide where a robot goes next, on the estimated map alone.
 
 mod cautious;
 mod corridors;
@@ -23,18 +23,18 @@ use crate::lidar::{LaserProfile, Scan};
 use crate::map::{Estimate, OccupancyMap};
 use crate::robot::Robot;
 
-/// What an operator sees when it is asked for one robot's command.
+/// What a policy knows when it is asked for one robot's command.
 #[derive(Clone, Copy, Debug)]
 pub struct PolicyInput<'a> {
-    /// The robot that is asked for.
+    /// The robot that the command is for.
     pub robot: usize,
-    /// Where each robot is thought to be.
+    /// Each robot's pose estimate.
     pub estimates: &'a [Estimate],
     /// The map so far.
     pub map: &'a OccupancyMap,
-    /// This robot's last scan, as seen from where its laser was then.
+    /// This robot's last scan, relative to its laser's pose at that time.
     pub scan: &'a Scan,
-    /// Where this robot last saw water, in the map's frame; empty where it saw none.
+    /// Where this robot last saw water, in metres in the map's frame; empty if it saw none.
     pub water: &'a [DVec2],
     /// What this robot measured in this tick: time, odometry, bumper, battery.
     pub seen: &'a Observation,
@@ -44,43 +44,43 @@ pub struct PolicyInput<'a> {
     pub laser: &'a LaserProfile,
 }
 
-/// What an operator wants of a robot.
+/// The decision of a policy for a robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Decision {
-    /// Carry out this command until asked again.
+    /// Carry out this command until the next decision.
     Drive(Command),
-    /// There is nothing left to explore that this robot can reach.
+    /// Nothing is left to explore that this robot can reach.
     Finished,
     /// The robot cannot get free.
     Stuck,
-    /// The operator itself broke down, as [`ExplorationPolicy::failure`] says: the trial ends.
+    /// The policy itself failed, as [`ExplorationPolicy::failure`] says: the trial ends.
     Failed,
 }
 
-/// An operator of one or more robots: an exploration policy.
+/// An exploration policy for one or more robots.
 ///
 /// One of your own is plugged in by [`TrialBuilder::policy`](crate::trial::TrialBuilder::policy).
 pub trait ExplorationPolicy {
-    /// What logs and reports call it where it was plugged in: the type's path unless it says
-    /// otherwise.
+    /// Its name in logs and reports of trials that it is plugged into; the type's path by
+    /// default.
     fn name(&self) -> &str {
         std::any::type_name::<Self>()
     }
 
-    /// What a robot is to do now; asked every [`ExplorationPolicy::ticks_per_decision`] ticks.
+    /// The decision for a robot now; called every [`ExplorationPolicy::ticks_per_decision`] ticks.
     fn decide(&mut self, view: &PolicyInput<'_>) -> Decision;
 
-    /// Ticks from one decision to the next, at least 1: 2 are 10 decisions a second.
+    /// Ticks from one decision to the next, at least 1: 2 are 10 decisions per second.
     fn ticks_per_decision(&self) -> u64 {
         2
     }
 
-    /// How often a robot had to be freed so far.
+    /// Number of recoveries of a robot so far: how often it was stuck and freed itself.
     fn recoveries(&self, _robot: usize) -> u32 {
         0
     }
 
-    /// The path that a robot is following, for pictures: points in the map's frame.
+    /// The path that a robot is following, for pictures: points in metres in the map's frame.
     fn path(&self, _robot: usize) -> &[DVec2] {
         &[]
     }
@@ -91,15 +91,15 @@ pub trait ExplorationPolicy {
     }
 }
 
-/// The operators that are programs.
+/// The built-in policies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PolicyKind {
     /// Goes to the nearest frontier.
     Nearest,
-    /// Goes where most unknown space is seen for the way.
+    /// Goes where most unknown space is seen per metre of path.
     InfoGain,
-    /// As `nearest`, but goes back to an old place when its pose is uncertain.
+    /// As `nearest`, but goes back to an old position if its pose is uncertain.
     Cautious,
     /// Follows the wall on its right hand.
     WallFollow,
@@ -108,7 +108,7 @@ pub enum PolicyKind {
     Corridors,
 }
 
-/// The operator of a kind for so many robots of one sort.
+/// The policy of a kind for this number of equal robots.
 pub fn build(
     kind: PolicyKind,
     robots: usize,

@@ -1,4 +1,4 @@
-//! What all operators share: one costmap and one set of frontiers, and a pilot for each robot who
+//! What all policies share: one costmap and one set of frontiers, and a pilot for each robot that
 //! drives it to goals, looks around there and frees it when it is stuck.
 
 mod recovery;
@@ -22,7 +22,7 @@ use crate::lidar::LaserProfile;
 use crate::map::CellIndex;
 use crate::robot::Robot;
 
-/// Seconds between two looks at what has changed in the map.
+/// Seconds between two updates from the map.
 const REFRESH: f64 = 1.0;
 
 /// Distance in metres from its goal at which a robot has arrived.
@@ -31,11 +31,11 @@ const ARRIVED: f64 = 0.25;
 /// Metres around a frontier point within which a frontier is still the same one.
 const SAME_FRONTIER: f64 = 0.3;
 
-/// Radius in metres of what a failed goal rules out around it.
+/// Radius in metres around a failed goal in which other goals are excluded.
 const FAILED: f64 = 0.5;
 
-/// Share of the laser's range within which something has to stand for a place to be in sight of it:
-/// from there a wall is seen over at least as long a piece as it is away.
+/// Share of the laser's range within which a wall has to be for a goal to be in sight of it:
+/// from there at least as long a piece of the wall is seen as its distance.
 const IN_SIGHT: f64 = 0.6;
 
 /// Metres around another robot's goal that are left to it.
@@ -48,16 +48,16 @@ const DECISION: f64 = 2.0 * TICK;
 /// Seconds that a robot looks at an unknown place before it gives it up: two scans and the map.
 const LOOK: f64 = 0.6;
 
-/// What chooses a goal: everything that is known, and where the robot is.
+/// The input for the choice of a goal: everything that is known, and the robot's pose.
 pub(super) struct Planning<'a> {
     pub(super) costmap: &'a mut Costmap,
     pub(super) frontiers: &'a mut Frontiers,
     pub(super) search: &'a mut GridPlanner,
     /// Where the robot is.
     pub(super) pose: Pose,
-    /// What no way may lead through.
+    /// Where no path may lead.
     pub(super) blocks: &'a [KeepoutZone],
-    /// The worst class that ways may lead through.
+    /// The worst cell cost on paths.
     pub(super) limit: CellCost,
 }
 
@@ -67,7 +67,7 @@ impl Planning<'_> {
         self.nearest_of(|_| true)
     }
 
-    /// The nearest goal of the clusters that `wanted` names.
+    /// The nearest goal of the clusters for which `wanted` is true.
     pub(super) fn nearest_of(&mut self, wanted: impl Fn(usize) -> bool) -> Option<Node> {
         let Planning { costmap, frontiers, search, pose, blocks, .. } = self;
         let goal = |node, _| frontiers.cluster_at(node).is_some_and(&wanted);
@@ -77,9 +77,9 @@ impl Planning<'_> {
 
 /// What a robot is to do.
 pub(super) enum Aim<'a> {
-    /// Uncover the frontiers that this names.
+    /// Uncover the frontiers that this chooses.
     Explore(&'a mut dyn FnMut(&mut Planning<'_>) -> Option<Node>),
-    /// Go to a place.
+    /// Go to a position.
     Visit(DVec2),
 }
 
@@ -102,15 +102,15 @@ pub(super) struct Navigator {
 #[derive(Clone, Copy, Debug)]
 struct Failure {
     at: DVec2,
-    /// Whether it was looked at in vain or has had its second chance.
+    /// Whether a look at it failed, or it had its second chance.
     is_final: bool,
     active: bool,
 }
 
-/// What a navigator knows of one robot.
+/// The state of one robot.
 #[derive(Debug, Default)]
 struct Pilot {
-    way: Path,
+    path: Path,
     pursuit: Pursuit,
     task: Task,
     progress: Progress,
@@ -121,10 +121,10 @@ struct Pilot {
 
 #[derive(Clone, Copy, Debug, Default)]
 enum Task {
-    /// Look all around: the beginning of every run, in which too little may be known to choose.
+    /// Look all around: the beginning of every run, when too little may be known to choose.
     #[default]
     Begin,
-    /// The same, from a heading on: how far it has turned.
+    /// The same, after its first heading is known: how far it has turned.
     Survey { heading: f64, turned: f64 },
     /// Choose a goal.
     Choose,
@@ -140,10 +140,10 @@ enum Task {
     Rest { since: f64 },
 }
 
-/// What goals are ruled out for reasons of prudence.
+/// The goals that are excluded out of caution.
 #[derive(Clone, Copy, Debug)]
 struct Restraint {
-    /// Those from which no wall is seen that is known: the pose would hang on the wheels there.
+    /// Those from which no known wall is seen: the pose would depend on the wheels alone there.
     in_sight: bool,
     /// Those that are near other robots' goals.
     others: bool,
@@ -154,7 +154,7 @@ struct Restraint {
 enum Goal {
     /// A frontier cell to uncover.
     Frontier(DVec2),
-    /// A place.
+    /// A position.
     Place(DVec2),
 }
 
@@ -179,10 +179,10 @@ impl Navigator {
     }
 
     pub(super) fn path(&self, robot: usize) -> &[DVec2] {
-        self.pilots.get(robot).map_or(&[], |pilot| pilot.way.points())
+        self.pilots.get(robot).map_or(&[], |pilot| pilot.path.points())
     }
 
-    /// Drives to goals that `choose` names until none is left.
+    /// Drives to goals that `choose` returns until none is left.
     pub(super) fn explore(
         &mut self,
         view: &PolicyInput<'_>,
@@ -192,7 +192,7 @@ impl Navigator {
         decision.unwrap_or(Decision::Finished)
     }
 
-    /// Drops what a robot is driving to, so that another aim takes effect.
+    /// Drops a robot's current goal, so that another aim takes effect.
     pub(super) fn interrupt(&mut self, robot: usize) {
         if let Some(pilot) = self.pilots.get_mut(robot)
             && matches!(pilot.task, Task::Go { .. } | Task::Look { .. } | Task::Rest { .. })
@@ -202,14 +202,14 @@ impl Navigator {
     }
 
     /// Whether a robot is free to do something else: not in the middle of its first look around or
-    /// of getting free.
+    /// of a recovery.
     pub(super) fn is_at_ease(&self, robot: usize) -> bool {
         self.pilots.get(robot).is_some_and(|pilot| {
             matches!(pilot.task, Task::Choose | Task::Go { .. } | Task::Rest { .. })
         })
     }
 
-    /// Drives on towards an aim; `None` when it is reached or cannot be.
+    /// Drives on towards an aim; `None` if it is reached or cannot be.
     pub(super) fn pursue(&mut self, view: &PolicyInput<'_>, aim: &mut Aim<'_>) -> Option<Decision> {
         let Some(pose) = pose_of(view) else { return Some(Decision::Drive(Command::STOP)) };
         if view.robot >= self.pilots.len() {
@@ -220,7 +220,7 @@ impl Navigator {
         if renewed {
             self.refresh(view);
         }
-        // A task may end and another begin in the same moment, but not for ever.
+        // A task may end and another begin in the same tick, but not without a limit.
         for _ in 0..4 {
             let pilot = &mut self.pilots[view.robot];
             match pilot.task {
@@ -297,8 +297,8 @@ impl Navigator {
         Some(Decision::Drive(Command::STOP))
     }
 
-    /// Drives straight to a point nearby, for operators that choose their ways themselves; `None`
-    /// when the robot is stuck there.
+    /// Drives straight to a point nearby, for policies that plan their paths themselves; `None`
+    /// if the robot is stuck there.
     pub(super) fn steer(&mut self, view: &PolicyInput<'_>, target: DVec2) -> Option<Decision> {
         let pose = pose_of(view)?;
         self.look(view, pose);
@@ -311,15 +311,15 @@ impl Navigator {
             pilot.progress = Progress::default();
             return None;
         }
-        pilot.way.set(&mut self.costmap, &[pose.position, target]);
-        let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
+        pilot.path.set(&mut self.costmap, &[pose.position, target]);
+        let (path, pursuit) = (&mut pilot.path, &mut pilot.pursuit);
         let command =
-            pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, &self.margins);
+            pursuit.follow(view.body, pose, path, &mut self.costmap, &self.guard, &self.margins);
         pilot.progress.wants(command, view.seen.time);
         Some(Decision::Drive(command))
     }
 
-    /// Takes in what a robot sees: what is in its way now, and water for later.
+    /// Takes in what a robot sees: obstacles ahead, and water for later.
     fn look(&mut self, view: &PolicyInput<'_>, pose: Pose) {
         self.guard.look(view.scan);
         self.guard.look_at_water(pose, view.water);
@@ -335,19 +335,19 @@ impl Navigator {
         !self.frontiers.is_empty()
     }
 
-    /// Takes over what has changed in the map.
+    /// Takes over the changes of the map.
     fn refresh(&mut self, view: &PolicyInput<'_>) {
         self.costmap.refresh(view.map);
         self.refreshed = view.seen.time;
     }
 
-    /// Drives on; `None` when the task is at its end.
+    /// Drives on; `None` when the task ends.
     fn go(&mut self, view: &PolicyInput<'_>, pose: Pose, renewed: bool) -> Option<Decision> {
         let pilot = &mut self.pilots[view.robot];
         let Task::Go { goal, deadline, squeezes, waited } = pilot.task else { return None };
         if let Some(ahead) = other_ahead(view, pose, self.margins.meeting) {
-            // Who comes later in the list lets the other pass; after a while both look for
-            // another way, on which the other is an obstacle.
+            // The robot with the higher number lets the other pass; after a while both look for
+            // another path, on which the other is an obstacle.
             if ahead < view.robot && waited < PATIENCE {
                 let waited = waited + DECISION;
                 pilot.task = Task::Go { goal, deadline, squeezes, waited };
@@ -368,16 +368,16 @@ impl Navigator {
                 Goal::Frontier(at) => !is_left(&self.costmap, at, SAME_FRONTIER),
                 Goal::Place(_) => false,
             };
-            if gone || !pilot.way.is_passable(&mut self.costmap, 5.0) {
+            if gone || !pilot.path.is_passable(&mut self.costmap, 5.0) {
                 pilot.task = Task::Choose;
                 return None;
             }
         }
-        // Before a wall the robot stands a little earlier.
+        // Before a wall the robot stops a little earlier.
         let held_up = pilot.progress.stalled > 1.0;
         let arrived = if held_up { 2.0 * ARRIVED } else { ARRIVED };
-        let near = pilot.way.end().is_none_or(|end| end.distance(pose.position) < arrived);
-        if near && pilot.way.left() < 2.0 * ARRIVED {
+        let near = pilot.path.end().is_none_or(|end| end.distance(pose.position) < arrived);
+        if near && pilot.path.left() < 2.0 * ARRIVED {
             pilot.progress = Progress::default();
             pilot.task = match goal {
                 Goal::Frontier(frontier) => {
@@ -395,14 +395,14 @@ impl Navigator {
             };
             return None;
         }
-        let (way, pursuit) = (&mut pilot.way, &mut pilot.pursuit);
+        let (path, pursuit) = (&mut pilot.path, &mut pilot.pursuit);
         let command =
-            pursuit.follow(view.body, pose, way, &mut self.costmap, &self.guard, &self.margins);
+            pursuit.follow(view.body, pose, path, &mut self.costmap, &self.guard, &self.margins);
         pilot.progress.wants(command, view.seen.time);
         Some(Decision::Drive(command))
     }
 
-    /// Chooses a goal and plans the way there; false when there is none left.
+    /// Chooses a goal and plans the path to it; false if no goal is left.
     fn choose(&mut self, view: &PolicyInput<'_>, pose: Pose, aim: &mut Aim<'_>) -> bool {
         self.costmap.refresh(view.map);
         self.collect_blocks(view);
@@ -416,7 +416,7 @@ impl Navigator {
                 let point = self.costmap.point(node);
                 let cell = self.frontiers.nearest_cell(cluster, point);
                 let frontier = cell.map_or(point, CellIndex::centre);
-                self.set_way(view, node, Goal::Frontier(frontier), squeezes);
+                self.set_path(view, node, Goal::Frontier(frontier), squeezes);
                 true
             }
         }
@@ -429,13 +429,13 @@ impl Navigator {
         let Navigator { costmap, search, blocks, .. } = self;
         search.set_limit(CellCost::Tight);
         let Some(node) = search.to(costmap, pose.position, blocks, place) else { return false };
-        self.set_way(view, node, Goal::Place(place), false);
+        self.set_path(view, node, Goal::Place(place), false);
         true
     }
 
-    /// A goal, and whether its way leads through gaps that the robot may not fit through. What is
-    /// ruled out is given up step by step: first the sight of walls, then what other robots do, then
-    /// where this one was stuck, then what it failed at once, at last the width of gaps.
+    /// A goal, and whether its path leads through gaps that the robot may not fit through. Exclusions
+    /// are dropped step by step: first the sight of walls, then other robots' goals, then
+    /// where this one was stuck, then the goals that failed once, at last the width of gaps.
     fn choose_frontier(
         &mut self,
         view: &PolicyInput<'_>,
@@ -499,24 +499,24 @@ impl Navigator {
             near(pose.position, p, feet)
                 || taken(p)
                 || failures.iter().any(|failure| failure.active && near(failure.at, p, FAILED))
-                || (restraint.in_sight && !costmap.stands_within(p, sight))
+                || (restraint.in_sight && !costmap.is_occupied_within(p, sight))
         };
         frontiers.gather(costmap, ruled_out);
         search.set_limit(limit);
         choose(&mut Planning { costmap, frontiers, search, pose, blocks, limit })
     }
 
-    fn set_way(&mut self, view: &PolicyInput<'_>, node: Node, goal: Goal, squeezes: bool) {
+    fn set_path(&mut self, view: &PolicyInput<'_>, node: Node, goal: Goal, squeezes: bool) {
         let cost = self.search.cost(node).unwrap_or(0);
-        self.search.way(&self.costmap, node, &mut self.cells);
+        self.search.path_to(&self.costmap, node, &mut self.cells);
         let pilot = &mut self.pilots[view.robot];
-        pilot.way.set(&mut self.costmap, &self.cells);
+        pilot.path.set(&mut self.costmap, &self.cells);
         let length = f64::from(cost) / f64::from(COST_PER_METRE);
         let deadline = view.seen.time + 30.0 + length / self.margins.slowest;
         pilot.task = Task::Go { goal, deadline, squeezes, waited: 0.0 };
     }
 
-    /// What no way of a robot may lead through for now.
+    /// The zones where no path of a robot may lead for now.
     fn collect_blocks(&mut self, view: &PolicyInput<'_>) {
         let pilot = &mut self.pilots[view.robot];
         pilot.avoid.retain(|(until, _)| *until > view.seen.time);
@@ -530,7 +530,7 @@ impl Navigator {
     }
 }
 
-/// Where the robot that is asked for is thought to be, if that is a place at all.
+/// The pose estimate of the robot that is asked for, if it is finite.
 pub(super) fn pose_of(view: &PolicyInput<'_>) -> Option<Pose> {
     let pose = view.estimates.get(view.robot)?.pose;
     (pose.position.is_finite() && pose.heading.is_finite()).then_some(pose)

@@ -1,14 +1,14 @@
-//! Ways to drive: shortened from cell to cell, followed from point to point.
+//! Paths to drive: shortened from cell to cell, followed from point to point.
 
 use glam::DVec2;
 
 use super::costmap::{CellCost, Costmap};
 use crate::map::RESOLUTION;
 
-/// Longest straight piece of a way in metres: bounds what shortening costs.
+/// Longest straight piece of a path in metres: bounds the work of shortening.
 const LONGEST: f64 = 4.0;
 
-/// The way that a robot follows.
+/// The path that a robot follows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Path {
     points: Vec<DVec2>,
@@ -18,7 +18,7 @@ pub(super) struct Path {
 }
 
 impl Path {
-    /// Takes a way from cell to cell and pulls it straight where that leads nowhere nearer to walls.
+    /// Takes a path from cell to cell and straightens it where that leads no nearer to walls.
     pub(super) fn set(&mut self, costmap: &mut Costmap, cells: &[DVec2]) {
         self.clear();
         let Some(&first) = cells.first() else { return };
@@ -43,13 +43,13 @@ impl Path {
         }
     }
 
-    /// Forgets the way.
+    /// Forgets the path.
     pub(super) fn clear(&mut self) {
         self.points.clear();
         (self.piece, self.along) = (0, 0.0);
     }
 
-    /// The points of the way, the start first.
+    /// The points of the path, the start first.
     pub(super) fn points(&self) -> &[DVec2] {
         &self.points
     }
@@ -59,8 +59,8 @@ impl Path {
         self.points.last().copied()
     }
 
-    /// Moves on to the point of the way that is nearest to the robot, within the next metre and a
-    /// half: never back, and not across a wall to a later piece.
+    /// Moves on to the point of the path that is nearest to the robot, within the next 1.5 m:
+    /// never back, and not across a wall to a later piece.
     pub(super) fn advance(&mut self, p: DVec2) {
         let (mut best, mut nearest) = ((self.piece, self.along), f64::INFINITY);
         let mut left = 1.5;
@@ -81,8 +81,8 @@ impl Path {
         (self.piece, self.along) = best;
     }
 
-    /// Calls `visit` with the points of the way from where the robot is on, a step in metres apart
-    /// and at most `far` metres, until it returns false; the end is always among them.
+    /// Calls `visit` with points of the path from the robot's position on, `step` metres apart
+    /// and at most `far` metres ahead, until it returns false; the end is always among them.
     pub(super) fn ahead(&self, step: f64, far: f64, mut visit: impl FnMut(DVec2) -> bool) {
         let (mut piece, mut along, mut left) = (self.piece, self.along, far);
         while piece + 1 < self.points.len() {
@@ -111,8 +111,8 @@ impl Path {
         (pieces.map(|ab| ab[0].distance(ab[1])).sum::<f64>() - self.along).max(0.0)
     }
 
-    /// Whether the map still lets the robot pass, or squeeze through, up to so many metres ahead; what
-    /// it does not fit into at the beginning, where it has to get out of, does not count.
+    /// Whether the map still lets the robot pass, or squeeze through, up to so many metres ahead. Cells
+    /// at the beginning that it does not fit into, and has to leave, do not count.
     pub(super) fn is_passable(&self, costmap: &mut Costmap, far: f64) -> bool {
         let (mut out, mut passable) = (false, true);
         self.ahead(0.1, far, |p| {
@@ -125,13 +125,13 @@ impl Path {
     }
 }
 
-/// The worst class on the straight line between two points.
+/// The worst cell cost on the straight line between two points.
 pub(super) fn worst_between(costmap: &mut Costmap, from: DVec2, to: DVec2) -> CellCost {
-    let way = to - from;
-    let steps = (way.length() / RESOLUTION).ceil().clamp(1.0, 1e4);
+    let offset = to - from;
+    let steps = (offset.length() / RESOLUTION).ceil().clamp(1.0, 1e4);
     let mut worst = CellCost::Open;
     for step in 0..=steps as usize {
-        worst = worst.max(costmap.class_at(from + way * (step as f64 / steps)));
+        worst = worst.max(costmap.class_at(from + offset * (step as f64 / steps)));
         if worst == CellCost::Occupied {
             break;
         }

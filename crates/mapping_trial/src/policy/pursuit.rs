@@ -1,5 +1,5 @@
 //! Regulated pure pursuit (Macenski et al., Regulated pure pursuit for robot path tracking, 2023):
-//! follows a way, slower in curves and near walls, and stops for what the laser sees.
+//! follows a path, slower in curves and near walls, and stops for obstacles that the laser sees.
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
@@ -11,10 +11,10 @@ use super::path::{Path, worst_between};
 use crate::backend::Command;
 use crate::robot::Robot;
 
-/// Metres ahead on the way that the robot drives towards where it is tight.
+/// Lookahead in metres on the path where it is narrow.
 const SHORT_LOOKAHEAD: f64 = 0.3;
 
-/// Metres between the body and an echo ahead at which it has to stand.
+/// Metres between the body and an echo ahead at which it has to stop.
 const STOP: f64 = 0.10;
 
 /// Angles in radians at which turning on the spot begins and ends.
@@ -23,34 +23,34 @@ const TURN: (f64, f64) = (1.2, 0.4);
 /// Radius in metres of the curves that are driven at full speed.
 const FULL_SPEED_RADIUS: f64 = 0.8;
 
-/// Metres between the body and an echo below which speed is taken back.
+/// Metres between the body and an echo below which it drives more slowly.
 const NEAR: f64 = 0.3;
 
-/// Angle in radians between directions that are tried around something in the way.
+/// Angle in radians between directions that are tried around an obstacle.
 const FAN: f64 = 0.087;
 
-/// Drives one robot along ways.
+/// Drives one robot along paths.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pursuit {
     turning: bool,
 }
 
 impl Pursuit {
-    /// The command that follows a way.
+    /// The command that follows a path.
     pub(super) fn follow(
         &mut self,
         robot: &Robot,
         pose: Pose,
-        way: &mut Path,
+        path: &mut Path,
         costmap: &mut Costmap,
         guard: &Guard,
         margins: &Margins,
     ) -> Command {
-        way.advance(pose.position);
-        let Some(target) = target(pose.position, way, costmap, margins.lookahead) else {
+        path.advance(pose.position);
+        let Some(target) = target(pose.position, path, costmap, margins.lookahead) else {
             return Command::STOP;
         };
-        let left = way.left();
+        let left = path.left();
         let to = target - pose.position;
         let distance = to.length();
         let off = wrap_angle(libm::atan2(to.y, to.x) - pose.heading);
@@ -76,8 +76,8 @@ impl Pursuit {
         Command { speed, turn_rate }
     }
 
-    /// Something that the map does not show is in the way: turns to the direction nearest to the
-    /// wanted one in which the laser sees a way past, and creeps there.
+    /// An obstacle that the map does not show is on the path: turns to the direction nearest to the
+    /// wanted one in which the laser sees enough free space, and drives there slowly.
     fn around(&mut self, robot: &Robot, off: f64, left: f64, guard: &Guard, creep: f64) -> Command {
         let need = STOP + left.min(0.3);
         for step in 0..32 {
@@ -96,12 +96,12 @@ impl Pursuit {
     }
 }
 
-/// The point to drive towards: as far ahead on the way as the robot can drive straight.
-fn target(p: DVec2, way: &Path, costmap: &mut Costmap, lookahead: f64) -> Option<DVec2> {
+/// The point to drive towards: as far ahead on the path as the robot can drive straight.
+fn target(p: DVec2, path: &Path, costmap: &mut Costmap, lookahead: f64) -> Option<DVec2> {
     let mut target = None;
     let leaving = !costmap.class_at(p).is_passable();
     let mut driven = 0.0;
-    way.ahead(0.1, lookahead, |ahead| {
+    path.ahead(0.1, lookahead, |ahead| {
         let class = if leaving { CellCost::Open } else { worst_between(costmap, p, ahead) };
         let tight = class >= CellCost::Tight && driven > SHORT_LOOKAHEAD;
         if driven <= 0.15 || (class.is_passable() && !tight) {
@@ -121,7 +121,7 @@ pub(super) fn turn(robot: &Robot, angle: f64) -> Command {
     Command { speed: 0.0, turn_rate: rate.min(robot.max_turn_rate).copysign(angle) }
 }
 
-/// Greatest speed from which the robot stands [`STOP`] before what is `free` metres away.
+/// Greatest speed from which the robot stops [`STOP`] before an obstacle `free` metres away.
 fn stopping_speed(robot: &Robot, free: f64) -> f64 {
     (2.0 * robot.acceleration * (free - STOP).max(0.0)).sqrt()
 }

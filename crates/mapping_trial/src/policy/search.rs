@@ -1,32 +1,32 @@
-//! Cheapest ways on the costmap, exactly: Dijkstra (1959), and A* (Hart, Nilsson and Raphael, 1968)
-//! where there is one goal.
+//! Cheapest paths on the costmap, exactly: Dijkstra (1959), and A* (Hart, Nilsson and Raphael, 1968)
+//! if there is one goal.
 
 use glam::{DVec2, IVec2};
 
 use super::costmap::{CellCost, Costmap, NODES, Node, SIDE, STEPS};
 
-/// Cost of a metre where nothing is near.
+/// Cost per metre where no obstacle is near.
 pub const COST_PER_METRE: u32 = (10.0 / SIDE) as u32;
 
-/// Cost of a straight and of a diagonal step, by class. Cells that the body does not fit into lead
-/// a robot out that finds itself in them, and nowhere else.
+/// Cost of a straight and of a diagonal step, by cell cost. A robot in cells that its body does not
+/// fit into may only leave them.
 const COSTS: [[u32; 2]; 8] =
     [[10, 14], [14, 20], [22, 31], [36, 51], [100, 141], [100, 141], [100, 141], [u32::MAX; 2]];
 
-/// Queues, more than the priority can rise in one step.
+/// Number of queues, more than the priority can rise in one step.
 const QUEUES: usize = 256;
 
-/// How far in metres a robot of the Pioneer's size may be from its start while it does not fit.
+/// How far in metres a robot of the Pioneer's size may drive from its start while it does not fit.
 const ESCAPE: f64 = 1.2;
 
-/// How far in metres around a robot of that size cells are looked for from which it may start, where
-/// something stands at its own.
+/// How far in metres around a robot of that size to look for start cells if its own is
+/// occupied.
 const BODY: f64 = 0.3;
 
-/// A round place that no way may lead through for now.
+/// A disc where no path may lead for now.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KeepoutZone {
-    /// Middle.
+    /// Centre in metres in the map's frame.
     pub center: DVec2,
     /// Radius in metres.
     pub radius: f64,
@@ -39,17 +39,17 @@ pub struct GridPlanner {
     /// The search that each tile was last used in.
     used: Vec<u32>,
     search: u32,
-    /// The worst class that ways may lead through.
+    /// The worst cell cost on paths.
     limit: CellCost,
     queues: Vec<Vec<(Node, u32)>>,
-    /// [`ESCAPE`] of the robot that is searched for, in planning cells.
+    /// [`ESCAPE`] of the robot, in planning cells.
     escape: i32,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct State {
     cost: u32,
-    /// The way that led here, 8 at a start.
+    /// The step that led here, 8 at a start.
     from: u8,
     closed: bool,
 }
@@ -71,18 +71,18 @@ impl Default for GridPlanner {
 }
 
 impl GridPlanner {
-    /// A search that has not begun.
+    /// A planner without a search.
     pub fn new() -> Self {
         GridPlanner::default()
     }
 
-    /// From now on ways lead through cells of this class and better ones.
+    /// From now on paths lead through cells of this cost and better ones.
     pub fn set_limit(&mut self, limit: CellCost) {
         self.limit = limit;
     }
 
-    /// Visits places in the order of their cost from `start` until `done` says so, and gives the
-    /// last one; `None` when all that can be reached were visited.
+    /// Visits cells in the order of their cost from `start` until `done` returns true, and returns the
+    /// last one; `None` if all cells that can be reached were visited.
     pub fn nearest(
         &mut self,
         costmap: &mut Costmap,
@@ -93,7 +93,7 @@ impl GridPlanner {
         self.run(costmap, start, blocks, |_| 0, done)
     }
 
-    /// The cheapest way to the planning cell that holds a point; `None` when there is none.
+    /// The cheapest path to the planning cell that contains a point; `None` if there is no path.
     pub fn to(
         &mut self,
         costmap: &mut Costmap,
@@ -104,24 +104,24 @@ impl GridPlanner {
         let goal = costmap.node_at(goal)?;
         let place = costmap.place(goal);
         let left = |at: IVec2| {
-            let way = (at - place).abs();
-            let (long, short) = (way.max_element() as u32, way.min_element() as u32);
+            let offset = (at - place).abs();
+            let (long, short) = (offset.max_element() as u32, offset.min_element() as u32);
             10 * (long - short) + 14 * short
         };
         self.run(costmap, start, blocks, left, |node, _| node == goal)
     }
 
-    /// The way to a node that the last search visited, from its start: the points to drive through.
-    pub fn way(&self, costmap: &Costmap, to: Node, points: &mut Vec<DVec2>) {
+    /// The path to a node that the last search visited, from its start: the points to drive through.
+    pub fn path_to(&self, costmap: &Costmap, to: Node, points: &mut Vec<DVec2>) {
         points.clear();
         let mut node = to;
         loop {
             points.push(costmap.point(node));
-            let way = self.nodes[node.0 as usize].from;
-            if way == START {
+            let direction = self.nodes[node.0 as usize].from;
+            if direction == START {
                 break;
             }
-            let Some(before) = costmap.step(node, usize::from(way + 4) % 8) else { break };
+            let Some(before) = costmap.step(node, usize::from(direction + 4) % 8) else { break };
             node = before;
         }
         points.reverse();
@@ -168,7 +168,7 @@ impl GridPlanner {
         None
     }
 
-    /// Makes a search of its own of what follows.
+    /// Begins a new search.
     fn begin(&mut self, tiles: usize) {
         self.search = self.search.wrapping_add(1);
         if self.search == 0 {
@@ -182,7 +182,7 @@ impl GridPlanner {
         }
     }
 
-    /// Makes a tile ready for this search.
+    /// Prepares a tile for this search.
     #[inline]
     fn enter(&mut self, costmap: &mut Costmap, slot: usize) {
         if self.used[slot] != self.search {
@@ -192,7 +192,7 @@ impl GridPlanner {
         }
     }
 
-    /// Closes the nodes of a block, but for those at the start, which the robot has to leave.
+    /// Closes the nodes of a keepout zone, except those at the start, which the robot has to leave.
     fn block(&mut self, costmap: &mut Costmap, block: &KeepoutZone, start: IVec2) {
         if !(block.radius.is_finite() && block.center.is_finite()) {
             return;
@@ -215,9 +215,9 @@ impl GridPlanner {
         }
     }
 
-    /// Puts the start into the queues: the cell that holds it or, when something stands there
-    /// according to the map, those around it where nothing does.
-    /// Gives their number and the least priority.
+    /// Puts the start into the queues: the cell that contains it or, if that is occupied
+    /// according to the map, the cells around it that are not.
+    /// Returns their number and the least priority.
     fn seed(
         &mut self,
         costmap: &mut Costmap,
@@ -258,8 +258,8 @@ impl GridPlanner {
     ) -> usize {
         let inside = costmap.derived_class(node) <= self.limit;
         let mut added = 0;
-        for way in 0..STEPS.len() {
-            let Some(next) = costmap.step(node, way) else { continue };
+        for direction in 0..STEPS.len() {
+            let Some(next) = costmap.step(node, direction) else { continue };
             self.enter(costmap, next.slot());
             let state = self.nodes[next.0 as usize];
             if state.closed {
@@ -274,15 +274,15 @@ impl GridPlanner {
                 if class == CellCost::Occupied
                     || (inside && !fits)
                     || (costmap.place(next) - start).abs().max_element() > self.escape
-                    || (way % 2 == 1 && self.squeezes(costmap, node, way))
+                    || (direction % 2 == 1 && self.squeezes(costmap, node, direction))
                 {
                     continue;
                 }
             }
-            let through = cost + COSTS[class as usize][way % 2];
+            let through = cost + COSTS[class as usize][direction % 2];
             if through < state.cost {
                 self.nodes[next.0 as usize] =
-                    State { cost: through, from: way as u8, closed: false };
+                    State { cost: through, from: direction as u8, closed: false };
                 let priority = through + left(costmap.place(next));
                 self.queues[priority as usize % QUEUES].push((next, through));
                 added += 1;
@@ -292,8 +292,8 @@ impl GridPlanner {
     }
 
     /// Whether one of the two cells beside a diagonal step is occupied.
-    fn squeezes(&mut self, costmap: &mut Costmap, node: Node, way: usize) -> bool {
-        [way - 1, (way + 1) % 8].into_iter().any(|side| {
+    fn squeezes(&mut self, costmap: &mut Costmap, node: Node, direction: usize) -> bool {
+        [direction - 1, (direction + 1) % 8].into_iter().any(|side| {
             costmap.step(node, side).is_none_or(|node| costmap.class(node) == CellCost::Occupied)
         })
     }

@@ -1,4 +1,4 @@
-//! The shared parts against plain ones, and operators on input that no trial should give.
+//! The shared parts against simple reference versions, and policies on input that no trial should give.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -56,7 +56,7 @@ fn every_node(mut visit: impl FnMut(IVec2, DVec2)) {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// What is derived step by step is what is derived at once.
+    /// Deriving step by step gives the same as deriving at once.
     #[test]
     fn a_renewed_costmap_is_a_new_one(seed in 0_u64..10_000, count in 1_u32..30) {
         let (mut map, mut step_by_step) = (OccupancyMap::new(), Costmap::new(&Robot::default()));
@@ -70,7 +70,7 @@ proptest! {
         let mut same = true;
         every_node(|_, p| same &= step_by_step.class_at(p) == at_once.class_at(p));
         prop_assert!(same);
-        // A map that starts anew leaves nothing behind.
+        // A map that starts again leaves nothing behind.
         map.clear();
         step_by_step.refresh(&map);
         prop_assert_eq!(step_by_step.frontier_len(), 0);
@@ -78,7 +78,7 @@ proptest! {
         prop_assert!(same);
     }
 
-    /// Classes are the distances to what is occupied, cell by cell, for robots of every size: the
+    /// Cell costs follow from the distances to occupied cells, for robots of every size: the
     /// margins in metres around a body that touches within its radius and half a centimetre.
     #[test]
     fn classes_are_distances(
@@ -110,7 +110,7 @@ proptest! {
         every_node(|cell, p| {
             let four = [0, 1, 2, 3].map(|i| 2 * cell + IVec2::new(i & 1, i >> 1));
             let is = |at: IVec2| map.cell(CellIndex { col: at.x, row: at.y });
-            // Metres between the middles of cells.
+            // Metres between the centres of cells.
             let far = |at: IVec2| {
                 let squared = occupied.iter().map(|o| (*o - at).length_squared()).min();
                 squared.map_or(f64::INFINITY, |squared| f64::from(squared).sqrt() * RESOLUTION)
@@ -145,7 +145,7 @@ proptest! {
         prop_assert_eq!(wrong, None);
     }
 
-    /// Both searches find what a plain one finds, and A* the same as Dijkstra.
+    /// Both searches find what a simple one finds, and A* the same as Dijkstra.
     #[test]
     fn ways_are_the_cheapest(seed in 0_u64..10_000, count in 1_u32..20) {
         let (mut map, mut costmap) = (OccupancyMap::new(), Costmap::new(&Robot::default()));
@@ -175,7 +175,7 @@ proptest! {
         }
     }
 
-    /// The scan's free way along an arc is that of a disc that is moved along it bit by bit.
+    /// The scan's free distance along an arc is that of a disc that is moved along it in small steps.
     #[test]
     fn arcs_end_at_the_first_touch(
         curvature in -3.0..3.0_f64,
@@ -277,7 +277,7 @@ fn frontiers_are_where_the_unknown_is_wide() {
     let mut map = OccupancyMap::new();
     for row in 0..60 {
         for col in 0..60 {
-            // A gap of two cells in the middle is none.
+            // A gap of two cells in the middle does not count.
             if !(30..32).contains(&col) {
                 map.add(CellIndex { col, row }, -200);
             }
@@ -306,7 +306,7 @@ const KINDS: [PolicyKind; 5] = [
     PolicyKind::Corridors,
 ];
 
-/// Asks every operator for some seconds, and gives its last decisions.
+/// Asks every policy for some seconds, and returns its last decisions.
 fn ask(map: &OccupancyMap, estimate: Estimate, scan: &Scan, robots: usize) -> Vec<Decision> {
     let (body, laser) = (Robot::default(), LaserProfile::default());
     let estimates = vec![estimate; robots];

@@ -1,4 +1,4 @@
-//! Follows the wall on its right hand, and goes to the nearest frontier when that leads round.
+//! Follows the wall on its right, and goes to the nearest frontier when that leads in a circle.
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
@@ -20,25 +20,25 @@ const FAN: f64 = 0.175;
 /// Directions that are tried, from the right rear to the left rear.
 const DIRECTIONS: i32 = 30;
 
-/// Directions from the rightmost on of which the first is taken that keeps clear of the wall.
+/// Number of directions from the rightmost on, of which the first that keeps clear of the wall is taken.
 const ASIDE: i32 = 4;
 
-/// Metres between remembered places, how near the robot comes to one that it has been at, and how
-/// far it goes in between.
+/// Metres between remembered positions, the distance at which the robot counts as back at one, and
+/// the least path length in between.
 const APART: f64 = 0.5;
 const AGAIN: f64 = 0.5;
 const ROUND: f64 = 10.0;
 
-/// Places that are remembered at most; then every second one is forgotten.
+/// Greatest number of remembered positions; then every second one is forgotten.
 const PLACES: usize = 4096;
 
-/// Metres from all places that the robot followed a wall at from which on it follows one again.
+/// Metres from all positions where the robot followed a wall from which it follows a wall again.
 const AFRESH: f64 = 2.5;
 
-/// Seconds after which it looks again whether anything is left to explore.
+/// Seconds between two checks whether anything is left to explore.
 const LOOK: f64 = 5.0;
 
-/// Follows the wall on its right hand.
+/// Follows the wall on its right.
 #[derive(Debug)]
 pub(super) struct WallFollow {
     navigator: Navigator,
@@ -54,7 +54,7 @@ struct Follower {
     last: Option<DVec2>,
     /// Whether it has a wall on its right.
     touching: bool,
-    /// When it last looked whether anything is left to explore.
+    /// When it last checked whether anything is left to explore.
     looked: f64,
 }
 
@@ -117,14 +117,14 @@ impl Follower {
         self.last = Some(pose.position);
     }
 
-    /// Whether no wall was followed near a place.
+    /// Whether no wall was followed near a position.
     fn is_new(&self, p: DVec2) -> bool {
         self.trail.iter().all(|(at, ..)| at.distance_squared(p) > AFRESH * AFRESH)
     }
 
     /// The point to drive to: the rightmost direction in which the map is free, or one a little to
     /// the left of it that leads less close along the wall; straight on until
-    /// there is a wall to follow. `None` when the wall has led round, or there is no way on.
+    /// there is a wall to follow. `None` if the wall led in a circle, or the robot cannot go on.
     fn target(&mut self, navigator: &mut Navigator, pose: Pose) -> Option<DVec2> {
         let ahead = unit_vector(pose.heading);
         let again = self.trail.iter().any(|&(at, then, driven)| {
@@ -146,7 +146,7 @@ impl Follower {
             self.trail.push((pose.position, ahead, self.driven));
         }
         let costmap = &mut navigator.costmap;
-        // As far from the wall as it is now at least, but doorways that it is in may be left.
+        // At least as far from the wall as it is now, but it may leave a doorway that it is in.
         let limit = costmap.class_at(pose.position).clamp(CellCost::Close, CellCost::Tight);
         let free = |costmap: &mut Costmap, angle: f64, far: f64| {
             let to = pose.position + unit_vector(pose.heading + angle) * far;
@@ -162,7 +162,7 @@ impl Follower {
         self.touching = true;
         let angle = |step: i32| wrap_angle(FAN * f64::from(step) - 1.8);
         let first = (0..DIRECTIONS).find(|&step| free(costmap, angle(step), PROBE).is_some())?;
-        // Scraping along is slow and ends in hits: a little more to the left, if there is room.
+        // Driving close along the wall is slow and ends in collisions: a little more to the left if possible.
         let mut roomy = None;
         for step in first..first + ASIDE {
             let Some(to) = free(costmap, angle(step), PROBE) else { break };

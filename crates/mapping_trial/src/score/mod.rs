@@ -1,6 +1,6 @@
 //! How well a world was mapped, and how difficult that was: every component, and M, N and D.
 //!
-//! All is compared in the start frame, without alignment: robots know where they start.
+//! Everything is compared in the start frame, without alignment: robots know where they start.
 
 pub(crate) mod navigability;
 mod pose;
@@ -23,53 +23,53 @@ use crate::truth::MappableArea;
 /// Distances in metres up to which a wall counts as mapped in its place.
 const TOLERANCES: [f64; 2] = [0.30, 0.15];
 
-/// Trajectory error in metres that makes half of the worst `e_pose`.
+/// Trajectory error in metres at which `e_pose` is 0.5.
 const HALF_ERROR: f64 = 0.5;
 
-/// Time in seconds for a square metre of ground that makes half of the worst `e_time`.
+/// Time in seconds per square metre of ground at which `e_time` is 0.5.
 const HALF_TIME: f64 = 1.5;
 
-/// Hits that make `e_hit` 1 - 1/e.
+/// Number of collisions at which `e_hit` is 1 - 1/e.
 const MANY_HITS: f64 = 5.0;
 
-/// How many hits it counts when a robot is stuck for good, or lost in water.
+/// Number of collisions that a robot counts as that is stuck for good, or lost in water.
 const STUCK_HITS: f64 = 3.0;
 
 /// The greatest coordinate of a pose in metres, and heading in radians.
 const MAX_POSITION: f64 = 1e9;
 
-/// Turning in radians that makes half of the worst `e_turn`.
+/// Turning in radians at which `e_turn` is 0.5.
 const HALF_TURNING: f64 = 60.0;
 
-/// Where one robot was, and where it was thought to be, tick by tick.
+/// The true and the estimated poses of one robot, tick by tick.
 #[derive(Clone, Copy, Debug)]
 pub struct TrajectoryPair<'a> {
     /// True poses.
     pub truth: &'a [Pose],
-    /// Estimated poses, as many.
+    /// Estimated poses, the same number.
     pub estimated: &'a [Pose],
 }
 
-/// What is known of a run when it ends.
+/// The data of a run from which it is scored.
 #[derive(Clone, Copy, Debug)]
 pub struct RunSummary<'a> {
-    /// The map that was made, all its changes announced by [`OccupancyMap::touch`].
+    /// The robots' map, with all its changes announced by [`OccupancyMap::touch`].
     pub map: &'a OccupancyMap,
-    /// One track a robot.
+    /// One pair of trajectories per robot.
     pub tracks: &'a [TrajectoryPair<'a>],
     /// Simulated time in seconds.
     pub time: f64,
-    /// Path of all robots in metres.
+    /// Path length of all robots in metres.
     pub distance: f64,
-    /// Turning of all robots in radians, both ways added.
+    /// Turning of all robots in radians, left and right added.
     pub turning: f64,
-    /// How often robots ran into something.
+    /// Number of collisions of all robots.
     pub hits: u32,
-    /// How often robots had to be freed.
+    /// Number of recoveries of all robots.
     pub recoveries: u32,
-    /// How many robots were stuck for good, or lost in water.
+    /// Number of robots that were stuck for good, or lost in water.
     pub stuck: u32,
-    /// Seconds that the batteries would still have lasted, the least of all robots.
+    /// Seconds that the batteries would still have lasted, the minimum of all robots.
     pub energy_left: f64,
 }
 
@@ -77,8 +77,8 @@ pub struct RunSummary<'a> {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ScoreError {
-    /// A track has not as many estimated poses as true ones.
-    #[error("`estimated` of robot {robot} has {estimated} poses, expected {truth}, one a tick")]
+    /// A trajectory does not have as many estimated poses as true ones.
+    #[error("`estimated` of robot {robot} has {estimated} poses, expected {truth}, one per tick")]
     Lengths {
         /// The robot.
         robot: usize,
@@ -89,17 +89,17 @@ pub enum ScoreError {
     },
     /// An estimator's trajectory does not have a pose for each step.
     #[error(
-        "the estimated trajectory of robot {robot} has {found} poses, expected {expected}, the start and one a step"
+        "the estimated trajectory of robot {robot} has {found} poses, expected {expected}, the start and one per step"
     )]
     Trajectory {
         /// The robot.
         robot: usize,
-        /// Poses of the trajectory.
+        /// Number of poses of the trajectory.
         found: u64,
-        /// Poses that it has to have.
+        /// Number of poses that it has to have.
         expected: u64,
     },
-    /// A pose is not finite, or absurdly far.
+    /// A pose is not finite, or too far from the origin.
     #[error("pose {tick} of robot {robot} is not within {MAX_POSITION} m of the origin")]
     Pose {
         /// The robot.
@@ -107,23 +107,23 @@ pub enum ScoreError {
         /// The tick.
         tick: usize,
     },
-    /// What could be mapped was worked out for another start or robot.
+    /// The mappable area was computed for another start or robot.
     #[error(
-        "the reference is for a robot of {found_radius} m that starts at ({}, {}), \
+        "the mappable area is for a robot of {found_radius} m that starts at ({}, {}), \
          the trial's has {radius} m and starts at ({}, {}): use `Trial::reference`",
         found.x, found.y, start.x, start.y
     )]
     Reference {
-        /// Start of the reference.
+        /// Start of the mappable area.
         found: DVec2,
-        /// Radius in metres of the reference's robot.
+        /// Radius in metres of the mappable area's robot.
         found_radius: f64,
         /// Start of the trial.
         start: DVec2,
         /// Radius in metres of the trial's robot.
         radius: f64,
     },
-    /// A number of the run is none, or negative.
+    /// A number of the run is NaN, infinite or negative.
     #[error("`{field}` must be a finite number of 0 or more, got {value}")]
     Number {
         /// The field of [`RunSummary`].
@@ -135,7 +135,7 @@ pub enum ScoreError {
 
 /// The scores of a run.
 ///
-/// Shares and errors `e_...` lie between 0 and 1, M, N and D between 0 and 10, 10 being the most
+/// Shares and errors `e_...` are from 0 to 1, M, N and D from 0 to 10, 10 being the most
 /// difficult. F is the ground that the robot can cover, cell by cell of 0.1 m.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -157,15 +157,15 @@ pub struct Scores {
     pub e_cov: f64,
     /// T / (T + T0), with T0 = 1.5 s for each square metre of F.
     pub e_time: f64,
-    /// 1 - exp(-(hits + 3 stuck) / 5).
+    /// 1 - exp(-(collisions + 3 stuck) / 5).
     pub e_hit: f64,
     /// Turning / (turning + 60 rad).
     pub e_turn: f64,
     /// C: share of F that the map shows as free.
     pub coverage: f64,
-    /// Share of the map's occupied cells that lie within 0.30 m of a wall that can be seen from F.
+    /// Share of the map's occupied cells that are within 0.30 m of a wall that can be seen from F.
     pub precision_30: f64,
-    /// Share of those walls that lie within 0.30 m of an occupied cell of the map.
+    /// Share of those walls that are within 0.30 m of an occupied cell of the map.
     pub recall_30: f64,
     /// Harmonic mean of the two.
     pub f1_30: f64,
@@ -175,22 +175,22 @@ pub struct Scores {
     pub recall_15: f64,
     /// The same within 0.15 m.
     pub f1_15: f64,
-    /// Mean distance in metres from the map's walls to the true ones and back, each cut at 1 m.
+    /// Mean distance in metres from the map's walls to the true ones and back, each at most 1 m.
     pub wall_distance: f64,
     /// Share of the walls that the map shows twice, within 0.7 m to either side.
     pub ghosting: f64,
-    /// U: share of 40 ways, planned on the map and driven in the true world, that arrive without a
-    /// touch.
+    /// U: share of 40 paths, planned on the map and driven in the true world, that arrive without a
+    /// collision.
     pub navigability: f64,
     /// ATE: root mean square of the errors of position in metres over all ticks, not aligned.
     pub trajectory_error: f64,
-    /// Root mean square error in metres of the position relative to that 1 m of way before;
-    /// absent when no robot went that far.
+    /// Root mean square error in metres of the position relative to that 1 m of path before;
+    /// absent if no robot drove that far.
     pub relative_error_near: Option<f64>,
     /// The same of the heading, in radians.
     pub relative_turn_near: Option<f64>,
-    /// Root mean square error in metres of the position relative to that 20 m of way before;
-    /// absent when no robot went that far.
+    /// Root mean square error in metres of the position relative to that 20 m of path before;
+    /// absent if no robot drove that far.
     pub relative_error_far: Option<f64>,
     /// The same of the heading, in radians.
     pub relative_turn_far: Option<f64>,
@@ -198,25 +198,25 @@ pub struct Scores {
     pub free_area: f64,
     /// Simulated time in seconds.
     pub time: f64,
-    /// Path of all robots in metres.
+    /// Path length of all robots in metres.
     pub distance: f64,
     /// Turning of all robots in radians.
     pub turning: f64,
-    /// How often robots ran into something.
+    /// Number of collisions of all robots.
     pub hits: u32,
-    /// How often robots had to be freed.
+    /// Number of recoveries of all robots.
     pub recoveries: u32,
-    /// How many robots were stuck for good, or lost in water.
+    /// Number of robots that were stuck for good, or lost in water.
     pub stuck: u32,
-    /// Seconds that the batteries would still have lasted.
+    /// Seconds that the batteries would still have lasted, the minimum of all robots.
     pub energy_left: f64,
 }
 
 impl Scores {
-    /// Scores a run against what could be mapped of its world.
+    /// Scores a run against the mappable area of its world.
     ///
     /// # Errors
-    /// When a track's lists differ in length, or a number is not finite or negative.
+    /// If a trajectory's lists differ in length, or a number is not finite or negative.
     pub fn of(truth: &MappableArea, run: &RunSummary<'_>) -> Result<Scores, ScoreError> {
         check(run)?;
         let raster = Raster::of(truth, run.map);
@@ -311,7 +311,7 @@ fn coverage(truth: &MappableArea, raster: &Raster) -> f64 {
     covered.count() as f64 / truth.free_cells() as f64
 }
 
-/// From 0 for nothing to 1 for very much; a half at `half`.
+/// 0 for 0, 0.5 for `half`, towards 1 for large values.
 fn saturating(value: f64, half: f64) -> f64 {
     if value > 0.0 { value / (value + half) } else { 0.0 }
 }

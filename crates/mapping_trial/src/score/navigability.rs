@@ -1,4 +1,4 @@
-//! Whether a robot can find its way with a map: ways are planned on the map and driven in the true
+//! Whether a robot can navigate with a map: paths are planned on the map and driven in the true
 //! world.
 
 use envgen::Seed;
@@ -9,24 +9,24 @@ use crate::policy::costmap::{Costmap, Node, SIDE};
 use crate::policy::search::GridPlanner;
 use crate::truth::MappableArea;
 
-/// Starts from which ways are planned.
+/// Number of starts of paths.
 const STARTS: usize = 8;
 
-/// Goals of each start: 40 ways in all.
+/// Goals per start: 40 paths in all.
 const GOALS: usize = 5;
 
-/// Places that are tried for each start and each goal until one can be driven to with the perfect
+/// Points that are tried for each start and each goal until one can be reached with the perfect
 /// map.
 const TRIES: usize = 20;
 
-/// How far a way may end from its goal where the map shows no place for the robot there, in cells
+/// How far a path may end from its goal if the map has no free position for the robot there, in cells
 /// of the plan: 0.3 m.
 const SNAP: i32 = 3;
 
-/// Shortest piece of a way that is looked at, in metres: how exact a touch is found.
+/// Shortest piece of a path that is checked, in metres: how exactly a contact is found.
 const STEP: f64 = 0.01;
 
-/// Room is used up to so many metres: farther away the ground may be another.
+/// Clearance is used up to so many metres: farther away the ground may be different.
 const MOST_ROOM: f64 = 0.2;
 
 /// A start and its goals.
@@ -36,8 +36,8 @@ pub(crate) struct Trip {
     goals: Vec<DVec2>,
 }
 
-/// Draws starts and goals that can be driven with the perfect map: what fails on another map is
-/// that map's fault. Less than 40 ways, or none, where the world has no room for them.
+/// Draws starts and goals that are reached with the perfect map: if one fails on another map, the
+/// map is the cause. Fewer than 40 paths, or none, if the world is too small for them.
 pub(crate) fn trips(truth: &MappableArea, perfect: &OccupancyMap, seed: Seed) -> Vec<Trip> {
     let mut planner = Planner::new(truth, perfect);
     let free = truth.free().iter().enumerate().filter(|(_, free)| **free);
@@ -57,9 +57,9 @@ pub(crate) fn trips(truth: &MappableArea, perfect: &OccupancyMap, seed: Seed) ->
         }
         let start = draw();
         let goals: Vec<DVec2> = (0..TRIES).map(|_| draw()).collect();
-        let ways = planner.ways(start, &goals);
-        let driven = goals.iter().zip(ways).filter(|(goal, way)| {
-            way.as_ref().is_some_and(|way| arrives(truth, start, way, **goal))
+        let paths = planner.paths(start, &goals);
+        let driven = goals.iter().zip(paths).filter(|(goal, path)| {
+            path.as_ref().is_some_and(|path| arrives(truth, start, path, **goal))
         });
         let goals: Vec<DVec2> = driven.map(|(goal, _)| *goal).take(GOALS).collect();
         if !goals.is_empty() {
@@ -69,14 +69,14 @@ pub(crate) fn trips(truth: &MappableArea, perfect: &OccupancyMap, seed: Seed) ->
     trips
 }
 
-/// The share of ways that lead to their goal without a touch; 1 where there are none to try.
+/// The share of paths that reach their goal without a collision; 1 if there are no paths.
 pub(super) fn navigability(truth: &MappableArea, map: &OccupancyMap) -> f64 {
     let mut planner = Planner::new(truth, map);
     let (mut arrived, mut all) = (0_u32, 0_u32);
     for trip in truth.trips() {
-        let ways = planner.ways(trip.start, &trip.goals);
-        for (goal, way) in trip.goals.iter().zip(ways) {
-            let good = way.is_some_and(|way| arrives(truth, trip.start, &way, *goal));
+        let paths = planner.paths(trip.start, &trip.goals);
+        for (goal, path) in trip.goals.iter().zip(paths) {
+            let good = path.is_some_and(|path| arrives(truth, trip.start, &path, *goal));
             arrived += u32::from(good);
             all += 1;
         }
@@ -84,7 +84,7 @@ pub(super) fn navigability(truth: &MappableArea, map: &OccupancyMap) -> f64 {
     if all == 0 { 1.0 } else { f64::from(arrived) / f64::from(all) }
 }
 
-/// Plans on a map, as operators do.
+/// Plans on a map, as policies do.
 struct Planner {
     costmap: Costmap,
     search: GridPlanner,
@@ -97,9 +97,9 @@ impl Planner {
         Planner { costmap, search: GridPlanner::new() }
     }
 
-    /// The cheapest ways from a start to goals, as points to drive through; `None` for a goal that
+    /// The cheapest paths from a start to goals, as points to drive through; `None` for a goal that
     /// cannot be reached.
-    fn ways(&mut self, start: DVec2, goals: &[DVec2]) -> Vec<Option<Vec<DVec2>>> {
+    fn paths(&mut self, start: DVec2, goals: &[DVec2]) -> Vec<Option<Vec<DVec2>>> {
         let goals: Vec<_> = goals.iter().map(|&goal| self.snap(goal)).collect();
         let mut left: Vec<Node> = goals.iter().copied().flatten().collect();
         left.sort_unstable();
@@ -113,16 +113,16 @@ impl Planner {
                 left.is_empty()
             });
         }
-        let way = |goal: Option<Node>| {
+        let path = |goal: Option<Node>| {
             let goal = goal.filter(|goal| reached.contains(goal))?;
             let mut points = Vec::new();
-            self.search.way(&self.costmap, goal, &mut points);
+            self.search.path_to(&self.costmap, goal, &mut points);
             Some(points)
         };
-        goals.into_iter().map(way).collect()
+        goals.into_iter().map(path).collect()
     }
 
-    /// The place for the robot that is nearest to a point, according to the map.
+    /// The free position for the robot that is nearest to a point, according to the map.
     fn snap(&mut self, p: DVec2) -> Option<Node> {
         let around = (-SNAP..=SNAP).flat_map(|y| (-SNAP..=SNAP).map(move |x| (x, y)));
         let mut around: Vec<_> = around.map(|(x, y)| (x * x + y * y, x, y)).collect();
@@ -135,13 +135,13 @@ impl Planner {
     }
 }
 
-/// Whether the robot's disc gets from a start along the points of a way to a goal without touching
+/// Whether the robot's disc gets from a start along the points of a path to a goal without touching
 /// anything.
-fn arrives(truth: &MappableArea, start: DVec2, way: &[DVec2], goal: DVec2) -> bool {
+fn arrives(truth: &MappableArea, start: DVec2, path: &[DVec2], goal: DVec2) -> bool {
     let room_at = |p: DVec2| truth.room(p).min(MOST_ROOM);
-    // All is clear around `at` as far as there is room, and `from` lies in that circle.
+    // Everything is clear around `at` within `room`, and `from` is in that circle.
     let (mut at, mut room, mut from) = (start, room_at(start), start);
-    for &to in way.iter().chain([&goal]) {
+    for &to in path.iter().chain([&goal]) {
         if room >= 0.0 && at.distance(to) > room {
             (at, room) = (from, room_at(from));
         }
@@ -184,13 +184,13 @@ mod tests {
     }
 
     #[test]
-    fn a_convex_room_fails_no_way() {
+    fn a_convex_room_fails_no_path() {
         let truth = truth(&room(20.0, 20.0));
         let goals: Vec<usize> = truth.trips().iter().map(|trip| trip.goals.len()).collect();
         assert_eq!(goals, [GOALS; STARTS]);
     }
 
-    /// On a map whose only doorway is walled up, exactly the trips from room to room fail.
+    /// On a map whose only doorway is closed by a wall, exactly the trips from room to room fail.
     #[test]
     fn a_wall_that_is_not_there_fails_the_trips_that_cross_it() {
         let truth = truth(&two_rooms());
@@ -214,7 +214,7 @@ mod tests {
         assert_eq!(navigability(&truth, &map), within as f64 / trips.len() as f64);
     }
 
-    /// Walls of the world that the map does not show are driven into: a map of free floor only.
+    /// Robots drive into walls of the world that the map does not show: a map of free floor only.
     #[test]
     fn ways_through_walls_do_not_arrive() {
         let truth = truth(&two_rooms());
@@ -230,10 +230,10 @@ mod tests {
     }
 
     proptest! {
-        /// A straight way arrives where the robot's disc, swept along it, stays clear of a pillar
+        /// A straight path arrives if the robot's disc, swept along it, stays clear of a pillar
         /// and of the walls.
         #[test]
-        fn a_straight_way_arrives_where_the_swept_disc_is_clear(
+        fn a_straight_path_arrives_where_the_swept_disc_is_clear(
             from in (0.5..9.5, 0.5..9.5), to in (0.5..9.5, 0.5..9.5),
         ) {
             static TRUTH: LazyLock<MappableArea> = LazyLock::new(|| {
@@ -254,7 +254,7 @@ mod tests {
                 .chain([a, b].map(|end| pillar.distance(end)))
                 .fold(f64::INFINITY, f64::min);
             let clear = if crosses { 0.0 } else { nearest };
-            // How exact a touch is found.
+            // How exactly a contact is found.
             prop_assume!((clear - radius).abs() > STEP);
             prop_assert_eq!(arrives(&TRUTH, a, &[b], b), clear > radius);
         }

@@ -1,19 +1,19 @@
-//! How far estimated poses are off.
+//! Errors of estimated poses.
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 
 use super::TrajectoryPair;
 
-/// True way in metres between the poses of a near relation.
+/// Length of true path in metres between the poses of a near relation.
 pub(super) const NEAR: f64 = 1.0;
 
-/// True way in metres between the poses of a far relation.
+/// Length of true path in metres between the poses of a far relation.
 pub(super) const FAR: f64 = 20.0;
 
-/// Path in metres from one relation to the next.
+/// Path length in metres from one relation to the next.
 const SPACING: f64 = 0.25;
 
-/// A root mean square, of nothing so far.
+/// A root mean square, empty at first.
 #[derive(Default)]
 struct Rms {
     sum: f64,
@@ -31,8 +31,8 @@ impl Rms {
     }
 }
 
-/// Root mean square of the positions' errors in metres over all robots and ticks, in the start
-/// frame: no alignment. 0 where there are no poses.
+/// Root mean square of the position errors in metres over all robots and ticks, in the start
+/// frame: no alignment. 0 without poses.
 pub(super) fn absolute(tracks: &[TrajectoryPair<'_>]) -> f64 {
     let mut errors = Rms::default();
     for track in tracks {
@@ -43,11 +43,11 @@ pub(super) fn absolute(tracks: &[TrajectoryPair<'_>]) -> f64 {
     errors.value().unwrap_or(0.0)
 }
 
-/// Root mean squares of the errors of relations between poses that lie `way` metres of true way
-/// apart: of the position in metres and of the heading in radians, over all robots. `None` where no
-/// robot went that far. (Kuemmerle et al., On measuring the accuracy of SLAM algorithms, Autonomous
+/// Root mean squares of the errors of relations between poses that are `length` metres of true path
+/// apart: of the position in metres and of the heading in radians, over all robots. `None` if no
+/// robot drove that far. (Kuemmerle et al., On measuring the accuracy of SLAM algorithms, Autonomous
 /// Robots 27, 2009.)
-pub(super) fn relative(tracks: &[TrajectoryPair<'_>], way: f64) -> Option<(f64, f64)> {
+pub(super) fn relative(tracks: &[TrajectoryPair<'_>], length: f64) -> Option<(f64, f64)> {
     let (mut positions, mut headings) = (Rms::default(), Rms::default());
     for track in tracks {
         let poses = || track.truth.iter().zip(track.estimated);
@@ -63,8 +63,8 @@ pub(super) fn relative(tracks: &[TrajectoryPair<'_>], way: f64) -> Option<(f64, 
                 continue;
             }
             next_start = gone + SPACING;
-            // Rounding over thousands of steps must not cost the last relation.
-            while end_gone + 1e-9 < gone + way {
+            // Rounding over thousands of steps must not lose the last relation.
+            while end_gone + 1e-9 < gone + length {
                 end = ends.next();
                 let Some((truth, _)) = end else { break };
                 let step = end_before.map_or(0.0, |p| p.position.distance(truth.position));
@@ -81,7 +81,7 @@ pub(super) fn relative(tracks: &[TrajectoryPair<'_>], way: f64) -> Option<(f64, 
     positions.value().zip(headings.value())
 }
 
-/// Where `to` is as seen from `from`.
+/// The pose `to` as seen from `from`.
 fn relation(from: Pose, to: Pose) -> Pose {
     let ahead = unit_vector(from.heading);
     let offset = to.position - from.position;
@@ -105,21 +105,21 @@ mod tests {
     }
 
     #[test]
-    fn a_scale_error_grows_with_the_way() {
+    fn a_scale_error_grows_with_the_distance() {
         let (truth, estimated) = (straight(2000, 1.0, 0.0), straight(2000, 1.02, 0.0));
         let tracks = [TrajectoryPair { truth: &truth, estimated: &estimated }];
         let (near, turn) = relative(&tracks, NEAR).unwrap();
         assert!((near - 0.02).abs() < 1e-9 && turn == 0.0, "{near}");
         let (far, _) = relative(&tracks, FAR).unwrap();
         assert!((far - 0.4).abs() < 1e-9, "{far}");
-        // 2 % of ways evenly from 0 to 49.975 m.
+        // 2 % of path lengths evenly from 0 to 49.975 m.
         let expected = 0.02 * 49.975 / 3.0_f64.sqrt();
         assert!((absolute(&tracks) - expected).abs() < 1e-3);
     }
 
     #[test]
     fn a_bend_turns_relations() {
-        // 0.025 m a step: 40 steps a metre.
+        // 0.025 m per step: 40 steps per metre.
         let (truth, estimated) = (straight(2000, 1.0, 0.0), straight(2000, 1.0, 1e-4));
         let tracks = [TrajectoryPair { truth: &truth, estimated: &estimated }];
         let (_, turn) = relative(&tracks, NEAR).unwrap();

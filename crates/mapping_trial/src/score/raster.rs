@@ -1,19 +1,19 @@
-//! A robot's map on the grid that scores are counted on.
+//! A robot's map on the grid of the scores.
 
 use crate::map::{CellIndex, DECIDED, OccupancyMap, TILE};
 use crate::truth::{GridFrame, MappableArea};
 
-/// What a map says of the part of a truth's frame that it covers.
+/// A robot's map on the part of the mappable area's grid that it covers.
 pub(crate) struct Raster {
-    /// Cells of scores.
+    /// The grid of score cells.
     pub(crate) frame: GridFrame,
-    /// Cells of scores of which a quarter or more is occupied: `E_o`.
+    /// Score cells of which a quarter or more is occupied: `E_o`.
     pub(crate) occupied: Vec<bool>,
-    /// Cells of scores that are not occupied and of which a quarter or more is free: `E_f`.
+    /// Score cells that are not occupied and of which a quarter or more is free: `E_f`.
     pub(crate) free: Vec<bool>,
-    /// The map's own cells that are occupied, four to a cell of scores.
+    /// The map's own cells that are occupied, four per score cell.
     pub(crate) fine: Vec<bool>,
-    /// Occupied cells of scores outside the truth's frame.
+    /// Occupied score cells outside the mappable area's grid.
     pub(crate) occupied_outside: usize,
 }
 
@@ -31,7 +31,7 @@ impl Raster {
             Some([left.min(col), low.min(row), right.max(col), high.max(row)])
         });
         let frame = truth.frame().intersection(match around {
-            // Walls of the world that lie beside the map are near to what it shows there.
+            // Walls of the world beside the map are near to walls that it shows there.
             Some([left, low, right, high]) => GridFrame {
                 col: left * TILE_CELLS - AROUND,
                 row: low * TILE_CELLS - AROUND,
@@ -80,7 +80,7 @@ impl Raster {
         }
     }
 
-    /// The lower left of the four cells of the map in a cell of scores.
+    /// The lower left of the four cells of the map in a score cell.
     pub(crate) fn fine_corner(&self, cell: usize) -> usize {
         let (x, y) = (cell % self.frame.cols, cell / self.frame.cols);
         4 * y * self.frame.cols + 2 * x

@@ -5,7 +5,7 @@ use super::Scores;
 /// One row of the table of scores.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScoreRow {
-    /// What it is, for instance `wall F1`.
+    /// Its name, for instance `wall F1`.
     pub name: &'static str,
     /// Its value with its unit.
     pub value: String,
@@ -14,24 +14,28 @@ pub struct ScoreRow {
 }
 
 impl Scores {
-    /// D, M and N, and what they are made of, the most important first.
+    /// D, M and N, and their parts, the most important first.
     pub fn rows(&self) -> Vec<ScoreRow> {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-        let metres = |way: f64| format!("{way:.2} m");
-        let some = |way: Option<f64>| way.map_or("-".to_owned(), metres);
+        let metres = |distance: f64| format!("{distance:.2} m");
+        let some = |distance: Option<f64>| distance.map_or("-".to_owned(), metres);
         let number = |score: f64| format!("{score:.2}");
         let rows = [
             ("D  difficulty", number(self.difficulty), "0.6 M + 0.4 N, from 0 to 10"),
             ("M  of mapping", number(self.mapping), "walls, use, pose, coverage"),
-            ("N  of getting around", number(self.navigation), "time, coverage, hits, turning"),
+            (
+                "N  of getting around",
+                number(self.navigation),
+                "time, coverage, collisions, turning",
+            ),
             ("coverage", percent(self.coverage), "of the reachable ground shown as free"),
             ("wall precision", percent(self.precision_30), "within 0.30 m"),
             ("wall recall", percent(self.recall_30), "within 0.30 m"),
             ("wall F1", percent(self.f1_30), "within 0.30 m"),
             ("wall F1, strict", percent(self.f1_15), "within 0.15 m"),
-            ("wall distance", metres(self.wall_distance), "mean, both ways, cut at 1 m"),
+            ("wall distance", metres(self.wall_distance), "mean, in both directions, cut at 1 m"),
             ("ghosting", percent(self.ghosting), "of the walls mapped twice"),
-            ("navigability", percent(self.navigability), "of 40 ways planned on the map arrive"),
+            ("navigability", percent(self.navigability), "of 40 paths planned on the map arrive"),
             ("trajectory error", metres(self.trajectory_error), "RMSE, not aligned"),
             ("relative error", some(self.relative_error_near), "over 1 m"),
             ("relative error, far", some(self.relative_error_far), "over 20 m"),

@@ -43,7 +43,7 @@ fn scores(truth: &MappableArea, map: &OccupancyMap) -> Scores {
     Scores::of(truth, &run(map)).expect("a sound run")
 }
 
-/// The cells of a map that something is known of.
+/// The known cells of a map.
 fn known(map: &OccupancyMap) -> Vec<(CellIndex, i16)> {
     let mut cells = Vec::new();
     for ((col, row), tile) in map.tiles() {
@@ -56,7 +56,7 @@ fn known(map: &OccupancyMap) -> Vec<(CellIndex, i16)> {
     cells
 }
 
-/// A map with its cells moved, all of them or those that `which` says, on top of the others.
+/// A map with its cells moved; with `keep` only the occupied ones, added to the others.
 fn moved(map: &OccupancyMap, by: (i32, i32), keep: bool) -> OccupancyMap {
     let mut result = if keep { map.clone() } else { OccupancyMap::new() };
     for (cell, odds) in known(map) {
@@ -117,7 +117,7 @@ fn a_shift_counts_by_its_length() {
     assert!(shifted.wall_distance > 0.05 && shifted.wall_distance < 0.2);
     let far = scores(&truth, &moved(&map, (10, 10), false));
     assert!(far.f1_30 < 0.5 && far.mapping > shifted.mapping, "{far:?}");
-    // Out of the world altogether.
+    // Entirely out of the world.
     let lost = scores(&truth, &moved(&map, (4000, -9000), false));
     assert_eq!((lost.f1_30, lost.coverage, lost.wall_distance), (0.0, 0.0, 1.0));
 }
@@ -181,7 +181,7 @@ fn a_map_that_closes_a_door_or_hides_a_wall_is_not_navigable() {
 fn an_empty_room_driven_through_is_easy() {
     let truth = truth(&room(20.0, 20.0));
     let map = truth.perfect_map();
-    // What the operators need: a round of 60 m, with some turning.
+    // As the policies drive: a round of 60 m, with some turning.
     let run = RunSummary { time: 150.0, distance: 60.0, turning: 15.0, ..run(&map) };
     let found = Scores::of(&truth, &run).unwrap();
     assert!(found.difficulty < 1.0, "{}", found.difficulty);
@@ -271,7 +271,7 @@ proptest! {
         prop_assert!(after.mapping >= before.mapping);
         let p = CellIndex { col, row }.centre();
         let walls = p.min(DVec2::new(6.0, 4.0) - p).min_element();
-        // Half a cell of scores to either side, at most.
+        // Half a score cell to either side, at most.
         prop_assert!(after.precision_30 < 1.0 || walls < 0.4);
         prop_assert!(after.precision_30 == 1.0 || walls > 0.2);
     }

@@ -7,21 +7,21 @@ use crate::map::{CellIndex, OccupancyMap, RESOLUTION};
 use crate::truth::{MappableArea, SCORE_CELL, WallPoint};
 use envgen::distance::{FAR_SQUARED, squared_distances};
 
-/// Distances in metres count no further than this.
+/// Greatest distance in metres that counts; larger ones count as this.
 pub(super) const CUT: f64 = 1.0;
 
-/// How far from a wall to either side a second image of it is looked for, in metres.
+/// How far to either side of a wall a second image of it is searched, in metres.
 const GHOST_REACH: f64 = 0.7;
 
-/// How far true walls are looked for, in metres: a map that is off by 0.6 m moves no true wall into
+/// How far true walls are searched, in metres: a map that is off by 0.6 m moves no true wall into
 /// view that was not expected.
 const TRUE_REACH: f64 = 1.3;
 
-/// Width in metres of what parts two images: less is one blurred wall, or the two sides of a thin
+/// Least distance in metres between two images: less is one blurred wall, or the two sides of a thin
 /// one.
 const APART: f64 = 0.2;
 
-/// How the walls of a map compare with those of the world.
+/// The walls of a map compared with those of the world.
 pub(super) struct WallScores {
     pub(super) precision: [f64; 2],
     pub(super) recall: [f64; 2],
@@ -51,7 +51,7 @@ pub(super) fn compare(truth: &MappableArea, raster: &Raster, tolerances: [f64; 2
         });
     }
     let recall = found.shares(1.0);
-    // Where there is nothing to find, to find nothing is right.
+    // If there is nothing to find, an empty map is right.
     let precision = mapped.shares(if truth.walls().is_empty() { 1.0 } else { 0.0 });
     WallScores {
         precision,
@@ -94,19 +94,19 @@ impl Tally {
         )
     }
 
-    /// Mean distance in metres; the cut where there is none.
+    /// Mean distance in metres; the cut if there are no distances.
     fn mean(&self) -> f64 {
         if self.count > 0 { self.sum / self.count as f64 } else { CUT }
     }
 }
 
-/// How often a look along each wall point's normal meets true walls.
+/// How many true walls a search along each wall point's normal crosses.
 pub(crate) fn true_runs(truth: &MappableArea, perfect: &OccupancyMap) -> Vec<u8> {
     let raster = Raster::of(truth, perfect);
     truth.walls().iter().map(|point| runs(&raster, point, TRUE_REACH)).collect()
 }
 
-/// The share of wall points along whose normal the map has more walls than there are.
+/// The share of wall points along whose normal the map has more walls than the world.
 fn ghosting(truth: &MappableArea, raster: &Raster) -> f64 {
     let doubled = truth.walls().iter().zip(truth.runs());
     let doubled = doubled.filter(|(point, known)| runs(raster, point, GHOST_REACH) > **known);
@@ -114,7 +114,7 @@ fn ghosting(truth: &MappableArea, raster: &Raster) -> f64 {
     if truth.walls().is_empty() { 0.0 } else { count / truth.walls().len() as f64 }
 }
 
-/// How many walls of a map a look along a wall point's normal meets, to either side.
+/// How many walls of a map a search along a wall point's normal crosses, to either side.
 fn runs(raster: &Raster, point: &WallPoint, reach: f64) -> u8 {
     let steps = (reach / RESOLUTION).round() as i32;
     let apart = (APART / RESOLUTION).round() as i32;

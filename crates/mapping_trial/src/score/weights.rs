@@ -1,4 +1,4 @@
-//! How the parts of a score weigh, and what a ranking owes to that.
+//! The weights of a score's parts, and how a ranking depends on them.
 
 use serde::{Deserialize, Serialize};
 
@@ -64,7 +64,7 @@ impl Weights {
         ]
     }
 
-    /// The same with one weight multiplied; `None` when no weight has that name.
+    /// The same with one weight multiplied; `None` if no weight has that name.
     pub fn changed(mut self, weight: &str, factor: f64) -> Option<Self> {
         *self.all().into_iter().find(|(name, _)| *name == weight)?.1 *= factor;
         Some(self)
@@ -108,22 +108,22 @@ pub struct Difficulties {
     pub overall: f64,
 }
 
-/// How a ranking moves when one weight changes by half.
+/// How a ranking changes when one weight changes by half.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sensitivity {
     /// The weight, by the name of its field in [`Weights`].
     pub weight: &'static str,
-    /// What it was multiplied with: 0.5 or 1.5.
+    /// The factor of the weight: 0.5 or 1.5.
     pub factor: f64,
-    /// Kendall's tau-b between the order by D before and after; 1 when nothing moves, absent
-    /// where one of the two knows no order.
+    /// Kendall's tau-b between the order by D before and after; 1 if nothing changes, absent
+    /// if all values of one of the two are equal.
     pub tau: Option<f64>,
-    /// The most places that one trial moves in the order by D, least first; equals keep the
+    /// The most positions that one trial moves in the order by D, least first; ties keep the
     /// order in which they were given.
     pub most_places: usize,
 }
 
-/// Ranks trials by D with each weight halved and one and a half times as large in turn, and
+/// Ranks trials by D with each weight in turn multiplied by 0.5 and by 1.5, and
 /// compares with the ranking by the weights as they are. O(n^2) for n trials.
 pub fn sensitivity(scores: &[Scores], weights: Weights) -> Vec<Sensitivity> {
     let overall = |weights: Weights| -> Vec<f64> {
@@ -152,7 +152,7 @@ pub fn sensitivity(scores: &[Scores], weights: Weights) -> Vec<Sensitivity> {
 }
 
 /// Kendall's rank correlation tau-b (Kendall, Biometrika 33, 1945), which allows for ties; `None`
-/// for lists of different lengths, or when all values of one are equal. O(n^2).
+/// for lists of different lengths, or if all values of one are equal. O(n^2).
 pub fn kendall_tau(a: &[f64], b: &[f64]) -> Option<f64> {
     if a.len() != b.len() {
         return None;
@@ -191,7 +191,7 @@ mod tests {
     fn tau_counts_pairs() {
         assert_eq!(kendall_tau(&[1.0, 2.0, 3.0], &[10.0, 20.0, 30.0]), Some(1.0));
         assert_eq!(kendall_tau(&[1.0, 2.0, 3.0], &[3.0, 2.0, 1.0]), Some(-1.0));
-        // One of six pairs the wrong way round.
+        // One of six pairs in the wrong order.
         let tau = kendall_tau(&[1.0, 2.0, 3.0, 4.0], &[1.0, 3.0, 2.0, 4.0]).unwrap();
         assert!((tau - 4.0 / 6.0).abs() < 1e-12);
         // One tie: 5 concordant of sqrt(6 * 5).
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ranking_that_hangs_on_one_weight_is_told() {
+    fn a_ranking_that_depends_on_one_weight_is_found() {
         // D is 2.1 e_wall + 1.6 e_time with the weights as they are.
         let trials = [scores(0.8, 0.1), scores(0.1, 0.9), scores(0.0, 0.0)];
         let found = sensitivity(&trials, Weights::default());
@@ -225,7 +225,7 @@ mod tests {
         assert_eq!(of("wall", 1.5).most_places, 0);
         assert!(of("wall", 0.5).tau.unwrap() < 1.0);
         assert_eq!(of("wall", 0.5).most_places, 1);
-        // A weight of a part that is 0 everywhere changes nothing of the order within M.
+        // A weight of a part that is 0 everywhere does not change the order within M.
         assert_eq!(of("hits", 0.5).tau, Some(1.0));
     }
 }

@@ -1,4 +1,4 @@
-//! What to believe of a match: across walls the match, along them the wheels.
+//! Combines a match and wheel odometry: across walls the match counts, along them the wheels.
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::{DMat3, DVec2, DVec3};
@@ -13,20 +13,20 @@ const WALL_DEVIATION: f64 = 0.03;
 /// spot too.
 const SLIP: f64 = 0.002;
 
-/// Share of the squared normals below which a direction counts as held by nothing: twice what the
-/// noise of ranges makes of a straight wall.
+/// Share of the squared normals below which a direction counts as not held by walls: twice the
+/// effect of range noise on a straight wall.
 const ROUGHNESS: f64 = 0.005;
 
-/// What the wheels may have added to the error of a pose since walls last held it, direction by
-/// direction: the covariance of x, y (m) and heading (rad), against the map and not the world.
+/// What the wheels may have added to the error of a pose since walls last held it, by
+/// direction: the covariance of x, y (m) and heading (rad), relative to the map, not the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Drift(DMat3);
 
 impl Drift {
-    /// None: a pose that is known.
+    /// No drift: a known pose.
     pub(super) const NONE: Drift = Drift(DMat3::ZERO);
 
-    /// The drift after a step to a place `shift` metres away; an error of the heading swings it.
+    /// The drift after a step by `shift` metres; an error of the heading turns into one of the position.
     pub(super) fn after(self, step: Variance, shift: DVec2) -> Drift {
         let swing = DMat3::from_cols(DVec3::X, DVec3::Y, shift.perp().extend(1.0));
         let position = step.position + SLIP * SLIP;
@@ -34,7 +34,7 @@ impl Drift {
         Drift(swing * self.0 * swing.transpose() + added)
     }
 
-    /// What is left of the drift of a pose that walls hold; along a bare wall it stays.
+    /// The drift that remains after walls hold the pose; along a bare wall it stays.
     pub(super) fn held(self, walls: &[WallPiece], pose: Pose) -> Drift {
         let left = (information(walls, pose) + self.0.inverse()).inverse();
         if left.is_finite() { Drift(left) } else { self }
@@ -52,13 +52,13 @@ impl Drift {
     }
 }
 
-/// The pose that agrees best with a match and with what the wheels expect, and how far it may be off
-/// then; `drift` is what the expected pose may be off.
+/// The pose that agrees best with a match and with the wheels, and its remaining drift;
+/// `drift` is that of the expected pose.
 ///
-/// A match is an optimum of the likelihood, but where all walls run one way nothing holds it along
-/// them: it follows their roughness, and is pulled back over every wall that is new, by some percent
-/// of the way. Each echo on a known wall tells of one direction, the wall's normal, and of the turn
-/// by its lever; the match is believed as far as they reach, the wheels for the rest (a weighted
+/// A match is an optimum of the likelihood, but where all walls run in one direction nothing holds it
+/// along them: it follows their roughness, and is pulled back over every new wall, by some percent
+/// of the path. Each echo on a known wall gives information on one direction, the wall's normal, and on
+/// the turn by its lever; the match counts as far as that reaches, the wheels for the rest (a weighted
 /// least-squares solution, as in Censi, Lecture Notes on ICP's covariance, ICRA 2007).
 pub(super) fn fuse(walls: &[WallPiece], expected: Pose, matched: Pose, drift: Drift) -> Pose {
     let known = information(walls, matched);
@@ -75,7 +75,7 @@ pub(super) fn fuse(walls: &[WallPiece], expected: Pose, matched: Pose, drift: Dr
     }
 }
 
-/// What the echoes on known walls tell of a pose.
+/// The information on a pose from echoes on known walls.
 fn information(walls: &[WallPiece], pose: Pose) -> DMat3 {
     let heading = unit_vector(pose.heading);
     let weight = 1.0 / (WALL_DEVIATION * WALL_DEVIATION);
@@ -92,7 +92,7 @@ fn information(walls: &[WallPiece], pose: Pose) -> DMat3 {
     known
 }
 
-/// The direction along which walls hold nothing, in the robot's frame: where they all run one way.
+/// The direction along which walls hold nothing, in the robot's frame: where all are parallel.
 fn bare_direction(walls: &[WallPiece]) -> Option<DVec2> {
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
     for (_, normal) in walls {
@@ -102,7 +102,7 @@ fn bare_direction(walls: &[WallPiece]) -> Option<DVec2> {
     }
     let larger = larger_eigenvalue(xx, xy, yy);
     let smaller = xx + yy - larger;
-    // The eigenvector of the larger one, from the row that says more of it.
+    // The eigenvector of the larger one, from the row that is better conditioned.
     let held = if xx >= yy { DVec2::new(larger - yy, xy) } else { DVec2::new(xy, larger - xx) };
     let held = held.try_normalize()?;
     (smaller < ROUGHNESS * larger).then(|| held.perp())
@@ -123,8 +123,8 @@ mod tests {
     }
 
     /// The drift of one step.
-    fn step(way: f64, turned: f64) -> Drift {
-        Drift::NONE.after(Variance::of_motion(way, turned), DVec2::new(way, 0.0))
+    fn step(distance: f64, turned: f64) -> Drift {
+        Drift::NONE.after(Variance::of_motion(distance, turned), DVec2::new(distance, 0.0))
     }
 
     #[test]
@@ -137,7 +137,7 @@ mod tests {
             along = along.after(motion, ahead).held(&wall_on_the_left(), pose);
             blind = blind.after(motion, ahead);
         }
-        // The wall holds the heading and the way across; 6 m along it stay on the wheels.
+        // The wall holds the heading and the position across it; the 6 m along it depend on the wheels.
         let wheels = Variance::of_motion(6.0, 0.0).position.sqrt();
         assert!((along.deviation() - wheels).abs() < 0.2 * wheels, "{along:?}");
         assert!(along.heading_deviation() < 0.01, "{along:?}");

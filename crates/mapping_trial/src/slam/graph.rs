@@ -3,7 +3,7 @@
 //! Least squares by Levenberg and Marquardt's method, with Huber's loss for relations that may be
 //! wrong (Grisetti, Kummerle, Stachniss, Burgard, A Tutorial on Graph-Based SLAM, 2010). The linear
 //! systems are solved directly: block by block, in the order of least degree, which leaves the long
-//! chains of a robot's way without fill.
+//! chains of a robot's path without fill.
 
 use std::collections::BTreeSet;
 
@@ -13,10 +13,10 @@ use glam::{DMat3, DVec2, DVec3};
 /// Error of a robust relation, in standard deviations, up to which it counts in full.
 const HUBER: f64 = 2.0;
 
-/// Steps at most.
+/// Greatest number of steps.
 const MOST_STEPS: usize = 30;
 
-/// Longest step in metres or radians at which the search is over.
+/// Longest step in metres or radians at which the search ends.
 const SETTLED: f64 = 1e-5;
 
 /// A measured relation between two poses.
@@ -28,7 +28,7 @@ pub(crate) struct Relation {
     pub(crate) measured: Pose,
     /// Information about x, y (m^-2) and heading (rad^-2), in the frame of `from`.
     pub(crate) information: DMat3,
-    /// Whether it may be wrong altogether.
+    /// Whether it may be entirely wrong.
     pub(crate) is_robust: bool,
 }
 
@@ -64,8 +64,8 @@ pub(crate) fn cost(poses: &[Pose], relations: &[Relation]) -> f64 {
     relations.iter().map(|relation| relation.loss(relation.error(poses)).0).sum()
 }
 
-/// Moves all poses but the fixed ones to where the losses are least; returns whether anything was
-/// gained. Relations of poses that there are not are an error of the caller.
+/// Moves all poses but the fixed ones to where the losses are least; returns whether the cost fell.
+/// Relations must refer to existing poses.
 pub(crate) fn solve(poses: &mut [Pose], fixed: &[bool], relations: &[Relation]) -> bool {
     let mut unknowns = 0;
     let places: Vec<Option<usize>> = fixed
@@ -92,7 +92,7 @@ pub(crate) fn solve(poses: &mut [Pose], fixed: &[bool], relations: &[Relation]) 
             .map(|(&pose, place)| place.map_or(pose, |place| shifted(pose, steps[place])))
             .collect();
         let reached = cost(&moved, relations);
-        // NaN is no gain.
+        // With NaN the cost did not fall.
         if reached < best {
             poses.copy_from_slice(&moved);
             best = reached;
@@ -144,7 +144,7 @@ impl System {
             let (from, to) = (poses[relation.from], poses[relation.to]);
             let axis = unit_vector(from.heading);
             let seen = unit_vector(-from.heading).rotate(to.position - from.position);
-            // Of the error by the pose `to`, and by `from`, whose turn swings what it sees.
+            // Derivatives of the error by the pose `to`, and by `from`, whose turn moves what it sees.
             let by_to = DMat3::from_cols(
                 DVec3::new(axis.x, -axis.y, 0.0),
                 DVec3::new(axis.y, axis.x, 0.0),
@@ -188,7 +188,7 @@ impl System {
         self
     }
 
-    /// The solution; `None` where the system has none or its numbers are out of range.
+    /// The solution; `None` if it does not exist or its numbers are out of range.
     fn eliminate(mut self) -> Option<Vec<DVec3>> {
         let count = self.diagonal.len();
         let mut queue: BTreeSet<(usize, usize)> =
@@ -229,11 +229,11 @@ impl System {
     }
 }
 
-/// Least share of the walls' information about the place that an axis must have to count: less is
+/// Least share of the walls' information about the position that an axis must have to count: less is
 /// noise of the walls' directions.
 const LEAST_SHARE: f64 = 0.01;
 
-/// Information from walls, of which a point and the unit normal are given, in the frame of a pose
+/// Information from walls, given as points and unit normals in the frame of a pose
 /// that is seen at `seen`: they hold it across, not along. The frame of the result is that of the
 /// pose that sees it.
 pub(crate) fn held_by_walls(seen: Pose, walls: &[(DVec2, DVec2)], variance: f64) -> DMat3 {
@@ -243,7 +243,7 @@ pub(crate) fn held_by_walls(seen: Pose, walls: &[(DVec2, DVec2)], variance: f64)
         let by = normal.extend(normal.dot(point.perp()));
         sum + DMat3::from_cols(by * by.x, by * by.y, by * by.z)
     });
-    // Along a bare corridor nothing is known: what is left there is taken out.
+    // Along a bare corridor nothing is known: the remainder there is removed.
     let (xx, xy, yy) = (sum.x_axis.x, sum.x_axis.y, sum.y_axis.y);
     let spread = (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
     let (most, least) = (0.5 * (xx + yy) + spread, 0.5 * (xx + yy) - spread);
@@ -385,7 +385,7 @@ mod tests {
         let harm = |is_robust: bool| {
             let mut relations: Vec<_> =
                 (1..count).map(|i| relation(&truth, i - 1, i, false)).collect();
-            // Another right one holds the place, so that the wrong one has to pull against it.
+            // Another correct one holds the pose, so that the wrong one has to pull against it.
             relations.push(relation(&truth, 2, 25, true));
             let mut wrong = relation(&truth, 2, 25, is_robust);
             wrong.measured.position += DVec2::new(3.0, -2.0);

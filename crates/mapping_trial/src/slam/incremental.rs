@@ -1,4 +1,4 @@
-//! Estimators that never change what they have drawn: the wheels alone, and scan to map.
+//! Estimators that never change what is already in the map: the wheels alone, and scan to map.
 
 use envgen::geometry::Pose;
 
@@ -9,26 +9,26 @@ use crate::lidar::LaserProfile;
 use crate::map::{Estimate, OccupancyMap};
 use crate::robot::Robot;
 
-/// Draws each keyframe's scan where it is thought to be, for good; with or without matching it
+/// Draws each keyframe's scan at its estimated pose, for good; with or without matching it
 /// before. See [`DeadReckoning`] and [`ScanToMap`].
 #[derive(Clone, Debug)]
 pub struct Incremental<const MATCHING: bool> {
     mapper: Mapper,
 }
 
-/// Dead reckoning, the control: poses from the wheels alone; scans are drawn where those say.
+/// Dead reckoning, the baseline: poses from the wheels alone; scans are drawn at those poses.
 pub type DeadReckoning = Incremental<false>;
 
 /// Scan to map, what robots did in 2011, without closing loops.
 ///
-/// Each keyframe's scan is matched against all echoes before it, within what the wheels may have got
-/// wrong since walls last held the pose: old walls that come into sight again are found again. What
-/// was drawn stays: an error that is in the map is never mended, so that loops cost what they cost the
+/// Each keyframe's scan is matched against all earlier echoes, within the error that the wheels may
+/// have made since walls last held the pose: old walls that come into sight again are found again.
+/// The map is never corrected: an error in it stays, so that loops cost as much as they cost the
 /// robots of the time.
 pub type ScanToMap = Incremental<true>;
 
 impl<const MATCHING: bool> Incremental<MATCHING> {
-    /// For robots that stand at `starts`.
+    /// For robots at the poses `starts`.
     pub fn new(starts: &[Pose], robot: &Robot, laser: &LaserProfile) -> Self {
         Incremental { mapper: Mapper::new(starts, robot, laser, MATCHING) }
     }

@@ -1,4 +1,4 @@
-//! Likelihood fields: how well an echo fits each place, given the echoes before.
+//! Likelihood fields: how well an echo fits each position, given earlier echoes.
 
 use glam::{DVec2, IVec2};
 
@@ -10,10 +10,10 @@ pub const SIGMA: f64 = 0.07;
 /// Cells that the Gaussian reaches from the cell of its echo: three standard deviations.
 const REACH: i32 = 4;
 
-/// Places within a cell, along each axis, that the Gaussian is tabulated for.
+/// Positions within a cell, along each axis, for which the Gaussian is tabulated.
 const PLACES: i32 = 8;
 
-/// Cells along a side of a field, at most: 205 m.
+/// Greatest number of cells along a side of a field: 205 m.
 const MOST_CELLS: i32 = 4096;
 
 /// Cells that a field grows by beyond what is needed.
@@ -22,12 +22,12 @@ const SPARE: i32 = 256;
 /// The likelihood of an echo, cell by cell, with max-pooled levels that bound it from above over
 /// blocks of cells (Olson, Real-Time Correlative Scan Matching, ICRA 2009).
 ///
-/// Each echo stamps a Gaussian of [`SIGMA`]; where several overlap the greatest counts. Level of
+/// Each echo stamps a Gaussian of [`SIGMA`]; where several overlap the greatest counts. The level of
 /// block b holds at each cell the greatest likelihood within the b x b cells from it upwards and
 /// to the right; it is stamped too, with pooled Gaussians, so that it is always up to date.
 ///
-/// Likelihoods are in 1/255. A field covers a rectangle of at most 205 m that follows what it is
-/// asked to cover.
+/// Likelihoods are in 1/255. A field covers a rectangle of at most 205 m that follows the positions
+/// it is asked to cover.
 #[derive(Clone, Debug)]
 pub struct LikelihoodField {
     /// The cell at the lower left.
@@ -44,13 +44,13 @@ struct Level {
     cells: Vec<u8>,
 }
 
-/// The Gaussians of a level, for each place of the echo within its cell, in rows of 16 bytes that
+/// The Gaussians of a level, for each position of the echo within its cell, in rows of 16 bytes that
 /// are combined at once.
 #[derive(Clone, Debug)]
 struct Stamps {
     /// Rows of one Gaussian.
     rows: i32,
-    /// Pieces of 16 bytes a row.
+    /// Pieces of 16 bytes per row.
     pieces: usize,
     table: Vec<[u8; 16]>,
 }
@@ -75,7 +75,7 @@ impl Stamps {
     }
 }
 
-/// The greatest likelihood over a block of cells, for an echo at a place within its cell. Offsets
+/// The greatest likelihood over a block of cells, for an echo at a position within its cell. Offsets
 /// count from the first cell that the pooled Gaussian reaches.
 fn pooled(block: i32, x: (i32, i32), y: (i32, i32)) -> u8 {
     // The block's nearest cell on each axis decides, since the Gaussian falls along both.
@@ -94,7 +94,7 @@ fn pooled(block: i32, x: (i32, i32), y: (i32, i32)) -> u8 {
 }
 
 impl LikelihoodField {
-    /// An empty field with pooled levels of the given blocks, the first of which is to be 1.
+    /// An empty field with pooled levels of the given blocks, the first of which must be 1.
     /// Blocks are cut to 1..=64 cells.
     pub fn new(blocks: &[i32]) -> Self {
         let level = |&block: &i32| {
@@ -110,7 +110,7 @@ impl LikelihoodField {
         self.levels.iter().map(|level| level.block)
     }
 
-    /// The cell at the lower left corner of what is covered; cell (0, 0) has its lower left corner
+    /// The cell at the lower left corner of the covered rectangle; cell (0, 0) has its lower left corner
     /// at the frame's origin.
     pub fn origin(&self) -> IVec2 {
         self.origin
@@ -126,7 +126,7 @@ impl LikelihoodField {
         &self.levels[level].cells
     }
 
-    /// The likelihood at a point in 1/255, 0 beyond what is covered.
+    /// The likelihood at a point in 1/255, 0 outside of the field.
     pub fn at(&self, p: DVec2) -> u8 {
         let cell = (p * (1.0 / RESOLUTION)).floor().as_ivec2();
         let local = cell.saturating_sub(self.origin);
@@ -136,10 +136,10 @@ impl LikelihoodField {
     }
 
     /// Makes the field cover a square of half side `radius` metres around a point, with room for
-    /// stamps and blocks. What was stamped stays where it can; returns false where the field had
-    /// to be emptied instead, because it would have grown beyond its limit.
+    /// stamps and blocks. Earlier stamps are kept if possible; returns false if the field had
+    /// to be emptied, because it would have grown beyond its limit.
     ///
-    /// Squares of more than about 90 m half a side are cut.
+    /// Squares of more than about 90 m half side are cut.
     pub fn cover(&mut self, centre: DVec2, radius: f64) -> bool {
         let largest = self.levels.iter().map(|level| level.block).max().unwrap_or(1);
         let margin = REACH + largest + 32;
@@ -213,7 +213,7 @@ impl LikelihoodField {
         }
     }
 
-    /// Empties the field and puts it on a rectangle of cells.
+    /// Empties the field and moves it to a rectangle of cells.
     fn place(&mut self, low: IVec2, high: IVec2) {
         self.origin = low;
         (self.cols, self.rows) = (high.x - low.x, high.y - low.y);
@@ -224,7 +224,7 @@ impl LikelihoodField {
         }
     }
 
-    /// Moves to a rectangle that holds the present one.
+    /// Grows to a rectangle that contains the present one.
     fn grow(&mut self, low: IVec2, high: IVec2) {
         let (cols, rows) = ((high.x - low.x) as usize, (high.y - low.y) as usize);
         let shift = self.origin - low;
@@ -264,7 +264,7 @@ mod tests {
                 let distance = centre.distance(echo);
                 let value = f64::from(at(&field, 0, IVec2::new(x, y))) / 255.0;
                 let expected = libm::exp(-0.5 * distance * distance / (SIGMA * SIGMA));
-                // The place within a cell is known to 1/8 of it; far tails are cut.
+                // The position within a cell is known to 1/8 of it; far tails are cut.
                 assert!((value - expected).abs() < 0.05, "{value} for {expected} at {x}, {y}");
             }
         }
@@ -319,7 +319,7 @@ mod tests {
         assert!(!field.cover(DVec2::new(5000.0, 0.0), 10.0));
         assert!(field.cells(0).iter().all(|&cell| cell == 0));
         assert!(field.cells(0).len() < 1 << 22);
-        // Stamps beyond what is covered are left out.
+        // Stamps outside of the field are left out.
         field.stamp(DVec2::ZERO);
         field.stamp(DVec2::splat(f64::NAN));
     }

@@ -1,4 +1,4 @@
-//! Closing loops: keyframes that see a place from long before.
+//! Loop closing: keyframes that see a place from long before.
 
 use envgen::geometry::{Pose, wrap_angle};
 
@@ -9,10 +9,10 @@ use super::matcher::{Matcher, Window};
 use super::motion::between;
 use super::sweep::FEWEST_ECHOES;
 
-/// Path in metres that a place has to lie back to count as an old one.
+/// Least path length in metres since a place was seen for it to count as an old one.
 const OLDER: f64 = 10.0;
 
-/// Distance in metres within which an old place is looked for: this much, and so much for each
+/// Distance in metres within which an old place is searched: this much, and so much per
 /// metre of path since, up to the window that is searched.
 const NEAR: (f64, f64) = (3.0, 0.02);
 
@@ -20,25 +20,25 @@ const NEAR: (f64, f64) = (3.0, 0.02);
 /// laser's field of view: two thirds of what they see is common.
 const COMMON_VIEW: f64 = 1.0 / 3.0;
 
-/// Metres that a radian between the headings of two keyframes counts as, in choosing the old
+/// Metres that count as one radian between the headings of two keyframes, in choosing the old
 /// keyframe that sees the most of the same.
 const TURN_COUNTS: f64 = 0.5;
 
 /// Keyframes in the local map of an old place.
 const CHAIN: usize = 10;
 
-/// Half the side of the window in metres, and the largest difference of headings, that a scan is
-/// searched in.
+/// Half the side of the window in metres, and the largest difference of headings, in which a scan is
+/// searched.
 const REACH: (f64, f64) = (4.0, 20.0 * std::f64::consts::PI / 180.0);
 
-/// Margin of the window, in metres and radians, in which nothing is believed.
+/// Margin of the window, in metres and radians, in which no match is accepted.
 const EDGE: (f64, f64) = (0.1, 1.0 * std::f64::consts::PI / 180.0);
 
-/// Farthest that a match may be from where the robot is thought to be: metres, and standard
+/// Greatest distance of a match from the estimated pose: metres, and standard
 /// deviations.
 const CREDIBLE: (f64, f64) = (0.5, 4.0);
 
-/// Least standard deviation in metres that an old place is expected with.
+/// Least standard deviation in metres with which an old place is expected.
 const LEAST_DEVIATION: f64 = 0.2;
 
 /// Mean likelihood that a match has to reach.
@@ -47,7 +47,7 @@ const RESPONSE: f64 = 0.45;
 /// Distance in metres and difference of headings in radians up to which two matches in a row agree.
 const AGREEMENT: (f64, f64) = (0.2, 3.0 * std::f64::consts::PI / 180.0);
 
-/// Path in metres from one attempt to the next, and from a closed loop to the next attempt.
+/// Path length in metres from one attempt to the next, and from a closed loop to the next attempt.
 const PAUSE: (f64, f64) = (1.0, 3.0);
 
 /// Levels of the fields of local maps.
@@ -63,12 +63,12 @@ pub(crate) struct LoopCloser {
     robots: Vec<Progress>,
 }
 
-/// Where the search stands for one robot.
+/// The state of the search for one robot.
 #[derive(Clone, Debug, Default)]
 struct Progress {
     /// Its keyframes.
     chain: Vec<usize>,
-    /// Path at which the next attempt is due.
+    /// Path length at which the next attempt is due.
     due: f64,
     /// A match that waits for a second one.
     pending: Option<Seen>,
@@ -83,12 +83,12 @@ struct Seen {
     walls: Vec<WallPiece>,
 }
 
-/// A loop that was found closed.
+/// A closed loop.
 #[derive(Clone, Debug)]
 pub(crate) struct Closed {
     /// Two keyframes as seen from the old place, the newer last.
     pub(crate) relations: [Relation; 2],
-    /// The walls that hold the newer.
+    /// The walls that hold the newer one.
     pub(crate) walls: Vec<WallPiece>,
 }
 
@@ -135,17 +135,17 @@ impl LoopCloser {
         }
     }
 
-    /// The old keyframe that sees most of what a new one sees, by its place and heading.
+    /// The old keyframe that sees most of what a new one sees, by its position and heading.
     fn old_place(&self, keyframes: &[Keyframe], newest: usize) -> Option<usize> {
         let new = &keyframes[newest];
         let mut best = None;
-        // What lies behind a robot's first keyframes was never seen.
+        // What is behind a robot's first keyframes was never seen.
         let is_seen = |i: usize| {
             let chain = &self.robots[keyframes[i].robot].chain;
             chain.get(CHAIN / 2).is_some_and(|&first| first <= i)
         };
         for (i, old) in keyframes[..newest].iter().enumerate() {
-            // The way from one to the other: through the known starts for two robots.
+            // The path from one to the other: through the known starts for two robots.
             let path =
                 if old.robot == new.robot { new.path - old.path } else { new.path + old.path };
             let distance = new.pose.position.distance(old.pose.position);
@@ -166,7 +166,7 @@ impl LoopCloser {
         if new.sweep.echoes.len() < FEWEST_ECHOES {
             return None;
         }
-        // Places look alike: of two that do, the one nearer to where the robot is thought to be.
+        // Places look alike: of two similar ones, prefer the one nearer to the estimated pose.
         let variance = new.variance.position + keyframes[old].variance.position;
         let deviation = variance.sqrt().clamp(LEAST_DEVIATION, REACH.0 / 3.0);
         let heading_deviation = REACH.1 / 3.0;
@@ -185,8 +185,8 @@ impl LoopCloser {
             stamp(&mut self.field, keyframes[i].pose, &keyframes[i].sweep.echoes);
         }
         let found = self.matcher.find(&self.field, &new.sweep.echoes, window)?;
-        // The best at the window's edge is none: it is better still outside. Nor is one that is
-        // farther off than the robot can be: places look alike.
+        // The best match at the window's edge does not count: it is better still outside. Nor does one
+        // that is farther off than the robot can be: places look alike.
         let shift = found.pose.position - new.pose.position;
         let turn = wrap_angle(found.pose.heading - new.pose.heading).abs();
         let inside = shift.abs().max_element() < REACH.0 - EDGE.0
@@ -196,7 +196,7 @@ impl LoopCloser {
     }
 }
 
-/// Whether two matches put the way between them where the robot went.
+/// Whether two matches agree with the robot's motion between them.
 fn agree(keyframes: &[Keyframe], a: &Seen, b: &Seen) -> bool {
     let went = between(keyframes[a.keyframe].pose, keyframes[b.keyframe].pose);
     let found = between(a.pose, b.pose);
@@ -204,7 +204,7 @@ fn agree(keyframes: &[Keyframe], a: &Seen, b: &Seen) -> bool {
         && wrap_angle(went.heading - found.heading).abs() <= AGREEMENT.1
 }
 
-/// What a match says: much across the walls that the scan saw, nothing along a bare corridor.
+/// The information of a match: much across the walls that the scan saw, none along a bare corridor.
 fn relation(keyframes: &[Keyframe], seen: &Seen) -> Relation {
     let measured = between(keyframes[seen.old].pose, seen.pose);
     Relation {

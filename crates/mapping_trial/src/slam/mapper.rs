@@ -1,4 +1,4 @@
-//! What the mapping estimators share: keyframes, each matched against all before it and put into
+//! What the mapping estimators share: keyframes, each matched against all earlier ones and added to
 //! the map.
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
@@ -18,21 +18,21 @@ use crate::robot::Robot;
 /// Levels of the field that scans are matched against.
 const BLOCKS: [i32; 2] = [1, 4];
 
-/// Standard deviation of the expected position: metres, and metres a metre of way.
+/// Standard deviation of the expected position: metres, and metres per metre of path.
 const EXPECTED_POSITION: (f64, f64) = (0.03, 0.05);
 
-/// Standard deviation of the expected heading: radians, and radians a radian of turning.
+/// Standard deviation of the expected heading: radians, and radians per radian of turning.
 const EXPECTED_HEADING: (f64, f64) = (0.01, 0.06);
 
-/// Largest standard deviations that are searched for, in metres and radians: a bound of the work.
+/// Largest standard deviations that are searched, in metres and radians: bounds the work.
 const WIDEST: (f64, f64) = (0.5, 0.3);
 
-/// Mean likelihood from which a scan fits where it is expected, and by how much it has to fit better
+/// Mean likelihood from which a scan fits at the expected pose, and by how much it has to fit better
 /// elsewhere: in known surroundings a keyframe has less than a tenth of new walls.
 const FITS: f64 = 0.8;
 const BETTER: f64 = 0.15;
 
-/// Least path in metres to an older keyframe by which a place counts as known from before.
+/// Least path length in metres to an older keyframe by which a place counts as known from before.
 const OLDER: f64 = 10.0;
 
 /// Distance in metres, and difference of headings in radians, within which a keyframe sees the
@@ -46,21 +46,21 @@ pub(crate) struct Keyframe {
     /// Whether it is its robot's first, whose pose is known.
     pub(crate) is_first: bool,
     pub(crate) pose: Pose,
-    /// Metres that the robot had come when it was taken.
+    /// Path length in metres of the robot when it was taken.
     pub(crate) path: f64,
     pub(crate) sweep: Sweep,
     pub(crate) variance: Variance,
 }
 
-/// What is known of the step that led to a new keyframe.
+/// The step that led to a new keyframe.
 #[derive(Clone, Debug)]
 pub(crate) struct Added {
     pub(crate) keyframe: usize,
-    /// The robot's keyframe before, none for its first.
+    /// The robot's keyframe before; `None` for its first.
     pub(crate) before: Option<usize>,
     /// Variance of the motion since then, before a scan was matched.
     pub(crate) motion: Variance,
-    /// The walls that hold the pose, none where none was matched.
+    /// The walls that hold the pose; empty without a match.
     pub(crate) walls: Vec<WallPiece>,
 }
 
@@ -70,12 +70,12 @@ pub(crate) struct Mapper {
     sweeper: Sweeper,
     painter: ScanInserter,
     matcher: Matcher,
-    /// What scans are matched against; none where poses come from the wheels alone.
+    /// The field that scans are matched against; `None` if poses come from the wheels alone.
     field: Option<LikelihoodField>,
     pub(crate) map: OccupancyMap,
     pub(crate) keyframes: Vec<Keyframe>,
     pub(crate) tracks: Vec<PoseTrack>,
-    /// What each robot's last keyframe may be off against the map.
+    /// The drift of each robot's last keyframe against the map.
     drifts: Vec<Drift>,
 }
 
@@ -99,7 +99,7 @@ impl Mapper {
         }
     }
 
-    /// Takes a tick's measurements of one robot; tells of a new keyframe. Robots that there are not
+    /// Takes a tick's measurements of one robot; returns a new keyframe, if there is one. Unknown robots
     /// are ignored.
     pub(crate) fn step(
         &mut self,
@@ -117,12 +117,12 @@ impl Mapper {
         added
     }
 
-    /// Where a robot is thought to be; the origin for robots that there are not.
+    /// The pose estimate of a robot; the origin for unknown robots.
     pub(crate) fn estimate(&self, robot: usize) -> Estimate {
         let Some(track) = self.tracks.get(robot) else { return Estimate::default() };
         let at = track.keyframe.map_or(Variance::default(), |k| self.keyframes[k].variance);
         let Variance { position, heading } =
-            at.after(Variance::of_motion(track.way, track.turned), track.way);
+            at.after(Variance::of_motion(track.distance, track.turned), track.distance);
         Estimate {
             pose: track.pose(|keyframe| self.keyframes[keyframe].pose),
             deviation: position.sqrt(),
@@ -155,14 +155,15 @@ impl Mapper {
         let sweep = self.sweeper.sweep(scan);
         let track = &self.tracks[robot];
         let expected = track.pose(|keyframe| self.keyframes[keyframe].pose);
-        let (before, way, turned, path) = (track.keyframe, track.way, track.turned, track.total);
-        // Far out nothing can be drawn; a scan without a ray says nothing.
+        let (before, distance, turned, path) =
+            (track.keyframe, track.distance, track.turned, track.total);
+        // Far out nothing can be drawn; a scan without a ray has no information.
         if !is_near(expected.position) || (sweep.echoes.is_empty() && sweep.clear.is_empty()) {
             return None;
         }
 
         // A robot's first pose is known: nothing is matched there.
-        let motion = Variance::of_motion(way, turned);
+        let motion = Variance::of_motion(distance, turned);
         let (step, drift) = match before {
             Some(before) => {
                 let shift = expected.position - self.keyframes[before].pose.position;
@@ -170,7 +171,8 @@ impl Mapper {
             }
             None => (Drift::NONE, Drift::NONE),
         };
-        let matched = before.and_then(|_| self.match_scan(expected, way, turned, drift, &sweep));
+        let matched =
+            before.and_then(|_| self.match_scan(expected, distance, turned, drift, &sweep));
         let (pose, walls) = match (&self.field, matched) {
             (Some(field), Some((matched, is_far))) => {
                 let walls = walls(field, matched, &sweep.echoes);
@@ -181,7 +183,7 @@ impl Mapper {
         };
         self.drifts[robot] = if before.is_some() { drift.held(&walls, pose) } else { drift };
         let variance = before.map_or(Variance::default(), |before| {
-            self.variance(before, way, turned, path, pose, &walls)
+            self.variance(before, distance, turned, path, pose, &walls)
         });
         if let Some(field) = &mut self.field {
             cover(field, &self.keyframes, pose, sweep.radius());
@@ -198,14 +200,14 @@ impl Mapper {
     /// The pose at which a scan fits the field best, and whether that is farther off than the last
     /// step alone can explain.
     ///
-    /// Where walls were out of sight, or ran one way only, more than the last step may be wrong. A
-    /// scan that does not fit near the expected pose is then looked for as far as the drift reaches;
-    /// what is found there has to fit clearly better, since a scan of new walls always fits a little
+    /// If walls were out of sight, or parallel, more than the last step may be wrong. A
+    /// scan that does not fit near the expected pose is then searched as far as the drift reaches;
+    /// a match there has to fit clearly better, since a scan of new walls always fits a little
     /// better where it is pulled back over old ones.
     fn match_scan(
         &mut self,
         expected: Pose,
-        way: f64,
+        distance: f64,
         turned: f64,
         drift: Drift,
         sweep: &Sweep,
@@ -215,7 +217,8 @@ impl Mapper {
             return None;
         }
         let (position, heading) = (EXPECTED_POSITION, EXPECTED_HEADING);
-        let (position, heading) = (position.0 + position.1 * way, heading.0 + heading.1 * turned);
+        let (position, heading) =
+            (position.0 + position.1 * distance, heading.0 + heading.1 * turned);
         let mut find = |position: f64, heading: f64| {
             let window = Window::around(expected, position.min(WIDEST.0), heading.min(WIDEST.1));
             let radius = Matcher::radius(sweep.radius(), &window);
@@ -235,24 +238,24 @@ impl Mapper {
         Some((near.pose, false))
     }
 
-    /// How sure the pose of a new keyframe is: as sure as the one before it and the step, or as an
+    /// The variance of a new keyframe's pose: that of the one before it and the step, or that of an
     /// older one that sees the same place.
     fn variance(
         &self,
         before: usize,
-        way: f64,
+        distance: f64,
         turned: f64,
         path: f64,
         pose: Pose,
         walls: &[WallPiece],
     ) -> Variance {
-        let motion = Variance::of_motion(way, turned);
+        let motion = Variance::of_motion(distance, turned);
         let before = &self.keyframes[before];
         if walls.is_empty() {
-            return before.variance.after(motion, way);
+            return before.variance.after(motion, distance);
         }
         let step = constrained(motion, walls);
-        let chained = before.variance.after(step, way);
+        let chained = before.variance.after(step, distance);
         let sees_the_same = |other: &&Keyframe| {
             (other.robot != before.robot || path - other.path >= OLDER)
                 && other.pose.position.distance(pose.position) <= SAME_PLACE.0
@@ -265,27 +268,27 @@ impl Mapper {
     }
 }
 
-/// Standard deviation in metres that an echo's distance from its wall is believed to have.
+/// Standard deviation in metres that an echo's distance from its wall is assumed to have.
 const WALL_DEVIATION: f64 = 0.1;
 
 /// Variance of the same.
 pub(crate) const WALL_VARIANCE: f64 = WALL_DEVIATION * WALL_DEVIATION;
 
-/// Longest distance in metres of neighbouring echoes that are taken for one wall.
+/// Longest distance in metres of neighbouring echoes that count as one wall.
 const WALL_GAP: f32 = 0.5;
 
-/// Least length in metres that a wall's direction is read from: ten times the noise of a range.
+/// Least length in metres from which a wall's direction is measured: ten times the noise of a range.
 const WALL_LENGTH: f32 = 0.3;
 
-/// Likelihood of an echo, in 1/255, from which it has found its wall.
+/// Likelihood of an echo, in 1/255, from which it counts as matched to its wall.
 const FOUND: u8 = 77;
 
 /// A piece of wall as seen from a pose: a point and the unit normal there.
 pub(crate) type WallPiece = (DVec2, DVec2);
 
-/// The walls that a matched scan was held by: for each echo that stands where echoes stood before,
+/// The walls that hold a matched scan: for each echo at the place of earlier echoes,
 /// the wall from there to the next echo that is far enough for the noise not to matter. An echo of
-/// what is new says nothing about the pose.
+/// something new has no information on the pose.
 pub(crate) fn walls(field: &LikelihoodField, pose: Pose, echoes: &[Vec2]) -> Vec<WallPiece> {
     let heading = unit_vector(pose.heading);
     let mut end = 0;
@@ -310,8 +313,8 @@ pub(crate) fn walls(field: &LikelihoodField, pose: Pose, echoes: &[Vec2]) -> Vec
     pieces
 }
 
-/// What a match leaves of a step's variance: the echoes hold the pose across the walls that they
-/// stand on, not along them.
+/// The variance of a step after a match: the echoes hold the pose across their walls, not along
+/// them.
 pub(crate) fn constrained(motion: Variance, walls: &[WallPiece]) -> Variance {
     let (mut xx, mut xy, mut yy, mut turn) = (0.0, 0.0, 0.0, 0.0);
     for (point, normal) in walls {
@@ -328,15 +331,15 @@ pub(crate) fn constrained(motion: Variance, walls: &[WallPiece]) -> Variance {
     Variance { position: left(motion.position, worst), heading: left(motion.heading, turn) }
 }
 
-/// Draws a keyframe; a robot's first twice, since a single pass decides no free cell, and robots
-/// that know of none stay where they are.
+/// Draws a keyframe; a robot's first twice, since a single pass makes no cell free, and robots
+/// without any free cell stay where they are.
 fn draw(painter: &mut ScanInserter, map: &mut OccupancyMap, laser: Pose, keyframe: &Keyframe) {
     for _ in 0..if keyframe.is_first { 2 } else { 1 } {
         painter.draw(map, keyframe.pose, laser, &keyframe.sweep);
     }
 }
 
-/// Makes a field cover a place; where it has to be moved, the keyframes around are stamped again.
+/// Makes a field cover a position; if it has to be moved, the keyframes around are stamped again.
 fn cover(field: &mut LikelihoodField, keyframes: &[Keyframe], centre: Pose, radius: f64) {
     if !field.cover(centre.position, radius) {
         for keyframe in keyframes {

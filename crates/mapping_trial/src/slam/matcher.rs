@@ -7,7 +7,7 @@ use glam::{DVec2, Vec2};
 use super::likelihood::LikelihoodField;
 use crate::map::RESOLUTION;
 
-/// Fine steps a cell: 3.1 mm.
+/// Fine steps per cell: 3.1 mm.
 const FINE: i32 = 16;
 
 const FINE_BITS: u32 = FINE.trailing_zeros();
@@ -28,10 +28,10 @@ const PRIOR_WEIGHT: f64 = 0.002;
 const NEIGHBOURS: [(i32, i32); 9] =
     [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
 
-/// Moves of the refinement at most, at each step size.
+/// Greatest number of moves of the refinement at each step size.
 const MOST_MOVES: usize = 64;
 
-/// Where a pose is expected, and where it is looked for.
+/// The expected pose, and the window in which it is searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// The expected pose.
@@ -53,7 +53,7 @@ impl Window {
         Window { centre, deviation, heading_deviation, reach, heading_reach }
     }
 
-    /// Whether there is anything to be searched: finite numbers, positive deviations.
+    /// Whether the window can be searched: finite numbers, positive deviations.
     fn is_sound(&self) -> bool {
         let Pose { position, heading } = self.centre;
         let sizes = [self.deviation, self.heading_deviation];
@@ -65,18 +65,18 @@ impl Window {
     }
 }
 
-/// What was found.
+/// The result of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Match {
     /// The pose of the highest score.
     pub pose: Pose,
     /// Mean likelihood of the echoes there, 0 to 1.
     pub response: f64,
-    /// Response minus the penalty for what deviates from the expected pose.
+    /// Response minus the penalty for the deviation from the expected pose.
     pub score: f64,
 }
 
-/// A place of the search: steps from the expected pose, in fine steps on each axis.
+/// A candidate of the search: steps from the expected pose, in fine steps on each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Step {
     x: i32,
@@ -86,26 +86,26 @@ struct Step {
 
 /// Cells x to x + block - 1, y likewise, at one heading.
 #[derive(Clone, Copy, Debug)]
-struct KeepoutZone {
+struct CellBlock {
     bound: f64,
-    /// Place of the heading in the list of those that are searched.
+    /// Index of the heading in the list of those that are searched.
     turn: i32,
     x: i32,
     y: i32,
 }
 
-/// Matches scans; it holds what is used again from scan to scan.
+/// Matches scans; it keeps its memory from scan to scan.
 #[derive(Clone, Debug, Default)]
 pub struct Matcher {
-    /// Place in the field of each echo at each heading, heading by heading.
+    /// Index in the field of each echo at each heading, heading by heading.
     places: Vec<u32>,
     /// Echoes at one heading in fine steps from the field's corner, for the refinement.
     fine: Vec<(i32, i32)>,
-    roots: Vec<KeepoutZone>,
+    roots: Vec<CellBlock>,
 }
 
 /// One search over the lattice of whole cells and coarse headings.
-struct GridPlanner<'a> {
+struct LatticeSearch<'a> {
     field: &'a LikelihoodField,
     blocks: Vec<i32>,
     places: &'a [u32],
@@ -125,13 +125,13 @@ impl Matcher {
         Matcher::default()
     }
 
-    /// Finds where the echoes of a scan, in metres in the robot's frame, fit best. First the best
-    /// place of a lattice of whole cells and headings 0.48 degrees apart is found, exactly, by
+    /// Finds the pose where the echoes of a scan, in metres in the robot's frame, fit best. First the
+    /// best pose of a lattice of whole cells and headings 0.48 degrees apart is found, exactly, by
     /// branch and bound on the pooled levels; from there the interpolated likelihood is climbed in
     /// halved steps down to 3 mm and 0.06 degrees.
     ///
-    /// The field is to cover the scan wherever in the window it may lie; see
-    /// [`Matcher::radius`]. `None` without an echo, or when it does not.
+    /// The field must cover the scan at every pose of the window; see
+    /// [`Matcher::radius`]. `None` without an echo, or if it does not.
     pub fn find(
         &mut self,
         field: &LikelihoodField,
@@ -190,7 +190,7 @@ impl Matcher {
                 self.places.push((row * cols + col) as u32);
             }
         }
-        let mut search = GridPlanner {
+        let mut search = LatticeSearch {
             field,
             blocks,
             places: &self.places,
@@ -213,7 +213,7 @@ impl Matcher {
         window: Window,
         from: Step,
     ) -> Match {
-        // Turns are about the middle of the echoes, so that they do not shift the whole scan.
+        // Turns are about the centroid of the echoes, so that they do not shift the whole scan.
         let sum = echoes.iter().fold(DVec2::ZERO, |sum, p| sum + p.as_dvec2());
         let middle = sum / echoes.len() as f64;
         let lever = |angle: i32| {
@@ -236,7 +236,7 @@ impl Matcher {
         turn_into(&mut self.fine, field, echoes, window.centre, at.angle);
         let mut best = score(&self.fine, at);
         for (shift, angle) in REFINEMENT {
-            // Along the axes first; where that leads no further, along all diagonals as well.
+            // Along the axes first; if that does not improve, along all diagonals as well.
             let mut shifts = &NEIGHBOURS[..5];
             for _ in 0..MOST_MOVES {
                 let before = at;
@@ -281,8 +281,8 @@ impl Matcher {
     }
 }
 
-impl GridPlanner<'_> {
-    fn run(&mut self, roots: &mut Vec<KeepoutZone>) {
+impl LatticeSearch<'_> {
+    fn run(&mut self, roots: &mut Vec<CellBlock>) {
         // From the largest blocks to single cells.
         let mut order: Vec<usize> = (0..self.blocks.len()).collect();
         order.sort_by_key(|&level| std::cmp::Reverse(self.blocks[level]));
@@ -293,7 +293,7 @@ impl GridPlanner<'_> {
             for y in (-self.cells..=self.cells).step_by(size as usize) {
                 for x in (-self.cells..=self.cells).step_by(size as usize) {
                     let bound = self.bound(top, turn, x, y);
-                    roots.push(KeepoutZone { bound, turn, x, y });
+                    roots.push(CellBlock { bound, turn, x, y });
                 }
             }
         }
@@ -306,8 +306,8 @@ impl GridPlanner<'_> {
         }
     }
 
-    /// Looks into a block of the first level of `order`.
-    fn descend(&mut self, order: &[usize], block: KeepoutZone) {
+    /// Searches a block of the first level of `order`.
+    fn descend(&mut self, order: &[usize], block: CellBlock) {
         let [level, finer @ ..] = order else { return };
         let Some(&next) = finer.first() else {
             if block.bound > self.best {
@@ -324,7 +324,7 @@ impl GridPlanner<'_> {
             for x in (block.x..=end(block.x)).step_by(step) {
                 let bound = self.bound(next, block.turn, x, y);
                 if bound > self.best {
-                    children.push(KeepoutZone { bound, turn: block.turn, x, y });
+                    children.push(CellBlock { bound, turn: block.turn, x, y });
                 }
             }
         }
@@ -337,7 +337,7 @@ impl GridPlanner<'_> {
         }
     }
 
-    /// The most that a step within a block can score; what it does score for a single cell.
+    /// The upper bound of the score within a block; the exact score for a single cell.
     fn bound(&self, level: usize, turn: i32, x: i32, y: i32) -> f64 {
         let offset = y * self.field.cols() as i32 + x;
         let first = (turn + self.turns) as usize * self.echoes;
@@ -353,11 +353,11 @@ impl GridPlanner<'_> {
 }
 
 /// Puts the most promising blocks first; of equal ones those that came first stay first.
-fn by_bound(blocks: &mut [KeepoutZone]) {
+fn by_bound(blocks: &mut [CellBlock]) {
     blocks.sort_by(|a, b| b.bound.total_cmp(&a.bound));
 }
 
-/// What a step away from the expected pose costs.
+/// The penalty of a step away from the expected pose.
 fn penalty(window: Window, x: i32, y: i32, angle: i32) -> f64 {
     let metres = RESOLUTION / f64::from(FINE);
     let (x, y) = (f64::from(x) * metres, f64::from(y) * metres);
@@ -396,13 +396,13 @@ fn turn_into(
     }));
 }
 
-/// The likelihood at a place in fine steps, of the cell that holds it.
+/// The likelihood at a position in fine steps, of the cell that contains it.
 fn nearest(field: &LikelihoodField, x: i32, y: i32) -> u64 {
     let index = (y >> FINE_BITS) as usize * field.cols() + (x >> FINE_BITS) as usize;
     u64::from(field.cells(0)[index])
 }
 
-/// The sum over all echoes of the likelihood between the middles of cells, in 1/65280.
+/// The sum over all echoes of the likelihood between the centres of cells, in 1/65280.
 fn interpolated(field: &LikelihoodField, places: &[(i32, i32)], dx: i32, dy: i32) -> u64 {
     let (cells, cols) = (field.cells(0), field.cols());
     let (dx, dy) = (dx - FINE / 2, dy - FINE / 2);
@@ -424,7 +424,7 @@ mod tests {
     use envgen::Seed;
     use proptest::prelude::*;
 
-    /// The best score of the coarse lattice, by looking at every place of it.
+    /// The best score of the coarse lattice, by trying every pose of it.
     fn exhaustive(field: &LikelihoodField, echoes: &[Vec2], window: Window) -> f64 {
         let cells = (window.reach / RESOLUTION).ceil() as i32;
         let turns = (window.heading_reach / (f64::from(COARSE_ANGLE) * FINE_ANGLE)).ceil() as i32;
@@ -498,7 +498,7 @@ mod tests {
         walls.map(|p| axis.rotate(p)).collect()
     }
 
-    /// Farthest that a scan is put back from where it was taken.
+    /// The greatest error of a scan that is matched to where it was taken.
     fn worst(turn: f64) -> (f64, f64) {
         let mut field = LikelihoodField::new(&[1, 4]);
         field.cover(DVec2::ZERO, 6.0);
@@ -540,7 +540,7 @@ mod tests {
         assert_eq!(matcher.find(&field, &[], window), None);
         let found = matcher.find(&field, &[Vec2::X], window).expect("covered");
         assert_eq!((found.pose, found.response), (expected, 0.0));
-        // A scan that reaches beyond what is covered.
+        // A scan that reaches outside of the field.
         assert_eq!(matcher.find(&field, &[Vec2::X * 50.0], window), None);
     }
 }

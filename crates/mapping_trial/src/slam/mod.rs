@@ -1,10 +1,10 @@
-//! Simultaneous localisation and mapping: from what robots measure to where they are and what is
-//! around them.
+//! Simultaneous localisation and mapping: from the robots' measurements to their poses and the
+//! map.
 //!
-//! | estimator | poses | what a loop costs |
+//! | estimator | poses | map error left by a loop |
 //! |---|---|---|
-//! | [`DeadReckoning`] | the wheels alone | everything |
-//! | [`ScanToMap`] | each keyframe's scan, matched against all before it | the error around it |
+//! | [`DeadReckoning`] | the wheels alone | all drift of the wheels |
+//! | [`ScanToMap`] | each keyframe's scan, matched against all earlier ones | the drift along the loop |
 //! | [`PoseGraph`] | the same, and old places that are found again | little |
 //!
 //! All of them take a keyframe every 0.3 m or 15 degrees and draw its scan into one
@@ -34,34 +34,34 @@ use crate::lidar::LaserProfile;
 use crate::map::{Estimate, OccupancyMap};
 use crate::robot::Robot;
 
-/// One way to do it, for one robot or several that share one map.
+/// A SLAM estimator, for one robot or several that share one map.
 ///
-/// Robots know where they start; the map's frame is the one that those poses are given in. Changes of
+/// Robots know where they start; the map's frame is the one in which those poses are given. Changes of
 /// the map are announced by [`OccupancyMap::touch`]: policies and scores look only there.
 ///
-/// An estimator of one's own is plugged in by [`TrialBuilder::slam`](crate::trial::TrialBuilder::slam).
+/// An estimator of your own is plugged in by [`TrialBuilder::slam`](crate::trial::TrialBuilder::slam).
 pub trait Slam {
-    /// What logs and reports call it where it was plugged in: the type's path unless it says
-    /// otherwise.
+    /// Its name in logs and reports of trials that it is plugged into; the type's path by
+    /// default.
     fn name(&self) -> &str {
         std::any::type_name::<Self>()
     }
 
-    /// What one robot measured in one tick.
+    /// Takes what one robot measured in one tick.
     fn step(&mut self, robot: usize, seen: &Observation);
 
-    /// Where a robot is thought to be.
+    /// The pose estimate of a robot, in the map's frame.
     fn estimate(&self, robot: usize) -> Estimate;
 
     /// The map so far.
     fn map(&self) -> &OccupancyMap;
 
-    /// The best guess now of where a robot was after each of its steps, the start first: one pose
+    /// The best estimate now of a robot's pose after each of its steps, the start first: one pose
     /// more than steps. Loop closing may change the past.
     fn trajectory(&self, robot: usize) -> Vec<Pose>;
 }
 
-/// The estimators there are.
+/// The built-in estimators.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
@@ -81,7 +81,7 @@ impl SlamKind {
     pub const ALL: [SlamKind; 3] =
         [SlamKind::DeadReckoning, SlamKind::ScanToMap, SlamKind::PoseGraph];
 
-    /// An estimator for robots that stand at `starts`, with one kind of body and laser.
+    /// An estimator for robots at the poses `starts`, with one kind of body and laser.
     pub fn build(
         self,
         starts: &[Pose],

@@ -1,13 +1,13 @@
-//! Poses put together and taken apart: the group SE(2).
+//! Composition and difference of poses: the group SE(2).
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 
 use crate::odometry::Increment;
 
-/// Greatest way in metres and turn in radians that one increment is believed.
+/// Greatest distance in metres and turn in radians of one increment; larger ones are cut.
 const BELIEVED: f64 = 1e4;
 
-/// Farthest from the origin in metres that a pose can get; what lies farther is noise.
+/// Greatest distance of a pose from the origin in metres; poses farther away are noise.
 const FARTHEST: f64 = 1e9;
 
 /// The pose that is `relative` as seen from `base`.
@@ -36,8 +36,8 @@ pub(crate) fn advance(pose: Pose, by: Increment) -> Pose {
     }
 }
 
-/// An increment without what no wheel measures: what is not a number counts as no motion, what is
-/// huge is cut.
+/// An increment without impossible values: NaN counts as no motion, and
+/// huge values are cut.
 pub(crate) fn believable(increment: Increment) -> Increment {
     let part = |x: f64| if x.is_nan() { 0.0 } else { x.clamp(-BELIEVED, BELIEVED) };
     Increment { distance: part(increment.distance), turn: part(increment.turn) }

@@ -1,4 +1,4 @@
-//! Graph SLAM: today's way, which closes loops.
+//! Graph SLAM: the modern approach, which closes loops.
 
 use envgen::geometry::Pose;
 
@@ -16,10 +16,10 @@ use crate::robot::Robot;
 /// Error in standard deviations of a closed loop beyond which all poses are solved for again.
 const WORTH_SOLVING: f64 = 1.0;
 
-/// Error in standard deviations that a loop may be left with, else it was none.
+/// Error in standard deviations that a loop may have after solving; otherwise it is rejected.
 const INCREDIBLE: f64 = 5.0;
 
-/// As [`super::ScanToMap`], but scans are also searched in places from long before. Where two in a
+/// As [`super::ScanToMap`], but scans are also searched in places from long before. If two in a
 /// row are found there, the poses of all keyframes are solved for again, and the map is drawn again
 /// from them.
 #[derive(Clone, Debug)]
@@ -31,7 +31,7 @@ pub struct PoseGraph {
 }
 
 impl PoseGraph {
-    /// For robots that stand at `starts`.
+    /// For robots at the poses `starts`.
     pub fn new(starts: &[Pose], robot: &Robot, laser: &LaserProfile) -> Self {
         PoseGraph {
             mapper: Mapper::new(starts, robot, laser, true),
@@ -41,7 +41,7 @@ impl PoseGraph {
         }
     }
 
-    /// How many loops were closed so far.
+    /// Number of closed loops so far.
     pub fn closed_loops(&self) -> usize {
         self.closed
     }
@@ -76,7 +76,7 @@ impl PoseGraph {
         }
     }
 
-    /// Takes the relations of a closed loop in, unless all others speak against them.
+    /// Adds the relations of a closed loop, unless all others contradict them.
     fn close(&mut self, relations: &[Relation]) -> bool {
         let deviates = |poses: &[Pose], most: f64| {
             relations.iter().any(|relation| relation.deviations(poses) > most)

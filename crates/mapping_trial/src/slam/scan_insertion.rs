@@ -6,23 +6,23 @@ use glam::{DVec2, Vec2};
 use super::sweep::{REACH, Sweep};
 use crate::map::{CLAMP, HIT, MISS, OccupancyMap, RESOLUTION, TILE};
 
-/// Farthest from the origin in metres that anything is drawn.
+/// Greatest distance from the origin in metres at which anything is drawn.
 const FARTHEST: f64 = 1e5;
 
-/// Bits behind the point of the fixed-point coordinates, in cells, that rays are walked in.
+/// Fraction bits of the fixed-point coordinates, in cells, along which rays are walked.
 const FRACTION: u32 = 16;
 
 const ONE: i32 = 1 << FRACTION;
 
-/// Whether a place is near enough to be drawn; NaN is not.
+/// Whether a point is near enough to be drawn; NaN is not.
 pub(crate) fn is_near(p: DVec2) -> bool {
     p.abs().max_element() <= FARTHEST && p.is_finite()
 }
 
-/// Draws scans: each cell that an echo lies in gains [`HIT`], each other cell that a ray passes
-/// loses [`MISS`], once a scan however many rays pass it.
+/// Draws scans: each cell that contains an echo gains [`HIT`], each other cell that a ray passes
+/// loses [`MISS`], once per scan however many rays pass it.
 ///
-/// The rays first mark a scratch board, by storing alone; then the marks are added to the map,
+/// The rays first mark a scratch board, by stores alone; then the marks are added to the map,
 /// tile by tile. Memory is bounded by the reach of a ray.
 #[derive(Clone, Debug, Default)]
 pub struct ScanInserter {
@@ -33,7 +33,7 @@ pub struct ScanInserter {
 }
 
 impl ScanInserter {
-    /// A painter with an empty board.
+    /// With an empty board.
     pub fn new() -> Self {
         ScanInserter::default()
     }
@@ -95,7 +95,7 @@ impl ScanInserter {
     }
 }
 
-/// Marks the cells of a ray, without the one it ends in: along its longer axis one cell a step.
+/// Marks the cells of a ray, without the one it ends in: along its longer axis one cell per step.
 fn walk(marks: &mut [i8], width: usize, start: (i32, i32), end: (i32, i32)) {
     let (dx, dy) = (end.0 - start.0, end.1 - start.1);
     let steep = dy.abs() > dx.abs();
@@ -228,8 +228,8 @@ mod tests {
         }
     }
 
-    /// Whether a cell is one of the hit ones. An echo on a border may fall on either side, by the
-    /// rounding of fixed point: then the neighbour is the hit one.
+    /// Whether a cell is one of those with an echo. An echo on a border may fall on either side, by the
+    /// rounding of fixed point: then the neighbour is the one with the echo.
     fn near_any(hits: &[CellIndex], index: CellIndex, drawn: &BTreeMap<(i32, i32), i16>) -> bool {
         hits.contains(&index)
             || (drawn[&(index.col, index.row)] == HIT

@@ -6,27 +6,27 @@ use glam::{DVec2, Vec2};
 use crate::lidar::{LaserProfile, NO_ECHO, Scan};
 use crate::robot::Robot;
 
-/// Farthest in metres that a ray changes the map: so much memory is taken for one scan at most.
-/// An echo from farther away counts as none.
+/// Farthest in metres that a ray changes the map: bounds the memory of one scan.
+/// An echo from farther away is ignored.
 pub const REACH: f64 = 40.0;
 
-/// Least number of echoes that a place can be known by.
+/// Least number of echoes by which a place can be recognised.
 pub const FEWEST_ECHOES: usize = 10;
 
-/// Most echoes that are kept: of finer lasers every second, third, ... beam counts.
+/// Greatest number of echoes that are kept: of finer lasers every second, third, ... beam counts.
 const MOST_BEAMS: usize = 2048;
 
-/// What one scan met, in metres in the robot's own frame (x ahead).
+/// The echoes of one scan, in metres in the robot's own frame (x ahead).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sweep {
-    /// Where rays met something.
+    /// The ends of rays with an echo.
     pub echoes: Vec<Vec2>,
-    /// How far rays went that met nothing.
+    /// The ends of rays without an echo.
     pub clear: Vec<Vec2>,
 }
 
 impl Sweep {
-    /// Distance of the farthest point from the robot's middle, in metres.
+    /// Distance of the farthest point from the robot's centre, in metres.
     pub fn radius(&self) -> f64 {
         let farthest = |points: &[Vec2]| points.iter().fold(0.0_f32, |r, p| r.max(p.length()));
         f64::from(farthest(&self.echoes).max(farthest(&self.clear)))
@@ -60,13 +60,13 @@ impl Sweeper {
         }
     }
 
-    /// Where the laser sits, in the robot's frame.
+    /// The laser's pose, in the robot's frame.
     pub fn laser(&self) -> Pose {
         self.laser
     }
 
-    /// The points of a scan. Ranges that are NaN or negative are ignored, as are those that the
-    /// laser has no beam for.
+    /// The points of a scan. Ranges that are NaN or negative are ignored, as are those beyond the
+    /// laser's number of beams.
     pub fn sweep(&self, scan: &Scan) -> Sweep {
         let mut sweep = Sweep::default();
         let ranges = scan.ranges.iter().step_by(self.stride);
@@ -88,7 +88,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn points_stand_where_the_beams_met_something() {
+    fn points_are_at_the_echoes_of_the_beams() {
         let laser = LaserProfile { beams: 3, ..LaserProfile::LMS200_MM };
         let sweeper = Sweeper::new(&Robot::default(), &laser);
         let sweep = sweeper.sweep(&Scan { ranges: vec![2.0, NO_ECHO, f64::NAN] });

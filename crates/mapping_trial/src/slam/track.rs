@@ -1,21 +1,21 @@
-//! One robot's way, as its wheels measure it from keyframe to keyframe.
+//! One robot's trajectory, as its wheels measure it from keyframe to keyframe.
 
 use envgen::geometry::Pose;
 
 use super::motion::{advance, believable, compose};
 use crate::odometry::Increment;
 
-/// Path in metres after which a scan is put into the map.
-pub(crate) const KEYFRAME_WAY: f64 = 0.3;
+/// Path length in metres after which a scan is added to the map.
+pub(crate) const KEYFRAME_DISTANCE: f64 = 0.3;
 
-/// Turning in radians after which it is, too.
+/// Turning in radians after which it is added, too.
 pub(crate) const KEYFRAME_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
 
-/// Variance of a position by the way, m^2/m, as estimators believe it: a little more than that of a
-/// skid-steered robot, whose systematic errors are not modelled otherwise.
-const VARIANCE_BY_WAY: f64 = 1e-3;
+/// Variance of a position per path length, m^2/m, as estimators assume it: a little more than that of
+/// a skid-steered robot, whose systematic errors are not modelled otherwise.
+const VARIANCE_BY_DISTANCE: f64 = 1e-3;
 
-/// Variance of a heading by turning and by the way, rad^2/rad and rad^2/m, likewise.
+/// Variance of a heading per turning and per path length, rad^2/rad and rad^2/m, likewise.
 const VARIANCE_BY_TURN: (f64, f64) = (3e-3, 1e-4);
 
 /// Variances of a position (m^2, along the worse axis) and of a heading (rad^2).
@@ -26,33 +26,36 @@ pub(crate) struct Variance {
 }
 
 impl Variance {
-    /// What wheels add over a way with some turning.
-    pub(crate) fn of_motion(way: f64, turned: f64) -> Variance {
+    /// The variance that wheels add over a path with some turning.
+    pub(crate) fn of_motion(distance: f64, turned: f64) -> Variance {
         let (by_turn, by_way) = VARIANCE_BY_TURN;
-        Variance { position: VARIANCE_BY_WAY * way, heading: by_turn * turned + by_way * way }
+        Variance {
+            position: VARIANCE_BY_DISTANCE * distance,
+            heading: by_turn * turned + by_way * distance,
+        }
     }
 
     /// The variance at the end of a step whose own variance is `step`; an error of the heading
     /// becomes one of the position.
-    pub(crate) fn after(self, step: Variance, way: f64) -> Variance {
+    pub(crate) fn after(self, step: Variance, distance: f64) -> Variance {
         Variance {
-            position: self.position + step.position + way * way * self.heading,
+            position: self.position + step.position + distance * distance * self.heading,
             heading: self.heading + step.heading,
         }
     }
 }
 
-/// A robot's way so far.
+/// A robot's trajectory so far.
 #[derive(Clone, Debug)]
 pub(crate) struct PoseTrack {
     start: Pose,
-    /// The last keyframe, none before the first scan.
+    /// The last keyframe; `None` before the first scan.
     pub(crate) keyframe: Option<usize>,
     /// The pose now, as seen from the last keyframe (from the start before there is one).
     pub(crate) relative: Pose,
     /// Metres since the last keyframe.
-    pub(crate) way: f64,
-    /// Radians since the last keyframe, in whatever direction.
+    pub(crate) distance: f64,
+    /// Radians since the last keyframe, left and right added.
     pub(crate) turned: f64,
     /// Metres since the start.
     pub(crate) total: f64,
@@ -61,41 +64,43 @@ pub(crate) struct PoseTrack {
 }
 
 impl PoseTrack {
-    /// The way of a robot that has not moved.
+    /// The trajectory of a robot that has not moved.
     pub(crate) fn new(start: Pose) -> Self {
         let finite = start.position.is_finite() && start.heading.is_finite();
         PoseTrack {
             start: if finite { start } else { Pose::default() },
             keyframe: None,
             relative: Pose::default(),
-            way: 0.0,
+            distance: 0.0,
             turned: 0.0,
             total: 0.0,
             steps: Vec::new(),
         }
     }
 
-    /// Moves on; [`PoseTrack::record`] is to follow.
+    /// Moves on; a call of [`PoseTrack::record`] must follow.
     pub(crate) fn advance(&mut self, odometry: Increment) {
         let by = believable(odometry);
         self.relative = advance(self.relative, by);
-        self.way += by.distance.abs();
+        self.distance += by.distance.abs();
         self.turned += by.turn.abs();
         self.total += by.distance.abs();
     }
 
     /// Whether a scan taken now is worth a keyframe.
     pub(crate) fn is_keyframe_due(&self) -> bool {
-        self.keyframe.is_none() || self.way >= KEYFRAME_WAY || self.turned >= KEYFRAME_TURN
+        self.keyframe.is_none()
+            || self.distance >= KEYFRAME_DISTANCE
+            || self.turned >= KEYFRAME_TURN
     }
 
-    /// Goes on from a keyframe at the pose now.
+    /// Continues from a keyframe at the pose now.
     pub(crate) fn restart(&mut self, keyframe: usize) {
         self.keyframe = Some(keyframe);
-        (self.relative, self.way, self.turned) = (Pose::default(), 0.0, 0.0);
+        (self.relative, self.distance, self.turned) = (Pose::default(), 0.0, 0.0);
     }
 
-    /// Writes a step down.
+    /// Records a step.
     pub(crate) fn record(&mut self) {
         self.steps.push((self.keyframe.map(|keyframe| keyframe as u32), self.relative));
     }

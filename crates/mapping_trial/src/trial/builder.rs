@@ -1,4 +1,4 @@
-//! Putting a trial together.
+//! The builder of trials.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::odometry::WheelSensor;
 use crate::policy::ExplorationPolicy;
 use crate::slam::Slam;
 
-/// Puts a trial together from settings and parts: what is not plugged in is what the settings name.
+/// Builds a trial from settings and parts: parts that are not plugged in are those of the settings.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -58,7 +58,7 @@ impl<'w> TrialBuilder<'w> {
         TrialBuilder { world, settings, parts: TrialParts::default() }
     }
 
-    /// With an estimator of one's own.
+    /// With an estimator of your own.
     #[must_use]
     pub fn slam<S: Slam + Send + Sync + 'static>(
         mut self,
@@ -68,7 +68,7 @@ impl<'w> TrialBuilder<'w> {
         self
     }
 
-    /// With an operator of one's own. The settings' own counts as `None` then.
+    /// With a policy of your own, in place of the settings' policy.
     #[must_use]
     pub fn policy<O: ExplorationPolicy + Send + Sync + 'static>(
         mut self,
@@ -78,7 +78,7 @@ impl<'w> TrialBuilder<'w> {
         self
     }
 
-    /// With a laser of one's own, made for the robot of a number.
+    /// With a laser of your own, made per robot; the second argument is the robot's number, from 0.
     #[must_use]
     pub fn laser<L: LaserSensor + Send + Sync + 'static>(
         mut self,
@@ -88,7 +88,7 @@ impl<'w> TrialBuilder<'w> {
         self
     }
 
-    /// With wheels of one's own, made for the robot of a number.
+    /// With a wheel sensor of your own, made per robot; the second argument is its number, from 0.
     #[must_use]
     pub fn odometry<W: WheelSensor + Send + Sync + 'static>(
         mut self,
@@ -105,14 +105,14 @@ impl<'w> TrialBuilder<'w> {
         self
     }
 
-    /// With a change of the settings.
+    /// With changed settings.
     #[must_use]
     pub fn settings(mut self, change: impl FnOnce(&mut TrialSettings)) -> Self {
         change(&mut self.settings);
         self
     }
 
-    /// Where the robots start, for parts that have to know it before they are made.
+    /// The poses where the robots start, for parts that need them before they are made.
     ///
     /// # Errors
     ///
@@ -134,7 +134,7 @@ impl<'w> TrialBuilder<'w> {
         self.build_flat_in(flat)
     }
 
-    /// The same in a world that was indexed before, for many trials in one world.
+    /// The same in a world that is indexed already, for many trials in one world.
     ///
     /// # Errors
     ///
@@ -146,7 +146,8 @@ impl<'w> TrialBuilder<'w> {
         })
     }
 
-    /// A trial of bodies of one's own, which `place` puts at the starts, each with its sensors.
+    /// A trial with a robot backend of your own. `place` creates it from the setup with the starts,
+    /// and from the sensors of each robot.
     ///
     /// # Errors
     ///
@@ -159,21 +160,18 @@ impl<'w> TrialBuilder<'w> {
         let TrialBuilder { world, parts, settings } = &mut self;
         let setup = Setup { settings, starts: &starts };
         let slam = parts.make_slam(&setup);
-        let operator = parts.make_operator(&setup);
+        let policy = parts.make_policy(&setup);
         let sensors: Vec<Sensors> =
             (0..starts.len()).map(|robot| parts.make_sensors(&setup, robot)).collect();
-        let foreign = parts.foreign(
-            &*slam,
-            operator.as_deref().map(|o| o as &dyn ExplorationPolicy),
-            &sensors,
-        );
+        let foreign =
+            parts.foreign(&*slam, policy.as_deref().map(|p| p as &dyn ExplorationPolicy), &sensors);
         let bodies = place(&setup, sensors);
         if parts.has(super::PartRole::Policy) {
-            settings.operator = None;
+            settings.policy = None;
         }
         let track = |&start: &_| Trajectory { poses: vec![start], ..Trajectory::default() };
         Ok(Trial {
-            autonomy: Autonomy::new(slam, operator, starts.len(), &settings.body, &settings.laser),
+            autonomy: Autonomy::new(slam, policy, starts.len(), &settings.body, &settings.laser),
             bodies,
             foreign,
             source: WorldSource::of(world),

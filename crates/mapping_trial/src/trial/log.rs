@@ -1,4 +1,4 @@
-//! A trial's log: world, settings and every command, from which the trial runs again to the bit.
+//! A trial's log: world, settings and every command, from which the trial runs again to the last bit.
 
 use std::io::{Read, Write};
 
@@ -11,11 +11,11 @@ use super::{EndReason, ForeignPart, RobotEnd, Trial, TrialBuilder, TrialError, T
 use crate::backend::{Command, RobotBackend};
 use crate::flat::FlatSimulator;
 
-/// Version of the logs' layout and of what a replay makes of them; a log of another version is
+/// Version of the logs' layout and of their replay; a log of another version is
 /// refused. 2: robots see water, and estimators find old walls again.
 pub const LOG_VERSION: u32 = 2;
 
-/// Commands in a log, at most: a day of eight robots would be less than this.
+/// Greatest number of commands in a log: a day of eight robots has fewer.
 const MAX_TICKS: u64 = 1 << 24;
 
 /// The longest log that is read, in bytes; longer ones are refused before they fill the memory.
@@ -32,7 +32,7 @@ pub enum WorldSource {
 }
 
 impl WorldSource {
-    /// The smaller way to name a world.
+    /// The smaller representation of a world.
     pub(super) fn of(world: &World) -> WorldSource {
         let again = generate(&world.provenance);
         if again.is_ok_and(|again| again.digest() == world.digest()) {
@@ -42,7 +42,7 @@ impl WorldSource {
         }
     }
 
-    /// The world.
+    /// The world, generated again or as given.
     ///
     /// # Errors
     ///
@@ -93,7 +93,7 @@ impl CommandTrack {
     }
 }
 
-/// Everything that a trial was: it runs again from its log to the last bit.
+/// The log of a trial: the trial runs again from it to the last bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrialLog {
@@ -102,18 +102,18 @@ pub struct TrialLog {
     pub world: WorldSource,
     /// Digest of the world, as [`World::digest`] gives it.
     pub world_digest: String,
-    /// What it was made of.
+    /// The settings of the trial.
     pub settings: TrialSettings,
-    /// What moved the bodies, for instance `flat`.
+    /// Name of the robot backend, for instance `flat`.
     pub engine: String,
-    /// The parts that were plugged in: a replay has the settings' own in their place, unless they
-    /// are plugged in again. An operator's commands are in the log.
+    /// The parts that were plugged in: a replay uses the settings' parts in their place, unless they
+    /// are plugged in again. A policy's commands are in the log.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foreign: Vec<ForeignPart>,
     commands: Vec<CommandTrack>,
-    /// Why and when each robot's part ended; `None` where it still went on.
+    /// Why and when each robot's part ended; `None` if it had not ended.
     pub ends: Vec<Option<RobotEnd>>,
-    /// How often each robot had to be freed.
+    /// Number of recoveries of each robot.
     pub recoveries: Vec<u32>,
 }
 
@@ -127,23 +127,23 @@ struct AnyVersion {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LogError {
-    /// It is no log, or only a part of one.
-    #[error("this is no trial log: {0}")]
+    /// The text is not a log, or only a part of one.
+    #[error("this is not a trial log: {0}")]
     Format(#[from] serde_json::Error),
     /// Another version wrote it.
-    #[error("a log of version {found}, this crate reads version {LOG_VERSION}")]
+    #[error("a log of version {found}, expected version {LOG_VERSION}")]
     Version {
         /// Its version.
         found: u64,
     },
-    /// It tells of more or other things than a trial can have.
+    /// A value that no trial can have.
     #[error("`{field}` must be {allowed}, got {value}")]
     Content {
         /// The field.
         field: &'static str,
         /// Its value.
         value: String,
-        /// What would have been allowed.
+        /// The allowed values.
         allowed: String,
     },
     /// Its world breaks an invariant.
@@ -165,7 +165,7 @@ impl TrialLog {
     ///
     /// # Errors
     ///
-    /// Text that is no log, a log of another version, one whose world is broken or whose settings
+    /// Text that is not a log, a log of another version, one whose world is broken or whose settings
     /// are not allowed, or one that contradicts itself.
     pub fn read(input: &mut dyn Read) -> Result<Self, LogError> {
         let mut text = String::new();
@@ -191,7 +191,7 @@ impl TrialLog {
             ("recoveries", log.recoveries.len()),
         ] {
             if len != robots {
-                let allowed = format!("{robots}, one a robot");
+                let allowed = format!("{robots}, one per robot");
                 return Err(LogError::Content { field, value: len.to_string(), allowed });
             }
         }
@@ -209,19 +209,19 @@ impl TrialLog {
     ///
     /// # Errors
     ///
-    /// What the writer says.
+    /// Any error of the writer.
     pub fn write(&self, out: &mut dyn Write) -> Result<(), LogError> {
         serde_json::to_writer(&mut *out, self)?;
         Ok(out.write_all(b"\n")?)
     }
 
-    /// SHA-256 of the log. Two trials of the flat simulator of equal digest were the same to the last bit; where
-    /// other bodies were moved, they had the same world, settings, commands and ends.
+    /// SHA-256 of the log. Two trials of the flat simulator with equal digests were the same to the last
+    /// bit; with other robot backends, they had the same world, settings, commands and ends.
     pub fn digest(&self) -> Digest {
         Digest::of(self)
     }
 
-    /// Ticks that the trial took.
+    /// Number of ticks of the trial.
     pub fn ticks(&self) -> u64 {
         self.commands.first().map_or(0, CommandTrack::ticks)
     }
@@ -231,12 +231,12 @@ impl TrialLog {
         self.commands.get(robot).into_iter().flat_map(CommandTrack::iter)
     }
 
-    /// Runs a trial of the flat simulator again, to the last bit. Where [`TrialLog::foreign`] names
+    /// Runs a trial of the flat simulator again, to the last bit. If [`TrialLog::foreign`] names
     /// SLAM or sensors, the settings' own make poses and map instead.
     ///
     /// # Errors
     ///
-    /// As [`WorldSource::world`] and [`Trial::flat`]; another engine than the flat simulator.
+    /// As [`WorldSource::world`] and [`Trial::flat`]; or if the log's backend is not the flat simulator.
     pub fn replay(&self) -> Result<Trial<FlatSimulator>, TrialError> {
         if self.engine != FlatSimulator::ENGINE {
             return Err(TrialError::OtherEngine { found: self.engine.clone() });
@@ -247,12 +247,12 @@ impl TrialLog {
         Ok(trial)
     }
 
-    /// A trial that is ready to run the log again, in the log's world. `build` may plug in the parts
-    /// that [`TrialLog::foreign`] names, and builds the trial.
+    /// Builds a trial that is ready to run the log again, in the log's world. `build` may plug in the
+    /// parts that [`TrialLog::foreign`] names, and builds the trial.
     ///
     /// # Errors
     ///
-    /// What `build` says; a world that is not the log's.
+    /// Any error of `build`; a world that is not the log's.
     pub fn replay_with<'w, B: RobotBackend>(
         &self,
         world: &'w World,
@@ -262,10 +262,10 @@ impl TrialLog {
         if found != self.world_digest {
             return Err(TrialError::OtherWorld { logged: self.world_digest.clone(), found });
         }
-        // The log takes the operator's place, but stands in the settings as it was.
-        let settings = TrialSettings { operator: None, ..self.settings.clone() };
+        // The log replaces the policy, but the settings still name it.
+        let settings = TrialSettings { policy: None, ..self.settings.clone() };
         let mut trial = build(TrialBuilder::new(world, settings))?;
-        trial.settings.operator = self.settings.operator;
+        trial.settings.policy = self.settings.policy;
         trial.foreign = self.foreign.clone();
         trial.source = self.world.clone();
         trial.script =
@@ -285,13 +285,13 @@ impl TrialLog {
         if self.ends.iter().any(stopped) {
             trial.stop();
         } else if self.ends.iter().all(Option::is_some) {
-            // The last observation, after which nobody had anything left to do.
+            // The last observation, after which there was no decision any more.
             trial.step_with(&[]);
         }
     }
 }
 
-/// What a log knows of an operator that is not asked again.
+/// What a log knows of a policy that is not asked again.
 #[derive(Clone, Debug)]
 pub(super) struct Script {
     ends: Vec<Option<RobotEnd>>,
@@ -299,7 +299,7 @@ pub(super) struct Script {
 }
 
 impl Script {
-    /// Why a robot's part ends at a tick; a person's stop is not the robot's doing.
+    /// Why a robot's part ends at a tick; a stop by a person is not in the script.
     pub(super) fn end_at(&self, robot: usize, tick: u64) -> Option<EndReason> {
         let end = (*self.ends.get(robot)?)?;
         (end.tick == tick && end.reason != EndReason::Stopped).then_some(end.reason)

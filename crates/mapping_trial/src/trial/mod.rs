@@ -1,4 +1,4 @@
-//! The protocol of a trial, over any bodies: clock, battery, ends, and the log of every command.
+//! Trials with any robot backend: clock, battery, end conditions, and the log of every command.
 
 mod builder;
 mod log;
@@ -40,10 +40,10 @@ pub enum TrialError {
     /// A log's world cannot be generated.
     #[error(transparent)]
     Generate(#[from] GenerateError),
-    /// A log says that its world was generated, but not from which seed.
+    /// A log says that its world was generated, but has no seed.
     #[error("the log's world has a spec but no seed")]
     NoSeed,
-    /// The world has no start and none is given.
+    /// The world has no start and the settings give none.
     #[error("the world has no start, and the settings give none: set `start`")]
     NoStart,
     /// The start is not in the world.
@@ -52,48 +52,48 @@ pub enum TrialError {
         /// The start.
         start: Pose,
     },
-    /// Something solid stands at the start.
+    /// A solid part is too near to the start.
     #[error(
-        "a start at ({}, {}) is {clearance:.3} m from the nearest solid part, a robot needs {radius} m",
+        "a start at ({}, {}) is {clearance:.3} m from the nearest solid part, expected at least {radius} m",
         start.position.x, start.position.y
     )]
     BlockedStart {
         /// The start.
         start: Pose,
-        /// Distance in metres to what stands there.
+        /// Distance in metres to the nearest solid part.
         clearance: f64,
         /// Radius in metres that a robot needs.
         radius: f64,
     },
-    /// The ground at the start is water or such that a robot cannot drive.
+    /// A robot cannot drive on the ground at the start, or it is water.
     #[error("a robot cannot drive on the ground at the start ({}, {})", start.position.x, start.position.y)]
     DeepStart {
         /// The start.
         start: Pose,
     },
     /// There is no room for all robots near the start.
-    #[error("near the start is room for {found} of {robots} robots")]
+    #[error("near the start there is room for {found} of {robots} robots")]
     NoRoom {
-        /// Robots asked for.
+        /// Requested number of robots.
         robots: u32,
-        /// Starts found.
+        /// Number of starts found.
         found: u32,
     },
-    /// A log's world is not the one that it was made in.
-    #[error("the log was made in a world of digest {logged}, this one has {found}")]
+    /// A log's world is not the one in which it was made.
+    #[error("the world has digest {found}, expected the log's digest {logged}")]
     OtherWorld {
         /// Digest in the log.
         logged: String,
-        /// Digest of the world at hand.
+        /// Digest of the given world.
         found: String,
     },
-    /// Something else than the flat simulator moved the bodies of a log.
+    /// A log's robot backend was not the flat simulator.
     #[error(
-        "the log's engine is `{found}`, the flat simulator replays `{}`",
+        "the log's engine is `{found}`, expected `{}` for the flat simulator",
         FlatSimulator::ENGINE
     )]
     OtherEngine {
-        /// The log's engine.
+        /// The log's robot backend.
         found: String,
     },
 }
@@ -104,15 +104,15 @@ pub enum TrialError {
 pub enum EndReason {
     /// No frontier was left that it could reach.
     Explored,
-    /// It could not get free.
+    /// It was stuck and could not free itself.
     Stuck,
-    /// Its operator broke down: see [`ExplorationPolicy::failure`].
+    /// Its policy failed: see [`ExplorationPolicy::failure`].
     Failed,
     /// It drove into water.
     Drowned,
     /// Its battery was empty.
     Battery,
-    /// The time was up.
+    /// The time limit was reached.
     TimeLimit,
     /// A person ended the trial.
     Stopped,
@@ -124,7 +124,7 @@ impl EndReason {
         match self {
             EndReason::Explored => "explored",
             EndReason::Stuck => "stuck",
-            EndReason::Failed => "operator failed",
+            EndReason::Failed => "policy failed",
             EndReason::Drowned => "drowned",
             EndReason::Battery => "battery empty",
             EndReason::TimeLimit => "time up",
@@ -139,22 +139,22 @@ impl EndReason {
 pub struct RobotEnd {
     /// Why.
     pub reason: EndReason,
-    /// After how many ticks.
+    /// Number of ticks until then.
     pub tick: u64,
 }
 
-/// What one robot did.
+/// The motion of one robot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trajectory {
-    /// True poses after every tick, the start first. A robot whose part has ended stands still.
+    /// True poses after every tick, the start first. A robot whose part has ended does not move.
     pub poses: Vec<Pose>,
-    /// Path in metres.
+    /// Path length in metres.
     pub distance: f64,
-    /// Total turning in radians.
+    /// Total turning in radians, left and right added.
     pub turning: f64,
 }
 
-/// A trial that runs: bodies in a world, a brain, a clock and a log.
+/// A running trial: a robot backend in a world, the robots' autonomy, a clock and a log.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -176,11 +176,11 @@ pub struct Trial<B> {
     world_digest: String,
     tick: u64,
     ends: Vec<Option<RobotEnd>>,
-    /// Who said last that nothing is left to explore.
+    /// Which robots last found that nothing is left to explore.
     finished: Vec<bool>,
     tracks: Vec<Trajectory>,
     commands: Vec<log::CommandTrack>,
-    /// What a replayed log knows of its operator.
+    /// What a replayed log knows of its policy.
     script: Option<log::Script>,
     over: bool,
 }
@@ -195,19 +195,19 @@ impl Trial<FlatSimulator> {
         TrialBuilder::new(world, settings).build_flat()
     }
 
-    /// A trial that is put together part by part: anyone's SLAM, operator, sensors and bodies.
+    /// A builder that puts a trial together from parts: SLAM, policy, sensors and robot backend.
     pub fn builder(world: &World, settings: TrialSettings) -> TrialBuilder<'_> {
         TrialBuilder::new(world, settings)
     }
 }
 
 impl<B: RobotBackend> Trial<B> {
-    /// One tick, driven by the program; false once the trial is over.
+    /// One tick, driven by the policy; false once the trial is over.
     pub fn step(&mut self) -> bool {
         self.tick(None)
     }
 
-    /// One tick with a person's commands, one a robot; false once the trial is over.
+    /// One tick with a person's commands, one per robot; false once the trial is over.
     pub fn step_with(&mut self, commands: &[Command]) -> bool {
         self.tick(Some(commands))
     }
@@ -221,12 +221,12 @@ impl<B: RobotBackend> Trial<B> {
         true
     }
 
-    /// The first half of a tick, for bodies that something else moves: what each robot observes is
-    /// taken in, and each one's command comes back; `None` once the trial is over. The commands are
-    /// those of `hands`, one a robot, or the program's.
+    /// The first half of a tick, for backends that are moved from outside: takes in what each robot
+    /// observes, and returns each one's command; `None` once the trial is over. The commands are
+    /// those of `hands` (manual control), one per robot, or the policy's.
     ///
-    /// When the bodies have moved for a [`TICK`], [`Trial::record`] is the second half.
-    /// [`Trial::step`] does it all, with [`RobotBackend::advance`] between the two.
+    /// When the robots have moved for a [`TICK`], [`Trial::record`] is the second half.
+    /// [`Trial::step`] does both, with [`RobotBackend::advance`] in between.
     pub fn command(&mut self, hands: Option<&[Command]>) -> Option<Vec<Command>> {
         if self.over {
             return None;
@@ -264,7 +264,7 @@ impl<B: RobotBackend> Trial<B> {
             };
             self.ends[robot] = end.map(|reason| RobotEnd { reason, tick: self.tick });
         }
-        // A robot that has nothing left to do waits for the others, who may find more for it.
+        // A robot that has nothing left to do waits for the others, which may find more for it.
         let mut robots = self.ends.iter().zip(&self.finished);
         if robots.all(|(end, &finished)| end.is_some() || finished) {
             self.end(EndReason::Explored);
@@ -276,7 +276,7 @@ impl<B: RobotBackend> Trial<B> {
         Some(commands)
     }
 
-    /// The second half of a tick, after [`Trial::command`]: where the bodies are now.
+    /// The second half of a tick, after [`Trial::command`]: records where the robots are now.
     pub fn record(&mut self) {
         self.tick += 1;
         for (robot, track) in self.tracks.iter_mut().enumerate() {
@@ -311,32 +311,32 @@ impl<B: RobotBackend> Trial<B> {
         self.starts.len()
     }
 
-    /// What the trial is made of.
+    /// The settings of the trial.
     pub fn settings(&self) -> &TrialSettings {
         &self.settings
     }
 
-    /// The estimates, the map and the operator.
+    /// SLAM and the policy.
     pub fn autonomy(&self) -> &Autonomy {
         &self.autonomy
     }
 
-    /// The bodies, for whoever moves them between [`Trial::command`] and [`Trial::record`].
+    /// The robot backend, to move it between [`Trial::command`] and [`Trial::record`].
     pub fn bodies_mut(&mut self) -> &mut B {
         &mut self.bodies
     }
 
-    /// The bodies.
+    /// The robot backend.
     pub fn bodies(&self) -> &B {
         &self.bodies
     }
 
-    /// What a robot did so far.
+    /// A robot's motion so far.
     pub fn trajectory(&self, robot: usize) -> &Trajectory {
         &self.tracks[robot]
     }
 
-    /// Why a robot's part ended; `None` while it goes on.
+    /// Why and when a robot's part ended; `None` while it continues.
     pub fn end_of(&self, robot: usize) -> Option<RobotEnd> {
         self.ends[robot]
     }
@@ -346,7 +346,7 @@ impl<B: RobotBackend> Trial<B> {
         self.over
     }
 
-    /// How often a robot had to be freed so far.
+    /// Number of recoveries of a robot so far.
     pub fn recoveries(&self, robot: usize) -> u32 {
         match (&self.script, self.autonomy.policy()) {
             (Some(script), _) => script.recoveries(robot),
@@ -360,13 +360,13 @@ impl<B: RobotBackend> Trial<B> {
         &self.foreign
     }
 
-    /// Why the operator broke down; `None` while it works.
+    /// Why the policy failed; `None` while it works.
     pub fn failure(&self) -> Option<&str> {
         self.autonomy.policy().and_then(ExplorationPolicy::failure)
     }
 
-    /// What could be mapped of the trial's world from where it began: what its scores are measured
-    /// against. Trials that begin in one place of one world with one robot may share it.
+    /// The mappable area of the trial's world from its start: the reference for its scores. Trials
+    /// with the same start, world and robot may share it.
     ///
     /// # Errors
     ///
@@ -375,11 +375,11 @@ impl<B: RobotBackend> Trial<B> {
         MappableArea::from_start(world, &self.settings.body, self.starts[0].position)
     }
 
-    /// Scores the trial as far as it went, against what could be mapped of its world.
+    /// Scores the trial so far, against the mappable area of its world.
     ///
     /// # Errors
     ///
-    /// A truth of another start or robot; poses or counts that no trial of this crate's parts has.
+    /// A mappable area of another start or robot; poses or counts that this crate's parts never give.
     pub fn score(&self, truth: &MappableArea) -> Result<Scores, ScoreError> {
         self.score_of(truth, &self.estimated_tracks()?)
     }

@@ -58,7 +58,7 @@ impl Slam for Counting {
     }
 }
 
-/// Drives ahead at a speed, asked every tick; breaks down after some decisions.
+/// Drives ahead at a speed, asked every tick; fails after some decisions.
 struct Ahead {
     speed: f64,
     decisions: u32,
@@ -122,7 +122,7 @@ fn parts_are_named_and_used() {
     assert_eq!(names[0], (PartRole::Slam, "counting"));
     assert!(names[1].0 == PartRole::Policy && names[1].1.ends_with("::Ahead"), "{names:?}");
     assert_eq!(names.len(), 4);
-    assert_eq!(trial.settings().operator, None, "the settings' operator did not drive");
+    assert_eq!(trial.settings().policy, None, "the policy of the settings did not drive");
     let driven = trial.trajectory(0).distance;
     assert!((0.7..1.0).contains(&driven), "{driven}");
     let estimated = trial.autonomy().slam().trajectory(0);
@@ -147,7 +147,7 @@ fn a_log_with_foreign_parts_replays_its_commands_and_names_them() {
     trial.log().write(&mut bytes).expect("memory takes all");
     let log = TrialLog::read(&mut &bytes[..]).expect("its own log");
     assert_eq!(log.foreign, trial.foreign());
-    // Without the parts the bodies do the same; the built-in SLAM of the settings makes the map.
+    // Without the parts the robots move the same; the built-in SLAM of the settings makes the map.
     let again = log.replay().expect("its own world");
     assert_eq!(again.trajectory(0), trial.trajectory(0));
     assert_eq!(again.end_of(0), trial.end_of(0));
@@ -172,7 +172,7 @@ fn built_in_parts_leave_no_trace_in_logs() {
 }
 
 #[test]
-fn an_operator_that_breaks_down_ends_the_trial_with_its_reason() {
+fn a_policy_that_fails_ends_the_trial_with_its_reason() {
     let world = hallway();
     let builder = Trial::builder(&world, short(60.0)).policy(ahead(0.3, 40));
     let trial = run(builder.build_flat().expect("a trial"));
@@ -222,7 +222,7 @@ fn scores_are_measured_from_where_the_trial_began() {
     let expected = MappableArea::new(&moved, &settings.body).expect("a start");
     let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
     assert_eq!(scores, trial.score(&expected).expect("scores"));
-    // The world's own start is another one, which is said instead of measured against.
+    // The world has another start: an error, not a score.
     let wrong = trial.score(&MappableArea::new(&world, &settings.body).expect("a start"));
     assert!(matches!(wrong, Err(ScoreError::Reference { .. })), "{wrong:?}");
 }

@@ -1,4 +1,4 @@
-//! The parts of a trial that are not built in: estimators, policies and sensors of one's own.
+//! The parts of a trial that are not built in: estimators, policies and sensors of your own.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use super::TrialSettings;
 use crate::backend::Sensors;
 use crate::lidar::LaserSensor;
 use crate::odometry::WheelSensor;
-use crate::policy::{self, ExplorationPolicy};
+use crate::policy::ExplorationPolicy;
 use crate::slam::Slam;
 
 /// What a part may know when it is made.
@@ -21,7 +21,7 @@ pub struct Setup<'a> {
     pub starts: &'a [Pose],
 }
 
-/// What a part of a trial does.
+/// The role of a part in a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PartRole {
@@ -48,33 +48,33 @@ impl PartRole {
     }
 }
 
-/// A part that was plugged in, as logs and reports name it: nobody but its author can make it again.
+/// A part that was plugged in, as logs and reports name it: only its author can make it again.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForeignPart {
-    /// What it does.
+    /// Its role.
     pub role: PartRole,
-    /// What it calls itself.
+    /// Its name, as the part gives it.
     pub name: String,
 }
 
 /// A maker of one part.
 type Make<T> = Arc<dyn Fn(&Setup<'_>) -> Box<T> + Send + Sync>;
 
-/// A maker of one part for the robot of a number.
+/// A maker of one part per robot, from the robot's number.
 type MakeEach<T> = Arc<dyn Fn(&Setup<'_>, usize) -> Box<T> + Send + Sync>;
 
-/// Makers of the parts that take the place of built-in ones, for any number of trials.
+/// Makers of the parts that replace built-in ones, for any number of trials.
 #[derive(Clone, Default)]
 pub struct TrialParts {
     slam: Option<Make<dyn Slam + Send + Sync>>,
-    operator: Option<Make<dyn ExplorationPolicy + Send + Sync>>,
+    policy: Option<Make<dyn ExplorationPolicy + Send + Sync>>,
     laser: Option<MakeEach<dyn LaserSensor + Send + Sync>>,
     odometry: Option<MakeEach<dyn WheelSensor + Send + Sync>>,
 }
 
 impl TrialParts {
-    /// With an estimator that `make` makes, in place of the settings' own.
+    /// With an estimator made by `make`, in place of the settings' own.
     #[must_use]
     pub fn slam<S: Slam + Send + Sync + 'static>(
         mut self,
@@ -84,17 +84,17 @@ impl TrialParts {
         self
     }
 
-    /// With an operator that `make` makes, in place of the settings' own.
+    /// With a policy made by `make`, in place of the settings' own.
     #[must_use]
     pub fn policy<O: ExplorationPolicy + Send + Sync + 'static>(
         mut self,
         make: impl Fn(&Setup<'_>) -> O + Send + Sync + 'static,
     ) -> Self {
-        self.operator = Some(Arc::new(move |setup| Box::new(make(setup))));
+        self.policy = Some(Arc::new(move |setup| Box::new(make(setup))));
         self
     }
 
-    /// With a laser that `make` makes for the robot of a number, in place of the settings' own error
+    /// With a laser made by `make` for each robot's number (from 0), in place of the settings' error
     /// model.
     #[must_use]
     pub fn laser<L: LaserSensor + Send + Sync + 'static>(
@@ -105,8 +105,8 @@ impl TrialParts {
         self
     }
 
-    /// With wheels that `make` makes for the robot of a number, in place of the settings' own error
-    /// model.
+    /// With a wheel sensor made by `make` for each robot's number (from 0), in place of the settings'
+    /// error model.
     #[must_use]
     pub fn odometry<W: WheelSensor + Send + Sync + 'static>(
         mut self,
@@ -116,17 +116,17 @@ impl TrialParts {
         self
     }
 
-    /// Whether a role is taken by a part that is not built in.
+    /// Whether a part is plugged in for a role.
     pub fn has(&self, role: PartRole) -> bool {
         match role {
             PartRole::Slam => self.slam.is_some(),
-            PartRole::Policy => self.operator.is_some(),
+            PartRole::Policy => self.policy.is_some(),
             PartRole::Laser => self.laser.is_some(),
             PartRole::Odometry => self.odometry.is_some(),
         }
     }
 
-    /// The sensors of the robot of a number: those plugged in, else the built-in ones.
+    /// The sensors of a robot by its number: those plugged in, else the built-in ones.
     pub(super) fn make_sensors(&self, setup: &Setup<'_>, robot: usize) -> Sensors {
         let TrialSettings { laser, odometry, seed, .. } = setup.settings;
         let mut sensors = Sensors::new(laser, odometry, *seed, robot as u64);
@@ -147,20 +147,21 @@ impl TrialParts {
         }
     }
 
-    pub(super) fn make_operator(
+    pub(super) fn make_policy(
         &self,
         setup: &Setup<'_>,
     ) -> Option<Box<dyn ExplorationPolicy + Send + Sync>> {
-        let TrialSettings { operator, body, laser, .. } = setup.settings;
-        let built_in = || operator.map(|kind| policy::build(kind, setup.starts.len(), body, laser));
-        self.operator.as_ref().map_or_else(built_in, |make| Some(make(setup)))
+        let TrialSettings { policy, body, laser, .. } = setup.settings;
+        let built_in =
+            || policy.map(|kind| crate::policy::build(kind, setup.starts.len(), body, laser));
+        self.policy.as_ref().map_or_else(built_in, |make| Some(make(setup)))
     }
 
-    /// The names of what was plugged in; robots have equal sensors.
+    /// The names of the plugged-in parts; all robots have equal sensors.
     pub(super) fn foreign(
         &self,
         slam: &dyn Slam,
-        operator: Option<&dyn ExplorationPolicy>,
+        policy: Option<&dyn ExplorationPolicy>,
         sensors: &[Sensors],
     ) -> Vec<ForeignPart> {
         let mut parts = Vec::new();
@@ -170,7 +171,7 @@ impl TrialParts {
             }
         };
         add(PartRole::Slam, slam.name());
-        add(PartRole::Policy, operator.map_or("", ExplorationPolicy::name));
+        add(PartRole::Policy, policy.map_or("", ExplorationPolicy::name));
         if let Some(Sensors { laser, odometry }) = sensors.first() {
             add(PartRole::Laser, laser.name());
             add(PartRole::Odometry, odometry.name());

@@ -1,4 +1,4 @@
-//! What came of a trial, as it is written to a file.
+//! The report of a trial, as it is written to a file.
 
 use envgen::{Provenance, World};
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ use crate::truth::MappableArea;
 /// Version of the reports' layout.
 pub const REPORT_VERSION: u32 = 1;
 
-/// What came of a trial: where it was, what it was made of, and its scores.
+/// The report of a trial: its world, its settings, and its scores.
 ///
 /// It holds no wall time: the same trial gives the same report to the last byte.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,24 +27,24 @@ pub struct TrialReport {
     pub world_digest: String,
     /// Digest of the trial's log.
     pub log_digest: String,
-    /// What the trial was made of.
+    /// The settings of the trial.
     pub settings: TrialSettings,
     /// What each robot did.
     pub robots: Vec<RobotReport>,
     /// The parts that were plugged in, in place of those that the settings name.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foreign: Vec<ForeignPart>,
-    /// Why the operator broke down; absent while it worked.
+    /// Why the policy failed; absent if it did not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
-    /// How well the world was mapped, and how difficult that was.
+    /// The scores: how well the world was mapped, and how difficult that was.
     pub scores: Scores,
-    /// The form of Zwennes (2011), appendix B, as the operator filled it; `None` until a person has.
+    /// The form of Zwennes (2011), appendix B, as filled by the operator; `None` until a person fills it.
     pub feedback: Option<Feedback>,
 }
 
 impl TrialReport {
-    /// What the form asks about a session and the report knows.
+    /// The answers to the form's questions about the session, as far as the report knows them.
     pub fn session(&self) -> Session {
         Session::new(&self.world.name(), self.robots.len())
     }
@@ -54,22 +54,22 @@ impl TrialReport {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotReport {
-    /// Why its part ended; `None` when it was still under way.
+    /// Why its part ended; `None` if it had not ended.
     pub end: Option<EndReason>,
     /// Simulated seconds until then.
     pub time: f64,
-    /// Path in metres.
+    /// Path length in metres.
     pub distance: f64,
-    /// Turning in radians, both ways added.
+    /// Turning in radians, left and right added.
     pub turning: f64,
-    /// How often it ran into something.
+    /// Number of collisions.
     pub hits: u32,
-    /// How often it had to be freed.
+    /// Number of recoveries.
     pub recoveries: u32,
 }
 
 impl<B: RobotBackend> Trial<B> {
-    /// What came of the trial so far, with the form filled where a program drove.
+    /// The report of the trial so far, with the form filled from measurements if a policy drove.
     ///
     /// # Errors
     ///
@@ -98,7 +98,7 @@ impl<B: RobotBackend> Trial<B> {
             scores,
             feedback: None,
         };
-        let built_in = self.settings().operator.as_ref().and_then(Named::name);
+        let built_in = self.settings().policy.as_ref().and_then(Named::name);
         let plugged_in = part(PartRole::Policy).map(|part| part.name.as_str());
         if let Some(operator) = plugged_in.or(built_in) {
             let tracks = self.score_tracks(&estimated);

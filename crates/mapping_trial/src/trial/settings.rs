@@ -1,4 +1,4 @@
-//! What a trial is made of, besides its world.
+//! The settings of a trial.
 
 use envgen::geometry::Pose;
 use envgen::{Seed, SpecError};
@@ -10,27 +10,28 @@ use crate::policy::PolicyKind;
 use crate::robot::Robot;
 use crate::slam::SlamKind;
 
-/// Robots in a trial, at most.
+/// Greatest number of robots in a trial.
 pub const MAX_ROBOTS: u32 = 8;
 
-/// Seconds that a trial may last, at most: a day.
+/// Greatest time limit of a trial in simulated seconds: one day.
 pub const MAX_TIME_LIMIT: f64 = 86_400.0;
 
-/// Everything that a trial depends on but its world.
+/// Everything that a trial depends on except its world.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrialSettings {
-    /// Seed of what the sensors get wrong.
+    /// Seed of the sensor noise.
     pub seed: Seed,
-    /// The program that drives; `None` for a person.
-    pub operator: Option<PolicyKind>,
+    /// The exploration policy that drives, `operator` in files; `None` for a person.
+    #[serde(rename = "operator", alias = "policy")]
+    pub policy: Option<PolicyKind>,
     /// How poses and map are estimated.
     pub slam: SlamKind,
     /// Number of robots, which share one map; from 1 to [`MAX_ROBOTS`].
     pub robots: u32,
     /// Simulated seconds after which the trial ends; more than 0, at most [`MAX_TIME_LIMIT`].
     pub time_limit: f64,
-    /// Where the first robot starts; `None` is the world's own start.
+    /// Where the first robot starts, in metres and radians; `None` is the world's own start.
     pub start: Option<Pose>,
     /// Size and limits of the robots.
     pub body: Robot,
@@ -41,11 +42,11 @@ pub struct TrialSettings {
 }
 
 impl Default for TrialSettings {
-    /// One P3-AT with an LMS 200, `scan_to_map` and the operator `nearest` for 20 minutes.
+    /// One P3-AT with an LMS 200, `scan_to_map` and the policy `nearest` for 20 minutes.
     fn default() -> Self {
         TrialSettings {
             seed: Seed(0),
-            operator: Some(PolicyKind::Nearest),
+            policy: Some(PolicyKind::Nearest),
             slam: SlamKind::ScanToMap,
             robots: 1,
             time_limit: 1200.0,
@@ -81,14 +82,14 @@ pub(crate) fn number(field: &str, value: f64, least: f64, most: f64) -> Result<(
     if (least..=most).contains(&value) {
         return Ok(());
     }
-    Err(SpecError::new(field, value, format!("{least} to {most}")))
+    Err(SpecError::new(field, value, format!("a number from {least} to {most}")))
 }
 
 pub(crate) fn count(field: &str, value: u32, least: u32, most: u32) -> Result<(), SpecError> {
     if (least..=most).contains(&value) {
         return Ok(());
     }
-    Err(SpecError::new(field, value, format!("{least} to {most}")))
+    Err(SpecError::new(field, value, format!("a whole number from {least} to {most}")))
 }
 
 #[cfg(test)]
@@ -105,6 +106,15 @@ mod tests {
     }
 
     #[test]
+    fn files_call_the_policy_operator_and_may_call_it_policy() {
+        let settings = TrialSettings { policy: None, ..Default::default() };
+        let text = serde_json::to_string(&settings).expect("JSON");
+        assert!(text.contains("\"operator\":null"), "{text}");
+        let text = text.replace("operator", "policy");
+        assert_eq!(serde_json::from_str::<TrialSettings>(&text).expect("settings"), settings);
+    }
+
+    #[test]
     fn every_bad_number_is_named() {
         let error = |change: &dyn Fn(&mut TrialSettings)| {
             let mut settings = TrialSettings::default();
@@ -112,7 +122,7 @@ mod tests {
             settings.validate().expect_err("not allowed").to_string()
         };
         let text = error(&|s| s.robots = 0);
-        assert_eq!(text, "`robots` must be 1 to 8, got 0");
+        assert_eq!(text, "`robots` must be a whole number from 1 to 8, got 0");
         assert!(error(&|s| s.time_limit = f64::NAN).contains("`time_limit` must be"));
         assert!(error(&|s| s.time_limit = 1e9).contains("86400"));
         assert!(error(&|s| s.start = Some(Pose::new(f64::INFINITY, 0.0, 0.0))).contains("start.x"));

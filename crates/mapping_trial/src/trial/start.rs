@@ -10,14 +10,14 @@ use glam::DVec2;
 use super::TrialError;
 use crate::robot::Robot;
 
-/// Distance in metres between the middles of robots at their starts, at least.
+/// Least distance in metres between the centres of robots at their starts.
 const APART: f64 = 1.0;
 
-/// How far from the first robot's start the others may start, in metres.
+/// Greatest distance of other starts from the first robot's, in metres.
 const FAR: f64 = 8.0;
 
-/// A start for each robot: the first at `start`, the others near it, in its sight, facing the same
-/// way.
+/// A start for each robot: the first at `start`, the others near it, in its sight, with the same
+/// heading.
 pub(super) fn starts(
     world: &World,
     start: Pose,
@@ -40,10 +40,10 @@ pub(super) fn starts(
     let mut starts = vec![start];
     let rays = Raycaster::new(world);
     let sees = |p: DVec2| {
-        let way = p - start.position;
-        rays.cast_along(start.position, way.normalize(), way.length()).is_none()
+        let offset = p - start.position;
+        rays.cast_along(start.position, offset.normalize(), offset.length()).is_none()
     };
-    // Rings of places, from behind the first robot round to its front.
+    // Rings of candidates, from behind the first robot round to its front.
     let step = 0.25;
     let rings = (1..=(FAR / step) as u32).map(|ring| f64::from(ring) * step);
     let mut places = rings.flat_map(|far| {
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_is_said() {
+    fn impossible_starts_are_reported() {
         let body = Robot::default();
         let mut world = room(DVec2::new(3.0, 1.0));
         let error = |world: &World, x: f64, robots| {

@@ -69,7 +69,7 @@ fn a_log_of_half_a_trial_runs_to_where_it_stood() {
 
 #[test]
 fn a_person_drives_and_stops() {
-    let settings = TrialSettings { operator: None, ..short(60.0) };
+    let settings = TrialSettings { policy: None, ..short(60.0) };
     let mut trial = Trial::flat(&hallway(), settings).expect("a trial");
     for tick in 0..200 {
         let turn_rate = if tick > 100 { 0.3 } else { 0.0 };
@@ -102,7 +102,7 @@ fn exact_wheels_have_no_trajectory_error() {
     let settings = TrialSettings {
         slam: SlamKind::DeadReckoning,
         odometry: crate::odometry::OdometryProfile::EXACT,
-        operator: None,
+        policy: None,
         ..short(60.0)
     };
     let truth = MappableArea::new(&world, &settings.body).expect("a start");
@@ -132,7 +132,7 @@ fn noise_seeds_differ_and_nothing_else_does() {
 }
 
 #[test]
-fn bad_worlds_and_starts_are_told() {
+fn bad_worlds_and_starts_are_reported() {
     let mut world = hallway();
     let begin = |world: &World, settings| {
         Trial::flat(world, settings).map(|_| ()).expect_err("not allowed").to_string()
@@ -148,17 +148,17 @@ fn bad_worlds_and_starts_are_told() {
 }
 
 #[test]
-fn bad_logs_are_told() {
+fn bad_logs_are_reported() {
     let log = run(&hallway(), short(2.0)).log();
     let text = serde_json::to_string(&log).expect("a log");
     let error =
         |text: &str| TrialLog::read(&mut text.as_bytes()).expect_err("not a log").to_string();
-    assert!(error("").contains("no trial log"));
-    assert!(error(&text[..text.len() / 2]).contains("no trial log"));
+    assert!(error("").contains("not a trial log"));
+    assert!(error(&text[..text.len() / 2]).contains("not a trial log"));
     let other = error(&text.replacen("\"version\":2", "\"version\":7", 1));
-    assert_eq!(other, "a log of version 7, this crate reads version 2");
+    assert_eq!(other, "a log of version 7, expected version 2");
     let robots = error(&text.replacen("\"robots\":1", "\"robots\":2", 1));
-    assert_eq!(robots, "`commands` must be 2, one a robot, got 1");
+    assert_eq!(robots, "`commands` must be 2, one per robot, got 1");
     let mut value: serde_json::Value = serde_json::from_str(&text).expect("a log");
     value["commands"][0][0][2] = u64::MAX.into();
     assert!(error(&value.to_string()).contains("`commands`"));

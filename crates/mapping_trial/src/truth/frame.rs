@@ -1,15 +1,15 @@
-//! The grid that scores are counted on.
+//! The grid of the scores.
 
 use envgen::geometry::Rect;
 use glam::DVec2;
 
 use crate::map::{CellIndex, RESOLUTION};
 
-/// Side of a cell of scores in metres: two cells of a robot's map.
+/// Side of a score cell in metres: two cells of a robot's map.
 pub const SCORE_CELL: f64 = 2.0 * RESOLUTION;
 
-/// A rectangle of cells of [`SCORE_CELL`], in rows from below, in line with the cells of a map: four
-/// of those make one of these.
+/// A rectangle of cells of [`SCORE_CELL`], in rows from below, aligned with the cells of a map: each
+/// contains four of those.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GridFrame {
     /// Column of the leftmost cells, counted from the world's origin.
@@ -61,7 +61,7 @@ impl GridFrame {
         self.len() == 0
     }
 
-    /// The cell around a point; `None` outside.
+    /// The cell that contains a point in metres; `None` outside.
     pub fn cell_at(self, p: DVec2) -> Option<usize> {
         let CellIndex { col, row } = CellIndex::of(p);
         self.cell(col.div_euclid(2), row.div_euclid(2))
@@ -79,7 +79,7 @@ impl GridFrame {
         (self.col + (cell % self.cols) as i32, self.row + (cell / self.cols) as i32)
     }
 
-    /// Middle of a cell in metres.
+    /// Centre of a cell in metres.
     pub fn centre(self, cell: usize) -> DVec2 {
         let (col, row) = self.place(cell);
         (DVec2::new(f64::from(col), f64::from(row)) + 0.5) * SCORE_CELL

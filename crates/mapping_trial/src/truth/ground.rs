@@ -1,4 +1,4 @@
-//! Where a disc touches something.
+//! Where a disc touches a solid or cannot drive.
 
 use envgen::World;
 use envgen::clearance_index::ClearanceIndex;
@@ -10,7 +10,7 @@ use glam::DVec2;
 
 use super::frame::{GridFrame, SCORE_CELL};
 
-/// Solid parts, and the ground that a robot's middle must not be on, over a frame.
+/// Solid parts, and the ground that a robot's centre must not be on, on a grid.
 #[derive(Clone, Debug)]
 pub(super) struct DiscGround {
     frame: GridFrame,
@@ -25,7 +25,7 @@ pub(super) struct DiscGround {
 impl DiscGround {
     /// Indexes a world for distances up to `reach` metres.
     ///
-    /// `None` when there are too many cells, or the reach is no distance.
+    /// `None` if there are too many cells, or the reach is not a distance.
     pub(super) fn new(world: &World, frame: GridFrame, reach: f64) -> Option<Self> {
         let empty = OccupancyGrid::empty(frame.area(), SCORE_CELL).ok()?;
         let mut solid = empty.clone();
@@ -66,7 +66,7 @@ impl DiscGround {
         self.dry[cell]
     }
 
-    /// Whether a robot can drive with its middle at a point.
+    /// Whether a robot can drive with its centre at a point.
     pub(super) fn is_dry(&self, p: DVec2) -> bool {
         let ground = self.grounds.at(p);
         ground.speed > 0.0 && !ground.water
@@ -98,7 +98,7 @@ impl DiscGround {
 /// between two cells is in one of them.
 const DEPTH: f64 = 1e-6;
 
-/// Occupies the cells that a shape enters. A line enters both cells that it parts.
+/// Occupies the cells that a shape enters. A line between two cells enters both.
 fn occupy_entered(grid: &mut OccupancyGrid, shape: &Shape) {
     let shrunk = match shape {
         Shape::Segment { .. } => shape.clone(),

@@ -1,4 +1,4 @@
-//! What could be mapped of a world: the ground that a robot can reach, and the walls that it can
+//! The mappable area of a world: the ground that a robot can reach, and the walls that it can
 //! see from there.
 
 mod frame;
@@ -21,7 +21,7 @@ use crate::robot::Robot;
 use crate::score::navigability::{Trip, trips};
 use crate::score::walls::true_runs;
 
-/// The most cells of [`SCORE_CELL`] that a world may have with its border: 579 x 579 m.
+/// Greatest number of cells of [`SCORE_CELL`] of a world with its border: 579 x 579 m.
 pub const MAX_CELLS: u64 = 1 << 25;
 
 /// Width in metres of the border of cells around the world's bounds: farther than walls are
@@ -31,20 +31,20 @@ const BORDER: f64 = 1.3;
 /// The greatest coordinate of a world and its border in metres.
 const FARTHEST: f64 = 1e7;
 
-/// How much wider than its swing radius a robot counts where it plans and where it could have been,
-/// in metres: the Pioneer's 0.355 m make 0.36 m.
+/// How much wider than its circumscribed radius a robot counts where it plans and where it could have
+/// been, in metres: the Pioneer's 0.355 m make 0.36 m.
 pub const MARGIN: f64 = 0.005;
 
-/// The swing radii that a trial can be scored for, in metres.
+/// The circumscribed radii that a trial can be scored for, in metres.
 const RADII: std::ops::RangeInclusive<f64> = 0.15..=2.0;
 
-/// How much farther than the robot's radius distances to barriers are known, in metres.
+/// Distance in metres beyond the robot's radius up to which distances to solids are known.
 const REACH: f64 = 0.6;
 
 /// Depth in metres at which a wall's surface is drawn into the wall.
 const INTO_WALL: f64 = 1e-3;
 
-/// Why there is nothing that could be mapped.
+/// Why a world has no mappable area.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MappableAreaError {
@@ -66,11 +66,11 @@ pub enum MappableAreaError {
     #[error("`circumscribed_radius` must be from {min} to {max} m, got {0} m", min = RADII.start(), max = RADII.end())]
     Radius(f64),
     /// The world has no start.
-    #[error("`start` is absent, but a trial starts there")]
+    #[error("`start` must be set: a trial starts there")]
     NoStart,
     /// The robot does not fit at the start.
     #[error(
-        "`start` is ({x}, {y}) m, expected a place to drive on with {radius} m \
+        "`start` is ({x}, {y}) m, expected ground to drive on with {radius} m \
          of free ground all around"
     )]
     Start {
@@ -83,7 +83,7 @@ pub enum MappableAreaError {
     },
 }
 
-/// What could be mapped of a world, worked out once for any number of trials in it.
+/// The mappable area of a world, computed once for any number of trials in it.
 #[derive(Clone, Debug)]
 pub struct MappableArea {
     frame: GridFrame,
@@ -94,29 +94,29 @@ pub struct MappableArea {
     free: Vec<bool>,
     free_cells: usize,
     walls: Vec<WallPoint>,
-    /// How often a look along each wall point's normal meets walls.
+    /// How many walls a search along each wall point's normal crosses.
     runs: Vec<u8>,
     wall_distance: Vec<u16>,
     trips: Vec<Trip>,
 }
 
 impl MappableArea {
-    /// Works out what a robot could map from the world's start.
+    /// Computes the mappable area from the world's start.
     ///
     /// # Errors
-    /// When the world has no start; else as [`MappableArea::from_start`].
+    /// If the world has no start; else as [`MappableArea::from_start`].
     pub fn new(world: &World, robot: &Robot) -> Result<Self, MappableAreaError> {
         let start = world.start.ok_or(MappableAreaError::NoStart)?;
         MappableArea::from_start(world, robot, start.position)
     }
 
-    /// Works out what a robot could map from a start, the world's or another one.
+    /// Computes the mappable area from a start, the world's or another one.
     ///
-    /// The robot is a disc of its swing radius that keeps off solid parts and inside the world's
-    /// bounds; its middle keeps off water and surfaces of speed 0.
+    /// The robot is a disc of its circumscribed radius that stays off solid parts and inside the world's
+    /// bounds; its centre stays off water and surfaces of speed 0.
     ///
     /// # Errors
-    /// When the world is broken or too large, when the robot does not fit at the start, or when it
+    /// If the world is broken or too large, if the robot does not fit at the start, or if it
     /// is smaller or larger than can be scored.
     pub fn from_start(
         world: &World,
@@ -178,27 +178,27 @@ impl MappableArea {
         &self.robot
     }
 
-    /// Whether a world is small enough to be scored, which can be said before a trial; the ground
-    /// that scores are counted on.
+    /// Checks before a trial that a world is small enough to be scored; returns the area of the
+    /// grid of the scores.
     ///
     /// # Errors
-    /// When it is too large, or too far from the origin.
+    /// If it is too large, or too far from the origin.
     pub fn check_size(world: &World) -> Result<Rect, MappableAreaError> {
         let around = world.bounds.grown(BORDER);
         let size = around.size();
         let cells = (size.x / SCORE_CELL + 2.0) * (size.y / SCORE_CELL + 2.0);
-        // Far from the origin cells of 0.1 m cannot be told apart.
+        // Far from the origin cells of 0.1 m cannot be distinguished.
         let far = around.min.abs().max(around.max.abs()).max_element();
         let small = cells <= MAX_CELLS as f64 && far <= FARTHEST;
         if small { Ok(around) } else { Err(too_large(world)) }
     }
 
-    /// The grid that the truth is given on.
+    /// The grid of the mappable area.
     pub fn frame(&self) -> GridFrame {
         self.frame
     }
 
-    /// Each cell of the frame: whether it is F, ground that no barrier touches and that the robot's
+    /// For each cell of the grid whether it is F: ground that no solid enters and that the robot's
     /// disc can cover.
     pub fn free(&self) -> &[bool] {
         &self.free
@@ -214,13 +214,13 @@ impl MappableArea {
         &self.walls
     }
 
-    /// Whether the robot can be with its middle at a point: its disc, of its swing radius, touches
-    /// nothing solid, and the ground can be driven on.
+    /// Whether the robot's centre can be at a point: its disc, of its circumscribed radius, touches
+    /// nothing solid, and it can drive on the ground.
     pub fn is_clear(&self, p: DVec2) -> bool {
         self.room(p) >= 0.0
     }
 
-    /// The map that a robot without any error would make: F free, the seen walls occupied.
+    /// The map of a robot without any error: F free, the seen walls occupied.
     pub fn perfect_map(&self) -> OccupancyMap {
         let mut map = OccupancyMap::new();
         for cell in (0..self.frame.len()).filter(|&cell| self.free[cell]) {
@@ -238,7 +238,7 @@ impl MappableArea {
         map
     }
 
-    /// How far the robot's disc is from the nearest solid part in metres, infinite when far;
+    /// Distance of the robot's disc from the nearest solid part in metres, infinite if far;
     /// negative where it touches one or cannot be.
     pub(crate) fn room(&self, p: DVec2) -> f64 {
         self.ground.room(p, self.robot.circumscribed_radius)
@@ -249,12 +249,12 @@ impl MappableArea {
         &self.wall_distance
     }
 
-    /// How often a look along each wall point's normal meets walls.
+    /// How many walls a search along each wall point's normal crosses.
     pub(crate) fn runs(&self) -> &[u8] {
         &self.runs
     }
 
-    /// The ways on which a map is tried.
+    /// The trips with which the navigability of a map is tested.
     pub(crate) fn trips(&self) -> &[Trip] {
         &self.trips
     }
@@ -269,12 +269,12 @@ fn too_large(world: &World) -> MappableAreaError {
     MappableAreaError::Size { width: size.x, height: size.y }
 }
 
-/// A place inside the wall at a point of its surface.
+/// A point inside the wall behind a point of its surface.
 fn into_wall(point: WallPoint) -> DVec2 {
     point.position - point.normal * INTO_WALL
 }
 
-/// The open cells that are joined to free ones over sides.
+/// The open cells that are connected to free ones over sides.
 fn joined(frame: GridFrame, free: &[bool], open: &[bool]) -> Vec<bool> {
     let mut joined = free.to_vec();
     let mut grown: Vec<usize> = (0..free.len()).filter(|&cell| free[cell]).collect();

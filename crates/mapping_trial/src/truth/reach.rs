@@ -1,4 +1,4 @@
-//! Where a robot's middle can go: a flood over sixteen points a cell.
+//! Where a robot's centre can go: a flood over sixteen points per cell.
 
 use glam::DVec2;
 
@@ -9,12 +9,12 @@ use envgen::distance::squared_distances;
 /// Points along a side of a cell.
 const POINTS: i32 = 4;
 
-/// Distance between neighbouring points in metres. A disc whose middle moves from one to the next
-/// comes nearer to a barrier than it is at both by 0.5 mm at most, when its radius is that of the
-/// robot; ways that are wider than the disc by this much are found.
+/// Distance between neighbouring points in metres. A disc whose centre moves from one to the next
+/// comes nearer to a solid than it is at both by 0.5 mm at most, if its radius is that of the
+/// robot; passages that are wider than the disc by this much are found.
 const STEP: f64 = SCORE_CELL / POINTS as f64;
 
-/// Greatest distance of a point of a cell from its middle.
+/// Greatest distance of a point of a cell from its centre.
 const OFF_MIDDLE: f64 = 1.5 * STEP * std::f64::consts::SQRT_2;
 
 /// Points of the right, left, upper and lower side of a cell; bit 4 y + x is the point (x, y).
@@ -26,7 +26,7 @@ const BOTTOM: u16 = 0x000f;
 /// All points of a cell.
 const ALL: u16 = u16::MAX;
 
-/// The points of each cell where a disc's middle can be.
+/// The points of each cell where a disc's centre can be.
 pub(super) struct Reach {
     frame: GridFrame,
     points: Vec<u16>,
@@ -39,7 +39,7 @@ impl Reach {
         let free = free_points(ground, radius);
         let mut reached = vec![0_u16; free.len()];
         let mut grown: Vec<usize> = Vec::new();
-        // The start lies between points: those near it to which the robot can move.
+        // The start is between points: those near it to which the robot can move.
         for (cell, points) in around(frame, start, 1) {
             let near = each_point(points_of(frame, cell), |p| p.distance(start) <= 2.0 * STEP);
             reached[cell] = free[cell] & near & points;
@@ -67,7 +67,7 @@ impl Reach {
         Reach { frame, points: reached }
     }
 
-    /// The open cells whose middles a disc covers whose middle is at a point that was reached.
+    /// The open cells whose centres a disc covers whose centre is at a reached point.
     pub(super) fn covered(&self, open: &[bool], radius: f64) -> Vec<bool> {
         let frame = self.frame;
         let reached: Vec<bool> = self.points.iter().map(|&points| points != 0).collect();
@@ -107,11 +107,11 @@ fn around(frame: GridFrame, p: DVec2, span: i32) -> impl Iterator<Item = (usize,
     })
 }
 
-/// The points of each cell where a disc touches no barrier.
+/// The points of each cell where a disc touches no solid.
 fn free_points(ground: &DiscGround, radius: f64) -> Vec<u16> {
     let frame = ground.frame();
     let sure = radius + OFF_MIDDLE;
-    // How far the disc is clear, at least: a cell further on it is less by the way there at most.
+    // Lower bound of the disc's clearance: from cell to cell it falls by at most the distance.
     let mut room = 0.0;
     (0..frame.len())
         .map(|cell| {
@@ -145,7 +145,7 @@ fn points_of(frame: GridFrame, cell: usize) -> DVec2 {
     frame.centre(cell) - DVec2::splat(1.5 * STEP)
 }
 
-/// The points of a cell of which something holds.
+/// The points of a cell for which `holds` is true.
 fn each_point(corner: DVec2, holds: impl Fn(DVec2) -> bool) -> u16 {
     (0..POINTS * POINTS).fold(0, |points, i| {
         let at = DVec2::new(f64::from(i % POINTS), f64::from(i / POINTS));
@@ -153,7 +153,7 @@ fn each_point(corner: DVec2, holds: impl Fn(DVec2) -> bool) -> u16 {
     })
 }
 
-/// All points of a cell that free points join to some.
+/// All points of a cell that are connected to some points by free ones.
 fn spread(mut points: u16, free: u16) -> u16 {
     if free == ALL && points != 0 {
         return ALL;
@@ -212,7 +212,7 @@ mod tests {
 
     #[test]
     fn points_spread_over_what_is_free() {
-        // A way around a corner, and a point that nothing joins.
+        // A path around a corner, and a point without connection.
         let free = 0b1000_0000_0111_0001_u16;
         assert_eq!(spread(1, free), 0b0000_0000_0111_0001);
         assert_eq!(spread(1 << 6, free), 0b0000_0000_0111_0001);

@@ -151,7 +151,7 @@ fn the_perfect_map_shows_what_is_free_and_what_is_not() {
     assert_eq!(at(5.1, 2.0), Cell::Unknown);
 }
 
-/// Free cells the slow way: discs around all points of a lattice, joined step by step.
+/// Free cells by the slow method: discs around all points of a lattice, joined step by step.
 fn slow_free(world: &World, frame: GridFrame) -> Vec<bool> {
     let (radius, step) = (0.36, 0.025);
     let low = frame.area().min + 0.5 * step;
@@ -199,7 +199,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
     #[test]
-    fn free_ground_is_that_of_the_slow_way(
+    fn free_ground_is_that_of_the_slow_method(
         boxes in prop::collection::vec((0.0..6.0_f64, 0.0..5.0_f64, 0.05..1.0_f64, 0.05..1.0_f64), 0..8),
         x in 0.5..5.5_f64,
         y in 0.5..4.5_f64,

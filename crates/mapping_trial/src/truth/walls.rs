@@ -12,26 +12,26 @@ use super::frame::{GridFrame, SCORE_CELL};
 /// Greatest distance between neighbouring points of an outline in metres: a cell of a map.
 const SPACING: f64 = 0.05;
 
-/// Height above an outline from which it is looked away from, in metres.
+/// Distance in metres from an outline at which a point looks for free space.
 const LIFT: f64 = 0.01;
 
 /// How far walls are seen, in metres: the longest range of the lasers.
 const SIGHT: f64 = 20.0;
 
-/// Directions in which a point looks for free space that is not right before it.
+/// Number of directions in which a point looks for free space that is not right before it.
 const LOOKS: usize = 64;
 
-/// A point of a wall's outline; each stands for about the same length of wall.
+/// A point of a wall's outline; each represents about the same length of wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallPoint {
-    /// Where it is, in metres.
+    /// Its position in metres, in the world's frame.
     pub position: DVec2,
-    /// The unit vector out of the wall, to where it is seen from.
+    /// The unit vector out of the wall, to the side from which it is seen.
     pub normal: DVec2,
 }
 
 /// The points of outlines that can be seen from the cells of `free`, in the world's order.
-/// `joined` are the cells that no barrier touches and that are joined to `free`.
+/// `joined` are the cells that no solid enters and that are connected to `free`.
 pub(super) fn seen(
     world: &World,
     frame: GridFrame,
@@ -85,11 +85,11 @@ impl Sight<'_> {
         })
     }
 
-    /// Whether nothing stands between a point and the middle of a cell.
+    /// Whether there is no solid between a point and the centre of a cell.
     fn open_between(&self, eye: DVec2, cell: usize) -> bool {
-        let way = self.frame.centre(cell) - eye;
-        let length = way.length();
-        length > 0.0 && self.rays.cast_along(eye, way / length, length).is_none()
+        let offset = self.frame.centre(cell) - eye;
+        let length = offset.length();
+        length > 0.0 && self.rays.cast_along(eye, offset / length, length).is_none()
     }
 }
 

@@ -1,5 +1,5 @@
-//! Scripted drives through hand-made worlds: what a robot measures on a way that does not depend on
-//! its map, and what estimators make of it.
+//! Scripted drives through hand-made worlds: what a robot measures on a path that does not depend on
+//! its map, and the estimates from it.
 
 use envgen::geometry::{Pose, Rect, Shape, unit_vector, wrap_angle};
 use envgen::glam::DVec2;
@@ -15,7 +15,7 @@ use mapping_trial::slam::{Slam, SlamKind};
 /// Speed in m/s and rate of turning in rad/s.
 const PACE: (f64, f64) = (0.5, 0.8);
 
-/// A way through a world with the laser's exact ranges along it.
+/// A path through a world with the laser's exact ranges along it.
 pub(crate) struct Drive {
     laser: LaserProfile,
     motions: Vec<Increment>,
@@ -90,7 +90,7 @@ impl Drive {
         Drive { laser: laser.clone(), motions, scans, truth }
     }
 
-    /// What a robot measures on the way.
+    /// What a robot measures on the path.
     pub(crate) fn record(&self, odometry: &OdometryProfile, seed: u64) -> Recording<'_> {
         let mut wheels = Odometry::new(odometry.clone(), Seed(seed), 0);
         let mut sensor = Laser::new(self.laser.clone(), Seed(seed), 0);

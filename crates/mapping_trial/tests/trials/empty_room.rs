@@ -1,4 +1,4 @@
-//! The easiest world there is must not be difficult, whoever drives.
+//! The easiest world must not be difficult for any policy.
 
 use envgen::geometry::{Pose, Rect, Shape, edges};
 use envgen::world::{Wall, WallKind};
@@ -12,7 +12,7 @@ use mapping_trial::score::Scores;
 use mapping_trial::trial::{EndReason, Trial, TrialSettings};
 use mapping_trial::truth::MappableArea;
 
-/// A room of 20 x 20 m in which nothing stands.
+/// An empty room of 20 x 20 m.
 pub(crate) fn room() -> World {
     let bounds = Rect::new(DVec2::ZERO, DVec2::splat(20.0));
     let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
@@ -37,13 +37,13 @@ const SEEDS: u64 = 10;
 
 /// With the default laser, which is short of half the room, and with one that sees all of it.
 #[test]
-fn no_operator_finds_an_empty_room_difficult() {
-    for (name, operator) in PolicyKind::NAMES {
+fn no_policy_finds_an_empty_room_difficult() {
+    for (name, policy) in PolicyKind::NAMES {
         for laser in [LaserProfile::default(), LaserProfile::USARSIM] {
             let range = laser.max_range;
             for seed in 0..SEEDS {
                 let (end, scores) = run(TrialSettings {
-                    operator: Some(*operator),
+                    policy: Some(*policy),
                     laser: laser.clone(),
                     seed: Seed(seed),
                     ..TrialSettings::default()
@@ -55,8 +55,8 @@ fn no_operator_finds_an_empty_room_difficult() {
     }
 }
 
-/// The middle of the room cannot be seen together with its walls: what the wheels get wrong (a scale
-/// of 1.5 %, turns of 5 %) is in the map. With wheels that get nothing wrong, nothing else may.
+/// From the centre of the room its walls cannot be seen: the wheels' errors (a scale of 1.5 %, turns
+/// of 5 %) are in the map. With exact wheels there must be no other errors.
 #[test]
 fn wheels_that_are_exact_leave_an_exact_map() {
     for seed in 0..3 {

@@ -1,5 +1,4 @@
-//! Runs of operators whose map is drawn from true poses: what goes wrong in them is the operator's
-//! own fault.
+//! Runs of policies whose map is drawn from true poses: every failure in them is the policy's.
 
 use std::sync::Arc;
 
@@ -40,7 +39,7 @@ pub(crate) struct Outcome {
     pub(crate) radians: f64,
 }
 
-/// A run: bodies, the map drawn from their true poses, and what they see.
+/// A run: the robots, the map drawn from their true poses, and what they see.
 pub(crate) struct Run {
     pub(crate) robot: Robot,
     pub(crate) laser: LaserProfile,
@@ -71,7 +70,7 @@ impl Run {
         }
     }
 
-    /// Drives until the operator has finished, is stuck, or time is up.
+    /// Drives until the policy has finished, is stuck, or time is up.
     pub(crate) fn drive(&mut self, operator: &mut dyn ExplorationPolicy, seconds: f64) -> Outcome {
         let robots = self.starts.len();
         let mut commands = vec![Command::STOP; robots];
@@ -200,7 +199,7 @@ fn cells(from: DVec2, direction: DVec2, length: f64, mut visit: impl FnMut(CellI
     }
 }
 
-/// Where a robot's footprint can get to from a start: middles of cells of 0.1 m that lie under it.
+/// Where a robot's footprint can get to from a start: centres of cells of 0.1 m that it covers.
 pub(crate) fn reachable(world: &World, start: DVec2, robot: &Robot) -> Vec<DVec2> {
     const SIDE: f64 = 0.1;
     let Ok(grid) = OccupancyGrid::of(world, SIDE, Coverage::Centre) else { return Vec::new() };

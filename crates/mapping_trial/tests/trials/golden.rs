@@ -9,7 +9,7 @@ use mapping_trial::policy::PolicyKind;
 use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::{Trial, TrialSettings};
 
-/// Digests of logs and of what was scored, by operator; the last two are of two robots and of
+/// Digests of logs and trajectories, by policy; the last two are of two robots and of
 /// `pose_graph`. A change here changes what every trial measures: note it in the changelog.
 const GOLDEN: [&str; 7] = [
     "286210b6f2260e9c1bda441c85155b38",
@@ -30,7 +30,7 @@ fn settings() -> Vec<TrialSettings> {
     let short = TrialSettings { time_limit: 150.0, seed: Seed(5), ..TrialSettings::default() };
     let operators = PolicyKind::NAMES
         .iter()
-        .map(|(_, kind)| TrialSettings { operator: Some(*kind), ..short.clone() });
+        .map(|(_, kind)| TrialSettings { policy: Some(*kind), ..short.clone() });
     operators
         .chain([
             TrialSettings { robots: 2, ..short.clone() },
@@ -39,7 +39,7 @@ fn settings() -> Vec<TrialSettings> {
         .collect()
 }
 
-/// The first half of the digest of a log and of the estimated way.
+/// The first half of the digest of a log and of the estimated trajectory.
 fn digest(world: &World, settings: TrialSettings) -> String {
     let mut trial = Trial::flat(world, settings).expect("a free start");
     while trial.step() {}

@@ -38,7 +38,7 @@ fn run(world: &World, kind: PolicyKind, starts: &[Pose], seconds: f64) -> (Outco
 }
 
 #[test]
-fn every_operator_covers_a_small_building() {
+fn every_policy_covers_a_small_building() {
     for seed in [1, 2] {
         let world = building(8, seed);
         let start = world.start.expect("a start");

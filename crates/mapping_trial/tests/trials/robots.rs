@@ -59,7 +59,7 @@ fn plan_passes(robot: &Robot, gap: f64, limit: CellCost) -> bool {
     search.to(&mut costmap, start, &[], start + DVec2::X * ROOM).is_some()
 }
 
-/// Whether a disc that drives straight ahead gets through, and how often it hits.
+/// Whether a disc that drives straight ahead gets through, and how often it collides.
 fn drive_passes(robot: &Robot, gap: f64) -> (bool, u32) {
     let world = rooms(gap);
     let flat = Arc::new(FlatWorld::new(&world, robot).expect("a robot"));

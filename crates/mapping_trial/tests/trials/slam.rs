@@ -1,4 +1,4 @@
-//! What holds of every estimator: it can take anything, it repeats to the bit, robots share a map.
+//! Properties of every estimator: it accepts any input, repeats to the last bit, and robots share a map.
 
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
@@ -130,10 +130,10 @@ fn robots_share_one_map() {
     }
 }
 
-/// A hall whose walls are out of sight for most of the way: what is wrong then is mended where they
+/// A hall whose walls are out of sight for most of the path: the error is corrected where they
 /// come into sight again.
 #[test]
-fn walls_are_found_again_after_a_way_on_the_wheels() {
+fn walls_are_found_again_after_a_path_on_the_wheels() {
     let world = world_of(&frame(0.0, 0.0, 30.0, 30.0));
     let way = [(4.0, 4.0), (14.0, 14.0), (16.0, 12.0), (4.0, 4.0)];
     let way: Vec<DVec2> = way.iter().map(|&(x, y)| DVec2::new(x, y)).collect();

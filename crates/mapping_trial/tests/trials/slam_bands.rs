@@ -11,7 +11,7 @@
 //! | six dead ends | 8 m | 0.04 m | 0.04 m | met |
 //!
 //! Met is within a factor of two. The pilot took a match as it is, which is pulled back along bare
-//! walls by some percent of the way; with that our errors were the pilot's within a factor of 1.3
+//! walls by some percent of the path; with that our errors were the pilot's within a factor of 1.3
 //! (0.76, 0.20, 0.10 and 0.046 m; halls 0.20 and 0.035 m, where its boxes are not known). Now the
 //! wheels count where walls hold nothing, and the errors are smaller. They must not become larger than
 //! one and a half times what is reached here: the bands are one-sided.
@@ -62,7 +62,7 @@ fn around(width: f64, height: f64, on: f64) -> Vec<DVec2> {
     points(&[(4.0, 1.0), (right, 1.0), (right, top), (1.0, top), (1.0, 1.0), (4.0 + on, 1.0)])
 }
 
-/// Ten boxes of 1 m in the middle, and a way around along the walls, from where an 8 m laser sees
+/// Ten boxes of 1 m in the centre, and a path around along the walls, from where an 8 m laser sees
 /// one or two of them at times.
 fn hall() -> (Vec<Rect>, Vec<DVec2>) {
     let mut walls = frame(0.0, 0.0, 30.0, 20.0);
@@ -103,8 +103,8 @@ fn error(recording: &Recording, slam: &dyn Slam) -> f64 {
     (estimated.iter().zip(truth).map(distance2).sum::<f64>() / truth.len() as f64).sqrt()
 }
 
-/// How far the end is off in metres, as seen from the place nearest to it in the first half of
-/// the way: what a map has twice when the robot comes back.
+/// How far the end is off in metres, relative to the point nearest to it in the first half of
+/// the path: by so much a map shows walls twice when the robot comes back.
 fn gap(recording: &Recording, slam: &dyn Slam) -> f64 {
     let estimated = slam.trajectory(0);
     let truth = &recording.drive.truth;
@@ -117,7 +117,7 @@ fn gap(recording: &Recording, slam: &dyn Slam) -> f64 {
     seen(&estimated).distance(seen(truth))
 }
 
-/// The middle of some numbers.
+/// The median of some numbers.
 fn median(values: &[f64]) -> f64 {
     let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
@@ -158,7 +158,7 @@ fn assert_band(error: f64, reached: f64) {
 }
 
 #[test]
-fn bare_corridors_let_the_way_along_them_drift() {
+fn bare_corridors_let_the_position_along_them_drift() {
     let walls = corridor_loop(30.0, 20.0, false);
     let error = scan_to_map(&walls, &around(30.0, 20.0, 5.0), &LaserProfile::LMS200_MM);
     assert_band(error, 0.12);

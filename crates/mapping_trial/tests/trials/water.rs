@@ -14,7 +14,7 @@ use mapping_trial::score::Scores;
 use mapping_trial::trial::{EndReason, Trial, TrialSettings};
 use mapping_trial::truth::MappableArea;
 
-/// A room of 16 x 12 m with a pond of 6 x 4 m in its middle.
+/// A room of 16 x 12 m with a pond of 6 x 4 m in its centre.
 fn room_with_a_pond() -> World {
     let bounds = Rect::new(DVec2::ZERO, DVec2::new(16.0, 12.0));
     let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
@@ -39,10 +39,10 @@ fn run(world: &World, settings: TrialSettings) -> (EndReason, Scores) {
 #[test]
 fn a_room_with_a_pond_is_explored_around_it() {
     let world = room_with_a_pond();
-    for (name, operator) in PolicyKind::NAMES {
+    for (name, policy) in PolicyKind::NAMES {
         for seed in 0..4 {
-            let operator = Some(*operator);
-            let settings = TrialSettings { operator, seed: Seed(seed), ..Default::default() };
+            let policy = Some(*policy);
+            let settings = TrialSettings { policy, seed: Seed(seed), ..Default::default() };
             let (end, scores) = run(&world, settings);
             assert_eq!(end, EndReason::Explored, "{name}, seed {seed}");
             assert!(scores.coverage > 0.97, "{name}, seed {seed}: {scores:#?}");

@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let all_hold = checked.iter().all(|(_, verdict)| *verdict == Verdict::Holds);
     let is_trusted = all_hold && reproduction.is_credible();
     match print(&checked, &reproduction) {
-        // Who reads only the first line still wants the right exit code.
+        // A reader that stops after the first line still gets the right exit code.
         Err(Failure::ReaderGone) | Ok(()) => Ok(ExitCode::from(u8::from(!is_trusted))),
         Err(failure) => Err(failure),
     }

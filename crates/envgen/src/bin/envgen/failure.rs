@@ -1,7 +1,7 @@
 //! How a run ends when it does not succeed.
 //!
-//! Every error is told in the form `error: PLACE: TEXT`, where the place is a file, an option with its
-//! value, or stdout; [`Locate`](envgen::located::Locate) puts it there.
+//! Every error is printed in the form `error: PLACE: TEXT`, where the place is a file, an option with
+//! its value, or stdout; [`Locate`](envgen::located::Locate) puts it there.
 
 use std::fmt::Display;
 use std::io;
@@ -18,30 +18,28 @@ use envgen::{GenerateError, SettingsError, SpecError};
 
 /// Why a run ends.
 pub(crate) enum Failure {
-    /// What was asked cannot be: exit code 2.
+    /// Bad arguments: exit code 2.
     Usage(String),
-    /// What was asked did not come about: exit code 1.
+    /// The work failed: exit code 1.
     Failed(String),
-    /// Stdout takes no more: exit code 1.
+    /// Writing to stdout failed: exit code 1.
     Stdout(io::Error),
-    /// The reader of the output has gone, which is its right: exit code 0.
+    /// The reader of stdout closed it, which is no error: exit code 0.
     ReaderGone,
 }
 
 impl Failure {
-    /// The failure with what it is about.
+    /// The failure with the place that it is about.
     pub(crate) fn about(self, place: impl Display) -> Self {
         match self {
             Failure::Usage(text) => Failure::Usage(format!("{place}: {text}")),
             Failure::Failed(text) => Failure::Failed(format!("{place}: {text}")),
             Failure::Stdout(error) => Failure::Failed(format!("{place}: {error}")),
-            Failure::ReaderGone => {
-                Failure::Failed(format!("{place}: nobody reads what is written"))
-            }
+            Failure::ReaderGone => Failure::Failed(format!("{place}: the reader closed the pipe")),
         }
     }
 
-    /// Says on stderr what is wrong, and gives the exit code.
+    /// Prints the error on stderr, and returns the exit code.
     pub(crate) fn report(self) -> ExitCode {
         let (text, code) = match self {
             Failure::Usage(text) => (text, 2),
@@ -49,7 +47,7 @@ impl Failure {
             Failure::Stdout(error) => (format!("stdout: {error}"), 1),
             Failure::ReaderGone => return ExitCode::SUCCESS,
         };
-        #[expect(clippy::print_stderr, reason = "this is where the command says what is wrong")]
+        #[expect(clippy::print_stderr, reason = "this is where the command prints errors")]
         {
             eprintln!("error: {text}");
         }
@@ -122,7 +120,7 @@ impl From<RasterError> for Failure {
     }
 }
 
-/// Errors of what was asked.
+/// Errors that mean bad arguments.
 macro_rules! usage {
     ($($error:ty),+) => {
         $(impl From<$error> for Failure {

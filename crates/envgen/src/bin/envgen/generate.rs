@@ -22,12 +22,12 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     source: Source,
 
-    /// A file to write; its ending names the format. May be given several times.
+    /// A file to write; its ending selects the format. May be given several times.
     #[arg(long, required = true, value_name = "FILE")]
     out: Vec<PathBuf>,
 
-    /// Side of a cell of maps for ROS (.yaml) in metres, from 0.001 to 1000: at most 67,108,864 cells.
-    /// Where it is not given, 0.05, or coarser for a world that would have more than 16,777,216 cells.
+    /// Cell size of ROS maps (.yaml) in metres, from 0.001 to 1000; a map has at most 67,108,864 cells.
+    /// Default: 0.05, or coarser for a world that would have more than 16,777,216 cells.
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     resolution: Option<f64>,
 
@@ -39,17 +39,17 @@ pub(crate) struct Arguments {
 #[derive(Args)]
 #[command(next_help_heading = "Pictures")]
 struct Picture {
-    /// Greatest width in px.
+    /// Greatest width of pictures in px.
     #[arg(long, value_name = "PX", allow_negative_numbers = true,
           default_value_t = PictureOptions::default().width)]
     picture_width: u32,
 
-    /// Greatest height of the plan in px.
+    /// Greatest height of the plan in pictures in px.
     #[arg(long, value_name = "PX", allow_negative_numbers = true,
           default_value_t = PictureOptions::default().height)]
     picture_height: u32,
 
-    /// The text above the world, in place of kind and seed.
+    /// Title of pictures, instead of kind and seed.
     #[arg(long, value_name = "TEXT")]
     title: Option<String>,
 
@@ -82,7 +82,7 @@ impl Picture {
     }
 }
 
-/// The side of a cell of maps.
+/// The side of a cell of ROS maps.
 const RESOLUTION: Setting = Setting::number(
     "resolution",
     "m",
@@ -93,7 +93,7 @@ const RESOLUTION: Setting = Setting::number(
 
 /// A file to write.
 struct Output {
-    /// The name that `--out` gives, which decides the format.
+    /// The name given to `--out`, which selects the format.
     asked: PathBuf,
     format: Format,
     /// The name of this file; a format can have several.
@@ -102,7 +102,7 @@ struct Output {
 }
 
 impl Output {
-    /// The files that are asked for, none twice and none that is read.
+    /// The requested files; refuses duplicates and input files.
     fn all(asked: &[PathBuf], inputs: &[PathBuf]) -> Result<Vec<Output>, Failure> {
         let mut outputs: Vec<Output> = Vec::new();
         for asked in asked {
@@ -128,18 +128,18 @@ impl Output {
     }
 }
 
-/// Checks the resolution, and that there is a file that it is for.
+/// Checks the resolution, and that one of the outputs uses it.
 fn check_resolution(resolution: Option<f64>, outputs: &[Output]) -> Result<(), Failure> {
     let Some(resolution) = resolution else { return Ok(()) };
     RESOLUTION.check(resolution).in_option("--resolution", resolution)?;
     if outputs.iter().any(|output| output.format == Format::RosMap) {
         return Ok(());
     }
-    let text = "is for maps for ROS, and no --out ends with .yaml".to_owned();
+    let text = "applies to ROS maps, but no --out ends with .yaml".to_owned();
     Err(Failure::Usage(text).about(format!("--resolution {resolution}")))
 }
 
-/// Says how large the maps of cells become.
+/// Prints the sizes of the ROS maps.
 fn say_sizes(world: &World, resolution: Option<f64>, outputs: &[Output]) -> Result<(), Failure> {
     let maps = outputs.iter().filter(|output| output.format == Format::RosMap);
     for map in maps.filter(|output| output.path == output.asked) {
@@ -151,7 +151,7 @@ fn say_sizes(world: &World, resolution: Option<f64>, outputs: &[Output]) -> Resu
         let kilobytes = (cols * rows).div_ceil(1000);
         let coarse = if resolution.is_none() && usual > ros_map::RESOLUTION {
             format!(
-                "; more than {} m, as the world is large: see --resolution",
+                "; coarser than {} m because the world is large: see --resolution",
                 ros_map::RESOLUTION
             )
         } else {
@@ -163,13 +163,13 @@ fn say_sizes(world: &World, resolution: Option<f64>, outputs: &[Output]) -> Resu
     Ok(())
 }
 
-/// How errors call a file to write.
+/// How errors name an output.
 fn option(path: &Path) -> String {
     format!("--out {}", path.display())
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    // Everything that can be wrong with the arguments is found before any work is done.
+    // All mistakes in the arguments are found before any work is done.
     let source = &arguments.source;
     let spec = source.spec()?;
     let picture = arguments.picture.options()?;
@@ -197,7 +197,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if let WorldMetrics::Landscape(metrics) = blueprint.metrics()
         && let Some(error) = metrics.total_edge_error.filter(|error| *error != 0)
     {
-        note(&format!("no landscape has this total_edge; the nearest is {error:+} off"));
+        note(&format!("no landscape of this total_edge was found; the nearest is {error:+} off"));
     }
     Ok(ExitCode::SUCCESS)
 }

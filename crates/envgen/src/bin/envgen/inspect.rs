@@ -29,14 +29,14 @@ pub(crate) struct Arguments {
 struct Report<'a> {
     provenance: &'a Provenance,
     digest: String,
-    /// Whether this crate makes the same world of the same spec and seed.
+    /// Whether this crate generates the same world from the same spec and seed.
     reproducible: bool,
     bounds: Rect,
     start: Option<Pose>,
     goal: Option<Pose>,
     parts: Parts,
     certificate: Vec<Checked>,
-    /// Absent when the world is no longer what its spec and seed make.
+    /// Absent when the world is no longer the one of its spec and seed.
     metrics: Option<WorldMetrics>,
 }
 
@@ -109,7 +109,7 @@ fn report(world: &World) -> Report<'_> {
     }
 }
 
-/// Prints a tree of values, two spaces a level; lists of plain values stand in one line.
+/// Prints a tree of values, two spaces per level; lists of plain values are on one line.
 fn print(out: &mut impl Write, value: &Value, level: usize) -> io::Result<()> {
     let Value::Object(fields) = value else { return writeln!(out, "{}", plain(value)) };
     for (name, value) in fields {

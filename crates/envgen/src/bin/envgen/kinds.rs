@@ -15,7 +15,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     json: bool,
 
-    /// Only this kind.
+    /// Prints this kind alone.
     kind: Option<String>,
 }
 
@@ -80,7 +80,7 @@ fn describe(kind: WorldKind) -> Value {
     })
 }
 
-/// A value as one would give it to `--set`.
+/// A value in the form that `--set` takes.
 fn plain(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),

@@ -26,24 +26,23 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// CellBuckets every kind with its settings, units, defaults and limits.
+    /// Lists every kind with its settings, units, defaults and limits.
     Kinds(kinds::Arguments),
-    /// Generates one world and writes it to files; the format follows a file's ending.
+    /// Generates one world and writes it to files; the ending of a file selects its format.
     Generate(generate::Arguments),
-    /// Prints blueprints of consecutive seeds as JSON lines; seeds that have none are named on
-    /// stderr and make the exit code 1.
+    /// Prints blueprints of consecutive seeds as JSON lines; seeds without a blueprint are listed on
+    /// stderr and give exit code 1.
     Sample(sample::Arguments),
-    /// Tells what a world file holds: provenance, certificate, metrics.
+    /// Shows the provenance, certificate and metrics of a world file.
     Inspect(inspect::Arguments),
-    /// Measures a raster of classes as landscape ecology does.
+    /// Prints the landscape metrics of a raster of classes.
     Metrics(metrics::Arguments),
-    /// Says whether a world file can be trusted; exit code 1 if it cannot.
+    /// Checks a world file; exit code 1 if it is not what it claims to be.
     ///
     /// Verifies every promise of the certificate on the world alone, and generates the world again
     /// from its spec and seed. Exit code 1 if a promise does not hold or cannot be decided, or if the
-    /// spec and seed do not make this world. A file that promises nothing, was imported, says that it
-    /// was edited, or was made by another version of its kind's values is not failed for that: the
-    /// output says so.
+    /// spec and seed give another world. A file without promises, and a world that was imported, marked
+    /// as edited or made by another value version, do not fail for that: the output says so.
     Check(check::Arguments),
 }
 

@@ -22,7 +22,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     json: bool,
 
-    /// Counts the raster's end, and the sides beside cells without data, as edges.
+    /// Counts the raster's border, and the sides next to cells without data, as edges.
     #[arg(long)]
     border: bool,
 }
@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let path = &arguments.file;
     let mut file = File::open(path).in_file(path)?;
     let read = ImportedRaster::read(path, &mut file).map_err(|error| match error {
-        // It names the file itself.
+        // The error names the file itself.
         RasterFileError::UnknownEnding(_) => error.into(),
         other => Failure::from(other).about(path.display()),
     })?;

@@ -1,4 +1,4 @@
-//! What a person at a terminal sees while work goes on.
+//! The progress that a terminal shows while the command works.
 
 use std::io::{self, IsTerminal};
 use std::time::Duration;
@@ -19,7 +19,7 @@ pub(crate) fn bar(count: u64) -> ProgressBar {
     }
 }
 
-/// A sign of life on stderr, gone when it is dropped.
+/// A spinner on stderr, removed when it is dropped.
 pub(crate) fn spinner(what: &'static str) -> Spinner {
     let bar = ProgressBar::new_spinner().with_message(what);
     bar.enable_steady_tick(Duration::from_millis(100));

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::progress::bar;
 use crate::source::Source;
 
-/// So many seeds without a blueprint are named on stderr; the others are counted.
+/// At most this many seeds without a blueprint are listed on stderr; the others are counted.
 const NAMED_FAILURES: u64 = 10;
 
 #[derive(Args)]
@@ -20,7 +20,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     source: Source,
 
-    /// How many blueprints; their seeds are consecutive from --seed on.
+    /// Number of blueprints; their seeds are consecutive, starting at --seed.
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     count: u64,
 }
@@ -46,7 +46,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let first = source.seed;
     if count > 0 && first.checked_offset(count - 1).is_none() {
         let most = u64::MAX - first.0 + 1;
-        let text = format!("from seed {first} on there are {most} seeds");
+        let text = format!("only {most} seeds are left from seed {first} on");
         return Err(Failure::Usage(text).about(format!("--count {count}")));
     }
     let settings = spec.settings_json();
@@ -63,7 +63,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
                 serde_json::to_writer(&mut out, &line)?;
                 out.write_all(b"\n")?;
             }
-            // Some laws have no blueprint for some seeds: the others are still asked for.
+            // Some specs have no blueprint for some seeds: the other seeds are still sampled.
             Err(error) => {
                 if let failure @ Failure::Usage(_) = Failure::from(error.clone()) {
                     return Err(source.name(failure));
@@ -86,7 +86,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 }
 
 fn say(text: &str) {
-    #[expect(clippy::print_stderr, reason = "where the command says what is wrong")]
+    #[expect(clippy::print_stderr, reason = "where the command prints errors")]
     {
         eprintln!("{text}");
     }

@@ -1,4 +1,4 @@
-//! What a command starts from: a kind or a spec file with settings and a seed, or a world file.
+//! The input of a command: a kind or a spec file with settings and a seed, or a world file.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -52,7 +52,7 @@ impl Source {
         Ok(spec)
     }
 
-    /// The files that are read.
+    /// The input files.
     pub(crate) fn inputs(&self) -> Vec<PathBuf> {
         let mut inputs = self.rooms.files();
         inputs.extend(self.file().map(Path::to_owned));
@@ -67,7 +67,7 @@ impl Source {
         }
     }
 
-    /// The spec file, where one is asked for.
+    /// The spec file, where one is given.
     fn file(&self) -> Option<&Path> {
         let path = Path::new(&self.what);
         let is_ron = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ron"));
@@ -91,7 +91,7 @@ impl Source {
         Ok(settings)
     }
 
-    /// Says where a setting that is not allowed comes from.
+    /// Names the option or file that a setting that is not allowed comes from.
     fn blame(&self, error: SpecError, settings: &[(&str, &str, &str)]) -> Failure {
         match settings.iter().find(|(name, ..)| names(&error.field).any(|n| n == *name)) {
             Some((.., option)) => Failure::from(error).about(format!("--set {option}")),
@@ -99,10 +99,10 @@ impl Source {
         }
     }
 
-    /// Gives an indoor map the rooms that are asked for.
+    /// Gives an indoor map the requested rooms.
     fn furnish(&self, spec: &mut WorldSpec) -> Result<(), Failure> {
         let WorldSpec::Indoor(indoor) = spec else {
-            return Err(Failure::Usage(format!("{GIVEN_ROOMS} are for the kind indoor")));
+            return Err(Failure::Usage(format!("{GIVEN_ROOMS} apply to the kind indoor only")));
         };
         let catalogue = self.rooms.catalogue(indoor.catalogue())?;
         let bare = self.rooms.library()?;
@@ -118,7 +118,7 @@ impl Source {
     }
 }
 
-/// The settings that an error is about, such as both of `rows * cols`.
+/// The names of the settings that an error is about, such as both of `rows * cols`.
 fn names(field: &str) -> impl Iterator<Item = &str> {
     field.split(|letter: char| !(letter.is_alphanumeric() || letter == '_'))
 }
@@ -138,7 +138,7 @@ fn read(path: &Path) -> Result<String, Failure> {
 /// A world file.
 #[derive(Args)]
 pub(crate) struct WorldFile {
-    /// A world file: JSON or RON, a landscape's raster, a map of ROS (.yaml) or a project of the World
+    /// A world file: JSON or RON, a landscape's raster, a ROS map (.yaml) or a project of the World
     /// Generator (.xml).
     file: PathBuf,
 
@@ -147,14 +147,15 @@ pub(crate) struct WorldFile {
 }
 
 impl WorldFile {
-    /// Reads it, by the ending of its name, and says on stderr what was left out.
+    /// Reads it in the format of its name's ending, and reports on stderr what was left out.
     pub(crate) fn read(&self) -> Result<World, Failure> {
         let path = self.file.as_path();
         let reader = import::reader(path)?;
         let is_project = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xml"));
         if !is_project {
             if self.rooms.are_given() {
-                let text = format!("{GIVEN_ROOMS} are for projects of the World Generator (.xml)");
+                let text =
+                    format!("{GIVEN_ROOMS} apply to projects of the World Generator (.xml) only");
                 return Err(Failure::Usage(text));
             }
             return Ok(reader(&mut open(path)?, path).in_file(path)?);
@@ -170,12 +171,14 @@ impl WorldFile {
         }
         if project.elements_ignored > 0 {
             let elements = project.elements_ignored;
-            note(&format!("{name}: {elements} elements are no rooms or doors and are left out"));
+            note(&format!(
+                "{name}: {elements} elements are neither rooms nor doors and are left out"
+            ));
         }
         let bare = |room: &&PlacedRoom| catalogue.get(&room.room.name).is_none();
         let bare = project.plan.rooms().iter().filter(bare).count();
         if bare > 0 {
-            note(&format!("{name}: {bare} rooms are known by their size alone and are bare"));
+            note(&format!("{name}: {bare} rooms are empty because only their size is known"));
         }
         Ok(project.plan.to_world())
     }
@@ -184,18 +187,18 @@ impl WorldFile {
 /// Rooms for indoor maps, beside the built-in ones.
 #[derive(Args)]
 struct Rooms {
-    /// A folder of *.room.ron files for indoor maps, beside the built-in rooms; one of a built-in
-    /// name takes its place.
+    /// A folder of *.room.ron files for indoor maps, in addition to the built-in rooms; a room with the
+    /// name of a built-in one replaces it.
     #[arg(long, value_name = "FOLDER")]
     rooms: Option<PathBuf>,
 
-    /// A room library of the World Generator: rooms of known size and unknown contents, for names
-    /// that no room has yet.
+    /// A room library of the World Generator: adds empty rooms of known size, for names that no room
+    /// has yet.
     #[arg(long, value_name = "FILE.xml")]
     library: Option<PathBuf>,
 }
 
-/// How messages call the options of [`Rooms`].
+/// How messages name the options of [`Rooms`].
 const GIVEN_ROOMS: &str = "`--rooms` and `--library`";
 
 impl Rooms {
@@ -203,7 +206,7 @@ impl Rooms {
         self.rooms.is_some() || self.library.is_some()
     }
 
-    /// The files behind both; what cannot be listed cannot be read either.
+    /// The files of both options; a folder that cannot be listed cannot be read either.
     fn files(&self) -> Vec<PathBuf> {
         let rooms = self.rooms.iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten();
         let rooms = rooms.filter_map(|entry| Some(entry.ok()?.path()));
@@ -221,7 +224,7 @@ impl Rooms {
 
     fn library(&self) -> Result<Vec<LibraryRoom>, Failure> {
         let Some(path) = &self.library else { return Ok(Vec::new()) };
-        // What is no library is a wrong argument.
+        // A file that is not a library is a bad argument.
         let read = import::read_world_generator_library(&mut open(path)?);
         read.map_err(|error| {
             Failure::Usage(error.to_string()).about(format!("--library {}", path.display()))
@@ -233,9 +236,9 @@ fn open(path: &Path) -> Result<File, Failure> {
     Ok(File::open(path).in_file(path)?)
 }
 
-/// Tells a person what is not as asked.
+/// Prints a note for the user on stderr.
 pub(crate) fn note(text: &str) {
-    #[expect(clippy::print_stderr, reason = "where the command speaks to a person")]
+    #[expect(clippy::print_stderr, reason = "where the command prints notes")]
     {
         eprintln!("note: {text}");
     }

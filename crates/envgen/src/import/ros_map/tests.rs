@@ -42,7 +42,7 @@ fn greys_become_cells_as_in_ros() {
     assert_eq!(cells(&YAML.replace("negate: 0", "negate: true")), ".??###");
     assert_eq!(cells(&format!("{YAML}mode: scale\n")), "##??..");
     assert_eq!(cells(&format!("{YAML}mode: trinary\n")), "##??..");
-    // 0 %, 88 % and 90 %; the others are no percentages.
+    // 0 %, 88 % and 90 %; the others are not percentages.
     assert_eq!(cells(&format!("{YAML}mode: raw\n")), ".##???");
     // Thresholds are not reached by what equals them.
     let sharp = YAML.replace("0.65", "0.8").replace("0.196", "0.6");
@@ -90,11 +90,7 @@ fn what_is_wrong_with_a_description_is_named() {
         ("[-1.0, 2.0, 0.0]", "here", "line 3, `origin: here`: not a list in brackets"),
         (YAML, "hall", "line 1, `hall`: not a key with its value"),
         ("resolution", "\tresolution", "not written as YAML is"),
-        (
-            "negate: 0",
-            "negate: 0\nimage: b.pgm",
-            "line 5, `image: b.pgm`: the key stands there twice",
-        ),
+        ("negate: 0", "negate: 0\nimage: b.pgm", "line 5, `image: b.pgm`: the key occurs twice"),
         ("resolution: 0.5\n", "", "not the YAML of a map: `resolution` is missing"),
         ("resolution: 0.5", "resolution: wide", "line 2, `resolution: wide`: not a number"),
         ("negate: 0\n", "negate: 0\n\tx: [\n", "line "),
@@ -106,7 +102,7 @@ fn what_is_wrong_with_a_description_is_named() {
         assert!(words.iter().all(|word| !error.contains(word)), "{to}: {error}");
     }
     assert!(RosDescription::from_yaml("").is_err());
-    // What Nav2 and others add does no harm.
+    // Fields that Nav2 and others add are ignored.
     assert!(RosDescription::from_yaml(&format!("{YAML}frame_id: map\n")).is_ok());
     // Nor does a file that refers to itself over and over.
     let bomb = "a: &a [x, x, x, x, x, x, x, x, x]\nb: &b [*a, *a, *a, *a, *a, *a, *a, *a, *a]\n\
@@ -121,7 +117,7 @@ fn runs_join_into_few_boxes() {
     assert_eq!(world.check(), Ok(()));
     assert_eq!((world.walls.len(), world.obstacles.len()), (4, 0));
     assert_eq!(world.walls.iter().map(|wall| wall.shape.area()).sum::<f64>(), 14.0 * 0.25);
-    // The border is closed: nothing more stands around it.
+    // The border is closed: nothing more is added around it.
     // In a room of 3 x 2 all cells are one cell from a wall: the first.
     assert_eq!(world.start, Some(Pose::new(-0.25, 2.75, 0.0)));
     assert_eq!(world.bounds, Rect::new(DVec2::new(-1.0, 2.0), DVec2::new(1.5, 4.0)));
@@ -134,7 +130,7 @@ fn unknown_cells_are_solid_or_free() {
     let area = |shapes: Vec<&Shape>| shapes.iter().map(|shape| shape.area()).sum::<f64>();
     assert_eq!(area(solid.obstacles.iter().map(|part| &part.shape).collect()), 16.0 * 0.25);
     assert_eq!(area(solid.walls.iter().map(|part| &part.shape).collect()), 3.0 * 0.25);
-    // What is unknown is free, but nothing beyond the map is.
+    // Unknown cells are free, but the ground beyond the map is not.
     let free = map.to_world(UnknownCells::Free).obstacles;
     assert!(free.len() == 4 && free.iter().all(|part| !part.shape.contains(DVec2::new(0.5, 3.9))));
     let full = map_of(&["#?", "??"]).to_world(UnknownCells::Solid);
@@ -180,7 +176,7 @@ fn files_that_are_not_there_are_named() {
     assert!(error.contains("`image` is ") && error.contains("hall.pgm, which cannot"), "{error}");
     std::fs::write(folder.path().join("hall.pgm"), b"P5 2 2 255 \x00").unwrap();
     let error = read().unwrap_err();
-    assert!(error.contains("hall.pgm: the PGM header says 4 bytes"), "{error}");
+    assert!(error.contains("hall.pgm: the PGM must hold 4 bytes"), "{error}");
     std::fs::write(folder.path().join("hall.pgm"), b"P5 2 2 255 \x00\xfe\xfe\xfe").unwrap();
     let world = read().unwrap();
     assert_eq!((world.walls.len(), world.provenance.kind.as_str()), (1, "import"));

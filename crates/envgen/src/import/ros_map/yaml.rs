@@ -1,20 +1,20 @@
-//! What is wrong with the YAML of a map, for someone who did not write the reader.
+//! Readable errors for the YAML of a map.
 
 use serde_saphyr::{Error, MessageFormatter, UserMessageFormatter};
 
-/// The longest line that is repeated, in letters.
+/// The longest line that an error quotes, in letters.
 const MAX_LINE: usize = 60;
 
-/// What is wrong with a text, and where.
+/// What is wrong in a text, and where.
 pub(super) fn reason(error: &Error, yaml: &str) -> String {
     let error = original(error);
     let text = match error {
         Error::SerdeMissingField { field, .. } => return format!("`{field}` is missing"),
-        Error::DuplicateMappingKey { .. } => "the key stands there twice".to_owned(),
+        Error::DuplicateMappingKey { .. } => "the key occurs twice".to_owned(),
         Error::Eof { .. } => "the text ends too early".to_owned(),
         Error::InvalidScalar { ty, .. } if ty.contains("float") => "not a number".to_owned(),
         Error::SerdeInvalidType { .. } | Error::SerdeInvalidLength { .. } => {
-            "not of the form that the key has".to_owned()
+            "not in the form that the key requires".to_owned()
         }
         Error::Unexpected { expected, .. } if expected.contains("mapping") => {
             "not a key with its value".to_owned()
@@ -23,15 +23,13 @@ pub(super) fn reason(error: &Error, yaml: &str) -> String {
             "not a list in brackets".to_owned()
         }
         Error::Unexpected { .. } => "not a text or a number".to_owned(),
-        // The fields of a map put their names into backticks, the scanner of YAML has other words.
+        // Errors about fields of a map put the names into backticks; the YAML scanner uses other words.
         Error::Message { msg, .. } if msg.starts_with('`') => msg.clone(),
-        Error::Message { .. } | Error::ExternalMessage { .. } => {
-            "not written as YAML is".to_owned()
-        }
+        Error::Message { .. } | Error::ExternalMessage { .. } => "not valid YAML".to_owned(),
         Error::SerdeUnknownVariant { variant, expected, .. } => {
-            format!("`{variant}` is none of {}", expected.join(", "))
+            format!("`{variant}` is not one of {}", expected.join(", "))
         }
-        Error::Budget { .. } => "more than the map of a robot needs".to_owned(),
+        Error::Budget { .. } => "more data than a map needs".to_owned(),
         other => UserMessageFormatter.format_message(other).into_owned(),
     };
     let Some(number) = error.location().map(|at| at.line()).filter(|line| *line > 0) else {
@@ -45,7 +43,7 @@ pub(super) fn reason(error: &Error, yaml: &str) -> String {
     }
 }
 
-/// The error behind pictures of the text and references to other places.
+/// The error behind quotations of the text and references to other positions.
 fn original(mut error: &Error) -> &Error {
     while let Error::WithSnippet { error: inner, .. } | Error::AliasError { error: inner, .. } =
         error

@@ -11,17 +11,17 @@ use crate::indoor::grid::Cell;
 use crate::indoor::plan::FloorPlan;
 use crate::indoor::union_find::Sets;
 
-/// Which place of a plan leads to which: the cells of hallways and open areas, the rooms, and the
-/// ways between them.
+/// Which places of a plan are connected: the cells of hallways and open areas, the rooms, and the
+/// links between them.
 ///
-/// Links are those that a robot of the spec's footprint can pass. A room whose contents divide it
+/// Links are those that a robot of the spec's footprint can pass. A room that its contents divide
 /// counts as several places, one without free space as none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AccessGraph {
     places: Vec<Place>,
     links: Vec<Link>,
     rooms: u32,
-    /// Squares of four floor cells: their links go around nothing.
+    /// Squares of four floor cells: a cycle of their links encloses nothing.
     squares: u64,
 }
 
@@ -30,7 +30,7 @@ pub struct AccessGraph {
 pub struct Place {
     /// What it is.
     pub kind: PlaceKind,
-    /// A point in it where the footprint fits, in the metres of the world.
+    /// A point in it where the footprint fits, in metres in the frame of the world.
     pub at: DVec2,
 }
 
@@ -54,19 +54,19 @@ pub enum PlaceKind {
     },
     /// A room, or a part of one that its contents divide.
     Room {
-        /// Place in [`FloorPlan::rooms`].
+        /// Index in [`FloorPlan::rooms`].
         room: u32,
         /// Which part, from 0.
         part: u32,
     },
 }
 
-/// A way between two places.
+/// A connection between two places.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Link {
     /// The places that it joins.
     pub places: [u32; 2],
-    /// Place in [`FloorPlan::openings`] of the opening that it goes through; `None` between
+    /// Index in [`FloorPlan::openings`] of the opening that it leads through; `None` between
     /// neighbouring floor cells.
     pub opening: Option<u32>,
     /// Length of the straight lines from place to opening to place, in metres.
@@ -126,23 +126,23 @@ impl AccessGraph {
         &self.places
     }
 
-    /// The ways between the places.
+    /// The links between the places.
     pub fn links(&self) -> &[Link] {
         &self.links
     }
 
-    /// Number of pieces that do not lead to each other.
+    /// Number of connected components.
     pub fn parts(&self) -> u64 {
         let mut sets = self.sets();
         (0..self.places.len()).filter(|&i| sets.find(i) == i).count() as u64
     }
 
-    /// Number of independent cycles; going around inside an open area is none.
+    /// Number of independent cycles; going around inside an open area does not count.
     pub fn cycles(&self) -> u64 {
         (self.links.len() as u64 + self.parts()) - self.places.len() as u64 - self.squares
     }
 
-    /// Number of places that only one link leads to, in hallways and open areas, and in rooms.
+    /// Number of places with only one link, in hallways and open areas, and in rooms.
     pub fn dead_ends(&self) -> [u64; 2] {
         let mut links = vec![0_u32; self.places.len()];
         self.links.iter().flat_map(|link| link.places).for_each(|i| links[i as usize] += 1);
@@ -164,8 +164,8 @@ impl AccessGraph {
         doors
     }
 
-    /// Length of the shortest way from a place to every other, in metres, infinite where there is
-    /// none. Costs n log n in the number of places.
+    /// Length of the shortest path from a place to every other, in metres, infinite where there is
+    /// none. Time: n log n in the number of places.
     pub fn distances(&self, from: u32) -> Vec<f64> {
         let mut starts = vec![0_u32; self.places.len() + 1];
         self.links.iter().flat_map(|link| link.places).for_each(|i| starts[i as usize + 1] += 1);
@@ -173,11 +173,11 @@ impl AccessGraph {
             starts[i] += starts[i - 1];
         }
         let mut next = starts.clone();
-        let mut ways = vec![(0_u32, 0.0); 2 * self.links.len()];
+        let mut edges = vec![(0_u32, 0.0); 2 * self.links.len()];
         for link in &self.links {
             let [a, b] = link.places;
             for (a, b) in [(a, b), (b, a)] {
-                ways[next[a as usize] as usize] = (b, link.length);
+                edges[next[a as usize] as usize] = (b, link.length);
                 next[a as usize] += 1;
             }
         }
@@ -188,12 +188,12 @@ impl AccessGraph {
             queue.push(Reverse((0_u64, from)));
         }
         while let Some(Reverse((bits, i))) = queue.pop() {
-            // The bits of numbers that are not negative have the numbers' order.
+            // The bits of non-negative numbers sort as the numbers do.
             let distance = f64::from_bits(bits);
             if distance > distances[i as usize] {
                 continue;
             }
-            for &(j, length) in &ways[starts[i as usize] as usize..starts[i as usize + 1] as usize]
+            for &(j, length) in &edges[starts[i as usize] as usize..starts[i as usize + 1] as usize]
             {
                 let there = distance + length;
                 if there < distances[j as usize] {

@@ -1,4 +1,4 @@
-//! Access: which place of a plan leads to which.
+//! Access: which places of a plan are connected.
 
 mod graph;
 mod repair;
@@ -52,7 +52,7 @@ impl Interiors {
         &self.interiors[room]
     }
 
-    /// The places on both sides of an opening; `None` where nothing can be entered.
+    /// The places on both sides of an opening; `None` where a robot cannot enter.
     fn places(&self, grid: &Grid, rooms: &[PlacedRoom], gate: Gate) -> [Option<usize>; 2] {
         gate.first_cells().map(|cell| {
             let (x, y) = cell?;
@@ -69,8 +69,8 @@ impl Interiors {
         })
     }
 
-    /// The places that an opening would join, when it can be made there: whole, and with nothing
-    /// standing right behind it.
+    /// The places that an opening would join, when it is possible there: whole, and with no contents right
+    /// behind it.
     pub(super) fn leads_through(
         &self,
         grid: &Grid,
@@ -94,11 +94,11 @@ impl Interiors {
     }
 }
 
-/// How the hallway cells hang together, without rooms and open areas.
+/// The connectivity of the hallway cells alone, without rooms and open areas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct HallwayShape {
     pub(super) cells: u64,
-    /// Connected pieces.
+    /// Connected components.
     pub(super) parts: u64,
     /// Independent cycles: links minus cells plus parts.
     pub(super) cycles: u64,

@@ -21,10 +21,10 @@ struct Candidate {
 
 /// Adds doorways until every floor cell and every part of a room is connected to the hallways.
 ///
-/// Each round gives every unreachable piece that borders on the reachable one a doorway, drawn among
-/// the middles of sides where there are some, else among all whole places. Where no doorway helps,
-/// since contents stand everywhere it could be, the rooms concerned are emptied; their number is
-/// small or zero for rooms whose every part touches several sides.
+/// In each round every unreachable component that borders on the reachable one gets a doorway, drawn
+/// among the middles of sides where possible, else among all positions that are whole. Where contents
+/// block every position, the rooms concerned are emptied; few or none are, if every part of each room
+/// touches several sides.
 pub(in crate::indoor) fn repair(
     grid: &Grid,
     rooms: &mut [PlacedRoom],
@@ -43,7 +43,7 @@ pub(in crate::indoor) fn repair(
     }
 }
 
-/// Adds doorways; returns the rooms that hold, or border on, places which stay unreached.
+/// Adds doorways; returns the rooms that hold, or border on, places that stay unreached.
 fn connect(
     grid: &Grid,
     rooms: &[PlacedRoom],
@@ -132,7 +132,7 @@ fn connect(
     unreached
 }
 
-/// Every place for a doorway between pieces that do not lead to each other yet, each once.
+/// Every position for a doorway between components that are not connected yet, each once.
 fn candidates(
     grid: &Grid,
     rooms: &[PlacedRoom],
@@ -168,8 +168,8 @@ fn furnished(room: &PlacedRoom) -> bool {
     room.contents != Contents::Emptied
 }
 
-/// Takes the contents out of rooms, or out of their neighbours when they have none; whether any
-/// were left to take.
+/// Removes the contents of rooms, or of their neighbours when they have none; returns whether there
+/// were any left to remove.
 fn empty(grid: &Grid, rooms: &mut [PlacedRoom], unreached: &[usize]) -> bool {
     let mut which: Vec<usize> =
         unreached.iter().copied().filter(|&i| furnished(&rooms[i])).collect();

@@ -1,4 +1,4 @@
-//! One room of a catalogue: its size, its difficulty and what stands in it.
+//! One room of a catalogue: its size, its difficulty and its contents.
 
 use glam::{DVec2, Vec2Swizzles};
 use serde::{Deserialize, Serialize};
@@ -14,24 +14,24 @@ pub const DESIGN_UNIT: f64 = 3.0;
 /// Greatest width or height of a room in cells.
 pub const MAX_ROOM_SIZE: u32 = 64;
 
-/// Most things in one room.
+/// The most parts in one room.
 pub const MAX_ROOM_PARTS: usize = 10_000;
 
-/// Contents may reach this far over the room's edge, in metres: rounding, no more.
+/// Contents may extend this far beyond the room's edge, in metres, which allows for rounding only.
 const TOLERANCE: f64 = 1e-9;
 
-/// Greatest heading of what is in a room, in radians either way: a quarter turn that is added to a
-/// far greater one is lost in rounding, and the thing lies outside of the turned room.
+/// Greatest heading of a part of a room, in radians in either direction: when a quarter turn is added
+/// to a far greater one it is lost in rounding, and the part lies outside of the turned room.
 const MAX_HEADING: f64 = 1e3;
 
-/// Corners of a polygon, at most: checking that it is convex looks at all pairs.
+/// The most corners of a polygon: checking that it is convex compares all pairs.
 const MAX_CORNERS: usize = 1000;
 
 /// A room as a `.room.ron` file holds it.
 ///
 /// Contents are in metres from the room's lower left corner, x right and y up, for cells of
-/// [`DESIGN_UNIT`]; a map of another unit scales them. The corner is where the middles of the
-/// walls meet, so the floor begins half a wall's thickness further in.
+/// [`DESIGN_UNIT`]; a map with another cell size scales them. The middle lines of the walls meet at
+/// the corner, so the floor begins half a wall's thickness further in.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoomDesign {
@@ -52,13 +52,13 @@ pub struct RoomDesign {
     /// Walls inside the room.
     #[serde(default)]
     pub walls: Vec<Wall>,
-    /// What stands in the way.
+    /// Solids other than walls.
     #[serde(default)]
     pub obstacles: Vec<Obstacle>,
-    /// SurfaceIndex that change how a robot drives.
+    /// Surfaces that change how a robot drives.
     #[serde(default)]
     pub surfaces: Vec<Surface>,
-    /// Where people wait to be found.
+    /// Poses of people to be found.
     #[serde(default)]
     pub victims: Vec<Pose>,
 }
@@ -84,7 +84,7 @@ pub enum RoomError {
         /// Its rows.
         height: u32,
     },
-    /// The difficulty is out of range or no number.
+    /// The difficulty is out of range or not a number.
     #[error("room `{name}` has difficulty {difficulty}, expected 0 to 10")]
     Difficulty {
         /// The room.
@@ -98,9 +98,9 @@ pub enum RoomError {
     Part {
         /// The room.
         name: String,
-        /// What, such as `obstacle 3`.
+        /// The part, such as `obstacle 3`.
         part: String,
-        /// What it should be.
+        /// What it must be.
         wanted: &'static str,
     },
     /// Something lies outside the room.
@@ -108,15 +108,15 @@ pub enum RoomError {
     Outside {
         /// The room.
         name: String,
-        /// What, such as `obstacle 3`.
+        /// The part, such as `obstacle 3`.
         part: String,
         /// The room's width in metres.
         width: f64,
         /// The room's height in metres.
         height: f64,
     },
-    /// There are too many things in the room.
-    #[error("room `{name}` holds {count} things, expected at most {MAX_ROOM_PARTS}")]
+    /// There are too many parts in the room.
+    #[error("room `{name}` holds {count} parts, expected at most {MAX_ROOM_PARTS}")]
     TooMany {
         /// The room.
         name: String,
@@ -176,7 +176,7 @@ impl RoomDesign {
     /// Checks sizes, numbers and that everything lies in the room.
     ///
     /// # Errors
-    /// The first thing that is wrong.
+    /// The first rule that the room breaks.
     pub fn validate(&self) -> Result<(), RoomError> {
         let name = || self.name.clone();
         if self.name.trim().is_empty() {
@@ -265,7 +265,7 @@ fn is_convex(vertices: &[DVec2]) -> bool {
 pub(in crate::indoor) struct Frame {
     /// Lower left corner of the turned room, in metres.
     pub(in crate::indoor) corner: DVec2,
-    /// Metres of the map for a metre of the design.
+    /// Metres of the map per metre of the design.
     pub(in crate::indoor) scale: f64,
     /// Quarter turns counter-clockwise.
     pub(in crate::indoor) quarters: u8,

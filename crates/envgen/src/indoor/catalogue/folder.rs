@@ -21,9 +21,9 @@ pub enum FolderError {
     /// A file or the folder could not be read.
     #[error("{path}: {source}")]
     Read {
-        /// Which.
+        /// The path.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
     /// There is no such folder.
@@ -34,7 +34,7 @@ pub enum FolderError {
     Ron {
         /// The file.
         path: PathBuf,
-        /// What is wrong, with line and column.
+        /// The mistake, with line and column.
         source: Box<ron::error::SpannedError>,
     },
     /// A file is too long for a room.
@@ -50,7 +50,7 @@ pub enum FolderError {
     Room {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The rule that it breaks.
         source: RoomError,
     },
     /// The rooms together do not make a catalogue.
@@ -58,7 +58,7 @@ pub enum FolderError {
     Catalogue {
         /// The folder.
         path: PathBuf,
-        /// What is wrong.
+        /// The cause.
         source: CatalogueError,
     },
 }

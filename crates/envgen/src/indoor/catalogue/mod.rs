@@ -26,7 +26,7 @@ pub const MAX_ROOMS: usize = 10_000;
 /// Distinct dimensions for which a room remembers its free space.
 const REMEMBERED: usize = 4;
 
-/// Sets of doorways for which a room remembers itself cleared, and the things in all these rooms.
+/// The sets of doorways for which a room caches its cleared version, and the parts in all of these.
 const REMEMBERED_CLEARED: (usize, usize) = (256, 1 << 16);
 
 /// Why rooms do not make a catalogue.
@@ -37,7 +37,7 @@ pub enum CatalogueError {
     #[error(transparent)]
     Room(#[from] RoomError),
     /// Two rooms have one name.
-    #[error("there are two rooms of the name `{0}`")]
+    #[error("there are two rooms with the name `{0}`")]
     Duplicate(String),
     /// There are no rooms, or too many.
     #[error("the catalogue has {0} rooms, expected 1 to {MAX_ROOMS}")]
@@ -50,32 +50,32 @@ pub struct SharedRoom(Arc<Inner>);
 
 struct Inner {
     design: RoomDesign,
-    /// What [`SharedRoom::interior`] has worked out; it changes no result.
+    /// The cache of [`SharedRoom::interior`]; it changes no result.
     interiors: Mutex<Vec<(Dimensions, Arc<Interior>)>>,
-    /// What [`SharedRoom::cleared`] has worked out; it changes no result.
+    /// The cache of [`SharedRoom::cleared`]; it changes no result.
     cleared: Mutex<Vec<(Doorways, Option<SharedRoom>)>>,
-    /// The room that this one was before it was cleared, and the doorways that it was cleared for.
+    /// The room before it was cleared, and the doorways that it was cleared for.
     before: Option<(Weak<Inner>, Places)>,
 }
 
-/// Places for doorways in the unturned room, in order.
+/// Positions of doorways in the unturned room, in order.
 type Places = Vec<(Side, u32)>;
 
-/// These, and the measures that count there.
+/// The positions, and the dimensions that apply there.
 type Doorways = (Places, Dimensions);
 
 impl SharedRoom {
     /// Checks a room.
     ///
     /// # Errors
-    /// The first thing in the room that is wrong.
+    /// The first rule that the room breaks.
     pub fn new(design: RoomDesign) -> Result<Self, RoomError> {
         design.validate()?;
         let (interiors, cleared) = Default::default();
         Ok(SharedRoom(Arc::new(Inner { design, interiors, cleared, before: None })))
     }
 
-    /// The free space inside the room, worked out once for the same dimensions.
+    /// The free space inside the room, computed once for the same dimensions.
     ///
     /// # Panics
     /// As [`Interior::new`].
@@ -92,7 +92,7 @@ impl SharedRoom {
         interior
     }
 
-    /// The room without what stands in the way of a doorway in a side, `at` half cells from its
+    /// The room without the contents that block a doorway in a side, `at` half cells from its
     /// left or upper end; `None` when the doorway could not be used even so.
     pub(super) fn cleared(
         &self,
@@ -100,7 +100,7 @@ impl SharedRoom {
         at: u32,
         dimensions: Dimensions,
     ) -> Option<SharedRoom> {
-        // What is left depends on the set of doorways, not on their order.
+        // The remaining contents depend on the set of doorways, not on their order.
         let before = self.0.before.as_ref();
         let before = before.and_then(|(room, doorways)| Some((room.upgrade()?, doorways.clone())));
         let (original, mut doorways) = before.unwrap_or_else(|| (Arc::clone(&self.0), Vec::new()));
@@ -116,7 +116,7 @@ impl SharedRoom {
         let (interiors, cleared) = Default::default();
         let before = Some((Arc::downgrade(&original), key.0.clone()));
         let room = SharedRoom(Arc::new(Inner { design, interiors, cleared, before }));
-        // What went may have filled a gap between things that stay.
+        // The removed contents may have filled a gap between those that stay.
         let interior = room.interior(dimensions);
         let sound = interior.port(side, at).usable() && interior.overlooked(&room, dimensions) == 0;
         let room = sound.then_some(room);
@@ -149,8 +149,8 @@ impl PartialEq for SharedRoom {
     }
 }
 
-/// A list of rooms of distinct names, cheap to clone. It serialises to the list of its rooms, so
-/// that a spec with a catalogue of its own is whole.
+/// A list of rooms with distinct names, cheap to clone. It serialises to the list of its rooms, so
+/// that a spec with a catalogue of its own is complete.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Catalogue {
     rooms: Arc<[SharedRoom]>,
@@ -207,13 +207,13 @@ impl Catalogue {
         &self.rooms
     }
 
-    /// The room of a name.
+    /// The room with a name.
     pub fn get(&self, name: &str) -> Option<&SharedRoom> {
         self.rooms.iter().find(|room| room.name == name)
     }
 
-    /// This catalogue with further rooms: one of a name that is there already takes its place, the
-    /// others stand behind.
+    /// This catalogue with further rooms: a room whose name exists already replaces that room, the
+    /// others are appended.
     ///
     /// # Errors
     /// As [`Catalogue::new`] for the further rooms, and when there are too many together.
@@ -251,7 +251,7 @@ impl<'de> Deserialize<'de> for Catalogue {
 /// Reads the text of a `.room.ron` file; the room is not checked yet, see [`RoomDesign::validate`].
 ///
 /// # Errors
-/// Line and column of what is wrong.
+/// Line and column of the mistake.
 pub fn room_from_ron(text: &str) -> Result<RoomDesign, Box<ron::error::SpannedError>> {
     room_options().from_str(text).map_err(Box::new)
 }

@@ -40,7 +40,7 @@ fn room(name: &str) -> &'static SharedRoom {
     Catalogue::builtin().get(name).unwrap()
 }
 
-fn way(name: &str) -> f64 {
+fn width_of(name: &str) -> f64 {
     narrowest_way(room(name), 3.0, 0.1, 0.94)
 }
 
@@ -103,13 +103,13 @@ fn the_reception_has_plenty_of_space_around_it() {
 fn ways_are_as_wide_as_the_paper_says() {
     // Plenty of room to move; some space to move left; tricky, but not impossible; walkways of
     // reasonable size; slightly in the way.
-    assert!(way("warehouse") >= 1.2);
+    assert!(width_of("warehouse") >= 1.2);
     assert!(room("warehouse").obstacles.iter().all(|o| o.kind == ObstacleKind::Container));
-    assert!((0.8..1.2).contains(&way("dragon room")));
-    assert!((0.8..1.2).contains(&way("computer lab")));
-    assert!((0.8..way("computer lab")).contains(&way("single office")));
-    assert!(way("cubicle unlit") >= 1.2);
-    assert!((1.0..2.0).contains(&way("multi office")));
+    assert!((0.8..1.2).contains(&width_of("dragon room")));
+    assert!((0.8..1.2).contains(&width_of("computer lab")));
+    assert!((0.8..width_of("computer lab")).contains(&width_of("single office")));
+    assert!(width_of("cubicle unlit") >= 1.2);
+    assert!((1.0..2.0).contains(&width_of("multi office")));
     assert!(room("multi office").walls.is_empty());
     for name in ["warehouse", "dragon room", "computer lab", "single office", "multi office"] {
         assert_eq!(room(name).interior(ROBOT).parts().len(), 1, "{name}");
@@ -124,7 +124,7 @@ fn what_is_destroyed_is_harder_to_pass() {
         ("multi office", "multi office tight unlit destroyed"),
         ("cubicle unlit", "cubicle unlit destroyed"),
     ] {
-        assert!(way(destroyed) < 0.9 * way(intact), "{destroyed}");
+        assert!(width_of(destroyed) < 0.9 * width_of(intact), "{destroyed}");
         assert!(room(destroyed).surfaces.iter().any(|s| s.kind == SurfaceKind::Debris));
     }
     // Slanted walls: not one of the panels runs along an axis.
@@ -165,24 +165,24 @@ fn mazes_are_mazes() {
             (0..=10).all(|k| clear(a.lerp(b, f64::from(k) / 10.0)))
         };
         let mut sets = crate::indoor::union_find::Sets::new(cells * cells);
-        let (mut ways, mut pieces) = (vec![0; cells * cells], cells * cells);
+        let (mut exits, mut pieces) = (vec![0; cells * cells], cells * cells);
         for i in 0..cells * cells {
             let right = (i % cells + 1 < cells).then_some(i + 1);
             let above = (i / cells + 1 < cells).then_some(i + cells);
             for j in [right, above].into_iter().flatten().filter(|&j| passes(at(i), at(j))) {
-                ways[i] += 1;
-                ways[j] += 1;
+                exits[i] += 1;
+                exits[j] += 1;
                 pieces -= usize::from(sets.join(i, j));
             }
         }
         assert_eq!(pieces, 1, "{name}");
-        let dead = ways.iter().filter(|&&ways| ways == 1).count();
+        let dead = exits.iter().filter(|&&exits| exits == 1).count();
         assert!(dead >= ends, "{name}: {dead} dead ends");
         assert!(room.surfaces.iter().any(|s| s.kind == SurfaceKind::Uneven));
         assert_eq!(room.interior(ROBOT).parts().len(), 1);
     }
     // The smaller one is denser, the very large one narrow.
-    assert!(way("maze") > 1.0 && way("maze (smaller)") < 1.0 && way("maze2") < 1.0);
+    assert!(width_of("maze") > 1.0 && width_of("maze (smaller)") < 1.0 && width_of("maze2") < 1.0);
 }
 
 #[test]
@@ -190,13 +190,13 @@ fn narrow_walkways_cross_the_water() {
     let room = room("water room");
     let sides = Side::ALL.map(|side| middle(room, side).part);
     assert!(sides.iter().all(|&part| part.is_some() && part == sides[0]));
-    assert!((0.72..1.0).contains(&way("water room")));
+    assert!((0.72..1.0).contains(&width_of("water room")));
     let dry = |p: DVec2| room.surfaces.iter().all(|s| s.speed > 0.0 || !s.shape.contains(p));
     let water: Vec<_> = room.surfaces.iter().filter(|s| s.kind == SurfaceKind::Water).collect();
     assert!(water.iter().all(|s| s.speed == 0.0));
     assert!(water.iter().map(|s| s.shape.area()).sum::<f64>() > 0.75 * 81.0);
     assert!(dry(DVec2::new(4.5, 1.0)) && !dry(DVec2::new(1.0, 1.0)));
-    // Stairs stand between each pair of neighbouring doorways.
+    // Stairs lie between each pair of neighbouring doorways.
     let sees = |a: DVec2, b: DVec2| {
         let stairs = || room.obstacles.iter().filter(|o| o.kind == ObstacleKind::Stairs);
         (0..=200).all(|k| stairs().all(|o| !o.shape.contains(a.lerp(b, f64::from(k) / 200.0))))
@@ -260,7 +260,7 @@ fn a_room_is_cleared_for_a_set_of_doorways() {
     let other_way = clear(&clear(lab, east), west);
     assert_eq!(one_way, other_way);
     assert!(one_way.obstacles.len() < clear(lab, west).obstacles.len());
-    // Worked out once, and the same again for a room that is not the catalogue's own.
+    // Computed once, and with the same result for a room that is not the catalogue's own.
     assert!(Arc::ptr_eq(&one_way.0, &other_way.0));
     let copy = clear(&SharedRoom::new((**lab).clone()).unwrap(), west);
     assert_eq!(clear(&copy, east), one_way);

@@ -39,7 +39,7 @@ fn rooms_are_added_moved_turned_and_removed() {
     editor.apply(Edit::OpenDoorway(gate)).unwrap();
     assert_eq!(editor.plan().access().doors_by_room(), [1]);
     assert_eq!(editor.apply(Edit::OpenDoorway(gate)), Err(EditError::AlreadyOpen(gate)));
-    // Two cells to the right the doorway comes along.
+    // Two cells to the right the doorway moves too.
     editor.apply(Edit::MoveRoom { room: 0, x: 4, y: 1 }).unwrap();
     assert_eq!(editor.plan().openings()[0].gate, Gate { at: 9, ..gate });
     assert_eq!(editor.plan().grid().get(2, 1), Some(Cell::Open));

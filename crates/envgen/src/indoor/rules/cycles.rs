@@ -4,8 +4,8 @@ use crate::indoor::grid::{Cell, Grid};
 use crate::seed::Stream;
 
 /// For each column x with x mod `horizontal` = `horizontal` - 1, removes the hallway pieces where a
-/// horizontal hallway crosses it, and puts one of them back. What is left is a tree. Returns the
-/// cells that were removed: a room may take them.
+/// horizontal hallway crosses it, and restores one of them. The result is a tree. Returns the
+/// removed cells: a room may take them.
 pub(in crate::indoor) fn prevent(
     grid: &mut Grid,
     horizontal: u32,

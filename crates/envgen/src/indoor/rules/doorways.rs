@@ -6,18 +6,18 @@ use crate::indoor::interior::Dimensions;
 use crate::indoor::plan::PlacedRoom;
 use crate::seed::Stream;
 
-/// What became of the drawn doorways.
+/// The result of drawing doorways.
 pub(in crate::indoor) struct Drawn {
-    /// The openings, sorted and without repetition.
+    /// The openings, sorted and without duplicates.
     pub(in crate::indoor) openings: Vec<Opening>,
-    /// Drawn sides that stayed closed: behind them is the outer wall or something solid.
+    /// Drawn sides that stayed closed: behind them is the outer wall or a solid cell.
     pub(in crate::indoor) closed: u64,
 }
 
 /// Draws once for every side, whatever lies behind it, and opens the wall in the middle of the
-/// side. Where half a doorway or none would be free it is moved to the nearest whole place. With
-/// `dimensions` the contents count too: a doorway moves to where none are in its way, and where that
-/// is nowhere they yield.
+/// side. Where half a doorway or none would be free it is moved to the nearest position where it is whole.
+/// With `dimensions` the contents count too: a doorway moves to where no contents block it, and where
+/// there is no such position, the contents are removed.
 pub(in crate::indoor) fn place(
     grid: &Grid,
     rooms: &mut [PlacedRoom],
@@ -58,13 +58,13 @@ pub(in crate::indoor) fn place(
     drawn
 }
 
-/// Sorts openings by place and drops repetitions: two rooms may open the same wall.
+/// Sorts openings by position and drops duplicates: two rooms may open the same wall.
 pub(in crate::indoor) fn sort(openings: &mut Vec<Opening>) {
     openings.sort_unstable();
     openings.dedup_by_key(|opening| opening.gate);
 }
 
-/// The place in a side, the nearest to its middle, that `usable` allows. Places beside the middle
+/// The position in a side, nearest to its middle, that `usable` accepts. Positions beside the middle
 /// count where half a doorway can be free: between two cells, or anywhere.
 fn nearest(
     room: &PlacedRoom,
@@ -76,8 +76,8 @@ fn nearest(
     if usable(room.gate(side, middle)) {
         return Some(Opening { gate: room.gate(side, middle), origin: Origin::Drawn });
     }
-    // To the letter, only the middle between two cells can be half free, and then one of them is
-    // wholly so.
+    // By the paper, only the middle between two cells can be half free, and then one of them is
+    // wholly free.
     let farthest = if anywhere { middle - 1 } else { u32::from(middle.is_multiple_of(2)) };
     (1..=farthest)
         .flat_map(|shift| [middle - shift, middle + shift])
@@ -86,14 +86,14 @@ fn nearest(
         .map(|gate| Opening { gate, origin: Origin::Shifted })
 }
 
-/// Takes out what blocks a drawn doorway, nearest to the middle of its side.
+/// Removes what blocks a drawn doorway, nearest to the middle of its side.
 fn clear(
     grid: &Grid,
     rooms: &mut [PlacedRoom],
     (room, side): (usize, Side),
     dimensions: Dimensions,
 ) -> Option<Opening> {
-    // The room after a doorway's way in is free; `None` when it cannot be.
+    // The room after a doorway's entry is cleared; `None` when that is impossible.
     let around = |gate: Gate| -> Option<Vec<(usize, PlacedRoom)>> {
         let cells = gate.first_cells().into_iter().flatten();
         let beside = cells.filter_map(|(x, y)| match grid.get(x, y) {

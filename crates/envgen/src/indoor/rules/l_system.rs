@@ -46,7 +46,7 @@ type Direction = (i32, i32);
 /// Grows a connected net. Every rewriting fills a cell or ends its tip, so that it stops after at
 /// most one step a cell.
 pub(in crate::indoor) fn grow(grid: &mut Grid, law: &Law, stream: &mut Stream) {
-    // The axiom: from a cell in the middle half of the map, both ways.
+    // The axiom: from a cell in the middle half of the map, in both directions.
     let middle = |size: u32, stream: &mut Stream| {
         size / 4 + stream.below(u64::from(size.div_ceil(2))) as u32
     };
@@ -59,7 +59,7 @@ pub(in crate::indoor) fn grow(grid: &mut Grid, law: &Law, stream: &mut Stream) {
     }
     let sides = tips_at(x, y, along);
     branch(&mut tips, sides, law, stream);
-    // The straight hallway alone is no net; beside it there is room for sure.
+    // One straight hallway is not a net yet; beside it there is always room.
     if tips.len() == 2 && law.branching > 0.0 {
         tips.push_back(sides[stream.below(2) as usize]);
     }
@@ -85,7 +85,7 @@ fn branch(tips: &mut VecDeque<Tip>, sides: [Tip; 2], law: &Law, stream: &mut Str
     }
 }
 
-/// Draws F(n); the tip behind it, or none when the hallway ended.
+/// Draws F(n); returns the tip after it, or `None` when the hallway ended.
 fn draw(grid: &mut Grid, tip: Tip, length: u32, law: &Law, stream: &mut Stream) -> Option<Tip> {
     let mut tip = tip;
     for _ in 0..length {
@@ -93,7 +93,7 @@ fn draw(grid: &mut Grid, tip: Tip, length: u32, law: &Law, stream: &mut Stream) 
         if grid.at(x, y) != Cell::Solid {
             return None;
         }
-        // One neighbour is the hallway that grows; a second is one that it meets.
+        // One neighbour is the growing hallway; a second one is a hallway that it meets.
         let neighbours = [(1, 0), (0, 1), (-1, 0), (0, -1)]
             .into_iter()
             .filter_map(|direction| step(grid, x, y, direction))

@@ -1,4 +1,4 @@
-//! The rules that fill the grid, one file a rule, in the order in which they run.
+//! The rules that fill the grid, one file per rule, in the order in which they run.
 
 pub(super) mod cycles;
 pub(super) mod doorways;

@@ -2,8 +2,8 @@
 
 use crate::indoor::grid::{Cell, Grid};
 
-/// Turns every solid cell into open area, but for those that cycle prevention took from the
-/// hallways and no room took: they stay, or the cycles would close again.
+/// Turns every solid cell into open area, except those that cycle prevention took from the
+/// hallways and no room took: they stay solid, or the cycles would close again.
 pub(in crate::indoor) fn fill(grid: &mut Grid, removed: &[(u32, u32)]) {
     let blocked: Vec<usize> = removed
         .iter()

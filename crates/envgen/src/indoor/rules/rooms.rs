@@ -6,7 +6,7 @@ use crate::indoor::plan::PlacedRoom;
 use crate::seed::Stream;
 use crate::world::Contents;
 
-/// What may be placed, and how.
+/// Which rooms may be placed, and how.
 pub(in crate::indoor) struct Choice<'a> {
     /// The allowed rooms.
     pub(in crate::indoor) rooms: &'a [SharedRoom],
@@ -22,8 +22,8 @@ pub(in crate::indoor) struct Placed {
     pub(in crate::indoor) first_choice: Vec<u64>,
 }
 
-/// Fills the solid cells column by column. After a column it moves on by the widest room placed
-/// there: the cells passed over stay empty, which is the paper's source of open areas.
+/// Fills the solid cells column by column. After a column it advances by the widest room placed
+/// there: the cells in between stay empty, which is the paper's source of open areas.
 pub(in crate::indoor) fn place(
     grid: &mut Grid,
     choice: &Choice<'_>,

@@ -7,8 +7,8 @@
 //! width. A hallway is a room called `hallway` of one cell. A library's root is `roomList`; its
 //! `room`s have `name`, `src`, `size` ("depth, width, height", in cells) and `tag`.
 //!
-//! What the files cannot hold is lost: open areas become hallways, doorways between two cells move
-//! to the middle of a cell, and difficulties and contents stay with the catalogue.
+//! The files cannot hold everything: open areas become hallways, doorways between two cells move
+//! to the middle of a cell, and difficulties and contents stay in the catalogue.
 
 mod library;
 mod project;
@@ -19,14 +19,14 @@ use thiserror::Error;
 pub use library::{LibraryRoom, read_library, write_library};
 pub use project::{HALLWAY, Project, read_project, write_project};
 
-/// Unreal units a metre.
+/// Unreal units per metre.
 pub const UNITS_A_METRE: f64 = 250.0;
 
 /// Distance between the middles of two neighbouring cells, in Unreal units: a block of 3 m and the
 /// wall between two.
 pub const PITCH_UNITS: f64 = 782.0;
 
-/// Longest text that is read, in bytes.
+/// The longest text that is read, in bytes.
 pub const MAX_TEXT: usize = 64 << 20;
 
 /// Why a file of the World Generator could not be read.
@@ -39,20 +39,20 @@ pub enum WorldGeneratorError {
     /// The text is not well-formed XML, or ends early.
     #[error("not XML at byte {position}: {reason}")]
     Xml {
-        /// Where.
+        /// The position in bytes.
         position: u64,
-        /// What is wrong.
+        /// The reason.
         reason: String,
     },
     /// The document declares a type or entities, which these files never do.
-    #[error("a document type at byte {0}: these files have none")]
+    #[error("a document type at byte {0}, which these files must not have")]
     DocumentType(u64),
-    /// The root is another element.
-    #[error("the root is `{found}`, a file of this kind has `{expected}`")]
+    /// The root is a different element.
+    #[error("the root element must be `{expected}`, got `{found}`")]
     Root {
         /// The root's name.
         found: String,
-        /// What it should be.
+        /// The expected name.
         expected: &'static str,
     },
     /// An element has no such attribute, or one that is not allowed.
@@ -64,20 +64,20 @@ pub enum WorldGeneratorError {
         number: usize,
         /// The attribute's name.
         attribute: &'static str,
-        /// What is there, or `missing`.
+        /// Its value, or `nothing`.
         value: String,
-        /// What would be allowed.
+        /// The allowed values.
         allowed: String,
     },
     /// Neither the catalogue nor the library has the room.
-    #[error("room {number} is `{name}`, which neither the catalogue nor a library describes")]
+    #[error("room {number}, `{name}`, is neither in the catalogue nor in a library")]
     UnknownRoom {
         /// Which room, from 1.
         number: usize,
         /// Its name.
         name: String,
     },
-    /// A room leaves the world.
+    /// A room extends beyond the world.
     #[error("room {number}, `{name}`, reaches outside the world")]
     Outside {
         /// Which room, from 1.
@@ -98,7 +98,7 @@ pub enum WorldGeneratorError {
         y: u32,
     },
     /// A library describes one room twice.
-    #[error("the library has two rooms of the name `{0}`")]
+    #[error("the library has two rooms with the name `{0}`")]
     Duplicate(String),
 }
 

@@ -15,7 +15,7 @@ use crate::indoor::rules::doorways::{is_whole, sort};
 use crate::indoor::spec::{IndoorSpec, Profile};
 use crate::world::Contents;
 
-/// The name of a hallway's piece.
+/// The name of a piece of hallway.
 pub const HALLWAY: &str = "hallway";
 
 /// Greatest depth and width of a world that is read, in cells.
@@ -28,18 +28,18 @@ pub struct Project {
     pub name: String,
     /// The plan.
     pub plan: FloorPlan,
-    /// Doors that were left out, since there is no wall of a room with floor on both sides.
+    /// Doors that were left out because they are not in a wall of a room with floor on both sides.
     pub doors_ignored: usize,
     /// Elements that are neither rooms nor doors.
     pub elements_ignored: usize,
 }
 
-/// Reads a project. Rooms come from the catalogue by name, and bare, by size, from the library if
-/// the catalogue has none of the name.
+/// Reads a project. Rooms come from the catalogue by name; a room that it does not have comes from the
+/// library, empty and with its size.
 ///
 /// # Errors
-/// When the text is not the XML of a project, a room is unknown, leaves the world or overlaps
-/// another.
+/// When the text is not the XML of a project, or when a room is unknown, extends beyond the world
+/// or overlaps another.
 pub fn read_project(
     text: &str,
     catalogue: &Catalogue,
@@ -88,7 +88,7 @@ pub fn read_project(
 struct Reading<'a> {
     known: BTreeMap<&'a str, &'a LibraryRoom>,
     catalogue: &'a Catalogue,
-    /// Rooms of the library that were met.
+    /// Rooms of the library that the project uses.
     shared: BTreeMap<String, SharedRoom>,
     grid: Grid,
     rooms: Vec<PlacedRoom>,
@@ -153,7 +153,7 @@ fn door(
     width: u32,
 ) -> Result<Gate, WorldGeneratorError> {
     let direction = element.number("door", number, "direction", (0, 1))?;
-    // A door in the outer wall at the far end has the number behind the last cell.
+    // A door in the outer wall at the far end has the number after the last cell's.
     let row = element.number("door", number, "x", (0, depth - direction))?;
     let column = element.number("door", number, "y", (0, width - (1 - direction)))?;
     Ok(match direction {
@@ -213,7 +213,7 @@ pub fn write_project(plan: &FloorPlan, name: &str, out: &mut impl io::Write) -> 
     writer.into_inner().write_all(b"\n")
 }
 
-/// The places of the openings, those between two cells moved to the middle of the earlier one; in
+/// The positions of the openings, those between two cells moved to the middle of the earlier one; in
 /// order, each once.
 fn doors(plan: &FloorPlan) -> Vec<Gate> {
     let mut gates: Vec<Gate> = plan

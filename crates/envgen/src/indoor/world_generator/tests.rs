@@ -127,10 +127,10 @@ fn bad_files_are_refused_with_the_reason() {
     assert!(error("<world depth=\"0\" width=\"4\"/>").contains("from 1 to 1024"));
     assert!(error("<world depth=\"1e9\" width=\"4\"/>").contains("from 1 to 1024"));
     assert!(error("<world depth=\"4\" width=\"4\"></room>").contains("not XML"));
-    assert!(error("<world depth=\"4\" width=\"4\"/><world/>").contains("behind the root"));
-    assert!(with("<room x=\"1\" y=\"1\"/>").contains("`name` is missing"));
-    assert!(with("<room name=\"dark\" x=\"-1\" y=\"1\"/>").contains("`x` is `-1`"));
-    assert!(with("<room name=\"dark\" x=\"1\" y=\"5\"/>").contains("`y` is `5`"));
+    assert!(error("<world depth=\"4\" width=\"4\"/><world/>").contains("after the root"));
+    assert!(with("<room x=\"1\" y=\"1\"/>").contains("`name` must be"));
+    assert!(with("<room name=\"dark\" x=\"-1\" y=\"1\"/>").contains("got `-1`"));
+    assert!(with("<room name=\"dark\" x=\"1\" y=\"5\"/>").contains("got `5`"));
     assert!(with("<room name=\"dark\" x=\"1\" y=\"1\" theta=\"4\"/>").contains("`theta`"));
     assert!(with("<room name=\"sauna\" x=\"1\" y=\"1\"/>").contains("`sauna`"));
     assert!(with("<room name=\"water room\" x=\"1\" y=\"3\"/>").contains("outside"));
@@ -139,7 +139,7 @@ fn bad_files_are_refused_with_the_reason() {
     let hall = "<room name=\"hallway\" x=\"0\" y=\"0\"/>";
     assert!(with(&hall.repeat(2)).contains("overlaps"));
     assert!(with("<door x=\"1\" y=\"1\" direction=\"2\"/>").contains("`direction`"));
-    assert!(with("<door x=\"5\" y=\"1\" direction=\"0\"/>").contains("`x` is `5`"));
+    assert!(with("<door x=\"5\" y=\"1\" direction=\"0\"/>").contains("got `5`"));
     for size in ["1, 1", "1, 1, 0", "a, b, c", "-1, 1, 1", "1,1,65"] {
         let text = format!("<roomList><room name=\"a\" size=\"{size}\"/></roomList>");
         assert!(read_library(&text).unwrap_err().to_string().contains("depth, width, height"));

@@ -1,4 +1,4 @@
-//! Flat XML documents: a root and its children, of attributes alone.
+//! Flat XML documents: a root and its children, with attributes only.
 
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
@@ -6,12 +6,12 @@ use quick_xml::{Reader, XmlVersion};
 use super::{MAX_TEXT, WorldGeneratorError};
 
 /// Reads a document element by element: the root first, then its children. Deeper elements, text
-/// and comments are passed over.
+/// and comments are skipped.
 pub(super) struct Flat<'a> {
     reader: Reader<&'a [u8]>,
     root: &'static str,
     depth: usize,
-    /// An element without content closes itself.
+    /// An element without content ends itself.
     seen_root: bool,
     ended: bool,
 }
@@ -39,7 +39,7 @@ impl<'a> Flat<'a> {
         }
     }
 
-    /// The next child of the root; `None` behind the root's end.
+    /// The next child of the root; `None` after the root's end.
     pub(super) fn next(&mut self) -> Result<Option<Element>, WorldGeneratorError> {
         loop {
             let event = match self.reader.read_event() {
@@ -78,7 +78,7 @@ impl<'a> Flat<'a> {
                 _ => continue,
             };
             if self.ended {
-                return Err(self.broken("there is something behind the root"));
+                return Err(self.broken("there is something after the root"));
             }
             let depth = self.depth;
             let start = start.into_owned();
@@ -132,7 +132,7 @@ impl Element {
         self.attributes.iter().find(|(key, _)| key == attribute).map(|(_, value)| value.as_str())
     }
 
-    /// The text of an attribute that must be there.
+    /// The text of a required attribute.
     pub(super) fn text(
         &self,
         element: &'static str,
@@ -143,12 +143,12 @@ impl Element {
             element,
             number,
             attribute,
-            value: "missing".to_owned(),
+            value: "nothing".to_owned(),
             allowed: "a text".to_owned(),
         })
     }
 
-    /// A whole number that must be there.
+    /// The whole number of a required attribute.
     pub(super) fn number(
         &self,
         element: &'static str,
@@ -163,7 +163,7 @@ impl Element {
                 element,
                 number,
                 attribute,
-                value: found.map_or_else(|| "missing".to_owned(), |text| format!("`{text}`")),
+                value: found.map_or_else(|| "nothing".to_owned(), |text| format!("`{text}`")),
                 allowed: format!("a whole number from {least} to {most}"),
             }
         })

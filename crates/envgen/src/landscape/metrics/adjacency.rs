@@ -1,9 +1,9 @@
-//! How often which class lies beside which.
+//! How often cells of two classes are neighbours.
 
 use super::sides::count;
 use crate::distance::assert_whole_rows;
 
-/// The sides between cells of a raster, by the two classes that they part, each side once. Cells
+/// The sides between cells of a raster, by the two classes that they separate, each side once. Cells
 /// of class 0 are no data; sides to them and the raster's end count as border.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Adjacency {
@@ -13,11 +13,11 @@ pub struct Adjacency {
 
 impl Adjacency {
     /// Counts the sides of cells given row by row. O(N): with classes up to 15 one look-up in a
-    /// table for two cells of a large raster, with up to 512 classes two a cell, and with more a sort.
+    /// table for two cells of a large raster, with up to 512 classes two per cell, and with more a sort.
     /// Large rasters of classes up to 255 are counted on all cores.
     ///
     /// # Panics
-    /// When the cells are no whole number of rows.
+    /// When the number of cells is not a multiple of `cols`.
     #[track_caller]
     pub fn new(cells: &[u16], cols: usize) -> Self {
         assert_whole_rows(cells.len(), cols);
@@ -28,7 +28,7 @@ impl Adjacency {
             of_class[usize::from(a)] += n;
             of_class[usize::from(b)] += n;
         }
-        // Four sides a cell, those between two cells of the class counted from both.
+        // Four sides per cell; those between two cells of the class are counted from both.
         let classes = (1..=most)
             .zip(&of_class[1..])
             .filter(|&(_, &sides)| sides > 0)
@@ -80,8 +80,8 @@ impl Adjacency {
         list
     }
 
-    /// The entropies of a cell's class x and its neighbour's class y in bits, every side read both
-    /// ways: H(x), H(x, y), H(y | x) and the mutual information. `None` without any side.
+    /// The entropies of a cell's class x and its neighbour's class y in bits, every side read in both
+    /// directions: H(x), H(x, y), H(y | x) and the mutual information. `None` without any side.
     pub fn entropies(&self) -> Option<Entropies> {
         let total: u64 = self.sides.iter().map(|side| 2 * side.2).sum();
         if total == 0 {
@@ -131,7 +131,7 @@ pub struct Entropies {
     pub joint: f64,
     /// H(y | x), of the neighbour's class where the cell's is known.
     pub conditional: f64,
-    /// What the one tells of the other.
+    /// The mutual information of the two classes.
     pub mutual: f64,
 }
 

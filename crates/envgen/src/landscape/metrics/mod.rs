@@ -4,10 +4,10 @@
 //! others, landscapemetrics, Ecography 42, 2019; the entropies of adjacency: J. Nowosad and
 //! T. F. Stepinski, Information theory as a consistent framework for quantification and
 //! classification of landscape patterns, Landscape Ecology 34, 2019. No-data cells belong to no
-//! class, and a side next to one, as at the raster's end, is border.
+//! class, and a side next to one, like a side at the raster's end, is border.
 //!
 //! - [`RasterReport`]: every measure, of the landscape and of each class.
-//! - [`Adjacency`]: how often which class lies beside which.
+//! - [`Adjacency`]: how often cells of two classes are neighbours.
 //! - [`patches`]: connected cells of one class.
 
 mod adjacency;

@@ -29,7 +29,7 @@ pub struct Patch {
 /// number of pieces found, not with the raster.
 ///
 /// # Panics
-/// When the cells are no whole number of rows.
+/// When the number of cells is not a multiple of `cols`.
 #[track_caller]
 pub fn patches(cells: &[u16], cols: usize, neighbourhood: Neighbourhood) -> Vec<Patch> {
     assert_whole_rows(cells.len(), cols);
@@ -56,7 +56,7 @@ pub fn patches(cells: &[u16], cols: usize, neighbourhood: Neighbourhood) -> Vec<
             if same(c, class) {
                 join(c);
             } else if neighbourhood == Neighbourhood::Eight {
-                // Beside the cell above, the corners are joined to it already.
+                // Beside the cell above, the corners are connected to it already.
                 if c > 0 && same(c - 1, class) {
                     join(c - 1);
                 }
@@ -108,7 +108,7 @@ impl Forest {
         root
     }
 
-    /// The older of two pieces takes up the other, so that patches keep their first cells' order.
+    /// The newer of two pieces joins the older, so that patches keep the order of their first cells.
     fn join(&mut self, a: u32, b: u32) -> u32 {
         let (a, b) = (self.root(a), self.root(b));
         let (old, young) = (a.min(b), a.max(b));

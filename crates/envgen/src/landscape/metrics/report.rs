@@ -13,7 +13,7 @@ use crate::world::ClassRaster;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RasterError {
-    /// The cells are not as many as rows and columns say.
+    /// The number of cells is not rows times columns.
     #[error("the raster has {cells} cells, but {rows} rows of {cols}")]
     Size {
         /// Rows it claims.
@@ -28,7 +28,7 @@ pub enum RasterError {
     Cell(f64),
 }
 
-/// Whether a raster's sizes fit together.
+/// Checks that a raster's sizes fit together.
 pub(crate) fn check(raster: &ClassRaster) -> Result<(), RasterError> {
     let ClassRaster { rows, cols, cell, .. } = *raster;
     if u64::from(rows) * u64::from(cols) != raster.cells.len() as u64 {
@@ -50,30 +50,30 @@ pub enum Border {
     Counted,
 }
 
-/// The measures of a raster. What a measure does not define is `None`: evenness and contagion of
-/// one class, interspersion of under three, anything of a raster without cells.
+/// The measures of a raster. Undefined measures are `None`: evenness and contagion of
+/// one class, interspersion of less than three, anything of a raster without cells.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RasterReport {
     /// Total Edge: number of sides between cells of different class.
     pub edge_count: u64,
-    /// Total Edge Density of the paper: sides a cell.
+    /// Total Edge Density of the paper: sides per cell.
     pub ted: Option<f64>,
     /// Length of all edges in metres (FRAGSTATS' TE).
     pub total_edge_m: f64,
-    /// Length of all edges by area, in m/ha (ED).
+    /// Length of all edges divided by the area, in m/ha (ED).
     pub edge_density_m_per_ha: Option<f64>,
     /// Shannon's diversity index in nats (SHDI): the paper's entropy.
     pub shdi: Option<f64>,
-    /// Shannon's evenness index (SHEI): the share of the largest SHDI of as many classes.
+    /// Shannon's evenness index (SHEI): SHDI divided by the largest SHDI of as many classes.
     pub shei: Option<f64>,
     /// Simpson's diversity index (SIDI): probability that two cells are of different class.
     pub sidi: Option<f64>,
-    /// Contagion index in percent (CONTAG), sides read both ways.
+    /// Contagion index in percent (CONTAG), sides read in both directions.
     pub contag_percent: Option<f64>,
     /// Interspersion and juxtaposition index in percent (IJI).
     pub iji_percent: Option<f64>,
-    /// Landscape shape index (LSI): length of all edges and the border, by the least border that a
-    /// raster of as many cells has.
+    /// Landscape shape index (LSI): length of all edges and the border, divided by the least border that a
+    /// raster with as many cells has.
     pub lsi: Option<f64>,
     /// H(x, y) of a cell's and its neighbour's class, in bits.
     pub joint_entropy_bits: Option<f64>,
@@ -100,7 +100,7 @@ pub struct PatchReport {
     pub largest_percent: Option<f64>,
     /// Mean area of a patch in square metres (`AREA_MN`).
     pub mean_area_m2: Option<f64>,
-    /// Effective mesh size in square metres (MESH): sum of squared areas by the landscape's area.
+    /// Effective mesh size in square metres (MESH): sum of squared areas divided by the landscape's area.
     pub mesh_m2: Option<f64>,
 }
 
@@ -119,7 +119,7 @@ pub struct ClassReport {
     pub patches_8: PatchReport,
     /// Patches whose cells share sides.
     pub patches_4: PatchReport,
-    /// Shape index of the class: length of its edges and border, by the least that as many cells
+    /// Shape index of the class: length of its edges and border, divided by the least that as many cells
     /// have.
     pub lsi: f64,
 }
@@ -128,7 +128,7 @@ impl RasterReport {
     /// Measures a raster. O(N).
     ///
     /// # Errors
-    /// When the raster's sizes do not fit together, or its cells have no positive side.
+    /// When the raster's sizes do not fit together, or the side of its cells is not positive.
     pub fn new(raster: &ClassRaster, border: Border) -> Result<Self, RasterError> {
         check(raster)?;
         Ok(RasterReport::of_grid(&raster.cells, raster.cols as usize, raster.cell, border))
@@ -227,7 +227,7 @@ fn contagion(adjacency: &Adjacency, sides: &[ClassSides]) -> Option<f64> {
     Some((1.0 + sum / (2.0 * libm::log(sides.len() as f64))) * 100.0)
 }
 
-/// IJI: the entropy of the edges' shares over pairs of classes, by the largest there could be.
+/// IJI: the entropy of the edges' shares over pairs of classes, divided by the greatest possible.
 fn interspersion(adjacency: &Adjacency, classes: usize, edges: u64) -> Option<f64> {
     if classes < 3 || edges == 0 {
         return None;
@@ -245,7 +245,7 @@ fn interspersion(adjacency: &Adjacency, classes: usize, edges: u64) -> Option<f6
     Some(sum / libm::log(0.5 * m * (m - 1.0)) * 100.0)
 }
 
-/// The least border, in cell sides, that so many cells have (FRAGSTATS' min E).
+/// The least border, in cell sides, of this many cells (FRAGSTATS' min E).
 fn least_border(cells: u64) -> f64 {
     let root = cells.isqrt();
     let more = cells - root * root;
@@ -257,7 +257,7 @@ fn least_border(cells: u64) -> f64 {
     sides as f64
 }
 
-/// What turns cells into areas.
+/// Converts cells to areas.
 #[derive(Clone, Copy)]
 struct Scale {
     total: u64,
@@ -311,7 +311,7 @@ fn by_class(sides: &[ClassSides], patches: &[Patch]) -> Vec<Tally> {
 }
 
 impl fmt::Display for RasterReport {
-    /// A table for people; what a measure does not define is a dash.
+    /// A table for reading; undefined measures are shown as a dash.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lines: [(&str, Option<f64>, &str); 13] = [
             ("Total Edge", Some(self.edge_count as f64), "sides"),

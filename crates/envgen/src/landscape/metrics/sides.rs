@@ -1,7 +1,7 @@
-//! Counting the sides between cells by the two classes that they part.
+//! Counting the sides between cells by the two classes that they separate.
 //!
-//! A count costs a memory access for each thing that is looked up, and little else: so the fewer the
-//! classes, the more sides one look-up counts.
+//! The time of a count is mostly one memory access per look-up: the fewer the classes, the more sides
+//! one look-up counts.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
-/// How many sides part two classes, the smaller class first, in order; 0 is no data and the raster's
+/// How many sides separate two classes, the smaller class first, in order; 0 is no data and the raster's
 /// end.
 pub(super) type Pairs = Vec<(u16, u16, u64)>;
 
@@ -20,25 +20,25 @@ const IN_WINDOWS: u16 = 16;
 /// A pair of cells has a code of 16 bits up to this many classes, no data among them.
 const IN_PAIRS: u16 = 256;
 
-/// Windows have many codes to add up in the end: fewer cells than this are counted by pairs.
+/// Windows have many codes to add up in the end: rasters with fewer cells are counted by pairs.
 const LEAST_FOR_WINDOWS: usize = 1 << 16;
 
-/// Cells that a thread counts at a time, at least.
+/// The least number of cells that a thread counts at a time.
 #[cfg(feature = "parallel")]
 const BAND: usize = 1 << 18;
 
-/// Of so many rows one is looked at for a first guess of the greatest class.
+/// One of this many rows is read for a first guess of the greatest class.
 const SAMPLED: usize = 61;
 
 /// Up to this many distinct classes are counted in a full table.
 const IN_TABLE: usize = 512;
 
-/// Pairs that are sorted at a time where there are more.
+/// Pairs that are sorted at a time where there are more classes.
 const SORTED: usize = 1 << 20;
 
 /// Counts every side once, those at the raster's end too. O(N): with classes up to 15 one look-up
-/// for two cells of a large raster, with up to 512 classes two a cell, and with more a sort. With
-/// `parallel`, all cores look up.
+/// for two cells of a large raster, with up to 512 classes two per cell, and with more a sort. With
+/// `parallel`, on all cores.
 pub(super) fn count(cells: &[u16], cols: usize) -> Pairs {
     if cells.len() < cols || cols == 0 {
         return Pairs::new();
@@ -47,7 +47,7 @@ pub(super) fn count(cells: &[u16], cols: usize) -> Pairs {
         true => by_windows(cells, cols, most + 1),
         false => None,
     };
-    // Reading all only for the greatest class takes a third as long as counting.
+    // Reading the whole raster only for the greatest class takes a third as long as counting.
     let sample = cells.chunks(cols).step_by(SAMPLED).map(greatest).max().unwrap_or(0);
     if let Some(pairs) = windows(sample) {
         return pairs;
@@ -82,7 +82,7 @@ fn maximum(cells: &[u16]) -> u16 {
     most
 }
 
-/// A raster of at least one row, read row by row; beyond its rows lies no data.
+/// A raster of at least one row, read row by row; the rows beyond it are no data.
 struct Raster<'a> {
     cells: &'a [u16],
     cols: usize,
@@ -98,7 +98,7 @@ impl<'a> Raster<'a> {
         self.cells.len() / self.cols
     }
 
-    /// The row above the `r`-th, and that row itself, up to the first beyond the raster.
+    /// Row `r` - 1 and row `r`, up to the first row beyond the raster.
     fn row_below_another(&self, r: usize) -> [&[u16]; 2] {
         let row = |r: usize| &self.cells[r * self.cols..][..self.cols];
         let above = r.checked_sub(1).map_or(&*self.outside, row);
@@ -139,7 +139,7 @@ impl<'a> Raster<'a> {
     }
 }
 
-/// How often each code of 16 bits occurs. Two tables take turns, so that a count need not wait for
+/// How often each code of 16 bits occurs. Two tables are used in turn, so that a count need not wait for
 /// the one before it where codes repeat.
 struct Tally {
     tables: [Box<[u32; 1 << 16]>; 2],
@@ -150,14 +150,14 @@ struct Tally {
 impl Tally {
     /// Of codes below `codes`.
     fn new(codes: usize) -> Self {
-        // Of zeros that the system gives, so that only what is counted in is touched.
+        // Zeroed memory from the system, so that only the parts in use are touched.
         let table = || vec![0; 1 << 16].try_into().expect("as long as it was made");
         Tally { tables: [table(), table()], counted: 0, sums: vec![0; codes] }
     }
 
     /// Counts every `STEP`-th code, from the first on.
     fn count<const STEP: usize>(&mut self, codes: &[u16]) {
-        // Well before a count of 32 bits is full.
+        // Well before a count of 32 bits overflows.
         for codes in codes.chunks(1 << 30) {
             let [even, odd] = &mut self.tables;
             let mut turns = codes.chunks_exact(2 * STEP);
@@ -213,7 +213,7 @@ fn by_windows(cells: &[u16], cols: usize, k: u16) -> Option<Pairs> {
         let mut codes = above.clone();
         let row = raster.row_below_another(rows.start)[0];
         if greatest(row) >= k {
-            // Who counts that row says so.
+            // The thread that counts that row reports it.
             return;
         }
         pair_up(row, &mut above);

@@ -10,7 +10,7 @@ use super::super::design::Design;
 use super::super::stats::{FeatureEffect, Part};
 use super::super::store::ExperimentError;
 
-/// Colours of D, M and N, told apart by most colour-blind people; those of the page's style.
+/// Colours of D, M and N, distinct for most colour-blind people; those of the page's style.
 const MEASURED: [RGBColor; 3] =
     [RGBColor(0x1f, 0x5f, 0xa8), RGBColor(0xc4, 0x56, 0x0b), RGBColor(0x2b, 0x7f, 0x5d)];
 
@@ -21,7 +21,7 @@ const INK: RGBColor = RGBColor(0x1c, 0x27, 0x33);
 const SOFT: RGBColor = RGBColor(0x5b, 0x68, 0x75);
 const LINE: RGBColor = RGBColor(0xe3, 0xe8, 0xec);
 
-/// How far marks of D, M and N stand apart, so that none hides another.
+/// How far marks of D, M and N are shifted, so that none hides another.
 const APART: [f64; 3] = [0.0, -0.16, 0.16];
 
 /// The ratings that the paper states in words: level and mean rating (its section 6).
@@ -29,7 +29,7 @@ const RATED: [(f64, f64); 2] = [(1.0, 6.0), (9.0, 6.0)];
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-fn told(error: impl Display) -> ExperimentError {
+fn report_error(error: impl Display) -> ExperimentError {
     ExperimentError::Report(error.to_string())
 }
 
@@ -42,27 +42,29 @@ pub(super) fn absolute(design: &Design, part: &Part) -> Result<String, Experimen
         let mut chart = chart(&area, (0.0..10.0, 0.0..10.0), axes)?;
         // "Between the extreme difficulties the ratings matched to a reasonable degree": no numbers.
         let band = vec![(2.6, 1.4), (7.4, 6.2), (7.4, 8.6), (2.6, 3.8)];
-        chart.draw_series([Polygon::new(band, STATED.mix(0.10).filled())]).map_err(told)?;
+        chart.draw_series([Polygon::new(band, STATED.mix(0.10).filled())]).map_err(report_error)?;
         diagonal(&mut chart, (0.0, 0.0), (10.0, 10.0))?;
         for map in &part.values {
             for (measure, apart) in APART.into_iter().enumerate() {
                 let at = (design.levels[map.level] + apart, map.means[measure]);
                 let dot = Circle::new(at, 2, MEASURED[measure].mix(0.30).filled());
-                chart.draw_series([dot]).map_err(told)?;
+                chart.draw_series([dot]).map_err(report_error)?;
             }
         }
         for (measure, order) in part.orders.iter().take(3).enumerate().rev() {
             let colour = MEASURED[measure];
             let at = |level: f64| level + APART[measure];
             let line = order.means.iter().map(|mean| (at(mean.level), mean.mean.value));
-            chart.draw_series(LineSeries::new(line, colour.stroke_width(2))).map_err(told)?;
+            chart
+                .draw_series(LineSeries::new(line, colour.stroke_width(2)))
+                .map_err(report_error)?;
             for mean in &order.means {
                 let x = at(mean.level);
                 let ends = [(x, mean.mean.low), (x, mean.mean.high)];
                 let bar = PathElement::new(ends, colour.mix(0.55).stroke_width(2));
-                chart.draw_series([bar]).map_err(told)?;
+                chart.draw_series([bar]).map_err(report_error)?;
                 let dot = Circle::new((x, mean.mean.value), 5, colour.filled());
-                chart.draw_series([dot]).map_err(told)?;
+                chart.draw_series([dot]).map_err(report_error)?;
             }
         }
         for (level, rating) in RATED {
@@ -74,7 +76,7 @@ pub(super) fn absolute(design: &Design, part: &Part) -> Result<String, Experimen
                 (level, rating + 0.24),
             ];
             let mark = PathElement::new(diamond, STATED.stroke_width(2));
-            chart.draw_series([mark]).map_err(told)?;
+            chart.draw_series([mark]).map_err(report_error)?;
         }
         // Level 3 was rated lower than level 1: a bar under 6 with an arrow down, no value.
         for line in [
@@ -82,11 +84,13 @@ pub(super) fn absolute(design: &Design, part: &Part) -> Result<String, Experimen
             vec![(3.0, 6.0), (3.0, 5.3)],
             vec![(2.87, 5.52), (3.0, 5.3), (3.13, 5.52)],
         ] {
-            chart.draw_series([PathElement::new(line, STATED.stroke_width(2))]).map_err(told)?;
+            chart
+                .draw_series([PathElement::new(line, STATED.stroke_width(2))])
+                .map_err(report_error)?;
         }
-        area.present().map_err(told)?;
+        area.present().map_err(report_error)?;
     }
-    Ok(inline(svg, "Measured difficulty by level beside the paper's statements"))
+    Ok(inline(svg, "Measured difficulty by level, with the paper's statements"))
 }
 
 /// Figure 7 (b): the order of three maps.
@@ -99,23 +103,23 @@ pub(super) fn relative(part: &Part) -> Result<String, ExperimentError> {
         diagonal(&mut chart, (1.0, 1.0), (3.0, 3.0))?;
         let chance = [(0.7, 2.0), (3.3, 2.0)];
         let line = PathElement::new(chance, SOFT.mix(0.5).stroke_width(1));
-        chart.draw_series([line]).map_err(told)?;
+        chart.draw_series([line]).map_err(report_error)?;
         for (measure, found) in part.relative.iter().enumerate().rev() {
             let colour = MEASURED[measure];
             let points = found.ranks.iter().zip([1.0, 2.0, 3.0]);
             let points: Vec<(f64, f64)> =
                 points.map(|(&rank, x)| (x + APART[measure] / 5.0, rank)).collect();
             let line = LineSeries::new(points.iter().copied(), colour.stroke_width(2));
-            chart.draw_series(line).map_err(told)?;
+            chart.draw_series(line).map_err(report_error)?;
             let dots = points.iter().map(|&at| Circle::new(at, 5, colour.filled()));
-            chart.draw_series(dots).map_err(told)?;
+            chart.draw_series(dots).map_err(report_error)?;
         }
-        area.present().map_err(told)?;
+        area.present().map_err(report_error)?;
     }
     Ok(inline(svg, "Mean rank of the easiest, middle and hardest of three maps"))
 }
 
-/// What each rule adds from the lowest to the highest level.
+/// How much each rule adds from the lowest to the highest level.
 pub(super) fn rules(effects: &[FeatureEffect]) -> Result<String, ExperimentError> {
     let rows = effects.len() as f64;
     let ends = effects.iter().flat_map(|effect| &effect.slopes).filter_map(|slope| slope.carried);
@@ -129,7 +133,7 @@ pub(super) fn rules(effects: &[FeatureEffect]) -> Result<String, ExperimentError
             .margin_left(330)
             .x_label_area_size(46)
             .build_cartesian_2d(-reach..reach, 0.0..rows)
-            .map_err(told)?;
+            .map_err(report_error)?;
         chart
             .configure_mesh()
             .disable_y_mesh()
@@ -143,29 +147,29 @@ pub(super) fn rules(effects: &[FeatureEffect]) -> Result<String, ExperimentError
             .axis_desc_style(("sans-serif", 15).into_font().color(&INK))
             .label_style(("sans-serif", 14).into_font().color(&SOFT))
             .draw()
-            .map_err(told)?;
+            .map_err(report_error)?;
         let zero = PathElement::new([(0.0, 0.0), (0.0, rows)], INK.stroke_width(1));
-        chart.draw_series([zero]).map_err(told)?;
+        chart.draw_series([zero]).map_err(report_error)?;
         let right = Pos::new(HPos::Right, VPos::Center);
         for (row, effect) in effects.iter().enumerate() {
             let middle = rows - row as f64 - 0.5;
             let (_, y) = chart.backend_coord(&(0.0, middle));
             let bold = ("sans-serif", 15).into_font().color(&INK).pos(right);
             let soft = ("sans-serif", 13).into_font().color(&SOFT).pos(right);
-            area.draw(&Text::new(effect.rule, (322, y - 8), bold)).map_err(told)?;
-            area.draw(&Text::new(effect.feature, (322, y + 9), soft)).map_err(told)?;
+            area.draw(&Text::new(effect.rule, (322, y - 8), bold)).map_err(report_error)?;
+            area.draw(&Text::new(effect.feature, (322, y + 9), soft)).map_err(report_error)?;
             for (measure, slope) in effect.slopes.iter().enumerate() {
                 let Some(carried) = slope.carried else { continue };
                 let y = middle + 0.22 - 0.22 * measure as f64;
                 let colour = MEASURED[measure];
                 let bar = [(carried.low, y), (carried.high, y)];
                 let bar = PathElement::new(bar, colour.mix(0.6).stroke_width(2));
-                chart.draw_series([bar]).map_err(told)?;
+                chart.draw_series([bar]).map_err(report_error)?;
                 let dot = Circle::new((carried.value, y), 4, colour.filled());
-                chart.draw_series([dot]).map_err(told)?;
+                chart.draw_series([dot]).map_err(report_error)?;
             }
         }
-        area.present().map_err(told)?;
+        area.present().map_err(report_error)?;
     }
     Ok(inline(svg, "What each rule adds to the difficulty"))
 }
@@ -185,7 +189,7 @@ fn chart<'a, 'b>(
         .x_label_area_size(50)
         .y_label_area_size(56)
         .build_cartesian_2d(x, y)
-        .map_err(told)?;
+        .map_err(report_error)?;
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
@@ -200,11 +204,11 @@ fn chart<'a, 'b>(
         .axis_desc_style(("sans-serif", 15).into_font().color(&INK))
         .label_style(("sans-serif", 14).into_font().color(&SOFT))
         .draw()
-        .map_err(told)?;
+        .map_err(report_error)?;
     Ok(chart)
 }
 
-/// The best possible result.
+/// The line of the best possible result.
 fn diagonal(
     chart: &mut Chart<'_, '_>,
     from: (f64, f64),
@@ -216,10 +220,10 @@ fn diagonal(
         (from.0 + t * (to.0 - from.0), from.1 + t * (to.1 - from.1))
     };
     let dashes = (0..steps).step_by(2).map(|i| PathElement::new([at(i), at(i + 1)], SOFT));
-    chart.draw_series(dashes).map(drop).map_err(told)
+    chart.draw_series(dashes).map(drop).map_err(report_error)
 }
 
-/// The SVG as part of a page: scalable, with a name for those who cannot see it.
+/// The SVG as part of a page: scalable, with a name for people who cannot see it.
 fn inline(svg: String, name: &str) -> String {
     let svg = svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{name}\" "), 1);
     svg.replace("font-family=\"sans-serif\"", "font-family=\"inherit\"")

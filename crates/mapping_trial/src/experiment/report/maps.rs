@@ -1,4 +1,4 @@
-//! Pictures of the paper's maps: the world, and what a robot made of it.
+//! Pictures of the paper's maps: the world, and the robot's map of it.
 
 use envgen::picture::{self, PictureOptions};
 use rayon::prelude::*;
@@ -9,17 +9,17 @@ use crate::experiment::site::Site;
 use crate::experiment::store::{Experiment, ExperimentError};
 use crate::picture::Picture;
 
-/// Maps of a level that are shown, at most.
+/// Greatest number of maps of a level that are shown.
 const SHOWN: u32 = 2;
 
 /// Pictures of one map, as PNG.
 pub(super) struct MapPictures {
     pub(super) record: Record,
-    /// The world as it is.
+    /// The true world.
     pub(super) world: Vec<u8>,
-    /// The map that the robot made, with the way that it thought it drove.
+    /// The robot's map, with the estimated trajectory.
     pub(super) map: Vec<u8>,
-    /// That map over the truth, with both ways.
+    /// That map over the mappable area, with both trajectories.
     pub(super) errors: Vec<u8>,
 }
 
@@ -42,18 +42,18 @@ pub(super) fn draw(
 
 fn pictures(experiment: &Experiment, record: &Record) -> Result<MapPictures, ExperimentError> {
     let design = experiment.design();
-    let told = |error: &dyn std::error::Error| ExperimentError::Report(error.to_string());
+    let report_error = |error: &dyn std::error::Error| ExperimentError::Report(error.to_string());
     let site = Site::new(design, &record.trial)?;
     let (again, run) = site.run(design, &record.trial)?;
     experiment.require_same(record, &again)?;
     let (map, truth) = (run.autonomy().slam().map(), &site.truth);
-    // The robot's map may reach beyond the world where it went wrong.
+    // The robot's map may reach beyond the world where its poses are wrong.
     let area = map.bounds().map_or(site.world.bounds, |seen| seen.union(site.world.bounds));
     let estimated = run.autonomy().slam().trajectory(0);
     let png = |picture: Picture| {
         let mut bytes = Vec::new();
         let figure = picture.figure("", Vec::new());
-        figure.write_png(&mut bytes).map(|()| bytes).map_err(|error| told(&error))
+        figure.write_png(&mut bytes).map(|()| bytes).map_err(|error| report_error(&error))
     };
     let mut own = Picture::of_map(map, area);
     own.draw_estimated_path(&estimated);
@@ -71,7 +71,7 @@ fn pictures(experiment: &Experiment, record: &Record) -> Result<MapPictures, Exp
     };
     Ok(MapPictures {
         record: record.clone(),
-        world: picture::png(&site.world, &options).map_err(|error| told(&error))?,
+        world: picture::png(&site.world, &options).map_err(|error| report_error(&error))?,
         map: png(own)?,
         errors: png(errors)?,
     })

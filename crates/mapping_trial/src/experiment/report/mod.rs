@@ -1,4 +1,4 @@
-//! The report of an experiment: one page that needs nothing else, and the tables.
+//! The report of an experiment: one self-contained page, and the tables.
 
 mod figures;
 mod maps;
@@ -19,19 +19,19 @@ use super::{table, write as files};
 /// The files of a report, in the experiment's folder.
 pub const FILES: [&str; 4] = ["report.html", "summary.json", "trials.csv", "trials.parquet"];
 
-/// The statistics as they are written.
+/// The statistics in the file.
 #[derive(Serialize)]
 struct Summary<'a> {
     design: &'a Design,
     analysis: &'a Analysis,
 }
 
-/// Writes the report of a complete experiment, and gives the files' paths. The trials whose maps it
-/// shows run again on so many threads, 0 for one a core.
+/// Writes the report of a complete experiment, and returns the files' paths. The trials whose maps
+/// it shows run again on `threads` threads, 0 for one per core.
 ///
 /// # Errors
 ///
-/// Trials that are missing, or that come out otherwise than they did; a file that cannot be written.
+/// Trials that are missing, or that now give other results; a file that cannot be written.
 pub fn write(experiment: &Experiment, threads: usize) -> Result<Vec<PathBuf>, ExperimentError> {
     experiment.require_all()?;
     if experiment.shard() != Shard::WHOLE {
@@ -41,9 +41,9 @@ pub fn write(experiment: &Experiment, threads: usize) -> Result<Vec<PathBuf>, Ex
     let design = experiment.design();
     let records: Vec<&Record> = experiment.records().collect();
     let analysis = analyse(design, &records);
-    let told = |error: serde_json::Error| ExperimentError::Report(error.to_string());
-    let mut summary =
-        serde_json::to_vec_pretty(&Summary { design, analysis: &analysis }).map_err(told)?;
+    let report_error = |error: serde_json::Error| ExperimentError::Report(error.to_string());
+    let mut summary = serde_json::to_vec_pretty(&Summary { design, analysis: &analysis })
+        .map_err(report_error)?;
     summary.push(b'\n');
     let columns = table::columns(design, &records);
     let maps = maps::draw(experiment, &records, threads)?;

@@ -7,7 +7,7 @@ use base64::prelude::BASE64_STANDARD;
 
 use crate::experiment::stats::Interval;
 
-/// The look of the page: one column, tables with numbers under each other.
+/// The style of the page: one column, tables with aligned numbers.
 pub(super) const STYLE: &str = "\
 :root{--ink:#1c2733;--soft:#5b6875;--line:#d9dfe5;--paper:#fff;--wash:#f5f7f9;--d:#1f5fa8;--m:#c4560b;--n:#2b7f5d;--p:#a3195b}\
 *{box-sizing:border-box}\
@@ -48,12 +48,12 @@ code{font:13px ui-monospace,'DejaVu Sans Mono',monospace;background:var(--wash);
 @media(max-width:760px){.pair,.maps{grid-template-columns:1fr}}\
 @media print{h2{break-after:avoid}figure,.maps{break-inside:avoid}}";
 
-/// Text with what HTML takes for its own made harmless.
+/// Text with HTML's special characters escaped.
 pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// A number with so many digits after the point; a true minus sign.
+/// A number with `digits` digits after the point; a true minus sign.
 pub(super) fn number(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "–".to_owned();

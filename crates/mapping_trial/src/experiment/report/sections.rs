@@ -12,10 +12,10 @@ use crate::experiment::store::ExperimentError;
 use crate::names::Named;
 use crate::trial::EndReason;
 
-/// Trials in the page's table, at most; the files have all.
+/// Greatest number of trials in the page's table; the files have all.
 const ROWS: usize = 20_000;
 
-/// What ends a trial, in the order of the table.
+/// The reasons why trials end, in the order of the table.
 const ENDS: [EndReason; 6] = [
     EndReason::Explored,
     EndReason::Stuck,
@@ -68,12 +68,12 @@ fn lead(design: &Design, records: &[&Record]) -> String {
     let (replay, main) = names(design);
     let metres = f64::from(design.size) * design.spec(design.levels[0]).unit;
     format!(
-        "<p class=\"lead\">{} trials in a simulator, in which programs map indoor worlds of the \
-         levels {} and their maps are scored against the truth. The experiment of O. Zwennes, \
+        "<p class=\"lead\">{} trials in a simulator, in which policies map indoor worlds of the \
+         levels {} and their maps are scored against the worlds. The experiment of O. Zwennes, \
          <i>Adaptive Indoor Map Generator for USARSim</i> (2011), which asked people, is \
          replayed.</p>\n\
-         <p class=\"note\">The paper's design: {} maps a level, each once by {replay}. The larger \
-         design: {} maps a level, {} noise seed{} each, by {main}. Maps of {} x {} cells \
+         <p class=\"note\">The paper's design: {} maps per level, each once by {replay}. The larger \
+         design: {} maps per level, {} noise seed{} each, by {main}. Maps of {} x {} cells \
          ({metres} m square), estimated by {}, laser {}, odometry {}, time limit {} s.</p>\n",
         records.len(),
         list(&levels),
@@ -115,7 +115,7 @@ fn figure_7(
          <span><b style=\"color:var(--p)\">&#x2193;</b>stated: rated lower than level 1</span>\
          <span><i class=\"band\" style=\"background:var(--p)\"></i>stated without numbers: near \
          the diagonal</span></div>\n\
-         <p class=\"note\">Figure 7 (a) of the paper, made anew. Bars are intervals of 95 % of the \
+         <p class=\"note\">Figure 7 (a) of the paper, with new data. Bars are intervals of 95 % of the \
          levels' means (Student's t over maps). People's ratings and measured scores share the \
          scale from 0 to 10 and its ends (nothing forces an error; the map cannot be navigated), \
          not its unit: shapes can be compared, heights only with care.</p>"
@@ -137,7 +137,7 @@ fn figure_7(
         html,
         "</div>{KEY}<span><i class=\"dash\" style=\"color:var(--soft)\"></i>always in \
          order</span></div>\n\
-         <p class=\"note\">Figure 7 (b) of the paper, made anew: all threes of maps of different \
+         <p class=\"note\">Figure 7 (b) of the paper, with new data: all triples of maps of different \
          levels, ranked within each operator; by chance all ranks are 2. The paper states that on \
          average the easiest map was rated lowest, the second higher and the hardest highest, the \
          last two close together; it prints no numbers.</p>"
@@ -232,7 +232,7 @@ fn statistics(design: &Design, analysis: &Analysis, html: &mut String) {
         html,
         "<p class=\"note\">The unit is the map: trials on one map are averaged first. Intervals of \
          ρ are percentile bootstraps over maps within levels ({RESAMPLES} samples), which are too \
-         narrow for few maps a level; p is by permutation, one-sided. Shares of variance are the components of a nested analysis of \
+         narrow for few maps per level; p is by permutation, one-sided. Shares of variance are the components of a nested analysis of \
          variance, operators averaged; with one noise seed the map's share holds the noise.</p>"
     );
 }
@@ -253,12 +253,12 @@ fn rules(design: &Design, analysis: &Analysis, html: &mut String) -> Result<(), 
          level the feature varies by chance, and difficulty with it (its effect, level means \
          removed). Trend times effect is what the rule adds from the lowest to the highest level. \
          Right of 0 the rule does what it should; a rule whose interval is left of 0 makes maps \
-         easier where it should make them harder.</p>\n\
+         easier when it should make them harder.</p>\n\
          <figure>{svg}</figure>{KEY}</div>"
     );
     let mut head = vec!["feature".to_owned()];
     head.extend(design.levels.iter().map(|level| format!("level {level}")));
-    head.push("trend a level <small>95 %</small>".to_owned());
+    head.push("trend per level <small>95 %</small>".to_owned());
     let rows: Vec<Vec<String>> = analysis
         .rules
         .iter()
@@ -308,7 +308,7 @@ fn rules(design: &Design, analysis: &Analysis, html: &mut String) -> Result<(), 
     html.push_str(
         "<p class=\"note\">Effects are least-squares slopes over the larger design's maps; \"others \
          fixed\" holds the five rules' own features fixed together. Intervals are percentile \
-         bootstraps over maps within levels. Of twenty effects that are none, one is beyond its \
+         bootstraps over maps within levels. Of twenty effects of size 0, one is beyond its \
          interval by chance.</p>\n",
     );
     Ok(())
@@ -321,12 +321,11 @@ fn rule(effect: &FeatureEffect) -> String {
 fn weights(analysis: &Analysis, html: &mut String) {
     html.push_str(
         "<h2>What the weights decide</h2>\n\
-         <p>D is a weighted mean. With each weight halved and one and a half times as large in \
-         turn, the larger design's maps are ranked again: τ compares with the ranking before, ρ is \
+         <p>D is a weighted mean. With each weight in turn multiplied by 0.5 and by 1.5, \
+         the larger design's maps are ranked again: τ compares with the ranking before, ρ is \
          that of level and D.</p>\n",
     );
-    let head =
-        ["weight", "τ at half", "most places", "ρ", "τ at one and a half", "most places", "ρ"];
+    let head = ["weight", "τ at 0.5", "most places", "ρ", "τ at 1.5", "most places", "ρ"];
     let rows: Vec<Vec<String>> = analysis
         .weights
         .chunks(2)
@@ -375,9 +374,9 @@ fn pictures(design: &Design, maps: &[MapPictures], html: &mut String) {
     let _ = writeln!(
         html,
         "<h2>Maps of each level</h2>\n\
-         <p>The world; the map that <code>{}</code> made of it, with the way that the robot thought \
-         it drove; and that map over the truth: walls in their place black, walls where there are \
-         none vermilion, missed walls blue, ground not seen light blue, the true way green.</p>",
+         <p>The world; the map that <code>{}</code> made of it, with the robot's estimated \
+         trajectory; and that map over the mappable area: walls in their place black, walls that do \
+         not exist vermilion, missed walls blue, ground not seen light blue, the true trajectory green.</p>",
         driver(&first.record)
     );
     for map in maps {
@@ -424,9 +423,9 @@ fn trials(design: &Design, records: &[&Record], html: &mut String) {
         "navigability",
         "trajectory error (m)",
         "time (s)",
-        "way (m)",
+        "distance (m)",
         "turning (rad)",
-        "hits",
+        "collisions",
         "recoveries",
     ];
     let rows: Vec<Vec<String>> = records[..shown]
@@ -461,13 +460,13 @@ fn trials(design: &Design, records: &[&Record], html: &mut String) {
 fn how(design: &Design, html: &mut String) {
     let _ = writeln!(
         html,
-        "<h2>How it was done</h2>\n\
+        "<h2>Method</h2>\n\
          <p class=\"note\">Map <i>k</i> of level <i>l</i> is generated with seed {} + 10000 <i>l</i> \
          + <i>k</i>, its noise <i>j</i> with 1000 times that seed + <i>j</i>. The robot is a P3-AT \
-         with its laser and its wheels' errors; it knows nothing of the world. M = 10 (0.35 \
+         with the noise of its laser and wheels; the world is unknown to it. M = 10 (0.35 \
          e<sub>wall</sub> + 0.30 e<sub>use</sub> + 0.25 e<sub>pose</sub> + 0.10 e<sub>cov</sub>), \
          N = 10 (0.40 e<sub>time</sub> + 0.25 e<sub>cov</sub> + 0.20 e<sub>hit</sub> + 0.15 \
-         e<sub>turn</sub>), D = 0.6 M + 0.4 N. The same design gives this page again to the last \
+         e<sub>turn</sub>), D = 0.6 M + 0.4 N. The same design gives the same page to the last \
          byte.</p>",
         design.seed.0.wrapping_mul(1_000_000)
     );

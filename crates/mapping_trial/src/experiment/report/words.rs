@@ -1,4 +1,4 @@
-//! What was measured, in sentences made of the numbers.
+//! The results in sentences made of the numbers.
 
 use super::page::{list, number, percent, said};
 use crate::experiment::design::Design;
@@ -6,7 +6,7 @@ use crate::experiment::stats::{
     Analysis, Ends, FeatureEffect, MEASURES, Order, Part, Slope, Verdict,
 };
 
-/// The rules that make maps, by their name.
+/// The name of the rules that make maps.
 fn rules_name(design: &Design) -> &'static str {
     match design.profile {
         envgen::indoor::Profile::Thesis => "<code>thesis</code>",
@@ -24,7 +24,7 @@ pub(super) fn findings(design: &Design, analysis: &Analysis) -> Vec<String> {
     found
 }
 
-/// Trials that end early have little time, turning and hits: N takes them for easy.
+/// Trials that end early have little time, turning and collisions: N rates them as easy.
 fn how_trials_ended(design: &Design, analysis: &Analysis) -> String {
     let each = |of: &dyn Fn(&Ends) -> String| -> String {
         let levels = design.levels.iter().zip(&analysis.ends);
@@ -40,19 +40,19 @@ fn how_trials_ended(design: &Design, analysis: &Analysis) -> String {
     let early = match first.zip(last) {
         Some((first, last)) if last.time < 0.8 * first.time => {
             " Trials of the highest level end early: they leave much unmapped, but take little time, \
-             turning and hits, which N counts as easy."
+             turning and collisions, which N rates as easy."
         }
         Some((first, last)) if first.time < 0.8 * last.time => {
-            " Trials of the lowest level end early, which N counts as easy."
+            " Trials of the lowest level end early, which N rates as easy."
         }
         _ => "",
     };
     format!(
-        "<b>How trials ended:</b> stuck or in water were {lost}; on average trials took {time}.{early}"
+        "<b>How trials ended:</b> the robot was stuck or in water in {lost}; on average trials took {time}.{early}"
     )
 }
 
-/// Whether the rules order the maps in one measure, and which rule is to blame where not.
+/// Whether the maps are in order in one measure, and which rule is to blame if not.
 fn of_measure(design: &Design, analysis: &Analysis, measure: usize) -> String {
     let order = &analysis.main.orders[measure];
     let (symbol, name) = (order.measure, MEASURES[measure].name);
@@ -63,7 +63,7 @@ fn of_measure(design: &Design, analysis: &Analysis, measure: usize) -> String {
             format!("the {rules} rules order the maps on the whole, but not level by level")
         }
         Verdict::NotShown => format!("no order of the maps by the {rules} rules can be shown"),
-        Verdict::Reversed => format!("the {rules} rules order the maps the wrong way round"),
+        Verdict::Reversed => format!("the {rules} rules order the maps in reverse"),
     };
     let mut text = format!("<b>In {symbol} ({name}) {verdict}.</b> {}.", correlation(order));
     text.push_str(&format!(
@@ -88,7 +88,7 @@ fn correlation(order: &Order) -> String {
     }
 }
 
-/// A probability in words; chance was given a limited number of tries.
+/// A probability in words; the number of shuffles limits how small it can be.
 pub(super) fn p_value(p: f64) -> String {
     if p < 0.001 { "below 0.001".to_owned() } else { format!("= {}", number(p, 3)) }
 }
@@ -131,7 +131,7 @@ fn feature(effect: &FeatureEffect) -> &'static str {
     effect.feature.split(" (").next().unwrap_or(effect.feature)
 }
 
-/// One sentence a rule: with the level, against it, or neither, over D, M and N.
+/// One sentence per rule: with the level, against it, or neither, over D, M and N.
 fn rules_in_general(analysis: &Analysis) -> String {
     let direct = analysis.rules.iter().filter(|effect| effect.is_direct);
     let sentences: Vec<String> = direct
@@ -156,14 +156,14 @@ fn rules_in_general(analysis: &Analysis) -> String {
     format!("<b>Rule by rule:</b> {}.", sentences.join("; "))
 }
 
-/// What the paper found, and what was measured there.
+/// What the paper found, and what was measured for it.
 fn beside_the_paper(design: &Design, analysis: &Analysis) -> String {
     let mean = |part: &Part, level: f64| {
         let means = &part.orders[0].means;
         means.iter().find(|mean| mean.level == level).map(|mean| mean.mean.value)
     };
     let mut text =
-        "<b>Beside the paper:</b> its operators rated level 1 with 6 on average, higher than \
+        "<b>Compared with the paper:</b> its operators rated level 1 with 6 on average, higher than \
          level 3, and level 9 with 6."
             .to_owned();
     for (name, part) in [("on as many maps", &analysis.replay), ("on all maps", &analysis.main)] {
@@ -193,12 +193,12 @@ fn beside_the_paper(design: &Design, analysis: &Analysis) -> String {
     ));
     let levels = design.levels.len();
     if levels < 3 {
-        text.push_str(" Two levels make no threes of maps.");
+        text.push_str(" Two levels make no triples of maps.");
     }
     text
 }
 
-/// What the order of three maps says beside the paper's.
+/// The order of three maps, compared with the paper's.
 pub(super) fn three_maps(part: &Part) -> String {
     let found: Vec<String> = part
         .relative
@@ -233,7 +233,7 @@ mod tests {
         assert!(rising.contains("In D (difficulty) the <code>thesis</code> rules order the maps."));
         assert!(rising.contains("4 of 4 neighbouring levels are in order"), "{rising}");
         let falling = told(|level, map| 9.0 - level as f64 + 0.01 * f64::from(map));
-        assert!(falling.contains("the wrong way round"), "{falling}");
+        assert!(falling.contains("order the maps in reverse"), "{falling}");
         assert!(falling.contains("0 of 4 neighbouring levels"), "{falling}");
         let dented = told(|level, map| [2.0, 1.0, 3.0, 4.0, 5.0][level] + 0.01 * f64::from(map));
         assert!(dented.contains("on the whole, but not level by level"), "{dented}");

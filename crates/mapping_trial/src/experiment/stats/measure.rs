@@ -1,18 +1,18 @@
-//! What is measured, and its mean over the trials on a map.
+//! The measures, and their means over the trials on a map.
 
 use crate::experiment::record::{MapFeatures, Record};
 use crate::score::Scores;
 
-/// A number that a trial yields; greater is more difficult.
+/// A number per trial; greater is more difficult.
 #[derive(Clone, Copy, Debug)]
 pub struct Measure {
-    /// As in formulas and tables.
+    /// Its symbol in formulas and tables.
     pub symbol: &'static str,
-    /// In words.
+    /// Its name.
     pub name: &'static str,
-    /// The greatest value it can have.
+    /// Its greatest possible value.
     pub most: f64,
-    /// Of a trial.
+    /// Its value in a trial's scores.
     pub of: fn(&Scores) -> f64,
 }
 
@@ -22,24 +22,24 @@ pub const MEASURES: [Measure; 10] = [
     Measure { symbol: "M", name: "difficulty of mapping", most: 10.0, of: |s| s.mapping },
     Measure { symbol: "N", name: "difficulty of getting around", most: 10.0, of: |s| s.navigation },
     Measure { symbol: "e_wall", name: "walls wrong or missing", most: 1.0, of: |s| s.e_wall },
-    Measure { symbol: "e_use", name: "ways that fail on the map", most: 1.0, of: |s| s.e_use },
+    Measure { symbol: "e_use", name: "paths that fail on the map", most: 1.0, of: |s| s.e_use },
     Measure { symbol: "e_pose", name: "error of the trajectory", most: 1.0, of: |s| s.e_pose },
     Measure { symbol: "e_cov", name: "ground not covered", most: 1.0, of: |s| s.e_cov },
     Measure { symbol: "e_time", name: "time taken", most: 1.0, of: |s| s.e_time },
-    Measure { symbol: "e_hit", name: "hits and being stuck", most: 1.0, of: |s| s.e_hit },
+    Measure { symbol: "e_hit", name: "collisions and being stuck", most: 1.0, of: |s| s.e_hit },
     Measure { symbol: "e_turn", name: "turning", most: 1.0, of: |s| s.e_turn },
 ];
 
 /// The means of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapValues {
-    /// Place of its level in the design.
+    /// Index of its level in the design.
     pub level: usize,
     /// Its number within the level.
     pub map: u32,
     /// Of each of [`MEASURES`], over all trials on the map.
     pub means: [f64; MEASURES.len()],
-    /// What the rules made of it.
+    /// Its features.
     pub features: MapFeatures,
 }
 
@@ -64,7 +64,7 @@ impl MapValues {
     }
 }
 
-/// The means of every map; records in the design's order, so that a map's stand together.
+/// The means of every map; records are in the design's order, a map's records together.
 pub fn map_values(records: &[&Record]) -> Vec<MapValues> {
     let maps =
         records.chunk_by(|a, b| (a.trial.level, a.trial.map) == (b.trial.level, b.trial.map));

@@ -1,7 +1,7 @@
-//! What an experiment's numbers say.
+//! The statistics of an experiment.
 //!
 //! The unit of every statistic is the map: trials on one map that differ in noise or operator are
-//! averaged first, since they are not maps. Intervals are of 95 %: Student's t for means of a level,
+//! averaged first, since they are not independent. Intervals are of 95 %: Student's t for means of a level,
 //! the percentile bootstrap over maps, drawn within their levels, for everything else (Efron and
 //! Tibshirani, An Introduction to the Bootstrap, 1993, chapters 13 and 14).
 
@@ -31,16 +31,16 @@ use super::record::Record;
 use crate::score::{Scores, Sensitivity, Weights, sensitivity};
 use crate::trial::EndReason;
 
-/// Everything that is worked out of an experiment.
+/// All statistics of an experiment.
 #[derive(Clone, Debug, Serialize)]
 pub struct Analysis {
     /// The paper's design.
     pub replay: Part,
     /// The larger design.
     pub main: Part,
-    /// What each rule makes of the maps, and what that does to the larger design's difficulties.
+    /// How each rule's feature changes with the level, and its effect on the larger design's scores.
     pub rules: Vec<FeatureEffect>,
-    /// How the ranking of the larger design's maps moves with the weights of the scores.
+    /// How the ranking of the larger design's maps changes with the weights of the scores.
     pub weights: Vec<Weighting>,
     /// How each level's trials ended, all trials counted once.
     pub ends: Vec<Ends>,
@@ -51,14 +51,14 @@ pub struct Analysis {
 pub struct Ends {
     /// Number of trials.
     pub trials: usize,
-    /// How many of them for each reason.
+    /// Number of trials by end reason.
     pub reasons: BTreeMap<EndReason, usize>,
     /// Mean simulated time in seconds.
     pub time: f64,
 }
 
 impl Ends {
-    /// The share of trials that ended because the robot could not go on: stuck or in water.
+    /// The share of trials that ended because the robot was lost: stuck or in water.
     pub fn share_lost(&self) -> f64 {
         let lost = [EndReason::Stuck, EndReason::Drowned];
         let lost: usize = lost.iter().filter_map(|reason| self.reasons.get(reason)).sum();
@@ -69,13 +69,13 @@ impl Ends {
 /// The statistics of one design.
 #[derive(Clone, Debug, Serialize)]
 pub struct Part {
-    /// Maps a level.
+    /// Maps per level.
     pub maps: usize,
-    /// Noise seeds a map.
+    /// Noise seeds per map.
     pub noise_seeds: usize,
     /// Number of trials.
     pub trials: usize,
-    /// How great a rank correlation must be to count: what chance alone exceeds in 5 % of cases.
+    /// The rank correlation that chance alone exceeds in 5 % of cases.
     pub critical_rho: f64,
     /// For each measure, over all operators.
     pub orders: Vec<Order>,
@@ -97,17 +97,17 @@ pub struct OperatorOrders {
     pub orders: Vec<Order>,
 }
 
-/// How the ranking of maps by D moves when one weight changes by half.
+/// How the ranking of maps by D changes when one weight changes by half.
 #[derive(Clone, Debug, Serialize)]
 pub struct Weighting {
-    /// Of the ranking itself.
+    /// The change of the ranking.
     #[serde(flatten)]
     pub sensitivity: Sensitivity,
     /// Spearman's correlation of level and D with the changed weight.
     pub rho: Option<f64>,
 }
 
-/// Works out everything of a complete experiment.
+/// Computes all statistics of a complete experiment.
 pub fn analyse(design: &Design, records: &[&Record]) -> Analysis {
     let pick = |which: &dyn Fn(&Trial) -> bool| -> Vec<&Record> {
         records.iter().filter(|record| which(&record.trial)).copied().collect()
@@ -167,7 +167,7 @@ fn part(design: &Design, records: &[&Record]) -> Part {
     }
 }
 
-/// Operators by name.
+/// The operators by name.
 const MEASURED_OPERATORS: &[(&str, crate::policy::PolicyKind)] =
     <crate::policy::PolicyKind as crate::names::Named>::NAMES;
 
@@ -184,7 +184,7 @@ fn weightings(design: &Design, values: &[MapValues]) -> Vec<Weighting> {
     found.into_iter().map(|s| Weighting { rho: rho(&s), sensitivity: s }).collect()
 }
 
-/// The name under which an operator's trials stand in tables.
+/// The name of an operator in tables.
 pub(super) fn driver(record: &Record) -> &'static str {
     operator_name(record.trial.operator)
 }

@@ -11,7 +11,7 @@ use crate::experiment::design::Design;
 use crate::experiment::record::Record;
 use crate::score::kendall_tau;
 
-/// What chance seldom gives.
+/// A probability by chance that counts as rare.
 const SELDOM: f64 = 0.05;
 
 /// How a measure follows the level.
@@ -21,11 +21,11 @@ pub struct Order {
     pub measure: &'static str,
     /// Spearman's rank correlation of level and map.
     pub rho: Option<Interval>,
-    /// How often chance alone gives such a correlation or a greater one.
+    /// Probability that chance alone gives this correlation or a greater one.
     pub p: Option<f64>,
     /// Kendall's tau-b of level and map.
     pub tau: Option<f64>,
-    /// Of each level's maps.
+    /// The mean of each level's maps.
     pub means: Vec<Mean>,
     /// Neighbouring levels of which the higher has the higher mean.
     pub neighbours_in_order: usize,
@@ -33,16 +33,16 @@ pub struct Order {
     pub shares: Option<Shares>,
 }
 
-/// What can be said of an order.
+/// The verdict on an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The correlation is positive beyond its interval and beyond chance, and every level's mean is above the one
-    /// before.
+    /// The correlation is positive beyond its interval and beyond chance, and every level's mean is
+    /// above the one before.
     InOrder,
     /// The correlation is positive beyond both, but some neighbouring levels' means are not.
     OnTheWhole,
-    /// The interval of the correlation holds 0, chance gives as much, or there is none.
+    /// The interval of the correlation contains 0, chance gives as much, or there is no correlation.
     NotShown,
     /// The correlation is negative beyond its interval and beyond chance.
     Reversed,
@@ -65,8 +65,8 @@ impl Order {
         self.means.len().saturating_sub(1)
     }
 
-    /// What can be said of the order. The bootstrap's interval is too narrow for few maps a level:
-    /// chance must seldom give as much, too.
+    /// The verdict on the order. The bootstrap's interval is too narrow for few maps per level:
+    /// the correlation must also be rare by chance.
     pub fn verdict(&self) -> Verdict {
         let (Some(rho), Some(p)) = (self.rho, self.p) else { return Verdict::NotShown };
         if rho.is_negative() && p >= 1.0 - SELDOM {
@@ -81,7 +81,7 @@ impl Order {
     }
 }
 
-/// Works out how a measure follows the level.
+/// Computes how a measure follows the level.
 pub fn order(
     design: &Design,
     measure: &Measure,
@@ -122,7 +122,7 @@ pub fn order(
     }
 }
 
-/// Mean with Student's interval of 95 %, cut at what the measure can be.
+/// Mean with Student's interval of 95 %, cut to the measure's range.
 fn mean(values: &[f64], most: f64) -> Interval {
     let count = values.len() as f64;
     let value = values.iter().sum::<f64>() / count;

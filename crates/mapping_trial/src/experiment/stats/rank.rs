@@ -5,10 +5,10 @@ use statrs::statistics::{Data, OrderStatistics, RankTieBreaker};
 use super::measure::MapValues;
 use crate::experiment::design::Design;
 
-/// Orders that chance is given to bring forth.
+/// Number of random orders that show what chance gives.
 const SHUFFLES: usize = 10_000;
 
-/// Spearman's rank correlation, ties having their mean rank; `None` for lists of different lengths,
+/// Spearman's rank correlation, ties with their mean rank; `None` for lists of different lengths,
 /// or when all values of one are equal.
 pub fn spearman(a: &[f64], b: &[f64]) -> Option<f64> {
     let ranks = |values: &[f64]| Data::new(values.to_vec()).ranks(RankTieBreaker::Average);
@@ -33,7 +33,7 @@ pub(super) fn pearson(a: &[f64], b: &[f64]) -> Option<f64> {
     (norm > 0.0).then(|| (ab / norm).clamp(-1.0, 1.0))
 }
 
-/// Spearman's correlations of levels with a random order of as many maps: what chance alone gives.
+/// Spearman's correlations of levels with random orders of as many maps: what chance alone gives.
 #[derive(Clone, Debug)]
 pub struct Null {
     /// In increasing order.
@@ -58,7 +58,7 @@ impl Null {
 
     /// The least correlation that chance reaches in at most 5 % of cases.
     pub fn critical(&self) -> f64 {
-        // Equal correlations differ in their last bits.
+        // Equal correlations may differ in their last bits.
         let near = 1e-9;
         let allowed = self.rhos.len() / 20;
         let edge = self.rhos[self.rhos.len() - allowed - 1];
@@ -66,7 +66,7 @@ impl Null {
         above.copied().unwrap_or(edge)
     }
 
-    /// How often chance gives a correlation of `rho` or more.
+    /// Probability that chance gives a correlation of `rho` or more.
     pub fn p_value(&self, rho: f64) -> f64 {
         let below = self.rhos.partition_point(|&other| other < rho - 1e-9);
         (self.rhos.len() - below + 1) as f64 / (self.rhos.len() + 1) as f64

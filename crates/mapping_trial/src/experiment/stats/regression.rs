@@ -1,6 +1,6 @@
 //! Least squares within levels.
 
-/// Takes each level's mean away, which leaves what varies between maps of one level.
+/// Subtracts each level's mean; what is left varies between maps of one level.
 pub(super) fn within(levels: &[usize], values: &mut [f64]) {
     let mut rest = values;
     for group in levels.chunk_by(|a, b| a == b) {
@@ -22,7 +22,7 @@ pub(super) fn slope(x: &[f64], y: &[f64]) -> Option<f64> {
 /// the columns nearly depend on each other.
 pub(super) fn slopes<const N: usize>(xs: &[Vec<f64>; N], y: &[f64]) -> Option<[f64; N]> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    // Columns of length 1, so that what is nearly 0 does not depend on units.
+    // Columns of length 1, so that the test for nearly 0 does not depend on units.
     let lengths: [f64; N] = std::array::from_fn(|i| dot(&xs[i], &xs[i]).sqrt());
     if lengths.iter().any(|&length| length <= 1e-6 * (y.len() as f64).sqrt()) {
         return None;

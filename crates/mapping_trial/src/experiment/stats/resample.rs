@@ -4,7 +4,7 @@ use envgen::Stream;
 use serde::Serialize;
 use statrs::statistics::{Data, OrderStatistics};
 
-/// Samples of every bootstrap.
+/// Number of samples of every bootstrap.
 pub const RESAMPLES: usize = 2000;
 
 /// An estimate with its interval of 95 %.
@@ -44,7 +44,7 @@ fn draw(levels: &[usize], stream: &mut Stream) -> Vec<usize> {
 }
 
 /// The percentile bootstrap of several statistics of the same maps at once; `None` for those that
-/// the maps themselves, or more than a tenth of the samples, do not have.
+/// do not exist for the maps themselves, or for more than a tenth of the samples.
 pub(super) fn bootstrap<const N: usize>(
     levels: &[usize],
     stream: &mut Stream,

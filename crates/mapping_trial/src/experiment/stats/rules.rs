@@ -13,7 +13,7 @@ use super::resample::{Interval, bootstrap};
 use crate::experiment::design::Design;
 use crate::experiment::record::MapFeatures;
 
-/// A number by which a rule can be seen.
+/// A number that shows the effect of a rule.
 #[derive(Clone, Copy, Debug)]
 pub struct Feature {
     /// The rule, by the paper's adaptation.
@@ -22,11 +22,11 @@ pub struct Feature {
     pub name: &'static str,
     /// Whether the rule sets it directly; otherwise it follows from what the rule does.
     pub is_direct: bool,
-    /// Of a map.
+    /// Its value for a map.
     pub of: fn(&MapFeatures) -> f64,
 }
 
-/// Features that rules set directly: one a rule, the first of [`FEATURES`].
+/// Number of features that rules set directly: one per rule, the first of [`FEATURES`].
 const DIRECT: usize = 5;
 
 /// The five rules' features, then what follows from cycle prevention.
@@ -45,7 +45,7 @@ pub const FEATURES: [Feature; DIRECT + 2] = [
     },
     Feature {
         rule: "doorways",
-        name: "doorways drawn (a side of a room)",
+        name: "doorways drawn (per side of a room)",
         is_direct: true,
         of: |map| map.doorways_a_side,
     },
@@ -75,7 +75,7 @@ pub const FEATURES: [Feature; DIRECT + 2] = [
     },
 ];
 
-/// How a feature moves with the level, and difficulty with it.
+/// How a feature changes with the level, and difficulty with the feature.
 #[derive(Clone, Debug, Serialize)]
 pub struct FeatureEffect {
     /// The rule.
@@ -86,20 +86,20 @@ pub struct FeatureEffect {
     pub is_direct: bool,
     /// The feature's mean at each level.
     pub means: Vec<f64>,
-    /// Change of the feature for each level.
+    /// Change of the feature per level.
     pub trend: Option<Interval>,
-    /// What that does to D, M and N.
+    /// Its effect on D, M and N.
     pub slopes: Vec<Slope>,
 }
 
-/// What a feature does to a measure, within levels.
+/// The effect of a feature on a measure, within levels.
 #[derive(Clone, Debug, Serialize)]
 pub struct Slope {
     /// The measure's symbol.
     pub measure: &'static str,
-    /// Change of the measure for each unit of the feature, between maps of one level.
+    /// Change of the measure per unit of the feature, between maps of one level.
     pub within: Option<Interval>,
-    /// The same with the other rules' features held fixed; absent for what no rule sets.
+    /// The same with the other rules' features held fixed; absent for features that no rule sets.
     pub others_fixed: Option<Interval>,
     /// Trend times slope, from the lowest to the highest level: points that the rule adds.
     pub carried: Option<Interval>,
@@ -109,7 +109,7 @@ pub struct Slope {
     pub helps: bool,
 }
 
-/// Works out what every rule does, from the means of maps.
+/// Computes the effect of every rule, from the means of maps.
 pub fn effects(design: &Design, values: &[MapValues]) -> Vec<FeatureEffect> {
     let groups: Vec<usize> = values.iter().map(|map| map.level).collect();
     let features = |place: usize, drawn: &[usize]| -> Vec<f64> {
@@ -194,7 +194,7 @@ mod tests {
 
     use super::*;
 
-    /// Maps whose difficulty is made of two features: rooms add 0.5 a point, cut hallways add 2
+    /// Maps whose difficulty is made of two features: rooms add 0.5 points each, cut hallways add 2
     /// points, although fewer are cut at higher levels.
     fn made(seed: u64, rooms: f64, cut: f64) -> Vec<MapValues> {
         let design = Design::default();
@@ -239,7 +239,7 @@ mod tests {
         let carried = rooms.slopes[0].carried.unwrap();
         assert!((carried.value - 4.0).abs() < 1.5, "{carried:?}");
         assert!((rooms.slopes[0].others_fixed.unwrap().value - 0.5).abs() < 0.1);
-        // What no map has cannot be judged.
+        // A feature that no map has cannot be judged.
         let dead_ends = found.iter().find(|e| e.feature.starts_with("dead ends")).unwrap();
         assert_eq!(dead_ends.slopes[0].within, None);
         assert!(!dead_ends.slopes[0].is_to_blame);

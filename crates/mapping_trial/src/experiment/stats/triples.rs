@@ -9,7 +9,7 @@ use crate::experiment::record::Record;
 use crate::policy::PolicyKind;
 
 /// The mean ranks of the easiest, the middle and the hardest of three maps by their levels; 1, 2
-/// and 3 when every operator finds every three in order, 2 for all by chance. Equals share ranks.
+/// and 3 if every operator finds every three in order, 2 for all by chance. Ties share ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Relative {
     /// The measure's symbol.
@@ -55,7 +55,7 @@ pub fn relative(measure: &Measure, records: &[&Record]) -> Relative {
     Relative { measure: measure.symbol, ranks }
 }
 
-/// The share of pairs in which the first is greater, equal ones by half.
+/// The share of pairs in which the first is greater; ties count half.
 fn share_harder(these: &[f64], those: &[f64]) -> f64 {
     let pairs = these.iter().flat_map(|a| those.iter().map(move |b| (a, b)));
     let wins: f64 = pairs

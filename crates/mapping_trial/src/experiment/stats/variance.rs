@@ -10,7 +10,7 @@ use crate::score::Scores;
 pub struct Shares {
     /// Between levels.
     pub level: f64,
-    /// Between maps of a level; with one noise seed that and the noise together.
+    /// Between maps of a level; with one noise seed, between maps and noise together.
     pub map: f64,
     /// Between noise seeds on a map; absent with one noise seed.
     pub noise: Option<f64>,
@@ -18,7 +18,7 @@ pub struct Shares {
 
 /// Components of a nested analysis of variance (maps within levels, noise within maps), estimated
 /// from the mean squares and cut at 0 (Searle and others, Variance Components, 1992,
-/// chapter 3). `None` with one map a level, or where nothing varies.
+/// chapter 3). `None` with one map per level, or if nothing varies.
 pub fn shares(records: &[&Record], of: fn(&Scores) -> f64) -> Option<Shares> {
     // Means over operators, by level, map and noise.
     let of_noise = |trials: &[&Record]| {
@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn noise_is_no_map() {
-        // All maps of a level alike but for noise of mean 0.
+        // All maps of a level are equal but for noise of mean 0.
         let maps = |level: f64| vec![vec![level - 1.0, level + 1.0]; 3];
         let found = components(&[maps(0.0), maps(10.0)]).expect("shares");
         assert_eq!(found.map, 0.0);

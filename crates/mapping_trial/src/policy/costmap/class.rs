@@ -1,33 +1,33 @@
-//! What a planning cell is for the robot.
+//! The cost of a planning cell for the robot.
 
-/// What a planning cell is for the robot's middle.
+/// The cost of a planning cell for the robot's centre, in the sense of Nav2's costmaps.
 ///
 /// A planning cell is as good as the best of its four cells of the map, so that the coarser grid
-/// closes no gap that is open on the map. Distances are those of the Pioneer 3-AT, of 0.355 m; the
-/// margins around a robot of another radius are the same.
+/// closes no gap that is open on the map. Distances are those of the Pioneer 3-AT, of radius 0.355 m;
+/// the margins around a robot of another radius are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum CellCost {
-    /// Free, and nothing known within 0.75 m.
+    /// Free, and no obstacle known within 0.75 m.
     Open,
-    /// Free, and something within 0.75 m.
+    /// Free, and an obstacle within 0.75 m.
     Near,
-    /// Free, and something within 0.55 m.
+    /// Free, and an obstacle within 0.55 m.
     Close,
-    /// Free, and something within 0.45 m.
+    /// Free, and an obstacle within 0.45 m.
     Tight,
-    /// Free, and something within 0.36 m: where cells of the map are a little off, the body may fit.
+    /// Free, and an obstacle within 0.36 m: if cells of the map are a little off, the body may fit.
     Squeeze,
-    /// Nothing stands here, but the body would touch something.
+    /// Not occupied, but the body would touch an obstacle.
     Inflated,
     /// Nothing is known.
     Unknown,
-    /// Something stands here, or it is water.
+    /// An obstacle or water.
     Occupied,
 }
 
 impl CellCost {
-    /// Whether a plan may lead through the cell.
+    /// Whether a path may lead through the cell.
     pub fn is_passable(self) -> bool {
         self <= CellCost::Tight
     }

@@ -4,7 +4,7 @@ use glam::IVec2;
 
 use super::{CELLS, NODES};
 
-/// One planning cell: 256 to a tile.
+/// One planning cell: 256 per tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Node(pub(in crate::policy) u32);
 

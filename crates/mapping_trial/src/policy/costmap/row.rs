@@ -7,17 +7,17 @@ use crate::map::TILE;
 
 /// A row of a tile with [`Row::SIDE`] columns on either side.
 pub(super) trait Row: Copy + Default + Eq {
-    /// Columns on either side, and the greatest reach that can be spread.
+    /// Columns on either side, and the greatest reach of inflation.
     const SIDE: i32;
 
-    /// What is occupied, or water, in a row of a tile: rows below 0 and over the last are those of
+    /// The occupied cells, and water, in a row of a tile: rows below 0 and over the last are those of
     /// the tiles below and above.
     fn solid(costmap: &Costmap, slot: usize, row: i32) -> Self;
 
     /// The tile's own columns.
     fn middle(self) -> u32;
 
-    /// What is set, and what is beside it.
+    /// The set bits and their neighbours.
     fn widened(self) -> Self;
 }
 

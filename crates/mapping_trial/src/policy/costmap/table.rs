@@ -1,8 +1,8 @@
-//! Where in a list the tiles of a map are.
+//! The index of tiles by column and row.
 
 use glam::IVec2;
 
-/// A tile that is not there.
+/// A tile that does not exist.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// Slots of tiles by column and row.
@@ -14,7 +14,7 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// The slot of a tile; `None` where there is none.
+    /// The slot of a tile; `None` if it does not exist.
     #[inline]
     pub(super) fn get(&self, at: IVec2) -> Option<u32> {
         let place = at.wrapping_sub(self.corner);

@@ -1,4 +1,4 @@
-//! What a navigator does with a robot that does not get on: notices it, backs off, gives it up.
+//! What a navigator does with a robot that makes no progress: notices it, backs off, gives it up.
 
 use envgen::geometry::{Pose, unit_vector};
 use glam::DVec2;
@@ -10,19 +10,19 @@ use crate::policy::search::KeepoutZone;
 use crate::policy::{Decision, PolicyInput};
 use crate::robot::Robot;
 
-/// What a second of turning on the spot counts of a second without moving.
+/// The weight of a second of turning on the spot, relative to a second without moving.
 const TURNING: f64 = 0.3;
 
-/// This many recoveries within so many seconds, and the robot is given up.
+/// After this many recoveries within so many seconds the robot is given up.
 const HOPELESS: (usize, f64) = (3, 60.0);
 
-/// Seconds for which a place where the robot got stuck is driven around.
+/// Seconds for which the robot drives around a place where it got stuck.
 const AVOID: f64 = 90.0;
 
-/// How long a robot that wants to move has hardly done so.
+/// How long a robot that wants to move has hardly moved.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Progress {
-    /// Where it last was somewhere else.
+    /// Its position when it last moved.
     at: Option<DVec2>,
     pub(super) stalled: f64,
     time: f64,
@@ -30,7 +30,7 @@ pub(super) struct Progress {
 }
 
 impl Navigator {
-    /// Begins to free a robot that is stuck; gives it up when that has happened too often.
+    /// Begins to free a robot that is stuck; gives it up if that has happened too often.
     pub(super) fn recover(
         &mut self,
         view: &PolicyInput<'_>,
@@ -49,7 +49,7 @@ impl Navigator {
         let pilot = &mut self.pilots[view.robot];
         pilot.progress = Progress::default();
         pilot.recoveries += 1;
-        // A gap that was worth a try says nothing about the robot.
+        // A narrow gap that was only tried does not count as a recovery.
         if !squeezes {
             pilot.recovered.push_back(view.seen.time);
         }
@@ -59,21 +59,21 @@ impl Navigator {
         if pilot.recovered.len() >= HOPELESS.0 {
             return Some(Decision::Stuck);
         }
-        // Whatever it is that the map does not show, it is where the way led.
+        // Whatever the unmapped obstacle is, it is where the path led.
         let (radius, near) = self.margins.obstruction;
         let mut ahead = pose.position + unit_vector(pose.heading) * near;
-        pilot.way.ahead(0.1, near + 0.3, |p| {
+        pilot.path.ahead(0.1, near + 0.3, |p| {
             ahead = p;
             true
         });
         let block = KeepoutZone { center: ahead, radius };
         pilot.avoid.push((view.seen.time + AVOID, block));
         pilot.task = Task::BackOff { from: pose.position, until: view.seen.time + 4.0 };
-        pilot.way.clear();
+        pilot.path.clear();
         None
     }
 
-    /// Whether nothing is known to stand, and no water, where the robot would back to.
+    /// Whether no obstacle and no water is known where the robot would back to.
     pub(super) fn is_free_behind(&self, robot: &Robot, pose: Pose) -> bool {
         let back = -unit_vector(pose.heading);
         let reach = (robot.circumscribed_radius / RESOLUTION) as i32;
@@ -83,13 +83,13 @@ impl Navigator {
                 let off = DVec2::new(f64::from(dx), f64::from(dy)) * RESOLUTION;
                 let counts = off.length() < robot.circumscribed_radius && off.dot(back) > 0.1;
                 let cell = CellIndex::of(middle + off);
-                let stands = self.costmap.cell(cell) == Cell::Occupied;
-                !counts || !(stands || self.costmap.is_water(cell))
+                let occupied = self.costmap.cell(cell) == Cell::Occupied;
+                !counts || !(occupied || self.costmap.is_water(cell))
             })
         })
     }
 
-    /// The angle by which to turn to the side where the laser sees more room.
+    /// The angle by which to turn to the side where the laser sees more free space.
     pub(super) fn open_side(&self) -> f64 {
         let nearest = |side: f64| {
             let echoes = self.guard.echoes().iter().filter(|echo| side * echo.y > 0.0);
@@ -100,20 +100,20 @@ impl Navigator {
 }
 
 impl Progress {
-    /// Notes where the robot is, and gives whether it has moved less than a distance for so many
+    /// Notes where the robot is, and returns whether it has moved less than a distance for so many
     /// seconds.
     pub(super) fn is_stuck(&mut self, time: f64, p: DVec2, (least, within): (f64, f64)) -> bool {
         if self.at.is_none_or(|at| at.distance(p) >= least) {
             (self.at, self.stalled) = (Some(p), 0.0);
         }
-        // Nothing counts that lies between two tasks.
+        // Time between two tasks does not count.
         let passed = (time - self.time).clamp(0.0, 0.2);
         self.stalled += passed * self.weight;
         self.time = time;
         self.stalled >= within
     }
 
-    /// Notes what is asked of the robot now: a turn on the spot may take its time.
+    /// Notes the command to the robot: a turn on the spot may take its time.
     pub(super) fn wants(&mut self, command: Command, time: f64) {
         let turns = command.speed == 0.0 && command.turn_rate != 0.0;
         self.weight = if turns { TURNING } else { 1.0 };
