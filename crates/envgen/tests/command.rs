@@ -379,7 +379,7 @@ fn bad_arguments_are_exit_code_two_and_leave_nothing() {
         (vec!["generate", "hallway", "--seed", "-1", "--out", out], "`seed` must be a whole"),
         (
             vec!["generate", "hallway", "--resolution", "0.1", "--out", out],
-            "--resolution 0.1: is for",
+            "--resolution 0.1: applies to ROS maps",
         ),
         (
             vec!["generate", "hallway", "--resolution", "0", "--out", "a.yaml"],

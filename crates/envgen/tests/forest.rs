@@ -363,7 +363,7 @@ fn bad_specs_name_field_value_and_limits_at_once() {
     let error = huge.generate(Seed(1)).unwrap_err().to_string();
     assert_eq!(
         error,
-        "`intensity` must be at most 0.00002 1/m^2: 20000000 trees on 1000000000000 m^2, got 1"
+        "`intensity` must be at most 0.00002 1/m^2, got 1: 20000000 trees on 1000000000000 m^2"
     );
 }
 

@@ -419,10 +419,13 @@ fn broken_worlds_and_options_are_refused() {
         PictureOptions { width: 3, ..Default::default() },
         "width must be from 100 to 16384, got 3",
     );
-    refused(PictureOptions { height: 1 << 20, ..Default::default() }, "height is 1048576");
-    refused(PictureOptions { margin: 2000, ..Default::default() }, "margin is 2000");
+    refused(
+        PictureOptions { height: 1 << 20, ..Default::default() },
+        "height must be from 50 to 16384, got 1048576",
+    );
+    refused(PictureOptions { margin: 2000, ..Default::default() }, "margin must be");
     for ratio in [0.0, f64::NAN, f64::INFINITY, 11.0] {
-        refused(PictureOptions { pixel_ratio: ratio, ..Default::default() }, "pixel_ratio is");
+        refused(PictureOptions { pixel_ratio: ratio, ..Default::default() }, "pixel_ratio must be");
     }
     refused(small(16_384), &format!("more than {MAX_PIXELS}"));
     let many = PictureOptions { pixel_ratio: 10.0, ..small(4000) };

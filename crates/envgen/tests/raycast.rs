@@ -195,7 +195,7 @@ fn a_fan_is_at_most_a_full_turn_of_a_million_rays() {
         assert!(error.starts_with("`field_of_view` must be"), "{error}");
     }
     let error = ScanPattern::new(1.0, usize::MAX).unwrap_err().to_string();
-    assert!(error.starts_with(&format!("`beams` is {}, ", usize::MAX)), "{error}");
+    assert!(error.starts_with("`beams` must be"), "{error}");
     assert!(ScanPattern::new(0.0, 0).unwrap().is_empty());
     assert_eq!(ScanPattern::new(std::f64::consts::TAU, 1).unwrap().len(), 1);
 }

@@ -86,7 +86,7 @@ fn a_drivers_errors_are_reported() {
         (String::new(), ["it ended (exit", "status: 0)", "(answer to the hello)"]),
         (
             "echo garbage; cat > /dev/null".to_owned(),
-            ["no answer: expected value", "`garbage`", "(answer to the hello)"],
+            ["a line that is not an answer: expected value", "`garbage`", "(answer to the hello)"],
         ),
         (drives("exit 3"), ["it ended (exit status: 3)", "(observation 2", "at 0.10 s)"]),
         (drives("kill -9 $$"), ["it ended (signal: 9", "(observation 2", "at 0.10 s)"]),

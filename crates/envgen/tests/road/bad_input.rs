@@ -36,7 +36,7 @@ fn what_cannot_close_says_why() {
     };
     let error = of(vec![Straight, Left, Straight, Left, Left]);
     assert!(error.contains("90.0 to 270.0 degrees"), "{error}");
-    assert!(of(vec![Straight]).contains("cannot close"));
+    assert!(of(vec![Straight]).contains("no segment lengths close the road"));
     let spec = RoadSpec { closed: true, aim_x: Some(1.0), aim_y: Some(1.0), ..Default::default() };
     assert_eq!(spec.validate().unwrap_err().field, "closed");
 }

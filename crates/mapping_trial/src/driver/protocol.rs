@@ -396,7 +396,7 @@ mod tests {
             (r#"{"speed": "fast", "turn_rate": 0}"#, "`speed`: invalid type: string \"fast\""),
             (r#"{"sped": 1}"#, "unknown field `sped`"),
             (r#"{"speed": 1, "speed": 2}"#, "duplicate field `speed`"),
-            (r#"{"finished": true, "stuck": true}"#, "`stuck` must be false"),
+            (r#"{"finished": true, "stuck": true}"#, "`stuck` must be absent or false"),
             (r#"{"finished": true, "id": 6}"#, "`id` must be 7, the last observation's, got 6"),
             (r#"{"finished": true, "want": ["scan"]}"#, "`want[0]`: unknown variant `scan`"),
             (r#"{"finished": true, "pose": [0, 0, 0]}"#, "`pose` must be none, got given"),

@@ -89,7 +89,7 @@ fn what_is_wrong_with_a_description_is_named() {
         ("image: ", "image: [", "line 1, `image: [hall.pgm`: not a text or a number"),
         ("[-1.0, 2.0, 0.0]", "here", "line 3, `origin: here`: not a list in brackets"),
         (YAML, "hall", "line 1, `hall`: not a key with its value"),
-        ("resolution", "\tresolution", "not written as YAML is"),
+        ("resolution", "\tresolution", "not valid YAML"),
         ("negate: 0", "negate: 0\nimage: b.pgm", "line 5, `image: b.pgm`: the key occurs twice"),
         ("resolution: 0.5\n", "", "not the YAML of a map: `resolution` is missing"),
         ("resolution: 0.5", "resolution: wide", "line 2, `resolution: wide`: not a number"),
