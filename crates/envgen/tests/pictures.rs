@@ -427,9 +427,9 @@ fn broken_worlds_and_options_are_refused() {
     for ratio in [0.0, f64::NAN, f64::INFINITY, 11.0] {
         refused(PictureOptions { pixel_ratio: ratio, ..Default::default() }, "pixel_ratio must be");
     }
-    refused(small(16_384), &format!("more than {MAX_PIXELS}"));
+    refused(small(16_384), &format!("at most {MAX_PIXELS} pixels"));
     let many = PictureOptions { pixel_ratio: 10.0, ..small(4000) };
-    refused(many, "more than 67108864");
+    refused(many, "at most 67108864 pixels");
 
     world.trees[1].center.y = f64::NAN;
     let error = picture::svg(&world, &small(100)).unwrap_err();
