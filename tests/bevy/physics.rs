@@ -138,7 +138,7 @@ fn throw(spec: &HallwaySpec, merge: ColliderMerging) -> usize {
         ))
         .id();
     wait_until_ready(&mut app, root).unwrap();
-    // RobotBackend do not meet each other, so that every wall is tried at once.
+    // The bodies do not meet each other, so that every wall is tried at once.
     let groups = CollisionGroups::new(Group::GROUP_1, !Group::GROUP_1);
     let mut thrown = Vec::new();
     for EnvgenWall { shape, .. } in &world.walls {

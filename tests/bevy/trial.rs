@@ -242,7 +242,7 @@ fn another_trial_in_the_same_app_is_as_good_as_the_first() {
     }
 }
 
-/// RobotBackend differ: rapier's is a box, the flat simulator's a disc. Stated for 20 maps: M and N differ by
+/// The backends differ: rapier's is a box, the flat simulator's a disc. Stated for 20 maps: M and N differ by
 /// at most 0.3 in the mean, and on no map by more than 1.5.
 #[test]
 #[expect(clippy::print_stderr, reason = "the differences are what is asked for")]

@@ -5,9 +5,9 @@
 //! is always the same file, so that a report needs only the number.
 //!
 //! - `cargo test -p reader_fuzz` runs a few hundred cases of each format, and the files that once
-//! caused failures.
+//!   caused failures.
 //! - `cargo run --release -p reader_fuzz -- --cases 100000` runs many in processes of limited
-//! memory and time, resumes after an interruption, and keeps the files that cause failures.
+//!   memory and time, resumes after an interruption, and keeps the files that cause failures.
 
 pub mod corpus;
 pub mod exercise;
