@@ -413,7 +413,7 @@ mod tests {
         assert!(long.len() < 400, "{} characters", long.len());
         let own = |text: &str| Reply::parse(text.as_bytes(), 0, true).unwrap_err().to_string();
         let text = own(r#"{"finished": true, "pose": [0, 2e6, 0]}"#);
-        assert_eq!(text, "`pose[1]` must be from -1000000 to 1000000, got 2000000");
+        assert_eq!(text, "`pose[1]` must be a number from -1000000 to 1000000, got 2000000");
         assert!(own(r#"{"finished": true, "pose": [0, 1]}"#).contains("`pose`: invalid length 2"));
         let map = json!({"origin": [0, 0], "resolution": 0.1, "cols": 1, "rows": -1, "cells": ""});
         assert!(own(&json!({"finished": true, "map": map}).to_string()).contains("`map.rows`"));
