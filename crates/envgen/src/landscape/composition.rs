@@ -1,14 +1,12 @@
 //! From an entropy to how many cells each class has.
 
+mod moves;
+mod partitions;
+
+use self::moves::move_single_cells;
+use self::partitions::{EXHAUSTIVE, count_partitions, try_all};
 use super::spec::{CLASSES, ENTROPY, MAX_CELLS};
 use crate::error::SpecError;
-
-/// At most this many partitions of the cells are tried one by one.
-const EXHAUSTIVE: u64 = 1 << 19;
-
-/// Above this many cells there are always more partitions than [`EXHAUSTIVE`], except for two classes,
-/// where moving single cells finds the closest counts anyway.
-const EXHAUSTIVE_CELLS: u64 = 4096;
 
 /// How many cells each class has, greatest count first.
 ///
@@ -70,7 +68,7 @@ impl Composition {
         let mut counts = rounded(cells, l, beta);
         fill_empty(&mut counts, floor);
         move_single_cells(&mut counts, entropy, floor);
-        if partitions(cells, l, floor) <= EXHAUSTIVE {
+        if count_partitions(cells, l, floor) <= EXHAUSTIVE {
             try_all(&mut counts, entropy, floor);
         }
         let entropy = entropy_of(&counts);
@@ -217,237 +215,6 @@ fn fill_empty(counts: &mut [u32], floor: u32) {
 fn n_ln_n(n: u32) -> f64 {
     let n = f64::from(n);
     if n > 0.0 { n * libm::log(n) } else { 0.0 }
-}
-
-/// What the `n`-th cell of a class adds to the sum of n ln n; rises with `n`.
-fn marginal(n: u32) -> f64 {
-    n_ln_n(n) - n_ln_n(n - 1)
-}
-
-/// Moves single cells between classes, the best move first, while the entropy comes nearer; then
-/// pairs of a few cells each, whose changes can nearly cancel; and so on until neither helps.
-fn move_single_cells(counts: &mut Vec<u32>, entropy: f64, floor: u32) {
-    let cells: u64 = counts.iter().map(|&n| u64::from(n)).sum();
-    let cells = cells as f64;
-    let mut moves = Moves::new(counts, floor);
-    // S = ln N - sum / N, so the sum of n ln n is what must come near this.
-    let wanted = (libm::log(cells) - entropy) * cells;
-    let mut miss = moves.sum() - wanted;
-    loop {
-        let before = miss;
-        for best in [Moves::best_single, Moves::best_pair] {
-            while let Some(next) = best(&moves, miss) {
-                let left = next.sum() - wanted;
-                if left.abs() >= miss.abs() {
-                    break;
-                }
-                (moves, miss) = (next, left);
-            }
-        }
-        // A pair can leave room for another single move.
-        if miss == before {
-            break;
-        }
-    }
-    counts.clear();
-    for &(n, many) in moves.groups.iter().rev() {
-        counts.extend(std::iter::repeat_n(n, many));
-    }
-}
-
-/// Pairs of moves are tried while there are at most this many moves; with more kinds of counts, single
-/// moves come near enough.
-const PAIRED: usize = 1 << 13;
-
-/// The most cells of a move of a pair. As the counts are nearly geometric, single cells change the
-/// sum by multiples of one number; more cells at once do not.
-const LARGEST_MOVE: usize = 8;
-
-/// The counts as a sorted list of (count, number of classes): classes of equal count are alike,
-/// and few counts differ.
-#[derive(Clone)]
-struct Moves {
-    groups: Vec<(u32, usize)>,
-    floor: u32,
-}
-
-impl Moves {
-    /// From counts in descending order.
-    fn new(counts: &[u32], floor: u32) -> Self {
-        let mut groups: Vec<(u32, usize)> =
-            counts.chunk_by(|a, b| a == b).map(|run| (run[0], run.len())).collect();
-        groups.reverse();
-        Moves { groups, floor }
-    }
-
-    /// The sum of n ln n.
-    fn sum(&self) -> f64 {
-        self.groups.iter().map(|&(n, many)| n_ln_n(n) * many as f64).sum()
-    }
-
-    /// The counts after `cells` cells went from a class of `from` cells to one that then has `to`;
-    /// `None` where there are no such classes, or the first must not lose that many.
-    fn moved(&self, from: u32, to: u32, cells: u32) -> Option<Moves> {
-        if from < self.floor + cells {
-            return None;
-        }
-        let mut moved = self.clone();
-        regroup(&mut moved.groups, from, from - cells)?;
-        regroup(&mut moved.groups, to, to + cells)?;
-        Some(moved)
-    }
-
-    /// The move that leaves the least of `miss`, the excess of the sum: a cell from a to b lowers the
-    /// sum by marginal(a) - marginal(b + 1).
-    fn best_single(&self, miss: f64) -> Option<Moves> {
-        let mut best: Option<(f64, u32, u32)> = None;
-        for &(from, many) in self.groups.iter().filter(|group| group.0 > self.floor) {
-            let ideal = marginal(from) - miss;
-            let at = self.groups.partition_point(|group| marginal(group.0 + 1) < ideal);
-            for &(to, _) in &self.groups[at.saturating_sub(2)..(at + 2).min(self.groups.len())] {
-                if to == from && many < 2 {
-                    continue;
-                }
-                let left = (miss - marginal(from) + marginal(to + 1)).abs();
-                if best.is_none_or(|(least, ..)| left < least) {
-                    best = Some((left, from, to));
-                }
-            }
-        }
-        best.and_then(|(_, from, to)| self.moved(from, to, 1))
-    }
-
-    /// The two moves that together leave the least of `miss`.
-    fn best_pair(&self, miss: f64) -> Option<Moves> {
-        let kinds = self.groups.len();
-        let largest = (PAIRED / (kinds * kinds)).min(LARGEST_MOVE) as u32;
-        let mut moves = Vec::new();
-        for &(from, _) in &self.groups {
-            for cells in 1..=largest.min(from.saturating_sub(self.floor)) {
-                let loss = n_ln_n(from - cells) - n_ln_n(from);
-                moves.extend(
-                    self.groups.iter().map(|&(to, _)| {
-                        (loss + n_ln_n(to + cells) - n_ln_n(to), (from, to, cells))
-                    }),
-                );
-            }
-        }
-        moves.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let apply = |counts: &Moves, (from, to, cells)| counts.moved(from, to, cells);
-        let sum = self.sum();
-        let mut best: Option<(f64, Moves)> = None;
-        for &(change, first) in &moves {
-            let ideal = -miss - change;
-            let at = moves.partition_point(|step| step.0 < ideal);
-            for &(other, second) in &moves[at.saturating_sub(2)..(at + 2).min(moves.len())] {
-                let least = best.as_ref().map_or(miss.abs(), |found| found.0);
-                if (miss + change + other).abs() >= least {
-                    continue;
-                }
-                // Moves of the same class change each other's effect.
-                if let Some(both) = apply(self, first).and_then(|next| apply(&next, second)) {
-                    let left = (miss + both.sum() - sum).abs();
-                    if left < least {
-                        best = Some((left, both));
-                    }
-                }
-            }
-        }
-        best.map(|found| found.1)
-    }
-}
-
-/// Changes the count of one class in the sorted list; `None` where there is no such class.
-fn regroup(groups: &mut Vec<(u32, usize)>, from: u32, to: u32) -> Option<()> {
-    let at = groups.binary_search_by_key(&from, |group| group.0).ok()?;
-    groups[at].1 -= 1;
-    if groups[at].1 == 0 {
-        groups.remove(at);
-    }
-    match groups.binary_search_by_key(&to, |group| group.0) {
-        Ok(i) => groups[i].1 += 1,
-        Err(i) => groups.insert(i, (to, 1)),
-    }
-    Some(())
-}
-
-/// The number of partitions of `cells` cells into `classes` classes of at least `floor` cells, whatever
-/// the order of the classes; `u64::MAX` when there are many.
-fn partitions(cells: u32, classes: usize, floor: u32) -> u64 {
-    let free = u64::from(cells) - classes as u64 * u64::from(floor);
-    if free > EXHAUSTIVE_CELLS {
-        return u64::MAX;
-    }
-    let free = free as usize;
-    let mut partitions = vec![0_u64; free + 1];
-    partitions[0] = 1;
-    for part in 1..=classes.min(free) {
-        for n in part..=free {
-            partitions[n] = partitions[n].saturating_add(partitions[n - part]);
-        }
-        if partitions[free] > EXHAUSTIVE {
-            return u64::MAX;
-        }
-    }
-    partitions[free]
-}
-
-/// Tries every partition of the cells; equally near ones leave the counts as they are.
-fn try_all(counts: &mut Vec<u32>, entropy: f64, floor: u32) {
-    let cells: u32 = counts.iter().sum();
-    let n = f64::from(cells);
-    let table: Vec<f64> = (0..=cells).map(n_ln_n).collect();
-    let wanted = (libm::log(n) - entropy) * n;
-    let sum: f64 = counts.iter().map(|&n| table[n as usize]).sum();
-    let mut search = Search {
-        table: &table,
-        wanted,
-        floor,
-        least: (sum - wanted).abs(),
-        best: counts.clone(),
-        current: vec![floor; counts.len()],
-    };
-    search.part(0, cells - floor * counts.len() as u32, cells, 0.0);
-    *counts = search.best;
-}
-
-struct Search<'a> {
-    table: &'a [f64],
-    wanted: f64,
-    floor: u32,
-    least: f64,
-    best: Vec<u32>,
-    current: Vec<u32>,
-}
-
-impl Search<'_> {
-    /// Gives class `i` and those after it `free` cells above the floor, `most` at most each.
-    fn part(&mut self, i: usize, free: u32, most: u32, sum: f64) {
-        let after = (self.current.len() - i - 1) as u32;
-        let most = most.min(self.floor + free);
-        if after == 0 || free == 0 {
-            let first = self.floor + free;
-            if first > most {
-                return;
-            }
-            let rest = self.table[self.floor as usize] * f64::from(after);
-            let miss = (sum + self.table[first as usize] + rest - self.wanted).abs();
-            // Sums of the same terms in another order differ in their last digits.
-            if miss < self.least - 1e-11 * self.wanted.abs().max(1.0) {
-                self.current[i] = first;
-                self.current[i + 1..].fill(self.floor);
-                self.least = miss;
-                self.best.clone_from(&self.current);
-            }
-            return;
-        }
-        // The classes after this one hold no more each, so this one must take its share.
-        let least = self.floor + free.div_ceil(after + 1);
-        for n in (least..=most).rev() {
-            self.current[i] = n;
-            self.part(i + 1, free - (n - self.floor), n, sum + self.table[n as usize]);
-        }
-    }
 }
 
 #[cfg(test)]
