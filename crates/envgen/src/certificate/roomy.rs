@@ -88,22 +88,9 @@ impl Roomy {
 #[cfg(test)]
 mod tests {
     use super::super::traversability::Barriers;
+    use super::super::traversability::tests::{SIDE, shapes};
     use super::*;
     use proptest::prelude::*;
-
-    const SIDE: f64 = 6.0;
-
-    fn shapes() -> impl Strategy<Value = Vec<Shape>> {
-        let point = || (-0.5..6.5, -0.5..6.5).prop_map(|(x, y)| DVec2::new(x, y));
-        let shape = prop_oneof![
-            (point(), point()).prop_map(|(a, b)| Shape::Segment { a, b }),
-            (point(), 0.05..1.0).prop_map(|(center, radius)| Shape::Disc { center, radius }),
-            (point(), (0.05..1.5, 0.05..0.5), -4.0..4.0).prop_map(|(center, half, heading)| {
-                Shape::Box { center, half_size: DVec2::new(half.0, half.1), heading }
-            }),
-        ];
-        prop::collection::vec(shape, 0..10)
-    }
 
     fn joins(shapes: &[Shape], area: Rect, radius: f64, ends: [DVec2; 2]) -> bool {
         let budget = &mut Budget::new(u64::MAX);

@@ -256,16 +256,17 @@ impl<'a> Barriers<'a> {
 const THIRDS: u64 = 120;
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::geometry::Shape;
     use proptest::prelude::*;
 
-    const SIDE: f64 = 6.0;
+    pub(in crate::certificate) const SIDE: f64 = 6.0;
     /// Side of the lattice that floods are over.
     const H: f64 = 0.1;
 
-    fn shapes() -> impl Strategy<Value = Vec<Shape>> {
+    /// Up to 13 shapes of all sorts in an area of side [`SIDE`].
+    pub(in crate::certificate) fn shapes() -> impl Strategy<Value = Vec<Shape>> {
         let point = || (-0.5..6.5, -0.5..6.5).prop_map(|(x, y)| DVec2::new(x, y));
         let shape = prop_oneof![
             (point(), point()).prop_map(|(a, b)| Shape::Segment { a, b }),
