@@ -21,7 +21,7 @@ use crate::road::RoadError;
 
 /// A value of a spec that is not allowed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{}", must_be(&format!("`{field}`"), value, allowed))]
+#[error("{}", must_be(field, value, allowed))]
 pub struct SpecError {
     /// The setting, for instance `p_st`.
     pub field: String,
@@ -45,10 +45,10 @@ impl SpecError {
 }
 
 /// The sentence of an error: that a field must be what is allowed, what it got, and after a colon why.
-pub(crate) fn must_be(field: &str, value: &str, allowed: &str) -> String {
+fn must_be(field: &str, value: &str, allowed: &str) -> String {
     match allowed.split_once(": ") {
-        Some((allowed, why)) => format!("{field} must be {allowed}, got {value}: {why}"),
-        None => format!("{field} must be {allowed}, got {value}"),
+        Some((allowed, why)) => format!("`{field}` must be {allowed}, got {value}: {why}"),
+        None => format!("`{field}` must be {allowed}, got {value}"),
     }
 }
 

@@ -14,7 +14,7 @@ use super::picture::Picture;
 
 /// An animated GIF, which loops forever. Each frame is written when it is added, with its own
 /// palette (up to 256 colours exactly, more by the nearest colour), and only where it changed. The
-/// file appears with [`Film::finish`]; without that call there is none.
+/// file appears with [`Film::finish`]; without that call no file is written.
 ///
 /// ```
 /// use bevy_envgen::capture::Film;

@@ -74,7 +74,6 @@ impl Door {
 /// The times and actions depend only on the environment's seed and the doorway, so that every run
 /// is the same. Time starts when the world is ready. A schedule whose fields are out of range is
 /// logged as a warning and moves no door.
-/// log and moves no door.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]

@@ -35,7 +35,6 @@ const FEW_PAIRS: usize = 4096;
 ///   numbers of mean intensity x area.
 /// - With a least distance d: Matern's second hard-core process (B. Matern, Spatial Variation,
 ///   1960). A Poisson process of intensity -ln(1 - lambda pi d^2) / (pi d^2) gives every
-///   1960). A Poisson process of intensity -ln(1 - lambda pi d^2) / (pi d^2) gives every
 ///   tree a mark, uniform in [0, 1); a tree stays if no tree within d has a lower mark. That leaves
 ///   exactly `intensity` trees per square metre, and depends on no tree farther than d beyond a tile's
 ///   border. Sequential addition, which packs tighter, has no such local rule.

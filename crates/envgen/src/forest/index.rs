@@ -203,8 +203,8 @@ impl CellList {
         });
     }
 
-    /// Distance in metres from `p` to the nearest point other than number `except`; infinite when there
-    /// is none. Searches ring by ring around the cell of `p`.
+    /// Distance in metres from `p` to the nearest point other than number `except`; infinite if it is
+    /// the only one. Searches ring by ring around the cell of `p`.
     pub(super) fn nearest(&self, p: DVec2, except: u32) -> f64 {
         let (col, row) = self.cell(p);
         // On each axis, the first and last cell of the grid as seen from here.
