@@ -165,6 +165,7 @@ fn read_line(output: &mut impl BufRead) -> Result<Vec<u8>, LinkError> {
 mod tests {
     use std::sync::Arc;
     use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::mpsc::{Sender, channel};
 
     use super::*;
 
@@ -213,16 +214,22 @@ mod tests {
 
     #[test]
     fn an_answer_before_the_question_is_an_error() {
-        let mut link = Link::new(std::io::sink(), Talker, limits(60_000, 60_000));
-        let error = (0..).find_map(|_| link.ask(b"?".to_vec()).err()).unwrap();
+        let (reads, read) = channel();
+        let mut link = Link::new(std::io::sink(), Talker(reads), limits(60_000, 60_000));
+        // The first line has arrived when the second one is read.
+        read.recv().unwrap();
+        read.recv().unwrap();
+        let error = link.ask(b"?".to_vec()).unwrap_err();
         assert!(matches!(&error, LinkError::Unasked(line) if line == b"yes"), "{error:?}");
     }
 
-    /// Writes "yes" forever.
-    struct Talker;
+    /// Writes "yes" forever, and reports each read.
+    struct Talker(Sender<()>);
 
     impl Read for Talker {
         fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
+            // The receiver is gone when the test is over.
+            let _ = self.0.send(());
             let count = out.len().min(4);
             out[..count].copy_from_slice(&b"yes\n"[..count]);
             Ok(count)
