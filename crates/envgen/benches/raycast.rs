@@ -38,8 +38,8 @@ fn main() {
         let poses: Vec<_> = (0..POSES).map(|_| pose()).collect();
         (forest.to_world(), poses)
     });
-    for (name, made) in [("hallway", hallway), ("forest", forest)] {
-        if let Ok((world, poses)) = made {
+    for (name, made) in [("hallway", hallway.ok()), ("forest", forest.ok())] {
+        if let Some((world, poses)) = made {
             rays(name, &world, &poses);
             raster(name, &world);
         }

@@ -15,10 +15,6 @@ use std::fmt;
 
 use thiserror::Error;
 
-use crate::forest::ForestError;
-use crate::landscape::LandscapeError;
-use crate::road::RoadError;
-
 /// A value of a spec that is not allowed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{}", must_be(field, value, allowed))]
@@ -50,22 +46,4 @@ fn must_be(field: &str, value: &str, allowed: &str) -> String {
         Some((allowed, why)) => format!("`{field}` must be {allowed}, got {value}: {why}"),
         None => format!("`{field}` must be {allowed}, got {value}"),
     }
-}
-
-/// Why no blueprint could be generated.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum GenerateError {
-    /// The spec asks for something that is not allowed.
-    #[error(transparent)]
-    Spec(#[from] SpecError),
-    /// A forest could not be generated.
-    #[error(transparent)]
-    Forest(#[from] ForestError),
-    /// A landscape could not be generated.
-    #[error(transparent)]
-    Landscape(#[from] LandscapeError),
-    /// A road could not be generated.
-    #[error(transparent)]
-    Road(#[from] RoadError),
 }

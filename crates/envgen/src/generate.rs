@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use crate::error::{GenerateError, SpecError};
+use crate::error::SpecError;
 use crate::provenance::Provenance;
 use crate::seed::Seed;
 use crate::settings::Setting;
@@ -16,6 +16,9 @@ use crate::world::World;
 pub trait Spec: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned {
     /// What the generator makes from the spec.
     type Blueprint: Blueprint;
+
+    /// Why a spec and a seed have no blueprint.
+    type Error: std::error::Error + From<SpecError>;
 
     /// The kind's name, as on the command line.
     const KIND: &'static str;
@@ -43,7 +46,7 @@ pub trait Spec: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwn
     ///
     /// # Errors
     /// When the spec is not valid, or when this seed has no blueprint that satisfies it.
-    fn generate(&self, seed: Seed) -> Result<Self::Blueprint, GenerateError>;
+    fn generate(&self, seed: Seed) -> Result<Self::Blueprint, Self::Error>;
 
     /// The provenance of the world that this spec and `seed` give.
     fn provenance(&self, seed: Seed) -> Provenance {

@@ -50,6 +50,7 @@
 //! | `cli` | no | the command `envgen` |
 
 pub mod certificate;
+mod changed_settings;
 pub mod clearance_index;
 pub mod curve;
 pub mod distance;
@@ -83,11 +84,11 @@ pub mod surface_index;
 pub mod whole_file;
 pub mod world;
 
-pub use error::{GenerateError, SpecError};
+pub use error::SpecError;
 pub use generate::{Blueprint, Spec};
 pub use provenance::Provenance;
 pub use seed::{STREAM_ALGORITHM, Seed, Stream};
-pub use spec::{SettingsError, WorldBlueprint, WorldKind, WorldMetrics, WorldSpec};
+pub use spec::{GenerateError, SettingsError, WorldBlueprint, WorldKind, WorldMetrics, WorldSpec};
 pub use world::World;
 
 pub use glam;

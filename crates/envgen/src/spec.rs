@@ -8,9 +8,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
-use crate::error::{GenerateError, SpecError};
+use crate::error::SpecError;
+use crate::forest::ForestError;
 use crate::generate::{Blueprint, Spec};
+use crate::landscape::LandscapeError;
 use crate::provenance::Provenance;
+use crate::road::RoadError;
 use crate::seed::Seed;
 use crate::settings::Setting;
 use crate::world::World;
@@ -43,6 +46,44 @@ pub enum SettingsError {
     /// The text is not the RON of a spec.
     #[error("not the RON of a world spec, at {0}")]
     Ron(Box<ron::error::SpannedError>),
+}
+
+/// Why no blueprint could be generated.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum GenerateError {
+    /// The spec asks for something that is not allowed.
+    #[error(transparent)]
+    Spec(#[from] SpecError),
+    /// A forest could not be generated.
+    #[error(transparent)]
+    Forest(ForestError),
+    /// A landscape could not be generated.
+    #[error(transparent)]
+    Landscape(LandscapeError),
+    /// A road could not be generated.
+    #[error(transparent)]
+    Road(RoadError),
+}
+
+/// An error of a kind about its spec is the same whichever kind it is.
+macro_rules! generate_error_from {
+    ($($error:ident => $variant:ident;)+) => {
+        $(impl From<$error> for GenerateError {
+            fn from(error: $error) -> Self {
+                match error {
+                    $error::Spec(error) => GenerateError::Spec(error),
+                    error => GenerateError::$variant(error),
+                }
+            }
+        })+
+    };
+}
+
+generate_error_from! {
+    ForestError => Forest;
+    LandscapeError => Landscape;
+    RoadError => Road;
 }
 
 /// One line per kind: variant, name on the command line, spec and blueprint.

@@ -4,7 +4,7 @@
 use envgen::forest::{Border, DensityMap, Forest, ForestError, ForestSpec, RadiusLaw};
 use envgen::glam::DVec2;
 use envgen::world::{Digest, Tree};
-use envgen::{Blueprint, GenerateError, Seed, Spec};
+use envgen::{Blueprint, Seed, Spec};
 use proptest::prelude::*;
 
 fn generate(spec: &ForestSpec, seed: u64) -> Forest {
@@ -230,7 +230,7 @@ fn sequential_addition_keeps_the_poisson_count() {
 fn too_many_trees_for_their_distance_is_an_error_at_once() {
     let spec = ForestSpec { min_distance: 4.0, ..Default::default() };
     let error = spec.generate(Seed(1)).unwrap_err();
-    let GenerateError::Forest(ForestError::Capacity { trees, capacity, distance }) = error else {
+    let ForestError::Capacity { trees, capacity, distance } = error else {
         panic!("{error:?}");
     };
     assert!(trees > 90 && distance == 4.0);
@@ -298,7 +298,7 @@ fn a_density_function_takes_the_place_of_the_intensity() {
 
     for liar in [f64::NAN, -0.1, 0.3] {
         let error = spec.generate_with(Seed(1), &(0.2, |_| liar)).unwrap_err();
-        assert!(matches!(error, GenerateError::Forest(ForestError::Density { .. })), "{error}");
+        assert!(matches!(error, ForestError::Density { .. }), "{error}");
     }
 }
 
@@ -399,7 +399,7 @@ fn long_thin_and_crowded_forests_come_to_an_end() {
         envgen::certificate::verify(&world);
     }
     let error = patch.generate(Seed(1)).unwrap_err();
-    assert!(matches!(error, GenerateError::Forest(ForestError::Capacity { .. })), "{error}");
+    assert!(matches!(error, ForestError::Capacity { .. }), "{error}");
 }
 
 proptest! {

@@ -5,7 +5,7 @@ use envgen::landscape::{
     edge_upper_bound, entropy_of, least_built,
 };
 use envgen::world::Digest;
-use envgen::{Blueprint, GenerateError, Seed, Spec, Stream, WorldKind};
+use envgen::{Blueprint, Seed, Spec, Stream, WorldKind};
 
 fn spec(rows: u64, cols: u64, classes: u64, entropy: f64) -> LandscapeSpec {
     LandscapeSpec { rows, cols, classes, entropy, ..Default::default() }
@@ -85,9 +85,7 @@ fn every_look_is_exact_where_it_reaches() {
                     assert_eq!(Some(landscape.total_edge()), spec.total_edge, "{algorithm:?}");
                     met += 1;
                 }
-                Err(GenerateError::Landscape(LandscapeError::Look {
-                    low, high, target, ..
-                })) => {
+                Err(LandscapeError::Look { low, high, target, .. }) => {
                     assert!(target < low || target > high);
                     // The range that the error names holds.
                     for end in [low, high, low.midpoint(high)] {

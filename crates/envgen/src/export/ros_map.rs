@@ -6,12 +6,11 @@ use std::io::{self, Write};
 
 use glam::DVec2;
 
-use crate::certificate::Claim;
 use crate::flood::flood;
 use crate::geometry::{Pose, Shape, edges};
 use crate::occupancy::{Coverage, OccupancyError, OccupancyGrid};
 use crate::spec::WorldKind;
-use crate::world::World;
+use crate::world::{Claim, World};
 
 /// The most cells of a map that is read or written.
 pub const MAX_CELLS: u64 = 1 << 26;

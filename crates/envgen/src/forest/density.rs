@@ -3,7 +3,6 @@
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::spec::ForestSpec;
 use crate::error::SpecError;
 use crate::geometry::Rect;
 use crate::landscape::metrics::{RasterError, check};
@@ -100,14 +99,14 @@ impl DensityMap {
         }
     }
 
-    /// The density over the area of a spec.
-    pub(super) fn over<'a>(&'a self, spec: &ForestSpec) -> impl Density + 'a {
+    /// The density over an area: the factors on an intensity.
+    pub(super) fn over(&self, area: Rect, intensity: f64) -> impl Density {
         let mut sum = 0.0;
         let sums = self.rows.iter().flatten().map(|factor| {
             sum += factor;
             sum
         });
-        MapDensity { map: self, area: spec.area(), intensity: spec.intensity, sums: sums.collect() }
+        MapDensity { map: self, area, intensity, sums: sums.collect() }
     }
 }
 
@@ -166,6 +165,7 @@ impl Density for MapDensity<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::forest::ForestSpec;
     use crate::generate::Spec;
     use crate::seed::Seed;
 

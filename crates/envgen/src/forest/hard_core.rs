@@ -9,9 +9,10 @@ use std::hint::black_box;
 use glam::DVec2;
 
 use super::density::Density;
-use super::index::{CellList, FineGrid};
+use super::error::ForestError;
+use super::index::{CellList, FineGrid, PointIndex};
 use super::poisson;
-use super::spec::{Border, ForestError, ForestSpec};
+use super::spec::{Border, ForestSpec};
 use crate::geometry::Rect;
 use crate::seed::{Seed, Stream};
 
@@ -55,22 +56,6 @@ pub(super) fn centres(
     } else {
         add(CellList::new(area, distance, count, torus), thrower, count, distance)
     }
-}
-
-/// What sequential addition needs from an index of the placed points.
-pub(super) trait PointIndex {
-    /// Whether a placed point is nearer than the least distance.
-    fn conflicts(&self, p: DVec2) -> bool;
-
-    /// Reads the memory that [`PointIndex::conflicts`] will read, and nothing else: many such reads run at
-    /// the same time, whereas whole look-ups would wait for each other.
-    fn touch(&self, p: DVec2) -> u32;
-
-    /// Adds a point that does not conflict.
-    fn insert(&mut self, p: DVec2);
-
-    /// The points, in the order in which they were added.
-    fn into_points(self) -> Vec<DVec2>;
 }
 
 fn add(

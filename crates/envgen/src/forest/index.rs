@@ -4,8 +4,23 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::DVec2;
 
-use super::hard_core::PointIndex;
 use crate::geometry::Rect;
+
+/// What sequential addition needs from an index of the placed points.
+pub(super) trait PointIndex {
+    /// Whether a placed point is nearer than the least distance.
+    fn conflicts(&self, p: DVec2) -> bool;
+
+    /// Reads the memory that [`PointIndex::conflicts`] will read, and nothing else: many such reads run at
+    /// the same time, whereas whole look-ups would wait for each other.
+    fn touch(&self, p: DVec2) -> u32;
+
+    /// Adds a point that does not conflict.
+    fn insert(&mut self, p: DVec2);
+
+    /// The points, in the order in which they were added.
+    fn into_points(self) -> Vec<DVec2>;
+}
 
 /// A grid whose cells are so small that each holds at most one point.
 ///

@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 use glam::DVec2;
 use serde::Serialize;
 
+use super::blueprint::Forest;
 use super::index::CellList;
 use super::predict;
-use super::radius::RadiusLaw;
-use super::spec::{Border, Forest, ForestSpec};
+use super::spec::{Border, ForestSpec, RadiusLaw};
 use crate::geometry::Shape;
 use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::world::Tree;

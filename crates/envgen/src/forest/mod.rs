@@ -8,8 +8,11 @@
 //! - [`EndlessForest`]: a forest without borders, tile by tile.
 //! - [`ForestMetrics`]: measures of a forest, and what theory predicts for them.
 
+mod blueprint;
 mod density;
 mod endless;
+mod error;
+mod generate;
 mod hard_core;
 mod index;
 mod metrics;
@@ -18,9 +21,60 @@ mod predict;
 mod radius;
 mod spec;
 mod start_goal;
+mod world;
 
+pub use blueprint::Forest;
 pub use density::{Density, DensityMap};
 pub use endless::EndlessForest;
+pub use error::ForestError;
 pub use metrics::{ForestMetrics, PERCOLATION_THRESHOLD};
-pub use radius::RadiusLaw;
-pub use spec::{Border, Forest, ForestError, ForestSpec, MAX_HARD_CORE_TREES, MAX_TREES};
+pub use spec::{Border, ForestSpec, MAX_HARD_CORE_TREES, MAX_TREES, RadiusLaw};
+
+use crate::error::SpecError;
+use crate::generate::{Blueprint, Spec};
+use crate::seed::Seed;
+use crate::settings::Setting;
+use crate::world::World;
+
+impl Spec for ForestSpec {
+    type Blueprint = Forest;
+    type Error = ForestError;
+
+    const KIND: &'static str = "forest";
+
+    const VALUE_VERSION: u32 = 1;
+
+    const SETTINGS: &'static [Setting] = spec::SETTINGS;
+
+    const RULES: &'static [&'static str] = spec::RULES;
+
+    fn validate(&self) -> Result<(), SpecError> {
+        self.check()
+    }
+
+    fn work(&self) -> f64 {
+        let size = self.centre_area().size();
+        let peak = self.density.as_ref().map_or(1.0, DensityMap::max);
+        self.intensity * peak * size.x * size.y
+    }
+
+    fn generate(&self, seed: Seed) -> Result<Forest, ForestError> {
+        self.validate()?;
+        match &self.density {
+            None => generate::plant(self, seed, None),
+            Some(map) => generate::plant(self, seed, Some(&map.over(self.area(), self.intensity))),
+        }
+    }
+}
+
+impl Blueprint for Forest {
+    type Metrics = ForestMetrics;
+
+    fn metrics(&self) -> ForestMetrics {
+        metrics::measure(self)
+    }
+
+    fn to_world(&self) -> World {
+        world::world(self)
+    }
+}

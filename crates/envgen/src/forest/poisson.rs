@@ -3,7 +3,8 @@
 use glam::DVec2;
 
 use super::density::Density;
-use super::spec::{ForestError, ForestSpec};
+use super::error::ForestError;
+use super::spec::ForestSpec;
 use crate::distribution::poisson;
 use crate::geometry::Rect;
 use crate::seed::{Seed, Stream};

@@ -10,8 +10,7 @@ use std::f64::consts::PI;
 
 use glam::DVec2;
 
-use super::radius::RadiusLaw;
-use super::spec::{Border, ForestSpec};
+use super::spec::{Border, ForestSpec, RadiusLaw};
 
 /// Nodes and weights of Gauss and Legendre's quadrature on [-1, 1], the positive half.
 const GAUSS: [(f64, f64); 4] = [

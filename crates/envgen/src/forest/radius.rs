@@ -1,58 +1,11 @@
 //! The radii of trees.
 
-use std::f64::consts::SQRT_2;
-
 use glam::DVec2;
-use serde::{Deserialize, Serialize};
 
-use super::spec::ForestSpec;
+use super::spec::{ForestSpec, RadiusLaw};
 use crate::distribution::standard_normal;
-use crate::error::SpecError;
 use crate::seed::{Seed, Stream};
 use crate::world::Tree;
-
-/// The least share of a log-normal law that must lie between the limits, so that drawing values
-/// outside again ends soon.
-const LEAST_SHARE: f64 = 1e-3;
-
-/// The law of the radii.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RadiusLaw {
-    /// All trees have `radius`.
-    Fixed,
-    /// Uniform from `radius_min` to `radius_max`.
-    Uniform,
-    /// Log-normal with median `radius` and `radius_sigma`; values outside `radius_min` to `radius_max`
-    /// are drawn again.
-    LogNormal,
-}
-
-pub(super) fn validate(spec: &ForestSpec) -> Result<(), SpecError> {
-    if spec.radius_law == RadiusLaw::Fixed {
-        return Ok(());
-    }
-    if spec.radius_min > spec.radius_max {
-        let allowed = format!("at most radius_max, which is {} m", spec.radius_max);
-        return Err(SpecError::new("radius_min", spec.radius_min, allowed));
-    }
-    if spec.radius_law == RadiusLaw::LogNormal {
-        let below = |r: f64| {
-            let z = libm::log(r / spec.radius) / spec.radius_sigma;
-            0.5 * libm::erfc(-z / SQRT_2)
-        };
-        let share = below(spec.radius_max) - below(spec.radius_min);
-        if share < LEAST_SHARE {
-            let allowed = format!(
-                "a median with at least {LEAST_SHARE} of the law between radius_min = {} m and \
-                 radius_max = {} m; here it is {share:.2e}",
-                spec.radius_min, spec.radius_max
-            );
-            return Err(SpecError::new("radius", spec.radius, allowed));
-        }
-    }
-    Ok(())
-}
 
 /// Gives every centre its radius.
 pub(super) fn grow(spec: &ForestSpec, seed: Seed, centres: Vec<DVec2>) -> Vec<Tree> {

@@ -1,22 +1,14 @@
-//! The settings of a forest, and the trees that are drawn.
+//! The settings of a forest.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, SQRT_2};
 
 use glam::DVec2;
-use serde::ser::SerializeSeq;
-use serde::{Deserialize, Serialize, Serializer};
-use thiserror::Error;
+use serde::{Deserialize, Serialize};
 
-use super::density::{Density, DensityMap};
-use super::metrics::ForestMetrics;
-use super::radius::RadiusLaw;
-use super::{hard_core, metrics, poisson, radius, start_goal};
-use crate::error::{GenerateError, SpecError};
-use crate::generate::{Blueprint, Spec};
+use super::density::DensityMap;
+use crate::error::SpecError;
 use crate::geometry::Rect;
-use crate::seed::Seed;
 use crate::settings::Setting;
-use crate::world::{Tree, World};
 
 /// The most trees that a forest may be expected to hold.
 pub const MAX_TREES: f64 = 2e7;
@@ -35,7 +27,7 @@ pub const MAX_HARD_CORE_TREES: f64 = 5e6;
 /// let spec = ForestSpec { width: 100.0, min_distance: 3.0, ..Default::default() };
 /// let forest = spec.generate(Seed(1))?;
 /// assert!(forest.to_world().trees.len() > 100);
-/// # Ok::<(), envgen::GenerateError>(())
+/// # Ok::<(), envgen::forest::ForestError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -87,6 +79,19 @@ impl Default for ForestSpec {
             density: None,
         }
     }
+}
+
+/// The law of the radii.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RadiusLaw {
+    /// All trees have `radius`.
+    Fixed,
+    /// Uniform from `radius_min` to `radius_max`.
+    Uniform,
+    /// Log-normal with median `radius` and `radius_sigma`; values outside `radius_min` to `radius_max`
+    /// are drawn again.
+    LogNormal,
 }
 
 /// How a forest's border limits the trees.
@@ -152,53 +157,23 @@ const DENSITY: Setting = Setting::other(
 )
 .such_as("[[0, 1], [1, 0.5]]");
 
-/// Why a forest could not be generated.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ForestError {
-    /// The drawn number of trees does not fit at the least distance.
-    #[error(
-        "`min_distance` must be less, got {distance} m: {trees} trees were drawn and the area \
-         holds at most {capacity} at this distance"
-    )]
-    Capacity {
-        /// The number of trees drawn.
-        trees: u64,
-        /// The number above which random placement does not end.
-        capacity: f64,
-        /// The least distance in metres.
-        distance: f64,
-    },
-    /// Random placement did not find a position for every tree.
-    #[error(
-        "{placed} of {trees} trees were placed at a distance of {distance} m in {attempts} \
-         attempts; ask for a lower `intensity` or `min_distance`"
-    )]
-    Attempts {
-        /// The number of trees drawn.
-        trees: u64,
-        /// Trees that were placed.
-        placed: u64,
-        /// The attempts made.
-        attempts: u64,
-        /// The least distance in metres.
-        distance: f64,
-    },
-    /// A density function gave a value outside of its own limits.
-    #[error("the density at ({x}, {y}) is {value}, expected a number from 0 to {max}")]
-    Density {
-        /// Where, in metres.
-        x: f64,
-        /// Where, in metres.
-        y: f64,
-        /// What it gave.
-        value: f64,
-        /// The greatest value of its own limits.
-        max: f64,
-    },
-}
+pub(super) const SETTINGS: &[Setting] = &[
+    WIDTH,
+    HEIGHT,
+    INTENSITY,
+    RADIUS,
+    RADIUS_LAW,
+    RADIUS_MIN,
+    RADIUS_MAX,
+    RADIUS_SIGMA,
+    MIN_DISTANCE,
+    BORDER,
+    CLEARING,
+    ROBOT_RADIUS,
+    DENSITY,
+];
 
-const RULES: &[&str] = &[
+pub(super) const RULES: &[&str] = &[
     "`radius_min` is at most `radius_max`, and a thousandth of a log_normal law lies between them, \
      where `radius_law` is not fixed",
     "the greatest radius, `radius` or `radius_max`, is under half the shorter of `width` and \
@@ -210,32 +185,9 @@ const RULES: &[&str] = &[
      so often: `intensity` is limited by them",
 ];
 
-impl Spec for ForestSpec {
-    type Blueprint = Forest;
-
-    const KIND: &'static str = "forest";
-
-    const VALUE_VERSION: u32 = 1;
-
-    const SETTINGS: &'static [Setting] = &[
-        WIDTH,
-        HEIGHT,
-        INTENSITY,
-        RADIUS,
-        RADIUS_LAW,
-        RADIUS_MIN,
-        RADIUS_MAX,
-        RADIUS_SIGMA,
-        MIN_DISTANCE,
-        BORDER,
-        CLEARING,
-        ROBOT_RADIUS,
-        DENSITY,
-    ];
-
-    const RULES: &'static [&'static str] = RULES;
-
-    fn validate(&self) -> Result<(), SpecError> {
+impl ForestSpec {
+    /// Checks every field, and the fields together.
+    pub(super) fn check(&self) -> Result<(), SpecError> {
         WIDTH.check(self.width)?;
         HEIGHT.check(self.height)?;
         INTENSITY.check(self.intensity)?;
@@ -249,43 +201,10 @@ impl Spec for ForestSpec {
         if let Some(density) = &self.density {
             density.validate()?;
         }
-        radius::validate(self)?;
+        self.check_radii()?;
         self.check_border()?;
         self.check_count()?;
         self.check_filling()
-    }
-
-    fn work(&self) -> f64 {
-        let size = self.centre_area().size();
-        let peak = self.density.as_ref().map_or(1.0, DensityMap::max);
-        self.intensity * peak * size.x * size.y
-    }
-
-    fn generate(&self, seed: Seed) -> Result<Forest, GenerateError> {
-        self.validate()?;
-        match &self.density {
-            None => self.plant(seed, None),
-            Some(map) => self.plant(seed, Some(&map.over(self))),
-        }
-    }
-}
-
-impl ForestSpec {
-    /// Generates a forest of varying density: `density` replaces `intensity` and the spec's own raster.
-    /// The provenance cannot hold it and is therefore marked as edited.
-    ///
-    /// # Errors
-    /// As [`Spec::generate`], and when the density gives a value outside its own limits.
-    pub fn generate_with(
-        &self,
-        seed: Seed,
-        density: &dyn Density,
-    ) -> Result<Forest, GenerateError> {
-        let peak = ForestSpec { intensity: density.max(), density: None, ..self.clone() };
-        peak.validate()?;
-        let mut forest = peak.plant(seed, Some(density))?;
-        forest.edited = true;
-        Ok(forest)
     }
 
     /// The rectangle of the forest.
@@ -309,15 +228,31 @@ impl ForestSpec {
         }
     }
 
-    fn plant(&self, seed: Seed, density: Option<&dyn Density>) -> Result<Forest, GenerateError> {
-        let centres = if self.min_distance > 0.0 {
-            hard_core::centres(self, seed, density)?
-        } else {
-            poisson::centres(self, seed, density)?
-        };
-        let trees = radius::grow(self, seed, centres);
-        let (trees, cleared) = start_goal::clear(self, trees);
-        Ok(Forest { trees, cleared, spec: self.clone(), seed, edited: false })
+    /// Checks that the law of the radii has values between its limits.
+    fn check_radii(&self) -> Result<(), SpecError> {
+        if self.radius_law == RadiusLaw::Fixed {
+            return Ok(());
+        }
+        if self.radius_min > self.radius_max {
+            let allowed = format!("at most radius_max, which is {} m", self.radius_max);
+            return Err(SpecError::new("radius_min", self.radius_min, allowed));
+        }
+        if self.radius_law == RadiusLaw::LogNormal {
+            let below = |r: f64| {
+                let z = libm::log(r / self.radius) / self.radius_sigma;
+                0.5 * libm::erfc(-z / SQRT_2)
+            };
+            let share = below(self.radius_max) - below(self.radius_min);
+            if share < LEAST_SHARE {
+                let allowed = format!(
+                    "a median with at least {LEAST_SHARE} of the law between radius_min = {} m and \
+                     radius_max = {} m; here it is {share:.2e}",
+                    self.radius_min, self.radius_max
+                );
+                return Err(SpecError::new("radius", self.radius, allowed));
+            }
+        }
+        Ok(())
     }
 
     fn check_border(&self) -> Result<(), SpecError> {
@@ -376,81 +311,6 @@ const MAX_REDUCED_DENSITY: f64 = 100.0;
 /// metrics.
 const MAX_OVERLAPS: f64 = 4e7;
 
-/// The trees of a forest, with the spec and seed that they were drawn for.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Forest {
-    trees: Vec<Tree>,
-    cleared: u64,
-    spec: ForestSpec,
-    seed: Seed,
-    edited: bool,
-}
-
-impl Forest {
-    /// The trees, in the order in which they were drawn.
-    pub fn trees(&self) -> &[Tree] {
-        &self.trees
-    }
-
-    /// How many trees the clearings removed.
-    pub fn cleared(&self) -> u64 {
-        self.cleared
-    }
-
-    /// The settings.
-    pub fn spec(&self) -> &ForestSpec {
-        &self.spec
-    }
-
-    /// The seed that it was drawn with.
-    pub fn seed(&self) -> Seed {
-        self.seed
-    }
-
-    /// Whether a density function replaced the spec's intensity, which is then the greatest value of
-    /// that function.
-    pub fn edited(&self) -> bool {
-        self.edited
-    }
-}
-
-impl Serialize for Forest {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct Fields<'a> {
-            width: f64,
-            height: f64,
-            trees: Triples<'a>,
-        }
-        let Forest { trees, spec, .. } = self;
-        Fields { width: spec.width, height: spec.height, trees: Triples(trees) }
-            .serialize(serializer)
-    }
-}
-
-/// Trees as `[x, y, radius]`.
-struct Triples<'a>(&'a [Tree]);
-
-impl Serialize for Triples<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut list = serializer.serialize_seq(Some(self.0.len()))?;
-        for tree in self.0 {
-            list.serialize_element(&[tree.center.x, tree.center.y, tree.radius])?;
-        }
-        list.end()
-    }
-}
-
-impl Blueprint for Forest {
-    type Metrics = ForestMetrics;
-
-    fn metrics(&self) -> ForestMetrics {
-        metrics::measure(self)
-    }
-
-    fn to_world(&self) -> World {
-        let mut provenance = self.spec.provenance(self.seed);
-        provenance.edited = self.edited;
-        start_goal::world(self, provenance)
-    }
-}
+/// The least share of a log-normal law that must lie between the limits, so that drawing values
+/// outside again ends soon.
+const LEAST_SHARE: f64 = 1e-3;

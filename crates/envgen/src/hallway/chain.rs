@@ -1,120 +1,12 @@
 //! The Markov chain of straight segments and turns.
 
-use std::fmt;
-
-use glam::DVec2;
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use serde::Serialize;
 use thiserror::Error;
 
+use super::spec::{P_ST, P_TT};
+use super::state::State;
 use crate::error::SpecError;
 use crate::seed::Stream;
-
-/// A state of the chain, 1 to 8 as the paper numbers them.
-///
-/// | state | segment | after | straight on | turn next |
-/// |---|---|---|---|---|
-/// | 1 | straight, left | left turn 5 | 1 | 7 |
-/// | 2 | straight, up | right turn 7 | 2 | 8 |
-/// | 3 | straight, up | left turn 6 | 3 | 5 |
-/// | 4 | straight, right | right turn 8 | 4 | 6 |
-/// | 5 | left turn, up to left | straight 3 | 1 | 7 |
-/// | 6 | left turn, right to up | straight 4 | 3 | 5 |
-/// | 7 | right turn, left to up | straight 1 | 2 | 8 |
-/// | 8 | right turn, up to right | straight 2 | 4 | 6 |
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct State(u8);
-
-/// The next state of each state 1..=8: straight, turn.
-const NEXT: [[u8; 2]; 9] = [[0, 0], [1, 7], [2, 8], [3, 5], [4, 6], [1, 7], [3, 5], [2, 8], [4, 6]];
-
-impl State {
-    /// Every state, in order.
-    pub const ALL: [State; 8] =
-        [State(1), State(2), State(3), State(4), State(5), State(6), State(7), State(8)];
-
-    /// A straight segment that goes up after a left turn: where a hallway starts by default.
-    pub const UP: State = State(3);
-
-    /// The state of a number; `None` outside 1..=8.
-    pub const fn new(number: u8) -> Option<State> {
-        if number >= 1 && number <= 8 { Some(State(number)) } else { None }
-    }
-
-    /// The paper's number, 1..=8.
-    pub const fn number(self) -> u8 {
-        self.0
-    }
-
-    /// Whether it is one of the four turns.
-    pub const fn is_turn(self) -> bool {
-        self.0 > 4
-    }
-
-    /// The straight segment that can follow.
-    #[inline]
-    pub const fn straight(self) -> State {
-        State(NEXT[self.0 as usize][0])
-    }
-
-    /// The turn that can follow.
-    #[inline]
-    pub const fn turn(self) -> State {
-        State(NEXT[self.0 as usize][1])
-    }
-
-    /// Unit vector of the direction in which the segment is entered.
-    #[inline]
-    pub const fn entry(self) -> DVec2 {
-        match self.0 {
-            1 | 7 => DVec2::NEG_X,
-            4 | 6 => DVec2::X,
-            _ => DVec2::Y,
-        }
-    }
-
-    /// Unit vector of the direction in which the segment is left. It is never down, which is why a hallway
-    /// cannot cross itself.
-    #[inline]
-    pub const fn exit(self) -> DVec2 {
-        match self.0 {
-            1 | 5 => DVec2::NEG_X,
-            4 | 8 => DVec2::X,
-            _ => DVec2::Y,
-        }
-    }
-
-    /// The state of the mirrored hallway, left and right exchanged.
-    pub const fn mirrored(self) -> State {
-        State([0, 4, 3, 2, 1, 8, 7, 6, 5][self.0 as usize])
-    }
-}
-
-impl fmt::Display for State {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
-impl fmt::Debug for State {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
-impl Serialize for State {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_u8(self.0)
-    }
-}
-
-impl<'de> Deserialize<'de> for State {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let number = u8::deserialize(deserializer)?;
-        State::new(number).ok_or_else(|| {
-            de::Error::custom(format!("the state must be from 1 to 8, got {number}"))
-        })
-    }
-}
 
 /// The chain: equation (1) of the paper, with `p_ss` = 1 - `p_st` and `p_ts` = 1 - `p_tt`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -130,8 +22,8 @@ impl HallwayChain {
     /// # Errors
     /// When a probability lies outside [0, 1].
     pub fn new(p_st: f64, p_tt: f64) -> Result<Self, SpecError> {
-        super::spec::P_ST.check(p_st)?;
-        super::spec::P_TT.check(p_tt)?;
+        P_ST.check(p_st)?;
+        P_TT.check(p_tt)?;
         Ok(HallwayChain { p_st, p_tt })
     }
 
@@ -139,10 +31,10 @@ impl HallwayChain {
     pub fn matrix(&self) -> [[f64; 8]; 8] {
         let mut rows = [[0.0; 8]; 8];
         for state in State::ALL {
-            let row = &mut rows[usize::from(state.0 - 1)];
+            let row = &mut rows[usize::from(state.number() - 1)];
             let p = self.turn_probability(state);
-            row[usize::from(state.straight().0 - 1)] = 1.0 - p;
-            row[usize::from(state.turn().0 - 1)] = p;
+            row[usize::from(state.straight().number() - 1)] = 1.0 - p;
+            row[usize::from(state.turn().number() - 1)] = p;
         }
         rows
     }
@@ -199,7 +91,7 @@ impl HallwayChain {
         }
         states.extend((1..n).map(|_| {
             let turns = stream.chance(self.turn_probability(state));
-            state = State(NEXT[usize::from(state.0)][usize::from(turns)]);
+            state = state.next(turns);
             state
         }));
         states
@@ -281,6 +173,7 @@ impl Proportion {
 mod tests {
     use super::*;
     use crate::seed::Seed;
+    use glam::DVec2;
     use proptest::prelude::*;
 
     fn chain(p_st: f64, p_tt: f64) -> HallwayChain {

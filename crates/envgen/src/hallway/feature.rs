@@ -8,8 +8,9 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
+use super::blueprint::Hallway;
 use super::layout::HallwayLayout;
-use super::spec::{Hallway, HallwaySpec};
+use super::spec::HallwaySpec;
 use crate::geometry::Rect;
 
 /// Depth of a door frame and of a crate along the corridor, in metres, where the cell is that long.

@@ -8,8 +8,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec2;
 
-use super::chain::State;
 use super::spec::{Corners, HallwaySpec};
+use super::state::State;
 use crate::geometry::{Pose, unit_vector};
 
 /// Arcs are drawn as chords that stray from them by at most this, in metres.

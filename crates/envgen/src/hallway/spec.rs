@@ -1,14 +1,11 @@
-//! The settings of a hallway, and the states that are drawn.
+//! The settings of a hallway.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use super::chain::{HallwayChain, State};
-use super::layout::HallwayLayout;
-use crate::error::{GenerateError, SpecError};
-use crate::generate::{Blueprint, Spec};
-use crate::seed::Seed;
+use super::state::State;
+use crate::error::SpecError;
 use crate::settings::Setting;
-use crate::world::{MAX_COORDINATE, World};
+use crate::world::MAX_COORDINATE;
 
 /// A hallway to generate.
 ///
@@ -21,7 +18,7 @@ use crate::world::{MAX_COORDINATE, World};
 /// let hallway = spec.generate(Seed(7))?;
 /// assert_eq!(hallway.states().len(), 80);
 /// assert!(hallway.to_world().check().is_ok());
-/// # Ok::<(), envgen::GenerateError>(())
+/// # Ok::<(), envgen::SpecError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -178,7 +175,26 @@ const fn rate(name: &'static str, help: &'static str) -> Setting {
     Setting::number(name, "1/m", 0.0, 10.0, help)
 }
 
-const RULES: &[&str] = &[
+pub(super) const SETTINGS: &[Setting] = &[
+    SEGMENTS,
+    P_ST,
+    P_TT,
+    START,
+    PITCH,
+    WIDTH,
+    WALL,
+    CORNERS,
+    ENDS,
+    ALCOVE_RATE,
+    ALCOVE_WIDTH,
+    ALCOVE_DEPTH,
+    DOOR_FRAME_RATE,
+    DOOR_FRAME_WIDTH,
+    NARROWING_RATE,
+    NARROWING_WIDTH,
+];
+
+pub(super) const RULES: &[&str] = &[
     "`width` plus `wall` is at most the `pitch`, or twice the `pitch` where `p_tt` is 0",
     "`alcove_rate`, `door_frame_rate` and `narrowing_rate` together are at most one per `pitch`",
     "`alcove_width` is at most the `pitch` less two times `wall`, `alcove_depth` at most the `pitch`, \
@@ -187,40 +203,12 @@ const RULES: &[&str] = &[
     "`narrowing_width` is under the `width`, where `narrowing_rate` is not 0",
 ];
 
-impl Spec for HallwaySpec {
-    type Blueprint = Hallway;
-
-    const KIND: &'static str = "hallway";
-
-    const VALUE_VERSION: u32 = 1;
-
-    const SETTINGS: &'static [Setting] = &[
-        SEGMENTS,
-        P_ST,
-        P_TT,
-        START,
-        PITCH,
-        WIDTH,
-        WALL,
-        CORNERS,
-        ENDS,
-        ALCOVE_RATE,
-        ALCOVE_WIDTH,
-        ALCOVE_DEPTH,
-        DOOR_FRAME_RATE,
-        DOOR_FRAME_WIDTH,
-        NARROWING_RATE,
-        NARROWING_WIDTH,
-    ];
-
-    const RULES: &'static [&'static str] = RULES;
-
-    fn validate(&self) -> Result<(), SpecError> {
+impl HallwaySpec {
+    /// Checks every field, and the fields together.
+    pub(super) fn check(&self) -> Result<(), SpecError> {
         SEGMENTS.check_integer(self.segments)?;
-        let chain = HallwayChain::new(self.p_st, self.p_tt)?;
-        if self.start == Start::Stationary {
-            chain.stationary()?;
-        }
+        P_ST.check(self.p_st)?;
+        P_TT.check(self.p_tt)?;
         PITCH.check(self.pitch)?;
         WIDTH.check(self.width)?;
         WALL.check(self.wall)?;
@@ -236,27 +224,6 @@ impl Spec for HallwaySpec {
         self.check_features()
     }
 
-    fn work(&self) -> f64 {
-        self.segments as f64
-    }
-
-    fn generate(&self, seed: Seed) -> Result<Hallway, GenerateError> {
-        self.validate()?;
-        let chain = HallwayChain::new(self.p_st, self.p_tt)?;
-        let start = match self.start {
-            Start::State(state) => state,
-            Start::Stationary => {
-                let drawn = seed.stream("hallway/start", 0).weighted(&chain.stationary()?);
-                State::ALL[drawn.unwrap_or(0)]
-            }
-        };
-        let mut stream = seed.stream("hallway/chain", 0);
-        let states = chain.sample(start, self.segments as usize, &mut stream);
-        Ok(Hallway { states, spec: self.clone(), seed })
-    }
-}
-
-impl HallwaySpec {
     /// Parallel arms must not share space: with U-turns they lie in neighbouring rows of cells,
     /// without in every other row.
     fn check_spacing(&self) -> Result<(), SpecError> {
@@ -320,81 +287,5 @@ impl HallwaySpec {
             }
         }
         Ok(())
-    }
-}
-
-/// The states of a hallway, with the spec and seed that they were drawn for.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Hallway {
-    states: Vec<State>,
-    #[serde(skip)]
-    spec: HallwaySpec,
-    #[serde(skip)]
-    seed: Seed,
-}
-
-impl Hallway {
-    /// The history of states, `segments` of them.
-    pub fn states(&self) -> &[State] {
-        &self.states
-    }
-
-    /// The settings.
-    pub fn spec(&self) -> &HallwaySpec {
-        &self.spec
-    }
-
-    /// The seed that it was drawn with.
-    pub fn seed(&self) -> Seed {
-        self.seed
-    }
-
-    /// The corridor in metres.
-    pub fn layout(&self) -> HallwayLayout {
-        HallwayLayout::new(&self.states, &self.spec)
-    }
-}
-
-/// Numbers that describe a hallway.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct HallwayMetrics {
-    /// Number of turns.
-    pub turns: u64,
-    /// Number of turns that the chain expects for this start and length.
-    pub turns_expected: f64,
-    /// Turns among the transitions that leave a straight segment.
-    pub p_st: super::Proportion,
-    /// Turns among the transitions that leave a turn.
-    pub p_tt: super::Proportion,
-    /// Length of the centreline in metres.
-    pub length: f64,
-    /// Alcoves, door frames and narrow places that were placed.
-    pub features: u64,
-    /// Features that were dropped because there was no room for them.
-    pub features_dropped: u64,
-}
-
-impl Blueprint for Hallway {
-    type Metrics = HallwayMetrics;
-
-    fn metrics(&self) -> HallwayMetrics {
-        let chain = HallwayChain::new(self.spec.p_st, self.spec.p_tt);
-        let estimate = HallwayChain::estimate(&self.states).unwrap_or_default();
-        let layout = self.layout();
-        let placed = super::feature::place(self, &layout);
-        HallwayMetrics {
-            turns: self.states.iter().filter(|state| state.is_turn()).count() as u64,
-            turns_expected: chain
-                .map_or(0.0, |chain| chain.expected_turns(self.states[0], self.states.len())),
-            p_st: estimate.p_st,
-            p_tt: estimate.p_tt,
-            length: layout.length(),
-            features: placed.features.len() as u64,
-            features_dropped: placed.dropped,
-        }
-    }
-
-    fn to_world(&self) -> World {
-        super::build::world(self)
     }
 }

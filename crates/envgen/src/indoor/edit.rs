@@ -2,10 +2,10 @@
 
 use thiserror::Error;
 
+use super::blueprint::FloorPlan;
 use super::catalogue::SharedRoom;
-use super::grid::{Axis, Cell, Gate, Opening, Origin, Side, Sides};
-use super::plan::{FloorPlan, PlacedRoom};
-use super::rules::doorways::is_whole;
+use super::grid::{Axis, Cell, Gate, Opening, Origin, Side, Sides, is_whole};
+use super::placed_room::PlacedRoom;
 use crate::world::Contents;
 
 /// A change of a plan.

@@ -1,12 +1,14 @@
 //! Runs the rules in the order of the paper, each on its own random stream.
 
-use super::access::repair;
 use super::adaptation as adapt;
+use super::blueprint::{Draws, FloorPlan};
 use super::grid::Grid;
-use super::plan::{Draws, FloorPlan};
-use super::rules::{cycles, doorways, hallways, l_system, open_areas, rooms};
+use super::rules::{access, cycles, doorways, hallways, l_system, open_areas, rooms};
 use super::spec::{Cycles, IndoorSpec, Layout, Profile};
+use super::variation::vary;
 use crate::distribution::standard_normal;
+use crate::error::SpecError;
+use crate::generate::Spec;
 use crate::seed::Seed;
 
 /// A step of the generator, in the order in which they run.
@@ -98,7 +100,7 @@ pub(super) fn plan(spec: &IndoorSpec, seed: Seed, after: &mut dyn FnMut(Stage)) 
     if let Some(wanted) = spec.clearance {
         for (i, room) in rooms.iter_mut().enumerate() {
             let mut stream = seed.stream("indoor/contents", i as u64);
-            let varied = super::variation::vary(&room.room, wanted, spec.dimensions(), &mut stream);
+            let varied = vary(&room.room, wanted, spec.dimensions(), &mut stream);
             variations.push([varied.before, varied.after]);
             room.room = varied.room;
         }
@@ -114,7 +116,7 @@ pub(super) fn plan(spec: &IndoorSpec, seed: Seed, after: &mut dyn FnMut(Stage)) 
     let mut openings = drawn.openings;
     if let Some(dimensions) = dimensions {
         let mut stream = seed.stream("indoor/access", 0);
-        repair(&grid, &mut rooms, &mut openings, dimensions, &mut stream);
+        access::repair(&grid, &mut rooms, &mut openings, dimensions, &mut stream);
     }
     after(Stage::Access);
     FloorPlan {
@@ -132,5 +134,21 @@ pub(super) fn plan(spec: &IndoorSpec, seed: Seed, after: &mut dyn FnMut(Stage)) 
             variations,
         }),
         edited: false,
+    }
+}
+
+impl IndoorSpec {
+    /// Generates a plan as [`Spec::generate`] does, and calls `after` after every stage: for clocks
+    /// and progress bars, which this crate does not have.
+    ///
+    /// # Errors
+    /// As [`Spec::generate`].
+    pub fn generate_observed(
+        &self,
+        seed: Seed,
+        after: &mut dyn FnMut(Stage),
+    ) -> Result<FloorPlan, SpecError> {
+        self.validate()?;
+        Ok(plan(self, seed, after))
     }
 }

@@ -285,6 +285,19 @@ pub enum Origin {
     Edited,
 }
 
+/// Sorts openings by position and drops duplicates: two rooms may open the same wall.
+pub(in crate::indoor) fn sort_openings(openings: &mut Vec<Opening>) {
+    openings.sort_unstable();
+    openings.dedup_by_key(|opening| opening.gate);
+}
+
+/// Whether one and the same space lies behind the full width of an opening, on either side.
+pub(in crate::indoor) fn is_whole(grid: &Grid, gate: Gate) -> bool {
+    gate.cells(grid)
+        .iter()
+        .all(|&[a, b]| (a.is_floor() && b.is_floor()) || (a == b && matches!(a, Cell::Room(_))))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

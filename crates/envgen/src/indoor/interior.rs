@@ -7,14 +7,11 @@
 
 use glam::DVec2;
 
-use super::catalogue::{DESIGN_UNIT, Frame, RoomDesign};
+use super::catalogue::design::RoomDesign;
+use super::dimensions::{Dimensions, STEP};
+use super::frame::{DESIGN_UNIT, Frame};
 use super::grid::Side;
-use super::spec::{DOORWAY, FOOTPRINT, UNIT, WALL};
-use crate::error::SpecError;
 use crate::geometry::{Rect, Shape};
-
-/// Greatest distance between two samples, in metres.
-pub const STEP: f64 = 0.05;
 
 /// The same for checks that may overlook nothing.
 const FINE_STEP: f64 = 0.0125;
@@ -25,33 +22,6 @@ const REACH: f64 = 1.5;
 /// Depth behind the wall's face, in metres, that the contents of a room leave clear at every doorway
 /// in the profile `guaranteed`.
 pub const DOORWAY_DEPTH: f64 = 0.5;
-
-/// The dimensions that decide where a robot can go, all in metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dimensions {
-    /// Side of a cell.
-    pub unit: f64,
-    /// Thickness of the walls.
-    pub wall: f64,
-    /// Width of a doorway.
-    pub doorway: f64,
-    /// Radius of the robot's footprint.
-    pub radius: f64,
-}
-
-impl Dimensions {
-    /// Checks the dimensions against the limits of the settings of an
-    /// [`IndoorSpec`](super::IndoorSpec); a radius may be 0.
-    ///
-    /// # Errors
-    /// The first dimension that is not allowed.
-    pub fn validate(&self) -> Result<(), SpecError> {
-        UNIT.check(self.unit)?;
-        WALL.check(self.wall)?;
-        DOORWAY.check(self.doorway)?;
-        if self.radius == 0.0 { Ok(()) } else { FOOTPRINT.check(self.radius) }
-    }
-}
 
 /// The free space inside a room, in the frame of its design: x right, y up, metres of the map.
 #[derive(Clone, Debug, PartialEq)]

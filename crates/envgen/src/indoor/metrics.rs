@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::access::hallway_shape;
+use super::blueprint::FloorPlan;
 use super::grid::{Cell, Origin};
-use super::plan::FloorPlan;
 use crate::world::Contents;
 
 /// Numbers that describe a plan. Draws are null or empty for plans that were not generated.

@@ -14,33 +14,84 @@
 pub mod adaptation;
 
 mod access;
-mod build;
+mod blueprint;
 mod catalogue;
+mod dimensions;
 mod edit;
+mod frame;
 mod generate;
 mod grid;
 mod interior;
 mod metrics;
-mod plan;
+mod placed_room;
 mod rules;
 mod spec;
 mod union_find;
 mod variation;
+mod world;
 pub mod world_generator;
 
 #[cfg(test)]
 mod tests;
 
 pub use access::{AccessGraph, Link, Place, PlaceKind};
+pub use blueprint::{Draws, FloorPlan};
 pub use catalogue::{
-    Catalogue, CatalogueError, DESIGN_UNIT, FolderError, MAX_ROOM_PARTS, MAX_ROOM_SIZE, MAX_ROOMS,
-    RoomDesign, RoomError, SharedRoom, room_from_ron, room_to_ron,
+    Catalogue, CatalogueError, FolderError, MAX_ROOM_PARTS, MAX_ROOM_SIZE, MAX_ROOMS, RoomDesign,
+    RoomError, SharedRoom, room_from_ron, room_to_ron,
 };
+pub use dimensions::{Dimensions, STEP};
 pub use edit::{Edit, EditError, PlanEditor};
+pub use frame::DESIGN_UNIT;
 pub use generate::Stage;
 pub use grid::{Axis, Cell, Gate, Grid, Opening, Origin, Side, Sides};
-pub use interior::{DOORWAY_DEPTH, Dimensions, Interior, Part, Port, STEP, narrowest_way};
+pub use interior::{DOORWAY_DEPTH, Interior, Part, Port, narrowest_way};
 pub use metrics::{CellCounts, IndoorMetrics};
-pub use plan::{Draws, FloorPlan, PlacedRoom};
+pub use placed_room::PlacedRoom;
 pub use spec::{Cycles, IndoorSpec, Layout, Profile, RoomChoice, Turn};
 pub use variation::{Varied, vary};
+
+use crate::error::SpecError;
+use crate::generate::{Blueprint, Spec};
+use crate::seed::Seed;
+use crate::settings::Setting;
+use crate::world::World;
+
+impl Spec for IndoorSpec {
+    type Blueprint = FloorPlan;
+    type Error = SpecError;
+
+    const KIND: &'static str = "indoor";
+
+    const VALUE_VERSION: u32 = 2;
+
+    const SETTINGS: &'static [Setting] = spec::SETTINGS;
+
+    const RULES: &'static [&'static str] = spec::RULES;
+
+    fn validate(&self) -> Result<(), SpecError> {
+        self.check()
+    }
+
+    fn work(&self) -> f64 {
+        // Moving the contents of a room measures it many times.
+        let a_cell = if self.clearance.is_some() { 1000.0 } else { 1.0 };
+        f64::from(self.width) * f64::from(self.height) * a_cell
+    }
+
+    fn generate(&self, seed: Seed) -> Result<FloorPlan, SpecError> {
+        self.generate_observed(seed, &mut |_| ())
+    }
+}
+
+impl Blueprint for FloorPlan {
+    type Metrics = IndoorMetrics;
+
+    fn metrics(&self) -> IndoorMetrics {
+        IndoorMetrics::of(self)
+    }
+
+    fn to_world(&self) -> World {
+        world::world(self)
+    }
+}

@@ -6,12 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::adaptation;
 use super::catalogue::{Catalogue, SharedRoom};
-use super::generate::Stage;
-use super::interior::Dimensions;
-use super::plan::FloorPlan;
-use crate::error::{GenerateError, SpecError};
-use crate::generate::Spec;
-use crate::seed::Seed;
+use super::dimensions::{DOORWAY, Dimensions, FOOTPRINT, STEP, UNIT, WALL};
+use crate::error::SpecError;
 use crate::settings::Setting;
 
 /// An indoor map to generate.
@@ -23,7 +19,7 @@ use crate::settings::Setting;
 /// let plan = spec.generate(Seed(3))?;
 /// assert_eq!(plan.access().parts(), 1);
 /// assert!(plan.to_world().check().is_ok());
-/// # Ok::<(), envgen::GenerateError>(())
+/// # Ok::<(), envgen::SpecError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -157,7 +153,6 @@ const DIFFICULTY: Setting =
     Setting::number("difficulty", "", 0.0, 10.0, "the difficulty that the rules adapt to");
 const WIDTH: Setting = Setting::integer("width", 4, 1024, "columns of the grid");
 const HEIGHT: Setting = Setting::integer("height", 4, 1024, "rows of the grid");
-pub(super) const UNIT: Setting = Setting::number("unit", "m", 1.2, 12.0, "side of a cell");
 const PROFILE: Setting = Setting::choice(
     "profile",
     &["thesis", "guaranteed"],
@@ -212,16 +207,6 @@ const CYCLES: Setting = Setting::choice(
 );
 const OPEN_AREAS: Setting =
     Setting::flag("open_areas", "whether the remaining cells become open areas");
-pub(super) const WALL: Setting = Setting::number("wall", "m", 0.01, 0.5, "thickness of the walls");
-pub(super) const DOORWAY: Setting =
-    Setting::number("doorway", "m", 0.2, 3.0, "width of a doorway, at most a cell less two walls");
-pub(super) const FOOTPRINT: Setting = Setting::number(
-    "footprint",
-    "m",
-    0.01,
-    1.4,
-    "radius of the robot that must reach every place, at most half a doorway less 0.05 m",
-);
 const CLEARANCE: Setting = Setting::other(
     "clearance",
     "m",
@@ -229,7 +214,30 @@ const CLEARANCE: Setting = Setting::other(
     "width that the narrowest passage through each room should have",
 );
 
-const RULES: &[&str] = &[
+pub(super) const SETTINGS: &[Setting] = &[
+    DIFFICULTY,
+    WIDTH,
+    HEIGHT,
+    UNIT,
+    PROFILE,
+    LAYOUT,
+    BRANCHING,
+    ROOMS,
+    CATALOGUE,
+    ROOM_CHOICE,
+    TURN,
+    SPACING_H,
+    SPACING_V,
+    DOORWAY_PROBABILITY,
+    CYCLES,
+    OPEN_AREAS,
+    WALL,
+    DOORWAY,
+    FOOTPRINT,
+    CLEARANCE,
+];
+
+pub(super) const RULES: &[&str] = &[
     "`open_areas` is true, where `profile` is guaranteed",
     "`spacing_h` is under the `width`, `spacing_v` under the `height`",
     "`doorway` is at most the `unit` less two times `wall`",
@@ -238,39 +246,9 @@ const RULES: &[&str] = &[
     "`rooms` are names of the `catalogue`",
 ];
 
-impl Spec for IndoorSpec {
-    type Blueprint = FloorPlan;
-
-    const KIND: &'static str = "indoor";
-
-    const VALUE_VERSION: u32 = 2;
-
-    const SETTINGS: &'static [Setting] = &[
-        DIFFICULTY,
-        WIDTH,
-        HEIGHT,
-        UNIT,
-        PROFILE,
-        LAYOUT,
-        BRANCHING,
-        ROOMS,
-        CATALOGUE,
-        ROOM_CHOICE,
-        TURN,
-        SPACING_H,
-        SPACING_V,
-        DOORWAY_PROBABILITY,
-        CYCLES,
-        OPEN_AREAS,
-        WALL,
-        DOORWAY,
-        FOOTPRINT,
-        CLEARANCE,
-    ];
-
-    const RULES: &'static [&'static str] = RULES;
-
-    fn validate(&self) -> Result<(), SpecError> {
+impl IndoorSpec {
+    /// Checks every field, and the fields together.
+    pub(super) fn check(&self) -> Result<(), SpecError> {
         DIFFICULTY.check(self.difficulty)?;
         WIDTH.check_integer(self.width.into())?;
         HEIGHT.check_integer(self.height.into())?;
@@ -300,32 +278,6 @@ impl Spec for IndoorSpec {
             return Err(SpecError::new("open_areas", false, allowed));
         }
         self.check_rooms()
-    }
-
-    fn work(&self) -> f64 {
-        // Moving the contents of a room measures it many times.
-        let a_cell = if self.clearance.is_some() { 1000.0 } else { 1.0 };
-        f64::from(self.width) * f64::from(self.height) * a_cell
-    }
-
-    fn generate(&self, seed: Seed) -> Result<FloorPlan, GenerateError> {
-        self.generate_observed(seed, &mut |_| ())
-    }
-}
-
-impl IndoorSpec {
-    /// Generates a plan as [`Spec::generate`] does, and calls `after` after every stage: for clocks
-    /// and progress bars, which this crate does not have.
-    ///
-    /// # Errors
-    /// As [`Spec::generate`].
-    pub fn generate_observed(
-        &self,
-        seed: Seed,
-        after: &mut dyn FnMut(Stage),
-    ) -> Result<FloorPlan, GenerateError> {
-        self.validate()?;
-        Ok(super::generate::plan(self, seed, after))
     }
 
     /// The catalogue: the spec's own, or the built-in one.
@@ -379,7 +331,7 @@ impl IndoorSpec {
             let allowed = format!("at most {widest} m, what a cell has between its walls");
             return Err(SpecError::new("doorway", self.doorway, allowed));
         }
-        let largest = to_nanometres(0.5 * self.doorway - super::interior::STEP);
+        let largest = to_nanometres(0.5 * self.doorway - STEP);
         if self.footprint > largest {
             let allowed =
                 format!("at most {largest} m: it must pass a doorway of {} m", self.doorway);

@@ -217,7 +217,7 @@ fn guaranteed_plans_are_one_free_space() {
         assert_eq!(access.parts(), 1, "d = {d}, seed {seed}");
         assert!(access.doors_by_room().iter().all(|&doors| doors > 0));
         for opening in plan.openings() {
-            assert!(rules::doorways::is_whole(plan.grid(), opening.gate));
+            assert!(grid::is_whole(plan.grid(), opening.gate));
         }
         rooms += plan.rooms().len();
         emptied += plan.rooms().iter().filter(|room| room.contents == Contents::Emptied).count();
@@ -236,7 +236,7 @@ fn drawn_doorways_open_and_contents_yield() {
         for room in plan.rooms() {
             for side in room.doorways.iter() {
                 let places = (1..2 * room.side_length(side)).map(|at| room.gate(side, at));
-                let whole = |gate: &Gate| rules::doorways::is_whole(plan.grid(), *gate);
+                let whole = |gate: &Gate| grid::is_whole(plan.grid(), *gate);
                 let possible = places.clone().any(|gate| whole(&gate));
                 let open = places.filter(|gate| plan.openings().iter().any(|o| o.gate == *gate));
                 assert!(open.count() >= usize::from(possible), "seed {seed}: {}", room.room.name);

@@ -7,8 +7,9 @@
 use glam::DVec2;
 
 use super::catalogue::{RoomDesign, SharedRoom};
+use super::dimensions::{Dimensions, STEP};
 use super::grid::Side;
-use super::interior::{Dimensions, Interior, STEP, narrowest_way};
+use super::interior::{Interior, narrowest_way};
 use crate::geometry::{Shape, unit_vector, wrap_angle};
 use crate::seed::Stream;
 

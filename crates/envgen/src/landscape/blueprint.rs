@@ -4,13 +4,10 @@ use serde::ser::SerializeSeq;
 use serde::{Serialize, Serializer};
 
 use super::composition::{Composition, entropy_of};
-use super::edge::{edge_count, edge_lower_bound, edge_upper_bound, mean_edge_count};
-use super::generate::least_built;
-use super::metrics::{Border, RasterReport};
+use super::edge::edge_count;
 use super::spec::LandscapeSpec;
-use crate::generate::Blueprint;
 use crate::seed::Seed;
-use crate::world::{ClassRaster, World};
+use crate::world::ClassRaster;
 
 /// A landscape: the class of each cell, with the spec and seed that it was generated from.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +35,11 @@ impl Landscape {
         let total_edge = edge_count(&cells, spec.cols as usize);
         let (spec, beta) = (spec.clone(), composition.beta());
         Landscape { beta, counts, total_edge, cells, epsilon, sigma, swaps, spec, seed }
+    }
+
+    /// Swaps that the Total Edge needed.
+    pub fn swaps(&self) -> u64 {
+        self.swaps
     }
 
     /// Number of rows.
@@ -167,58 +169,5 @@ impl Serialize for Rows<'_> {
             list.serialize_element(row)?;
         }
         list.end()
-    }
-}
-
-/// Numbers that describe a landscape: its deviation from the request, the bounds of what is possible,
-/// and the measures of its raster.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LandscapeMetrics {
-    /// Entropy minus the requested one, in nats.
-    pub entropy_error: f64,
-    /// Total Edge minus the requested one, if any: not 0 only where no landscape was found.
-    pub total_edge_error: Option<i64>,
-    /// Exact mean of Total Edge over all arrangements of the counts.
-    pub total_edge_mean: f64,
-    /// Lower bound of Total Edge over all arrangements.
-    pub total_edge_lower_bound: u64,
-    /// The least Total Edge of bands.
-    pub total_edge_least_built: u64,
-    /// Upper bound of Total Edge over all arrangements.
-    pub total_edge_upper_bound: u64,
-    /// Swaps that were needed to reach the Total Edge.
-    pub swaps: u64,
-    /// The measures of the raster.
-    #[serde(flatten)]
-    pub report: Box<RasterReport>,
-}
-
-impl Blueprint for Landscape {
-    type Metrics = LandscapeMetrics;
-
-    fn metrics(&self) -> LandscapeMetrics {
-        let (rows, cols, counts) = (self.spec.rows, self.spec.cols, &self.counts);
-        LandscapeMetrics {
-            entropy_error: self.entropy() - self.spec.entropy,
-            total_edge_error: self
-                .spec
-                .total_edge
-                .map(|target| self.total_edge as i64 - target as i64),
-            total_edge_mean: mean_edge_count(rows, cols, counts),
-            total_edge_lower_bound: edge_lower_bound(rows, cols, counts),
-            total_edge_least_built: least_built(rows, cols, counts),
-            total_edge_upper_bound: edge_upper_bound(rows, cols, counts),
-            swaps: self.swaps,
-            report: Box::new(RasterReport::of_grid(
-                &self.cells,
-                self.cols(),
-                self.spec.cell,
-                Border::Free,
-            )),
-        }
-    }
-
-    fn to_world(&self) -> World {
-        super::build::world(self)
     }
 }

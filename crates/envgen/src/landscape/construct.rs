@@ -96,6 +96,14 @@ pub(super) fn best_bands(rows: usize, cols: usize, counts: &[u32]) -> (Vec<u16>,
     best.unwrap_or_default()
 }
 
+/// The least Total Edge that bands of these counts have: every value from here up to
+/// [`edge_upper_bound`](super::edge_upper_bound) is searched for, and only few at the very ends do
+/// not exist. Below, down to [`edge_lower_bound`](super::edge_lower_bound), the search still
+/// tries.
+pub fn least_built(rows: u64, cols: u64, counts: &[u32]) -> u64 {
+    best_bands(rows as usize, cols as usize, counts).1
+}
+
 /// Rows that repeat every class `repeats` times, along a serpentine of height 1.
 pub(super) fn stripes(rows: usize, cols: usize, classes: &[(u16, u32)], repeats: u32) -> Vec<u16> {
     // Integer parts of n (i + 1) / repeats: every class's pieces differ by one cell at most.

@@ -13,28 +13,79 @@
 //! - [`metrics`]: the measures of landscape ecology for any raster of classes.
 //! - [`paths`]: costs of travel, least-cost paths and cost fields.
 
+mod arrange;
 mod automaton;
 mod blueprint;
-mod build;
 mod composition;
 mod construct;
 mod edge;
+mod error;
 mod generate;
 pub mod metrics;
+mod outlines;
 pub mod paths;
 pub mod published;
 mod random_fill;
+mod region;
 mod search;
 mod smooth;
 mod spec;
+mod world;
 
+pub use arrange::automaton_epsilon;
 pub use automaton::automaton_fill;
-pub use blueprint::{Landscape, LandscapeMetrics};
-pub(crate) use build::{largest_region, raster_world};
+pub use blueprint::Landscape;
 pub use composition::{Composition, entropy_of, largest_entropy};
+pub use construct::least_built;
 pub use edge::{
     edge_count, edge_lower_bound, edge_upper_bound, inner_sides, least_cut, mean_edge_count,
 };
-pub use generate::{automaton_epsilon, least_built};
+pub use error::LandscapeError;
+pub use metrics::LandscapeMetrics;
 pub use random_fill::random_fill;
-pub use spec::{Algorithm, ClassOrder, LandscapeError, LandscapeSpec, MAX_CELLS, MAX_SMOOTH_CELLS};
+pub(crate) use region::largest_region;
+pub use spec::{Algorithm, ClassOrder, LandscapeSpec, MAX_CELLS, MAX_SMOOTH_CELLS};
+pub(crate) use world::raster_world;
+
+use crate::error::SpecError;
+use crate::generate::{Blueprint, Spec};
+use crate::seed::Seed;
+use crate::settings::Setting;
+use crate::world::World;
+
+impl Spec for LandscapeSpec {
+    type Blueprint = Landscape;
+    type Error = LandscapeError;
+
+    const KIND: &'static str = "landscape";
+
+    const VALUE_VERSION: u32 = 1;
+
+    const SETTINGS: &'static [Setting] = spec::SETTINGS;
+
+    const RULES: &'static [&'static str] = spec::RULES;
+
+    fn validate(&self) -> Result<(), SpecError> {
+        self.composition().map(|_| ())
+    }
+
+    fn work(&self) -> f64 {
+        self.cells()
+    }
+
+    fn generate(&self, seed: Seed) -> Result<Landscape, LandscapeError> {
+        generate::landscape(self, seed)
+    }
+}
+
+impl Blueprint for Landscape {
+    type Metrics = LandscapeMetrics;
+
+    fn metrics(&self) -> LandscapeMetrics {
+        metrics::measure(self)
+    }
+
+    fn to_world(&self) -> World {
+        world::world(self)
+    }
+}

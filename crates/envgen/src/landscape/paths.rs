@@ -12,8 +12,8 @@ use std::ops::Add;
 use pathfinding::directed::{astar::astar, dijkstra::dijkstra_reach};
 use pathfinding::num_traits::Zero;
 
-use super::build::neighbours;
 use super::metrics::{Neighbourhood, RasterError};
+use super::region::neighbours;
 use crate::world::ClassRaster;
 
 /// What it costs to travel over a raster.

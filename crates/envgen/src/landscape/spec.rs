@@ -1,15 +1,8 @@
 //! The settings of a landscape.
 
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
-use super::blueprint::Landscape;
-use super::composition::Composition;
-use super::edge::{edge_lower_bound, edge_upper_bound};
-use super::generate;
-use crate::error::{GenerateError, SpecError};
-use crate::generate::Spec;
-use crate::seed::Seed;
+use crate::error::SpecError;
 use crate::settings::Setting;
 use crate::world::MAX_COORDINATE;
 
@@ -37,7 +30,7 @@ const DEFAULT_MIXING: [f64; 2] = [8.0, 1000.0];
 /// let landscape = spec.generate(Seed(7))?;
 /// assert_eq!(landscape.total_edge(), 2376);
 /// assert!((landscape.entropy() - 1.9).abs() < 1e-5);
-/// # Ok::<(), envgen::GenerateError>(())
+/// # Ok::<(), envgen::landscape::LandscapeError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -133,27 +126,6 @@ impl Algorithm {
     }
 }
 
-/// Why a landscape could not be generated.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum LandscapeError {
-    /// This algorithm cannot reach the requested Total Edge, though other algorithms may.
-    #[error(
-        "`total_edge` must be from {low} to {high} for {} landscapes of this seed, got {target}; \
-         `mixed` and `bands` reach further", algorithm.name()
-    )]
-    Look {
-        /// The algorithm.
-        algorithm: Algorithm,
-        /// The least Total Edge that it reaches.
-        low: u64,
-        /// The greatest.
-        high: u64,
-        /// The requested Total Edge.
-        target: u64,
-    },
-}
-
 const ROWS: Setting = Setting::integer("rows", 1, MAX_CELLS, "number of rows");
 const COLS: Setting = Setting::integer("cols", 1, MAX_CELLS, "number of columns");
 pub(super) const CLASSES: Setting = Setting::integer("classes", 1, 65_535, "number of classes");
@@ -182,7 +154,7 @@ const SIGMA: Setting = Setting::number(
     1e6,
     "standard deviation of the smoothing (absent: as total_edge needs, or 3)",
 );
-const TOTAL_EDGE: Setting = Setting::integer(
+pub(super) const TOTAL_EDGE: Setting = Setting::integer(
     "total_edge",
     0,
     2 * MAX_CELLS,
@@ -204,7 +176,23 @@ const SPEEDS: Setting = Setting::list(
 )
 .such_as("1,0.5,0");
 
-const RULES: &[&str] = &[
+pub(super) const SETTINGS: &[Setting] = &[
+    ROWS,
+    COLS,
+    CLASSES,
+    ENTROPY,
+    KEEP_CLASSES,
+    ORDER,
+    ALGORITHM,
+    EPSILON,
+    SIGMA,
+    TOTAL_EDGE,
+    MIXING,
+    CELL,
+    SPEEDS,
+];
+
+pub(super) const RULES: &[&str] = &[
     "`rows` times `cols` is at most 67,108,864, and 16,777,216 where `algorithm` is smooth",
     "`mixing` times `rows` times `cols` is at most 1,000,000,000 swaps",
     "`speeds` is empty or has one number for each of the `classes`",
@@ -215,56 +203,20 @@ const RULES: &[&str] = &[
      an error names",
 ];
 
-impl Spec for LandscapeSpec {
-    type Blueprint = Landscape;
-
-    const KIND: &'static str = "landscape";
-
-    const VALUE_VERSION: u32 = 1;
-
-    const SETTINGS: &'static [Setting] = &[
-        ROWS,
-        COLS,
-        CLASSES,
-        ENTROPY,
-        KEEP_CLASSES,
-        ORDER,
-        ALGORITHM,
-        EPSILON,
-        SIGMA,
-        TOTAL_EDGE,
-        MIXING,
-        CELL,
-        SPEEDS,
-    ];
-
-    const RULES: &'static [&'static str] = RULES;
-
-    fn validate(&self) -> Result<(), SpecError> {
-        self.composition().map(|_| ())
-    }
-
-    fn work(&self) -> f64 {
+impl LandscapeSpec {
+    /// Number of cells.
+    pub(super) fn cells(&self) -> f64 {
         self.rows as f64 * self.cols as f64
     }
 
-    fn generate(&self, seed: Seed) -> Result<Landscape, GenerateError> {
-        generate::landscape(self, seed)
-    }
-}
-
-impl LandscapeSpec {
     /// Swaps tried per cell.
     pub(super) fn swaps_per_cell(&self) -> f64 {
         let [least, most] = DEFAULT_MIXING;
-        self.mixing.unwrap_or_else(|| (DEFAULT_SWAPS / self.work()).clamp(least, most))
+        self.mixing.unwrap_or_else(|| (DEFAULT_SWAPS / self.cells()).clamp(least, most))
     }
 
-    /// Checks every setting, and the settings together; returns the composition that they give.
-    ///
-    /// # Errors
-    /// Names the first setting that is not allowed, its value and the allowed values.
-    pub fn composition(&self) -> Result<Composition, SpecError> {
+    /// Checks the fields and sizes that need no composition.
+    pub(super) fn check(&self) -> Result<(), SpecError> {
         ROWS.check_integer(self.rows)?;
         COLS.check_integer(self.cols)?;
         let cells = self.rows * self.cols;
@@ -305,27 +257,6 @@ impl LandscapeSpec {
             let given = format!("a list of {}", self.speeds.len());
             return Err(SpecError::new(SPEEDS.name, given, allowed));
         }
-        let composition =
-            Composition::closest(cells, self.classes, self.entropy, self.keep_classes)?;
-        if let Some(target) = self.total_edge {
-            let counts = composition.counts();
-            let low = edge_lower_bound(self.rows, self.cols, counts);
-            let high = edge_upper_bound(self.rows, self.cols, counts);
-            if !(low..=high).contains(&target) {
-                let allowed =
-                    format!("from {low} to {high}, the bounds for these classes on this grid");
-                return Err(SpecError::new(TOTAL_EDGE.name, target, allowed));
-            }
-        }
-        Ok(composition)
-    }
-
-    /// Landscapes of the seeds from `seed` on, without end: equal in entropy and, where it is
-    /// requested, in Total Edge, and otherwise independent.
-    pub fn batch(
-        &self,
-        seed: Seed,
-    ) -> impl Iterator<Item = Result<Landscape, GenerateError>> + use<'_> {
-        (0..).map(move |i| self.generate(seed.offset(i)))
+        Ok(())
     }
 }

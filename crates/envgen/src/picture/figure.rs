@@ -7,9 +7,9 @@ use svg::node::element::Group;
 
 use super::ink::Indexed;
 use super::legend::{self, Entry};
-use super::page::{TITLE_HEIGHT, page, rectangle};
-use super::parts::filled;
+use super::page::{TITLE_HEIGHT, page};
 use super::path::PathData;
+use super::shapes::{filled, rectangle};
 use super::style::{self, Color, Style};
 use super::text::{Align, Typesetter};
 use super::title::Heading;

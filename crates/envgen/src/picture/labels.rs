@@ -3,10 +3,10 @@
 use glam::DVec2;
 use svg::node::element::Group;
 
-use super::page::{haloed, symbols};
 use super::parts::room_color;
 use super::path::PathData;
 use super::style::{self, Texture};
+use super::symbols::{haloed, symbols};
 use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
 use super::view::View;
 use crate::geometry::Rect;

@@ -3,11 +3,12 @@
 use glam::DVec2;
 use svg::node::element::Group;
 
-use super::page::{arrow, difficulty_bar, flag, sample, scale_bar};
-use super::parts::{self, Layer, filled, stroked};
+use super::parts::{self, Layer};
 use super::path::PathData;
 use super::raster;
+use super::shapes::{filled, stroked};
 use super::style::{self, Style};
+use super::symbols::{arrow, difficulty_bar, flag, sample, scale_bar};
 use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
 use super::view::View;
 use crate::geometry::{Pose, Shape, edges};

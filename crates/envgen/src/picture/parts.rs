@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use glam::DVec2;
-use svg::node::element::{Group, Path};
+use svg::node::element::Group;
 
 use super::hatch::{Hatch, RISING, outline};
 use super::ink::{Ink, MANY_PARTS, Shadow};
 use super::path::PathData;
+use super::shapes::stroked;
 use super::style::{self, Color, Style, Texture};
 use super::view::{View, round_number};
 use super::{PictureError, PictureOptions, raster, roads};
@@ -57,18 +58,6 @@ fn victims(world: &World, view: &View) -> Option<Group> {
     let inside = stroked(dots, style::VICTIM.fill, 2.0 * radius - 1.5);
     let group = Group::new().set("id", "victims").set("stroke-linecap", "round");
     Some(group.add(edge).add(inside))
-}
-
-pub(super) fn stroked(path: PathData, color: Color, width: f64) -> Path {
-    Path::new()
-        .set("d", path.into_text())
-        .set("fill", "none")
-        .set("stroke", color.to_string())
-        .set("stroke-width", (width * 100.0).round() / 100.0)
-}
-
-pub(super) fn filled(path: PathData, color: Color) -> Path {
-    Path::new().set("d", path.into_text()).set("fill", color.to_string())
 }
 
 /// The side of the grid's cells in metres: at least 40 px.

@@ -3,8 +3,8 @@
 use glam::DVec2;
 use svg::node::element::{Group, Rectangle};
 
-use super::parts::{filled, stroked};
 use super::path::PathData;
+use super::shapes::{filled, stroked};
 use super::style;
 use super::text::{Align, Typesetter};
 use super::view::{self, View, round_number};

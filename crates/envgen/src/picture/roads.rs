@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use svg::node::element::{Group, Path};
 
-use super::parts::stroked;
 use super::path::PathData;
+use super::shapes::stroked;
 use super::style;
 use super::view::View;
 use crate::geometry::unit_vector;

@@ -4,8 +4,8 @@ use glam::DVec2;
 use svg::node::element::Group;
 
 use super::PictureOptions;
-use super::parts::filled;
 use super::path::PathData;
+use super::shapes::filled;
 use super::style;
 use super::text::{Align, Typesetter};
 use super::view::{self, View};

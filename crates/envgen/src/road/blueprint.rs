@@ -7,12 +7,10 @@ use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
 use super::spec::RoadSpec;
-use crate::curve::overlap::strip_overlap;
 use crate::curve::{Curve, Located, Path, PathIndex};
-use crate::generate::Blueprint;
 use crate::geometry::Pose;
 use crate::seed::Seed;
-use crate::world::{RoadPoint, World};
+use crate::world::RoadPoint;
 
 /// What a segment of a road is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -182,69 +180,5 @@ impl Serialize for Road {
         road.serialize_field("segments", &self.segments)?;
         road.serialize_field("waypoints", &Rows(&self.waypoints))?;
         road.end()
-    }
-}
-
-/// Numbers that describe a road.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RoadMetrics {
-    /// Length in metres.
-    pub length: f64,
-    /// Number of waypoints.
-    pub waypoints: u64,
-    /// Number of turns.
-    pub turns: u64,
-    /// Least radius in metres; `None` without turns.
-    pub min_radius: Option<f64>,
-    /// Mean absolute angle of the turns in degrees; `None` without turns.
-    pub mean_angle: Option<f64>,
-    /// Sum of the turns' absolute angles in degrees.
-    pub turning: f64,
-    /// Share of the length that is straight.
-    pub straight_share: f64,
-    /// Lateral acceleration at the spec's speed in the tightest turn, in m/s^2.
-    pub lateral_acceleration: f64,
-    /// Greatest speed in m/s at which friction is sufficient in every turn; `None` without turns.
-    pub max_speed: Option<f64>,
-    /// Distance between start and end over the length, 1 for a straight road.
-    pub directness: f64,
-    /// Whether the road covers itself.
-    pub crosses_itself: bool,
-    /// Attempts that were needed.
-    pub attempts: u64,
-}
-
-impl Blueprint for Road {
-    type Metrics = RoadMetrics;
-
-    fn metrics(&self) -> RoadMetrics {
-        let turns = || self.segments.iter().filter(|segment| segment.kind.is_turn());
-        let count = turns().count() as u64;
-        let turning: f64 = turns().map(|turn| turn.angle.abs()).sum::<f64>().to_degrees();
-        let min_radius = turns().filter_map(|turn| turn.radius).reduce(f64::min);
-        let straight: f64 =
-            self.segments.iter().filter(|s| !s.kind.is_turn()).map(|s| s.length).sum();
-        let speed = self.spec.speed;
-        let between = self.end().position.distance(self.spec.start().position);
-        RoadMetrics {
-            length: self.length(),
-            waypoints: self.waypoints.len() as u64,
-            turns: count,
-            min_radius,
-            mean_angle: (count > 0).then(|| turning / count as f64),
-            turning,
-            straight_share: straight / self.length(),
-            lateral_acceleration: min_radius.map_or(0.0, |radius| speed * speed / radius),
-            max_speed: min_radius
-                .map(|radius| (radius * super::turn::GRAVITY * self.spec.friction).sqrt()),
-            directness: between / self.length(),
-            crosses_itself: strip_overlap(&self.path, 0.5 * self.spec.width, self.spec.closed)
-                .is_some(),
-            attempts: self.attempts,
-        }
-    }
-
-    fn to_world(&self) -> World {
-        super::build::world(self)
     }
 }

@@ -4,8 +4,11 @@ use std::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use super::spec::{ALPHA, ALPHA_LIMITS};
 use crate::error::SpecError;
+
+/// The concentrations that are allowed.
+pub(super) const ALLOWED: &str = "a number from 1e-6 to 1e12, or a list with one per segment";
+const LIMITS: (f64, f64) = (1e-6, 1e12);
 
 /// The concentration of a Dirichlet law.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,20 +32,20 @@ impl Concentration {
     }
 
     pub(super) fn check(&self, count: usize) -> Result<(), SpecError> {
-        let (least, most) = ALPHA_LIMITS;
+        let (least, most) = LIMITS;
         let alphas = match self {
             Concentration::Same(alpha) => std::slice::from_ref(alpha),
             Concentration::Each(alphas) => {
                 if alphas.len() != count {
                     let given = format!("a list of {}", alphas.len());
                     let allowed = format!("one number, or {count} numbers for {count} segments");
-                    return Err(SpecError::new(ALPHA.name, given, allowed));
+                    return Err(SpecError::new("alpha", given, allowed));
                 }
                 alphas
             }
         };
         match alphas.iter().find(|alpha| !(least..=most).contains(*alpha)) {
-            Some(alpha) => Err(ALPHA.error(alpha)),
+            Some(alpha) => Err(SpecError::new("alpha", alpha, ALLOWED)),
             None => Ok(()),
         }
     }

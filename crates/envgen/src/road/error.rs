@@ -2,10 +2,15 @@
 
 use thiserror::Error;
 
+use crate::error::SpecError;
+
 /// Why a road could not be generated from a valid spec.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RoadError {
+    /// The spec asks for something that is not allowed.
+    #[error(transparent)]
+    Spec(#[from] SpecError),
     /// The drawn length of a turn is too short for every radius that is allowed.
     #[error(
         "segment {segment}, a turn, got {length:.3} m, which allows radii up to {greatest:.3} m, \

@@ -13,18 +13,66 @@
 
 mod apportion;
 mod blueprint;
-mod build;
 mod concentration;
-mod draw;
 mod error;
 mod fit;
+mod generate;
+mod metrics;
+mod part;
 mod spec;
 mod turn;
+mod waypoints;
+mod world;
 
 pub use apportion::{dirichlet, largest_remainder, lengths, quantum};
-pub use blueprint::{Road, RoadMetrics, RoadSegment, SegmentKind};
-pub use build::KERB_TOLERANCE;
+pub use blueprint::{Road, RoadSegment, SegmentKind};
 pub use concentration::Concentration;
 pub use error::RoadError;
-pub use spec::{Crossing, Lengths, MAX_SEGMENTS, MAX_WAYPOINTS, Prefab, RoadSpec, TurnLaw};
-pub use turn::{GRAVITY, TurnLimits};
+pub use metrics::RoadMetrics;
+pub use spec::{Crossing, Lengths, MAX_SEGMENTS, MAX_WAYPOINTS, Prefab, RoadSpec};
+pub use turn::{GRAVITY, TurnLaw, TurnLimits};
+pub use world::KERB_TOLERANCE;
+
+use crate::error::SpecError;
+use crate::generate::{Blueprint, Spec};
+use crate::seed::Seed;
+use crate::settings::Setting;
+use crate::world::World;
+
+impl Spec for RoadSpec {
+    type Blueprint = Road;
+    type Error = RoadError;
+
+    const KIND: &'static str = "road";
+
+    const VALUE_VERSION: u32 = 1;
+
+    const SETTINGS: &'static [Setting] = spec::SETTINGS;
+
+    const RULES: &'static [&'static str] = spec::RULES;
+
+    fn validate(&self) -> Result<(), SpecError> {
+        self.check()
+    }
+
+    fn work(&self) -> f64 {
+        self.length / self.step
+    }
+
+    fn generate(&self, seed: Seed) -> Result<Road, RoadError> {
+        self.validate()?;
+        generate::road(self, seed)
+    }
+}
+
+impl Blueprint for Road {
+    type Metrics = RoadMetrics;
+
+    fn metrics(&self) -> RoadMetrics {
+        metrics::measure(self)
+    }
+
+    fn to_world(&self) -> World {
+        world::world(self)
+    }
+}

@@ -3,13 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::apportion::quantum;
-use super::blueprint::Road;
-use super::concentration::Concentration;
-use super::turn::{GRAVITY, TurnLimits};
-use crate::error::{GenerateError, SpecError};
-use crate::generate::Spec;
+use super::concentration::{self, Concentration};
+use super::turn::{GRAVITY, TurnLaw, TurnLimits};
+use crate::error::SpecError;
 use crate::geometry::Pose;
-use crate::seed::Seed;
 use crate::settings::Setting;
 
 /// Most waypoints that a road can have.
@@ -31,7 +28,7 @@ pub const MAX_SEGMENTS: usize = 4096;
 /// let located = road.locate(end.position + glam::DVec2::new(0.0, 2.0)).unwrap();
 /// assert!(located.offset.abs() <= 2.0);
 /// # use envgen::glam;
-/// # Ok::<(), envgen::GenerateError>(())
+/// # Ok::<(), envgen::road::RoadError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -231,6 +228,42 @@ impl RoadSpec {
         Err(SpecError::new(LENGTH.name, self.length, allowed))
     }
 
+    /// Checks every field, and the fields together.
+    pub(super) fn check(&self) -> Result<(), SpecError> {
+        for (setting, value) in [
+            (LENGTH, self.length),
+            (STEP, self.step),
+            (P_TURN, self.p_turn),
+            (SHORTEST, self.shortest),
+            (SPEED, self.speed),
+            (FRICTION, self.friction),
+            (THETA_MIN, self.theta_min),
+            (THETA_MAX, self.theta_max),
+            (MIN_RADIUS, self.min_radius),
+            (TRANSITION, self.transition),
+            (WIDTH, self.width),
+            (KERB, self.kerb),
+            (START_X, self.start_x),
+            (START_Y, self.start_y),
+            (START_HEADING, self.start_heading),
+            (AREA, self.area),
+        ] {
+            setting.check(value)?;
+        }
+        RANDOM.check_integer(self.random)?;
+        LANES.check_integer(self.lanes)?;
+        ATTEMPTS.check_integer(self.attempts)?;
+        for (setting, value) in [(AIM_X, self.aim_x), (AIM_Y, self.aim_y)] {
+            if let Some(value) = value
+                && !(-AIM_LIMIT..=AIM_LIMIT).contains(&value)
+            {
+                return Err(setting.error(value));
+            }
+        }
+        self.check_together()?;
+        self.check_reserve()
+    }
+
     /// Checks the fields that depend on each other.
     fn check_together(&self) -> Result<(), SpecError> {
         if self.step > self.length {
@@ -306,16 +339,6 @@ pub enum Lengths {
     AsPublished,
 }
 
-/// Which quantity of a turn is uniform between its limits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TurnLaw {
-    /// The radius, as published.
-    UniformRadius,
-    /// The angle.
-    UniformAngle,
-}
-
 /// What happens when a road covers itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -329,7 +352,6 @@ pub enum Crossing {
     Resample,
 }
 
-pub(super) const ALPHA_LIMITS: (f64, f64) = (1e-6, 1e12);
 pub(super) const LENGTH: Setting = Setting::number("length", "m", 0.1, 1e6, "length");
 const STEP: Setting =
     Setting::number("step", "m", 1e-3, 1e5, "distance between waypoints, at most the length");
@@ -349,10 +371,10 @@ const RANDOM: Setting = Setting::integer(
 );
 const P_TURN: Setting =
     Setting::number("p_turn", "", 0.0, 1.0, "probability that a segment drawn at random is a turn");
-pub(super) const ALPHA: Setting = Setting::other(
+const ALPHA: Setting = Setting::other(
     "alpha",
     "",
-    "a number from 1e-6 to 1e12, or a list with one per segment",
+    concentration::ALLOWED,
     "concentration of the Dirichlet law of the lengths",
 )
 .such_as("1,2,1,2,1");
@@ -421,7 +443,37 @@ const fn aim(name: &'static str, help: &'static str) -> Setting {
     Setting::other(name, "m", "a number from -1e6 to 1e6, or null for none", help)
 }
 
-const RULES: &[&str] = &[
+pub(super) const SETTINGS: &[Setting] = &[
+    LENGTH,
+    STEP,
+    PREFABS,
+    RANDOM,
+    P_TURN,
+    ALPHA,
+    LENGTHS,
+    SHORTEST,
+    SPEED,
+    FRICTION,
+    THETA_MIN,
+    THETA_MAX,
+    MIN_RADIUS,
+    TURNS,
+    TRANSITION,
+    WIDTH,
+    LANES,
+    KERB,
+    START_X,
+    START_Y,
+    START_HEADING,
+    AIM_X,
+    AIM_Y,
+    CLOSED,
+    CROSSING,
+    AREA,
+    ATTEMPTS,
+];
+
+pub(super) const RULES: &[&str] = &[
     "`step` is at most the `length`, a third of it where `closed` is true, and there are at most \
      2,000,000 waypoints: `length` over `step`",
     "`prefabs` holds 1 to 4096 segments, where `random` is 0",
@@ -431,87 +483,3 @@ const RULES: &[&str] = &[
     "`length` has room for the least lengths of all segments, which follow from `shortest`, \
      `theta_min`, `speed`, `friction`, `min_radius` and `width`, where `lengths` is reserve",
 ];
-
-impl Spec for RoadSpec {
-    type Blueprint = Road;
-
-    const KIND: &'static str = "road";
-
-    const VALUE_VERSION: u32 = 1;
-
-    const SETTINGS: &'static [Setting] = &[
-        LENGTH,
-        STEP,
-        PREFABS,
-        RANDOM,
-        P_TURN,
-        ALPHA,
-        LENGTHS,
-        SHORTEST,
-        SPEED,
-        FRICTION,
-        THETA_MIN,
-        THETA_MAX,
-        MIN_RADIUS,
-        TURNS,
-        TRANSITION,
-        WIDTH,
-        LANES,
-        KERB,
-        START_X,
-        START_Y,
-        START_HEADING,
-        AIM_X,
-        AIM_Y,
-        CLOSED,
-        CROSSING,
-        AREA,
-        ATTEMPTS,
-    ];
-
-    const RULES: &'static [&'static str] = RULES;
-
-    fn validate(&self) -> Result<(), SpecError> {
-        for (setting, value) in [
-            (LENGTH, self.length),
-            (STEP, self.step),
-            (P_TURN, self.p_turn),
-            (SHORTEST, self.shortest),
-            (SPEED, self.speed),
-            (FRICTION, self.friction),
-            (THETA_MIN, self.theta_min),
-            (THETA_MAX, self.theta_max),
-            (MIN_RADIUS, self.min_radius),
-            (TRANSITION, self.transition),
-            (WIDTH, self.width),
-            (KERB, self.kerb),
-            (START_X, self.start_x),
-            (START_Y, self.start_y),
-            (START_HEADING, self.start_heading),
-            (AREA, self.area),
-        ] {
-            setting.check(value)?;
-        }
-        RANDOM.check_integer(self.random)?;
-        LANES.check_integer(self.lanes)?;
-        ATTEMPTS.check_integer(self.attempts)?;
-        for (setting, value) in [(AIM_X, self.aim_x), (AIM_Y, self.aim_y)] {
-            if let Some(value) = value
-                && !(-AIM_LIMIT..=AIM_LIMIT).contains(&value)
-            {
-                return Err(setting.error(value));
-            }
-        }
-        self.check_together()?;
-        self.check_reserve()
-    }
-
-    fn work(&self) -> f64 {
-        self.length / self.step
-    }
-
-    fn generate(&self, seed: Seed) -> Result<Road, GenerateError> {
-        self.validate()?;
-        super::draw::road(self, seed)
-    }
-}

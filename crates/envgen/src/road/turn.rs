@@ -1,10 +1,21 @@
 //! The radius of a turn of a given length.
 
-use super::spec::TurnLaw;
+use serde::{Deserialize, Serialize};
+
 use crate::seed::Stream;
 
 /// Acceleration of gravity in m/s^2.
 pub const GRAVITY: f64 = 9.81;
+
+/// Which quantity of a turn is uniform between its limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TurnLaw {
+    /// The radius, as published.
+    UniformRadius,
+    /// The angle.
+    UniformAngle,
+}
 
 /// The limits of a road's turns.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -309,8 +309,8 @@ fn folds_back(a: DVec2, b: DVec2, c: DVec2) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certificate::Claim;
     use crate::provenance::Provenance;
+    use crate::world::Claim;
     use crate::world::{
         ClassRaster, Doorway, Obstacle, ObstacleKind, Surface, SurfaceKind, Tree, Wall, WallKind,
     };

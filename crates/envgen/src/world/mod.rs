@@ -1,6 +1,7 @@
 //! [`World`]: what every generator makes and everything else reads.
 
 mod check;
+mod claim;
 mod digest;
 mod part;
 mod raster;
@@ -13,6 +14,7 @@ use glam::DVec2;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 pub use check::{MAX_COORDINATE, Violation};
+pub use claim::Claim;
 pub use digest::Digest;
 pub use part::{
     Contents, Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind,
@@ -21,7 +23,6 @@ pub use part::{
 pub use raster::ClassRaster;
 pub use road::RoadMesh;
 
-use crate::certificate::Claim;
 use crate::geometry::{Pose, Rect, Shape};
 use crate::provenance::Provenance;
 

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use envgen::road::{Concentration, Crossing, Prefab, RoadError, RoadSpec};
-use envgen::{GenerateError, Seed, Spec};
+use envgen::{Seed, Spec};
 
 use envgen::road::Prefab::{Left, Straight};
 
@@ -19,13 +19,7 @@ fn a_point_behind_is_out_of_reach() {
         ..Default::default()
     };
     let error = far.generate(Seed(1)).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            GenerateError::Road(RoadError::TooLong { .. } | RoadError::Unreachable { .. })
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, RoadError::TooLong { .. } | RoadError::Unreachable { .. }), "{error}");
 }
 
 #[test]
@@ -46,7 +40,7 @@ fn attempts_run_out_with_the_last_reason() {
     let spec =
         RoadSpec { crossing: Crossing::Resample, attempts: 7, area: 100.0, ..Default::default() };
     let error = spec.generate(Seed(1)).unwrap_err();
-    let GenerateError::Road(RoadError::Attempts { attempts: 7, last }) = error else {
+    let RoadError::Attempts { attempts: 7, last } = error else {
         panic!("{error}");
     };
     assert_eq!(*last, RoadError::OutOfArea { side: 100.0 });
@@ -130,7 +124,7 @@ fn bad_settings_are_named() {
     let check = |field: &str, spec: RoadSpec| {
         let error = spec.validate().expect_err(field);
         assert_eq!(error.field, field);
-        assert_eq!(spec.generate(Seed(0)), Err(GenerateError::Spec(error)));
+        assert_eq!(spec.generate(Seed(0)), Err(RoadError::Spec(error)));
     };
     let good = RoadSpec::default;
     for alpha in [0.0, -1.0, f64::NAN, 1e-300, 1e300, f64::INFINITY] {

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use envgen::curve::overlap::strip_overlap;
 use envgen::glam::DVec2;
 use envgen::road::{Crossing, GRAVITY, Lengths, Prefab, RoadError, RoadSpec};
-use envgen::{Blueprint, GenerateError, Seed, Spec};
+use envgen::{Blueprint, Seed, Spec};
 use proptest::prelude::*;
 
 use envgen::road::Prefab::{Left, Right, Straight};
@@ -154,7 +154,7 @@ fn an_aimed_road_ends_there() {
                 }
                 assert_eq!(road.waypoints().len() as f64, road.length().round());
             }
-            Err(GenerateError::Road(RoadError::Unreachable { x, y, .. })) => {
+            Err(RoadError::Unreachable { x, y, .. }) => {
                 assert_eq!((x, y), (aim.x, aim.y));
             }
             Err(error) => panic!("{error}"),
@@ -221,7 +221,7 @@ fn rejected_and_resampled_roads_do_not_cross() {
         let rejecting = RoadSpec { crossing: Crossing::Reject, ..spec.clone() };
         match rejecting.generate(Seed(seed)) {
             Ok(road) => assert!(!crosses && road.segments() == allowed.segments()),
-            Err(GenerateError::Road(RoadError::Crossing { first, second })) => {
+            Err(RoadError::Crossing { first, second }) => {
                 assert!(crosses && first < second);
                 crossed += 1;
             }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use envgen::road::{Concentration, Lengths, Road, RoadError, RoadSpec, SegmentKind, TurnLaw};
-use envgen::{GenerateError, Seed, Spec};
+use envgen::{Seed, Spec};
 
 use envgen::road::Prefab::{Straight, Turn};
 
@@ -74,7 +74,7 @@ fn published_lengths_fail_as_often_as_their_law_says() {
         let mut failed = 0;
         for seed in 0..SEEDS {
             if let Err(error) = spec.generate(Seed(seed)) {
-                let GenerateError::Road(RoadError::TurnTooShort { segment, .. }) = error else {
+                let RoadError::TurnTooShort { segment, .. } = error else {
                     panic!("{error}");
                 };
                 assert!(segment == 2 || segment == 4);

@@ -1,8 +1,8 @@
 //! Worlds, files, settings and frozen digests.
 
-use envgen::road::{Concentration, Crossing, GRAVITY, Lengths, RoadSpec, TurnLaw};
+use envgen::road::{Concentration, Crossing, GRAVITY, Lengths, RoadError, RoadSpec, TurnLaw};
 use envgen::world::Digest;
-use envgen::{Blueprint, GenerateError, Seed, Spec};
+use envgen::{Blueprint, Seed, Spec};
 use proptest::prelude::*;
 
 use envgen::road::Prefab::{Left, Right, Straight, Turn};
@@ -263,8 +263,8 @@ proptest! {
                     prop_assert!(at.offset.abs() < 1e-6);
                 }
             }
-            Err(GenerateError::Spec(error)) => prop_assert_eq!(valid, Err(error)),
-            Err(GenerateError::Road(error)) => {
+            Err(RoadError::Spec(error)) => prop_assert_eq!(valid, Err(error)),
+            Err(error) => {
                 let plain = crossing == 0 && !spec.closed && aim.is_none();
                 // Reserved lengths never fail.
                 prop_assert!(!plain || published, "{error}");

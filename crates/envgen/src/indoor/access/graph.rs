@@ -6,9 +6,9 @@ use std::collections::BinaryHeap;
 use glam::DVec2;
 use serde::Serialize;
 
-use super::Interiors;
+use super::interiors::Interiors;
+use crate::indoor::blueprint::FloorPlan;
 use crate::indoor::grid::Cell;
-use crate::indoor::plan::FloorPlan;
 use crate::indoor::union_find::Sets;
 
 /// Which places of a plan are connected: the cells of hallways and open areas, the rooms, and the
@@ -73,8 +73,15 @@ pub struct Link {
     pub length: f64,
 }
 
+impl FloorPlan {
+    /// Which places are connected, for a robot of the spec's footprint.
+    pub fn access(&self) -> AccessGraph {
+        AccessGraph::new(self)
+    }
+}
+
 impl AccessGraph {
-    pub(in crate::indoor) fn new(plan: &FloorPlan) -> Self {
+    fn new(plan: &FloorPlan) -> Self {
         let interiors = Interiors::new(&plan.grid, &plan.rooms, plan.spec.dimensions());
         let grid = &plan.grid;
         let mut places = Vec::with_capacity(interiors.count as usize);

@@ -1,33 +1,23 @@
 //! The rooms that a map may hold.
 
 mod builtin;
-mod design;
+pub(super) mod design;
 mod folder;
+mod shared_room;
 
 use std::collections::BTreeSet;
-use std::fmt;
-use std::ops::Deref;
-use std::sync::{Arc, LazyLock, Mutex, PoisonError, Weak};
+use std::sync::{Arc, LazyLock};
 
 use ron::extensions::Extensions;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use thiserror::Error;
 
-pub(super) use design::Frame;
-pub use design::{DESIGN_UNIT, MAX_ROOM_PARTS, MAX_ROOM_SIZE, RoomDesign, RoomError};
+pub use design::{MAX_ROOM_PARTS, MAX_ROOM_SIZE, RoomDesign, RoomError};
 pub use folder::FolderError;
-
-use super::grid::Side;
-use super::interior::{self, Dimensions, Interior};
+pub use shared_room::SharedRoom;
 
 /// Most rooms in a catalogue.
 pub const MAX_ROOMS: usize = 10_000;
-
-/// Distinct dimensions for which a room remembers its free space.
-const REMEMBERED: usize = 4;
-
-/// The sets of doorways for which a room caches its cleared version, and the parts in all of these.
-const REMEMBERED_CLEARED: (usize, usize) = (256, 1 << 16);
 
 /// Why rooms do not make a catalogue.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -42,111 +32,6 @@ pub enum CatalogueError {
     /// There are no rooms, or too many.
     #[error("the catalogue has {0} rooms, expected 1 to {MAX_ROOMS}")]
     Count(usize),
-}
-
-/// A room that has passed its checks, cheap to clone.
-#[derive(Clone)]
-pub struct SharedRoom(Arc<Inner>);
-
-struct Inner {
-    design: RoomDesign,
-    /// The cache of [`SharedRoom::interior`]; it changes no result.
-    interiors: Mutex<Vec<(Dimensions, Arc<Interior>)>>,
-    /// The cache of [`SharedRoom::cleared`]; it changes no result.
-    cleared: Mutex<Vec<(Doorways, Option<SharedRoom>)>>,
-    /// The room before it was cleared, and the doorways that it was cleared for.
-    before: Option<(Weak<Inner>, Places)>,
-}
-
-/// Positions of doorways in the unturned room, in order.
-type Places = Vec<(Side, u32)>;
-
-/// The positions, and the dimensions that apply there.
-type Doorways = (Places, Dimensions);
-
-impl SharedRoom {
-    /// Checks a room.
-    ///
-    /// # Errors
-    /// The first rule that the room breaks.
-    pub fn new(design: RoomDesign) -> Result<Self, RoomError> {
-        design.validate()?;
-        let (interiors, cleared) = Default::default();
-        Ok(SharedRoom(Arc::new(Inner { design, interiors, cleared, before: None })))
-    }
-
-    /// The free space inside the room, computed once for the same dimensions.
-    ///
-    /// # Panics
-    /// As [`Interior::new`].
-    pub fn interior(&self, dimensions: Dimensions) -> Arc<Interior> {
-        let mut known = self.0.interiors.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, interior)) = known.iter().find(|(key, _)| *key == dimensions) {
-            return Arc::clone(interior);
-        }
-        let interior = Arc::new(Interior::new(&self.0.design, dimensions));
-        if known.len() == REMEMBERED {
-            known.remove(0);
-        }
-        known.push((dimensions, Arc::clone(&interior)));
-        interior
-    }
-
-    /// The room without the contents that block a doorway in a side, `at` half cells from its
-    /// left or upper end; `None` when the doorway could not be used even so.
-    pub(super) fn cleared(
-        &self,
-        side: Side,
-        at: u32,
-        dimensions: Dimensions,
-    ) -> Option<SharedRoom> {
-        // The remaining contents depend on the set of doorways, not on their order.
-        let before = self.0.before.as_ref();
-        let before = before.and_then(|(room, doorways)| Some((room.upgrade()?, doorways.clone())));
-        let (original, mut doorways) = before.unwrap_or_else(|| (Arc::clone(&self.0), Vec::new()));
-        if let Err(place) = doorways.binary_search(&(side, at)) {
-            doorways.insert(place, (side, at));
-        }
-        let key = (doorways, dimensions);
-        let mut known = original.cleared.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, room)) = known.iter().find(|(known, _)| *known == key) {
-            return room.clone();
-        }
-        let design = interior::cleared(&self.0.design, dimensions, side, at);
-        let (interiors, cleared) = Default::default();
-        let before = Some((Arc::downgrade(&original), key.0.clone()));
-        let room = SharedRoom(Arc::new(Inner { design, interiors, cleared, before }));
-        // The removed contents may have filled a gap between those that stay.
-        let interior = room.interior(dimensions);
-        let sound = interior.port(side, at).usable() && interior.overlooked(&room, dimensions) == 0;
-        let room = sound.then_some(room);
-        let (most, parts) = REMEMBERED_CLEARED;
-        if known.len() >= most.min(parts / (1 + original.design.barriers().count())).max(1) {
-            known.remove(0);
-        }
-        known.push((key, room.clone()));
-        room
-    }
-}
-
-impl Deref for SharedRoom {
-    type Target = RoomDesign;
-
-    fn deref(&self) -> &RoomDesign {
-        &self.0.design
-    }
-}
-
-impl fmt::Debug for SharedRoom {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.design.fmt(f)
-    }
-}
-
-impl PartialEq for SharedRoom {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.0, &other.0) || self.0.design == other.0.design
-    }
 }
 
 /// A list of rooms with distinct names, cheap to clone. It serialises to the list of its rooms, so

@@ -4,8 +4,9 @@ use glam::DVec2;
 
 use super::*;
 use crate::geometry::Shape;
+use crate::indoor::dimensions::Dimensions;
 use crate::indoor::grid::Side;
-use crate::indoor::interior::{Port, narrowest_way};
+use crate::indoor::interior::{Interior, Port, narrowest_way};
 use crate::indoor::variation::cut_off;
 use crate::world::{ObstacleKind, SurfaceKind};
 
@@ -248,24 +249,4 @@ fn a_catalogue_survives_json() {
     let back: Catalogue = serde_json::from_str(&json).unwrap();
     assert_eq!(&back, Catalogue::builtin());
     assert!(serde_json::from_str::<Catalogue>("[]").is_err());
-}
-
-#[test]
-fn a_room_is_cleared_for_a_set_of_doorways() {
-    let dimensions = crate::indoor::IndoorSpec::default().dimensions();
-    let lab = Catalogue::builtin().get("computer lab").unwrap();
-    let (west, east) = ((Side::West, 1), (Side::East, 3));
-    let clear = |room: &SharedRoom, (side, at)| room.cleared(side, at, dimensions).unwrap();
-    let one_way = clear(&clear(lab, west), east);
-    let other_way = clear(&clear(lab, east), west);
-    assert_eq!(one_way, other_way);
-    assert!(one_way.obstacles.len() < clear(lab, west).obstacles.len());
-    // Computed once, and with the same result for a room that is not the catalogue's own.
-    assert!(Arc::ptr_eq(&one_way.0, &other_way.0));
-    let copy = clear(&SharedRoom::new((**lab).clone()).unwrap(), west);
-    assert_eq!(clear(&copy, east), one_way);
-    for (side, at) in [west, east] {
-        assert!(!lab.interior(dimensions).port(side, at).usable());
-        assert!(one_way.interior(dimensions).port(side, at).usable());
-    }
 }

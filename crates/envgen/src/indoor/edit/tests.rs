@@ -1,8 +1,8 @@
 use super::*;
-use crate::certificate::Claim;
 use crate::generate::{Blueprint, Spec};
 use crate::indoor::{Catalogue, IndoorSpec};
 use crate::seed::Seed;
+use crate::world::Claim;
 use proptest::prelude::*;
 
 fn room(name: &str) -> SharedRoom {

@@ -1,9 +1,9 @@
 //! `doorwayRule` with the third adaptation: every side of every room draws a doorway.
 
 use crate::indoor::access::Interiors;
-use crate::indoor::grid::{Cell, Gate, Grid, Opening, Origin, Side};
-use crate::indoor::interior::Dimensions;
-use crate::indoor::plan::PlacedRoom;
+use crate::indoor::dimensions::Dimensions;
+use crate::indoor::grid::{Cell, Gate, Grid, Opening, Origin, Side, is_whole, sort_openings};
+use crate::indoor::placed_room::PlacedRoom;
 use crate::seed::Stream;
 
 /// The result of drawing doorways.
@@ -54,14 +54,8 @@ pub(in crate::indoor) fn place(
             None => drawn.closed += 1,
         }
     }
-    sort(&mut drawn.openings);
+    sort_openings(&mut drawn.openings);
     drawn
-}
-
-/// Sorts openings by position and drops duplicates: two rooms may open the same wall.
-pub(in crate::indoor) fn sort(openings: &mut Vec<Opening>) {
-    openings.sort_unstable();
-    openings.dedup_by_key(|opening| opening.gate);
 }
 
 /// The position in a side, nearest to its middle, that `usable` accepts. Positions beside the middle
@@ -111,11 +105,4 @@ fn clear(
         rooms[i] = room;
     }
     Some(opening)
-}
-
-/// Whether one and the same space lies behind the full width of an opening, on either side.
-pub(in crate::indoor) fn is_whole(grid: &Grid, gate: Gate) -> bool {
-    gate.cells(grid)
-        .iter()
-        .all(|&[a, b]| (a.is_floor() && b.is_floor()) || (a == b && matches!(a, Cell::Room(_))))
 }

@@ -1,5 +1,6 @@
 //! The rules that fill the grid, one file per rule, in the order in which they run.
 
+pub(super) mod access;
 pub(super) mod cycles;
 pub(super) mod doorways;
 pub(super) mod hallways;

@@ -2,7 +2,7 @@
 
 use crate::indoor::catalogue::SharedRoom;
 use crate::indoor::grid::{Cell, Grid, Sides};
-use crate::indoor::plan::PlacedRoom;
+use crate::indoor::placed_room::PlacedRoom;
 use crate::seed::Stream;
 use crate::world::Contents;
 

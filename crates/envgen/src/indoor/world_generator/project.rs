@@ -8,10 +8,12 @@ use quick_xml::Writer;
 use super::WorldGeneratorError;
 use super::library::LibraryRoom;
 use super::xml::{Element, Flat};
+use crate::indoor::blueprint::FloorPlan;
 use crate::indoor::catalogue::{Catalogue, SharedRoom};
-use crate::indoor::grid::{Axis, Cell, Gate, Grid, Opening, Origin, Sides};
-use crate::indoor::plan::{FloorPlan, PlacedRoom};
-use crate::indoor::rules::doorways::{is_whole, sort};
+use crate::indoor::grid::{
+    Axis, Cell, Gate, Grid, Opening, Origin, Sides, is_whole, sort_openings,
+};
+use crate::indoor::placed_room::PlacedRoom;
 use crate::indoor::spec::{IndoorSpec, Profile};
 use crate::world::Contents;
 
@@ -79,7 +81,7 @@ pub fn read_project(
         .map(|gate| Opening { gate, origin: Origin::Edited })
         .collect();
     let doors_ignored = doors - openings.len();
-    sort(&mut openings);
+    sort_openings(&mut openings);
     let spec = IndoorSpec { width, height: depth, profile: Profile::Thesis, ..Default::default() };
     let plan = FloorPlan { spec, seed: None, grid, rooms, openings, draws: None, edited: false };
     Ok(Project { name, plan, doors_ignored, elements_ignored })

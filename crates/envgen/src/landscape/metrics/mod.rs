@@ -11,11 +11,14 @@
 //! - [`patches`]: connected cells of one class.
 
 mod adjacency;
+mod landscape;
 mod patches;
 mod report;
 mod sides;
 
 pub use adjacency::{Adjacency, ClassSides, Entropies};
+pub use landscape::LandscapeMetrics;
+pub(super) use landscape::measure;
 pub use patches::{Neighbourhood, Patch, patches};
 pub(crate) use report::check;
 pub use report::{Border, ClassReport, PatchReport, RasterError, RasterReport};

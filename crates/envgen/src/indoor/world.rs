@@ -4,13 +4,12 @@ use glam::DVec2;
 use serde_json::json;
 
 use super::access::{AccessGraph, PlaceKind};
+use super::blueprint::FloorPlan;
 use super::grid::{Axis, Cell, Gate, Opening, Origin};
-use super::plan::FloorPlan;
-use crate::certificate::Claim;
 use crate::generate::Spec;
 use crate::geometry::{Pose, Rect, Shape};
 use crate::provenance::Provenance;
-use crate::world::{Doorway, Obstacle, Room, Surface, SurfaceKind, Wall, WallKind, World};
+use crate::world::{Claim, Doorway, Obstacle, Room, Surface, SurfaceKind, Wall, WallKind, World};
 
 pub(super) fn world(plan: &FloorPlan) -> World {
     let spec = plan.spec();

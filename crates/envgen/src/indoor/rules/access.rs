@@ -2,11 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::Interiors;
-use crate::indoor::grid::{Cell, Gate, Grid, Opening, Origin, Side};
-use crate::indoor::interior::Dimensions;
-use crate::indoor::plan::PlacedRoom;
-use crate::indoor::rules::doorways;
+use crate::indoor::access::Interiors;
+use crate::indoor::dimensions::Dimensions;
+use crate::indoor::grid::{Cell, Gate, Grid, Opening, Origin, Side, sort_openings};
+use crate::indoor::placed_room::PlacedRoom;
 use crate::indoor::union_find::Sets;
 use crate::seed::Stream;
 use crate::world::Contents;
@@ -36,7 +35,7 @@ pub(in crate::indoor) fn repair(
     loop {
         let interiors = Interiors::new(grid, rooms, dimensions);
         let unreached = connect(grid, rooms, openings, &interiors, root, stream);
-        doorways::sort(openings);
+        sort_openings(openings);
         if unreached.is_empty() || !empty(grid, rooms, &unreached) {
             return;
         }

@@ -2,13 +2,13 @@
 
 use glam::DVec2;
 
+use super::blueprint::Hallway;
 use super::feature::{self, Feature, FeatureKind, Side};
 use super::layout::{Corner, HallwayLayout};
-use super::spec::{Ends, Hallway, HallwaySpec};
-use crate::certificate::Claim;
+use super::spec::{Ends, HallwaySpec};
 use crate::generate::Spec;
 use crate::geometry::{Rect, Shape, signed_area};
-use crate::world::{Obstacle, ObstacleKind, Wall, WallKind, World};
+use crate::world::{Claim, Obstacle, ObstacleKind, Wall, WallKind, World};
 
 /// Shorter runs, in metres, are rounding: the walls beside them meet without a run between.
 const SHORTEST_RUN: f64 = 1e-9;

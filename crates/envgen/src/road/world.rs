@@ -1,12 +1,11 @@
 //! From a road to a world.
 
 use super::blueprint::Road;
-use crate::certificate::Claim;
 use crate::curve::Path;
 use crate::curve::overlap::{clear_stretches, strip_overlap};
 use crate::generate::Spec;
 use crate::geometry::{Pose, Rect, Shape};
-use crate::world::{RoadPoint, RoadStrip, Wall, WallKind, World};
+use crate::world::{Claim, RoadPoint, RoadStrip, Wall, WallKind, World};
 
 /// How far the faces of the kerbs stray from the road's edge at most, in metres: on the outer side
 /// of a bend into the road, on the inner side away from it.

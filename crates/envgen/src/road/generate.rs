@@ -5,15 +5,16 @@ use std::sync::OnceLock;
 
 use glam::DVec2;
 
-use super::apportion::{dirichlet, largest_remainder, lengths, quantum, settle};
+use super::apportion::{dirichlet, lengths, quantum, settle};
 use super::blueprint::{Road, RoadSegment, SegmentKind};
 use super::error::RoadError;
 use super::fit::{nearest_angles, nearest_lengths};
+use super::part::{Part, ramp};
 use super::spec::{Crossing, LENGTH, Lengths, MAX_WAYPOINTS, Prefab, RoadSpec};
 use super::turn::TurnLimits;
+use super::waypoints::{by_segment, evenly};
 use crate::curve::overlap::strip_overlap;
 use crate::curve::{Curve, Path};
-use crate::error::GenerateError;
 use crate::geometry::{Pose, unit_vector};
 use crate::seed::Seed;
 use crate::settings::Allowed;
@@ -28,77 +29,25 @@ const ON_POINT: f64 = 5e-10;
 /// How far in metres the strip's border may stray from the points at which the area is checked.
 const AREA_TOLERANCE: f64 = 1e-3;
 
-pub(super) fn road(spec: &RoadSpec, seed: Seed) -> Result<Road, GenerateError> {
+pub(super) fn road(spec: &RoadSpec, seed: Seed) -> Result<Road, RoadError> {
     if spec.crossing != Crossing::Resample {
-        return Ok(Attempt { spec, seed, number: 0 }.road()?);
+        return Attempt { spec, seed, number: 0 }.road();
     }
     let mut last = None;
     for number in 0..spec.attempts {
         match (Attempt { spec, seed, number }).road() {
             Err(error) if error.is_chance() => last = Some(error),
-            other => return Ok(other?),
+            other => return other,
         }
     }
     let last = Box::new(last.unwrap_or(RoadError::OutOfArea { side: spec.area }));
-    Err(RoadError::Attempts { attempts: spec.attempts, last }.into())
+    Err(RoadError::Attempts { attempts: spec.attempts, last })
 }
 
 impl RoadError {
     /// Whether another draw may succeed.
     fn is_chance(&self) -> bool {
-        !matches!(self, RoadError::TurnTooShort { .. })
-    }
-}
-
-/// A segment before it is placed.
-#[derive(Clone, Copy)]
-struct Part {
-    kind: SegmentKind,
-    length: f64,
-    /// Length of each of its two clothoids.
-    ramp: f64,
-    /// Infinite for a straight.
-    radius: f64,
-}
-
-impl Part {
-    fn straight(length: f64) -> Part {
-        Part { kind: SegmentKind::Straight, length, ramp: 0.0, radius: f64::INFINITY }
-    }
-
-    /// Signed curvature at its tightest point, in 1/m.
-    fn curvature(&self) -> f64 {
-        match self.kind {
-            SegmentKind::Straight => 0.0,
-            SegmentKind::Left => 1.0 / self.radius,
-            SegmentKind::Right => -1.0 / self.radius,
-        }
-    }
-
-    /// Angle by which it turns, positive to the left.
-    fn angle(&self) -> f64 {
-        (self.length - self.ramp) * self.curvature()
-    }
-
-    /// The curves that it consists of, starting at a pose.
-    fn pieces(&self, start: Pose) -> impl Iterator<Item = Curve> {
-        let k = self.curvature();
-        let steps =
-            [(self.ramp, 0.0, k), (self.length - 2.0 * self.ramp, k, k), (self.ramp, k, 0.0)];
-        let mut pose = start;
-        steps.into_iter().filter(|step| step.0 > 0.0).map(
-            move |(length, start_curvature, end_curvature)| {
-                let curve = Curve { start: pose, length, start_curvature, end_curvature };
-                pose = curve.end();
-                curve
-            },
-        )
-    }
-
-    /// The displacement from its start to its end, for the heading at the start.
-    fn displacement(&self, heading: f64) -> DVec2 {
-        let start = Pose { position: DVec2::ZERO, heading };
-        self.pieces(start).last().map_or(DVec2::ZERO, |curve| curve.end().position)
+        !matches!(self, RoadError::Spec(_) | RoadError::TurnTooShort { .. })
     }
 }
 
@@ -419,44 +368,6 @@ impl Attempt<'_> {
         let (spec, seed, attempts) = (Box::new(spec.clone()), self.seed, self.number + 1);
         Road { spec, seed, attempts, length, step, segments, waypoints, path, index }
     }
-}
-
-/// Waypoints every `step` metres, and how many lie on each segment; one where two segments meet
-/// belongs to the later.
-fn evenly(starts: &[f64], count: u64, step: f64) -> (Vec<f64>, Vec<u64>) {
-    let stations: Vec<f64> = (0..count).map(|j| j as f64 * step).collect();
-    let before: Vec<u64> = starts[..starts.len() - 1]
-        .iter()
-        .map(|&start| stations.partition_point(|&s| s < start) as u64)
-        .chain([count])
-        .collect();
-    (stations, before.windows(2).map(|pair| pair[1] - pair[0]).collect())
-}
-
-/// The published rule: each segment gets its share of the waypoints, which lie evenly on it from its
-/// start.
-fn by_segment(starts: &[f64], count: u64) -> (Vec<f64>, Vec<u64>) {
-    let lengths: Vec<f64> = starts.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let counts = largest_remainder(&lengths, count);
-    let mut stations: Vec<f64> = starts
-        .iter()
-        .zip(lengths)
-        .zip(&counts)
-        .flat_map(|((&start, length), &share)| {
-            (0..share).map(move |k| start + length * (k as f64 / share as f64))
-        })
-        .collect();
-    // The start is a waypoint even where the first segment is too short for one.
-    if let Some(first) = stations.first_mut() {
-        *first = 0.0;
-    }
-    (stations, counts)
-}
-
-/// Length of each of the two clothoids of a turn, rounded such that sums of lengths stay exact.
-fn ramp(length: f64, spec: &RoadSpec) -> f64 {
-    let quantum = quantum(spec.length);
-    (spec.transition * length / quantum).floor() * quantum
 }
 
 fn end_of(path: &Path<'_>, start: Pose) -> Pose {

@@ -4,15 +4,12 @@ use glam::DVec2;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-use super::access::AccessGraph;
-use super::catalogue::{DESIGN_UNIT, Frame, SharedRoom};
-use super::grid::{Axis, Gate, Grid, Opening, Origin, Side, Sides};
-use super::interior::{Dimensions, Port};
-use super::metrics::IndoorMetrics;
+use super::frame::{DESIGN_UNIT, Frame};
+use super::grid::{Axis, Gate, Grid, Opening, Origin, Side};
+use super::placed_room::PlacedRoom;
 use super::spec::IndoorSpec;
-use crate::generate::Blueprint;
 use crate::seed::Seed;
-use crate::world::{Contents, World};
+use crate::world::Contents;
 
 /// A plan on a grid, with the spec and seed that it was drawn for.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,91 +41,6 @@ pub struct Draws {
     /// The narrowest passage through each room before and after its contents were moved, in metres;
     /// empty when they were not moved.
     pub variations: Vec<[f64; 2]>,
-}
-
-/// A room on a plan.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlacedRoom {
-    /// The room as designed.
-    pub room: SharedRoom,
-    /// Column of its leftmost cells.
-    pub x: u32,
-    /// Row of its uppermost cells.
-    pub y: u32,
-    /// Quarter turns counter-clockwise.
-    pub quarters: u8,
-    /// Sides for which a doorway was drawn.
-    pub doorways: Sides,
-    /// Which of its contents remain: in the profile `guaranteed` those that block drawn doorways are
-    /// removed, and all of them where nothing else makes a place reachable.
-    pub contents: Contents,
-}
-
-impl PlacedRoom {
-    /// Columns and rows that it takes.
-    pub fn size(&self) -> (u32, u32) {
-        match self.quarters % 2 {
-            0 => (self.room.width, self.room.height),
-            _ => (self.room.height, self.room.width),
-        }
-    }
-
-    /// Cells along a side.
-    pub fn side_length(&self, side: Side) -> u32 {
-        let (width, height) = self.size();
-        match side {
-            Side::North | Side::South => width,
-            Side::East | Side::West => height,
-        }
-    }
-
-    /// The gate of an opening in a side, `at` half cells from its left or upper end.
-    pub fn gate(&self, side: Side, at: u32) -> Gate {
-        let (width, height) = self.size();
-        match side {
-            Side::North => Gate { wall: Axis::Horizontal, line: self.y, at: 2 * self.x + at },
-            Side::South => {
-                Gate { wall: Axis::Horizontal, line: self.y + height, at: 2 * self.x + at }
-            }
-            Side::West => Gate { wall: Axis::Vertical, line: self.x, at: 2 * self.y + at },
-            Side::East => Gate { wall: Axis::Vertical, line: self.x + width, at: 2 * self.y + at },
-        }
-    }
-
-    /// Removes the contents.
-    pub(super) fn empty(&mut self) {
-        self.contents = Contents::Emptied;
-        if let Ok(room) = SharedRoom::new(self.room.emptied()) {
-            self.room = room;
-        }
-    }
-
-    /// The port of an opening in its walls.
-    pub(super) fn port(&self, gate: Gate, dimensions: Dimensions) -> Port {
-        let port = |(side, at)| self.room.interior(dimensions).turned_port(self.quarters, side, at);
-        self.side_of(gate).map_or_else(Port::default, port)
-    }
-
-    /// The room without the contents that block an opening in its walls; `None` when the opening could
-    /// not be used even so.
-    pub(super) fn cleared(&self, gate: Gate, dimensions: Dimensions) -> Option<PlacedRoom> {
-        let (side, at) = self.side_of(gate)?;
-        let (side, at) =
-            side.before_turn(at, self.quarters, |side| 2 * self.room.side_length(side));
-        let room = self.room.cleared(side, at, dimensions)?;
-        let contents = self.contents.max(Contents::Cleared);
-        Some(PlacedRoom { room, contents, ..self.clone() })
-    }
-
-    /// The side that an opening lies in, and how many half cells from the side's left or upper end;
-    /// `None` when it is not in this room's walls.
-    pub fn side_of(&self, gate: Gate) -> Option<(Side, u32)> {
-        Side::ALL.into_iter().find_map(|side| {
-            let at = gate.at.checked_sub(self.gate(side, 0).at)?;
-            let inside = (1..2 * self.side_length(side)).contains(&at);
-            (inside && self.gate(side, at) == gate).then_some((side, at))
-        })
-    }
 }
 
 impl FloorPlan {
@@ -195,23 +107,6 @@ impl FloorPlan {
     pub(super) fn metric_frame(&self, room: usize) -> Frame {
         let frame = self.design_frame(room);
         Frame { scale: 1.0, size: frame.size * frame.scale, ..frame }
-    }
-
-    /// Which places are connected, for a robot of the spec's footprint.
-    pub fn access(&self) -> AccessGraph {
-        AccessGraph::new(self)
-    }
-}
-
-impl Blueprint for FloorPlan {
-    type Metrics = IndoorMetrics;
-
-    fn metrics(&self) -> IndoorMetrics {
-        IndoorMetrics::of(self)
-    }
-
-    fn to_world(&self) -> World {
-        super::build::world(self)
     }
 }
 

@@ -1,0 +1,73 @@
+//! The trees that are drawn for a forest.
+
+use serde::ser::SerializeSeq;
+use serde::{Serialize, Serializer};
+
+use super::spec::ForestSpec;
+use crate::seed::Seed;
+use crate::world::Tree;
+
+/// The trees of a forest, with the spec and seed that they were drawn for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forest {
+    pub(super) trees: Vec<Tree>,
+    pub(super) cleared: u64,
+    pub(super) spec: ForestSpec,
+    pub(super) seed: Seed,
+    pub(super) edited: bool,
+}
+
+impl Forest {
+    /// The trees, in the order in which they were drawn.
+    pub fn trees(&self) -> &[Tree] {
+        &self.trees
+    }
+
+    /// How many trees the clearings removed.
+    pub fn cleared(&self) -> u64 {
+        self.cleared
+    }
+
+    /// The settings.
+    pub fn spec(&self) -> &ForestSpec {
+        &self.spec
+    }
+
+    /// The seed that it was drawn with.
+    pub fn seed(&self) -> Seed {
+        self.seed
+    }
+
+    /// Whether a density function replaced the spec's intensity, which is then the greatest value of
+    /// that function.
+    pub fn edited(&self) -> bool {
+        self.edited
+    }
+}
+
+impl Serialize for Forest {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Fields<'a> {
+            width: f64,
+            height: f64,
+            trees: Triples<'a>,
+        }
+        let Forest { trees, spec, .. } = self;
+        Fields { width: spec.width, height: spec.height, trees: Triples(trees) }
+            .serialize(serializer)
+    }
+}
+
+/// Trees as `[x, y, radius]`.
+struct Triples<'a>(&'a [Tree]);
+
+impl Serialize for Triples<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut list = serializer.serialize_seq(Some(self.0.len()))?;
+        for tree in self.0 {
+            list.serialize_element(&[tree.center.x, tree.center.y, tree.radius])?;
+        }
+        list.end()
+    }
+}

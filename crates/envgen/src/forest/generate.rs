@@ -1,0 +1,40 @@
+//! From a spec and a seed to a forest.
+
+use super::blueprint::Forest;
+use super::density::Density;
+use super::error::ForestError;
+use super::spec::ForestSpec;
+use super::{hard_core, poisson, radius, start_goal};
+use crate::generate::Spec;
+use crate::seed::Seed;
+
+/// The forest of a valid spec, with the spec's own intensity or a density.
+pub(super) fn plant(
+    spec: &ForestSpec,
+    seed: Seed,
+    density: Option<&dyn Density>,
+) -> Result<Forest, ForestError> {
+    let centres = if spec.min_distance > 0.0 {
+        hard_core::centres(spec, seed, density)?
+    } else {
+        poisson::centres(spec, seed, density)?
+    };
+    let trees = radius::grow(spec, seed, centres);
+    let (trees, cleared) = start_goal::clear(spec, trees);
+    Ok(Forest { trees, cleared, spec: spec.clone(), seed, edited: false })
+}
+
+impl ForestSpec {
+    /// Generates a forest of varying density: `density` replaces `intensity` and the spec's own raster.
+    /// The provenance cannot hold it and is therefore marked as edited.
+    ///
+    /// # Errors
+    /// As [`Spec::generate`], and when the density gives a value outside its own limits.
+    pub fn generate_with(&self, seed: Seed, density: &dyn Density) -> Result<Forest, ForestError> {
+        let peak = ForestSpec { intensity: density.max(), density: None, ..self.clone() };
+        peak.validate()?;
+        let mut forest = plant(&peak, seed, Some(density))?;
+        forest.edited = true;
+        Ok(forest)
+    }
+}

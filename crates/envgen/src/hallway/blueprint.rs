@@ -1,0 +1,40 @@
+//! The states that are drawn for a hallway.
+
+use serde::Serialize;
+
+use super::layout::HallwayLayout;
+use super::spec::HallwaySpec;
+use super::state::State;
+use crate::seed::Seed;
+
+/// The states of a hallway, with the spec and seed that they were drawn for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Hallway {
+    pub(super) states: Vec<State>,
+    #[serde(skip)]
+    pub(super) spec: HallwaySpec,
+    #[serde(skip)]
+    pub(super) seed: Seed,
+}
+
+impl Hallway {
+    /// The history of states, `segments` of them.
+    pub fn states(&self) -> &[State] {
+        &self.states
+    }
+
+    /// The settings.
+    pub fn spec(&self) -> &HallwaySpec {
+        &self.spec
+    }
+
+    /// The seed that it was drawn with.
+    pub fn seed(&self) -> Seed {
+        self.seed
+    }
+
+    /// The corridor in metres.
+    pub fn layout(&self) -> HallwayLayout {
+        HallwayLayout::new(&self.states, &self.spec)
+    }
+}

@@ -1,0 +1,39 @@
+//! Smoothed noise, divided by the counts, and repaired to a Total Edge.
+
+use super::grid::{Arranged, Grid};
+use crate::landscape::error::LandscapeError;
+use crate::landscape::smooth::Noise;
+use crate::landscape::spec::Algorithm;
+
+/// The smoothing in cells where nothing determines another value.
+const SIGMA: f64 = 3.0;
+
+/// A smoothed landscape, with a Total Edge or without.
+pub(super) fn arrange(
+    grid: &Grid<'_>,
+    target: Option<u64>,
+    sigma: Option<f64>,
+) -> Result<Arranged, LandscapeError> {
+    match target {
+        None => Ok(fill(grid, sigma.unwrap_or(SIGMA))),
+        Some(target) => towards(grid, target, sigma),
+    }
+}
+
+fn fill(grid: &Grid<'_>, sigma: f64) -> Arranged {
+    let noise = Noise::new(grid.rows, grid.cols, grid.seed);
+    let cells = noise.landscape(grid.counts, sigma);
+    Arranged { sigma: Some(sigma), ..Arranged::plain(cells) }
+}
+
+fn towards(grid: &Grid<'_>, target: u64, sigma: Option<f64>) -> Result<Arranged, LandscapeError> {
+    let noise = Noise::new(grid.rows, grid.cols, grid.seed);
+    let (sigma, cells) =
+        match sigma {
+            Some(sigma) => (sigma, noise.landscape(grid.counts, sigma)),
+            None => noise.towards(grid.counts, target).map_err(|(low, high)| {
+                LandscapeError::Look { algorithm: Algorithm::Smooth, low, high, target }
+            })?,
+        };
+    Ok(Arranged { sigma: Some(sigma), ..grid.repaired(&cells, target) })
+}

@@ -1,0 +1,30 @@
+//! Why a landscape could not be generated.
+
+use thiserror::Error;
+
+use super::spec::Algorithm;
+use crate::error::SpecError;
+
+/// Why a landscape could not be generated.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LandscapeError {
+    /// The spec asks for something that is not allowed.
+    #[error(transparent)]
+    Spec(#[from] SpecError),
+    /// This algorithm cannot reach the requested Total Edge, though other algorithms may.
+    #[error(
+        "`total_edge` must be from {low} to {high} for {} landscapes of this seed, got {target}; \
+         `mixed` and `bands` reach further", algorithm.name()
+    )]
+    Look {
+        /// The algorithm.
+        algorithm: Algorithm,
+        /// The least Total Edge that it reaches.
+        low: u64,
+        /// The greatest.
+        high: u64,
+        /// The requested Total Edge.
+        target: u64,
+    },
+}

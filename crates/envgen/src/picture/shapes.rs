@@ -1,0 +1,28 @@
+//! Paths and rectangles with a colour.
+
+use svg::node::element::{Path, Rectangle};
+
+use super::path::PathData;
+use super::style::Color;
+use crate::geometry::Rect;
+
+pub(super) fn rectangle(rect: Rect) -> Rectangle {
+    let size = rect.size();
+    Rectangle::new()
+        .set("x", rect.min.x)
+        .set("y", rect.min.y)
+        .set("width", size.x)
+        .set("height", size.y)
+}
+
+pub(super) fn stroked(path: PathData, color: Color, width: f64) -> Path {
+    Path::new()
+        .set("d", path.into_text())
+        .set("fill", "none")
+        .set("stroke", color.to_string())
+        .set("stroke-width", (width * 100.0).round() / 100.0)
+}
+
+pub(super) fn filled(path: PathData, color: Color) -> Path {
+    Path::new().set("d", path.into_text()).set("fill", color.to_string())
+}

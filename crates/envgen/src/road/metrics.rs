@@ -1,0 +1,62 @@
+//! Measures of a road.
+
+use serde::Serialize;
+
+use super::blueprint::Road;
+use super::turn::GRAVITY;
+use crate::curve::overlap::strip_overlap;
+
+/// Numbers that describe a road.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RoadMetrics {
+    /// Length in metres.
+    pub length: f64,
+    /// Number of waypoints.
+    pub waypoints: u64,
+    /// Number of turns.
+    pub turns: u64,
+    /// Least radius in metres; `None` without turns.
+    pub min_radius: Option<f64>,
+    /// Mean absolute angle of the turns in degrees; `None` without turns.
+    pub mean_angle: Option<f64>,
+    /// Sum of the turns' absolute angles in degrees.
+    pub turning: f64,
+    /// Share of the length that is straight.
+    pub straight_share: f64,
+    /// Lateral acceleration at the spec's speed in the tightest turn, in m/s^2.
+    pub lateral_acceleration: f64,
+    /// Greatest speed in m/s at which friction is sufficient in every turn; `None` without turns.
+    pub max_speed: Option<f64>,
+    /// Distance between start and end over the length, 1 for a straight road.
+    pub directness: f64,
+    /// Whether the road covers itself.
+    pub crosses_itself: bool,
+    /// Attempts that were needed.
+    pub attempts: u64,
+}
+
+pub(super) fn measure(road: &Road) -> RoadMetrics {
+    let spec = road.spec();
+    let turns = || road.segments().iter().filter(|segment| segment.kind.is_turn());
+    let count = turns().count() as u64;
+    let turning: f64 = turns().map(|turn| turn.angle.abs()).sum::<f64>().to_degrees();
+    let min_radius = turns().filter_map(|turn| turn.radius).reduce(f64::min);
+    let straight: f64 =
+        road.segments().iter().filter(|s| !s.kind.is_turn()).map(|s| s.length).sum();
+    let speed = spec.speed;
+    let between = road.end().position.distance(spec.start().position);
+    RoadMetrics {
+        length: road.length(),
+        waypoints: road.waypoints().len() as u64,
+        turns: count,
+        min_radius,
+        mean_angle: (count > 0).then(|| turning / count as f64),
+        turning,
+        straight_share: straight / road.length(),
+        lateral_acceleration: min_radius.map_or(0.0, |radius| speed * speed / radius),
+        max_speed: min_radius.map(|radius| (radius * GRAVITY * spec.friction).sqrt()),
+        directness: between / road.length(),
+        crosses_itself: strip_overlap(road.path(), 0.5 * spec.width, spec.closed).is_some(),
+        attempts: road.attempts(),
+    }
+}

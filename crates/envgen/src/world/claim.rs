@@ -1,0 +1,107 @@
+//! The promises of a world.
+
+use std::fmt;
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::Rect;
+
+/// A promise that a generator makes of a world.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[non_exhaustive]
+pub enum Claim {
+    /// A disc of this radius can move from the start to the goal.
+    Connected {
+        /// Radius of the disc in metres.
+        radius: f64,
+    },
+    /// No two trees' centres are nearer than this.
+    TreeDistance {
+        /// Least distance in metres.
+        distance: f64,
+        /// Width and height of the area in metres where distances count across its joined sides.
+        torus: Option<DVec2>,
+    },
+    /// Whether a disc can cross an area from its west to its east side with its middle inside.
+    CrossesWestEast {
+        /// The area.
+        area: Rect,
+        /// Radius of the disc in metres.
+        radius: f64,
+        /// Whether it can.
+        crosses: bool,
+        /// Whether theory predicts a crossing for a wide forest of this density.
+        predicted: bool,
+    },
+    /// No bend of a road is tighter than this.
+    BendRadius {
+        /// Least radius in metres.
+        radius: f64,
+    },
+    /// From the start a disc of this radius can reach every room, or every part of a room that its
+    /// contents divide, and every piece of the hallways and open areas. Parts count where the disc
+    /// has a clearance of [`PLACE_MARGIN`](crate::certificate::PLACE_MARGIN) to spare.
+    EveryPlaceReachable {
+        /// Radius of the disc in metres.
+        radius: f64,
+    },
+    /// This doorway was added, and is open, so that some place can be reached.
+    AddedDoorway {
+        /// Its index in [`World::doorways`](super::World::doorways).
+        doorway: u32,
+    },
+}
+
+impl Claim {
+    /// Whether its distances are finite and not negative, and its area finite and not empty.
+    pub(crate) fn is_definite(&self) -> bool {
+        let distance = |d: f64| d.is_finite() && d >= 0.0;
+        match *self {
+            Claim::Connected { radius } => distance(radius),
+            Claim::TreeDistance { distance: least, torus } => {
+                distance(least)
+                    && torus.is_none_or(|size| size.is_finite() && size.cmpgt(DVec2::ZERO).all())
+            }
+            Claim::CrossesWestEast { area, radius, .. } => {
+                let finite = area.min.is_finite() && area.max.is_finite();
+                distance(radius) && finite && area.min.cmplt(area.max).all()
+            }
+            Claim::BendRadius { radius } => distance(radius),
+            Claim::EveryPlaceReachable { radius } => distance(radius),
+            Claim::AddedDoorway { .. } => true,
+        }
+    }
+}
+
+impl fmt::Display for Claim {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Claim::Connected { radius } => {
+                write!(f, "a disc of radius {radius} m can move from start to goal")
+            }
+            Claim::TreeDistance { distance, .. } => {
+                write!(f, "no two trees' centres are nearer than {distance} m")
+            }
+            Claim::CrossesWestEast { radius, crosses, predicted, .. } => {
+                let word = |can: bool| if can { "can" } else { "cannot" };
+                write!(
+                    f,
+                    "a disc of radius {radius} m {} cross from west to east (predicted: {})",
+                    word(*crosses),
+                    word(*predicted)
+                )
+            }
+            Claim::BendRadius { radius } => {
+                write!(f, "no bend of a road is tighter than {radius} m")
+            }
+            Claim::EveryPlaceReachable { radius } => {
+                write!(f, "a disc of radius {radius} m can reach every room and hallway")
+            }
+            Claim::AddedDoorway { doorway } => {
+                write!(f, "doorway {doorway} was added so that a place can be reached")
+            }
+        }
+    }
+}
