@@ -8,9 +8,8 @@ use envgen::located::Locate;
 use envgen::whole_file::{self, WholeFile, commit_all};
 use mapping_trial::backend::RobotBackend;
 use mapping_trial::picture::Picture;
-use mapping_trial::score::Scores;
+use mapping_trial::score::{Reference, Scores};
 use mapping_trial::trial::{Trial, TrialReport};
-use mapping_trial::truth::MappableArea;
 
 /// The folder to write into, made if need be. Said before the trial runs, so that none is lost.
 pub(crate) fn folder(path: &Path) -> Result<&Path, Box<dyn Error>> {
@@ -34,7 +33,7 @@ pub(crate) const FILES: [&str; 7] = [
 pub(crate) fn write<B: RobotBackend>(
     folder: &Path,
     trial: &Trial<B>,
-    truth: &MappableArea,
+    truth: &Reference,
     report: &TrialReport,
 ) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let slam = trial.autonomy().slam();

@@ -5,9 +5,8 @@ use std::sync::Arc;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future};
 use bevy_envgen::trial::{replay_headless, run_headless};
 use envgen::World;
-use mapping_trial::score::Scores;
+use mapping_trial::score::{Reference, Scores};
 use mapping_trial::trial::{Trajectory, TrialLog, TrialSettings};
-use mapping_trial::truth::MappableArea;
 
 /// A comparison that is running or finished.
 pub(crate) enum Comparison {
@@ -38,7 +37,7 @@ impl Comparison {
     pub(crate) fn begin(
         session: SessionRun,
         world: Arc<World>,
-        truth: Arc<MappableArea>,
+        truth: Arc<Reference>,
         (name, program): (&'static str, TrialSettings),
     ) -> Self {
         Comparison::Running(AsyncComputeTaskPool::get().spawn(async move {

@@ -13,8 +13,8 @@ use envgen::{Seed, WorldKind, WorldSpec, whole_file};
 use mapping_trial::feedback::Feedback;
 use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
+use mapping_trial::score::Reference;
 use mapping_trial::trial::{TrialReport, TrialSettings};
-use mapping_trial::truth::MappableArea;
 
 use crate::arguments::{Arguments, Beginning};
 use crate::compare::{Comparison, SessionRun};
@@ -55,7 +55,7 @@ pub(crate) struct Session {
     pub(crate) form: Option<FeedbackForm>,
     pub(crate) report: Option<TrialReport>,
     /// The mappable area that the last trial was scored against.
-    truth: Option<Arc<MappableArea>>,
+    truth: Option<Arc<Reference>>,
     pub(crate) rival: PolicyKind,
     pub(crate) comparison: Option<Comparison>,
     /// The last event, in one line.

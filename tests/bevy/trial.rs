@@ -9,9 +9,9 @@ use bevy_envgen::mapping_trial::backend::RobotBackend;
 use bevy_envgen::mapping_trial::lidar::{LaserSensor, NO_ECHO, Scan};
 use bevy_envgen::mapping_trial::odometry::{Increment, WheelSensor};
 use bevy_envgen::mapping_trial::policy::{Decision, ExplorationPolicy, PolicyInput};
+use bevy_envgen::mapping_trial::score::Reference;
 use bevy_envgen::mapping_trial::slam::DeadReckoning;
 use bevy_envgen::mapping_trial::trial::{EndReason, Trial, TrialLog, TrialParts, TrialSettings};
-use bevy_envgen::mapping_trial::truth::MappableArea;
 use bevy_envgen::prelude::*;
 use bevy_envgen::trial::{
     MappingTrialError, RapierRobots, replay_headless, run_headless, run_headless_with,
@@ -273,7 +273,7 @@ fn difference(seed: u64) -> (f64, f64) {
     let spec = IndoorSpec { width: 4, height: 4, ..Default::default() };
     let world = spec.generate(Seed(seed)).unwrap().to_world();
     let settings = TrialSettings { seed: Seed(seed), ..short(400.0) };
-    let truth = MappableArea::new(&world, &settings.body).unwrap();
+    let truth = Reference::new(&world, &settings.body).unwrap();
     let mut flat = Trial::flat(&world, settings.clone()).unwrap();
     while flat.step() {}
     let flat = flat.score(&truth).unwrap();

@@ -1,8 +1,7 @@
 use bevy_envgen::ui::*;
 use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
-use mapping_trial::score::Scores;
+use mapping_trial::score::{Reference, Scores};
 use mapping_trial::trial::{Trial, TrialSettings};
-use mapping_trial::truth::MappableArea;
 
 use crate::screen::show_in;
 
@@ -13,7 +12,7 @@ fn scores_are_those_of_the_report() {
     let settings = TrialSettings { time_limit: 20.0, ..Default::default() };
     let mut trial = Trial::flat(&world, settings).expect("a trial");
     while trial.step() {}
-    let truth = MappableArea::new(&world, &trial.settings().body).expect("a start");
+    let truth = Reference::new(&world, &trial.settings().body).expect("a start");
     let report = trial.report(&world, &truth).expect("scores");
     let shown = show_in(egui::vec2(560.0, 600.0), |ui| scores(ui, &report));
     for row in report.scores.rows() {

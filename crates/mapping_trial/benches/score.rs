@@ -12,8 +12,7 @@ use envgen::{Blueprint, Seed, Spec};
 use mapping_trial::policy::costmap::Costmap;
 use mapping_trial::policy::search::GridPlanner;
 use mapping_trial::robot::Robot;
-use mapping_trial::score::{RunSummary, Scores, TrajectoryPair};
-use mapping_trial::truth::MappableArea;
+use mapping_trial::score::{Reference, RunSummary, Scores, TrajectoryPair};
 
 /// Poses of 20 minutes.
 const TICKS: usize = 24_000;
@@ -25,7 +24,7 @@ fn main() {
         let Ok(plan) = spec.generate(Seed(1)) else { continue };
         let world = plan.to_world();
         let robot = Robot::default();
-        let Ok(truth) = MappableArea::new(&world, &robot) else { continue };
+        let Ok(truth) = Reference::new(&world, &robot) else { continue };
         let map = truth.perfect_map();
         let poses: Vec<Pose> =
             (0..TICKS).map(|i| Pose::new(0.02 * i as f64, 1.0, 1e-3 * i as f64)).collect();
@@ -47,7 +46,7 @@ fn main() {
             costmap.refresh(&map);
             search.nearest(&mut costmap, start.position, &[], |_, _| false)
         };
-        let truth_time = contest(|| MappableArea::new(&world, &robot).map_err(drop), search);
+        let truth_time = contest(|| Reference::new(&world, &robot).map_err(drop), search);
         let score_time = contest(|| Scores::of(&truth, &run).map_err(drop), search);
         println!(
             "{name}: {:.0} m^2 free, {} wall points; truth {:.0} ms, score {:.0} ms",

@@ -10,9 +10,9 @@ use envgen::indoor::IndoorSpec;
 use envgen::{Blueprint, Seed, Spec, World};
 use mapping_trial::backend::{Command, Condition, Observation, RobotBackend};
 use mapping_trial::flat::{FlatSimulator, FlatWorld};
+use mapping_trial::score::Reference;
 use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::{Setup, Trial, TrialSettings};
-use mapping_trial::truth::MappableArea;
 
 /// Maps that are driven; the best of each part's rounds is added up over them.
 const MAPS: u64 = 4;
@@ -74,7 +74,7 @@ fn main() {
         let world = IndoorSpec::default().generate(Seed(map)).expect("defaults").to_world();
         let settings = TrialSettings { seed: Seed(map), ..TrialSettings::default() };
         let flat = Arc::new(FlatWorld::new(&world, &settings.body).expect("a robot"));
-        let truth = MappableArea::new(&world, &settings.body).expect("a start");
+        let truth = Reference::new(&world, &settings.body).expect("a start");
         let run = || {
             let builder = Trial::builder(&world, settings.clone());
             let mut trial = builder.build_flat_in(flat.clone()).expect("free");

@@ -49,6 +49,7 @@ pub mod experiment;
 pub mod feedback;
 pub mod flat;
 pub mod lidar;
+mod limits;
 pub mod map;
 pub mod names;
 pub mod odometry;

@@ -6,7 +6,7 @@ use envgen::raycast::ScanPattern;
 use envgen::{Seed, SpecError};
 use serde::{Deserialize, Serialize};
 
-use crate::trial::{count, number};
+use crate::limits::{count, number};
 
 /// Random numbers per beam, used or not, so that a beam's errors do not depend on other beams.
 const DRAWS_A_BEAM: usize = 4;

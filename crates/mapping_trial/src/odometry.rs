@@ -4,7 +4,7 @@ use envgen::distribution::standard_normal;
 use envgen::{Seed, SpecError, Stream};
 use serde::{Deserialize, Serialize};
 
-use crate::trial::number;
+use crate::limits::number;
 
 /// A motion in the robot's own frame: a distance ahead and a turn, as small as in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

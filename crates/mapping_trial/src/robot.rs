@@ -7,7 +7,7 @@ use envgen::geometry::{Pose, unit_vector};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::trial::{MAX_TIME_LIMIT, number};
+use crate::limits::{MAX_TIME_LIMIT, number};
 
 /// The greatest circumscribed radius in metres that robots may have.
 pub const MAX_RADIUS: f64 = 2.0;

@@ -9,8 +9,7 @@ use envgen::geometry::Rect;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::DriverError;
-use super::protocol::not_allowed;
+use super::error::{DriverError, not_allowed};
 use crate::map::{CLAMP, OccupancyMap, RESOLUTION, TILE};
 
 /// Cells as bytes: percent of being occupied; 255 (-1 as a signed byte) is unknown.

@@ -10,6 +10,7 @@
 //!
 //! [`EndReason::Failed`]: crate::trial::EndReason::Failed
 
+mod error;
 mod grid;
 mod link;
 mod parts;
@@ -22,9 +23,7 @@ use std::process::Command;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use envgen::SpecError;
-use thiserror::Error;
-
+pub use error::DriverError;
 pub use parts::{DriverPolicy, DriverSlam};
 pub use protocol::{Greeting, Hello, PROTOCOL};
 
@@ -50,48 +49,6 @@ impl Default for Limits {
     fn default() -> Self {
         Limits { reply: Duration::from_secs(10), total: Duration::from_secs(3600) }
     }
-}
-
-/// What a driver did wrong.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum DriverError {
-    /// It cannot be started.
-    #[error("it cannot be started: {0}")]
-    Start(std::io::Error),
-    /// It ended or closed one of its ends.
-    #[error("{0}")]
-    Gone(String),
-    /// It did not answer in time.
-    #[error("no answer within {} s", .0.as_secs_f64())]
-    Late(Duration),
-    /// All its answers together took too long.
-    #[error("its answers took more than {} s together", .0.as_secs_f64())]
-    Slow(Duration),
-    /// It answers, but does not read its input.
-    #[error("it does not read its input")]
-    Deaf,
-    /// It wrote a line that it was not asked for.
-    #[error("an unexpected line: `{0}`; expected one line per line sent")]
-    Unasked(String),
-    /// A line for the driver cannot be written.
-    #[error("a line for it cannot be written: {0}")]
-    Line(#[from] serde_json::Error),
-    /// Its line is too long.
-    #[error("a line of more than {MAX_LINE} bytes")]
-    TooLong,
-    /// A line that is not an answer.
-    #[error("a line that is not an answer: {0}")]
-    NoReply(String),
-    /// A value that is not allowed.
-    #[error(transparent)]
-    Field(#[from] SpecError),
-    /// The map is too large to be sent.
-    #[error("it asks for the map, which is too large: {0}")]
-    MapSize(String),
-    /// It gave up.
-    #[error("it gave up: {0}")]
-    GaveUp(String),
 }
 
 /// A connection to a driver, which its [`DriverPolicy`] and [`DriverSlam`] share.

@@ -1,17 +1,15 @@
 //! The lines that a trial and a driver exchange, version 1.
 
-use std::fmt;
-
-use envgen::SpecError;
 use envgen::geometry::Pose;
 use serde::{Deserialize, Serialize};
 
-use super::DriverError;
+use super::error::{DriverError, not_allowed};
 use super::grid::Grid;
 use crate::backend::{Command, TICK};
 use crate::lidar::Scan;
+use crate::limits::number;
 use crate::score::Scores;
-use crate::trial::{EndReason, Setup, TrialReport, TrialSettings, number};
+use crate::trial::{EndReason, Setup, TrialReport, TrialSettings};
 
 /// The protocol's name and version, as in the hello of both sides.
 pub const PROTOCOL: &str = "envgen-driver 1";
@@ -282,14 +280,6 @@ fn pose([x, y, heading]: [f64; 3]) -> Result<Pose, DriverError> {
         number(field, value, -FARTHEST, FARTHEST)?;
     }
     Ok(Pose::new(x, y, heading))
-}
-
-pub(super) fn not_allowed(
-    field: &str,
-    value: impl fmt::Display,
-    allowed: impl Into<String>,
-) -> DriverError {
-    DriverError::Field(SpecError::new(field, value, allowed))
 }
 
 /// A line for a driver, without its end.

@@ -8,11 +8,12 @@ use envgen::{Seed, Spec, SpecError};
 use serde::{Deserialize, Serialize};
 
 use crate::lidar::LaserProfile;
+use crate::limits::count;
 use crate::names::Named;
 use crate::odometry::OdometryProfile;
 use crate::policy::PolicyKind;
 use crate::slam::SlamKind;
-use crate::trial::{TrialSettings, count};
+use crate::trial::TrialSettings;
 
 /// Greatest number of maps per level.
 pub const MAX_MAPS: u32 = 1000;

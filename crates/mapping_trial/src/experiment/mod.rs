@@ -18,6 +18,8 @@
 //! once or interrupted, in one folder or in shards that were merged.
 
 mod design;
+mod error;
+mod lines;
 mod record;
 pub mod report;
 mod run;
@@ -30,9 +32,10 @@ mod write;
 pub use design::{
     Design, MAX_MAPS, MAX_NOISE_SEEDS, MAX_SIZE, MAX_TRIALS, Replay, Shard, Trial, operator_name,
 };
+pub use error::ExperimentError;
 pub use record::{MapFeatures, Record};
 pub use run::Progress;
-pub use store::{EXPERIMENT_VERSION, Experiment, ExperimentError};
+pub use store::{EXPERIMENT_VERSION, Experiment};
 
 #[cfg(test)]
 mod tests;

@@ -5,9 +5,11 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use super::design::{Design, Trial};
+use super::error::ExperimentError;
+use super::lines::Lines;
 use super::record::Record;
 use super::site::{Held, Sites};
-use super::store::{ExperimentError, Lines};
+use super::store::Experiment;
 
 /// The progress of an experiment.
 #[derive(Clone, Copy, Debug)]
@@ -40,8 +42,39 @@ struct Sink<'a> {
     error: Option<ExperimentError>,
 }
 
+impl Experiment {
+    /// Runs the trials that are still to do on `threads` threads, 0 for one per core. `watch` is
+    /// called after every finished trial and can stop the experiment, which a later call continues.
+    /// True if all trials are finished.
+    ///
+    /// # Errors
+    ///
+    /// No trial can run on a map, or a file cannot be written. Finished trials stay.
+    pub fn run(
+        &mut self,
+        threads: usize,
+        watch: &(dyn Fn(Progress<'_>) -> ControlFlow<()> + Sync),
+    ) -> Result<bool, ExperimentError> {
+        let pending: Vec<(usize, Trial)> = self
+            .trials
+            .iter()
+            .filter(|(place, _)| !self.records.contains_key(place))
+            .copied()
+            .collect();
+        let (found, result) =
+            run(&self.head.design, &pending, self.trials.len(), threads, &mut self.lines, watch);
+        self.records.extend(found);
+        result?;
+        if !self.is_complete() {
+            return Ok(false);
+        }
+        self.settle()?;
+        Ok(true)
+    }
+}
+
 /// Runs trials on `threads` threads (0 for one per core), and writes each as it ends.
-pub(super) fn run(
+fn run(
     design: &Design,
     pending: &[(usize, Trial)],
     all: usize,

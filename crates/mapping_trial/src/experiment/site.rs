@@ -7,17 +7,17 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 use envgen::{Blueprint, Spec, World};
 
 use super::design::{Design, Trial};
+use super::error::ExperimentError;
 use super::record::{MapFeatures, Record};
-use super::store::ExperimentError;
 use crate::flat::{FlatSimulator, FlatWorld};
 use crate::robot::Robot;
+use crate::score::Reference;
 use crate::trial;
-use crate::truth::MappableArea;
 
 /// A map on which trials take place.
 pub(super) struct Site {
     pub(super) world: World,
-    pub(super) truth: MappableArea,
+    pub(super) truth: Reference,
     flat: Arc<FlatWorld>,
     features: MapFeatures,
     digest: String,
@@ -33,7 +33,7 @@ impl Site {
         let flat =
             FlatWorld::new(&world, &body).map_err(|error| unusable(design, trial, &error))?;
         Ok(Site {
-            truth: MappableArea::new(&world, &body)
+            truth: Reference::new(&world, &body)
                 .map_err(|error| unusable(design, trial, &error))?,
             flat: Arc::new(flat),
             features: MapFeatures::of(&plan),

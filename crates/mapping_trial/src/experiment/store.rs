@@ -1,18 +1,15 @@
 //! The folder of an experiment.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::ops::ControlFlow;
+use std::io;
 use std::path::{Path, PathBuf};
 
-use envgen::{Seed, SpecError};
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::design::{Design, Shard, Trial, operator_name};
+use super::error::ExperimentError;
+use super::lines::{Lines, TRIALS, line};
 use super::record::Record;
-use super::run::{self, Progress};
 use super::site::Site;
 use super::write;
 
@@ -22,110 +19,13 @@ pub const EXPERIMENT_VERSION: u32 = 2;
 /// The file that describes what a folder holds.
 const HEAD: &str = "experiment.json";
 
-/// The file of the trials, one per line.
-const TRIALS: &str = "trials.jsonl";
-
-/// Why an experiment cannot continue.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum ExperimentError {
-    /// The design is not allowed.
-    #[error(transparent)]
-    Design(#[from] SpecError),
-    /// A file or folder cannot be read or written.
-    #[error("{}: {source}", path.display())]
-    File {
-        /// Its path.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// A file has wrong content.
-    #[error("{}: {reason}", path.display())]
-    Content {
-        /// Its path.
-        path: PathBuf,
-        /// What is wrong.
-        reason: String,
-    },
-    /// A folder holds another experiment.
-    #[error(
-        "{} holds another experiment: {difference}; choose another folder, or start again",
-        path.display()
-    )]
-    Other {
-        /// The folder.
-        path: PathBuf,
-        /// What differs.
-        difference: String,
-    },
-    /// A folder's trials now give other results.
-    #[error(
-        "{} was made by another version of this program: {trial} now gives another result; \
-         choose another folder, or start again",
-        path.display()
-    )]
-    Code {
-        /// The folder.
-        path: PathBuf,
-        /// The trial.
-        trial: String,
-    },
-    /// Another process uses the folder.
-    #[error("{}: another process uses this folder", .0.display())]
-    Busy(PathBuf),
-    /// Trials are missing.
-    #[error("{missing} of {all} trials are missing, the first is {first}")]
-    Incomplete {
-        /// How many.
-        missing: usize,
-        /// Out of how many.
-        all: usize,
-        /// One of them.
-        first: String,
-    },
-    /// A map cannot be generated, or no trial can run on it.
-    #[error("map {map} of level {level} (seed {seed}): {reason}")]
-    Map {
-        /// Its number within the level.
-        map: u32,
-        /// Its level.
-        level: f64,
-        /// Its seed.
-        seed: Seed,
-        /// Why.
-        reason: String,
-    },
-    /// The threads cannot be started.
-    #[error("threads cannot be started: {0}")]
-    Threads(String),
-    /// The report cannot be drawn.
-    #[error("the report cannot be drawn: {0}")]
-    Report(String),
-}
-
-impl ExperimentError {
-    /// A copy of the error, for other threads that need the same map.
-    pub(super) fn again(&self) -> ExperimentError {
-        match self {
-            ExperimentError::Map { map, level, seed, reason } => ExperimentError::Map {
-                map: *map,
-                level: *level,
-                seed: *seed,
-                reason: reason.clone(),
-            },
-            other => ExperimentError::Report(other.to_string()),
-        }
-    }
-}
-
 /// What a folder holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Head {
+pub(super) struct Head {
     version: u32,
     shard: Shard,
-    design: Design,
+    pub(super) design: Design,
 }
 
 /// An experiment in its folder: finished trials are kept, whatever happens to the program.
@@ -146,12 +46,12 @@ struct Head {
 #[derive(Debug)]
 pub struct Experiment {
     folder: PathBuf,
-    head: Head,
+    pub(super) head: Head,
     /// This share's trials with their indices in the design's order.
-    trials: Vec<(usize, Trial)>,
+    pub(super) trials: Vec<(usize, Trial)>,
     /// Finished trials by index.
-    records: BTreeMap<usize, Record>,
-    lines: Lines,
+    pub(super) records: BTreeMap<usize, Record>,
+    pub(super) lines: Lines,
 }
 
 impl Experiment {
@@ -257,43 +157,8 @@ impl Experiment {
         Ok(merged)
     }
 
-    /// Runs the trials that are still to do on `threads` threads, 0 for one per core. `watch` is
-    /// called after every finished trial and can stop the experiment, which a later call continues.
-    /// True if all trials are finished.
-    ///
-    /// # Errors
-    ///
-    /// No trial can run on a map, or a file cannot be written. Finished trials stay.
-    pub fn run(
-        &mut self,
-        threads: usize,
-        watch: &(dyn Fn(Progress<'_>) -> ControlFlow<()> + Sync),
-    ) -> Result<bool, ExperimentError> {
-        let pending: Vec<(usize, Trial)> = self
-            .trials
-            .iter()
-            .filter(|(place, _)| !self.records.contains_key(place))
-            .copied()
-            .collect();
-        let (found, result) = run::run(
-            &self.head.design,
-            &pending,
-            self.trials.len(),
-            threads,
-            &mut self.lines,
-            watch,
-        );
-        self.records.extend(found);
-        result?;
-        if !self.is_complete() {
-            return Ok(false);
-        }
-        self.settle()?;
-        Ok(true)
-    }
-
     /// Sorts the lines into the design's order, whatever the threads and interrupts were.
-    fn settle(&mut self) -> Result<(), ExperimentError> {
+    pub(super) fn settle(&mut self) -> Result<(), ExperimentError> {
         let mut text = Vec::new();
         for record in self.records.values() {
             text.extend(line(record, &self.lines.path)?);
@@ -390,16 +255,6 @@ fn json<T: Serialize>(value: &T, path: &Path) -> Result<Vec<u8>, ExperimentError
     Ok(bytes)
 }
 
-fn line(record: &Record, path: &Path) -> Result<Vec<u8>, ExperimentError> {
-    let content = |error: serde_json::Error| ExperimentError::Content {
-        path: path.to_owned(),
-        reason: error.to_string(),
-    };
-    let mut bytes = serde_json::to_vec(record).map_err(content)?;
-    bytes.push(b'\n');
-    Ok(bytes)
-}
-
 fn read_head(path: &Path) -> Result<Option<Head>, ExperimentError> {
     let content = |reason: String| ExperimentError::Content { path: path.to_owned(), reason };
     let text = match std::fs::read(path) {
@@ -457,90 +312,4 @@ fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<usize, Record>
         }
     }
     Ok(records)
-}
-
-/// The file of the trials.
-#[derive(Debug)]
-pub(super) struct Lines {
-    path: PathBuf,
-    file: File,
-    /// Bytes of whole lines.
-    len: u64,
-}
-
-impl Lines {
-    /// Opens the file, and locks it for this process. A last line without its line end is cut off.
-    fn open(folder: &Path) -> Result<(Self, String), ExperimentError> {
-        let path = folder.join(TRIALS);
-        let error = |source| ExperimentError::File { path: path.clone(), source };
-        let mut options = OpenOptions::new();
-        options.read(true).write(true).create(true).truncate(false);
-        let mut file = options.open(&path).map_err(error)?;
-        if !file.metadata().map_err(error)?.is_file() {
-            let reason = "this is not a file".to_owned();
-            return Err(ExperimentError::Content { path, reason });
-        }
-        // Where files cannot be locked there is no way to detect another process.
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            return Err(ExperimentError::Busy(folder.to_owned()));
-        }
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(error)?;
-        let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
-        bytes.truncate(whole);
-        file.set_len(whole as u64).map_err(error)?;
-        file.seek(SeekFrom::End(0)).map_err(error)?;
-        let text = String::from_utf8(bytes).map_err(|_| ExperimentError::Content {
-            path: path.clone(),
-            reason: "this is not text".to_owned(),
-        })?;
-        Ok((Lines { path, file, len: whole as u64 }, text))
-    }
-
-    /// Adds a trial; if that fails, nothing of it stays if the disk allows.
-    pub(super) fn append(&mut self, record: &Record) -> Result<(), ExperimentError> {
-        let bytes = line(record, &self.path)?;
-        match self.file.write_all(&bytes) {
-            Ok(()) => {
-                self.len += bytes.len() as u64;
-                Ok(())
-            }
-            Err(source) => {
-                let cut = self.file.set_len(self.len);
-                // What is left of the line is dropped when the file is read next.
-                drop(cut);
-                Err(ExperimentError::File { path: self.path.clone(), source })
-            }
-        }
-    }
-
-    /// Replaces all lines at once.
-    fn replace(&mut self, text: &[u8]) -> Result<(), ExperimentError> {
-        write::whole(&self.path, text)?;
-        let error = |source| ExperimentError::File { path: self.path.clone(), source };
-        let file = OpenOptions::new().append(true).open(&self.path).map_err(error)?;
-        // The lock of the old file is released with it; the new file is locked as well.
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            return Err(ExperimentError::Busy(self.path.clone()));
-        }
-        self.file = file;
-        self.len = text.len() as u64;
-        Ok(())
-    }
-}
-
-#[cfg(all(test, target_os = "linux"))]
-mod tests {
-    use super::*;
-    use crate::experiment::tests::record;
-
-    #[test]
-    fn a_full_disk_is_reported() {
-        let path = PathBuf::from("/dev/full");
-        let file = OpenOptions::new().write(true).open(&path).unwrap();
-        let mut lines = Lines { path, file, len: 0 };
-        let told = lines.append(&record(0, 0, 0, 1.0)).expect_err("full");
-        assert!(told.to_string().starts_with("/dev/full: No space left"), "{told}");
-        assert_eq!(lines.len, 0);
-    }
 }

@@ -12,9 +12,9 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::design::Design;
+use super::error::ExperimentError;
 use super::record::Record;
 use super::stats::driver;
-use super::store::ExperimentError;
 
 /// A column: its name and one value per trial.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use envgen::whole_file;
 
-use super::store::ExperimentError;
+use super::error::ExperimentError;
 
 /// Creates a folder, and checks that files can be written into it.
 pub(super) fn folder(path: &Path) -> Result<(), ExperimentError> {

@@ -2,11 +2,12 @@
 //!
 //! Everything is compared in the start frame, without alignment: robots know where they start.
 
-pub(crate) mod navigability;
+mod navigability;
 mod pose;
 mod raster;
+mod reference;
 mod rows;
-pub(crate) mod walls;
+mod walls;
 mod weights;
 
 use envgen::geometry::Pose;
@@ -15,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use self::raster::Raster;
+pub use self::reference::Reference;
 pub use self::rows::ScoreRow;
 pub use self::weights::{Difficulties, Sensitivity, Weights, kendall_tau, sensitivity};
 use crate::map::OccupancyMap;
@@ -217,13 +219,13 @@ impl Scores {
     ///
     /// # Errors
     /// If a trajectory's lists differ in length, or a number is not finite or negative.
-    pub fn of(truth: &MappableArea, run: &RunSummary<'_>) -> Result<Scores, ScoreError> {
+    pub fn of(truth: &Reference, run: &RunSummary<'_>) -> Result<Scores, ScoreError> {
         check(run)?;
         let raster = Raster::of(truth, run.map);
-        let walls = walls::compare(truth, &raster, TOLERANCES);
+        let walls = walls::compare(truth, truth.runs(), &raster, TOLERANCES);
         let [f1_30, f1_15] = [0, 1].map(|i| harmonic(walls.precision[i], walls.recall[i]));
         let coverage = coverage(truth, &raster);
-        let navigability = navigability::navigability(truth, run.map);
+        let navigability = navigability::navigability(truth, truth.trips(), run.map);
         let trajectory_error = pose::absolute(run.tracks);
         let near = pose::relative(run.tracks, pose::NEAR);
         let far = pose::relative(run.tracks, pose::FAR);

@@ -70,10 +70,10 @@ pub(crate) fn trips(truth: &MappableArea, perfect: &OccupancyMap, seed: Seed) ->
 }
 
 /// The share of paths that reach their goal without a collision; 1 if there are no paths.
-pub(super) fn navigability(truth: &MappableArea, map: &OccupancyMap) -> f64 {
+pub(super) fn navigability(truth: &MappableArea, trips: &[Trip], map: &OccupancyMap) -> f64 {
     let mut planner = Planner::new(truth, map);
     let (mut arrived, mut all) = (0_u32, 0_u32);
-    for trip in truth.trips() {
+    for trip in trips {
         let paths = planner.paths(trip.start, &trip.goals);
         for (goal, path) in trip.goals.iter().zip(paths) {
             let good = path.is_some_and(|path| arrives(truth, trip.start, &path, *goal));
@@ -169,10 +169,11 @@ mod tests {
     use super::*;
     use crate::map::{CLAMP, CellIndex};
     use crate::robot::Robot;
+    use crate::score::Reference;
     use crate::truth::tests::{add_wall, room};
 
-    fn truth(world: &World) -> MappableArea {
-        MappableArea::new(world, &Robot::default()).expect("a world with free space")
+    fn truth(world: &World) -> Reference {
+        Reference::new(world, &Robot::default()).expect("a world with free space")
     }
 
     /// Two rooms of 6 x 8 m beside each other and a doorway of 1.4 m between them.
@@ -211,7 +212,7 @@ mod tests {
             .collect();
         let within = trips.iter().filter(|(a, b)| is_left(*a) == is_left(*b)).count();
         assert!(within > 0 && within < trips.len(), "{within} of {}", trips.len());
-        assert_eq!(navigability(&truth, &map), within as f64 / trips.len() as f64);
+        assert_eq!(navigability(&truth, truth.trips(), &map), within as f64 / trips.len() as f64);
     }
 
     /// Robots drive into walls of the world that the map does not show: a map of free floor only.
@@ -225,7 +226,7 @@ mod tests {
             }
         }
         map.touch(Rect::new(DVec2::ZERO, DVec2::new(12.0, 8.0)));
-        let found = navigability(&truth, &map);
+        let found = navigability(&truth, truth.trips(), &map);
         assert!(found > 0.2 && found < 1.0, "{found}");
     }
 
@@ -236,7 +237,7 @@ mod tests {
         fn a_straight_path_arrives_where_the_swept_disc_is_clear(
             from in (0.5..9.5, 0.5..9.5), to in (0.5..9.5, 0.5..9.5),
         ) {
-            static TRUTH: LazyLock<MappableArea> = LazyLock::new(|| {
+            static TRUTH: LazyLock<Reference> = LazyLock::new(|| {
                 let mut world = room(10.0, 10.0);
                 add_wall(&mut world, (4.5, 4.5), (5.5, 5.5));
                 truth(&world)

@@ -8,8 +8,8 @@ use crate::map::{CLAMP, Cell, CellIndex, TILE};
 use crate::robot::Robot;
 use crate::truth::tests::{add_wall, room};
 
-fn truth(world: &World) -> MappableArea {
-    MappableArea::new(world, &Robot::default()).expect("a world with free space")
+fn truth(world: &World) -> Reference {
+    Reference::new(world, &Robot::default()).expect("a world with free space")
 }
 
 /// Two rooms and a corridor between them.
@@ -39,7 +39,7 @@ fn run(map: &OccupancyMap) -> RunSummary<'_> {
     }
 }
 
-fn scores(truth: &MappableArea, map: &OccupancyMap) -> Scores {
+fn scores(truth: &Reference, map: &OccupancyMap) -> Scores {
     Scores::of(truth, &run(map)).expect("a sound run")
 }
 
@@ -275,4 +275,9 @@ proptest! {
         prop_assert!(after.precision_30 < 1.0 || walls < 0.4);
         prop_assert!(after.precision_30 == 1.0 || walls > 0.2);
     }
+}
+
+#[test]
+fn an_empty_room_has_all_its_trips() {
+    assert_eq!(truth(&room(20.0, 20.0)).trips().len(), 8);
 }

@@ -30,7 +30,12 @@ pub(super) struct WallScores {
 }
 
 /// Compares with two tolerances in metres.
-pub(super) fn compare(truth: &MappableArea, raster: &Raster, tolerances: [f64; 2]) -> WallScores {
+pub(super) fn compare(
+    truth: &MappableArea,
+    runs: &[u8],
+    raster: &Raster,
+    tolerances: [f64; 2],
+) -> WallScores {
     let (mut found, mut mapped) = (Tally::new(tolerances), Tally::new(tolerances));
     // Of the map: how far is the nearest true wall?
     for (cell, _) in raster.occupied.iter().enumerate().filter(|(_, occupied)| **occupied) {
@@ -57,7 +62,7 @@ pub(super) fn compare(truth: &MappableArea, raster: &Raster, tolerances: [f64; 2
         precision,
         recall,
         distance: 0.5 * (found.mean() + mapped.mean()),
-        ghosting: ghosting(truth, raster),
+        ghosting: ghosting(truth, runs, raster),
     }
 }
 
@@ -107,8 +112,8 @@ pub(crate) fn true_runs(truth: &MappableArea, perfect: &OccupancyMap) -> Vec<u8>
 }
 
 /// The share of wall points along whose normal the map has more walls than the world.
-fn ghosting(truth: &MappableArea, raster: &Raster) -> f64 {
-    let doubled = truth.walls().iter().zip(truth.runs());
+fn ghosting(truth: &MappableArea, true_runs: &[u8], raster: &Raster) -> f64 {
+    let doubled = truth.walls().iter().zip(true_runs);
     let doubled = doubled.filter(|(point, known)| runs(raster, point, GHOST_REACH) > **known);
     let count = doubled.count() as f64;
     if truth.walls().is_empty() { 0.0 } else { count / truth.walls().len() as f64 }

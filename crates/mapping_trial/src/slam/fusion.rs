@@ -3,8 +3,8 @@
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::{DMat3, DVec2, DVec3};
 
-use super::mapper::WallPiece;
 use super::track::Variance;
+use super::walls::WallPiece;
 
 /// Standard deviation in metres of an echo's distance from its wall in a match.
 const WALL_DEVIATION: f64 = 0.03;

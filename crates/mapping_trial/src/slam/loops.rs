@@ -4,10 +4,11 @@ use envgen::geometry::{Pose, wrap_angle};
 
 use super::graph::{Relation, held_by_walls};
 use super::likelihood::LikelihoodField;
-use super::mapper::{Keyframe, WALL_VARIANCE, WallPiece, stamp, walls};
+use super::mapper::{Keyframe, stamp};
 use super::matcher::{Matcher, Window};
 use super::motion::between;
 use super::sweep::FEWEST_ECHOES;
+use super::walls::{WALL_VARIANCE, WallPiece, walls};
 
 /// Least path length in metres since a place was seen for it to count as an old one.
 const OLDER: f64 = 10.0;

@@ -22,6 +22,7 @@ mod pose_graph;
 pub mod scan_insertion;
 pub mod sweep;
 mod track;
+mod walls;
 
 use envgen::geometry::Pose;
 use serde::{Deserialize, Serialize};

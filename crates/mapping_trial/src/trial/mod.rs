@@ -17,15 +17,16 @@ pub use builder::TrialBuilder;
 pub use log::{LOG_VERSION, LogError, TrialLog, WorldSource};
 pub use parts::{ForeignPart, PartRole, Setup, TrialParts};
 pub use report::{REPORT_VERSION, RobotReport, TrialReport};
-pub use settings::{MAX_ROBOTS, MAX_TIME_LIMIT, TrialSettings};
-pub(crate) use settings::{count, number};
+pub use settings::{MAX_ROBOTS, TrialSettings};
+
+pub use crate::limits::MAX_TIME_LIMIT;
 
 use crate::autonomy::Autonomy;
 use crate::backend::{Command, Condition, RobotBackend, TICK};
 use crate::flat::FlatSimulator;
 use crate::policy::{Decision, ExplorationPolicy};
-use crate::score::{self, ScoreError, Scores};
-use crate::truth::{MappableArea, MappableAreaError};
+use crate::score::{self, Reference, ScoreError, Scores};
+use crate::truth::MappableAreaError;
 
 /// Why a trial cannot begin.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -370,9 +371,9 @@ impl<B: RobotBackend> Trial<B> {
     ///
     /// # Errors
     ///
-    /// As [`MappableArea::new`].
-    pub fn reference(&self, world: &World) -> Result<MappableArea, MappableAreaError> {
-        MappableArea::from_start(world, &self.settings.body, self.starts[0].position)
+    /// As [`Reference::from_start`].
+    pub fn reference(&self, world: &World) -> Result<Reference, MappableAreaError> {
+        Reference::from_start(world, &self.settings.body, self.starts[0].position)
     }
 
     /// Scores the trial so far, against the mappable area of its world.
@@ -380,7 +381,7 @@ impl<B: RobotBackend> Trial<B> {
     /// # Errors
     ///
     /// A mappable area of another start or robot; poses or counts that this crate's parts never give.
-    pub fn score(&self, truth: &MappableArea) -> Result<Scores, ScoreError> {
+    pub fn score(&self, truth: &Reference) -> Result<Scores, ScoreError> {
         self.score_of(truth, &self.estimated_tracks()?)
     }
 
@@ -408,11 +409,7 @@ impl<B: RobotBackend> Trial<B> {
         self.tracks.iter().zip(estimated).map(track).collect()
     }
 
-    fn score_of(
-        &self,
-        truth: &MappableArea,
-        estimated: &[Vec<Pose>],
-    ) -> Result<Scores, ScoreError> {
+    fn score_of(&self, truth: &Reference, estimated: &[Vec<Pose>]) -> Result<Scores, ScoreError> {
         let (start, radius) = (self.starts[0].position, self.settings.body.circumscribed_radius);
         let (found, found_radius) = (truth.start(), truth.robot().circumscribed_radius);
         if (found, found_radius) != (start, radius) {

@@ -219,11 +219,11 @@ fn scores_are_measured_from_where_the_trial_began() {
     let trial = run(Trial::flat(&world, settings.clone()).expect("free"));
     let mut moved = world.clone();
     moved.start = Some(elsewhere);
-    let expected = MappableArea::new(&moved, &settings.body).expect("a start");
+    let expected = Reference::new(&moved, &settings.body).expect("a start");
     let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
     assert_eq!(scores, trial.score(&expected).expect("scores"));
     // The world has another start: an error, not a score.
-    let wrong = trial.score(&MappableArea::new(&world, &settings.body).expect("a start"));
+    let wrong = trial.score(&Reference::new(&world, &settings.body).expect("a start"));
     assert!(matches!(wrong, Err(ScoreError::Reference { .. })), "{wrong:?}");
 }
 

@@ -7,8 +7,7 @@ use super::{EndReason, ForeignPart, PartRole, Trial, TrialSettings};
 use crate::backend::{RobotBackend, TICK};
 use crate::feedback::{Feedback, Measured, Session};
 use crate::names::Named;
-use crate::score::{ScoreError, Scores};
-use crate::truth::MappableArea;
+use crate::score::{Reference, ScoreError, Scores};
 
 /// Version of the reports' layout.
 pub const REPORT_VERSION: u32 = 1;
@@ -74,7 +73,7 @@ impl<B: RobotBackend> Trial<B> {
     /// # Errors
     ///
     /// As [`Trial::score`].
-    pub fn report(&self, world: &World, truth: &MappableArea) -> Result<TrialReport, ScoreError> {
+    pub fn report(&self, world: &World, truth: &Reference) -> Result<TrialReport, ScoreError> {
         let robot = |robot: usize| RobotReport {
             end: self.end_of(robot).map(|end| end.reason),
             time: self.end_of(robot).map_or(self.time(), |end| end.tick as f64 * TICK),

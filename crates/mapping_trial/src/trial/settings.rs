@@ -5,6 +5,7 @@ use envgen::{Seed, SpecError};
 use serde::{Deserialize, Serialize};
 
 use crate::lidar::LaserProfile;
+use crate::limits::{MAX_TIME_LIMIT, count, number};
 use crate::odometry::OdometryProfile;
 use crate::policy::PolicyKind;
 use crate::robot::Robot;
@@ -12,9 +13,6 @@ use crate::slam::SlamKind;
 
 /// Greatest number of robots in a trial.
 pub const MAX_ROBOTS: u32 = 8;
-
-/// Greatest time limit of a trial in simulated seconds: one day.
-pub const MAX_TIME_LIMIT: f64 = 86_400.0;
 
 /// Everything that a trial depends on except its world.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -76,20 +74,6 @@ impl TrialSettings {
         self.laser.validate()?;
         self.odometry.validate()
     }
-}
-
-pub(crate) fn number(field: &str, value: f64, least: f64, most: f64) -> Result<(), SpecError> {
-    if (least..=most).contains(&value) {
-        return Ok(());
-    }
-    Err(SpecError::new(field, value, format!("a number from {least} to {most}")))
-}
-
-pub(crate) fn count(field: &str, value: u32, least: u32, most: u32) -> Result<(), SpecError> {
-    if (least..=most).contains(&value) {
-        return Ok(());
-    }
-    Err(SpecError::new(field, value, format!("a whole number from {least} to {most}")))
 }
 
 #[cfg(test)]

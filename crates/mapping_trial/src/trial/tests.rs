@@ -105,7 +105,7 @@ fn exact_wheels_have_no_trajectory_error() {
         policy: None,
         ..short(60.0)
     };
-    let truth = MappableArea::new(&world, &settings.body).expect("a start");
+    let truth = Reference::new(&world, &settings.body).expect("a start");
     let mut trial = Trial::flat(&world, settings).expect("a trial");
     for tick in 0..400 {
         let turn_rate = if (tick + 20) / 40 % 2 == 0 { 0.4 } else { -0.4 };

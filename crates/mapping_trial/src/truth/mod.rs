@@ -6,7 +6,6 @@ mod ground;
 mod reach;
 mod walls;
 
-use envgen::Seed;
 use envgen::geometry::Rect;
 use envgen::world::{Violation, World};
 use glam::DVec2;
@@ -18,8 +17,6 @@ use self::reach::Reach;
 pub use self::walls::WallPoint;
 use crate::map::{CLAMP, CellIndex, OccupancyMap};
 use crate::robot::Robot;
-use crate::score::navigability::{Trip, trips};
-use crate::score::walls::true_runs;
 
 /// Greatest number of cells of [`SCORE_CELL`] of a world with its border: 579 x 579 m.
 pub const MAX_CELLS: u64 = 1 << 25;
@@ -94,10 +91,7 @@ pub struct MappableArea {
     free: Vec<bool>,
     free_cells: usize,
     walls: Vec<WallPoint>,
-    /// How many walls a search along each wall point's normal crosses.
-    runs: Vec<u8>,
     wall_distance: Vec<u16>,
-    trips: Vec<Trip>,
 }
 
 impl MappableArea {
@@ -151,9 +145,7 @@ impl MappableArea {
             free_cells,
             free,
             walls,
-            runs: Vec::new(),
             wall_distance: Vec::new(),
-            trips: Vec::new(),
         };
         let mut walls = vec![false; frame.len()];
         for point in &truth.walls {
@@ -162,9 +154,6 @@ impl MappableArea {
             }
         }
         truth.wall_distance = envgen::distance::squared_distances(frame.cols, &walls);
-        let map = truth.perfect_map();
-        truth.runs = true_runs(&truth, &map);
-        truth.trips = trips(&truth, &map, world.provenance.seed.unwrap_or(Seed(0)));
         Ok(truth)
     }
 
@@ -247,16 +236,6 @@ impl MappableArea {
     /// Squared distance of every cell to the nearest seen wall, in cells.
     pub(crate) fn wall_distance(&self) -> &[u16] {
         &self.wall_distance
-    }
-
-    /// How many walls a search along each wall point's normal crosses.
-    pub(crate) fn runs(&self) -> &[u8] {
-        &self.runs
-    }
-
-    /// The trips with which the navigability of a map is tested.
-    pub(crate) fn trips(&self) -> &[Trip] {
-        &self.trips
     }
 
     pub(crate) fn free_cells(&self) -> usize {

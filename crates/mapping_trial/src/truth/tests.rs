@@ -1,7 +1,7 @@
 use envgen::geometry::{Pose, Rect, Shape};
 use envgen::indoor::IndoorSpec;
 use envgen::world::{Obstacle, ObstacleKind, Surface, SurfaceKind, Wall, WallKind};
-use envgen::{Blueprint, Provenance, Spec, WorldKind};
+use envgen::{Blueprint, Provenance, Seed, Spec, WorldKind};
 use proptest::prelude::*;
 
 use super::*;
@@ -41,7 +41,6 @@ fn an_empty_room_is_free_but_for_what_the_disc_leaves_in_its_corners() {
     assert!((truth.walls().len() as i64 - 1600).abs() <= 16, "{}", truth.walls().len());
     let inner = Rect::new(DVec2::ZERO, DVec2::splat(20.0)).grown(1e-9);
     assert!(truth.walls().iter().all(|point| inner.contains(point.position)));
-    assert_eq!(truth.trips().len(), 8);
 }
 
 #[test]

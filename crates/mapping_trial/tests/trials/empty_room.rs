@@ -8,9 +8,9 @@ use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::PolicyKind;
+use mapping_trial::score::Reference;
 use mapping_trial::score::Scores;
 use mapping_trial::trial::{EndReason, Trial, TrialSettings};
-use mapping_trial::truth::MappableArea;
 
 /// An empty room of 20 x 20 m.
 pub(crate) fn room() -> World {
@@ -26,7 +26,7 @@ pub(crate) fn room() -> World {
 
 fn run(settings: TrialSettings) -> (Option<EndReason>, Scores) {
     let world = room();
-    let truth = MappableArea::new(&world, &settings.body).expect("a start");
+    let truth = Reference::new(&world, &settings.body).expect("a start");
     let mut trial = Trial::flat(&world, settings).expect("a free start");
     while trial.step() {}
     (trial.end_of(0).map(|end| end.reason), trial.score(&truth).expect("scores"))

@@ -10,9 +10,8 @@ use glam::DVec2;
 use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
 use mapping_trial::robot::Robot;
-use mapping_trial::score::Scores;
+use mapping_trial::score::{Reference, Scores};
 use mapping_trial::trial::{EndReason, Trial, TrialSettings};
-use mapping_trial::truth::MappableArea;
 
 /// A room of 16 x 12 m with a pond of 6 x 4 m in its centre.
 fn room_with_a_pond() -> World {
@@ -30,7 +29,7 @@ fn room_with_a_pond() -> World {
 }
 
 fn run(world: &World, settings: TrialSettings) -> (EndReason, Scores) {
-    let truth = MappableArea::new(world, &settings.body).expect("a start");
+    let truth = Reference::new(world, &settings.body).expect("a start");
     let mut trial = Trial::flat(world, settings).expect("a free start");
     while trial.step() {}
     (trial.end_of(0).expect("an end").reason, trial.score(&truth).expect("scores"))

@@ -8,7 +8,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::super::design::Design;
 use super::super::stats::{FeatureEffect, Part};
-use super::super::store::ExperimentError;
+use crate::experiment::error::ExperimentError;
 
 /// Colours of D, M and N, distinct for most colour-blind people; those of the page's style.
 const MEASURED: [RGBColor; 3] =

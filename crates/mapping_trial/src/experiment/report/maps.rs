@@ -4,9 +4,10 @@ use envgen::picture::{self, PictureOptions};
 use rayon::prelude::*;
 
 use crate::experiment::design::Trial;
+use crate::experiment::error::ExperimentError;
 use crate::experiment::record::Record;
 use crate::experiment::site::Site;
-use crate::experiment::store::{Experiment, ExperimentError};
+use crate::experiment::store::Experiment;
 use crate::picture::Picture;
 
 /// Greatest number of maps of a level that are shown.

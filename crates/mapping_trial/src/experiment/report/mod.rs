@@ -11,9 +11,10 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::design::{Design, Shard};
+use super::error::ExperimentError;
 use super::record::Record;
 use super::stats::{Analysis, analyse};
-use super::store::{Experiment, ExperimentError};
+use super::store::Experiment;
 use super::{table, write as files};
 
 /// The files of a report, in the experiment's folder.

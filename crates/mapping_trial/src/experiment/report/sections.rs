@@ -6,9 +6,9 @@ use super::maps::MapPictures;
 use super::page::{STYLE, escape, image, interval, list, number, percent, some, table};
 use super::{figures, words};
 use crate::experiment::design::{Design, operator_name};
+use crate::experiment::error::ExperimentError;
 use crate::experiment::record::Record;
 use crate::experiment::stats::{Analysis, FeatureEffect, MEASURES, Part, RESAMPLES, driver};
-use crate::experiment::store::ExperimentError;
 use crate::names::Named;
 use crate::trial::EndReason;
 

@@ -1,0 +1,60 @@
+//! What a driver can do wrong.
+
+use std::fmt;
+use std::time::Duration;
+
+use envgen::SpecError;
+use thiserror::Error;
+
+use super::MAX_LINE;
+
+/// What a driver did wrong.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum DriverError {
+    /// It cannot be started.
+    #[error("it cannot be started: {0}")]
+    Start(std::io::Error),
+    /// It ended or closed one of its ends.
+    #[error("{0}")]
+    Gone(String),
+    /// It did not answer in time.
+    #[error("no answer within {} s", .0.as_secs_f64())]
+    Late(Duration),
+    /// All its answers together took too long.
+    #[error("its answers took more than {} s together", .0.as_secs_f64())]
+    Slow(Duration),
+    /// It answers, but does not read its input.
+    #[error("it does not read its input")]
+    Deaf,
+    /// It wrote a line that it was not asked for.
+    #[error("an unexpected line: `{0}`; expected one line per line sent")]
+    Unasked(String),
+    /// A line for the driver cannot be written.
+    #[error("a line for it cannot be written: {0}")]
+    Line(#[from] serde_json::Error),
+    /// Its line is too long.
+    #[error("a line of more than {MAX_LINE} bytes")]
+    TooLong,
+    /// A line that is not an answer.
+    #[error("a line that is not an answer: {0}")]
+    NoReply(String),
+    /// A value that is not allowed.
+    #[error(transparent)]
+    Field(#[from] SpecError),
+    /// The map is too large to be sent.
+    #[error("it asks for the map, which is too large: {0}")]
+    MapSize(String),
+    /// It gave up.
+    #[error("it gave up: {0}")]
+    GaveUp(String),
+}
+
+/// The error for a field of an answer.
+pub(super) fn not_allowed(
+    field: &str,
+    value: impl fmt::Display,
+    allowed: impl Into<String>,
+) -> DriverError {
+    DriverError::Field(SpecError::new(field, value, allowed))
+}

@@ -1,0 +1,22 @@
+//! Checks of numbers that users set.
+
+use envgen::SpecError;
+
+/// Greatest time limit of a trial in simulated seconds: one day.
+pub const MAX_TIME_LIMIT: f64 = 86_400.0;
+
+/// Checks that a number lies within its limits; NaN never does.
+pub(crate) fn number(field: &str, value: f64, least: f64, most: f64) -> Result<(), SpecError> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(SpecError::new(field, value, format!("a number from {least} to {most}")))
+}
+
+/// Checks that a whole number lies within its limits.
+pub(crate) fn count(field: &str, value: u32, least: u32, most: u32) -> Result<(), SpecError> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(SpecError::new(field, value, format!("a whole number from {least} to {most}")))
+}
