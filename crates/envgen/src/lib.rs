@@ -92,3 +92,5 @@ pub use spec::{GenerateError, SettingsError, WorldBlueprint, WorldKind, WorldMet
 pub use world::World;
 
 pub use glam;
+#[doc(hidden)]
+pub use strum;

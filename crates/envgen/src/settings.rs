@@ -1,8 +1,9 @@
 //! The settings of a spec: names, units, limits, and how a text sets one.
 //!
-//! A spec is a flat struct of numbers, flags, choices and lists. The table of its [`Setting`]s is
-//! what `envgen kinds` prints, what the specs' `validate` reads its limits from, and what a panel
-//! needs to offer every setting with its range.
+//! A spec is a flat struct of numbers, flags, choices and lists, which [`settings!`](crate::settings!)
+//! declares: documentation, type, default, unit and limits of a setting are written once. The table
+//! of its [`Setting`]s is what `envgen kinds` prints, what the specs' `validate` reads its limits from,
+//! and what a panel needs to offer every setting with its range.
 
 use std::fmt;
 
@@ -19,7 +20,9 @@ pub struct Setting {
     pub unit: &'static str,
     /// The values that are allowed.
     pub allowed: Allowed,
-    /// What the setting does, in one sentence without a full stop.
+    /// Whether it can be `none`.
+    pub optional: bool,
+    /// What the setting does, without the last full stop.
     pub help: &'static str,
     /// An example of a value, as after `--set name=`, where the form is not obvious.
     pub example: Option<&'static str>,
@@ -69,7 +72,14 @@ impl fmt::Display for Allowed {
 impl Setting {
     /// A whole number from `min` to `max`.
     pub const fn integer(name: &'static str, min: u64, max: u64, help: &'static str) -> Self {
-        Setting { name, unit: "", allowed: Allowed::Integer { min, max }, help, example: None }
+        Setting {
+            name,
+            unit: "",
+            allowed: Allowed::Integer { min, max },
+            optional: false,
+            help,
+            example: None,
+        }
     }
 
     /// A finite number from `min` to `max`.
@@ -80,7 +90,14 @@ impl Setting {
         max: f64,
         help: &'static str,
     ) -> Self {
-        Setting { name, unit, allowed: Allowed::Number { min, max }, help, example: None }
+        Setting {
+            name,
+            unit,
+            allowed: Allowed::Number { min, max },
+            optional: false,
+            help,
+            example: None,
+        }
     }
 
     /// One of several names.
@@ -89,12 +106,19 @@ impl Setting {
         names: &'static [&'static str],
         help: &'static str,
     ) -> Self {
-        Setting { name, unit: "", allowed: Allowed::Choice(names), help, example: None }
+        Setting {
+            name,
+            unit: "",
+            allowed: Allowed::Choice(names),
+            optional: false,
+            help,
+            example: None,
+        }
     }
 
     /// True or false.
     pub const fn flag(name: &'static str, help: &'static str) -> Self {
-        Setting { name, unit: "", allowed: Allowed::Flag, help, example: None }
+        Setting { name, unit: "", allowed: Allowed::Flag, optional: false, help, example: None }
     }
 
     /// A list; `of` names its items.
@@ -104,7 +128,7 @@ impl Setting {
         of: &'static str,
         help: &'static str,
     ) -> Self {
-        Setting { name, unit, allowed: Allowed::List(of), help, example: None }
+        Setting { name, unit, allowed: Allowed::List(of), optional: false, help, example: None }
     }
 
     /// A value of another form, which `form` describes.
@@ -114,7 +138,17 @@ impl Setting {
         form: &'static str,
         help: &'static str,
     ) -> Self {
-        Setting { name, unit, allowed: Allowed::Other(form), help, example: None }
+        Setting { name, unit, allowed: Allowed::Other(form), optional: false, help, example: None }
+    }
+
+    /// The setting with a unit.
+    pub const fn of_unit(self, unit: &'static str) -> Self {
+        Setting { unit, ..self }
+    }
+
+    /// The setting, which can also be `none`.
+    pub const fn or_none(self) -> Self {
+        Setting { optional: true, ..self }
     }
 
     /// The setting with an example of its values.
@@ -122,9 +156,15 @@ impl Setting {
         Setting { example: Some(example), ..self }
     }
 
+    /// The values that are allowed, in words.
+    pub fn allowed_text(&self) -> String {
+        let or_none = if self.optional { ", or none" } else { "" };
+        format!("{}{or_none}", self.allowed)
+    }
+
     /// The error for a value of this setting that is not allowed.
     pub fn error(&self, value: impl fmt::Display) -> SpecError {
-        self.error_with(value, self.allowed.to_string())
+        self.error_with(value, self.allowed_text())
     }
 
     /// The error for a value that is within the limits but not allowed for another reason.
@@ -164,6 +204,9 @@ impl Setting {
     /// Names the setting, the text and what is allowed.
     pub fn parse(&self, text: &str) -> Result<Value, SpecError> {
         let text = text.trim();
+        if self.optional && matches!(text, "none" | "null") {
+            return Ok(Value::Null);
+        }
         let item = |text: &str| {
             serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.to_owned()))
         };
@@ -195,6 +238,230 @@ impl Setting {
             Allowed::Other(_) => Ok(item(text)),
         }
     }
+}
+
+/// A number that has limits.
+pub trait Limited {
+    /// Checks the number against the limits of a setting; absent numbers pass.
+    ///
+    /// # Errors
+    /// Names the setting, the value and the limits.
+    fn check(&self, setting: &Setting) -> Result<(), SpecError>;
+}
+
+impl Limited for f64 {
+    fn check(&self, setting: &Setting) -> Result<(), SpecError> {
+        setting.check(*self)
+    }
+}
+
+impl Limited for u32 {
+    fn check(&self, setting: &Setting) -> Result<(), SpecError> {
+        setting.check_integer(u64::from(*self))
+    }
+}
+
+impl Limited for u64 {
+    fn check(&self, setting: &Setting) -> Result<(), SpecError> {
+        setting.check_integer(*self)
+    }
+}
+
+impl<T: Limited> Limited for Option<T> {
+    fn check(&self, setting: &Setting) -> Result<(), SpecError> {
+        self.as_ref().map_or(Ok(()), |value| value.check(setting))
+    }
+}
+
+/// The setting of a name; in constants an unknown name stops the compiler.
+///
+/// # Panics
+/// When there is no such setting.
+#[doc(hidden)]
+pub const fn named(settings: &[Setting], name: &str) -> Setting {
+    let mut i = 0;
+    while i < settings.len() {
+        if equal(settings[i].name.as_bytes(), name.as_bytes()) {
+            return settings[i];
+        }
+        i += 1;
+    }
+    panic!("no setting has this name")
+}
+
+const fn equal(a: &[u8], b: &[u8]) -> bool {
+    let mut i = 0;
+    while i < a.len() && i < b.len() && a[i] == b[i] {
+        i += 1;
+    }
+    i == a.len() && i == b.len()
+}
+
+/// The text of a doc comment without the space before it and the full stop after it.
+#[doc(hidden)]
+pub const fn sentence(doc: &'static str) -> &'static str {
+    match doc.trim_ascii().as_bytes() {
+        [text @ .., b'.'] => match std::str::from_utf8(text) {
+            Ok(text) => text,
+            Err(_) => doc,
+        },
+        _ => doc.trim_ascii(),
+    }
+}
+
+/// Declares a struct of settings: fields with documentation, type, default, and form with unit and
+/// limits, each written once.
+///
+/// It becomes a struct that `serde` reads with defaults for absent fields and without unknown ones, with
+/// a [`Default`], the table `SETTINGS`, and `check_fields`, which checks every number. The calling crate
+/// depends on `serde` with its derives. Forms are
+///
+/// - `number(unit, min..=max)` and `integer(unit, min..=max)`, also `optional_number` and
+///   `optional_integer` for an `Option`;
+/// - `choice` for an enum that derives [`strum::VariantNames`], `flag` for a `bool`;
+/// - `list(unit, items, example)`, `other(unit, form)` and `other(unit, form, example)`, with texts.
+///
+/// ```
+/// envgen::settings! {
+///     /// A ramp.
+///     pub struct Ramp {
+///         /// Height of its upper end.
+///         height: f64 = 0.3 => number("m", 0.0..=2.0);
+///         /// Number of handrails.
+///         rails: u32 = 0 => integer("", 0..=2);
+///     }
+/// }
+///
+/// let ramp = Ramp { height: 3.0, ..Default::default() };
+/// let error = ramp.check_fields().unwrap_err();
+/// assert_eq!(error.to_string(), "`height` must be a number from 0 to 2, got 3");
+/// assert_eq!(Ramp::SETTINGS[1].help, "Number of handrails");
+/// ```
+#[macro_export]
+macro_rules! settings {
+    (
+        $(#[$meta:meta])*
+        $vis:vis struct $Spec:ident {
+            $(
+                $(#[doc = $doc:literal])+
+                $field:ident: $type:ty = $default:expr => $form:ident $(($($args:tt)*))?;
+            )+
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq, ::serde::Serialize, ::serde::Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        $vis struct $Spec {
+            $(
+                $(#[doc = $doc])+
+                #[doc = ""]
+                #[doc = $crate::setting_form!(@doc stringify!($default), $form $(($($args)*))?)]
+                pub $field: $type,
+            )+
+        }
+
+        impl Default for $Spec {
+            fn default() -> Self {
+                $Spec { $($field: $default,)+ }
+            }
+        }
+
+        impl $Spec {
+            /// Every setting, in order.
+            pub const SETTINGS: &'static [$crate::settings::Setting] = &[$(
+                $crate::setting_form!(
+                    @table
+                    stringify!($field),
+                    $crate::settings::sentence(concat!($($doc),+)),
+                    $type,
+                    $form $(($($args)*))?
+                ),
+            )+];
+
+            /// The setting of a name; in a constant an unknown name stops the compiler.
+            ///
+            /// # Panics
+            /// When there is no such setting.
+            pub const fn setting(name: &str) -> $crate::settings::Setting {
+                $crate::settings::named(Self::SETTINGS, name)
+            }
+
+            /// Checks every number against its own limits.
+            ///
+            /// # Errors
+            /// Names the first setting that is not allowed, its value and its limits.
+            pub fn check_fields(&self) -> Result<(), $crate::SpecError> {
+                $($crate::setting_form!(
+                    @check &self.$field, Self::setting(stringify!($field)), $form
+                );)+
+                Ok(())
+            }
+        }
+    };
+}
+
+/// What [`settings!`](crate::settings!) makes of a setting's form.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! setting_form {
+    (@table $name:expr, $help:expr, $type:ty, number($unit:literal, $min:literal ..= $max:expr)) => {
+        $crate::settings::Setting::number($name, $unit, $min, $max, $help)
+    };
+    (@table $name:expr, $help:expr, $type:ty, integer($unit:literal, $min:literal ..= $max:expr)) => {
+        $crate::settings::Setting::integer($name, $min, $max, $help).of_unit($unit)
+    };
+    (@table $name:expr, $help:expr, $type:ty, optional_number($($args:tt)*)) => {
+        $crate::setting_form!(@table $name, $help, $type, number($($args)*)).or_none()
+    };
+    (@table $name:expr, $help:expr, $type:ty, optional_integer($($args:tt)*)) => {
+        $crate::setting_form!(@table $name, $help, $type, integer($($args)*)).or_none()
+    };
+    (@table $name:expr, $help:expr, $type:ty, choice) => {
+        $crate::settings::Setting::choice(
+            $name,
+            <$type as $crate::strum::VariantNames>::VARIANTS,
+            $help,
+        )
+    };
+    (@table $name:expr, $help:expr, $type:ty, flag) => {
+        $crate::settings::Setting::flag($name, $help)
+    };
+    (@table $name:expr, $help:expr, $type:ty, list($unit:literal, $items:expr, $example:expr)) => {
+        $crate::settings::Setting::list($name, $unit, $items, $help).such_as($example)
+    };
+    (@table $name:expr, $help:expr, $type:ty, other($unit:literal, $allowed:expr)) => {
+        $crate::settings::Setting::other($name, $unit, $allowed, $help)
+    };
+    (@table $name:expr, $help:expr, $type:ty, other($unit:literal, $allowed:expr, $example:expr)) => {
+        $crate::setting_form!(@table $name, $help, $type, other($unit, $allowed)).such_as($example)
+    };
+    (@table $name:expr, $help:expr, $type:ty, optional_other($($args:tt)*)) => {
+        $crate::setting_form!(@table $name, $help, $type, other($($args)*)).or_none()
+    };
+
+    (@doc $default:expr, $form:ident($unit:literal, $min:literal ..= $max:expr)) => {
+        concat!(
+            "From ", stringify!($min), " to ", stringify!($max), " ", $unit,
+            "; `", $default, "` by default."
+        )
+    };
+    (@doc $default:expr, $form:ident $(($($args:tt)*))?) => {
+        concat!("`", $default, "` by default.")
+    };
+
+    (@check $value:expr, $setting:expr, number) => {
+        $crate::settings::Limited::check($value, &const { $setting })?
+    };
+    (@check $value:expr, $setting:expr, integer) => {
+        $crate::setting_form!(@check $value, $setting, number)
+    };
+    (@check $value:expr, $setting:expr, optional_number) => {
+        $crate::setting_form!(@check $value, $setting, number)
+    };
+    (@check $value:expr, $setting:expr, optional_integer) => {
+        $crate::setting_form!(@check $value, $setting, number)
+    };
+    (@check $value:expr, $setting:expr, $form:ident) => {};
 }
 
 #[cfg(test)]

@@ -308,12 +308,7 @@ impl WorldSpec {
     pub fn set(&mut self, name: &str, value: &str) -> Result<(), SettingsError> {
         let setting = self.kind().setting(name)?;
         let mut settings = self.settings_json();
-        // A setting that is absent by default can be made absent again.
-        let optional = self.kind().default_spec().settings_json()[name].is_null();
-        settings[name] = match value.trim() {
-            "none" if optional => Value::Null,
-            value => setting.parse(value)?,
-        };
+        settings[name] = setting.parse(value)?;
         *self = self.kind().spec_from_json(settings).map_err(|_| setting.error(value))?;
         Ok(())
     }

@@ -10,8 +10,8 @@ use envgen::placement::max_clearance_point;
 use envgen::raycast::{Raycaster, ScanPattern};
 use envgen::surface_index::SurfaceIndex;
 use mapping_trial::robot::Robot;
+use mapping_trial::score::Reference;
 use mapping_trial::trial::{Trial, TrialSettings};
-use mapping_trial::truth::MappableArea;
 
 /// Cells along a world's longer side.
 const CELLS: f64 = 64.0;
@@ -67,7 +67,7 @@ pub fn world(world: &World, thorough: bool) {
         }
     }
     if thorough && small {
-        let _ = MappableArea::new(world, &Robot::default());
+        let _ = Reference::new(world, &Robot::default());
         let settings = TrialSettings { time_limit: 0.5, ..Default::default() };
         if let Ok(mut trial) = Trial::flat(world, settings) {
             while trial.step() {}

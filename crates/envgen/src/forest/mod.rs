@@ -44,7 +44,7 @@ impl Spec for ForestSpec {
 
     const VALUE_VERSION: u32 = 1;
 
-    const SETTINGS: &'static [Setting] = spec::SETTINGS;
+    const SETTINGS: &'static [Setting] = ForestSpec::SETTINGS;
 
     const RULES: &'static [&'static str] = spec::RULES;
 

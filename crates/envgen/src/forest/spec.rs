@@ -4,11 +4,12 @@ use std::f64::consts::{PI, SQRT_2};
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
+use strum::VariantNames;
 
 use super::density::DensityMap;
 use crate::error::SpecError;
 use crate::geometry::Rect;
-use crate::settings::Setting;
+use crate::settings;
 
 /// The most trees that a forest may be expected to hold.
 pub const MAX_TREES: f64 = 2e7;
@@ -17,73 +18,58 @@ pub const MAX_TREES: f64 = 2e7;
 /// grid of up to 256 bytes per tree.
 pub const MAX_HARD_CORE_TREES: f64 = 5e6;
 
-/// A forest to generate: the rectangle from (0, 0) to (`width`, `height`).
-///
-/// The default has the density and radius of the paper's figure 2.
-///
-/// ```
-/// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
-///
-/// let spec = ForestSpec { width: 100.0, min_distance: 3.0, ..Default::default() };
-/// let forest = spec.generate(Seed(1))?;
-/// assert!(forest.to_world().trees.len() > 100);
-/// # Ok::<(), envgen::forest::ForestError>(())
-/// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ForestSpec {
-    /// Width of the area in metres.
-    pub width: f64,
-    /// Height of the area in metres.
-    pub height: f64,
-    /// Mean number of trees per square metre.
-    pub intensity: f64,
-    /// Radius of the trunks in metres; the median of `log_normal`, unused by `uniform`.
-    pub radius: f64,
-    /// The law of the radii.
-    pub radius_law: RadiusLaw,
-    /// Least radius of a varying law in metres.
-    pub radius_min: f64,
-    /// Greatest radius of a varying law in metres.
-    pub radius_max: f64,
-    /// Standard deviation of the logarithm of a `log_normal` radius.
-    pub radius_sigma: f64,
-    /// Least distance between two trees' centres in metres; 0 for none.
-    pub min_distance: f64,
-    /// How the border limits the trees.
-    pub border: Border,
-    /// Radius in metres around start and goal that no trunk reaches into; 0 clears nothing.
-    pub clearing: f64,
-    /// Radius in metres of the robot for which start, goal and crossings are found; 0 for a point, which
-    /// is stopped only by trunks that touch.
-    pub robot_radius: f64,
-    /// Density over the area: factors on `intensity`.
-    pub density: Option<DensityMap>,
-}
-
-impl Default for ForestSpec {
-    fn default() -> Self {
-        ForestSpec {
-            width: 50.0,
-            height: 50.0,
-            intensity: 0.05,
-            radius: 1.0,
-            radius_law: RadiusLaw::Fixed,
-            radius_min: 0.5,
-            radius_max: 2.0,
-            radius_sigma: 0.4,
-            min_distance: 0.0,
-            border: Border::Open,
-            clearing: 0.0,
-            robot_radius: 0.36,
-            density: None,
-        }
+settings! {
+    /// A forest to generate: the rectangle from (0, 0) to (`width`, `height`).
+    ///
+    /// The default has the density and radius of the paper's figure 2.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
+    ///
+    /// let spec = ForestSpec { width: 100.0, min_distance: 3.0, ..Default::default() };
+    /// let forest = spec.generate(Seed(1))?;
+    /// assert!(forest.to_world().trees.len() > 100);
+    /// # Ok::<(), envgen::forest::ForestError>(())
+    /// ```
+    pub struct ForestSpec {
+        /// Width of the area.
+        width: f64 = 50.0 => number("m", 0.01..=1e6);
+        /// Height of the area.
+        height: f64 = 50.0 => number("m", 0.01..=1e6);
+        /// Mean number of trees per square metre.
+        intensity: f64 = 0.05 => number("1/m^2", 0.0..=1e6);
+        /// Radius of the trunks; the median of `log_normal`, unused by `uniform`.
+        radius: f64 = 1.0 => number("m", 1e-4..=1e4);
+        /// The law of the radii.
+        radius_law: RadiusLaw = RadiusLaw::Fixed => choice;
+        /// Least radius of a varying law.
+        radius_min: f64 = 0.5 => number("m", 1e-4..=1e4);
+        /// Greatest radius of a varying law.
+        radius_max: f64 = 2.0 => number("m", 1e-4..=1e4);
+        /// Standard deviation of the logarithm of a `log_normal` radius.
+        radius_sigma: f64 = 0.4 => number("", 1e-3..=5.0);
+        /// Least distance between two trees' centres; 0 for none.
+        min_distance: f64 = 0.0 => number("m", 0.0..=1e5);
+        /// How the border limits the trees.
+        border: Border = Border::Open => choice;
+        /// Radius around start and goal that no trunk reaches into; 0 clears nothing.
+        clearing: f64 = 0.0 => number("m", 0.0..=1e5);
+        /// Radius of the robot for which start, goal and crossings are found; 0 for a point, which is
+        /// stopped only by trunks that touch.
+        robot_radius: f64 = 0.36 => number("m", 0.0..=1e4);
+        /// Density over the area: a raster of factors on `intensity`.
+        density: Option<DensityMap> = None => optional_other(
+            "",
+            "rows of factors of at least 0, the top row first",
+            "[[0, 1], [1, 0.5]]"
+        );
     }
 }
 
 /// The law of the radii.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum RadiusLaw {
     /// All trees have `radius`.
     Fixed,
@@ -95,8 +81,9 @@ pub enum RadiusLaw {
 }
 
 /// How a forest's border limits the trees.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum Border {
     /// Centres lie inside; trunks may stick out by their radius.
     Open,
@@ -106,72 +93,6 @@ pub enum Border {
     /// plane.
     Torus,
 }
-
-const WIDTH: Setting = Setting::number("width", "m", 0.01, 1e6, "width of the area");
-const HEIGHT: Setting = Setting::number("height", "m", 0.01, 1e6, "height of the area");
-const INTENSITY: Setting =
-    Setting::number("intensity", "1/m^2", 0.0, 1e6, "mean number of trees per square metre");
-const RADIUS: Setting = Setting::number(
-    "radius",
-    "m",
-    1e-4,
-    1e4,
-    "radius of the trunks (log_normal: median; uniform: unused)",
-);
-const RADIUS_LAW: Setting =
-    Setting::choice("radius_law", &["fixed", "uniform", "log_normal"], "law of the radii");
-const RADIUS_MIN: Setting =
-    Setting::number("radius_min", "m", 1e-4, 1e4, "least radius of a varying law");
-const RADIUS_MAX: Setting =
-    Setting::number("radius_max", "m", 1e-4, 1e4, "greatest radius of a varying law");
-const RADIUS_SIGMA: Setting = Setting::number(
-    "radius_sigma",
-    "",
-    1e-3,
-    5.0,
-    "standard deviation of the logarithm of a log_normal radius",
-);
-const MIN_DISTANCE: Setting = Setting::number(
-    "min_distance",
-    "m",
-    0.0,
-    1e5,
-    "least distance between two trees' centres (0: none)",
-);
-const BORDER: Setting =
-    Setting::choice("border", &["open", "inset", "torus"], "how the border limits the trees");
-const CLEARING: Setting =
-    Setting::number("clearing", "m", 0.0, 1e5, "radius kept free of trunks around start and goal");
-const ROBOT_RADIUS: Setting = Setting::number(
-    "robot_radius",
-    "m",
-    0.0,
-    1e4,
-    "radius of the robot for which start, goal and crossings are found (0: a point)",
-);
-const DENSITY: Setting = Setting::other(
-    "density",
-    "",
-    "none, or rows of factors of at least 0, the top row first",
-    "where the forest is dense: a raster of factors on the intensity",
-)
-.such_as("[[0, 1], [1, 0.5]]");
-
-pub(super) const SETTINGS: &[Setting] = &[
-    WIDTH,
-    HEIGHT,
-    INTENSITY,
-    RADIUS,
-    RADIUS_LAW,
-    RADIUS_MIN,
-    RADIUS_MAX,
-    RADIUS_SIGMA,
-    MIN_DISTANCE,
-    BORDER,
-    CLEARING,
-    ROBOT_RADIUS,
-    DENSITY,
-];
 
 pub(super) const RULES: &[&str] = &[
     "`radius_min` is at most `radius_max`, and a thousandth of a log_normal law lies between them, \
@@ -188,16 +109,7 @@ pub(super) const RULES: &[&str] = &[
 impl ForestSpec {
     /// Checks every field, and the fields together.
     pub(super) fn check(&self) -> Result<(), SpecError> {
-        WIDTH.check(self.width)?;
-        HEIGHT.check(self.height)?;
-        INTENSITY.check(self.intensity)?;
-        RADIUS.check(self.radius)?;
-        RADIUS_MIN.check(self.radius_min)?;
-        RADIUS_MAX.check(self.radius_max)?;
-        RADIUS_SIGMA.check(self.radius_sigma)?;
-        MIN_DISTANCE.check(self.min_distance)?;
-        CLEARING.check(self.clearing)?;
-        ROBOT_RADIUS.check(self.robot_radius)?;
+        self.check_fields()?;
         if let Some(density) = &self.density {
             density.validate()?;
         }

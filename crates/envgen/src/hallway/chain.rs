@@ -3,7 +3,7 @@
 use serde::Serialize;
 use thiserror::Error;
 
-use super::spec::{P_ST, P_TT};
+use super::spec::HallwaySpec;
 use super::state::State;
 use crate::error::SpecError;
 use crate::seed::Stream;
@@ -22,8 +22,8 @@ impl HallwayChain {
     /// # Errors
     /// When a probability lies outside [0, 1].
     pub fn new(p_st: f64, p_tt: f64) -> Result<Self, SpecError> {
-        P_ST.check(p_st)?;
-        P_TT.check(p_tt)?;
+        const { HallwaySpec::setting("p_st") }.check(p_st)?;
+        const { HallwaySpec::setting("p_tt") }.check(p_tt)?;
         Ok(HallwayChain { p_st, p_tt })
     }
 

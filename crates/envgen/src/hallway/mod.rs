@@ -39,7 +39,7 @@ impl Spec for HallwaySpec {
 
     const VALUE_VERSION: u32 = 1;
 
-    const SETTINGS: &'static [Setting] = spec::SETTINGS;
+    const SETTINGS: &'static [Setting] = HallwaySpec::SETTINGS;
 
     const RULES: &'static [&'static str] = spec::RULES;
 

@@ -1,82 +1,60 @@
 //! The settings of a hallway.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use strum::VariantNames;
 
 use super::state::State;
 use crate::error::SpecError;
-use crate::settings::Setting;
+use crate::settings;
 use crate::world::MAX_COORDINATE;
 
-/// A hallway to generate.
-///
-/// The default is the paper's figure 1: `p_st` = 0.4 and `p_tt` = 0.
-///
-/// ```
-/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
-///
-/// let spec = HallwaySpec { segments: 80, p_st: 0.2, ..Default::default() };
-/// let hallway = spec.generate(Seed(7))?;
-/// assert_eq!(hallway.states().len(), 80);
-/// assert!(hallway.to_world().check().is_ok());
-/// # Ok::<(), envgen::SpecError>(())
-/// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct HallwaySpec {
-    /// Number of segments, the start included.
-    pub segments: u64,
-    /// Probability that a turn follows a straight segment.
-    pub p_st: f64,
-    /// Probability that a turn follows a turn; 0 prevents U-turns.
-    pub p_tt: f64,
-    /// The first state.
-    pub start: Start,
-    /// Side of the lattice cell that each segment owns, in metres.
-    pub pitch: f64,
-    /// Clear width of the corridor in metres.
-    pub width: f64,
-    /// Thickness of the walls in metres.
-    pub wall: f64,
-    /// How the walls turn.
-    pub corners: Corners,
-    /// Whether walls close the corridor's two ends.
-    pub ends: Ends,
-    /// Alcoves per metre of straight corridor.
-    pub alcove_rate: f64,
-    /// Width of an alcove along the corridor in metres.
-    pub alcove_width: f64,
-    /// Depth of an alcove behind the wall's inner face in metres.
-    pub alcove_depth: f64,
-    /// Door frames per metre of straight corridor.
-    pub door_frame_rate: f64,
-    /// Clear width between the posts of a door frame in metres.
-    pub door_frame_width: f64,
-    /// Narrow places per metre of straight corridor, each a crate at one wall.
-    pub narrowing_rate: f64,
-    /// Clear width beside a crate in metres.
-    pub narrowing_width: f64,
-}
-
-impl Default for HallwaySpec {
-    fn default() -> Self {
-        HallwaySpec {
-            segments: 50,
-            p_st: 0.4,
-            p_tt: 0.0,
-            start: Start::State(State::UP),
-            pitch: 2.5,
-            width: 2.0,
-            wall: 0.1,
-            corners: Corners::Square,
-            ends: Ends::Closed,
-            alcove_rate: 0.0,
-            alcove_width: 1.2,
-            alcove_depth: 0.6,
-            door_frame_rate: 0.0,
-            door_frame_width: 0.94,
-            narrowing_rate: 0.0,
-            narrowing_width: 1.0,
-        }
+settings! {
+    /// A hallway to generate.
+    ///
+    /// The default is the paper's figure 1: `p_st` = 0.4 and `p_tt` = 0.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+    ///
+    /// let spec = HallwaySpec { segments: 80, p_st: 0.2, ..Default::default() };
+    /// let hallway = spec.generate(Seed(7))?;
+    /// assert_eq!(hallway.states().len(), 80);
+    /// assert!(hallway.to_world().check().is_ok());
+    /// # Ok::<(), envgen::SpecError>(())
+    /// ```
+    pub struct HallwaySpec {
+        /// Number of segments, the start included.
+        segments: u64 = 50 => integer("", 1..=1_000_000);
+        /// Probability that a turn follows a straight segment.
+        p_st: f64 = 0.4 => number("", 0.0..=1.0);
+        /// Probability that a turn follows a turn; 0 prevents U-turns.
+        p_tt: f64 = 0.0 => number("", 0.0..=1.0);
+        /// The first state.
+        start: Start = Start::State(State::UP) => other("", "a state 1 to 8 or stationary");
+        /// Side of the lattice cell that each segment owns.
+        pitch: f64 = 2.5 => number("m", 0.1..=1000.0);
+        /// Clear width of the corridor.
+        width: f64 = 2.0 => number("m", 0.05..=1000.0);
+        /// Thickness of the walls.
+        wall: f64 = 0.1 => number("m", 0.001..=100.0);
+        /// How the walls turn.
+        corners: Corners = Corners::Square => choice;
+        /// Whether walls close the corridor's two ends.
+        ends: Ends = Ends::Closed => choice;
+        /// Alcoves per metre of straight corridor.
+        alcove_rate: f64 = 0.0 => number("1/m", 0.0..=10.0);
+        /// Width of an alcove along the corridor.
+        alcove_width: f64 = 1.2 => number("m", 0.01..=1000.0);
+        /// Depth of an alcove behind the wall's inner face.
+        alcove_depth: f64 = 0.6 => number("m", 0.01..=1000.0);
+        /// Door frames per metre of straight corridor.
+        door_frame_rate: f64 = 0.0 => number("1/m", 0.0..=10.0);
+        /// Clear width between the posts of a door frame.
+        door_frame_width: f64 = 0.94 => number("m", 0.01..=1000.0);
+        /// Narrow places per metre of straight corridor, each a crate at one wall.
+        narrowing_rate: f64 = 0.0 => number("1/m", 0.0..=10.0);
+        /// Clear width beside a crate.
+        narrowing_width: f64 = 1.0 => number("m", 0.01..=1000.0);
     }
 }
 
@@ -124,8 +102,9 @@ impl<'de> Deserialize<'de> for Start {
 }
 
 /// How a hallway's walls turn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum Corners {
     /// At right angles.
     Square,
@@ -134,65 +113,15 @@ pub enum Corners {
 }
 
 /// Whether walls close a hallway's two ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum Ends {
     /// A wall at each.
     Closed,
     /// No wall.
     Open,
 }
-
-const SEGMENTS: Setting =
-    Setting::integer("segments", 1, 1_000_000, "number of segments, the start included");
-pub(super) const P_ST: Setting =
-    Setting::number("p_st", "", 0.0, 1.0, "probability of a turn after a straight segment");
-pub(super) const P_TT: Setting =
-    Setting::number("p_tt", "", 0.0, 1.0, "probability of a turn after a turn (0: no U-turns)");
-const START: Setting = Setting::other("start", "", "a state 1 to 8 or stationary", "first state");
-const PITCH: Setting =
-    Setting::number("pitch", "m", 0.1, 1000.0, "side of the cell that a segment owns");
-const WIDTH: Setting = Setting::number("width", "m", 0.05, 1000.0, "clear width of the corridor");
-const WALL: Setting = Setting::number("wall", "m", 0.001, 100.0, "thickness of the walls");
-const CORNERS: Setting = Setting::choice("corners", &["square", "rounded"], "how the walls turn");
-const ENDS: Setting =
-    Setting::choice("ends", &["closed", "open"], "whether walls close the two ends");
-const ALCOVE_RATE: Setting = rate("alcove_rate", "alcoves per metre of straight corridor");
-const ALCOVE_WIDTH: Setting =
-    Setting::number("alcove_width", "m", 0.01, 1000.0, "width of an alcove along the corridor");
-const ALCOVE_DEPTH: Setting =
-    Setting::number("alcove_depth", "m", 0.01, 1000.0, "depth of an alcove behind the wall's face");
-const DOOR_FRAME_RATE: Setting =
-    rate("door_frame_rate", "door frames per metre of straight corridor");
-const DOOR_FRAME_WIDTH: Setting =
-    Setting::number("door_frame_width", "m", 0.01, 1000.0, "clear width of a door frame");
-const NARROWING_RATE: Setting =
-    rate("narrowing_rate", "narrowing crates per metre of straight corridor");
-const NARROWING_WIDTH: Setting =
-    Setting::number("narrowing_width", "m", 0.01, 1000.0, "clear width beside a crate");
-
-const fn rate(name: &'static str, help: &'static str) -> Setting {
-    Setting::number(name, "1/m", 0.0, 10.0, help)
-}
-
-pub(super) const SETTINGS: &[Setting] = &[
-    SEGMENTS,
-    P_ST,
-    P_TT,
-    START,
-    PITCH,
-    WIDTH,
-    WALL,
-    CORNERS,
-    ENDS,
-    ALCOVE_RATE,
-    ALCOVE_WIDTH,
-    ALCOVE_DEPTH,
-    DOOR_FRAME_RATE,
-    DOOR_FRAME_WIDTH,
-    NARROWING_RATE,
-    NARROWING_WIDTH,
-];
 
 pub(super) const RULES: &[&str] = &[
     "`width` plus `wall` is at most the `pitch`, or twice the `pitch` where `p_tt` is 0",
@@ -206,21 +135,9 @@ pub(super) const RULES: &[&str] = &[
 impl HallwaySpec {
     /// Checks every field, and the fields together.
     pub(super) fn check(&self) -> Result<(), SpecError> {
-        SEGMENTS.check_integer(self.segments)?;
-        P_ST.check(self.p_st)?;
-        P_TT.check(self.p_tt)?;
-        PITCH.check(self.pitch)?;
-        WIDTH.check(self.width)?;
-        WALL.check(self.wall)?;
+        self.check_fields()?;
         self.check_spacing()?;
         self.check_extent()?;
-        ALCOVE_RATE.check(self.alcove_rate)?;
-        ALCOVE_WIDTH.check(self.alcove_width)?;
-        ALCOVE_DEPTH.check(self.alcove_depth)?;
-        DOOR_FRAME_RATE.check(self.door_frame_rate)?;
-        DOOR_FRAME_WIDTH.check(self.door_frame_width)?;
-        NARROWING_RATE.check(self.narrowing_rate)?;
-        NARROWING_WIDTH.check(self.narrowing_width)?;
         self.check_features()
     }
 

@@ -65,7 +65,7 @@ impl Spec for IndoorSpec {
 
     const VALUE_VERSION: u32 = 2;
 
-    const SETTINGS: &'static [Setting] = spec::SETTINGS;
+    const SETTINGS: &'static [Setting] = IndoorSpec::SETTINGS;
 
     const RULES: &'static [&'static str] = spec::RULES;
 

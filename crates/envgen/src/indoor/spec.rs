@@ -3,101 +3,80 @@
 use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
+use strum::VariantNames;
 
-use super::adaptation;
+use super::adaptation::{self, LEAST_SPACING};
 use super::catalogue::{Catalogue, SharedRoom};
-use super::dimensions::{DOORWAY, Dimensions, FOOTPRINT, STEP, UNIT, WALL};
+use super::dimensions::{Dimensions, STEP};
 use crate::error::SpecError;
-use crate::settings::Setting;
+use crate::settings;
 
-/// An indoor map to generate.
-///
-/// ```
-/// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
-///
-/// let spec = IndoorSpec { difficulty: 7.0, ..Default::default() };
-/// let plan = spec.generate(Seed(3))?;
-/// assert_eq!(plan.access().parts(), 1);
-/// assert!(plan.to_world().check().is_ok());
-/// # Ok::<(), envgen::SpecError>(())
-/// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct IndoorSpec {
-    /// The difficulty that the rules adapt to, from 0 to 10.
-    pub difficulty: f64,
-    /// Columns of the grid.
-    pub width: u32,
-    /// Rows of the grid.
-    pub height: u32,
-    /// Side of a cell in metres.
-    pub unit: f64,
-    /// Exactly as in the paper, or with every place reachable.
-    pub profile: Profile,
-    /// How the hallways are laid out.
-    pub layout: Layout,
-    /// Probability of a branch at each end of an L-system's hallway, and of a loop where it meets
-    /// another.
-    pub branching: f64,
-    /// Names of the rooms that may be placed; empty for all of the catalogue.
-    pub rooms: Vec<String>,
-    /// The available rooms; the built-in ones when absent.
-    pub catalogue: Option<Catalogue>,
-    /// How rooms are chosen.
-    pub room_choice: RoomChoice,
-    /// Whether rooms that are not square may be turned by a quarter.
-    pub turn: Turn,
-    /// Distance between vertical hallways in cells; drawn from the difficulty when absent.
-    pub spacing_h: Option<u32>,
-    /// Distance between horizontal hallways in cells; drawn from the difficulty when absent.
-    pub spacing_v: Option<u32>,
-    /// Probability of a doorway in a side of a room; it follows from the difficulty when absent.
-    pub doorway_probability: Option<f64>,
-    /// Whether hallway cycles are prevented.
-    pub cycles: Cycles,
-    /// Whether the remaining cells become open areas; they are solid otherwise.
-    pub open_areas: bool,
-    /// Thickness of the walls in metres.
-    pub wall: f64,
-    /// Width of a doorway in metres.
-    pub doorway: f64,
-    /// Radius in metres of the robot that must reach every place.
-    pub footprint: f64,
-    /// Width in metres that the narrowest passage through each room should have: contents are moved,
-    /// turned, removed or doubled. Rooms stay as designed when absent.
-    pub clearance: Option<f64>,
-}
-
-impl Default for IndoorSpec {
-    fn default() -> Self {
-        IndoorSpec {
-            difficulty: 5.0,
-            width: 16,
-            height: 16,
-            unit: 3.0,
-            profile: Profile::Guaranteed,
-            layout: Layout::Grid,
-            branching: 0.5,
-            rooms: Vec::new(),
-            catalogue: None,
-            room_choice: RoomChoice::Difficulty,
-            turn: Turn::Profile,
-            spacing_h: None,
-            spacing_v: None,
-            doorway_probability: None,
-            cycles: Cycles::Difficulty,
-            open_areas: true,
-            wall: 0.1,
-            doorway: 0.94,
-            footprint: 0.36,
-            clearance: None,
-        }
+settings! {
+    /// An indoor map to generate.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+    ///
+    /// let spec = IndoorSpec { difficulty: 7.0, ..Default::default() };
+    /// let plan = spec.generate(Seed(3))?;
+    /// assert_eq!(plan.access().parts(), 1);
+    /// assert!(plan.to_world().check().is_ok());
+    /// # Ok::<(), envgen::SpecError>(())
+    /// ```
+    pub struct IndoorSpec {
+        /// The difficulty that the rules adapt to.
+        difficulty: f64 = 5.0 => number("", 0.0..=10.0);
+        /// Columns of the grid.
+        width: u32 = 16 => integer("", 4..=1024);
+        /// Rows of the grid.
+        height: u32 = 16 => integer("", 4..=1024);
+        /// Side of a cell.
+        unit: f64 = 3.0 => number("m", 1.2..=12.0);
+        /// Exactly as in the paper, or with every place reachable.
+        profile: Profile = Profile::Guaranteed => choice;
+        /// How the hallways are laid out.
+        layout: Layout = Layout::Grid => choice;
+        /// Probability of a branch at each end of an L-system's hallway, and of a loop where it meets
+        /// another.
+        branching: f64 = 0.5 => number("", 0.0..=1.0);
+        /// The rooms of the catalogue that may be placed; empty for all.
+        rooms: Vec<String> = Vec::new() => list("", "names of rooms, empty for all", "warehouse,maze");
+        /// The available rooms, none for the built-in 20.
+        catalogue: Option<Catalogue> = None => optional_other(
+            "",
+            "a list of rooms as in *.room.ron files",
+            r#"[{"name": "vault", "width": 1, "height": 1, "difficulty": 3}]"#
+        );
+        /// How rooms are chosen.
+        room_choice: RoomChoice = RoomChoice::Difficulty => choice;
+        /// Whether rooms that are not square may be turned by a quarter.
+        turn: Turn = Turn::Profile => choice;
+        /// Distance between vertical hallways, less than the width; none follows from the difficulty.
+        spacing_h: Option<u32> = None => optional_integer("cells", 3..=1023);
+        /// Distance between horizontal hallways, less than the height; none follows from the difficulty.
+        spacing_v: Option<u32> = None => optional_integer("cells", 3..=1023);
+        /// Probability of a doorway in a side of a room; none follows from the difficulty.
+        doorway_probability: Option<f64> = None => optional_number("", 0.0..=1.0);
+        /// Whether hallway cycles are prevented.
+        cycles: Cycles = Cycles::Difficulty => choice;
+        /// Whether the remaining cells become open areas; they are solid otherwise.
+        open_areas: bool = true => flag;
+        /// Thickness of the walls.
+        wall: f64 = 0.1 => number("m", 0.01..=0.5);
+        /// Width of a doorway, at most a cell less two walls.
+        doorway: f64 = 0.94 => number("m", 0.2..=3.0);
+        /// Radius of the robot that must reach every place, at most half a doorway less 0.05 m.
+        footprint: f64 = 0.36 => number("m", 0.01..=1.4);
+        /// Width that the narrowest passage through each room should have: contents are moved, turned,
+        /// removed or doubled; none leaves rooms as designed.
+        clearance: Option<f64> = None => optional_number("m", 0.0..=2.0);
     }
 }
 
 /// How closely the rules follow the paper.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum Profile {
     /// Exactly as in the paper, flaws included: rooms may be closed, contents may block a doorway.
     Thesis,
@@ -106,8 +85,9 @@ pub enum Profile {
 }
 
 /// How the hallways are laid out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum Layout {
     /// Parallel hallways a fixed distance apart in either direction, as in the paper.
     Grid,
@@ -116,8 +96,9 @@ pub enum Layout {
 }
 
 /// How rooms are chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum RoomChoice {
     /// By how near their difficulty is.
     Difficulty,
@@ -126,8 +107,9 @@ pub enum RoomChoice {
 }
 
 /// Whether rooms that are not square may be turned by a quarter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum Turn {
     /// Not in the profile `thesis`, allowed in `guaranteed`.
     Profile,
@@ -138,8 +120,9 @@ pub enum Turn {
 }
 
 /// Whether hallway cycles are prevented.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum Cycles {
     /// Drawn from the difficulty.
     Difficulty,
@@ -148,94 +131,6 @@ pub enum Cycles {
     /// Always.
     Prevent,
 }
-
-const DIFFICULTY: Setting =
-    Setting::number("difficulty", "", 0.0, 10.0, "the difficulty that the rules adapt to");
-const WIDTH: Setting = Setting::integer("width", 4, 1024, "columns of the grid");
-const HEIGHT: Setting = Setting::integer("height", 4, 1024, "rows of the grid");
-const PROFILE: Setting = Setting::choice(
-    "profile",
-    &["thesis", "guaranteed"],
-    "exactly as in the paper, or with every place reachable",
-);
-const LAYOUT: Setting =
-    Setting::choice("layout", &["grid", "l_system"], "how the hallways are laid out");
-const BRANCHING: Setting = Setting::number(
-    "branching",
-    "",
-    0.0,
-    1.0,
-    "probability of a branch at each end of an L-system's hallway, and of a loop where two meet",
-);
-const ROOMS: Setting = Setting::list(
-    "rooms",
-    "",
-    "names of rooms, empty for all",
-    "the rooms of the catalogue that may be placed",
-)
-.such_as("warehouse,maze");
-const CATALOGUE: Setting = Setting::other(
-    "catalogue",
-    "",
-    "a list of rooms as in *.room.ron files, or null for the built-in 20",
-    "the available rooms",
-)
-.such_as(r#"[{"name": "vault", "width": 1, "height": 1, "difficulty": 3}]"#);
-const ROOM_CHOICE: Setting =
-    Setting::choice("room_choice", &["difficulty", "uniform"], "how rooms are chosen");
-const TURN: Setting = Setting::choice(
-    "turn",
-    &["profile", "never", "allowed"],
-    "whether rooms that are not square may be turned by a quarter",
-);
-const SPACING: &str =
-    "a whole number from 3 to the map's size less one, or null to follow from the difficulty";
-const SPACING_H: Setting =
-    Setting::other("spacing_h", "cells", SPACING, "distance between vertical hallways");
-const SPACING_V: Setting =
-    Setting::other("spacing_v", "cells", SPACING, "distance between horizontal hallways");
-const DOORWAY_PROBABILITY: Setting = Setting::other(
-    "doorway_probability",
-    "",
-    "a number from 0 to 1, or null to follow from the difficulty",
-    "probability of a doorway in a side of a room",
-);
-const CYCLES: Setting = Setting::choice(
-    "cycles",
-    &["difficulty", "allow", "prevent"],
-    "whether hallway cycles are prevented",
-);
-const OPEN_AREAS: Setting =
-    Setting::flag("open_areas", "whether the remaining cells become open areas");
-const CLEARANCE: Setting = Setting::other(
-    "clearance",
-    "m",
-    "a number from 0 to 2, or null to leave rooms as designed",
-    "width that the narrowest passage through each room should have",
-);
-
-pub(super) const SETTINGS: &[Setting] = &[
-    DIFFICULTY,
-    WIDTH,
-    HEIGHT,
-    UNIT,
-    PROFILE,
-    LAYOUT,
-    BRANCHING,
-    ROOMS,
-    CATALOGUE,
-    ROOM_CHOICE,
-    TURN,
-    SPACING_H,
-    SPACING_V,
-    DOORWAY_PROBABILITY,
-    CYCLES,
-    OPEN_AREAS,
-    WALL,
-    DOORWAY,
-    FOOTPRINT,
-    CLEARANCE,
-];
 
 pub(super) const RULES: &[&str] = &[
     "`open_areas` is true, where `profile` is guaranteed",
@@ -249,28 +144,15 @@ pub(super) const RULES: &[&str] = &[
 impl IndoorSpec {
     /// Checks every field, and the fields together.
     pub(super) fn check(&self) -> Result<(), SpecError> {
-        DIFFICULTY.check(self.difficulty)?;
-        WIDTH.check_integer(self.width.into())?;
-        HEIGHT.check_integer(self.height.into())?;
-        BRANCHING.check(self.branching)?;
+        self.check_fields()?;
         self.check_metres()?;
-        for (setting, spacing, size) in
-            [(SPACING_H, self.spacing_h, self.width), (SPACING_V, self.spacing_v, self.height)]
+        for (name, spacing, size) in
+            [("spacing_h", self.spacing_h, self.width), ("spacing_v", self.spacing_v, self.height)]
         {
-            if let Some(spacing) = spacing
-                && !(adaptation::LEAST_SPACING..size).contains(&spacing)
-            {
-                let allowed = format!("a whole number from 3 to {}, or null", size - 1);
-                return Err(SpecError::new(setting.name, spacing, allowed));
-            }
-        }
-        for (setting, value, most) in
-            [(DOORWAY_PROBABILITY, self.doorway_probability, 1.0), (CLEARANCE, self.clearance, 2.0)]
-        {
-            if let Some(value) = value
-                && !(0.0..=most).contains(&value)
-            {
-                return Err(setting.error(value));
+            if let Some(spacing) = spacing.filter(|spacing| *spacing >= size) {
+                let allowed =
+                    format!("a whole number from {LEAST_SPACING} to {}, or none", size - 1);
+                return Err(SpecError::new(name, spacing, allowed));
             }
         }
         if !self.open_areas && self.profile == Profile::Guaranteed {
@@ -322,10 +204,6 @@ impl IndoorSpec {
     }
 
     fn check_metres(&self) -> Result<(), SpecError> {
-        UNIT.check(self.unit)?;
-        WALL.check(self.wall)?;
-        DOORWAY.check(self.doorway)?;
-        FOOTPRINT.check(self.footprint)?;
         let widest = to_nanometres(self.unit - 2.0 * self.wall);
         if self.doorway > widest {
             let allowed = format!("at most {widest} m, what a cell has between its walls");
@@ -362,6 +240,23 @@ impl IndoorSpec {
              are hallways"
         );
         Err(SpecError::new("rooms", names.join(", "), allowed))
+    }
+}
+
+impl Dimensions {
+    /// Checks the dimensions against the limits of the settings of an
+    /// [`IndoorSpec`]; a radius may be 0.
+    ///
+    /// # Errors
+    /// The first dimension that is not allowed.
+    pub fn validate(&self) -> Result<(), SpecError> {
+        const { IndoorSpec::setting("unit") }.check(self.unit)?;
+        const { IndoorSpec::setting("wall") }.check(self.wall)?;
+        const { IndoorSpec::setting("doorway") }.check(self.doorway)?;
+        match self.radius {
+            0.0 => Ok(()),
+            radius => const { IndoorSpec::setting("footprint") }.check(radius),
+        }
     }
 }
 

@@ -5,7 +5,7 @@ mod partitions;
 
 use self::moves::move_single_cells;
 use self::partitions::{EXHAUSTIVE, count_partitions, try_all};
-use super::spec::{CLASSES, ENTROPY, MAX_CELLS};
+use super::spec::{LandscapeSpec, MAX_CELLS};
 use crate::error::SpecError;
 
 /// How many cells each class has, greatest count first.
@@ -35,19 +35,24 @@ impl Composition {
         entropy: f64,
         keep_classes: bool,
     ) -> Result<Composition, SpecError> {
-        CLASSES.check_integer(classes)?;
+        const { LandscapeSpec::setting("classes") }.check_integer(classes)?;
         if cells == 0 || cells > MAX_CELLS {
             return Err(SpecError::new("cells", cells, format!("from 1 to {MAX_CELLS}")));
         }
         if classes > cells {
-            return Err(CLASSES.error_with(classes, format!("at most the {cells} cells there are")));
+            return Err(SpecError::new(
+                "classes",
+                classes,
+                format!("at most the {cells} cells there are"),
+            ));
         }
-        ENTROPY.check(entropy)?;
+        const { LandscapeSpec::setting("entropy") }.check(entropy)?;
         let (cells, l) = (cells as u32, classes as usize);
         let most = entropy_of(&even_counts(cells, l));
         // An entropy that was written with few digits may round to just above the maximum.
         if entropy > most + 1e-9 {
-            return Err(ENTROPY.error_with(
+            return Err(SpecError::new(
+                "entropy",
                 entropy,
                 format!("at most {most} nats, which {cells} cells in {l} classes reach"),
             ));
@@ -61,7 +66,7 @@ impl Composition {
                 let allowed = format!(
                     "at least {least} nats, which {l} classes reach with none of them empty"
                 );
-                return Err(ENTROPY.error_with(entropy, allowed));
+                return Err(SpecError::new("entropy", entropy, allowed));
             }
         }
         let beta = geometric_ratio(l, entropy);

@@ -5,7 +5,7 @@ use super::blueprint::Landscape;
 use super::composition::Composition;
 use super::edge::{edge_lower_bound, edge_upper_bound};
 use super::error::LandscapeError;
-use super::spec::{ClassOrder, LandscapeSpec, TOTAL_EDGE};
+use super::spec::{ClassOrder, LandscapeSpec};
 use crate::error::SpecError;
 use crate::generate::Spec;
 use crate::seed::Seed;
@@ -38,7 +38,7 @@ impl LandscapeSpec {
             if !(low..=high).contains(&target) {
                 let allowed =
                     format!("from {low} to {high}, the bounds for these classes on this grid");
-                return Err(TOTAL_EDGE.error_with(target, allowed));
+                return Err(SpecError::new("total_edge", target, allowed));
             }
         }
         Ok(composition)

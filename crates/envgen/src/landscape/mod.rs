@@ -61,7 +61,7 @@ impl Spec for LandscapeSpec {
 
     const VALUE_VERSION: u32 = 1;
 
-    const SETTINGS: &'static [Setting] = spec::SETTINGS;
+    const SETTINGS: &'static [Setting] = LandscapeSpec::SETTINGS;
 
     const RULES: &'static [&'static str] = spec::RULES;
 

@@ -10,7 +10,7 @@ use super::blueprint::{Road, RoadSegment, SegmentKind};
 use super::error::RoadError;
 use super::fit::{nearest_angles, nearest_lengths};
 use super::part::{Part, ramp};
-use super::spec::{Crossing, LENGTH, Lengths, MAX_WAYPOINTS, Prefab, RoadSpec};
+use super::spec::{Crossing, Lengths, MAX_WAYPOINTS, Prefab, RoadSpec};
 use super::turn::TurnLimits;
 use super::waypoints::{by_segment, evenly};
 use crate::curve::overlap::strip_overlap;
@@ -172,7 +172,7 @@ impl Attempt<'_> {
 
     fn check_length(&self, parts: &[Part]) -> Result<(), RoadError> {
         let length: f64 = parts.iter().map(|part| part.length).sum();
-        let most = match LENGTH.allowed {
+        let most = match const { RoadSpec::setting("length") }.allowed {
             Allowed::Number { max, .. } => max,
             _ => f64::INFINITY,
         };

@@ -47,7 +47,7 @@ impl Spec for RoadSpec {
 
     const VALUE_VERSION: u32 = 1;
 
-    const SETTINGS: &'static [Setting] = spec::SETTINGS;
+    const SETTINGS: &'static [Setting] = RoadSpec::SETTINGS;
 
     const RULES: &'static [&'static str] = spec::RULES;
 

@@ -1,13 +1,14 @@
 //! The settings of a road.
 
 use serde::{Deserialize, Serialize};
+use strum::VariantNames;
 
 use super::apportion::quantum;
 use super::concentration::{self, Concentration};
 use super::turn::{GRAVITY, TurnLaw, TurnLimits};
 use crate::error::SpecError;
 use crate::geometry::Pose;
-use crate::settings::Setting;
+use crate::settings;
 
 /// Most waypoints that a road can have.
 pub const MAX_WAYPOINTS: u64 = 2_000_000;
@@ -15,113 +16,84 @@ pub const MAX_WAYPOINTS: u64 = 2_000_000;
 /// Most segments that a road can have.
 pub const MAX_SEGMENTS: usize = 4096;
 
-/// A road to generate.
-///
-/// The default is the source's example, `straight, left, straight, right, straight`.
-///
-/// ```
-/// use envgen::{Seed, Spec, road::RoadSpec};
-///
-/// let spec = RoadSpec { length: 500.0, speed: 10.0, ..Default::default() };
-/// let road = spec.generate(Seed(7))?;
-/// let end = road.pose_at(road.length());
-/// let located = road.locate(end.position + glam::DVec2::new(0.0, 2.0)).unwrap();
-/// assert!(located.offset.abs() <= 2.0);
-/// # use envgen::glam;
-/// # Ok::<(), envgen::road::RoadError>(())
-/// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct RoadSpec {
-    /// Length in metres.
-    pub length: f64,
-    /// Distance between waypoints in metres; the road's own is the nearest that divides the length.
-    pub step: f64,
-    /// The segments in travel order.
-    pub prefabs: Vec<Prefab>,
-    /// Number of segments drawn at random in place of `prefabs`; 0 takes `prefabs`.
-    pub random: u64,
-    /// Probability that a segment drawn at random is a turn.
-    pub p_turn: f64,
-    /// Concentration of the Dirichlet law of the lengths: one for all segments or a list.
-    pub alpha: Concentration,
-    /// How lengths are shared out.
-    pub lengths: Lengths,
-    /// Least length of a segment in metres, where `lengths` is `reserve` or the road is aimed or
-    /// closed.
-    pub shortest: f64,
-    /// Speed in m/s at which the turns must be driveable; 0 for no such limit.
-    pub speed: f64,
-    /// Coefficient of friction.
-    pub friction: f64,
-    /// Least angle of a turn in degrees.
-    pub theta_min: f64,
-    /// Greatest angle of a turn in degrees.
-    pub theta_max: f64,
-    /// Least radius of a turn in metres, beside what speed and width demand.
-    pub min_radius: f64,
-    /// Which quantity of a turn is uniform between its limits.
-    pub turns: TurnLaw,
-    /// Share of a turn's length that each of its two clothoids takes; 0 for arcs alone.
-    pub transition: f64,
-    /// Full width in metres.
-    pub width: f64,
-    /// Number of lanes.
-    pub lanes: u64,
-    /// Width of the kerbs in metres; 0 for none.
-    pub kerb: f64,
-    /// x of the start in metres.
-    pub start_x: f64,
-    /// y of the start in metres.
-    pub start_y: f64,
-    /// Heading of the start in degrees, counter-clockwise from +x.
-    pub start_heading: f64,
-    /// x in metres of the point to end at; `None` for no such point.
-    pub aim_x: Option<f64>,
-    /// y in metres of the point to end at.
-    pub aim_y: Option<f64>,
-    /// Whether the road returns to its start.
-    pub closed: bool,
-    /// What happens when the road covers itself.
-    pub crossing: Crossing,
-    /// Side in metres of the square from (0, 0) that the road must stay in; 0 for none.
-    pub area: f64,
-    /// Most attempts where `crossing` is `resample`.
-    pub attempts: u64,
-}
-
-impl Default for RoadSpec {
-    fn default() -> Self {
-        use Prefab::{Left, Right, Straight};
-        RoadSpec {
-            length: 1000.0,
-            step: 1.0,
-            prefabs: vec![Straight, Left, Straight, Right, Straight],
-            random: 0,
-            p_turn: 0.5,
-            alpha: Concentration::Same(1.0),
-            lengths: Lengths::Reserve,
-            shortest: 1.0,
-            speed: 50.0 / 3.6,
-            friction: 0.7,
-            theta_min: 30.0,
-            theta_max: 90.0,
-            min_radius: 0.0,
-            turns: TurnLaw::UniformRadius,
-            transition: 0.0,
-            width: 7.0,
-            lanes: 2,
-            kerb: 0.15,
-            start_x: 0.0,
-            start_y: 0.0,
-            start_heading: 0.0,
-            aim_x: None,
-            aim_y: None,
-            closed: false,
-            crossing: Crossing::Allow,
-            area: 0.0,
-            attempts: 100,
-        }
+settings! {
+    /// A road to generate.
+    ///
+    /// The default is the source's example, `straight, left, straight, right, straight`.
+    ///
+    /// ```
+    /// use envgen::{Seed, Spec, road::RoadSpec};
+    ///
+    /// let spec = RoadSpec { length: 500.0, speed: 10.0, ..Default::default() };
+    /// let road = spec.generate(Seed(7))?;
+    /// let end = road.pose_at(road.length());
+    /// let located = road.locate(end.position + glam::DVec2::new(0.0, 2.0)).unwrap();
+    /// assert!(located.offset.abs() <= 2.0);
+    /// # use envgen::glam;
+    /// # Ok::<(), envgen::road::RoadError>(())
+    /// ```
+    pub struct RoadSpec {
+        /// Length.
+        length: f64 = 1000.0 => number("m", 0.1..=1e6);
+        /// Distance between waypoints, at most the length; the road's own is the nearest that divides the
+        /// length.
+        step: f64 = 1.0 => number("m", 1e-3..=1e5);
+        /// The segments in travel order.
+        prefabs: Vec<Prefab> = {
+            use Prefab::{Left, Right, Straight};
+            vec![Straight, Left, Straight, Right, Straight]
+        } => list("", "straight, left, right or turn (to either side)", "straight,turn,straight");
+        /// Number of segments drawn at random in place of `prefabs`, 0 takes `prefabs`; the length must
+        /// suffice for all of them being turns.
+        random: u64 = 0 => integer("", 0..=MAX_SEGMENTS as u64);
+        /// Probability that a segment drawn at random is a turn.
+        p_turn: f64 = 0.5 => number("", 0.0..=1.0);
+        /// Concentration of the Dirichlet law of the lengths: one for all segments or a list.
+        alpha: Concentration = Concentration::Same(1.0) => other("", concentration::ALLOWED, "1,2,1,2,1");
+        /// How lengths are shared out: turns first get the length they need, or all length is drawn.
+        lengths: Lengths = Lengths::Reserve => choice;
+        /// Least length of a segment, whatever the step, where `lengths` is `reserve` or the road is aimed
+        /// or closed.
+        shortest: f64 = 1.0 => number("m", 1e-3..=1e5);
+        /// Speed at which the turns must be driveable; 0 for no such limit.
+        speed: f64 = 50.0 / 3.6 => number("m/s", 0.0..=1000.0);
+        /// Coefficient of friction.
+        friction: f64 = 0.7 => number("", 0.01..=10.0);
+        /// Least angle of a turn.
+        theta_min: f64 = 30.0 => number("degrees", 0.1..=350.0);
+        /// Greatest angle of a turn.
+        theta_max: f64 = 90.0 => number("degrees", 0.1..=350.0);
+        /// Least radius of a turn, beside what speed and width demand.
+        min_radius: f64 = 0.0 => number("m", 0.0..=1e5);
+        /// Which quantity of a turn is uniform between its limits.
+        turns: TurnLaw = TurnLaw::UniformRadius => choice;
+        /// Share of a turn's length that each of its two clothoids takes; 0 for arcs alone.
+        transition: f64 = 0.0 => number("", 0.0..=0.5);
+        /// Full width.
+        width: f64 = 7.0 => number("m", 0.1..=100.0);
+        /// Number of lanes.
+        lanes: u64 = 2 => integer("", 1..=16);
+        /// Width of the kerbs; 0 for none.
+        kerb: f64 = 0.15 => number("m", 0.0..=0.9);
+        /// x of the start.
+        start_x: f64 = 0.0 => number("m", -1e6..=1e6);
+        /// y of the start.
+        start_y: f64 = 0.0 => number("m", -1e6..=1e6);
+        /// Heading of the start, counter-clockwise from +x.
+        start_heading: f64 = 0.0 => number("degrees", -360.0..=360.0);
+        /// x of the point to end at, if any: the straights, and with them the road, become longer or
+        /// shorter.
+        aim_x: Option<f64> = None => optional_number("m", -1e6..=1e6);
+        /// y of the point to end at, if any.
+        aim_y: Option<f64> = None => optional_number("m", -1e6..=1e6);
+        /// Whether the road returns to its start.
+        closed: bool = false => flag;
+        /// What happens when the road covers itself.
+        crossing: Crossing = Crossing::Allow => choice;
+        /// Side of the square from (0, 0) that the road must stay in; 0 for none.
+        area: f64 = 0.0 => number("m", 0.0..=1e6);
+        /// Most attempts where `crossing` is `resample`.
+        attempts: u64 = 100 => integer("", 1..=10_000);
     }
 }
 
@@ -225,41 +197,12 @@ impl RoadSpec {
             "at least {needed:.3} m for {most}{turns} turns and {} straights, {cure}",
             self.count() - turns
         );
-        Err(SpecError::new(LENGTH.name, self.length, allowed))
+        Err(SpecError::new("length", self.length, allowed))
     }
 
     /// Checks every field, and the fields together.
     pub(super) fn check(&self) -> Result<(), SpecError> {
-        for (setting, value) in [
-            (LENGTH, self.length),
-            (STEP, self.step),
-            (P_TURN, self.p_turn),
-            (SHORTEST, self.shortest),
-            (SPEED, self.speed),
-            (FRICTION, self.friction),
-            (THETA_MIN, self.theta_min),
-            (THETA_MAX, self.theta_max),
-            (MIN_RADIUS, self.min_radius),
-            (TRANSITION, self.transition),
-            (WIDTH, self.width),
-            (KERB, self.kerb),
-            (START_X, self.start_x),
-            (START_Y, self.start_y),
-            (START_HEADING, self.start_heading),
-            (AREA, self.area),
-        ] {
-            setting.check(value)?;
-        }
-        RANDOM.check_integer(self.random)?;
-        LANES.check_integer(self.lanes)?;
-        ATTEMPTS.check_integer(self.attempts)?;
-        for (setting, value) in [(AIM_X, self.aim_x), (AIM_Y, self.aim_y)] {
-            if let Some(value) = value
-                && !(-AIM_LIMIT..=AIM_LIMIT).contains(&value)
-            {
-                return Err(setting.error(value));
-            }
-        }
+        self.check_fields()?;
         self.check_together()?;
         self.check_reserve()
     }
@@ -268,43 +211,43 @@ impl RoadSpec {
     fn check_together(&self) -> Result<(), SpecError> {
         if self.step > self.length {
             let allowed = format!("at most the length of {} m", self.length);
-            return Err(SpecError::new(STEP.name, self.step, allowed));
+            return Err(SpecError::new("step", self.step, allowed));
         }
         let waypoints = (self.length / self.step).round();
         if waypoints > MAX_WAYPOINTS as f64 {
             let least = self.length / MAX_WAYPOINTS as f64;
             let allowed =
                 format!("at least {least} m, {MAX_WAYPOINTS} waypoints on {} m", self.length);
-            return Err(SpecError::new(STEP.name, self.step, allowed));
+            return Err(SpecError::new("step", self.step, allowed));
         }
         if self.closed && waypoints < 3.0 {
             let allowed = "at most a third of the length of a closed road";
-            return Err(SpecError::new(STEP.name, self.step, allowed));
+            return Err(SpecError::new("step", self.step, allowed));
         }
         if self.random == 0 && self.prefabs.is_empty() {
-            return Err(SpecError::new(PREFABS.name, "an empty list", "at least one segment"));
+            return Err(SpecError::new("prefabs", "an empty list", "at least one segment"));
         }
         if self.prefabs.len() > MAX_SEGMENTS {
             let allowed = format!("at most {MAX_SEGMENTS} segments");
             let given = format!("a list of {}", self.prefabs.len());
-            return Err(SpecError::new(PREFABS.name, given, allowed));
+            return Err(SpecError::new("prefabs", given, allowed));
         }
         self.alpha.check(self.count())?;
         if self.theta_min > self.theta_max {
             let allowed = format!("at most theta_max, {} degrees", self.theta_max);
-            return Err(SpecError::new(THETA_MIN.name, self.theta_min, allowed));
+            return Err(SpecError::new("theta_min", self.theta_min, allowed));
         }
         if self.aim_x.is_some() != self.aim_y.is_some() {
             let (name, missing) = if self.aim_x.is_some() {
-                (AIM_Y.name, "a number, as aim_x is one")
+                ("aim_y", "a number, as aim_x is one")
             } else {
-                (AIM_X.name, "a number, as aim_y is one")
+                ("aim_x", "a number, as aim_y is one")
             };
             return Err(SpecError::new(name, "none", missing));
         }
         if self.closed && self.aim_x.is_some() {
             let allowed = "false for a road that aims at a point";
-            return Err(SpecError::new(CLOSED.name, true, allowed));
+            return Err(SpecError::new("closed", true, allowed));
         }
         Ok(())
     }
@@ -330,8 +273,9 @@ pub enum Prefab {
 }
 
 /// How lengths are shared out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum Lengths {
     /// Every segment first gets the least length it needs, the rest is drawn.
     Reserve,
@@ -340,8 +284,9 @@ pub enum Lengths {
 }
 
 /// What happens when a road covers itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum Crossing {
     /// Nothing.
     Allow,
@@ -352,134 +297,13 @@ pub enum Crossing {
     Resample,
 }
 
-pub(super) const LENGTH: Setting = Setting::number("length", "m", 0.1, 1e6, "length");
-const STEP: Setting =
-    Setting::number("step", "m", 1e-3, 1e5, "distance between waypoints, at most the length");
-const PREFABS: Setting = Setting::list(
-    "prefabs",
-    "",
-    "straight, left, right or turn (to either side)",
-    "the segments in travel order",
-)
-.such_as("straight,turn,straight");
-const RANDOM: Setting = Setting::integer(
-    "random",
-    0,
-    MAX_SEGMENTS as u64,
-    "segments drawn at random instead of prefabs (0: use prefabs); the length must suffice for all of \
-     them being turns",
-);
-const P_TURN: Setting =
-    Setting::number("p_turn", "", 0.0, 1.0, "probability that a segment drawn at random is a turn");
-const ALPHA: Setting = Setting::other(
-    "alpha",
-    "",
-    concentration::ALLOWED,
-    "concentration of the Dirichlet law of the lengths",
-)
-.such_as("1,2,1,2,1");
-const LENGTHS: Setting = Setting::choice(
-    "lengths",
-    &["reserve", "as_published"],
-    "whether turns first get the length they need, or all length is drawn",
-);
-const SHORTEST: Setting =
-    Setting::number("shortest", "m", 1e-3, 1e5, "least length of a segment, whatever the step");
-const SPEED: Setting = Setting::number(
-    "speed",
-    "m/s",
-    0.0,
-    1000.0,
-    "speed at which turns must be driveable (0: any radius)",
-);
-const FRICTION: Setting = Setting::number("friction", "", 0.01, 10.0, "coefficient of friction");
-const THETA_MIN: Setting =
-    Setting::number("theta_min", "degrees", 0.1, 350.0, "least angle of a turn");
-const THETA_MAX: Setting =
-    Setting::number("theta_max", "degrees", 0.1, 350.0, "greatest angle of a turn");
-const MIN_RADIUS: Setting =
-    Setting::number("min_radius", "m", 0.0, 1e5, "least radius, beside what speed and width ask");
-const TURNS: Setting = Setting::choice(
-    "turns",
-    &["uniform_radius", "uniform_angle"],
-    "which quantity of a turn is uniform between its limits",
-);
-const TRANSITION: Setting = Setting::number(
-    "transition",
-    "",
-    0.0,
-    0.5,
-    "share of a turn's length that each of its two clothoids takes",
-);
-const WIDTH: Setting = Setting::number("width", "m", 0.1, 100.0, "full width");
-const LANES: Setting = Setting::integer("lanes", 1, 16, "number of lanes");
-const KERB: Setting = Setting::number("kerb", "m", 0.0, 0.9, "width of the kerbs (0: none)");
-const START_X: Setting = Setting::number("start_x", "m", -1e6, 1e6, "x of the start");
-const START_Y: Setting = Setting::number("start_y", "m", -1e6, 1e6, "y of the start");
-const START_HEADING: Setting =
-    Setting::number("start_heading", "degrees", -360.0, 360.0, "heading of the start");
-const AIM_LIMIT: f64 = 1e6;
-const AIM_X: Setting = aim(
-    "aim_x",
-    "x of the point to end at: the straights, and with them the road, become longer or shorter",
-);
-const AIM_Y: Setting = aim("aim_y", "y of the point to end at");
-const CLOSED: Setting = Setting::flag("closed", "whether the road returns to its start");
-const CROSSING: Setting = Setting::choice(
-    "crossing",
-    &["allow", "reject", "resample"],
-    "what happens when the road covers itself",
-);
-const AREA: Setting = Setting::number(
-    "area",
-    "m",
-    0.0,
-    1e6,
-    "side of the square from (0, 0) that the road must stay in (0: none)",
-);
-const ATTEMPTS: Setting = Setting::integer("attempts", 1, 10_000, "most attempts of resample");
-
-const fn aim(name: &'static str, help: &'static str) -> Setting {
-    Setting::other(name, "m", "a number from -1e6 to 1e6, or null for none", help)
-}
-
-pub(super) const SETTINGS: &[Setting] = &[
-    LENGTH,
-    STEP,
-    PREFABS,
-    RANDOM,
-    P_TURN,
-    ALPHA,
-    LENGTHS,
-    SHORTEST,
-    SPEED,
-    FRICTION,
-    THETA_MIN,
-    THETA_MAX,
-    MIN_RADIUS,
-    TURNS,
-    TRANSITION,
-    WIDTH,
-    LANES,
-    KERB,
-    START_X,
-    START_Y,
-    START_HEADING,
-    AIM_X,
-    AIM_Y,
-    CLOSED,
-    CROSSING,
-    AREA,
-    ATTEMPTS,
-];
-
 pub(super) const RULES: &[&str] = &[
     "`step` is at most the `length`, a third of it where `closed` is true, and there are at most \
      2,000,000 waypoints: `length` over `step`",
     "`prefabs` holds 1 to 4096 segments, where `random` is 0",
     "`alpha` is a number, or has one for each segment of `prefabs`, or of `random`",
     "`theta_min` is at most `theta_max`",
-    "`aim_x` and `aim_y` are both numbers or both null, and null where `closed` is true",
+    "`aim_x` and `aim_y` are both numbers or both none, and none where `closed` is true",
     "`length` has room for the least lengths of all segments, which follow from `shortest`, \
      `theta_min`, `speed`, `friction`, `min_radius` and `width`, where `lengths` is reserve",
 ];

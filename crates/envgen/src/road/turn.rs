@@ -1,6 +1,7 @@
 //! The radius of a turn of a given length.
 
 use serde::{Deserialize, Serialize};
+use strum::VariantNames;
 
 use crate::seed::Stream;
 
@@ -8,8 +9,9 @@ use crate::seed::Stream;
 pub const GRAVITY: f64 = 9.81;
 
 /// Which quantity of a turn is uniform between its limits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum TurnLaw {
     /// The radius, as published.
     UniformRadius,

@@ -76,7 +76,16 @@ fn spec_of(kind: WorldKind, settings: &Value) -> serde_json::Result<WorldSpec> {
 }
 
 fn draw(setting: &Setting, settings: &Value, stream: &mut Stream) -> Value {
+    // Rooms are data: the built-in ones represent them.
+    if setting.name == "catalogue" {
+        return Value::Null;
+    }
     match setting.allowed {
+        // Wider ones do not fit into the map.
+        Allowed::Integer { .. } if setting.name.starts_with("spacing") => {
+            let size = if setting.name == "spacing_h" { "width" } else { "height" };
+            (3 + stream.below(settings[size].as_u64().unwrap_or(1))).into()
+        }
         // Attempts cost time and do not change the result.
         Allowed::Integer { .. } if setting.name == "attempts" => stream.below(20).max(1).into(),
         Allowed::Integer { min, max } => {
@@ -125,16 +134,10 @@ fn draw_other(name: &str, settings: &Value, stream: &mut Stream) -> Value {
             drawn.collect::<Vec<_>>().into()
         }
         "alpha" => spread(1e-6, 1e12, 1e-6, stream).into(),
-        "aim_x" | "aim_y" => spread(-1e6, 1e6, 1.0, stream).into(),
-        "spacing_h" => (3 + stream.below(whole("width"))).into(),
-        "spacing_v" => (3 + stream.below(whole("height"))).into(),
-        "doorway_probability" => stream.unit().into(),
-        "clearance" => stream.between(0.0, 2.0).into(),
         "speeds" => {
             let speed = |stream: &mut Stream| stream.below(3) as f64 * 0.5;
             (0..whole("classes")).map(|_| speed(stream)).collect::<Vec<_>>().into()
         }
-        // Rooms are data: the built-in ones represent them.
         "rooms" => json!([]),
         _ => Value::Null,
     }

@@ -41,10 +41,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         for setting in kind.settings() {
             let default = plain(&defaults[setting.name]);
             let unit = if setting.unit.is_empty() { "" } else { " " };
+            let or_none = if setting.optional { ", or none" } else { "" };
             let example = setting.example.map_or(String::new(), |text| format!(", such as {text}"));
             writeln!(
                 out,
-                "  {:column$}  {}\n  {:column$}  {}{unit}{}{example}; default {default}",
+                "  {:column$}  {}\n  {:column$}  {}{unit}{}{or_none}{example}; default {default}",
                 setting.name, setting.help, "", setting.allowed, setting.unit
             )?;
         }
@@ -64,7 +65,7 @@ fn describe(kind: WorldKind) -> Value {
             json!({
                 "name": setting.name,
                 "unit": setting.unit,
-                "allowed": setting.allowed.to_string(),
+                "allowed": setting.allowed_text(),
                 "default": defaults[setting.name],
                 "help": setting.help,
                 "example": setting.example,
