@@ -22,6 +22,23 @@
 //! assert!(speed > 0.0 && gusts.len() == 4 && x * x + y * y <= 1.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! With the feature `rand`, generators take such distributions in place of their own laws: the radii of
+//! trees (`forest::ForestLaws`), the lengths of a road's segments and its turns (`road::RoadLaws`), the
+//! distances between hallways and the contents of rooms (`indoor::IndoorLaws`). `Truncated` keeps
+//! them within limits. Their bits are those of the crate that they come from, in the version and
+//! with the features that it is built with. The feature adds no more than the crate `rand` itself, without
+//! its default features, and changes no world that is drawn from the laws here.
+
+mod law;
+#[cfg(feature = "rand")]
+mod truncated;
+
+pub(crate) use law::Law;
+#[cfg(feature = "rand")]
+pub(crate) use law::law;
+#[cfg(feature = "rand")]
+pub use truncated::Truncated;
 
 use crate::seed::Stream;
 

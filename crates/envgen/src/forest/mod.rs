@@ -12,6 +12,8 @@ mod density;
 mod endless;
 mod hard_core;
 mod index;
+#[cfg(feature = "rand")]
+mod laws;
 mod metrics;
 mod poisson;
 mod predict;
@@ -21,6 +23,8 @@ mod start_goal;
 
 pub use density::{Density, DensityMap};
 pub use endless::EndlessForest;
+#[cfg(feature = "rand")]
+pub use laws::ForestLaws;
 pub use metrics::{ForestMetrics, PERCOLATION_THRESHOLD};
 pub use radius::RadiusLaw;
 pub use spec::{Border, Forest, ForestError, ForestSpec, MAX_HARD_CORE_TREES, MAX_TREES};

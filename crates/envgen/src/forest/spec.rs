@@ -11,6 +11,7 @@ use super::density::{Density, DensityMap};
 use super::metrics::ForestMetrics;
 use super::radius::RadiusLaw;
 use super::{hard_core, metrics, poisson, radius, start_goal};
+use crate::distribution::Law;
 use crate::error::{GenerateError, SpecError};
 use crate::generate::{Blueprint, Spec};
 use crate::geometry::Rect;
@@ -196,6 +197,19 @@ pub enum ForestError {
         /// The greatest value of its own limits.
         max: f64,
     },
+    /// A law of radii that replaces the spec's gave a value outside of the spec's limits.
+    #[error(
+        "the law of `radii` must give numbers from {min} to {max} m, `radius_min` to `radius_max`, \
+         got {value:?}"
+    )]
+    Radius {
+        /// What it gave.
+        value: f64,
+        /// The least radius in metres, the spec's `radius_min`.
+        min: f64,
+        /// The greatest radius in metres, the spec's `radius_max`.
+        max: f64,
+    },
 }
 
 const RULES: &[&str] = &[
@@ -264,8 +278,8 @@ impl Spec for ForestSpec {
     fn generate(&self, seed: Seed) -> Result<Forest, GenerateError> {
         self.validate()?;
         match &self.density {
-            None => self.plant(seed, None),
-            Some(map) => self.plant(seed, Some(&map.over(self))),
+            None => self.plant(seed, None, None),
+            Some(map) => self.plant(seed, Some(&map.over(self)), None),
         }
     }
 }
@@ -283,7 +297,7 @@ impl ForestSpec {
     ) -> Result<Forest, GenerateError> {
         let peak = ForestSpec { intensity: density.max(), density: None, ..self.clone() };
         peak.validate()?;
-        let mut forest = peak.plant(seed, Some(density))?;
+        let mut forest = peak.plant(seed, Some(density), None)?;
         forest.edited = true;
         Ok(forest)
     }
@@ -309,15 +323,22 @@ impl ForestSpec {
         }
     }
 
-    fn plant(&self, seed: Seed, density: Option<&dyn Density>) -> Result<Forest, GenerateError> {
+    /// The forest of a valid spec; a density and a law of radii replace the spec's own.
+    pub(super) fn plant(
+        &self,
+        seed: Seed,
+        density: Option<&dyn Density>,
+        radii: Option<&Law<'_>>,
+    ) -> Result<Forest, GenerateError> {
         let centres = if self.min_distance > 0.0 {
             hard_core::centres(self, seed, density)?
         } else {
             poisson::centres(self, seed, density)?
         };
-        let trees = radius::grow(self, seed, centres);
+        let trees = radius::grow(self, seed, centres, radii)?;
         let (trees, cleared) = start_goal::clear(self, trees);
-        Ok(Forest { trees, cleared, spec: self.clone(), seed, edited: false })
+        let spec = self.clone();
+        Ok(Forest { trees, cleared, spec, seed, edited: false, custom_radii: radii.is_some() })
     }
 
     fn check_border(&self) -> Result<(), SpecError> {
@@ -383,7 +404,9 @@ pub struct Forest {
     cleared: u64,
     spec: ForestSpec,
     seed: Seed,
-    edited: bool,
+    pub(super) edited: bool,
+    /// Whether a law that is not the spec's gave the radii.
+    pub(super) custom_radii: bool,
 }
 
 impl Forest {
@@ -408,7 +431,7 @@ impl Forest {
     }
 
     /// Whether a density function replaced the spec's intensity, which is then the greatest value of
-    /// that function.
+    /// that function, or another law the spec's law of radii, which is then uniform.
     pub fn edited(&self) -> bool {
         self.edited
     }
