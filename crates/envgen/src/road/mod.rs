@@ -18,6 +18,7 @@ mod concentration;
 mod draw;
 mod error;
 mod fit;
+mod laws;
 mod spec;
 mod turn;
 
@@ -26,5 +27,7 @@ pub use blueprint::{Road, RoadMetrics, RoadSegment, SegmentKind};
 pub use build::KERB_TOLERANCE;
 pub use concentration::Concentration;
 pub use error::RoadError;
+#[cfg(feature = "rand")]
+pub use laws::RoadLaws;
 pub use spec::{Crossing, Lengths, MAX_SEGMENTS, MAX_WAYPOINTS, Prefab, RoadSpec, TurnLaw};
 pub use turn::{GRAVITY, TurnLimits};

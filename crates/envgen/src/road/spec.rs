@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::apportion::quantum;
 use super::blueprint::Road;
 use super::concentration::Concentration;
+use super::laws::RoadLaws;
 use super::turn::{GRAVITY, TurnLimits};
 use crate::error::{GenerateError, SpecError};
 use crate::generate::Spec;
@@ -512,6 +513,6 @@ impl Spec for RoadSpec {
 
     fn generate(&self, seed: Seed) -> Result<Road, GenerateError> {
         self.validate()?;
-        super::draw::road(self, seed)
+        super::draw::road(self, seed, &RoadLaws::default())
     }
 }
