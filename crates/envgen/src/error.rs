@@ -16,6 +16,7 @@ use std::fmt;
 use thiserror::Error;
 
 use crate::forest::ForestError;
+use crate::indoor::IndoorError;
 use crate::landscape::LandscapeError;
 use crate::road::RoadError;
 
@@ -62,6 +63,9 @@ pub enum GenerateError {
     /// A forest could not be generated.
     #[error(transparent)]
     Forest(#[from] ForestError),
+    /// An indoor map could not be generated.
+    #[error(transparent)]
+    Indoor(#[from] IndoorError),
     /// A landscape could not be generated.
     #[error(transparent)]
     Landscape(#[from] LandscapeError),

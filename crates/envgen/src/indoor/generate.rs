@@ -2,11 +2,12 @@
 
 use super::access::repair;
 use super::adaptation as adapt;
+use super::error::IndoorError;
 use super::grid::Grid;
+use super::laws::IndoorLaws;
 use super::plan::{Draws, FloorPlan};
 use super::rules::{cycles, doorways, hallways, l_system, open_areas, rooms};
 use super::spec::{Cycles, IndoorSpec, Layout, Profile};
-use crate::distribution::standard_normal;
 use crate::seed::Seed;
 
 /// A step of the generator, in the order in which they run.
@@ -41,16 +42,24 @@ impl Stage {
     ];
 }
 
-/// The plan of a valid spec; `after` is called after every stage.
-pub(super) fn plan(spec: &IndoorSpec, seed: Seed, after: &mut dyn FnMut(Stage)) -> FloorPlan {
+/// The plan of a valid spec; laws of the caller replace its own, and `after` is called after every stage.
+pub(super) fn plan(
+    spec: &IndoorSpec,
+    seed: Seed,
+    laws: &IndoorLaws<'_>,
+    after: &mut dyn FnMut(Stage),
+) -> Result<FloorPlan, IndoorError> {
     let mut stream = seed.stream("indoor/spacing", 0);
     let mut space = |given: Option<u32>, size: u32| {
         // Drawn even where a spacing is set, so that setting one does not change the draw of the other.
-        let raw = adapt::spacing_raw(spec.difficulty, size, standard_normal(&mut stream));
-        given.map_or((raw, adapt::spacing(raw, size)), |given| (f64::from(given), given))
+        let raw = laws.hallway_spacing(spec.difficulty, size, &mut stream);
+        match given {
+            Some(given) => Ok((f64::from(given), given)),
+            None => raw.map(|raw| (raw, adapt::spacing(raw, size))),
+        }
     };
-    let (raw_h, spacing_h) = space(spec.spacing_h, spec.width);
-    let (raw_v, spacing_v) = space(spec.spacing_v, spec.height);
+    let (raw_h, spacing_h) = space(spec.spacing_h, spec.width)?;
+    let (raw_v, spacing_v) = space(spec.spacing_v, spec.height)?;
 
     let mut stream = seed.stream("indoor/cycles", 0);
     let drawn = stream.chance(adapt::cycle_prevention_probability(spec.difficulty));
@@ -98,7 +107,7 @@ pub(super) fn plan(spec: &IndoorSpec, seed: Seed, after: &mut dyn FnMut(Stage)) 
     if let Some(wanted) = spec.clearance {
         for (i, room) in rooms.iter_mut().enumerate() {
             let mut stream = seed.stream("indoor/contents", i as u64);
-            let varied = super::variation::vary(&room.room, wanted, spec.dimensions(), &mut stream);
+            let varied = laws.vary(&room.room, wanted, spec.dimensions(), &mut stream)?;
             variations.push([varied.before, varied.after]);
             room.room = varied.room;
         }
@@ -117,7 +126,7 @@ pub(super) fn plan(spec: &IndoorSpec, seed: Seed, after: &mut dyn FnMut(Stage)) 
         repair(&grid, &mut rooms, &mut openings, dimensions, &mut stream);
     }
     after(Stage::Access);
-    FloorPlan {
+    Ok(FloorPlan {
         spec: spec.clone(),
         seed: Some(seed),
         grid,
@@ -131,6 +140,6 @@ pub(super) fn plan(spec: &IndoorSpec, seed: Seed, after: &mut dyn FnMut(Stage)) 
             doorways_closed: drawn.closed,
             variations,
         }),
-        edited: false,
-    }
+        edited: laws.any(),
+    })
 }

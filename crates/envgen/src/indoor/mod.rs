@@ -17,9 +17,11 @@ mod access;
 mod build;
 mod catalogue;
 mod edit;
+mod error;
 mod generate;
 mod grid;
 mod interior;
+mod laws;
 mod metrics;
 mod plan;
 mod rules;
@@ -37,9 +39,12 @@ pub use catalogue::{
     RoomDesign, RoomError, SharedRoom, room_from_ron, room_to_ron,
 };
 pub use edit::{Edit, EditError, PlanEditor};
+pub use error::IndoorError;
 pub use generate::Stage;
 pub use grid::{Axis, Cell, Gate, Grid, Opening, Origin, Side, Sides};
 pub use interior::{DOORWAY_DEPTH, Dimensions, Interior, Part, Port, STEP, narrowest_way};
+#[cfg(feature = "rand")]
+pub use laws::IndoorLaws;
 pub use metrics::{CellCounts, IndoorMetrics};
 pub use plan::{Draws, FloorPlan, PlacedRoom};
 pub use spec::{Cycles, IndoorSpec, Layout, Profile, RoomChoice, Turn};

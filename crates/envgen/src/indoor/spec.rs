@@ -8,6 +8,7 @@ use super::adaptation;
 use super::catalogue::{Catalogue, SharedRoom};
 use super::generate::Stage;
 use super::interior::Dimensions;
+use super::laws::IndoorLaws;
 use super::plan::FloorPlan;
 use crate::error::{GenerateError, SpecError};
 use crate::generate::Spec;
@@ -325,7 +326,7 @@ impl IndoorSpec {
         after: &mut dyn FnMut(Stage),
     ) -> Result<FloorPlan, GenerateError> {
         self.validate()?;
-        Ok(super::generate::plan(self, seed, after))
+        Ok(super::generate::plan(self, seed, &IndoorLaws::default(), after)?)
     }
 
     /// The catalogue: the spec's own, or the built-in one.

@@ -2,6 +2,7 @@
 //! false-alarm rate of 1e-4.
 
 mod forests;
+mod indoor;
 mod roads;
 
 use proptest::prelude::*;
