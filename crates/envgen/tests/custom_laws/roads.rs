@@ -102,7 +102,8 @@ fn circuits_and_drawn_again_roads_keep_their_limits() {
     let laws = RoadLaws::new().lengths(law).turns(law);
     let circuit = RoadSpec {
         closed: true,
-        prefabs: vec![Prefab::Straight, Prefab::Left, Prefab::Left, Prefab::Left],
+        prefabs: [Prefab::Straight, Prefab::Left].repeat(4),
+        theta_max: 150.0,
         speed: 8.0,
         ..Default::default()
     };
