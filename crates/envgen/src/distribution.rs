@@ -1,8 +1,44 @@
 //! The continuous and counting laws that the generators draw from.
 //!
-//! `rand_distr` has these laws too, but its floating-point functions are libm's or the platform's
-//! depending on which other crates of a build turn on `num-traits/std`. A seed would then give
-//! different worlds in different programs, so the few laws needed are here, on `libm` alone.
+//! [`rand_distr`](https://docs.rs/rand_distr) has these laws too, but its floating-point functions
+//! are libm's or the platform's depending on which other crates of a build turn on `num-traits/std`. A
+//! seed would then give different worlds in different programs, so the few laws needed are here, on
+//! `libm` alone: the same bits with every set of features. The tests compare each with `rand_distr`'s.
+//!
+//! # Other laws
+//!
+//! A [`Stream`] is a generator of `rand_core` 0.10, so that every distribution of `rand` 0.10 and
+//! `rand_distr` 0.6 can be drawn from it:
+//!
+//! ```
+//! use envgen::Seed;
+//! use rand::RngExt;
+//! use rand_distr::{Distribution, Triangular, UnitDisc, Weibull};
+//!
+//! let mut stream = Seed(7).stream("wind", 0);
+//! let speed: f64 = Weibull::new(8.0, 2.0)?.sample(&mut stream);
+//! let gusts: Vec<f64> = (&mut stream).sample_iter(Triangular::new(0.0, 3.0, 1.0)?).take(4).collect();
+//! let [x, y]: [f64; 2] = stream.sample(UnitDisc);
+//! assert!(speed > 0.0 && gusts.len() == 4 && x * x + y * y <= 1.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! With the feature `rand`, generators take such distributions in place of their own laws: the radii of
+//! trees (`forest::ForestLaws`), the lengths of a road's segments and its turns (`road::RoadLaws`), the
+//! distances between hallways and the contents of rooms (`indoor::IndoorLaws`). `Truncated` keeps
+//! them within limits. Their bits are those of the crate that they come from, in the version and
+//! with the features that it is built with. The feature adds no more than the crate `rand` itself, without
+//! its default features, and changes no world that is drawn from the laws here.
+
+mod law;
+#[cfg(feature = "rand")]
+mod truncated;
+
+pub(crate) use law::Law;
+#[cfg(feature = "rand")]
+pub(crate) use law::law;
+#[cfg(feature = "rand")]
+pub use truncated::Truncated;
 
 use crate::seed::Stream;
 

@@ -46,6 +46,7 @@
 //! |---|---|---|
 //! | `parallel` | yes | large rasters are counted on all cores |
 //! | `picture` | yes | SVG and PNG pictures, drawn on the CPU |
+//! | `rand` | no | worlds drawn from any distribution of `rand` and `rand_distr`, see [`distribution`] |
 //! | `whole-file` | no | files that are written completely or not at all |
 //! | `cli` | no | the command `envgen` |
 

@@ -88,8 +88,29 @@ const fn stage_hash(stage: &str) -> u64 {
 /// A stream of random numbers: ChaCha8 under a key made of seed, stage, index and attempt.
 ///
 /// The draws that the generators use are defined here, bit for bit, so that no release of another
-/// crate can change a world. Continuous laws are in [`crate::distribution`]. It is also a
-/// [`rand_core`] generator, so that other crates' distributions can be drawn from it.
+/// crate can change a world. Continuous laws are in [`crate::distribution`].
+///
+/// It is also a [`rand_core`] generator, so that the methods of `rand`'s extension traits and the
+/// distributions of other crates, such as `rand_distr`, work on it:
+///
+/// ```
+/// use envgen::Seed;
+/// use rand::{RngExt, seq::SliceRandom};
+/// use rand_distr::Normal;
+///
+/// let mut stream = Seed(7).stream("example", 0);
+/// let die = stream.random_range(1..=6);
+/// let heads: bool = stream.random();
+/// let height = stream.sample(Normal::new(1.7, 0.1)?);
+/// let mut order = [1, 2, 3];
+/// order.shuffle(&mut stream);
+/// assert!((1..=6).contains(&die) && height > 0.0 && order.contains(&1));
+///
+/// // The same seed gives the same numbers.
+/// let mut again = Seed(7).stream("example", 0);
+/// assert_eq!((again.random_range(1..=6), again.random::<bool>()), (die, heads));
+/// # Ok::<(), rand_distr::NormalError>(())
+/// ```
 #[derive(Debug)]
 pub struct Stream {
     rng: ChaCha8Rng,

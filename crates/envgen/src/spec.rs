@@ -11,6 +11,7 @@ use thiserror::Error;
 use crate::error::SpecError;
 use crate::forest::ForestError;
 use crate::generate::{Blueprint, Spec};
+use crate::indoor::IndoorError;
 use crate::landscape::LandscapeError;
 use crate::provenance::Provenance;
 use crate::road::RoadError;
@@ -58,6 +59,9 @@ pub enum GenerateError {
     /// A forest could not be generated.
     #[error(transparent)]
     Forest(ForestError),
+    /// An indoor map could not be generated.
+    #[error(transparent)]
+    Indoor(IndoorError),
     /// A landscape could not be generated.
     #[error(transparent)]
     Landscape(LandscapeError),
@@ -82,6 +86,7 @@ macro_rules! generate_error_from {
 
 generate_error_from! {
     ForestError => Forest;
+    IndoorError => Indoor;
     LandscapeError => Landscape;
     RoadError => Road;
 }

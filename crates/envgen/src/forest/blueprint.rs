@@ -15,6 +15,8 @@ pub struct Forest {
     pub(super) spec: ForestSpec,
     pub(super) seed: Seed,
     pub(super) edited: bool,
+    /// Whether a law that is not the spec's gave the radii.
+    pub(super) custom_radii: bool,
 }
 
 impl Forest {
@@ -39,7 +41,7 @@ impl Forest {
     }
 
     /// Whether a density function replaced the spec's intensity, which is then the greatest value of
-    /// that function.
+    /// that function, or another law the spec's law of radii, which is then uniform.
     pub fn edited(&self) -> bool {
         self.edited
     }

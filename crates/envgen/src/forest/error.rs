@@ -51,4 +51,17 @@ pub enum ForestError {
         /// The greatest value of its own limits.
         max: f64,
     },
+    /// A law of radii that replaces the spec's gave a value outside of the spec's limits.
+    #[error(
+        "the law of `radii` must give numbers from {min} to {max} m, `radius_min` to `radius_max`, \
+         got {value:?}"
+    )]
+    Radius {
+        /// What it gave.
+        value: f64,
+        /// The least radius in metres, the spec's `radius_min`.
+        min: f64,
+        /// The greatest radius in metres, the spec's `radius_max`.
+        max: f64,
+    },
 }

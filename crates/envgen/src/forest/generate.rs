@@ -5,23 +5,26 @@ use super::density::Density;
 use super::error::ForestError;
 use super::spec::ForestSpec;
 use super::{hard_core, poisson, radius, start_goal};
+use crate::distribution::Law;
 use crate::generate::Spec;
 use crate::seed::Seed;
 
-/// The forest of a valid spec, with the spec's own intensity or a density.
+/// The forest of a valid spec; a density and a law of radii replace the spec's own.
 pub(super) fn plant(
     spec: &ForestSpec,
     seed: Seed,
     density: Option<&dyn Density>,
+    radii: Option<&Law<'_>>,
 ) -> Result<Forest, ForestError> {
     let centres = if spec.min_distance > 0.0 {
         hard_core::centres(spec, seed, density)?
     } else {
         poisson::centres(spec, seed, density)?
     };
-    let trees = radius::grow(spec, seed, centres);
+    let trees = radius::grow(spec, seed, centres, radii)?;
     let (trees, cleared) = start_goal::clear(spec, trees);
-    Ok(Forest { trees, cleared, spec: spec.clone(), seed, edited: false })
+    let spec = spec.clone();
+    Ok(Forest { trees, cleared, spec, seed, edited: false, custom_radii: radii.is_some() })
 }
 
 impl ForestSpec {
@@ -33,7 +36,7 @@ impl ForestSpec {
     pub fn generate_with(&self, seed: Seed, density: &dyn Density) -> Result<Forest, ForestError> {
         let peak = ForestSpec { intensity: density.max(), density: None, ..self.clone() };
         peak.validate()?;
-        let mut forest = plant(&peak, seed, Some(density))?;
+        let mut forest = plant(&peak, seed, Some(density), None)?;
         forest.edited = true;
         Ok(forest)
     }

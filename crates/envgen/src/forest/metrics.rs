@@ -25,9 +25,10 @@ const COVER_CELLS: f64 = 256.0;
 /// its sides, crossings do not.
 ///
 /// Predictions are those of the Poisson process with the spec's intensity and radii, absent where the
-/// density varies; a least distance or clearings make them wrong. They predict the mean over many
-/// forests, and account for the border: trees there miss neighbours beyond it, and the ground there
-/// misses trunks. The formulas of an endless forest are given beside them.
+/// density varies or the law of radii is not the spec's; a least distance or clearings make them wrong.
+/// They predict the mean over many forests, and account for the border: trees there miss neighbours
+/// beyond it, and the ground there misses trunks. The formulas of an endless forest are given beside
+/// them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ForestMetrics {
     /// Number of trees.
@@ -53,8 +54,9 @@ pub struct ForestMetrics {
     /// Mean free path in metres of a robot that drives straight in an endless forest,
     /// `1 / (2 lambda (E[r] + rho))`.
     pub free_path_predicted: Option<f64>,
-    /// lambda pi E[(r + rho)^2] with the spec's own intensity, whatever the density map:
-    /// above [`PERCOLATION_THRESHOLD`] a wide even forest cannot be crossed.
+    /// lambda pi E[(r + rho)^2] with the spec's own intensity, whatever the density map, and with the
+    /// means over the trees where the law of radii is not the spec's: above [`PERCOLATION_THRESHOLD`] a
+    /// wide even forest cannot be crossed.
     pub reduced_density: f64,
     /// Whether a wide forest of this reduced density can be crossed.
     pub traversable_predicted: bool,
@@ -84,8 +86,8 @@ pub(super) fn measure(forest: &Forest) -> ForestMetrics {
         nearest_neighbour,
         nearest_neighbour_predicted: even(predict::nearest_neighbour),
         free_path_predicted: even(free_path),
-        reduced_density: reduced_density(spec),
-        traversable_predicted: predicts_crossing(spec),
+        reduced_density: reduced_density(forest),
+        traversable_predicted: predicts_crossing(forest),
         traversable: crosses_west_east(forest),
     }
 }
@@ -97,15 +99,24 @@ fn free_path(spec: &ForestSpec) -> f64 {
 }
 
 /// lambda pi E[(r + rho)^2], the mean number of trunks grown by the robot's radius over a point.
-fn reduced_density(spec: &ForestSpec) -> f64 {
-    let (mean, mean_square) = radius_moments(spec);
+fn reduced_density(forest: &Forest) -> f64 {
+    let spec = forest.spec();
+    let (mean, mean_square) =
+        if forest.custom_radii { mean_radii(forest.trees()) } else { radius_moments(spec) };
     let rho = spec.robot_radius;
     spec.intensity * PI * (mean_square + 2.0 * mean * rho + rho * rho)
 }
 
 /// Whether a wide forest of this density can be crossed.
-pub(super) fn predicts_crossing(spec: &ForestSpec) -> bool {
-    reduced_density(spec) < PERCOLATION_THRESHOLD
+pub(super) fn predicts_crossing(forest: &Forest) -> bool {
+    reduced_density(forest) < PERCOLATION_THRESHOLD
+}
+
+/// Means of r and r^2 over trees, 0 where there are none.
+fn mean_radii(trees: &[Tree]) -> (f64, f64) {
+    let n = trees.len().max(1) as f64;
+    let sum = |power: fn(f64) -> f64| trees.iter().map(|tree| power(tree.radius)).sum::<f64>();
+    (sum(|r| r) / n, sum(|r| r * r) / n)
 }
 
 /// E[r] and E[r^2] of the law of radii.

@@ -15,6 +15,8 @@ mod error;
 mod generate;
 mod hard_core;
 mod index;
+#[cfg(feature = "rand")]
+mod laws;
 mod metrics;
 mod poisson;
 mod predict;
@@ -27,6 +29,8 @@ pub use blueprint::Forest;
 pub use density::{Density, DensityMap};
 pub use endless::EndlessForest;
 pub use error::ForestError;
+#[cfg(feature = "rand")]
+pub use laws::ForestLaws;
 pub use metrics::{ForestMetrics, PERCOLATION_THRESHOLD};
 pub use spec::{Border, ForestSpec, MAX_HARD_CORE_TREES, MAX_TREES, RadiusLaw};
 
@@ -61,8 +65,10 @@ impl Spec for ForestSpec {
     fn generate(&self, seed: Seed) -> Result<Forest, ForestError> {
         self.validate()?;
         match &self.density {
-            None => generate::plant(self, seed, None),
-            Some(map) => generate::plant(self, seed, Some(&map.over(self.area(), self.intensity))),
+            None => generate::plant(self, seed, None, None),
+            Some(map) => {
+                generate::plant(self, seed, Some(&map.over(self.area(), self.intensity)), None)
+            }
         }
     }
 }

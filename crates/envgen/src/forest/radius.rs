@@ -2,15 +2,39 @@
 
 use glam::DVec2;
 
+use super::error::ForestError;
 use super::spec::{ForestSpec, RadiusLaw};
-use crate::distribution::standard_normal;
+use crate::distribution::{Law, standard_normal};
 use crate::seed::{Seed, Stream};
 use crate::world::Tree;
 
-/// Gives every centre its radius.
-pub(super) fn grow(spec: &ForestSpec, seed: Seed, centres: Vec<DVec2>) -> Vec<Tree> {
+/// Gives every centre its radius, of the spec's law or of another.
+pub(super) fn grow(
+    spec: &ForestSpec,
+    seed: Seed,
+    centres: Vec<DVec2>,
+    law: Option<&Law<'_>>,
+) -> Result<Vec<Tree>, ForestError> {
     let mut stream = seed.stream("forest/radii", 0);
-    centres.into_iter().map(|center| Tree { center, radius: draw(spec, &mut stream) }).collect()
+    let mut trees = Vec::with_capacity(centres.len());
+    for center in centres {
+        let radius = match law {
+            None => draw(spec, &mut stream),
+            Some(law) => checked(spec, law(&mut stream))?,
+        };
+        trees.push(Tree { center, radius });
+    }
+    Ok(trees)
+}
+
+/// A radius, checked against the limits of the spec.
+fn checked(spec: &ForestSpec, value: f64) -> Result<f64, ForestError> {
+    let (min, max) = (spec.radius_min, spec.radius_max);
+    if (min..=max).contains(&value) {
+        Ok(value)
+    } else {
+        Err(ForestError::Radius { value, min, max })
+    }
 }
 
 pub(super) fn draw(spec: &ForestSpec, stream: &mut Stream) -> f64 {

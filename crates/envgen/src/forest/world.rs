@@ -40,7 +40,7 @@ pub(super) fn world(forest: &Forest) -> World {
         area: spec.area(),
         radius: spec.robot_radius,
         crosses: crosses_west_east(forest),
-        predicted: predicts_crossing(spec),
+        predicted: predicts_crossing(forest),
     }];
     if spec.min_distance > 0.0 {
         let torus = (spec.border == Border::Torus).then_some(spec.area().size());

@@ -74,7 +74,7 @@ impl FloorPlan {
         self.draws.as_ref()
     }
 
-    /// Whether it was changed after it was generated.
+    /// Whether it was changed after it was generated, or drawn from other laws than the spec's.
     pub fn is_edited(&self) -> bool {
         self.edited
     }

@@ -2,12 +2,11 @@
 
 use super::adaptation as adapt;
 use super::blueprint::{Draws, FloorPlan};
+use super::error::IndoorError;
 use super::grid::Grid;
+use super::laws::IndoorLaws;
 use super::rules::{access, cycles, doorways, hallways, l_system, open_areas, rooms};
 use super::spec::{Cycles, IndoorSpec, Layout, Profile};
-use super::variation::vary;
-use crate::distribution::standard_normal;
-use crate::error::SpecError;
 use crate::generate::Spec;
 use crate::seed::Seed;
 
@@ -43,16 +42,24 @@ impl Stage {
     ];
 }
 
-/// The plan of a valid spec; `after` is called after every stage.
-pub(super) fn plan(spec: &IndoorSpec, seed: Seed, after: &mut dyn FnMut(Stage)) -> FloorPlan {
+/// The plan of a valid spec; laws of the caller replace its own, and `after` is called after every stage.
+pub(super) fn plan(
+    spec: &IndoorSpec,
+    seed: Seed,
+    laws: &IndoorLaws<'_>,
+    after: &mut dyn FnMut(Stage),
+) -> Result<FloorPlan, IndoorError> {
     let mut stream = seed.stream("indoor/spacing", 0);
     let mut space = |given: Option<u32>, size: u32| {
         // Drawn even where a spacing is set, so that setting one does not change the draw of the other.
-        let raw = adapt::spacing_raw(spec.difficulty, size, standard_normal(&mut stream));
-        given.map_or((raw, adapt::spacing(raw, size)), |given| (f64::from(given), given))
+        let raw = laws.hallway_spacing(spec.difficulty, size, &mut stream);
+        match given {
+            Some(given) => Ok((f64::from(given), given)),
+            None => raw.map(|raw| (raw, adapt::spacing(raw, size))),
+        }
     };
-    let (raw_h, spacing_h) = space(spec.spacing_h, spec.width);
-    let (raw_v, spacing_v) = space(spec.spacing_v, spec.height);
+    let (raw_h, spacing_h) = space(spec.spacing_h, spec.width)?;
+    let (raw_v, spacing_v) = space(spec.spacing_v, spec.height)?;
 
     let mut stream = seed.stream("indoor/cycles", 0);
     let drawn = stream.chance(adapt::cycle_prevention_probability(spec.difficulty));
@@ -100,7 +107,7 @@ pub(super) fn plan(spec: &IndoorSpec, seed: Seed, after: &mut dyn FnMut(Stage)) 
     if let Some(wanted) = spec.clearance {
         for (i, room) in rooms.iter_mut().enumerate() {
             let mut stream = seed.stream("indoor/contents", i as u64);
-            let varied = vary(&room.room, wanted, spec.dimensions(), &mut stream);
+            let varied = laws.vary(&room.room, wanted, spec.dimensions(), &mut stream)?;
             variations.push([varied.before, varied.after]);
             room.room = varied.room;
         }
@@ -119,7 +126,7 @@ pub(super) fn plan(spec: &IndoorSpec, seed: Seed, after: &mut dyn FnMut(Stage)) 
         access::repair(&grid, &mut rooms, &mut openings, dimensions, &mut stream);
     }
     after(Stage::Access);
-    FloorPlan {
+    Ok(FloorPlan {
         spec: spec.clone(),
         seed: Some(seed),
         grid,
@@ -133,8 +140,8 @@ pub(super) fn plan(spec: &IndoorSpec, seed: Seed, after: &mut dyn FnMut(Stage)) 
             doorways_closed: drawn.closed,
             variations,
         }),
-        edited: false,
-    }
+        edited: laws.any(),
+    })
 }
 
 impl IndoorSpec {
@@ -147,8 +154,25 @@ impl IndoorSpec {
         &self,
         seed: Seed,
         after: &mut dyn FnMut(Stage),
-    ) -> Result<FloorPlan, SpecError> {
+    ) -> Result<FloorPlan, IndoorError> {
         self.validate()?;
-        Ok(plan(self, seed, after))
+        plan(self, seed, &IndoorLaws::default(), after)
+    }
+}
+
+#[cfg(feature = "rand")]
+impl IndoorSpec {
+    /// Generates a plan from other laws than the spec's. Without any in `laws` it is the plan of
+    /// [`Spec::generate`]; otherwise the provenance cannot hold them and is therefore marked as edited.
+    ///
+    /// # Errors
+    /// As [`Spec::generate`], and when a law gives a number that is not allowed: [`IndoorError`].
+    pub fn generate_with_laws(
+        &self,
+        seed: Seed,
+        laws: &IndoorLaws<'_>,
+    ) -> Result<FloorPlan, IndoorError> {
+        self.validate()?;
+        plan(self, seed, laws, &mut |_| ())
     }
 }

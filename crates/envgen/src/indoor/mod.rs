@@ -18,10 +18,12 @@ mod blueprint;
 mod catalogue;
 mod dimensions;
 mod edit;
+mod error;
 mod frame;
 mod generate;
 mod grid;
 mod interior;
+mod laws;
 mod metrics;
 mod placed_room;
 mod rules;
@@ -42,10 +44,13 @@ pub use catalogue::{
 };
 pub use dimensions::{Dimensions, STEP};
 pub use edit::{Edit, EditError, PlanEditor};
+pub use error::IndoorError;
 pub use frame::DESIGN_UNIT;
 pub use generate::Stage;
 pub use grid::{Axis, Cell, Gate, Grid, Opening, Origin, Side, Sides};
 pub use interior::{DOORWAY_DEPTH, Interior, Part, Port, narrowest_way};
+#[cfg(feature = "rand")]
+pub use laws::IndoorLaws;
 pub use metrics::{CellCounts, IndoorMetrics};
 pub use placed_room::PlacedRoom;
 pub use spec::{Cycles, IndoorSpec, Layout, Profile, RoomChoice, Turn};
@@ -59,7 +64,7 @@ use crate::world::World;
 
 impl Spec for IndoorSpec {
     type Blueprint = FloorPlan;
-    type Error = SpecError;
+    type Error = IndoorError;
 
     const KIND: &'static str = "indoor";
 
@@ -79,7 +84,7 @@ impl Spec for IndoorSpec {
         f64::from(self.width) * f64::from(self.height) * a_cell
     }
 
-    fn generate(&self, seed: Seed) -> Result<FloorPlan, SpecError> {
+    fn generate(&self, seed: Seed) -> Result<FloorPlan, IndoorError> {
         self.generate_observed(seed, &mut |_| ())
     }
 }

@@ -21,7 +21,7 @@ settings! {
     /// let plan = spec.generate(Seed(3))?;
     /// assert_eq!(plan.access().parts(), 1);
     /// assert!(plan.to_world().check().is_ok());
-    /// # Ok::<(), envgen::SpecError>(())
+    /// # Ok::<(), envgen::indoor::IndoorError>(())
     /// ```
     pub struct IndoorSpec {
         /// The difficulty that the rules adapt to.

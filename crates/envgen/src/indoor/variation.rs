@@ -4,6 +4,8 @@
 //! Zwennes' future work asks for "rules that can rearrange objects inside a room to narrow or widen
 //! the paths through the room".
 
+use std::convert::Infallible;
+
 use glam::DVec2;
 
 use super::catalogue::{RoomDesign, SharedRoom};
@@ -17,7 +19,10 @@ use crate::seed::Stream;
 const TRIES: u32 = 80;
 
 /// The greatest distance by which one change moves a part along each axis, in metres of the design.
-const FARTHEST_MOVE: f64 = 0.6;
+pub(super) const FARTHEST_MOVE: f64 = 0.6;
+
+/// The greatest angle by which one change turns a part, in radians.
+pub(super) const GREATEST_TURN: f64 = 1.0;
 
 /// A room whose contents were moved.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +43,26 @@ pub struct Varied {
 /// # Panics
 /// When `wanted` is NaN or negative, and as [`Interior::new`].
 pub fn vary(room: &SharedRoom, wanted: f64, dimensions: Dimensions, stream: &mut Stream) -> Varied {
+    let uniform =
+        |most: f64| move |stream: &mut Stream| Ok::<_, Infallible>(stream.between(-most, most));
+    let Ok(varied) =
+        vary_by(room, wanted, dimensions, stream, &uniform(FARTHEST_MOVE), &uniform(GREATEST_TURN));
+    varied
+}
+
+/// A law that may give a number that is not allowed.
+type Draw<'a, E> = dyn Fn(&mut Stream) -> Result<f64, E> + 'a;
+
+/// [`vary`] with other laws of how far a part is moved along each axis, in metres of the design, and of
+/// the angle by which it is turned, in radians.
+pub(super) fn vary_by<E>(
+    room: &SharedRoom,
+    wanted: f64,
+    dimensions: Dimensions,
+    stream: &mut Stream,
+    moves: &Draw<'_, E>,
+    turns: &Draw<'_, E>,
+) -> Result<Varied, E> {
     assert!(wanted >= 0.0, "`wanted` is {wanted} m");
     let measure = |room: &RoomDesign| {
         narrowest_way(room, dimensions.unit, dimensions.wall, dimensions.doorway)
@@ -53,7 +78,7 @@ pub fn vary(room: &SharedRoom, wanted: f64, dimensions: Dimensions, stream: &mut
             break;
         }
         let mut changed = (**current).clone();
-        change(&mut changed, *width < wanted, stream);
+        change(&mut changed, *width < wanted, stream, moves, turns)?;
         let Ok(changed) = SharedRoom::new(changed) else { continue };
         let width = measure(&changed);
         if (width - wanted).abs() >= error {
@@ -69,36 +94,43 @@ pub fn vary(room: &SharedRoom, wanted: f64, dimensions: Dimensions, stream: &mut
             best = (changed, width);
         }
     }
-    Varied { room: best.0, before, after: best.1 }
+    Ok(Varied { room: best.0, before, after: best.1 })
 }
 
 /// One change of one obstacle, of a kind that tends to widen or to narrow.
-fn change(room: &mut RoomDesign, widen: bool, stream: &mut Stream) {
+fn change<E>(
+    room: &mut RoomDesign,
+    widen: bool,
+    stream: &mut Stream,
+    moves: &Draw<'_, E>,
+    turns: &Draw<'_, E>,
+) -> Result<(), E> {
     let which = stream.below(room.obstacles.len() as u64) as usize;
-    let offset = |reach: DVec2, stream: &mut Stream| {
-        DVec2::new(stream.between(-reach.x, reach.x), stream.between(-reach.y, reach.y))
-    };
     match stream.below(4) {
         0 if widen => {
             room.obstacles.remove(which);
         }
         0 => {
+            let reach = room.size() * 0.5;
+            let x = stream.between(-reach.x, reach.x);
+            let by = DVec2::new(x, stream.between(-reach.y, reach.y));
             let mut double = room.obstacles[which].clone();
-            let by = offset(room.size() * 0.5, stream);
             double.shape = moved(&double.shape, by, 0.0);
             room.obstacles.push(double);
         }
         1 => {
-            let angle = stream.between(-1.0, 1.0);
+            let angle = turns(stream)?;
             let shape = &mut room.obstacles[which].shape;
             *shape = moved(shape, DVec2::ZERO, angle);
         }
         _ => {
-            let by = offset(DVec2::splat(FARTHEST_MOVE), stream);
+            let x = moves(stream)?;
+            let by = DVec2::new(x, moves(stream)?);
             let shape = &mut room.obstacles[which].shape;
             *shape = moved(shape, by, 0.0);
         }
     }
+    Ok(())
 }
 
 /// A shape moved and turned about its middle.

@@ -67,6 +67,7 @@ pub struct RoadSegment {
 pub struct Road {
     pub(super) spec: Box<RoadSpec>,
     pub(super) seed: Seed,
+    pub(super) edited: bool,
     pub(super) attempts: u64,
     pub(super) length: f64,
     pub(super) step: f64,
@@ -80,7 +81,8 @@ pub struct Road {
 impl PartialEq for Road {
     fn eq(&self, other: &Road) -> bool {
         self.spec == other.spec
-            && (self.seed, self.attempts) == (other.seed, other.attempts)
+            && (self.seed, self.edited) == (other.seed, other.edited)
+            && self.attempts == other.attempts
             && self.segments == other.segments
             && self.path == other.path
             && self.waypoints == other.waypoints
@@ -96,6 +98,11 @@ impl Road {
     /// The seed that it was drawn with.
     pub fn seed(&self) -> Seed {
         self.seed
+    }
+
+    /// Whether other laws than the spec's gave its lengths or its turns.
+    pub fn edited(&self) -> bool {
+        self.edited
     }
 
     /// Attempts that were needed: 1 unless the spec allows more.

@@ -85,6 +85,36 @@ pub enum RoadError {
         /// Draws of the angles that were tried.
         tries: u64,
     },
+    /// A law of lengths that replaces the spec's gave a number that is not allowed.
+    #[error(
+        "the law of `lengths` must give finite numbers of at least 0, got {value:?} for segment \
+         {segment}"
+    )]
+    LengthLaw {
+        /// The segment, counted from 1.
+        segment: usize,
+        /// What it gave.
+        value: f64,
+    },
+    /// A law of lengths that replaces the spec's gave 0 for every segment.
+    #[error(
+        "the law of `lengths` must give a number over 0 for at least one of the {segments} segments, \
+         got 0 for all"
+    )]
+    NoLengths {
+        /// The number of segments.
+        segments: usize,
+    },
+    /// A law of turns that replaces the spec's gave a number that is not allowed.
+    #[error(
+        "the law of `turns` must give numbers from 0 to 1, got {value:?} for segment {segment}"
+    )]
+    TurnLaw {
+        /// The segment, counted from 1.
+        segment: usize,
+        /// What it gave.
+        value: f64,
+    },
     /// Every attempt failed.
     #[error("no road in {attempts} attempts; the last: {last}")]
     Attempts {

@@ -5,16 +5,19 @@ use std::sync::OnceLock;
 
 use glam::DVec2;
 
-use super::apportion::{dirichlet, lengths, quantum, settle};
+use super::apportion::{lengths, quantum, settle};
 use super::blueprint::{Road, RoadSegment, SegmentKind};
 use super::error::RoadError;
 use super::fit::{nearest_angles, nearest_lengths};
+use super::laws::RoadLaws;
 use super::part::{Part, ramp};
 use super::spec::{Crossing, Lengths, MAX_WAYPOINTS, Prefab, RoadSpec};
 use super::turn::TurnLimits;
 use super::waypoints::{by_segment, evenly};
 use crate::curve::overlap::strip_overlap;
 use crate::curve::{Curve, Path};
+#[cfg(feature = "rand")]
+use crate::generate::Spec;
 use crate::geometry::{Pose, unit_vector};
 use crate::seed::Seed;
 use crate::settings::Allowed;
@@ -29,13 +32,14 @@ const ON_POINT: f64 = 5e-10;
 /// How far in metres the strip's border may stray from the points at which the area is checked.
 const AREA_TOLERANCE: f64 = 1e-3;
 
-pub(super) fn road(spec: &RoadSpec, seed: Seed) -> Result<Road, RoadError> {
+/// The road of a valid spec; laws of the caller replace the spec's own.
+pub(super) fn road(spec: &RoadSpec, seed: Seed, laws: &RoadLaws<'_>) -> Result<Road, RoadError> {
     if spec.crossing != Crossing::Resample {
-        return Attempt { spec, seed, number: 0 }.road();
+        return Attempt { spec, seed, laws, number: 0 }.road();
     }
     let mut last = None;
     for number in 0..spec.attempts {
-        match (Attempt { spec, seed, number }).road() {
+        match (Attempt { spec, seed, laws, number }).road() {
             Err(error) if error.is_chance() => last = Some(error),
             other => return other,
         }
@@ -47,7 +51,14 @@ pub(super) fn road(spec: &RoadSpec, seed: Seed) -> Result<Road, RoadError> {
 impl RoadError {
     /// Whether another draw may succeed.
     fn is_chance(&self) -> bool {
-        !matches!(self, RoadError::Spec(_) | RoadError::TurnTooShort { .. })
+        !matches!(
+            self,
+            RoadError::Spec(_)
+                | RoadError::TurnTooShort { .. }
+                | RoadError::LengthLaw { .. }
+                | RoadError::NoLengths { .. }
+                | RoadError::TurnLaw { .. }
+        )
     }
 }
 
@@ -55,6 +66,7 @@ impl RoadError {
 struct Attempt<'a> {
     spec: &'a RoadSpec,
     seed: Seed,
+    laws: &'a RoadLaws<'a>,
     number: u64,
 }
 
@@ -90,7 +102,7 @@ impl Attempt<'_> {
             Lengths::AsPublished => vec![0.0; kinds.len()],
         };
         let mut stream = self.seed.attempt("road/lengths", 0, self.number);
-        let proportions = dirichlet(&spec.alpha, kinds.len(), &mut stream);
+        let proportions = self.laws.proportions(&spec.alpha, kinds.len(), &mut stream)?;
         let lengths = lengths(spec.length, &minima, &proportions);
         let limits = spec.turn_limits();
         kinds
@@ -102,7 +114,11 @@ impl Attempt<'_> {
                     return Ok(Part::straight(length));
                 }
                 let mut stream = self.seed.attempt("road/turn", i as u64, self.number);
-                let radius = limits.draw(length, spec.turns, &mut stream).ok_or_else(|| {
+                let radius = match self.laws.turn_share(i + 1, &mut stream)? {
+                    None => limits.draw(length, spec.turns, &mut stream),
+                    Some(share) => limits.at(length, spec.turns, share),
+                };
+                let radius = radius.ok_or_else(|| {
                     let (least, greatest) = limits.radii(length);
                     RoadError::TurnTooShort { segment: i + 1, length, least, greatest }
                 })?;
@@ -195,7 +211,11 @@ impl Attempt<'_> {
                 turns.iter().map(|&i| parts[i].angle().abs()).collect()
             } else {
                 let mut stream = self.seed.attempt("road/closing", number, self.number);
-                turns.iter().map(|_| stream.between(range.0, range.1)).collect()
+                let angle = |&i: &usize| match self.laws.turn_share(i + 1, &mut stream)? {
+                    None => Ok(stream.between(range.0, range.1)),
+                    Some(share) => Ok(range.0 + (range.1 - range.0) * share),
+                };
+                turns.iter().map(angle).collect::<Result<_, RoadError>>()?
             };
             for turning in self.whole_turns(&signs, &angles, range)? {
                 if let Some(angles) = nearest_angles(&angles, &signs, range, turning)
@@ -366,10 +386,27 @@ impl Attempt<'_> {
             .collect();
         let index = OnceLock::new();
         let (spec, seed, attempts) = (Box::new(spec.clone()), self.seed, self.number + 1);
-        Road { spec, seed, attempts, length, step, segments, waypoints, path, index }
+        let edited = self.laws.any();
+        Road { spec, seed, edited, attempts, length, step, segments, waypoints, path, index }
     }
 }
 
 fn end_of(path: &Path<'_>, start: Pose) -> Pose {
     path.curves().last().map_or(start, Curve::end)
+}
+
+#[cfg(feature = "rand")]
+impl RoadSpec {
+    /// Generates a road from other laws than the spec's. Without any in `laws` it is the road of
+    /// [`Spec::generate`]; otherwise the provenance cannot hold them and is therefore marked as
+    /// edited. All limits of the spec are kept.
+    ///
+    /// # Errors
+    /// As [`Spec::generate`], and when a law gives a number that is not allowed:
+    /// [`RoadError::LengthLaw`], [`RoadError::NoLengths`] or [`RoadError::TurnLaw`]. These end the
+    /// generation even where `crossing` is `resample`.
+    pub fn generate_with_laws(&self, seed: Seed, laws: &RoadLaws<'_>) -> Result<Road, RoadError> {
+        self.validate()?;
+        road(self, seed, laws)
+    }
 }

@@ -17,6 +17,7 @@ mod concentration;
 mod error;
 mod fit;
 mod generate;
+mod laws;
 mod metrics;
 mod part;
 mod spec;
@@ -28,6 +29,8 @@ pub use apportion::{dirichlet, largest_remainder, lengths, quantum};
 pub use blueprint::{Road, RoadSegment, SegmentKind};
 pub use concentration::Concentration;
 pub use error::RoadError;
+#[cfg(feature = "rand")]
+pub use laws::RoadLaws;
 pub use metrics::RoadMetrics;
 pub use spec::{Crossing, Lengths, MAX_SEGMENTS, MAX_WAYPOINTS, Prefab, RoadSpec};
 pub use turn::{GRAVITY, TurnLaw, TurnLimits};
@@ -61,7 +64,7 @@ impl Spec for RoadSpec {
 
     fn generate(&self, seed: Seed) -> Result<Road, RoadError> {
         self.validate()?;
-        generate::road(self, seed)
+        generate::road(self, seed, &laws::RoadLaws::default())
     }
 }
 

@@ -54,6 +54,21 @@ impl TurnLimits {
     /// Draws the least radius, in metres, of a turn of the given length, such that the radius or the
     /// angle is uniform between its limits. `None` when no radius is allowed.
     pub fn draw(&self, length: f64, law: TurnLaw, stream: &mut Stream) -> Option<f64> {
+        self.place(length, law, |low, high| stream.between(low, high))
+    }
+
+    /// The same where the radius or the angle lies at a share, from 0 to 1, of the way between its limits.
+    pub(super) fn at(&self, length: f64, law: TurnLaw, share: f64) -> Option<f64> {
+        self.place(length, law, |low, high| low + (high - low) * share)
+    }
+
+    /// The same where `between` chooses the radius or the angle between its limits.
+    fn place(
+        &self,
+        length: f64,
+        law: TurnLaw,
+        between: impl FnOnce(f64, f64) -> f64,
+    ) -> Option<f64> {
         let (low, high) = self.radii(length);
         // A turn of exactly the reserved length has one radius, and rounding may put it outside the limits.
         if low > high * (1.0 + 1e-12) {
@@ -61,10 +76,10 @@ impl TurnLimits {
         }
         let high = high.max(low);
         let radius = match law {
-            TurnLaw::UniformRadius => stream.between(low, high),
+            TurnLaw::UniformRadius => between(low, high),
             TurnLaw::UniformAngle => {
                 let effective = self.effective(length);
-                effective / stream.between(effective / high, effective / low)
+                effective / between(effective / high, effective / low)
             }
         };
         Some(radius.clamp(low, high))
@@ -86,6 +101,7 @@ mod tests {
             least_radius in 1.0..200.0_f64,
             transition in 0.0..=0.5_f64,
             factor in 1.0..50.0_f64,
+            share in 0.0..=1.0_f64,
             uniform_angle: bool,
         ) {
             let limits =
@@ -93,12 +109,16 @@ mod tests {
             let law = if uniform_angle { TurnLaw::UniformAngle } else { TurnLaw::UniformRadius };
             let mut stream = Seed(seed).stream("test", 0);
             let length = limits.shortest() * factor;
-            let radius = limits.draw(length, law, &mut stream).unwrap();
-            let angle = limits.effective(length) / radius;
-            prop_assert!(radius >= least_radius);
-            prop_assert!(angle >= theta_min * (1.0 - 1e-12));
-            prop_assert!(angle <= limits.theta_max * (1.0 + 1e-12));
-            prop_assert_eq!(limits.draw(limits.shortest() * 0.999, law, &mut stream), None);
+            let drawn = limits.draw(length, law, &mut stream).unwrap();
+            for radius in [drawn, limits.at(length, law, share).unwrap()] {
+                let angle = limits.effective(length) / radius;
+                prop_assert!(radius >= least_radius);
+                prop_assert!(angle >= theta_min * (1.0 - 1e-12));
+                prop_assert!(angle <= limits.theta_max * (1.0 + 1e-12));
+            }
+            let too_short = limits.shortest() * 0.999;
+            prop_assert_eq!(limits.draw(too_short, law, &mut stream), None);
+            prop_assert_eq!(limits.at(too_short, law, share), None);
         }
     }
 }

@@ -37,7 +37,9 @@ pub(super) fn world(road: &Road) -> World {
         .chain(walls.iter().map(|wall| wall.shape.bounds()))
         .reduce(Rect::union);
     let bounds = around.unwrap_or(Rect::new(glam::DVec2::ZERO, glam::DVec2::ONE));
-    let mut world = World::new(spec.provenance(road.seed()), bounds);
+    let mut provenance = spec.provenance(road.seed());
+    provenance.edited = road.edited();
+    let mut world = World::new(provenance, bounds);
     world.start = Some(spec.start());
     world.goal = Some(goal(road));
     world.walls = walls;
