@@ -49,6 +49,8 @@
 //! | `whole-file` | no | files that are written completely or not at all |
 //! | `cli` | no | the command `envgen` |
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 pub mod certificate;
 pub mod clearance_index;
 pub mod curve;
@@ -91,3 +93,8 @@ pub use spec::{SettingsError, WorldBlueprint, WorldKind, WorldMetrics, WorldSpec
 pub use world::World;
 
 pub use glam;
+
+/// The snippets of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
