@@ -1,3 +1,18 @@
 #![doc = include_str!("../README.md")]
 //!
 //! Examples and headless integration tests of `envgen`: see the folders `examples` and `tests`.
+
+/// The snippets of the guide's chapter on Bevy.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/guide/bevy.md")]
+struct Bevy;
+
+/// The snippets of the guide's chapter on forests.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/guide/forests.md")]
+struct Forests;
+
+/// The snippets of the guide's chapter on trials.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/guide/trials.md")]
+struct Trials;

@@ -80,6 +80,8 @@
 //! | `serialize` | no | environments in Bevy's scenes; serde for the components of parts |
 //! | `testing` | no | `testing`, helpers for testing apps |
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 #[cfg(feature = "asset")]
 pub mod asset;
 #[cfg(feature = "capture")]
@@ -179,6 +181,11 @@ pub mod prelude {
     pub use envgen::landscape::LandscapeSpec;
     pub use envgen::road::RoadSpec;
 }
+
+/// The snippets of the README.
+#[cfg(all(doctest, feature = "physics"))]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 /// The systems that generate, spawn and report worlds, in this order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -50,6 +50,8 @@
 //! | `whole-file` | no | files that are written completely or not at all |
 //! | `cli` | no | the command `envgen` |
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 pub mod certificate;
 mod changed_settings;
 pub mod clearance_index;
@@ -95,3 +97,8 @@ pub use world::World;
 pub use glam;
 #[doc(hidden)]
 pub use strum;
+
+/// The snippets of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -40,6 +40,8 @@
 //! - Metres, radians and seconds in `f64`; the map's frame is the world's, since a trial gives its
 //!   robots the poses where they start.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 pub mod autonomy;
 pub mod backend;
 #[cfg(feature = "driver")]
@@ -63,3 +65,8 @@ pub mod slam;
 pub mod trial;
 pub mod truth;
 pub mod water;
+
+/// The snippets of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
