@@ -1,7 +1,7 @@
 //! What the mapping estimators share: keyframes, each matched against all earlier ones and added to
 //! the map.
 
-use envgen::geometry::{Pose, unit_vector, wrap_angle};
+use envgen::geometry::{Pose, wrap_angle};
 use glam::{DVec2, Vec2};
 
 use super::fusion::{Drift, fuse};
@@ -290,7 +290,7 @@ pub(crate) type WallPiece = (DVec2, DVec2);
 /// the wall from there to the next echo that is far enough for the noise not to matter. An echo of
 /// something new has no information on the pose.
 pub(crate) fn walls(field: &LikelihoodField, pose: Pose, echoes: &[Vec2]) -> Vec<WallPiece> {
-    let heading = unit_vector(pose.heading);
+    let on_map = pose.local_to_world();
     let mut end = 0;
     let mut pieces = Vec::with_capacity(echoes.len());
     for (i, &a) in echoes.iter().enumerate() {
@@ -306,7 +306,7 @@ pub(crate) fn walls(field: &LikelihoodField, pose: Pose, echoes: &[Vec2]) -> Vec
         };
         let Some(b) = b else { continue };
         let (a, b) = (a.as_dvec2(), b.as_dvec2());
-        if field.at(pose.position + heading.rotate(a)) >= FOUND {
+        if field.at(on_map(a)) >= FOUND {
             pieces.push((a, (b - a).normalize().perp()));
         }
     }
@@ -354,8 +354,8 @@ const STAMP: f64 = RESOLUTION;
 /// Stamps echoes that were measured from a pose, and the walls between them: far echoes alone are a
 /// row of dots, to which the next scan's dots would be pulled.
 pub(crate) fn stamp(field: &mut LikelihoodField, pose: Pose, echoes: &[Vec2]) {
-    let heading = unit_vector(pose.heading);
-    let place = |p: &Vec2| pose.position + heading.rotate(p.as_dvec2());
+    let on_map = pose.local_to_world();
+    let place = |p: &Vec2| on_map(p.as_dvec2());
     for (i, echo) in echoes.iter().enumerate() {
         let at = place(echo);
         field.stamp(at);
