@@ -79,6 +79,7 @@ mod seed;
 pub mod settings;
 mod spec;
 pub mod surface_index;
+mod union_find;
 #[cfg(feature = "whole-file")]
 pub mod whole_file;
 pub mod world;

@@ -12,6 +12,7 @@ use super::grid::Side;
 use super::spec::{DOORWAY, FOOTPRINT, UNIT, WALL};
 use crate::error::SpecError;
 use crate::geometry::{Rect, Shape};
+use crate::union_find::UnionFind;
 
 /// Greatest distance between two samples, in metres.
 pub const STEP: f64 = 0.05;
@@ -380,7 +381,7 @@ impl Field {
         let mut order: Vec<u32> = (0..clearance.len() as u32).collect();
         order.sort_by(|&a, &b| clearance[b as usize].total_cmp(&clearance[a as usize]));
         let entries = Side::ALL.map(|side| self.behind(side, room.side_length(side), 0));
-        let mut sets = super::union_find::Sets::new(clearance.len());
+        let mut sets = UnionFind::new(clearance.len());
         let mut joined = vec![false; clearance.len()];
         for i in order {
             let i = i as usize;

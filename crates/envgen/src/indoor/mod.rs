@@ -24,7 +24,6 @@ mod metrics;
 mod plan;
 mod rules;
 mod spec;
-mod union_find;
 mod variation;
 pub mod world_generator;
 

@@ -12,7 +12,7 @@ use super::grid::{Cell, Gate, Grid};
 use super::interior::{Dimensions, Interior};
 use super::plan::PlacedRoom;
 use super::rules::doorways::is_whole;
-use super::union_find::Sets;
+use crate::union_find::UnionFind;
 
 /// The free space inside each room of a plan, and numbers for all its places: the floor cells first,
 /// then the parts of the rooms.
@@ -108,7 +108,7 @@ pub(super) struct HallwayShape {
 
 pub(super) fn hallway_shape(grid: &Grid) -> HallwayShape {
     let hallway = |x: u32, y: u32| grid.get(x, y) == Some(Cell::Hallway);
-    let mut sets = Sets::new(grid.cells().len());
+    let mut sets = UnionFind::new(grid.cells().len());
     let (mut cells, mut links, mut joins, mut ends) = (0, 0, 0, 0);
     for y in 0..grid.height() {
         for x in 0..grid.width() {
