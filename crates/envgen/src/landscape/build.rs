@@ -6,7 +6,7 @@ use super::blueprint::Landscape;
 use super::metrics::Neighbourhood;
 use crate::certificate::Claim;
 use crate::generate::Spec;
-use crate::geometry::{Pose, Rect, Shape};
+use crate::geometry::{Pose, Shape};
 use crate::world::{ClassRaster, Obstacle, ObstacleKind, Surface, SurfaceKind, World};
 
 /// At most this many surfaces are listed. A landscape with more pieces lists none: its raster holds
@@ -29,8 +29,7 @@ pub(crate) fn raster_world(
     raster: ClassRaster,
     provenance: crate::provenance::Provenance,
 ) -> World {
-    let size = DVec2::new(f64::from(raster.cols), f64::from(raster.rows)) * raster.cell;
-    let mut world = World::new(provenance, Rect::new(raster.origin, raster.origin + size));
+    let mut world = World::new(provenance, raster.frame().bounds());
     if !raster.speeds.is_empty() {
         let blocked = |class: u16| raster.speed_of(class) == 0.0;
         for outline in outlines(&raster, |class| u16::from(blocked(class))) {
@@ -125,10 +124,8 @@ fn outlines(raster: &ClassRaster, key: impl Fn(u16) -> u16) -> Vec<(u16, Shape)>
 
 /// The outline of a piece, counter-clockwise: down its left side, up its right.
 fn outline(raster: &ClassRaster, piece: &Piece) -> Shape {
-    let corner = |row: usize, col: usize| {
-        let up = f64::from(raster.rows) - row as f64;
-        raster.origin + DVec2::new(col as f64, up) * raster.cell
-    };
+    let frame = raster.frame();
+    let corner = |row: usize, col: usize| frame.corner(col, frame.rows - row);
     // The corners along one side, from the piece's end at row `start`; a step to another column
     // has two.
     let side = |start: usize, columns: &mut dyn Iterator<Item = (usize, usize)>, end: usize| {
@@ -187,12 +184,12 @@ pub(crate) fn largest_region(raster: &ClassRaster) -> Vec<u32> {
 /// The middles of the two cells of the largest region that are nearest to the lower left and to
 /// the upper right corner.
 fn ends(raster: &ClassRaster) -> Option<(DVec2, DVec2)> {
-    let cols = raster.cols as usize;
+    let (frame, cols) = (raster.frame(), raster.cols as usize);
     let region = largest_region(raster);
     let rise = |&at: &u32| (i64::from(at) % cols as i64 - i64::from(at) / cols as i64, at);
     let middle = |at: u32| {
-        let (r, c) = ((at as usize / cols) as f64, (at as usize % cols) as f64);
-        raster.origin + DVec2::new(c + 0.5, f64::from(raster.rows) - r - 0.5) * raster.cell
+        let (col, row) = frame.cell(at as usize);
+        frame.center(col, frame.rows - 1 - row)
     };
     let low = region.iter().copied().min_by_key(rise)?;
     let high = region.iter().copied().max_by_key(rise)?;
