@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::error::SpecError;
 use crate::geometry::{Rect, Shape, edges};
-use crate::lattice::{CellBuckets, Convex, Lattice};
+use crate::grid::{Convex, GridFrame, GridIndex, index_area};
 use crate::world::{PartId, World};
 
 /// About this many cells of the index per shape, where parts are spread evenly.
@@ -45,8 +45,7 @@ pub struct Contact {
 #[derive(Clone, Debug)]
 pub struct ClearanceIndex {
     reach: f64,
-    lattice: Lattice,
-    lists: CellBuckets<u32>,
+    index: GridIndex,
     shapes: Vec<(PartId, Shape)>,
 }
 
@@ -73,21 +72,12 @@ impl ClearanceIndex {
             }
         }
         let around = shapes.iter().map(|(_, shape)| shape.bounds()).reduce(Rect::union);
-        let around = around.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
-        let around = around.grown(reach + 1e-9 * (1.0 + around.size().max_element()));
-        let numbers: Vec<u32> = (0..shapes.len() as u32).collect();
-        let mut target = (shapes.len() as f64 * CELLS_A_SHAPE).max(1.0);
-        loop {
-            let lattice = Lattice::over(around, target);
-            let most = (lattice.cols * lattice.rows > 1).then_some(MAX_LISTINGS * shapes.len());
-            let lists = CellBuckets::build(&lattice, &numbers, most, |&i, lattice, visit| {
-                touched_runs(&shapes[i as usize].1, reach, lattice, visit);
-            });
-            if let Some(lists) = lists {
-                return Ok(ClearanceIndex { reach, lattice, lists, shapes });
-            }
-            target *= 0.25;
-        }
+        let (area, cells) = (index_area(around, reach), shapes.len() as f64 * CELLS_A_SHAPE);
+        let listings = Some(MAX_LISTINGS);
+        let index = GridIndex::new(area, cells, shapes.len(), listings, |i, frame, visit| {
+            touched_runs(&shapes[i].1, reach, frame, visit);
+        });
+        Ok(ClearanceIndex { reach, index, shapes })
     }
 
     /// The reach of the index, in metres.
@@ -99,9 +89,8 @@ impl ClearanceIndex {
     /// [`ClearanceIndex::reach`] where that is less. A part with a long outline may be visited several
     /// times.
     pub fn contacts(&self, p: DVec2, radius: f64, mut visit: impl FnMut(Contact)) {
-        let Some(cell) = self.lattice.cell_at(p) else { return };
         let radius = radius.min(self.reach);
-        for &i in self.lists.of(cell) {
+        for &i in self.index.at(p) {
             let (part, shape) = &self.shapes[i as usize];
             let point = shape.nearest_point(p);
             let distance = p.distance(point);
@@ -134,14 +123,14 @@ impl ClearanceIndex {
 fn touched_runs(
     shape: &Shape,
     reach: f64,
-    lattice: &Lattice,
+    frame: &GridFrame,
     visit: &mut dyn FnMut(usize, usize, usize),
 ) {
     // Rounding must not keep a shape out of a cell that it just reaches.
-    let reach = reach + 1e-9 * (1.0 + lattice.side);
+    let reach = reach + 1e-9 * (1.0 + frame.cell_size);
     let grown = match shape {
         Shape::Disc { center, radius } => {
-            return lattice.touched_runs(&Convex::Disc(*center, radius + reach), visit);
+            return frame.touched_runs(&Convex::Disc(*center, radius + reach), visit);
         }
         Shape::Segment { a, b } => Shape::thick_segment(*a, *b, 2.0 * reach, reach),
         Shape::Box { center, half_size, heading } => {
@@ -149,7 +138,7 @@ fn touched_runs(
         }
         polygon => Shape::from_rect(polygon.bounds().grown(reach)),
     };
-    lattice.touched_runs(&Convex::Polygon(&grown.corners()), visit);
+    frame.touched_runs(&Convex::Polygon(&grown.corners()), visit);
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@
 //! | generators, one module per kind | [`hallway`], [`forest`], [`road`], [`indoor`], [`landscape`] |
 //! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`WorldKind`], [`settings`] |
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
-//! | what generators make | [`World`], [`world`], [`geometry`] |
+//! | what generators make | [`World`], [`world`], [`geometry`], [`GridFrame`] |
 //! | queries and checks of a world | [`occupancy`], [`raycast`], [`clearance_index`], [`surface_index`], [`placement`], [`mod@distance`], [`certificate`], [`reproduction`], `picture` |
 //! | files | [`export`], [`import`], [`mod@file`], `whole_file` |
 //! | errors with the name of their file or option | [`located`] |
@@ -65,11 +65,11 @@ mod flood;
 pub mod forest;
 mod generate;
 pub mod geometry;
+mod grid;
 pub mod hallway;
 pub mod import;
 pub mod indoor;
 pub mod landscape;
-mod lattice;
 pub mod located;
 pub mod occupancy;
 #[cfg(feature = "picture")]
@@ -83,12 +83,14 @@ mod seed;
 pub mod settings;
 mod spec;
 pub mod surface_index;
+mod union_find;
 #[cfg(feature = "whole-file")]
 pub mod whole_file;
 pub mod world;
 
 pub use error::SpecError;
 pub use generate::{Blueprint, Spec};
+pub use grid::GridFrame;
 pub use provenance::Provenance;
 pub use seed::{STREAM_ALGORITHM, Seed, Stream};
 pub use spec::{GenerateError, SettingsError, WorldBlueprint, WorldKind, WorldMetrics, WorldSpec};

@@ -4,7 +4,7 @@ use glam::DVec2;
 use thiserror::Error;
 
 use crate::geometry::{Rect, Shape, edges};
-use crate::lattice::{Convex, Lattice};
+use crate::grid::{Convex, GridFrame};
 use crate::world::World;
 
 /// The most cells that a grid may have: one byte each.
@@ -68,7 +68,7 @@ pub enum OccupancyError {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct OccupancyGrid {
-    lattice: Lattice,
+    frame: GridFrame,
     occupied: Vec<bool>,
 }
 
@@ -104,8 +104,8 @@ impl OccupancyGrid {
         }
         let (cols, rows) = (size.x as usize, size.y as usize);
         let occupied = vec![false; cols * rows];
-        let lattice = Lattice { origin: area.min, side: resolution, cols, rows };
-        Ok(OccupancyGrid { lattice, occupied })
+        let frame = GridFrame { origin: area.min, cell_size: resolution, cols, rows };
+        Ok(OccupancyGrid { frame, occupied })
     }
 
     /// A grid of given cells, row by row from the lowest, `cols` per row.
@@ -129,28 +129,33 @@ impl OccupancyGrid {
             let (cols, rows) = (cols as f64, rows as f64);
             return Err(OccupancyError::Size { resolution, cols, rows, most: MAX_CELLS });
         }
-        let lattice = Lattice { origin, side: resolution, cols, rows };
-        Ok(OccupancyGrid { lattice, occupied })
+        let frame = GridFrame { origin, cell_size: resolution, cols, rows };
+        Ok(OccupancyGrid { frame, occupied })
+    }
+
+    /// Where the cells lie.
+    pub fn frame(&self) -> GridFrame {
+        self.frame
     }
 
     /// Number of columns.
     pub fn cols(&self) -> usize {
-        self.lattice.cols
+        self.frame.cols
     }
 
     /// Number of rows.
     pub fn rows(&self) -> usize {
-        self.lattice.rows
+        self.frame.rows
     }
 
     /// Side of a cell in metres.
     pub fn resolution(&self) -> f64 {
-        self.lattice.side
+        self.frame.cell_size
     }
 
     /// Lower left corner of cell (0, 0) in metres.
     pub fn origin(&self) -> DVec2 {
-        self.lattice.origin
+        self.frame.origin
     }
 
     /// Every cell, row by row from the lowest: whether it is occupied.
@@ -160,25 +165,23 @@ impl OccupancyGrid {
 
     /// Whether a cell is occupied; `None` outside the grid.
     pub fn occupied(&self, col: usize, row: usize) -> Option<bool> {
-        (col < self.lattice.cols && row < self.lattice.rows)
-            .then(|| self.occupied[row * self.lattice.cols + col])
+        (col < self.frame.cols && row < self.frame.rows)
+            .then(|| self.occupied[self.frame.index(col, row)])
     }
 
     /// Whether the cell around a point is occupied; `None` outside the grid.
     pub fn occupied_at(&self, p: DVec2) -> Option<bool> {
-        let (col, row) = self.cell_at(p)?;
-        self.occupied(col, row)
+        self.frame.index_at(p).map(|cell| self.occupied[cell])
     }
 
     /// Column and row of the cell around a point; `None` outside the grid.
     pub fn cell_at(&self, p: DVec2) -> Option<(usize, usize)> {
-        let cell = self.lattice.cell_at(p)?;
-        Some((cell % self.lattice.cols, cell / self.lattice.cols))
+        self.frame.cell_at(p)
     }
 
     /// Middle of a cell in metres.
     pub fn cell_centre(&self, col: usize, row: usize) -> DVec2 {
-        self.lattice.origin + (DVec2::new(col as f64, row as f64) + 0.5) * self.lattice.side
+        self.frame.center(col, row)
     }
 
     /// Occupies the cells of a shape.
@@ -212,8 +215,8 @@ impl OccupancyGrid {
     }
 
     fn occupy_touched(&mut self, shape: &Convex<'_>) {
-        let (cols, occupied) = (self.lattice.cols, &mut self.occupied);
-        self.lattice.touched_runs(shape, |row, from, to| {
+        let (cols, occupied) = (self.frame.cols, &mut self.occupied);
+        self.frame.touched_runs(shape, |row, from, to| {
             occupied[row * cols + from..=row * cols + to].fill(true);
         });
     }
@@ -234,15 +237,15 @@ impl OccupancyGrid {
 
     /// Occupies the cells whose middles lie in the runs of x that `runs_at` gives for a height y.
     fn occupy_centres(&mut self, bounds: Rect, mut runs_at: impl FnMut(f64, &mut Vec<(f64, f64)>)) {
-        let Lattice { origin, side, cols, rows } = self.lattice;
+        let GridFrame { origin, cell_size: side, cols, rows } = self.frame;
         let (low, high) = (bounds.min.y - origin.y, bounds.max.y - origin.y);
-        let Some((first, last)) = self.lattice.middles(low, high, rows) else { return };
+        let Some((first, last)) = self.frame.middles(low, high, rows) else { return };
         let mut runs = Vec::new();
         for row in first..=last {
             runs.clear();
             runs_at(origin.y + (row as f64 + 0.5) * side, &mut runs);
             for &(from, to) in &runs {
-                let middles = self.lattice.middles(from - origin.x, to - origin.x, cols);
+                let middles = self.frame.middles(from - origin.x, to - origin.x, cols);
                 if let Some((from, to)) = middles {
                     self.occupied[row * cols + from..=row * cols + to].fill(true);
                 }

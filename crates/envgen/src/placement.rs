@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use crate::distance::squared_distances;
+use crate::grid::GridFrame;
 use crate::occupancy::OccupancyGrid;
 
 /// The middle of the cell in the largest free region of a grid that is farthest from occupied cells
@@ -21,21 +22,22 @@ use crate::occupancy::OccupancyGrid;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn max_clearance_point(grid: &OccupancyGrid) -> Option<DVec2> {
-    let (cols, rows) = (grid.cols(), grid.rows());
-    let region = largest_region(cols, grid.cells());
+    let frame = grid.frame();
+    let GridFrame { cols, rows, .. } = frame;
+    let region = largest_region(frame, grid.cells());
     let distance = squared_distances(cols, grid.cells());
     let room = |cell: usize| {
-        let (col, row) = (cell % cols, cell / cols);
+        let (col, row) = frame.cell(cell);
         let border = (col + 1).min(cols - col).min(row + 1).min(rows - row) as u64;
         u64::from(distance[cell]).min(border * border)
     };
     // `max_by_key` would take the last of equals.
     let best = region.into_iter().min_by_key(|&cell| (std::cmp::Reverse(room(cell)), cell))?;
-    Some(grid.cell_centre(best % cols, best / cols))
+    Some(frame.center_of(best))
 }
 
 /// The cells of the largest free region, in no particular order.
-fn largest_region(cols: usize, occupied: &[bool]) -> Vec<usize> {
+fn largest_region(frame: GridFrame, occupied: &[bool]) -> Vec<usize> {
     let mut seen = occupied.to_vec();
     let mut largest = Vec::new();
     for first in 0..seen.len() {
@@ -47,14 +49,7 @@ fn largest_region(cols: usize, occupied: &[bool]) -> Vec<usize> {
         let mut next = 0;
         while let Some(&cell) = region.get(next) {
             next += 1;
-            let col = cell % cols;
-            let beside = [
-                (col > 0).then(|| cell - 1),
-                (col + 1 < cols).then_some(cell + 1),
-                cell.checked_sub(cols),
-                Some(cell + cols).filter(|&above| above < seen.len()),
-            ];
-            for cell in beside.into_iter().flatten() {
+            for cell in frame.neighbours(cell) {
                 if !std::mem::replace(&mut seen[cell], true) {
                     region.push(cell);
                 }

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::error::SpecError;
 use crate::geometry::{Pose, Rect, Shape, edges, polygon_contains, unit_vector};
-use crate::lattice::{CellBuckets, Convex, Lattice, MAX_CELLS};
+use crate::grid::{CellBuckets, Convex, GridFrame, MAX_CELLS, finest_frame, index_area};
 use crate::world::{PartId, World};
 
 /// About this many cells of the index per shape, where parts are spread evenly.
@@ -86,7 +86,7 @@ impl ScanPattern {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Raycaster {
-    lattice: Lattice,
+    frame: GridFrame,
     per_cell: f64,
     shapes: CellBuckets<Listing>,
     /// The filled polygons around each cell. Rays meet their sides; the fillings only tell whether a
@@ -138,24 +138,18 @@ impl Raycaster {
                 }
             }
         }
-        // A small margin keeps shapes on the border, and rays that graze it, inside.
-        let around = around.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
-        let around = around.grown(1e-9 * (1.0 + around.size().max_element()));
         let numbers: Vec<u32> = (0..polygons.len() as u32).collect();
-        let mut target = (shapes.len() as f64 * CELLS_A_SHAPE).clamp(1.0, MAX_CELLS);
-        loop {
-            let lattice = Lattice::over(around, target);
-            let most = (lattice.cols * lattice.rows > 1).then_some(MAX_LISTINGS * shapes.len());
-            let listed = CellBuckets::build(&lattice, &shapes, most, Listing::touched_runs);
-            let filled = CellBuckets::build(&lattice, &numbers, most, |&i, lattice, visit| {
-                filled_runs(&polygons[i as usize].1, lattice, visit);
-            });
-            if let (Some(shapes), Some(fillings)) = (listed, filled) {
-                let per_cell = 1.0 / lattice.side;
-                return Raycaster { lattice, per_cell, shapes, fillings, polygons };
-            }
-            target *= 0.25;
-        }
+        let cells = (shapes.len() as f64 * CELLS_A_SHAPE).min(MAX_CELLS);
+        let most = Some(MAX_LISTINGS * shapes.len());
+        let area = index_area(around, 0.0);
+        let (frame, (shapes, fillings)) = finest_frame(area, cells, most, |frame, most| {
+            let listed = CellBuckets::build(frame, &shapes, most, Listing::touched_runs)?;
+            let filled = CellBuckets::build(frame, &numbers, most, |&i, frame, visit| {
+                filled_runs(&polygons[i as usize].1, frame, visit);
+            })?;
+            Some((listed, filled))
+        });
+        Raycaster { frame, per_cell: 1.0 / frame.cell_size, shapes, fillings, polygons }
     }
 
     /// The first part that a ray meets within `max_range` metres; `None` when it meets none, and for a
@@ -167,11 +161,10 @@ impl Raycaster {
     /// As [`Raycaster::cast`], in the direction of a unit vector.
     pub fn cast_along(&self, from: DVec2, direction: DVec2, max_range: f64) -> Option<Hit> {
         let inverse = direction.recip();
-        let Lattice { origin, side, cols, rows } = self.lattice;
+        let GridFrame { origin, cell_size: side, cols, rows } = self.frame;
 
         // Where the ray enters the grid, and the cell there.
-        let far = origin + DVec2::new(cols as f64, rows as f64) * side;
-        let (enter, leave) = slab(from, inverse, origin, far);
+        let (enter, leave) = slab(from, inverse, origin, self.frame.corner(cols, rows));
         let enter = enter.max(0.0);
         if !(enter <= leave && enter <= max_range) {
             return None;
@@ -253,22 +246,22 @@ fn shift(cell: &mut usize, forward: bool, len: usize) -> bool {
 
 /// The cells around a filled polygon's bounding box. A superfluous listing costs time only where a
 /// ray starts.
-fn filled_runs(vertices: &[DVec2], lattice: &Lattice, visit: &mut dyn FnMut(usize, usize, usize)) {
+fn filled_runs(vertices: &[DVec2], frame: &GridFrame, visit: &mut dyn FnMut(usize, usize, usize)) {
     let Some(bounds) = Rect::around(vertices.iter().copied()) else { return };
     let corners = Shape::from_rect(bounds).corners();
-    lattice.touched_runs(&Convex::Polygon(&corners), visit);
+    frame.touched_runs(&Convex::Polygon(&corners), visit);
 }
 
 impl Listing {
-    fn touched_runs(&self, lattice: &Lattice, visit: &mut dyn FnMut(usize, usize, usize)) {
+    fn touched_runs(&self, frame: &GridFrame, visit: &mut dyn FnMut(usize, usize, usize)) {
         match self.outline {
-            Outline::Side(a, edge) => lattice.touched_runs(&Convex::Polygon(&[a, a + edge]), visit),
+            Outline::Side(a, edge) => frame.touched_runs(&Convex::Polygon(&[a, a + edge]), visit),
             Outline::Disc(center, radius2) => {
-                lattice.touched_runs(&Convex::Disc(center, radius2.sqrt()), visit);
+                frame.touched_runs(&Convex::Disc(center, radius2.sqrt()), visit);
             }
             Outline::Aligned(min, max) => {
                 let corners = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
-                lattice.touched_runs(&Convex::Polygon(&corners), visit);
+                frame.touched_runs(&Convex::Polygon(&corners), visit);
             }
         }
     }

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use crate::geometry::{Rect, Shape};
-use crate::lattice::{CellBuckets, Convex, Lattice};
+use crate::grid::{Convex, GridIndex, index_area};
 use crate::world::{ClassRaster, Surface, SurfaceKind, World};
 
 /// A surface is listed in at most this many cells, on average.
@@ -37,8 +37,7 @@ impl Ground {
 /// ```
 #[derive(Clone, Debug)]
 pub struct SurfaceIndex {
-    lattice: Lattice,
-    lists: CellBuckets<u32>,
+    index: GridIndex,
     surfaces: Vec<Surface>,
     /// Set where a landscape has too many surfaces to be listed.
     raster: Option<ClassRaster>,
@@ -55,23 +54,13 @@ impl SurfaceIndex {
         let surfaces: Vec<Surface> =
             world.surfaces.iter().filter(|surface| !plain(surface)).cloned().collect();
         let around = surfaces.iter().map(|surface| surface.shape.bounds()).reduce(Rect::union);
-        let around = around.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
-        let around = around.grown(1e-9 * (1.0 + around.size().max_element()));
-        let numbers: Vec<u32> = (0..surfaces.len() as u32).collect();
-        let mut target = (surfaces.len() as f64).max(1.0);
+        let (area, len) = (index_area(around, 0.0), surfaces.len());
+        let index = GridIndex::new(area, len as f64, len, Some(MAX_LISTINGS), |i, frame, visit| {
+            let corners = Shape::from_rect(surfaces[i].shape.bounds()).corners();
+            frame.touched_runs(&Convex::Polygon(&corners), visit);
+        });
         let raster = if world.surfaces.is_empty() { world.raster.clone() } else { None };
-        loop {
-            let lattice = Lattice::over(around, target);
-            let most = (lattice.cols * lattice.rows > 1).then_some(MAX_LISTINGS * surfaces.len());
-            let lists = CellBuckets::build(&lattice, &numbers, most, |&i, lattice, visit| {
-                let corners = Shape::from_rect(surfaces[i as usize].shape.bounds()).corners();
-                lattice.touched_runs(&Convex::Polygon(&corners), visit);
-            });
-            if let Some(lists) = lists {
-                return SurfaceIndex { lattice, lists, surfaces, raster };
-            }
-            target *= 0.25;
-        }
+        SurfaceIndex { index, surfaces, raster }
     }
 
     /// Whether the world has water.
@@ -83,9 +72,8 @@ impl SurfaceIndex {
     pub fn at(&self, p: DVec2) -> Ground {
         let speed = self.raster.as_ref().and_then(|raster| raster.speed_at(p));
         let plain = Ground { speed: speed.unwrap_or(1.0), ..Ground::PLAIN };
-        let Some(cell) = self.lattice.cell_at(p) else { return plain };
-        self.lists
-            .of(cell)
+        self.index
+            .at(p)
             .iter()
             .map(|&i| &self.surfaces[i as usize])
             .filter(|surface| surface.shape.contains(p))

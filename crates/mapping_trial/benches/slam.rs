@@ -121,8 +121,8 @@ fn drawing(name: &str, sweep: &Sweep) {
 }
 
 fn bresenham(map: &mut OccupancyMap, pose: Pose, sweep: &Sweep) {
-    let axis = unit_vector(pose.heading);
-    let cell = |p: &Vec2| CellIndex::of(pose.position + axis.rotate(p.as_dvec2()));
+    let on_map = pose.local_to_world();
+    let cell = |p: &Vec2| CellIndex::of(on_map(p.as_dvec2()));
     let mut hits: Vec<CellIndex> = sweep.echoes.iter().map(cell).collect();
     hits.sort_unstable();
     hits.dedup();

@@ -7,7 +7,6 @@ use crate::policy::{Decision, ExplorationPolicy, PolicyInput};
 use crate::robot::Robot;
 use crate::slam::Slam;
 
-use envgen::geometry::{Pose, unit_vector};
 use glam::DVec2;
 
 /// SLAM and an exploration policy for one or more robots.
@@ -60,10 +59,9 @@ impl Autonomy {
         }
         self.estimates[robot] = self.slam.estimate(robot);
         if let Some(water) = &seen.water {
-            let Pose { position, heading } = self.estimates[robot].pose;
-            let ahead = unit_vector(heading);
+            let on_map = self.estimates[robot].pose.local_to_world();
             self.water[robot].clear();
-            self.water[robot].extend(water.iter().map(|&p| position + ahead.rotate(p)));
+            self.water[robot].extend(water.iter().copied().map(on_map));
         }
         self.ticks[robot] += 1;
     }

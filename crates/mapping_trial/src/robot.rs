@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use envgen::SpecError;
-use envgen::geometry::{Pose, unit_vector};
+use envgen::geometry::Pose;
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -206,10 +207,10 @@ impl Robot {
 
     /// Pose of the laser of a robot at `pose`, in the same frame.
     pub fn laser_pose(&self, pose: Pose) -> Pose {
-        let ahead = unit_vector(pose.heading);
         let LaserMount { left, heading, .. } = self.laser_mount;
-        let at = ahead * self.laser_offset + ahead.perp() * left;
-        Pose { position: pose.position + at, heading: pose.heading + heading }
+        let at = DVec2::new(self.laser_offset, left);
+        // The heading is not wrapped: wrapping would change the last bits of beams.
+        Pose { position: pose.to_world(at), heading: pose.heading + heading }
     }
 }
 

@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::budget::{Budget, Doubt, MAX_PIECES};
 use super::piece::{Gap, Piece};
 use crate::geometry::{Rect, Shape};
-use crate::lattice::{CellBuckets, Convex, Lattice};
+use crate::grid::{Convex, GridFrame, GridIndex, index_area};
 
 /// A piece is listed in at most this many cells, on average over all pieces.
 const MAX_LISTINGS: usize = 8;
@@ -17,14 +17,13 @@ const MAX_LISTINGS: usize = 8;
 const LOOK_COST: u64 = 3;
 const GAP_COST: u64 = 32;
 
-/// Pieces, and a lattice whose cells list those within reach.
+/// Pieces, and a grid whose cells list those within reach.
 pub(super) struct Pieces {
     list: Vec<Piece>,
     /// The reach asked for, and the reach of the cells.
     wanted: f64,
     reach: f64,
-    lattice: Lattice,
-    near: CellBuckets<u32>,
+    index: GridIndex,
 }
 
 impl Pieces {
@@ -48,20 +47,11 @@ impl Pieces {
         let around = around.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
         // A greater reach would not find more: every piece is within this distance of any other.
         let (wanted, reach) = (reach, reach.min(1.0 + around.size().length()));
-        let around = around.grown(reach + 1e-9 * (1.0 + around.size().max_element()));
-        let numbers: Vec<u32> = (0..list.len() as u32).collect();
-        let mut target = (list.len() as f64).max(1.0);
-        loop {
-            let lattice = Lattice::over(around, target);
-            let most = (lattice.cols * lattice.rows > 1).then_some(MAX_LISTINGS * list.len());
-            let near = CellBuckets::build(&lattice, &numbers, most, |&i, lattice, visit| {
-                touched_runs(&list[i as usize], reach, lattice, visit);
-            });
-            if let Some(near) = near {
-                return Ok(Pieces { list, wanted, reach, lattice, near });
-            }
-            target *= 0.25;
-        }
+        let (area, len) = (index_area(Some(around), reach), list.len());
+        let index = GridIndex::new(area, len as f64, len, Some(MAX_LISTINGS), |i, frame, visit| {
+            touched_runs(&list[i], reach, frame, visit);
+        });
+        Ok(Pieces { list, wanted, reach, index })
     }
 
     pub(super) fn list(&self) -> &[Piece] {
@@ -70,7 +60,7 @@ impl Pieces {
 
     /// Distance from a point to the nearest piece; infinite beyond the reach.
     pub(super) fn clearance(&self, p: DVec2, budget: &mut Budget) -> Result<f64, Doubt> {
-        let near = self.lattice.cell_at(p).map_or(&[][..], |cell| self.near.of(cell));
+        let near = self.index.at(p);
         budget.spend(near.len() as u64)?;
         let distances = near.iter().map(|&i| self.list[i as usize].distance(p));
         let mut least = distances.fold(f64::INFINITY, f64::min);
@@ -92,8 +82,9 @@ impl Pieces {
         let mut seen = vec![u32::MAX; self.list.len()];
         for (i, piece) in self.list.iter().enumerate() {
             let mut done = Ok(false);
-            touched_runs(piece, self.reach, &self.lattice, &mut |row, from, to| {
-                for cell in row * self.lattice.cols + from..=row * self.lattice.cols + to {
+            let frame = self.index.frame;
+            touched_runs(piece, self.reach, &frame, &mut |row, from, to| {
+                for cell in frame.index(from, row)..=frame.index(to, row) {
                     if done == Ok(false) {
                         done = self.pairs_in(cell, i, distance, &mut seen, budget, &mut visit);
                     }
@@ -118,7 +109,7 @@ impl Pieces {
         visit: &mut impl FnMut(usize, usize, Gap, &mut Budget) -> Result<bool, Doubt>,
     ) -> Result<bool, Doubt> {
         // The lists are in order.
-        for &j in self.near.of(cell).iter().take_while(|&&j| (j as usize) < i) {
+        for &j in self.index.of(cell).iter().take_while(|&&j| (j as usize) < i) {
             budget.spend(1)?;
             let j = j as usize;
             if std::mem::replace(&mut seen[j], i as u32) == i as u32 {
@@ -146,14 +137,14 @@ impl Pieces {
 fn touched_runs(
     piece: &Piece,
     reach: f64,
-    lattice: &Lattice,
+    frame: &GridFrame,
     visit: &mut dyn FnMut(usize, usize, usize),
 ) {
     // Rounding must not keep a piece out of a cell that it just reaches.
-    let reach = piece.radius + reach + 1e-8 * (1.0 + lattice.side);
+    let reach = piece.radius + reach + 1e-8 * (1.0 + frame.cell_size);
     if piece.is_round() {
-        lattice.touched_runs(&Convex::Disc(piece.center, reach), visit);
+        frame.touched_runs(&Convex::Disc(piece.center, reach), visit);
     } else {
-        lattice.touched_runs(&Convex::Polygon(&piece.corners(reach)), visit);
+        frame.touched_runs(&Convex::Polygon(&piece.corners(reach)), visit);
     }
 }

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::budget::{Budget, Doubt};
 use crate::geometry::Rect;
-use crate::lattice::{CellBuckets, Convex, Lattice};
+use crate::grid::{Convex, GridIndex};
 use crate::seed::Seed;
 
 /// Lines, and an index of them.
@@ -12,8 +12,7 @@ pub(super) struct Crossings {
     lines: Vec<[DVec2; 2]>,
     /// What a crossing of each line counts: one number keeps the sums of all lines.
     weights: Vec<u64>,
-    lattice: Lattice,
-    near: CellBuckets<u32>,
+    index: GridIndex,
     /// The last stretch of a walk that each line was compared with.
     compared: Vec<u64>,
     stretches: u64,
@@ -25,29 +24,21 @@ impl Crossings {
         let around = Rect::around(lines.iter().flatten().copied());
         let around = around.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
         let around = around.grown(1e-8 * (1.0 + around.size().max_element()));
-        let numbers: Vec<u32> = (0..lines.len() as u32).collect();
-        let lattice = Lattice::over(around, lines.len() as f64);
-        // Rounding must not keep a line out of a cell where it is crossed.
-        let margin = 1e-8 * (1.0 + lattice.side);
-        let near = CellBuckets::build(&lattice, &numbers, None, |&i, lattice, visit| {
-            let [a, b] = lines[i as usize];
+        let len = lines.len();
+        let index = GridIndex::new(around, len as f64, len, None, |i, frame, visit| {
+            let [a, b] = lines[i];
+            // Rounding must not keep a line out of a cell where it is crossed.
+            let margin = 1e-8 * (1.0 + frame.cell_size);
             let across = (b - a).perp().clamp_length(margin, margin);
             let along = (b - a).clamp_length(margin, margin);
             let (a, b) = (a - along, b + along);
             let thick = [a - across, b - across, b + across, a + across];
-            lattice.touched_runs(&Convex::Polygon(&thick), visit);
+            frame.touched_runs(&Convex::Polygon(&thick), visit);
         });
         // Sums over several lines vanish by chance once in 2^64.
         let mut stream = Seed(0).stream("certificate/lines", 0);
         let weights = (0..lines.len()).map(|_| stream.bits() | 1).collect();
-        Crossings {
-            compared: vec![0; lines.len()],
-            stretches: 0,
-            weights,
-            lattice,
-            near: near.unwrap_or_default(),
-            lines,
-        }
+        Crossings { compared: vec![0; lines.len()], stretches: 0, weights, index, lines }
     }
 
     /// The sum over all lines of the weight times the crossings of a walk, those from left to right
@@ -57,11 +48,12 @@ impl Crossings {
         let mut visited = 0;
         for stretch in walk.windows(2) {
             self.stretches += 1;
-            let Crossings { lines, weights, lattice, near, compared, stretches } = self;
-            lattice.touched_runs(&Convex::Polygon(stretch), |row, from, to| {
-                for cell in row * lattice.cols + from..=row * lattice.cols + to {
-                    visited += 1 + near.of(cell).len() as u64;
-                    for &i in near.of(cell) {
+            let Crossings { lines, weights, index, compared, stretches } = self;
+            let frame = index.frame;
+            frame.touched_runs(&Convex::Polygon(stretch), |row, from, to| {
+                for cell in frame.index(from, row)..=frame.index(to, row) {
+                    visited += 1 + index.of(cell).len() as u64;
+                    for &i in index.of(cell) {
                         let i = i as usize;
                         if std::mem::replace(&mut compared[i], *stretches) == *stretches {
                             continue;

@@ -212,9 +212,9 @@ const EDGE_TOLERANCE: f64 = 0.01;
 /// Closes what lies beyond the bounds, where the last row and column may have their middles, and the
 /// outside of worlds that no walls enclose: the ground beside a road, and around the area of a forest.
 fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
-    let (cols, end) = (grid.cols(), world.bounds.max - 1e-9 * grid.resolution());
+    let (frame, end) = (grid.frame(), world.bounds.max - 1e-9 * grid.resolution());
     for (cell, open) in open.iter_mut().enumerate() {
-        *open &= grid.cell_centre(cell % cols, cell / cols).cmplt(end).all();
+        *open &= frame.center_of(cell).cmplt(end).all();
     }
     match world.provenance.kind.parse() {
         Ok(WorldKind::Road) => {
@@ -237,7 +237,7 @@ fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
             });
             let Some(area) = area else { return };
             for (cell, open) in open.iter_mut().enumerate() {
-                *open &= area.contains(grid.cell_centre(cell % cols, cell / cols));
+                *open &= area.contains(frame.center_of(cell));
             }
         }
         _ => {}
@@ -246,12 +246,11 @@ fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
 
 /// The open cell whose middle is nearest to a point.
 fn nearest(grid: &OccupancyGrid, open: &[bool], p: DVec2) -> Option<usize> {
-    let cols = grid.cols();
-    let at = grid.cell_at(p).map(|(col, row)| row * cols + col);
-    if let Some(cell) = at.filter(|&cell| open[cell]) {
+    let frame = grid.frame();
+    if let Some(cell) = frame.index_at(p).filter(|&cell| open[cell]) {
         return Some(cell);
     }
-    let distance = |cell: &usize| grid.cell_centre(cell % cols, cell / cols).distance_squared(p);
+    let distance = |cell: &usize| frame.center_of(*cell).distance_squared(p);
     let cells = (0..open.len()).filter(|&cell| open[cell]);
     cells.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }

@@ -11,6 +11,7 @@ use super::predict;
 use super::spec::{Border, ForestSpec, RadiusLaw};
 use crate::geometry::Shape;
 use crate::occupancy::{Coverage, OccupancyGrid};
+use crate::union_find::UnionFind;
 use crate::world::Tree;
 
 /// Discs of equal radius r and intensity lambda percolate at lambda pi r^2 = 1.128: beyond, they
@@ -206,9 +207,9 @@ pub(super) fn crosses_west_east(forest: &Forest) -> bool {
     let reach = 2.0 * (largest + rho);
     let grid = CellList::of(spec.area(), reach, false, trees.iter().map(|tree| tree.center));
     let (south, north) = (trees.len(), trees.len() + 1);
-    let mut sets = DisjointSets::new(trees.len() + 2);
+    let mut sets = UnionFind::new(trees.len() + 2);
     for (i, tree) in trees.iter().enumerate() {
-        if sets.root(south) == sets.root(north) {
+        if sets.is_joined(south, north) {
             return false;
         }
         let grown = tree.radius + rho;
@@ -225,28 +226,5 @@ pub(super) fn crosses_west_east(forest: &Forest) -> bool {
             }
         });
     }
-    sets.root(south) != sets.root(north)
-}
-
-/// Sets of numbers that can be joined (Tarjan's union-find with path halving).
-struct DisjointSets(Vec<u32>);
-
-impl DisjointSets {
-    fn new(n: usize) -> Self {
-        DisjointSets((0..n as u32).collect())
-    }
-
-    fn root(&mut self, i: usize) -> usize {
-        let mut i = i;
-        while self.0[i] as usize != i {
-            self.0[i] = self.0[self.0[i] as usize];
-            i = self.0[i] as usize;
-        }
-        i
-    }
-
-    fn join(&mut self, i: usize, j: usize) {
-        let (i, j) = (self.root(i), self.root(j));
-        self.0[i.max(j)] = i.min(j) as u32;
-    }
+    !sets.is_joined(south, north)
 }

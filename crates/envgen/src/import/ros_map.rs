@@ -16,7 +16,7 @@ use super::grey_image::{Shade, read_image};
 use crate::error::SpecError;
 use crate::export::ros_map::{RESOLUTIONS, RosCell, RosMap};
 use crate::file::{self, FileError};
-use crate::geometry::{Pose, Rect, Shape, unit_vector};
+use crate::geometry::{Pose, Rect, Shape};
 use crate::occupancy::OccupancyGrid;
 use crate::placement::max_clearance_point;
 use crate::provenance::Provenance;
@@ -252,13 +252,8 @@ impl RosMap {
         world.obstacles = inside.into_iter().chain(border).map(obstacle).collect();
         let grid = OccupancyGrid::from_cells(DVec2::ZERO, self.resolution, self.cols, solid);
         let place = grid.ok().and_then(|grid| max_clearance_point(&grid));
-        world.start = place.map(|place| Pose { position: self.place(place), heading });
+        world.start = place.map(|place| Pose { position: self.origin.to_world(place), heading });
         world
-    }
-
-    /// A point of the map, in metres from its lower left corner along its sides, in the world's frame.
-    fn place(&self, p: DVec2) -> DVec2 {
-        self.origin.position + unit_vector(self.origin.heading).rotate(p)
     }
 
     /// The boxes of cells around the map that close its border where it is open.
@@ -303,7 +298,7 @@ impl RosMap {
             return Shape::from_rect(Rect::new(origin + low, origin + high));
         }
         Shape::Box {
-            center: self.place(0.5 * (low + high)),
+            center: self.origin.to_world(0.5 * (low + high)),
             half_size: 0.5 * (high - low),
             heading: self.origin.heading,
         }

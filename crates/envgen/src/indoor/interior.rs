@@ -12,6 +12,8 @@ use super::dimensions::{Dimensions, STEP};
 use super::frame::{DESIGN_UNIT, Frame};
 use super::grid::Side;
 use crate::geometry::{Rect, Shape};
+use crate::grid::GridFrame;
+use crate::union_find::UnionFind;
 
 /// The same for checks that may overlook nothing.
 const FINE_STEP: f64 = 0.0125;
@@ -81,8 +83,8 @@ impl Interior {
         let (labels, parts) = field.label();
         let mut found = vec![false; parts.len()];
         for part in &self.parts {
-            let at = (part.anchor / field.step).round();
-            let label = labels[at.y as usize * field.columns + at.x as usize];
+            let at = (part.anchor / field.grid.cell_size).round();
+            let label = labels[field.grid.index(at.x as usize, at.y as usize)];
             if let Some(found) = found.get_mut(label as usize) {
                 *found = true;
             }
@@ -147,9 +149,8 @@ pub(super) fn cleared(
 
 /// Distances to the contents of a room, sampled.
 struct Field {
-    step: f64,
-    columns: usize,
-    rows: usize,
+    /// The samples are the lower left corners of its cells.
+    grid: GridFrame,
     size: DVec2,
     dimensions: Dimensions,
     /// Samples per side of a cell, an even number.
@@ -185,18 +186,17 @@ impl Field {
         // An even number, so that the middles of cells are samples.
         let per_cell = 2 * (0.5 * unit / step).ceil() as usize;
         let step = unit / per_cell as f64;
-        let columns = per_cell * room.width as usize + 1;
+        let cols = per_cell * room.width as usize + 1;
         let rows = per_cell * room.height as usize + 1;
+        let grid = GridFrame { origin: DVec2::ZERO, cell_size: step, cols, rows };
         Field {
-            step,
-            columns,
-            rows,
+            grid,
             size: DVec2::new(f64::from(room.width), f64::from(room.height)) * unit,
             dimensions,
             per_cell,
             barriers: Vec::new(),
             reach,
-            contents: vec![reach; columns * rows],
+            contents: vec![reach; grid.len()],
         }
     }
 
@@ -208,27 +208,29 @@ impl Field {
 
     /// Clearance that the footprint's middle needs at a sample to be free.
     fn need(&self) -> f64 {
-        self.dimensions.radius + 0.5 * self.step
+        self.dimensions.radius + 0.5 * self.grid.cell_size
     }
 
     fn measure(&mut self, barrier: usize) {
         let shape = &self.barriers[barrier];
         let around = shape.bounds().grown(self.reach);
-        let low = |x: f64| (x / self.step).ceil().max(0.0) as usize;
-        let high =
-            |x: f64, n: usize| ((x / self.step).floor().max(-1.0) + 1.0).min(n as f64) as usize;
-        let columns = low(around.min.x)..high(around.max.x, self.columns);
-        for row in low(around.min.y)..high(around.max.y, self.rows) {
+        let low = |x: f64| (x / self.grid.cell_size).ceil().max(0.0) as usize;
+        let high = |x: f64, n: usize| {
+            ((x / self.grid.cell_size).floor().max(-1.0) + 1.0).min(n as f64) as usize
+        };
+        let columns = low(around.min.x)..high(around.max.x, self.grid.cols);
+        for row in low(around.min.y)..high(around.max.y, self.grid.rows) {
             for column in columns.clone() {
-                let p = DVec2::new(column as f64, row as f64) * self.step;
-                let distance = &mut self.contents[row * self.columns + column];
+                let p = self.grid.corner(column, row);
+                let distance = &mut self.contents[self.grid.index(column, row)];
                 *distance = distance.min(shape.distance(p));
             }
         }
     }
 
     fn point(&self, i: usize) -> DVec2 {
-        DVec2::new((i % self.columns) as f64, (i / self.columns) as f64) * self.step
+        let (column, row) = self.grid.cell(i);
+        self.grid.corner(column, row)
     }
 
     /// Distance from a sample to the nearest face of the room's four walls, negative in a wall.
@@ -259,42 +261,30 @@ impl Field {
                 if here > clearance {
                     (best, clearance) = (i, here);
                 }
-                for j in self.neighbours(i) {
+                for j in self.grid.neighbours(i) {
                     if free[j] && labels[j] == u32::MAX {
                         labels[j] = label;
                         stack.push(j);
                     }
                 }
             }
-            let area = f64::from(count) * self.step * self.step;
+            let area = f64::from(count) * self.grid.cell_size * self.grid.cell_size;
             parts.push(Part { anchor: self.point(best), clearance, area });
         }
         (labels, parts)
     }
 
-    fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
-        let (column, row) = (i % self.columns, i / self.columns);
-        let (columns, rows) = (self.columns, self.rows);
-        [
-            (column > 0).then(|| i - 1),
-            (column + 1 < columns).then_some(i + 1),
-            (row > 0).then(|| i - columns),
-            (row + 1 < rows).then_some(i + columns),
-        ]
-        .into_iter()
-        .flatten()
-    }
-
     /// The sample `depth` steps behind the wall's middle line, `at` half cells along a side.
     fn behind(&self, side: Side, at: u32, depth: usize) -> usize {
+        let GridFrame { cols, rows, .. } = self.grid;
         let along = at as usize * self.per_cell / 2;
         let (column, row) = match side {
-            Side::North => (along, self.rows - 1 - depth),
+            Side::North => (along, rows - 1 - depth),
             Side::South => (along, depth),
-            Side::West => (depth, self.rows - 1 - along),
-            Side::East => (self.columns - 1 - depth, self.rows - 1 - along),
+            Side::West => (depth, rows - 1 - along),
+            Side::East => (cols - 1 - depth, rows - 1 - along),
         };
-        row * self.columns + column
+        self.grid.index(column, row)
     }
 
     /// The part of the floor that must stay clear at a doorway.
@@ -314,8 +304,9 @@ impl Field {
 
     /// The samples from a wall's middle line inward until the footprint is past the wall.
     fn entry_samples(&self, side: Side, at: u32) -> impl Iterator<Item = usize> + use<'_> {
-        let deepest = ((0.5 * self.dimensions.wall + self.need()) / self.step).ceil() as usize + 1;
-        let last = deepest.min(self.columns.min(self.rows) - 1);
+        let deepest =
+            ((0.5 * self.dimensions.wall + self.need()) / self.grid.cell_size).ceil() as usize + 1;
+        let last = deepest.min(self.grid.cols.min(self.grid.rows) - 1);
         (0..=last).map(move |depth| self.behind(side, at, depth))
     }
 
@@ -350,7 +341,7 @@ impl Field {
         let mut order: Vec<u32> = (0..clearance.len() as u32).collect();
         order.sort_by(|&a, &b| clearance[b as usize].total_cmp(&clearance[a as usize]));
         let entries = Side::ALL.map(|side| self.behind(side, room.side_length(side), 0));
-        let mut sets = super::union_find::Sets::new(clearance.len());
+        let mut sets = UnionFind::new(clearance.len());
         let mut joined = vec![false; clearance.len()];
         for i in order {
             let i = i as usize;
@@ -358,7 +349,7 @@ impl Field {
                 return 0.0;
             }
             joined[i] = true;
-            for j in self.neighbours(i).filter(|&j| joined[j]) {
+            for j in self.grid.neighbours(i).filter(|&j| joined[j]) {
                 sets.join(i, j);
             }
             let met = entries

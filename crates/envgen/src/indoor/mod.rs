@@ -28,7 +28,6 @@ mod metrics;
 mod placed_room;
 mod rules;
 mod spec;
-mod union_find;
 mod variation;
 mod world;
 pub mod world_generator;

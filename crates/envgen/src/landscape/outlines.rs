@@ -1,7 +1,5 @@
 //! The cells of a raster as simple polygons.
 
-use glam::DVec2;
-
 use crate::geometry::Shape;
 use crate::world::ClassRaster;
 
@@ -73,10 +71,8 @@ pub(super) fn outlines(raster: &ClassRaster, key: impl Fn(u16) -> u16) -> Vec<(u
 
 /// The outline of a piece, counter-clockwise: down its left side, up its right.
 fn outline(raster: &ClassRaster, piece: &Piece) -> Shape {
-    let corner = |row: usize, col: usize| {
-        let up = f64::from(raster.rows) - row as f64;
-        raster.origin + DVec2::new(col as f64, up) * raster.cell
-    };
+    let frame = raster.frame();
+    let corner = |row: usize, col: usize| frame.corner(col, frame.rows - row);
     // The corners along one side, from the piece's end at row `start`; a step to another column
     // has two.
     let side = |start: usize, columns: &mut dyn Iterator<Item = (usize, usize)>, end: usize| {

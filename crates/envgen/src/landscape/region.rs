@@ -37,12 +37,12 @@ pub(crate) fn largest_region(raster: &ClassRaster) -> Vec<u32> {
 /// The middles of the two cells of the largest region that are nearest to the lower left and to
 /// the upper right corner.
 pub(super) fn ends(raster: &ClassRaster) -> Option<(DVec2, DVec2)> {
-    let cols = raster.cols as usize;
+    let (frame, cols) = (raster.frame(), raster.cols as usize);
     let region = largest_region(raster);
     let rise = |&at: &u32| (i64::from(at) % cols as i64 - i64::from(at) / cols as i64, at);
     let middle = |at: u32| {
-        let (r, c) = ((at as usize / cols) as f64, (at as usize % cols) as f64);
-        raster.origin + DVec2::new(c + 0.5, f64::from(raster.rows) - r - 0.5) * raster.cell
+        let (col, row) = frame.cell(at as usize);
+        frame.center(col, frame.rows - 1 - row)
     };
     let low = region.iter().copied().min_by_key(rise)?;
     let high = region.iter().copied().max_by_key(rise)?;

@@ -1,12 +1,10 @@
 //! From a landscape to a world.
 
-use glam::DVec2;
-
 use super::blueprint::Landscape;
 use super::outlines::outlines;
 use super::region::ends;
 use crate::generate::Spec;
-use crate::geometry::{Pose, Rect};
+use crate::geometry::Pose;
 use crate::provenance::Provenance;
 use crate::world::{Claim, ClassRaster, Obstacle, ObstacleKind, Surface, SurfaceKind, World};
 
@@ -27,8 +25,7 @@ pub(super) fn world(landscape: &Landscape) -> World {
 /// faster classes as surfaces, unless there are more than 65 536 pieces of them; start and goal at
 /// the ends of the largest connected region.
 pub(crate) fn raster_world(raster: ClassRaster, provenance: Provenance) -> World {
-    let size = DVec2::new(f64::from(raster.cols), f64::from(raster.rows)) * raster.cell;
-    let mut world = World::new(provenance, Rect::new(raster.origin, raster.origin + size));
+    let mut world = World::new(provenance, raster.frame().bounds());
     if !raster.speeds.is_empty() {
         let blocked = |class: u16| raster.speed_of(class) == 0.0;
         for outline in outlines(&raster, |class| u16::from(blocked(class))) {

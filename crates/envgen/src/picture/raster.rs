@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use glam::DVec2;
 use svg::node::element::{Group, Image};
 
 use super::PictureError;
@@ -26,8 +25,7 @@ pub(super) fn group(raster: &ClassRaster, view: &View) -> Result<Group, PictureE
 }
 
 fn image(raster: &ClassRaster, view: &View) -> Result<Image, PictureError> {
-    let size = DVec2::new(raster.cols.into(), raster.rows.into()) * raster.cell;
-    let around = view.px_rect(Rect::new(raster.origin, raster.origin + size));
+    let around = view.px_rect(raster.frame().bounds());
     // Index 0 is no data; where there are more classes than colours, classes share them.
     let greatest = raster.cells.iter().copied().max().unwrap_or(0).min(255);
     let index = |class: u16| if class < 256 { class as u8 } else { ((class - 1) % 255 + 1) as u8 };

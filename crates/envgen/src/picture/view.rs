@@ -70,8 +70,7 @@ pub(super) fn extent(world: &World) -> Rect {
         extent = line.map_or(extent, |line| extent.union(line.grown(0.5 * strip.width)));
     }
     if let Some(raster) = &world.raster {
-        let size = DVec2::new(raster.cols.into(), raster.rows.into()) * raster.cell;
-        extent = extent.union(Rect::new(raster.origin, raster.origin + size));
+        extent = extent.union(raster.frame().bounds());
     }
     let finite = extent.min.is_finite() && extent.max.is_finite();
     if finite { extent } else { world.bounds }

@@ -216,9 +216,9 @@ impl World {
         let speeds = raster.speeds.iter().all(|speed| speed.is_finite() && *speed >= 0.0);
         let placed = raster.cell.is_finite() && raster.cell > 0.0 && raster.origin.is_finite();
         if whole && placed && speeds {
-            let size = DVec2::new(f64::from(raster.cols), f64::from(raster.rows)) * raster.cell;
-            within("raster.origin", raster.origin)?;
-            return within("raster.origin + size", raster.origin + size);
+            let bounds = raster.frame().bounds();
+            within("raster.origin", bounds.min)?;
+            return within("raster.origin + size", bounds.max);
         }
         let (rows, cols, cells) = (raster.rows, raster.cols, raster.cells.len());
         Err(Violation::Raster { rows, cols, cells, cell: raster.cell })

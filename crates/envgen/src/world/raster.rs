@@ -3,6 +3,8 @@
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+use crate::grid::GridFrame;
+
 /// A landscape's cells: square, row by row, the top row (greatest y) first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -24,17 +26,18 @@ pub struct ClassRaster {
 }
 
 impl ClassRaster {
+    /// Where the cells lie. Its rows count from the lowest, those of [`ClassRaster::cells`] from the
+    /// top.
+    pub fn frame(&self) -> GridFrame {
+        let (cols, rows) = (self.cols as usize, self.rows as usize);
+        GridFrame { origin: self.origin, cell_size: self.cell, cols, rows }
+    }
+
     /// The class at a point; `None` outside the raster.
     pub fn class_at(&self, p: DVec2) -> Option<u16> {
-        let cell = ((p - self.origin) / self.cell).floor();
-        let inside = cell.cmpge(DVec2::ZERO).all()
-            && cell.x < f64::from(self.cols)
-            && cell.y < f64::from(self.rows);
-        if !inside {
-            return None;
-        }
-        let row = self.rows as usize - 1 - cell.y as usize;
-        self.cells.get(row * self.cols as usize + cell.x as usize).copied()
+        let frame = self.frame();
+        let (col, row) = frame.cell_at(p)?;
+        self.cells.get(frame.index(col, frame.rows - 1 - row)).copied()
     }
 
     /// The factor on a robot's greatest speed at a point, 0 where it cannot pass; `None` outside

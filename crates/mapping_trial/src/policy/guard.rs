@@ -51,9 +51,9 @@ impl Guard {
 
     /// Takes the water that was seen last, as points in the map's frame, for a robot at a pose.
     pub(super) fn look_at_water(&mut self, pose: Pose, water: &[DVec2]) {
-        let back = unit_vector(-pose.heading);
+        let seen = pose.world_to_local();
         self.water.clear();
-        self.water.extend(water.iter().map(|&p| back.rotate(p - pose.position)));
+        self.water.extend(water.iter().copied().map(seen));
     }
 
     /// What the robot must not touch, each with the radius to keep free: the whole body for an echo,

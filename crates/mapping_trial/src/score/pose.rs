@@ -1,6 +1,6 @@
 //! Errors of estimated poses.
 
-use envgen::geometry::{Pose, unit_vector, wrap_angle};
+use envgen::geometry::{Pose, wrap_angle};
 
 use super::TrajectoryPair;
 
@@ -81,16 +81,15 @@ pub(super) fn relative(tracks: &[TrajectoryPair<'_>], length: f64) -> Option<(f6
     positions.value().zip(headings.value())
 }
 
-/// The pose `to` as seen from `from`.
+/// The pose `to` as seen from `from`; its heading is wrapped only when two are compared.
 fn relation(from: Pose, to: Pose) -> Pose {
-    let ahead = unit_vector(from.heading);
-    let offset = to.position - from.position;
-    Pose::new(offset.dot(ahead), ahead.perp_dot(offset), to.heading - from.heading)
+    Pose { position: from.to_local(to.position), heading: to.heading - from.heading }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use envgen::geometry::unit_vector;
 
     fn straight(count: u32, scale: f64, bend: f64) -> Vec<Pose> {
         let mut pose = Pose::default();

@@ -1,12 +1,12 @@
 //! A robot's map on the grid of the scores.
 
 use crate::map::{CellIndex, DECIDED, OccupancyMap, TILE};
-use crate::truth::{GridFrame, MappableArea};
+use crate::truth::{MappableArea, ScoreFrame};
 
 /// A robot's map on the part of the mappable area's grid that it covers.
 pub(crate) struct Raster {
     /// The grid of score cells.
-    pub(crate) frame: GridFrame,
+    pub(crate) frame: ScoreFrame,
     /// Score cells of which a quarter or more is occupied: `E_o`.
     pub(crate) occupied: Vec<bool>,
     /// Score cells that are not occupied and of which a quarter or more is free: `E_f`.
@@ -32,13 +32,13 @@ impl Raster {
         });
         let frame = truth.frame().intersection(match around {
             // Walls of the world beside the map are near to walls that it shows there.
-            Some([left, low, right, high]) => GridFrame {
+            Some([left, low, right, high]) => ScoreFrame {
                 col: left * TILE_CELLS - AROUND,
                 row: low * TILE_CELLS - AROUND,
                 cols: ((right - left + 1) * TILE_CELLS + 2 * AROUND) as usize,
                 rows: ((high - low + 1) * TILE_CELLS + 2 * AROUND) as usize,
             },
-            None => GridFrame { cols: 0, rows: 0, ..truth.frame() },
+            None => ScoreFrame { cols: 0, rows: 0, ..truth.frame() },
         });
         let mut raster = Raster {
             frame,

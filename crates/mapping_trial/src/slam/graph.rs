@@ -36,7 +36,7 @@ impl Relation {
     /// Deviation of two poses from what was measured.
     fn error(&self, poses: &[Pose]) -> DVec3 {
         let (a, b) = (poses[self.from], poses[self.to]);
-        let seen = unit_vector(-a.heading).rotate(b.position - a.position);
+        let seen = a.to_local(b.position);
         let turn = wrap_angle(b.heading - a.heading - self.measured.heading);
         (seen - self.measured.position).extend(turn)
     }
@@ -143,7 +143,7 @@ impl System {
             let information = relation.information * relation.loss(error).1;
             let (from, to) = (poses[relation.from], poses[relation.to]);
             let axis = unit_vector(from.heading);
-            let seen = unit_vector(-from.heading).rotate(to.position - from.position);
+            let seen = from.to_local(to.position);
             // Derivatives of the error by the pose `to`, and by `from`, whose turn moves what it sees.
             let by_to = DMat3::from_cols(
                 DVec3::new(axis.x, -axis.y, 0.0),
@@ -285,7 +285,7 @@ mod tests {
     }
 
     fn relation(poses: &[Pose], from: usize, to: usize, is_robust: bool) -> Relation {
-        let measured = crate::slam::motion::between(poses[from], poses[to]);
+        let measured = poses[from].between(poses[to]);
         let information = DMat3::from_diagonal(DVec3::new(400.0, 300.0, 900.0));
         Relation { from, to, measured, information, is_robust }
     }

@@ -6,7 +6,6 @@ use super::graph::{Relation, held_by_walls};
 use super::likelihood::LikelihoodField;
 use super::mapper::{Keyframe, stamp};
 use super::matcher::{Matcher, Window};
-use super::motion::between;
 use super::sweep::FEWEST_ECHOES;
 use super::walls::{WALL_VARIANCE, WallPiece, walls};
 
@@ -199,15 +198,15 @@ impl LoopCloser {
 
 /// Whether two matches agree with the robot's motion between them.
 fn agree(keyframes: &[Keyframe], a: &Seen, b: &Seen) -> bool {
-    let went = between(keyframes[a.keyframe].pose, keyframes[b.keyframe].pose);
-    let found = between(a.pose, b.pose);
+    let went = keyframes[a.keyframe].pose.between(keyframes[b.keyframe].pose);
+    let found = a.pose.between(b.pose);
     went.position.distance(found.position) <= AGREEMENT.0
         && wrap_angle(went.heading - found.heading).abs() <= AGREEMENT.1
 }
 
 /// The information of a match: much across the walls that the scan saw, none along a bare corridor.
 fn relation(keyframes: &[Keyframe], seen: &Seen) -> Relation {
-    let measured = between(keyframes[seen.old].pose, seen.pose);
+    let measured = keyframes[seen.old].pose.between(seen.pose);
     Relation {
         from: seen.old,
         to: seen.keyframe,

@@ -1,7 +1,7 @@
 //! What the mapping estimators share: keyframes, each matched against all earlier ones and added to
 //! the map.
 
-use envgen::geometry::{Pose, unit_vector, wrap_angle};
+use envgen::geometry::{Pose, wrap_angle};
 use glam::Vec2;
 
 use super::fusion::{Drift, fuse};
@@ -292,8 +292,8 @@ const STAMP: f64 = RESOLUTION;
 /// Stamps echoes that were measured from a pose, and the walls between them: far echoes alone are a
 /// row of dots, to which the next scan's dots would be pulled.
 pub(crate) fn stamp(field: &mut LikelihoodField, pose: Pose, echoes: &[Vec2]) {
-    let heading = unit_vector(pose.heading);
-    let place = |p: &Vec2| pose.position + heading.rotate(p.as_dvec2());
+    let on_map = pose.local_to_world();
+    let place = |p: &Vec2| on_map(p.as_dvec2());
     for (i, echo) in echoes.iter().enumerate() {
         let at = place(echo);
         field.stamp(at);

@@ -507,9 +507,8 @@ mod tests {
         let off = (0..50).map(|_| {
             let mut between = |r: f64| draws.between(-r, r);
             let truth = Pose::new(between(0.1), between(0.1), between(0.05));
-            let back = unit_vector(-truth.heading);
             let echoes: Vec<Vec2> =
-                corner(turn).iter().map(|&p| back.rotate(p - truth.position).as_vec2()).collect();
+                corner(turn).iter().map(|&p| truth.to_local(p).as_vec2()).collect();
             let window = Window::around(Pose::default(), 0.05, 0.02);
             let found = Matcher::new().find(&field, &echoes, window).expect("covered").pose;
             let turn = (found.heading - truth.heading).abs();

@@ -1,4 +1,4 @@
-//! Composition and difference of poses: the group SE(2).
+//! Poses after increments of odometry.
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 
@@ -9,22 +9,6 @@ const BELIEVED: f64 = 1e4;
 
 /// Greatest distance of a pose from the origin in metres; poses farther away are noise.
 const FARTHEST: f64 = 1e9;
-
-/// The pose that is `relative` as seen from `base`.
-pub(crate) fn compose(base: Pose, relative: Pose) -> Pose {
-    Pose {
-        position: base.position + unit_vector(base.heading).rotate(relative.position),
-        heading: wrap_angle(base.heading + relative.heading),
-    }
-}
-
-/// The pose `to` as seen from `base`.
-pub(crate) fn between(base: Pose, to: Pose) -> Pose {
-    Pose {
-        position: unit_vector(-base.heading).rotate(to.position - base.position),
-        heading: wrap_angle(to.heading - base.heading),
-    }
-}
 
 /// The pose after a motion, as the chord of a small arc.
 pub(crate) fn advance(pose: Pose, by: Increment) -> Pose {
@@ -49,17 +33,6 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        #[test]
-        fn between_undoes_compose(
-            x in -50.0..50.0_f64, y in -50.0..50.0_f64, h in -7.0..7.0_f64,
-            u in -5.0..5.0_f64, v in -5.0..5.0_f64, t in -3.0..3.0_f64,
-        ) {
-            let (base, relative) = (Pose::new(x, y, h), Pose::new(u, v, t));
-            let back = between(base, compose(base, relative));
-            prop_assert!(back.position.distance(relative.position) < 1e-9);
-            prop_assert!(wrap_angle(back.heading - relative.heading).abs() < 1e-9);
-        }
-
         #[test]
         fn any_increments_leave_a_pose_finite(distance in any::<f64>(), turn in any::<f64>()) {
             let mut pose = Pose::new(FARTHEST, -FARTHEST, 1.0);

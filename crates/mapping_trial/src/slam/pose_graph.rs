@@ -6,7 +6,6 @@ use super::Slam;
 use super::graph::{Relation, held_by_walls, of_motion, solve};
 use super::loops::LoopCloser;
 use super::mapper::{Added, Mapper};
-use super::motion::between;
 use super::track::Variance;
 use super::walls::{WALL_VARIANCE, constrained};
 use crate::backend::Observation;
@@ -51,7 +50,7 @@ impl PoseGraph {
         let keyframes = &self.mapper.keyframes;
         let new = &keyframes[added.keyframe];
         if let Some(before) = added.before {
-            let measured = between(keyframes[before].pose, new.pose);
+            let measured = keyframes[before].pose.between(new.pose);
             self.relations.push(Relation {
                 from: before,
                 to: added.keyframe,

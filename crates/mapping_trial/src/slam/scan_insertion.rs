@@ -1,6 +1,6 @@
 //! Draws scans into an occupancy map.
 
-use envgen::geometry::{Pose, unit_vector};
+use envgen::geometry::Pose;
 use glam::{DVec2, Vec2};
 
 use super::sweep::{REACH, Sweep};
@@ -41,8 +41,8 @@ impl ScanInserter {
     /// Draws a scan that was taken from `pose`, with the laser at `laser` in the robot's frame, and
     /// announces the change. Nothing is drawn from poses beyond 100 km.
     pub fn draw(&mut self, map: &mut OccupancyMap, pose: Pose, laser: Pose, sweep: &Sweep) {
-        let heading = unit_vector(pose.heading);
-        let from = pose.position + heading.rotate(laser.position);
+        let on_map = pose.local_to_world();
+        let from = on_map(laser.position);
         if !is_near(from) {
             return;
         }
@@ -50,7 +50,7 @@ impl ScanInserter {
         // The board: whole tiles around the laser and all ends of rays.
         let per_cell = 1.0 / RESOLUTION;
         let (mut low, mut high) = (from, from);
-        let at = |p: Vec2| pose.position + heading.rotate(p.as_dvec2());
+        let at = |p: Vec2| on_map(p.as_dvec2());
         for &p in sweep.echoes.iter().chain(&sweep.clear) {
             let p = at(p);
             (low, high) = (low.min(p), high.max(p));
@@ -198,9 +198,8 @@ mod tests {
             painter.draw(&mut map, pose, laser, &sweep);
             prop_assert!(painter.marks.iter().all(|&mark| mark == 0));
 
-            let axis = unit_vector(heading);
-            let at = |p: &Vec2| pose.position + axis.rotate(p.as_dvec2());
-            let from = pose.position + axis.rotate(laser.position);
+            let at = |p: &Vec2| pose.to_world(p.as_dvec2());
+            let from = pose.to_world(laser.position);
             let hits: Vec<CellIndex> = sweep.echoes.iter().map(|p| CellIndex::of(at(p))).collect();
             let drawn = cells(&map);
             for (&(col, row), &odds) in &drawn {

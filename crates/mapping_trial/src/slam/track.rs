@@ -2,7 +2,7 @@
 
 use envgen::geometry::Pose;
 
-use super::motion::{advance, believable, compose};
+use super::motion::{advance, believable};
 use crate::odometry::Increment;
 
 /// Path length in metres after which a scan is added to the map.
@@ -107,13 +107,13 @@ impl PoseTrack {
 
     /// The pose now, given those of keyframes.
     pub(crate) fn pose(&self, keyframe: impl Fn(usize) -> Pose) -> Pose {
-        compose(self.keyframe.map_or(self.start, keyframe), self.relative)
+        self.keyframe.map_or(self.start, keyframe).compose(self.relative)
     }
 
     /// The poses at the start and after each step, given those of keyframes.
     pub(crate) fn poses(&self, keyframe: impl Fn(usize) -> Pose) -> Vec<Pose> {
         let base = |from: Option<u32>| from.map_or(self.start, |from| keyframe(from as usize));
-        let steps = self.steps.iter().map(|&(from, relative)| compose(base(from), relative));
+        let steps = self.steps.iter().map(|&(from, relative)| base(from).compose(relative));
         std::iter::once(self.start).chain(steps).collect()
     }
 }

@@ -1,6 +1,6 @@
 //! The walls that a scan sees, and how they hold the pose that it was matched at.
 
-use envgen::geometry::{Pose, unit_vector};
+use envgen::geometry::Pose;
 use glam::{DVec2, Vec2};
 
 use super::likelihood::LikelihoodField;
@@ -28,7 +28,7 @@ pub(crate) type WallPiece = (DVec2, DVec2);
 /// the wall from there to the next echo that is far enough for the noise not to matter. An echo of
 /// something new has no information on the pose.
 pub(crate) fn walls(field: &LikelihoodField, pose: Pose, echoes: &[Vec2]) -> Vec<WallPiece> {
-    let heading = unit_vector(pose.heading);
+    let on_map = pose.local_to_world();
     let mut end = 0;
     let mut pieces = Vec::with_capacity(echoes.len());
     for (i, &a) in echoes.iter().enumerate() {
@@ -44,7 +44,7 @@ pub(crate) fn walls(field: &LikelihoodField, pose: Pose, echoes: &[Vec2]) -> Vec
         };
         let Some(b) = b else { continue };
         let (a, b) = (a.as_dvec2(), b.as_dvec2());
-        if field.at(pose.position + heading.rotate(a)) >= FOUND {
+        if field.at(on_map(a)) >= FOUND {
             pieces.push((a, (b - a).normalize().perp()));
         }
     }

@@ -1,5 +1,6 @@
 //! The grid of the scores.
 
+use envgen::GridFrame;
 use envgen::geometry::Rect;
 use glam::DVec2;
 
@@ -9,9 +10,10 @@ use crate::map::{CellIndex, RESOLUTION};
 pub const SCORE_CELL: f64 = 2.0 * RESOLUTION;
 
 /// A rectangle of cells of [`SCORE_CELL`], in rows from below, aligned with the cells of a map: each
-/// contains four of those.
+/// contains four of those. Unlike a [`GridFrame`] it counts its cells from the world's origin in whole
+/// numbers, so that all frames agree to the last bit on the cell of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct GridFrame {
+pub struct ScoreFrame {
     /// Column of the leftmost cells, counted from the world's origin.
     pub col: i32,
     /// Row of the lowest cells, counted from the world's origin.
@@ -22,12 +24,12 @@ pub struct GridFrame {
     pub rows: usize,
 }
 
-impl GridFrame {
+impl ScoreFrame {
     /// The cells that touch a rectangle, which must not be far larger than memory.
     pub(crate) fn around(area: Rect) -> Self {
         let low = (area.min / SCORE_CELL).floor();
         let size = ((area.max / SCORE_CELL).ceil() - low).max(DVec2::ONE);
-        GridFrame {
+        ScoreFrame {
             col: low.x as i32,
             row: low.y as i32,
             cols: size.x as usize,
@@ -36,7 +38,7 @@ impl GridFrame {
     }
 
     /// The cells that both have; empty when there are none.
-    pub(crate) fn intersection(self, other: GridFrame) -> GridFrame {
+    pub(crate) fn intersection(self, other: ScoreFrame) -> ScoreFrame {
         let (col, row) = (self.col.max(other.col), self.row.max(other.row));
         let end = |a: i32, a_len: usize, b: i32, b_len: usize, from: i32| {
             let end = (i64::from(a) + a_len as i64).min(i64::from(b) + b_len as i64);
@@ -45,9 +47,9 @@ impl GridFrame {
         let cols = end(self.col, self.cols, other.col, other.cols, col);
         let rows = end(self.row, self.rows, other.row, other.rows, row);
         if cols * rows == 0 {
-            GridFrame { col, row, cols: 0, rows: 0 }
+            ScoreFrame { col, row, cols: 0, rows: 0 }
         } else {
-            GridFrame { col, row, cols, rows }
+            ScoreFrame { col, row, cols, rows }
         }
     }
 
@@ -71,12 +73,13 @@ impl GridFrame {
     pub(crate) fn cell(self, col: i32, row: i32) -> Option<usize> {
         let x = usize::try_from(i64::from(col) - i64::from(self.col)).ok()?;
         let y = usize::try_from(i64::from(row) - i64::from(self.row)).ok()?;
-        (x < self.cols && y < self.rows).then(|| y * self.cols + x)
+        (x < self.cols && y < self.rows).then(|| self.grid().index(x, y))
     }
 
     /// Column and row of a cell, counted from the world's origin.
     pub(crate) fn place(self, cell: usize) -> (i32, i32) {
-        (self.col + (cell % self.cols) as i32, self.row + (cell / self.cols) as i32)
+        let (col, row) = self.grid().cell(cell);
+        (self.col + col as i32, self.row + row as i32)
     }
 
     /// Centre of a cell in metres.
@@ -94,8 +97,12 @@ impl GridFrame {
 
     /// A cell's neighbour, `x` columns to the right and `y` rows up; `None` outside.
     pub(crate) fn neighbour(self, cell: usize, x: i32, y: i32) -> Option<usize> {
-        let col = (cell % self.cols).checked_add_signed(x as isize)?;
-        let row = (cell / self.cols).checked_add_signed(y as isize)?;
-        (col < self.cols && row < self.rows).then(|| row * self.cols + col)
+        self.grid().neighbour(cell, x as isize, y as isize)
+    }
+
+    /// The same cells, counted from the lower left one.
+    fn grid(self) -> GridFrame {
+        let origin = DVec2::new(f64::from(self.col), f64::from(self.row)) * SCORE_CELL;
+        GridFrame { origin, cell_size: SCORE_CELL, cols: self.cols, rows: self.rows }
     }
 }

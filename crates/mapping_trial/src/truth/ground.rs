@@ -8,12 +8,12 @@ use envgen::surface_index::SurfaceIndex;
 use envgen::world::SurfaceKind;
 use glam::DVec2;
 
-use super::frame::{GridFrame, SCORE_CELL};
+use super::frame::{SCORE_CELL, ScoreFrame};
 
 /// Solid parts, and the ground that a robot's centre must not be on, on a grid.
 #[derive(Clone, Debug)]
 pub(super) struct DiscGround {
-    frame: GridFrame,
+    frame: ScoreFrame,
     /// The cells inside the world's bounds that no solid part enters.
     open: Vec<bool>,
     /// The cells that no water and no ground of speed 0 enters.
@@ -26,7 +26,7 @@ impl DiscGround {
     /// Indexes a world for distances up to `reach` metres.
     ///
     /// `None` if there are too many cells, or the reach is not a distance.
-    pub(super) fn new(world: &World, frame: GridFrame, reach: f64) -> Option<Self> {
+    pub(super) fn new(world: &World, frame: ScoreFrame, reach: f64) -> Option<Self> {
         let empty = OccupancyGrid::empty(frame.area(), SCORE_CELL).ok()?;
         let mut solid = empty.clone();
         for part in world.solids() {
@@ -47,7 +47,7 @@ impl DiscGround {
         })
     }
 
-    pub(super) fn frame(&self) -> GridFrame {
+    pub(super) fn frame(&self) -> ScoreFrame {
         self.frame
     }
 

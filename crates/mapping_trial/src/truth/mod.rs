@@ -11,7 +11,7 @@ use envgen::world::{Violation, World};
 use glam::DVec2;
 use thiserror::Error;
 
-pub use self::frame::{GridFrame, SCORE_CELL};
+pub use self::frame::{SCORE_CELL, ScoreFrame};
 use self::ground::DiscGround;
 use self::reach::Reach;
 pub use self::walls::WallPoint;
@@ -83,7 +83,7 @@ pub enum MappableAreaError {
 /// The mappable area of a world, computed once for any number of trials in it.
 #[derive(Clone, Debug)]
 pub struct MappableArea {
-    frame: GridFrame,
+    frame: ScoreFrame,
     ground: DiscGround,
     /// Where the robot starts.
     start: DVec2,
@@ -123,7 +123,7 @@ impl MappableArea {
         }
         world.check()?;
         let (around, too_large) = (Self::check_size(world)?, too_large(world));
-        let frame = GridFrame::around(around);
+        let frame = ScoreFrame::around(around);
 
         let footprint = radius + MARGIN;
         let ground = DiscGround::new(world, frame, footprint + REACH).ok_or(too_large)?;
@@ -183,7 +183,7 @@ impl MappableArea {
     }
 
     /// The grid of the mappable area.
-    pub fn frame(&self) -> GridFrame {
+    pub fn frame(&self) -> ScoreFrame {
         self.frame
     }
 
@@ -254,7 +254,7 @@ fn into_wall(point: WallPoint) -> DVec2 {
 }
 
 /// The open cells that are connected to free ones over sides.
-fn joined(frame: GridFrame, free: &[bool], open: &[bool]) -> Vec<bool> {
+fn joined(frame: ScoreFrame, free: &[bool], open: &[bool]) -> Vec<bool> {
     let mut joined = free.to_vec();
     let mut grown: Vec<usize> = (0..free.len()).filter(|&cell| free[cell]).collect();
     while let Some(cell) = grown.pop() {

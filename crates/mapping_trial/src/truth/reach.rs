@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::frame::{GridFrame, SCORE_CELL};
+use super::frame::{SCORE_CELL, ScoreFrame};
 use super::ground::DiscGround;
 use envgen::distance::squared_distances;
 
@@ -28,7 +28,7 @@ const ALL: u16 = u16::MAX;
 
 /// The points of each cell where a disc's centre can be.
 pub(super) struct Reach {
-    frame: GridFrame,
+    frame: ScoreFrame,
     points: Vec<u16>,
 }
 
@@ -100,7 +100,7 @@ impl Reach {
 }
 
 /// The cells around a point, up to a number of cells away, each with all its points.
-fn around(frame: GridFrame, p: DVec2, span: i32) -> impl Iterator<Item = (usize, u16)> {
+fn around(frame: ScoreFrame, p: DVec2, span: i32) -> impl Iterator<Item = (usize, u16)> {
     let cell = frame.cell_at(p);
     (-span..=span).flat_map(move |y| {
         (-span..=span).filter_map(move |x| Some((frame.neighbour(cell?, x, y)?, ALL)))
@@ -141,7 +141,7 @@ fn free_points(ground: &DiscGround, radius: f64) -> Vec<u16> {
 }
 
 /// The lower left point of a cell.
-fn points_of(frame: GridFrame, cell: usize) -> DVec2 {
+fn points_of(frame: ScoreFrame, cell: usize) -> DVec2 {
     frame.centre(cell) - DVec2::splat(1.5 * STEP)
 }
 

@@ -151,7 +151,7 @@ fn the_perfect_map_shows_what_is_free_and_what_is_not() {
 }
 
 /// Free cells by the slow method: discs around all points of a lattice, joined step by step.
-fn slow_free(world: &World, frame: GridFrame) -> Vec<bool> {
+fn slow_free(world: &World, frame: ScoreFrame) -> Vec<bool> {
     let (radius, step) = (0.36, 0.025);
     let low = frame.area().min + 0.5 * step;
     let (cols, rows) = (4 * frame.cols, 4 * frame.rows);

@@ -7,7 +7,7 @@ use envgen::geometry::{Pose, Shape, edges, unit_vector};
 use envgen::raycast::{Raycaster, ScanPattern};
 use glam::DVec2;
 
-use super::frame::{GridFrame, SCORE_CELL};
+use super::frame::{SCORE_CELL, ScoreFrame};
 
 /// Greatest distance between neighbouring points of an outline in metres: a cell of a map.
 const SPACING: f64 = 0.05;
@@ -34,7 +34,7 @@ pub struct WallPoint {
 /// `joined` are the cells that no solid enters and that are connected to `free`.
 pub(super) fn seen(
     world: &World,
-    frame: GridFrame,
+    frame: ScoreFrame,
     free: &[bool],
     joined: &[bool],
 ) -> Vec<WallPoint> {
@@ -53,7 +53,7 @@ pub(super) fn seen(
 struct Sight<'a> {
     rays: Raycaster,
     fan: ScanPattern,
-    frame: GridFrame,
+    frame: ScoreFrame,
     free: &'a [bool],
     joined: &'a [bool],
 }

@@ -17,7 +17,7 @@
 //! one and a half times what is reached here: the bands are one-sided.
 
 use crate::drive::{Drive, Recording, frame, rect, world_of};
-use envgen::geometry::{Pose, Rect, unit_vector};
+use envgen::geometry::{Pose, Rect};
 use envgen::glam::DVec2;
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::odometry::OdometryProfile;
@@ -111,9 +111,7 @@ fn gap(recording: &Recording, slam: &dyn Slam) -> f64 {
     let last = truth.len() - 1;
     let to_end = |i: &usize| truth[*i].position.distance(truth[last].position);
     let half = (0..last / 2).min_by(|i, j| to_end(i).total_cmp(&to_end(j))).expect("a way");
-    let seen = |poses: &[Pose]| {
-        unit_vector(-poses[half].heading).rotate(poses[last].position - poses[half].position)
-    };
+    let seen = |poses: &[Pose]| poses[half].to_local(poses[last].position);
     seen(&estimated).distance(seen(truth))
 }
 

@@ -222,7 +222,7 @@ proptest! {
         for (i, cell) in map.cells.iter().enumerate() {
             let low = DVec2::new((i % map.cols) as f64, (i / map.cols) as f64);
             for (dx, dy) in [(0.5, 0.5), (0.01, 0.99), (0.99, 0.01), (0.01, 0.01), (0.99, 0.99)] {
-                let p = map.place((low + DVec2::new(dx, dy)) * map.resolution);
+                let p = map.origin.to_world((low + DVec2::new(dx, dy)) * map.resolution);
                 let inside = world.walls.iter().filter(|wall| wall.shape.contains(p)).count();
                 prop_assert_eq!(inside, usize::from(*cell == RosCell::Occupied));
                 let hit = rays.cast(p, 0.3, 1e-4 * map.resolution);
@@ -233,7 +233,7 @@ proptest! {
             let grid = OccupancyGrid::of(&world, map.resolution, Coverage::Centre).unwrap();
             for (i, cell) in map.cells.iter().enumerate() {
                 let middle = DVec2::new((i % map.cols) as f64, (i / map.cols) as f64) + 0.5;
-                let occupied = grid.occupied_at(map.place(middle * map.resolution));
+                let occupied = grid.occupied_at(map.origin.to_world(middle * map.resolution));
                 prop_assert_eq!(occupied, Some(*cell == RosCell::Occupied));
             }
         }
@@ -254,7 +254,7 @@ proptest! {
         let far = world.bounds.size().length();
         for (i, _) in map.cells.iter().enumerate().filter(|(_, cell)| **cell == RosCell::Free) {
             let middle = DVec2::new((i % map.cols) as f64, (i / map.cols) as f64) + 0.5;
-            let p = map.place(middle * map.resolution);
+            let p = map.origin.to_world(middle * map.resolution);
             for angle in &angles {
                 prop_assert!(rays.cast(p, *angle, far).is_some(), "{p} {angle}");
             }

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::interiors::Interiors;
 use crate::indoor::blueprint::FloorPlan;
 use crate::indoor::grid::Cell;
-use crate::indoor::union_find::Sets;
+use crate::union_find::UnionFind;
 
 /// Which places of a plan are connected: the cells of hallways and open areas, the rooms, and the
 /// links between them.
@@ -140,8 +140,8 @@ impl AccessGraph {
 
     /// Number of connected components.
     pub fn parts(&self) -> u64 {
-        let mut sets = self.sets();
-        (0..self.places.len()).filter(|&i| sets.find(i) == i).count() as u64
+        let sets = self.sets();
+        (0..self.places.len()).filter(|&i| sets.represents(i)).count() as u64
     }
 
     /// Number of independent cycles; going around inside an open area does not count.
@@ -212,8 +212,8 @@ impl AccessGraph {
         distances
     }
 
-    fn sets(&self) -> Sets {
-        let mut sets = Sets::new(self.places.len());
+    fn sets(&self) -> UnionFind {
+        let mut sets = UnionFind::new(self.places.len());
         for link in &self.links {
             sets.join(link.places[0] as usize, link.places[1] as usize);
         }

@@ -1,7 +1,7 @@
 //! The connectivity of the hallways alone.
 
 use crate::indoor::grid::{Cell, Grid};
-use crate::indoor::union_find::Sets;
+use crate::union_find::UnionFind;
 
 /// The connectivity of the hallway cells alone, without rooms and open areas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub(in crate::indoor) struct HallwayShape {
 
 pub(in crate::indoor) fn hallway_shape(grid: &Grid) -> HallwayShape {
     let hallway = |x: u32, y: u32| grid.get(x, y) == Some(Cell::Hallway);
-    let mut sets = Sets::new(grid.cells().len());
+    let mut sets = UnionFind::new(grid.cells().len());
     let (mut cells, mut links, mut joins, mut ends) = (0, 0, 0, 0);
     for y in 0..grid.height() {
         for x in 0..grid.width() {

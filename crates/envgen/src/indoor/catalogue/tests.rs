@@ -165,7 +165,7 @@ fn mazes_are_mazes() {
             let clear = |p: DVec2| room.barriers().all(|shape| shape.distance(p) > 0.36);
             (0..=10).all(|k| clear(a.lerp(b, f64::from(k) / 10.0)))
         };
-        let mut sets = crate::indoor::union_find::Sets::new(cells * cells);
+        let mut sets = crate::union_find::UnionFind::new(cells * cells);
         let (mut exits, mut pieces) = (vec![0; cells * cells], cells * cells);
         for i in 0..cells * cells {
             let right = (i % cells + 1 < cells).then_some(i + 1);

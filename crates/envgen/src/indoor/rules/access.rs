@@ -6,8 +6,8 @@ use crate::indoor::access::Interiors;
 use crate::indoor::dimensions::Dimensions;
 use crate::indoor::grid::{Cell, Gate, Grid, Opening, Origin, Side, sort_openings};
 use crate::indoor::placed_room::PlacedRoom;
-use crate::indoor::union_find::Sets;
 use crate::seed::Stream;
+use crate::union_find::UnionFind;
 use crate::world::Contents;
 
 /// A place for a further doorway, and the places that it would join.
@@ -51,7 +51,7 @@ fn connect(
     root: usize,
     stream: &mut Stream,
 ) -> Vec<usize> {
-    let mut sets = Sets::new(interiors.count as usize);
+    let mut sets = UnionFind::new(interiors.count as usize);
     let floor = |x: u32, y: u32| {
         grid.get(x, y)
             .is_some_and(Cell::is_floor)
@@ -136,7 +136,7 @@ fn candidates(
     grid: &Grid,
     rooms: &[PlacedRoom],
     interiors: &Interiors,
-    sets: &mut Sets,
+    sets: &mut UnionFind,
 ) -> Vec<Candidate> {
     let mut candidates = Vec::new();
     for (i, room) in rooms.iter().enumerate() {

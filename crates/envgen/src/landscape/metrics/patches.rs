@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::distance::assert_whole_rows;
+use crate::union_find::UnionFind;
 
 /// Which cells are neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,7 +37,7 @@ pub fn patches(cells: &[u16], cols: usize, neighbourhood: Neighbourhood) -> Vec<
     if cells.is_empty() {
         return Vec::new();
     }
-    let mut forest = Forest::default();
+    let mut pieces = Pieces::default();
     let (mut above, mut labels) = (vec![0_u32; cols], vec![0_u32; cols]);
     let mut last: &[u16] = &[];
     for row in cells.chunks_exact(cols) {
@@ -49,7 +50,7 @@ pub fn patches(cells: &[u16], cols: usize, neighbourhood: Neighbourhood) -> Vec<
             let mut label = (c > 0 && row[c - 1] == class).then(|| labels[c - 1]);
             let mut join = |at: usize| {
                 label = Some(match label {
-                    Some(label) => forest.join(label, above[at]),
+                    Some(label) => pieces.join(label, above[at]),
                     None => above[at],
                 });
             };
@@ -65,63 +66,54 @@ pub fn patches(cells: &[u16], cols: usize, neighbourhood: Neighbourhood) -> Vec<
                 }
             }
             labels[c] = match label {
-                Some(label) => forest.grow(label),
-                None => forest.plant(class),
+                Some(label) => pieces.grow(label),
+                None => pieces.add(class),
             };
         }
         std::mem::swap(&mut above, &mut labels);
         last = row;
     }
-    forest.patches()
+    pieces.patches()
 }
 
-/// Union-find over pieces of patches.
+/// Pieces of patches that were seen so far.
 #[derive(Default)]
-struct Forest {
-    parent: Vec<u32>,
+struct Pieces {
+    sets: UnionFind,
     pieces: Vec<Patch>,
 }
 
-impl Forest {
-    fn plant(&mut self, class: u16) -> u32 {
-        let label = self.parent.len() as u32;
-        self.parent.push(label);
+impl Pieces {
+    /// A new piece of one cell.
+    fn add(&mut self, class: u16) -> u32 {
         self.pieces.push(Patch { class, cells: 1 });
-        label
+        self.sets.push() as u32
     }
 
-    fn root(&mut self, mut label: u32) -> u32 {
-        loop {
-            let parent = self.parent[label as usize];
-            if parent == label {
-                return label;
-            }
-            let grand = self.parent[parent as usize];
-            self.parent[label as usize] = grand;
-            label = grand;
-        }
-    }
-
+    /// Adds a cell to a piece; returns the piece that represents its patch.
     fn grow(&mut self, label: u32) -> u32 {
-        let root = self.root(label);
-        self.pieces[root as usize].cells += 1;
-        root
+        let piece = self.sets.find(label as usize);
+        self.pieces[piece].cells += 1;
+        piece as u32
     }
 
     /// The newer of two pieces joins the older, so that patches keep the order of their first cells.
     fn join(&mut self, a: u32, b: u32) -> u32 {
-        let (a, b) = (self.root(a), self.root(b));
+        let (a, b) = (self.sets.find(a as usize), self.sets.find(b as usize));
         let (old, young) = (a.min(b), a.max(b));
         if old != young {
-            self.parent[young as usize] = old;
-            self.pieces[old as usize].cells += self.pieces[young as usize].cells;
+            self.sets.link(old, young);
+            self.pieces[old].cells += self.pieces[young].cells;
         }
-        old
+        old as u32
     }
 
     fn patches(self) -> Vec<Patch> {
-        let roots = self.parent.iter().zip(0..).map(|(&parent, label)| parent == label);
-        self.pieces.iter().zip(roots).filter(|(_, root)| *root).map(|(patch, _)| *patch).collect()
+        let labelled = self.pieces.iter().enumerate();
+        labelled
+            .filter(|(label, _)| self.sets.represents(*label))
+            .map(|(_, patch)| *patch)
+            .collect()
     }
 }
 

@@ -1,103 +1,14 @@
-//! Plane geometry in metres and radians: x right, y up, headings counter-clockwise from +x.
+//! Shapes of parts.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-/// The unit vector of a heading in radians, the same bits on every platform.
-pub fn unit_vector(heading: f64) -> DVec2 {
-    let (sin, cos) = libm::sincos(heading);
-    DVec2::new(cos, sin)
-}
-
-/// The same direction as a heading in (-pi, pi].
-pub fn wrap_angle(heading: f64) -> f64 {
-    let wrapped = libm::fmod(heading, TAU);
-    if wrapped > PI {
-        wrapped - TAU
-    } else if wrapped <= -PI {
-        wrapped + TAU
-    } else {
-        wrapped
-    }
-}
-
-/// A position in metres with a heading in radians.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Pose {
-    /// Position in metres.
-    pub position: DVec2,
-    /// Heading in radians, counter-clockwise from +x.
-    pub heading: f64,
-}
-
-impl Pose {
-    /// A pose at (`x`, `y`) metres.
-    pub const fn new(x: f64, y: f64, heading: f64) -> Self {
-        Pose { position: DVec2::new(x, y), heading }
-    }
-}
-
-/// An axis-aligned rectangle in metres.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Rect {
-    /// Corner of least x and y.
-    pub min: DVec2,
-    /// Corner of greatest x and y.
-    pub max: DVec2,
-}
-
-impl Rect {
-    /// The rectangle between two corners, of which `min` is the lower left.
-    pub const fn new(min: DVec2, max: DVec2) -> Self {
-        Rect { min, max }
-    }
-
-    /// The smallest rectangle that holds all points; `None` without points.
-    pub fn around(points: impl IntoIterator<Item = DVec2>) -> Option<Self> {
-        points.into_iter().fold(None, |rect, p| {
-            Some(rect.map_or(Rect::new(p, p), |r: Rect| Rect::new(r.min.min(p), r.max.max(p))))
-        })
-    }
-
-    /// The smallest rectangle that holds both.
-    pub fn union(self, other: Rect) -> Rect {
-        Rect::new(self.min.min(other.min), self.max.max(other.max))
-    }
-
-    /// The rectangle grown by `margin` on every side.
-    pub fn grown(self, margin: f64) -> Rect {
-        Rect::new(self.min - DVec2::splat(margin), self.max + DVec2::splat(margin))
-    }
-
-    /// Width and height.
-    pub fn size(self) -> DVec2 {
-        self.max - self.min
-    }
-
-    /// The middle.
-    pub fn center(self) -> DVec2 {
-        (self.min + self.max) * 0.5
-    }
-
-    /// Whether a point lies inside or on the border.
-    pub fn contains(self, p: DVec2) -> bool {
-        p.cmpge(self.min).all() && p.cmple(self.max).all()
-    }
-
-    /// Whether another rectangle lies inside.
-    pub fn contains_rect(self, other: Rect) -> bool {
-        self.contains(other.min) && self.contains(other.max)
-    }
-
-    /// Whether two rectangles share a point.
-    pub fn overlaps(self, other: Rect) -> bool {
-        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
-    }
-}
+use super::{
+    Rect, distance_to_segment, edges, nearest_on_segment, polygon_contains, signed_area,
+    unit_vector,
+};
 
 /// A shape in world coordinates: what colliders, rays, rasters and pictures are made of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -263,64 +174,6 @@ fn into_box(offset: DVec2, heading: f64) -> DVec2 {
     DVec2::new(offset.dot(u), u.perp_dot(offset))
 }
 
-/// The sides of a closed polygon.
-pub fn edges(vertices: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
-    vertices.iter().copied().zip(vertices.iter().copied().cycle().skip(1))
-}
-
-/// The area of a polygon in square metres, positive when it runs counter-clockwise.
-pub fn signed_area(vertices: &[DVec2]) -> f64 {
-    let Some(&origin) = vertices.first() else { return 0.0 };
-    0.5 * edges(vertices).map(|(a, b)| (a - origin).perp_dot(b - origin)).sum::<f64>()
-}
-
-/// The point of the line from `a` to `b` that is nearest to a point.
-pub fn nearest_on_segment(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
-    let along = b - a;
-    let length2 = along.length_squared();
-    let t = if length2 > 0.0 { ((p - a).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
-    a + along * t
-}
-
-/// Distance from a point to the line from `a` to `b`.
-pub fn distance_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
-    p.distance(nearest_on_segment(p, a, b))
-}
-
-/// Whether two lines share a point, ends and overlaps included.
-pub fn segments_cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
-    let side = |p: DVec2, q: DVec2, r: DVec2| {
-        let s = (q - p).perp_dot(r - p);
-        if s > 0.0 {
-            1
-        } else if s < 0.0 {
-            -1
-        } else {
-            0
-        }
-    };
-    let within = |p: DVec2, q: DVec2, r: DVec2| Rect::new(p.min(q), p.max(q)).contains(r);
-    // Rounding may put a distant piece of the same line on both sides of it, which is no crossing.
-    if !Rect::new(a.min(b), a.max(b)).overlaps(Rect::new(c.min(d), c.max(d))) {
-        return false;
-    }
-    let (s1, s2, s3, s4) = (side(a, b, c), side(a, b, d), side(c, d, a), side(c, d, b));
-    (s1 != s2 && s3 != s4)
-        || (s1 == 0 && within(a, b, c))
-        || (s2 == 0 && within(a, b, d))
-        || (s3 == 0 && within(c, d, a))
-        || (s4 == 0 && within(c, d, b))
-}
-
-/// Whether a point lies inside a polygon, by the even-odd rule.
-pub(crate) fn polygon_contains(vertices: &[DVec2], p: DVec2) -> bool {
-    edges(vertices).fold(false, |inside, (a, b)| {
-        let crosses =
-            (a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x;
-        inside != crosses
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -340,24 +193,6 @@ mod tests {
         assert!(a.min.distance(b.min) < 1e-12 && a.max.distance(b.max) < 1e-12);
     }
 
-    #[test]
-    fn wrapped_angles_point_the_same_way() {
-        assert_eq!(wrap_angle(PI), PI);
-        assert_eq!(wrap_angle(-PI), PI);
-        assert!((wrap_angle(5.0 * PI) - PI).abs() < 1e-12);
-        assert_eq!(wrap_angle(0.25), 0.25);
-    }
-
-    #[test]
-    fn crossing_counts_ends_and_overlaps() {
-        let v = DVec2::new;
-        assert!(segments_cross(v(0., 0.), v(2., 2.), v(0., 2.), v(2., 0.)));
-        assert!(segments_cross(v(0., 0.), v(2., 0.), v(2., 0.), v(3., 1.)));
-        assert!(segments_cross(v(0., 0.), v(2., 0.), v(1., 0.), v(3., 0.)));
-        assert!(!segments_cross(v(0., 0.), v(1., 0.), v(2., 0.), v(3., 0.)));
-        assert!(!segments_cross(v(0., 0.), v(1., 0.), v(0., 1.), v(1., 1.)));
-    }
-
     proptest! {
         #[test]
         fn distance_is_zero_exactly_inside(
@@ -369,13 +204,6 @@ mod tests {
             prop_assert!((shape.distance(p) - polygon.distance(p)).abs() < 1e-9);
             prop_assert_eq!(shape.contains(p), shape.distance(p) == 0.0);
             prop_assert!(!shape.contains(p) || shape.bounds().grown(1e-9).contains(p));
-        }
-
-        #[test]
-        fn wrap_angle_stays_in_range(heading in -1e6..1e6_f64) {
-            let wrapped = wrap_angle(heading);
-            prop_assert!(wrapped > -PI && wrapped <= PI);
-            prop_assert!(unit_vector(wrapped).distance(unit_vector(heading)) < 1e-9);
         }
     }
 }

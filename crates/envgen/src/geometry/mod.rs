@@ -1,0 +1,14 @@
+//! Plane geometry in metres and radians: x right, y up, headings counter-clockwise from +x.
+
+mod polygon;
+mod pose;
+mod rect;
+mod segment;
+mod shape;
+
+pub(crate) use polygon::polygon_contains;
+pub use polygon::{edges, signed_area};
+pub use pose::{Pose, unit_vector, wrap_angle};
+pub use rect::Rect;
+pub use segment::{distance_to_segment, nearest_on_segment, segments_cross};
+pub use shape::{Shape, box_axis};

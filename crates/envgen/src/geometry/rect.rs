@@ -1,0 +1,63 @@
+//! Axis-aligned rectangles.
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+/// An axis-aligned rectangle in metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rect {
+    /// Corner of least x and y.
+    pub min: DVec2,
+    /// Corner of greatest x and y.
+    pub max: DVec2,
+}
+
+impl Rect {
+    /// The rectangle between two corners, of which `min` is the lower left.
+    pub const fn new(min: DVec2, max: DVec2) -> Self {
+        Rect { min, max }
+    }
+
+    /// The smallest rectangle that holds all points; `None` without points.
+    pub fn around(points: impl IntoIterator<Item = DVec2>) -> Option<Self> {
+        points.into_iter().fold(None, |rect, p| {
+            Some(rect.map_or(Rect::new(p, p), |r: Rect| Rect::new(r.min.min(p), r.max.max(p))))
+        })
+    }
+
+    /// The smallest rectangle that holds both.
+    pub fn union(self, other: Rect) -> Rect {
+        Rect::new(self.min.min(other.min), self.max.max(other.max))
+    }
+
+    /// The rectangle grown by `margin` on every side.
+    pub fn grown(self, margin: f64) -> Rect {
+        Rect::new(self.min - DVec2::splat(margin), self.max + DVec2::splat(margin))
+    }
+
+    /// Width and height.
+    pub fn size(self) -> DVec2 {
+        self.max - self.min
+    }
+
+    /// The middle.
+    pub fn center(self) -> DVec2 {
+        (self.min + self.max) * 0.5
+    }
+
+    /// Whether a point lies inside or on the border.
+    pub fn contains(self, p: DVec2) -> bool {
+        p.cmpge(self.min).all() && p.cmple(self.max).all()
+    }
+
+    /// Whether another rectangle lies inside.
+    pub fn contains_rect(self, other: Rect) -> bool {
+        self.contains(other.min) && self.contains(other.max)
+    }
+
+    /// Whether two rectangles share a point.
+    pub fn overlaps(self, other: Rect) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+}

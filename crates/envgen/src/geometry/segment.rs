@@ -1,0 +1,58 @@
+//! Straight lines between two points.
+
+use glam::DVec2;
+
+use super::Rect;
+
+/// The point of the line from `a` to `b` that is nearest to a point.
+pub fn nearest_on_segment(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
+    let along = b - a;
+    let length2 = along.length_squared();
+    let t = if length2 > 0.0 { ((p - a).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    a + along * t
+}
+
+/// Distance from a point to the line from `a` to `b`.
+pub fn distance_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    p.distance(nearest_on_segment(p, a, b))
+}
+
+/// Whether two lines share a point, ends and overlaps included.
+pub fn segments_cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
+    let side = |p: DVec2, q: DVec2, r: DVec2| {
+        let s = (q - p).perp_dot(r - p);
+        if s > 0.0 {
+            1
+        } else if s < 0.0 {
+            -1
+        } else {
+            0
+        }
+    };
+    let within = |p: DVec2, q: DVec2, r: DVec2| Rect::new(p.min(q), p.max(q)).contains(r);
+    // Rounding may put a distant piece of the same line on both sides of it, which is no crossing.
+    if !Rect::new(a.min(b), a.max(b)).overlaps(Rect::new(c.min(d), c.max(d))) {
+        return false;
+    }
+    let (s1, s2, s3, s4) = (side(a, b, c), side(a, b, d), side(c, d, a), side(c, d, b));
+    (s1 != s2 && s3 != s4)
+        || (s1 == 0 && within(a, b, c))
+        || (s2 == 0 && within(a, b, d))
+        || (s3 == 0 && within(c, d, a))
+        || (s4 == 0 && within(c, d, b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crossing_counts_ends_and_overlaps() {
+        let v = DVec2::new;
+        assert!(segments_cross(v(0., 0.), v(2., 2.), v(0., 2.), v(2., 0.)));
+        assert!(segments_cross(v(0., 0.), v(2., 0.), v(2., 0.), v(3., 1.)));
+        assert!(segments_cross(v(0., 0.), v(2., 0.), v(1., 0.), v(3., 0.)));
+        assert!(!segments_cross(v(0., 0.), v(1., 0.), v(2., 0.), v(3., 0.)));
+        assert!(!segments_cross(v(0., 0.), v(1., 0.), v(0., 1.), v(1., 1.)));
+    }
+}

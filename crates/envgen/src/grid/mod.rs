@@ -1,0 +1,9 @@
+//! Grids of square cells: their geometry, the cells that shapes touch, and indices by cell.
+
+mod cover;
+mod frame;
+mod index;
+
+pub(crate) use cover::Convex;
+pub use frame::GridFrame;
+pub(crate) use index::{CellBuckets, GridIndex, MAX_CELLS, finest_frame, index_area};
