@@ -187,7 +187,7 @@ fn throw(spec: &HallwaySpec, merge: ColliderMerging) -> usize {
 #[test]
 fn a_body_at_ten_metres_a_second_never_gets_through_a_wall() {
     let plain = HallwaySpec { segments: 30, p_st: 0.3, ..default() };
-    let thin = HallwaySpec { wall: 0.02, ..plain.clone() };
+    let thin = HallwaySpec { wall_thickness: 0.02, ..plain.clone() };
     for spec in [plain, thin] {
         for merge in [ColliderMerging::Never, ColliderMerging::Always] {
             assert_eq!(throw(&spec, merge), 0, "{merge:?} {spec:?}");

@@ -18,7 +18,7 @@ fn main() {
         let spec = RoadSpec {
             length: 1e6,
             step: 1.0,
-            random,
+            segment_count: random,
             p_turn: 0.9,
             transition,
             kerb: 0.0,

@@ -18,7 +18,8 @@ impl Provenance {
         };
         let defaults = kind.default_spec().settings_json();
         let changed = kind.settings().iter().filter_map(|setting| {
-            let value = self.spec.get(setting.name)?;
+            let former = || setting.alias.and_then(|alias| self.spec.get(alias));
+            let value = self.spec.get(setting.name).or_else(former)?;
             let text = (Some(value) != defaults.get(setting.name)).then(|| plain(value))??;
             Some(format!("{} {text}", setting.name.replace('_', " ")))
         });

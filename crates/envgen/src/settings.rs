@@ -16,6 +16,8 @@ use crate::error::SpecError;
 pub struct Setting {
     /// Name, as in RON files and after `--set`.
     pub name: &'static str,
+    /// A former name, which is understood as well.
+    pub alias: Option<&'static str>,
     /// Unit of the value, empty when it has none.
     pub unit: &'static str,
     /// The values that are allowed.
@@ -73,6 +75,7 @@ impl Setting {
     /// A whole number from `min` to `max`.
     pub const fn integer(name: &'static str, min: u64, max: u64, help: &'static str) -> Self {
         Setting {
+            alias: None,
             name,
             unit: "",
             allowed: Allowed::Integer { min, max },
@@ -91,6 +94,7 @@ impl Setting {
         help: &'static str,
     ) -> Self {
         Setting {
+            alias: None,
             name,
             unit,
             allowed: Allowed::Number { min, max },
@@ -107,6 +111,7 @@ impl Setting {
         help: &'static str,
     ) -> Self {
         Setting {
+            alias: None,
             name,
             unit: "",
             allowed: Allowed::Choice(names),
@@ -118,7 +123,15 @@ impl Setting {
 
     /// True or false.
     pub const fn flag(name: &'static str, help: &'static str) -> Self {
-        Setting { name, unit: "", allowed: Allowed::Flag, optional: false, help, example: None }
+        Setting {
+            name,
+            alias: None,
+            unit: "",
+            allowed: Allowed::Flag,
+            optional: false,
+            help,
+            example: None,
+        }
     }
 
     /// A list; `of` names its items.
@@ -128,7 +141,15 @@ impl Setting {
         of: &'static str,
         help: &'static str,
     ) -> Self {
-        Setting { name, unit, allowed: Allowed::List(of), optional: false, help, example: None }
+        Setting {
+            name,
+            alias: None,
+            unit,
+            allowed: Allowed::List(of),
+            optional: false,
+            help,
+            example: None,
+        }
     }
 
     /// A value of another form, which `form` describes.
@@ -138,7 +159,20 @@ impl Setting {
         form: &'static str,
         help: &'static str,
     ) -> Self {
-        Setting { name, unit, allowed: Allowed::Other(form), optional: false, help, example: None }
+        Setting {
+            name,
+            alias: None,
+            unit,
+            allowed: Allowed::Other(form),
+            optional: false,
+            help,
+            example: None,
+        }
+    }
+
+    /// The setting with a former name.
+    pub const fn also_called(self, alias: &'static str) -> Self {
+        Setting { alias: Some(alias), ..self }
     }
 
     /// The setting with a unit.
@@ -321,6 +355,8 @@ pub const fn sentence(doc: &'static str) -> &'static str {
 /// - `choice` for an enum that derives [`strum::VariantNames`], `flag` for a `bool`;
 /// - `list(unit, items, example)`, `other(unit, form)` and `other(unit, form, example)`, with texts.
 ///
+/// `#[alias = "name"]` before a field names a former name of it, which is read as well.
+///
 /// ```
 /// envgen::settings! {
 ///     /// A ramp.
@@ -344,6 +380,7 @@ macro_rules! settings {
         $vis:vis struct $Spec:ident {
             $(
                 $(#[doc = $doc:literal])+
+                $(#[alias = $alias:literal])?
                 $field:ident: $type:ty = $default:expr => $form:ident $(($($args:tt)*))?;
             )+
         }
@@ -356,6 +393,7 @@ macro_rules! settings {
                 $(#[doc = $doc])+
                 #[doc = ""]
                 #[doc = $crate::setting_form!(@doc stringify!($default), $form $(($($args)*))?)]
+                $(#[serde(alias = $alias)])?
                 pub $field: $type,
             )+
         }
@@ -375,7 +413,7 @@ macro_rules! settings {
                     $crate::settings::sentence(concat!($($doc),+)),
                     $type,
                     $form $(($($args)*))?
-                ),
+                )$(.also_called($alias))?,
             )+];
 
             /// The setting of a name; in a constant an unknown name stops the compiler.

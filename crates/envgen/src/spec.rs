@@ -293,14 +293,17 @@ impl WorldKind {
     /// # Errors
     /// Lists the settings that exist.
     pub fn setting(self, name: &str) -> Result<&'static Setting, SettingsError> {
-        self.settings().iter().find(|setting| setting.name == name).ok_or_else(|| {
-            let known: Vec<_> = self.settings().iter().map(|setting| setting.name).collect();
-            SettingsError::UnknownSetting {
-                kind: self,
-                name: name.to_owned(),
-                known: known.join(", "),
-            }
-        })
+        self.settings()
+            .iter()
+            .find(|setting| setting.name == name || setting.alias == Some(name))
+            .ok_or_else(|| {
+                let known: Vec<_> = self.settings().iter().map(|setting| setting.name).collect();
+                SettingsError::UnknownSetting {
+                    kind: self,
+                    name: name.to_owned(),
+                    known: known.join(", "),
+                }
+            })
     }
 }
 
@@ -313,7 +316,7 @@ impl WorldSpec {
     pub fn set(&mut self, name: &str, value: &str) -> Result<(), SettingsError> {
         let setting = self.kind().setting(name)?;
         let mut settings = self.settings_json();
-        settings[name] = setting.parse(value)?;
+        settings[setting.name] = setting.parse(value)?;
         *self = self.kind().spec_from_json(settings).map_err(|_| setting.error(value))?;
         Ok(())
     }
@@ -390,6 +393,38 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn former_names_are_read() {
+        let former = [
+            (WorldKind::Hallway, "wall", "wall_thickness", "0.3"),
+            (WorldKind::Road, "random", "segment_count", "7"),
+            (WorldKind::Road, "turns", "turn_law", "uniform_angle"),
+            (WorldKind::Road, "shortest", "min_segment_length", "2"),
+            (WorldKind::Road, "aim_x", "end_x", "40"),
+            (WorldKind::Road, "aim_y", "end_y", "41"),
+            (WorldKind::Indoor, "unit", "cell_size", "2"),
+            (WorldKind::Indoor, "wall", "wall_thickness", "0.2"),
+            (WorldKind::Indoor, "footprint", "robot_radius", "0.2"),
+            (WorldKind::Landscape, "cell", "cell_size", "2"),
+        ];
+        for (kind, old, new, value) in former {
+            let mut spec = kind.default_spec();
+            spec.set(old, value).unwrap();
+            let mut by_new = kind.default_spec();
+            by_new.set(new, value).unwrap();
+            assert_eq!(spec, by_new, "{kind} {old}");
+            let mut settings = spec.settings_json();
+            settings[old] = settings[new].take();
+            settings.as_object_mut().unwrap().remove(new);
+            assert_eq!(kind.spec_from_json(settings).unwrap(), spec, "{kind} {old}");
+        }
+        let aliases: usize = WorldKind::ALL
+            .iter()
+            .map(|kind| kind.settings().iter().filter(|s| s.alias.is_some()).count())
+            .sum();
+        assert_eq!(aliases, former.len());
     }
 
     #[test]

@@ -42,7 +42,13 @@ fn worlds_of_many_small_pieces_are_decided() {
 }
 
 fn indoor(footprint: f64) -> World {
-    let spec = IndoorSpec { width: 4, height: 4, difficulty: 6.0, footprint, ..Default::default() };
+    let spec = IndoorSpec {
+        width: 4,
+        height: 4,
+        difficulty: 6.0,
+        robot_radius: footprint,
+        ..Default::default()
+    };
     spec.generate(Seed(1)).unwrap().to_world()
 }
 

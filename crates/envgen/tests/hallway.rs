@@ -134,7 +134,7 @@ fn bad_numbers_name_field_value_and_limits() {
         ("p_tt", |spec, x| spec.p_tt = x),
         ("pitch", |spec, x| spec.pitch = x),
         ("width", |spec, x| spec.width = x),
-        ("wall", |spec, x| spec.wall = x),
+        ("wall_thickness", |spec, x| spec.wall_thickness = x),
         ("alcove_rate", |spec, x| spec.alcove_rate = x),
     ];
     for (name, set) in fields {

@@ -183,7 +183,7 @@ fn bad_input_is_named() {
         error(&|s| (s.rows, s.cols, s.mixing) = (8192, 8192, Some(15.0))),
         "`mixing` must be at most 14.9",
     );
-    has(error(&|s| s.cell = 0.0), "`cell` must be");
+    has(error(&|s| s.cell_size = 0.0), "`cell_size` must be");
     has(error(&|s| s.speeds = vec![1.0; 8]), "as many as the 9 classes");
     has(error(&|s| s.speeds = vec![f64::NAN; 9]), "`speeds` must be");
     has(error(&|s| s.speeds = vec![-1.0; 9]), "`speeds` must be");

@@ -183,7 +183,7 @@ fn a_second_reader_lands_on_the_end_of_a_thousand_roads() {
         let transition = if seed % 2 == 0 { 0.0 } else { 0.05 * (seed % 20 / 2 + 1) as f64 };
         let spec = RoadSpec {
             length: 1500.0 + (seed * 37 % 4000) as f64,
-            random: 1 + seed % 30,
+            segment_count: 1 + seed % 30,
             speed: (seed % 15) as f64,
             lanes: 1 + seed % 5,
             start_x: (seed % 7) as f64 * 1000.0 - 3000.0,
@@ -213,14 +213,14 @@ fn circuits_and_the_longest_road_are_exact_too() {
     for transition in [0.0, 0.5] {
         let longest = RoadSpec {
             length: 1e6,
-            random: 4096,
+            segment_count: 4096,
             step: 100.0,
             kerb: 0.0,
             transition,
             ..Default::default()
         };
         check(&longest.generate(Seed(1)).unwrap());
-        let few = RoadSpec { random: 3, ..longest };
+        let few = RoadSpec { segment_count: 3, ..longest };
         check(&few.generate(Seed(1)).unwrap());
     }
 }
@@ -238,7 +238,7 @@ fn equal_neighbours_are_one_geometry() {
 #[test]
 fn csv_holds_every_waypoint_with_its_distance() {
     for (transition, random) in [(0.0, 5), (0.25, 12)] {
-        let spec = RoadSpec { transition, random, step: 2.0, ..Default::default() };
+        let spec = RoadSpec { transition, segment_count: random, step: 2.0, ..Default::default() };
         let road = spec.generate(Seed(3)).unwrap();
         let world = road.to_world();
         let mut reader = csv::Reader::from_reader(std::io::Cursor::new(write(Format::Csv, &world)));
@@ -273,7 +273,7 @@ fn the_csv_of_a_circuit_ends_where_it_begins() {
 #[test]
 fn a_road_reaches_its_aim_by_longer_and_by_shorter_straights() {
     let lengths = [(600.0, 200.0), (900.0, 500.0)].map(|(x, y)| {
-        let spec = RoadSpec { aim_x: Some(x), aim_y: Some(y), ..Default::default() };
+        let spec = RoadSpec { end_x: Some(x), end_y: Some(y), ..Default::default() };
         let road = spec.generate(Seed(55)).unwrap();
         assert!(road.end().position.distance(DVec2::new(x, y)) < 1e-9);
         road.length()

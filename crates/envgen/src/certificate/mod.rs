@@ -265,7 +265,7 @@ mod tests {
     fn roads_keep_their_promises() {
         for seed in 0..20 {
             let transition = 0.02 * seed as f64;
-            let spec = RoadSpec { random: 8, transition, ..Default::default() };
+            let spec = RoadSpec { segment_count: 8, transition, ..Default::default() };
             let mut world = spec.generate(Seed(seed)).unwrap().to_world();
             for (claim, verdict) in verify(&world) {
                 assert_eq!(verdict, Verdict::Holds, "seed {seed}: {claim}");
@@ -305,7 +305,7 @@ mod tests {
                 start: Start::State(State::new(start).unwrap()),
                 pitch,
                 width,
-                wall,
+                wall_thickness: wall,
                 corners: if rounded { Corners::Rounded } else { Corners::Square },
                 ends: if open { HallwayEnds::Open } else { HallwayEnds::Closed },
                 alcove_rate: rates[0],
@@ -372,7 +372,8 @@ mod tests {
             worlds.push(spec.generate(Seed(3)).unwrap().to_world());
         }
         for footprint in [0.01, 0.05, 0.1] {
-            let spec = IndoorSpec { footprint, width: 8, height: 8, ..Default::default() };
+            let spec =
+                IndoorSpec { robot_radius: footprint, width: 8, height: 8, ..Default::default() };
             worlds.extend((1..4).map(|seed| spec.generate(Seed(seed)).unwrap().to_world()));
         }
         for world in &mut worlds {

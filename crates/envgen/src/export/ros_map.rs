@@ -299,7 +299,8 @@ mod tests {
     #[test]
     fn free_cells_do_not_leak() {
         // Thin walls of rounded corners, which are polygons.
-        let hallway = HallwaySpec { corners: Corners::Rounded, wall: 0.04, ..Default::default() };
+        let hallway =
+            HallwaySpec { corners: Corners::Rounded, wall_thickness: 0.04, ..Default::default() };
         let world = hallway.generate(Seed(7)).unwrap().to_world();
         for resolution in [0.05, 0.1, 0.2] {
             let map = RosMap::of_world(&world, resolution).unwrap();

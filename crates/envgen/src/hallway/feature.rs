@@ -92,7 +92,8 @@ pub(super) fn place(hallway: &Hallway, layout: &HallwayLayout) -> Placed {
             let (which, jitter, left) = (stream.unit(), stream.unit(), stream.chance(0.5));
             let Some((kind, length)) = draw(spec, which) else { continue };
             let side = if left { Side::Left } else { Side::Right };
-            let apart = if kind == FeatureKind::Alcove { 2.0 * spec.wall } else { passage };
+            let apart =
+                if kind == FeatureKind::Alcove { 2.0 * spec.wall_thickness } else { passage };
             let slack = (spec.pitch - length - apart).max(0.0);
             let at = layout.cells()[cell] + leg.direction * slack * (jitter - 0.5);
             let feature =
@@ -134,7 +135,7 @@ fn draw(spec: &HallwaySpec, which: f64) -> Option<(FeatureKind, f64)> {
     let alcove = spec.alcove_rate * spec.pitch;
     let frame = alcove + spec.door_frame_rate * spec.pitch;
     let crate_ = frame + spec.narrowing_rate * spec.pitch;
-    let room = spec.pitch - 2.0 * spec.wall;
+    let room = spec.pitch - 2.0 * spec.wall_thickness;
     if which < alcove {
         Some((FeatureKind::Alcove, spec.alcove_width))
     } else if which < frame {
@@ -148,7 +149,7 @@ fn draw(spec: &HallwaySpec, which: f64) -> Option<(FeatureKind, f64)> {
 
 /// Whether both walls are straight beside the whole feature, with a wall's thickness to spare.
 fn fits_on_leg(layout: &HallwayLayout, spec: &HallwaySpec, feature: &Feature) -> bool {
-    let half = 0.5 * feature.length + spec.wall;
+    let half = 0.5 * feature.length + spec.wall_thickness;
     let at = feature.at.dot(feature.direction);
     [0.5, -0.5].iter().all(|side| {
         let (a, b) = layout.run(feature.leg, side * spec.width);
@@ -161,9 +162,9 @@ impl Feature {
     /// The rectangle of an alcove with its walls, behind the corridor's own wall face.
     pub(super) fn alcove_outline(&self, spec: &HallwaySpec) -> Rect {
         let outward = self.direction.perp() * self.side.sign();
-        let along = self.direction * (0.5 * self.length + spec.wall);
+        let along = self.direction * (0.5 * self.length + spec.wall_thickness);
         let near = self.at + outward * (0.5 * spec.width);
-        let far = near + outward * (spec.alcove_depth + spec.wall);
+        let far = near + outward * (spec.alcove_depth + spec.wall_thickness);
         let corners = [near - along, near + along, far - along, far + along];
         corners.into_iter().fold(Rect::new(near, far), |r, p| r.union(Rect::new(p, p)))
     }
@@ -193,7 +194,7 @@ impl Taken {
                 cells.entry(key(layout.cells()[cell], spec)).or_default().push(owner);
             }
         }
-        Taken { cells, reach: (0.5 * spec.pitch).max(0.5 * spec.width + spec.wall) }
+        Taken { cells, reach: (0.5 * spec.pitch).max(0.5 * spec.width + spec.wall_thickness) }
     }
 
     /// Claims the cells of an alcove; false when one is taken. Other features lie inside the corridor and
@@ -204,7 +205,7 @@ impl Taken {
         }
         let outline = feature.alcove_outline(spec);
         // Corridor cells reach `reach` from their middle, other alcoves at most pitch and wall.
-        let around = outline.grown(self.reach + spec.pitch + spec.wall);
+        let around = outline.grown(self.reach + spec.pitch + spec.wall_thickness);
         let (low, high) = (key(around.min, spec), key(around.max, spec));
         for x in low.0..=high.0 {
             for (&(_, y), owners) in self.cells.range((x, low.1)..=(x, high.1)) {

@@ -50,7 +50,11 @@ impl HallwayLayout {
         // corridor were wider than its cells.
         let stub = |state: State| {
             let half_pitch = 0.5 * spec.pitch;
-            if state.is_turn() { half_pitch.max(half_width + spec.wall) } else { half_pitch }
+            if state.is_turn() {
+                half_pitch.max(half_width + spec.wall_thickness)
+            } else {
+                half_pitch
+            }
         };
         let (first, last) = (states[0], states[states.len() - 1]);
 
@@ -78,7 +82,7 @@ impl HallwayLayout {
             legs,
             width: spec.width,
             arc_radius,
-            arc_pieces: arc_pieces(arc_radius + half_width + spec.wall),
+            arc_pieces: arc_pieces(arc_radius + half_width + spec.wall_thickness),
             start: Pose::default(),
             goal: Pose::default(),
         };

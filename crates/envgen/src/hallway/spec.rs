@@ -36,7 +36,8 @@ settings! {
         /// Clear width of the corridor.
         width: f64 = 2.0 => number("m", 0.05..=1000.0);
         /// Thickness of the walls.
-        wall: f64 = 0.1 => number("m", 0.001..=100.0);
+        #[alias = "wall"]
+        wall_thickness: f64 = 0.1 => number("m", 0.001..=100.0);
         /// How the walls turn.
         corners: Corners = Corners::Square => choice;
         /// Whether walls close the corridor's two ends.
@@ -124,9 +125,9 @@ pub enum Ends {
 }
 
 pub(super) const RULES: &[&str] = &[
-    "`width` plus `wall` is at most the `pitch`, or twice the `pitch` where `p_tt` is 0",
+    "`width` plus `wall_thickness` is at most the `pitch`, or twice the `pitch` where `p_tt` is 0",
     "`alcove_rate`, `door_frame_rate` and `narrowing_rate` together are at most one per `pitch`",
-    "`alcove_width` is at most the `pitch` less two times `wall`, `alcove_depth` at most the `pitch`, \
+    "`alcove_width` is at most the `pitch` less two times `wall_thickness`, `alcove_depth` at most the `pitch`, \
      where `alcove_rate` is not 0",
     "`door_frame_width` is under the `width`, where `door_frame_rate` is not 0",
     "`narrowing_width` is under the `width`, where `narrowing_rate` is not 0",
@@ -146,7 +147,7 @@ impl HallwaySpec {
     fn check_spacing(&self) -> Result<(), SpecError> {
         let (rows, rule) = if self.p_tt > 0.0 { (1.0, "p_tt > 0") } else { (2.0, "p_tt = 0") };
         let room = rows * self.pitch;
-        if self.width + self.wall <= room {
+        if self.width + self.wall_thickness <= room {
             return Ok(());
         }
         Err(SpecError::new(
@@ -155,8 +156,8 @@ impl HallwaySpec {
             format!(
                 "at most {} m: with {rule} parallel arms lie {room} m apart, and the wall between \
                  them is {} m thick",
-                room - self.wall,
-                self.wall
+                room - self.wall_thickness,
+                self.wall_thickness
             ),
         ))
     }
@@ -185,7 +186,7 @@ impl HallwaySpec {
                 format!("at most {} 1/m: one per segment of {} m", 1.0 / self.pitch, self.pitch),
             ));
         }
-        let length = self.pitch - 2.0 * self.wall;
+        let length = self.pitch - 2.0 * self.wall_thickness;
         if self.alcove_rate > 0.0 && self.alcove_width > length {
             let allowed = format!("at most {length} m, what a segment has between its walls");
             return Err(SpecError::new("alcove_width", self.alcove_width, allowed));

@@ -25,8 +25,8 @@ pub(super) fn world(hallway: &Hallway) -> World {
     if spec.ends == Ends::Closed {
         let (first, last) = (layout.legs[0], layout.legs[layout.legs.len() - 1]);
         for (end, outward) in [(first.from, -first.direction), (last.to, last.direction)] {
-            let across = outward.perp() * (0.5 * spec.width + spec.wall);
-            let cap = block(end - across, end + across, outward, 0.0, spec.wall);
+            let across = outward.perp() * (0.5 * spec.width + spec.wall_thickness);
+            let cap = block(end - across, end + across, outward, 0.0, spec.wall_thickness);
             walls.push(Wall { kind: WallKind::EndCap, shape: cap });
         }
     }
@@ -85,7 +85,7 @@ fn side_walls(
         let mut run = |from: DVec2, to: DVec2, extension: f64| {
             if (to - from).dot(leg.direction) > SHORTEST_RUN {
                 let to = to + leg.direction * extension;
-                let shape = block(from, to, outward, 0.0, spec.wall);
+                let shape = block(from, to, outward, 0.0, spec.wall_thickness);
                 walls.push(Wall { kind: WallKind::Wall, shape });
             }
         };
@@ -100,7 +100,7 @@ fn side_walls(
         // The outer wall of a square corner is longer by its thickness, which fills the corner.
         let corner = layout.corner(k);
         let outer = corner.is_some_and(|corner| corner.turn * side.sign() < 0.0);
-        let extension = if outer && layout.arc_radius == 0.0 { spec.wall } else { 0.0 };
+        let extension = if outer && layout.arc_radius == 0.0 { spec.wall_thickness } else { 0.0 };
         run(from, to, extension);
         for (a, b) in recesses {
             alcove_walls(a, b, outward, spec, walls);
@@ -116,7 +116,7 @@ fn side_walls(
 /// The two sides and the back of an alcove that opens between `a` and `b`.
 fn alcove_walls(a: DVec2, b: DVec2, outward: DVec2, spec: &HallwaySpec, walls: &mut Vec<Wall>) {
     let along = (b - a).normalize();
-    let (depth, wall) = (spec.alcove_depth, spec.wall);
+    let (depth, wall) = (spec.alcove_depth, spec.wall_thickness);
     let shapes = [
         block(a - along * wall, a, outward, 0.0, depth + wall),
         block(b, b + along * wall, outward, 0.0, depth + wall),
@@ -135,7 +135,8 @@ fn arc_walls(
     walls: &mut Vec<Wall>,
 ) {
     let inner = corner.arc(corner.face_radius(offset), layout.arc_pieces);
-    let outer = corner.arc(corner.face_radius(offset + side.sign() * spec.wall), layout.arc_pieces);
+    let outer = corner
+        .arc(corner.face_radius(offset + side.sign() * spec.wall_thickness), layout.arc_pieces);
     for (face, back) in inner.windows(2).zip(outer.windows(2)) {
         let mut vertices = vec![face[0], face[1], back[1], back[0]];
         // Where the inner wall is thicker than its radius, the pieces meet in the arc's centre.
@@ -236,7 +237,7 @@ mod tests {
                     let (a, b) = layout.run(k, side * spec.width);
                     let outward = layout.legs[k].direction.perp() * side.signum();
                     for i in 0..20 {
-                        let p = a.lerp(b, f64::from(i) / 20.0 + 0.025) + outward * 0.5 * spec.wall;
+                        let p = a.lerp(b, f64::from(i) / 20.0 + 0.025) + outward * 0.5 * spec.wall_thickness;
                         let opening = hallway_opens(&hallway, &layout, p);
                         prop_assert!(solid(p) || opening, "the wall has a hole at {p}");
                     }

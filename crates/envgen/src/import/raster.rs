@@ -152,8 +152,8 @@ struct Document {
 /// Reads the raster of a landscape's JSON, of a line of `envgen sample`, of a world, or a plain
 /// list of rows. 0 and null are no data; a cell has a side of 1 m where none is given.
 ///
+/// # Errors
 /// When there is no raster, or its rows differ in length.
-/// When there is no raster, or its rows are not of one length.
 pub fn read_raster_json(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError> {
     let text = file::read_text(input)?;
     let mut document = if text.trim_start().starts_with('[') {

@@ -92,14 +92,14 @@ impl FloorPlan {
 
     /// A point `x` cells from the left and `y` cells from the top, in metres.
     pub(super) fn point(&self, x: f64, y: f64) -> DVec2 {
-        DVec2::new(x, f64::from(self.grid.height()) - y) * self.spec.unit
+        DVec2::new(x, f64::from(self.grid.height()) - y) * self.spec.cell_size
     }
 
     /// The transform from a room's design to the map.
     pub(super) fn design_frame(&self, room: usize) -> Frame {
         let room = &self.rooms[room];
         let corner = self.point(f64::from(room.x), f64::from(room.y + room.size().1));
-        let scale = self.spec.unit / DESIGN_UNIT;
+        let scale = self.spec.cell_size / DESIGN_UNIT;
         Frame { corner, scale, quarters: room.quarters, size: room.room.size() }
     }
 
@@ -169,7 +169,7 @@ impl Serialize for FloorPlan {
         let mut plan = serializer.serialize_struct("FloorPlan", 8)?;
         plan.serialize_field("width", &self.grid.width())?;
         plan.serialize_field("height", &self.grid.height())?;
-        plan.serialize_field("unit", &self.spec.unit)?;
+        plan.serialize_field("unit", &self.spec.cell_size)?;
         plan.serialize_field("spacing", &self.draws.as_ref().map(|draws| draws.spacing))?;
         let prevented = self.draws.as_ref().map(|draws| draws.cycles_prevented);
         plan.serialize_field("cycles_prevented", &prevented)?;

@@ -126,7 +126,7 @@ impl IndoorMetrics {
                 .iter()
                 .map(|room| {
                     let (width, height) = room.size();
-                    f64::from(width * height) * plan.spec().unit * plan.spec().unit
+                    f64::from(width * height) * plan.spec().cell_size * plan.spec().cell_size
                 })
                 .collect(),
             cells: CellCounts {

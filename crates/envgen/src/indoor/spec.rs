@@ -31,7 +31,8 @@ settings! {
         /// Rows of the grid.
         height: u32 = 16 => integer("", 4..=1024);
         /// Side of a cell.
-        unit: f64 = 3.0 => number("m", 1.2..=12.0);
+        #[alias = "unit"]
+        cell_size: f64 = 3.0 => number("m", 1.2..=12.0);
         /// Exactly as in the paper, or with every place reachable.
         profile: Profile = Profile::Guaranteed => choice;
         /// How the hallways are laid out.
@@ -62,11 +63,13 @@ settings! {
         /// Whether the remaining cells become open areas; they are solid otherwise.
         open_areas: bool = true => flag;
         /// Thickness of the walls.
-        wall: f64 = 0.1 => number("m", 0.01..=0.5);
+        #[alias = "wall"]
+        wall_thickness: f64 = 0.1 => number("m", 0.01..=0.5);
         /// Width of a doorway, at most a cell less two walls.
         doorway: f64 = 0.94 => number("m", 0.2..=3.0);
         /// Radius of the robot that must reach every place, at most half a doorway less 0.05 m.
-        footprint: f64 = 0.36 => number("m", 0.01..=1.4);
+        #[alias = "footprint"]
+        robot_radius: f64 = 0.36 => number("m", 0.01..=1.4);
         /// Width that the narrowest passage through each room should have: contents are moved, turned,
         /// removed or doubled; none leaves rooms as designed.
         clearance: Option<f64> = None => optional_number("m", 0.0..=2.0);
@@ -135,8 +138,8 @@ pub enum Cycles {
 pub(super) const RULES: &[&str] = &[
     "`open_areas` is true, where `profile` is guaranteed",
     "`spacing_h` is under the `width`, `spacing_v` under the `height`",
-    "`doorway` is at most the `unit` less two times `wall`",
-    "`footprint` is at most half the `doorway` less 0.05 m",
+    "`doorway` is at most the `cell_size` less two times `wall_thickness`",
+    "`robot_radius` is at most half the `doorway` less 0.05 m",
     "one of the `rooms` fits into `width` - 1 by `height` - 1 cells; turned as well, as `turn` says",
     "`rooms` are names of the `catalogue`",
 ];
@@ -188,10 +191,10 @@ impl IndoorSpec {
     /// The dimensions that decide where a robot can go.
     pub fn dimensions(&self) -> Dimensions {
         Dimensions {
-            unit: self.unit,
-            wall: self.wall,
+            unit: self.cell_size,
+            wall: self.wall_thickness,
             doorway: self.doorway,
-            radius: self.footprint,
+            radius: self.robot_radius,
         }
     }
 
@@ -204,16 +207,16 @@ impl IndoorSpec {
     }
 
     fn check_metres(&self) -> Result<(), SpecError> {
-        let widest = to_nanometres(self.unit - 2.0 * self.wall);
+        let widest = to_nanometres(self.cell_size - 2.0 * self.wall_thickness);
         if self.doorway > widest {
             let allowed = format!("at most {widest} m, what a cell has between its walls");
             return Err(SpecError::new("doorway", self.doorway, allowed));
         }
         let largest = to_nanometres(0.5 * self.doorway - STEP);
-        if self.footprint > largest {
+        if self.robot_radius > largest {
             let allowed =
                 format!("at most {largest} m: it must pass a doorway of {} m", self.doorway);
-            return Err(SpecError::new("footprint", self.footprint, allowed));
+            return Err(SpecError::new("robot_radius", self.robot_radius, allowed));
         }
         Ok(())
     }
@@ -250,12 +253,12 @@ impl Dimensions {
     /// # Errors
     /// The first dimension that is not allowed.
     pub fn validate(&self) -> Result<(), SpecError> {
-        const { IndoorSpec::setting("unit") }.check(self.unit)?;
-        const { IndoorSpec::setting("wall") }.check(self.wall)?;
+        const { IndoorSpec::setting("cell_size") }.check(self.unit)?;
+        const { IndoorSpec::setting("wall_thickness") }.check(self.wall)?;
         const { IndoorSpec::setting("doorway") }.check(self.doorway)?;
         match self.radius {
             0.0 => Ok(()),
-            radius => const { IndoorSpec::setting("footprint") }.check(radius),
+            radius => const { IndoorSpec::setting("robot_radius") }.check(radius),
         }
     }
 }

@@ -323,11 +323,11 @@ proptest! {
             difficulty,
             width,
             height,
-            unit,
+            cell_size: unit,
             profile: if guaranteed { Profile::Guaranteed } else { Profile::Thesis },
             layout: if l_system { Layout::LSystem } else { Layout::Grid },
             branching,
-            footprint,
+            robot_radius: footprint,
             ..Default::default()
         };
         let plan = spec.generate(Seed(seed)).unwrap();
@@ -370,15 +370,15 @@ fn check_world(plan: &FloorPlan, world: &World) {
             let near = openings.range(..).any(|opening| {
                 opening.wall == gate.wall
                     && opening.line == gate.line
-                    && 0.5 * spec.unit * f64::from(opening.at.abs_diff(gate.at)) < spec.doorway
+                    && 0.5 * spec.cell_size * f64::from(opening.at.abs_diff(gate.at)) < spec.doorway
             });
             assert!(solid(plan.gate_middle(gate)) == divided || near);
         }
         assert!(!solid(plan.cell_middle(x, y)));
     }
     if let (Some(start), Some(goal)) = (world.start, world.goal) {
-        assert!(world.clearance(start.position) >= spec.footprint);
-        assert!(world.clearance(goal.position) >= spec.footprint);
+        assert!(world.clearance(start.position) >= spec.robot_radius);
+        assert!(world.clearance(goal.position) >= spec.robot_radius);
     }
 }
 
@@ -418,17 +418,17 @@ fn bad_specs_name_field_value_and_limits() {
         assert_eq!(error.field, "width");
         assert_eq!(refused(IndoorSpec { height: size, ..ok() }).field, "height");
     }
-    assert_eq!(refused(IndoorSpec { unit: f64::NAN, ..ok() }).field, "unit");
-    assert_eq!(refused(IndoorSpec { footprint: 0.45, ..ok() }).field, "footprint");
+    assert_eq!(refused(IndoorSpec { cell_size: f64::NAN, ..ok() }).field, "cell_size");
+    assert_eq!(refused(IndoorSpec { robot_radius: 0.45, ..ok() }).field, "robot_radius");
     assert_eq!(refused(IndoorSpec { doorway: 2.9, ..ok() }).field, "doorway");
     assert_eq!(refused(IndoorSpec { spacing_h: Some(16), ..ok() }).field, "spacing_h");
     assert_eq!(refused(IndoorSpec { spacing_v: Some(2), ..ok() }).field, "spacing_v");
     assert_eq!(refused(IndoorSpec { open_areas: false, ..ok() }).field, "open_areas");
-    let narrow = IndoorSpec { unit: 1.2, wall: 0.5, footprint: 0.05, ..ok() };
+    let narrow = IndoorSpec { cell_size: 1.2, wall_thickness: 0.5, robot_radius: 0.05, ..ok() };
     assert_eq!(IndoorSpec { doorway: 0.2, ..narrow.clone() }.validate(), Ok(()));
     let error = refused(IndoorSpec { doorway: 0.3, ..narrow.clone() });
     assert!(error.allowed.starts_with("at most 0.2 m"), "{error}");
-    let error = refused(IndoorSpec { doorway: 0.2, footprint: 0.06, ..narrow });
+    let error = refused(IndoorSpec { doorway: 0.2, robot_radius: 0.06, ..narrow });
     assert!(error.allowed.starts_with("at most 0.05 m"), "{error}");
     let error = refused(IndoorSpec { doorway_probability: Some(f64::NAN), ..ok() });
     assert_eq!(error.field, "doorway_probability");

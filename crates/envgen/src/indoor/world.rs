@@ -13,9 +13,9 @@ use crate::world::{Claim, Doorway, Obstacle, Room, Surface, SurfaceKind, Wall, W
 
 pub(super) fn world(plan: &FloorPlan) -> World {
     let spec = plan.spec();
-    let half_wall = 0.5 * spec.wall;
+    let half_wall = 0.5 * spec.wall_thickness;
     let size = DVec2::new(f64::from(plan.grid.width()), f64::from(plan.grid.height()));
-    let floor = Rect::new(DVec2::ZERO, size * spec.unit);
+    let floor = Rect::new(DVec2::ZERO, size * spec.cell_size);
     let mut world = World::new(provenance(plan), floor.grown(half_wall));
     walls(plan, &mut world.walls);
     world.doorways = plan.openings.iter().map(|opening| doorway(plan, opening)).collect();
@@ -30,7 +30,7 @@ pub(super) fn world(plan: &FloorPlan) -> World {
         world.start = Some(Pose { position: from, heading: heading(&access, start) });
         let goal = farthest(&distances);
         world.goal = Some(Pose { position: access.places()[goal].at, heading: 0.0 });
-        let radius = spec.footprint;
+        let radius = spec.robot_radius;
         world.certificate.push(Claim::Connected { radius });
         if distances.iter().all(|distance| distance.is_finite()) {
             world.certificate.push(Claim::EveryPlaceReachable { radius });
@@ -82,8 +82,8 @@ fn runs(
     openings: &mut std::iter::Peekable<impl Iterator<Item = Gate>>,
     walls: &mut Vec<Wall>,
 ) {
-    let (half_wall, half_doorway) = (0.5 * plan.spec.wall, 0.5 * plan.spec.doorway);
-    let unit = plan.spec.unit;
+    let (half_wall, half_doorway) = (0.5 * plan.spec.wall_thickness, 0.5 * plan.spec.doorway);
+    let unit = plan.spec.cell_size;
     let mut push = |from: f64, to: f64| {
         if to > from {
             let shape = Shape::from_rect(along_line(plan, axis, line, from, to, half_wall));
@@ -117,8 +117,8 @@ fn runs(
 /// The rectangle around a line of the grid, from `from` to `to` metres along it (from the left or
 /// from the top) and `half` metres to either side.
 fn along_line(plan: &FloorPlan, axis: Axis, line: u32, from: f64, to: f64, half: f64) -> Rect {
-    let across = f64::from(line) * plan.spec.unit;
-    let top = f64::from(plan.grid.height()) * plan.spec.unit;
+    let across = f64::from(line) * plan.spec.cell_size;
+    let top = f64::from(plan.grid.height()) * plan.spec.cell_size;
     match axis {
         Axis::Horizontal => {
             Rect::new(DVec2::new(from, top - across - half), DVec2::new(to, top - across + half))
@@ -131,10 +131,16 @@ fn along_line(plan: &FloorPlan, axis: Axis, line: u32, from: f64, to: f64, half:
 
 fn doorway(plan: &FloorPlan, opening: &Opening) -> Doorway {
     let gate = opening.gate;
-    let middle = 0.5 * f64::from(gate.at) * plan.spec.unit;
+    let middle = 0.5 * f64::from(gate.at) * plan.spec.cell_size;
     let half = 0.5 * plan.spec.doorway;
-    let rect =
-        along_line(plan, gate.wall, gate.line, middle - half, middle + half, 0.5 * plan.spec.wall);
+    let rect = along_line(
+        plan,
+        gate.wall,
+        gate.line,
+        middle - half,
+        middle + half,
+        0.5 * plan.spec.wall_thickness,
+    );
     let rooms = gate.cells(&plan.grid).map(|[cell, _]| match cell {
         Cell::Room(room) => Some(room),
         _ => None,
@@ -181,8 +187,8 @@ fn room(plan: &FloorPlan, i: usize, world: &mut World) {
     let design = &placed.room;
     let frame = plan.design_frame(i);
     let (width, height) = placed.size();
-    let size = DVec2::new(f64::from(width), f64::from(height)) * plan.spec.unit;
-    let floor = Rect::new(frame.corner, frame.corner + size).grown(-0.5 * plan.spec.wall);
+    let size = DVec2::new(f64::from(width), f64::from(height)) * plan.spec.cell_size;
+    let floor = Rect::new(frame.corner, frame.corner + size).grown(-0.5 * plan.spec.wall_thickness);
     world.rooms.push(Room {
         name: design.name.clone(),
         shape: Shape::from_rect(floor),

@@ -113,7 +113,7 @@ impl Landscape {
         ClassRaster {
             rows: self.spec.rows as u32,
             cols: self.spec.cols as u32,
-            cell: self.spec.cell,
+            cell: self.spec.cell_size,
             origin: glam::DVec2::ZERO,
             cells: self.cells.clone(),
             speeds,
@@ -143,7 +143,7 @@ impl Serialize for Landscape {
             rows: self.spec.rows,
             cols: self.spec.cols,
             classes: self.spec.classes,
-            cell: self.spec.cell,
+            cell: self.spec.cell_size,
             beta: self.beta,
             counts: &self.counts,
             entropy: self.entropy(),

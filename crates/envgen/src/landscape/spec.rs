@@ -62,7 +62,8 @@ settings! {
         /// how it was built; none: 1000, fewer for landscapes of more than 40,000 cells, and at least 8.
         mixing: Option<f64> = None => optional_number("1/cell", 0.0..=1000.0);
         /// Side of a cell.
-        cell: f64 = 1.0 => number("m", 1e-3..=1e4);
+        #[alias = "cell"]
+        cell_size: f64 = 1.0 => number("m", 1e-3..=1e4);
         /// Factor on a robot's greatest speed for each class, 0 where it cannot pass; empty: 1 for all.
         speeds: Vec<f64> = Vec::new() => list("", "numbers from 0 to 10, one per class", "1,0.5,0");
     }
@@ -150,12 +151,12 @@ impl LandscapeSpec {
             }
         }
         let longest = self.rows.max(self.cols);
-        if self.cell * longest as f64 > MAX_COORDINATE {
+        if self.cell_size * longest as f64 > MAX_COORDINATE {
             let allowed = format!(
                 "at most {} m for {longest} cells in a row: worlds end at {MAX_COORDINATE} m",
                 MAX_COORDINATE / longest as f64
             );
-            return Err(SpecError::new("cell", self.cell, allowed));
+            return Err(SpecError::new("cell_size", self.cell_size, allowed));
         }
         if let Some(&speed) = self.speeds.iter().find(|speed| !(0.0..=10.0).contains(*speed)) {
             return Err(const { Self::setting("speeds") }.error(speed));

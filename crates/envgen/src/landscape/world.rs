@@ -16,7 +16,7 @@ pub(super) fn world(landscape: &Landscape) -> World {
     let raster = landscape.to_raster();
     let mut world = raster_world(raster, landscape.spec().provenance(landscape.seed()));
     if world.start.is_some() {
-        world.certificate = vec![Claim::Connected { radius: 0.4 * landscape.spec().cell }];
+        world.certificate = vec![Claim::Connected { radius: 0.4 * landscape.spec().cell_size }];
     }
     world
 }
@@ -58,6 +58,7 @@ mod tests {
     use crate::generate::Blueprint;
     use crate::landscape::LandscapeSpec;
     use crate::seed::Seed;
+    use glam::DVec2;
     use proptest::prelude::*;
 
     fn world_of(rows: u32, cols: u32, cells: Vec<u16>, speeds: Vec<f64>) -> World {

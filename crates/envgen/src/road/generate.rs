@@ -115,8 +115,8 @@ impl Attempt<'_> {
                 }
                 let mut stream = self.seed.attempt("road/turn", i as u64, self.number);
                 let radius = match self.laws.turn_share(i + 1, &mut stream)? {
-                    None => limits.draw(length, spec.turns, &mut stream),
-                    Some(share) => limits.at(length, spec.turns, share),
+                    None => limits.draw(length, spec.turn_law, &mut stream),
+                    Some(share) => limits.at(length, spec.turn_law, share),
                 };
                 let radius = radius.ok_or_else(|| {
                     let (least, greatest) = limits.radii(length);
@@ -133,7 +133,7 @@ impl Attempt<'_> {
             .map(|i| {
                 let i = i as u64;
                 let turns = || self.seed.attempt("road/random", i, self.number).chance(spec.p_turn);
-                let prefab = match spec.random {
+                let prefab = match spec.segment_count {
                     0 => spec.prefabs[i as usize],
                     _ if turns() => Prefab::Turn,
                     _ => Prefab::Straight,
@@ -167,8 +167,9 @@ impl Attempt<'_> {
         }
         let wanted: Vec<f64> =
             parts.iter().filter(|p| !p.kind.is_turn()).map(|p| p.length).collect();
-        let least = vec![spec.shortest; wanted.len()];
-        let unreachable = RoadError::Unreachable { x: aim.x, y: aim.y, shortest: spec.shortest };
+        let least = vec![spec.min_segment_length; wanted.len()];
+        let unreachable =
+            RoadError::Unreachable { x: aim.x, y: aim.y, shortest: spec.min_segment_length };
         for _ in 0..4 {
             let Some(lengths) = nearest_lengths(&wanted, &least, &columns, target.to_array())
             else {
@@ -289,7 +290,7 @@ impl Attempt<'_> {
             columns.push([along.x, along.y, 1.0]);
             // Rounding must not take a radius under its limit.
             let turn = angle * limits.least_radius / limits.effective(1.0) * (1.0 + 1e-12);
-            least.push(spec.shortest.max(turn) + quantum(spec.length));
+            least.push(spec.min_segment_length.max(turn) + quantum(spec.length));
             heading += part.kind.sign() * angle;
         }
         let wanted: Vec<f64> = parts.iter().map(|part| part.length).collect();

@@ -51,7 +51,7 @@ impl<'a> RoadLaws<'a> {
     }
 
     /// Where the radius of each turn lies between its least and its greatest, from 0 to 1; the angle, where
-    /// `turns` of the spec is `uniform_angle`, and where the angles of a closed road are drawn again
+    /// `turn_law` of the spec is `uniform_angle`, and where the angles of a closed road are drawn again
     /// because they do not close it.
     pub fn turns(self, turns: impl Distribution<f64> + Send + Sync + 'a) -> Self {
         RoadLaws { turns: Some(law(turns)), ..self }

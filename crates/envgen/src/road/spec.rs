@@ -45,7 +45,8 @@ settings! {
         } => list("", "straight, left, right or turn (to either side)", "straight,turn,straight");
         /// Number of segments drawn at random in place of `prefabs`, 0 takes `prefabs`; the length must
         /// suffice for all of them being turns.
-        random: u64 = 0 => integer("", 0..=MAX_SEGMENTS as u64);
+        #[alias = "random"]
+        segment_count: u64 = 0 => integer("", 0..=MAX_SEGMENTS as u64);
         /// Probability that a segment drawn at random is a turn.
         p_turn: f64 = 0.5 => number("", 0.0..=1.0);
         /// Concentration of the Dirichlet law of the lengths: one for all segments or a list.
@@ -54,7 +55,8 @@ settings! {
         lengths: Lengths = Lengths::Reserve => choice;
         /// Least length of a segment, whatever the step, where `lengths` is `reserve` or the road is aimed
         /// or closed.
-        shortest: f64 = 1.0 => number("m", 1e-3..=1e5);
+        #[alias = "shortest"]
+        min_segment_length: f64 = 1.0 => number("m", 1e-3..=1e5);
         /// Speed at which the turns must be driveable; 0 for no such limit.
         speed: f64 = 50.0 / 3.6 => number("m/s", 0.0..=1000.0);
         /// Coefficient of friction.
@@ -66,7 +68,8 @@ settings! {
         /// Least radius of a turn, beside what speed and width demand.
         min_radius: f64 = 0.0 => number("m", 0.0..=1e5);
         /// Which quantity of a turn is uniform between its limits.
-        turns: TurnLaw = TurnLaw::UniformRadius => choice;
+        #[alias = "turns"]
+        turn_law: TurnLaw = TurnLaw::UniformRadius => choice;
         /// Share of a turn's length that each of its two clothoids takes; 0 for arcs alone.
         transition: f64 = 0.0 => number("", 0.0..=0.5);
         /// Full width.
@@ -83,9 +86,11 @@ settings! {
         start_heading: f64 = 0.0 => number("degrees", -360.0..=360.0);
         /// x of the point to end at, if any: the straights, and with them the road, become longer or
         /// shorter.
-        aim_x: Option<f64> = None => optional_number("m", -1e6..=1e6);
+        #[alias = "aim_x"]
+        end_x: Option<f64> = None => optional_number("m", -1e6..=1e6);
         /// y of the point to end at, if any.
-        aim_y: Option<f64> = None => optional_number("m", -1e6..=1e6);
+        #[alias = "aim_y"]
+        end_y: Option<f64> = None => optional_number("m", -1e6..=1e6);
         /// Whether the road returns to its start.
         closed: bool = false => flag;
         /// What happens when the road covers itself.
@@ -105,7 +110,7 @@ impl RoadSpec {
         RoadSpec {
             length: 200.0,
             step: 1.0,
-            random: 6,
+            segment_count: 6,
             p_turn: 0.6,
             speed: 0.0,
             min_radius: 14.4,
@@ -138,7 +143,7 @@ impl RoadSpec {
 
     /// The point where the road should end.
     pub fn aim(&self) -> Option<glam::DVec2> {
-        Some(glam::DVec2::new(self.aim_x?, self.aim_y?))
+        Some(glam::DVec2::new(self.end_x?, self.end_y?))
     }
 
     /// The radius in metres at which friction holds a car of the spec's speed.
@@ -153,7 +158,7 @@ impl RoadSpec {
 
     /// Number of segments.
     pub(super) fn count(&self) -> usize {
-        if self.random > 0 { self.random as usize } else { self.prefabs.len() }
+        if self.segment_count > 0 { self.segment_count as usize } else { self.prefabs.len() }
     }
 
     /// The length that `reserve` keeps for a turn or a straight, in metres.
@@ -161,12 +166,12 @@ impl RoadSpec {
         let least = if turn { self.turn_limits().shortest() } else { 0.0 };
         // Rounded up, so that rounding a length down to a multiple of the quantum leaves enough.
         let quantum = quantum(self.length);
-        (self.shortest.max(least) / quantum).ceil() * quantum
+        (self.min_segment_length.max(least) / quantum).ceil() * quantum
     }
 
     /// The most turns that the road can have.
     fn most_turns(&self) -> usize {
-        match self.random {
+        match self.segment_count {
             0 => self.prefabs.iter().filter(|&&prefab| prefab != Prefab::Straight).count(),
             _ if self.p_turn == 0.0 => 0,
             count => count as usize,
@@ -186,13 +191,14 @@ impl RoadSpec {
         }
         let each = (self.length - straights) / turns as f64;
         let radius = each * (1.0 - self.transition) / self.theta_min.to_radians();
-        let cure = if turns > 0 && each >= self.shortest && radius >= self.fixed_radius() {
+        let cure = if turns > 0 && each >= self.min_segment_length && radius >= self.fixed_radius()
+        {
             let speed = (radius * GRAVITY * self.friction).sqrt();
             format!("or a speed of at most {} m/s", rounded_down(speed))
         } else {
             "at any speed".to_owned()
         };
-        let most = if self.random > 0 { "up to " } else { "" };
+        let most = if self.segment_count > 0 { "up to " } else { "" };
         let allowed = format!(
             "at least {needed:.3} m for {most}{turns} turns and {} straights, {cure}",
             self.count() - turns
@@ -224,7 +230,7 @@ impl RoadSpec {
             let allowed = "at most a third of the length of a closed road";
             return Err(SpecError::new("step", self.step, allowed));
         }
-        if self.random == 0 && self.prefabs.is_empty() {
+        if self.segment_count == 0 && self.prefabs.is_empty() {
             return Err(SpecError::new("prefabs", "an empty list", "at least one segment"));
         }
         if self.prefabs.len() > MAX_SEGMENTS {
@@ -237,15 +243,15 @@ impl RoadSpec {
             let allowed = format!("at most theta_max, {} degrees", self.theta_max);
             return Err(SpecError::new("theta_min", self.theta_min, allowed));
         }
-        if self.aim_x.is_some() != self.aim_y.is_some() {
-            let (name, missing) = if self.aim_x.is_some() {
-                ("aim_y", "a number, as aim_x is one")
+        if self.end_x.is_some() != self.end_y.is_some() {
+            let (name, missing) = if self.end_x.is_some() {
+                ("end_y", "a number, as end_x is one")
             } else {
-                ("aim_x", "a number, as aim_y is one")
+                ("end_x", "a number, as end_y is one")
             };
             return Err(SpecError::new(name, "none", missing));
         }
-        if self.closed && self.aim_x.is_some() {
+        if self.closed && self.end_x.is_some() {
             let allowed = "false for a road that aims at a point";
             return Err(SpecError::new("closed", true, allowed));
         }
@@ -300,10 +306,10 @@ pub enum Crossing {
 pub(super) const RULES: &[&str] = &[
     "`step` is at most the `length`, a third of it where `closed` is true, and there are at most \
      2,000,000 waypoints: `length` over `step`",
-    "`prefabs` holds 1 to 4096 segments, where `random` is 0",
-    "`alpha` is a number, or has one for each segment of `prefabs`, or of `random`",
+    "`prefabs` holds 1 to 4096 segments, where `segment_count` is 0",
+    "`alpha` is a number, or has one for each segment of `prefabs`, or of `segment_count`",
     "`theta_min` is at most `theta_max`",
-    "`aim_x` and `aim_y` are both numbers or both none, and none where `closed` is true",
-    "`length` has room for the least lengths of all segments, which follow from `shortest`, \
+    "`end_x` and `end_y` are both numbers or both none, and none where `closed` is true",
+    "`length` has room for the least lengths of all segments, which follow from `min_segment_length`, \
      `theta_min`, `speed`, `friction`, `min_radius` and `width`, where `lengths` is reserve",
 ];

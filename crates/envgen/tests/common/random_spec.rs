@@ -8,14 +8,14 @@ use serde_json::{Value, json};
 const MAX_COST: f64 = 3000.0;
 
 /// Settings of roads that are rarely drawn: hardly any seed has a road that meets them.
-const RARE: [&str; 4] = ["aim_x", "aim_y", "area", "closed"];
+const RARE: [&str; 4] = ["end_x", "end_y", "area", "closed"];
 
 /// What a world costs: its parts, cells or points; indoors, where places are looked for in squares
 /// along the walls, four for each metre of a cell's side, and a hundred where contents are moved.
 fn cost(spec: &WorldSpec) -> f64 {
     match spec {
         WorldSpec::Indoor(indoor) => {
-            let metres = f64::from(indoor.width) * f64::from(indoor.height) * indoor.unit;
+            let metres = f64::from(indoor.width) * f64::from(indoor.height) * indoor.cell_size;
             metres * if indoor.clearance.is_some() { 100.0 } else { 4.0 }
         }
         other => other.work(),

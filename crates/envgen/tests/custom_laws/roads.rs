@@ -44,7 +44,7 @@ fn uniform_turns_are_the_specs() {
     for turns in [TurnLaw::UniformRadius, TurnLaw::UniformAngle] {
         let spec = RoadSpec {
             prefabs: vec![Prefab::Straight, Prefab::Left, Prefab::Straight],
-            turns,
+            turn_law: turns,
             speed: 10.0,
             ..Default::default()
         };
@@ -62,7 +62,7 @@ fn shares_of_0_and_1_are_the_limits() {
         (0.0, TurnLaw::UniformAngle),
         (1.0, TurnLaw::UniformAngle),
     ] {
-        let spec = RoadSpec { turns, speed: 10.0, ..Default::default() };
+        let spec = RoadSpec { turn_law: turns, speed: 10.0, ..Default::default() };
         let laws = RoadLaws::new().turns(Constant(share));
         let road = spec.generate_with_laws(Seed(4), &laws).unwrap();
         for turn in road.segments().iter().filter(|segment| segment.kind.is_turn()) {
@@ -88,7 +88,7 @@ fn equal_weights_make_equal_lengths() {
 
 #[test]
 fn no_law_changes_nothing() {
-    let closed = RoadSpec { closed: true, random: 8, p_turn: 0.7, ..Default::default() };
+    let closed = RoadSpec { closed: true, segment_count: 8, p_turn: 0.7, ..Default::default() };
     for spec in [RoadSpec::default(), RoadSpec::sbft(), closed] {
         let road = spec.generate_with_laws(Seed(3), &RoadLaws::new());
         assert_eq!(road, spec.generate(Seed(3)));
@@ -153,7 +153,7 @@ proptest! {
     fn any_law_gives_a_road_or_an_error(
         length in any_number(), turn in any_number(), seed: u64, closed: bool,
     ) {
-        let spec = RoadSpec { closed, random: 6, ..Default::default() };
+        let spec = RoadSpec { closed, segment_count: 6, ..Default::default() };
         let laws = RoadLaws::new().lengths(Constant(length)).turns(Constant(turn));
         match spec.generate_with_laws(Seed(seed), &laws) {
             Ok(road) => {

@@ -9,13 +9,13 @@ use envgen::road::Prefab::{Left, Straight};
 
 #[test]
 fn a_point_behind_is_out_of_reach() {
-    let spec = RoadSpec { aim_x: Some(-500.0), aim_y: Some(0.0), ..Default::default() };
+    let spec = RoadSpec { end_x: Some(-500.0), end_y: Some(0.0), ..Default::default() };
     let error = spec.generate(Seed(1)).unwrap_err().to_string();
     assert!(error.contains("cannot end at (-500, 0)"), "{error}");
     let far = RoadSpec {
         prefabs: vec![Straight, Left, Straight],
-        aim_x: Some(1e6),
-        aim_y: Some(1e6),
+        end_x: Some(1e6),
+        end_y: Some(1e6),
         ..Default::default()
     };
     let error = far.generate(Seed(1)).unwrap_err();
@@ -31,7 +31,7 @@ fn what_cannot_close_says_why() {
     let error = of(vec![Straight, Left, Straight, Left, Left]);
     assert!(error.contains("90.0 to 270.0 degrees"), "{error}");
     assert!(of(vec![Straight]).contains("no segment lengths close the road"));
-    let spec = RoadSpec { closed: true, aim_x: Some(1.0), aim_y: Some(1.0), ..Default::default() };
+    let spec = RoadSpec { closed: true, end_x: Some(1.0), end_y: Some(1.0), ..Default::default() };
     assert_eq!(spec.validate().unwrap_err().field, "closed");
 }
 
@@ -70,7 +70,7 @@ fn reserved_lengths_are_enough_even_where_nothing_is_left_over() {
             let mut spec = RoadSpec {
                 length,
                 transition,
-                random: 15,
+                segment_count: 15,
                 p_turn: 0.8,
                 width: 0.2,
                 speed: 3.0,
@@ -96,7 +96,13 @@ fn reserved_lengths_are_enough_even_where_nothing_is_left_over() {
 #[test]
 fn the_speed_that_an_error_names_is_the_greatest() {
     for (random, length, transition) in [(0, 1000.0, 0.0), (9, 300.0, 0.0), (3, 120.0, 0.4)] {
-        let mut spec = RoadSpec { random, length, transition, speed: 90.0, ..Default::default() };
+        let mut spec = RoadSpec {
+            segment_count: random,
+            length,
+            transition,
+            speed: 90.0,
+            ..Default::default()
+        };
         let error = spec.validate().unwrap_err();
         assert_eq!(error.field, "length");
         assert_eq!(error.value, length.to_string());
@@ -157,8 +163,8 @@ fn bad_settings_are_named() {
     }
     check("lanes", RoadSpec { lanes: 0, ..good() });
     check("transition", RoadSpec { transition: 0.51, ..good() });
-    check("aim_y", RoadSpec { aim_x: Some(1.0), ..good() });
-    check("aim_x", RoadSpec { aim_x: Some(f64::NAN), aim_y: Some(1.0), ..good() });
+    check("end_y", RoadSpec { end_x: Some(1.0), ..good() });
+    check("end_x", RoadSpec { end_x: Some(f64::NAN), end_y: Some(1.0), ..good() });
     check("attempts", RoadSpec { attempts: 0, ..good() });
     // No speed is no limit.
     let slow = RoadSpec { speed: 0.0, ..good() };

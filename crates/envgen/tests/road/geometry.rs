@@ -46,7 +46,7 @@ fn waypoints_lie_on_the_curve_and_on_their_segment() {
             transition,
             speed: 8.0,
             step: 0.7,
-            random: 9,
+            segment_count: 9,
             ..Default::default()
         };
         for seed in 0..200 {
@@ -138,10 +138,10 @@ fn transitions_ramp_the_curvature() {
 fn an_aimed_road_ends_there() {
     let mut reached = 0;
     for seed in 0..500 {
-        let spec = RoadSpec { random: 12, p_turn: 0.4, speed: 8.0, ..Default::default() };
+        let spec = RoadSpec { segment_count: 12, p_turn: 0.4, speed: 8.0, ..Default::default() };
         let plain = generate(&spec, seed);
         let aim = DVec2::new(500.0, 150.0);
-        let spec = RoadSpec { aim_x: Some(aim.x), aim_y: Some(aim.y), ..spec };
+        let spec = RoadSpec { end_x: Some(aim.x), end_y: Some(aim.y), ..spec };
         match spec.generate(Seed(seed)) {
             Ok(road) => {
                 reached += 1;
@@ -207,7 +207,7 @@ fn circuits_close() {
 fn rejected_and_resampled_roads_do_not_cross() {
     let spec = RoadSpec {
         length: 900.0,
-        random: 24,
+        segment_count: 24,
         p_turn: 0.9,
         speed: 6.0,
         step: 5.0,

@@ -99,7 +99,7 @@ fn angles_follow_their_law() {
             length: 100.0,
             step: 100.0,
             kerb: 0.0,
-            turns,
+            turn_law: turns,
             ..Default::default()
         };
         let mut counts = [0_u32; 20];

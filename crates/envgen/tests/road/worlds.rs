@@ -61,8 +61,8 @@ fn settings_are_read_from_text() {
     for (name, value) in [
         ("prefabs", "left, turn,straight"),
         ("alpha", "1,2,0.5"),
-        ("aim_x", "100"),
-        ("aim_y", "-20.5"),
+        ("end_x", "100"),
+        ("end_y", "-20.5"),
         ("lengths", "as_published"),
         ("closed", "false"),
         ("speed", "0"),
@@ -72,13 +72,13 @@ fn settings_are_read_from_text() {
     let envgen::WorldSpec::Road(road) = &spec else { panic!("{spec:?}") };
     assert_eq!(road.prefabs, [Left, Turn, Straight]);
     assert_eq!(road.alpha, Concentration::Each(vec![1.0, 2.0, 0.5]));
-    assert_eq!((road.aim_x, road.aim_y), (Some(100.0), Some(-20.5)));
+    assert_eq!((road.end_x, road.end_y), (Some(100.0), Some(-20.5)));
     assert_eq!(envgen::WorldSpec::from_ron(&spec.to_ron()), Ok(spec.clone()));
     spec.set("alpha", "2").unwrap();
-    spec.set("aim_x", "null").unwrap();
+    spec.set("end_x", "null").unwrap();
     let envgen::WorldSpec::Road(road) = &spec else { panic!("{spec:?}") };
-    assert_eq!((&road.alpha, road.aim_x), (&Concentration::Same(2.0), None));
-    for (name, value) in [("alpha", "fast"), ("prefabs", "left,up"), ("aim_x", "east")] {
+    assert_eq!((&road.alpha, road.end_x), (&Concentration::Same(2.0), None));
+    for (name, value) in [("alpha", "fast"), ("prefabs", "left,up"), ("end_x", "east")] {
         assert!(spec.set(name, value).is_err(), "{name}");
     }
     let ron = "Road(prefabs: [straight, left], alpha: 2, aim_x: 10, aim_y: 5.5)";
@@ -98,7 +98,7 @@ fn the_worlds_on_file_are_read() {
 fn kerbs_leave_the_road_free_even_where_it_crosses_itself() {
     let spec = RoadSpec {
         length: 900.0,
-        random: 30,
+        segment_count: 30,
         p_turn: 0.9,
         speed: 5.0,
         transition: 0.1,
@@ -167,16 +167,16 @@ fn golden_digests() {
         ..Default::default()
     };
     let aimed = RoadSpec {
-        aim_x: Some(700.0),
-        aim_y: Some(200.0),
+        end_x: Some(700.0),
+        end_y: Some(200.0),
         alpha: Concentration::Same(3.0),
         ..Default::default()
     };
     let published = RoadSpec {
         lengths: Lengths::AsPublished,
         speed: 0.0,
-        random: 8,
-        turns: TurnLaw::UniformAngle,
+        segment_count: 8,
+        turn_law: TurnLaw::UniformAngle,
         ..Default::default()
     };
     let digests: Vec<[String; 2]> =
@@ -227,16 +227,16 @@ proptest! {
             (any::<bool>(), any::<bool>(), any::<bool>(), 0..3_u8),
     ) {
         let spec = RoadSpec {
-            length, step, random, p_turn, speed, friction, theta_min, min_radius, transition,
+            length, step, segment_count: random, p_turn, speed, friction, theta_min, min_radius, transition,
             width, lanes, kerb,
             alpha: Concentration::Same(libm::pow(10.0, exponent)),
             theta_max: theta_min + more,
             start_heading: heading,
-            aim_x: aim.map(|p| p.0),
-            aim_y: aim.map(|p| p.1),
+            end_x: aim.map(|p| p.0),
+            end_y: aim.map(|p| p.1),
             closed: closed && aim.is_none(),
             lengths: if published { Lengths::AsPublished } else { Lengths::Reserve },
-            turns: if uniform { TurnLaw::UniformAngle } else { TurnLaw::UniformRadius },
+            turn_law: if uniform { TurnLaw::UniformAngle } else { TurnLaw::UniformRadius },
             crossing: [Crossing::Allow, Crossing::Reject, Crossing::Resample][crossing as usize],
             attempts: 5,
             ..Default::default()

@@ -112,7 +112,7 @@ impl AccessGraph {
                 let (right, below) = (floor(x + 1, y), floor(x, y + 1));
                 for there in [right, below].into_iter().flatten() {
                     let places = [here, there];
-                    links.push(Link { places, opening: None, length: plan.spec.unit });
+                    links.push(Link { places, opening: None, length: plan.spec.cell_size });
                 }
                 let square = right.is_some() && below.is_some() && floor(x + 1, y + 1).is_some();
                 squares += u64::from(square);

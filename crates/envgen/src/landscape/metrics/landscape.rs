@@ -46,7 +46,7 @@ pub(in crate::landscape) fn measure(landscape: &Landscape) -> LandscapeMetrics {
         report: Box::new(RasterReport::of_grid(
             landscape.cells(),
             landscape.cols(),
-            spec.cell,
+            spec.cell_size,
             Border::Free,
         )),
     }

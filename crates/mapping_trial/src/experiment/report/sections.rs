@@ -66,7 +66,7 @@ fn names(design: &Design) -> (String, String) {
 fn lead(design: &Design, records: &[&Record]) -> String {
     let levels: Vec<String> = design.levels.iter().map(f64::to_string).collect();
     let (replay, main) = names(design);
-    let metres = f64::from(design.size) * design.spec(design.levels[0]).unit;
+    let metres = f64::from(design.size) * design.spec(design.levels[0]).cell_size;
     format!(
         "<p class=\"lead\">{} trials in a simulator, in which policies map indoor worlds of the \
          levels {} and their maps are scored against the worlds. The experiment of O. Zwennes, \
