@@ -64,6 +64,7 @@ fn describe(kind: WorldKind) -> Value {
         .map(|setting| {
             json!({
                 "name": setting.name,
+                "alias": setting.alias,
                 "unit": setting.unit,
                 "allowed": setting.allowed_text(),
                 "default": defaults[setting.name],
