@@ -38,6 +38,11 @@ impl SpecError {
         }
         SpecError { field: field.to_owned(), value, allowed: allowed.into() }
     }
+
+    /// The error of a part of larger settings: its field becomes `part.field`.
+    pub fn within(self, part: &str) -> Self {
+        SpecError { field: format!("{part}.{}", self.field), ..self }
+    }
 }
 
 /// The sentence of an error: that a field must be what is allowed, what it got, and after a colon why.

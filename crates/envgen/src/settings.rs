@@ -353,6 +353,7 @@ pub const fn sentence(doc: &'static str) -> &'static str {
 /// - `number(unit, min..=max)` and `integer(unit, min..=max)`, also `optional_number` and
 ///   `optional_integer` for an `Option`;
 /// - `choice` for an enum that derives [`strum::VariantNames`], `flag` for a `bool`;
+/// - `nested` for another struct of settings, whose errors name `field.setting`;
 /// - `list(unit, items, example)`, `other(unit, form)` and `other(unit, form, example)`, with texts.
 ///
 /// `#[alias = "name"]` before a field names a former name of it, which is read as well.
@@ -381,6 +382,7 @@ macro_rules! settings {
             $(
                 $(#[doc = $doc:literal])+
                 $(#[alias = $alias:literal])?
+                $(#[serde($($serde:tt)*)])*
                 $field:ident: $type:ty = $default:expr => $form:ident $(($($args:tt)*))?;
             )+
         }
@@ -394,6 +396,7 @@ macro_rules! settings {
                 #[doc = ""]
                 #[doc = $crate::setting_form!(@doc stringify!($default), $form $(($($args)*))?)]
                 $(#[serde(alias = $alias)])?
+                $(#[serde($($serde)*)])*
                 pub $field: $type,
             )+
         }
@@ -464,6 +467,9 @@ macro_rules! setting_form {
     (@table $name:expr, $help:expr, $type:ty, flag) => {
         $crate::settings::Setting::flag($name, $help)
     };
+    (@table $name:expr, $help:expr, $type:ty, nested) => {
+        $crate::settings::Setting::other($name, "", "settings of its own", $help)
+    };
     (@table $name:expr, $help:expr, $type:ty, list($unit:literal, $items:expr, $example:expr)) => {
         $crate::settings::Setting::list($name, $unit, $items, $help).such_as($example)
     };
@@ -498,6 +504,9 @@ macro_rules! setting_form {
     };
     (@check $value:expr, $setting:expr, optional_integer) => {
         $crate::setting_form!(@check $value, $setting, number)
+    };
+    (@check $value:expr, $setting:expr, nested) => {
+        ($value).check_fields().map_err(|error| error.within($setting.name))?
     };
     (@check $value:expr, $setting:expr, $form:ident) => {};
 }

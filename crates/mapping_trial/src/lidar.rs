@@ -3,10 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use envgen::raycast::ScanPattern;
-use envgen::{Seed, SpecError};
-use serde::{Deserialize, Serialize};
-
-use crate::limits::{count, number};
+use envgen::{Seed, SpecError, settings};
 
 /// Random numbers per beam, used or not, so that a beam's errors do not depend on other beams.
 const DRAWS_A_BEAM: usize = 4;
@@ -17,28 +14,28 @@ pub const NO_ECHO: f64 = f64::INFINITY;
 /// Least difference in metres between neighbouring ranges at which a beam can hit both.
 const MIXED_PIXEL_JUMP: f64 = 0.3;
 
-/// What a laser measures and how well.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LaserProfile {
-    /// Number of beams, spread evenly over the field of view, both ends included.
-    pub beams: u32,
-    /// Field of view in radians, centred ahead.
-    pub field_of_view: f64,
-    /// Greatest range in metres.
-    pub max_range: f64,
-    /// Ranges are multiples of this many metres; 0 for no rounding.
-    pub range_step: f64,
-    /// Standard deviation of a range in metres.
-    pub sigma: f64,
-    /// Ticks from one scan to the next.
-    pub ticks_a_scan: u32,
-    /// Probability that a beam is lost, from 0 to 1.
-    pub dropout: f64,
-    /// Probability that a beam returns too early, at any range.
-    pub short: f64,
-    /// Probability that a beam at a jump of ranges gives a range between the two.
-    pub mixed_pixel: f64,
+settings! {
+    /// What a laser measures and how well.
+    pub struct LaserProfile {
+        /// Number of beams, spread evenly over the field of view, both ends included.
+        beams: u32 = LaserProfile::LMS200_MM.beams => integer("", 1..=4096);
+        /// Field of view, centred ahead.
+        field_of_view: f64 = LaserProfile::LMS200_MM.field_of_view => number("rad", 0.0..=TAU);
+        /// Greatest range.
+        max_range: f64 = LaserProfile::LMS200_MM.max_range => number("m", 0.1..=200.0);
+        /// Ranges are multiples of this length; 0 for no rounding.
+        range_step: f64 = LaserProfile::LMS200_MM.range_step => number("m", 0.0..=1.0);
+        /// Standard deviation of a range.
+        sigma: f64 = LaserProfile::LMS200_MM.sigma => number("m", 0.0..=1.0);
+        /// Ticks from one scan to the next.
+        ticks_a_scan: u32 = LaserProfile::LMS200_MM.ticks_a_scan => integer("", 1..=200);
+        /// Probability that a beam is lost.
+        dropout: f64 = LaserProfile::LMS200_MM.dropout => number("", 0.0..=1.0);
+        /// Probability that a beam returns too early, at any range.
+        short: f64 = LaserProfile::LMS200_MM.short => number("", 0.0..=1.0);
+        /// Probability that a beam at a jump of ranges gives a range between the two.
+        mixed_pixel: f64 = LaserProfile::LMS200_MM.mixed_pixel => number("", 0.0..=1.0);
+    }
 }
 
 impl LaserProfile {
@@ -66,15 +63,7 @@ impl LaserProfile {
     /// # Errors
     /// The first field that is not allowed, as `laser.beams`.
     pub fn validate(&self) -> Result<(), SpecError> {
-        count("laser.beams", self.beams, 1, 4096)?;
-        number("laser.field_of_view", self.field_of_view, 0.0, TAU)?;
-        number("laser.max_range", self.max_range, 0.1, 200.0)?;
-        number("laser.range_step", self.range_step, 0.0, 1.0)?;
-        number("laser.sigma", self.sigma, 0.0, 1.0)?;
-        count("laser.ticks_a_scan", self.ticks_a_scan, 1, 200)?;
-        number("laser.dropout", self.dropout, 0.0, 1.0)?;
-        number("laser.short", self.short, 0.0, 1.0)?;
-        number("laser.mixed_pixel", self.mixed_pixel, 0.0, 1.0)
+        self.check_fields().map_err(|error| error.within("laser"))
     }
 
     /// Angle of a beam relative to the laser's heading, in radians, from right to left.
@@ -92,12 +81,6 @@ impl LaserProfile {
     pub fn fan(&self) -> Result<ScanPattern, SpecError> {
         self.validate()?;
         ScanPattern::new(self.field_of_view, self.beams as usize)
-    }
-}
-
-impl Default for LaserProfile {
-    fn default() -> Self {
-        LaserProfile::LMS200_MM
     }
 }
 

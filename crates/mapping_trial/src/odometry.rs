@@ -1,10 +1,8 @@
 //! Wheel odometry: what wheel encoders measure of a motion.
 
 use envgen::distribution::standard_normal;
-use envgen::{Seed, SpecError, Stream};
+use envgen::{Seed, SpecError, Stream, settings};
 use serde::{Deserialize, Serialize};
-
-use crate::limits::number;
 
 /// A motion in the robot's own frame: a distance ahead and a turn, as small as in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -15,23 +13,23 @@ pub struct Increment {
     pub turn: f64,
 }
 
-/// Errors of wheel odometry: variances linear in the distance, so that they do not depend on how
-/// often it is read, and systematic errors drawn once per run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OdometryProfile {
-    /// Variance of the distance per distance, m^2/m.
-    pub k_ss: f64,
-    /// Variance of the distance per turning, m^2/rad.
-    pub k_st: f64,
-    /// Variance of the turn per turning, rad^2/rad.
-    pub k_tt: f64,
-    /// Variance of the turn per distance, rad^2/m.
-    pub k_ts: f64,
-    /// Standard deviation of a run's relative error of distances.
-    pub b_s: f64,
-    /// Standard deviation of a run's relative error of turns.
-    pub b_t: f64,
+settings! {
+    /// Errors of wheel odometry: variances linear in the distance, so that they do not depend on how
+    /// often it is read, and systematic errors drawn once per run.
+    pub struct OdometryProfile {
+        /// Variance of the distance per distance.
+        k_ss: f64 = OdometryProfile::SKID.k_ss => number("m^2/m", 0.0..=1.0);
+        /// Variance of the distance per turning.
+        k_st: f64 = OdometryProfile::SKID.k_st => number("m^2/rad", 0.0..=1.0);
+        /// Variance of the turn per turning.
+        k_tt: f64 = OdometryProfile::SKID.k_tt => number("rad^2/rad", 0.0..=1.0);
+        /// Variance of the turn per distance.
+        k_ts: f64 = OdometryProfile::SKID.k_ts => number("rad^2/m", 0.0..=1.0);
+        /// Standard deviation of a run's relative error of distances.
+        b_s: f64 = OdometryProfile::SKID.b_s => number("", 0.0..=1.0);
+        /// Standard deviation of a run's relative error of turns.
+        b_t: f64 = OdometryProfile::SKID.b_t => number("", 0.0..=1.0);
+    }
 }
 
 impl OdometryProfile {
@@ -61,18 +59,7 @@ impl OdometryProfile {
     /// # Errors
     /// The first field that is not allowed, as `odometry.k_ss`.
     pub fn validate(&self) -> Result<(), SpecError> {
-        number("odometry.k_ss", self.k_ss, 0.0, 1.0)?;
-        number("odometry.k_st", self.k_st, 0.0, 1.0)?;
-        number("odometry.k_tt", self.k_tt, 0.0, 1.0)?;
-        number("odometry.k_ts", self.k_ts, 0.0, 1.0)?;
-        number("odometry.b_s", self.b_s, 0.0, 1.0)?;
-        number("odometry.b_t", self.b_t, 0.0, 1.0)
-    }
-}
-
-impl Default for OdometryProfile {
-    fn default() -> Self {
-        OdometryProfile::SKID
+        self.check_fields().map_err(|error| error.within("odometry"))
     }
 }
 

@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use envgen::SpecError;
 use envgen::geometry::Pose;
+use envgen::{SpecError, settings};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
+use strum::VariantNames;
 use thiserror::Error;
 
 use crate::limits::{MAX_TIME_LIMIT, number};
@@ -17,48 +18,50 @@ pub const MAX_RADIUS: f64 = 2.0;
 /// sheets round.
 const ROUNDING: f64 = 1e-3;
 
-/// Size, weight and limits of a robot. The default is the Pioneer 3-AT, which the operators of
-/// Zwennes (2011) drove; `assets/robots` holds others.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Robot {
-    /// Length of the body in metres.
-    pub length: f64,
-    /// Width of the body in metres.
-    pub width: f64,
-    /// Radius in metres of the circle that the body sweeps when it turns on the spot, from 0.05 to
-    /// [`MAX_RADIUS`]: the robot's size for planning, the flat simulator and the scores.
-    #[serde(rename = "swing_radius", alias = "circumscribed_radius")]
-    pub circumscribed_radius: f64,
-    /// Outline seen from above, for physics.
-    #[serde(skip_serializing_if = "is_default")]
-    pub footprint: Footprint,
-    /// Weight and wheels, for physics.
-    #[serde(skip_serializing_if = "is_default")]
-    pub chassis: Chassis,
-    /// Greatest speed in m/s, forwards and backwards.
-    pub max_speed: f64,
-    /// Greatest rate of turning in rad/s.
-    pub max_turn_rate: f64,
-    /// Greatest change of speed in m/s^2.
-    pub acceleration: f64,
-    /// Greatest change of the rate of turning in rad/s^2.
-    pub turn_acceleration: f64,
-    /// Position of the laser ahead of the robot's centre, in metres.
-    pub laser_offset: f64,
-    /// The rest of the laser's pose.
-    #[serde(skip_serializing_if = "is_default")]
-    pub laser_mount: LaserMount,
-    /// Time in seconds that the battery lasts.
-    pub battery: f64,
-    /// How far in metres its camera distinguishes water from floor, from 0 to 5. A robot of 0 does not
-    /// see water and drives into it.
-    pub water_sight: f64,
+settings! {
+    /// Size, weight and limits of a robot. The default is the Pioneer 3-AT, which the operators of
+    /// Zwennes (2011) drove; `assets/robots` holds others.
+    pub struct Robot {
+        /// Length of the body.
+        length: f64 = PIONEER_3AT.length => number("m", 0.01..=2.0 * MAX_RADIUS);
+        /// Width of the body.
+        width: f64 = PIONEER_3AT.width => number("m", 0.01..=2.0 * MAX_RADIUS);
+        /// Radius of the circle that the body sweeps when it turns on the spot: the robot's size for
+        /// planning, the flat simulator and the scores. Its name in files is `swing_radius`.
+        #[serde(rename = "swing_radius", alias = "circumscribed_radius")]
+        circumscribed_radius: f64 = PIONEER_3AT.circumscribed_radius => number("m", 0.05..=MAX_RADIUS);
+        /// Outline seen from above, for physics.
+        #[serde(skip_serializing_if = "is_default")]
+        footprint: Footprint = PIONEER_3AT.footprint => choice;
+        /// Weight and wheels, for physics.
+        #[serde(skip_serializing_if = "is_default")]
+        chassis: Chassis = PIONEER_3AT.chassis => nested;
+        /// Greatest speed, forwards and backwards; in a tick a disc must not jump over a wall, so at
+        /// most ten times the radius per second.
+        max_speed: f64 = PIONEER_3AT.max_speed => number("m/s", 0.01..=20.0);
+        /// Greatest rate of turning.
+        max_turn_rate: f64 = PIONEER_3AT.max_turn_rate => number("rad/s", 0.01..=20.0);
+        /// Greatest change of speed.
+        acceleration: f64 = PIONEER_3AT.acceleration => number("m/s^2", 0.01..=100.0);
+        /// Greatest change of the rate of turning.
+        turn_acceleration: f64 = PIONEER_3AT.turn_acceleration => number("rad/s^2", 0.01..=100.0);
+        /// Position of the laser ahead of the robot's centre, on the body.
+        laser_offset: f64 = PIONEER_3AT.laser_offset => number("m", -2.0..=MAX_RADIUS);
+        /// The rest of the laser's pose.
+        #[serde(skip_serializing_if = "is_default")]
+        laser_mount: LaserMount = PIONEER_3AT.laser_mount => nested;
+        /// Time that the battery lasts.
+        battery: f64 = PIONEER_3AT.battery => number("s", 0.05..=MAX_TIME_LIMIT);
+        /// How far its camera distinguishes water from floor. A robot of 0 does not see water and
+        /// drives into it.
+        water_sight: f64 = PIONEER_3AT.water_sight => number("m", 0.0..=5.0);
+    }
 }
 
 /// The outline of a body from above.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum Footprint {
     /// A box of the body's length and width.
     #[default]
@@ -67,31 +70,33 @@ pub enum Footprint {
     Disc,
 }
 
-/// Weight and wheels of a robot. The default is the Pioneer 3-AT's.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Chassis {
-    /// Mass in kg.
-    pub mass: f64,
-    /// Effective track of the wheels in metres. A skid-steered robot's is wider than the
-    /// distance of its wheels, since its wheels slip sideways when it turns.
-    pub track: f64,
-    /// Coefficient of friction of the wheels on the ground, which bounds the force that they push
-    /// with: the larger it is, the less they slip.
-    pub grip: f64,
+settings! {
+    /// Weight and wheels of a robot. The default is the Pioneer 3-AT's.
+    #[derive(Copy)]
+    pub struct Chassis {
+        /// Mass.
+        mass: f64 = PIONEER_3AT.chassis.mass => number("kg", 0.01..=1e5);
+        /// Effective track of the wheels. A skid-steered robot's is wider than the distance of its
+        /// wheels, since its wheels slip sideways when it turns.
+        track: f64 = PIONEER_3AT.chassis.track => number("m", 0.01..=4.0 * MAX_RADIUS);
+        /// Coefficient of friction of the wheels on the ground, which bounds the force that they push
+        /// with: the larger it is, the less they slip.
+        grip: f64 = PIONEER_3AT.chassis.grip => number("", 0.01..=100.0);
+    }
 }
 
-/// The pose of a laser, besides its position ahead of the centre.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct LaserMount {
-    /// Position to the left of the centre, in metres.
-    pub left: f64,
-    /// Its heading, in radians counter-clockwise from straight ahead.
-    pub heading: f64,
-    /// Height of its plane above the ground in metres. Worlds are flat: it is kept for logs and
-    /// drivers, and changes nothing.
-    pub height: f64,
+settings! {
+    /// The pose of a laser, besides its position ahead of the centre.
+    #[derive(Copy)]
+    pub struct LaserMount {
+        /// Position to the left of the centre, on the body.
+        left: f64 = PIONEER_3AT.laser_mount.left => number("m", -2.0..=MAX_RADIUS);
+        /// Its heading, counter-clockwise from straight ahead.
+        heading: f64 = PIONEER_3AT.laser_mount.heading => number("rad", -6.283185307179586..=TAU);
+        /// Height of its plane above the ground. Worlds are flat: it is kept for logs and drivers, and
+        /// changes nothing.
+        height: f64 = PIONEER_3AT.laser_mount.height => number("m", 0.0..=10.0);
+    }
 }
 
 /// The Pioneer 3-AT, from its data sheet: the default.
@@ -110,24 +115,6 @@ pub const PIONEER_3AT: Robot = Robot {
     battery: 1200.0,
     water_sight: 1.5,
 };
-
-impl Default for Robot {
-    fn default() -> Self {
-        PIONEER_3AT
-    }
-}
-
-impl Default for Chassis {
-    fn default() -> Self {
-        PIONEER_3AT.chassis
-    }
-}
-
-impl Default for LaserMount {
-    fn default() -> Self {
-        PIONEER_3AT.laser_mount
-    }
-}
 
 /// Whether a value is the Pioneer's, which files may omit.
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
@@ -153,44 +140,26 @@ impl Robot {
     ///
     /// The first field whose value is not allowed, as `body.length`.
     pub fn validate(&self) -> Result<(), SpecError> {
-        number("body.length", self.length, 0.01, 2.0 * MAX_RADIUS)?;
-        number("body.width", self.width, 0.01, 2.0 * MAX_RADIUS)?;
-        number("body.circumscribed_radius", self.circumscribed_radius, 0.05, MAX_RADIUS)?;
+        self.check().map_err(|error| error.within("body"))
+    }
+
+    fn check(&self) -> Result<(), SpecError> {
+        self.check_fields()?;
         let half = match self.footprint {
             Footprint::Box => 0.5 * libm::hypot(self.length, self.width),
             Footprint::Disc => 0.5 * self.length.max(self.width),
         };
-        if self.circumscribed_radius < half - ROUNDING {
+        let radius = self.circumscribed_radius;
+        if radius < half - ROUNDING {
             let allowed = format!("at least {half:.3}, the half diagonal of the body");
-            return Err(SpecError::new(
-                "body.circumscribed_radius",
-                self.circumscribed_radius,
-                allowed,
-            ));
+            return Err(SpecError::new("circumscribed_radius", radius, allowed));
         }
-        number("body.chassis.mass", self.chassis.mass, 0.01, 1e5)?;
-        number("body.chassis.track", self.chassis.track, 0.01, 4.0 * MAX_RADIUS)?;
-        number("body.chassis.grip", self.chassis.grip, 0.01, 100.0)?;
-        // Within a tick a disc must not jump over a wall, nor a robot turn by more than half a circle.
-        number(
-            "body.max_speed",
-            self.max_speed,
-            0.01,
-            (10.0 * self.circumscribed_radius).min(20.0),
-        )?;
-        number("body.max_turn_rate", self.max_turn_rate, 0.01, 20.0)?;
-        number("body.acceleration", self.acceleration, 0.01, 100.0)?;
-        number("body.turn_acceleration", self.turn_acceleration, 0.01, 100.0)?;
-        // The laser sits on the body.
-        let reach = self.circumscribed_radius;
-        number("body.laser_offset", self.laser_offset, -reach, reach)?;
-        let left = libm::sqrt(reach * reach - self.laser_offset * self.laser_offset);
-        let LaserMount { left: side, heading, height } = self.laser_mount;
-        number("body.laser_mount.left", side, -left, left)?;
-        number("body.laser_mount.heading", heading, -TAU, TAU)?;
-        number("body.laser_mount.height", height, 0.0, 10.0)?;
-        number("body.battery", self.battery, 0.05, MAX_TIME_LIMIT)?;
-        number("body.water_sight", self.water_sight, 0.0, 5.0)
+        // Within a tick a disc must not jump over a wall.
+        number("max_speed", self.max_speed, 0.01, (10.0 * radius).min(20.0))?;
+        // The laser is on the body.
+        number("laser_offset", self.laser_offset, -radius, radius)?;
+        let left = libm::sqrt(radius * radius - self.laser_offset * self.laser_offset);
+        number("laser_mount.left", self.laser_mount.left, -left, left)
     }
 
     /// Reads a robot from RON, such as `(length: 0.4, width: 0.4, max_speed: 1.2)`; omitted fields

@@ -1,11 +1,10 @@
 //! The settings of a trial.
 
 use envgen::geometry::Pose;
-use envgen::{Seed, SpecError};
-use serde::{Deserialize, Serialize};
+use envgen::{Seed, SpecError, settings};
 
 use crate::lidar::LaserProfile;
-use crate::limits::{MAX_TIME_LIMIT, count, number};
+use crate::limits::{MAX_TIME_LIMIT, number};
 use crate::odometry::OdometryProfile;
 use crate::policy::PolicyKind;
 use crate::robot::Robot;
@@ -14,45 +13,29 @@ use crate::slam::SlamKind;
 /// Greatest number of robots in a trial.
 pub const MAX_ROBOTS: u32 = 8;
 
-/// Everything that a trial depends on except its world.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct TrialSettings {
-    /// Seed of the sensor noise.
-    pub seed: Seed,
-    /// The exploration policy that drives, `operator` in files; `None` for a person.
-    #[serde(rename = "operator", alias = "policy")]
-    pub policy: Option<PolicyKind>,
-    /// How poses and map are estimated.
-    pub slam: SlamKind,
-    /// Number of robots, which share one map; from 1 to [`MAX_ROBOTS`].
-    pub robots: u32,
-    /// Simulated seconds after which the trial ends; more than 0, at most [`MAX_TIME_LIMIT`].
-    pub time_limit: f64,
-    /// Where the first robot starts, in metres and radians; `None` is the world's own start.
-    pub start: Option<Pose>,
-    /// Size and limits of the robots.
-    pub body: Robot,
-    /// What their lasers measure.
-    pub laser: LaserProfile,
-    /// What their wheels measure.
-    pub odometry: OdometryProfile,
-}
-
-impl Default for TrialSettings {
-    /// One P3-AT with an LMS 200, `scan_to_map` and the policy `nearest` for 20 minutes.
-    fn default() -> Self {
-        TrialSettings {
-            seed: Seed(0),
-            policy: Some(PolicyKind::Nearest),
-            slam: SlamKind::ScanToMap,
-            robots: 1,
-            time_limit: 1200.0,
-            start: None,
-            body: Robot::default(),
-            laser: LaserProfile::default(),
-            odometry: OdometryProfile::default(),
-        }
+settings! {
+    /// Everything that a trial depends on except its world. The default is one P3-AT with an LMS 200,
+    /// `scan_to_map` and the policy `nearest` for 20 minutes.
+    pub struct TrialSettings {
+        /// Seed of the sensor noise.
+        seed: Seed = Seed(0) => other("", "a whole number");
+        /// The exploration policy that drives, `operator` in files; none for a person.
+        #[serde(rename = "operator", alias = "policy")]
+        policy: Option<PolicyKind> = Some(PolicyKind::Nearest) => optional_other("", "a policy's name");
+        /// How poses and map are estimated.
+        slam: SlamKind = SlamKind::ScanToMap => other("", "an estimator's name");
+        /// Number of robots, which share one map.
+        robots: u32 = 1 => integer("", 1..=MAX_ROBOTS as u64);
+        /// Simulated time after which the trial ends.
+        time_limit: f64 = 1200.0 => number("s", 0.05..=MAX_TIME_LIMIT);
+        /// Where the first robot starts, in metres and radians; none is the world's own start.
+        start: Option<Pose> = None => optional_other("", "a pose");
+        /// Size and limits of the robots.
+        body: Robot = Robot::default() => nested;
+        /// What their lasers measure.
+        laser: LaserProfile = LaserProfile::default() => nested;
+        /// What their wheels measure.
+        odometry: OdometryProfile = OdometryProfile::default() => nested;
     }
 }
 
@@ -63,16 +46,13 @@ impl TrialSettings {
     ///
     /// The first field whose value is not allowed.
     pub fn validate(&self) -> Result<(), SpecError> {
-        count("robots", self.robots, 1, MAX_ROBOTS)?;
-        number("time_limit", self.time_limit, 0.05, MAX_TIME_LIMIT)?;
+        self.check_fields()?;
         if let Some(start) = self.start {
             number("start.x", start.position.x, -1e6, 1e6)?;
             number("start.y", start.position.y, -1e6, 1e6)?;
             number("start.heading", start.heading, -1e3, 1e3)?;
         }
-        self.body.validate()?;
-        self.laser.validate()?;
-        self.odometry.validate()
+        self.body.validate()
     }
 }
 
