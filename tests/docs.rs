@@ -1,4 +1,5 @@
-//! The README, the guide and the crates' READMEs hold together: links, pictures, headings, chapters.
+//! The README, the guide and the crates' READMEs hold together: links, pictures, headings, chapters; and
+//! all documentation keeps to the words of the glossary.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -213,4 +214,86 @@ fn broken_links_are_noticed() {
         };
         assert!(as_expected, "{target}: {found:?}, expected {expected:?}");
     }
+}
+
+/// What is not written, and what is written instead; `docs/glossary.md` says why.
+const WORDS: [(&str, &str); 12] = [
+    ("way", "path, direction, method"),
+    ("ways", "paths, directions, methods"),
+    ("anew", "again, rebuild"),
+    ("stands", "is, exists, is ready"),
+    ("tells of", "reports, shows"),
+    ("tell of", "report, show"),
+    ("told", "reported, given"),
+    ("foretold", "predicted"),
+    ("goes on", "continues"),
+    ("dead odometry", "wheel odometry"),
+    ("per cents", "percent"),
+    ("a metre of", "per metre"),
+];
+
+/// The words of a line that are not written, each with what is; code in it may hold any word.
+fn wrong_words(line: &str) -> Vec<String> {
+    let line: String = line.split('`').step_by(2).collect::<Vec<_>>().join(" ");
+    let words = |text: &str| -> Vec<String> {
+        let parts = text.split(|c: char| !c.is_alphanumeric() && c != '_' && c != '-');
+        parts.filter(|word| !word.is_empty()).map(str::to_lowercase).collect()
+    };
+    let line = words(&line);
+    let has = |phrase: &str| {
+        let phrase = words(phrase);
+        line.windows(phrase.len()).any(|window| *window == *phrase)
+    };
+    let wrong = WORDS.iter().filter(|(wrong, _)| has(wrong));
+    wrong.map(|(wrong, right)| format!("`{wrong}` ({right})")).collect()
+}
+
+/// The Rust files in a folder and below it, relative to the root.
+fn sources_below(folder: &Path) -> Vec<PathBuf> {
+    let mut sources = Vec::new();
+    for entry in fs::read_dir(root().join(folder)).into_iter().flatten() {
+        let entry = entry.unwrap();
+        let path = folder.join(entry.file_name());
+        if entry.file_type().unwrap().is_dir() {
+            sources.extend(sources_below(&path));
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            sources.push(path);
+        }
+    }
+    sources
+}
+
+#[test]
+fn documentation_keeps_to_the_words_of_the_glossary() {
+    let mut wrong = Vec::new();
+    let mut read = 0;
+    let mut look = |path: &Path, is_read: fn(&str) -> bool| {
+        let text = fs::read_to_string(root().join(path)).unwrap();
+        for (number, line) in text.lines().enumerate().filter(|(_, line)| is_read(line)) {
+            read += 1;
+            for word in wrong_words(line) {
+                wrong.push(format!("{}:{}: {word}", path.display(), number + 1));
+            }
+        }
+    };
+    for page in pages().keys().filter(|page| !page.ends_with("glossary.md")) {
+        look(page, |_| true);
+    }
+    let crates = fs::read_dir(root().join("crates")).unwrap();
+    let folders =
+        crates.map(|entry| Path::new("crates").join(entry.unwrap().file_name()).join("src"));
+    for source in folders.chain(["src".into(), "examples".into()]).flat_map(|f| sources_below(&f)) {
+        look(&source, |line| ["///", "//!"].iter().any(|doc| line.trim_start().starts_with(doc)));
+    }
+    assert!(read > 10_000, "only {read} lines were read");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn wrong_words_are_noticed() {
+    assert_eq!(
+        wrong_words("Builds it Anew; dead odometry."),
+        ["`anew` (again, rebuild)", "`dead odometry` (wheel odometry)"]
+    );
+    assert!(wrong_words("A wayward gateway, `way` and always a half-way house.").is_empty());
 }

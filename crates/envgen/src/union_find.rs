@@ -7,7 +7,7 @@
 /// rely on it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct UnionFind {
-    /// For each number the next one on the way to its representative; for a representative the size of
+    /// For each number the next one in the direction of its representative; for a representative the size of
     /// its set, negative. Fewer than 2^31 numbers.
     links: Vec<i32>,
 }

@@ -57,7 +57,7 @@ impl TurnLimits {
         self.place(length, law, |low, high| stream.between(low, high))
     }
 
-    /// The same where the radius or the angle lies at a share, from 0 to 1, of the way between its limits.
+    /// The same where the radius or the angle lies at a share, from 0 to 1, of the distance between its limits.
     pub(super) fn at(&self, length: f64, law: TurnLaw, share: f64) -> Option<f64> {
         self.place(length, law, |low, high| low + (high - low) * share)
     }

@@ -127,8 +127,8 @@ pub struct Doorway {
     pub shape: Shape,
     /// Whether a robot can pass.
     pub open: bool,
-    /// The indices in [`World::rooms`](crate::World::rooms) of the rooms that it joins; `None` stands
-    /// for a hallway or an open area.
+    /// The indices in [`World::rooms`](crate::World::rooms) of the rooms that it joins; `None` is
+    /// a hallway or an open area.
     pub rooms: [Option<u32>; 2],
 }
 
