@@ -89,6 +89,10 @@ pub(super) fn entries(world: &World, view: &View, numbers: &[String]) -> Vec<Ent
         entries.push(Entry::Road);
     }
     let mut classes = world.raster.as_ref().map(raster::classes).unwrap_or_default();
+    // Classes that cannot be passed are obstacles.
+    if let Some(raster) = world.raster.as_ref().filter(|raster| !raster.speeds.is_empty()) {
+        classes.retain(|&class| raster.speed_of(class) > 0.0);
+    }
     for layer in parts::surface_layers(world) {
         match layer.parts[0].kind {
             SurfaceKind::Class(class) => {

@@ -95,7 +95,11 @@ pub(super) enum Texture {
 
 impl Style {
     const fn solid(name: &'static str, fill: u32) -> Style {
-        let fill = rgb(fill);
+        Style::borderless(name, rgb(fill))
+    }
+
+    /// An area whose edge has its own colour.
+    const fn borderless(name: &'static str, fill: Color) -> Style {
         Style { name, fill, edge: fill, edge_width: 0.7, texture: Texture::Plain }
     }
 
@@ -189,7 +193,8 @@ pub(super) fn obstacle(kind: ObstacleKind) -> (u32, Style) {
 pub(super) fn surface(kind: SurfaceKind) -> (u32, Style) {
     if let SurfaceKind::Class(class) = kind {
         let fill = class_color(class);
-        return (1 + u32::from(class), Style::edged("class", fill, fill.mix(INK, 0.35)));
+        // Pieces of one class join without a line between them.
+        return (1 + u32::from(class), Style::borderless("class", fill));
     }
     find(SURFACES, &kind).map_or((0, FLOOR), |(place, style)| (place + (1 << 17), style))
 }
