@@ -160,11 +160,6 @@ impl Side {
         };
         (original, if reversed { length(original).saturating_sub(at) } else { at })
     }
-
-    /// The opposite side.
-    pub fn opposite(self) -> Side {
-        self.turned(2)
-    }
 }
 
 /// A set of sides.
@@ -307,7 +302,7 @@ mod tests {
         assert_eq!(Side::East.turned(1), Side::North);
         assert_eq!(Side::North.turned(1), Side::West);
         assert_eq!(Side::South.turned(3), Side::West);
-        assert_eq!(Side::South.opposite(), Side::North);
+        assert_eq!(Side::South.turned(2), Side::North);
         let mut sides = Sides::default();
         sides.insert(Side::North);
         sides.insert(Side::East);

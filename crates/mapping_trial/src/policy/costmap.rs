@@ -207,14 +207,16 @@ impl Costmap {
         })
     }
 
-    /// Number of frontier cells.
+    /// Number of frontier cells: for benchmarks and tests.
+    #[doc(hidden)]
     pub fn frontier_len(&self) -> usize {
         let ones = |tile: &Tile| tile.frontier.iter().map(|row| row.count_ones()).sum::<u32>();
         self.tiles.iter().map(|tile| ones(tile) as usize).sum()
     }
 
     /// Derives everything that is still to be derived: for benchmarks and tests, since a cell's tile
-    /// is otherwise derived when the cell's cost is asked for.
+    /// is otherwise derived when the cell's cost is requested.
+    #[doc(hidden)]
     pub fn derive_all(&mut self) {
         for slot in 0..self.tiles.len() {
             self.derive_classes(slot);

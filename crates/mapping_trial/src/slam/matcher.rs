@@ -142,7 +142,8 @@ impl Matcher {
         Some(self.refine(field, echoes, window, coarse))
     }
 
-    /// As [`Matcher::find`], without the refinement.
+    /// As [`Matcher::find`], without the refinement: for benchmarks and tests.
+    #[doc(hidden)]
     pub fn find_coarse(
         &mut self,
         field: &LikelihoodField,
