@@ -58,7 +58,7 @@ pub fn standard_normal(stream: &mut Stream) -> f64 {
 /// and of scale 1. The logarithm stays finite where the variate of a small shape would be 0.
 ///
 /// G. Marsaglia and W. W. Tsang, A simple method for generating gamma variables, ACM Transactions
-/// on Mathematical Software 26, 2000; below a shape of 1 with the factor of their section 6.
+/// on Mathematical Software 26, 2000, <https://doi.org/10.1145/358407.358414>; below a shape of 1 with the factor of their section 6.
 ///
 /// # Panics
 /// When the shape is not positive and finite.
@@ -90,7 +90,8 @@ pub fn ln_gamma_variate(stream: &mut Stream, shape: f64) -> f64 {
 ///
 /// Knuth's product of uniform numbers below a mean of 10, Hörmann's transformed rejection PTRS above
 /// (W. Hörmann, The transformed rejection method for generating Poisson random variables,
-/// Insurance: Mathematics and Economics 12, 1993).
+/// Insurance: Mathematics and Economics 12, 1993,
+/// <https://doi.org/10.1016/0167-6687(93)90997-4>).
 ///
 /// # Panics
 /// When the mean is negative, NaN or above 1e15.

@@ -153,7 +153,7 @@ impl Proportion {
     }
 
     /// Wilson's score interval for a standard normal quantile `z` (1.96 for 95 %): E. B. Wilson,
-    /// Probable Inference, JASA 22, 1927. Without trials it is [0, 1].
+    /// Probable Inference, JASA 22, 1927, <https://doi.org/10.1080/01621459.1927.10502953>. Without trials it is [0, 1].
     ///
     /// # Panics
     /// When `z` is negative or not finite.

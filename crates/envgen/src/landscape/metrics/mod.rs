@@ -1,9 +1,10 @@
 //! The measures of landscape ecology, for any raster of classes.
 //!
 //! Definitions: K. `McGarigal`, S. A. Cushman and E. Ene, FRAGSTATS v4, and M. H. K. Hesselbarth and
-//! others, landscapemetrics, Ecography 42, 2019; the entropies of adjacency: J. Nowosad and
-//! T. F. Stepinski, Information theory as a consistent framework for quantification and
-//! classification of landscape patterns, Landscape Ecology 34, 2019. No-data cells belong to no
+//! others, landscapemetrics, Ecography 42, 2019, <https://doi.org/10.1111/ecog.04617>; the entropies of
+//! adjacency: J. Nowosad and T. F. Stepinski, Information theory as a consistent framework for
+//! quantification and classification of landscape patterns, Landscape Ecology 34, 2019,
+//! <https://doi.org/10.1007/s10980-019-00830-x>. No-data cells belong to no
 //! class, and a side next to one, like a side at the raster's end, is border.
 //!
 //! - [`RasterReport`]: every measure, of the landscape and of each class.
