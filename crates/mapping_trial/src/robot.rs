@@ -1,7 +1,5 @@
 //! The robot that trials use: its size, weight and limits.
 
-use std::f64::consts::TAU;
-
 use envgen::geometry::Pose;
 use envgen::{SpecError, settings};
 use glam::DVec2;
@@ -92,7 +90,7 @@ settings! {
         /// Position to the left of the centre, on the body.
         left: f64 = PIONEER_3AT.laser_mount.left => number("m", -2.0..=MAX_RADIUS);
         /// Its heading, counter-clockwise from straight ahead.
-        heading: f64 = PIONEER_3AT.laser_mount.heading => number("rad", -6.283185307179586..=TAU);
+        heading: f64 = PIONEER_3AT.laser_mount.heading => number("rad", -6.3..=6.3);
         /// Height of its plane above the ground. Worlds are flat: it is kept for logs and drivers, and
         /// changes nothing.
         height: f64 = PIONEER_3AT.laser_mount.height => number("m", 0.0..=10.0);
