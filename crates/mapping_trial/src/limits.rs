@@ -12,11 +12,3 @@ pub(crate) fn number(field: &str, value: f64, least: f64, most: f64) -> Result<(
     }
     Err(SpecError::new(field, value, format!("a number from {least} to {most}")))
 }
-
-/// Checks that a whole number lies within its limits.
-pub(crate) fn count(field: &str, value: u32, least: u32, most: u32) -> Result<(), SpecError> {
-    if (least..=most).contains(&value) {
-        return Ok(());
-    }
-    Err(SpecError::new(field, value, format!("a whole number from {least} to {most}")))
-}

@@ -8,7 +8,6 @@ use envgen::{Seed, Spec, SpecError};
 use serde::{Deserialize, Serialize};
 
 use crate::lidar::LaserProfile;
-use crate::limits::count;
 use crate::names::Named;
 use crate::odometry::OdometryProfile;
 use crate::policy::PolicyKind;
@@ -309,6 +308,14 @@ impl FromStr for Shard {
         let shard = shard.filter(|shard| shard.validate().is_ok());
         shard.ok_or_else(|| SpecError::new("shard", text, "I/N with I from 1 to N, such as 2/8"))
     }
+}
+
+/// Checks that a whole number lies within its limits.
+fn count(field: &str, value: u32, least: u32, most: u32) -> Result<(), SpecError> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(SpecError::new(field, value, format!("a whole number from {least} to {most}")))
 }
 
 #[cfg(test)]
