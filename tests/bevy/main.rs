@@ -5,7 +5,7 @@ mod bad_input;
 mod debug;
 mod doors;
 mod files;
-mod manners;
+mod other_plugins;
 mod physics;
 mod ready;
 mod robot;

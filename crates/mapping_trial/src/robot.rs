@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use strum::VariantNames;
 use thiserror::Error;
 
-use crate::limits::{MAX_TIME_LIMIT, number};
+use crate::setting_limits::{MAX_TIME_LIMIT, number};
 
 /// The greatest circumscribed radius in metres that robots may have.
 pub const MAX_RADIUS: f64 = 2.0;

@@ -29,7 +29,7 @@
 //! ```
 
 mod feedback;
-mod hands;
+mod manual_control;
 mod scores;
 mod setup;
 mod spec;
@@ -39,7 +39,7 @@ pub use bevy_egui;
 pub use bevy_egui::egui;
 
 pub use feedback::{FeedbackForm, Unanswered};
-pub use hands::command_of;
+pub use manual_control::command_of;
 pub use scores::{comparison, scores};
 pub use setup::SetupForm;
 pub use spec::{SpecAction, SpecForm};

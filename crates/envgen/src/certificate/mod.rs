@@ -7,12 +7,12 @@
 //! [`MAX_BEND_POINTS`].
 
 mod budget;
+mod disc_path;
 mod piece;
-mod pieces;
+mod piece_index;
 mod reachability;
 mod roomy;
 mod squares;
-mod traversability;
 mod windings;
 
 use std::collections::BTreeMap;
@@ -25,9 +25,9 @@ pub use budget::{Doubt, MAX_BEND_POINTS, MAX_COMPARISONS, MAX_PIECES, MAX_SQUARE
 pub use reachability::PLACE_MARGIN;
 
 use budget::Budget;
-use pieces::Pieces;
+use disc_path::{Barriers, Nearer};
+use piece_index::Pieces;
 use roomy::Roomy;
-use traversability::{Barriers, Nearer};
 
 use crate::geometry::{Rect, wrap_angle};
 use crate::world::{RoadStrip, World};

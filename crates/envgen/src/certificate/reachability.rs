@@ -6,9 +6,9 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use glam::DVec2;
 
 use super::budget::{Budget, Doubt};
-use super::pieces::Pieces;
+use super::disc_path::{Barriers, Nearer};
+use super::piece_index::Pieces;
 use super::squares::{Square, Squares};
-use super::traversability::{Barriers, Nearer};
 use crate::geometry::{Rect, Shape};
 use crate::world::{SurfaceKind, World};
 

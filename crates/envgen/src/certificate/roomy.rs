@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use glam::DVec2;
 
 use super::budget::{Budget, Doubt};
-use super::pieces::Pieces;
+use super::piece_index::Pieces;
 use super::squares::{Square, Squares};
 use crate::geometry::{Rect, Shape};
 
@@ -87,8 +87,8 @@ impl Roomy {
 
 #[cfg(test)]
 mod tests {
-    use super::super::traversability::Barriers;
-    use super::super::traversability::tests::{SIDE, shapes};
+    use super::super::disc_path::Barriers;
+    use super::super::disc_path::tests::{SIDE, shapes};
     use super::*;
     use proptest::prelude::*;
 

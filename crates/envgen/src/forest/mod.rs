@@ -9,14 +9,14 @@
 //! - [`ForestMetrics`]: measures of a forest, and what theory predicts for them.
 
 mod blueprint;
+#[cfg(feature = "rand")]
+mod custom_laws;
 mod density;
 mod endless;
 mod error;
 mod generate;
 mod hard_core;
 mod index;
-#[cfg(feature = "rand")]
-mod laws;
 mod metrics;
 mod poisson;
 mod predict;
@@ -26,11 +26,11 @@ mod start_goal;
 mod world;
 
 pub use blueprint::Forest;
+#[cfg(feature = "rand")]
+pub use custom_laws::ForestLaws;
 pub use density::{Density, DensityMap};
 pub use endless::EndlessForest;
 pub use error::ForestError;
-#[cfg(feature = "rand")]
-pub use laws::ForestLaws;
 pub use metrics::{ForestMetrics, PERCOLATION_THRESHOLD};
 pub use spec::{Border, ForestSpec, MAX_HARD_CORE_TREES, MAX_TREES, RadiusLaw};
 

@@ -2,9 +2,9 @@
 
 use super::adaptation as adapt;
 use super::blueprint::{Draws, FloorPlan};
+use super::custom_laws::IndoorLaws;
 use super::error::IndoorError;
 use super::grid::Grid;
-use super::laws::IndoorLaws;
 use super::rules::{access, cycles, doorways, hallways, l_system, open_areas, rooms};
 use super::spec::{Cycles, IndoorSpec, Layout, Profile};
 use crate::generate::Spec;

@@ -16,6 +16,7 @@ pub mod adaptation;
 mod access;
 mod blueprint;
 mod catalogue;
+mod custom_laws;
 mod dimensions;
 mod edit;
 mod error;
@@ -23,7 +24,6 @@ mod frame;
 mod generate;
 mod grid;
 mod interior;
-mod laws;
 mod metrics;
 mod placed_room;
 mod rules;
@@ -41,6 +41,8 @@ pub use catalogue::{
     Catalogue, CatalogueError, FolderError, MAX_ROOM_PARTS, MAX_ROOM_SIZE, MAX_ROOMS, RoomDesign,
     RoomError, SharedRoom, room_from_ron, room_to_ron,
 };
+#[cfg(feature = "rand")]
+pub use custom_laws::IndoorLaws;
 pub use dimensions::{Dimensions, STEP};
 pub use edit::{Edit, EditError, PlanEditor};
 pub use error::IndoorError;
@@ -48,8 +50,6 @@ pub use frame::DESIGN_UNIT;
 pub use generate::Stage;
 pub use grid::{Axis, Cell, Gate, Grid, Opening, Origin, Side, Sides};
 pub use interior::{DOORWAY_DEPTH, Interior, Part, Port, narrowest_way};
-#[cfg(feature = "rand")]
-pub use laws::IndoorLaws;
 pub use metrics::{CellCounts, IndoorMetrics};
 pub use placed_room::PlacedRoom;
 pub use spec::{Cycles, IndoorSpec, Layout, Profile, RoomChoice, Turn};

@@ -14,7 +14,6 @@
 //! - [`paths`]: costs of travel, least-cost paths and cost fields.
 
 mod arrange;
-mod automaton;
 mod blueprint;
 mod composition;
 mod construct;
@@ -22,18 +21,17 @@ mod edge;
 mod error;
 mod generate;
 pub mod metrics;
+mod noise;
 mod outlines;
 pub mod paths;
 pub mod published;
 mod random_fill;
 mod region;
 mod search;
-mod smooth;
 mod spec;
 mod world;
 
-pub use arrange::automaton_epsilon;
-pub use automaton::automaton_fill;
+pub use arrange::{automaton_epsilon, automaton_fill};
 pub use blueprint::Landscape;
 pub use composition::{Composition, entropy_of, largest_entropy};
 pub use construct::least_built;

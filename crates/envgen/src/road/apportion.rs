@@ -1,28 +1,7 @@
 //! How a road's length is shared out among its segments.
 
-use super::concentration::Concentration;
-use crate::distribution::ln_gamma_variate;
-use crate::seed::Stream;
-
 /// Shares below this length, in metres, are rounding errors of a share of almost nothing.
 const VANISHING: f64 = 1e-9;
-
-/// Proportions drawn from a Dirichlet law, which sum to 1: `count` of them, all with the one
-/// concentration or each with its own.
-///
-/// Gamma variates are drawn and normalised as logarithms, so that very small concentrations such as
-/// 1e-6 work too: one proportion is then 1 and the others are 0, as the law requires.
-pub fn dirichlet(alpha: &Concentration, count: usize, stream: &mut Stream) -> Vec<f64> {
-    if count == 1 {
-        return vec![1.0];
-    }
-    let mut shares: Vec<f64> = (0..count).map(|i| ln_gamma_variate(stream, alpha.of(i))).collect();
-    let greatest = shares.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    shares.iter_mut().for_each(|share| *share = libm::exp(*share - greatest));
-    let total: f64 = shares.iter().sum();
-    shares.iter_mut().for_each(|share| *share /= total);
-    shares
-}
 
 /// Lengths of the segments: each its minimum and its proportion of what is left of `length`. They
 /// are multiples of the [`quantum`] and sum to `length` exactly, in any order; a length of
@@ -76,6 +55,7 @@ pub fn largest_remainder(lengths: &[f64], count: u64) -> Vec<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::road::{Concentration, dirichlet};
     use crate::seed::Seed;
     use proptest::prelude::*;
 
@@ -98,29 +78,6 @@ mod tests {
             let shares = largest_remainder(&lengths, count);
             assert_eq!(shares.iter().sum::<u64>(), count);
         }
-    }
-
-    #[test]
-    fn one_share_is_everything() {
-        let mut stream = Seed(1).stream("test", 0);
-        assert_eq!(dirichlet(&Concentration::Same(0.3), 1, &mut stream), [1.0]);
-    }
-
-    #[test]
-    fn a_tiny_concentration_gives_everything_to_one() {
-        // For alpha = 1e-3 and 5 shares the greatest is over 0.99 in over 98 % of draws: 5 sigma.
-        let mut wins = [0_u32; 5];
-        let mut clear = 0;
-        for seed in 0..2000 {
-            let mut stream = Seed(seed).stream("test", 0);
-            let shares = dirichlet(&Concentration::Same(1e-3), 5, &mut stream);
-            assert!(shares.iter().all(|p| p.is_finite() && *p >= 0.0));
-            let best = (0..5).max_by(|&a, &b| shares[a].total_cmp(&shares[b])).unwrap();
-            wins[best] += 1;
-            clear += u32::from(shares[best] > 0.99);
-        }
-        assert!(clear > 1900, "{clear}");
-        assert!(wins.iter().all(|&n| n.abs_diff(400) < 90), "{wins:?}");
     }
 
     proptest! {

@@ -7,9 +7,9 @@ use glam::DVec2;
 
 use super::apportion::{lengths, quantum, settle};
 use super::blueprint::{Road, RoadSegment, SegmentKind};
+use super::custom_laws::RoadLaws;
 use super::error::RoadError;
 use super::fit::{nearest_angles, nearest_lengths};
-use super::laws::RoadLaws;
 use super::part::{Part, ramp};
 use super::spec::{Crossing, Lengths, MAX_WAYPOINTS, Prefab, RoadSpec};
 use super::turn::TurnLimits;

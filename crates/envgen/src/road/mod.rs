@@ -13,11 +13,11 @@
 
 mod apportion;
 mod blueprint;
-mod concentration;
+mod custom_laws;
+mod dirichlet;
 mod error;
 mod fit;
 mod generate;
-mod laws;
 mod metrics;
 mod part;
 mod spec;
@@ -25,12 +25,12 @@ mod turn;
 mod waypoints;
 mod world;
 
-pub use apportion::{dirichlet, largest_remainder, lengths, quantum};
+pub use apportion::{largest_remainder, lengths, quantum};
 pub use blueprint::{Road, RoadSegment, SegmentKind};
-pub use concentration::Concentration;
-pub use error::RoadError;
 #[cfg(feature = "rand")]
-pub use laws::RoadLaws;
+pub use custom_laws::RoadLaws;
+pub use dirichlet::{Concentration, dirichlet};
+pub use error::RoadError;
 pub use metrics::RoadMetrics;
 pub use spec::{Crossing, Lengths, MAX_SEGMENTS, MAX_WAYPOINTS, Prefab, RoadSpec};
 pub use turn::{GRAVITY, TurnLaw, TurnLimits};
@@ -64,7 +64,7 @@ impl Spec for RoadSpec {
 
     fn generate(&self, seed: Seed) -> Result<Road, RoadError> {
         self.validate()?;
-        generate::road(self, seed, &laws::RoadLaws::default())
+        generate::road(self, seed, &custom_laws::RoadLaws::default())
     }
 }
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use strum::VariantNames;
 
 use super::apportion::quantum;
-use super::concentration::{self, Concentration};
+use super::dirichlet::{self, Concentration};
 use super::turn::{GRAVITY, TurnLaw, TurnLimits};
 use crate::error::SpecError;
 use crate::geometry::Pose;
@@ -50,7 +50,7 @@ settings! {
         /// Probability that a segment drawn at random is a turn.
         p_turn: f64 = 0.5 => number("", 0.0..=1.0);
         /// Concentration of the Dirichlet law of the lengths: one for all segments or a list.
-        alpha: Concentration = Concentration::Same(1.0) => other("", concentration::ALLOWED, "1,2,1,2,1");
+        alpha: Concentration = Concentration::Same(1.0) => other("", dirichlet::ALLOWED, "1,2,1,2,1");
         /// How lengths are shared out: turns first get the length they need, or all length is drawn.
         lengths: Lengths = Lengths::Reserve => choice;
         /// Least length of a segment, whatever the step, where `lengths` is `reserve` or the road is aimed

@@ -13,7 +13,7 @@
 mod error;
 mod grid;
 mod link;
-mod parts;
+mod policy_slam;
 mod process;
 mod protocol;
 mod session;
@@ -24,7 +24,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 pub use error::DriverError;
-pub use parts::{DriverPolicy, DriverSlam};
+pub use policy_slam::{DriverPolicy, DriverSlam};
 pub use protocol::{Greeting, Hello, PROTOCOL};
 
 use crate::trial::{TrialParts, TrialReport};

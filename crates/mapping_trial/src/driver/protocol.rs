@@ -7,8 +7,8 @@ use super::error::{DriverError, not_allowed};
 use super::grid::Grid;
 use crate::backend::{Command, TICK};
 use crate::lidar::Scan;
-use crate::limits::number;
 use crate::score::Scores;
+use crate::setting_limits::number;
 use crate::trial::{EndReason, Setup, TrialReport, TrialSettings};
 
 /// The protocol's name and version, as in the hello of both sides.

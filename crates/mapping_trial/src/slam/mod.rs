@@ -11,14 +11,14 @@
 //! [`OccupancyMap`] that the robots share; in between, poses come from the wheels.
 
 mod fusion;
-mod graph;
 mod incremental;
 pub mod likelihood;
-mod loops;
+mod loop_closing;
 mod mapper;
 pub mod matcher;
 pub(crate) mod motion;
 mod pose_graph;
+mod pose_graph_solver;
 pub mod scan_insertion;
 pub mod sweep;
 mod track;

@@ -3,9 +3,9 @@
 use envgen::geometry::Pose;
 
 use super::Slam;
-use super::graph::{Relation, held_by_walls, of_motion, solve};
-use super::loops::LoopCloser;
+use super::loop_closing::LoopCloser;
 use super::mapper::{Added, Mapper};
+use super::pose_graph_solver::{Relation, held_by_walls, of_motion, solve};
 use super::track::Variance;
 use super::walls::{WALL_VARIANCE, constrained};
 use crate::backend::Observation;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use envgen::World;
 use envgen::geometry::Pose;
 
+use super::clock::Clock;
 use super::log::{CommandTrack, WorldSource};
 use super::parts::{Setup, TrialParts};
 use super::start::starts;
@@ -176,7 +177,7 @@ impl<'w> TrialBuilder<'w> {
             foreign,
             source: WorldSource::of(world),
             world_digest: world.digest().to_string(),
-            tick: 0,
+            clock: Clock::default(),
             ends: vec![None; starts.len()],
             finished: vec![false; starts.len()],
             tracks: starts.iter().map(track).collect(),

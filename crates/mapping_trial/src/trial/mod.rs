@@ -1,6 +1,8 @@
 //! Trials with any robot backend: clock, battery, end conditions, and the log of every command.
 
 mod builder;
+mod clock;
+mod end;
 mod log;
 mod parts;
 mod report;
@@ -10,19 +12,20 @@ mod summary;
 
 use envgen::geometry::{Pose, wrap_angle};
 use envgen::{GenerateError, SettingsError, SpecError, World};
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use builder::TrialBuilder;
+pub use end::{EndReason, RobotEnd};
 pub use log::{LOG_VERSION, LogError, TrialLog, WorldSource};
 pub use parts::{ForeignPart, PartRole, Setup, TrialParts};
 pub use report::{REPORT_VERSION, RobotReport, TrialReport};
 pub use settings::{MAX_ROBOTS, TrialSettings};
 
-pub use crate::limits::MAX_TIME_LIMIT;
+pub use crate::setting_limits::MAX_TIME_LIMIT;
 
+use self::clock::Clock;
 use crate::autonomy::Autonomy;
-use crate::backend::{Command, Condition, RobotBackend, TICK};
+use crate::backend::{Command, Condition, RobotBackend};
 use crate::flat::FlatSimulator;
 use crate::policy::{Decision, ExplorationPolicy};
 use crate::score::{self, Reference, ScoreError, Scores};
@@ -99,51 +102,6 @@ pub enum TrialError {
     },
 }
 
-/// Why a robot's part in a trial ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum EndReason {
-    /// No frontier was left that it could reach.
-    Explored,
-    /// It was stuck and could not free itself.
-    Stuck,
-    /// Its policy failed: see [`ExplorationPolicy::failure`].
-    Failed,
-    /// It drove into water.
-    Drowned,
-    /// Its battery was empty.
-    Battery,
-    /// The time limit was reached.
-    TimeLimit,
-    /// A person ended the trial.
-    Stopped,
-}
-
-impl EndReason {
-    /// The reason in words.
-    pub fn text(self) -> &'static str {
-        match self {
-            EndReason::Explored => "explored",
-            EndReason::Stuck => "stuck",
-            EndReason::Failed => "policy failed",
-            EndReason::Drowned => "drowned",
-            EndReason::Battery => "battery empty",
-            EndReason::TimeLimit => "time up",
-            EndReason::Stopped => "stopped",
-        }
-    }
-}
-
-/// Why and when a robot's part in a trial ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RobotEnd {
-    /// Why.
-    pub reason: EndReason,
-    /// Number of ticks until then.
-    pub tick: u64,
-}
-
 /// The motion of one robot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trajectory {
@@ -175,7 +133,7 @@ pub struct Trial<B> {
     starts: Vec<Pose>,
     source: WorldSource,
     world_digest: String,
-    tick: u64,
+    clock: Clock,
     ends: Vec<Option<RobotEnd>>,
     /// Which robots last found that nothing is left to explore.
     finished: Vec<bool>,
@@ -239,7 +197,8 @@ impl<B: RobotBackend> Trial<B> {
                 continue;
             }
             self.autonomy.sense(robot, &seen);
-            let script = self.script.as_ref().and_then(|script| script.end_at(robot, self.tick));
+            let script =
+                self.script.as_ref().and_then(|script| script.end_at(robot, self.clock.ticks()));
             let end = if let Some(reason) = script {
                 Some(reason)
             } else if seen.battery <= 0.0 {
@@ -263,7 +222,7 @@ impl<B: RobotBackend> Trial<B> {
                     Decision::Drive(_) | Decision::Finished => None,
                 }
             };
-            self.ends[robot] = end.map(|reason| RobotEnd { reason, tick: self.tick });
+            self.ends[robot] = end.map(|reason| RobotEnd { reason, tick: self.clock.ticks() });
         }
         // A robot that has nothing left to do waits for the others, which may find more for it.
         let mut robots = self.ends.iter().zip(&self.finished);
@@ -279,7 +238,7 @@ impl<B: RobotBackend> Trial<B> {
 
     /// The second half of a tick, after [`Trial::command`]: records where the robots are now.
     pub fn record(&mut self) {
-        self.tick += 1;
+        self.clock.advance();
         for (robot, track) in self.tracks.iter_mut().enumerate() {
             let (pose, last) = (self.bodies.pose(robot), track.poses[track.poses.len() - 1]);
             track.distance += pose.position.distance(last.position);
@@ -298,13 +257,13 @@ impl<B: RobotBackend> Trial<B> {
     fn end(&mut self, reason: EndReason) {
         self.over = true;
         for end in &mut self.ends {
-            end.get_or_insert(RobotEnd { reason, tick: self.tick });
+            end.get_or_insert(RobotEnd { reason, tick: self.clock.ticks() });
         }
     }
 
     /// Simulated seconds so far.
     pub fn time(&self) -> f64 {
-        self.tick as f64 * TICK
+        self.clock.time()
     }
 
     /// Number of robots.
@@ -439,6 +398,6 @@ impl<B: RobotBackend> Trial<B> {
 }
 
 #[cfg(test)]
-mod open_tests;
+mod custom_parts_tests;
 #[cfg(test)]
 mod tests;

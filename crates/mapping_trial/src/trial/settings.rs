@@ -4,10 +4,10 @@ use envgen::geometry::Pose;
 use envgen::{Seed, SpecError, settings};
 
 use crate::lidar::LaserProfile;
-use crate::limits::{MAX_TIME_LIMIT, number};
 use crate::odometry::OdometryProfile;
 use crate::policy::PolicyKind;
 use crate::robot::Robot;
+use crate::setting_limits::{MAX_TIME_LIMIT, number};
 use crate::slam::SlamKind;
 
 /// Greatest number of robots in a trial.

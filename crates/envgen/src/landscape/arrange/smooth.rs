@@ -2,7 +2,7 @@
 
 use super::grid::{Arranged, Grid};
 use crate::landscape::error::LandscapeError;
-use crate::landscape::smooth::Noise;
+use crate::landscape::noise::Noise;
 use crate::landscape::spec::Algorithm;
 
 /// The smoothing in cells where nothing determines another value.

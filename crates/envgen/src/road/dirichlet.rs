@@ -1,10 +1,12 @@
-//! The concentration of the Dirichlet law: how similar the lengths of the segments are.
+//! The Dirichlet law of the lengths, and its concentration: how similar the lengths are.
 
 use std::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
+use crate::distribution::ln_gamma_variate;
 use crate::error::SpecError;
+use crate::seed::Stream;
 
 /// The concentrations that are allowed.
 pub(super) const ALLOWED: &str = "a number from 1e-6 to 1e12, or a list with one per segment";
@@ -49,6 +51,23 @@ impl Concentration {
             None => Ok(()),
         }
     }
+}
+
+/// Proportions drawn from a Dirichlet law, which sum to 1: `count` of them, all with the one
+/// concentration or each with its own.
+///
+/// Gamma variates are drawn and normalised as logarithms, so that very small concentrations such as
+/// 1e-6 work too: one proportion is then 1 and the others are 0, as the law requires.
+pub fn dirichlet(alpha: &Concentration, count: usize, stream: &mut Stream) -> Vec<f64> {
+    if count == 1 {
+        return vec![1.0];
+    }
+    let mut shares: Vec<f64> = (0..count).map(|i| ln_gamma_variate(stream, alpha.of(i))).collect();
+    let greatest = shares.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    shares.iter_mut().for_each(|share| *share = libm::exp(*share - greatest));
+    let total: f64 = shares.iter().sum();
+    shares.iter_mut().for_each(|share| *share /= total);
+    shares
 }
 
 impl Serialize for Concentration {
@@ -104,5 +123,34 @@ impl<'de> Deserialize<'de> for Concentration {
             }
         }
         deserializer.deserialize_any(Visitor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seed::Seed;
+
+    #[test]
+    fn one_share_is_everything() {
+        let mut stream = Seed(1).stream("test", 0);
+        assert_eq!(dirichlet(&Concentration::Same(0.3), 1, &mut stream), [1.0]);
+    }
+
+    #[test]
+    fn a_tiny_concentration_gives_everything_to_one() {
+        // For alpha = 1e-3 and 5 shares the greatest is over 0.99 in over 98 % of draws: 5 sigma.
+        let mut wins = [0_u32; 5];
+        let mut clear = 0;
+        for seed in 0..2000 {
+            let mut stream = Seed(seed).stream("test", 0);
+            let shares = dirichlet(&Concentration::Same(1e-3), 5, &mut stream);
+            assert!(shares.iter().all(|p| p.is_finite() && *p >= 0.0));
+            let best = (0..5).max_by(|&a, &b| shares[a].total_cmp(&shares[b])).unwrap();
+            wins[best] += 1;
+            clear += u32::from(shares[best] > 0.99);
+        }
+        assert!(clear > 1900, "{clear}");
+        assert!(wins.iter().all(|&n| n.abs_diff(400) < 90), "{wins:?}");
     }
 }

@@ -2,10 +2,10 @@
 
 use envgen::geometry::{Pose, wrap_angle};
 
-use super::graph::{Relation, held_by_walls};
 use super::likelihood::LikelihoodField;
 use super::mapper::{Keyframe, stamp};
 use super::matcher::{Matcher, Window};
+use super::pose_graph_solver::{Relation, held_by_walls};
 use super::sweep::FEWEST_ECHOES;
 use super::walls::{WALL_VARIANCE, WallPiece, walls};
 

@@ -15,7 +15,7 @@ use glam::DVec2;
 
 use super::budget::{Budget, Doubt};
 use super::piece::Piece;
-use super::pieces::Pieces;
+use super::piece_index::Pieces;
 use super::windings::{Crossings, Windings};
 use crate::geometry::Rect;
 

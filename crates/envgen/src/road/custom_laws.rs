@@ -3,8 +3,7 @@
 #[cfg(feature = "rand")]
 use rand::distr::Distribution;
 
-use super::apportion::dirichlet;
-use super::concentration::Concentration;
+use super::dirichlet::{Concentration, dirichlet};
 use super::error::RoadError;
 use crate::distribution::Law;
 #[cfg(feature = "rand")]

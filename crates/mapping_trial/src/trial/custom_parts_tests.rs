@@ -5,7 +5,7 @@ use envgen::{Blueprint, Seed, Spec, World};
 use glam::DVec2;
 
 use super::*;
-use crate::backend::Observation;
+use crate::backend::{Observation, TICK};
 use crate::flat::FlatSimulator;
 use crate::lidar::{LaserSensor, NO_ECHO, Scan};
 use crate::map::{Estimate, OccupancyMap};

@@ -1,0 +1,48 @@
+//! The end of a robot's part in a trial.
+
+use serde::{Deserialize, Serialize};
+
+/// Why a robot's part in a trial ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EndReason {
+    /// No frontier was left that it could reach.
+    Explored,
+    /// It was stuck and could not free itself.
+    Stuck,
+    /// Its policy failed: see [`ExplorationPolicy::failure`](crate::policy::ExplorationPolicy::failure).
+    Failed,
+    /// It drove into water.
+    Drowned,
+    /// Its battery was empty.
+    Battery,
+    /// The time limit was reached.
+    TimeLimit,
+    /// A person ended the trial.
+    Stopped,
+}
+
+impl EndReason {
+    /// The reason in words.
+    pub fn text(self) -> &'static str {
+        match self {
+            EndReason::Explored => "explored",
+            EndReason::Stuck => "stuck",
+            EndReason::Failed => "policy failed",
+            EndReason::Drowned => "drowned",
+            EndReason::Battery => "battery empty",
+            EndReason::TimeLimit => "time up",
+            EndReason::Stopped => "stopped",
+        }
+    }
+}
+
+/// Why and when a robot's part in a trial ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RobotEnd {
+    /// Why.
+    pub reason: EndReason,
+    /// Number of ticks until then.
+    pub tick: u64,
+}
