@@ -44,6 +44,12 @@
 //!
 //! | feature | default | what it adds |
 //! |---|---|---|
+//! | `formats` | yes | all of the following formats |
+//! | `csv` | yes | the waypoints of roads as comma-separated values |
+//! | `opendrive` | yes | roads as OpenDRIVE |
+//! | `paths` | yes | least-cost paths on landscapes, and the maps and scenarios of MovingAI |
+//! | `ros` | yes | reading maps of ROS and Nav2; they can always be written |
+//! | `usarsim` | yes | projects and libraries of the World Generator for `USARSim` |
 //! | `parallel` | yes | large rasters are counted on all cores |
 //! | `picture` | yes | SVG and PNG pictures, drawn on the CPU |
 //! | `rand` | no | worlds drawn from any distribution of `rand` and `rand_distr`, see [`distribution`] |

@@ -19,8 +19,11 @@
 mod asc;
 #[cfg(feature = "picture")]
 pub mod class_png;
+#[cfg(feature = "csv")]
 mod csv;
+#[cfg(feature = "paths")]
 pub mod movingai;
+#[cfg(feature = "opendrive")]
 mod opendrive;
 pub mod ros_map;
 
@@ -37,11 +40,13 @@ use crate::landscape::metrics::RasterError;
 use crate::occupancy::OccupancyError;
 #[cfg(feature = "picture")]
 use crate::picture::{PictureError, PictureOptions};
+#[cfg(feature = "paths")]
 use crate::seed::Seed;
 use crate::spec::WorldBlueprint;
 use crate::world::{ClassRaster, World};
 
 /// Number of tasks in a MovingAI scenario file.
+#[cfg(feature = "paths")]
 const TASKS: usize = 100;
 
 /// Why a world could not be written.
@@ -146,6 +151,7 @@ impl<'a> Job<'a> {
         Ok(RosMap::of_world(self.world, self.ros_resolution())?.write_pgm(out)?)
     }
 
+    #[cfg(feature = "paths")]
     fn write_scenarios(&self, out: &mut dyn Write) -> Result<(), ExportError> {
         let seed = self.world.provenance.seed.unwrap_or(Seed(0));
         let map = format!("{}.map", self.stem);
@@ -194,10 +200,13 @@ formats! {
         ["json" => |job, out| Ok(job.world.write_json(out)?)];
     Ron, " The whole world as RON, one line per part, for reading back.",
         ["ron" => |job, out| Ok(job.world.write_ron(out)?)];
+    #[cfg(feature = "opendrive")]
     OpenDrive, " The roads as OpenDRIVE 1.7.",
         ["xodr" => |job, out| opendrive::write(job.world, out)];
+    #[cfg(feature = "csv")]
     Csv, " The waypoints of the roads as comma-separated values.",
         ["csv" => |job, out| csv::write(job.world, out)];
+    #[cfg(feature = "usarsim")]
     WorldGenerator, " An indoor plan as a project of the World Generator for USARSim.",
         ["xml" => write_world_generator];
     #[cfg(feature = "picture")]
@@ -211,6 +220,7 @@ formats! {
     #[cfg(feature = "picture")]
     ClassPng, " A landscape's classes as an image, one pixel per cell.",
         ["classes.png" => |job, out| Ok(class_png::write_class_png(job.raster()?, out)?)];
+    #[cfg(feature = "paths")]
     MovingAi, " Where a landscape can be passed as a MovingAI map, with a scenario of 100 tasks.",
         ["map" => |job, out| Ok(movingai::write_map(job.raster()?, out)?),
          "scen" => |job, out| job.write_scenarios(out)];
@@ -219,6 +229,7 @@ formats! {
          "pgm" => |job, out| job.write_ros_image(out)];
 }
 
+#[cfg(feature = "usarsim")]
 fn write_world_generator(job: &Job<'_>, mut out: &mut dyn Write) -> Result<(), ExportError> {
     match job.blueprint {
         Some(WorldBlueprint::Indoor(plan)) => {

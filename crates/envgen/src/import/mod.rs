@@ -3,9 +3,12 @@
 mod asc;
 #[cfg(feature = "picture")]
 mod class_png;
+#[cfg(any(feature = "ros", feature = "picture"))]
 mod grey_image;
+#[cfg(feature = "paths")]
 mod movingai;
 mod raster;
+#[cfg(feature = "ros")]
 pub mod ros_map;
 
 use std::fs::File;
@@ -17,13 +20,18 @@ use thiserror::Error;
 pub use asc::read_asc;
 #[cfg(feature = "picture")]
 pub use class_png::read_class_png;
+#[cfg(feature = "paths")]
 pub use movingai::{read_map, read_scenarios};
 pub use raster::{ImportedRaster, RasterFileError, read_raster_json};
+#[cfg(feature = "ros")]
 use ros_map::{RosMapError, UnknownCells};
 
 use crate::file::{self, FileError};
+#[cfg(feature = "usarsim")]
 use crate::generate::Blueprint;
+#[cfg(feature = "usarsim")]
 use crate::indoor::Catalogue;
+#[cfg(feature = "usarsim")]
 use crate::indoor::world_generator::{
     LibraryRoom, Project, WorldGeneratorError, read_library, read_project,
 };
@@ -50,9 +58,11 @@ pub enum ImportError {
     #[error(transparent)]
     Raster(#[from] RasterFileError),
     /// The file holds no map for robots.
+    #[cfg(feature = "ros")]
     #[error(transparent)]
     RosMap(#[from] RosMapError),
     /// The file is not a project of the World Generator.
+    #[cfg(feature = "usarsim")]
     #[error(transparent)]
     WorldGenerator(#[from] WorldGeneratorError),
 }
@@ -66,9 +76,13 @@ pub const READERS: &[(&str, Reader)] = &[
     ("json", |input, _| read_json(input)),
     ("ron", |input, _| read_ron(input)),
     ("asc", |input, _| world_of_raster("esri_ascii_grid", read_asc(input)?)),
+    #[cfg(feature = "paths")]
     ("map", |input, _| world_of_raster("movingai_map", read_map(input)?)),
+    #[cfg(feature = "usarsim")]
     ("xml", |input, _| read_world_generator(input)),
+    #[cfg(feature = "ros")]
     ("yaml", world_of_ros_map),
+    #[cfg(feature = "ros")]
     ("yml", world_of_ros_map),
 ];
 
@@ -116,6 +130,7 @@ pub fn read_ron(input: &mut dyn Read) -> Result<World, ImportError> {
 ///
 /// # Errors
 /// When the file is not a project, or a room is unknown, overlaps another or extends beyond the world.
+#[cfg(feature = "usarsim")]
 pub fn read_world_generator(input: &mut dyn Read) -> Result<World, ImportError> {
     Ok(read_world_generator_project(input, Catalogue::builtin(), &[])?.plan.to_world())
 }
@@ -125,6 +140,7 @@ pub fn read_world_generator(input: &mut dyn Read) -> Result<World, ImportError> 
 ///
 /// # Errors
 /// When the file is not a project, or a room is unknown, overlaps another or extends beyond the world.
+#[cfg(feature = "usarsim")]
 pub fn read_world_generator_project(
     input: &mut dyn Read,
     catalogue: &Catalogue,
@@ -137,11 +153,13 @@ pub fn read_world_generator_project(
 ///
 /// # Errors
 /// When the file is not a library.
+#[cfg(feature = "usarsim")]
 pub fn read_world_generator_library(input: &mut dyn Read) -> Result<Vec<LibraryRoom>, ImportError> {
     Ok(read_library(&file::read_text(input)?)?)
 }
 
 /// Reads a ROS map; unknown cells are solid.
+#[cfg(feature = "ros")]
 fn world_of_ros_map(input: &mut dyn Read, path: &Path) -> Result<World, ImportError> {
     let world = ros_map::read_ros_map(input, path)?.to_world(UnknownCells::default());
     world.check().map_err(FileError::World)?;
@@ -160,6 +178,7 @@ fn world_of_raster(format: &str, read: ImportedRaster) -> Result<World, ImportEr
 mod tests {
     use super::*;
 
+    #[cfg(feature = "paths")]
     #[test]
     fn a_map_becomes_a_world_with_obstacles() {
         let map = "type octile\nheight 3\nwidth 5\nmap\n.....\n.@@S.\n.@..T\n";

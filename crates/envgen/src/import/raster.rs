@@ -125,6 +125,7 @@ impl ImportedRaster {
         match ending.as_deref() {
             Some("asc") => super::read_asc(input),
             Some("json") => read_raster_json(input),
+            #[cfg(feature = "paths")]
             Some("map") => super::read_map(input),
             #[cfg(feature = "picture")]
             Some("png") => super::read_class_png(input),

@@ -8,7 +8,7 @@
 //! - [`IndoorSpec`] and [`FloorPlan`]: the settings, and the plan on the grid that the rules draw.
 //! - [`AccessGraph`]: which places are connected; [`Interior`]: the same inside one room.
 //! - [`PlanEditor`]: changes by hand, with undo and redo.
-//! - [`world_generator`]: the files of the tool that the paper extended.
+//! - `world_generator`: the files of the tool that the paper extended.
 //! - [`vary`]: moves the contents of a room until its narrowest passage has a wanted width.
 
 pub mod adaptation;
@@ -30,6 +30,7 @@ mod rules;
 mod spec;
 mod variation;
 mod world;
+#[cfg(feature = "usarsim")]
 pub mod world_generator;
 
 #[cfg(test)]

@@ -11,7 +11,7 @@
 //! - [`LandscapeSpec`] and [`Landscape`]: the settings, entropy and Total Edge together in five
 //!   algorithms, and the landscape.
 //! - [`metrics`]: the measures of landscape ecology for any raster of classes.
-//! - [`paths`]: costs of travel, least-cost paths and cost fields.
+//! - `paths`: costs of travel, least-cost paths and cost fields.
 
 mod arrange;
 mod blueprint;
@@ -23,6 +23,7 @@ mod generate;
 pub mod metrics;
 mod noise;
 mod outlines;
+#[cfg(feature = "paths")]
 pub mod paths;
 pub mod published;
 mod random_fill;
@@ -41,6 +42,7 @@ pub use edge::{
 pub use error::LandscapeError;
 pub use metrics::LandscapeMetrics;
 pub use random_fill::random_fill;
+#[cfg(feature = "paths")]
 pub(crate) use region::largest_region;
 pub use spec::{Algorithm, ClassOrder, LandscapeSpec, MAX_CELLS, MAX_SMOOTH_CELLS};
 pub(crate) use world::raster_world;
