@@ -5,7 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
+use envgen::geometry::Pose;
+use mapping_trial::driver::Hello;
+use mapping_trial::trial::{Setup, TrialSettings};
 use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
+use serde_json::Value;
 
 /// The most lines of the README.
 const README_LINES: usize = 170;
@@ -176,6 +180,29 @@ fn snippets_of_the_guide_are_compiled() {
             assert_eq!(page.rust, included, "{} and src/lib.rs", path.display());
         }
     }
+}
+
+/// The names of a JSON value's fields, with those of the objects in it.
+fn fields(value: &Value) -> BTreeSet<String> {
+    let Some(object) = value.as_object() else { return BTreeSet::new() };
+    let below = |(name, value): (&String, &Value)| {
+        let inner: Vec<String> = fields(value).into_iter().map(|f| format!("{name}.{f}")).collect();
+        std::iter::once(name.clone()).chain(inner)
+    };
+    object.iter().flat_map(below).collect()
+}
+
+#[test]
+fn drivers_are_sent_the_fields_that_the_protocol_documents() {
+    let text = fs::read_to_string(root().join("docs/driver-protocol.md")).unwrap();
+    let (_, section) = text.split_once("### hello, from the trial").unwrap();
+    let example = section.split("```json").nth(1).unwrap().split("```").next().unwrap();
+    let documented: Value = serde_json::from_str(example).unwrap();
+    let (settings, starts) = (TrialSettings::default(), [Pose::new(4.5, 1.5, 0.0)]);
+    let hello = Hello::new(&Setup { settings: &settings, starts: &starts });
+    let sent = serde_json::to_value(&hello).unwrap();
+    assert_eq!(fields(&sent), fields(&documented));
+    assert_eq!(sent["robot"], documented["robot"]);
 }
 
 #[test]

@@ -49,6 +49,7 @@ pub struct Hello {
 struct RobotNumbers {
     length: f64,
     width: f64,
+    #[serde(rename = "swing_radius")]
     circumscribed_radius: f64,
     max_speed: f64,
     max_turn_rate: f64,
