@@ -155,9 +155,9 @@ fn without_bevys_plugin_for_gizmos_nothing_is_drawn() {
 const PRIVATE: &[&str] = &[
     "bevy_envgen::Schedules",
     "bevy_envgen::debug::Drawable",
-    "bevy_envgen::job::Notices",
-    "bevy_envgen::job::Slot",
-    "bevy_envgen::job::Standing",
+    "bevy_envgen::job::GenerationJob",
+    "bevy_envgen::job::PendingEvents",
+    "bevy_envgen::job::SpawnedTiles",
     "bevy_envgen::streaming::Streaming",
     "bevy_envgen::view::camera::MapMark",
     "bevy_envgen::view::drawing::Drawing",
