@@ -23,7 +23,7 @@
 //! | what | where |
 //! |---|---|
 //! | generators, one module per kind | [`hallway`], [`forest`], [`road`], [`indoor`], [`landscape`] |
-//! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`WorldKind`], [`settings`] |
+//! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`WorldKind`], [`mod@settings`] |
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | what generators make | [`World`], [`world`], [`geometry`], [`GridFrame`] |
 //! | queries and checks of a world | [`occupancy`], [`raycast`], [`clearance_index`], [`surface_index`], [`placement`], [`mod@distance`], [`certificate`], [`reproduction`], `picture` |

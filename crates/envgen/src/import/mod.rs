@@ -3,7 +3,7 @@
 mod asc;
 #[cfg(feature = "picture")]
 mod class_png;
-#[cfg(any(feature = "ros", feature = "picture"))]
+#[cfg(feature = "ros")]
 mod grey_image;
 #[cfg(feature = "paths")]
 mod movingai;

@@ -184,7 +184,7 @@ impl<B: RobotBackend> Trial<B> {
     /// observes, and returns each one's command; `None` once the trial is over. The commands are
     /// those of `hands` (manual control), one per robot, or the policy's.
     ///
-    /// When the robots have moved for a [`TICK`], [`Trial::record`] is the second half.
+    /// When the robots have moved for a [`TICK`](crate::backend::TICK), [`Trial::record`] is the second half.
     /// [`Trial::step`] does both, with [`RobotBackend::advance`] in between.
     pub fn command(&mut self, hands: Option<&[Command]>) -> Option<Vec<Command>> {
         if self.over {
