@@ -44,6 +44,23 @@ const LEAST_DEVIATION: f64 = 0.2;
 /// Mean likelihood that a match has to reach.
 const RESPONSE: f64 = 0.45;
 
+/// Half the side in metres of the window around the estimated pose, and the difference of headings in
+/// radians, in which a scan that fits almost as well shows that there is no error to correct.
+const HERE: (f64, f64) = (0.3, 4.0 * std::f64::consts::PI / 180.0);
+
+/// Distance in metres of a match from the estimated pose up to which nothing is wrong.
+const NO_SHIFT: f64 = 0.1;
+
+/// Distance in metres from the best match at which another place may look like it.
+const ELSEWHERE: f64 = 0.6;
+
+/// By how much the mean likelihood of the best match has to exceed that of another place.
+const DISTINCT: f64 = 0.1;
+
+/// Least number of matches in a row that have to agree, and the path length in metres that they have to
+/// span: places that look alike from one position differ from the next.
+const AGREEING: (usize, f64) = (3, 1.0);
+
 /// Distance in metres and difference of headings in radians up to which two matches in a row agree.
 const AGREEMENT: (f64, f64) = (0.2, 3.0 * std::f64::consts::PI / 180.0);
 
@@ -70,8 +87,8 @@ struct Progress {
     chain: Vec<usize>,
     /// Path length at which the next attempt is due.
     due: f64,
-    /// A match that waits for a second one.
-    pending: Option<Seen>,
+    /// Matches in a row that agree and wait for more.
+    pending: Vec<Seen>,
 }
 
 /// A keyframe that was found at an old place.
@@ -102,8 +119,8 @@ impl LoopCloser {
         }
     }
 
-    /// Takes the newest keyframe. Two in a row that are found at an old place, in agreement, give
-    /// the relations of a closed loop.
+    /// Takes the newest keyframe. Several in a row that are found at an old place, in agreement, give
+    /// the relations of a closed loop: of the first and the last of them.
     pub(crate) fn take(&mut self, keyframes: &[Keyframe]) -> Option<Closed> {
         let newest = keyframes.len().checked_sub(1)?;
         let Keyframe { robot, path, .. } = keyframes[newest];
@@ -111,7 +128,7 @@ impl LoopCloser {
         if path < self.robots[robot].due {
             return None;
         }
-        let pending = self.robots[robot].pending.take();
+        let mut pending = std::mem::take(&mut self.robots[robot].pending);
         let found = self.old_place(keyframes, newest).and_then(|old| {
             let pose = self.find(keyframes, newest, old)?;
             let walls = walls(&self.field, pose, &keyframes[newest].sweep.echoes);
@@ -121,18 +138,20 @@ impl LoopCloser {
             self.robots[robot].due = path + PAUSE.0;
             return None;
         };
-        match pending.filter(|before| agree(keyframes, before, &seen)) {
-            Some(before) => {
-                self.robots[robot].due = path + PAUSE.1;
-                let relations = [&before, &seen].map(|seen| relation(keyframes, seen));
-                Some(Closed { relations, walls: seen.walls })
-            }
-            // The next keyframe is tried at once.
-            None => {
-                self.robots[robot].pending = Some(seen);
-                None
-            }
+        if pending.last().is_some_and(|before| !agree(keyframes, before, &seen)) {
+            pending.clear();
         }
+        pending.push(seen);
+        let span = path - keyframes[pending[0].keyframe].path;
+        if pending.len() < AGREEING.0 || span < AGREEING.1 {
+            // The next keyframe is tried at once.
+            self.robots[robot].pending = pending;
+            return None;
+        }
+        self.robots[robot].due = path + PAUSE.1;
+        let (first, last) = (&pending[0], pending.last()?);
+        let relations = [first, last].map(|seen| relation(keyframes, seen));
+        Some(Closed { relations, walls: last.walls.clone() })
     }
 
     /// The old keyframe that sees most of what a new one sees, by its position and heading.
@@ -192,7 +211,20 @@ impl LoopCloser {
         let inside = shift.abs().max_element() < REACH.0 - EDGE.0
             && turn < REACH.1 - EDGE.1
             && shift.length() <= CREDIBLE.0 + CREDIBLE.1 * variance.sqrt();
-        (inside && found.response >= RESPONSE).then_some(found.pose)
+        if !inside || found.response < RESPONSE {
+            return None;
+        }
+        let echoes = &new.sweep.echoes;
+        let here = Window { reach: HERE.0, heading_reach: HERE.1, ..window };
+        if let Some(here) = self.matcher.find(&self.field, echoes, here)
+            && here.response >= (found.response - DISTINCT).max(RESPONSE)
+        {
+            let shift = here.pose.position.distance(new.pose.position);
+            return (shift > NO_SHIFT).then_some(here.pose);
+        }
+        let apart = (found.pose.position, ELSEWHERE);
+        let rival = self.matcher.rival(&self.field, echoes, window, apart);
+        rival.is_none_or(|rival| rival < found.response - DISTINCT).then_some(found.pose)
     }
 }
 

@@ -12,7 +12,7 @@ use super::sweep::{FEWEST_ECHOES, Sweep, Sweeper};
 use super::track::{PoseTrack, Variance};
 use super::walls::{WALL_GAP, WallPiece, constrained, walls};
 use crate::lidar::{LaserProfile, Scan};
-use crate::map::{Estimate, OccupancyMap, RESOLUTION};
+use crate::map::{Cell, CellIndex, Estimate, OccupancyMap, RESOLUTION};
 use crate::odometry::Increment;
 use crate::robot::Robot;
 
@@ -39,6 +39,9 @@ const OLDER: f64 = 10.0;
 /// Distance in metres, and difference of headings in radians, within which a keyframe sees the
 /// same place as another.
 const SAME_PLACE: (f64, f64) = (1.5, 1.0);
+
+/// Of each scan every so many echoes are compared with the map.
+const ECHO_STEP: usize = 4;
 
 /// A scan in the map.
 #[derive(Clone, Debug)]
@@ -136,8 +139,17 @@ impl Mapper {
         track.poses(|keyframe| self.keyframes[keyframe].pose)
     }
 
+    /// Moves all keyframes to new poses, and draws the map again; returns the poses before.
+    pub(crate) fn place(&mut self, poses: Vec<Pose>) -> Vec<Pose> {
+        let before = self.keyframes.iter_mut().zip(poses);
+        let before =
+            before.map(|(keyframe, pose)| std::mem::replace(&mut keyframe.pose, pose)).collect();
+        self.redraw();
+        before
+    }
+
     /// Draws map and field again from all keyframes.
-    pub(crate) fn redraw(&mut self) {
+    fn redraw(&mut self) {
         self.map.clear();
         for keyframe in &self.keyframes {
             draw(&mut self.painter, &mut self.map, self.sweeper.laser(), keyframe);
@@ -149,6 +161,21 @@ impl Mapper {
                 stamp(field, keyframe.pose, &keyframe.sweep.echoes);
             }
         }
+    }
+
+    /// The share of the echoes of all keyframes that lie on ground that the map shows as free: scans
+    /// that contradict each other.
+    pub(crate) fn contradiction(&self) -> f64 {
+        let (mut free, mut all) = (0_u64, 0_u64);
+        for keyframe in &self.keyframes {
+            let on_map = keyframe.pose.local_to_world();
+            for echo in keyframe.sweep.echoes.iter().step_by(ECHO_STEP) {
+                let cell = CellIndex::of(on_map(echo.as_dvec2()));
+                free += u64::from(is_open(&self.map, cell));
+                all += 1;
+            }
+        }
+        free as f64 / all.max(1) as f64
     }
 
     /// Adds a keyframe where the robot is, after a scan there was matched.
@@ -267,6 +294,17 @@ impl Mapper {
             .map(|variance| variance.after(step, 0.0))
             .fold(chained, |best, other| if other.position < best.position { other } else { best })
     }
+}
+
+/// Whether a cell of the map is free and none around it is occupied.
+fn is_open(map: &OccupancyMap, cell: CellIndex) -> bool {
+    map.cell(cell) == Cell::Free
+        && (-1..=1).all(|dy| {
+            (-1..=1).all(|dx| {
+                let near = CellIndex { col: cell.col + dx, row: cell.row + dy };
+                map.cell(near) != Cell::Occupied
+            })
+        })
 }
 
 /// Draws a keyframe; a robot's first twice, since a single pass makes no cell free, and robots

@@ -2,7 +2,7 @@
 //! an expected one at which a scan fits a likelihood field best.
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
-use glam::{DVec2, Vec2};
+use glam::{DVec2, IVec2, Vec2};
 
 use super::likelihood::LikelihoodField;
 use crate::map::RESOLUTION;
@@ -115,6 +115,8 @@ struct LatticeSearch<'a> {
     cells: i32,
     /// Coarse headings likewise.
     turns: i32,
+    /// A cell, and the cells around it to each side that are left out.
+    excluded: Option<(IVec2, i32)>,
     best: f64,
     found: Step,
 }
@@ -138,8 +140,21 @@ impl Matcher {
         echoes: &[Vec2],
         window: Window,
     ) -> Option<Match> {
-        let coarse = self.coarse(field, echoes, window)?;
+        let coarse = self.coarse(field, echoes, window, None)?;
         Some(self.refine(field, echoes, window, coarse))
+    }
+
+    /// The mean likelihood of the best pose of the lattice that is at least so many metres from a
+    /// position, in x or in y: a place that looks almost as much like the scan.
+    pub(crate) fn rival(
+        &mut self,
+        field: &LikelihoodField,
+        echoes: &[Vec2],
+        window: Window,
+        apart: (DVec2, f64),
+    ) -> Option<f64> {
+        let step = self.coarse(field, echoes, window, Some(apart))?;
+        Some(self.at_lattice(field, echoes, window, step).response)
     }
 
     /// As [`Matcher::find`], without the refinement: for benchmarks and tests.
@@ -150,13 +165,24 @@ impl Matcher {
         echoes: &[Vec2],
         window: Window,
     ) -> Option<Match> {
-        let step = self.coarse(field, echoes, window)?;
+        let step = self.coarse(field, echoes, window, None)?;
+        Some(self.at_lattice(field, echoes, window, step))
+    }
+
+    /// The match of a step of the lattice.
+    fn at_lattice(
+        &mut self,
+        field: &LikelihoodField,
+        echoes: &[Vec2],
+        window: Window,
+        step: Step,
+    ) -> Match {
         let places = &mut self.fine;
         turn_into(places, field, echoes, window.centre, step.angle);
         let sum: u64 = places.iter().map(|&(x, y)| nearest(field, x + step.x, y + step.y)).sum();
         let response = sum as f64 / (255 * echoes.len()) as f64;
         let score = response - penalty(window, step.x, step.y, step.angle);
-        Some(Match { pose: pose_at(window.centre, step), response, score })
+        Match { pose: pose_at(window.centre, step), response, score }
     }
 
     /// Half the side in metres of the square around a window's centre that a field has to cover,
@@ -165,8 +191,15 @@ impl Matcher {
         scan + window.reach + 2.0 * RESOLUTION
     }
 
-    /// The best step of the coarse lattice.
-    fn coarse(&mut self, field: &LikelihoodField, echoes: &[Vec2], window: Window) -> Option<Step> {
+    /// The best step of the coarse lattice, as far from a position as `apart` says; `None` without an
+    /// echo, if the field does not cover the scan, or if no step is that far.
+    fn coarse(
+        &mut self,
+        field: &LikelihoodField,
+        echoes: &[Vec2],
+        window: Window,
+        apart: Option<(DVec2, f64)>,
+    ) -> Option<Step> {
         let cells = (window.reach / RESOLUTION).ceil().min(1e3) as i32;
         let turns = (window.heading_reach / (f64::from(COARSE_ANGLE) * FINE_ANGLE)).ceil();
         let turns = turns.min(4e2) as i32;
@@ -199,11 +232,15 @@ impl Matcher {
             window,
             cells,
             turns,
+            excluded: apart.map(|(at, apart)| {
+                let middle = ((at - window.centre.position) / RESOLUTION).round().as_ivec2();
+                (middle, (apart / RESOLUTION).ceil().min(1e3) as i32)
+            }),
             best: f64::NEG_INFINITY,
             found: Step { x: 0, y: 0, angle: 0 },
         };
         search.run(&mut self.roots);
-        Some(search.found)
+        (search.best > f64::NEG_INFINITY).then_some(search.found)
     }
 
     /// Climbs from a step of the coarse lattice.
@@ -311,7 +348,10 @@ impl LatticeSearch<'_> {
     fn descend(&mut self, order: &[usize], block: CellBlock) {
         let [level, finer @ ..] = order else { return };
         let Some(&next) = finer.first() else {
-            if block.bound > self.best {
+            let is_excluded = self.excluded.is_some_and(|(middle, apart)| {
+                (IVec2::new(block.x, block.y) - middle).abs().max_element() < apart
+            });
+            if block.bound > self.best && !is_excluded {
                 self.best = block.bound;
                 self.found =
                     Step { x: block.x * FINE, y: block.y * FINE, angle: block.turn * COARSE_ANGLE };

@@ -19,8 +19,12 @@ const WORTH_SOLVING: f64 = 1.0;
 /// Error in standard deviations that a loop may have after solving; otherwise it is rejected.
 const INCREDIBLE: f64 = 5.0;
 
-/// As [`super::ScanToMap`], but scans are also searched in places from long before. If two in a
-/// row are found there, the poses of all keyframes are solved for again, and the map is drawn again
+/// The share of the echoes that contradict the map may be at most so much of what it was when the map is
+/// drawn again: a loop that is one ends contradictions, one that is none bends the map.
+const LESS_CONTRADICTION: f64 = 0.7;
+
+/// As [`super::ScanToMap`], but scans are also searched in places from long before. If several
+/// in a row are found there, the poses of all keyframes are solved for again, and the map is drawn again
 /// from them.
 #[derive(Clone, Debug)]
 pub struct PoseGraph {
@@ -76,7 +80,7 @@ impl PoseGraph {
         }
     }
 
-    /// Adds the relations of a closed loop, unless all others contradict them.
+    /// Adds the relations of a closed loop, unless the other relations or the scans contradict them.
     fn close(&mut self, relations: &[Relation]) -> bool {
         let deviates = |poses: &[Pose], most: f64| {
             relations.iter().any(|relation| relation.deviations(poses) > most)
@@ -94,10 +98,13 @@ impl PoseGraph {
             self.relations.truncate(known);
             return false;
         }
-        for (keyframe, pose) in keyframes.iter_mut().zip(poses) {
-            keyframe.pose = pose;
+        let contradiction = self.mapper.contradiction();
+        let before = self.mapper.place(poses);
+        if self.mapper.contradiction() > LESS_CONTRADICTION * contradiction {
+            self.mapper.place(before);
+            self.relations.truncate(known);
+            return false;
         }
-        self.mapper.redraw();
         true
     }
 }
