@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-use envgen::geometry::Pose;
+use envgen::geometry::{Pose, Rect};
 use mapping_trial::driver::Hello;
 use mapping_trial::trial::{Setup, TrialSettings};
 use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
@@ -199,7 +199,8 @@ fn drivers_are_sent_the_fields_that_the_protocol_documents() {
     let example = section.split("```json").nth(1).unwrap().split("```").next().unwrap();
     let documented: Value = serde_json::from_str(example).unwrap();
     let (settings, starts) = (TrialSettings::default(), [Pose::new(4.5, 1.5, 0.0)]);
-    let hello = Hello::new(&Setup { settings: &settings, starts: &starts });
+    let area = Rect::new(Pose::default().position, Pose::new(48.0, 48.0, 0.0).position);
+    let hello = Hello::new(&Setup { settings: &settings, starts: &starts, area });
     let sent = serde_json::to_value(&hello).unwrap();
     assert_eq!(fields(&sent), fields(&documented));
     assert_eq!(sent["robot"], documented["robot"]);

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use envgen::World;
 use mapping_trial::driver::{Driver, Hello, Limits};
-use mapping_trial::trial::{Setup, Trial, TrialSettings};
+use mapping_trial::trial::{Trial, TrialSettings};
 
 use crate::arguments::Arguments;
 
@@ -31,7 +31,8 @@ impl Arguments {
             total: seconds("--driver-total", self.driver_total)?,
         };
         // Checked before anything is started.
-        let starts = Trial::builder(world, settings.clone()).starts()?;
+        let mut builder = Trial::builder(world, settings.clone());
+        let hello = Hello::new(&builder.setup()?);
         let driver = if self.is_driven_by_caller() {
             if self.form {
                 return Err(
@@ -51,7 +52,7 @@ impl Arguments {
             command.args(rest);
             Driver::start(command, limits, std::io::stderr()).map_err(|error| of_program(&error))?
         };
-        driver.greet(&Hello::new(&Setup { settings, starts: &starts }));
+        driver.greet(&hello);
         Ok(Some(driver))
     }
 }

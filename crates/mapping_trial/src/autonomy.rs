@@ -7,6 +7,7 @@ use crate::policy::{Decision, ExplorationPolicy, PolicyInput};
 use crate::robot::Robot;
 use crate::slam::Slam;
 
+use envgen::geometry::Rect;
 use glam::DVec2;
 
 /// SLAM and an exploration policy for one or more robots.
@@ -18,6 +19,7 @@ pub struct Autonomy {
     policy: Option<Box<dyn ExplorationPolicy + Send + Sync>>,
     body: Robot,
     laser: LaserProfile,
+    area: Rect,
     /// Each robot's last scan, empty before the first.
     scans: Vec<Scan>,
     /// Where each robot last saw water, in the map's frame.
@@ -30,13 +32,14 @@ pub struct Autonomy {
 }
 
 impl Autonomy {
-    /// For this number of equal robots; `policy` is `None` for a person who drives.
+    /// For this number of equal robots that map an area; `policy` is `None` for a person who drives.
     pub fn new(
         slam: Box<dyn Slam + Send + Sync>,
         policy: Option<Box<dyn ExplorationPolicy + Send + Sync>>,
         robots: usize,
         body: &Robot,
         laser: &LaserProfile,
+        area: Rect,
     ) -> Self {
         Autonomy {
             estimates: (0..robots).map(|robot| slam.estimate(robot)).collect(),
@@ -44,6 +47,7 @@ impl Autonomy {
             policy,
             body: body.clone(),
             laser: laser.clone(),
+            area,
             scans: vec![Scan { ranges: Vec::new() }; robots],
             water: vec![Vec::new(); robots],
             decisions: vec![Decision::Drive(Command::STOP); robots],
@@ -81,6 +85,7 @@ impl Autonomy {
                 seen,
                 body: &self.body,
                 laser: &self.laser,
+                area: self.area,
             });
         }
         self.decisions[robot]

@@ -9,7 +9,7 @@ use envgen::hallway::HallwaySpec;
 use envgen::{Blueprint, Seed, Spec, World};
 use mapping_trial::driver::{Driver, Hello, Limits, MAX_LINE};
 use mapping_trial::flat::FlatSimulator;
-use mapping_trial::trial::{EndReason, PartRole, Setup, Trial, TrialReport, TrialSettings};
+use mapping_trial::trial::{EndReason, PartRole, Trial, TrialReport, TrialSettings};
 
 /// The hello of a driver in sh.
 const HELLO: &str = r#"read hello; echo '{"protocol": "envgen-driver 1", "name": "sh"}';"#;
@@ -28,9 +28,8 @@ fn run(script: &str, limits: Limits) -> (Trial<FlatSimulator>, TrialReport, Driv
     command.args(["-c", script]);
     let driver = Driver::start(command, limits, std::io::sink()).expect("sh");
     let world = world();
-    let builder = Trial::builder(&world, settings.clone());
-    let starts = builder.starts().expect("a start");
-    driver.greet(&Hello::new(&Setup { settings: &settings, starts: &starts }));
+    let mut builder = Trial::builder(&world, settings);
+    driver.greet(&Hello::new(&builder.setup().expect("a start")));
     let mut trial = builder.parts(driver.parts()).build_flat().expect("a trial");
     while trial.step() {}
     let reference = trial.reference(&world).expect("a reference");

@@ -58,16 +58,15 @@ impl Default for Limits {
 ///
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
 /// use mapping_trial::driver::{Driver, Hello, Limits};
-/// use mapping_trial::trial::{Setup, Trial, TrialSettings};
+/// use mapping_trial::trial::{Trial, TrialSettings};
 ///
 /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
-/// let settings = TrialSettings::default();
-/// let builder = Trial::builder(&world, settings.clone());
+/// let mut builder = Trial::builder(&world, TrialSettings::default());
 ///
 /// let mut command = Command::new("python3");
 /// command.arg("examples/drivers/explorer.py");
 /// let driver = Driver::start(command, Limits::default(), std::io::stderr())?;
-/// driver.greet(&Hello::new(&Setup { settings: &settings, starts: &builder.starts()? }));
+/// driver.greet(&Hello::new(&builder.setup()?));
 ///
 /// let mut trial = builder.parts(driver.parts()).build_flat()?;
 /// while trial.step() {}

@@ -41,6 +41,8 @@ pub struct Hello {
     battery: f64,
     robots: usize,
     starts: Vec<[f64; 3]>,
+    /// Least x and y, greatest x and y of the area to map.
+    area: [f64; 4],
     robot: RobotNumbers,
     laser: LaserNumbers,
 }
@@ -72,7 +74,7 @@ struct LaserNumbers {
 impl Hello {
     /// What a driver is sent before a trial.
     pub fn new(setup: &Setup<'_>) -> Self {
-        let Setup { settings, starts } = setup;
+        let Setup { settings, starts, area } = setup;
         let TrialSettings { body: robot, laser, time_limit, .. } = settings;
         Hello {
             protocol: PROTOCOL,
@@ -81,6 +83,7 @@ impl Hello {
             battery: robot.battery,
             robots: starts.len(),
             starts: starts.iter().copied().map(triple).collect(),
+            area: [area.min.x, area.min.y, area.max.x, area.max.y],
             robot: RobotNumbers {
                 length: robot.length,
                 width: robot.width,

@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use envgen::geometry::Pose;
+use envgen::geometry::{Pose, Rect};
 use glam::DVec2;
 use serde_json::{Value, json};
 
@@ -48,9 +48,13 @@ fn driver(
     (Driver::connect(input, output, limits), told)
 }
 
+fn area() -> Rect {
+    Rect::new(DVec2::ZERO, DVec2::splat(48.0))
+}
+
 fn hello(robots: usize) -> Hello {
     let starts = vec![Pose::new(1.0, 2.0, 0.5); robots];
-    Hello::new(&Setup { settings: &TrialSettings::default(), starts: &starts })
+    Hello::new(&Setup { settings: &TrialSettings::default(), starts: &starts, area: area() })
 }
 
 /// The decision of a policy on an observation at a pose.
@@ -71,6 +75,7 @@ fn decide(
         seen,
         body: &body,
         laser: &laser,
+        area: area(),
     })
 }
 

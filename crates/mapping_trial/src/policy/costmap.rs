@@ -96,6 +96,14 @@ impl Costmap {
         }
     }
 
+    /// From now on costs are those for a robot of another circumscribed radius in metres.
+    pub(super) fn set_radius(&mut self, radius: f64) {
+        self.inflation = Inflation::of_radius(radius);
+        for tile in &mut self.tiles {
+            tile.stale_classes = true;
+        }
+    }
+
     /// A distance in metres that fits the Pioneer 3-AT, enlarged by the robot's excess radius.
     pub(super) fn grown(&self, pioneer: f64) -> f64 {
         self.inflation.grown(pioneer)

@@ -14,6 +14,10 @@ const HORIZON: f64 = 3.0;
 /// them on the walkway.
 const WHEELS: f64 = 0.7;
 
+/// A motion that brings the body no more than this much nearer to an echo, in metres, is not stopped
+/// by it: in a narrow gap noisy echoes beside the body lie within it.
+const GRAZE: f64 = 0.02;
+
 /// The echoes around a robot, and the water, in its own frame: x ahead, y to the left.
 #[derive(Clone, Debug)]
 pub(super) struct Guard {
@@ -86,6 +90,9 @@ impl Guard {
                 continue;
             }
             let distance = distance2.sqrt();
+            if echo.length() - (distance - radius).abs() < GRAZE {
+                continue;
+            }
             let at = libm::atan2(from_middle.x, -from_middle.y);
             if at < 0.0 {
                 continue;
@@ -103,7 +110,7 @@ impl Guard {
         for (echo, body) in self.obstacles() {
             let (ahead, beside) = (direction.dot(echo), direction.perp_dot(echo));
             let half2 = body * body - beside * beside;
-            if half2 > 0.0 && ahead > 0.0 {
+            if half2 > 0.0 && ahead > 0.0 && echo.length() - beside.abs() >= GRAZE {
                 free = free.min((ahead - half2.sqrt()).max(0.0));
             }
         }

@@ -31,7 +31,12 @@ pub(super) struct Inflation {
 impl Inflation {
     /// For a valid robot.
     pub(super) fn of(robot: &Robot) -> Self {
-        let larger = robot.circumscribed_radius - PIONEER_3AT.circumscribed_radius;
+        Inflation::of_radius(robot.circumscribed_radius)
+    }
+
+    /// For a circumscribed radius in metres, at least 0.05.
+    pub(super) fn of_radius(radius: f64) -> Self {
+        let larger = radius - PIONEER_3AT.circumscribed_radius;
         let squared = DISTANCES.map(|distance| {
             let cells = (distance + larger) / RESOLUTION;
             // Compensates for rounding at whole numbers such as 9 x 9 cells.

@@ -15,6 +15,7 @@ mod pursuit;
 pub mod search;
 mod wall_follow;
 
+use envgen::geometry::Rect;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -42,6 +43,9 @@ pub struct PolicyInput<'a> {
     pub body: &'a Robot,
     /// What their lasers measure.
     pub laser: &'a LaserProfile,
+    /// The area to map, in the map's frame: the bounds of the world. Robots may leave it, but what
+    /// lies outside is not scored.
+    pub area: Rect,
 }
 
 /// The decision of a policy for a robot.

@@ -1,14 +1,18 @@
 //! What all policies share: one costmap and one set of frontiers, and a pilot for each robot that
 //! drives it to goals, looks around there and frees it when it is stuck.
 
+mod escape;
 mod recovery;
+mod second_look;
 
 use std::collections::VecDeque;
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
 
+use self::escape::Escape;
 use self::recovery::Progress;
+use self::second_look::SecondLook;
 use super::costmap::{CellCost, Costmap, Node};
 use super::frontier::{Frontiers, is_left, unknown_from};
 use super::guard::Guard;
@@ -87,6 +91,10 @@ pub(super) enum Aim<'a> {
 #[derive(Debug)]
 pub(super) struct Navigator {
     pub(super) costmap: Costmap,
+    /// Circumscribed radius of the robots in metres.
+    radius: f64,
+    /// Whether the costmap is that of a slimmer robot.
+    is_slim: bool,
     frontiers: Frontiers,
     search: GridPlanner,
     pub(super) guard: Guard,
@@ -117,6 +125,9 @@ struct Pilot {
     recovered: VecDeque<f64>,
     recoveries: u32,
     avoid: Vec<(f64, KeepoutZone)>,
+    second: SecondLook,
+    /// How often it escaped from where it was stuck.
+    escapes: u32,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -125,7 +136,7 @@ enum Task {
     #[default]
     Begin,
     /// The same, after its first heading is known: how far it has turned.
-    Survey { heading: f64, turned: f64 },
+    Survey { heading: f64, turned: f64, until: f64 },
     /// Choose a goal.
     Choose,
     /// Drive to a goal.
@@ -136,6 +147,8 @@ enum Task {
     BackOff { from: DVec2, until: f64 },
     /// Turn away from it.
     TurnAway { heading: f64, until: f64 },
+    /// Drive out of where it is stuck, by the laser alone.
+    Escape { stage: Escape, until: f64 },
     /// Nothing is left to do, as of this time.
     Rest { since: f64 },
 }
@@ -162,6 +175,8 @@ impl Navigator {
     pub(super) fn new(robots: usize, robot: &Robot, laser: &LaserProfile) -> Self {
         Navigator {
             costmap: Costmap::new(robot),
+            radius: robot.circumscribed_radius,
+            is_slim: false,
             frontiers: Frontiers::new(),
             search: GridPlanner::new(),
             guard: Guard::new(robot, laser),
@@ -225,20 +240,21 @@ impl Navigator {
             let pilot = &mut self.pilots[view.robot];
             match pilot.task {
                 Task::Begin => {
-                    pilot.task = Task::Survey { heading: pose.heading, turned: 0.0 };
+                    let until = view.seen.time + self.margins.survey.1;
+                    pilot.task = Task::Survey { heading: pose.heading, turned: 0.0, until };
                 }
-                Task::Survey { heading, turned } => {
+                Task::Survey { heading, turned, until } => {
                     let turned = turned + wrap_angle(pose.heading - heading);
-                    let (full_turn, until) = self.margins.survey;
-                    let left = full_turn - turned;
+                    let left = self.margins.survey.0 - turned;
                     if left > 0.1 && view.seen.time < until {
-                        pilot.task = Task::Survey { heading: pose.heading, turned };
+                        pilot.task = Task::Survey { heading: pose.heading, turned, until };
                         return Some(Decision::Drive(turn(view.body, left)));
                     }
                     pilot.task = Task::Choose;
                 }
                 Task::Choose => {
-                    if !self.choose(view, pose, aim) {
+                    self.plan_for(false);
+                    if !(self.choose(view, pose, aim) || self.look_again(view, pose, aim)) {
                         self.pilots[view.robot].task = Task::Rest { since: view.seen.time };
                         return None;
                     }
@@ -284,6 +300,11 @@ impl Navigator {
                     let pilot = &mut self.pilots[view.robot];
                     pilot.task = Task::TurnAway { heading, until: view.seen.time + 4.0 };
                 }
+                Task::Escape { stage, until } => {
+                    if let Some(decision) = self.escape(view, pose, stage, until) {
+                        return Some(decision);
+                    }
+                }
                 Task::TurnAway { heading, until } => {
                     let off = wrap_angle(heading - pose.heading);
                     if off.abs() > 0.2 && view.seen.time < until {
@@ -301,6 +322,7 @@ impl Navigator {
     /// if the robot is stuck there.
     pub(super) fn steer(&mut self, view: &PolicyInput<'_>, target: DVec2) -> Option<Decision> {
         let pose = pose_of(view)?;
+        self.plan_for(false);
         self.look(view, pose);
         if view.seen.time - self.refreshed >= REFRESH {
             self.refresh(view);
@@ -328,11 +350,11 @@ impl Navigator {
         }
     }
 
-    /// Whether the map shows a frontier anywhere.
+    /// Whether the map shows a frontier anywhere in the area to map.
     pub(super) fn has_frontiers(&mut self, view: &PolicyInput<'_>) -> bool {
         self.costmap.refresh(view.map);
-        self.frontiers.gather(&mut self.costmap, |_, _| false);
-        !self.frontiers.is_empty()
+        self.frontiers.gather(&mut self.costmap, |_, p| !view.area.contains(p));
+        self.frontiers.goals() > 0
     }
 
     /// Takes over the changes of the map.
@@ -497,6 +519,7 @@ impl Navigator {
         let feet = self.margins.feet;
         let ruled_out = |costmap: &Costmap, p: DVec2| {
             near(pose.position, p, feet)
+                || !view.area.contains(p)
                 || taken(p)
                 || failures.iter().any(|failure| failure.active && near(failure.at, p, FAILED))
                 || (restraint.in_sight && !costmap.is_occupied_within(p, sight))
@@ -510,6 +533,7 @@ impl Navigator {
         let cost = self.search.cost(node).unwrap_or(0);
         self.search.path_to(&self.costmap, node, &mut self.cells);
         let pilot = &mut self.pilots[view.robot];
+        pilot.second.note_goal();
         pilot.path.set(&mut self.costmap, &self.cells);
         let length = f64::from(cost) / f64::from(COST_PER_METRE);
         let deadline = view.seen.time + 30.0 + length / self.margins.slowest;

@@ -315,7 +315,7 @@ fn ask(map: &OccupancyMap, estimate: Estimate, scan: &Scan, robots: usize) -> Ve
         .map(|&kind| {
             let mut operator = build(kind, robots, &body, &laser);
             let mut last = Decision::Finished;
-            for step in 0..150 {
+            for step in 0..400 {
                 let seen = Observation {
                     time: 0.1 * f64::from(step),
                     bumped: step % 3 == 0,
@@ -332,6 +332,7 @@ fn ask(map: &OccupancyMap, estimate: Estimate, scan: &Scan, robots: usize) -> Ve
                         seen: &seen,
                         body: &body,
                         laser: &laser,
+                        area: Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0)),
                     });
                     if let Decision::Drive(command) = last {
                         assert!(command.speed.is_finite() && command.turn_rate.is_finite());

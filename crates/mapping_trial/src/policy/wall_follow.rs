@@ -1,6 +1,6 @@
 //! Follows the wall on its right, and goes to the nearest frontier when that leads in a circle.
 
-use envgen::geometry::{Pose, unit_vector, wrap_angle};
+use envgen::geometry::{Pose, Rect, unit_vector, wrap_angle};
 use glam::DVec2;
 
 use super::costmap::{CellCost, Costmap};
@@ -90,7 +90,7 @@ impl ExplorationPolicy for WallFollow {
                 }
             }
             if follower.mode == Mode::Follow {
-                let target = follower.target(navigator, pose);
+                let target = follower.target(navigator, pose, view.area);
                 let decision = target.and_then(|target| navigator.steer(view, target));
                 if let Some(decision) = decision {
                     return decision;
@@ -124,8 +124,8 @@ impl Follower {
 
     /// The point to drive to: the rightmost direction in which the map is free, or one a little to
     /// the left of it that leads less close along the wall; straight on until
-    /// there is a wall to follow. `None` if the wall led in a circle, or the robot cannot go on.
-    fn target(&mut self, navigator: &mut Navigator, pose: Pose) -> Option<DVec2> {
+    /// there is a wall to follow. The border of the area to map counts as a wall. `None` if the wall led in a circle, or the robot cannot go on.
+    fn target(&mut self, navigator: &mut Navigator, pose: Pose, area: Rect) -> Option<DVec2> {
         let ahead = unit_vector(pose.heading);
         let again = self.trail.iter().any(|&(at, then, driven)| {
             self.driven - driven > ROUND
@@ -150,7 +150,8 @@ impl Follower {
         let limit = costmap.class_at(pose.position).clamp(CellCost::Close, CellCost::Tight);
         let free = |costmap: &mut Costmap, angle: f64, far: f64| {
             let to = pose.position + unit_vector(pose.heading + angle) * far;
-            (worst_between(costmap, pose.position, to) <= limit).then_some(to)
+            let is_free = area.contains(to) && worst_between(costmap, pose.position, to) <= limit;
+            is_free.then_some(to)
         };
         let hand = [-1.2, -1.6, -2.0].into_iter().any(|angle| free(costmap, angle, HAND).is_none());
         self.touching |= hand;

@@ -16,7 +16,9 @@ use crate::flat::{FlatSimulator, FlatWorld};
 use crate::lidar::LaserSensor;
 use crate::odometry::WheelSensor;
 use crate::policy::ExplorationPolicy;
+use crate::score::Reference;
 use crate::slam::Slam;
+use crate::truth::MappableArea;
 
 /// Builds a trial from settings and parts: parts that are not plugged in are those of the settings.
 ///
@@ -51,12 +53,24 @@ pub struct TrialBuilder<'w> {
     world: &'w World,
     settings: TrialSettings,
     parts: TrialParts,
+    /// Where the robots start, once they are known.
+    starts: Vec<Pose>,
+    /// Area in square metres that can be mapped, if it is known.
+    area: Option<f64>,
+    source: Option<WorldSource>,
 }
 
 impl<'w> TrialBuilder<'w> {
     /// A trial of these settings in a world.
     pub fn new(world: &'w World, settings: TrialSettings) -> Self {
-        TrialBuilder { world, settings, parts: TrialParts::default() }
+        TrialBuilder {
+            world,
+            settings,
+            parts: TrialParts::default(),
+            starts: Vec::new(),
+            area: None,
+            source: None,
+        }
     }
 
     /// With an estimator of your own.
@@ -106,6 +120,22 @@ impl<'w> TrialBuilder<'w> {
         self
     }
 
+    /// With a reference that is known already, of this world, robot and start: saves its computation
+    /// where the time limit depends on the area.
+    #[must_use]
+    pub fn reference(mut self, reference: &Reference) -> Self {
+        self.area = Some(reference.free_area());
+        self
+    }
+
+    /// With the source of the world, if it is known: otherwise a world that says that it was
+    /// generated is generated again, to see whether it still is that one.
+    #[must_use]
+    pub fn source(mut self, source: WorldSource) -> Self {
+        self.source = Some(source);
+        self
+    }
+
     /// With changed settings.
     #[must_use]
     pub fn settings(mut self, change: impl FnOnce(&mut TrialSettings)) -> Self {
@@ -113,15 +143,32 @@ impl<'w> TrialBuilder<'w> {
         self
     }
 
-    /// The poses where the robots start, for parts that need them before they are made.
+    /// What the trial's parts will be told, for parts that need it before they are made: the settings
+    /// with the time limit that holds, the poses where the robots start, and the area to map.
     ///
     /// # Errors
     ///
     /// As [`TrialBuilder::build_flat`].
-    pub fn starts(&self) -> Result<Vec<Pose>, TrialError> {
+    pub fn setup(&mut self) -> Result<Setup<'_>, TrialError> {
         self.settings.validate()?;
         let start = self.settings.start.or(self.world.start).ok_or(TrialError::NoStart)?;
-        starts(self.world, start, self.settings.robots, &self.settings.body)
+        self.starts = starts(self.world, start, self.settings.robots, &self.settings.body)?;
+        if self.settings.time_per_area.is_some() {
+            let area = match self.area {
+                Some(area) => area,
+                None => self.measure_area(self.starts[0])?,
+            };
+            self.area = Some(area);
+            self.settings.limit_time(area);
+        }
+        let TrialBuilder { settings, starts, world, .. } = self;
+        Ok(Setup { settings, starts, area: world.bounds })
+    }
+
+    /// The area in square metres that can be mapped from a start.
+    fn measure_area(&self, start: Pose) -> Result<f64, TrialError> {
+        let area = MappableArea::from_start(self.world, &self.settings.body, start.position)?;
+        Ok(area.free_area())
     }
 
     /// A trial in the flat simulator.
@@ -157,9 +204,9 @@ impl<'w> TrialBuilder<'w> {
         mut self,
         place: impl FnOnce(&Setup<'_>, Vec<Sensors>) -> B,
     ) -> Result<Trial<B>, TrialError> {
-        let starts = self.starts()?;
-        let TrialBuilder { world, parts, settings } = &mut self;
-        let setup = Setup { settings, starts: &starts };
+        self.setup()?;
+        let TrialBuilder { world, parts, settings, starts, source, .. } = &mut self;
+        let setup = Setup { settings, starts, area: world.bounds };
         let slam = parts.make_slam(&setup);
         let policy = parts.make_policy(&setup);
         let sensors: Vec<Sensors> =
@@ -172,10 +219,17 @@ impl<'w> TrialBuilder<'w> {
         }
         let track = |&start: &_| Trajectory { poses: vec![start], ..Trajectory::default() };
         Ok(Trial {
-            autonomy: Autonomy::new(slam, policy, starts.len(), &settings.body, &settings.laser),
+            autonomy: Autonomy::new(
+                slam,
+                policy,
+                starts.len(),
+                &settings.body,
+                &settings.laser,
+                world.bounds,
+            ),
             bodies,
             foreign,
-            source: WorldSource::of(world),
+            source: source.take().unwrap_or_else(|| WorldSource::of(world)),
             world_digest: world.digest().to_string(),
             clock: Clock::default(),
             ends: vec![None; starts.len()],
@@ -184,7 +238,7 @@ impl<'w> TrialBuilder<'w> {
             commands: vec![CommandTrack::default(); starts.len()],
             script: None,
             over: false,
-            starts,
+            starts: self.starts,
             settings: self.settings,
         })
     }

@@ -13,7 +13,8 @@ use crate::flat::FlatSimulator;
 
 /// Version of the logs' layout and of their replay; a log of another version is
 /// refused. 2: robots see water, and estimators find old walls again.
-pub const LOG_VERSION: u32 = 2;
+/// 3: estimators close loops only where the scans then agree, and policies keep to the area to map.
+pub const LOG_VERSION: u32 = 3;
 
 /// Greatest number of commands in a log: a day of eight robots has fewer.
 const MAX_TICKS: u64 = 1 << 24;

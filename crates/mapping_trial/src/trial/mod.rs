@@ -19,7 +19,7 @@ pub use end::{EndReason, RobotEnd};
 pub use log::{LOG_VERSION, LogError, TrialLog, WorldSource};
 pub use parts::{ForeignPart, PartRole, Setup, TrialParts};
 pub use report::{REPORT_VERSION, RobotReport, TrialReport};
-pub use settings::{MAX_ROBOTS, TrialSettings};
+pub use settings::{MAX_ROBOTS, MIN_TIME_BY_AREA, TrialSettings};
 
 pub use crate::setting_limits::MAX_TIME_LIMIT;
 
@@ -75,6 +75,9 @@ pub enum TrialError {
         /// The start.
         start: Pose,
     },
+    /// The time limit depends on an area that cannot be computed.
+    #[error("`time_per_area` needs the area that can be mapped: {0}")]
+    Area(#[from] MappableAreaError),
     /// There is no room for all robots near the start.
     #[error("near the start there is room for {found} of {robots} robots")]
     NoRoom {
@@ -296,6 +299,12 @@ impl<B: RobotBackend> Trial<B> {
         &self.tracks[robot]
     }
 
+    /// Distance in metres of a robot's estimated position from its true one.
+    pub fn pose_error(&self, robot: usize) -> f64 {
+        let (estimated, truth) = (self.autonomy.slam().estimate(robot), self.bodies.pose(robot));
+        estimated.pose.position.distance(truth.position)
+    }
+
     /// Why and when a robot's part ended; `None` while it continues.
     pub fn end_of(&self, robot: usize) -> Option<RobotEnd> {
         self.ends[robot]
@@ -386,6 +395,7 @@ impl<B: RobotBackend> Trial<B> {
                 map: self.autonomy.slam().map(),
                 tracks: &tracks,
                 time: self.time(),
+                time_limit: self.settings.time_limit.min(self.settings.body.battery),
                 distance: self.tracks.iter().map(|track| track.distance).sum(),
                 turning: self.tracks.iter().map(|track| track.turning).sum(),
                 hits: robots.clone().map(|robot| self.bodies.hits(robot)).sum(),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use envgen::geometry::Pose;
+use envgen::geometry::{Pose, Rect};
 use serde::{Deserialize, Serialize};
 
 use super::TrialSettings;
@@ -19,6 +19,8 @@ pub struct Setup<'a> {
     pub settings: &'a TrialSettings,
     /// Where the robots start, in the map's frame.
     pub starts: &'a [Pose],
+    /// The area to map, in the map's frame: the bounds of the world.
+    pub area: Rect,
 }
 
 /// The role of a part in a trial.

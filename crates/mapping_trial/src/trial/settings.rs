@@ -10,6 +10,9 @@ use crate::robot::Robot;
 use crate::setting_limits::{MAX_TIME_LIMIT, number};
 use crate::slam::SlamKind;
 
+/// Least time limit in seconds that follows from [`TrialSettings::time_per_area`].
+pub const MIN_TIME_BY_AREA: f64 = 300.0;
+
 /// Greatest number of robots in a trial.
 pub const MAX_ROBOTS: u32 = 8;
 
@@ -28,6 +31,10 @@ settings! {
         robots: u32 = 1 => integer("", 1..=MAX_ROBOTS as u64);
         /// Simulated time after which the trial ends.
         time_limit: f64 = 1200.0 => number("s", 0.05..=MAX_TIME_LIMIT);
+        /// Simulated time per square metre that can be mapped after which the trial ends, in place of
+        /// `time_limit`: at least 300 s in all. The battery lasts at least as long.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        time_per_area: Option<f64> = None => number("s/m^2", 0.01..=1000.0);
         /// Where the first robot starts, in metres and radians; none is the world's own start.
         start: Option<Pose> = None => optional_other("", "a pose");
         /// Size and limits of the robots.
@@ -40,6 +47,15 @@ settings! {
 }
 
 impl TrialSettings {
+    /// Sets the time limit, and the least charge of the battery, for an area in square metres that can
+    /// be mapped, if [`TrialSettings::time_per_area`] asks for that.
+    pub(super) fn limit_time(&mut self, area: f64) {
+        if let Some(per_area) = self.time_per_area {
+            self.time_limit = (per_area * area).clamp(MIN_TIME_BY_AREA, MAX_TIME_LIMIT);
+            self.body.battery = self.body.battery.max(self.time_limit);
+        }
+    }
+
     /// Checks every number.
     ///
     /// # Errors

@@ -156,7 +156,7 @@ fn bad_logs_are_reported() {
     assert!(error("").contains("not a trial log"));
     assert!(error(&text[..text.len() / 2]).contains("not a trial log"));
     let other = error(&text.replacen("\"version\":2", "\"version\":7", 1));
-    assert_eq!(other, "a log of version 7, expected version 2");
+    assert_eq!(other, "a log of version 7, expected version 3");
     let robots = error(&text.replacen("\"robots\":1", "\"robots\":2", 1));
     assert_eq!(robots, "`commands` must be 2, one per robot, got 1");
     let mut value: serde_json::Value = serde_json::from_str(&text).expect("a log");

@@ -48,6 +48,8 @@ pub(crate) struct Run {
     pub(crate) scans: Vec<Scan>,
     pub(crate) starts: Vec<Pose>,
     pub(crate) tracks: Vec<Vec<DVec2>>,
+    /// The area to map.
+    pub(crate) area: Rect,
     /// Simulated seconds.
     pub(crate) time: f64,
 }
@@ -66,6 +68,7 @@ impl Run {
             scans: vec![Scan { ranges: Vec::new() }; starts.len()],
             starts: starts.to_vec(),
             tracks: vec![Vec::new(); starts.len()],
+            area: world.bounds,
             time: 0.0,
         }
     }
@@ -109,6 +112,7 @@ impl Run {
                         seen: &all_seen[robot],
                         body: &self.robot,
                         laser: &self.laser,
+                        area: self.area,
                     });
                     (commands[robot], ends[robot]) = match decision {
                         Decision::Drive(command) => (command, None),

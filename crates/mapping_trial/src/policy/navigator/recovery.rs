@@ -1,4 +1,4 @@
-//! What a navigator does with a robot that makes no progress: notices it, backs off, gives it up.
+//! What a navigator does with a robot that makes no progress: notices it, and backs off.
 
 use envgen::geometry::{Pose, unit_vector};
 use glam::DVec2;
@@ -13,7 +13,7 @@ use crate::robot::Robot;
 /// The weight of a second of turning on the spot, relative to a second without moving.
 const TURNING: f64 = 0.3;
 
-/// After this many recoveries within so many seconds the robot is given up.
+/// After this many recoveries within so many seconds backing off does not help.
 const HOPELESS: (usize, f64) = (3, 60.0);
 
 /// Seconds for which the robot drives around a place where it got stuck.
@@ -30,7 +30,7 @@ pub(super) struct Progress {
 }
 
 impl Navigator {
-    /// Begins to free a robot that is stuck; gives it up if that has happened too often.
+    /// Begins to free a robot that is stuck; it escapes if that has happened too often.
     pub(super) fn recover(
         &mut self,
         view: &PolicyInput<'_>,
@@ -57,7 +57,7 @@ impl Navigator {
             pilot.recovered.pop_front();
         }
         if pilot.recovered.len() >= HOPELESS.0 {
-            return Some(Decision::Stuck);
+            return self.begin_escape(view, pose);
         }
         // Whatever the unmapped obstacle is, it is where the path led.
         let (radius, near) = self.margins.obstruction;

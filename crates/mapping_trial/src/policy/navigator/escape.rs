@@ -1,0 +1,116 @@
+//! The last means of a robot that is stuck: it looks all around and drives to where the laser sees most
+//! free space, whatever the map shows.
+
+use envgen::geometry::{Pose, unit_vector, wrap_angle};
+use glam::DVec2;
+
+use super::{Navigator, Task};
+use crate::backend::Command;
+use crate::policy::pursuit::turn;
+use crate::policy::{Decision, PolicyInput};
+
+/// Number of escapes after which a robot that is stuck again is given up.
+const MOST_ESCAPES: u32 = 6;
+
+/// Time limit in seconds of an escape.
+const TIME: f64 = 30.0;
+
+/// Distance in metres that it drives at most, and distance to an echo at which it stops.
+const DRIVE: (f64, f64) = (1.0, 0.12);
+
+/// Distance in metres within which a direction with less free space is as good, if it is nearer to
+/// straight ahead.
+const ENOUGH: f64 = 1.2;
+
+/// Half the angle in radians of the directions that a scan is judged by.
+const SIDE: f64 = 1.4;
+
+/// The stage of an escape.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Escape {
+    /// Turns around: its last heading, how far it has turned, and the best direction so far with
+    /// the metres that are free there.
+    Look { heading: f64, turned: f64, best: (f64, f64) },
+    /// Turns to a heading.
+    Turn { heading: f64 },
+    /// Drives ahead from a position.
+    Drive { from: DVec2 },
+}
+
+impl Navigator {
+    /// Begins an escape, or gives the robot up.
+    pub(super) fn begin_escape(&mut self, view: &PolicyInput<'_>, pose: Pose) -> Option<Decision> {
+        let pilot = &mut self.pilots[view.robot];
+        if pilot.escapes >= MOST_ESCAPES {
+            return Some(Decision::Stuck);
+        }
+        pilot.escapes += 1;
+        pilot.recovered.clear();
+        pilot.path.clear();
+        let look = Escape::Look { heading: pose.heading, turned: 0.0, best: (pose.heading, 0.0) };
+        pilot.task = Task::Escape { stage: look, until: view.seen.time + TIME };
+        None
+    }
+
+    /// Goes on with an escape; `None` when it ends.
+    pub(super) fn escape(
+        &mut self,
+        view: &PolicyInput<'_>,
+        pose: Pose,
+        stage: Escape,
+        until: f64,
+    ) -> Option<Decision> {
+        if view.seen.time >= until {
+            self.end_escape(view);
+            return None;
+        }
+        let (next, command) = match stage {
+            Escape::Look { heading, turned, best } => {
+                let turned = turned + wrap_angle(pose.heading - heading);
+                let best = self.freest(pose, best);
+                let left = self.margins.survey.0 - turned;
+                if left > 0.1 {
+                    let look = Escape::Look { heading: pose.heading, turned, best };
+                    (look, turn(view.body, left))
+                } else {
+                    (Escape::Turn { heading: best.0 }, Command::STOP)
+                }
+            }
+            Escape::Turn { heading } => {
+                let off = wrap_angle(heading - pose.heading);
+                if off.abs() > 0.1 {
+                    (stage, turn(view.body, off))
+                } else {
+                    (Escape::Drive { from: pose.position }, Command::STOP)
+                }
+            }
+            Escape::Drive { from } => {
+                let free = self.guard.free_towards(DVec2::X);
+                if free < DRIVE.1 || from.distance(pose.position) >= DRIVE.0 {
+                    self.end_escape(view);
+                    return None;
+                }
+                (stage, Command { speed: self.margins.creep, turn_rate: 0.0 })
+            }
+        };
+        self.pilots[view.robot].task = Task::Escape { stage: next, until };
+        Some(Decision::Drive(command))
+    }
+
+    /// The better one of a direction, as heading and free metres, and what the last scan shows.
+    fn freest(&self, pose: Pose, best: (f64, f64)) -> (f64, f64) {
+        let free = self.guard.free_towards(DVec2::X).min(ENOUGH);
+        // A direction counts when the robot faces it: the scan then sees both sides of the body.
+        let sides = [-SIDE, SIDE].map(|angle| self.guard.free_towards(unit_vector(angle)).min(0.3));
+        let worth = free + 0.1 * (sides[0] + sides[1]);
+        if worth > best.1 { (pose.heading, worth) } else { best }
+    }
+
+    /// Plans again: what blocked the robot may not block it from here.
+    fn end_escape(&mut self, view: &PolicyInput<'_>) {
+        self.refresh(view);
+        let pilot = &mut self.pilots[view.robot];
+        pilot.progress = super::Progress::default();
+        pilot.task = Task::Choose;
+    }
+}
