@@ -32,6 +32,7 @@ fn main() {
         let run = RunSummary {
             map: &map,
             tracks: &tracks,
+            time_limit: 1200.0,
             time: 1200.0,
             distance: 480.0,
             turning: 24.0,

@@ -7,6 +7,8 @@ mod pose;
 mod raster;
 mod reference;
 mod rows;
+mod second;
+mod tour;
 mod walls;
 mod weights;
 
@@ -18,6 +20,9 @@ use thiserror::Error;
 use self::raster::Raster;
 pub use self::reference::Reference;
 pub use self::rows::ScoreRow;
+pub use self::second::Score2;
+use self::second::Shared;
+pub use self::tour::Tour;
 pub use self::weights::{Difficulties, Sensitivity, Weights, kendall_tau, sensitivity};
 use crate::map::OccupancyMap;
 use crate::truth::MappableArea;
@@ -61,6 +66,8 @@ pub struct RunSummary<'a> {
     pub tracks: &'a [TrajectoryPair<'a>],
     /// Simulated time in seconds.
     pub time: f64,
+    /// Time in seconds after which the run would have ended.
+    pub time_limit: f64,
     /// Path length of all robots in metres.
     pub distance: f64,
     /// Turning of all robots in radians, left and right added.
@@ -212,6 +219,9 @@ pub struct Scores {
     pub stuck: u32,
     /// Seconds that the batteries would still have lasted, the minimum of all robots.
     pub energy_left: f64,
+    /// The same run by score 2; what is above is score 1.
+    #[serde(default)]
+    pub score_2: Score2,
 }
 
 impl Scores {
@@ -225,7 +235,7 @@ impl Scores {
         let walls = walls::compare(truth, truth.runs(), &raster, TOLERANCES);
         let [f1_30, f1_15] = [0, 1].map(|i| harmonic(walls.precision[i], walls.recall[i]));
         let coverage = coverage(truth, &raster);
-        let navigability = navigability::navigability(truth, truth.trips(), run.map);
+        let [navigability, with_margin] = navigability::navigability(truth, truth.trips(), run.map);
         let trajectory_error = pose::absolute(run.tracks);
         let near = pose::relative(run.tracks, pose::NEAR);
         let far = pose::relative(run.tracks, pose::FAR);
@@ -265,7 +275,16 @@ impl Scores {
             recoveries: run.recoveries,
             stuck: run.stuck,
             energy_left: run.energy_left,
+            score_2: Score2::default(),
         };
+        let shared = Shared {
+            e_wall: scores.e_wall,
+            e_pose: scores.e_pose,
+            coverage,
+            free_area,
+            navigability: with_margin,
+        };
+        scores.score_2 = Score2::of(run, truth.tour(), &shared);
         let difficulties = Weights::default().difficulties(&scores);
         scores.difficulty = difficulties.overall;
         scores.mapping = difficulties.mapping;
@@ -293,6 +312,7 @@ fn check(run: &RunSummary<'_>) -> Result<(), ScoreError> {
     }
     let numbers = [
         ("time", run.time),
+        ("time_limit", run.time_limit),
         ("distance", run.distance),
         ("turning", run.turning),
         ("energy_left", run.energy_left),

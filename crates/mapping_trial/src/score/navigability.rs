@@ -4,7 +4,7 @@
 use envgen::Seed;
 use glam::DVec2;
 
-use crate::map::OccupancyMap;
+use crate::map::{OccupancyMap, RESOLUTION};
 use crate::policy::costmap::{Costmap, Node, SIDE};
 use crate::policy::search::GridPlanner;
 use crate::truth::MappableArea;
@@ -59,7 +59,7 @@ pub(crate) fn trips(truth: &MappableArea, perfect: &OccupancyMap, seed: Seed) ->
         let goals: Vec<DVec2> = (0..TRIES).map(|_| draw()).collect();
         let paths = planner.paths(start, &goals);
         let driven = goals.iter().zip(paths).filter(|(goal, path)| {
-            path.as_ref().is_some_and(|path| arrives(truth, start, path, **goal))
+            path.as_ref().is_some_and(|path| arrives(truth, 0.0, start, path, **goal))
         });
         let goals: Vec<DVec2> = driven.map(|(goal, _)| *goal).take(GOALS).collect();
         if !goals.is_empty() {
@@ -69,19 +69,22 @@ pub(crate) fn trips(truth: &MappableArea, perfect: &OccupancyMap, seed: Seed) ->
     trips
 }
 
-/// The share of paths that reach their goal without a collision; 1 if there are no paths.
-pub(super) fn navigability(truth: &MappableArea, trips: &[Trip], map: &OccupancyMap) -> f64 {
+/// The share of paths that reach their goal without a collision, for the robot and for one that is
+/// smaller all around by a cell of the map; 1 if there are no paths.
+pub(super) fn navigability(truth: &MappableArea, trips: &[Trip], map: &OccupancyMap) -> [f64; 2] {
     let mut planner = Planner::new(truth, map);
-    let (mut arrived, mut all) = (0_u32, 0_u32);
+    let (mut arrived, mut all) = ([0_u32; 2], 0_u32);
     for trip in trips {
         let paths = planner.paths(trip.start, &trip.goals);
         for (goal, path) in trip.goals.iter().zip(paths) {
-            let good = path.is_some_and(|path| arrives(truth, trip.start, &path, *goal));
-            arrived += u32::from(good);
+            for (arrived, margin) in arrived.iter_mut().zip([0.0, RESOLUTION]) {
+                let arrives = |path: &Vec<_>| arrives(truth, margin, trip.start, path, *goal);
+                *arrived += u32::from(path.as_ref().is_some_and(arrives));
+            }
             all += 1;
         }
     }
-    if all == 0 { 1.0 } else { f64::from(arrived) / f64::from(all) }
+    arrived.map(|arrived| if all == 0 { 1.0 } else { f64::from(arrived) / f64::from(all) })
 }
 
 /// Plans on a map, as policies do.
@@ -135,10 +138,10 @@ impl Planner {
     }
 }
 
-/// Whether the robot's disc gets from a start along the points of a path to a goal without touching
-/// anything.
-fn arrives(truth: &MappableArea, start: DVec2, path: &[DVec2], goal: DVec2) -> bool {
-    let room_at = |p: DVec2| truth.room(p).min(MOST_ROOM);
+/// Whether the robot's disc, smaller by a margin in metres, gets from a start along the points of a path
+/// to a goal without touching anything.
+fn arrives(truth: &MappableArea, margin: f64, start: DVec2, path: &[DVec2], goal: DVec2) -> bool {
+    let room_at = |p: DVec2| (truth.room(p) + margin).min(MOST_ROOM);
     // Everything is clear around `at` within `room`, and `from` is in that circle.
     let (mut at, mut room, mut from) = (start, room_at(start), start);
     for &to in path.iter().chain([&goal]) {
@@ -212,7 +215,8 @@ mod tests {
             .collect();
         let within = trips.iter().filter(|(a, b)| is_left(*a) == is_left(*b)).count();
         assert!(within > 0 && within < trips.len(), "{within} of {}", trips.len());
-        assert_eq!(navigability(&truth, truth.trips(), &map), within as f64 / trips.len() as f64);
+        let expected = within as f64 / trips.len() as f64;
+        assert_eq!(navigability(&truth, truth.trips(), &map), [expected; 2]);
     }
 
     /// Robots drive into walls of the world that the map does not show: a map of free floor only.
@@ -226,8 +230,8 @@ mod tests {
             }
         }
         map.touch(Rect::new(DVec2::ZERO, DVec2::new(12.0, 8.0)));
-        let found = navigability(&truth, truth.trips(), &map);
-        assert!(found > 0.2 && found < 1.0, "{found}");
+        let [found, with_margin] = navigability(&truth, truth.trips(), &map);
+        assert!(found > 0.2 && found <= with_margin && with_margin < 1.0, "{found}");
     }
 
     proptest! {
@@ -257,7 +261,7 @@ mod tests {
             let clear = if crosses { 0.0 } else { nearest };
             // How exactly a contact is found.
             prop_assume!((clear - radius).abs() > STEP);
-            prop_assert_eq!(arrives(&TRUTH, a, &[b], b), clear > radius);
+            prop_assert_eq!(arrives(&TRUTH, 0.0, a, &[b], b), clear > radius);
         }
     }
 }

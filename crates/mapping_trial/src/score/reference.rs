@@ -7,6 +7,7 @@ use envgen::world::World;
 use glam::DVec2;
 
 use super::navigability::{Trip, trips};
+use super::tour::Tour;
 use super::walls::true_runs;
 use crate::robot::Robot;
 use crate::truth::{MappableArea, MappableAreaError};
@@ -18,6 +19,7 @@ pub struct Reference {
     area: MappableArea,
     runs: Vec<u8>,
     trips: Vec<Trip>,
+    tour: Tour,
 }
 
 impl Reference {
@@ -45,7 +47,13 @@ impl Reference {
         let map = area.perfect_map();
         let runs = true_runs(&area, &map);
         let trips = trips(&area, &map, world.provenance.seed.unwrap_or(Seed(0)));
-        Reference { area, runs, trips }
+        let tour = Tour::of(world, &area);
+        Reference { area, runs, trips, tour }
+    }
+
+    /// What a robot without errors needs to see all of F.
+    pub fn tour(&self) -> Tour {
+        self.tour
     }
 
     /// How many walls a search along each wall point's normal crosses.

@@ -28,6 +28,13 @@ impl Scores {
                 number(self.navigation),
                 "time, coverage, collisions, turning",
             ),
+            (
+                "D, M, N by score 2",
+                [self.score_2.difficulty, self.score_2.mapping, self.score_2.navigation]
+                    .map(number)
+                    .join("  "),
+                "beyond what a robot without errors needs",
+            ),
             ("coverage", percent(self.coverage), "of the reachable ground shown as free"),
             ("wall precision", percent(self.precision_30), "within 0.30 m"),
             ("wall recall", percent(self.recall_30), "within 0.30 m"),

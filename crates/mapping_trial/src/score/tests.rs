@@ -30,6 +30,7 @@ fn run(map: &OccupancyMap) -> RunSummary<'_> {
         map,
         tracks: &[],
         time: 0.0,
+        time_limit: 1200.0,
         distance: 0.0,
         turning: 0.0,
         hits: 0,
