@@ -13,6 +13,9 @@ pub enum ExperimentError {
     /// The design is not allowed.
     #[error(transparent)]
     Design(#[from] SpecError),
+    /// The survey is not allowed.
+    #[error(transparent)]
+    Survey(#[from] super::survey::SurveyError),
     /// A file or folder cannot be read or written.
     #[error("{}: {source}", path.display())]
     File {

@@ -1,11 +1,12 @@
-//! The file of an experiment's trials: a line is written whole or not at all.
+//! The file of trials: a line is written whole or not at all.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+
 use super::error::ExperimentError;
-use super::record::Record;
 use super::write;
 
 /// The file of the trials, one per line.
@@ -50,7 +51,7 @@ impl Lines {
     }
 
     /// Adds a trial; if that fails, nothing of it stays if the disk allows.
-    pub(super) fn append(&mut self, record: &Record) -> Result<(), ExperimentError> {
+    pub(super) fn append<T: Serialize>(&mut self, record: &T) -> Result<(), ExperimentError> {
         let bytes = line(record, &self.path)?;
         match self.file.write_all(&bytes) {
             Ok(()) => {
@@ -82,7 +83,7 @@ impl Lines {
 }
 
 /// A trial as a line.
-pub(super) fn line(record: &Record, path: &Path) -> Result<Vec<u8>, ExperimentError> {
+pub(super) fn line<T: Serialize>(record: &T, path: &Path) -> Result<Vec<u8>, ExperimentError> {
     let content = |error: serde_json::Error| ExperimentError::Content {
         path: path.to_owned(),
         reason: error.to_string(),

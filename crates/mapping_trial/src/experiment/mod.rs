@@ -13,12 +13,14 @@
 //! | a folder of records that survives interrupts | [`Experiment`] |
 //! | the statistics | [`stats`] |
 //! | tables and the report | [`table`], [`report`] |
+//! | trials in worlds of any kind, under any conditions | [`survey`] |
 //!
 //! A finished experiment is the same to the last byte whether it ran on one thread or many, at
 //! once or interrupted, in one folder or in shards that were merged.
 
 mod design;
 mod error;
+mod head;
 mod lines;
 mod record;
 pub mod report;
@@ -26,6 +28,7 @@ mod run;
 mod site;
 pub mod stats;
 mod store;
+pub mod survey;
 pub mod table;
 mod write;
 

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::design::{Design, Shard, Trial, operator_name};
 use super::error::ExperimentError;
+use super::head;
 use super::lines::{Lines, TRIALS, line};
 use super::record::Record;
 use super::site::Site;
@@ -79,7 +80,7 @@ impl Experiment {
                     let reason = format!("there are trials, but no {HEAD} that describes them");
                     return Err(ExperimentError::Content { path: folder.to_owned(), reason });
                 }
-                write::whole(&head_path, &json(&head, &head_path)?)?;
+                head::write(&head_path, &head)?;
             }
         }
         let (lines, text) = Lines::open(folder)?;
@@ -240,38 +241,8 @@ fn name(design: &Design, trial: &Trial) -> String {
     )
 }
 
-fn share(head: &Head) -> Vec<(usize, Trial)> {
-    let trials = head.design.trials().into_iter().enumerate();
-    trials.filter(|(place, _)| head.shard.has(*place)).collect()
-}
-
-fn json<T: Serialize>(value: &T, path: &Path) -> Result<Vec<u8>, ExperimentError> {
-    let content = |error: serde_json::Error| ExperimentError::Content {
-        path: path.to_owned(),
-        reason: error.to_string(),
-    };
-    let mut bytes = serde_json::to_vec_pretty(value).map_err(content)?;
-    bytes.push(b'\n');
-    Ok(bytes)
-}
-
 fn read_head(path: &Path) -> Result<Option<Head>, ExperimentError> {
-    let content = |reason: String| ExperimentError::Content { path: path.to_owned(), reason };
-    let text = match std::fs::read(path) {
-        Ok(text) => text,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        Err(source) => return Err(ExperimentError::File { path: path.to_owned(), source }),
-    };
-    let not = |error: serde_json::Error| content(format!("this is not an experiment: {error}"));
-    let value: serde_json::Value = serde_json::from_slice(&text).map_err(not)?;
-    // The version first: another one may have other fields.
-    let version = value.get("version").and_then(serde_json::Value::as_u64);
-    if let Some(version) = version.filter(|&version| version != u64::from(EXPERIMENT_VERSION)) {
-        let expected = EXPERIMENT_VERSION;
-        let reason = format!("an experiment of version {version}, expected {expected}");
-        return Err(content(reason));
-    }
-    serde_json::from_value(value).map(Some).map_err(not)
+    head::read(path, "an experiment", EXPERIMENT_VERSION)
 }
 
 /// The first difference between two experiments.
@@ -279,16 +250,12 @@ fn difference(found: &Head, asked: &Head) -> String {
     if found.shard != asked.shard {
         return format!("share {}, expected {}", found.shard, asked.shard);
     }
-    let fields = |head: &Head| match serde_json::to_value(&head.design) {
-        Ok(serde_json::Value::Object(fields)) => fields,
-        _ => serde_json::Map::new(),
-    };
-    let (found, asked) = (fields(found), fields(asked));
-    let mut differ = found.iter().filter(|(name, value)| asked.get(*name) != Some(*value));
-    differ.next().map_or_else(String::new, |(name, value)| {
-        let asked = asked.get(name).unwrap_or(&serde_json::Value::Null);
-        format!("`{name}` is {value}, expected {asked}")
-    })
+    head::difference(&found.design, &asked.design)
+}
+
+fn share(head: &Head) -> Vec<(usize, Trial)> {
+    let trials = head.design.trials().into_iter().enumerate();
+    trials.filter(|(place, _)| head.shard.has(*place)).collect()
 }
 
 /// Reads whole lines, each a trial of this share that was not there before.

@@ -67,11 +67,11 @@ pub fn columns(design: &Design, records: &[&Record]) -> Vec<Column> {
     columns
 }
 
-/// The numeric fields of flat structs, the difficulties and their parts first.
+/// The numeric fields of structs, the difficulties and their parts first.
 fn numbers<T: Serialize>(rows: impl Iterator<Item = T>) -> Vec<Column> {
     let rows: Vec<serde_json::Map<String, Value>> = rows
         .filter_map(|row| match serde_json::to_value(row) {
-            Ok(Value::Object(fields)) => Some(fields),
+            Ok(Value::Object(fields)) => Some(flat(fields)),
             _ => None,
         })
         .collect();
@@ -95,6 +95,24 @@ fn numbers<T: Serialize>(rows: impl Iterator<Item = T>) -> Vec<Column> {
         Column { name: name.clone(), values }
     };
     names.into_iter().map(column).collect()
+}
+
+/// The fields of an object, those of objects in it under both names: `score_2_mapping`.
+fn flat(fields: serde_json::Map<String, Value>) -> serde_json::Map<String, Value> {
+    let mut all = serde_json::Map::new();
+    for (name, value) in fields {
+        match value {
+            Value::Object(inner) => {
+                all.extend(
+                    inner.into_iter().map(|(part, value)| (format!("{name}_{part}"), value)),
+                );
+            }
+            value => {
+                all.insert(name, value);
+            }
+        }
+    }
+    all
 }
 
 /// The table as CSV (RFC 4180). Numbers keep every digit; absent values are empty.

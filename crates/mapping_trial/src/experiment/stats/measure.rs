@@ -30,6 +30,27 @@ pub const MEASURES: [Measure; 10] = [
     Measure { symbol: "e_turn", name: "turning", most: 1.0, of: |s| s.e_turn },
 ];
 
+/// D, M and N by score 2, then the parts that differ from those of score 1.
+pub const MEASURES_2: [Measure; 7] = [
+    Measure { symbol: "D2", name: "difficulty", most: 10.0, of: |s| s.score_2.difficulty },
+    Measure { symbol: "M2", name: "difficulty of mapping", most: 10.0, of: |s| s.score_2.mapping },
+    Measure {
+        symbol: "N2",
+        name: "difficulty of getting around",
+        most: 10.0,
+        of: |s| s.score_2.navigation,
+    },
+    Measure { symbol: "e_use2", name: "paths that fail", most: 1.0, of: |s| s.score_2.e_use },
+    Measure { symbol: "e_time2", name: "excess time by area", most: 1.0, of: |s| s.score_2.e_time },
+    Measure {
+        symbol: "e_hit2",
+        name: "collisions by distance",
+        most: 1.0,
+        of: |s| s.score_2.e_hit,
+    },
+    Measure { symbol: "e_turn2", name: "excess turning", most: 1.0, of: |s| s.score_2.e_turn },
+];
+
 /// The means of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapValues {

@@ -5,6 +5,7 @@
 //! the percentile bootstrap over maps, drawn within their levels, for everything else (Efron and
 //! Tibshirani, An Introduction to the Bootstrap, 1993, chapters 13 and 14).
 
+mod components;
 mod measure;
 mod order;
 mod rank;
@@ -18,7 +19,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-pub use measure::{MEASURES, MapValues, Measure, map_values};
+pub use components::{Component, Components, Factorial, components};
+pub use measure::{MEASURES, MEASURES_2, MapValues, Measure, map_values};
 pub use order::{Mean, Order, Verdict, order};
 pub use rank::{Null, spearman};
 pub use resample::{Interval, RESAMPLES};

@@ -1,0 +1,168 @@
+//! Runs trials under several conditions in many worlds, as a RON file lists them, and prints how
+//! they ended and which part of each score's variance belongs to the worlds.
+//!
+//! ```text
+//! cargo run --release --example survey -- assets/surveys/ends.survey.ron --out out/ends
+//! ```
+//!
+//! Every finished trial is on disk at once: the same command continues an interrupted run. The
+//! output folder gets `trials.jsonl` and `summary.json`.
+
+use std::io::IsTerminal;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser;
+use indicatif::{ProgressBar, ProgressStyle};
+use mapping_trial::experiment::survey::summary::{Summary, summarise};
+use mapping_trial::experiment::survey::{Survey, SurveyFolder};
+use mapping_trial::experiment::{ExperimentError, Shard};
+
+/// Runs trials under several conditions in many worlds, and prints how they ended and which part of
+/// each score's variance belongs to the worlds.
+///
+/// The same command continues an interrupted run.
+#[derive(Parser)]
+struct Arguments {
+    /// The survey: families of worlds and conditions, in RON.
+    survey: PathBuf,
+
+    /// Threads; 0 for one per core.
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
+    threads: u16,
+
+    /// Run only a share of the worlds, such as 2/8.
+    #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
+    shard: Shard,
+
+    /// How many faulty trials to list per kind.
+    #[arg(long, default_value_t = 20)]
+    faults: usize,
+
+    /// The folder to write into.
+    #[arg(long, default_value = "out/survey", value_name = "FOLDER")]
+    out: PathBuf,
+}
+
+#[expect(clippy::print_stderr, reason = "errors go to stderr")]
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+#[expect(clippy::print_stdout, reason = "what an example is for")]
+fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
+    let survey = read(&arguments.survey)?;
+    let mut folder = SurveyFolder::open(&arguments.out, &survey, arguments.shard)?;
+    println!("{} trials, {} finished before", folder.trials(), folder.records().len());
+    let bar = progress(folder.trials());
+    let result = folder.run(usize::from(arguments.threads), &|progress| {
+        bar.set_position(progress.done);
+        ControlFlow::Continue(())
+    });
+    bar.finish_and_clear();
+    result?;
+    let records: Vec<_> = folder.records().collect();
+    let summary = summarise(&survey, &records);
+    print(&summary, arguments.faults);
+    let path = arguments.out.join("summary.json");
+    write(&path, &summary)?;
+    println!("wrote {} and {}", folder.file().display(), path.display());
+    Ok(())
+}
+
+fn read(path: &Path) -> Result<Survey, ExperimentError> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|source| ExperimentError::File { path: path.to_owned(), source })?;
+    Survey::from_ron(&text).map_err(|error| ExperimentError::Content {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    })
+}
+
+fn write(path: &Path, summary: &Summary) -> Result<(), ExperimentError> {
+    let file = |source| ExperimentError::File { path: path.to_owned(), source };
+    let text = serde_json::to_vec_pretty(summary)
+        .map_err(|error| ExperimentError::Report(error.to_string()))?;
+    std::fs::write(path, text).map_err(file)
+}
+
+fn progress(trials: u64) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(trials);
+    bar.enable_steady_tick(std::time::Duration::from_millis(500));
+    match ProgressStyle::with_template("{bar:40} {pos}/{len} trials, {per_sec}, {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+#[expect(clippy::print_stdout, reason = "what an example is for")]
+fn print(summary: &Summary, faults: usize) {
+    println!(
+        "\n{:>40} trials     D     M     N    D2    M2    N2     C   time  ATE median, 90 %  ends",
+        ""
+    );
+    for group in &summary.groups {
+        let name = format!("{}, {}", group.family, group.condition);
+        let ends: Vec<String> =
+            group.ends.iter().map(|(end, n)| format!("{} {n}", end.text())).collect();
+        let mean = group.mean;
+        println!(
+            "{name:>40} {:6} {:5.2} {:5.2} {:5.2} {:5.2} {:5.2} {:5.2} {:5.3} {:6.0} {:8.2} {:8.2}  {}",
+            group.trials,
+            mean.difficulty,
+            mean.mapping,
+            mean.navigation,
+            mean.score_2[0],
+            mean.score_2[1],
+            mean.score_2[2],
+            mean.coverage,
+            mean.time,
+            group.median_error,
+            group.high_error,
+            ends.join(", ")
+        );
+    }
+    for measure in &summary.measures {
+        let shares = measure.components.components.iter();
+        let shares: Vec<String> =
+            shares.map(|one| format!("{} {:.0} %", one.effect, 100.0 * one.share.value)).collect();
+        let ratio = measure.components.signal_to_noise.map_or_else(String::new, |ratio| {
+            format!("{:.2} [{:.2}, {:.2}]", ratio.value, ratio.low, ratio.high)
+        });
+        println!(
+            "{:>7}: signal to noise {ratio}; {} trials for +-0.2; {}",
+            measure.symbol,
+            measure.components.trials_for_fifth,
+            shares.join(", ")
+        );
+    }
+    for group in summary.faults.chunk_by(|a, b| a.kind == b.kind) {
+        println!("\n{:?}: {} trials", group[0].kind, group.len());
+        for fault in group.iter().take(faults) {
+            let record = &fault.record;
+            let scores = record.scores.unwrap_or_default();
+            println!(
+                "  {} seed {}, {}, noise {}: {} after {:.0} s, C {:.2}, ATE {:.2} m{}",
+                fault.family,
+                record.world_seed,
+                fault.condition,
+                record.noise_seed,
+                record.end.map_or("no trial", |end| end.text()),
+                scores.time,
+                scores.coverage,
+                scores.trajectory_error,
+                record.failure.as_deref().unwrap_or_default()
+            );
+        }
+    }
+}

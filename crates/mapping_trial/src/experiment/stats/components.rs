@@ -1,0 +1,334 @@
+//! Variance components of crossed factors: how much of a measure belongs to the maps, how much to
+//! the operator, the laser or the estimator, how much to their interactions, and how much to noise.
+
+use envgen::{Seed, Stream};
+use serde::Serialize;
+use statrs::statistics::{Data, OrderStatistics};
+
+use super::resample::{Interval, RESAMPLES};
+
+/// A measure of every trial of a full factorial design: every level of each factor with every level
+/// of the others, each combination with the same number of trials.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Factorial {
+    /// Names of the factors, the maps first.
+    pub factors: Vec<&'static str>,
+    /// Number of levels of each factor.
+    pub sizes: Vec<usize>,
+    /// Trials per combination, which differ in noise.
+    pub repeats: usize,
+    /// The values: the first factor's first level first, the noise last.
+    pub values: Vec<f64>,
+}
+
+/// One component of the variance.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Component {
+    /// The factors whose interaction it is, such as `map` or `map x operator`; `noise` for
+    /// what differs between trials of one combination.
+    pub effect: String,
+    /// Its variance, at least 0.
+    pub variance: f64,
+    /// Its share of the sum of all variances, with an interval of 95 % over maps.
+    pub share: Interval,
+}
+
+/// The variance components of a measure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Components {
+    /// All components: maps, the other factors, their interactions, noise.
+    pub components: Vec<Component>,
+    /// Signal to noise: the variance of maps over the variance within a map, of noise and of
+    /// all interactions with the map. Absent if nothing varies within a map.
+    pub signal_to_noise: Option<Interval>,
+    /// Trials per map, spread over all conditions, for a standard error of 0.2 of its mean.
+    pub trials_for_fifth: u64,
+}
+
+impl Components {
+    /// The share of an effect.
+    pub fn share(&self, effect: &str) -> Option<Interval> {
+        self.components.iter().find(|one| one.effect == effect).map(|one| one.share)
+    }
+}
+
+/// Estimates the components from the mean squares of a random model (Brennan, Generalizability
+/// Theory, 2001, chapter 3), each cut at 0, with a percentile bootstrap over maps. `None` if a factor
+/// has one level, trials are not repeated, values are missing, or nothing varies.
+pub fn components(design: &Factorial) -> Option<Components> {
+    let cells: usize = design.sizes.iter().product();
+    let complete = design.values.len() == cells * design.repeats
+        && design.factors.len() == design.sizes.len()
+        && !design.sizes.is_empty();
+    if !complete || design.repeats < 2 || design.sizes.iter().any(|&levels| levels < 2) {
+        return None;
+    }
+    let found = variances(design);
+    if found.iter().sum::<f64>() <= 0.0 {
+        return None;
+    }
+    let mut stream = Seed(0).stream("variance components", 0);
+    let samples: Vec<Vec<f64>> =
+        (0..RESAMPLES).map(|_| variances(&resampled(design, &mut stream))).collect();
+    let interval = |of: &dyn Fn(&[f64]) -> f64| {
+        let values: Vec<f64> = samples.iter().map(|sample| of(sample)).collect();
+        let mut values =
+            Data::new(values.into_iter().filter(|x| x.is_finite()).collect::<Vec<_>>());
+        let (low, high) = (values.quantile(0.025), values.quantile(0.975));
+        Interval { value: of(&found), low, high }
+    };
+    let share = |component: usize| {
+        interval(&move |variances: &[f64]| variances[component] / variances.iter().sum::<f64>())
+    };
+    let within = |variances: &[f64]| -> f64 {
+        let of_map = |set: usize| set & 1 == 1 && set != 1;
+        let interactions = (0..variances.len() - 1).filter(|&i| of_map(i + 1));
+        variances[variances.len() - 1] + interactions.map(|i| variances[i]).sum::<f64>()
+    };
+    let components = (0..found.len()).map(|i| Component {
+        effect: design.effect(i),
+        variance: found[i],
+        share: share(i),
+    });
+    Some(Components {
+        components: components.collect(),
+        signal_to_noise: (within(&found) > 0.0)
+            .then(|| interval(&|variances: &[f64]| variances[0] / within(variances))),
+        trials_for_fifth: (within(&found) / (0.2 * 0.2)).ceil().max(1.0) as u64,
+    })
+}
+
+impl Factorial {
+    /// The name of a component. Component `i` belongs to the factors whose bits are set in `i + 1`;
+    /// the last one is noise.
+    fn effect(&self, component: usize) -> String {
+        let set = component + 1;
+        if set == 1 << self.factors.len() {
+            return "noise".to_owned();
+        }
+        let names = self.factors.iter().enumerate().filter(|(factor, _)| set >> factor & 1 == 1);
+        names.map(|(_, name)| *name).collect::<Vec<_>>().join(" x ")
+    }
+}
+
+/// The variances of all sets of factors, in the order of their bits, then of noise.
+fn variances(design: &Factorial) -> Vec<f64> {
+    let factors = design.sizes.len();
+    let full = (1 << factors) - 1;
+    let sums: Vec<f64> = (0..=full).map(|set| squares(design, set)).collect();
+    let levels = |set: usize| -> f64 {
+        let factors = design.sizes.iter().enumerate().filter(|(factor, _)| set >> factor & 1 == 1);
+        factors.map(|(_, &levels)| levels as f64).product()
+    };
+    // The sum of squares of an interaction is what its means have beyond all smaller sets.
+    let mean_square = |set: usize| {
+        let own: f64 = subsets(set).map(|part| sign(set, part) * sums[part]).sum();
+        let freedom: f64 = subsets(set).map(|part| sign(set, part) * levels(part)).sum();
+        own / freedom
+    };
+    let cells = levels(full);
+    let total: f64 = design.values.iter().map(|x| x * x).sum();
+    let noise = (total - sums[full]) / (cells * (design.repeats as f64 - 1.0));
+    let squares: Vec<f64> =
+        (0..=full).map(|set| if set == 0 { 0.0 } else { mean_square(set) }).collect();
+    let mut found: Vec<f64> = (1..=full)
+        .map(|set| {
+            let above = (set..=full).filter(|whole| whole & set == set);
+            let mut sum: f64 = above.map(|whole| sign(whole, set) * squares[whole]).sum();
+            if set == full {
+                sum -= noise;
+            }
+            let per_level = cells / levels(set) * design.repeats as f64;
+            (sum / per_level).max(0.0)
+        })
+        .collect();
+    found.push(noise.max(0.0));
+    found
+}
+
+/// The sum of the squares of the means over everything but a set of factors, weighted by how many
+/// values each is of.
+fn squares(design: &Factorial, set: usize) -> f64 {
+    let mut sums = vec![
+        0.0;
+        (0..design.sizes.len()).fold(1, |n, f| if set >> f & 1 == 1 {
+            n * design.sizes[f]
+        } else {
+            n
+        })
+    ];
+    for (i, value) in design.values.iter().enumerate() {
+        let mut rest = i / design.repeats;
+        let (mut place, mut step) = (0, 1);
+        for (factor, &levels) in design.sizes.iter().enumerate().rev() {
+            if set >> factor & 1 == 1 {
+                place += rest % levels * step;
+                step *= levels;
+            }
+            rest /= levels;
+        }
+        sums[place] += value;
+    }
+    let values_each = design.values.len() as f64 / sums.len() as f64;
+    sums.iter().map(|sum| sum * sum / values_each).sum()
+}
+
+/// All subsets of a set of bits, the empty one included.
+fn subsets(set: usize) -> impl Iterator<Item = usize> {
+    (0..=set).filter(move |part| part & set == *part)
+}
+
+/// The sign of inclusion and exclusion: -1 if the sets differ by an odd number of factors.
+fn sign(set: usize, part: usize) -> f64 {
+    if (set.count_ones() - part.count_ones()) % 2 == 0 { 1.0 } else { -1.0 }
+}
+
+/// The same design with as many maps, drawn with replacement.
+fn resampled(design: &Factorial, stream: &mut Stream) -> Factorial {
+    let maps = design.sizes[0];
+    let length = design.values.len() / maps;
+    let mut values = Vec::with_capacity(design.values.len());
+    for _ in 0..maps {
+        let first = stream.below(maps as u64) as usize * length;
+        values.extend_from_slice(&design.values[first..first + length]);
+    }
+    Factorial { values, ..design.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::distribution::standard_normal;
+
+    use super::*;
+
+    /// Values with known variances of every effect, in the order of the components.
+    fn drawn(sizes: [usize; 3], repeats: usize, deviations: [f64; 8], seed: u64) -> Factorial {
+        let mut stream = Seed(seed).stream("test", 0);
+        let mut effects: Vec<Vec<f64>> = Vec::new();
+        for set in 1..8_usize {
+            let length: usize = (0..3).filter(|f| set >> f & 1 == 1).map(|f| sizes[f]).product();
+            let deviation = deviations[set - 1];
+            effects.push((0..length).map(|_| deviation * standard_normal(&mut stream)).collect());
+        }
+        let mut values = Vec::new();
+        for map in 0..sizes[0] {
+            for operator in 0..sizes[1] {
+                for laser in 0..sizes[2] {
+                    let place = [map, operator, laser];
+                    let mut value = 0.0;
+                    for set in 1..8_usize {
+                        let at = (0..3)
+                            .filter(|f| set >> f & 1 == 1)
+                            .fold(0, |at, f| at * sizes[f] + place[f]);
+                        value += effects[set - 1][at];
+                    }
+                    values.extend(
+                        (0..repeats).map(|_| value + deviations[7] * standard_normal(&mut stream)),
+                    );
+                }
+            }
+        }
+        Factorial {
+            factors: vec!["map", "operator", "laser"],
+            sizes: sizes.to_vec(),
+            repeats,
+            values,
+        }
+    }
+
+    #[test]
+    fn known_components_are_found() {
+        // Few levels say little of a factor's own variance: many of each, and one fixed seed. A
+        // variance from n levels has a relative standard error of sqrt(2 / n).
+        let deviations = [2.0, 1.0, 0.8, 0.5, 0.7, 0.3, 0.4, 0.6];
+        let design = drawn([60, 40, 40], 2, deviations, 5);
+        let found = components(&design).expect("components");
+        let total: f64 = deviations.iter().map(|d| d * d).sum();
+        let order = [
+            ("map", 2.0),
+            ("operator", 1.0),
+            ("map x operator", 0.8),
+            ("laser", 0.5),
+            ("map x laser", 0.7),
+            ("operator x laser", 0.3),
+            ("map x operator x laser", 0.4),
+            ("noise", 0.6),
+        ];
+        for (i, (effect, deviation)) in order.into_iter().enumerate() {
+            let one = &found.components[i];
+            assert_eq!(one.effect, effect);
+            let expected = deviation * deviation;
+            assert!((one.variance / expected - 1.0).abs() < 0.7, "{one:?}, expected {expected}");
+            assert!((one.share.value - expected / total).abs() < 0.08, "{one:?}");
+        }
+        let sum: f64 = found.components.iter().map(|one| one.share.value).sum();
+        assert!((sum - 1.0).abs() < 1e-12);
+        let within = 0.64 + 0.49 + 0.16 + 0.36;
+        let ratio = found.signal_to_noise.expect("noise");
+        assert!((ratio.value / (4.0 / within) - 1.0).abs() < 0.4, "{ratio:?}");
+        assert!(ratio.low < ratio.value && ratio.value < ratio.high);
+        assert!((35..=50).contains(&found.trials_for_fifth), "{}", found.trials_for_fifth);
+    }
+
+    /// The two-way formulas of `shared/spec/difficulty.md`, section 2, written out.
+    #[test]
+    fn two_factors_agree_with_their_own_formulas() {
+        let mut stream = Seed(8).stream("test", 0);
+        let (maps, operators, seeds) = (7, 4, 3);
+        let values: Vec<f64> = (0..maps * operators * seeds).map(|_| stream.unit()).collect();
+        let at = |m: usize, o: usize, s: usize| values[(m * operators + o) * seeds + s];
+        let mean = |cells: &[f64]| cells.iter().sum::<f64>() / cells.len() as f64;
+        let cell = |m, o| mean(&(0..seeds).map(|s| at(m, o, s)).collect::<Vec<_>>());
+        let of_map = |m| mean(&(0..operators).map(|o| cell(m, o)).collect::<Vec<_>>());
+        let of_operator = |o| mean(&(0..maps).map(|m| cell(m, o)).collect::<Vec<_>>());
+        let all = mean(&values);
+        let (m, o, s) = (maps as f64, operators as f64, seeds as f64);
+        let mut squares = [0.0; 4];
+        for i in 0..maps {
+            squares[0] += o * s * (of_map(i) - all) * (of_map(i) - all) / (m - 1.0);
+            for j in 0..operators {
+                let off = cell(i, j) - of_map(i) - of_operator(j) + all;
+                squares[2] += s * off * off / ((m - 1.0) * (o - 1.0));
+                for k in 0..seeds {
+                    let off = at(i, j, k) - cell(i, j);
+                    squares[3] += off * off / (m * o * (s - 1.0));
+                }
+            }
+        }
+        for j in 0..operators {
+            squares[1] += m * s * (of_operator(j) - all) * (of_operator(j) - all) / (o - 1.0);
+        }
+        let expected = [
+            ((squares[0] - squares[2]) / (o * s)).max(0.0),
+            ((squares[1] - squares[2]) / (m * s)).max(0.0),
+            ((squares[2] - squares[3]) / s).max(0.0),
+            squares[3],
+        ];
+        let design = Factorial {
+            factors: vec!["map", "operator"],
+            sizes: vec![maps, operators],
+            repeats: seeds,
+            values,
+        };
+        for (found, expected) in variances(&design).into_iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_estimated_is_absent() {
+        let design = |sizes: Vec<usize>, repeats, values: Vec<f64>| Factorial {
+            factors: vec!["map", "operator"][..sizes.len()].to_vec(),
+            sizes,
+            repeats,
+            values,
+        };
+        assert_eq!(components(&design(vec![2, 2], 1, vec![1.0, 2.0, 3.0, 4.0])), None);
+        assert_eq!(components(&design(vec![2, 1], 2, vec![1.0, 2.0, 3.0, 4.0])), None);
+        assert_eq!(components(&design(vec![2], 2, vec![1.0; 4])), None);
+        assert_eq!(components(&design(vec![2], 2, vec![1.0; 3])), None);
+        let exact = components(&design(vec![2], 2, vec![1.0, 1.0, 2.0, 2.0])).expect("maps");
+        assert_eq!(exact.signal_to_noise, None);
+        assert_eq!(exact.share("map").map(|share| share.value), Some(1.0));
+    }
+}

@@ -1,0 +1,317 @@
+//! Which trials a survey is made of.
+
+use envgen::settings::Setting;
+use envgen::{Seed, SettingsError, SpecError, WorldSpec};
+use ron::extensions::Extensions;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::lidar::LaserProfile;
+use crate::names::Named;
+use crate::odometry::OdometryProfile;
+use crate::policy::PolicyKind;
+use crate::robot::Robot;
+use crate::slam::SlamKind;
+use crate::trial::TrialSettings;
+
+/// Greatest number of trials of a survey.
+pub const MAX_SURVEY_TRIALS: u64 = 1_000_000;
+
+/// Greatest number of noise seeds per map and condition.
+const MAX_NOISE_SEEDS: u32 = 1000;
+
+const NOISE_SEEDS: Setting =
+    Setting::integer("noise_seeds", 1, MAX_NOISE_SEEDS as u64, "Trials per map and condition");
+
+const MAPS: Setting = Setting::integer("maps", 1, MAX_SURVEY_TRIALS, "Worlds of a family");
+
+/// Trials under several conditions in families of worlds.
+///
+/// ```
+/// use mapping_trial::experiment::survey::Survey;
+///
+/// let survey = Survey::from_ron(
+///     "(
+///         families: [
+///             (name: \"rooms\", spec: Indoor(width: 8, height: 8), maps: 10),
+///             (name: \"corridors\", spec: Hallway(segments: 30), maps: 5, first_seed: 100),
+///         ],
+///         conditions: [
+///             (name: \"nearest\", time_per_area: 2),
+///             (name: \"poor wheels\", odometry: \"poor\", slam: pose_graph),
+///         ],
+///         noise_seeds: 3,
+///     )",
+/// )?;
+/// assert_eq!(survey.maps().count(), 15);
+/// assert_eq!(survey.trials(), 15 * 2 * 3);
+/// # Ok::<(), mapping_trial::experiment::survey::SurveyError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Survey {
+    /// The worlds.
+    pub families: Vec<Family>,
+    /// The conditions, each in every world.
+    pub conditions: Vec<Condition>,
+    /// Trials per world and condition, which differ in sensor noise.
+    #[serde(default = "one")]
+    pub noise_seeds: u32,
+}
+
+/// Worlds of one spec with consecutive seeds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Family {
+    /// Its name in tables.
+    pub name: String,
+    /// How its worlds are generated.
+    pub spec: WorldSpec,
+    /// Number of worlds.
+    #[serde(default = "one")]
+    pub maps: u32,
+    /// Seed of the first world.
+    #[serde(default)]
+    pub first_seed: Seed,
+}
+
+/// What a trial depends on besides its world and noise. The defaults are those of
+/// [`TrialSettings`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Condition {
+    /// Its name in tables.
+    pub name: String,
+    /// The policy that drives.
+    #[serde(alias = "policy")]
+    pub operator: PolicyKind,
+    /// How poses and map are estimated.
+    pub slam: SlamKind,
+    /// Name of the laser profile.
+    pub laser: String,
+    /// Name of the odometry profile.
+    pub odometry: String,
+    /// The robot.
+    pub robot: Robot,
+    /// Time limit in seconds.
+    pub time_limit: f64,
+    /// Time limit in seconds per square metre that can be mapped, in place of `time_limit`.
+    pub time_per_area: Option<f64>,
+}
+
+impl Default for Condition {
+    fn default() -> Self {
+        let settings = TrialSettings::default();
+        Condition {
+            name: String::new(),
+            operator: settings.policy.unwrap_or(PolicyKind::Nearest),
+            slam: settings.slam,
+            laser: settings.laser.name().unwrap_or_default().to_owned(),
+            odometry: settings.odometry.name().unwrap_or_default().to_owned(),
+            robot: settings.body,
+            time_limit: settings.time_limit,
+            time_per_area: settings.time_per_area,
+        }
+    }
+}
+
+/// Why a text is not a survey.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SurveyError {
+    /// A syntax error or an unknown field, with line and column.
+    #[error(transparent)]
+    Ron(#[from] Box<ron::error::SpannedError>),
+    /// A value that is not allowed.
+    #[error("{place}: {error}")]
+    Value {
+        /// The family or condition, or `survey`.
+        place: String,
+        /// The field, its value and what is allowed.
+        error: SpecError,
+    },
+    /// Settings that a kind of world does not have.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+}
+
+/// One world of a survey.
+#[derive(Clone, Copy, Debug)]
+pub struct SurveyMap<'a> {
+    /// Its number in the survey, from 0.
+    pub number: u32,
+    /// Its family.
+    pub family: &'a Family,
+    /// Its seed.
+    pub seed: Seed,
+}
+
+fn one() -> u32 {
+    1
+}
+
+impl Condition {
+    /// The settings of its trials with a seed of sensor noise.
+    ///
+    /// # Errors
+    /// A profile that has no such name, or a number that is not allowed.
+    pub fn settings(&self, noise: Seed) -> Result<TrialSettings, SpecError> {
+        let settings = TrialSettings {
+            seed: noise,
+            policy: Some(self.operator),
+            slam: self.slam,
+            laser: LaserProfile::named(&self.laser)?,
+            odometry: OdometryProfile::named(&self.odometry)?,
+            body: self.robot.clone(),
+            time_limit: self.time_limit,
+            time_per_area: self.time_per_area,
+            ..TrialSettings::default()
+        };
+        settings.validate()?;
+        Ok(settings)
+    }
+}
+
+impl Survey {
+    /// Reads a survey from RON, with specs of worlds as in `.envgen.ron` files, and checks it.
+    ///
+    /// # Errors
+    /// Line and column of a mistake, or the first value that is not allowed.
+    pub fn from_ron(text: &str) -> Result<Self, SurveyError> {
+        let options = ron::Options::default()
+            .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
+            .with_default_extension(Extensions::IMPLICIT_SOME);
+        let survey: Survey = options.from_str(text).map_err(Box::new)?;
+        survey.validate()?;
+        Ok(survey)
+    }
+
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// The first that is not allowed.
+    pub fn validate(&self) -> Result<(), SurveyError> {
+        let at = |place: &str| {
+            let place = place.to_owned();
+            move |error| SurveyError::Value { place, error }
+        };
+        let whole = || at("survey");
+        NOISE_SEEDS.check_integer(u64::from(self.noise_seeds)).map_err(whole())?;
+        names("families", self.families.iter().map(|family| &family.name)).map_err(whole())?;
+        names("conditions", self.conditions.iter().map(|one| &one.name)).map_err(whole())?;
+        for family in &self.families {
+            MAPS.check_integer(u64::from(family.maps)).map_err(at(&family.name))?;
+            family.spec.validate().map_err(at(&family.name))?;
+            let last = u64::from(family.maps) - 1;
+            if family.first_seed.checked_offset(last).is_none() {
+                let allowed = format!("at most {}", u64::MAX - last);
+                let error = SpecError::new("first_seed", family.first_seed, allowed);
+                return Err(at(&family.name)(error));
+            }
+        }
+        for condition in &self.conditions {
+            condition.settings(Seed(0)).map_err(at(&condition.name))?;
+        }
+        if self.trials() > MAX_SURVEY_TRIALS {
+            let allowed = format!("at most {MAX_SURVEY_TRIALS} trials");
+            return Err(whole()(SpecError::new("families", self.trials(), allowed)));
+        }
+        Ok(())
+    }
+
+    /// The worlds.
+    pub fn maps(&self) -> impl Iterator<Item = SurveyMap<'_>> {
+        let all = self.families.iter().flat_map(|family| {
+            (0..u64::from(family.maps)).map(move |n| (family, family.first_seed.offset(n)))
+        });
+        all.zip(0..).map(|((family, seed), number)| SurveyMap { number, family, seed })
+    }
+
+    /// Number of trials.
+    pub fn trials(&self) -> u64 {
+        let maps: u64 = self.families.iter().map(|family| u64::from(family.maps)).sum();
+        let per_map = self.conditions.len() as u64 * u64::from(self.noise_seeds);
+        maps.saturating_mul(per_map)
+    }
+
+    /// The seed of the sensor noise of a trial: the same for all conditions, and independent of the
+    /// other families of the survey.
+    pub fn noise_seed(map: &SurveyMap<'_>, noise: u32) -> Seed {
+        let own = map.seed.0.wrapping_mul(u64::from(MAX_NOISE_SEEDS));
+        Seed(own).offset(u64::from(noise))
+    }
+}
+
+/// Checks that a list is not empty, and that no name occurs twice.
+fn names<'a>(
+    field: &'static str,
+    names: impl Iterator<Item = &'a String>,
+) -> Result<(), SpecError> {
+    let names: Vec<&String> = names.collect();
+    let twice = names.iter().enumerate().any(|(i, name)| names[..i].contains(name));
+    if names.is_empty() || twice {
+        let text = names.iter().map(|name| name.as_str()).collect::<Vec<_>>().join(", ");
+        return Err(SpecError::new(field, text, "one or more, each of another name"));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn survey() -> Survey {
+        let condition = |name: &str| Condition { name: name.to_owned(), ..Condition::default() };
+        let family = |name: &str, maps, first_seed| Family {
+            name: name.to_owned(),
+            spec: envgen::indoor::IndoorSpec::default().into(),
+            maps,
+            first_seed: Seed(first_seed),
+        };
+        Survey {
+            families: vec![family("a", 3, 0), family("b", 2, 40)],
+            conditions: vec![condition("one"), condition("two")],
+            noise_seeds: 2,
+        }
+    }
+
+    #[test]
+    fn maps_are_numbered_over_all_families() {
+        let survey = survey();
+        assert_eq!(survey.validate(), Ok(()));
+        let maps: Vec<_> =
+            survey.maps().map(|map| (map.number, map.family.name.as_str(), map.seed.0)).collect();
+        assert_eq!(maps, [(0, "a", 0), (1, "a", 1), (2, "a", 2), (3, "b", 40), (4, "b", 41)]);
+        assert_eq!(survey.trials(), 20);
+    }
+
+    #[test]
+    fn the_written_form_is_read_again() {
+        let survey = survey();
+        let text = ron::to_string(&survey).expect("RON");
+        // Without extensions newtype variants have a second pair of parentheses.
+        assert_eq!(ron::from_str::<Survey>(&text), Ok(survey));
+    }
+
+    #[test]
+    fn every_bad_value_is_named_with_its_place() {
+        let error = |change: &dyn Fn(&mut Survey)| {
+            let mut survey = survey();
+            change(&mut survey);
+            survey.validate().expect_err("not allowed").to_string()
+        };
+        let text = error(&|s| s.noise_seeds = 0);
+        assert_eq!(text, "survey: `noise_seeds` must be a whole number from 1 to 1000, got 0");
+        assert!(error(&|s| s.conditions.clear()).contains("`conditions` must be one or more"));
+        assert!(error(&|s| s.families[1].name = "a".into()).contains("each of another name"));
+        assert!(error(&|s| s.families[1].maps = 0).starts_with("b: `maps` must be"));
+        assert!(error(&|s| s.families[0].first_seed = Seed(u64::MAX)).contains("a: `first_seed`"));
+        let text = error(&|s| s.conditions[1].laser = "sharp".into());
+        assert!(text.starts_with("two: `laser` must be lms200_mm"), "{text}");
+        assert!(error(&|s| s.conditions[0].time_per_area = Some(f64::NAN)).contains("NaN"));
+        let text = error(&|s| s.families[0].maps = 1_000_000);
+        assert!(text.contains("at most 1000000 trials"), "{text}");
+        let text = Survey::from_ron("(familes: [])").expect_err("unknown").to_string();
+        assert!(text.contains("familes"), "{text}");
+    }
+}

@@ -1,0 +1,246 @@
+//! The folder of a survey, and its trials in parallel.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use serde::{Deserialize, Serialize};
+
+use super::design::{Survey, SurveyMap};
+use super::record::Record;
+use super::site::Site;
+use crate::experiment::design::Shard;
+use crate::experiment::error::ExperimentError;
+use crate::experiment::head;
+use crate::experiment::lines::{Lines, line};
+use crate::experiment::write;
+
+/// Version of the folders' layout; a folder of another version is refused.
+pub const SURVEY_VERSION: u32 = 1;
+
+/// The file that describes what a folder holds.
+const HEAD: &str = "survey.json";
+
+/// What a folder holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Head {
+    version: u32,
+    shard: Shard,
+    survey: Survey,
+}
+
+/// Number of the world, of the condition and of the noise seed.
+type Key = (u32, u32, u32);
+
+/// A survey in its folder: finished trials are kept, whatever happens to the program.
+#[derive(Debug)]
+pub struct SurveyFolder {
+    head: Head,
+    records: BTreeMap<Key, Record>,
+    lines: Lines,
+}
+
+/// The progress of a survey.
+#[derive(Clone, Copy, Debug)]
+pub struct SurveyProgress<'a> {
+    /// Number of finished trials, with those of earlier runs.
+    pub done: u64,
+    /// Number of trials of this share.
+    pub all: u64,
+    /// The trial that was finished last.
+    pub last: &'a Record,
+}
+
+struct Sink<'a> {
+    lines: &'a mut Lines,
+    records: &'a mut BTreeMap<Key, Record>,
+    error: Option<ExperimentError>,
+}
+
+impl SurveyFolder {
+    /// Begins a survey in a folder, or continues it. A share has the worlds whose numbers belong to
+    /// it. An unfinished last line is dropped.
+    ///
+    /// # Errors
+    ///
+    /// A survey that is not allowed; a folder that cannot be written, holds another survey, is
+    /// in use, or holds trials that now give other results.
+    pub fn open(folder: &Path, survey: &Survey, shard: Shard) -> Result<Self, ExperimentError> {
+        survey.validate()?;
+        shard.validate()?;
+        let head = Head { version: SURVEY_VERSION, shard, survey: survey.clone() };
+        write::folder(folder)?;
+        let path = folder.join(HEAD);
+        match head::read::<Head>(&path, "a survey", SURVEY_VERSION)? {
+            Some(found) if found != head => {
+                let difference = head::difference(&found, &head);
+                return Err(ExperimentError::Other { path: folder.to_owned(), difference });
+            }
+            Some(_) => {}
+            None => head::write(&path, &head)?,
+        }
+        let (lines, text) = Lines::open(folder)?;
+        let mut records = BTreeMap::new();
+        for record in parse(&text, &lines.path)? {
+            records.insert((record.map, record.condition, record.noise), record);
+        }
+        let folder = SurveyFolder { head, records, lines };
+        folder.check_code()?;
+        Ok(folder)
+    }
+
+    /// Runs the trials that are still to do on `threads` threads, 0 for one per core. `watch` is
+    /// called after every finished trial and can stop the survey, which a later call continues. True
+    /// if all trials are finished; the file of the trials is then sorted.
+    ///
+    /// # Errors
+    ///
+    /// A file cannot be written. Finished trials stay. A world in which no trial can run is a
+    /// record with its failure.
+    pub fn run(
+        &mut self,
+        threads: usize,
+        watch: &(dyn Fn(SurveyProgress<'_>) -> ControlFlow<()> + Sync),
+    ) -> Result<bool, ExperimentError> {
+        let SurveyFolder { head, records, lines } = self;
+        let todo: Vec<(SurveyMap<'_>, Vec<Key>)> = head
+            .survey
+            .maps()
+            .filter(|map| head.shard.has(map.number as usize))
+            .map(|map| {
+                let keys = head.survey.keys(map.number);
+                (map, keys.filter(|key| !records.contains_key(key)).collect())
+            })
+            .filter(|(_, keys): &(_, Vec<Key>)| !keys.is_empty())
+            .collect();
+        let all = head.all();
+        let stop = AtomicBool::new(false);
+        let sink = Mutex::new(Sink { lines, records, error: None });
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.map_err(|error| ExperimentError::Threads(error.to_string()))?;
+        pool.install(|| {
+            todo.par_iter().for_each(|(map, keys)| {
+                let mut site = None;
+                for &(_, condition, noise) in keys {
+                    if stop.load(Ordering::Relaxed) {
+                        return;
+                    }
+                    let site = site.get_or_insert_with(|| Site::new(*map));
+                    let conditions = &head.survey.conditions;
+                    let record = site.run(condition, &conditions[condition as usize], noise);
+                    let mut sink = sink.lock().unwrap_or_else(PoisonError::into_inner);
+                    if sink.take(record, all, watch).is_break() {
+                        stop.store(true, Ordering::Relaxed);
+                    }
+                }
+            });
+        });
+        let sink = sink.into_inner().unwrap_or_else(PoisonError::into_inner);
+        sink.error.map_or(Ok(()), Err)?;
+        if !self.is_complete() {
+            return Ok(false);
+        }
+        let mut text = Vec::new();
+        for record in self.records.values() {
+            text.extend(line(record, &self.lines.path)?);
+        }
+        self.lines.replace(&text)?;
+        Ok(true)
+    }
+
+    /// The survey.
+    pub fn survey(&self) -> &Survey {
+        &self.head.survey
+    }
+
+    /// The finished trials: by world, condition and noise.
+    pub fn records(&self) -> impl ExactSizeIterator<Item = &Record> {
+        self.records.values()
+    }
+
+    /// Whether all trials of this share are finished.
+    pub fn is_complete(&self) -> bool {
+        self.records.len() as u64 == self.head.all()
+    }
+
+    /// The file of the trials, one per line.
+    pub fn file(&self) -> &Path {
+        &self.lines.path
+    }
+
+    /// Number of trials of this share.
+    pub fn trials(&self) -> u64 {
+        self.head.all()
+    }
+
+    /// Runs the first finished trial again.
+    fn check_code(&self) -> Result<(), ExperimentError> {
+        let Some(known) = self.records.values().next() else { return Ok(()) };
+        let survey = &self.head.survey;
+        let condition = survey.conditions.get(known.condition as usize);
+        let (Some(map), Some(condition)) = (survey.maps().nth(known.map as usize), condition)
+        else {
+            let reason = "a trial of another survey".to_owned();
+            return Err(ExperimentError::Content { path: self.lines.path.clone(), reason });
+        };
+        if Site::new(map).run(known.condition, condition, known.noise) == *known {
+            return Ok(());
+        }
+        let trial = format!("the trial of world {} ({})", known.map, map.family.name);
+        let path: PathBuf = self.lines.path.clone();
+        Err(ExperimentError::Code { path, trial })
+    }
+}
+
+fn parse(text: &str, path: &Path) -> Result<Vec<Record>, ExperimentError> {
+    let read = |(i, line): (usize, &str)| {
+        serde_json::from_str(line).map_err(|error| ExperimentError::Content {
+            path: path.to_owned(),
+            reason: format!("line {}: {error}", i + 1),
+        })
+    };
+    text.lines().enumerate().map(read).collect()
+}
+
+impl Head {
+    /// Number of trials of this share.
+    fn all(&self) -> u64 {
+        let maps = self.survey.maps().filter(|map| self.shard.has(map.number as usize)).count();
+        let per_map = self.survey.conditions.len() as u64 * u64::from(self.survey.noise_seeds);
+        maps as u64 * per_map
+    }
+}
+
+impl Survey {
+    fn keys(&self, map: u32) -> impl Iterator<Item = Key> {
+        let (conditions, noise_seeds) = (self.conditions.len() as u32, self.noise_seeds);
+        (0..conditions).flat_map(move |one| (0..noise_seeds).map(move |noise| (map, one, noise)))
+    }
+}
+
+impl Sink<'_> {
+    fn take(
+        &mut self,
+        record: Record,
+        all: u64,
+        watch: &(dyn Fn(SurveyProgress<'_>) -> ControlFlow<()> + Sync),
+    ) -> ControlFlow<()> {
+        // After an error nothing more is written: a half line must stay the last one.
+        if self.error.is_some() {
+            return ControlFlow::Break(());
+        }
+        if let Err(error) = self.lines.append(&record) {
+            self.error = Some(error);
+            return ControlFlow::Break(());
+        }
+        let key = (record.map, record.condition, record.noise);
+        let done = self.records.len() as u64 + 1;
+        let next = watch(SurveyProgress { done, all, last: &record });
+        self.records.insert(key, record);
+        next
+    }
+}

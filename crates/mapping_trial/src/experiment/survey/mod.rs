@@ -1,0 +1,23 @@
+//! Surveys: trials under several conditions in many worlds of any kind, kept in a folder that
+//! survives interrupts, and a summary of them.
+//!
+//! | what | where |
+//! |---|---|
+//! | which worlds and conditions | [`Survey`], [`Family`], [`Condition`] |
+//! | the result of one trial | [`Record`] |
+//! | a folder of records | [`SurveyFolder`] |
+//! | how trials ended, and which part of the variance belongs to the worlds | [`summary`] |
+//!
+//! The [`Design`](super::Design) of an experiment asks about the levels of one generator; a survey compares
+//! worlds of any kind under any conditions. Its records are the same to the last byte whatever the
+//! number of threads and however often it was interrupted.
+
+mod design;
+mod folder;
+mod record;
+mod site;
+pub mod summary;
+
+pub use design::{Condition, Family, MAX_SURVEY_TRIALS, Survey, SurveyError, SurveyMap};
+pub use folder::{SURVEY_VERSION, SurveyFolder, SurveyProgress};
+pub use record::Record;

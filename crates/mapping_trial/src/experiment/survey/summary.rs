@@ -1,0 +1,261 @@
+//! What a survey found: how trials ended, and which part of the variance belongs to the worlds.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::design::{Condition, Survey};
+use super::record::Record;
+use crate::experiment::stats::{Components, Factorial, MEASURES, MEASURES_2, components};
+use crate::score::Scores;
+use crate::trial::EndReason;
+
+/// Coverage from which a world counts as explored.
+const EXPLORED: f64 = 0.95;
+
+/// Trajectory error in metres above which a robot counts as lost.
+const LOST: f64 = 2.0;
+
+/// All that a survey found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// For each family and condition.
+    pub groups: Vec<Group>,
+    /// For each measure, over the worlds where all trials have scores; empty for a survey that is
+    /// not complete, or has no repeated trials.
+    pub measures: Vec<MeasureComponents>,
+    /// The trials in which something went wrong.
+    pub faults: Vec<Fault>,
+}
+
+/// The trials of one condition in one family.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Group {
+    /// Name of the family.
+    pub family: String,
+    /// Name of the condition.
+    pub condition: String,
+    /// Number of finished trials.
+    pub trials: usize,
+    /// Number of trials by end reason.
+    pub ends: BTreeMap<EndReason, usize>,
+    /// Number of trials without scores.
+    pub failures: usize,
+    /// Means over the trials.
+    pub mean: Means,
+    /// Median of the trajectory error in metres.
+    pub median_error: f64,
+    /// 90 % quantile of the trajectory error in metres.
+    pub high_error: f64,
+}
+
+/// Means over trials.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Means {
+    /// D.
+    pub difficulty: f64,
+    /// M.
+    pub mapping: f64,
+    /// N.
+    pub navigation: f64,
+    /// D, M and N by score 2.
+    pub score_2: [f64; 3],
+    /// C.
+    pub coverage: f64,
+    /// Simulated time in seconds.
+    pub time: f64,
+}
+
+/// Where the variance of a measure comes from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeasureComponents {
+    /// Its symbol.
+    pub symbol: &'static str,
+    /// Its components.
+    #[serde(flatten)]
+    pub components: Components,
+}
+
+/// What went wrong in a trial.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FaultKind {
+    /// No trial could run.
+    Failed,
+    /// It ended as explored with a coverage below 0.95 and a good pose.
+    ExploredTooEarly,
+    /// It ended as stuck with a good pose.
+    StuckWithGoodPose,
+    /// The trajectory error is above 2 m.
+    Lost,
+}
+
+/// A trial in which something went wrong.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fault {
+    /// What.
+    pub kind: FaultKind,
+    /// Name of the family.
+    pub family: String,
+    /// Name of the condition.
+    pub condition: String,
+    /// The trial.
+    pub record: Record,
+}
+
+/// Summarises the finished trials of a survey, which are sorted by world, condition and noise.
+pub fn summarise(survey: &Survey, records: &[&Record]) -> Summary {
+    let families: Vec<&str> = survey.maps().map(|map| map.family.name.as_str()).collect();
+    let names = |record: &Record| {
+        let family = families.get(record.map as usize).copied().unwrap_or_default();
+        let condition = survey.conditions.get(record.condition as usize);
+        (family.to_owned(), condition.map_or_else(String::new, |one| one.name.clone()))
+    };
+    let mut groups = Vec::new();
+    for family in &survey.families {
+        for condition in &survey.conditions {
+            let own =
+                |record: &&&Record| names(record) == (family.name.clone(), condition.name.clone());
+            let own: Vec<&Record> = records.iter().filter(own).copied().collect();
+            if !own.is_empty() {
+                groups.push(group(&family.name, &condition.name, &own));
+            }
+        }
+    }
+    let mut faults: Vec<Fault> = records
+        .iter()
+        .filter_map(|record| {
+            let (family, condition) = names(record);
+            Some(Fault { kind: fault(record)?, family, condition, record: (*record).clone() })
+        })
+        .collect();
+    faults.sort_by_key(|fault| fault.kind);
+    Summary { groups, measures: measures(survey, records), faults }
+}
+
+/// What went wrong in a trial, if anything did.
+pub fn fault(record: &Record) -> Option<FaultKind> {
+    let Some(scores) = &record.scores else { return Some(FaultKind::Failed) };
+    if scores.trajectory_error > LOST {
+        return Some(FaultKind::Lost);
+    }
+    match record.end {
+        Some(EndReason::Explored) if scores.coverage < EXPLORED => {
+            Some(FaultKind::ExploredTooEarly)
+        }
+        Some(EndReason::Stuck) => Some(FaultKind::StuckWithGoodPose),
+        _ => None,
+    }
+}
+
+fn group(family: &str, condition: &str, records: &[&Record]) -> Group {
+    let mut group = Group {
+        family: family.to_owned(),
+        condition: condition.to_owned(),
+        trials: records.len(),
+        ..Group::default()
+    };
+    for end in records.iter().filter_map(|record| record.end) {
+        *group.ends.entry(end).or_insert(0) += 1;
+    }
+    let scores: Vec<&Scores> = records.iter().filter_map(|record| record.scores.as_ref()).collect();
+    group.failures = records.len() - scores.len();
+    if scores.is_empty() {
+        return group;
+    }
+    let mean = |of: fn(&Scores) -> f64| {
+        scores.iter().map(|scores| of(scores)).sum::<f64>() / scores.len() as f64
+    };
+    group.mean = Means {
+        difficulty: mean(|s| s.difficulty),
+        mapping: mean(|s| s.mapping),
+        navigation: mean(|s| s.navigation),
+        score_2: [
+            mean(|s| s.score_2.difficulty),
+            mean(|s| s.score_2.mapping),
+            mean(|s| s.score_2.navigation),
+        ],
+        coverage: mean(|s| s.coverage),
+        time: mean(|s| s.time),
+    };
+    let mut errors: Vec<f64> = scores.iter().map(|scores| scores.trajectory_error).collect();
+    errors.sort_by(f64::total_cmp);
+    let quantile = |share: f64| errors[(share * (errors.len() - 1) as f64).round() as usize];
+    (group.median_error, group.high_error) = (quantile(0.5), quantile(0.9));
+    group
+}
+
+/// A facet of the conditions: its name, and its level in a condition.
+type Facet = (&'static str, fn(&Condition) -> String);
+
+const FACETS: [Facet; 4] = [
+    ("operator", |one| format!("{:?}", one.operator)),
+    ("laser", |one| one.laser.clone()),
+    ("odometry", |one| one.odometry.clone()),
+    ("SLAM", |one| format!("{:?}", one.slam)),
+];
+
+/// The factors of the conditions with the number of their levels, and the number of the condition
+/// for each combination. If the conditions are not all combinations of operator, laser, odometry and
+/// SLAM, they are the levels of one factor.
+fn factors(conditions: &[Condition]) -> (Vec<(&'static str, usize)>, Vec<usize>) {
+    let single = || (vec![("condition", conditions.len())], (0..conditions.len()).collect());
+    let mut facets = Vec::new();
+    for (name, level) in FACETS {
+        let mut levels: Vec<String> = Vec::new();
+        for condition in conditions {
+            let level = level(condition);
+            if !levels.contains(&level) {
+                levels.push(level);
+            }
+        }
+        if levels.len() > 1 {
+            facets.push((name, level, levels));
+        }
+    }
+    let combinations: usize = facets.iter().map(|(_, _, levels)| levels.len()).product();
+    if facets.is_empty() || combinations != conditions.len() {
+        return single();
+    }
+    let mut order = vec![usize::MAX; combinations];
+    for (number, condition) in conditions.iter().enumerate() {
+        let place = facets.iter().fold(0, |place, (_, level, levels)| {
+            let own = level(condition);
+            place * levels.len() + levels.iter().position(|one| *one == own).unwrap_or(0)
+        });
+        order[place] = number;
+    }
+    if order.contains(&usize::MAX) {
+        return single();
+    }
+    (facets.into_iter().map(|(name, _, levels)| (name, levels.len())).collect(), order)
+}
+
+fn measures(survey: &Survey, records: &[&Record]) -> Vec<MeasureComponents> {
+    let per_map = survey.conditions.len() * survey.noise_seeds as usize;
+    let whole =
+        |map: &&[&Record]| map.len() == per_map && map.iter().all(|record| record.scores.is_some());
+    let maps: Vec<&[&Record]> = records.chunk_by(|a, b| a.map == b.map).filter(whole).collect();
+    let (conditions, order) = factors(&survey.conditions);
+    let repeats = survey.noise_seeds as usize;
+    let mut sizes = vec![maps.len()];
+    let mut factors = vec!["map"];
+    for (name, levels) in conditions.into_iter().filter(|(_, levels)| *levels > 1) {
+        factors.push(name);
+        sizes.push(levels);
+    }
+    let of = |measure: fn(&Scores) -> f64| {
+        let values = maps.iter().flat_map(|map| {
+            order.iter().flat_map(move |&condition| {
+                let trials = &map[condition * repeats..(condition + 1) * repeats];
+                trials.iter().filter_map(move |record| record.scores.as_ref().map(measure))
+            })
+        });
+        let (factors, sizes) = (factors.clone(), sizes.clone());
+        components(&Factorial { factors, sizes, repeats, values: values.collect() })
+    };
+    let measures = MEASURES.iter().chain(&MEASURES_2).filter_map(|measure| {
+        Some(MeasureComponents { symbol: measure.symbol, components: of(measure.of)? })
+    });
+    measures.collect()
+}
