@@ -155,7 +155,7 @@ fn bad_logs_are_reported() {
         |text: &str| TrialLog::read(&mut text.as_bytes()).expect_err("not a log").to_string();
     assert!(error("").contains("not a trial log"));
     assert!(error(&text[..text.len() / 2]).contains("not a trial log"));
-    let other = error(&text.replacen("\"version\":2", "\"version\":7", 1));
+    let other = error(&text.replacen("\"version\":3", "\"version\":7", 1));
     assert_eq!(other, "a log of version 7, expected version 3");
     let robots = error(&text.replacen("\"robots\":1", "\"robots\":2", 1));
     assert_eq!(robots, "`commands` must be 2, one per robot, got 1");
