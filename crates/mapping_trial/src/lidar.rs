@@ -131,11 +131,6 @@ impl Laser {
         }
         Laser { profile, seed, robot, scans: 0 }
     }
-
-    /// The laser's profile.
-    pub fn profile(&self) -> &LaserProfile {
-        &self.profile
-    }
 }
 
 impl LaserSensor for Laser {
