@@ -48,6 +48,21 @@ const LEGEND: [(Srgb, &str); 9] = [
 ];
 
 /// A picture of an area, pixel by pixel.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::picture::Picture;
+/// use mapping_trial::robot::Robot;
+/// use mapping_trial::truth::MappableArea;
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let area = MappableArea::new(&world, &Robot::default())?;
+/// // A map without errors over the mappable area.
+/// let picture = Picture::of_errors(&area, &area.perfect_map(), world.bounds);
+/// let svg = picture.figure("perfect", vec!["coverage 100 %".to_owned()]).svg()?;
+/// assert!(svg.starts_with("<svg"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Picture {
     area: Rect,
