@@ -9,12 +9,12 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-use envgen::export::class_png::colour;
 use envgen::landscape::published::{TABLE_1, published_ted, random_ted};
 use envgen::landscape::{
     Algorithm, Composition, Landscape, LandscapeSpec, automaton_fill, edge_count, edge_upper_bound,
     largest_entropy, mean_edge_count, random_fill,
 };
+use envgen::palette::{self, Srgb};
 use envgen::{Seed, Spec};
 use plotters::prelude::*;
 
@@ -25,14 +25,14 @@ const SIDE: usize = 48;
 const CELLS: u64 = (SIDE * SIDE) as u64;
 const REPEATS: u64 = 50;
 
-/// Colours of curves that colour-blind people can distinguish (Okabe and Ito, 2008).
-const COLOURS: [RGBColor; 6] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 0, 0),
+/// Colours of curves.
+const COLOURS: [Srgb; 6] = [
+    palette::BLUE,
+    palette::VERMILION,
+    palette::GREEN,
+    palette::PURPLE,
+    palette::SKY_BLUE,
+    Srgb([0; 3]),
 ];
 
 fn main() -> Result {
@@ -251,16 +251,20 @@ fn draw_maps(path: &Path, maps: &[(String, Landscape)]) -> Result {
         for (r, row) in map.cells().chunks_exact(map.cols()).enumerate() {
             let (mut c, top) = (0, 30 + r as i32 * CELL);
             for run in row.chunk_by(|a, b| a == b) {
-                let [red, green, blue] = colour(run[0], classes);
+                let colour = rgb(palette::ordered_class(run[0], classes));
                 let (x, width) = (left + c * CELL, run.len() as i32 * CELL);
                 let corners = [(x, top), (x + width, top + CELL)];
-                area.draw(&Rectangle::new(corners, RGBColor(red, green, blue).filled()))?;
+                area.draw(&Rectangle::new(corners, colour.filled()))?;
                 c += run.len() as i32;
             }
         }
     }
     area.present()?;
     Ok(())
+}
+
+fn rgb(Srgb([red, green, blue]): Srgb) -> RGBColor {
+    RGBColor(red, green, blue)
 }
 
 /// Measured points and a curve to compare them with.
@@ -285,7 +289,7 @@ fn draw_curves(
         .y_label_area_size(50)
         .build_cartesian_2d(0.0..right, 0.0..top)?;
     chart.configure_mesh().x_desc(axis).y_desc("TED").draw()?;
-    for (series, colour) in series.iter().zip(COLOURS) {
+    for (series, colour) in series.iter().zip(COLOURS.map(rgb)) {
         chart.draw_series(LineSeries::new(series.line.iter().copied(), colour.stroke_width(2)))?;
         chart
             .draw_series(series.points.iter().map(|&at| Circle::new(at, 4, colour.filled())))?

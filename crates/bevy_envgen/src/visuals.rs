@@ -6,6 +6,7 @@ use std::f32::consts::TAU;
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
+use envgen::palette::{self, Srgb};
 
 use crate::environment::{Environment, GroundTruth};
 use crate::part::{Ground, PartId, PartKind, Room, Surface, SurfaceKind};
@@ -56,34 +57,31 @@ pub struct Palette {
     pub classes: Vec<Color>,
 }
 
+/// The colours of [`envgen::palette`], which the SVG and PNG pictures have too.
 impl Default for Palette {
     fn default() -> Self {
+        use envgen::world::{ObstacleKind, SurfaceKind, WallKind};
         Palette {
-            wall: Color::srgb_u8(0x3b, 0x42, 0x52),
-            tree: Color::srgb_u8(0x3a, 0x7d, 0x44),
-            road: Color::srgb_u8(0x6c, 0x70, 0x78),
-            room: Color::srgb_u8(0xf2, 0xe9, 0xd8),
-            dark_room: Color::srgb_u8(0xb5, 0xae, 0xa2),
-            doorway: Color::srgb_u8(0xd9, 0xb3, 0x82),
-            obstacle: Color::srgb_u8(0x8c, 0x5e, 0x3c),
-            rough: Color::srgb_u8(0xc9, 0xb4, 0x8a),
-            water: Color::srgb_u8(0x6f, 0xa8, 0xdc),
-            floor: Color::srgb_u8(0xfa, 0xfa, 0xf7),
-            start: Color::srgb_u8(0x2e, 0x9e, 0x4f),
-            goal: Color::srgb_u8(0xd0, 0x3b, 0x3b),
-            victim: Color::srgb_u8(0xe0, 0x7a, 0x1f),
-            // Okabe and Ito's colours, which most colour-blind people can distinguish, made pale.
-            classes: [
-                0x9fd0a8, 0xf3e3a1, 0xe8b8a0, 0xa8cbe8, 0xd3b5dc, 0xc9d98f, 0xf0cf8c, 0x9dd9d2,
-                0xd9d9d9,
-            ]
-            .map(|rgb: u32| {
-                let [_, r, g, b] = rgb.to_be_bytes();
-                Color::srgb_u8(r, g, b)
-            })
-            .to_vec(),
+            wall: color(palette::wall(WallKind::Wall).fill),
+            tree: color(palette::TREE.fill),
+            road: color(palette::ROAD.fill),
+            room: color(palette::room_floor(None, true)),
+            dark_room: color(palette::room_floor(None, false)),
+            doorway: color(palette::OPEN_DOORWAY.fill),
+            obstacle: color(palette::obstacle(ObstacleKind::Other).fill),
+            rough: color(palette::surface(SurfaceKind::Uneven).fill),
+            water: color(palette::surface(SurfaceKind::Water).fill),
+            floor: color(palette::surface(SurfaceKind::Hallway).fill),
+            start: color(palette::START),
+            goal: color(palette::GOAL),
+            victim: color(palette::VICTIM.fill),
+            classes: (1..=palette::CLASSES).map(|class| color(palette::class(class))).collect(),
         }
     }
+}
+
+fn color(Srgb([red, green, blue]): Srgb) -> Color {
+    Color::srgb_u8(red, green, blue)
 }
 
 /// Draws the parts of worlds: one mesh per tile and colour, as children of the tile.

@@ -27,6 +27,7 @@
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | what generators make | [`World`], [`world`], [`geometry`], [`GridFrame`] |
 //! | queries and checks of a world | [`occupancy`], [`raycast`], [`clearance_index`], [`surface_index`], [`placement`], [`mod@distance`], [`certificate`], [`reproduction`], `picture` |
+//! | colours of pictures | [`palette`] |
 //! | files | [`export`], [`import`], [`mod@file`], `whole_file` |
 //! | errors with the name of their file or option | [`located`] |
 //!
@@ -78,6 +79,7 @@ pub mod indoor;
 pub mod landscape;
 pub mod located;
 pub mod occupancy;
+pub mod palette;
 #[cfg(feature = "picture")]
 pub mod picture;
 pub mod placement;

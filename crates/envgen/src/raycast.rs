@@ -29,6 +29,21 @@ pub struct Hit {
 }
 
 /// The directions of a laser scan, relative to the scanner.
+///
+/// ```
+/// use envgen::raycast::{Raycaster, ScanPattern};
+/// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
+///
+/// // A scanner that sees all around, with a beam every 2 degrees.
+/// let pattern = ScanPattern::new(std::f64::consts::TAU, 181)?;
+/// let world = ForestSpec::default().generate(Seed(7))?.to_world();
+/// let start = world.start.expect("a forest with a free place");
+/// let mut ranges = Vec::new();
+/// Raycaster::new(&world).scan(start, &pattern, 20.0, &mut ranges);
+/// assert_eq!(ranges.len(), pattern.len());
+/// assert!(ranges.iter().all(|range| (0.0..=20.0).contains(range)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScanPattern {
     directions: Vec<DVec2>,

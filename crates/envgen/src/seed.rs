@@ -14,6 +14,15 @@ use crate::error::SpecError;
 pub const STREAM_ALGORITHM: &str = "chacha8-v1";
 
 /// The number from which everything random in a world follows. Seed 0 is a seed like any other.
+///
+/// ```
+/// use envgen::{Seed, Spec, forest::ForestSpec};
+///
+/// let plant = |seed| ForestSpec::default().generate(seed);
+/// assert_eq!(plant(Seed(7))?.trees(), plant("7".parse()?)?.trees());
+/// assert_ne!(plant(Seed(7))?.trees(), plant(Seed(7).offset(1))?.trees());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]

@@ -111,6 +111,17 @@ pub trait LaserSensor {
 }
 
 /// The laser of one robot in one run.
+///
+/// ```
+/// use envgen::Seed;
+/// use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor, NO_ECHO};
+///
+/// let profile = LaserProfile { beams: 3, ..LaserProfile::LMS200_MM };
+/// let mut laser = Laser::new(profile, Seed(7), 0);
+/// let scan = laser.measure(&[1.0, 2.0, 100.0]);
+/// assert!((scan.ranges[0] - 1.0).abs() < 0.1);
+/// assert_eq!(scan.ranges[2], NO_ECHO);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Laser {
     profile: LaserProfile,
@@ -130,11 +141,6 @@ impl Laser {
             panic!("{error}");
         }
         Laser { profile, seed, robot, scans: 0 }
-    }
-
-    /// The laser's profile.
-    pub fn profile(&self) -> &LaserProfile {
-        &self.profile
     }
 }
 

@@ -67,6 +67,20 @@ impl CellIndex {
 ///
 /// Every tile has the revision of its last change, so that what is derived from a map (frontiers,
 /// costs, pictures) can be updated where the map changed.
+///
+/// ```
+/// use envgen::glam::DVec2;
+/// use mapping_trial::map::{Cell, CellIndex, HIT, MISS, OccupancyMap};
+///
+/// let mut map = OccupancyMap::new();
+/// let (here, wall) = (CellIndex::of(DVec2::ZERO), CellIndex::of(DVec2::new(0.5, 0.0)));
+/// for _scan in 0..2 {
+///     map.add(here, -MISS);
+///     map.add(wall, HIT);
+/// }
+/// assert_eq!((map.cell(here), map.cell(wall)), (Cell::Free, Cell::Occupied));
+/// assert_eq!(map.cell(CellIndex::of(DVec2::new(3.0, 0.0))), Cell::Unknown);
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct OccupancyMap {
     /// Column and row of the lower left tile of the table.

@@ -79,6 +79,16 @@ pub trait WheelSensor {
 }
 
 /// The wheels of one robot in one run.
+///
+/// ```
+/// use envgen::Seed;
+/// use mapping_trial::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
+///
+/// let mut wheels = Odometry::new(OdometryProfile::SKID, Seed(7), 0);
+/// let tick = Increment { distance: 0.02, turn: 0.01 };
+/// let measured = wheels.measure(tick, 1.0);
+/// assert!(measured != tick && (measured.distance - tick.distance).abs() < 0.02);
+/// ```
 #[derive(Debug)]
 pub struct Odometry {
     profile: OdometryProfile,

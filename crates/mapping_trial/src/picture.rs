@@ -1,6 +1,7 @@
 //! Pictures of maps: the robot's map, the mappable area, and both over each other, with trajectories.
 
 use envgen::geometry::{Pose, Rect, unit_vector};
+use envgen::palette::{Srgb, map};
 use envgen::picture::Figure;
 use glam::DVec2;
 
@@ -14,7 +15,7 @@ const MAX_SIDE: f64 = 4000.0;
 /// Distance in metres up to which a wall counts as mapped in its place, as in the scores.
 const IN_PLACE: f64 = 0.30;
 
-/// The colours of pictures, distinct in grey and for most colour-blind people.
+/// What a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 enum Ink {
@@ -33,20 +34,35 @@ enum Ink {
     Outside,
 }
 
-/// Red, green and blue of each ink, and what it means.
-const PALETTE: [([u8; 3], &str); 9] = [
-    ([205, 205, 205], "unknown"),
-    ([254, 254, 254], "free"),
-    ([30, 30, 30], "wall"),
-    ([213, 70, 0], "wall only in the map"),
-    ([0, 90, 190], "missed wall"),
-    ([190, 215, 240], "free but not mapped"),
-    ([0, 140, 90], "true trajectory"),
-    ([204, 80, 160], "estimated trajectory"),
-    ([232, 229, 222], "nothing to map"),
+/// The colour of each ink, and what it means.
+const LEGEND: [(Srgb, &str); 9] = [
+    (map::UNKNOWN, "unknown"),
+    (map::FREE, "free"),
+    (map::OCCUPIED, "wall"),
+    (map::FALSE_WALL, "wall only in the map"),
+    (map::MISSED_WALL, "missed wall"),
+    (map::NOT_MAPPED, "free but not mapped"),
+    (map::TRUE_TRAJECTORY, "true trajectory"),
+    (map::ESTIMATED_TRAJECTORY, "estimated trajectory"),
+    (map::OUTSIDE, "nothing to map"),
 ];
 
 /// A picture of an area, pixel by pixel.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::picture::Picture;
+/// use mapping_trial::robot::Robot;
+/// use mapping_trial::truth::MappableArea;
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let area = MappableArea::new(&world, &Robot::default())?;
+/// // A map without errors over the mappable area.
+/// let picture = Picture::of_errors(&area, &area.perfect_map(), world.bounds);
+/// let svg = picture.figure("perfect", vec!["coverage 100 %".to_owned()]).svg()?;
+/// assert!(svg.starts_with("<svg"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Picture {
     area: Rect,
@@ -130,7 +146,7 @@ impl Picture {
             cell: self.pixel,
             width: self.width as u32,
             cells: rows.flatten().map(|ink| *ink as u8).collect(),
-            colors: PALETTE.map(|(color, name)| (color, name.to_owned())).to_vec(),
+            colors: LEGEND.map(|(color, name)| (color, name.to_owned())).to_vec(),
             notes,
         }
     }

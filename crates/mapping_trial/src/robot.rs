@@ -19,6 +19,16 @@ const ROUNDING: f64 = 1e-3;
 settings! {
     /// Size, weight and limits of a robot. The default is the Pioneer 3-AT, which the operators of
     /// Zwennes (2011) drove; `assets/robots` holds others.
+    ///
+    /// ```
+    /// use mapping_trial::robot::Robot;
+    ///
+    /// let robot = Robot { max_speed: 0.4, ..Default::default() };
+    /// assert_eq!(robot.validate(), Ok(()));
+    /// let small = Robot::from_ron("(length: 0.3, width: 0.3, swing_radius: 0.22, laser_offset: 0.0)")?;
+    /// assert_eq!(small.max_speed, Robot::default().max_speed);
+    /// # Ok::<(), mapping_trial::robot::RobotError>(())
+    /// ```
     pub struct Robot {
         /// Length of the body.
         length: f64 = PIONEER_3AT.length => number("m", 0.01..=2.0 * MAX_RADIUS);

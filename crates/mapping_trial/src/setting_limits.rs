@@ -1,14 +1,20 @@
-//! Checks of numbers that users set.
+//! Limits of settings.
 
 use envgen::SpecError;
+use envgen::settings::Setting;
 
 /// Greatest time limit of a trial in simulated seconds: one day.
 pub const MAX_TIME_LIMIT: f64 = 86_400.0;
 
-/// Checks that a number lies within its limits; NaN never does.
-pub(crate) fn number(field: &str, value: f64, least: f64, most: f64) -> Result<(), SpecError> {
-    if (least..=most).contains(&value) {
-        return Ok(());
-    }
-    Err(SpecError::new(field, value, format!("a number from {least} to {most}")))
+/// Checks a number whose limits depend on other numbers, or that is no field of its own.
+///
+/// # Errors
+/// Names the field, the value and the limits.
+pub(crate) fn number(
+    field: &'static str,
+    value: f64,
+    least: f64,
+    most: f64,
+) -> Result<(), SpecError> {
+    Setting::number(field, "", least, most, "").check(value)
 }

@@ -9,6 +9,21 @@ use super::series::Polynomial;
 use crate::geometry::{Pose, unit_vector, wrap_angle};
 
 /// A path of pieces, each starting where the one before ends.
+///
+/// ```
+/// use envgen::curve::{Curve, Path, PathIndex};
+/// use envgen::geometry::Pose;
+/// use envgen::glam::DVec2;
+///
+/// // 10 m straight on, then a quarter turn to the left with a radius of 4 m.
+/// let line = Curve::line(Pose::new(0.0, 0.0, 0.0), 10.0);
+/// let arc = Curve::arc(line.end(), 4.0 * std::f64::consts::FRAC_PI_2, 0.25);
+/// let path = Path::new(vec![line, arc]);
+/// assert!(path.pose_at(path.length()).position.distance(DVec2::new(14.0, 4.0)) < 1e-9);
+/// // A point 1 m to the left of the path, 3 m from its start.
+/// let near = PathIndex::new(&path).locate(DVec2::new(3.0, 1.0)).expect("a finite point");
+/// assert!((near.s - 3.0).abs() < 1e-9 && (near.offset - 1.0).abs() < 1e-9);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path<'a> {
     curves: Cow<'a, [Curve]>,

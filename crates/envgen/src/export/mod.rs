@@ -94,6 +94,19 @@ pub enum ExportError {
 }
 
 /// What to write, and how.
+///
+/// ```
+/// use envgen::export::{Format, Job};
+/// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
+///
+/// let world = ForestSpec::default().generate(Seed(7))?.to_world();
+/// // A map for ROS with cells of 10 cm, whose description names its image `forest.pgm`.
+/// let job = Job { stem: "forest".to_owned(), resolution: Some(0.1), ..Job::new(&world) };
+/// let mut description = Vec::new();
+/// Format::from_path("forest.yaml".as_ref())?.write(&job, &mut description)?;
+/// assert!(String::from_utf8(description)?.contains("forest.pgm"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Job<'a> {
     /// The world.

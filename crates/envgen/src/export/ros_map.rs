@@ -54,6 +54,20 @@ impl RosCell {
 }
 
 /// A map: square cells over a rectangle that may be turned.
+///
+/// ```
+/// use envgen::export::ros_map::{RosCell, RosMap};
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+///
+/// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+/// let map = RosMap::of_world(&world, 0.05)?;
+/// assert!(map.cells.contains(&RosCell::Free));
+/// let (mut yaml, mut image) = (Vec::new(), Vec::new());
+/// map.write_yaml("hallway.pgm", &mut yaml)?;
+/// map.write_pgm(&mut image)?;
+/// assert!(image.starts_with(b"P5"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct RosMap {
     /// Number of columns.

@@ -50,6 +50,18 @@ impl<F: Fn(DVec2) -> f64> Density for (f64, F) {
 
 /// A raster of factors on a forest's intensity, stretched over its area: rows of equal length, the
 /// top row (greatest y) first.
+///
+/// ```
+/// use envgen::forest::{DensityMap, ForestSpec};
+/// use envgen::{Seed, Spec, landscape::LandscapeSpec};
+///
+/// // Trees where a landscape has class 1, half as many in class 2, and none elsewhere.
+/// let landscape = LandscapeSpec::default().generate(Seed(7))?.to_raster();
+/// let density = DensityMap::from_classes(&landscape, &[1.0, 0.5])?;
+/// let spec = ForestSpec { density: Some(density), ..Default::default() };
+/// assert!(!spec.generate(Seed(7))?.trees().is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct DensityMap {

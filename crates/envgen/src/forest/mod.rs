@@ -57,9 +57,7 @@ impl Spec for ForestSpec {
     }
 
     fn work(&self) -> f64 {
-        let size = self.centre_area().size();
-        let peak = self.density.as_ref().map_or(1.0, DensityMap::max);
-        self.intensity * peak * size.x * size.y
+        self.expected_trees()
     }
 
     fn generate(&self, seed: Seed) -> Result<Forest, ForestError> {

@@ -183,24 +183,32 @@ impl ForestSpec {
         Ok(())
     }
 
-    fn check_count(&self) -> Result<(), SpecError> {
+    /// The area in square metres in which centres lie, and the greatest factor on the intensity.
+    fn area_and_peak(&self) -> (f64, f64) {
         let size = self.centre_area().size();
-        let area = size.x * size.y;
-        let peak = self.density.as_ref().map_or(1.0, DensityMap::max);
+        (size.x * size.y, self.density.as_ref().map_or(1.0, DensityMap::max))
+    }
+
+    /// The number of trees to expect if the density had its greatest value everywhere.
+    pub(super) fn expected_trees(&self) -> f64 {
+        let (area, peak) = self.area_and_peak();
+        self.intensity * peak * area
+    }
+
+    fn check_count(&self) -> Result<(), SpecError> {
         let most = if self.min_distance > 0.0 { MAX_HARD_CORE_TREES } else { MAX_TREES };
-        if self.intensity * peak * area <= most {
+        if self.expected_trees() <= most {
             return Ok(());
         }
+        let (area, peak) = self.area_and_peak();
         let allowed = format!("at most {} 1/m^2: {most} trees on {area} m^2", most / (area * peak));
         Err(SpecError::new("intensity", self.intensity, allowed))
     }
 
     fn check_filling(&self) -> Result<(), SpecError> {
         let grown = self.largest_radius() + self.robot_radius;
-        let peak = self.density.as_ref().map_or(1.0, DensityMap::max);
-        let disc = PI * grown * grown * peak;
-        let size = self.centre_area().size();
-        let trees = size.x * size.y * peak;
+        let (area, peak) = self.area_and_peak();
+        let (disc, trees) = (PI * grown * grown * peak, area * peak);
         let most = (MAX_REDUCED_DENSITY / disc).min((MAX_OVERLAPS / (trees * disc)).sqrt());
         if self.intensity <= most {
             return Ok(());

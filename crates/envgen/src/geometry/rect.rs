@@ -4,6 +4,16 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 /// An axis-aligned rectangle in metres.
+///
+/// ```
+/// use envgen::geometry::Rect;
+/// use envgen::glam::DVec2;
+///
+/// let room = Rect::new(DVec2::ZERO, DVec2::new(4.0, 3.0));
+/// assert_eq!((room.center(), room.size()), (DVec2::new(2.0, 1.5), DVec2::new(4.0, 3.0)));
+/// assert!(room.grown(0.1).contains_rect(room));
+/// assert!(!room.contains(DVec2::new(4.5, 1.0)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rect {

@@ -11,6 +11,17 @@ use super::{
 };
 
 /// A shape in world coordinates: what colliders, rays, rasters and pictures are made of.
+///
+/// ```
+/// use envgen::geometry::Shape;
+/// use envgen::glam::DVec2;
+///
+/// // A wall 2 m long and 0.2 m thick.
+/// let wall = Shape::thick_segment(DVec2::ZERO, DVec2::new(2.0, 0.0), 0.2, 0.0);
+/// assert!((wall.area() - 0.4).abs() < 1e-12);
+/// assert!(wall.contains(DVec2::new(1.0, 0.05)));
+/// assert!((wall.distance(DVec2::new(1.0, 1.1)) - 1.0).abs() < 1e-12);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Shape {

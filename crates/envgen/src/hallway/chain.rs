@@ -9,6 +9,18 @@ use crate::error::SpecError;
 use crate::seed::Stream;
 
 /// The chain: equation (1) of the paper, with `p_ss` = 1 - `p_st` and `p_ts` = 1 - `p_tt`.
+///
+/// ```
+/// use envgen::Seed;
+/// use envgen::hallway::{HallwayChain, State};
+///
+/// let chain = HallwayChain::new(0.2, 0.5)?;
+/// assert_eq!(chain.matrix()[2][4], 0.2); // from state 3, straight up, to state 5, a left turn
+/// let states = chain.sample(State::UP, 1000, &mut Seed(7).stream("example", 0));
+/// let (low, high) = HallwayChain::estimate(&states)?.p_st.wilson(3.0);
+/// assert!((low..=high).contains(&0.2));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HallwayChain {
     p_st: f64,
@@ -263,6 +275,12 @@ mod tests {
         }
     }
 
+    /// The state of the mirrored hallway, left and right exchanged.
+    fn mirrored(state: State) -> State {
+        let number = [4, 3, 2, 1, 8, 7, 6, 5][usize::from(state.number()) - 1];
+        State::new(number).unwrap()
+    }
+
     proptest! {
         #[test]
         fn the_stationary_law_is_a_fixed_point(p_st in 0.0..=1.0_f64, p_tt in 0.0..=1.0_f64) {
@@ -281,7 +299,7 @@ mod tests {
         fn mirrored_histories_are_histories(seed: u64, p_st in 0.0..=1.0_f64, p_tt in 0.0..=1.0_f64) {
             let mut stream = Seed(seed).stream("test", 0);
             let states = chain(p_st, p_tt).sample(State::UP, 200, &mut stream);
-            let mirrored: Vec<_> = states.iter().map(|s| s.mirrored()).collect();
+            let mirrored: Vec<_> = states.iter().map(|&state| mirrored(state)).collect();
             prop_assert_eq!(HallwayChain::estimate(&states), HallwayChain::estimate(&mirrored));
             for (a, b) in states.iter().zip(&mirrored) {
                 prop_assert_eq!(a.exit() * DVec2::new(-1.0, 1.0), b.exit());

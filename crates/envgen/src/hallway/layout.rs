@@ -16,6 +16,17 @@ use crate::geometry::{Pose, unit_vector};
 const CHORD_TOLERANCE: f64 = 0.002;
 
 /// A corridor in metres: the first cell's middle is the origin.
+///
+/// ```
+/// use envgen::{Seed, Spec, hallway::HallwaySpec};
+///
+/// let hallway = HallwaySpec { width: 1.5, ..Default::default() }.generate(Seed(7))?;
+/// let layout = hallway.layout();
+/// let (middle, left, right) = (layout.centreline(), layout.left_face(), layout.right_face());
+/// assert_eq!(left[0].distance(right[0]), 1.5);
+/// assert_eq!(middle[0].distance(left[0]), 0.75);
+/// # Ok::<(), envgen::SpecError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct HallwayLayout {
     cells: Vec<DVec2>,

@@ -84,11 +84,6 @@ impl State {
             _ => DVec2::Y,
         }
     }
-
-    /// The state of the mirrored hallway, left and right exchanged.
-    pub const fn mirrored(self) -> State {
-        State([0, 4, 3, 2, 1, 8, 7, 6, 5][self.0 as usize])
-    }
 }
 
 impl fmt::Display for State {

@@ -1,5 +1,18 @@
-//! Images as shades: PGM, and PNG where the feature `picture` is on.
+//! Images as shades: PGM and PNG.
+//!
+//! PGM is parsed here rather than by the crate `image`, whose version 0.25.10 differs in ways that
+//! matter for maps:
+//!
+//! - It scales greys to 8 or 16 bits: 50 of 100 becomes 128 of 255, so that cells change at thresholds.
+//! - It accepts pixels above the greatest value, data after the last pixel, and images without pixels.
+//! - It refuses comments between the pixels of P2, which Netpbm allows.
+//! - Its `Limits` bound sides and memory, but not the number of pixels, and the memory is allocated before
+//!   the data is seen: a P2 file of 17 bytes makes it allocate 256 MiB.
+//! - Its errors name neither the field of the header nor the value.
+//!
+//! PNG is read by the crate `png`, on which `image` depends too.
 
+use png::{ColorType, Decoder, Limits, Transformations};
 use thiserror::Error;
 
 use crate::export::ros_map::MAX_CELLS;
@@ -11,9 +24,6 @@ pub enum ImageError {
     /// The format is not one that is read.
     #[error("neither a PGM image (P2 or P5) nor a PNG image")]
     Format,
-    /// It is a PNG, and this build cannot read one.
-    #[error("a PNG image; this build was made without the feature `picture`, which reads them")]
-    NoPng,
     /// A field of the PGM's header is not allowed.
     #[error("`{field}` of the PGM header must be {allowed}, got {value}")]
     Header {
@@ -53,7 +63,6 @@ pub enum ImageError {
         greatest: u32,
     },
     /// The PNG is invalid.
-    #[cfg(feature = "picture")]
     #[error("not a PNG image: {0}")]
     Png(#[from] png::DecodingError),
 }
@@ -173,15 +182,7 @@ fn next_word<'a>(rest: &mut &'a [u8]) -> &'a [u8] {
     word
 }
 
-#[cfg(not(feature = "picture"))]
-fn read_png(_: &[u8]) -> Result<GreyImage, ImageError> {
-    Err(ImageError::NoPng)
-}
-
-#[cfg(feature = "picture")]
 fn read_png(bytes: &[u8]) -> Result<GreyImage, ImageError> {
-    use png::{ColorType, Decoder, Limits, Transformations};
-
     let mut decoder = Decoder::new(std::io::Cursor::new(bytes));
     // Palettes, few bits and transparent colours become plain 8 bits; so do 16 bits.
     decoder.set_transformations(Transformations::EXPAND | Transformations::STRIP_16);
@@ -264,7 +265,6 @@ mod tests {
         }
     }
 
-    #[cfg(feature = "picture")]
     #[test]
     fn a_png_has_colours_and_transparency() {
         let mut file = Vec::new();

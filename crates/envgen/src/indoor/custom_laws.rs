@@ -8,7 +8,7 @@ use super::catalogue::{MAX_ROOM_SIZE, SharedRoom};
 use super::dimensions::Dimensions;
 use super::error::IndoorError;
 use super::frame::DESIGN_UNIT;
-use super::variation::{FARTHEST_MOVE, GREATEST_TURN, Varied, vary_by};
+use super::variation::{FARTHEST_MOVE, GREATEST_TURN, Varied, vary};
 #[cfg(feature = "rand")]
 use crate::distribution::law;
 use crate::distribution::{Law, standard_normal};
@@ -105,7 +105,7 @@ impl IndoorLaws<'_> {
         }
     }
 
-    /// [`vary`](super::vary) by these laws.
+    /// [`vary`] by these laws.
     pub(super) fn vary(
         &self,
         room: &SharedRoom,
@@ -123,7 +123,7 @@ impl IndoorLaws<'_> {
             Some(law) => within(law(stream), MAX_TURN)
                 .map_err(|value| IndoorError::Turn { value, max: MAX_TURN }),
         };
-        vary_by(room, wanted, dimensions, stream, &moves, &turns)
+        vary(room, wanted, dimensions, stream, &moves, &turns)
     }
 }
 

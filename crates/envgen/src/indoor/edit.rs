@@ -134,6 +134,9 @@ pub enum EditError {
 /// assert!(editor.plan().is_edited());
 /// assert!(editor.undo());
 /// assert_eq!(editor.plan(), &before);
+/// assert!(editor.redo());
+/// let plan = editor.into_plan();
+/// assert_ne!(plan, before);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -174,7 +177,7 @@ impl PlanEditor {
         &self.plan
     }
 
-    /// The plan as it is now.
+    /// The plan as it is now, without the editor.
     pub fn into_plan(self) -> FloorPlan {
         self.plan
     }

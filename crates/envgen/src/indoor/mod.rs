@@ -9,7 +9,6 @@
 //! - [`AccessGraph`]: which places are connected; [`Interior`]: the same inside one room.
 //! - [`PlanEditor`]: changes by hand, with undo and redo.
 //! - `world_generator`: the files of the tool that the paper extended.
-//! - [`vary`]: moves the contents of a room until its narrowest passage has a wanted width.
 
 pub mod adaptation;
 
@@ -54,7 +53,6 @@ pub use interior::{DOORWAY_DEPTH, Interior, Part, Port, narrowest_way};
 pub use metrics::{CellCounts, IndoorMetrics};
 pub use placed_room::PlacedRoom;
 pub use spec::{Cycles, IndoorSpec, Layout, Profile, RoomChoice, Turn};
-pub use variation::{Varied, vary};
 
 use crate::error::SpecError;
 use crate::generate::{Blueprint, Spec};

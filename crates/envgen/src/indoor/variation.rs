@@ -4,8 +4,6 @@
 //! Zwennes' future work asks for "rules that can rearrange objects inside a room to narrow or widen
 //! the paths through the room".
 
-use std::convert::Infallible;
-
 use glam::DVec2;
 
 use super::catalogue::{RoomDesign, SharedRoom};
@@ -26,36 +24,29 @@ pub(super) const GREATEST_TURN: f64 = 1.0;
 
 /// A room whose contents were moved.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Varied {
+pub(super) struct Varied {
     /// The room as it is now.
-    pub room: SharedRoom,
+    pub(super) room: SharedRoom,
     /// The narrowest passage through the room before, in metres.
-    pub before: f64,
+    pub(super) before: f64,
     /// The narrowest passage through it now, in metres.
-    pub after: f64,
+    pub(super) after: f64,
 }
+
+/// A law that may give a number that is not allowed.
+type Draw<'a, E> = dyn Fn(&mut Stream) -> Result<f64, E> + 'a;
 
 /// Moves, turns, removes and doubles obstacles until the narrowest passage through the room, as
 /// [`narrowest_way`] measures it, is as near to `wanted` metres as 80 changes bring it. Walls stay.
 /// Doorways that were clear stay clear, no free space is cut off from the doorways, and no pocket is
 /// left between parts that the footprint just fits in. A room without obstacles stays as it is.
 ///
+/// `moves` is the law of how far a part is moved along each axis, in metres of the design, and `turns`
+/// that of the angle by which it is turned, in radians.
+///
 /// # Panics
 /// When `wanted` is NaN or negative, and as [`Interior::new`].
-pub fn vary(room: &SharedRoom, wanted: f64, dimensions: Dimensions, stream: &mut Stream) -> Varied {
-    let uniform =
-        |most: f64| move |stream: &mut Stream| Ok::<_, Infallible>(stream.between(-most, most));
-    let Ok(varied) =
-        vary_by(room, wanted, dimensions, stream, &uniform(FARTHEST_MOVE), &uniform(GREATEST_TURN));
-    varied
-}
-
-/// A law that may give a number that is not allowed.
-type Draw<'a, E> = dyn Fn(&mut Stream) -> Result<f64, E> + 'a;
-
-/// [`vary`] with other laws of how far a part is moved along each axis, in metres of the design, and of
-/// the angle by which it is turned, in radians.
-pub(super) fn vary_by<E>(
+pub(super) fn vary<E>(
     room: &SharedRoom,
     wanted: f64,
     dimensions: Dimensions,

@@ -62,7 +62,8 @@ impl Landscape {
         &self.counts
     }
 
-    /// The ratio of the geometric sequence that the counts follow.
+    /// The ratio of the geometric sequence that the counts follow, as
+    /// [`Composition::beta`].
     pub fn beta(&self) -> f64 {
         self.beta
     }

@@ -15,6 +15,15 @@ use crate::error::SpecError;
 /// instead. The counts are then rounded by largest remainders, and cells move between classes, a few
 /// at a time, as long as this brings the entropy nearer to its target. Where the cells have at most 2^19
 /// partitions among the classes, all are tried, so that none is nearer.
+///
+/// ```
+/// use envgen::landscape::Composition;
+///
+/// let found = Composition::closest(100, 3, 1.0, false)?;
+/// assert_eq!(found.counts().iter().sum::<u32>(), 100);
+/// assert!((found.entropy() - 1.0).abs() < 1e-3 && found.beta() < 1.0);
+/// # Ok::<(), envgen::SpecError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Composition {
     counts: Vec<u32>,

@@ -7,7 +7,6 @@ use super::edge::{edge_lower_bound, edge_upper_bound};
 use super::error::LandscapeError;
 use super::spec::{ClassOrder, LandscapeSpec};
 use crate::error::SpecError;
-use crate::generate::Spec;
 use crate::seed::Seed;
 
 pub(super) fn landscape(spec: &LandscapeSpec, seed: Seed) -> Result<Landscape, LandscapeError> {
@@ -42,14 +41,5 @@ impl LandscapeSpec {
             }
         }
         Ok(composition)
-    }
-
-    /// Landscapes of the seeds from `seed` on, without end: equal in entropy and, where it is
-    /// requested, in Total Edge, and otherwise independent.
-    pub fn batch(
-        &self,
-        seed: Seed,
-    ) -> impl Iterator<Item = Result<Landscape, LandscapeError>> + use<'_> {
-        (0..).map(move |i| self.generate(seed.offset(i)))
     }
 }

@@ -32,7 +32,7 @@ mod search;
 mod spec;
 mod world;
 
-pub use arrange::{automaton_epsilon, automaton_fill};
+pub use arrange::automaton_fill;
 pub use blueprint::Landscape;
 pub use composition::{Composition, entropy_of, largest_entropy};
 pub use construct::least_built;

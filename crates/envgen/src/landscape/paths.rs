@@ -17,6 +17,24 @@ use super::region::neighbours;
 use crate::world::ClassRaster;
 
 /// What it costs to travel over a raster.
+///
+/// ```
+/// use envgen::landscape::metrics::Neighbourhood;
+/// use envgen::landscape::LandscapeSpec;
+/// use envgen::landscape::paths::TravelMap;
+/// use envgen::{Seed, Spec};
+///
+/// // Three classes at 1, 2 and 4 m/s.
+/// let speeds = vec![1.0, 2.0, 4.0];
+/// let spec = LandscapeSpec { classes: 3, entropy: 1.0, speeds, ..Default::default() };
+/// let raster = spec.generate(Seed(7))?.to_raster();
+/// let map = TravelMap::new(&raster, Neighbourhood::Eight)?;
+/// let seconds = map.cost_field(0);
+/// let last = raster.cells.len() - 1;
+/// let path = map.path(0, last).expect("all cells can be crossed");
+/// assert!((path.cost - seconds[last]).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct TravelMap<'a> {
     raster: &'a ClassRaster,

@@ -33,8 +33,8 @@ pub const TABLE_1: [TedFit; 5] = [
 ///
 /// Valid for about 150 to 225 classes and `epsilon` of at least 0.02 only: with 15 classes it is
 /// off by up to 0.34. The scan of the paper lost the position of the denominator; this reading agrees
-/// with simulation and with the paper's figure 2. To find the `epsilon` of a wanted density, simulate:
-/// [`automaton_epsilon`](super::automaton_epsilon).
+/// with simulation and with the paper's figure 2. The `epsilon` of a wanted density is better found by
+/// simulation, with [`automaton_fill`](super::automaton_fill); a spec with `total_edge` does so.
 ///
 /// `None` where the model has no value: `epsilon` outside (0, 1].
 pub fn published_ted(fit: &TedFit, epsilon: f64) -> Option<f64> {

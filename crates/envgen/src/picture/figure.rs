@@ -10,12 +10,13 @@ use super::legend::{self, Entry};
 use super::page::{TITLE_HEIGHT, page};
 use super::path::PathData;
 use super::shapes::{filled, rectangle};
-use super::style::{self, Color, Style};
+use super::style::Style;
 use super::text::{Align, Typesetter};
 use super::title::Heading;
 use super::view::View;
 use super::{MAX_PIXELS, PictureError, pixels};
 use crate::geometry::Rect;
+use crate::palette::{self, PartColor, Srgb};
 
 const MARGIN: f64 = 16.0;
 const NOTE_SIZE: f64 = 12.0;
@@ -27,6 +28,7 @@ const SIDES: [f64; 2] = [480.0, 1000.0];
 /// A map of coloured cells, such as a robot's map, with scale, legend and notes.
 ///
 /// ```
+/// use envgen::palette::map;
 /// use envgen::picture::Figure;
 ///
 /// let figure = Figure {
@@ -34,7 +36,7 @@ const SIDES: [f64; 2] = [480.0, 1000.0];
 ///     cell: 0.05,
 ///     width: 2,
 ///     cells: vec![0, 1, 0, 1],
-///     colors: vec![([254, 254, 254], "free".to_owned()), ([30, 30, 30], "wall".to_owned())],
+///     colors: vec![(map::FREE, "free".to_owned()), (map::OCCUPIED, "wall".to_owned())],
 ///     notes: vec!["coverage 100 %".to_owned()],
 /// };
 /// let mut file = Vec::new();
@@ -52,9 +54,9 @@ pub struct Figure {
     pub width: u32,
     /// The index of each cell's colour, row by row from the top.
     pub cells: Vec<u8>,
-    /// Colours in red, green and blue, and their meaning. The legend shows those that occur and
+    /// Colours and their meaning. The legend shows those that occur and
     /// have a name.
-    pub colors: Vec<([u8; 3], String)>,
+    pub colors: Vec<(Srgb, String)>,
     /// Lines below the legend.
     pub notes: Vec<String>,
 }
@@ -90,9 +92,8 @@ impl Figure {
         let entries =
             self.colors.iter().zip(present).filter(|((_, name), here)| *here && !name.is_empty());
         let entries = entries.map(|((color, name), _)| {
-            let color = Color(*color);
-            let style = Style::edged("", color, color.mix(style::INK, 0.35));
-            Entry::Named(style, name.clone())
+            let edge = color.mix(palette::INK, 0.35);
+            Entry::Named(Style::new("", PartColor { fill: *color, edge }), name.clone())
         });
         let corner = DVec2::new(plan.min.x, plan.max.y + 8.0);
         // Narrow maps may still have wide legends.
@@ -110,7 +111,7 @@ impl Figure {
         let indexed = Indexed {
             width: self.width,
             height: height as u32,
-            colors: self.colors.iter().map(|(color, _)| Color(*color)).collect(),
+            colors: self.colors.iter().map(|(color, _)| *color).collect(),
             alphas: Vec::new(),
             pixels: self.cells.clone(),
         };
@@ -122,10 +123,11 @@ impl Figure {
         document = document.add(indexed.to_element(plan.min, plan.size())?);
         let frame = rectangle(Rect::new(plan.min + 0.5, plan.max - 0.5))
             .set("fill", "none")
-            .set("stroke", style::FRAME.to_string());
+            .set("stroke", palette::FRAME.to_string());
         document = document.add(frame).add(legend);
         if !notes.is_empty() {
-            document = document.add(Group::new().set("id", "notes").add(filled(notes, style::INK)));
+            document =
+                document.add(Group::new().set("id", "notes").add(filled(notes, palette::INK)));
         }
         Ok(document.to_string() + "\n")
     }
@@ -159,6 +161,7 @@ impl Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::palette::map;
 
     fn figure() -> Figure {
         Figure {
@@ -166,7 +169,7 @@ mod tests {
             cell: 0.05,
             width: 3,
             cells: vec![0, 1, 0, 1, 1, 1],
-            colors: vec![([255; 3], "free".to_owned()), ([0; 3], "wall".to_owned())],
+            colors: vec![(map::FREE, "free".to_owned()), (map::OCCUPIED, "wall".to_owned())],
             notes: vec!["a note".to_owned()],
         }
     }
@@ -182,8 +185,10 @@ mod tests {
         assert_eq!(rectangles(&both), 2);
         let one = Figure { cells: vec![1; 6], ..figure() };
         assert_eq!(rectangles(&one), 1);
-        let nameless =
-            Figure { colors: vec![([255; 3], String::new()), ([0; 3], "w".into())], ..both };
+        let nameless = Figure {
+            colors: vec![(map::FREE, String::new()), (map::OCCUPIED, "w".into())],
+            ..both
+        };
         assert_eq!(rectangles(&nameless), 1);
     }
 

@@ -7,9 +7,10 @@ use svg::node::element::{Group, Image, Path};
 
 use super::PictureError;
 use super::path::PathData;
-use super::style::{Color, Style};
+use super::style::Style;
 use super::view::View;
 use crate::geometry::Shape;
+use crate::palette::Srgb;
 
 /// Up to this many parts are drawn as paths whatever their size; with more of them in a world, those
 /// smaller than a pixel are drawn as a shadow.
@@ -149,7 +150,7 @@ impl Shadow {
 
     /// The shadow as an image: darker where more is covered, and amplified where it would be too faint
     /// to see.
-    pub(super) fn into_image(self, color: Color) -> Result<Image, PictureError> {
+    pub(super) fn into_image(self, color: Srgb) -> Result<Image, PictureError> {
         let alphas: Vec<u8> = (0..=255).collect();
         let strength = 255.0 * (0.85 / self.upper_percentile()).max(1.0) / FULL;
         let pixels: Vec<u8> =
@@ -186,7 +187,7 @@ impl Shadow {
 pub(super) struct Indexed {
     pub(super) width: u32,
     pub(super) height: u32,
-    pub(super) colors: Vec<Color>,
+    pub(super) colors: Vec<Srgb>,
     /// Opacities of the first colours; the others are opaque.
     pub(super) alphas: Vec<u8>,
     /// Row by row from the top, one index each.

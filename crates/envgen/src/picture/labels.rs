@@ -10,6 +10,7 @@ use super::symbols::{haloed, symbols};
 use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
 use super::view::View;
 use crate::geometry::Rect;
+use crate::palette;
 use crate::world::{Room, World};
 
 /// The most names in a picture.
@@ -126,10 +127,10 @@ pub(super) fn draw(world: &World, view: &View, legend: bool, typesetter: &Typese
     }
     let mut group = Group::new().set("id", "names");
     if !dark.is_empty() {
-        group = group.add(haloed(dark, style::INK, style::PAGE, HALO));
+        group = group.add(haloed(dark, palette::INK, palette::PAGE, HALO));
     }
     if !light.is_empty() {
-        group = group.add(haloed(light, style::PAGE, style::INK, HALO));
+        group = group.add(haloed(light, palette::PAGE, palette::INK, HALO));
     }
     Names { group: Some(group), numbers }
 }

@@ -12,6 +12,7 @@ use super::symbols::{arrow, difficulty_bar, flag, sample, scale_bar};
 use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
 use super::view::View;
 use crate::geometry::{Pose, Shape, edges};
+use crate::palette;
 use crate::world::{SurfaceKind, Wall, WallKind, World};
 
 const LABEL_SIZE: f64 = 12.0;
@@ -114,7 +115,7 @@ pub(super) fn entries(world: &World, view: &View, numbers: &[String]) -> Vec<Ent
     if world.rooms.iter().any(|room| room.difficulty.is_some()) {
         entries.push(Entry::Difficulty);
     } else if !world.rooms.is_empty() {
-        entries.push(Entry::Part(style::ROOM_STYLE));
+        entries.push(Entry::Part(style::ROOM));
     }
     let numbers = numbers.iter().enumerate();
     entries.extend(numbers.map(|(i, text)| Entry::Note(format!("{}  {text}", i + 1))));
@@ -170,15 +171,16 @@ pub(super) fn draw(
                 let [mut edge, mut crown] = [PathData::new(2), PathData::new(2)];
                 edge.circle(center, 6.0);
                 crown.circle(center, 5.0);
-                group.add(filled(edge, style::TREE_EDGE)).add(filled(crown, style::TREE))
+                group.add(filled(edge, palette::TREE.edge)).add(filled(crown, palette::TREE.fill))
             }
             Entry::Road => {
                 let [mut path, mut marks] = [PathData::new(2), PathData::new(2)];
                 path.rect(min, max);
                 marks.line(DVec2::new(min.x + 2.0, center.y), DVec2::new(min.x + 6.5, center.y));
                 marks.line(DVec2::new(max.x - 6.5, center.y), DVec2::new(max.x - 2.0, center.y));
-                let road = filled(path, style::ASPHALT).set("stroke", style::ROAD_EDGE.to_string());
-                group.add(road).add(stroked(marks, style::MARKING, 1.1))
+                let road =
+                    filled(path, palette::ROAD.fill).set("stroke", palette::ROAD.edge.to_string());
+                group.add(road).add(stroked(marks, palette::ROAD_MARKING, 1.1))
             }
             Entry::Unlit => {
                 let [mut path, mut lines] = [PathData::new(2), PathData::new(2)];
@@ -187,11 +189,11 @@ pub(super) fn draw(
                     let from = DVec2::new(min.x + shift, max.y);
                     lines.line(from, from + DVec2::new(SAMPLE.y, -SAMPLE.y) * 0.9);
                 }
-                let fill = style::ROOM.mix(style::DARK, 0.18);
-                let room = filled(path, fill).set("stroke", style::ROOM_EDGE.to_string());
+                let fill = palette::room_floor(None, false);
+                let room = filled(path, fill).set("stroke", palette::ROOM.edge.to_string());
                 group
                     .add(room.set("stroke-width", 0.8))
-                    .add(stroked(lines, style::DARK, 1.1).set("stroke-opacity", 0.55))
+                    .add(stroked(lines, palette::UNLIT, 1.1).set("stroke-opacity", 0.55))
             }
             Entry::Start => {
                 group.add(arrow(DVec2::new(min.x + 7.0, middle), Pose::new(0.0, 0.0, 0.0)))
@@ -210,10 +212,10 @@ pub(super) fn draw(
         x += long + GAP;
     }
     if !labels.is_empty() {
-        group = group.add(filled(labels, style::INK));
+        group = group.add(filled(labels, palette::INK));
     }
     if !small.is_empty() {
-        group = group.add(filled(small, style::QUIET_INK));
+        group = group.add(filled(small, palette::QUIET_INK));
     }
     (group, DVec2::new(widest, (rows + 1.0) * ROW + if last_is_bar { 8.0 } else { 0.0 }))
 }

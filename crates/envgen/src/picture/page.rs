@@ -9,13 +9,13 @@ use svg::node::element::{
 use super::labels::Names;
 use super::parts;
 use super::shapes::rectangle;
-use super::style;
 use super::symbols::{arrow, flag, symbols};
 use super::text::Typesetter;
 use super::title::Heading;
 use super::view::{self, View};
 use super::{MAX_PIXELS, PictureError, PictureOptions, labels, legend, profile};
 use crate::geometry::Rect;
+use crate::palette;
 use crate::world::World;
 
 /// Space between the frame and the world's bounds in px.
@@ -94,7 +94,7 @@ pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Docume
 
     let size = DVec2::new(right + margin, bottom + margin).ceil();
     let mut document =
-        page(size, &heading).add(rectangle(plan).set("fill", style::PLAN.to_string()));
+        page(size, &heading).add(rectangle(plan).set("fill", palette::PLAN.to_string()));
     if !heading.name.is_empty() {
         document = document.add(heading.row(&view, right, &typesetter));
     }
@@ -107,7 +107,7 @@ pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Docume
     document = document.add(inside);
     let frame = rectangle(Rect::new(plan.min + 0.5, plan.max - 0.5))
         .set("fill", "none")
-        .set("stroke", style::FRAME.to_string());
+        .set("stroke", palette::FRAME.to_string());
     document = document.add(frame);
     if let Some(goal) = world.goal {
         document = document.add(flag(view.px(goal.position), 1.0).set("id", "goal"));
@@ -130,12 +130,12 @@ pub(super) fn page(size: DVec2, heading: &Heading) -> Document {
         .set("role", "img")
         .add(Title::new(heading.text()))
         .add(StyleSheet::new(SHARP))
-        .add(rectangle(Rect::new(DVec2::ZERO, size)).set("fill", style::PAGE.to_string()))
+        .add(rectangle(Rect::new(DVec2::ZERO, size)).set("fill", palette::PAGE.to_string()))
 }
 
 fn difficulty_gradient() -> LinearGradient {
     (0..=10).fold(LinearGradient::new().set("id", "difficulty"), |gradient, i| {
-        let color = style::difficulty(f64::from(i));
+        let color = palette::difficulty(f64::from(i));
         gradient.add(
             Stop::new().set("offset", f64::from(i) / 10.0).set("stop-color", color.to_string()),
         )

@@ -9,10 +9,11 @@ use super::hatch::{Hatch, RISING, outline};
 use super::ink::{Ink, MANY_PARTS, Shadow};
 use super::path::PathData;
 use super::shapes::stroked;
-use super::style::{self, Color, Style, Texture};
+use super::style::{self, Style, Texture};
 use super::view::{View, round_number};
 use super::{PictureError, PictureOptions, raster, roads};
 use crate::geometry::Shape;
+use crate::palette::{self, Srgb};
 use crate::world::{Doorway, Obstacle, Room, Surface, Wall, World};
 
 /// With more styles than this in a list, none has a shadow.
@@ -84,7 +85,7 @@ fn grid(view: &View) -> Group {
             path.line(DVec2::new(low.x, y), DVec2::new(high.x, y));
         }
     }
-    Group::new().set("id", "grid").add(stroked(path, style::GRID, 0.8))
+    Group::new().set("id", "grid").add(stroked(path, palette::GRID, 0.8))
 }
 
 /// Parts of one style, which are drawn together.
@@ -189,7 +190,7 @@ fn trees(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), Pict
     }
     let mut group = Group::new().set("id", "trees").set("stroke-linecap", "round");
     if let Some(shadow) = shadow {
-        group = group.add(shadow.into_image(style::TREE_EDGE)?);
+        group = group.add(shadow.into_image(palette::TREE.edge)?);
     }
     let (mut edges, mut crowns) = (Vec::new(), Vec::new());
     for (tenths, path) in sizes {
@@ -197,9 +198,9 @@ fn trees(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), Pict
         // Small trees are dark throughout.
         let edge = (0.12 * radius).clamp(0.8, 1.5);
         if radius > edge + 0.5 {
-            crowns.push(stroked(path.clone(), style::TREE, 2.0 * (radius - edge)));
+            crowns.push(stroked(path.clone(), palette::TREE.fill, 2.0 * (radius - edge)));
         }
-        edges.push(stroked(path, style::TREE_EDGE, 2.0 * radius));
+        edges.push(stroked(path, palette::TREE.edge, 2.0 * radius));
     }
     groups.push(edges.into_iter().chain(crowns).fold(group, Group::add));
     Ok(())
@@ -210,7 +211,7 @@ fn rooms(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), Pict
         return Ok(());
     }
     let many = world.rooms.len() > MANY_PARTS;
-    let mut colors: BTreeMap<Color, Ink<'_>> = BTreeMap::new();
+    let mut colors: BTreeMap<Srgb, Ink<'_>> = BTreeMap::new();
     let mut hatch = Hatch::default();
     for room in &world.rooms {
         // No shadows: there may be as many colours as difficulties, and rooms are seldom small.
@@ -222,11 +223,11 @@ fn rooms(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), Pict
     }
     let mut group = Group::new().set("id", "rooms");
     for (color, ink) in colors {
-        let style = Style { fill: color, ..style::ROOM_STYLE };
+        let style = Style { fill: color, ..style::ROOM };
         group = group.add(ink.into_group(&format!("rooms-{}", &color.to_string()[1..]), style)?);
     }
     if !hatch.path.is_empty() {
-        let path = stroked(hatch.path, style::DARK, 1.1).set("stroke-opacity", 0.55);
+        let path = stroked(hatch.path, palette::UNLIT, 1.1).set("stroke-opacity", 0.55);
         group = group.add(path.set("id", "rooms-unlit"));
     }
     groups.push(group);
@@ -234,9 +235,6 @@ fn rooms(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), Pict
 }
 
 /// Difficulties are distinguished to a tenth; rooms without light are darker.
-pub(super) fn room_color(room: &Room) -> Color {
-    let color = room
-        .difficulty
-        .map_or(style::ROOM, |difficulty| style::difficulty((difficulty * 10.0).round() / 10.0));
-    if room.lit { color } else { color.mix(style::DARK, 0.18) }
+pub(super) fn room_color(room: &Room) -> Srgb {
+    palette::room_floor(room.difficulty.map(|rated| (rated * 10.0).round() / 10.0), room.lit)
 }

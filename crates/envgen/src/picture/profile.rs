@@ -5,9 +5,9 @@ use svg::node::element::{Group, Rectangle};
 
 use super::path::PathData;
 use super::shapes::{filled, stroked};
-use super::style;
 use super::text::{Align, Typesetter};
 use super::view::{self, View, round_number};
+use crate::palette;
 use crate::world::World;
 
 const HEIGHT: f64 = 124.0;
@@ -50,9 +50,9 @@ pub(super) fn draw(
             .set("y", top)
             .set("width", width)
             .set("height", HEIGHT - FOOT)
-            .set("fill", style::PLAN.to_string()),
+            .set("fill", palette::PLAN.to_string()),
     );
-    for (side, color) in [(0, style::CURVE_LEFT), (1, style::CURVE_RIGHT)] {
+    for (side, color) in [(0, palette::BLUE), (1, palette::VERMILION)] {
         let mut path = PathData::new(1);
         path.move_to(DVec2::new(left, axis));
         for (i, curvature) in range.iter().enumerate() {
@@ -119,14 +119,14 @@ pub(super) fn draw(
         .set("width", width - 1.0)
         .set("height", HEIGHT - FOOT - 1.0)
         .set("fill", "none")
-        .set("stroke", style::FRAME.to_string());
+        .set("stroke", palette::FRAME.to_string());
     let group = group
-        .add(stroked(levels, style::GRID, 0.8))
-        .add(stroked(zero, style::INK, 0.8))
+        .add(stroked(levels, palette::GRID, 0.8))
+        .add(stroked(zero, palette::INK, 0.8))
         .add(frame)
-        .add(stroked(ticks, style::QUIET_INK, 0.8))
-        .add(filled(label, style::INK))
-        .add(filled(quiet, style::QUIET_INK));
+        .add(stroked(ticks, palette::QUIET_INK, 0.8))
+        .add(filled(label, palette::INK))
+        .add(filled(quiet, palette::QUIET_INK));
     Some((group, HEIGHT))
 }
 

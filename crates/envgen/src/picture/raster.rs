@@ -6,9 +6,9 @@ use svg::node::element::{Group, Image};
 
 use super::PictureError;
 use super::ink::Indexed;
-use super::style::{PLAN, class_color};
 use super::view::View;
 use crate::geometry::Rect;
+use crate::palette;
 use crate::world::ClassRaster;
 
 /// The classes of a raster, without 0.
@@ -29,7 +29,9 @@ fn image(raster: &ClassRaster, view: &View) -> Result<Image, PictureError> {
     // Index 0 is no data; where there are more classes than colours, classes share them.
     let greatest = raster.cells.iter().copied().max().unwrap_or(0).min(255);
     let index = |class: u16| if class < 256 { class as u8 } else { ((class - 1) % 255 + 1) as u8 };
-    let colors = std::iter::once(PLAN).chain((1..=greatest).map(class_color)).collect::<Vec<_>>();
+    let colors = std::iter::once(palette::PLAN)
+        .chain((1..=greatest).map(palette::class))
+        .collect::<Vec<_>>();
     let (width, height, pixels) = if raster.cell * view.scale >= 1.0 {
         (raster.cols, raster.rows, raster.cells.iter().map(|&class| index(class)).collect())
     } else {

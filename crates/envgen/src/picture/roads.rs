@@ -6,9 +6,9 @@ use svg::node::element::{Group, Path};
 
 use super::path::PathData;
 use super::shapes::stroked;
-use super::style;
 use super::view::View;
 use crate::geometry::unit_vector;
+use crate::palette;
 use crate::world::{RoadStrip, World};
 
 pub(super) fn draw(world: &World, view: &View) -> Option<Group> {
@@ -43,18 +43,19 @@ pub(super) fn draw(world: &World, view: &View) -> Option<Group> {
     for (tenths, path) in &widths {
         let width = f64::from(*tenths) / 10.0;
         let edge = if width >= 3.0 { 1.6 } else { 0.0 };
-        group = group.add(round(stroked(path.clone(), style::ROAD_EDGE, width + edge)));
+        group = group.add(round(stroked(path.clone(), palette::ROAD.edge, width + edge)));
     }
     for (tenths, path) in widths {
-        group = group.add(round(stroked(path, style::ASPHALT, f64::from(tenths) / 10.0)));
+        group = group.add(round(stroked(path, palette::ROAD.fill, f64::from(tenths) / 10.0)));
     }
     if !markings.is_empty() {
-        group = group.add(stroked(markings, style::MARKING, 0.8).set("stroke-opacity", 0.85));
+        group =
+            group.add(stroked(markings, palette::ROAD_MARKING, 0.8).set("stroke-opacity", 0.85));
     }
     if !dashes.is_empty() {
         // Lines of 3 m with gaps of 6 m, or the shortest that are visible.
         let dash = (3.0 * view.scale).clamp(4.0, 200.0);
-        let path = stroked(dashes, style::MARKING, 1.1);
+        let path = stroked(dashes, palette::ROAD_MARKING, 1.1);
         group = group.add(path.set("stroke-dasharray", format!("{dash:.1} {:.1}", 1.5 * dash)));
     }
     Some(group)

@@ -3,8 +3,8 @@
 use svg::node::element::{Path, Rectangle};
 
 use super::path::PathData;
-use super::style::Color;
 use crate::geometry::Rect;
+use crate::palette::Srgb;
 
 pub(super) fn rectangle(rect: Rect) -> Rectangle {
     let size = rect.size();
@@ -15,7 +15,7 @@ pub(super) fn rectangle(rect: Rect) -> Rectangle {
         .set("height", size.y)
 }
 
-pub(super) fn stroked(path: PathData, color: Color, width: f64) -> Path {
+pub(super) fn stroked(path: PathData, color: Srgb, width: f64) -> Path {
     Path::new()
         .set("d", path.into_text())
         .set("fill", "none")
@@ -23,6 +23,6 @@ pub(super) fn stroked(path: PathData, color: Color, width: f64) -> Path {
         .set("stroke-width", (width * 100.0).round() / 100.0)
 }
 
-pub(super) fn filled(path: PathData, color: Color) -> Path {
+pub(super) fn filled(path: PathData, color: Srgb) -> Path {
     Path::new().set("d", path.into_text()).set("fill", color.to_string())
 }

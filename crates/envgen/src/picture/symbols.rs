@@ -5,10 +5,11 @@ use svg::node::element::{Group, Path};
 
 use super::path::PathData;
 use super::shapes::{filled, rectangle, stroked};
-use super::style::{self, Color, Style};
+use super::style::Style;
 use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
 use super::view::{self, View};
 use crate::geometry::{Pose, Rect, unit_vector};
+use crate::palette::{self, Srgb};
 use crate::world::World;
 
 /// The start: a disc with an arrow along the heading.
@@ -21,12 +22,12 @@ pub(super) fn arrow(at: DVec2, pose: Pose) -> Group {
     path.circle(at, 5.5);
     path.polygon([p(4.0, 1.4), p(4.0, -1.4), p(14.0, -1.4), p(14.0, 1.4)].into_iter().rev());
     path.polygon([p(23.0, 0.0), p(11.5, -6.0), p(13.5, 0.0), p(11.5, 6.0)].into_iter().rev());
-    haloed(path, style::START, style::PAGE, 3.0)
+    haloed(path, palette::START, palette::PAGE, 3.0)
 }
 
 /// A symbol or a label with a rim of another colour, which separates it from what lies below. The rim
 /// is an element of its own, since not every program supports `paint-order`.
-pub(super) fn haloed(path: PathData, color: Color, halo: Color, width: f64) -> Group {
+pub(super) fn haloed(path: PathData, color: Srgb, halo: Srgb, width: f64) -> Group {
     let rim = filled(path.clone(), halo)
         .set("stroke", halo.to_string())
         .set("stroke-width", width)
@@ -42,11 +43,11 @@ pub(super) fn flag(at: DVec2, size: f64) -> Group {
     pole.circle(at, 3.4 * size);
     pole.rect(p(-1.0, -23.0), p(1.0, 0.0));
     cloth.polygon([p(1.0, -23.0), p(17.0, -17.5), p(1.0, -12.0)]);
-    let cloth = filled(cloth, style::GOAL)
-        .set("stroke", style::INK.to_string())
+    let cloth = filled(cloth, palette::GOAL)
+        .set("stroke", palette::INK.to_string())
         .set("stroke-width", 0.8 * size)
         .set("stroke-linejoin", "round");
-    Group::new().add(filled(pole, style::INK)).add(cloth)
+    Group::new().add(filled(pole, palette::INK)).add(cloth)
 }
 
 /// The rectangles that the symbols of start and goal cover.
@@ -79,8 +80,8 @@ pub(super) fn scale_bar(view: &View, at: DVec2, typesetter: &Typesetter) -> Opti
     typesetter.write(&mut label, &text, at + v(long + 6.0, 0.5), 12.0, Align::Left);
     let group = Group::new()
         .set("id", "scale-bar")
-        .add(stroked(bar, style::INK, 1.5))
-        .add(filled(label, style::INK));
+        .add(stroked(bar, palette::INK, 1.5))
+        .add(filled(label, palette::INK));
     Some((group, long + 6.0 + typesetter.width(&text, 12.0)))
 }
 
@@ -100,10 +101,9 @@ pub(super) fn difficulty_bar(
     label: &mut PathData,
     typesetter: &Typesetter,
 ) -> Group {
-    let edge: Color = style::FRAME;
     let bar = rectangle(Rect::new(min, min + DVec2::new(width, 10.0)))
         .set("fill", "url(#difficulty)")
-        .set("stroke", edge.to_string())
+        .set("stroke", palette::FRAME.to_string())
         .set("stroke-width", 0.8);
     for tenth in [0.0, 5.0, 10.0] {
         let at = min + DVec2::new(width * tenth / 10.0, 12.5 + CAPITAL_HEIGHT * 9.0);

@@ -6,9 +6,9 @@ use svg::node::element::Group;
 use super::PictureOptions;
 use super::path::PathData;
 use super::shapes::filled;
-use super::style;
 use super::text::{Align, Typesetter};
 use super::view::{self, View};
+use crate::palette;
 use crate::world::World;
 
 const SIZE: f64 = 15.0;
@@ -71,9 +71,9 @@ impl Heading {
             let at = DVec2::new(right, baseline);
             typesetter.write(&mut quiet, &extent, at, SMALL_SIZE, Align::Right);
         }
-        let mut group = Group::new().set("id", "title").add(filled(dark, style::INK));
+        let mut group = Group::new().set("id", "title").add(filled(dark, palette::INK));
         if !quiet.is_empty() {
-            group = group.add(filled(quiet, style::QUIET_INK));
+            group = group.add(filled(quiet, palette::QUIET_INK));
         }
         group
     }

@@ -29,6 +29,9 @@ settings! {
     /// let end = road.pose_at(road.length());
     /// let located = road.locate(end.position + glam::DVec2::new(0.0, 2.0)).unwrap();
     /// assert!(located.offset.abs() <= 2.0);
+    /// // No turn is tighter than the speed allows.
+    /// let radius = spec.turn_limits().least_radius;
+    /// assert!(road.curvature_at(250.0).abs() <= 1.0 / radius + 1e-9);
     /// # use envgen::glam;
     /// # Ok::<(), envgen::road::RoadError>(())
     /// ```
@@ -106,6 +109,15 @@ impl RoadSpec {
     /// A road by the rules of the SBFT tool competition for self-driving cars: inside a square of
     /// 200 m, at most 500 points, two lanes of 4 m, radii of at least 14.4 m, longer than 40 m, and
     /// a strip of 8 m that does not cover itself.
+    ///
+    /// ```
+    /// use envgen::road::RoadSpec;
+    /// use envgen::{Blueprint, Seed, Spec};
+    ///
+    /// let world = RoadSpec::sbft().generate(Seed(7))?.to_world();
+    /// assert_eq!(world.road_strips[0].width, 8.0);
+    /// # Ok::<(), envgen::road::RoadError>(())
+    /// ```
     pub fn sbft() -> Self {
         RoadSpec {
             length: 200.0,

@@ -33,6 +33,25 @@ pub const SCHEMA_VERSION: u32 = 1;
 ///
 /// Frame: x right, y up, headings counter-clockwise from +x. A part's [`PartId`] is its list and
 /// its place in it, so that the same spec and seed give every part the same id.
+///
+/// Generators make worlds; one can also be put together by hand:
+///
+/// ```
+/// use envgen::geometry::{Pose, Rect, Shape};
+/// use envgen::glam::DVec2;
+/// use envgen::world::{Tree, Wall, WallKind};
+/// use envgen::{Provenance, World};
+///
+/// let bounds = Rect::new(DVec2::ZERO, DVec2::new(10.0, 6.0));
+/// let mut world = World::new(Provenance::other("manual", "a yard".into()), bounds);
+/// let shape = Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::new(10.0, 0.2)));
+/// world.walls.push(Wall { kind: WallKind::Wall, shape });
+/// world.trees.push(Tree { center: DVec2::new(5.0, 3.0), radius: 0.25 });
+/// world.start = Some(Pose::new(1.0, 3.0, 0.0));
+/// world.check()?;
+/// assert_eq!(world.clearance(DVec2::new(4.0, 3.0)), 0.75);
+/// # Ok::<(), envgen::world::Violation>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct World {

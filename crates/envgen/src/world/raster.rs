@@ -6,6 +6,27 @@ use serde::{Deserialize, Serialize};
 use crate::grid::GridFrame;
 
 /// A landscape's cells: square, row by row, the top row (greatest y) first.
+///
+/// ```
+/// use envgen::glam::DVec2;
+/// use envgen::landscape::metrics::{Border, RasterReport};
+/// use envgen::world::ClassRaster;
+///
+/// // Two rows of three cells of 10 m; robots drive in class 2 at half their speed.
+/// let raster = ClassRaster {
+///     rows: 2,
+///     cols: 3,
+///     cell: 10.0,
+///     origin: DVec2::ZERO,
+///     cells: vec![1, 1, 2, 1, 2, 2],
+///     speeds: vec![0.0, 1.0, 0.5],
+/// };
+/// assert_eq!(raster.class_at(DVec2::new(15.0, 15.0)), Some(1));
+/// assert_eq!(raster.speed_at(DVec2::new(15.0, 5.0)), Some(0.5));
+/// let report = RasterReport::new(&raster, Border::Free)?;
+/// assert_eq!((report.edge_count, report.total_edge_m), (3, 30.0));
+/// # Ok::<(), envgen::landscape::metrics::RasterError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ClassRaster {

@@ -47,22 +47,6 @@ impl RoadStrip {
         self.width / f64::from(self.lanes.max(1))
     }
 
-    /// The lines between and beside the lanes, from left to right: one more than there are lanes.
-    /// Chords stray from the exact lines by at most `tolerance` metres.
-    ///
-    /// # Panics
-    /// When `tolerance` is not positive.
-    #[track_caller]
-    pub fn lane_lines(&self, tolerance: f64) -> Vec<Vec<DVec2>> {
-        let path = self.path();
-        let stations = path.stations(0.5 * self.width, tolerance);
-        (0..=self.lanes)
-            .map(|i| {
-                path.offset_curve(0.5 * self.width - f64::from(i) * self.lane_width(), &stations)
-            })
-            .collect()
-    }
-
     /// The surface as triangles, whose edges stray from the road's by at most `tolerance` metres.
     ///
     /// # Panics

@@ -21,8 +21,10 @@ fn the_sbft_preset_keeps_the_competition_s_rules() {
         for turn in turns(&road) {
             assert!(turn.radius.unwrap() >= 14.4);
         }
-        for line in strip.lane_lines(1e-3) {
-            assert!(line.iter().all(|p| p.min_element() >= 0.0 && p.max_element() <= 200.0));
+        let path = strip.path();
+        let stations = path.stations(4.0, 1e-3);
+        for edge in [4.0, -4.0].map(|offset| path.offset_curve(offset, &stations)) {
+            assert!(edge.iter().all(|p| p.min_element() >= 0.0 && p.max_element() <= 200.0));
         }
         // No overlap of the strip, by its quads: none that are not neighbours meet.
         let left = road.path().offset_curve(4.0, &road.path().stations(4.0, 0.05));

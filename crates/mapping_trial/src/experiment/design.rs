@@ -4,7 +4,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use envgen::indoor::{IndoorSpec, Profile};
-use envgen::{Seed, Spec, SpecError};
+use envgen::settings::Setting;
+use envgen::{Seed, Spec, SpecError, settings};
 use serde::{Deserialize, Serialize};
 
 use crate::lidar::LaserProfile;
@@ -26,56 +27,60 @@ pub const MAX_SIZE: u32 = 128;
 /// Greatest number of trials of a design.
 pub const MAX_TRIALS: u64 = 1_000_000;
 
-/// Trials on maps of several levels.
-///
-/// ```
-/// use mapping_trial::experiment::Design;
-///
-/// let design = Design::default();
-/// assert_eq!(design.validate(), Ok(()));
-/// assert_eq!(design.trials().len(), 5 * 20 * 5 * 5);
-/// // The paper's ten maps, by five operators.
-/// assert_eq!(design.trials().iter().filter(|trial| design.is_replay(trial)).count(), 50);
-/// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Design {
-    /// The requested difficulties of the maps: in increasing order, from 0 to 10 in steps of 0.1, at
-    /// least two.
-    pub levels: Vec<f64>,
-    /// Maps per level, from 2 to [`MAX_MAPS`].
-    pub maps: u32,
-    /// Trials of each operator on each map, which differ in sensor noise; from 1 to
-    /// [`MAX_NOISE_SEEDS`].
-    pub noise_seeds: u32,
-    /// The operators: policies that stand for the thesis's operators.
-    pub operators: Vec<PolicyKind>,
-    /// The design of the paper.
-    pub replay: Replay,
-    /// How maps are generated.
-    pub profile: Profile,
-    /// Columns and rows of a map in cells of 3 m, from 4 to [`MAX_SIZE`].
-    pub size: u32,
-    /// How poses and maps are estimated.
-    pub slam: SlamKind,
-    /// What the laser measures.
-    pub laser: LaserProfile,
-    /// What the wheels measure.
-    pub odometry: OdometryProfile,
-    /// Simulated seconds after which a trial ends.
-    pub time_limit: f64,
-    /// The seed from which the seeds of maps and noise follow.
-    pub seed: Seed,
+settings! {
+    /// Trials on maps of several levels.
+    ///
+    /// ```
+    /// use mapping_trial::experiment::Design;
+    ///
+    /// let design = Design::default();
+    /// assert_eq!(design.validate(), Ok(()));
+    /// assert_eq!(design.trials().len(), 5 * 20 * 5 * 5);
+    /// // The paper's ten maps, by five operators.
+    /// assert_eq!(design.trials().iter().filter(|trial| design.is_replay(trial)).count(), 50);
+    /// ```
+    pub struct Design {
+        /// The requested difficulties of the maps.
+        levels: Vec<f64> = vec![1.0, 3.0, 5.0, 7.0, 9.0] => list(
+            "", "two or more difficulties, increasing, from 0 to 10 in tenths", "1,5,9"
+        );
+        /// Maps per level.
+        maps: u32 = 20 => integer("", 2..=MAX_MAPS as u64);
+        /// Trials of each operator on each map, which differ in sensor noise.
+        noise_seeds: u32 = 5 => integer("", 1..=MAX_NOISE_SEEDS as u64);
+        /// The operators: policies that stand for the thesis's operators.
+        operators: Vec<PolicyKind> = every_operator() => list(
+            "", "one or more policies, each once", "nearest,corridors"
+        );
+        /// The design of the paper.
+        replay: Replay = Replay::default() => nested;
+        /// How maps are generated.
+        profile: Profile = Profile::Thesis => choice;
+        /// Columns and rows of a map, in cells of 3 m.
+        size: u32 = IndoorSpec::default().width => integer("", 4..=MAX_SIZE as u64);
+        /// How poses and maps are estimated.
+        slam: SlamKind = TrialSettings::default().slam => other("", "an estimator's name");
+        /// What the laser measures.
+        laser: LaserProfile = TrialSettings::default().laser => nested;
+        /// What the wheels measure.
+        odometry: OdometryProfile = TrialSettings::default().odometry => nested;
+        /// Simulated time after which a trial ends.
+        time_limit: f64 = TrialSettings::default().time_limit => other("s", "a time limit that trials can have");
+        /// The seed from which the seeds of maps and noise follow.
+        seed: Seed = Seed(0) => other("", "a whole number");
+    }
 }
 
-/// The paper's own design: a few maps per level, once by each operator.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Replay {
-    /// Maps per level, at most [`Design::maps`].
-    pub maps: u32,
-    /// The operators.
-    pub operators: Vec<PolicyKind>,
+settings! {
+    /// The paper's own design: a few maps per level, once by each operator.
+    pub struct Replay {
+        /// Maps per level, no more than the design has.
+        maps: u32 = 2 => integer("", 1..=MAX_MAPS as u64);
+        /// The operators.
+        operators: Vec<PolicyKind> = every_operator() => list(
+            "", "one or more policies, each once", "nearest,corridors"
+        );
+    }
 }
 
 /// One trial of a design.
@@ -90,27 +95,6 @@ pub struct Trial {
     pub noise: u32,
     /// The operator.
     pub operator: PolicyKind,
-}
-
-impl Default for Design {
-    /// 20 maps per level of the profile `thesis`, 5 noise seeds, five operators.
-    fn default() -> Self {
-        let TrialSettings { slam, laser, odometry, time_limit, .. } = TrialSettings::default();
-        Design {
-            levels: vec![1.0, 3.0, 5.0, 7.0, 9.0],
-            maps: 20,
-            noise_seeds: 5,
-            operators: every_operator(),
-            replay: Replay { maps: 2, operators: every_operator() },
-            profile: Profile::Thesis,
-            size: IndoorSpec::default().width,
-            slam,
-            laser,
-            odometry,
-            time_limit,
-            seed: Seed(0),
-        }
-    }
 }
 
 fn every_operator() -> Vec<PolicyKind> {
@@ -140,35 +124,30 @@ impl Design {
     ///
     /// The first field whose value is not allowed.
     pub fn validate(&self) -> Result<(), SpecError> {
+        self.check_fields()?;
         let rising = self.levels.windows(2).all(|pair| pair[0] < pair[1]);
         let tenths = |level: &f64| {
             (0.0..=10.0).contains(level) && (level * 10.0 - (level * 10.0).round()).abs() < 1e-9
         };
         if self.levels.len() < 2 || !rising || !self.levels.iter().all(tenths) {
             let levels: Vec<String> = self.levels.iter().map(f64::to_string).collect();
-            let allowed = "two or more, increasing, from 0 to 10 in tenths";
-            return Err(SpecError::new("levels", levels.join(", "), allowed));
+            return Err(Design::setting("levels").error(levels.join(", ")));
         }
-        count("maps", self.maps, 2, MAX_MAPS)?;
-        count("noise_seeds", self.noise_seeds, 1, MAX_NOISE_SEEDS)?;
-        count("replay.maps", self.replay.maps, 1, self.maps)?;
-        for (field, operators) in
-            [("operators", &self.operators), ("replay.operators", &self.replay.operators)]
-        {
-            let twice = operators.iter().enumerate().any(|(i, one)| operators[..i].contains(one));
-            if operators.is_empty() || twice {
-                let names: Vec<_> = operators.iter().map(|&kind| operator_name(kind)).collect();
-                return Err(SpecError::new(field, names.join(", "), "one or more, each once"));
-            }
+        if self.replay.maps > self.maps {
+            let allowed = format!("at most the {} maps of the design", self.maps);
+            let error = Replay::setting("maps").error_with(self.replay.maps, allowed);
+            return Err(error.within("replay"));
         }
+        each_once(&self.operators, &Design::setting("operators"))?;
+        each_once(&self.replay.operators, &Replay::setting("operators"))
+            .map_err(|error| error.within("replay"))?;
         let main = self.levels.len() as u64 * u64::from(self.maps);
         let all = main * u64::from(self.noise_seeds) * self.operators.len() as u64;
         if all > MAX_TRIALS {
             let allowed =
                 format!("at most {MAX_TRIALS} trials with levels, noise seeds and operators");
-            return Err(SpecError::new("maps", self.maps, allowed));
+            return Err(Design::setting("maps").error_with(self.maps, allowed));
         }
-        count("size", self.size, 4, MAX_SIZE)?;
         for &level in &self.levels {
             self.spec(level).validate()?;
         }
@@ -310,12 +289,14 @@ impl FromStr for Shard {
     }
 }
 
-/// Checks that a whole number lies within its limits.
-fn count(field: &str, value: u32, least: u32, most: u32) -> Result<(), SpecError> {
-    if (least..=most).contains(&value) {
-        return Ok(());
+/// Checks a list of operators.
+fn each_once(operators: &[PolicyKind], setting: &Setting) -> Result<(), SpecError> {
+    let twice = operators.iter().enumerate().any(|(i, one)| operators[..i].contains(one));
+    if operators.is_empty() || twice {
+        let names: Vec<_> = operators.iter().map(|&kind| operator_name(kind)).collect();
+        return Err(setting.error(names.join(", ")));
     }
-    Err(SpecError::new(field, value, format!("a whole number from {least} to {most}")))
+    Ok(())
 }
 
 #[cfg(test)]

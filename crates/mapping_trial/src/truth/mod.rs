@@ -81,6 +81,18 @@ pub enum MappableAreaError {
 }
 
 /// The mappable area of a world, computed once for any number of trials in it.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::robot::Robot;
+/// use mapping_trial::truth::MappableArea;
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let area = MappableArea::new(&world, &Robot::default())?;
+/// assert!(area.free_area() > 5.0 && !area.walls().is_empty());
+/// assert!(area.is_clear(area.start()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct MappableArea {
     frame: ScoreFrame,

@@ -50,7 +50,6 @@ fn greys_become_cells_as_in_ros() {
     assert_eq!(picture(&description(&sharp).map(pgm).unwrap()), ["??#"]);
 }
 
-#[cfg(feature = "picture")]
 #[test]
 fn transparency_is_unknown_where_probabilities_scale() {
     let mut png = Vec::new();

@@ -30,6 +30,24 @@ const MAX_CORNERS: usize = 1000;
 /// Contents are in metres from the room's lower left corner, x right and y up, for cells of
 /// [`DESIGN_UNIT`]; a map with another cell size scales them. The middle lines of the walls meet at
 /// the corner, so the floor begins half a wall's thickness further in.
+///
+/// ```
+/// use envgen::geometry::Shape;
+/// use envgen::glam::DVec2;
+/// use envgen::indoor::{Catalogue, IndoorSpec, RoomDesign};
+/// use envgen::world::{Obstacle, ObstacleKind};
+/// use envgen::{Seed, Spec};
+///
+/// // A store room of 2 by 2 cells, 6 m by 6 m, with a crate in its middle.
+/// let mut room = RoomDesign::bare("store", 2, 2, 3.0);
+/// let center = 0.5 * room.size();
+/// let shape = Shape::Box { center, half_size: DVec2::splat(0.4), heading: 0.3 };
+/// room.obstacles.push(Obstacle { kind: ObstacleKind::Crate, shape });
+/// room.validate()?;
+/// let spec = IndoorSpec { catalogue: Some(Catalogue::new([room])?), ..Default::default() };
+/// assert!(spec.generate(Seed(7))?.rooms().iter().all(|placed| placed.room.name == "store"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoomDesign {

@@ -66,6 +66,14 @@ pub enum FolderError {
 impl Catalogue {
     /// Reads every `*.room.ron` file of a folder, in the order of their names.
     ///
+    /// ```no_run
+    /// use envgen::indoor::{Catalogue, IndoorSpec};
+    ///
+    /// let catalogue = Some(Catalogue::read_folder("my_rooms".as_ref())?);
+    /// let spec = IndoorSpec { catalogue, ..Default::default() };
+    /// # Ok::<(), envgen::indoor::FolderError>(())
+    /// ```
+    ///
     /// # Errors
     /// Names the file that is not a sound room, or the folder when its rooms do not go together.
     pub fn read_folder(folder: &Path) -> Result<Catalogue, FolderError> {

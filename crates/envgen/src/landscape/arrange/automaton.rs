@@ -4,7 +4,7 @@ use super::grid::{Arranged, Grid};
 use crate::landscape::edge::edge_count;
 use crate::landscape::error::LandscapeError;
 use crate::landscape::spec::Algorithm;
-use crate::seed::{Seed, Stream};
+use crate::seed::Stream;
 
 /// The probability of an extra change where nothing determines another value.
 const EPSILON: f64 = 0.1;
@@ -43,29 +43,6 @@ fn towards(grid: &Grid<'_>, target: u64, epsilon: Option<f64>) -> Result<Arrange
     };
     let start = fill(grid, epsilon);
     Ok(Arranged { epsilon: Some(epsilon), ..grid.repaired(&start.cells, target) })
-}
-
-/// The `epsilon` whose automaton landscapes have the wanted mean Total Edge Density, by bisection
-/// on means of `maps` simulated landscapes; 0 or 1 where the wanted density is out of reach.
-pub fn automaton_epsilon(
-    rows: usize,
-    cols: usize,
-    counts: &[u32],
-    ted: f64,
-    maps: u64,
-    seed: Seed,
-) -> f64 {
-    let maps = maps.max(1);
-    let mean = |epsilon: f64| {
-        let edges: u64 = (0..maps)
-            .map(|i| {
-                let grid = Grid { rows, cols, counts, seed: seed.offset(i) };
-                edge_count(&fill(&grid, epsilon).cells, cols)
-            })
-            .sum();
-        edges as f64 / (maps as f64 * (rows * cols) as f64)
-    };
-    bisect(|epsilon| mean(epsilon) < ted, 20)
 }
 
 /// The number in [0, 1] up to which `below` holds, halved `steps` times.
@@ -191,6 +168,7 @@ impl Reserve {
 mod tests {
     use super::*;
     use crate::landscape::Composition;
+    use crate::seed::Seed;
     use proptest::prelude::*;
 
     #[test]
@@ -249,15 +227,5 @@ mod tests {
                 prop_assert!(pair[0] != pair[1] || !others);
             }
         }
-    }
-
-    #[test]
-    fn epsilon_is_found_for_a_density() {
-        let composition = Composition::closest(2304, 9, 1.9, false).unwrap();
-        let counts = composition.counts();
-        let epsilon = automaton_epsilon(48, 48, counts, 0.862, 20, Seed(1));
-        assert!((epsilon - 0.2).abs() < 0.03, "{epsilon}");
-        assert_eq!(automaton_epsilon(48, 48, counts, 0.0, 2, Seed(1)), 0.0);
-        assert_eq!(automaton_epsilon(48, 48, counts, 5.0, 2, Seed(1)), 1.0);
     }
 }

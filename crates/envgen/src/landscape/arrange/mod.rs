@@ -6,7 +6,7 @@ mod grid;
 mod mixed;
 mod smooth;
 
-pub use automaton::{automaton_epsilon, automaton_fill};
+pub use automaton::automaton_fill;
 pub(super) use grid::{Arranged, Grid};
 
 use super::error::LandscapeError;

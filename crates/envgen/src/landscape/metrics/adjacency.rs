@@ -5,6 +5,16 @@ use crate::distance::assert_whole_rows;
 
 /// The sides between cells of a raster, by the two classes that they separate, each side once. Cells
 /// of class 0 are no data; sides to them and the raster's end count as border.
+///
+/// ```
+/// use envgen::landscape::metrics::Adjacency;
+///
+/// // Two rows of three cells.
+/// let found = Adjacency::new(&[1, 1, 2, 1, 2, 2], 3);
+/// assert_eq!(found.classes(), [(1, 3), (2, 3)]);
+/// assert_eq!(found.sides(), [(1, 1, 2), (1, 2, 3), (2, 2, 2)]);
+/// assert_eq!(found.edge_count(), 3);
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Adjacency {
     classes: Vec<(u16, u64)>,

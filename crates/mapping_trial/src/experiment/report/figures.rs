@@ -2,24 +2,27 @@
 
 use std::fmt::Display;
 
+use envgen::palette::Srgb;
+use maud::{Markup, PreEscaped};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::super::design::Design;
-use super::super::stats::{FeatureEffect, Part};
+use super::colors;
+use crate::experiment::design::Design;
 use crate::experiment::error::ExperimentError;
+use crate::experiment::stats::{FeatureEffect, Part};
 
-/// Colours of D, M and N, distinct for most colour-blind people; those of the page's style.
 const MEASURED: [RGBColor; 3] =
-    [RGBColor(0x1f, 0x5f, 0xa8), RGBColor(0xc4, 0x56, 0x0b), RGBColor(0x2b, 0x7f, 0x5d)];
+    [rgb(colors::MEASURED[0]), rgb(colors::MEASURED[1]), rgb(colors::MEASURED[2])];
+const STATED: RGBColor = rgb(colors::STATED);
+const INK: RGBColor = rgb(colors::INK);
+const SOFT: RGBColor = rgb(colors::SOFT);
+const LINE: RGBColor = rgb(colors::LINE);
 
-/// What the paper states.
-const STATED: RGBColor = RGBColor(0xa3, 0x19, 0x5b);
-
-const INK: RGBColor = RGBColor(0x1c, 0x27, 0x33);
-const SOFT: RGBColor = RGBColor(0x5b, 0x68, 0x75);
-const LINE: RGBColor = RGBColor(0xe3, 0xe8, 0xec);
+const fn rgb(Srgb([red, green, blue]): Srgb) -> RGBColor {
+    RGBColor(red, green, blue)
+}
 
 /// How far marks of D, M and N are shifted, so that none hides another.
 const APART: [f64; 3] = [0.0, -0.16, 0.16];
@@ -34,7 +37,7 @@ fn report_error(error: impl Display) -> ExperimentError {
 }
 
 /// Figure 7 (a): difficulty by level, with what the paper states.
-pub(super) fn absolute(design: &Design, part: &Part) -> Result<String, ExperimentError> {
+pub(super) fn absolute(design: &Design, part: &Part) -> Result<Markup, ExperimentError> {
     let mut svg = String::new();
     {
         let area = SVGBackend::with_string(&mut svg, (520, 470)).into_drawing_area();
@@ -94,7 +97,7 @@ pub(super) fn absolute(design: &Design, part: &Part) -> Result<String, Experimen
 }
 
 /// Figure 7 (b): the order of three maps.
-pub(super) fn relative(part: &Part) -> Result<String, ExperimentError> {
+pub(super) fn relative(part: &Part) -> Result<Markup, ExperimentError> {
     let mut svg = String::new();
     {
         let area = SVGBackend::with_string(&mut svg, (520, 430)).into_drawing_area();
@@ -120,7 +123,7 @@ pub(super) fn relative(part: &Part) -> Result<String, ExperimentError> {
 }
 
 /// How much each rule adds from the lowest to the highest level.
-pub(super) fn rules(effects: &[FeatureEffect]) -> Result<String, ExperimentError> {
+pub(super) fn rules(effects: &[FeatureEffect]) -> Result<Markup, ExperimentError> {
     let rows = effects.len() as f64;
     let ends = effects.iter().flat_map(|effect| &effect.slopes).filter_map(|slope| slope.carried);
     let reach = ends.map(|i| i.low.abs().max(i.high.abs())).fold(1.0, f64::max) * 1.05;
@@ -224,7 +227,7 @@ fn diagonal(
 }
 
 /// The SVG as part of a page: scalable, with a name for people who cannot see it.
-fn inline(svg: String, name: &str) -> String {
+fn inline(svg: String, name: &str) -> Markup {
     let svg = svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{name}\" "), 1);
-    svg.replace("font-family=\"sans-serif\"", "font-family=\"inherit\"")
+    PreEscaped(svg.replace("font-family=\"sans-serif\"", "font-family=\"inherit\""))
 }

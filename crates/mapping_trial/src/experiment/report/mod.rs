@@ -1,9 +1,15 @@
 //! The report of an experiment: one self-contained page, and the tables.
 
+mod colors;
 mod figures;
+mod levels;
 mod maps;
+mod numbers;
 mod page;
-mod sections;
+mod pieces;
+mod rules;
+mod statistics;
+mod trials;
 mod words;
 
 use std::path::PathBuf;
@@ -48,7 +54,7 @@ pub fn write(experiment: &Experiment, threads: usize) -> Result<Vec<PathBuf>, Ex
     summary.push(b'\n');
     let columns = table::columns(design, &records);
     let maps = maps::draw(experiment, &records, threads)?;
-    let html = sections::page(design, &records, &analysis, &maps)?;
+    let html = page::page(design, &records, &analysis, &maps)?;
     let contents = [html.into_bytes(), summary, table::csv(&columns)?, table::parquet(&columns)?];
     let mut paths = Vec::new();
     for (name, bytes) in FILES.into_iter().zip(contents) {

@@ -1,22 +1,26 @@
 //! The results in sentences made of the numbers.
 
-use super::page::{list, number, percent, said};
+use envgen::indoor::Profile;
+use maud::{Markup, html};
+
+use super::numbers::{list, number, percent, said};
 use crate::experiment::design::Design;
 use crate::experiment::stats::{
     Analysis, Ends, FeatureEffect, MEASURES, Order, Part, Slope, Verdict,
 };
 
 /// The name of the rules that make maps.
-fn rules_name(design: &Design) -> &'static str {
-    match design.profile {
-        envgen::indoor::Profile::Thesis => "<code>thesis</code>",
-        envgen::indoor::Profile::Guaranteed => "<code>guaranteed</code>",
-    }
+fn rules_name(design: &Design) -> Markup {
+    let name = match design.profile {
+        Profile::Thesis => "thesis",
+        Profile::Guaranteed => "guaranteed",
+    };
+    html! { code { (name) } }
 }
 
-/// The main findings, as HTML of list items.
-pub(super) fn findings(design: &Design, analysis: &Analysis) -> Vec<String> {
-    let mut found: Vec<String> =
+/// The main findings, one per item of a list.
+pub(super) fn findings(design: &Design, analysis: &Analysis) -> Vec<Markup> {
+    let mut found: Vec<Markup> =
         (0..3).map(|measure| of_measure(design, analysis, measure)).collect();
     found.push(rules_in_general(analysis));
     found.push(how_trials_ended(design, analysis));
@@ -25,7 +29,7 @@ pub(super) fn findings(design: &Design, analysis: &Analysis) -> Vec<String> {
 }
 
 /// Trials that end early have little time, turning and collisions: N rates them as easy.
-fn how_trials_ended(design: &Design, analysis: &Analysis) -> String {
+fn how_trials_ended(design: &Design, analysis: &Analysis) -> Markup {
     let each = |of: &dyn Fn(&Ends) -> String| -> String {
         let levels = design.levels.iter().zip(&analysis.ends);
         list(
@@ -47,35 +51,35 @@ fn how_trials_ended(design: &Design, analysis: &Analysis) -> String {
         }
         _ => "",
     };
-    format!(
-        "<b>How trials ended:</b> the robot was stuck or in water in {lost}; on average trials took {time}.{early}"
-    )
+    html! {
+        b { "How trials ended:" } " the robot was stuck or in water in " (lost)
+        "; on average trials took " (time) "." (early)
+    }
 }
 
 /// Whether the maps are in order in one measure, and which rule is to blame if not.
-fn of_measure(design: &Design, analysis: &Analysis, measure: usize) -> String {
+fn of_measure(design: &Design, analysis: &Analysis, measure: usize) -> Markup {
     let order = &analysis.main.orders[measure];
-    let (symbol, name) = (order.measure, MEASURES[measure].name);
     let rules = rules_name(design);
-    let verdict = match order.verdict() {
-        Verdict::InOrder => format!("the {rules} rules order the maps"),
-        Verdict::OnTheWhole => {
-            format!("the {rules} rules order the maps on the whole, but not level by level")
+    html! {
+        b {
+            "In " (order.measure) " (" (MEASURES[measure].name) ") "
+            @match order.verdict() {
+                Verdict::InOrder => { "the " (rules) " rules order the maps" }
+                Verdict::OnTheWhole => {
+                    "the " (rules) " rules order the maps on the whole, but not level by level"
+                }
+                Verdict::NotShown => {
+                    "no order of the maps by the " (rules) " rules can be shown"
+                }
+                Verdict::Reversed => { "the " (rules) " rules order the maps in reverse" }
+            }
+            "."
         }
-        Verdict::NotShown => format!("no order of the maps by the {rules} rules can be shown"),
-        Verdict::Reversed => format!("the {rules} rules order the maps in reverse"),
-    };
-    let mut text = format!("<b>In {symbol} ({name}) {verdict}.</b> {}.", correlation(order));
-    text.push_str(&format!(
-        " The levels' means are {}; {} of {} neighbouring levels are in order.",
-        means(order),
-        order.neighbours_in_order,
-        order.neighbours()
-    ));
-    if order.verdict() != Verdict::InOrder {
-        text.push_str(&blame(analysis, measure));
+        " " (correlation(order)) ". The levels' means are " (means(order)) "; "
+        (order.neighbours_in_order) " of " (order.neighbours()) " neighbouring levels are in order."
+        @if order.verdict() != Verdict::InOrder { (blame(analysis, measure)) }
     }
-    text
 }
 
 fn correlation(order: &Order) -> String {
@@ -89,7 +93,7 @@ fn correlation(order: &Order) -> String {
 }
 
 /// A probability in words; the number of shuffles limits how small it can be.
-pub(super) fn p_value(p: f64) -> String {
+fn p_value(p: f64) -> String {
     if p < 0.001 { "below 0.001".to_owned() } else { format!("= {}", number(p, 3)) }
 }
 
@@ -132,70 +136,69 @@ fn feature(effect: &FeatureEffect) -> &'static str {
 }
 
 /// One sentence per rule: with the level, against it, or neither, over D, M and N.
-fn rules_in_general(analysis: &Analysis) -> String {
+fn rules_in_general(analysis: &Analysis) -> Markup {
     let direct = analysis.rules.iter().filter(|effect| effect.is_direct);
-    let sentences: Vec<String> = direct
-        .map(|effect| {
-            let symbols = |which: fn(&Slope) -> bool| -> Vec<String> {
-                let slopes = effect.slopes.iter().filter(|slope| which(slope));
-                slopes.map(|slope| slope.measure.to_owned()).collect()
-            };
-            let (against, with) = (symbols(|s| s.is_to_blame), symbols(|s| s.helps));
-            let what = match (against.is_empty(), with.is_empty()) {
-                (true, true) => "no effect shown".to_owned(),
-                (true, false) => format!("with the level in {}", list(&with)),
-                (false, true) => format!("against the level in {}", list(&against)),
-                (false, false) => {
-                    let (against, with) = (list(&against), list(&with));
-                    format!("against the level in {against}, with it in {with}")
-                }
-            };
-            format!("<i>{}</i>: {what}", effect.rule)
-        })
-        .collect();
-    format!("<b>Rule by rule:</b> {}.", sentences.join("; "))
+    html! {
+        b { "Rule by rule:" } " "
+        @for (i, effect) in direct.enumerate() {
+            @if i > 0 { "; " }
+            i { (effect.rule) } ": " (in_general(effect))
+        }
+        "."
+    }
+}
+
+fn in_general(effect: &FeatureEffect) -> String {
+    let symbols = |which: fn(&Slope) -> bool| -> Vec<String> {
+        let slopes = effect.slopes.iter().filter(|slope| which(slope));
+        slopes.map(|slope| slope.measure.to_owned()).collect()
+    };
+    let (against, with) = (symbols(|s| s.is_to_blame), symbols(|s| s.helps));
+    match (against.is_empty(), with.is_empty()) {
+        (true, true) => "no effect shown".to_owned(),
+        (true, false) => format!("with the level in {}", list(&with)),
+        (false, true) => format!("against the level in {}", list(&against)),
+        (false, false) => {
+            let (against, with) = (list(&against), list(&with));
+            format!("against the level in {against}, with it in {with}")
+        }
+    }
 }
 
 /// What the paper found, and what was measured for it.
-fn beside_the_paper(design: &Design, analysis: &Analysis) -> String {
-    let mean = |part: &Part, level: f64| {
+fn beside_the_paper(design: &Design, analysis: &Analysis) -> Markup {
+    let Analysis { replay, main, .. } = analysis;
+    let maps = replay.values.len();
+    html! {
+        b { "Compared with the paper:" }
+        " its operators rated level 1 with 6 on average, higher than level 3, and level 9 with 6."
+        (at_the_papers_levels("on as many maps", replay))
+        (at_the_papers_levels("on all maps", main))
+        " " (maps) " maps cannot show much: chance alone gives a rank correlation of "
+        (number(replay.critical_rho, 2)) " or more in 5 % of cases."
+        @if let Some(rho) = replay.orders[0].rho {
+            " That of D is " (number(rho.value, 2)) ", which "
+            (if rho.value >= replay.critical_rho { "counts" } else { "does not count" }) "."
+        }
+        @if design.levels.len() < 3 { " Two levels make no triples of maps." }
+    }
+}
+
+/// D at the levels that the paper rates, if the design has them.
+fn at_the_papers_levels(name: &str, part: &Part) -> String {
+    let mean = |level: f64| {
         let means = &part.orders[0].means;
         means.iter().find(|mean| mean.level == level).map(|mean| mean.mean.value)
     };
-    let mut text =
-        "<b>Compared with the paper:</b> its operators rated level 1 with 6 on average, higher than \
-         level 3, and level 9 with 6."
-            .to_owned();
-    for (name, part) in [("on as many maps", &analysis.replay), ("on all maps", &analysis.main)] {
-        let (one, three, nine) = (mean(part, 1.0), mean(part, 3.0), mean(part, 9.0));
-        if let (Some(one), Some(three), Some(nine)) = (one, three, nine) {
-            let order = if one > three { "higher" } else { "not higher" };
-            text.push_str(&format!(
-                " Measured {name}, D is {} at level 1, {order} than the {} at level 3, and {} at \
-                 level 9.",
-                number(one, 2),
-                number(three, 2),
-                number(nine, 2)
-            ));
-        }
-    }
-    let critical = analysis.replay.critical_rho;
-    let maps = analysis.replay.values.len();
-    let rho = analysis.replay.orders[0].rho;
-    let shown = rho.map_or_else(String::new, |rho| {
-        let counts = if rho.value >= critical { "counts" } else { "does not count" };
-        format!(" That of D is {}, which {counts}.", number(rho.value, 2))
-    });
-    text.push_str(&format!(
-        " {maps} maps cannot show much: chance alone gives a rank correlation of {} or more in \
-         5 % of cases.{shown}",
-        number(critical, 2),
-    ));
-    let levels = design.levels.len();
-    if levels < 3 {
-        text.push_str(" Two levels make no triples of maps.");
-    }
-    text
+    let (Some(one), Some(three), Some(nine)) = (mean(1.0), mean(3.0), mean(9.0)) else {
+        return String::new();
+    };
+    let order = if one > three { "higher" } else { "not higher" };
+    let [one, three, nine] = [one, three, nine].map(|mean| number(mean, 2));
+    format!(
+        " Measured {name}, D is {one} at level 1, {order} than the {three} at level 3, and {nine} at \
+         level 9."
+    )
 }
 
 /// The order of three maps, compared with the paper's.
@@ -224,7 +227,8 @@ mod tests {
         let design = small();
         let records = made_records(&design, of);
         let records: Vec<&Record> = records.iter().collect();
-        findings(&design, &analyse(&design, &records)).join(" ")
+        let found = findings(&design, &analyse(&design, &records)).into_iter();
+        found.map(Markup::into_string).collect::<Vec<_>>().join(" ")
     }
 
     #[test]

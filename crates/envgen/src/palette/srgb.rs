@@ -1,0 +1,37 @@
+//! An opaque colour.
+
+use std::fmt;
+
+/// An opaque sRGB colour: red, green and blue from 0 to 255. As text it is `#rrggbb`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Srgb(pub [u8; 3]);
+
+impl Srgb {
+    /// The colour of a number such as `0xd5_5e_00`; its highest byte is ignored.
+    pub const fn hex(rgb: u32) -> Srgb {
+        let [_, r, g, b] = rgb.to_be_bytes();
+        Srgb([r, g, b])
+    }
+
+    /// The colour between this one (share 0) and another (share 1), channel by channel.
+    pub fn mix(self, other: Srgb, share: f64) -> Srgb {
+        let mixed = |i: usize| {
+            let (a, b) = (f64::from(self.0[i]), f64::from(other.0[i]));
+            (a + (b - a) * share).round() as u8
+        };
+        Srgb([mixed(0), mixed(1), mixed(2)])
+    }
+
+    /// Perceived lightness from 0 to 1 (the luma of ITU-R BT.601).
+    pub fn lightness(self) -> f64 {
+        let [r, g, b] = self.0.map(f64::from);
+        (0.299 * r + 0.587 * g + 0.114 * b) / 255.0
+    }
+}
+
+impl fmt::Display for Srgb {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [r, g, b] = self.0;
+        write!(f, "#{r:02x}{g:02x}{b:02x}")
+    }
+}

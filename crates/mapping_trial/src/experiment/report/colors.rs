@@ -1,0 +1,36 @@
+//! The colours of the figures and of the page: those of the palette.
+
+use envgen::palette::{self, Srgb};
+
+/// Of D, M and N.
+pub(super) const MEASURED: [Srgb; 3] = [palette::BLUE, palette::VERMILION, palette::GREEN];
+
+/// Of what the paper states.
+pub(super) const STATED: Srgb = palette::PURPLE;
+
+/// Text and axes.
+pub(super) const INK: Srgb = palette::INK;
+
+/// Text and lines of less weight.
+pub(super) const SOFT: Srgb = palette::QUIET_INK;
+
+/// The lines of tables and of the figures' grids.
+pub(super) const LINE: Srgb = palette::GRID;
+
+/// The variables of `report.css`.
+pub(super) fn variables() -> String {
+    let [d, m, n] = MEASURED;
+    let named = [
+        ("ink", INK),
+        ("soft", SOFT),
+        ("line", LINE),
+        ("paper", palette::PAGE),
+        ("wash", palette::PLAN),
+        ("d", d),
+        ("m", m),
+        ("n", n),
+        ("p", STATED),
+    ];
+    let list: String = named.iter().map(|(name, color)| format!("--{name}:{color};")).collect();
+    format!(":root{{{list}}}\n")
+}

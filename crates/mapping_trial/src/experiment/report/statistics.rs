@@ -1,0 +1,95 @@
+//! Whether measures follow the level, in tables.
+
+use maud::{Markup, html};
+
+use super::numbers::{number, percent, some};
+use super::pieces::{cell, interval, symbol, table, title, with_interval};
+use crate::experiment::design::Design;
+use crate::experiment::stats::{Analysis, MEASURES, Part, RESAMPLES};
+
+/// The section.
+pub(super) fn section(design: &Design, analysis: &Analysis) -> Markup {
+    let parts = [("The larger design", &analysis.main), ("The paper's design", &analysis.replay)];
+    html! {
+        h2 { "Statistics" }
+        @for (name, part) in parts {
+            h3 { (title(name, part)) }
+            p.note {
+                "A rank correlation counts from " (number(part.critical_rho, 2))
+                " on: chance alone gives as much in 5 % of cases."
+            }
+            (orders(part))
+            (means(design, part))
+            (operators(part))
+        }
+        p.note {
+            "The unit is the map: trials on one map are averaged first. Intervals of ρ are percentile \
+             bootstraps over maps within levels (" (RESAMPLES) " samples), which are too narrow for few \
+             maps per level; p is by permutation, one-sided. Shares of variance are the components of a \
+             nested analysis of variance, operators averaged; with one noise seed the map's share holds \
+             the noise."
+        }
+    }
+}
+
+fn orders(part: &Part) -> Markup {
+    let head = [
+        cell("measure"),
+        with_interval("Spearman's ρ"),
+        cell("p"),
+        cell("Kendall's τ"),
+        html! { "neighbours" br; "in order" },
+        html! { "variance" br; "of level" },
+        cell("of map"),
+        cell("of noise"),
+    ];
+    let rows = part.orders.iter().zip(&MEASURES).map(|(order, measure)| {
+        let share = |share: Option<f64>| cell(share.map_or("–".to_owned(), percent));
+        let p = order.p.map_or("–".to_owned(), |p| {
+            if p < 0.001 { "< 0.001".to_owned() } else { number(p, 3) }
+        });
+        vec![
+            html! { (symbol(measure.symbol)) " " small { (measure.name) } },
+            interval(order.rho, 2),
+            cell(p),
+            cell(some(order.tau, 2)),
+            html! { (order.neighbours_in_order) " of " (order.neighbours()) },
+            share(order.shares.map(|shares| shares.level)),
+            share(order.shares.map(|shares| shares.map)),
+            share(order.shares.and_then(|shares| shares.noise)),
+        ]
+    });
+    table("Whether measures follow the level", &head, &rows.collect::<Vec<_>>())
+}
+
+fn means(design: &Design, part: &Part) -> Markup {
+    let mut head = vec![cell("mean of a level's maps")];
+    head.extend(design.levels.iter().map(|level| with_interval(&format!("level {level}"))));
+    let rows = part.orders.iter().map(|order| {
+        let means = order.means.iter().map(|mean| interval(Some(mean.mean), 2));
+        std::iter::once(symbol(order.measure)).chain(means).collect()
+    });
+    table("", &head, &rows.collect::<Vec<_>>())
+}
+
+fn operators(part: &Part) -> Markup {
+    let head = [
+        cell("operator"),
+        with_interval("ρ of D"),
+        cell("ρ of M"),
+        cell("ρ of N"),
+        cell("mean D"),
+        cell("mean M"),
+        cell("mean N"),
+    ];
+    let rows = part.operators.iter().map(|operator| {
+        let mut row = vec![html! { code { (operator.operator) } }];
+        row.extend(operator.orders.iter().map(|order| interval(order.rho, 2)));
+        row.extend(operator.orders.iter().map(|order| {
+            let sum: f64 = order.means.iter().map(|mean| mean.mean.value).sum();
+            cell(number(sum / order.means.len() as f64, 2))
+        }));
+        row
+    });
+    table("By operator", &head, &rows.collect::<Vec<_>>())
+}
