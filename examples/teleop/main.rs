@@ -33,7 +33,6 @@ use std::process::ExitCode;
 
 use bevy::prelude::*;
 use bevy_envgen::EnvgenCorePlugin;
-use bevy_envgen::capture::find_renderer;
 use bevy_envgen::debug::EnvgenDebugPlugin;
 use bevy_envgen::physics::{ColliderSettings, EnvgenPhysicsPlugin, TopDownPhysicsPlugin};
 use bevy_envgen::trial::{TrialPlugin, TrialSystems};
@@ -41,6 +40,7 @@ use bevy_envgen::ui::bevy_egui::input::egui_wants_any_keyboard_input;
 use bevy_envgen::ui::bevy_egui::{EguiPlugin, EguiPreUpdateSet, EguiPrimaryContextPass};
 use bevy_envgen::view::TrialViewPlugin;
 use bevy_envgen::visuals::EnvgenVisualsPlugin;
+use bevy_offscreen::find_renderer;
 use clap::Parser;
 use envgen::located::Locate;
 

@@ -73,7 +73,6 @@
 //! | `physics` | yes | colliders and doors, with `bevy_rapier2d` |
 //! | `file_watcher` | no | reloads files that change |
 //! | `render` | no | meshes; only this feature and those that include it need rendering crates |
-//! | `capture` | no | pictures and films of cameras, with or without a window |
 //! | `debug` | no | lines over colliders, rays, frontiers, plans and the graph of rooms |
 //! | `trial` | no | robots in rapier, and mapping trials with them, with `mapping_trial` |
 //! | `egui` | no | panels for specs, trials, scores and the feedback form |
@@ -84,8 +83,6 @@
 
 #[cfg(feature = "asset")]
 pub mod asset;
-#[cfg(feature = "capture")]
-pub mod capture;
 #[cfg(feature = "debug")]
 pub mod debug;
 mod diagnostics;

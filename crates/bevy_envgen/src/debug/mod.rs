@@ -100,19 +100,6 @@ fn on(layer: fn(&DebugLayers) -> bool) -> impl Fn(Res<DebugLayers>) -> bool + Cl
     move |layers| layer(&layers)
 }
 
-/// Conversion from the world's frame to the gizmos' frame.
-#[derive(Clone, Copy)]
-struct Place<'a> {
-    frame: &'a GlobalTransform,
-    origin: DVec2,
-}
-
-impl Place<'_> {
-    fn of(self, p: DVec2) -> Vec2 {
-        self.frame.transform_point((p - self.origin).as_vec2().extend(0.0)).truncate()
-    }
-}
-
 /// A doorway in the graph of rooms.
 #[derive(Clone, Debug, PartialEq)]
 struct Link {
@@ -140,16 +127,16 @@ fn draw_rooms(
     mut gizmos: Gizmos<EnvgenGizmos>,
 ) {
     for (environment, truth, frame) in &worlds {
-        let place = Place { frame, origin: environment.origin };
+        let place = |p: DVec2| environment.point_in_app(frame, p);
         for room in &truth.rooms {
-            gizmos.circle_2d(place.of(room.shape.bounds().center()), NODE, ROOM);
+            gizmos.circle_2d(place(room.shape.bounds().center()), NODE, ROOM);
         }
         for link in links(truth) {
             let color = if link.open { OPEN } else { CLOSED };
-            let doorway = place.of(link.doorway);
+            let doorway = place(link.doorway);
             for room in link.rooms {
                 match room {
-                    Some(room) => gizmos.line_2d(place.of(room), doorway, color),
+                    Some(room) => gizmos.line_2d(place(room), doorway, color),
                     None => {
                         gizmos.circle_2d(doorway, WAY_OUT, color);
                     }

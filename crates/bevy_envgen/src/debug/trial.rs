@@ -12,7 +12,7 @@ use mapping_trial::policy::frontier::Frontiers;
 use mapping_trial::robot::Robot;
 use mapping_trial::trial::Trial;
 
-use super::{DebugLayers, DebugSystems, EnvgenGizmos, Place, on};
+use super::{DebugLayers, DebugSystems, EnvgenGizmos, on};
 use crate::environment::Environment;
 use crate::view::WatchTrial;
 
@@ -56,8 +56,8 @@ type Trials<'w, 's, T> =
 fn draw_rays<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<EnvgenGizmos>) {
     for (_, environment, frame, holder) in &trials {
         let Some(trial) = holder.watched() else { continue };
-        let place = Place { frame, origin: environment.origin };
-        beams(trial, |from, to| gizmos.line_2d(place.of(from), place.of(to), BEAM));
+        let place = |p: DVec2| environment.point_in_app(frame, p);
+        beams(trial, |from, to| gizmos.line_2d(place(from), place(to), BEAM));
     }
 }
 
@@ -128,11 +128,11 @@ fn draw_frontiers<T: WatchTrial>(
         let robot = &trial.settings().body;
         let edge = edges.entry(entity).or_insert_with(|| Edge::new(robot));
         edge.renew(trial.autonomy().slam().map(), robot);
-        let place = Place { frame, origin: environment.origin };
+        let place = |p: DVec2| environment.point_in_app(frame, p);
         edge.cells(|cluster, p| {
             let color = Color::hsl((cluster as f32 * HUE_STEP) % 360.0, 0.9, 0.45);
             for side in [DVec2::new(CELL, CELL), DVec2::new(CELL, -CELL)] {
-                gizmos.line_2d(place.of(p - side), place.of(p + side), color);
+                gizmos.line_2d(place(p - side), place(p + side), color);
             }
         });
     }
@@ -142,13 +142,13 @@ fn draw_frontiers<T: WatchTrial>(
 fn draw_plans<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<EnvgenGizmos>) {
     for (_, environment, frame, holder) in &trials {
         let Some(trial) = holder.watched() else { continue };
-        let place = Place { frame, origin: environment.origin };
+        let place = |p: DVec2| environment.point_in_app(frame, p);
         let Some(operator) = trial.autonomy().policy() else { continue };
         for robot in 0..trial.robots() {
             let path = operator.path(robot);
-            gizmos.linestrip_2d(path.iter().map(|&p| place.of(p)), PLAN);
+            gizmos.linestrip_2d(path.iter().map(|&p| place(p)), PLAN);
             if let Some(&goal) = path.last() {
-                gizmos.circle_2d(place.of(goal), GOAL, PLAN);
+                gizmos.circle_2d(place(goal), GOAL, PLAN);
             }
         }
     }

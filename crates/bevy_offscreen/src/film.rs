@@ -4,22 +4,22 @@ use std::fs;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use atomic_write_file::AtomicWriteFile;
 use bevy::prelude::*;
-use envgen::SpecError;
-use envgen::whole_file::WholeFile;
 use gif::{Encoder, Frame, Repeat};
 
-use super::CaptureError;
-use super::picture::Picture;
+use crate::error::CaptureError;
+use crate::picture::Picture;
+use crate::whole_file;
 
 /// An animated GIF, which loops forever. Each frame is written when it is added, with its own
 /// palette (up to 256 colours exactly, more by the nearest colour), and only where it changed. The
 /// file appears with [`Film::finish`]; without that call no file is written.
 ///
 /// ```
-/// use bevy_envgen::capture::Film;
+/// use bevy_offscreen::Film;
 /// # use bevy::image::Image;
-/// # use bevy_envgen::capture::Picture;
+/// # use bevy_offscreen::Picture;
 /// # let folder = tempfile::tempdir()?;
 /// # let path = folder.path().join("film.gif");
 /// # let image = Image::default();
@@ -34,8 +34,8 @@ pub struct Film {
     /// Time from frame to frame in hundredths of a second.
     delay: u16,
     /// `None` until the first frame defines the size.
-    file: Option<BufWriter<WholeFile>>,
-    encoder: Option<Encoder<BufWriter<WholeFile>>>,
+    file: Option<BufWriter<AtomicWriteFile>>,
+    encoder: Option<Encoder<BufWriter<AtomicWriteFile>>>,
     last: Option<Picture>,
     /// Hundredths of a second for which the last picture has not yet been shown.
     waiting: u16,
@@ -49,12 +49,11 @@ impl Film {
     /// A frame rate that is out of range, or a file that cannot be created.
     pub fn create(path: impl Into<PathBuf>, frames_per_second: f64) -> Result<Self, CaptureError> {
         if !(1.0..=50.0).contains(&frames_per_second) {
-            let allowed = "a number from 1 to 50";
-            return Err(SpecError::new("frames_per_second", frames_per_second, allowed).into());
+            return Err(CaptureError::FrameRate { found: frames_per_second });
         }
         let path = path.into();
         let error = |source| CaptureError::File { path: path.clone(), source };
-        let file = BufWriter::new(WholeFile::create(&path).map_err(error)?);
+        let file = BufWriter::new(whole_file::create(&path).map_err(error)?);
         let delay = (100.0 / frames_per_second).round() as u16;
         Ok(Film { path, delay, file: Some(file), encoder: None, last: None, waiting: 0 })
     }

@@ -1,10 +1,9 @@
 //! Animated GIFs and folders of frames.
 
 use bevy::asset::RenderAssetUsages;
-use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
-
 use bevy::prelude::*;
-use bevy_envgen::capture::{Film, Frames, Picture};
+use bevy_offscreen::{Film, Frames, Picture};
+use wgpu_types::{Extent3d, TextureDimension, TextureFormat};
 
 /// A grey picture with one white square.
 fn picture(width: u32, height: u32, square: u32) -> Picture {

@@ -4,9 +4,9 @@ use std::io::BufWriter;
 use std::path::Path;
 
 use bevy::prelude::*;
-use envgen::whole_file::WholeFile;
 
-use super::CaptureError;
+use crate::error::CaptureError;
+use crate::whole_file;
 
 /// Pixels in red, green and blue.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -57,7 +57,7 @@ impl Picture {
     }
 
     fn write(&self, path: &Path) -> std::io::Result<()> {
-        let mut out = BufWriter::new(WholeFile::create(path)?);
+        let mut out = BufWriter::new(whole_file::create(path)?);
         let mut encoder = png::Encoder::new(&mut out, self.size.x, self.size.y);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_compression(png::Compression::High);

@@ -21,23 +21,14 @@ use bevy::tasks::block_on;
 use bevy::time::{TimePlugin, TimeUpdateStrategy};
 use bevy::window::{ExitCondition, WindowPlugin};
 
-use envgen::geometry::Shape;
-
-use super::{CaptureError, CapturePlugin, Picture};
-use crate::environment::{EnvironmentFailure, EnvironmentState, GroundTruth};
-use crate::generate::finish_tasks;
-
-/// The largest side of a picture in pixels, which every driver can draw.
-pub const MAX_SIDE: u32 = 8192;
+use crate::error::{CaptureError, MAX_SIDE};
+use crate::picture::Picture;
+use crate::request::CapturePlugin;
 
 /// The number of frames after which a missing picture is an error.
 const MOST_FRAMES: u32 = 100;
 
-/// The most frames that [`Studio::wait_until_ready`] waits. While a file is loaded, a frame takes
-/// at least one millisecond.
-const MOST_WAITING: u32 = 60_000;
-
-/// Margin around a world, as a share of its size.
+/// Margin around an area, as a share of its size.
 const MARGIN: f32 = 0.03;
 
 /// The name of the graphics card or software renderer, for instance Mesa's `llvmpipe`.
@@ -132,34 +123,7 @@ impl Studio {
         Ok(())
     }
 
-    /// Runs frames until an environment is ready.
-    ///
-    /// # Errors
-    /// The reason why it failed; [`CaptureError::NoWorld`] when it is not an environment, or not
-    /// ready after 60,000 frames.
-    pub fn wait_until_ready(&mut self, environment: Entity) -> Result<(), CaptureError> {
-        for _ in 0..MOST_WAITING {
-            self.step()?;
-            let Ok(root) = self.app.world().get_entity(environment) else { break };
-            match (root.get::<EnvironmentState>(), root.get::<EnvironmentFailure>()) {
-                (Some(EnvironmentState::Ready), _) => return Ok(()),
-                (Some(EnvironmentState::Failed), Some(failure)) => {
-                    return Err(failure.0.clone().into());
-                }
-                // Other threads load the file of its spec.
-                (Some(EnvironmentState::Waiting), _) => {
-                    std::thread::sleep(Duration::from_millis(1));
-                }
-                (Some(_), _) => {
-                    finish_tasks(self.app.world_mut(), environment);
-                }
-                (None, _) => break,
-            }
-        }
-        Err(CaptureError::NoWorld { entity: environment })
-    }
-
-    /// A camera that looks down on an area in metres, which fits into the picture completely.
+    /// A camera that looks down on an area, which fits into the picture completely.
     ///
     /// # Errors
     /// A size that is out of range.
@@ -182,30 +146,6 @@ impl Studio {
             Transform::from_translation(area.center().extend(0.0)),
         );
         Ok(self.app.world_mut().spawn(camera).id())
-    }
-
-    /// A camera that looks down on a whole world, at the environment's current transform.
-    ///
-    /// # Errors
-    /// An entity without a world, or a size that is out of range.
-    pub fn camera_over(
-        &mut self,
-        environment: Entity,
-        size: UVec2,
-    ) -> Result<Entity, CaptureError> {
-        let root = self.app.world().get_entity(environment).ok();
-        let Some(truth) = root.and_then(|root| root.get::<GroundTruth>()) else {
-            return Err(CaptureError::NoWorld { entity: environment });
-        };
-        let bounds = truth.bounds;
-        let place = root.and_then(|root| root.get::<Transform>()).copied().unwrap_or_default();
-        let mut corners = Shape::from_rect(bounds)
-            .corners()
-            .into_iter()
-            .map(|corner| place.transform_point(corner.as_vec2().extend(0.0)).truncate());
-        let first = corners.next().unwrap_or_default();
-        let area = corners.fold(Rect::from_corners(first, first), |area, p| area.union_point(p));
-        self.camera(area, size)
     }
 
     /// The current picture of a camera. Extra frames are drawn for it, in which the app's time does

@@ -1,42 +1,12 @@
-//! Pictures and films of what cameras see, with or without a window.
-//!
-//! An app that draws adds [`CapturePlugin`] and triggers [`TakePicture`] on a camera. Tests,
-//! servers and scripts without a display use a [`Studio`]: an app that draws into images, on a
-//! graphics card or with Mesa's software Vulkan. [`Film`] makes an animated GIF of its pictures,
-//! and [`Frames`] a folder of PNGs.
-//!
-//! ```no_run
-//! use bevy::prelude::*;
-//! use bevy_envgen::capture::Studio;
-//! use bevy_envgen::prelude::*;
-//!
-//! let mut studio = Studio::new()?;
-//! studio.app().add_plugins(EnvgenPlugins::default());
-//! let environment = Environment::new(IndoorSpec::default(), 7);
-//! let world = studio.app().world_mut().spawn(environment).id();
-//! studio.wait_until_ready(world)?;
-//! let camera = studio.camera_over(world, UVec2::new(800, 600))?;
-//! studio.picture(camera)?.write_png("indoor.png")?;
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
-
-mod film;
-mod picture;
-mod request;
-mod studio;
+//! Why there is no picture.
 
 use std::path::PathBuf;
 
 use bevy::prelude::*;
-use envgen::SpecError;
 use thiserror::Error;
 
-use crate::EnvironmentError;
-
-pub use film::{Film, Frames};
-pub use picture::Picture;
-pub use request::{CapturePlugin, PictureFailed, PictureTaken, TakePicture};
-pub use studio::{MAX_SIDE, Studio, find_renderer};
+/// The largest side of a picture in pixels, which every driver can draw.
+pub const MAX_SIDE: u32 = 8192;
 
 /// Why a picture or film cannot be made.
 #[derive(Debug, Error)]
@@ -79,23 +49,17 @@ pub enum CaptureError {
         /// The film's.
         expected: UVec2,
     },
+    /// The frame rate of a film is out of range.
+    #[error("`frames_per_second` must be a number from 1 to 50, got {found}")]
+    FrameRate {
+        /// Frames per second.
+        found: f64,
+    },
     /// The driver did not deliver the picture.
     #[error("the driver delivered no picture within {frames} frames")]
     Lost {
         /// Number of frames waited for.
         frames: u32,
-    },
-    /// An argument is out of range.
-    #[error(transparent)]
-    Argument(#[from] SpecError),
-    /// The environment failed.
-    #[error(transparent)]
-    Environment(#[from] EnvironmentError),
-    /// The entity has no world.
-    #[error("{entity} has no `GroundTruth`: is its `Environment` ready?")]
-    NoWorld {
-        /// The entity.
-        entity: Entity,
     },
     /// The file could not be written.
     #[error("{}: {source}", path.display())]
