@@ -8,11 +8,12 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use bevy::prelude::*;
-use bevy_envgen::capture::{Film, Studio, find_renderer};
 use bevy_envgen::envgen::indoor::IndoorSpec;
 use bevy_envgen::envgen::{Seed, WorldKind, WorldSpec};
 use bevy_envgen::prelude::*;
-use bevy_envgen::view::{TrialPalette, TrialViewPlugin};
+use bevy_mapping_trial::prelude::*;
+use bevy_mapping_trial::view::{TrialPalette, TrialViewPlugin};
+use bevy_offscreen::{Film, Picture, Studio, find_renderer};
 use clap::Parser;
 use mapping_trial::backend::TICK;
 use mapping_trial::trial::{Trial, TrialSettings};
@@ -99,16 +100,31 @@ fn gallery(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
+/// Spawns a world, and a camera that shows all of it.
+fn spawn(
+    studio: &mut Studio,
+    environment: Environment,
+    size: UVec2,
+) -> Result<(Entity, Entity), Box<dyn std::error::Error>> {
+    let environment = environment.with_pace(GenerationMode::Blocking);
+    let world = studio.app().world_mut().spawn(environment.clone()).id();
+    // After a frame the world is there.
+    studio.step()?;
+    let root = studio.app().world().entity(world);
+    if let Some(failure) = root.get::<EnvironmentFailure>() {
+        return Err(failure.0.clone().into());
+    }
+    let frame = root.get::<GlobalTransform>().copied().unwrap_or_default();
+    let truth = root.get::<GroundTruth>().ok_or("the world is not ready")?;
+    let area = environment.area_in_app(&frame, truth.bounds);
+    Ok((world, studio.camera(area, size)?))
+}
+
 /// A picture of a world as the plugin draws it.
-fn draw(
-    spec: WorldSpec,
-    seed: u64,
-) -> Result<bevy_envgen::capture::Picture, Box<dyn std::error::Error>> {
+fn draw(spec: WorldSpec, seed: u64) -> Result<Picture, Box<dyn std::error::Error>> {
     let mut studio = Studio::new()?;
     studio.app().add_plugins(EnvgenPlugins::default()).insert_resource(ClearColor(Color::WHITE));
-    let world = studio.app().world_mut().spawn(Environment::new(spec, seed)).id();
-    studio.wait_until_ready(world)?;
-    let camera = studio.camera_over(world, SIZE)?;
+    let (_, camera) = spawn(&mut studio, Environment::new(spec, seed), SIZE)?;
     Ok(studio.picture(camera)?)
 }
 
@@ -128,10 +144,7 @@ fn film(path: &Path) -> Result<f64, Box<dyn std::error::Error>> {
         ))
         .insert_resource(ClearColor(TrialPalette::default().unknown));
     let spec = IndoorSpec { width: FILM_MAP, height: FILM_MAP, ..Default::default() };
-    let environment = Environment::new(spec, FILM_SEED).with_pace(GenerationMode::Blocking);
-    let world = studio.app().world_mut().spawn(environment).id();
-    studio.wait_until_ready(world)?;
-    let camera = studio.camera_over(world, FILM_SIZE)?;
+    let (world, camera) = spawn(&mut studio, Environment::new(spec, FILM_SEED), FILM_SIZE)?;
     // Nothing needs to be drawn between pictures.
     if let Some(mut camera) = studio.app().world_mut().get_mut::<Camera>(camera) {
         camera.is_active = false;

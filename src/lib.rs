@@ -1,6 +1,6 @@
 #![doc = include_str!("../README.md")]
 //!
-//! Examples and headless integration tests of `envgen`: see the folders `examples` and `tests`.
+//! The larger programs of the project and their tests: see the folders `examples` and `tests`.
 
 /// The snippets of the guide's chapter on Bevy.
 #[cfg(doctest)]

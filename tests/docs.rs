@@ -308,9 +308,12 @@ fn documentation_keeps_to_the_words_of_the_glossary() {
         look(page, |_| true);
     }
     let crates = fs::read_dir(root().join("crates")).unwrap();
-    let folders =
-        crates.map(|entry| Path::new("crates").join(entry.unwrap().file_name()).join("src"));
-    for source in folders.chain(["src".into(), "examples".into()]).flat_map(|f| sources_below(&f)) {
+    let mut folders: Vec<PathBuf> = vec!["src".into(), "examples".into()];
+    for entry in crates {
+        let of_crate = Path::new("crates").join(entry.unwrap().file_name());
+        folders.extend([of_crate.join("src"), of_crate.join("examples")]);
+    }
+    for source in folders.iter().flat_map(|folder| sources_below(folder)) {
         look(&source, |line| ["///", "//!"].iter().any(|doc| line.trim_start().starts_with(doc)));
     }
     assert!(read > 10_000, "only {read} lines were read");

@@ -28,7 +28,7 @@ use std::io::{BufReader, ErrorKind, IsTerminal, Write};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use bevy_envgen::trial::{replay_headless, run_headless_with};
+use bevy_mapping_trial::trial::{replay_headless, run_headless_with};
 use clap::Parser;
 use envgen::World;
 use envgen::located::Locate;
@@ -47,7 +47,7 @@ use crate::arguments::Arguments;
 const FLAT: &str = FlatSimulator::ENGINE;
 
 /// Rapier, as logs and reports name it.
-const RAPIER: &str = bevy_envgen::trial::ENGINE;
+const RAPIER: &str = bevy_mapping_trial::trial::ENGINE;
 
 /// Ticks between two updates of the progress bar.
 const TICKS_A_LOOK: u64 = 200;

@@ -4,8 +4,8 @@ use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{CameraOutputMode, ClearColorConfig, Viewport};
 use bevy::prelude::*;
 use bevy::render::render_resource::BlendState;
-use bevy_envgen::ui::bevy_egui::{EguiGlobalSettings, PrimaryEguiContext};
-use bevy_envgen::view::{FollowRobot, ShowWholeMap, TrialPalette, minimap_layers};
+use bevy_mapping_trial::ui::bevy_egui::{EguiGlobalSettings, PrimaryEguiContext};
+use bevy_mapping_trial::view::{FollowRobot, ShowWholeMap, TrialPalette, minimap_layers};
 
 use crate::panels;
 use crate::session::{Phase, Session};

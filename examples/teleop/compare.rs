@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future};
-use bevy_envgen::trial::{replay_headless, run_headless};
+use bevy_mapping_trial::trial::{replay_headless, run_headless};
 use envgen::World;
 use mapping_trial::score::{Reference, Scores};
 use mapping_trial::trial::{Trajectory, TrialLog, TrialSettings};

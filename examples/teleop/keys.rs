@@ -3,10 +3,11 @@
 use bevy::input::gamepad::{Gamepad, GamepadButton};
 use bevy::prelude::*;
 use bevy_envgen::prelude::*;
-use bevy_envgen::ui::bevy_egui::EguiInput;
-use bevy_envgen::ui::bevy_egui::input::EguiWantsInput;
-use bevy_envgen::ui::{TrialAction, command_of, egui};
-use bevy_envgen::view::{FollowRobot, TrialView};
+use bevy_mapping_trial::prelude::*;
+use bevy_mapping_trial::ui::bevy_egui::EguiInput;
+use bevy_mapping_trial::ui::bevy_egui::input::EguiWantsInput;
+use bevy_mapping_trial::ui::{TrialAction, command_of, egui};
+use bevy_mapping_trial::view::{FollowRobot, TrialView};
 use mapping_trial::backend::Command;
 
 use crate::session::{Phase, Session};

@@ -33,14 +33,14 @@ use std::process::ExitCode;
 
 use bevy::prelude::*;
 use bevy_envgen::EnvgenCorePlugin;
-use bevy_envgen::capture::find_renderer;
-use bevy_envgen::debug::EnvgenDebugPlugin;
 use bevy_envgen::physics::{ColliderSettings, EnvgenPhysicsPlugin, TopDownPhysicsPlugin};
-use bevy_envgen::trial::{TrialPlugin, TrialSystems};
-use bevy_envgen::ui::bevy_egui::input::egui_wants_any_keyboard_input;
-use bevy_envgen::ui::bevy_egui::{EguiPlugin, EguiPreUpdateSet, EguiPrimaryContextPass};
-use bevy_envgen::view::TrialViewPlugin;
 use bevy_envgen::visuals::EnvgenVisualsPlugin;
+use bevy_mapping_trial::debug::TrialDebugPlugin;
+use bevy_mapping_trial::trial::{ForTrials, TrialPlugin, TrialSystems};
+use bevy_mapping_trial::ui::bevy_egui::input::egui_wants_any_keyboard_input;
+use bevy_mapping_trial::ui::bevy_egui::{EguiPlugin, EguiPreUpdateSet, EguiPrimaryContextPass};
+use bevy_mapping_trial::view::TrialViewPlugin;
+use bevy_offscreen::find_renderer;
 use clap::Parser;
 use envgen::located::Locate;
 
@@ -86,7 +86,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
         TrialPlugin::default(),
         EnvgenVisualsPlugin::default(),
         TrialViewPlugin::default(),
-        EnvgenDebugPlugin,
+        TrialDebugPlugin,
     ));
     let session = Session::begin(arguments, beginning, settings, app.world_mut());
     app.insert_resource(session)

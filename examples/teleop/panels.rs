@@ -3,9 +3,11 @@
 use bevy::prelude::*;
 use bevy_envgen::debug::DebugLayers;
 use bevy_envgen::prelude::*;
-use bevy_envgen::ui::bevy_egui::EguiContexts;
-use bevy_envgen::ui::{SpecAction, TrialStatus, comparison, egui, scores};
-use bevy_envgen::view::TrialView;
+use bevy_mapping_trial::debug::TrialDebugLayers;
+use bevy_mapping_trial::prelude::*;
+use bevy_mapping_trial::ui::bevy_egui::EguiContexts;
+use bevy_mapping_trial::ui::{SpecAction, TrialStatus, comparison, egui, scores};
+use bevy_mapping_trial::view::TrialView;
 use egui::{Align2, ComboBox, Panel, RichText, ScrollArea, Ui, UiBuilder};
 use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
@@ -45,7 +47,7 @@ pub(crate) fn panels(
     mut session: ResMut<Session>,
     mut trials: Query<(&mut MappingTrial, &mut TrialView, &GroundTruth)>,
     worlds: Query<&GroundTruth>,
-    mut layers: ResMut<DebugLayers>,
+    mut layers: (ResMut<DebugLayers>, ResMut<TrialDebugLayers>),
     mut commands: Commands,
 ) -> Result {
     let context = contexts.ctx_mut()?;
@@ -72,7 +74,7 @@ pub(crate) fn panels(
                 }
                 if session.setup.training {
                     ui.separator();
-                    debug_layers(ui, &mut layers);
+                    debug_layers(ui, &mut layers.0, &mut layers.1);
                 }
             }
             (Phase::Form, _) => {
@@ -127,17 +129,22 @@ fn setup(ui: &mut Ui, session: &mut Session, truth: Option<&GroundTruth>, comman
 }
 
 /// Switches for lines over the world, for training.
-fn debug_layers(ui: &mut Ui, layers: &mut ResMut<DebugLayers>) {
-    let mut wanted = **layers;
+fn debug_layers(
+    ui: &mut Ui,
+    world: &mut ResMut<DebugLayers>,
+    trial: &mut ResMut<TrialDebugLayers>,
+) {
+    let (mut of_world, mut of_trial) = (**world, **trial);
     ui.label("Lines over the world");
     ui.horizontal_wrapped(|ui| {
-        ui.checkbox(&mut wanted.colliders, "colliders");
-        ui.checkbox(&mut wanted.rays, "rays");
-        ui.checkbox(&mut wanted.frontiers, "frontiers");
-        ui.checkbox(&mut wanted.plan, "plan");
-        ui.checkbox(&mut wanted.rooms, "rooms");
+        ui.checkbox(&mut of_world.colliders, "colliders");
+        ui.checkbox(&mut of_trial.rays, "rays");
+        ui.checkbox(&mut of_trial.frontiers, "frontiers");
+        ui.checkbox(&mut of_trial.plan, "plan");
+        ui.checkbox(&mut of_world.rooms, "rooms");
     });
-    layers.set_if_neq(wanted);
+    world.set_if_neq(of_world);
+    trial.set_if_neq(of_trial);
 }
 
 /// The choices after a trial.

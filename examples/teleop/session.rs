@@ -6,8 +6,10 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use bevy_envgen::debug::DebugLayers;
 use bevy_envgen::prelude::*;
-use bevy_envgen::ui::{FeedbackForm, SetupForm, SpecForm, TrialAction};
-use bevy_envgen::view::TrialView;
+use bevy_mapping_trial::debug::TrialDebugLayers;
+use bevy_mapping_trial::prelude::*;
+use bevy_mapping_trial::ui::{FeedbackForm, SetupForm, SpecForm, TrialAction};
+use bevy_mapping_trial::view::TrialView;
 use envgen::located::Locate;
 use envgen::{Seed, WorldKind, WorldSpec, whole_file};
 use mapping_trial::feedback::Feedback;
@@ -293,9 +295,14 @@ fn new_folder(out: &Path) -> PathBuf {
 }
 
 /// Hides the lines over the world, which show the true world, too.
-pub(crate) fn hide_lines(session: Res<Session>, mut layers: ResMut<DebugLayers>) {
+pub(crate) fn hide_lines(
+    session: Res<Session>,
+    mut of_world: ResMut<DebugLayers>,
+    mut of_trial: ResMut<TrialDebugLayers>,
+) {
     if !session.setup.training {
-        layers.set_if_neq(DebugLayers::default());
+        of_world.set_if_neq(DebugLayers::default());
+        of_trial.set_if_neq(TrialDebugLayers::default());
     }
 }
 

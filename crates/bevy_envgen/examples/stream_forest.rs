@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy_envgen::prelude::*;
 use bevy_envgen::{StreamingReport, Tile};
 
-/// The way of the walker in metres, and its step in each frame.
+/// The length of the path of the walker in metres, and its step in each frame.
 const WAY: f32 = 300.0;
 const STEP: f32 = 1.0;
 
@@ -45,7 +45,7 @@ fn walk(mut walker: Single<&mut Transform, With<Walker>>) {
     walker.translation.x += STEP;
 }
 
-/// Prints what is spawned every 50 m, and ends the app at the end of the way.
+/// Prints what is spawned every 50 m, and ends the app at the end of the path.
 fn report(
     walker: Single<&Transform, With<Walker>>,
     streaming: Res<StreamingReport>,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 #[cfg(feature = "serialize")]
 use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
+use envgen::geometry::{Rect as WorldRect, Shape};
 use envgen::glam::DVec2;
 use envgen::world::Violation;
 use envgen::{GenerateError, World, WorldKind, WorldSpec};
@@ -187,6 +188,21 @@ impl Environment {
         Environment { solids, ..self }
     }
 
+    /// A point of the world, in metres, in the space of the app, where `frame` is the entity's
+    /// [`GlobalTransform`].
+    pub fn point_in_app(&self, frame: &GlobalTransform, point: DVec2) -> Vec2 {
+        frame.transform_point((point - self.origin).as_vec2().extend(0.0)).truncate()
+    }
+
+    /// The smallest rectangle of the app's space around an area of the world: for the bounds of its
+    /// [`GroundTruth`], what a camera must show so that the whole world is visible.
+    pub fn area_in_app(&self, frame: &GlobalTransform, area: WorldRect) -> Rect {
+        let corners = Shape::from_rect(area).corners();
+        let mut corners = corners.into_iter().map(|corner| self.point_in_app(frame, corner));
+        let first = corners.next().unwrap_or_default();
+        corners.fold(Rect::from_corners(first, first), |area, p| area.union_point(p))
+    }
+
     /// How its parts are laid out.
     pub(crate) fn layout(&self) -> Layout {
         Layout { origin: self.origin, solids: self.solids }
@@ -350,4 +366,29 @@ pub(crate) fn register(app: &mut App) {
         .register_type::<EnvironmentStats>()
         .add_message::<EnvironmentReady>()
         .add_message::<EnvironmentFailed>();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn areas_are_where_the_entity_puts_them() {
+        let world = Environment::new(envgen::hallway::HallwaySpec::default(), 1);
+        let area = WorldRect::new(DVec2::new(1.0, 2.0), DVec2::new(5.0, 4.0));
+        let plain = world.area_in_app(&GlobalTransform::IDENTITY, area);
+        assert_eq!(plain, Rect::new(1.0, 2.0, 5.0, 4.0));
+
+        let quarter = Quat::from_rotation_z(std::f32::consts::FRAC_PI_2);
+        let frame = Transform::from_xyz(10.0, 0.0, 3.0).with_rotation(quarter);
+        let frame = GlobalTransform::from(frame.with_scale(Vec3::splat(2.0)));
+        let world = world.with_origin(DVec2::new(1.0, 2.0));
+        let turned = world.area_in_app(&frame, area);
+        let (least, most) = (Vec2::new(6.0, 0.0), Vec2::new(10.0, 8.0));
+        assert!(
+            turned.min.distance(least) < 1e-5 && turned.max.distance(most) < 1e-5,
+            "{turned:?}"
+        );
+        assert!(world.point_in_app(&frame, area.min).distance(Vec2::new(10.0, 0.0)) < 1e-5);
+    }
 }

@@ -342,7 +342,7 @@ fn move_to_place(world: &mut World, entity: Entity) {
 }
 
 /// Waits for the tasks that an environment has started; false when there are none.
-#[cfg(any(feature = "capture", feature = "testing"))]
+#[cfg(feature = "testing")]
 pub(crate) fn finish_tasks(world: &mut World, environment: Entity) -> bool {
     let generated =
         world.get_mut::<GenerationJob>(environment).is_some_and(|mut slot| slot.finish());

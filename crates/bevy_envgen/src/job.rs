@@ -101,7 +101,7 @@ impl GenerationJob {
     }
 
     /// Waits for its task; false when it has none.
-    #[cfg(any(feature = "capture", feature = "testing"))]
+    #[cfg(feature = "testing")]
     pub(crate) fn finish(&mut self) -> bool {
         let Job::Task(task) = &mut self.job else { return false };
         self.job = Job::Done(bevy::tasks::block_on(task));

@@ -16,6 +16,9 @@
 //! assert!(trees > 100);
 //! ```
 //!
+//! Robots and mapping trials in these worlds are in the crate `bevy_mapping_trial`, pictures and films
+//! without a window in `bevy_offscreen`.
+//!
 //! # What is spawned
 //!
 //! ```text
@@ -49,20 +52,16 @@
 //! | `EnvgenAssetPlugin` | `asset` | `.envgen.ron` and `.room.ron` files |
 //! | `EnvgenPhysicsPlugin` | `physics` | rapier colliders, moving doors |
 //! | `EnvgenVisualsPlugin` | `render` | meshes and colours |
-//! | `RobotPlugin` | `trial` | not in the group: robots that drive and sense in rapier |
-//! | `TrialPlugin` | `trial` | not in the group: mapping trials, with `RobotPlugin` |
-//! | `TrialViewPlugin` | `render`, `trial` | not in the group: draws mapping trials |
 //! | [`EnvgenDiagnosticsPlugin`] | | not in the group: counts of parts and tiles, times of generation and streaming, as Bevy's diagnostics |
-//! | `EnvgenDebugPlugin` | `debug` | not in the group: lines over colliders, rays, frontiers, plans, rooms |
+//! | `EnvgenDebugPlugin` | `debug` | not in the group: lines over colliders and the graph of rooms |
 //! | `TopDownPhysicsPlugin` | `physics` | not in the group: rapier itself, without gravity, in fixed steps |
 //!
 //! # System sets
 //!
 //! All are in the schedule of [`EnvgenPlugins::in_schedule`], `Update` by default, in the order of
 //! [`EnvgenSystems`]: `Request`, `Collect`, `Spawn`, `Stream`, `Notify`. Transforms are watched in
-//! `PostUpdate`. Doors move in `DoorSystems`, in `FixedUpdate` by default. The same schedule runs
-//! robots and trials before and after rapier: `TrialSystems::Command`, `RobotSystems::Drive`,
-//! rapier's `PhysicsSet`, `RobotSystems::Sense`, `TrialSystems::Record`.
+//! `PostUpdate`. Doors move in `DoorSystems`, in `FixedUpdate` by default, before rapier's
+//! `PhysicsSet::SyncBackend`.
 //!
 //! # Features
 //!
@@ -73,10 +72,7 @@
 //! | `physics` | yes | colliders and doors, with `bevy_rapier2d` |
 //! | `file_watcher` | no | reloads files that change |
 //! | `render` | no | meshes; only this feature and those that include it need rendering crates |
-//! | `capture` | no | pictures and films of cameras, with or without a window |
-//! | `debug` | no | lines over colliders, rays, frontiers, plans and the graph of rooms |
-//! | `trial` | no | robots in rapier, and mapping trials with them, with `mapping_trial` |
-//! | `egui` | no | panels for specs, trials, scores and the feedback form |
+//! | `debug` | no | lines over colliders and the graph of rooms |
 //! | `serialize` | no | environments in Bevy's scenes; serde for the components of parts |
 //! | `testing` | no | `testing`, helpers for testing apps |
 
@@ -84,8 +80,6 @@
 
 #[cfg(feature = "asset")]
 pub mod asset;
-#[cfg(feature = "capture")]
-pub mod capture;
 #[cfg(feature = "debug")]
 pub mod debug;
 mod diagnostics;
@@ -98,8 +92,6 @@ pub mod part;
 pub mod physics;
 mod place;
 mod plan;
-#[cfg(feature = "trial")]
-pub mod robot;
 mod shape;
 mod spawn;
 mod streaming;
@@ -107,12 +99,6 @@ mod streaming;
 mod tessellate;
 #[cfg(feature = "testing")]
 pub mod testing;
-#[cfg(feature = "trial")]
-pub mod trial;
-#[cfg(feature = "egui")]
-pub mod ui;
-#[cfg(all(feature = "render", feature = "trial"))]
-pub mod view;
 #[cfg(feature = "render")]
 pub mod visuals;
 
@@ -125,8 +111,6 @@ use bevy::transform::TransformSystems;
 #[cfg(feature = "physics")]
 pub use bevy_rapier2d;
 pub use envgen;
-#[cfg(feature = "trial")]
-pub use mapping_trial;
 
 pub use diagnostics::EnvgenDiagnosticsPlugin;
 pub use environment::{
@@ -154,16 +138,6 @@ pub mod prelude {
     pub use crate::physics::{
         ColliderSettings, Door, DoorSchedule, DoorStopped, EnvgenPhysicsPlugin,
         EnvironmentColliders, TopDownPhysicsPlugin,
-    };
-    #[cfg(feature = "trial")]
-    pub use crate::robot::{
-        Battery, Bumper, Chassis, DriveCommand, LaserScan, LaserScanner, RobotModel, RobotPlugin,
-        RobotSystems, TruePose, WheelOdometry,
-    };
-    #[cfg(feature = "trial")]
-    pub use crate::trial::{
-        ManualControl, MappingTrial, TrialEnded, TrialFailed, TrialPlugin, TrialRobot,
-        TrialStarted, TrialSystems,
     };
     #[cfg(feature = "render")]
     pub use crate::visuals::EnvgenVisualsPlugin;

@@ -123,7 +123,7 @@ impl Streaming {
     }
 
     /// Waits for its tasks; false when it has none.
-    #[cfg(any(feature = "capture", feature = "testing"))]
+    #[cfg(feature = "testing")]
     pub(crate) fn finish(&mut self) -> bool {
         let mut had = false;
         for (_, drawing) in &mut self.drawn {

@@ -13,6 +13,7 @@
 
 use std::time::Duration;
 
+use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use envgen::world::Digest;
@@ -168,6 +169,31 @@ fn shape_bits(shape: &PartShape) -> (&'static str, Vec<u32>) {
             numbers.extend([width.to_bits(), u32::from(*closed)]);
             ("strip", numbers)
         }
+    }
+}
+
+/// The numbers of colliders and bodies in rapier's own sets.
+///
+/// # Panics
+/// If the app has no context of rapier, or a collider of it belongs to no entity.
+#[cfg(feature = "physics")]
+pub fn in_rapier(app: &mut App) -> (usize, usize) {
+    use bevy_rapier2d::prelude::{RapierContextColliders, RapierRigidBodySet};
+
+    let mut sets = app.world_mut().query::<(&RapierContextColliders, &RapierRigidBodySet)>();
+    let Ok((colliders, bodies)) = sets.single(app.world()) else { panic!("rapier has no context") };
+    assert_eq!(colliders.colliders.len(), colliders.entity2collider().len());
+    (colliders.colliders.len(), bodies.bodies.len())
+}
+
+/// Lets the app panic if two of its systems in `Update`, `FixedUpdate` or `PostUpdate` access the same
+/// data in no certain order.
+pub fn refuse_ambiguities(app: &mut App) {
+    for schedule in [Update.intern(), FixedUpdate.intern(), PostUpdate.intern()] {
+        app.edit_schedule(schedule, |schedule| {
+            let ambiguity_detection = LogLevel::Error;
+            schedule.set_build_settings(ScheduleBuildSettings { ambiguity_detection, ..default() });
+        });
     }
 }
 

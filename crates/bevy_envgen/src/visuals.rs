@@ -110,9 +110,9 @@ impl Plugin for EnvgenVisualsPlugin {
     }
 }
 
-/// Bevy hides the children of an entity without visibility. Another plugin may have required it
-/// before: that is no error.
-pub(crate) fn require_visibility(app: &mut App) {
+/// Requires [`Visibility`] for environments, tiles and parts, so that an app can hide them: Bevy hides the
+/// children of an entity without it. Another plugin may have required it before: that is no error.
+pub fn require_visibility(app: &mut App) {
     app.try_register_required_components::<Environment, Visibility>().ok();
     app.try_register_required_components::<Tile, Visibility>().ok();
     app.try_register_required_components::<PartId, Visibility>().ok();

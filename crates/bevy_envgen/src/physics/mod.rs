@@ -103,15 +103,6 @@ impl Default for ColliderSettings {
     }
 }
 
-#[cfg(feature = "trial")]
-impl ColliderSettings {
-    /// For mapping trials: merged, which makes rapier's rays faster, and without sensors, because
-    /// robots query the surfaces of the world directly.
-    pub fn for_trials() -> Self {
-        ColliderSettings { merge: ColliderMerging::Always, sensors: false, ..Default::default() }
-    }
-}
-
 /// The [`ColliderSettings`] of one environment, on its entity.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]

@@ -33,12 +33,6 @@ impl TopDownPhysicsPlugin {
         TopDownPhysicsPlugin { steps_per_second, substeps: 1 }
     }
 
-    /// With the steps of mapping trials: 20 per second, each of 4 substeps.
-    #[cfg(feature = "trial")]
-    pub fn for_trials() -> Self {
-        TopDownPhysicsPlugin::new(1.0 / mapping_trial::backend::TICK).with_substeps(4)
-    }
-
     /// Splits each step into `substeps` equal steps of rapier, from 1 to 1000. Forces and commands
     /// are constant over a whole step.
     ///

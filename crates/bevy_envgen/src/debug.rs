@@ -1,0 +1,187 @@
+//! Lines over worlds, for debugging.
+//!
+//! These layers ignore what a person may see: colliders and rooms show the true world.
+
+use bevy::gizmos::GizmoPlugin;
+use bevy::prelude::*;
+use envgen::World as EnvgenWorld;
+use envgen::glam::DVec2;
+
+use crate::environment::{Environment, GroundTruth};
+
+/// The gizmos of this crate, to set their line width and visibility in Bevy's `GizmoConfigStore`.
+#[derive(GizmoConfigGroup, Clone, Copy, Debug, Default, Reflect)]
+#[reflect(Default, Debug, Clone)]
+pub struct EnvgenGizmos;
+
+/// The layers that are drawn; by default none.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Resource, Default, Debug, PartialEq, Clone)]
+pub struct DebugLayers {
+    /// The outlines of all colliders.
+    pub colliders: bool,
+    /// The graph of rooms: lines between rooms that a doorway joins, open or closed.
+    pub rooms: bool,
+}
+
+impl DebugLayers {
+    /// All layers.
+    pub const ALL: DebugLayers = DebugLayers { colliders: true, rooms: true };
+}
+
+/// Colours of the layers.
+#[cfg(feature = "physics")]
+const COLLIDER: Color = Color::srgb(0.0, 0.62, 0.45);
+const ROOM: Color = Color::srgb(0.34, 0.71, 0.91);
+const OPEN: Color = Color::srgb(0.34, 0.71, 0.91);
+const CLOSED: Color = Color::srgb(0.84, 0.37, 0.0);
+
+/// Radius in metres of the mark of a room, and of a doorway to a hallway or the outside.
+const NODE: f32 = 0.3;
+const WAY_OUT: f32 = 0.12;
+
+/// The systems that draw, in `PostUpdate` after transforms are propagated.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct DebugSystems;
+
+/// Exists if Bevy's plugin for gizmos is added.
+#[derive(Resource)]
+struct Drawable;
+
+/// Draws the layers that [`DebugLayers`] switches on, with the gizmos of [`EnvgenGizmos`].
+///
+/// Without Bevy's `GizmoPlugin`, which is one of the default ones, it draws nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct EnvgenDebugPlugin;
+
+impl Plugin for EnvgenDebugPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<DebugLayers>()
+            .register_type::<EnvgenGizmos>()
+            .init_resource::<DebugLayers>()
+            .configure_sets(
+                PostUpdate,
+                DebugSystems
+                    .after(bevy::transform::TransformSystems::Propagate)
+                    .run_if(resource_exists::<Drawable>),
+            )
+            .add_systems(PostUpdate, draw_rooms.in_set(DebugSystems).run_if(on(|on| on.rooms)));
+        #[cfg(feature = "physics")]
+        app.add_systems(
+            PostUpdate,
+            draw_colliders.in_set(DebugSystems).run_if(on(|on| on.colliders)),
+        );
+    }
+
+    fn finish(&self, app: &mut App) {
+        if app.is_plugin_added::<GizmoPlugin>() {
+            app.init_gizmo_group::<EnvgenGizmos>().insert_resource(Drawable);
+        }
+    }
+}
+
+/// Whether a layer is switched on.
+fn on(layer: fn(&DebugLayers) -> bool) -> impl Fn(Res<DebugLayers>) -> bool + Clone {
+    move |layers| layer(&layers)
+}
+
+/// A doorway in the graph of rooms.
+#[derive(Clone, Debug, PartialEq)]
+struct Link {
+    doorway: DVec2,
+    open: bool,
+    /// The centres of the rooms that it joins.
+    rooms: [Option<DVec2>; 2],
+}
+
+/// The edges of the graph of rooms.
+fn links(world: &EnvgenWorld) -> impl Iterator<Item = Link> + '_ {
+    let middle = |room: Option<u32>| {
+        world.rooms.get(room? as usize).map(|room| room.shape.bounds().center())
+    };
+    world.doorways.iter().map(move |doorway| Link {
+        doorway: doorway.shape.bounds().center(),
+        open: doorway.open,
+        rooms: doorway.rooms.map(middle),
+    })
+}
+
+/// Draws lines between rooms that doorways join.
+fn draw_rooms(
+    worlds: Query<(&Environment, &GroundTruth, &GlobalTransform)>,
+    mut gizmos: Gizmos<EnvgenGizmos>,
+) {
+    for (environment, truth, frame) in &worlds {
+        let place = |p: DVec2| environment.point_in_app(frame, p);
+        for room in &truth.rooms {
+            gizmos.circle_2d(place(room.shape.bounds().center()), NODE, ROOM);
+        }
+        for link in links(truth) {
+            let color = if link.open { OPEN } else { CLOSED };
+            let doorway = place(link.doorway);
+            for room in link.rooms {
+                match room {
+                    Some(room) => gizmos.line_2d(place(room), doorway, color),
+                    None => {
+                        gizmos.circle_2d(doorway, WAY_OUT, color);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Draws the outlines of all colliders.
+#[cfg(feature = "physics")]
+fn draw_colliders(
+    colliders: Query<(&bevy_rapier2d::geometry::Collider, &GlobalTransform)>,
+    mut gizmos: Gizmos<EnvgenGizmos>,
+) {
+    for (collider, frame) in &colliders {
+        // The shape includes the scale.
+        let (_, rotation, translation) = frame.to_scale_rotation_translation();
+        let place = |p: Vec2| (translation + rotation * p.extend(0.0)).truncate();
+        outline(&*collider.raw, &mut |from, to| {
+            gizmos.line_2d(place(from), place(to), COLLIDER);
+        });
+    }
+}
+
+/// Corners of a circle.
+#[cfg(feature = "physics")]
+const CIRCLE: u32 = 24;
+
+/// Calls back with every edge of a shape, in its own frame. Shapes that neither this crate nor
+/// robots use are drawn as their bounding boxes.
+#[cfg(feature = "physics")]
+fn outline(shape: &dyn bevy_rapier2d::parry::shape::Shape, edge: &mut dyn FnMut(Vec2, Vec2)) {
+    use bevy_rapier2d::parry::shape::TypedShape;
+
+    let mut ring = |corners: &[Vec2]| {
+        for (i, &corner) in corners.iter().enumerate() {
+            edge(corner, corners[(i + 1) % corners.len()]);
+        }
+    };
+    match shape.as_typed_shape() {
+        TypedShape::Ball(ball) => ring(&ball.to_polyline(CIRCLE)),
+        TypedShape::Cuboid(cuboid) => ring(&cuboid.to_polyline()),
+        TypedShape::Capsule(capsule) => ring(&capsule.to_polyline(CIRCLE)),
+        TypedShape::Segment(segment) => edge(segment.a, segment.b),
+        TypedShape::Triangle(triangle) => ring(&[triangle.a, triangle.b, triangle.c]),
+        TypedShape::ConvexPolygon(polygon) => ring(polygon.points()),
+        TypedShape::Polyline(line) => line.segments().for_each(|s| edge(s.a, s.b)),
+        TypedShape::Compound(compound) => {
+            for (pose, piece) in compound.shapes() {
+                outline(&**piece, &mut |from, to| edge(*pose * from, *pose * to));
+            }
+        }
+        _ => {
+            let around = shape.compute_local_aabb();
+            let (low, high) = (around.mins, around.maxs);
+            // A half-plane is unbounded.
+            if low.is_finite() && high.is_finite() && (high - low).max_element() < 1e6 {
+                ring(&[low, Vec2::new(high.x, low.y), high, Vec2::new(low.x, high.y)]);
+            }
+        }
+    }
+}

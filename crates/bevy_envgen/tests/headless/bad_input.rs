@@ -1,0 +1,278 @@
+//! What cannot be is reported with a name, and the app goes on.
+
+use bevy::prelude::*;
+use bevy_envgen::envgen::forest::ForestSpec;
+use bevy_envgen::envgen::glam::DVec2;
+use bevy_envgen::envgen::hallway::HallwaySpec;
+use bevy_envgen::envgen::{Seed, WorldSpec};
+use bevy_envgen::prelude::*;
+use bevy_envgen::testing::{in_rapier, parts, spawn_ready, step, test_app, wait_until_ready};
+use bevy_envgen::{EnvironmentError, MAX_PARTS, Tile};
+
+use super::spawned;
+
+/// The app still makes worlds, and rapier still steps.
+fn goes_on(app: &mut App) {
+    let root = spawn_ready(app, Environment::new(HallwaySpec::default(), 1)).unwrap();
+    step(app, 3);
+    assert!(in_rapier(app).0 > 10);
+    app.world_mut().despawn(root);
+    step(app, 3);
+}
+
+fn hallway() -> Environment {
+    Environment::new(HallwaySpec::default(), 1)
+}
+
+#[test]
+fn impossible_specs_are_events() {
+    let mut app = test_app();
+    for (text, says) in [
+        ("Hallway(p_st: 2.0)", "p_st"),
+        ("Hallway(segments: 4000000000)", "segments"),
+        ("Forest(intensity: -1.0)", "intensity"),
+        ("Forest(width: 1e30)", "width"),
+        ("Forest(min_distance: 5.0, intensity: 1.0)", "min_distance"),
+        ("Road(length: -5.0)", "length"),
+        ("Landscape(entropy: 99.0)", "entropy"),
+        ("Indoor(difficulty: 11.0)", "difficulty"),
+    ] {
+        let spec = WorldSpec::from_ron(text).unwrap();
+        for pace in [GenerationMode::Blocking, GenerationMode::Async, GenerationMode::Auto] {
+            let environment = Environment::new(spec.clone(), 1).with_pace(pace);
+            let error = spawn_ready(&mut app, environment).unwrap_err();
+            assert!(error.to_string().contains(says), "{text}: {error}");
+        }
+    }
+    assert_eq!(spawned(&mut app), 0);
+    goes_on(&mut app);
+}
+
+#[test]
+fn a_world_that_stands_survives_an_impossible_change() {
+    let mut app = test_app();
+    let root = spawn_ready(&mut app, hallway()).unwrap();
+    let before = parts(&app, root);
+    let bad = HallwaySpec { p_st: 9.0, ..default() };
+    app.world_mut().entity_mut(root).insert(Environment::new(bad, 1));
+    wait_until_ready(&mut app, root).unwrap_err();
+    assert_eq!(parts(&app, root), before);
+    app.world_mut().entity_mut(root).insert(hallway());
+    wait_until_ready(&mut app, root).unwrap();
+    assert_eq!(parts(&app, root), before);
+}
+
+#[test]
+fn two_environments_on_one_entity_leave_the_last() {
+    let mut app = test_app();
+    for pace in [GenerationMode::Blocking, GenerationMode::Async] {
+        let slow = ForestSpec { width: 300.0, height: 300.0, ..default() };
+        let slow = Environment::new(slow, 1).with_pace(pace);
+        let root = app.world_mut().spawn(slow.clone()).id();
+        app.world_mut().entity_mut(root).insert(hallway().with_pace(pace));
+        wait_until_ready(&mut app, root).unwrap();
+        // Also while the first is being made.
+        app.world_mut().entity_mut(root).insert(slow);
+        step(&mut app, 1);
+        app.world_mut().entity_mut(root).insert(hallway());
+        wait_until_ready(&mut app, root).unwrap();
+        step(&mut app, 20);
+        assert_eq!(app.world_mut().query::<&Tree>().iter(app.world()).count(), 0);
+        assert!(parts(&app, root).len() > 10);
+        app.world_mut().despawn(root);
+        step(&mut app, 2);
+        assert_eq!((spawned(&mut app), in_rapier(&mut app).0), (0, 0));
+    }
+}
+
+#[test]
+fn an_environment_below_another_stands_on_its_own() {
+    let mut app = test_app();
+    let outer = spawn_ready(&mut app, hallway()).unwrap();
+    let inner = app.world_mut().spawn((hallway(), ChildOf(outer))).id();
+    wait_until_ready(&mut app, inner).unwrap();
+    let alone = parts(&app, inner);
+    app.world_mut().trigger(RebuildEnvironment { entity: outer });
+    step(&mut app, 2);
+    assert_eq!(parts(&app, inner), alone);
+    app.world_mut().despawn(outer);
+    step(&mut app, 2);
+    assert_eq!((spawned(&mut app), in_rapier(&mut app).0), (0, 0));
+}
+
+#[test]
+fn despawns_at_any_moment_leave_nothing() {
+    let mut app = test_app();
+    for frames in 0..6 {
+        let spec = ForestSpec { width: 200.0, height: 200.0, ..default() };
+        let root =
+            app.world_mut().spawn(Environment::new(spec, 1).with_pace(GenerationMode::Async)).id();
+        step(&mut app, frames);
+        app.world_mut().despawn(root);
+        step(&mut app, 30);
+        assert_eq!((spawned(&mut app), in_rapier(&mut app).0), (0, 0), "after {frames} frames");
+    }
+    // By the very event that reports it.
+    app.add_observer(|ready: On<EnvironmentReady>, mut commands: Commands| {
+        commands.entity(ready.entity).despawn();
+    });
+    app.world_mut().spawn(hallway());
+    step(&mut app, 3);
+    assert_eq!((spawned(&mut app), in_rapier(&mut app).0), (0, 0));
+}
+
+#[test]
+fn tiles_and_parts_that_a_user_despawns_are_no_trouble() {
+    let mut app = test_app();
+    let root = spawn_ready(&mut app, hallway()).unwrap();
+    let mut tiles = app.world_mut().query_filtered::<Entity, With<Tile>>();
+    for tile in tiles.iter(app.world()).collect::<Vec<_>>() {
+        app.world_mut().despawn(tile);
+    }
+    step(&mut app, 2);
+    app.world_mut().trigger(RebuildEnvironment { entity: root });
+    step(&mut app, 2);
+    assert!(parts(&app, root).len() > 10);
+    app.world_mut().despawn(root);
+    step(&mut app, 2);
+    // Asked to be made again, but gone; or never there.
+    app.world_mut().trigger(RebuildEnvironment { entity: root });
+    let nobody = app.world_mut().spawn_empty().id();
+    app.world_mut().trigger(RebuildEnvironment { entity: nobody });
+    goes_on(&mut app);
+}
+
+#[test]
+fn observers_may_despawn_what_was_just_spawned() {
+    for what in ["part", "tile", "environment"] {
+        let mut app = test_app();
+        let despawner = move |spawned: On<TileSpawned>, mut commands: Commands| {
+            let entity = match what {
+                "part" => spawned.parts[0],
+                "tile" => spawned.tile,
+                _ => spawned.environment,
+            };
+            commands.entity(entity).try_despawn();
+        };
+        app.add_observer(despawner);
+        let root = app.world_mut().spawn(hallway()).id();
+        step(&mut app, 3);
+        if what == "part" {
+            let stats = *app.world().get::<EnvironmentStats>(root).unwrap();
+            let tiles = app.world_mut().query::<&Tile>().iter(app.world()).count();
+            assert_eq!(parts(&app, root).len() + tiles, stats.parts.unwrap());
+        } else {
+            assert_eq!((spawned(&mut app), in_rapier(&mut app)), (0, (0, 0)), "{what}");
+        }
+    }
+}
+
+#[test]
+fn transforms_that_cannot_carry_a_world_are_named_and_mended() {
+    let bad = [
+        (Transform::from_scale(Vec3::ZERO), "scale"),
+        (Transform::from_scale(Vec3::new(1.0, 2.0, 1.0)), "scale"),
+        (Transform::from_scale(Vec3::new(-1.0, 1.0, 1.0)), "scale"),
+        (Transform::from_scale(Vec3::splat(f32::NAN)), "scale"),
+        (Transform::from_xyz(f32::INFINITY, 0.0, 0.0), "translation"),
+        (Transform::from_rotation(Quat::from_rotation_y(1.0)), "x axis"),
+    ];
+    for (transform, what) in bad {
+        let mut app = test_app();
+        // From the start,
+        let root = app.world_mut().spawn((hallway(), transform)).id();
+        let error = wait_until_ready(&mut app, root).unwrap_err();
+        assert!(matches!(error, EnvironmentError::Transform { .. }), "{error}");
+        assert!(error.to_string().contains(what), "{error}");
+        assert_eq!(spawned(&mut app), 0);
+        *app.world_mut().get_mut::<Transform>(root).unwrap() = Transform::default();
+        step(&mut app, 3);
+        assert_eq!(app.world().get(root), Some(&EnvironmentState::Ready), "{what}");
+        let sound = parts(&app, root).len();
+        // while the world stands,
+        *app.world_mut().get_mut::<Transform>(root).unwrap() = transform;
+        step(&mut app, 4);
+        assert_eq!(app.world().get(root), Some(&EnvironmentState::Failed), "{what}");
+        assert_eq!((spawned(&mut app), in_rapier(&mut app).0), (0, 0));
+        *app.world_mut().get_mut::<Transform>(root).unwrap() = Transform::default();
+        step(&mut app, 4);
+        assert_eq!(parts(&app, root).len(), sound);
+        app.world_mut().despawn(root);
+        // and in what it hangs below.
+        let above = app.world_mut().spawn(transform).id();
+        let root = app.world_mut().spawn((hallway(), ChildOf(above))).id();
+        assert!(wait_until_ready(&mut app, root).is_err());
+        app.world_mut().despawn(above);
+        goes_on(&mut app);
+    }
+}
+
+#[test]
+fn streams_that_cannot_be_are_named() {
+    let mut app = test_app();
+    let anchor = app.world_mut().spawn(Transform::default()).id();
+    let around = StreamAround::new(anchor, 20.0);
+    let forest = || Environment::new(ForestSpec::default(), 1);
+    let world = ForestSpec::default();
+    let world = WorldSpec::from(world).generate(Seed(1)).unwrap().to_world();
+    for (environment, stream, says) in [
+        (hallway().endless(10.0), Some(around), "`hallway` cannot be endless"),
+        (Environment::prebuilt(world).endless(10.0), Some(around), "exists already"),
+        (forest().endless(10.0), None, "StreamAround"),
+        (forest().endless(0.0), Some(around), "tile"),
+        (forest().endless(f64::NAN), Some(around), "tile"),
+        (forest().endless(1e9), Some(around), "tile"),
+        (forest(), Some(around.with_tile(0.0)), "tile"),
+        (forest(), Some(around.with_tile(f64::NAN)), "tile"),
+        (forest(), Some(StreamAround { radius: -1.0, ..around }), "radius"),
+        (forest(), Some(StreamAround { radius: f64::NAN, ..around }), "radius"),
+        (forest(), Some(StreamAround { radius: 1e12, ..around }), "radius"),
+        (forest().endless(10.0), Some(StreamAround { radius: 1e12, ..around }), "radius"),
+        (forest().with_origin(DVec2::NAN), None, "origin"),
+    ] {
+        let root = app.world_mut().spawn(environment).id();
+        if let Some(stream) = stream {
+            app.world_mut().entity_mut(root).insert(stream);
+        }
+        let error = wait_until_ready(&mut app, root).unwrap_err();
+        assert!(error.to_string().contains(says), "{says}: {error}");
+        // It is said once, not in every frame.
+        app.world_mut().entity_mut(root).observe(|_: On<EnvironmentFailed>| panic!("said twice"));
+        step(&mut app, 3);
+        app.world_mut().despawn(root);
+    }
+    // An anchor that is nowhere, or nobody, is waited for.
+    let lost = app.world_mut().spawn(Transform::from_xyz(f32::NAN, 0.0, 0.0)).id();
+    for anchor in [lost, Entity::PLACEHOLDER] {
+        let around = StreamAround::new(anchor, 20.0);
+        let root = app.world_mut().spawn((forest().endless(10.0), around)).id();
+        step(&mut app, 5);
+        assert_eq!(app.world().get(root), Some(&EnvironmentState::Streaming));
+        app.world_mut().despawn(root);
+    }
+    // One that is out of all bounds finds what can be numbered there.
+    let far = app.world_mut().spawn(Transform::from_xyz(1e30, -1e30, 0.0)).id();
+    let around = StreamAround::new(far, 20.0);
+    let root = app.world_mut().spawn((forest().endless(10.0), around)).id();
+    step(&mut app, 20);
+    app.world_mut().despawn(root);
+    goes_on(&mut app);
+}
+
+#[test]
+fn broken_worlds_and_worlds_of_too_many_parts_are_refused() {
+    let mut app = test_app();
+    let sound = WorldSpec::from(HallwaySpec::default()).generate(Seed(1)).unwrap().to_world();
+    let mut broken = sound.clone();
+    broken.bounds.max.x = f64::NAN;
+    let error = spawn_ready(&mut app, Environment::prebuilt(broken)).unwrap_err();
+    assert!(error.to_string().contains("bounds"), "{error}");
+    let mut crowded = sound;
+    let tree = bevy_envgen::envgen::world::Tree { center: crowded.bounds.center(), radius: 0.1 };
+    (crowded.start, crowded.goal) = (None, None);
+    crowded.trees = vec![tree; MAX_PARTS];
+    let error = spawn_ready(&mut app, Environment::prebuilt(crowded)).unwrap_err();
+    assert!(matches!(error, EnvironmentError::TooMany { .. }), "{error}");
+    assert_eq!(spawned(&mut app), 0);
+    goes_on(&mut app);
+}

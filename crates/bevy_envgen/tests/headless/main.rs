@@ -1,0 +1,75 @@
+//! Worlds in headless Bevy apps, driven as a user drives them.
+
+mod bad_input;
+#[cfg(feature = "debug")]
+mod debug;
+mod doors;
+mod files;
+#[cfg(feature = "debug")]
+#[path = "../shared/gizmos.rs"]
+mod gizmos;
+#[cfg(feature = "debug")]
+#[path = "../shared/inspector.rs"]
+mod inspector;
+mod other_plugins;
+mod physics;
+mod ready;
+mod streaming;
+#[cfg(feature = "render")]
+mod visuals;
+mod worlds;
+
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+use bevy_envgen::Tile;
+use bevy_envgen::envgen::{WorldKind, WorldSpec};
+use bevy_envgen::prelude::*;
+
+/// A spec of every kind, of a size that is spawned in an instant, with doors, rooms, surfaces and
+/// obstacles where the kind has them.
+fn specs() -> Vec<WorldSpec> {
+    let settings: &[(&str, &[(&str, &str)])] = &[
+        ("hallway", &[("segments", "60"), ("p_st", "0.3"), ("door_frame_rate", "0.1")]),
+        ("hallway", &[("corners", "rounded"), ("pitch", "4"), ("alcove_rate", "0.1")]),
+        ("forest", &[]),
+        ("forest", &[("min_distance", "2.5"), ("intensity", "0.1"), ("radius", "0.4")]),
+        ("road", &[]),
+        ("indoor", &[]),
+        ("indoor", &[("difficulty", "9"), ("profile", "thesis")]),
+        (
+            "landscape",
+            &[
+                ("speeds", "1,1,0.8,0.6,1,0.4,0.2,0,0"),
+                ("algorithm", "smooth"),
+                ("entropy", "1.9"),
+                ("total_edge", "700"),
+                ("order", "descending"),
+            ],
+        ),
+    ];
+    settings
+        .iter()
+        .map(|(kind, settings)| {
+            let mut spec = kind.parse::<WorldKind>().unwrap().default_spec();
+            for (name, value) in *settings {
+                spec.set(name, value).unwrap();
+            }
+            spec
+        })
+        .collect()
+}
+
+/// Entities that this crate made: tiles, parts, leaves, meshes.
+fn spawned(app: &mut App) -> usize {
+    let tiles = app.world_mut().query::<&Tile>().iter(app.world()).count();
+    let parts = app.world_mut().query::<&PartId>().iter(app.world()).count();
+    let children = app.world_mut().query::<&ChildOf>().iter(app.world()).count();
+    assert!(children >= tiles + parts);
+    children
+}
+
+/// The assets of the project.
+fn assets() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets").canonicalize().unwrap()
+}

@@ -1,0 +1,220 @@
+//! The plugins beside others, and without them.
+
+use bevy::ecs::schedule::ScheduleLabel;
+use bevy::prelude::*;
+use bevy_envgen::asset::EnvgenAssetPlugin;
+use bevy_envgen::bevy_rapier2d::plugin::{NoUserData, RapierPhysicsPlugin};
+use bevy_envgen::prelude::*;
+use bevy_envgen::testing::{
+    in_rapier, refuse_ambiguities, spawn_ready, step, test_app, wait_until_ready,
+};
+use bevy_envgen::{EnvironmentError, Tile};
+
+use super::assets;
+
+fn hallway() -> Environment {
+    Environment::new(HallwaySpec::default(), 1).with_pace(GenerationMode::Blocking)
+}
+
+fn walls(app: &mut App) -> usize {
+    app.world_mut().query::<&Wall>().iter(app.world()).count()
+}
+
+/// Bevy's plugin for assets, with those of the project.
+fn asset_plugin() -> AssetPlugin {
+    AssetPlugin { file_path: assets().to_string_lossy().into_owned(), ..default() }
+}
+
+#[test]
+fn no_two_of_our_systems_are_ambiguous() {
+    let mut app = test_app();
+    refuse_ambiguities(&mut app);
+    app.world_mut().spawn((hallway(), DoorSchedule::default()));
+    step(&mut app, 3);
+    assert!(walls(&mut app) > 0);
+}
+
+#[test]
+#[should_panic(expected = "ambigu")]
+fn an_ambiguity_would_show() {
+    let mut app = test_app();
+    refuse_ambiguities(&mut app);
+    app.add_systems(FixedUpdate, (|_: Query<&mut Transform>| {}, |_: Query<&mut Transform>| {}));
+    step(&mut app, 3);
+}
+
+#[test]
+fn each_plugin_works_without_its_neighbours() {
+    // Nothing but the core: no time, no task pools, no transforms, no assets, no rapier.
+    let mut app = App::new();
+    app.add_plugins(EnvgenCorePlugin::default());
+    app.world_mut().spawn(hallway());
+    app.update();
+    assert!(walls(&mut app) > 0);
+
+    // Every plugin of the group, and none that they would like to have.
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, EnvgenPlugins::default()));
+    let root = app.world_mut().spawn(hallway()).id();
+    let asset = app.world_mut().spawn(Environment::from_asset(Handle::default(), 1)).id();
+    step(&mut app, 3);
+    assert!(walls(&mut app) > 0);
+    assert_eq!(app.world().get(asset), Some(&EnvironmentState::Failed));
+    app.world_mut().despawn(root);
+    step(&mut app, 2);
+
+    // The asset plugin after ours, and the parts of the group one by one in any order.
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, EnvgenAssetPlugin));
+    app.add_plugins((EnvgenPhysicsPlugin::default(), EnvgenCorePlugin::default()));
+    app.add_plugins((asset_plugin(), TopDownPhysicsPlugin::default()));
+    app.finish();
+    app.cleanup();
+    app.world_mut().spawn(hallway());
+    let paper = app.world().resource::<AssetServer>().load("worlds/paper_forest.envgen.ron");
+    let paper = app.world_mut().spawn(Environment::from_asset(paper, 1)).id();
+    wait_until_ready(&mut app, paper).unwrap();
+    assert!(walls(&mut app) > 0);
+}
+
+#[test]
+fn rapier_may_be_there_already_and_may_run_elsewhere() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin));
+    app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default());
+    app.add_plugins((TopDownPhysicsPlugin::default(), EnvgenPlugins::default()));
+    app.world_mut().spawn(hallway());
+    app.finish();
+    app.cleanup();
+    step(&mut app, 5);
+    assert!(in_rapier(&mut app).0 > 10);
+}
+
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct Build;
+
+#[test]
+fn the_schedule_is_a_parameter() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, asset_plugin()));
+    app.add_plugins(TopDownPhysicsPlugin::default());
+    app.add_plugins(EnvgenPlugins::default().in_schedule(Build));
+    app.finish();
+    app.cleanup();
+    app.world_mut().spawn(hallway());
+    let file = app.world().resource::<AssetServer>().load("worlds/paper_forest.envgen.ron");
+    app.world_mut().spawn(Environment::from_asset(file, 1));
+    step(&mut app, 3);
+    assert_eq!(walls(&mut app), 0);
+    app.world_mut().run_schedule(Build);
+    assert!(walls(&mut app) > 0);
+}
+
+#[test]
+fn systems_are_ordered_against_the_public_sets() {
+    #[derive(Resource, Default, Debug, PartialEq)]
+    struct Seen(Vec<usize>);
+    fn look(walls: Query<&Wall>, mut seen: ResMut<Seen>) {
+        seen.0.push(walls.iter().count());
+    }
+    let mut app = test_app();
+    app.init_resource::<Seen>();
+    app.add_systems(
+        Update,
+        (look.before(EnvgenSystems::Request), look.after(EnvgenSystems::Notify)),
+    );
+    app.world_mut().spawn(hallway());
+    app.update();
+    let walls = walls(&mut app);
+    assert_eq!(app.world().resource::<Seen>().0, [0, walls]);
+}
+
+#[test]
+fn others_can_add_to_tiles_before_the_world_is_ready() {
+    #[derive(Component)]
+    struct Painted(u32);
+
+    // With state of its own, which a bare function could not have.
+    let mut tiles = 0;
+    let mut app = test_app();
+    app.add_observer(
+        move |spawned: On<TileSpawned>,
+              roots: Query<&GroundTruth>,
+              all: Query<&Tile>,
+              mut commands: Commands| {
+            assert!(roots.contains(spawned.environment) && all.contains(spawned.tile));
+            tiles += 1;
+            for &part in &spawned.parts {
+                commands.entity(part).insert(Painted(tiles));
+            }
+        },
+    );
+    app.add_observer(|_: On<EnvironmentReady>, parts: Query<&PartId>, painted: Query<&Painted>| {
+        assert!(parts.iter().count() > 1000);
+        assert_eq!(parts.iter().count(), painted.iter().count());
+    });
+    // A system between spawning and notifying sees the same.
+    app.add_systems(
+        Update,
+        (|tiles: Query<&Children, Added<Tile>>, painted: Query<&Painted>| {
+            assert!(tiles.iter().flatten().all(|part| painted.contains(*part)));
+        })
+        .after(EnvgenSystems::Stream)
+        .before(EnvgenSystems::Notify),
+    );
+    let spec = ForestSpec { width: 100.0, height: 100.0, intensity: 0.2, ..default() };
+    spawn_ready(&mut app, Environment::new(spec, 1)).unwrap();
+    let painted = app.world_mut().query::<&Painted>().iter(app.world()).map(|part| part.0).max();
+    let tiles = app.world_mut().query::<&Tile>().iter(app.world()).count();
+    assert_eq!(painted, Some(tiles as u32));
+    assert!(tiles > 1);
+}
+
+#[test]
+fn components_can_be_reflected() {
+    let mut app = test_app();
+    let root = spawn_ready(&mut app, hallway()).unwrap();
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let names: Vec<_> = registry
+        .iter()
+        .filter(|registration| registration.data::<ReflectComponent>().is_some())
+        .map(|registration| registration.type_info().type_path_table().short_path())
+        .collect();
+    for name in [
+        "Environment",
+        "EnvironmentState",
+        "EnvironmentStats",
+        "EnvironmentLandmarks",
+        "PartId",
+        "PartOf",
+        "PartShape",
+        "Wall",
+        "Tree",
+        "RoadStrip",
+        "Room",
+        "Doorway",
+        "Obstacle",
+        "Surface",
+        "Start",
+        "Goal",
+        "Victim",
+        "Ground",
+        "Tile",
+        "StreamAround",
+        "Door",
+        "DoorSchedule",
+        "EnvironmentColliders",
+    ] {
+        assert!(names.contains(&name), "{name} of {names:?}");
+    }
+    let environment = app.world().entity(root).get::<Environment>().unwrap();
+    let reflected = environment.as_partial_reflect().to_dynamic();
+    assert!(format!("{reflected:?}").contains("seed"));
+}
+
+#[test]
+fn environments_can_be_compared_and_named_in_errors() {
+    let error = EnvironmentError::NoAnchor;
+    assert_eq!(error, error.clone());
+    assert!(!error.to_string().ends_with('.'));
+}

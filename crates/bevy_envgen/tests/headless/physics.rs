@@ -1,0 +1,264 @@
+//! Rapier and the pure crate see one world.
+
+use bevy::ecs::system::RunSystemOnce;
+use bevy::prelude::*;
+use bevy_envgen::bevy_rapier2d::prelude::*;
+use bevy_envgen::envgen::geometry::{Shape, unit_vector};
+use bevy_envgen::envgen::glam::DVec2;
+use bevy_envgen::envgen::hallway::HallwaySpec;
+use bevy_envgen::envgen::raycast::Raycaster;
+use bevy_envgen::envgen::world::Wall as EnvgenWall;
+use bevy_envgen::envgen::{Blueprint, Seed, Spec, World as EnvgenWorld};
+use bevy_envgen::physics::ColliderMerging;
+use bevy_envgen::prelude::*;
+use bevy_envgen::testing::{in_rapier, spawn_ready, step, test_app, truth, wait_until_ready};
+
+use super::specs;
+
+const RANGE: f64 = 15.0;
+const MILLIMETRE: f64 = 1e-3;
+
+/// Ranges of rays by rapier, sensors left out; `RANGE` where nothing is met.
+fn ranges(app: &mut App, rays: Vec<(Vec2, Vec2)>) -> Vec<f64> {
+    let cast = move |context: ReadRapierContext| {
+        let context = context.single().unwrap();
+        let filter = QueryFilter::default().exclude_sensors();
+        let range = RANGE as f32;
+        rays.iter()
+            .map(|&(from, way)| {
+                let hit = context.cast_ray(from, way, range, true, filter);
+                hit.map_or(RANGE, |(_, distance)| f64::from(distance))
+            })
+            .collect::<Vec<_>>()
+    };
+    app.world_mut().run_system_once(cast).unwrap()
+}
+
+/// Random rays of a world: from anywhere in its bounds, inside of walls too.
+fn rays(world: &EnvgenWorld, count: usize) -> Vec<(DVec2, f64)> {
+    let mut stream = Seed(11).stream("test/rays", 0);
+    let bounds = world.bounds;
+    (0..count)
+        .map(|_| {
+            let x = stream.between(bounds.min.x, bounds.max.x);
+            let y = stream.between(bounds.min.y, bounds.max.y);
+            (DVec2::new(x, y), stream.between(-3.2, 3.2))
+        })
+        .collect()
+}
+
+/// Whether the range of a ray is within a millimetre of the exact one. A ray that grazes an edge may
+/// meet it or miss it: then a ray half a millimetre to one of its sides has that range.
+fn agrees(caster: &Raycaster, (from, heading): (DVec2, f64), range: f64) -> (bool, bool) {
+    let exact = |from| caster.cast(from, heading, RANGE).map_or(RANGE, |hit| hit.distance);
+    let close = |a: f64| (a - range).abs() <= MILLIMETRE;
+    let side = unit_vector(heading).perp() * (0.5 * MILLIMETRE);
+    let way = unit_vector(heading) * (0.5 * MILLIMETRE);
+    let direct = close(exact(from));
+    let beside: Vec<f64> = [side, -side, way, -way].map(|shift| exact(from + shift)).to_vec();
+    let (low, high) = beside.iter().fold((RANGE, 0.0_f64), |(l, h), &r| (l.min(r), h.max(r)));
+    (direct, direct || (low - MILLIMETRE..=high + MILLIMETRE).contains(&range))
+}
+
+#[test]
+fn a_rapier_ray_and_an_exact_ray_agree_within_a_millimetre() {
+    const RAYS: usize = 4000;
+    for spec in specs() {
+        for (merge, solids) in [
+            (ColliderMerging::Never, SolidStorage::Entities),
+            (ColliderMerging::Always, SolidStorage::Entities),
+            (ColliderMerging::Never, SolidStorage::TileData),
+        ] {
+            let mut app = test_app();
+            let settings = ColliderSettings { merge, ..default() };
+            let environment = Environment::new(spec.clone(), 2).with_solids(solids);
+            let colliders = EnvironmentColliders(settings);
+            let root = app.world_mut().spawn((environment, colliders)).id();
+            wait_until_ready(&mut app, root).unwrap();
+            step(&mut app, 2);
+            let world = truth(&app, root);
+            let caster = Raycaster::new(&world);
+            let rays = rays(&world, RAYS);
+            let flat =
+                |&(from, heading): &(DVec2, f64)| (from.as_vec2(), unit_vector(heading).as_vec2());
+            let found = ranges(&mut app, rays.iter().map(flat).collect());
+            let mut grazing = 0;
+            for (&ray, &range) in rays.iter().zip(&found) {
+                let (direct, agreed) = agrees(&caster, ray, range);
+                let exact = caster.cast(ray.0, ray.1, RANGE);
+                assert!(
+                    agreed,
+                    "{spec:?} {merge:?} {solids:?}: {ray:?} {range} m, exactly {exact:?}"
+                );
+                grazing += usize::from(!direct);
+            }
+            assert!(grazing <= RAYS / 200, "{grazing} of {RAYS} rays graze, {spec:?}");
+            let met = found.iter().filter(|&&range| range < RANGE).count();
+            assert!(met > RAYS / 100, "{met} rays meet anything, {spec:?}");
+        }
+    }
+}
+
+#[test]
+fn rays_agree_in_an_environment_that_was_moved_and_turned() {
+    for spec in specs() {
+        let mut app = test_app();
+        let root = spawn_ready(&mut app, Environment::new(spec.clone(), 2)).unwrap();
+        step(&mut app, 2);
+        let at = Transform::from_xyz(40.0, -25.0, 0.0).with_rotation(Quat::from_rotation_z(0.8));
+        *app.world_mut().get_mut::<Transform>(root).unwrap() = at;
+        step(&mut app, 3);
+        let world = truth(&app, root);
+        let caster = Raycaster::new(&world);
+        let rays = rays(&world, 1000);
+        let turned = |&(from, heading): &(DVec2, f64)| {
+            let from = at.transform_point(from.as_vec2().extend(0.0)).truncate();
+            let way = at.rotation * unit_vector(heading).as_vec2().extend(0.0);
+            (from, way.truncate())
+        };
+        let found = ranges(&mut app, rays.iter().map(turned).collect());
+        for (&ray, &range) in rays.iter().zip(&found) {
+            let exact = caster.cast(ray.0, ray.1, RANGE);
+            assert!(agrees(&caster, ray, range).1, "{spec:?}: {ray:?} {range} m, {exact:?}");
+        }
+    }
+}
+
+/// Throws a body at every wall from where it is free, and returns those that got through.
+fn throw(spec: &HallwaySpec, merge: ColliderMerging) -> usize {
+    const SPEED: f32 = 10.0;
+    const RADIUS: f64 = 0.15;
+    let world = spec.generate(Seed(3)).unwrap().to_world();
+    let mut app = test_app();
+    let root = app
+        .world_mut()
+        .spawn((
+            Environment::prebuilt(world.clone()),
+            EnvironmentColliders(ColliderSettings { merge, ..default() }),
+        ))
+        .id();
+    wait_until_ready(&mut app, root).unwrap();
+    // The bodies do not meet each other, so that every wall is tried at once.
+    let groups = CollisionGroups::new(Group::GROUP_1, !Group::GROUP_1);
+    let mut thrown = Vec::new();
+    for EnvgenWall { shape, .. } in &world.walls {
+        let corners = shape.corners();
+        let sides: Vec<_> = corners.iter().zip(corners.iter().cycle().skip(1)).collect();
+        for (&a, &b) in sides {
+            let out = -(b - a).normalize().perp();
+            let middle = (a + b) * 0.5;
+            let from = middle + out * (RADIUS + 0.2);
+            // Faces that touch another wall cannot be reached.
+            if world.clearance(from) < RADIUS + 0.1 {
+                continue;
+            }
+            let body = (
+                Transform::from_translation(from.as_vec2().extend(0.0)),
+                RigidBody::Dynamic,
+                Collider::ball(RADIUS as f32),
+                Velocity { linear: -out.as_vec2() * SPEED, angular: 0.0 },
+                Restitution::coefficient(0.0),
+                Ccd::enabled(),
+                groups,
+            );
+            thrown.push((app.world_mut().spawn(body).id(), middle, out));
+        }
+    }
+    assert!(thrown.len() >= world.walls.len(), "every wall has a free face");
+    let mut through = 0;
+    for _ in 0..64 {
+        step(&mut app, 1);
+        for &(body, middle, out) in &thrown {
+            let at = app.world().get::<Transform>(body).unwrap().translation.truncate().as_dvec2();
+            // Its middle is never behind the face while it is still before it.
+            let (depth, aside) = ((at - middle).dot(out), (at - middle).perp_dot(out));
+            let inside = world.solids().any(|solid| solid.shape.contains(at));
+            through += usize::from(inside || depth < -1.0 && aside.abs() < 0.05);
+        }
+        // Pushed on as if by a motor, whatever the contact took.
+        for &(body, _, out) in &thrown {
+            let mut velocity = app.world_mut().get_mut::<Velocity>(body).unwrap();
+            velocity.linear = -out.as_vec2() * SPEED;
+        }
+    }
+    through
+}
+
+#[test]
+fn a_body_at_ten_metres_a_second_never_gets_through_a_wall() {
+    let plain = HallwaySpec { segments: 30, p_st: 0.3, ..default() };
+    let thin = HallwaySpec { wall_thickness: 0.02, ..plain.clone() };
+    for spec in [plain, thin] {
+        for merge in [ColliderMerging::Never, ColliderMerging::Always] {
+            assert_eq!(throw(&spec, merge), 0, "{merge:?} {spec:?}");
+        }
+    }
+}
+
+#[test]
+fn nothing_falls_and_time_is_counted_in_steps() {
+    let mut app = test_app();
+    let body = (Transform::default(), RigidBody::Dynamic, Collider::ball(0.2));
+    let still = app.world_mut().spawn((body, Velocity::zero())).id();
+    let body = (Transform::from_xyz(0.0, 5.0, 0.0), RigidBody::Dynamic, Collider::ball(0.2));
+    let moving = app.world_mut().spawn((body, Velocity::linear(Vec2::X))).id();
+    step(&mut app, 129);
+    let at = |entity| app.world().get::<Transform>(entity).unwrap().translation.truncate();
+    assert_eq!(at(still), Vec2::ZERO);
+    assert!(at(moving).distance(Vec2::new(2.0, 5.0)) < 0.02, "{}", at(moving));
+}
+
+#[test]
+fn colliders_are_merged_and_left_alone_as_asked() {
+    let trees = |count: usize| {
+        let mut world = bevy_envgen::envgen::forest::ForestSpec { intensity: 0.6, ..default() }
+            .generate(Seed(1))
+            .unwrap()
+            .to_world();
+        world.trees.truncate(count);
+        assert_eq!(world.trees.len(), count);
+        world.certificate.clear();
+        world
+    };
+    for (merge, count, merged) in [
+        (ColliderMerging::default(), 1000, false),
+        (ColliderMerging::default(), 1001, true),
+        (ColliderMerging::Always, 10, true),
+        (ColliderMerging::Never, 1200, false),
+    ] {
+        let mut app = test_app();
+        let colliders = EnvironmentColliders(ColliderSettings { merge, ..default() });
+        let root = app.world_mut().spawn((Environment::prebuilt(trees(count)), colliders)).id();
+        wait_until_ready(&mut app, root).unwrap();
+        step(&mut app, 1);
+        let (colliders, bodies) = in_rapier(&mut app);
+        assert_eq!((colliders == count, bodies), (!merged, 0), "{merge:?} {count}");
+    }
+}
+
+#[test]
+fn sensors_tell_who_is_in_a_room() {
+    let mut app = test_app();
+    let spec = bevy_envgen::envgen::indoor::IndoorSpec::default();
+    let root = spawn_ready(&mut app, Environment::new(spec, 4)).unwrap();
+    let world = truth(&app, root);
+    let room = world.rooms.first().unwrap();
+    let Shape::Box { center, .. } = room.shape else { panic!("{:?}", room.shape) };
+    for body in [RigidBody::Dynamic, RigidBody::KinematicPositionBased] {
+        let at = Transform::from_translation(center.as_vec2().extend(0.0));
+        let robot = app.world_mut().spawn((at, body, Collider::ball(0.01))).id();
+        step(&mut app, 2);
+        let inside = app
+            .world_mut()
+            .run_system_once(move |context: ReadRapierContext, rooms: Query<&Room>| {
+                let context = context.single().unwrap();
+                let pairs = context.intersection_pairs_with(robot);
+                let others = pairs.map(|(a, b, _)| if a == robot { b } else { a });
+                others.filter_map(|other| rooms.get(other).ok()).count()
+            })
+            .unwrap();
+        assert_eq!(inside, 1, "{body:?}");
+        app.world_mut().despawn(robot);
+        step(&mut app, 1);
+    }
+}

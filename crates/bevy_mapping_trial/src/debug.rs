@@ -1,0 +1,189 @@
+//! Lines over trials, for debugging: beams, frontiers and plans, at the estimated poses.
+
+use std::collections::BTreeMap;
+
+use bevy::prelude::*;
+use bevy_envgen::Environment;
+use bevy_envgen::debug::{DebugSystems, EnvgenDebugPlugin, EnvgenGizmos};
+use envgen::geometry::unit_vector;
+use envgen::glam::DVec2;
+use mapping_trial::backend::RobotBackend;
+use mapping_trial::map::OccupancyMap;
+use mapping_trial::policy::costmap::Costmap;
+use mapping_trial::policy::frontier::Frontiers;
+use mapping_trial::robot::Robot;
+use mapping_trial::trial::Trial;
+
+use crate::trial::MappingTrial;
+use crate::view::WatchTrial;
+
+/// The layers that are drawn over trials; by default none.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Resource, Default, Debug, PartialEq, Clone)]
+pub struct TrialDebugLayers {
+    /// The beams of the robots' last scans, from the estimated poses.
+    pub rays: bool,
+    /// The frontiers of the robots' map, in clusters that are worth a visit.
+    pub frontiers: bool,
+    /// The paths that exploration policies follow.
+    pub plan: bool,
+}
+
+impl TrialDebugLayers {
+    /// All layers.
+    pub const ALL: TrialDebugLayers = TrialDebugLayers { rays: true, frontiers: true, plan: true };
+}
+
+/// Colours of the layers.
+const BEAM: Color = Color::srgba(0.84, 0.37, 0.0, 0.35);
+const PLAN: Color = Color::srgb(0.8, 0.47, 0.65);
+
+/// Radius in metres of the mark of a goal.
+const GOAL: f32 = 0.2;
+
+/// Half the side in metres of the mark of a frontier cell.
+const CELL: f64 = 0.02;
+
+/// Degrees between the hues of successive clusters, so that neighbours in the list differ clearly.
+const HUE_STEP: f32 = 137.5;
+
+/// Draws the layers that [`TrialDebugLayers`] switches on over [`MappingTrial`]s, in [`DebugSystems`]
+/// with the gizmos of [`EnvgenGizmos`]. Adds [`EnvgenDebugPlugin`], unless it is added already.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TrialDebugPlugin;
+
+impl Plugin for TrialDebugPlugin {
+    fn build(&self, app: &mut App) {
+        if !app.is_plugin_added::<EnvgenDebugPlugin>() {
+            app.add_plugins(EnvgenDebugPlugin);
+        }
+        app.register_type::<TrialDebugLayers>()
+            .init_resource::<TrialDebugLayers>()
+            .debug_trials::<MappingTrial>();
+    }
+}
+
+/// Extension of [`App`] for plugins whose components hold trials.
+pub trait DebugTrials {
+    /// Draws the layers for the trials of a component. Needs [`TrialDebugPlugin`].
+    fn debug_trials<T: WatchTrial>(&mut self) -> &mut Self;
+}
+
+impl DebugTrials for App {
+    fn debug_trials<T: WatchTrial>(&mut self) -> &mut Self {
+        self.add_systems(
+            PostUpdate,
+            (
+                draw_rays::<T>.run_if(|layers: Res<TrialDebugLayers>| layers.rays),
+                draw_frontiers::<T>,
+                draw_plans::<T>.run_if(|layers: Res<TrialDebugLayers>| layers.plan),
+            )
+                .in_set(DebugSystems),
+        )
+    }
+}
+
+type Trials<'w, 's, T> =
+    Query<'w, 's, (Entity, &'static Environment, &'static GlobalTransform, &'static T)>;
+
+/// Draws the beams of the robots' last scans.
+fn draw_rays<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<EnvgenGizmos>) {
+    for (_, environment, frame, holder) in &trials {
+        let Some(trial) = holder.watched() else { continue };
+        let place = |p: DVec2| environment.point_in_app(frame, p);
+        beams(trial, |from, to| gizmos.line_2d(place(from), place(to), BEAM));
+    }
+}
+
+/// Calls back with both ends of every beam that has an echo, in the world's frame.
+fn beams<B: RobotBackend>(trial: &Trial<B>, mut beam: impl FnMut(DVec2, DVec2)) {
+    let (autonomy, settings) = (trial.autonomy(), trial.settings());
+    for robot in 0..trial.robots() {
+        let laser = settings.body.laser_pose(autonomy.slam().estimate(robot).pose);
+        for (i, &range) in autonomy.scan(robot).ranges.iter().enumerate() {
+            if range.is_finite() {
+                let ray = unit_vector(laser.heading + settings.laser.angle(i)) * range;
+                beam(laser.position, laser.position + ray);
+            }
+        }
+    }
+}
+
+/// The frontiers of a map, updated only when the map has changed.
+struct Edge {
+    /// Revision of the map.
+    revision: Option<u64>,
+    costmap: Costmap,
+    frontiers: Frontiers,
+}
+
+impl Edge {
+    fn new(robot: &Robot) -> Self {
+        Edge { revision: None, costmap: Costmap::new(robot), frontiers: Frontiers::new() }
+    }
+
+    fn renew(&mut self, map: &OccupancyMap, robot: &Robot) {
+        if self.revision.is_some_and(|revision| revision > map.revision()) {
+            // Another trial has begun.
+            *self = Edge::new(robot);
+        }
+        if self.revision != Some(map.revision()) {
+            self.revision = Some(map.revision());
+            self.costmap.refresh(map);
+            self.frontiers.gather(&mut self.costmap, |_, _| false);
+        }
+    }
+
+    /// Calls back with the index of the cluster and the centre of every cell.
+    fn cells(&self, mut cell: impl FnMut(usize, DVec2)) {
+        for cluster in 0..self.frontiers.len() {
+            for index in self.frontiers.cells(cluster) {
+                cell(cluster, index.centre());
+            }
+        }
+    }
+}
+
+/// Draws the frontiers of the robots' map, each cluster in its own colour.
+fn draw_frontiers<T: WatchTrial>(
+    trials: Trials<'_, '_, T>,
+    layers: Res<TrialDebugLayers>,
+    mut edges: Local<BTreeMap<Entity, Edge>>,
+    mut gizmos: Gizmos<EnvgenGizmos>,
+) {
+    if !layers.frontiers {
+        // The next frame may show another trial's map.
+        edges.clear();
+        return;
+    }
+    edges.retain(|&entity, _| trials.contains(entity));
+    for (entity, environment, frame, holder) in &trials {
+        let Some(trial) = holder.watched() else { continue };
+        let robot = &trial.settings().body;
+        let edge = edges.entry(entity).or_insert_with(|| Edge::new(robot));
+        edge.renew(trial.autonomy().slam().map(), robot);
+        let place = |p: DVec2| environment.point_in_app(frame, p);
+        edge.cells(|cluster, p| {
+            let color = Color::hsl((cluster as f32 * HUE_STEP) % 360.0, 0.9, 0.45);
+            for side in [DVec2::new(CELL, CELL), DVec2::new(CELL, -CELL)] {
+                gizmos.line_2d(place(p - side), place(p + side), color);
+            }
+        });
+    }
+}
+
+/// Draws the paths that exploration policies follow, and their goals.
+fn draw_plans<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<EnvgenGizmos>) {
+    for (_, environment, frame, holder) in &trials {
+        let Some(trial) = holder.watched() else { continue };
+        let place = |p: DVec2| environment.point_in_app(frame, p);
+        let Some(operator) = trial.autonomy().policy() else { continue };
+        for robot in 0..trial.robots() {
+            let path = operator.path(robot);
+            gizmos.linestrip_2d(path.iter().map(|&p| place(p)), PLAN);
+            if let Some(&goal) = path.last() {
+                gizmos.circle_2d(place(goal), GOAL, PLAN);
+            }
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Bevy plugins for robots in rapier, and for mapping trials with them, in the worlds of
+//! [`bevy_envgen`]. No window or renderer is needed.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_envgen::prelude::*;
+//! use bevy_mapping_trial::prelude::*;
+//! use mapping_trial::trial::TrialSettings;
+//!
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, TransformPlugin, TopDownPhysicsPlugin::for_trials()));
+//! app.add_plugins((EnvgenPlugins::default(), TrialPlugin::default()));
+//! let trial = MappingTrial::new(TrialSettings::default());
+//! app.world_mut().spawn((Environment::new(HallwaySpec::default(), 7), trial));
+//! app.update(); // or app.run()
+//! ```
+//!
+//! [`robot`] describes how robots drive and sense, and [`trial`] how trials run.
+//!
+//! # What is spawned
+//!
+//! ```text
+//! Environment            MappingTrial, and ManualControl where a person drives
+//!   Robot 1, ..          TrialRobot, RobotModel, Chassis, DriveCommand, Wheels, TruePose, Bumper,
+//!                        Battery, WheelOdometry, LaserScanner, LaserScan, RobotCondition
+//! ```
+//!
+//! # Events
+//!
+//! | event for observers | triggered on |
+//! |---|---|
+//! | [`TrialStarted`](trial::TrialStarted), [`TrialEnded`](trial::TrialEnded), [`TrialFailed`](trial::TrialFailed) | the environment of a trial |
+//!
+//! # Plugins
+//!
+//! | plugin | feature | adds |
+//! |---|---|---|
+//! | [`RobotPlugin`](robot::RobotPlugin) | | robots that drive and sense in rapier |
+//! | [`TrialPlugin`](trial::TrialPlugin) | | mapping trials, with `RobotPlugin` |
+//! | `TrialViewPlugin` | `render` | draws mapping trials |
+//! | `TrialDebugPlugin` | `debug` | lines over rays, frontiers and plans, with `EnvgenDebugPlugin` |
+//!
+//! # System sets
+//!
+//! The schedule of rapier, `FixedUpdate` by default, runs robots and trials before and after it:
+//! `DoorSystems` of [`bevy_envgen`], [`TrialSystems::Command`](trial::TrialSystems),
+//! [`RobotSystems::Drive`](robot::RobotSystems), rapier's `PhysicsSet`,
+//! [`RobotSystems::Sense`](robot::RobotSystems), [`TrialSystems::Record`](trial::TrialSystems).
+//!
+//! # Features
+//!
+//! | feature | default | what it adds |
+//! |---|---|---|
+//! | `render` | no | `view`, the drawing of trials; only this feature and those that include it, and `egui`, need rendering crates |
+//! | `debug` | no | `debug`, lines over rays, frontiers and plans; includes `render` |
+//! | `egui` | no | `ui`, panels for specs, trials, scores and the feedback form |
+//! | `serialize` | no | serde for the properties of robots; the feature `serialize` of [`bevy_envgen`] |
+//!
+//! By default the default features of [`bevy_envgen`] are on.
+
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
+#[cfg(feature = "debug")]
+pub mod debug;
+pub mod robot;
+pub mod trial;
+#[cfg(feature = "egui")]
+pub mod ui;
+#[cfg(feature = "render")]
+pub mod view;
+
+pub use bevy_envgen;
+pub use bevy_rapier2d;
+pub use mapping_trial;
+
+/// What most apps need, beside the prelude of [`bevy_envgen`].
+pub mod prelude {
+    pub use crate::robot::{
+        Battery, Bumper, Chassis, DriveCommand, LaserScan, LaserScanner, RobotModel, RobotPlugin,
+        RobotSystems, TruePose, WheelOdometry,
+    };
+    pub use crate::trial::{
+        ForTrials, ManualControl, MappingTrial, TrialEnded, TrialFailed, TrialPlugin, TrialRobot,
+        TrialStarted, TrialSystems,
+    };
+}
+
+/// The snippets of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

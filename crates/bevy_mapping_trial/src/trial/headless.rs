@@ -1,0 +1,139 @@
+//! Trials in a headless app that is created for them.
+
+use std::time::Duration;
+
+use bevy::app::TaskPoolPlugin;
+use bevy::ecs::schedule::SingleThreadedExecutor;
+use bevy::prelude::*;
+use bevy::time::{TimePlugin, TimeUpdateStrategy};
+use bevy_envgen::physics::{ColliderSettings, EnvgenPhysicsPlugin, TopDownPhysicsPlugin};
+use bevy_envgen::{
+    EnvgenCorePlugin, Environment, EnvironmentError, EnvironmentFailure, GenerationMode,
+};
+use mapping_trial::backend::TICK;
+use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
+use thiserror::Error;
+
+use super::{ForTrials, MappingTrial, MappingTrialError, RapierRobots, TrialFailed, TrialPlugin};
+
+/// Ticks between two calls of the progress callback.
+const TICKS_PER_CALL: u64 = 200;
+
+/// Why a trial cannot be run headless.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum HeadlessError {
+    /// The world is invalid.
+    #[error(transparent)]
+    World(#[from] EnvironmentError),
+    /// The trial cannot begin.
+    #[error(transparent)]
+    Trial(#[from] MappingTrialError),
+    /// The trial did not begin, for an unknown reason.
+    #[error("the trial did not begin")]
+    Stalled,
+}
+
+/// Runs a trial in rapier to its end, as fast as possible and on this thread alone. `progress` is
+/// called from time to time with the simulated seconds so far.
+///
+/// # Errors
+///
+/// An invalid world, settings that are out of range, or a start that is not free.
+pub fn run_headless(
+    world: &envgen::World,
+    settings: TrialSettings,
+    progress: impl FnMut(f64),
+) -> Result<Trial<RapierRobots>, HeadlessError> {
+    run_headless_with(world, settings, TrialParts::default(), progress)
+}
+
+/// The same with a custom SLAM, exploration policy or sensors, in place of those of the settings.
+///
+/// # Errors
+///
+/// As [`run_headless`].
+pub fn run_headless_with(
+    world: &envgen::World,
+    settings: TrialSettings,
+    parts: TrialParts,
+    progress: impl FnMut(f64),
+) -> Result<Trial<RapierRobots>, HeadlessError> {
+    drive(world.clone(), MappingTrial::new(settings).with_parts(parts), progress)
+}
+
+/// Replays a log of engine [`ENGINE`](super::ENGINE) in `world`, which must be the log's world.
+///
+/// # Errors
+///
+/// As [`run_headless`]; a world or an engine that is not the log's.
+pub fn replay_headless(
+    world: &envgen::World,
+    log: TrialLog,
+    progress: impl FnMut(f64),
+) -> Result<Trial<RapierRobots>, HeadlessError> {
+    drive(world.clone(), MappingTrial::replay(log), progress)
+}
+
+/// The last reason why the trial could not begin.
+#[derive(Resource)]
+struct Failure(MappingTrialError);
+
+fn drive(
+    world: envgen::World,
+    trial: MappingTrial,
+    mut progress: impl FnMut(f64),
+) -> Result<Trial<RapierRobots>, HeadlessError> {
+    let mut app = app();
+    let environment = Environment::prebuilt(world).with_pace(GenerationMode::Blocking);
+    let entity = app.world_mut().spawn((environment, trial)).id();
+    let mut ticks = 0_u64;
+    loop {
+        app.update();
+        ticks += 1;
+        if let Some(Failure(error)) = app.world_mut().remove_resource() {
+            return Err(error.into());
+        }
+        let mut root = app.world_mut().entity_mut(entity);
+        if let Some(failure) = root.get::<EnvironmentFailure>() {
+            return Err(failure.0.clone().into());
+        }
+        let trial = root.get::<MappingTrial>().ok_or(HeadlessError::Stalled)?;
+        if trial.is_over() {
+            let trial = root.take::<MappingTrial>().and_then(MappingTrial::into_trial);
+            return trial.ok_or(HeadlessError::Stalled);
+        }
+        let time = trial.trial().map(Trial::time);
+        if time.is_none() && ticks > TICKS_PER_CALL {
+            return Err(HeadlessError::Stalled);
+        }
+        if ticks.is_multiple_of(TICKS_PER_CALL) {
+            progress(time.unwrap_or(0.0));
+        }
+    }
+}
+
+/// An app in which an update is a tick, with only the plugins that a trial needs.
+fn app() -> App {
+    let mut app = App::new();
+    app.add_plugins((
+        TaskPoolPlugin::default(),
+        TimePlugin,
+        TransformPlugin,
+        TopDownPhysicsPlugin::for_trials(),
+        EnvgenCorePlugin::default(),
+        EnvgenPhysicsPlugin::default().with_colliders(ColliderSettings::for_trials()),
+        TrialPlugin::default(),
+    ));
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(TICK)));
+    app.add_observer(|failed: On<TrialFailed>, mut commands: Commands| {
+        commands.insert_resource(Failure(failed.error.clone()));
+    });
+    // The systems are many and short: with threads they would mostly wait for each other.
+    for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
+        schedule.set_executor(SingleThreadedExecutor::new());
+    }
+    app.finish();
+    app.cleanup();
+    app
+}

@@ -1,0 +1,298 @@
+//! The systems of trials.
+
+use bevy::prelude::*;
+use bevy_envgen::{Environment, EnvironmentState, GroundTruth};
+use bevy_rapier2d::prelude::TimestepMode;
+use envgen::geometry::Pose;
+use mapping_trial::backend::{Command, Condition, RobotBackend, Sensors, TICK};
+use mapping_trial::lidar::Scan;
+use mapping_trial::trial::{EndReason, Trial, TrialBuilder, TrialLog};
+
+use super::bodies::{RapierRobots, TickReport};
+use super::camera::Camera;
+use super::{
+    ENGINE, ManualControl, MappingTrial, MappingTrialError, Request, Run, State, TrialEnded,
+    TrialFailed, TrialRobot, TrialStarted,
+};
+use crate::robot::{
+    Battery, Bumper, DriveCommand, LaserScan, LaserScanner, RobotCondition, RobotModel, TruePose,
+    WheelOdometry,
+};
+
+/// Relative differences of steps and scales below this are rounding.
+const TOLERANCE: f64 = 1e-5;
+
+/// A trial and its environment.
+type Asked = (
+    Entity,
+    &'static mut MappingTrial,
+    &'static Environment,
+    &'static EnvironmentState,
+    &'static GroundTruth,
+    &'static GlobalTransform,
+);
+
+/// Begins trials whose worlds are ready, and begins those again whose worlds have changed.
+pub(super) fn begin(
+    mut trials: Query<Asked>,
+    fixed: Res<Time<Fixed>>,
+    rapier: Option<Res<TimestepMode>>,
+    mut commands: Commands,
+) {
+    for (entity, mut trial, environment, state, truth, transform) in &mut trials {
+        let world = match &trial.state {
+            State::Waiting => None,
+            State::Failed(world) => Some(world),
+            State::Warming(run) | State::Running(run) | State::Over(run) => Some(&run.world),
+        };
+        if world.is_some_and(|world| std::sync::Arc::ptr_eq(world, &truth.0)) {
+            continue;
+        }
+        for &robot in trial.robots() {
+            commands.entity(robot).try_despawn();
+        }
+        trial.state = State::Waiting;
+        // When another world failed, the previous one is still spawned.
+        if !matches!(state, EnvironmentState::Ready | EnvironmentState::Failed) {
+            continue;
+        }
+        let ready = check(&fixed, rapier.as_deref(), transform);
+        match ready.and_then(|()| place(&trial, truth)) {
+            Ok(mut placed) => {
+                let robots = spawn(&mut commands, entity, environment, transform, &mut placed);
+                let scans = vec![0; robots.len()];
+                let script = match &trial.ask {
+                    Request::New(_) => Vec::new(),
+                    Request::Replay(log) => {
+                        let track = |robot| log.commands(robot).collect::<Vec<_>>().into_iter();
+                        (0..robots.len()).map(track).collect()
+                    }
+                };
+                let world = truth.0.clone();
+                let camera = Camera::new(&world);
+                let run = Run { trial: placed, world, camera, robots, scans, script };
+                trial.state = State::Warming(Box::new(run));
+            }
+            Err(error) => {
+                log::warn!("trial in environment {entity}: {error}");
+                trial.state = State::Failed(truth.0.clone());
+                commands.trigger(TrialFailed { entity, error });
+            }
+        }
+    }
+}
+
+/// Checks that the time steps and the environment's transform suit a trial.
+fn check(
+    fixed: &Time<Fixed>,
+    rapier: Option<&TimestepMode>,
+    transform: &GlobalTransform,
+) -> Result<(), MappingTrialError> {
+    let tick = |seconds: f64| (seconds / TICK - 1.0).abs() < TOLERANCE;
+    let found = fixed.timestep().as_secs_f64();
+    if !tick(found) {
+        return Err(MappingTrialError::FixedStep { found });
+    }
+    match rapier {
+        Some(TimestepMode::Fixed { dt, .. }) if tick(f64::from(*dt)) => {}
+        other => {
+            let found = other.map_or("none".to_owned(), |mode| format!("{mode:?}"));
+            return Err(MappingTrialError::RapierStep { found });
+        }
+    }
+    let found = transform.scale();
+    if (found - Vec3::ONE).abs().max_element() > TOLERANCE as f32 {
+        return Err(MappingTrialError::Scale { found });
+    }
+    Ok(())
+}
+
+/// A trial with its robots at their starts.
+fn place(
+    trial: &MappingTrial,
+    world: &envgen::World,
+) -> Result<Trial<RapierRobots>, MappingTrialError> {
+    let bodies = |builder: TrialBuilder<'_>| {
+        builder.parts(trial.parts.clone()).build(|setup, sensors| {
+            RapierRobots::new(setup.starts, setup.settings.body.battery, sensors)
+        })
+    };
+    Ok(match &trial.ask {
+        Request::New(settings) => bodies(TrialBuilder::new(world, (**settings).clone()))?,
+        Request::Replay(log) if log.engine != ENGINE => {
+            return Err(MappingTrialError::Engine { found: log.engine.clone() });
+        }
+        Request::Replay(log) => log.replay_with(world, bodies)?,
+    })
+}
+
+/// Spawns the robots of a trial as children of its environment.
+fn spawn(
+    commands: &mut Commands,
+    entity: Entity,
+    environment: &Environment,
+    frame: &GlobalTransform,
+    trial: &mut Trial<RapierRobots>,
+) -> Vec<Entity> {
+    let sensors = trial.bodies_mut().take_sensors();
+    let settings = trial.settings();
+    let robots = sensors.into_iter().enumerate();
+    robots
+        .map(|(index, Sensors { laser, odometry })| {
+            let Pose { position, heading } = trial.bodies().pose(index);
+            let at = (position - environment.origin).as_vec2();
+            let place = Transform::from_translation(at.extend(0.0))
+                .with_rotation(Quat::from_rotation_z(heading as f32));
+            let robot = (
+                Name::new(format!("Robot {}", index + 1)),
+                TrialRobot { index },
+                RobotModel(settings.body.clone()),
+                LaserScanner::with_sensor(settings.laser.clone(), laser),
+                WheelOdometry::with_sensor(odometry),
+                place,
+                // Bevy updates it once per frame, but rapier reads it in this tick.
+                frame.mul_transform(place),
+                ChildOf(entity),
+            );
+            commands.spawn(robot).id()
+        })
+        .collect()
+}
+
+/// Passes what the robots sensed to their trials, and commands the robots.
+pub(super) fn command(
+    mut trials: Query<(Entity, &mut MappingTrial, Option<&ManualControl>)>,
+    mut robots: Query<&mut DriveCommand, With<TrialRobot>>,
+    mut commands: Commands,
+) {
+    for (entity, mut trial, hands) in &mut trials {
+        let MappingTrial { ask, state, .. } = &mut *trial.bypass_change_detection();
+        let State::Running(run) = state else { continue };
+        let given = match ask {
+            Request::Replay(log) => replayed(log, run),
+            Request::New(_) => run.trial.command(hands.map(|hands| hands.commands.as_slice())),
+        };
+        let stop = vec![Command::STOP; run.robots.len()];
+        for (&robot, &command) in run.robots.iter().zip(given.as_ref().unwrap_or(&stop)) {
+            if let Ok(mut told) = robots.get_mut(robot) {
+                told.set_if_neq(command.into());
+            }
+        }
+        if given.is_none() {
+            if let State::Running(run) = std::mem::replace(state, State::Waiting) {
+                *state = State::Over(run);
+            }
+            trial.set_changed();
+            commands.trigger(TrialEnded { entity });
+        }
+    }
+}
+
+/// The log's commands for the next tick; `None` at its end.
+fn replayed(log: &TrialLog, run: &mut Run) -> Option<Vec<Command>> {
+    let Run { trial, script, .. } = run;
+    if script.first().is_some_and(|track| track.len() > 0) {
+        let commands: Vec<Command> =
+            script.iter_mut().map(|track| track.next().unwrap_or(Command::STOP)).collect();
+        return trial.command(Some(&commands));
+    }
+    let stopped = |reason: Option<EndReason>| reason == Some(EndReason::Stopped);
+    if log.ends.iter().any(|end| stopped(end.map(|end| end.reason))) {
+        trial.stop();
+    } else if log.ends.iter().all(Option::is_some) {
+        // The last observation, after which no robot had a command.
+        trial.command(Some(&[]));
+    }
+    None
+}
+
+/// The components that hold what a robot sensed.
+type Sensed = (
+    &'static TruePose,
+    &'static Bumper,
+    &'static RobotCondition,
+    &'static WheelOdometry,
+    &'static LaserScan,
+    &'static mut Battery,
+);
+
+/// Stores what the robots sensed in their trials.
+pub(super) fn record(
+    mut trials: Query<(Entity, &mut MappingTrial, &Environment, &GlobalTransform)>,
+    mut robots: Query<Sensed, With<TrialRobot>>,
+    mut commands: Commands,
+) {
+    for (entity, mut trial, environment, transform) in &mut trials {
+        let MappingTrial { time, state, .. } = trial.bypass_change_detection();
+        let warming = matches!(state, State::Warming(_));
+        let (State::Warming(run) | State::Running(run)) = state else { continue };
+        if run.trial.is_over() && !warming {
+            continue;
+        }
+        let known = run
+            .robots
+            .iter()
+            .all(|&robot| robots.get(robot).is_ok_and(|(_, _, _, _, scan, _)| scan.number > 0));
+        if warming && !known {
+            continue;
+        }
+        if !warming {
+            run.trial.bodies_mut().tick();
+        }
+        let left = run.trial.bodies().battery();
+        let to_world = transform.affine().as_daffine3().inverse();
+        for (robot, &body) in run.robots.iter().enumerate() {
+            let Ok((pose, bumper, condition, wheels, scan, mut battery)) = robots.get_mut(body)
+            else {
+                continue;
+            };
+            battery.left = left;
+            let fresh = scan.number != run.scans[robot];
+            run.scans[robot] = scan.number;
+            let lost = *condition == RobotCondition::Drowned;
+            let pose = in_world(pose, &to_world, environment);
+            let report = TickReport {
+                pose,
+                condition: if lost { Condition::Drowned } else { Condition::Operational },
+                hits: bumper.hits,
+                touching: bumper.touching,
+                odometry: wheels.last(),
+                scan: fresh.then(|| Scan { ranges: scan.ranges.clone() }),
+                water: fresh.then(|| run.camera.water(&run.trial.settings().body, pose)),
+            };
+            run.trial.bodies_mut().store(robot, report);
+        }
+        if warming {
+            if let State::Warming(run) = std::mem::replace(state, State::Waiting) {
+                *state = State::Running(run);
+            }
+            trial.set_changed();
+            commands.trigger(TrialStarted { entity });
+        } else {
+            run.trial.record();
+            *time = run.trial.time();
+        }
+    }
+}
+
+/// A pose of rapier's frame in the frame of the world.
+fn in_world(pose: &TruePose, to_world: &bevy::math::DAffine3, environment: &Environment) -> Pose {
+    let position = to_world.transform_point3(pose.position.extend(0.0)).truncate();
+    let turn = to_world.matrix3.x_axis;
+    let heading = pose.heading + libm::atan2(turn.y, turn.x);
+    Pose { position: position + environment.origin, heading: envgen::geometry::wrap_angle(heading) }
+}
+
+/// Despawns the robots of a removed trial.
+pub(super) fn leave(
+    gone: On<Discard, MappingTrial>,
+    trials: Query<&MappingTrial>,
+    mut commands: Commands,
+) {
+    let Ok(trial) = trials.get(gone.entity) else { return };
+    for &robot in trial.robots() {
+        if let Ok(mut robot) = commands.get_entity(robot) {
+            robot.try_despawn();
+        }
+    }
+}

@@ -1,0 +1,294 @@
+//! The view of a mapping trial: the growing map, the current scans, the robots and their paths, at
+//! the poses that the robots estimate.
+//!
+//! The world itself is hidden from the first frame on, unless [`TrialView::truth`] is set.
+//!
+//! ```text
+//! Environment          TrialView (what is shown), TrialSights (positions)
+//!   trial view
+//!     map              a sprite for every 6.4 m of the map
+//!     scans            a fan for every robot
+//!     paths            ribbons
+//!     robot 0          a box with an arrow head; an arrow for minimaps
+//!     truth            true poses and paths, for training
+//! ```
+//!
+//! [`MappingTrial`]s are drawn, and so can be any other component that holds a trial: see
+//! [`WatchTrials`].
+
+mod camera;
+mod drawing;
+mod map;
+mod scan;
+mod shape;
+mod trail;
+
+use bevy::asset::AssetEventSystems;
+use bevy::camera::CameraUpdateSystems;
+use bevy::camera::visibility::{RenderLayers, VisibilitySystems};
+use bevy::prelude::*;
+use bevy::transform::TransformSystems;
+use bevy_envgen::visuals::require_visibility;
+use bevy_envgen::{Environment, Tile};
+use envgen::glam::DVec2;
+use mapping_trial::backend::RobotBackend;
+use mapping_trial::trial::Trial;
+
+pub use camera::{FollowRobot, ShowWholeMap, TrialSights};
+use drawing::{Canvas, Drawing};
+
+use crate::trial::{MappingTrial, RapierRobots};
+
+/// The render layer that only minimaps show: arrows at the robots' positions.
+pub const MINIMAP_LAYER: usize = 30;
+
+/// The visible layers of a trial, on the entity of its environment.
+///
+/// Removing it shows the plain world.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+#[require(TrialSights)]
+pub struct TrialView {
+    /// The world, and the true poses and paths of the robots: for training only, because a trial
+    /// asks for them.
+    pub truth: bool,
+    /// The map.
+    pub map: bool,
+    /// The current scans.
+    pub scan: bool,
+    /// The paths of the robots, as they estimate them.
+    pub path: bool,
+}
+
+impl Default for TrialView {
+    fn default() -> Self {
+        TrialView { truth: false, map: true, scan: true, path: true }
+    }
+}
+
+/// The colours of a trial.
+#[derive(Resource, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Default, Debug, PartialEq, Clone)]
+pub struct TrialPalette {
+    /// The background of the map, where nothing is known; also for the clear colour of cameras.
+    pub unknown: Color,
+    /// Free cells of the map.
+    pub free: Color,
+    /// Occupied cells of the map.
+    pub occupied: Color,
+    /// The true poses and paths of the robots.
+    pub truth: Color,
+    /// Robots with their scans and paths; repeated when there are more robots than colours.
+    pub robots: Vec<Color>,
+}
+
+impl Default for TrialPalette {
+    fn default() -> Self {
+        TrialPalette {
+            unknown: Color::srgb_u8(0x8a, 0x8f, 0x98),
+            free: Color::srgb_u8(0xf4, 0xf4, 0xf1),
+            occupied: Color::srgb_u8(0x1c, 0x1f, 0x26),
+            // Okabe and Ito's colours, which most colour-blind people can distinguish.
+            truth: Color::srgb_u8(0x00, 0x9e, 0x73),
+            robots: vec![Color::srgb_u8(0xd5, 0x5e, 0x00), Color::srgb_u8(0x00, 0x72, 0xb2)],
+        }
+    }
+}
+
+impl TrialPalette {
+    /// The colour of a robot, by its index from 0.
+    pub fn robot(&self, robot: usize) -> Color {
+        let color = self.robots.get(robot % self.robots.len().max(1));
+        color.copied().unwrap_or(self.occupied)
+    }
+}
+
+/// A component that holds a trial of the [`Environment`] on the same entity.
+pub trait WatchTrial: Component {
+    /// The robot backend of the trial.
+    type RobotBackend: RobotBackend;
+
+    /// The trial; `None` before it begins.
+    fn watched(&self) -> Option<&Trial<Self::RobotBackend>>;
+}
+
+impl WatchTrial for MappingTrial {
+    type RobotBackend = RapierRobots;
+
+    fn watched(&self) -> Option<&Trial<RapierRobots>> {
+        self.trial()
+    }
+}
+
+/// Extension of [`App`] for plugins whose components hold trials.
+pub trait WatchTrials {
+    /// Draws the trials of a component. The component then requires a [`TrialView`], so that no
+    /// world is visible before its trial begins.
+    fn watch_trials<T: WatchTrial>(&mut self) -> &mut Self;
+}
+
+impl WatchTrials for App {
+    fn watch_trials<T: WatchTrial>(&mut self) -> &mut Self {
+        // Two plugins may register the same component; it then already requires a view.
+        if self.try_register_required_components::<T, TrialView>().is_ok() {
+            self.add_observer(forget::<T>);
+            self.add_systems(PostUpdate, draw::<T>.in_set(TrialViewSystems::Draw));
+        }
+        self
+    }
+}
+
+/// The systems that draw trials, in this order, in `PostUpdate`.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TrialViewSystems {
+    /// Hides worlds, or shows them where asked for.
+    Hide,
+    /// Draws what has changed.
+    Draw,
+    /// Moves cameras.
+    Look,
+}
+
+/// Draws mapping trials. Add it after [`EnvgenPlugins`](bevy_envgen::EnvgenPlugins).
+///
+/// Adds the resource [`TrialPalette`] and the systems of [`TrialViewSystems`]. Needs Bevy's plugins
+/// for images, meshes, sprites and `ColorMaterial`s; without them it draws nothing.
+#[derive(Clone, Debug, Default)]
+pub struct TrialViewPlugin {
+    palette: TrialPalette,
+}
+
+impl TrialViewPlugin {
+    /// Uses `palette` instead of the default colours.
+    pub fn new(palette: TrialPalette) -> Self {
+        TrialViewPlugin { palette }
+    }
+}
+
+impl Plugin for TrialViewPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<TrialView>()
+            .register_type::<TrialPalette>()
+            .register_type::<TrialSights>()
+            .register_type::<FollowRobot>()
+            .register_type::<ShowWholeMap>()
+            .insert_resource(self.palette.clone())
+            .add_observer(show_world)
+            .configure_sets(
+                PostUpdate,
+                (TrialViewSystems::Hide, TrialViewSystems::Draw, TrialViewSystems::Look)
+                    .chain()
+                    .before(TransformSystems::Propagate)
+                    .before(VisibilitySystems::VisibilityPropagate)
+                    .before(CameraUpdateSystems)
+                    .before(AssetEventSystems),
+            )
+            .add_systems(
+                PostUpdate,
+                (
+                    hide_worlds.in_set(TrialViewSystems::Hide),
+                    (camera::follow, camera::show_maps).chain().in_set(TrialViewSystems::Look),
+                ),
+            );
+        require_visibility(app);
+        app.register_type::<MappingTrial>().watch_trials::<MappingTrial>();
+    }
+}
+
+/// The render layers of a minimap's camera: everything that other cameras see, and arrows at the
+/// robots.
+pub fn minimap_layers() -> RenderLayers {
+    RenderLayers::from_layers(&[0, MINIMAP_LAYER])
+}
+
+/// Hides the parts of worlds whose trials are drawn.
+fn hide_worlds(
+    views: Query<(&TrialView, &Children)>,
+    mut tiles: Query<&mut Visibility, With<Tile>>,
+) {
+    for (view, children) in &views {
+        let wanted = if view.truth { Visibility::Inherited } else { Visibility::Hidden };
+        let mut tiles = tiles.iter_many_mut(children);
+        while let Some(mut visibility) = tiles.fetch_next() {
+            visibility.set_if_neq(wanted);
+        }
+    }
+}
+
+/// Shows a world again whose trial is no longer drawn, and removes the drawing.
+fn show_world(
+    removed: On<Remove, TrialView>,
+    children: Query<&Children>,
+    mut tiles: Query<&mut Visibility, With<Tile>>,
+    drawings: Query<&Drawing>,
+    mut commands: Commands,
+) {
+    if let Ok(children) = children.get(removed.entity) {
+        let mut tiles = tiles.iter_many_mut(children);
+        while let Some(mut visibility) = tiles.fetch_next() {
+            visibility.set_if_neq(Visibility::Inherited);
+        }
+    }
+    if let Ok(drawing) = drawings.get(removed.entity) {
+        // Everything is despawned with the environment.
+        commands.entity(drawing.root).try_despawn();
+        commands.entity(removed.entity).try_remove::<(Drawing, TrialSights)>();
+    }
+}
+
+/// Stops drawing a trial that was removed.
+fn forget<T: WatchTrial>(removed: On<Remove, T>, mut commands: Commands) {
+    commands.entity(removed.entity).try_remove::<TrialView>();
+}
+
+/// A trial and its drawing.
+type Watched<'a, T> =
+    (Entity, &'a Environment, &'a T, &'a TrialView, &'a mut TrialSights, Option<&'a mut Drawing>);
+
+/// Draws what has changed in the trials.
+fn draw<T: WatchTrial>(
+    mut trials: Query<Watched<'_, T>>,
+    palette: Res<TrialPalette>,
+    mut canvas: Canvas,
+) {
+    for (entity, environment, holder, view, mut sights, drawing) in &mut trials {
+        let Some(trial) = holder.watched() else {
+            if let Some(drawing) = drawing {
+                canvas.commands.entity(drawing.root).try_despawn();
+                canvas.commands.entity(entity).try_remove::<Drawing>();
+                sights.set_if_neq(TrialSights::default());
+            }
+            continue;
+        };
+        look_around(trial, environment.origin, &mut sights);
+        if let Some(mut drawing) = drawing {
+            if drawing.is_of(trial) {
+                drawing.renew(trial, view, environment.origin, &palette, &mut canvas);
+                continue;
+            }
+            canvas.commands.entity(drawing.root).try_despawn();
+        }
+        if let Some(mut drawing) = Drawing::begin(entity, trial, &palette, &mut canvas) {
+            drawing.renew(trial, view, environment.origin, &palette, &mut canvas);
+            canvas.commands.entity(entity).insert(drawing);
+        }
+    }
+}
+
+/// The estimated positions of the robots and the bounds of their map.
+fn look_around<B: RobotBackend>(
+    trial: &Trial<B>,
+    origin: DVec2,
+    sights: &mut Mut<'_, TrialSights>,
+) {
+    let slam = trial.autonomy().slam();
+    let local = |p: DVec2| (p - origin).as_vec2();
+    let map = slam.map().bounds();
+    let map = map.map(|area| Rect::from_corners(local(area.min), local(area.max)));
+    let robots = (0..trial.robots()).map(|robot| local(slam.estimate(robot).pose.position));
+    if sights.map != map || !sights.robots.iter().copied().eq(robots.clone()) {
+        sights.map = map;
+        sights.robots.clear();
+        sights.robots.extend(robots);
+    }
+}

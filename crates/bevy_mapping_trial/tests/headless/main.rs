@@ -1,0 +1,15 @@
+//! Robots and mapping trials in headless Bevy apps, driven as a user drives them.
+
+#[cfg(feature = "debug")]
+mod debug;
+#[cfg(feature = "debug")]
+#[path = "../../../bevy_envgen/tests/shared/gizmos.rs"]
+mod gizmos;
+#[cfg(feature = "debug")]
+#[path = "../../../bevy_envgen/tests/shared/inspector.rs"]
+mod inspector;
+mod other_plugins;
+mod robot;
+mod trial;
+#[cfg(feature = "render")]
+mod view;

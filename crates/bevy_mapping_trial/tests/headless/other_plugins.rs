@@ -1,0 +1,15 @@
+//! The plugins beside others.
+
+use bevy_envgen::prelude::*;
+use bevy_envgen::testing::{refuse_ambiguities, step, test_app_with};
+use bevy_mapping_trial::prelude::*;
+
+#[test]
+fn no_two_of_our_systems_are_ambiguous() {
+    let mut app = test_app_with((EnvgenPlugins::default(), TrialPlugin::default()));
+    refuse_ambiguities(&mut app);
+    let hallway = Environment::new(HallwaySpec::default(), 1).with_pace(GenerationMode::Blocking);
+    app.world_mut().spawn((hallway, DoorSchedule::default()));
+    step(&mut app, 3);
+    assert!(app.world_mut().query::<&Wall>().iter(app.world()).count() > 0);
+}

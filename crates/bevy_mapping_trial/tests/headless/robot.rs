@@ -1,0 +1,267 @@
+//! Robots in rapier.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use bevy_envgen::prelude::*;
+use bevy_envgen::testing::{in_rapier, spawn_ready, step, test_app_with};
+use bevy_mapping_trial::prelude::*;
+use bevy_mapping_trial::robot::RobotCondition;
+use bevy_rapier2d::prelude::{Collider, ColliderMassProperties, RigidBody, Sensor};
+use envgen::geometry::{Rect, Shape};
+use envgen::glam::DVec2;
+use envgen::world::{Surface as Ground, SurfaceKind, Wall as Side, WallKind};
+use envgen::{Provenance, World as EnvWorld};
+use mapping_trial::lidar::LaserProfile;
+use mapping_trial::odometry::OdometryProfile;
+use mapping_trial::robot::{Footprint, Robot};
+
+/// A room of walls without thickness.
+fn room(width: f64, height: f64) -> EnvWorld {
+    let bounds = Rect::new(DVec2::ZERO, DVec2::new(width, height));
+    let mut world = EnvWorld::new(Provenance::other("test", serde_json::Value::Null), bounds);
+    let corners = Shape::from_rect(bounds).corners();
+    world.walls = envgen::geometry::edges(&corners)
+        .map(|(a, b)| Side { kind: WallKind::Wall, shape: Shape::Segment { a, b } })
+        .collect();
+    world
+}
+
+/// An app of 64 steps a second with robots, in a world.
+fn app(world: EnvWorld) -> App {
+    let mut app = test_app_with((EnvgenPlugins::default(), RobotPlugin::default()));
+    spawn_ready(&mut app, Environment::prebuilt(Arc::new(world))).unwrap();
+    app
+}
+
+fn robot(app: &mut App, x: f32, y: f32) -> Entity {
+    let sensors = (
+        LaserScanner::new(LaserProfile { ticks_a_scan: 1, ..LaserProfile::USARSIM }, 1, 0),
+        WheelOdometry::new(OdometryProfile::EXACT, 1, 0),
+    );
+    let robot = app.world_mut().spawn((RobotModel::default(), Transform::from_xyz(x, y, 0.0)));
+    let robot = { robot }.insert(sensors).id();
+    step(app, 2);
+    robot
+}
+
+/// Drives for so many seconds; the way that the wheels measured.
+fn drive(app: &mut App, robot: Entity, speed: f64, turn_rate: f64, seconds: f64) -> (f64, f64) {
+    *app.world_mut().get_mut::<DriveCommand>(robot).unwrap() = DriveCommand { speed, turn_rate };
+    let mut total = (0.0, 0.0);
+    for _ in 0..(seconds * 64.0) as usize {
+        app.update();
+        let measured = app.world().get::<WheelOdometry>(robot).unwrap().last();
+        total = (total.0 + measured.distance, total.1 + measured.turn);
+    }
+    total
+}
+
+fn position(app: &App, robot: Entity) -> DVec2 {
+    app.world().get::<TruePose>(robot).unwrap().position
+}
+
+fn ahead(app: &App, robot: Entity) -> f64 {
+    app.world().get::<LaserScan>(robot).unwrap().ranges[90]
+}
+
+#[test]
+fn a_robot_drives_as_its_wheels_say() {
+    let mut app = app(room(20.0, 20.0));
+    let robot = robot(&mut app, 5.0, 10.0);
+    let (way, turn) = drive(&mut app, robot, 0.5, 0.0, 10.0);
+    // A second to reach 0.5 m/s at 0.5 m/s^2.
+    assert!((way - 4.75).abs() < 0.03 && turn.abs() < 1e-4, "{way} {turn}");
+    assert!((position(&app, robot).x - 5.0 - way).abs() < 1e-4);
+    let (_, turned) = drive(&mut app, robot, 0.0, 9.0, 5.0);
+    assert!(turned < 1.4 * 5.0 && turned > 1.4 * 4.0, "{turned}");
+    assert_eq!(app.world().get::<Bumper>(robot).unwrap().hits, 0);
+}
+
+#[test]
+fn a_wall_stops_and_is_one_hit() {
+    let mut app = app(room(10.0, 10.0));
+    let robot = robot(&mut app, 5.0, 5.0);
+    drive(&mut app, robot, 0.7, 0.0, 20.0);
+    let x = position(&app, robot).x;
+    assert!((x - (10.0 - 0.254)).abs() < 0.01, "{x}");
+    let bumper = *app.world().get::<Bumper>(robot).unwrap();
+    assert!(bumper.touching && bumper.hits == 1, "{bumper:?}");
+    let (stalled, _) = drive(&mut app, robot, 0.7, 0.0, 1.0);
+    assert!(stalled.abs() < 0.01, "stalled wheels measure {stalled}");
+    drive(&mut app, robot, -0.5, 0.0, 3.0);
+    assert!(!app.world().get::<Bumper>(robot).unwrap().touching);
+    drive(&mut app, robot, 0.5, 0.0, 5.0);
+    assert_eq!(app.world().get::<Bumper>(robot).unwrap().hits, 2);
+}
+
+#[test]
+fn no_wall_is_driven_through() {
+    let mut app = app(room(3.0, 3.0));
+    let robot = robot(&mut app, 1.5, 1.5);
+    for turn_rate in [0.0, 0.3, -0.7, 1.4, -1.4, 0.1] {
+        for speed in [9.0, -9.0] {
+            drive(&mut app, robot, speed, turn_rate, 6.0);
+            let at = position(&app, robot);
+            assert!(at.min_element() > 0.23 && at.max_element() < 2.77, "{at}");
+        }
+    }
+}
+
+#[test]
+fn a_laser_sees_what_stands_there_and_no_sensor() {
+    let mut app = app(room(10.0, 10.0));
+    let robot = robot(&mut app, 3.0, 5.0);
+    let free = 10.0 - 3.0 - 0.21;
+    assert!((ahead(&app, robot) - free).abs() < 0.011, "{}", ahead(&app, robot));
+    let at = Transform::from_xyz(5.0, 5.0, 0.0);
+    let ghost = app.world_mut().spawn((at, Collider::ball(0.5), Sensor)).id();
+    step(&mut app, 2);
+    assert!((ahead(&app, robot) - free).abs() < 0.011);
+    app.world_mut().despawn(ghost);
+    let person = app.world_mut().spawn((at, Collider::ball(0.5), RigidBody::Fixed)).id();
+    step(&mut app, 2);
+    assert!((ahead(&app, robot) - (2.0 - 0.21 - 0.5)).abs() < 0.011, "{}", ahead(&app, robot));
+    app.world_mut().despawn(person);
+    let other = app.world_mut().spawn((RobotModel::default(), at)).id();
+    step(&mut app, 2);
+    assert!((ahead(&app, robot) - (2.0 - 0.21 - 0.254)).abs() < 0.011);
+    let before = in_rapier(&mut app);
+    app.world_mut().despawn(other);
+    step(&mut app, 2);
+    assert_eq!(in_rapier(&mut app), (before.0 - 1, before.1 - 1));
+    assert!((ahead(&app, robot) - free).abs() < 0.011);
+}
+
+#[test]
+fn water_drowns_and_deep_ground_stops() {
+    let mut world = room(20.0, 10.0);
+    let mut surface = |x: f64, speed: f64, kind| {
+        let rect = Rect::new(DVec2::new(x, 0.0), DVec2::new(x + 1.0, 10.0));
+        let shape = Shape::from_rect(rect);
+        world.surfaces.push(Ground { kind, shape, speed, odometry_noise: 1.0 });
+    };
+    surface(14.0, 0.0, SurfaceKind::Class(1));
+    surface(2.0, 0.0, SurfaceKind::Water);
+    let mut app = app(world);
+    let robot = robot(&mut app, 8.0, 5.0);
+    drive(&mut app, robot, 0.5, 0.0, 30.0);
+    assert_eq!(app.world().get(robot), Some(&RobotCondition::Operational));
+    assert!((13.9..=14.0).contains(&position(&app, robot).x), "{}", position(&app, robot));
+    drive(&mut app, robot, -0.5, 0.0, 40.0);
+    assert_eq!(app.world().get(robot), Some(&RobotCondition::Drowned));
+    let lost = position(&app, robot);
+    drive(&mut app, robot, 0.5, 0.0, 5.0);
+    assert_eq!(position(&app, robot), lost);
+}
+
+#[test]
+fn numbers_that_are_not_allowed_stand_still() {
+    let mut app = app(room(10.0, 10.0));
+    let chassis = Chassis { track: 0.0, ..Chassis::default() };
+    let sound =
+        app.world_mut().spawn((RobotModel::default(), chassis, Transform::from_xyz(5.0, 5.0, 0.0)));
+    let sound = { sound }.insert(WheelOdometry::new(OdometryProfile::EXACT, 1, 0)).id();
+    drive(&mut app, sound, 0.5, 0.3, 2.0);
+    assert!(position(&app, sound).is_finite());
+    for (speed, width) in [(-1.0, 0.4), (f64::NAN, 0.4), (0.5, f64::NAN)] {
+        let model = Robot { max_speed: speed, acceleration: speed, width, ..Robot::default() };
+        let place = Transform::from_xyz(2.0, 2.0, 0.0);
+        let robot = app.world_mut().spawn((RobotModel(model), place));
+        let robot = { robot }.insert(WheelOdometry::new(OdometryProfile::EXACT, 1, 0)).id();
+        drive(&mut app, robot, 0.5, 0.3, 1.0);
+        assert!(app.world().get::<Collider>(robot).is_none());
+        assert!(position(&app, robot).distance(DVec2::splat(2.0)) < 0.6);
+        app.world_mut().despawn(robot);
+    }
+}
+
+#[test]
+fn what_a_child_of_the_robot_touches_is_felt() {
+    let mut app = app(room(10.0, 10.0));
+    let robot = robot(&mut app, 5.0, 5.0);
+    let fork = (Transform::from_xyz(0.5, 0.0, 0.0), Collider::cuboid(0.3, 0.05), ChildOf(robot));
+    app.world_mut().spawn(fork);
+    drive(&mut app, robot, 0.7, 0.0, 15.0);
+    assert!((position(&app, robot).x - 9.2).abs() < 0.02, "{}", position(&app, robot));
+    assert!(app.world().get::<Bumper>(robot).unwrap().touching);
+}
+
+/// Two rooms of 6 m beside each other with a gap in the wall between them.
+fn rooms(gap: f64) -> EnvWorld {
+    let mut world = room(12.0, 6.0);
+    for (from, to) in [(0.0, 3.0 - 0.5 * gap), (3.0 + 0.5 * gap, 6.0)] {
+        let rect = Rect::new(DVec2::new(5.9, from), DVec2::new(6.1, to));
+        world.walls.push(Side { kind: WallKind::Wall, shape: Shape::from_rect(rect) });
+    }
+    world
+}
+
+#[test]
+fn robots_pass_gaps_of_their_own_size_and_refuse_narrower_ones() {
+    for radius in [0.2, 0.8] {
+        let model = Robot {
+            length: 2.0 * radius,
+            width: 2.0 * radius,
+            circumscribed_radius: radius,
+            footprint: Footprint::Disc,
+            laser_offset: 0.0,
+            ..Robot::default()
+        };
+        let end = |gap: f64| {
+            let mut app = app(rooms(gap));
+            let at = Transform::from_xyz(3.0, 3.0, 0.0);
+            let robot = app.world_mut().spawn((RobotModel(model.clone()), at)).id();
+            app.world_mut().entity_mut(robot).insert(WheelOdometry::new(
+                OdometryProfile::EXACT,
+                1,
+                0,
+            ));
+            step(&mut app, 2);
+            drive(&mut app, robot, 0.5, 0.0, 14.0);
+            position(&app, robot).x
+        };
+        let (wide, narrow) = (end(2.0 * radius + 0.04), end(2.0 * radius - 0.04));
+        assert!(wide > 6.1 + radius, "{radius}: stopped at {wide}");
+        assert!(narrow < 6.0, "{radius}: went through to {narrow}");
+    }
+}
+
+#[test]
+fn weight_and_wheels_are_the_models() {
+    let mut app = app(room(10.0, 10.0));
+    let chassis = mapping_trial::robot::Chassis { mass: 30.0, track: 0.9, grip: 0.2 };
+    let model = RobotModel(Robot { chassis, ..Robot::default() });
+    let robot = app.world_mut().spawn((model.clone(), Transform::from_xyz(5.0, 5.0, 0.0))).id();
+    step(&mut app, 2);
+    let expected = Chassis { mass: 30.0, grip: 0.2, track: 0.9 };
+    assert_eq!(app.world().get::<Chassis>(robot), Some(&expected));
+    let mass = ColliderMassProperties::Mass(30.0);
+    assert_eq!(app.world().get::<ColliderMassProperties>(robot), Some(&mass));
+    // Another model changes them, but not those that somebody put on the robot.
+    app.world_mut().entity_mut(robot).insert(RobotModel::default());
+    step(&mut app, 1);
+    assert_eq!(app.world().get::<Chassis>(robot), Some(&Chassis::default()));
+    let own = Chassis { mass: 5.0, ..Chassis::default() };
+    let robot = app.world_mut().spawn((model, own, Transform::from_xyz(2.0, 2.0, 0.0))).id();
+    step(&mut app, 1);
+    assert_eq!(app.world().get::<Chassis>(robot), Some(&own));
+}
+
+#[test]
+fn robots_with_little_grip_take_longer_to_start() {
+    let driven = |grip: f64| {
+        let mut app = app(room(20.0, 10.0));
+        let chassis = mapping_trial::robot::Chassis { grip, ..Default::default() };
+        let model = Robot { chassis, acceleration: 5.0, ..Robot::default() };
+        let at = Transform::from_xyz(5.0, 5.0, 0.0);
+        let robot = app.world_mut().spawn((RobotModel(model), at)).id();
+        app.world_mut().entity_mut(robot).insert(WheelOdometry::new(OdometryProfile::EXACT, 1, 0));
+        step(&mut app, 2);
+        drive(&mut app, robot, 0.7, 0.0, 1.0);
+        position(&app, robot).x - 5.0
+    };
+    let (ice, ground) = (driven(0.05), driven(0.6));
+    // At 0.05 g a second of pushing makes a quarter of a metre.
+    assert!((ice - 0.245).abs() < 0.03 && ground > 0.6, "{ice} and {ground} m");
+}

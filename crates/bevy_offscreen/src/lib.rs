@@ -1,0 +1,52 @@
+//! Pictures and films of what cameras see, with or without a window.
+//!
+//! An app that draws adds `CapturePlugin` and triggers `TakePicture` on a camera. Tests, servers and
+//! scripts without a display use a `Studio`: an app that draws into images, on a graphics card or
+//! with Mesa's software Vulkan. [`Film`] makes an animated GIF of its pictures, and [`Frames`] a
+//! folder of PNGs.
+//!
+//! ```no_run
+//! # #[cfg(feature = "render")]
+//! # {
+//! use bevy::prelude::*;
+//! use bevy_offscreen::Studio;
+//!
+//! let mut studio = Studio::new()?;
+//! studio.app().world_mut().spawn(Sprite::from_color(Color::WHITE, Vec2::new(4.0, 2.0)));
+//! let camera = studio.camera(Rect::new(-5.0, -5.0, 5.0, 5.0), UVec2::new(800, 600))?;
+//! studio.picture(camera)?.write_png("sprite.png")?;
+//! # }
+//! # Ok::<(), bevy_offscreen::CaptureError>(())
+//! ```
+//!
+//! # Features
+//!
+//! | feature | default | what it adds |
+//! |---|---|---|
+//! | `render` | no | `Studio`, `CapturePlugin`, `TakePicture` and `find_renderer`; only this feature needs rendering crates |
+//!
+//! Without it there are [`Picture`], [`Film`] and [`Frames`], for images that the app has.
+
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
+mod error;
+mod film;
+mod picture;
+#[cfg(feature = "render")]
+mod request;
+#[cfg(feature = "render")]
+mod studio;
+mod whole_file;
+
+pub use error::{CaptureError, MAX_SIDE};
+pub use film::{Film, Frames};
+pub use picture::Picture;
+#[cfg(feature = "render")]
+pub use request::{CapturePlugin, PictureFailed, PictureTaken, TakePicture};
+#[cfg(feature = "render")]
+pub use studio::{Studio, find_renderer};
+
+/// The snippets of the README.
+#[cfg(all(doctest, feature = "render"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

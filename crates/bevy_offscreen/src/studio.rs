@@ -1,0 +1,198 @@
+//! An app that draws without a window.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use bevy::app::PluginsState;
+use bevy::asset::AssetPlugin;
+use bevy::camera::{CameraPlugin, RenderTarget, ScalingMode};
+use bevy::core_pipeline::CorePipelinePlugin;
+use bevy::diagnostic::FrameCountPlugin;
+use bevy::image::ImagePlugin;
+use bevy::mesh::MeshPlugin;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::render_resource::{PollType, TextureFormat};
+use bevy::render::renderer::RenderDevice;
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
+use bevy::sprite::SpritePlugin;
+use bevy::sprite_render::SpriteRenderPlugin;
+use bevy::tasks::block_on;
+use bevy::time::{TimePlugin, TimeUpdateStrategy};
+use bevy::window::{ExitCondition, WindowPlugin};
+
+use crate::error::{CaptureError, MAX_SIDE};
+use crate::picture::Picture;
+use crate::request::CapturePlugin;
+
+/// The number of frames after which a missing picture is an error.
+const MOST_FRAMES: u32 = 100;
+
+/// Margin around an area, as a share of its size.
+const MARGIN: f32 = 0.03;
+
+/// The name of the graphics card or software renderer, for instance Mesa's `llvmpipe`.
+///
+/// # Errors
+/// [`CaptureError::NoRenderer`], which says what to install. Bevy's `RenderPlugin` would panic
+/// instead.
+pub fn find_renderer() -> Result<String, CaptureError> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all()),
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    match block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())) {
+        Ok(adapter) => Ok(adapter.get_info().name),
+        Err(error) => Err(CaptureError::NoRenderer { reason: error.to_string() }),
+    }
+}
+
+/// An app that draws into images, without a window or a display. Frames run only when asked for,
+/// and the app's time advances by [`Studio::set_frame_time`] per frame.
+pub struct Studio {
+    app: App,
+    begun: bool,
+}
+
+impl Studio {
+    /// An app with Bevy's plugins for two-dimensional drawing and [`CapturePlugin`]. More plugins
+    /// can be added before the first frame.
+    ///
+    /// # Errors
+    /// [`CaptureError::NoRenderer`].
+    pub fn new() -> Result<Self, CaptureError> {
+        log::debug!("drawing by {}", find_renderer()?);
+        let mut app = App::new();
+        app.add_plugins((
+            TaskPoolPlugin::default(),
+            FrameCountPlugin,
+            TimePlugin,
+            TransformPlugin,
+            bevy::input::InputPlugin,
+            // Bevy's renderer needs the types of windows, although there are no windows here.
+            WindowPlugin {
+                primary_window: None,
+                exit_condition: ExitCondition::DontExit,
+                ..default()
+            },
+            AssetPlugin::default(),
+            RenderPlugin { synchronous_pipeline_compilation: true, ..default() },
+            ImagePlugin::default(),
+            MeshPlugin,
+            CameraPlugin,
+            CorePipelinePlugin,
+            SpritePlugin,
+            SpriteRenderPlugin,
+        ));
+        app.add_plugins(CapturePlugin);
+        let mut studio = Studio { app, begun: false };
+        studio.set_frame_time(Duration::from_secs_f64(1.0 / 64.0));
+        Ok(studio)
+    }
+
+    /// The Bevy app.
+    pub fn app(&mut self) -> &mut App {
+        &mut self.app
+    }
+
+    /// Sets how much the app's time advances per frame, whatever the clock says.
+    pub fn set_frame_time(&mut self, time: Duration) {
+        self.app.insert_resource(TimeUpdateStrategy::ManualDuration(time));
+    }
+
+    /// Runs and draws one frame.
+    ///
+    /// # Errors
+    /// A failure of the driver.
+    pub fn step(&mut self) -> Result<(), CaptureError> {
+        if !self.begun {
+            while self.app.plugins_state() == PluginsState::Adding {
+                bevy::tasks::tick_global_task_pools_on_main_thread();
+            }
+            self.app.finish();
+            self.app.cleanup();
+            self.begun = true;
+        }
+        self.app.update();
+        if let Some(device) = self.app.world().get_resource::<RenderDevice>() {
+            let wait = PollType::Wait { submission_index: None, timeout: None };
+            device
+                .poll(wait)
+                .map_err(|error| CaptureError::NoRenderer { reason: error.to_string() })?;
+        }
+        Ok(())
+    }
+
+    /// A camera that looks down on an area, which fits into the picture completely.
+    ///
+    /// # Errors
+    /// A size that is out of range.
+    pub fn camera(&mut self, area: Rect, size: UVec2) -> Result<Entity, CaptureError> {
+        let sides = 1..=MAX_SIDE;
+        if !(sides.contains(&size.x) && sides.contains(&size.y)) {
+            return Err(CaptureError::Size { width: size.x, height: size.y });
+        }
+        let image = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba8UnormSrgb, None);
+        let image = self.app.world_mut().resource_mut::<Assets<Image>>().add(image);
+        let [width, height] =
+            (area.size() * (1.0 + 2.0 * MARGIN)).max(Vec2::splat(1e-3)).to_array();
+        let camera = (
+            Camera2d,
+            RenderTarget::Image(image.into()),
+            Projection::Orthographic(OrthographicProjection {
+                scaling_mode: ScalingMode::AutoMin { min_width: width, min_height: height },
+                ..OrthographicProjection::default_2d()
+            }),
+            Transform::from_translation(area.center().extend(0.0)),
+        );
+        Ok(self.app.world_mut().spawn(camera).id())
+    }
+
+    /// The current picture of a camera. Extra frames are drawn for it, in which the app's time does
+    /// not advance. An inactive camera draws only for these, which saves time when many frames pass
+    /// per picture.
+    ///
+    /// # Errors
+    /// An entity that is not a camera, or a failure of the driver.
+    pub fn picture(&mut self, camera: Entity) -> Result<Picture, CaptureError> {
+        let target = self.app.world().get_entity(camera).ok().filter(|c| c.contains::<Camera>());
+        let Some(target) = target.and_then(|camera| camera.get::<RenderTarget>()).cloned() else {
+            return Err(CaptureError::NoCamera { camera });
+        };
+        let clock = self.app.world_mut().remove_resource::<TimeUpdateStrategy>();
+        self.set_frame_time(Duration::ZERO);
+        let active = self.activate(camera, true);
+        let picture = self.take(target);
+        self.activate(camera, active);
+        if let Some(clock) = clock {
+            self.app.insert_resource(clock);
+        }
+        picture
+    }
+
+    /// Sets whether a camera is active; returns whether it was before.
+    fn activate(&mut self, camera: Entity, active: bool) -> bool {
+        let camera = self.app.world_mut().get_mut::<Camera>(camera);
+        camera.is_some_and(|mut camera| std::mem::replace(&mut camera.is_active, active))
+    }
+
+    fn take(&mut self, target: RenderTarget) -> Result<Picture, CaptureError> {
+        // Draws a frame first, for entities that were spawned since the last one.
+        self.step()?;
+        let taken = Arc::new(Mutex::new(None));
+        let film = taken.clone();
+        self.app.world_mut().spawn(Screenshot(target)).observe(
+            move |captured: On<ScreenshotCaptured>| {
+                *film.lock().unwrap_or_else(PoisonError::into_inner) =
+                    Some(Picture::of(&captured.image));
+            },
+        );
+        for _ in 0..MOST_FRAMES {
+            self.step()?;
+            if let Some(picture) = taken.lock().unwrap_or_else(PoisonError::into_inner).take() {
+                return picture;
+            }
+        }
+        Err(CaptureError::Lost { frames: MOST_FRAMES })
+    }
+}

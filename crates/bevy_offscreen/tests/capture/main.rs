@@ -1,0 +1,7 @@
+//! Pictures and films. With the feature `render` also what is drawn without a window, which needs a graphics card, or
+//! Mesa's software Vulkan.
+
+mod film;
+mod picture;
+#[cfg(feature = "render")]
+mod studio;

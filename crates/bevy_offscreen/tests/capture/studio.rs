@@ -1,0 +1,79 @@
+//! What a driver draws, and the pictures that an app asks for.
+
+use std::path::PathBuf;
+
+use bevy::prelude::*;
+use bevy_offscreen::{CaptureError, MAX_SIDE, PictureFailed, PictureTaken, Studio, TakePicture};
+
+const SIZE: UVec2 = UVec2::new(320, 240);
+
+fn studio() -> Studio {
+    let mut studio = Studio::new().unwrap();
+    studio.app().insert_resource(ClearColor(Color::WHITE));
+    studio
+}
+
+#[test]
+fn a_sprite_is_drawn_where_it_is() {
+    let mut studio = studio();
+    let red = Sprite::from_color(Color::srgb(1.0, 0.0, 0.0), Vec2::splat(4.0));
+    studio.app().world_mut().spawn((red, Transform::from_xyz(3.0, 2.0, 0.0)));
+    // 10 m of 320 x 240 pixels, with a margin of 3 % on each side: about 22.6 pixels per metre.
+    let camera = studio.camera(Rect::new(-5.0, -5.0, 5.0, 5.0), SIZE).unwrap();
+    let picture = studio.picture(camera).unwrap();
+    assert_eq!(picture.size(), SIZE);
+    let pixel =
+        |x: f32, y: f32| picture.pixel((160.0 + 22.6 * x) as u32, (120.0 - 22.6 * y) as u32);
+    for (x, y) in [(3.0, 2.0), (1.2, 0.2), (4.8, 3.8), (1.2, 3.8)] {
+        let [r, g, b] = pixel(x, y).unwrap();
+        assert!(r >= 253 && g <= 2 && b <= 2, "{x} {y}: {r} {g} {b}");
+    }
+    for (x, y) in [(0.8, 2.0), (3.0, -0.2), (-3.0, 2.0), (3.0, 4.2)] {
+        assert_eq!(pixel(x, y), Some([255; 3]), "{x} {y}");
+    }
+}
+
+#[derive(Resource, Default)]
+struct Answers(Vec<Result<PathBuf, String>>);
+
+#[test]
+fn an_app_asks_for_pictures_of_its_cameras() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut studio = studio();
+    studio
+        .app()
+        .init_resource::<Answers>()
+        .add_observer(|taken: On<PictureTaken>, mut answers: ResMut<Answers>| {
+            answers.0.push(Ok(taken.path.clone()));
+        })
+        .add_observer(|failed: On<PictureFailed>, mut answers: ResMut<Answers>| {
+            answers.0.push(Err(failed.error.to_string()));
+        });
+    let camera = studio.camera(Rect::new(0.0, 0.0, 10.0, 10.0), SIZE).unwrap();
+    studio.step().unwrap();
+    let path = folder.path().join("camera.png");
+    let world = studio.app().world_mut();
+    world.trigger(TakePicture { entity: camera, path: path.clone() });
+    let nobody = world.spawn_empty().id();
+    world.trigger(TakePicture { entity: nobody, path: folder.path().join("nobody.png") });
+    for _ in 0..10 {
+        studio.step().unwrap();
+    }
+    let answers = &studio.app().world().resource::<Answers>().0;
+    assert_eq!(answers.len(), 2, "{answers:?}");
+    assert!(answers[0].as_ref().unwrap_err().contains("is not a camera"), "{answers:?}");
+    assert_eq!(answers[1], Ok(path.clone()));
+    assert!(path.exists());
+}
+
+#[test]
+fn what_cannot_be_drawn_is_told() {
+    let mut studio = studio();
+    let area = Rect::new(0.0, 0.0, 10.0, 10.0);
+    for size in [UVec2::ZERO, UVec2::new(MAX_SIDE + 1, 10)] {
+        let error = studio.camera(area, size).unwrap_err();
+        assert!(matches!(error, CaptureError::Size { .. }), "{error}");
+    }
+    let nobody = studio.app().world_mut().spawn_empty().id();
+    assert!(matches!(studio.picture(nobody), Err(CaptureError::NoCamera { .. })));
+}
