@@ -93,6 +93,11 @@ struct Arguments {
     #[arg(long, default_value_t = 1200.0)]
     time_limit: f64,
 
+    /// Simulated seconds per square metre that can be mapped, at least 300 s in all, in place of
+    /// --time-limit.
+    #[arg(long, value_name = "SECONDS", conflicts_with = "time_limit")]
+    time_per_area: Option<f64>,
+
     /// The seed of all maps and noise.
     #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true)]
     seed: Seed,
@@ -108,7 +113,7 @@ struct Arguments {
     /// Join the folders of all shares instead of running trials.
     #[arg(long, value_name = "FOLDER", num_args = 1.., conflicts_with_all = [
         "quick", "maps", "seeds", "levels", "operators", "profile", "size", "slam", "laser",
-        "time_limit", "seed", "shard", "fresh",
+        "time_limit", "time_per_area", "seed", "shard", "fresh",
     ])]
     merge: Vec<PathBuf>,
 
@@ -188,6 +193,7 @@ impl Arguments {
             slam: self.slam,
             laser: self.laser.clone(),
             time_limit: self.time_limit,
+            time_per_area: self.time_per_area,
             seed: self.seed,
             ..design
         }

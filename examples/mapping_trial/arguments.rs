@@ -102,6 +102,11 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 1200.0, conflicts_with = "replay")]
     time_limit: f64,
 
+    /// Simulated seconds per square metre that can be mapped, at least 300 s in all, in place of
+    /// --time-limit.
+    #[arg(long, value_name = "SECONDS", conflicts_with_all = ["replay", "time_limit"])]
+    time_per_area: Option<f64>,
+
     /// Where the first robot starts, in metres and degrees.
     #[arg(long, value_name = "X,Y,HEADING", value_parser = pose, allow_hyphen_values = true,
           conflicts_with = "replay")]
@@ -177,6 +182,7 @@ impl Arguments {
             slam: self.slam,
             robots: self.robots,
             time_limit: self.time_limit,
+            time_per_area: self.time_per_area,
             start: self.start,
             laser: self.laser.clone(),
             odometry: self.odometry.clone(),

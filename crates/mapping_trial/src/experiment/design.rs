@@ -66,6 +66,9 @@ settings! {
         odometry: OdometryProfile = TrialSettings::default().odometry => nested;
         /// Simulated time after which a trial ends.
         time_limit: f64 = TrialSettings::default().time_limit => other("s", "a time limit that trials can have");
+        /// Simulated time per square metre that can be mapped, in place of `time_limit`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        time_per_area: Option<f64> = None => optional_other("s/m^2", "a time per area that trials can have");
         /// The seed from which the seeds of maps and noise follow.
         seed: Seed = Seed(0) => other("", "a whole number");
     }
@@ -226,6 +229,7 @@ impl Design {
             policy: Some(trial.operator),
             slam: self.slam,
             time_limit: self.time_limit,
+            time_per_area: self.time_per_area,
             laser: self.laser.clone(),
             odometry: self.odometry.clone(),
             ..TrialSettings::default()
@@ -372,6 +376,7 @@ mod tests {
         assert!(error(&|d| d.size = 3).contains("`size` must be"));
         assert!(error(&|d| d.size = u32::MAX).contains("`size`"));
         assert!(error(&|d| d.time_limit = f64::NAN).contains("`time_limit`"));
+        assert!(error(&|d| d.time_per_area = Some(0.0)).contains("`time_per_area`"));
         assert!(error(&|d| (d.maps, d.noise_seeds) = (1000, 1000)).contains("1000000"));
     }
 }

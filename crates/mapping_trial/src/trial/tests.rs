@@ -180,3 +180,23 @@ fn bad_logs_are_reported() {
     let told = moved.replay().map(|_| ()).expect_err("another world").to_string();
     assert!(told.contains("digest 000"), "{told}");
 }
+
+#[test]
+fn a_time_limit_by_area_follows_what_can_be_mapped() {
+    let world = hallway();
+    let limits = |time_per_area| {
+        let settings = TrialSettings { time_per_area: Some(time_per_area), ..short(1.0) };
+        let trial = Trial::flat(&world, settings).expect("a free start");
+        let area = trial.reference(&world).expect("a reference").free_area();
+        (trial.settings().clone(), area)
+    };
+    let (least, _) = limits(0.01);
+    assert_eq!((least.time_limit, least.body.battery), (MIN_TIME_BY_AREA, 1200.0));
+    let (long, area) = limits(100.0);
+    assert!(area > 15.0);
+    assert_eq!(long.time_limit.to_bits(), (100.0 * area).to_bits());
+    assert_eq!(long.body.battery, long.time_limit);
+    let bad = TrialSettings { time_per_area: Some(-1.0), ..short(1.0) };
+    let error = Trial::flat(&world, bad).map(|_| ()).expect_err("not allowed").to_string();
+    assert!(error.contains("`time_per_area` must be a number from 0.01"), "{error}");
+}

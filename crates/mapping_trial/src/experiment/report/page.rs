@@ -83,7 +83,7 @@ fn lead(design: &Design, records: &[&Record]) -> Markup {
             " cells (" (metres) " m square), estimated by " (design.slam.name().unwrap_or("custom"))
             ", laser " (design.laser.name().unwrap_or("custom"))
             ", odometry " (design.odometry.name().unwrap_or("custom"))
-            ", time limit " (design.time_limit) " s."
+            ", time limit " (time_limit(design)) "."
         }
     }
 }
@@ -102,5 +102,13 @@ fn method(design: &Design) -> Markup {
             " + 0.15 " (e("turn")) "), D = 0.6 M + 0.4 N. The same design gives the same page to the \
              last byte."
         }
+    }
+}
+
+/// The time limit of a design's trials.
+fn time_limit(design: &Design) -> String {
+    match design.time_per_area {
+        Some(per_area) => format!("{per_area} s for each square metre"),
+        None => format!("{} s", design.time_limit),
     }
 }

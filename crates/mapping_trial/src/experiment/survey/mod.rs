@@ -21,3 +21,6 @@ pub mod summary;
 pub use design::{Condition, Family, MAX_SURVEY_TRIALS, Survey, SurveyError, SurveyMap};
 pub use folder::{SURVEY_VERSION, SurveyFolder, SurveyProgress};
 pub use record::Record;
+
+#[cfg(test)]
+mod tests;

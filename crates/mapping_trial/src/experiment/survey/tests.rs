@@ -1,0 +1,100 @@
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use super::summary::{FaultKind, summarise};
+use super::*;
+use crate::experiment::{ExperimentError, Shard};
+
+fn survey() -> Survey {
+    Survey::from_ron(
+        "(
+            families: [
+                (name: \"short\", spec: Hallway(segments: 2), maps: 2, first_seed: 5),
+                (name: \"long\", spec: Hallway(segments: 4)),
+            ],
+            conditions: [
+                (name: \"nearest\", time_limit: 8),
+                (name: \"graph\", slam: pose_graph, time_limit: 8),
+            ],
+            noise_seeds: 2,
+        )",
+    )
+    .expect("a survey")
+}
+
+const ON: &(dyn Fn(SurveyProgress<'_>) -> ControlFlow<()> + Sync) = &|_| ControlFlow::Continue(());
+
+#[test]
+fn an_interrupted_survey_continues_and_ends_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (once, twice) = (folder.path().join("once"), folder.path().join("twice"));
+    let mut whole = SurveyFolder::open(&once, &survey(), Shard::WHOLE).expect("a new folder");
+    assert!(whole.run(2, ON).expect("trials"));
+    assert_eq!(whole.records().len(), 12);
+
+    let mut part = SurveyFolder::open(&twice, &survey(), Shard::WHOLE).expect("a new folder");
+    let seen = AtomicU32::new(0);
+    let stop = |progress: SurveyProgress<'_>| {
+        assert_eq!(progress.all, 12);
+        match seen.fetch_add(1, Ordering::Relaxed) {
+            0..=3 => ControlFlow::Continue(()),
+            _ => ControlFlow::Break(()),
+        }
+    };
+    assert!(!part.run(1, &stop).expect("trials"));
+    drop(part);
+    let mut rest = SurveyFolder::open(&twice, &survey(), Shard::WHOLE).expect("the same folder");
+    assert_eq!(rest.records().len(), 5);
+    assert!(rest.run(1, ON).expect("trials"));
+    let bytes = |folder: &SurveyFolder| std::fs::read(folder.file()).expect("a file");
+    assert_eq!(bytes(&rest), bytes(&whole));
+
+    let summary = summarise(&survey(), &rest.records().collect::<Vec<_>>());
+    assert_eq!(summary.groups.len(), 4);
+    assert_eq!(summary.groups.iter().map(|group| group.trials).sum::<usize>(), 12);
+    // All measures that vary at all, of maps, estimators and noise.
+    let difficulty = &summary.measures[0];
+    assert_eq!(difficulty.symbol, "D");
+    assert!(difficulty.components.share("map x SLAM").is_some());
+}
+
+#[test]
+fn shares_have_their_own_worlds_and_other_surveys_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let first = Shard { index: 1, of: 2 };
+    let share = SurveyFolder::open(folder.path(), &survey(), first).expect("a new folder");
+    assert_eq!(share.trials(), 8);
+    drop(share);
+    let mut other = survey();
+    other.noise_seeds = 3;
+    let error = SurveyFolder::open(folder.path(), &other, first).expect_err("another survey");
+    assert!(matches!(error, ExperimentError::Other { .. }), "{error}");
+    assert!(error.to_string().contains("`survey` is"), "{error}");
+}
+
+#[test]
+fn a_robot_that_does_not_fit_is_a_record_with_its_reason() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut survey = survey();
+    survey.families.truncate(1);
+    survey.families[0].maps = 1;
+    survey.conditions.truncate(1);
+    survey.conditions[0].robot.circumscribed_radius = 1.5;
+    let mut run = SurveyFolder::open(folder.path(), &survey, Shard::WHOLE).expect("a new folder");
+    assert!(run.run(1, ON).expect("no trial"));
+    let records: Vec<_> = run.records().collect();
+    let failure = records[0].failure.as_deref().expect("a reason");
+    assert!(failure.contains("`start`"), "{failure}");
+    let summary = summarise(&survey, &records);
+    assert!(summary.faults.iter().all(|fault| fault.kind == FaultKind::Failed));
+    assert_eq!((summary.faults.len(), summary.measures.len()), (2, 0));
+}
+
+#[test]
+fn a_file_of_something_else_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    drop(SurveyFolder::open(folder.path(), &survey(), Shard::WHOLE).expect("a new folder"));
+    std::fs::write(folder.path().join("trials.jsonl"), "{}\n").expect("a file");
+    let error = SurveyFolder::open(folder.path(), &survey(), Shard::WHOLE).expect_err("no trial");
+    assert!(error.to_string().contains("trials.jsonl: line 1: "), "{error}");
+}
