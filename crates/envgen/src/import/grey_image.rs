@@ -1,7 +1,7 @@
 //! Images as shades: PGM and PNG.
 //!
-//! PGM is parsed here rather than by the crate `image`, whose version 0.25.10 differs in ways that
-//! matter for maps:
+//! PGM is parsed here rather than by the crate `image`, whose version 0.25.10 differs in what
+//! matters for maps:
 //!
 //! - It scales greys to 8 or 16 bits: 50 of 100 becomes 128 of 255, so that cells change at thresholds.
 //! - It accepts pixels above the greatest value, data after the last pixel, and images without pixels.

@@ -47,7 +47,7 @@ pub struct Score2 {
     /// 1 - U', the share of the 40 paths on which a robot collides that is smaller all around by a
     /// cell of the map, 0.05 m: what the map cannot show does not count.
     pub e_use: f64,
-    /// t / (t + 1.5 s/m^2), where t = (T + (1 - C) T_lim) / (C |F|) - T_tour / |F|, at least 0.
+    /// t / (t + 1.5 s/m^2), where `t = (T + (1 - C) T_lim) / (C |F|) - T_tour / |F|`, at least 0.
     pub e_time: f64,
     /// 1 - exp(-h / 5), where h is collisions + 3 stuck for each 100 m driven.
     pub e_hit: f64,

@@ -20,7 +20,7 @@ const MOST_CELLS: f64 = 60_000.0;
 const RANGE: f64 = 8.0;
 
 /// Rays of a look around.
-const RAYS: u32 = 72;
+const RAYS: u32 = 180;
 
 /// Share of the greatest speed at which a robot cruises, as policies do.
 const CRUISE: f64 = 5.0 / 7.0;

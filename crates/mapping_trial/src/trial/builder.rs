@@ -143,7 +143,7 @@ impl<'w> TrialBuilder<'w> {
         self
     }
 
-    /// What the trial's parts will be told, for parts that need it before they are made: the settings
+    /// What the trial's parts are given, for parts that need it before they are made: the settings
     /// with the time limit that holds, the poses where the robots start, and the area to map.
     ///
     /// # Errors

@@ -180,7 +180,7 @@ fn subsets(set: usize) -> impl Iterator<Item = usize> {
 
 /// The sign of inclusion and exclusion: -1 if the sets differ by an odd number of factors.
 fn sign(set: usize, part: usize) -> f64 {
-    if (set.count_ones() - part.count_ones()) % 2 == 0 { 1.0 } else { -1.0 }
+    if (set.count_ones() - part.count_ones()).is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 /// The same design with as many maps, drawn with replacement.

@@ -52,7 +52,7 @@ impl Navigator {
         None
     }
 
-    /// Goes on with an escape; `None` when it ends.
+    /// Continues an escape; `None` when it ends.
     pub(super) fn escape(
         &mut self,
         view: &PolicyInput<'_>,
