@@ -73,6 +73,8 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let Some(path) = &arguments.replay else {
         let world = arguments.world()?;
         let settings = arguments.settings(&world)?;
+        // With the time limit that holds, which may depend on the area.
+        let settings = Trial::builder(&world, settings).setup()?.settings.clone();
         let driver = arguments.start_driver(&world, &settings)?;
         let parts = driver.as_ref().map_or_else(TrialParts::default, Driver::parts);
         let bar = progress(settings.time_limit.min(settings.body.battery));

@@ -20,7 +20,7 @@ pub(super) fn write<T: Serialize>(path: &Path, head: &T) -> Result<(), Experimen
     write::whole(path, &bytes)
 }
 
-/// Reads the description of a folder of `what`; `None` if there is none.
+/// Reads the description of a folder, which errors call `what`; `None` if the file does not exist.
 ///
 /// # Errors
 /// A file that cannot be read, is something else, or has another `version`.

@@ -124,7 +124,8 @@ impl Follower {
 
     /// The point to drive to: the rightmost direction in which the map is free, or one a little to
     /// the left of it that leads less close along the wall; straight on until
-    /// there is a wall to follow. The border of the area to map counts as a wall. `None` if the wall led in a circle, or the robot cannot go on.
+    /// there is a wall to follow. The border of the area to map counts as a wall. `None` if the wall led in
+    /// a circle, or the robot cannot continue.
     fn target(&mut self, navigator: &mut Navigator, pose: Pose, area: Rect) -> Option<DVec2> {
         let ahead = unit_vector(pose.heading);
         let again = self.trail.iter().any(|&(at, then, driven)| {

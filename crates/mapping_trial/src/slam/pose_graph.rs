@@ -19,8 +19,8 @@ const WORTH_SOLVING: f64 = 1.0;
 /// Error in standard deviations that a loop may have after solving; otherwise it is rejected.
 const INCREDIBLE: f64 = 5.0;
 
-/// The share of the echoes that contradict the map may be at most so much of what it was when the map is
-/// drawn again: a loop that is one ends contradictions, one that is none bends the map.
+/// When the map is drawn again, the share of the echoes that contradict it may be at most this factor of
+/// the share before: a true loop ends contradictions, a false one bends the map and leaves them.
 const LESS_CONTRADICTION: f64 = 0.7;
 
 /// As [`super::ScanToMap`], but scans are also searched in places from long before. If several
@@ -31,7 +31,6 @@ pub struct PoseGraph {
     mapper: Mapper,
     relations: Vec<Relation>,
     closer: LoopCloser,
-    closed: usize,
 }
 
 impl PoseGraph {
@@ -41,13 +40,7 @@ impl PoseGraph {
             mapper: Mapper::new(starts, robot, laser, true),
             relations: Vec::new(),
             closer: LoopCloser::new(starts.len(), laser.field_of_view),
-            closed: 0,
         }
-    }
-
-    /// Number of closed loops so far.
-    pub fn closed_loops(&self) -> usize {
-        self.closed
     }
 
     fn extend(&mut self, added: Added) {
@@ -67,7 +60,6 @@ impl PoseGraph {
         if let Some(found) = self.closer.take(keyframes)
             && self.close(&found.relations)
         {
-            self.closed += 1;
             // A keyframe at an old place is as sure as that place.
             let [.., last] = found.relations;
             let old = self.mapper.keyframes[last.from].variance;

@@ -1,6 +1,6 @@
 //! The folder of a survey, and its trials in parallel.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -84,10 +84,7 @@ impl SurveyFolder {
             None => head::write(&path, &head)?,
         }
         let (lines, text) = Lines::open(folder)?;
-        let mut records = BTreeMap::new();
-        for record in parse(&text, &lines.path)? {
-            records.insert((record.map, record.condition, record.noise), record);
-        }
+        let records = parse(&text, &head, &lines.path)?;
         let folder = SurveyFolder { head, records, lines };
         folder.check_code()?;
         Ok(folder)
@@ -181,12 +178,8 @@ impl SurveyFolder {
     fn check_code(&self) -> Result<(), ExperimentError> {
         let Some(known) = self.records.values().next() else { return Ok(()) };
         let survey = &self.head.survey;
-        let condition = survey.conditions.get(known.condition as usize);
-        let (Some(map), Some(condition)) = (survey.maps().nth(known.map as usize), condition)
-        else {
-            let reason = "a trial of another survey".to_owned();
-            return Err(ExperimentError::Content { path: self.lines.path.clone(), reason });
-        };
+        let Some(map) = survey.maps().nth(known.map as usize) else { return Ok(()) };
+        let condition = &survey.conditions[known.condition as usize];
         if Site::new(map).run(known.condition, condition, known.noise) == *known {
             return Ok(());
         }
@@ -196,14 +189,26 @@ impl SurveyFolder {
     }
 }
 
-fn parse(text: &str, path: &Path) -> Result<Vec<Record>, ExperimentError> {
-    let read = |(i, line): (usize, &str)| {
-        serde_json::from_str(line).map_err(|error| ExperimentError::Content {
+/// Reads whole lines, each a trial of this share that was not there before.
+fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<Key, Record>, ExperimentError> {
+    let own = head.survey.maps().filter(|map| head.shard.has(map.number as usize));
+    let known: BTreeSet<Key> = own.flat_map(|map| head.survey.keys(map.number)).collect();
+    let mut records = BTreeMap::new();
+    for (i, line) in text.lines().enumerate() {
+        let bad = |reason: String| ExperimentError::Content {
             path: path.to_owned(),
-            reason: format!("line {}: {error}", i + 1),
-        })
-    };
-    text.lines().enumerate().map(read).collect()
+            reason: format!("line {}: {reason}", i + 1),
+        };
+        let record: Record = serde_json::from_str(line).map_err(|error| bad(error.to_string()))?;
+        let key = (record.map, record.condition, record.noise);
+        if !known.contains(&key) {
+            return Err(bad("a trial of another survey".to_owned()));
+        }
+        if records.insert(key, record).is_some() {
+            return Err(bad("a trial that occurs twice".to_owned()));
+        }
+    }
+    Ok(records)
 }
 
 impl Head {

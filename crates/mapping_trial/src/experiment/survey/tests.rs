@@ -98,3 +98,26 @@ fn a_file_of_something_else_is_named() {
     let error = SurveyFolder::open(folder.path(), &survey(), Shard::WHOLE).expect_err("no trial");
     assert!(error.to_string().contains("trials.jsonl: line 1: "), "{error}");
 }
+
+#[test]
+fn trials_of_another_survey_and_trials_that_occur_twice_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut small = survey();
+    small.families.truncate(1);
+    small.conditions.truncate(1);
+    let mut run = SurveyFolder::open(folder.path(), &small, Shard::WHOLE).expect("a new folder");
+    assert!(run.run(1, ON).expect("trials"));
+    let path = run.file().to_owned();
+    drop(run);
+    let text = std::fs::read_to_string(&path).expect("trials");
+    let line = text.lines().next().expect("a trial");
+    let open = |text: String| {
+        std::fs::write(&path, text).expect("a file");
+        let error = SurveyFolder::open(folder.path(), &small, Shard::WHOLE);
+        error.expect_err("no such trial").to_string()
+    };
+    let other = open(line.replacen("\"map\":0", "\"map\":7", 1) + "\n");
+    assert!(other.ends_with("line 1: a trial of another survey"), "{other}");
+    let twice = open(format!("{line}\n{line}\n"));
+    assert!(twice.ends_with("line 2: a trial that occurs twice"), "{twice}");
+}

@@ -18,18 +18,18 @@ const TIME: f64 = 30.0;
 /// Distance in metres that it drives at most, and distance to an echo at which it stops.
 const DRIVE: (f64, f64) = (1.0, 0.12);
 
-/// Distance in metres within which a direction with less free space is as good, if it is nearer to
-/// straight ahead.
+/// Free space ahead in metres beyond which more does not count.
 const ENOUGH: f64 = 1.2;
 
-/// Half the angle in radians of the directions that a scan is judged by.
-const SIDE: f64 = 1.4;
+/// Angle in radians to either side, metres up to which free space there counts, and its weight: of two
+/// directions with as much free space ahead, the one with more room beside the body is better.
+const SIDES: (f64, f64, f64) = (1.4, 0.3, 0.1);
 
 /// The stage of an escape.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Escape {
     /// Turns around: its last heading, how far it has turned, and the best direction so far with
-    /// the metres that are free there.
+    /// its worth.
     Look { heading: f64, turned: f64, best: (f64, f64) },
     /// Turns to a heading.
     Turn { heading: f64 },
@@ -97,12 +97,13 @@ impl Navigator {
         Some(Decision::Drive(command))
     }
 
-    /// The better one of a direction, as heading and free metres, and what the last scan shows.
+    /// The better one of a direction, as its heading and worth, and where the robot faces: the scan then
+    /// sees both sides of the body.
     fn freest(&self, pose: Pose, best: (f64, f64)) -> (f64, f64) {
-        let free = self.guard.free_towards(DVec2::X).min(ENOUGH);
-        // A direction counts when the robot faces it: the scan then sees both sides of the body.
-        let sides = [-SIDE, SIDE].map(|angle| self.guard.free_towards(unit_vector(angle)).min(0.3));
-        let worth = free + 0.1 * (sides[0] + sides[1]);
+        let (angle, most, weight) = SIDES;
+        let beside = |angle| self.guard.free_towards(unit_vector(angle)).min(most);
+        let ahead = self.guard.free_towards(DVec2::X).min(ENOUGH);
+        let worth = ahead + weight * (beside(-angle) + beside(angle));
         if worth > best.1 { (pose.heading, worth) } else { best }
     }
 
