@@ -65,6 +65,9 @@ pub struct RobotReport {
     pub hits: u32,
     /// Number of recoveries.
     pub recoveries: u32,
+    /// Distance in metres of the last estimated position from the true one.
+    #[serde(default)]
+    pub pose_error: f64,
 }
 
 impl<B: RobotBackend> Trial<B> {
@@ -81,6 +84,7 @@ impl<B: RobotBackend> Trial<B> {
             turning: self.trajectory(robot).turning,
             hits: self.bodies().hits(robot),
             recoveries: self.recoveries(robot),
+            pose_error: self.pose_error(robot),
         };
         let estimated = self.estimated_tracks()?;
         let scores = self.score_of(truth, &estimated)?;

@@ -3,6 +3,9 @@
 use super::{PartRole, RobotReport, TrialReport};
 use crate::names::Named;
 
+/// Distance in metres of the last estimated position from the true one above which a summary states it.
+const LOST: f64 = 0.5;
+
 impl TrialReport {
     /// What drove, and with which parts: `nearest with scan_to_map and lms200_mm, 434 m^2 to map`.
     pub fn headline(&self) -> String {
@@ -23,9 +26,10 @@ impl TrialReport {
 }
 
 impl RobotReport {
-    /// The result of the robot: `time up after 1200 s, 226 m, 105 rad, 0 collisions, 2 recoveries`.
+    /// The result of the robot: `time up after 1200 s, 226 m, 105 rad, 0 collisions, 2 recoveries`. A robot
+    /// whose estimated position ends more than 0.5 m from the true one is said to be lost.
     pub fn summary(&self) -> String {
-        format!(
+        let mut text = format!(
             "{} after {:.0} s, {:.0} m, {:.0} rad, {} collisions, {} recoveries",
             self.end.map_or("under way", |end| end.text()),
             self.time,
@@ -33,6 +37,33 @@ impl RobotReport {
             self.turning,
             self.hits,
             self.recoveries
-        )
+        );
+        if self.pose_error > LOST {
+            text += &format!(", lost: {:.1} m from where it thinks it is", self.pose_error);
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trial::EndReason;
+
+    #[test]
+    fn a_robot_that_is_lost_is_said_to_be() {
+        let mut robot = RobotReport {
+            end: Some(EndReason::Explored),
+            time: 100.0,
+            distance: 50.0,
+            turning: 20.0,
+            hits: 1,
+            recoveries: 0,
+            pose_error: 0.2,
+        };
+        let end = "explored after 100 s, 50 m, 20 rad, 1 collisions, 0 recoveries";
+        assert_eq!(robot.summary(), end);
+        robot.pose_error = 4.27;
+        assert_eq!(robot.summary(), format!("{end}, lost: 4.3 m from where it thinks it is"));
     }
 }
