@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
+use envgen::whole_file;
 use indicatif::{ProgressBar, ProgressStyle};
 use mapping_trial::experiment::survey::summary::{Summary, summarise};
 use mapping_trial::experiment::survey::{Survey, SurveyFolder};
@@ -87,10 +88,10 @@ fn read(path: &Path) -> Result<Survey, ExperimentError> {
 }
 
 fn write(path: &Path, summary: &Summary) -> Result<(), ExperimentError> {
-    let file = |source| ExperimentError::File { path: path.to_owned(), source };
     let text = serde_json::to_vec_pretty(summary)
         .map_err(|error| ExperimentError::Report(error.to_string()))?;
-    std::fs::write(path, text).map_err(file)
+    whole_file::write(path, &text)
+        .map_err(|error| ExperimentError::File { path: path.to_owned(), source: error.error })
 }
 
 fn progress(trials: u64) -> ProgressBar {
@@ -145,6 +146,18 @@ fn print(summary: &Summary, faults: usize) {
             measure.components.trials_for_fifth,
             shares.join(", ")
         );
+    }
+    if let Some(ranks) = &summary.ranks {
+        let tau = ranks.tau.map(|tau| tau.map_or("-".to_owned(), |tau| format!("{tau:.2}")));
+        println!(
+            "\nmean ranks of {} worlds by score 1 and by score 2; Kendall's tau of D {}, M {}, N {}",
+            ranks.worlds, tau[0], tau[1], tau[2]
+        );
+        for family in &ranks.families {
+            let ranks = [family.difficulty, family.mapping, family.navigation];
+            let ranks = ranks.map(|[one, two]| format!("{one:5.1} {two:5.1}"));
+            println!("{:>40}  D {}  M {}  N {}", family.family, ranks[0], ranks[1], ranks[2]);
+        }
     }
     for group in summary.faults.chunk_by(|a, b| a.kind == b.kind) {
         println!("\n{:?}: {} trials", group[0].kind, group.len());

@@ -8,7 +8,6 @@ mod raster;
 mod reference;
 mod rows;
 mod second;
-mod tour;
 mod walls;
 mod weights;
 
@@ -22,7 +21,6 @@ pub use self::reference::Reference;
 pub use self::rows::ScoreRow;
 pub use self::second::Score2;
 use self::second::Shared;
-pub use self::tour::Tour;
 pub use self::weights::{Difficulties, Sensitivity, Weights, kendall_tau, sensitivity};
 use crate::map::OccupancyMap;
 use crate::truth::MappableArea;
@@ -279,12 +277,12 @@ impl Scores {
         };
         let shared = Shared {
             e_wall: scores.e_wall,
-            e_pose: scores.e_pose,
             coverage,
+            drift: scores.relative_error_far.unwrap_or(trajectory_error),
             free_area,
             navigability: with_margin,
         };
-        scores.score_2 = Score2::of(run, truth.tour(), &shared);
+        scores.score_2 = Score2::of(run, truth.robot(), &shared);
         let difficulties = Weights::default().difficulties(&scores);
         scores.difficulty = difficulties.overall;
         scores.mapping = difficulties.mapping;

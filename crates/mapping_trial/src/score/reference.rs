@@ -7,7 +7,6 @@ use envgen::world::World;
 use glam::DVec2;
 
 use super::navigability::{Trip, trips};
-use super::tour::Tour;
 use super::walls::true_runs;
 use crate::robot::Robot;
 use crate::truth::{MappableArea, MappableAreaError};
@@ -19,7 +18,6 @@ pub struct Reference {
     area: MappableArea,
     runs: Vec<u8>,
     trips: Vec<Trip>,
-    tour: Tour,
 }
 
 impl Reference {
@@ -47,13 +45,7 @@ impl Reference {
         let map = area.perfect_map();
         let runs = true_runs(&area, &map);
         let trips = trips(&area, &map, world.provenance.seed.unwrap_or(Seed(0)));
-        let tour = Tour::of(world, &area);
-        Reference { area, runs, trips, tour }
-    }
-
-    /// What a robot without errors needs to see all of F.
-    pub fn tour(&self) -> Tour {
-        self.tour
+        Reference { area, runs, trips }
     }
 
     /// How many walls a search along each wall point's normal crosses.

@@ -33,7 +33,7 @@ impl Scores {
                 [self.score_2.difficulty, self.score_2.mapping, self.score_2.navigation]
                     .map(number)
                     .join("  "),
-                "beyond what a robot without errors needs",
+                "by area and distance, without what an open hall costs",
             ),
             ("coverage", percent(self.coverage), "of the reachable ground shown as free"),
             ("wall precision", percent(self.precision_30), "within 0.30 m"),

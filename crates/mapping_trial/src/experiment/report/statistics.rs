@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::numbers::{number, percent, some};
 use super::pieces::{cell, interval, symbol, table, title, with_interval};
 use crate::experiment::design::Design;
-use crate::experiment::stats::{Analysis, MEASURES, Part, RESAMPLES};
+use crate::experiment::stats::{Analysis, Interval, MEASURES, Part, RESAMPLES};
 
 /// The section.
 pub(super) fn section(design: &Design, analysis: &Analysis) -> Markup {
@@ -19,6 +19,7 @@ pub(super) fn section(design: &Design, analysis: &Analysis) -> Markup {
                 " on: chance alone gives as much in 5 % of cases."
             }
             (orders(part))
+            (components(part))
             (means(design, part))
             (operators(part))
         }
@@ -27,7 +28,10 @@ pub(super) fn section(design: &Design, analysis: &Analysis) -> Markup {
              bootstraps over maps within levels (" (RESAMPLES) " samples), which are too narrow for few \
              maps per level; p is by permutation, one-sided. Shares of variance are the components of a \
              nested analysis of variance, operators averaged; with one noise seed the map's share holds \
-             the noise."
+             the noise. D2, M2, N2 and the parts that end in 2 are score 2. Where the variance of single \
+             trials comes from is estimated with crossed factors (maps of all levels by operators), if \
+             trials are repeated; signal to noise is the variance of maps over that of noise and of all \
+             interactions with the map."
         }
     }
 }
@@ -60,6 +64,31 @@ fn orders(part: &Part) -> Markup {
         ]
     });
     table("Whether measures follow the level", &head, &rows.collect::<Vec<_>>())
+}
+
+/// Which part of the variance belongs to maps, operators, both together, and noise.
+fn components(part: &Part) -> Markup {
+    let Some(first) = part.components.first() else { return html! {} };
+    let mut head = vec![cell("variance of single trials")];
+    let effects = first.components.components.iter();
+    head.extend(effects.map(|one| with_interval(&one.effect)));
+    head.push(with_interval("signal to noise"));
+    head.push(html! { "trials per map" br; "for ±0.2" });
+    let rows = part.components.iter().map(|measure| {
+        let found = &measure.components;
+        let mut row = vec![symbol(measure.symbol)];
+        let percent = |share: Interval| Interval {
+            value: 100.0 * share.value,
+            low: 100.0 * share.low,
+            high: 100.0 * share.high,
+        };
+        let shares = found.components.iter();
+        row.extend(shares.map(|one| interval(Some(percent(one.share)), 0)));
+        row.push(interval(found.signal_to_noise, 2));
+        row.push(cell(found.trials_for_fifth));
+        row
+    });
+    table("Where the variance comes from, in percent", &head, &rows.collect::<Vec<_>>())
 }
 
 fn means(design: &Design, part: &Part) -> Markup {

@@ -22,6 +22,7 @@ fn rules_name(design: &Design) -> Markup {
 pub(super) fn findings(design: &Design, analysis: &Analysis) -> Vec<Markup> {
     let mut found: Vec<Markup> =
         (0..3).map(|measure| of_measure(design, analysis, measure)).collect();
+    found.push(by_score_2(analysis));
     found.push(rules_in_general(analysis));
     found.push(how_trials_ended(design, analysis));
     found.push(beside_the_paper(design, analysis));
@@ -80,6 +81,27 @@ fn of_measure(design: &Design, analysis: &Analysis, measure: usize) -> Markup {
         (order.neighbours_in_order) " of " (order.neighbours()) " neighbouring levels are in order."
         @if order.verdict() != Verdict::InOrder { (blame(analysis, measure)) }
     }
+}
+
+/// Whether the conclusions stand if the same trials are scored by score 2.
+fn by_score_2(analysis: &Analysis) -> Markup {
+    let of = |symbol: &str| analysis.main.orders.iter().find(|order| order.measure == symbol);
+    let said: Vec<String> = [("D", "D2"), ("M", "M2"), ("N", "N2")]
+        .iter()
+        .filter_map(|(one, two)| of(one).zip(of(two)))
+        .map(|(first, second)| {
+            let same = if first.verdict() == second.verdict() { "as" } else { "unlike" };
+            let verdict = match second.verdict() {
+                Verdict::InOrder => "in order",
+                Verdict::OnTheWhole => "in order on the whole",
+                Verdict::NotShown => "in no order that can be shown",
+                Verdict::Reversed => "in reverse order",
+            };
+            let correlation = correlation(second);
+            format!("in {} they are {verdict}, {same} by score 1 ({correlation})", second.measure)
+        })
+        .collect();
+    html! { b { "The maps by score 2:" } " " (list(&said)) "." }
 }
 
 fn correlation(order: &Order) -> String {

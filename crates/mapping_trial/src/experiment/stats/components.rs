@@ -33,7 +33,17 @@ pub struct Component {
     pub share: Interval,
 }
 
-/// The variance components of a measure.
+/// Where the variance of a measure comes from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeasureComponents {
+    /// Its symbol.
+    pub symbol: &'static str,
+    /// Its components.
+    #[serde(flatten)]
+    pub components: Components,
+}
+
+/// The variance components of a design.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Components {
     /// All components: maps, the other factors, their interactions, noise.
@@ -241,7 +251,7 @@ mod tests {
         // Few levels say little of a factor's own variance: many of each, and one fixed seed. A
         // variance from n levels has a relative standard error of sqrt(2 / n).
         let deviations = [2.0, 1.0, 0.8, 0.5, 0.7, 0.3, 0.4, 0.6];
-        let design = drawn([60, 40, 40], 2, deviations, 5);
+        let design = drawn([60, 20, 20], 2, deviations, 5);
         let found = components(&design).expect("components");
         let total: f64 = deviations.iter().map(|d| d * d).sum();
         let order = [

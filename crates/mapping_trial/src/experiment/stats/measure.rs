@@ -16,8 +16,8 @@ pub struct Measure {
     pub of: fn(&Scores) -> f64,
 }
 
-/// D, M and N, then their parts.
-pub const MEASURES: [Measure; 10] = [
+/// D, M and N by score 1, then their parts; D, M and N by score 2, then the parts that differ.
+pub const MEASURES: [Measure; 18] = [
     Measure { symbol: "D", name: "difficulty", most: 10.0, of: |s| s.difficulty },
     Measure { symbol: "M", name: "difficulty of mapping", most: 10.0, of: |s| s.mapping },
     Measure { symbol: "N", name: "difficulty of getting around", most: 10.0, of: |s| s.navigation },
@@ -28,10 +28,6 @@ pub const MEASURES: [Measure; 10] = [
     Measure { symbol: "e_time", name: "time taken", most: 1.0, of: |s| s.e_time },
     Measure { symbol: "e_hit", name: "collisions and being stuck", most: 1.0, of: |s| s.e_hit },
     Measure { symbol: "e_turn", name: "turning", most: 1.0, of: |s| s.e_turn },
-];
-
-/// D, M and N by score 2, then the parts that differ from those of score 1.
-pub const MEASURES_2: [Measure; 7] = [
     Measure { symbol: "D2", name: "difficulty", most: 10.0, of: |s| s.score_2.difficulty },
     Measure { symbol: "M2", name: "difficulty of mapping", most: 10.0, of: |s| s.score_2.mapping },
     Measure {
@@ -41,14 +37,15 @@ pub const MEASURES_2: [Measure; 7] = [
         of: |s| s.score_2.navigation,
     },
     Measure { symbol: "e_use2", name: "paths that fail", most: 1.0, of: |s| s.score_2.e_use },
-    Measure { symbol: "e_time2", name: "excess time by area", most: 1.0, of: |s| s.score_2.e_time },
+    Measure { symbol: "e_drift2", name: "drift of the pose", most: 1.0, of: |s| s.score_2.e_drift },
+    Measure { symbol: "e_time2", name: "time by area", most: 1.0, of: |s| s.score_2.e_time },
     Measure {
         symbol: "e_hit2",
         name: "collisions by distance",
         most: 1.0,
         of: |s| s.score_2.e_hit,
     },
-    Measure { symbol: "e_turn2", name: "excess turning", most: 1.0, of: |s| s.score_2.e_turn },
+    Measure { symbol: "e_turn2", name: "turning by distance", most: 1.0, of: |s| s.score_2.e_turn },
 ];
 
 /// The means of a map.
@@ -65,10 +62,10 @@ pub struct MapValues {
 }
 
 impl MapValues {
-    /// The parts of a score, as means over the trials.
+    /// Score 1 and its parts, as means over the trials.
     pub fn parts(&self) -> Scores {
-        let [difficulty, mapping, navigation, e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn] =
-            self.means;
+        let [difficulty, mapping, navigation, parts @ ..] = self.means;
+        let [e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn, ..] = parts;
         Scores {
             difficulty,
             mapping,

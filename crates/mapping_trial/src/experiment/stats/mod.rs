@@ -15,12 +15,12 @@ mod rules;
 mod triples;
 mod variance;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-pub use components::{Component, Components, Factorial, components};
-pub use measure::{MEASURES, MEASURES_2, MapValues, Measure, map_values};
+pub use components::{Component, Components, Factorial, MeasureComponents, components};
+pub use measure::{MEASURES, MapValues, Measure, map_values};
 pub use order::{Mean, Order, Verdict, order};
 pub use rank::{Null, spearman};
 pub use resample::{Interval, RESAMPLES};
@@ -81,6 +81,9 @@ pub struct Part {
     pub critical_rho: f64,
     /// For each measure, over all operators.
     pub orders: Vec<Order>,
+    /// For each measure of which trials are repeated: which part of the variance of single trials
+    /// belongs to the maps of all levels, to the operators, to both together, and to noise.
+    pub components: Vec<MeasureComponents>,
     /// For D, M and N, by operator.
     pub operators: Vec<OperatorOrders>,
     /// The order of three maps of different levels, for D, M and N.
@@ -163,10 +166,41 @@ fn part(design: &Design, records: &[&Record]) -> Part {
             .iter()
             .map(|measure| order(design, measure, records, &values, &null))
             .collect(),
+        components: variance_components(records),
         operators: operators.collect(),
         relative: MEASURES.iter().take(3).map(|measure| relative(measure, records)).collect(),
         values,
     }
+}
+
+/// The components of maps and operators, if each operator drove as often on each map.
+fn variance_components(records: &[&Record]) -> Vec<MeasureComponents> {
+    let maps: Vec<&[&Record]> = records
+        .chunk_by(|a, b| (a.trial.level, a.trial.map) == (b.trial.level, b.trial.map))
+        .collect();
+    let operators: BTreeSet<&str> = records.iter().map(|record| driver(record)).collect();
+    let repeats = records.len() / (maps.len() * operators.len()).max(1);
+    let of = |measure: &Measure| {
+        let mut values = Vec::with_capacity(records.len());
+        for map in &maps {
+            for operator in &operators {
+                let own = map.iter().filter(|record| driver(record) == *operator);
+                let before = values.len();
+                values.extend(own.map(|record| (measure.of)(&record.scores)));
+                if values.len() - before != repeats {
+                    return None;
+                }
+            }
+        }
+        let (mut factors, mut sizes) = (vec!["map"], vec![maps.len()]);
+        if operators.len() > 1 {
+            factors.push("operator");
+            sizes.push(operators.len());
+        }
+        let components = components(&Factorial { factors, sizes, repeats, values })?;
+        Some(MeasureComponents { symbol: measure.symbol, components })
+    };
+    MEASURES.iter().filter_map(of).collect()
 }
 
 /// The operators by name.

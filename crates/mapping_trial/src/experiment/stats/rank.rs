@@ -98,7 +98,7 @@ mod tests {
         let map = |i: usize| MapValues {
             level: i / 2,
             map: i as u32 % 2,
-            means: [0.0; 10],
+            means: [0.0; crate::experiment::stats::MEASURES.len()],
             features: MapFeatures::default(),
         };
         let null = Null::new(&Design::default(), &(0..10).map(map).collect::<Vec<_>>());

@@ -214,7 +214,7 @@ mod tests {
                 let difficulty = rooms * features.room_difficulty.unwrap_or(0.0)
                     + cut * features.cycles_prevented
                     + noise;
-                let mut means = [0.0; 10];
+                let mut means = [0.0; MEASURES.len()];
                 means[..3].copy_from_slice(&[difficulty, difficulty, noise]);
                 values.push(MapValues { level, map, means, features });
             }

@@ -14,12 +14,14 @@
 
 mod design;
 mod folder;
+mod ranks;
 mod record;
 mod site;
 pub mod summary;
 
 pub use design::{Condition, Family, MAX_SURVEY_TRIALS, Survey, SurveyError, SurveyMap};
 pub use folder::{SURVEY_VERSION, SurveyFolder, SurveyProgress};
+pub use ranks::{FamilyRanks, Ranks};
 pub use record::Record;
 
 #[cfg(test)]

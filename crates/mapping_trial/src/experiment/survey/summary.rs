@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::design::{Condition, Survey};
+use super::ranks::{Ranks, ranks};
 use super::record::Record;
-use crate::experiment::stats::{Components, Factorial, MEASURES, MEASURES_2, components};
+use crate::experiment::stats::{Factorial, MEASURES, MeasureComponents, components};
 use crate::score::Scores;
 use crate::trial::EndReason;
 
@@ -24,6 +25,9 @@ pub struct Summary {
     /// For each measure, over the worlds where all trials have scores; empty for a survey that is
     /// not complete, or has no repeated trials.
     pub measures: Vec<MeasureComponents>,
+    /// The worlds' order by score 1 and by score 2, over the worlds where all trials have scores; absent
+    /// for fewer than two.
+    pub ranks: Option<Ranks>,
     /// The trials in which something went wrong.
     pub faults: Vec<Fault>,
 }
@@ -66,16 +70,6 @@ pub struct Means {
     pub time: f64,
 }
 
-/// Where the variance of a measure comes from.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct MeasureComponents {
-    /// Its symbol.
-    pub symbol: &'static str,
-    /// Its components.
-    #[serde(flatten)]
-    pub components: Components,
-}
-
 /// What went wrong in a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -104,33 +98,44 @@ pub struct Fault {
 }
 
 /// Summarises the finished trials of a survey, which are sorted by world, condition and noise.
+///
+/// # Panics
+/// If a trial is not one of the survey's.
+#[track_caller]
 pub fn summarise(survey: &Survey, records: &[&Record]) -> Summary {
-    let families: Vec<&str> = survey.maps().map(|map| map.family.name.as_str()).collect();
-    let names = |record: &Record| {
-        let family = families.get(record.map as usize).copied().unwrap_or_default();
-        let condition = survey.conditions.get(record.condition as usize);
-        (family.to_owned(), condition.map_or_else(String::new, |one| one.name.clone()))
-    };
-    let mut groups = Vec::new();
-    for family in &survey.families {
-        for condition in &survey.conditions {
-            let own =
-                |record: &&&Record| names(record) == (family.name.clone(), condition.name.clone());
-            let own: Vec<&Record> = records.iter().filter(own).copied().collect();
-            if !own.is_empty() {
-                groups.push(group(&family.name, &condition.name, &own));
-            }
-        }
+    let mut families = Vec::new();
+    for (number, family) in survey.families.iter().enumerate() {
+        families.extend((0..family.maps).map(|_| number));
     }
+    let mut grouped: BTreeMap<(usize, usize), Vec<&Record>> = BTreeMap::new();
+    for &record in records {
+        let key = (families[record.map as usize], record.condition as usize);
+        grouped.entry(key).or_default().push(record);
+    }
+    let names = |(family, condition): (usize, usize)| {
+        (survey.families[family].name.clone(), survey.conditions[condition].name.clone())
+    };
+    let groups = grouped.iter().map(|(&key, own)| {
+        let (family, condition) = names(key);
+        group(family, condition, own)
+    });
+    let groups = groups.collect();
     let mut faults: Vec<Fault> = records
         .iter()
         .filter_map(|record| {
-            let (family, condition) = names(record);
-            Some(Fault { kind: fault(record)?, family, condition, record: (*record).clone() })
+            let kind = fault(record)?;
+            let key = (families[record.map as usize], record.condition as usize);
+            let (family, condition) = names(key);
+            Some(Fault { kind, family, condition, record: (*record).clone() })
         })
         .collect();
     faults.sort_by_key(|fault| fault.kind);
-    Summary { groups, measures: measures(survey, records), faults }
+    let worlds = complete(survey, records);
+    let names: Vec<&str> = survey.families.iter().map(|family| family.name.as_str()).collect();
+    let of_families: Vec<(usize, &[&Record])> =
+        worlds.iter().map(|&trials| (families[trials[0].map as usize], trials)).collect();
+    let ranks = ranks(&names, &of_families);
+    Summary { groups, measures: measures(survey, &worlds), ranks, faults }
 }
 
 /// What went wrong in a trial, if anything did.
@@ -148,13 +153,8 @@ pub fn fault(record: &Record) -> Option<FaultKind> {
     }
 }
 
-fn group(family: &str, condition: &str, records: &[&Record]) -> Group {
-    let mut group = Group {
-        family: family.to_owned(),
-        condition: condition.to_owned(),
-        trials: records.len(),
-        ..Group::default()
-    };
+fn group(family: String, condition: String, records: &[&Record]) -> Group {
+    let mut group = Group { family, condition, trials: records.len(), ..Group::default() };
     for end in records.iter().filter_map(|record| record.end) {
         *group.ends.entry(end).or_insert(0) += 1;
     }
@@ -231,11 +231,15 @@ fn factors(conditions: &[Condition]) -> (Vec<(&'static str, usize)>, Vec<usize>)
     (facets.into_iter().map(|(name, _, levels)| (name, levels.len())).collect(), order)
 }
 
-fn measures(survey: &Survey, records: &[&Record]) -> Vec<MeasureComponents> {
+/// The trials of each world where all have scores.
+fn complete<'a, 'b>(survey: &Survey, records: &'a [&'b Record]) -> Vec<&'a [&'b Record]> {
     let per_map = survey.conditions.len() * survey.noise_seeds as usize;
     let whole =
         |map: &&[&Record]| map.len() == per_map && map.iter().all(|record| record.scores.is_some());
-    let maps: Vec<&[&Record]> = records.chunk_by(|a, b| a.map == b.map).filter(whole).collect();
+    records.chunk_by(|a, b| a.map == b.map).filter(whole).collect()
+}
+
+fn measures(survey: &Survey, maps: &[&[&Record]]) -> Vec<MeasureComponents> {
     let (conditions, order) = factors(&survey.conditions);
     let repeats = survey.noise_seeds as usize;
     let mut sizes = vec![maps.len()];
@@ -254,7 +258,7 @@ fn measures(survey: &Survey, records: &[&Record]) -> Vec<MeasureComponents> {
         let (factors, sizes) = (factors.clone(), sizes.clone());
         components(&Factorial { factors, sizes, repeats, values: values.collect() })
     };
-    let measures = MEASURES.iter().chain(&MEASURES_2).filter_map(|measure| {
+    let measures = MEASURES.iter().filter_map(|measure| {
         Some(MeasureComponents { symbol: measure.symbol, components: of(measure.of)? })
     });
     measures.collect()

@@ -1,0 +1,122 @@
+//! How the order of a survey's worlds changes from score 1 to score 2.
+
+use serde::Serialize;
+use statrs::statistics::{Data, OrderStatistics, RankTieBreaker};
+
+use super::record::Record;
+use crate::score::{Scores, kendall_tau};
+
+/// D, M and N of score 1 and of score 2.
+const PAIRS: [[fn(&Scores) -> f64; 2]; 3] = [
+    [|s| s.difficulty, |s| s.score_2.difficulty],
+    [|s| s.mapping, |s| s.score_2.mapping],
+    [|s| s.navigation, |s| s.score_2.navigation],
+];
+
+/// The order of the worlds by the mean scores of their trials.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Ranks {
+    /// Number of worlds.
+    pub worlds: usize,
+    /// Kendall's tau-b between the orders by score 1 and by score 2: for D, M and N; absent if all
+    /// values of one are equal.
+    pub tau: [Option<f64>; 3],
+    /// For each family.
+    pub families: Vec<FamilyRanks>,
+}
+
+/// The mean ranks of a family's worlds among all, 1 being the easiest.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FamilyRanks {
+    /// Name of the family.
+    pub family: String,
+    /// By D of score 1 and of score 2.
+    pub difficulty: [f64; 2],
+    /// By M.
+    pub mapping: [f64; 2],
+    /// By N.
+    pub navigation: [f64; 2],
+}
+
+/// Ranks worlds, each given by the number of its family and all its trials; `None` for fewer than two.
+pub(super) fn ranks(names: &[&str], worlds: &[(usize, &[&Record])]) -> Option<Ranks> {
+    if worlds.len() < 2 {
+        return None;
+    }
+    let means = |of: fn(&Scores) -> f64| -> Vec<f64> {
+        let mean = |trials: &[&Record]| {
+            let scores = trials.iter().filter_map(|trial| trial.scores.as_ref());
+            scores.map(of).sum::<f64>() / trials.len() as f64
+        };
+        worlds.iter().map(|(_, trials)| mean(trials)).collect()
+    };
+    let values = PAIRS.map(|pair| pair.map(means));
+    let places = values.each_ref().map(|pair| {
+        pair.each_ref().map(|all| Data::new(all.clone()).ranks(RankTieBreaker::Average))
+    });
+    let family = |number: usize| {
+        let own: Vec<usize> = (0..worlds.len()).filter(|&i| worlds[i].0 == number).collect();
+        let [difficulty, mapping, navigation] = places.each_ref().map(|pair| {
+            pair.each_ref().map(|all| own.iter().map(|&i| all[i]).sum::<f64>() / own.len() as f64)
+        });
+        let family = names[number].to_owned();
+        (!own.is_empty()).then_some(FamilyRanks { family, difficulty, mapping, navigation })
+    };
+    Some(Ranks {
+        worlds: worlds.len(),
+        tau: values.each_ref().map(|[one, two]| kendall_tau(one, two)),
+        families: (0..names.len()).filter_map(family).collect(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::Seed;
+
+    use super::*;
+    use crate::score::Score2;
+
+    fn record(map: u32, one: f64, two: f64) -> Record {
+        let scores = Scores {
+            difficulty: one,
+            score_2: Score2 { difficulty: two, ..Score2::default() },
+            ..Scores::default()
+        };
+        Record {
+            map,
+            condition: 0,
+            noise: 0,
+            world_seed: Seed(0),
+            noise_seed: Seed(0),
+            log_digest: String::new(),
+            end: None,
+            pose_error: 0.0,
+            scores: Some(scores),
+            failure: None,
+        }
+    }
+
+    #[test]
+    fn ranks_are_those_of_the_means_and_ties_share_theirs() {
+        // Means by score 1: 1, 2, 3; by score 2: 5, 5, 1.
+        let records = [
+            (0, 0.0, 4.0),
+            (0, 2.0, 6.0),
+            (1, 2.0, 5.0),
+            (1, 2.0, 5.0),
+            (2, 3.0, 1.0),
+            (2, 3.0, 1.0),
+        ]
+        .map(|(map, one, two)| record(map, one, two));
+        let all: Vec<&Record> = records.iter().collect();
+        let worlds = [(0, &all[0..2]), (0, &all[2..4]), (1, &all[4..6])];
+        let found = ranks(&["a", "b"], &worlds).expect("three worlds");
+        assert_eq!(found.families[0].difficulty, [1.5, 2.5]);
+        assert_eq!(found.families[1].difficulty, [3.0, 1.0]);
+        // One of three pairs is tied by score 2, the other two are reversed.
+        let tau = found.tau[0].expect("an order");
+        assert!((tau + 2.0 / 6.0_f64.sqrt()).abs() < 1e-12, "{tau}");
+        assert_eq!(found.tau[1], None);
+        assert_eq!(ranks(&["a"], &worlds[..1]), None);
+    }
+}
