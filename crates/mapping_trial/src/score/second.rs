@@ -120,21 +120,7 @@ mod tests {
 
     use super::*;
     use crate::map::OccupancyMap;
-
-    fn run(map: &OccupancyMap) -> RunSummary<'_> {
-        RunSummary {
-            map,
-            tracks: &[],
-            time: 0.0,
-            time_limit: 1200.0,
-            distance: 0.0,
-            turning: 0.0,
-            hits: 0,
-            recoveries: 0,
-            stuck: 0,
-            energy_left: 0.0,
-        }
-    }
+    use crate::score::tests::run;
 
     const PERFECT: Shared =
         Shared { e_wall: 0.0, coverage: 1.0, drift: 0.0, free_area: 100.0, navigability: 1.0 };

@@ -25,7 +25,7 @@ fn flat() -> World {
 }
 
 /// A run that made a map without moving.
-fn run(map: &OccupancyMap) -> RunSummary<'_> {
+pub(super) fn run(map: &OccupancyMap) -> RunSummary<'_> {
     RunSummary {
         map,
         tracks: &[],

@@ -6,8 +6,10 @@ use statrs::statistics::{Data, OrderStatistics, RankTieBreaker};
 use super::record::Record;
 use crate::score::{Scores, kendall_tau};
 
+type Measured = fn(&Scores) -> f64;
+
 /// D, M and N of score 1 and of score 2.
-const PAIRS: [[fn(&Scores) -> f64; 2]; 3] = [
+const PAIRS: [[Measured; 2]; 3] = [
     [|s| s.difficulty, |s| s.score_2.difficulty],
     [|s| s.mapping, |s| s.score_2.mapping],
     [|s| s.navigation, |s| s.score_2.navigation],
@@ -43,7 +45,7 @@ pub(super) fn ranks(names: &[&str], worlds: &[(usize, &[&Record])]) -> Option<Ra
     if worlds.len() < 2 {
         return None;
     }
-    let means = |of: fn(&Scores) -> f64| -> Vec<f64> {
+    let means = |of: Measured| -> Vec<f64> {
         let mean = |trials: &[&Record]| {
             let scores = trials.iter().filter_map(|trial| trial.scores.as_ref());
             scores.map(of).sum::<f64>() / trials.len() as f64
