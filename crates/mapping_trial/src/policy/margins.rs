@@ -35,11 +35,16 @@ pub(super) struct Margins {
     pub(super) obstruction: (f64, f64),
 }
 
+/// Speed in m/s at which a robot cruises on open ground.
+pub(crate) fn cruising_speed(robot: &Robot) -> f64 {
+    // 5 / 7, in the order of operations that gives the Pioneer exactly 0.5.
+    robot.max_speed * (CRUISE * 10.0) / (PIONEER_3AT.max_speed * 10.0)
+}
+
 impl Margins {
     pub(super) fn of(robot: &Robot, laser: &LaserProfile) -> Self {
         let larger = robot.circumscribed_radius - PIONEER_3AT.circumscribed_radius;
-        // 5 / 7, in the order of operations that gives the Pioneer exactly 0.5.
-        let cruise = robot.max_speed * (CRUISE * 10.0) / (PIONEER_3AT.max_speed * 10.0);
+        let cruise = cruising_speed(robot);
         let slow = 0.15_f64.min(robot.max_speed);
         let turn = (1.1 * PI + (PI - laser.field_of_view)).max(0.1 * PI);
         Margins {

@@ -7,7 +7,7 @@ pub mod frontier;
 mod guard;
 mod inflation;
 mod info_gain;
-mod margins;
+pub(crate) mod margins;
 mod navigator;
 mod nearest;
 mod path;

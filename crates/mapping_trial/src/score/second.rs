@@ -5,13 +5,11 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use super::{RunSummary, STUCK_HITS, saturating};
+use crate::policy::margins::cruising_speed;
 use crate::robot::Robot;
 
 /// Distance in metres up to which a robot without errors sees to either side.
 const VIEW: f64 = 8.0;
-
-/// Share of the greatest speed at which a robot cruises, as policies do.
-const CRUISE: f64 = 5.0 / 7.0;
 
 /// Excess time in seconds per square metre mapped at which `e_time` is 0.5.
 const HALF_TIME: f64 = 1.5;
@@ -95,7 +93,7 @@ impl Score2 {
         let Shared { e_wall, coverage, drift, free_area, navigability } = *shared;
         let (e_cov, e_use) = (1.0 - coverage, 1.0 - navigability);
         let covered = coverage.max(LEAST_COVERAGE) * free_area;
-        let open_hall = 1.0 / (2.0 * VIEW * CRUISE * robot.max_speed);
+        let open_hall = 1.0 / (2.0 * VIEW * cruising_speed(robot));
         let time = (run.time + e_cov * run.time_limit) / covered - open_hall;
         let distance = run.distance.max(LEAST_DISTANCE);
         let hits = f64::from(run.hits) + STUCK_HITS * f64::from(run.stuck);
@@ -120,6 +118,7 @@ mod tests {
 
     use super::*;
     use crate::map::OccupancyMap;
+    use crate::score::TrajectoryPair;
     use crate::score::tests::run;
 
     const PERFECT: Shared =
@@ -135,6 +134,18 @@ mod tests {
         // 0.125 s/m^2 at 0.5 m/s.
         let found = score(&RunSummary { time: 12.5, distance: 6.25, ..run(&map) }, &PERFECT);
         assert!(found.difficulty < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn each_robot_may_look_around_once() {
+        let map = OccupancyMap::new();
+        let tracks = [TrajectoryPair { truth: &[], estimated: &[] }; 2];
+        let e_turn = |turning: f64| {
+            let run = RunSummary { tracks: &tracks, turning, distance: 40.0, ..run(&map) };
+            score(&run, &PERFECT).e_turn
+        };
+        assert!(e_turn(2.0 * TAU) < 1e-12);
+        assert!((e_turn(2.0 * TAU + 40.0) - 0.5).abs() < 1e-12);
     }
 
     #[test]
