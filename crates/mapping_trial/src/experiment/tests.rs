@@ -311,6 +311,35 @@ fn a_device_in_a_files_place_is_not_read() {
 }
 
 #[test]
+fn variance_belongs_to_maps_operators_and_noise() {
+    let both = vec![PolicyKind::Nearest, PolicyKind::Corridors];
+    let design = Design { operators: both, ..small() };
+    let records: Vec<Record> = design
+        .trials()
+        .into_iter()
+        .map(|trial| {
+            let operator = f64::from(u8::from(trial.operator == PolicyKind::Corridors));
+            let noise = 0.1 * f64::from(trial.noise);
+            let difficulty = f64::from(trial.level) + 2.0 * operator + noise;
+            Record { trial, ..record(0, 0, 0, difficulty) }
+        })
+        .collect();
+    let found = analyse(&design, &records.iter().collect::<Vec<_>>());
+    let [d, ..] = &found.main.components[..] else { panic!("no components") };
+    assert_eq!(d.symbol, "D");
+    let share = |effect: &str| d.components.share(effect).expect("a share").value;
+    // Five levels of two equal maps: 20 / 9; two operators 2 apart: 2; two seeds 0.1 apart: 0.005.
+    let (map, operator, noise) = (20.0 / 9.0 - 0.005 / 4.0, 2.0 - 0.005 / 20.0, 0.005);
+    let all = map + operator + noise;
+    assert!((share("map") - map / all).abs() < 1e-3, "{d:?}");
+    assert!((share("operator") - operator / all).abs() < 1e-3, "{d:?}");
+    assert!((share("noise") - noise / all).abs() < 1e-3, "{d:?}");
+    assert_eq!(share("map x operator"), 0.0, "{d:?}");
+    // One seed: nothing is repeated.
+    assert!(found.replay.components.is_empty());
+}
+
+#[test]
 fn operators_averaged_and_alone_differ() {
     let design = small();
     let records = made_records(&design, |level, map| level as f64 + 0.1 * f64::from(map));

@@ -11,8 +11,12 @@ const SHUFFLES: usize = 10_000;
 /// Spearman's rank correlation, ties with their mean rank; `None` for lists of different lengths,
 /// or when all values of one are equal.
 pub fn spearman(a: &[f64], b: &[f64]) -> Option<f64> {
-    let ranks = |values: &[f64]| Data::new(values.to_vec()).ranks(RankTieBreaker::Average);
     pearson(&ranks(a), &ranks(b))
+}
+
+/// The ranks of values from 1, ties with their mean rank.
+pub(crate) fn ranks(values: &[f64]) -> Vec<f64> {
+    Data::new(values.to_vec()).ranks(RankTieBreaker::Average)
 }
 
 /// Pearson's correlation.
@@ -75,6 +79,7 @@ impl Null {
 
 #[cfg(test)]
 mod tests {
+    use super::super::measure::MEASURES;
     use super::*;
     use crate::experiment::record::MapFeatures;
 
@@ -98,7 +103,7 @@ mod tests {
         let map = |i: usize| MapValues {
             level: i / 2,
             map: i as u32 % 2,
-            means: [0.0; crate::experiment::stats::MEASURES.len()],
+            means: [0.0; MEASURES.len()],
             features: MapFeatures::default(),
         };
         let null = Null::new(&Design::default(), &(0..10).map(map).collect::<Vec<_>>());

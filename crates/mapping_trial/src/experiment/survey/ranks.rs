@@ -1,9 +1,9 @@
 //! How the order of a survey's worlds changes from score 1 to score 2.
 
 use serde::Serialize;
-use statrs::statistics::{Data, OrderStatistics, RankTieBreaker};
 
 use super::record::Record;
+use crate::experiment::stats;
 use crate::score::{Scores, kendall_tau};
 
 type Measured = fn(&Scores) -> f64;
@@ -53,9 +53,7 @@ pub(super) fn ranks(names: &[&str], worlds: &[(usize, &[&Record])]) -> Option<Ra
         worlds.iter().map(|(_, trials)| mean(trials)).collect()
     };
     let values = PAIRS.map(|pair| pair.map(means));
-    let places = values.each_ref().map(|pair| {
-        pair.each_ref().map(|all| Data::new(all.clone()).ranks(RankTieBreaker::Average))
-    });
+    let places = values.each_ref().map(|pair| pair.each_ref().map(|all| stats::ranks(all)));
     let family = |number: usize| {
         let own: Vec<usize> = (0..worlds.len()).filter(|&i| worlds[i].0 == number).collect();
         let [difficulty, mapping, navigation] = places.each_ref().map(|pair| {
