@@ -39,7 +39,7 @@ impl RobotReport {
             self.recoveries
         );
         if self.pose_error > LOST {
-            text += &format!(", lost: {:.1} m from where it thinks it is", self.pose_error);
+            text += &format!(", lost: {:.1} m from its estimated position", self.pose_error);
         }
         text
     }
@@ -64,6 +64,6 @@ mod tests {
         let end = "explored after 100 s, 50 m, 20 rad, 1 collisions, 0 recoveries";
         assert_eq!(robot.summary(), end);
         robot.pose_error = 4.27;
-        assert_eq!(robot.summary(), format!("{end}, lost: 4.3 m from where it thinks it is"));
+        assert_eq!(robot.summary(), format!("{end}, lost: 4.3 m from its estimated position"));
     }
 }
