@@ -46,7 +46,7 @@ const RESPONSE: f64 = 0.45;
 
 /// Half the side in metres of the window around the estimated pose, and the difference of headings in
 /// radians, in which a scan that fits almost as well shows that there is no error to correct.
-const HERE: (f64, f64) = (0.3, 4.0 * std::f64::consts::PI / 180.0);
+const HERE: (f64, f64) = (0.6, 4.0 * std::f64::consts::PI / 180.0);
 
 /// Distance in metres of a match from the estimated pose up to which nothing is wrong.
 const NO_SHIFT: f64 = 0.1;

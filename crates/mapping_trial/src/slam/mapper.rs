@@ -8,6 +8,7 @@ use super::fusion::{Drift, fuse};
 use super::likelihood::LikelihoodField;
 use super::matcher::{Matcher, Window};
 use super::scan_insertion::{ScanInserter, is_near};
+use super::surfels::{MATCHED, SurfelMap, WallPoint, wall_points};
 use super::sweep::{FEWEST_ECHOES, Sweep, Sweeper};
 use super::track::{PoseTrack, Variance};
 use super::walls::{WALL_GAP, WallPiece, constrained, walls};
@@ -39,6 +40,15 @@ const OLDER: f64 = 10.0;
 /// Distance in metres, and difference of headings in radians, within which a keyframe sees the
 /// same place as another.
 const SAME_PLACE: (f64, f64) = (1.5, 1.0);
+
+/// Fewest walls of a scan, and least shares of those around which the map has a wall and of all, that lie
+/// on walls of the map where the scan's pose is right. A turned scan meets other walls.
+const RIGHT_WALLS: usize = 20;
+const RIGHT_OF_KNOWN: f64 = 0.9;
+const RIGHT_OF_ALL: f64 = 0.2;
+
+/// Share of all of a scan's walls from which no match is needed.
+const CERTAIN: f64 = 0.8;
 
 /// Of each scan every so many echoes are compared with the map.
 const ECHO_STEP: usize = 4;
@@ -76,6 +86,8 @@ pub(crate) struct Mapper {
     matcher: Matcher,
     /// The field that scans are matched against; `None` if poses come from the wheels alone.
     field: Option<LikelihoodField>,
+    /// The walls that matched poses are refined against.
+    surfels: SurfelMap,
     pub(crate) map: OccupancyMap,
     pub(crate) keyframes: Vec<Keyframe>,
     pub(crate) tracks: Vec<PoseTrack>,
@@ -96,6 +108,7 @@ impl Mapper {
             painter: ScanInserter::new(),
             matcher: Matcher::new(),
             field: matching.then(|| LikelihoodField::new(&BLOCKS)),
+            surfels: SurfelMap::default(),
             map: OccupancyMap::new(),
             keyframes: Vec::new(),
             tracks: starts.iter().copied().map(PoseTrack::new).collect(),
@@ -111,14 +124,42 @@ impl Mapper {
         odometry: Increment,
         scan: Option<&Scan>,
     ) -> Option<Added> {
-        let track = self.tracks.get_mut(robot)?;
-        track.advance(odometry);
-        let added = match scan {
-            Some(scan) if track.is_keyframe_due() => self.add(robot, scan),
-            _ => None,
-        };
+        self.tracks.get_mut(robot)?.advance(odometry);
+        let added = scan.and_then(|scan| self.see(robot, scan));
         self.tracks[robot].record();
         added
+    }
+
+    /// Corrects a robot's pose by a scan; where it has driven far enough, the scan is a keyframe.
+    fn see(&mut self, robot: usize, scan: &Scan) -> Option<Added> {
+        let is_due = self.tracks[robot].is_keyframe_due();
+        if self.field.is_none() && !is_due {
+            return None;
+        }
+        let sweep = self.sweeper.sweep(scan);
+        if self.field.is_none() {
+            return self.add(robot, sweep, &[], false);
+        }
+        let walls = wall_points(&sweep.echoes, self.sweeper.laser().position);
+        let is_certain = self.localise(robot, &walls);
+        if is_due { self.add(robot, sweep, &walls, is_certain) } else { None }
+    }
+
+    /// Moves a robot's pose to where the walls that it sees are on the map, if they are; returns whether
+    /// that is certain enough to go without a match.
+    fn localise(&mut self, robot: usize, walls: &[WallPoint]) -> bool {
+        let track = &mut self.tracks[robot];
+        let Some(keyframe) = track.keyframe else { return false };
+        let keyframe = self.keyframes[keyframe].pose;
+        let refined = self.surfels.refine(keyframe.compose(track.relative), track.loose(), walls);
+        let (near, all) = (refined.near as f64, walls.len() as f64);
+        let is_right = refined.near >= RIGHT_WALLS
+            && near >= RIGHT_OF_KNOWN * refined.known as f64
+            && near >= RIGHT_OF_ALL * all;
+        if is_right {
+            track.correct(keyframe.inverse().compose(refined.pose));
+        }
+        is_right && refined.is_held && near >= CERTAIN * all
     }
 
     /// The pose estimate of a robot; the origin for unknown robots.
@@ -156,7 +197,10 @@ impl Mapper {
         }
         if let Some(field) = &mut self.field {
             field.clear();
+            self.surfels.clear();
             for keyframe in &self.keyframes {
+                let walls = wall_points(&keyframe.sweep.echoes, self.sweeper.laser().position);
+                self.surfels.add(keyframe.pose, &walls);
                 cover(field, &self.keyframes, keyframe.pose, keyframe.sweep.radius());
                 stamp(field, keyframe.pose, &keyframe.sweep.echoes);
             }
@@ -179,8 +223,13 @@ impl Mapper {
     }
 
     /// Adds a keyframe where the robot is, after a scan there was matched.
-    fn add(&mut self, robot: usize, scan: &Scan) -> Option<Added> {
-        let sweep = self.sweeper.sweep(scan);
+    fn add(
+        &mut self,
+        robot: usize,
+        sweep: Sweep,
+        points: &[WallPoint],
+        is_certain: bool,
+    ) -> Option<Added> {
         let track = &self.tracks[robot];
         let expected = track.pose(|keyframe| self.keyframes[keyframe].pose);
         let (before, distance, turned, path) =
@@ -199,8 +248,13 @@ impl Mapper {
             }
             None => (Drift::NONE, Drift::NONE),
         };
-        let matched =
-            before.and_then(|_| self.match_scan(expected, distance, turned, drift, &sweep));
+        let matched = if is_certain {
+            Some((expected, false))
+        } else {
+            let matched =
+                before.and_then(|_| self.match_scan(expected, distance, turned, drift, &sweep));
+            matched.map(|(pose, is_far)| (self.surfels.refine(pose, MATCHED, points).pose, is_far))
+        };
         let (pose, walls) = match (&self.field, matched) {
             (Some(field), Some((matched, is_far))) => {
                 let walls = walls(field, matched, &sweep.echoes);
@@ -216,6 +270,7 @@ impl Mapper {
         if let Some(field) = &mut self.field {
             cover(field, &self.keyframes, pose, sweep.radius());
             stamp(field, pose, &sweep.echoes);
+            self.surfels.add(pose, points);
         }
         let keyframe = self.keyframes.len();
         let is_first = before.is_none();

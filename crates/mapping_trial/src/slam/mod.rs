@@ -4,11 +4,12 @@
 //! | estimator | poses | map error left by a loop |
 //! |---|---|---|
 //! | [`DeadReckoning`] | the wheels alone | all drift of the wheels |
-//! | [`ScanToMap`] | each keyframe's scan, matched against all earlier ones | the drift along the loop |
+//! | [`ScanToMap`] | each scan, matched against all earlier keyframes | the drift along the loop |
 //! | [`PoseGraph`] | the same, and old places that are found again | little |
 //!
 //! All of them take a keyframe every 0.3 m or 15 degrees and draw its scan into one
-//! [`OccupancyMap`] that the robots share; in between, poses come from the wheels.
+//! [`OccupancyMap`] that the robots share. In between poses come from the wheels; those that match scans
+//! also correct them by every scan of which most walls are on the map.
 
 mod fusion;
 mod incremental;
@@ -20,6 +21,7 @@ pub(crate) mod motion;
 mod pose_graph;
 mod pose_graph_solver;
 pub mod scan_insertion;
+mod surfels;
 pub mod sweep;
 mod track;
 mod walls;

@@ -20,8 +20,13 @@ const WORTH_SOLVING: f64 = 1.0;
 const INCREDIBLE: f64 = 5.0;
 
 /// When the map is drawn again, the share of the echoes that contradict it may be at most this factor of
-/// the share before: a true loop ends contradictions, a false one bends the map and leaves them.
-const LESS_CONTRADICTION: f64 = 0.7;
+/// the share before: a true loop ends contradictions, a false one bends the map and leaves them. Where no
+/// pose moves by more than [`SMALL_MOVE`] less has to be shown.
+const LESS_CONTRADICTION: f64 = 0.5;
+const LESS_FOR_SMALL: f64 = 0.9;
+
+/// See [`LESS_FOR_SMALL`], in metres: places that look alike are farther apart.
+const SMALL_MOVE: f64 = 0.5;
 
 /// As [`super::ScanToMap`], but scans are also searched in places from long before. If several
 /// in a row are found there, the poses of all keyframes are solved for again, and the map is drawn again
@@ -92,7 +97,11 @@ impl PoseGraph {
         }
         let contradiction = self.mapper.contradiction();
         let before = self.mapper.place(poses);
-        if self.mapper.contradiction() > LESS_CONTRADICTION * contradiction {
+        let moves = before.iter().zip(&self.mapper.keyframes);
+        let farthest = moves.map(|(before, now)| before.position.distance(now.pose.position));
+        let is_small = farthest.fold(0.0, f64::max) <= SMALL_MOVE;
+        let factor = if is_small { LESS_FOR_SMALL } else { LESS_CONTRADICTION };
+        if self.mapper.contradiction() > factor * contradiction {
             self.mapper.place(before);
             self.relations.truncate(known);
             return false;

@@ -57,6 +57,8 @@ pub(crate) struct PoseTrack {
     pub(crate) distance: f64,
     /// Radians since the last keyframe, left and right added.
     pub(crate) turned: f64,
+    /// Metres and radians since the pose was last corrected.
+    loose: (f64, f64),
     /// Metres since the start.
     pub(crate) total: f64,
     /// The keyframe of each step, and the pose seen from it.
@@ -73,6 +75,7 @@ impl PoseTrack {
             relative: Pose::default(),
             distance: 0.0,
             turned: 0.0,
+            loose: (0.0, 0.0),
             total: 0.0,
             steps: Vec::new(),
         }
@@ -85,6 +88,19 @@ impl PoseTrack {
         self.distance += by.distance.abs();
         self.turned += by.turn.abs();
         self.total += by.distance.abs();
+        self.loose.0 += by.distance.abs();
+        self.loose.1 += by.turn.abs();
+    }
+
+    /// The variance of the motion since the last correction.
+    pub(crate) fn loose(&self) -> Variance {
+        Variance::of_motion(self.loose.0, self.loose.1)
+    }
+
+    /// Corrects the pose now, as seen from the last keyframe.
+    pub(crate) fn correct(&mut self, relative: Pose) {
+        self.relative = relative;
+        self.loose = (0.0, 0.0);
     }
 
     /// Whether a scan taken now is worth a keyframe.
@@ -97,7 +113,8 @@ impl PoseTrack {
     /// Continues from a keyframe at the pose now.
     pub(crate) fn restart(&mut self, keyframe: usize) {
         self.keyframe = Some(keyframe);
-        (self.relative, self.distance, self.turned) = (Pose::default(), 0.0, 0.0);
+        (self.distance, self.turned) = (0.0, 0.0);
+        self.correct(Pose::default());
     }
 
     /// Records a step.
