@@ -109,7 +109,7 @@ fn progress(trials: u64) -> ProgressBar {
 #[expect(clippy::print_stdout, reason = "what an example is for")]
 fn print(summary: &Summary, faults: usize) {
     println!(
-        "\n{:>40} trials     D     M     N    D2    M2    N2     C   time  ATE median, 90 %  ends",
+        "\n{:>40} trials     D     M     N    D1    M1    N1     C   time  ATE median, 90 %  ends",
         ""
     );
     for group in &summary.groups {
@@ -123,9 +123,9 @@ fn print(summary: &Summary, faults: usize) {
             mean.difficulty,
             mean.mapping,
             mean.navigation,
-            mean.score_2[0],
-            mean.score_2[1],
-            mean.score_2[2],
+            mean.score_1[0],
+            mean.score_1[1],
+            mean.score_1[2],
             mean.coverage,
             mean.time,
             group.median_error,

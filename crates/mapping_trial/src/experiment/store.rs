@@ -15,7 +15,7 @@ use super::site::Site;
 use super::write;
 
 /// Version of the folders' layout; a folder of another version is refused.
-pub const EXPERIMENT_VERSION: u32 = 2;
+pub const EXPERIMENT_VERSION: u32 = 3;
 
 /// The file that describes what a folder holds.
 const HEAD: &str = "experiment.json";

@@ -97,7 +97,7 @@ fn numbers<T: Serialize>(rows: impl Iterator<Item = T>) -> Vec<Column> {
     names.into_iter().map(column).collect()
 }
 
-/// The fields of an object, those of objects in it under both names: `score_2_mapping`.
+/// The fields of an object, those of objects in it under both names: `score_1_mapping`.
 fn flat(fields: serde_json::Map<String, Value>) -> serde_json::Map<String, Value> {
     let mut all = serde_json::Map::new();
     for (name, value) in fields {

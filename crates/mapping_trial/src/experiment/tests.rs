@@ -239,9 +239,9 @@ fn folders_of_other_experiments_are_refused() {
 
     let head = folder.path().join("experiment.json");
     let text = fs::read_to_string(&head).unwrap();
-    fs::write(&head, text.replacen("\"version\": 2", "\"version\": 9", 1)).unwrap();
+    fs::write(&head, text.replacen("\"version\": 3", "\"version\": 9", 1)).unwrap();
     let told = open(&design, Shard::WHOLE);
-    assert!(told.contains("version 9, expected 2"), "{told}");
+    assert!(told.contains("version 9, expected 3"), "{told}");
     fs::write(&head, "no json").unwrap();
     assert!(open(&design, Shard::WHOLE).contains("this is not an experiment"));
     fs::remove_file(&head).unwrap();

@@ -102,7 +102,7 @@ impl Measured<'_> {
         let mapping = list(vec![
             ("walls out of place", w.wall * s.e_wall),
             ("paths planned on the map that fail", w.navigability * s.e_use),
-            ("error of the trajectory", w.pose * s.e_pose),
+            ("drift of the pose", w.pose * s.e_pose),
             ("ground not mapped", w.coverage * s.e_cov),
         ]);
         let navigation = list(vec![

@@ -136,8 +136,8 @@ fn a_program_states_what_it_measured() {
     assert_eq!(form.name, "nearest");
     let ratings = [form.difficulty, form.mapping, form.getting_around].map(Rating::value);
     assert_eq!(ratings, [2.5, 3.5, 1.0]);
-    // 0.35 x 0.5 and 0.25 x 0.7, times ten.
-    let part = "walls out of place 1.75, error of the trajectory 1.75";
+    // 0.50 x 0.7 and 0.20 x 0.5, times ten.
+    let part = "drift of the pose 3.50, walls out of place 1.00";
     assert!(form.contributed.starts_with(&format!("Mapping 3.50: {part}")), "{}", form.contributed);
     // 16 m on the right at 5 %, in 32 s; 8 m on the left without, in 16 s.
     let right = "right (room 1): +0.80 m of position error in 32 s";

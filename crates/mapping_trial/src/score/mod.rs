@@ -3,11 +3,12 @@
 //! Everything is compared in the start frame, without alignment: robots know where they start.
 
 mod navigability;
+mod parts;
 mod pose;
 mod raster;
 mod reference;
 mod rows;
-mod second;
+mod score_1;
 mod walls;
 mod weights;
 
@@ -16,11 +17,13 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+pub use self::parts::Parts;
+use self::parts::Quality;
 use self::raster::Raster;
 pub use self::reference::Reference;
 pub use self::rows::ScoreRow;
-pub use self::second::Score2;
-use self::second::Shared;
+use self::score_1::Measurements;
+pub use self::score_1::Score1;
 pub use self::weights::{Difficulties, Sensitivity, Weights, kendall_tau, sensitivity};
 use crate::map::OccupancyMap;
 use crate::truth::MappableArea;
@@ -28,23 +31,11 @@ use crate::truth::MappableArea;
 /// Distances in metres up to which a wall counts as mapped in its place.
 const TOLERANCES: [f64; 2] = [0.30, 0.15];
 
-/// Trajectory error in metres at which `e_pose` is 0.5.
-const HALF_ERROR: f64 = 0.5;
-
-/// Time in seconds per square metre of ground at which `e_time` is 0.5.
-const HALF_TIME: f64 = 1.5;
-
-/// Number of collisions at which `e_hit` is 1 - 1/e.
-const MANY_HITS: f64 = 5.0;
-
 /// Number of collisions that a robot counts as that is stuck for good, or lost in water.
 const STUCK_HITS: f64 = 3.0;
 
 /// The greatest coordinate of a pose in metres, and heading in radians.
 const MAX_POSITION: f64 = 1e9;
-
-/// Turning in radians at which `e_turn` is 0.5.
-const HALF_TURNING: f64 = 60.0;
 
 /// The true and the estimated poses of one robot, tick by tick.
 #[derive(Clone, Copy, Debug)]
@@ -149,24 +140,28 @@ pub enum ScoreError {
 pub struct Scores {
     /// D = 0.6 M + 0.4 N: overall difficulty.
     pub difficulty: f64,
-    /// M: difficulty of mapping, `10 (0.35 e_wall + 0.30 e_use + 0.25 e_pose + 0.10 e_cov)`.
+    /// M: difficulty of mapping, `10 (0.20 e_wall + 0.20 e_use + 0.50 e_pose + 0.10 e_cov)`.
     pub mapping: f64,
     /// N: difficulty of getting around,
-    /// `10 (0.40 e_time + 0.25 e_cov + 0.20 e_hit + 0.15 e_turn)`.
+    /// `10 (0.40 e_time + 0.10 e_cov + 0.15 e_hit + 0.35 e_turn)`.
     pub navigation: f64,
     /// 1 - F1 at 0.30 m.
     pub e_wall: f64,
-    /// 1 - U.
+    /// 1 - U', the share of the 40 paths on which a robot collides that is smaller all around by a
+    /// cell of the map, 0.05 m: what the map cannot show does not count.
     pub e_use: f64,
-    /// ATE / (ATE + 0.5 m).
+    /// d / (d + 0.05 m), where d is the error of the position relative to that 20 m of path before,
+    /// beyond 0.04 m; for robots that drove less, the trajectory error beyond it.
     pub e_pose: f64,
     /// 1 - C.
     pub e_cov: f64,
-    /// T / (T + T0), with T0 = 1.5 s for each square metre of F.
+    /// t / (t + 1.5 s/m^2), where `t = (T + (1 - C) T_lim) / (C |F|) - 1 / (2 * 8 m * v)`, at least 0,
+    /// with v 5/7 of the greatest speed: time by the area that was mapped, beyond what a robot
+    /// without errors needs in an open hall. What is not mapped never helps.
     pub e_time: f64,
-    /// 1 - exp(-(collisions + 3 stuck) / 5).
+    /// 1 - exp(-h / 5), where h is collisions + 3 stuck for each 100 m driven.
     pub e_hit: f64,
-    /// Turning / (turning + 60 rad).
+    /// r / (r + 1 rad/m), where r is the turning per metre beyond one look around.
     pub e_turn: f64,
     /// C: share of F that the map shows as free.
     pub coverage: f64,
@@ -217,9 +212,8 @@ pub struct Scores {
     pub stuck: u32,
     /// Seconds that the batteries would still have lasted, the minimum of all robots.
     pub energy_left: f64,
-    /// The same run by score 2; what is above is score 1.
-    #[serde(default)]
-    pub score_2: Score2,
+    /// The same run by the older score, which the thesis's replay compares with.
+    pub score_1: Score1,
 }
 
 impl Scores {
@@ -238,18 +232,42 @@ impl Scores {
         let near = pose::relative(run.tracks, pose::NEAR);
         let far = pose::relative(run.tracks, pose::FAR);
         let free_area = truth.free_area();
-        let hits = f64::from(run.hits) + STUCK_HITS * f64::from(run.stuck);
-        let mut scores = Scores {
-            difficulty: 0.0,
-            mapping: 0.0,
-            navigation: 0.0,
+        let relative_error_far = far.map(|(position, _)| position);
+        let parts = Parts::of(
+            run,
+            truth.robot(),
+            &Quality {
+                e_wall: 1.0 - f1_30,
+                coverage,
+                drift: relative_error_far.unwrap_or(trajectory_error),
+                free_area,
+                navigability: with_margin,
+            },
+        );
+        let score_1 = Score1::of(&Measurements {
             e_wall: 1.0 - f1_30,
-            e_use: 1.0 - navigability,
-            e_pose: saturating(trajectory_error, HALF_ERROR),
-            e_cov: 1.0 - coverage,
-            e_time: saturating(run.time, HALF_TIME * free_area),
-            e_hit: 1.0 - libm::exp(-hits / MANY_HITS),
-            e_turn: saturating(run.turning, HALF_TURNING),
+            coverage,
+            navigability,
+            trajectory_error,
+            free_area,
+            time: run.time,
+            turning: run.turning,
+            hits: run.hits,
+            stuck: run.stuck,
+        });
+        let Difficulties { mapping, navigation, overall } = Weights::default().difficulties(&parts);
+        let Parts { e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn } = parts;
+        Ok(Scores {
+            difficulty: overall,
+            mapping,
+            navigation,
+            e_wall,
+            e_use,
+            e_pose,
+            e_cov,
+            e_time,
+            e_hit,
+            e_turn,
             coverage,
             precision_30: walls.precision[0],
             recall_30: walls.recall[0],
@@ -263,7 +281,7 @@ impl Scores {
             trajectory_error,
             relative_error_near: near.map(|(position, _)| position),
             relative_turn_near: near.map(|(_, heading)| heading),
-            relative_error_far: far.map(|(position, _)| position),
+            relative_error_far,
             relative_turn_far: far.map(|(_, heading)| heading),
             free_area,
             time: run.time,
@@ -273,21 +291,14 @@ impl Scores {
             recoveries: run.recoveries,
             stuck: run.stuck,
             energy_left: run.energy_left,
-            score_2: Score2::default(),
-        };
-        let shared = Shared {
-            e_wall: scores.e_wall,
-            coverage,
-            drift: scores.relative_error_far.unwrap_or(trajectory_error),
-            free_area,
-            navigability: with_margin,
-        };
-        scores.score_2 = Score2::of(run, truth.robot(), &shared);
-        let difficulties = Weights::default().difficulties(&scores);
-        scores.difficulty = difficulties.overall;
-        scores.mapping = difficulties.mapping;
-        scores.navigation = difficulties.navigation;
-        Ok(scores)
+            score_1,
+        })
+    }
+
+    /// The parts that M and N are made of.
+    pub fn parts(&self) -> Parts {
+        let Scores { e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn, .. } = *self;
+        Parts { e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn }
     }
 }
 

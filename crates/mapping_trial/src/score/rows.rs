@@ -29,11 +29,11 @@ impl Scores {
                 "time, coverage, collisions, turning",
             ),
             (
-                "D, M, N by score 2",
-                [self.score_2.difficulty, self.score_2.mapping, self.score_2.navigation]
+                "D, M, N by score 1",
+                [self.score_1.difficulty, self.score_1.mapping, self.score_1.navigation]
                     .map(number)
                     .join("  "),
-                "by area and distance, without what an open hall costs",
+                "not by area and distance",
             ),
             ("coverage", percent(self.coverage), "of the reachable ground shown as free"),
             ("wall precision", percent(self.precision_30), "within 0.30 m"),

@@ -105,7 +105,7 @@ fn the_empty_map_has_nothing() {
         (0.0, 0.0, 0.0, 0.0)
     );
     assert_eq!((found.wall_distance, found.ghosting), (1.0, 0.0));
-    assert!((found.mapping - 7.5).abs() < 1e-12, "{}", found.mapping);
+    assert!((found.score_1.mapping - 7.5).abs() < 1e-12, "{}", found.score_1.mapping);
 }
 
 #[test]
@@ -186,9 +186,11 @@ fn an_empty_room_driven_through_is_easy() {
     let run = RunSummary { time: 150.0, distance: 60.0, turning: 15.0, ..run(&map) };
     let found = Scores::of(&truth, &run).unwrap();
     assert!(found.difficulty < 1.0, "{}", found.difficulty);
-    assert!((found.e_time - 150.0 / (150.0 + 1.5 * found.free_area)).abs() < 1e-12);
-    assert!((found.e_turn - 0.2).abs() < 1e-12);
-    assert!((found.difficulty - 0.4 * found.navigation).abs() < 1e-12);
+    let one = found.score_1;
+    assert!(one.difficulty < 1.0, "{}", one.difficulty);
+    assert!((one.e_time - 150.0 / (150.0 + 1.5 * found.free_area)).abs() < 1e-12);
+    assert!((one.e_turn - 0.2).abs() < 1e-12);
+    assert!((one.difficulty - 0.4 * one.navigation).abs() < 1e-12);
 }
 
 #[test]
@@ -196,13 +198,16 @@ fn trouble_makes_getting_around_difficult() {
     let truth = truth(&room(6.0, 4.0));
     let map = truth.perfect_map();
     let found = Scores::of(&truth, &RunSummary { hits: 2, stuck: 1, ..run(&map) }).unwrap();
-    assert!((found.e_hit - (1.0 - libm::exp(-1.0))).abs() < 1e-12);
-    assert!((found.navigation - 2.0 * found.e_hit).abs() < 1e-12);
+    let one = found.score_1;
+    assert!((one.e_hit - (1.0 - libm::exp(-1.0))).abs() < 1e-12);
+    assert!((one.navigation - 2.0 * one.e_hit).abs() < 1e-12);
     let poses = [Pose::new(1.0, 1.0, 0.0), Pose::new(2.0, 1.0, 0.0)];
     let off = poses.map(|pose| Pose { position: pose.position + DVec2::new(0.3, 0.4), ..pose });
     let tracks = [TrajectoryPair { truth: &poses, estimated: &off }];
     let found = Scores::of(&truth, &RunSummary { tracks: &tracks, ..run(&map) }).unwrap();
-    assert!((found.trajectory_error - 0.5).abs() < 1e-12 && (found.e_pose - 0.5).abs() < 1e-12);
+    assert!(
+        (found.trajectory_error - 0.5).abs() < 1e-12 && (found.score_1.e_pose - 0.5).abs() < 1e-12
+    );
     assert!(found.relative_error_near.is_some_and(|error| error < 1e-12));
     assert_eq!(found.relative_error_far, None);
 }
@@ -225,12 +230,12 @@ fn unsound_runs_have_no_scores() {
 }
 
 #[test]
-fn scores_come_back_and_are_flat_but_for_score_2() {
+fn scores_come_back_and_are_flat_but_for_score_1() {
     let truth = truth(&room(6.0, 4.0));
     let found = scores(&truth, &truth.perfect_map());
     let json = serde_json::to_value(found).unwrap();
     let objects = json.as_object().unwrap().iter().filter(|(_, value)| value.is_object());
-    assert_eq!(objects.map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["score_2"]);
+    assert_eq!(objects.map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["score_1"]);
     assert_eq!(serde_json::from_value::<Scores>(json).unwrap(), found);
 }
 
@@ -258,7 +263,13 @@ proptest! {
             prop_assert!((0.0..=1.0).contains(&share), "{s:?}");
         }
         prop_assert!(s.precision_15 <= s.precision_30 && s.recall_15 <= s.recall_30);
-        for difficulty in [s.difficulty, s.mapping, s.navigation] {
+        let one = s.score_1;
+        for share in [one.e_use, one.e_pose, one.e_time, one.e_hit, one.e_turn] {
+            prop_assert!((0.0..=1.0).contains(&share), "{s:?}");
+        }
+        for difficulty in
+            [s.difficulty, s.mapping, s.navigation, one.difficulty, one.mapping, one.navigation]
+        {
             prop_assert!((0.0..=10.0).contains(&difficulty), "{s:?}");
         }
     }

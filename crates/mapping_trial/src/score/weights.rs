@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Scores;
+use super::Parts;
 
-/// Weights of the parts. Those of M, of N and of D count in proportion: only their ratios matter.
+/// Weights of the parts; the default ones are those of [`Scores`](super::Scores). Those of M, of N and
+/// of D count in proportion: only their ratios matter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Weights {
@@ -33,14 +34,16 @@ pub struct Weights {
 impl Default for Weights {
     fn default() -> Self {
         Weights {
-            wall: 0.35,
-            navigability: 0.30,
-            pose: 0.25,
+            wall: 0.20,
+            navigability: 0.20,
+            // How fast a pose drifts tells worlds apart better than what follows from it.
+            pose: 0.50,
             coverage: 0.10,
             time: 0.40,
-            reach: 0.25,
-            hits: 0.20,
-            turning: 0.15,
+            // Time already counts what was not covered.
+            reach: 0.10,
+            hits: 0.15,
+            turning: 0.35,
             mapping: 0.6,
             navigation: 0.4,
         }
@@ -48,6 +51,20 @@ impl Default for Weights {
 }
 
 impl Weights {
+    /// Those of [`Score1`](super::Score1).
+    pub const SCORE_1: Weights = Weights {
+        wall: 0.35,
+        navigability: 0.30,
+        pose: 0.25,
+        coverage: 0.10,
+        time: 0.40,
+        reach: 0.25,
+        hits: 0.20,
+        turning: 0.15,
+        mapping: 0.6,
+        navigation: 0.4,
+    };
+
     /// Name and value of every weight.
     fn all(&mut self) -> [(&'static str, &mut f64); 10] {
         [
@@ -71,26 +88,26 @@ impl Weights {
     }
 
     /// M, N and D on the scale from 0 to 10, from the parts of a score.
-    pub fn difficulties(&self, scores: &Scores) -> Difficulties {
-        let mean = |parts: &[(f64, f64)]| {
-            let (sum, weight) = parts
+    pub fn difficulties(&self, parts: &Parts) -> Difficulties {
+        let mean = |weighted: &[(f64, f64)]| {
+            let (sum, weight) = weighted
                 .iter()
                 .fold((0.0, 0.0), |(sum, all), (weight, e)| (sum + weight * e, all + weight));
             if weight > 0.0 { sum / weight } else { 0.0 }
         };
         let mapping = 10.0
             * mean(&[
-                (self.wall, scores.e_wall),
-                (self.navigability, scores.e_use),
-                (self.pose, scores.e_pose),
-                (self.coverage, scores.e_cov),
+                (self.wall, parts.e_wall),
+                (self.navigability, parts.e_use),
+                (self.pose, parts.e_pose),
+                (self.coverage, parts.e_cov),
             ]);
         let navigation = 10.0
             * mean(&[
-                (self.time, scores.e_time),
-                (self.reach, scores.e_cov),
-                (self.hits, scores.e_hit),
-                (self.turning, scores.e_turn),
+                (self.time, parts.e_time),
+                (self.reach, parts.e_cov),
+                (self.hits, parts.e_hit),
+                (self.turning, parts.e_turn),
             ]);
         let overall = mean(&[(self.mapping, mapping), (self.navigation, navigation)]);
         Difficulties { mapping, navigation, overall }
@@ -125,9 +142,9 @@ pub struct Sensitivity {
 
 /// Ranks trials by D with each weight in turn multiplied by 0.5 and by 1.5, and
 /// compares with the ranking by the weights as they are. O(n^2) for n trials.
-pub fn sensitivity(scores: &[Scores], weights: Weights) -> Vec<Sensitivity> {
+pub fn sensitivity(trials: &[Parts], weights: Weights) -> Vec<Sensitivity> {
     let overall = |weights: Weights| -> Vec<f64> {
-        scores.iter().map(|scores| weights.difficulties(scores).overall).collect()
+        trials.iter().map(|parts| weights.difficulties(parts).overall).collect()
     };
     let before = overall(weights);
     let mut found = Vec::new();
@@ -204,19 +221,19 @@ mod tests {
     #[test]
     fn one_weight_changes_by_its_name() {
         let changed = Weights::default().changed("pose", 0.5);
-        assert_eq!(changed, Some(Weights { pose: 0.125, ..Weights::default() }));
+        assert_eq!(changed, Some(Weights { pose: 0.25, ..Weights::default() }));
         assert_eq!(Weights::default().changed("poses", 0.5), None);
     }
 
-    fn scores(e_wall: f64, e_time: f64) -> Scores {
-        Scores { e_wall, e_time, ..Scores::default() }
+    fn parts(e_wall: f64, e_time: f64) -> Parts {
+        Parts { e_wall, e_time, ..Parts::default() }
     }
 
     #[test]
     fn a_ranking_that_depends_on_one_weight_is_found() {
-        // D is 2.1 e_wall + 1.6 e_time with the weights as they are.
-        let trials = [scores(0.8, 0.1), scores(0.1, 0.9), scores(0.0, 0.0)];
-        let found = sensitivity(&trials, Weights::default());
+        // D is 2.1 e_wall + 1.6 e_time.
+        let trials = [parts(0.8, 0.1), parts(0.1, 0.9), parts(0.0, 0.0)];
+        let found = sensitivity(&trials, Weights::SCORE_1);
         assert_eq!(found.len(), 20);
         let of = |weight, factor| {
             found.iter().find(|s| s.weight == weight && s.factor == factor).unwrap()

@@ -10,7 +10,7 @@ use crate::names::Named;
 use crate::score::{Reference, ScoreError, Scores};
 
 /// Version of the reports' layout.
-pub const REPORT_VERSION: u32 = 1;
+pub const REPORT_VERSION: u32 = 2;
 
 /// The report of a trial: its world, its settings, and its scores.
 ///

@@ -49,7 +49,11 @@ fn no_policy_finds_an_empty_room_difficult() {
                     ..TrialSettings::default()
                 });
                 assert_eq!(end, Some(EndReason::Explored), "{name}, {range} m, seed {seed}");
-                assert!(scores.difficulty <= 1.0, "{name}, {range} m, seed {seed}: {scores:#?}");
+                let one = scores.score_1.difficulty;
+                assert!(one <= 1.0, "{name}, {range} m, seed {seed}: {scores:#?}");
+                // What the wheels get wrong where the shorter laser sees no wall is difficulty.
+                let most = if range < 10.0 { 3.0 } else { 1.0 };
+                assert!(scores.difficulty <= most, "{name}, {range} m, seed {seed}: {scores:#?}");
             }
         }
     }

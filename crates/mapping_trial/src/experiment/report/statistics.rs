@@ -28,7 +28,7 @@ pub(super) fn section(design: &Design, analysis: &Analysis) -> Markup {
              bootstraps over maps within levels (" (RESAMPLES) " samples), which are too narrow for few \
              maps per level; p is by permutation, one-sided. Shares of variance are the components of a \
              nested analysis of variance, operators averaged; with one noise seed the map's share holds \
-             the noise. D2, M2, N2 and the parts that end in 2 are score 2. Where the variance of single \
+             the noise. D1, M1, N1 and the parts that end in 1 are score 1. Where the variance of single \
              trials comes from is estimated with crossed factors (maps of all levels by operators), if \
              trials are repeated; signal to noise is the variance of maps over that of noise and of all \
              interactions with the map."

@@ -22,14 +22,14 @@ fn rules_name(design: &Design) -> Markup {
 pub(super) fn findings(design: &Design, analysis: &Analysis) -> Vec<Markup> {
     let mut found: Vec<Markup> =
         (0..3).map(|measure| of_measure(design, analysis, measure)).collect();
-    found.push(by_score_2(analysis));
+    found.push(by_score_1(analysis));
     found.push(rules_in_general(analysis));
     found.push(how_trials_ended(design, analysis));
     found.push(beside_the_paper(design, analysis));
     found
 }
 
-/// Trials that end early have little time, turning and collisions: N rates them as easy.
+/// Trials that end early have little time, turning and collisions: score 1 rates them as easy.
 fn how_trials_ended(design: &Design, analysis: &Analysis) -> Markup {
     let each = |of: &dyn Fn(&Ends) -> String| -> String {
         let levels = design.levels.iter().zip(&analysis.ends);
@@ -45,10 +45,10 @@ fn how_trials_ended(design: &Design, analysis: &Analysis) -> Markup {
     let early = match first.zip(last) {
         Some((first, last)) if last.time < 0.8 * first.time => {
             " Trials of the highest level end early: they leave much unmapped, but take little time, \
-             turning and collisions, which N rates as easy."
+             turning and collisions, which N by score 1 rates as easy."
         }
         Some((first, last)) if first.time < 0.8 * last.time => {
-            " Trials of the lowest level end early, which N rates as easy."
+            " Trials of the lowest level end early, which N by score 1 rates as easy."
         }
         _ => "",
     };
@@ -83,25 +83,25 @@ fn of_measure(design: &Design, analysis: &Analysis, measure: usize) -> Markup {
     }
 }
 
-/// Whether the conclusions stand if the same trials are scored by score 2.
-fn by_score_2(analysis: &Analysis) -> Markup {
+/// Whether the conclusions stand if the same trials are scored by score 1.
+fn by_score_1(analysis: &Analysis) -> Markup {
     let of = |symbol: &str| analysis.main.orders.iter().find(|order| order.measure == symbol);
-    let said: Vec<String> = [("D", "D2"), ("M", "M2"), ("N", "N2")]
+    let said: Vec<String> = [("D", "D1"), ("M", "M1"), ("N", "N1")]
         .iter()
-        .filter_map(|(one, two)| of(one).zip(of(two)))
-        .map(|(first, second)| {
-            let same = if first.verdict() == second.verdict() { "as" } else { "unlike" };
-            let verdict = match second.verdict() {
+        .filter_map(|(own, older)| of(own).zip(of(older)))
+        .map(|(own, older)| {
+            let same = if own.verdict() == older.verdict() { "as" } else { "unlike" };
+            let verdict = match older.verdict() {
                 Verdict::InOrder => "in order",
                 Verdict::OnTheWhole => "in order on the whole",
                 Verdict::NotShown => "in no order that can be shown",
                 Verdict::Reversed => "in reverse order",
             };
-            let correlation = correlation(second);
-            format!("in {} they are {verdict}, {same} by score 1 ({correlation})", second.measure)
+            let correlation = correlation(older);
+            format!("in {} they are {verdict}, {same} above ({correlation})", older.measure)
         })
         .collect();
-    html! { b { "The maps by score 2:" } " " (list(&said)) "." }
+    html! { b { "The maps by score 1:" } " " (list(&said)) "." }
 }
 
 fn correlation(order: &Order) -> String {

@@ -1,7 +1,7 @@
 //! The measures, and their means over the trials on a map.
 
 use crate::experiment::record::{MapFeatures, Record};
-use crate::score::Scores;
+use crate::score::{Parts, Scores};
 
 /// A number per trial; greater is more difficult.
 #[derive(Clone, Copy, Debug)]
@@ -16,36 +16,41 @@ pub struct Measure {
     pub of: fn(&Scores) -> f64,
 }
 
-/// D, M and N by score 1, then their parts; D, M and N by score 2, then the parts that differ.
+/// D, M and N, then their parts; D, M and N by score 1, then the parts that differ.
 pub const MEASURES: [Measure; 18] = [
     Measure { symbol: "D", name: "difficulty", most: 10.0, of: |s| s.difficulty },
     Measure { symbol: "M", name: "difficulty of mapping", most: 10.0, of: |s| s.mapping },
     Measure { symbol: "N", name: "difficulty of getting around", most: 10.0, of: |s| s.navigation },
     Measure { symbol: "e_wall", name: "walls wrong or missing", most: 1.0, of: |s| s.e_wall },
     Measure { symbol: "e_use", name: "paths that fail on the map", most: 1.0, of: |s| s.e_use },
-    Measure { symbol: "e_pose", name: "error of the trajectory", most: 1.0, of: |s| s.e_pose },
+    Measure { symbol: "e_pose", name: "drift of the pose", most: 1.0, of: |s| s.e_pose },
     Measure { symbol: "e_cov", name: "ground not covered", most: 1.0, of: |s| s.e_cov },
-    Measure { symbol: "e_time", name: "time taken", most: 1.0, of: |s| s.e_time },
-    Measure { symbol: "e_hit", name: "collisions and being stuck", most: 1.0, of: |s| s.e_hit },
-    Measure { symbol: "e_turn", name: "turning", most: 1.0, of: |s| s.e_turn },
-    Measure { symbol: "D2", name: "difficulty", most: 10.0, of: |s| s.score_2.difficulty },
-    Measure { symbol: "M2", name: "difficulty of mapping", most: 10.0, of: |s| s.score_2.mapping },
+    Measure { symbol: "e_time", name: "time by area", most: 1.0, of: |s| s.e_time },
+    Measure { symbol: "e_hit", name: "collisions by distance", most: 1.0, of: |s| s.e_hit },
+    Measure { symbol: "e_turn", name: "turning by distance", most: 1.0, of: |s| s.e_turn },
+    Measure { symbol: "D1", name: "difficulty", most: 10.0, of: |s| s.score_1.difficulty },
+    Measure { symbol: "M1", name: "difficulty of mapping", most: 10.0, of: |s| s.score_1.mapping },
     Measure {
-        symbol: "N2",
+        symbol: "N1",
         name: "difficulty of getting around",
         most: 10.0,
-        of: |s| s.score_2.navigation,
+        of: |s| s.score_1.navigation,
     },
-    Measure { symbol: "e_use2", name: "paths that fail", most: 1.0, of: |s| s.score_2.e_use },
-    Measure { symbol: "e_drift2", name: "drift of the pose", most: 1.0, of: |s| s.score_2.e_drift },
-    Measure { symbol: "e_time2", name: "time by area", most: 1.0, of: |s| s.score_2.e_time },
+    Measure { symbol: "e_use1", name: "paths that fail", most: 1.0, of: |s| s.score_1.e_use },
     Measure {
-        symbol: "e_hit2",
-        name: "collisions by distance",
+        symbol: "e_pose1",
+        name: "error of the trajectory",
         most: 1.0,
-        of: |s| s.score_2.e_hit,
+        of: |s| s.score_1.e_pose,
     },
-    Measure { symbol: "e_turn2", name: "turning by distance", most: 1.0, of: |s| s.score_2.e_turn },
+    Measure { symbol: "e_time1", name: "time taken", most: 1.0, of: |s| s.score_1.e_time },
+    Measure {
+        symbol: "e_hit1",
+        name: "collisions and being stuck",
+        most: 1.0,
+        of: |s| s.score_1.e_hit,
+    },
+    Measure { symbol: "e_turn1", name: "turning", most: 1.0, of: |s| s.score_1.e_turn },
 ];
 
 /// The means of a map.
@@ -62,23 +67,10 @@ pub struct MapValues {
 }
 
 impl MapValues {
-    /// Score 1 and its parts, as means over the trials.
-    pub fn parts(&self) -> Scores {
-        let [difficulty, mapping, navigation, parts @ ..] = self.means;
-        let [e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn, ..] = parts;
-        Scores {
-            difficulty,
-            mapping,
-            navigation,
-            e_wall,
-            e_use,
-            e_pose,
-            e_cov,
-            e_time,
-            e_hit,
-            e_turn,
-            ..Scores::default()
-        }
+    /// The parts of D, as means over the trials.
+    pub fn parts(&self) -> Parts {
+        let [_, _, _, e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn, ..] = self.means;
+        Parts { e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn }
     }
 }
 

@@ -31,7 +31,7 @@ pub use variance::{Shares, shares};
 
 use super::design::{Design, Trial, operator_name};
 use super::record::Record;
-use crate::score::{Scores, Sensitivity, Weights, sensitivity};
+use crate::score::{Parts, Sensitivity, Weights, sensitivity};
 use crate::trial::EndReason;
 
 /// All statistics of an experiment.
@@ -210,12 +210,12 @@ const MEASURED_OPERATORS: &[(&str, crate::policy::PolicyKind)] =
 
 fn weightings(design: &Design, values: &[MapValues]) -> Vec<Weighting> {
     // D is linear in its parts: the D of mean parts is the mean D.
-    let scores: Vec<Scores> = values.iter().map(MapValues::parts).collect();
+    let parts: Vec<Parts> = values.iter().map(MapValues::parts).collect();
     let levels: Vec<f64> = values.iter().map(|map| design.levels[map.level]).collect();
-    let found = sensitivity(&scores, Weights::default());
+    let found = sensitivity(&parts, Weights::default());
     let rho = |found: &Sensitivity| {
         let weights = Weights::default().changed(found.weight, found.factor)?;
-        let d: Vec<f64> = scores.iter().map(|s| weights.difficulties(s).overall).collect();
+        let d: Vec<f64> = parts.iter().map(|parts| weights.difficulties(parts).overall).collect();
         spearman(&levels, &d)
     };
     found.into_iter().map(|s| Weighting { rho: rho(&s), sensitivity: s }).collect()

@@ -19,7 +19,7 @@ use crate::experiment::lines::{Lines, line};
 use crate::experiment::write;
 
 /// Version of the folders' layout; a folder of another version is refused.
-pub const SURVEY_VERSION: u32 = 1;
+pub const SURVEY_VERSION: u32 = 2;
 
 /// The file that describes what a folder holds.
 const HEAD: &str = "survey.json";

@@ -1,4 +1,4 @@
-//! How the order of a survey's worlds changes from score 1 to score 2.
+//! How the order of a survey's worlds differs between score 1 and score 2, the default.
 
 use serde::Serialize;
 
@@ -10,9 +10,9 @@ type Measured = fn(&Scores) -> f64;
 
 /// D, M and N of score 1 and of score 2.
 const PAIRS: [[Measured; 2]; 3] = [
-    [|s| s.difficulty, |s| s.score_2.difficulty],
-    [|s| s.mapping, |s| s.score_2.mapping],
-    [|s| s.navigation, |s| s.score_2.navigation],
+    [|s| s.score_1.difficulty, |s| s.difficulty],
+    [|s| s.score_1.mapping, |s| s.mapping],
+    [|s| s.score_1.navigation, |s| s.navigation],
 ];
 
 /// The order of the worlds by the mean scores of their trials.
@@ -74,12 +74,12 @@ mod tests {
     use envgen::Seed;
 
     use super::*;
-    use crate::score::Score2;
+    use crate::score::Score1;
 
     fn record(map: u32, one: f64, two: f64) -> Record {
         let scores = Scores {
-            difficulty: one,
-            score_2: Score2 { difficulty: two, ..Score2::default() },
+            difficulty: two,
+            score_1: Score1 { difficulty: one, ..Score1::default() },
             ..Scores::default()
         };
         Record {

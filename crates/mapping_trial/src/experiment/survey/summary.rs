@@ -62,8 +62,8 @@ pub struct Means {
     pub mapping: f64,
     /// N.
     pub navigation: f64,
-    /// D, M and N by score 2.
-    pub score_2: [f64; 3],
+    /// D, M and N by score 1.
+    pub score_1: [f64; 3],
     /// C.
     pub coverage: f64,
     /// Simulated time in seconds.
@@ -170,10 +170,10 @@ fn group(family: String, condition: String, records: &[&Record]) -> Group {
         difficulty: mean(|s| s.difficulty),
         mapping: mean(|s| s.mapping),
         navigation: mean(|s| s.navigation),
-        score_2: [
-            mean(|s| s.score_2.difficulty),
-            mean(|s| s.score_2.mapping),
-            mean(|s| s.score_2.navigation),
+        score_1: [
+            mean(|s| s.score_1.difficulty),
+            mean(|s| s.score_1.mapping),
+            mean(|s| s.score_1.navigation),
         ],
         coverage: mean(|s| s.coverage),
         time: mean(|s| s.time),

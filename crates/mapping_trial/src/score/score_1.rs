@@ -1,0 +1,92 @@
+//! Score 1: difficulty by the trial as a whole, not by area and distance. The older of the two.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Parts, STUCK_HITS, Weights, saturating};
+
+/// Trajectory error in metres at which `e_pose` is 0.5.
+const HALF_ERROR: f64 = 0.5;
+
+/// Time in seconds per square metre of ground at which `e_time` is 0.5.
+const HALF_TIME: f64 = 1.5;
+
+/// Number of collisions at which `e_hit` is 1 - 1/e.
+const MANY_HITS: f64 = 5.0;
+
+/// Turning in radians at which `e_turn` is 0.5.
+const HALF_TURNING: f64 = 60.0;
+
+/// Difficulty by score 1, by which reports before version 2 state D, M and N.
+///
+/// It grows with the size of the world and saturates: `e_time` falls once the time limit binds,
+/// `e_turn` passes its half value within minutes, an empty hall that everybody maps without fault
+/// has an N above 2, and `e_pose` depends on the moment at which a robot is lost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Score1 {
+    /// D = 0.6 M + 0.4 N, from 0 to 10.
+    pub difficulty: f64,
+    /// M: `10 (0.35 e_wall + 0.30 e_use + 0.25 e_pose + 0.10 e_cov)`, with `e_wall` and `e_cov` of
+    /// [`Scores`](super::Scores).
+    pub mapping: f64,
+    /// N: `10 (0.40 e_time + 0.25 e_cov + 0.20 e_hit + 0.15 e_turn)`.
+    pub navigation: f64,
+    /// 1 - U.
+    pub e_use: f64,
+    /// ATE / (ATE + 0.5 m).
+    pub e_pose: f64,
+    /// T / (T + T0), with T0 = 1.5 s for each square metre of F.
+    pub e_time: f64,
+    /// 1 - exp(-(collisions + 3 stuck) / 5).
+    pub e_hit: f64,
+    /// Turning / (turning + 60 rad).
+    pub e_turn: f64,
+}
+
+/// The measurements of a run that score 1 is made of.
+pub(super) struct Measurements {
+    /// 1 - F1 at 0.30 m.
+    pub(super) e_wall: f64,
+    /// C, from 0 to 1.
+    pub(super) coverage: f64,
+    /// U, from 0 to 1.
+    pub(super) navigability: f64,
+    /// ATE in metres.
+    pub(super) trajectory_error: f64,
+    /// Area of F in square metres.
+    pub(super) free_area: f64,
+    /// Simulated time in seconds.
+    pub(super) time: f64,
+    /// Turning of all robots in radians.
+    pub(super) turning: f64,
+    /// Number of collisions of all robots.
+    pub(super) hits: u32,
+    /// Number of robots that were stuck for good, or lost in water.
+    pub(super) stuck: u32,
+}
+
+impl Score1 {
+    pub(super) fn of(run: &Measurements) -> Self {
+        let hits = f64::from(run.hits) + STUCK_HITS * f64::from(run.stuck);
+        let parts = Parts {
+            e_wall: run.e_wall,
+            e_use: 1.0 - run.navigability,
+            e_pose: saturating(run.trajectory_error, HALF_ERROR),
+            e_cov: 1.0 - run.coverage,
+            e_time: saturating(run.time, HALF_TIME * run.free_area),
+            e_hit: 1.0 - libm::exp(-hits / MANY_HITS),
+            e_turn: saturating(run.turning, HALF_TURNING),
+        };
+        let difficulties = Weights::SCORE_1.difficulties(&parts);
+        Score1 {
+            difficulty: difficulties.overall,
+            mapping: difficulties.mapping,
+            navigation: difficulties.navigation,
+            e_use: parts.e_use,
+            e_pose: parts.e_pose,
+            e_time: parts.e_time,
+            e_hit: parts.e_hit,
+            e_turn: parts.e_turn,
+        }
+    }
+}
