@@ -72,6 +72,24 @@ pub struct OccupancyGrid {
     occupied: Vec<bool>,
 }
 
+/// Columns and rows of the grid over an area, where they make at most `most` cells.
+pub(crate) fn size_in_cells(
+    area: Rect,
+    resolution: f64,
+    most: u64,
+) -> Result<[u64; 2], OccupancyError> {
+    if !(resolution > 0.0 && resolution.is_finite()) {
+        return Err(OccupancyError::Resolution(resolution));
+    }
+    // A side that is a whole number of cells, up to rounding, takes no further cell.
+    let size = (area.size() / resolution - 1e-9).ceil().max(DVec2::ONE);
+    let fits = size.x * size.y <= most as f64;
+    if !fits {
+        return Err(OccupancyError::Size { resolution, cols: size.x, rows: size.y, most });
+    }
+    Ok([size.x as u64, size.y as u64])
+}
+
 impl OccupancyGrid {
     /// The grid over a world's bounds. Time: at most one step per cell, and one per row that a part
     /// crosses.
@@ -92,17 +110,7 @@ impl OccupancyGrid {
     /// # Errors
     /// As [`OccupancyGrid::of`].
     pub fn empty(area: Rect, resolution: f64) -> Result<Self, OccupancyError> {
-        if !(resolution > 0.0 && resolution.is_finite()) {
-            return Err(OccupancyError::Resolution(resolution));
-        }
-        // A side that is a whole number of cells, up to rounding, takes no further cell.
-        let size = (area.size() / resolution - 1e-9).ceil().max(DVec2::ONE);
-        let fits = size.x * size.y <= MAX_CELLS as f64;
-        if !fits {
-            let most = MAX_CELLS;
-            return Err(OccupancyError::Size { resolution, cols: size.x, rows: size.y, most });
-        }
-        let (cols, rows) = (size.x as usize, size.y as usize);
+        let [cols, rows] = size_in_cells(area, resolution, MAX_CELLS)?.map(|side| side as usize);
         let occupied = vec![false; cols * rows];
         let frame = GridFrame { origin: area.min, cell_size: resolution, cols, rows };
         Ok(OccupancyGrid { frame, occupied })

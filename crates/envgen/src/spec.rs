@@ -469,19 +469,30 @@ mod tests {
     }
 
     #[test]
-    fn every_default_can_be_set_as_it_is_printed() {
-        fn plain(value: &Value) -> String {
-            match value {
-                Value::String(text) => text.clone(),
-                Value::Null => "none".to_owned(),
-                Value::Array(items) => items.iter().map(plain).collect::<Vec<_>>().join(","),
-                other => other.to_string(),
-            }
+    fn rooms_with_commas_can_be_chosen() {
+        use crate::indoor::{Catalogue, IndoorSpec};
+        let rooms = Catalogue::builtin().rooms().iter().take(2);
+        let mut designs: Vec<_> = rooms.map(|room| (**room).clone()).collect();
+        let names = ["a, b", "maze"].map(str::to_owned);
+        for (design, name) in designs.iter_mut().zip(&names) {
+            design.name.clone_from(name);
         }
+        let catalogue = Some(Catalogue::new(designs).unwrap());
+        let spec = IndoorSpec { catalogue, ..Default::default() };
+        let mut set = WorldSpec::from(spec.clone());
+        set.set("rooms", r#""a, b",maze"#).unwrap();
+        assert_eq!(set, IndoorSpec { rooms: names.to_vec(), ..spec }.into());
+        assert_eq!(set.validate(), Ok(()));
+    }
+
+    #[test]
+    fn every_default_can_be_set_as_it_is_printed() {
         for &kind in WorldKind::ALL {
-            for (name, value) in kind.default_spec().settings_json().as_object().unwrap() {
-                let mut spec = kind.default_spec();
-                assert_eq!(spec.set(name, &plain(value)), Ok(()), "{kind} {name}");
+            let defaults = kind.default_spec().settings_json();
+            for setting in kind.settings() {
+                let (mut spec, name) = (kind.default_spec(), setting.name);
+                let text = setting.text_of(&defaults[name]);
+                assert_eq!(spec.set(name, &text), Ok(()), "{kind} {name}");
                 assert_eq!(spec, kind.default_spec(), "{kind} {name}");
             }
         }

@@ -148,19 +148,10 @@ pub fn spec_ron() -> Corpus {
 pub fn settings() -> Corpus {
     let mut files = Vec::new();
     for (kind, spec) in WorldKind::ALL.iter().zip(specs()) {
-        let serde_json::Value::Object(fields) = spec.settings_json() else { continue };
+        let fields = spec.settings_json();
         let mut file = format!("{kind}\n");
-        for (name, value) in fields {
-            let text = match value {
-                serde_json::Value::String(text) => text,
-                serde_json::Value::Null => "none".to_owned(),
-                serde_json::Value::Array(items) => {
-                    let items: Vec<_> = items.iter().map(ToString::to_string).collect();
-                    items.join(",")
-                }
-                other => other.to_string(),
-            };
-            file += &format!("{name}={text}\n");
+        for setting in kind.settings() {
+            file += &format!("{}={}\n", setting.name, setting.text_of(&fields[setting.name]));
         }
         files.push(file.into_bytes());
     }

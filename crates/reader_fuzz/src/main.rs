@@ -21,7 +21,7 @@ const BATCH: u64 = 2000;
 
 /// A process without output for this long is killed. Much more than a case may compute, because
 /// other programs may use the machine.
-const SILENCE: Duration = Duration::from_secs(30);
+const SILENCE: Duration = Duration::from_secs(300);
 
 /// Number of files kept per kind of finding.
 const KEPT: u64 = 5;

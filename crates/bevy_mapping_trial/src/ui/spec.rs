@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use bevy_egui::egui::{self, ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
 use envgen::settings::{Allowed, Setting};
 use envgen::{Seed, SettingsError, SpecError, WorldKind, WorldSpec, whole_file};
-use serde_json::Value;
 
 use super::{error, row};
 
@@ -321,21 +320,9 @@ fn drafts(spec: &WorldSpec) -> Vec<Draft> {
     let (values, defaults) = (spec.settings_json(), spec.kind().default_spec().settings_json());
     let draft = |setting: &'static Setting| Draft {
         setting,
-        text: plain(&values[setting.name]),
+        text: setting.text_of(&values[setting.name]),
         optional: defaults[setting.name].is_null(),
         error: None,
     };
     spec.kind().settings().iter().map(draft).collect()
-}
-
-/// A value in the syntax of `--set`.
-fn plain(value: &Value) -> String {
-    match value {
-        Value::String(text) => text.clone(),
-        Value::Null => "none".to_owned(),
-        Value::Array(items) if items.iter().all(|item| !item.is_array() && !item.is_object()) => {
-            items.iter().map(plain).collect::<Vec<_>>().join(",")
-        }
-        other => other.to_string(),
-    }
 }

@@ -8,6 +8,7 @@
 
 mod budget;
 mod disc_path;
+mod outlines;
 mod piece;
 mod piece_index;
 mod reachability;
@@ -402,6 +403,16 @@ mod tests {
             verdict.doubt().unwrap().to_string(),
             "the budget of 536870912 comparisons is spent"
         );
+    }
+
+    /// With polygons, which their index keeps from costing their square.
+    #[test]
+    fn large_buildings_are_decided() {
+        let spec = IndoorSpec { width: 200, height: 200, robot_radius: 0.01, ..Default::default() };
+        let world = spec.generate(Seed(2)).unwrap().to_world();
+        for (claim, verdict) in verify(&world) {
+            assert_eq!(verdict, Verdict::Holds, "{claim}");
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@ use glam::DVec2;
 
 use super::budget::{Budget, Doubt};
 use super::disc_path::{Barriers, Nearer};
+use super::outlines::Outlines;
 use super::piece_index::Pieces;
 use super::squares::{Square, Squares};
 use crate::geometry::{Rect, Shape};
@@ -33,8 +34,7 @@ pub(super) fn every_place_reachable(
     let Some(start) = world.start.map(|start| start.position) else { return Ok(false) };
     let area = world.bounds.union(Rect::new(start, start));
     let pieces = Pieces::new(barriers(world), radius + PLACE_MARGIN)?;
-    let outlines: Vec<Cow<'_, Shape>> =
-        barriers(world).filter(|shape| matches!(**shape, Shape::Polygon { .. })).collect();
+    let outlines = Outlines::new(barriers(world));
     let space = Space { pieces: &pieces, outlines: &outlines, area, radius };
     let barriers = Barriers::new(&pieces, area, radius);
     match barriers.nearer(space.clearance(start, budget)?, radius) {
@@ -75,8 +75,7 @@ fn floors(world: &World) -> impl Iterator<Item = &Shape> {
 /// Where a disc can be.
 struct Space<'a> {
     pieces: &'a Pieces,
-    /// The polygons, of which the pieces are only the sides.
-    outlines: &'a [Cow<'a, Shape>],
+    outlines: &'a Outlines<'a>,
     area: Rect,
     radius: f64,
 }
@@ -85,8 +84,7 @@ impl Space<'_> {
     /// Distance to what blocks the disc's middle, as far as the pieces are indexed; the outside of the
     /// area counts as a piece one radius beyond its sides.
     fn clearance(&self, p: DVec2, budget: &mut Budget) -> Result<f64, Doubt> {
-        budget.spend(self.outlines.len() as u64)?;
-        if self.outlines.iter().any(|outline| outline.contains(p)) {
+        if self.outlines.contain(p, budget)? {
             return Ok(0.0);
         }
         let sides = (p - self.area.min).min(self.area.max - p).min_element();

@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use crate::flood::flood;
 use crate::geometry::{Pose, Shape, edges};
-use crate::occupancy::{Coverage, OccupancyError, OccupancyGrid};
+use crate::occupancy::{self, Coverage, OccupancyError, OccupancyGrid};
 use crate::spec::WorldKind;
 use crate::world::{Claim, World};
 
@@ -190,15 +190,7 @@ pub fn usual_resolution(world: &World) -> f64 {
 /// # Errors
 /// As [`RosMap::of_world`].
 pub fn size_in_cells(world: &World, resolution: f64) -> Result<[u64; 2], OccupancyError> {
-    if !(resolution > 0.0 && resolution.is_finite()) {
-        return Err(OccupancyError::Resolution(resolution));
-    }
-    let size = (world.bounds.size() / resolution).ceil().max(DVec2::ONE);
-    if size.x * size.y > MAX_CELLS as f64 {
-        let most = MAX_CELLS;
-        return Err(OccupancyError::Size { resolution, cols: size.x, rows: size.y, most });
-    }
-    Ok([size.x as u64, size.y as u64])
+    occupancy::size_in_cells(world.bounds, resolution, MAX_CELLS)
 }
 
 /// Writes the description of a map.
@@ -336,6 +328,18 @@ mod tests {
                 let x = ((cell % map.cols) as f64 + 0.5) * resolution;
                 assert!(*state != RosCell::Free || x < 2.0, "{resolution}: cell {cell}");
             }
+        }
+    }
+
+    #[test]
+    fn the_size_of_a_map_is_known_before_it_is_made() {
+        // Bounds that are a whole number of cells, up to rounding.
+        for (seed, resolution) in (0..20).flat_map(|seed| [(seed, 0.05), (seed, 0.1), (seed, 0.3)])
+        {
+            let world = HallwaySpec::default().generate(Seed(seed)).unwrap().to_world();
+            let map = RosMap::of_world(&world, resolution).unwrap();
+            let made = [map.cols as u64, map.rows() as u64];
+            assert_eq!(size_in_cells(&world, resolution), Ok(made), "{seed} at {resolution} m");
         }
     }
 

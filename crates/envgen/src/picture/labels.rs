@@ -16,8 +16,8 @@ use crate::world::{Room, World};
 /// The most names in a picture.
 const MOST_NAMES: usize = 5000;
 
-/// Longer names are cut before they are measured.
-const LONGEST_NAME: usize = 80;
+/// Longer names, in characters, are cut.
+const LONGEST_NAME: usize = 60;
 
 /// Names keep clear of at most this many obstacles.
 const MOST_OBSTACLES: usize = 500;
@@ -137,8 +137,19 @@ pub(super) fn draw(world: &World, view: &View, legend: bool, typesetter: &Typese
 
 /// All text of a room's label, in one line.
 fn described(room: &Room) -> String {
-    let name: String = room.name.trim().chars().take(LONGEST_NAME).collect();
-    std::iter::once(name).chain(notes(room)).collect::<Vec<_>>().join(" ")
+    std::iter::once(shown_name(room)).chain(notes(room)).collect::<Vec<_>>().join(" ")
+}
+
+/// The name of a room, cut with an ellipsis where it is long.
+fn shown_name(room: &Room) -> String {
+    let name = room.name.trim();
+    match name.char_indices().nth(LONGEST_NAME) {
+        Some(_) => {
+            let kept: String = name.chars().take(LONGEST_NAME - 1).collect();
+            format!("{}…", kept.trim_end())
+        }
+        None => name.to_owned(),
+    }
 }
 
 /// The difficulty of a room, and which contents were removed.
@@ -199,7 +210,7 @@ impl Label {
             lines.extend(notes(room).map(|note| (note, 0.85 * font)));
             lines
         };
-        let name: String = room.name.trim().chars().take(LONGEST_NAME).collect();
+        let name = shown_name(room);
         let allowed = if number.is_some() { READABLE } else { SETTINGS.len() };
         let full = SETTINGS[..allowed].iter().enumerate().find_map(|(i, &(lines, font))| {
             let wrapped = typesetter.wrapped(&name, font, most.x, lines)?;
@@ -278,6 +289,29 @@ mod tests {
         assert_eq!(text(&label("dragon room", wide)), ["dragon room", "7.25", "cleared"]);
         let cut = label("Donaudampfschifffahrtsgesellschaft", cell);
         assert!(text(&cut)[0].ends_with('…') && cut.rank == 0);
+    }
+
+    #[test]
+    fn cut_names_end_with_an_ellipsis() {
+        let shown = |name: &str| {
+            let room = Room {
+                name: name.to_owned(),
+                shape: Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::ONE)),
+                difficulty: Some(7.25),
+                lit: true,
+                contents: Contents::default(),
+            };
+            described(&room)
+        };
+        let long = "ä".repeat(60);
+        assert_eq!(shown(&format!(" {long} ")), format!("{long} 7.25"));
+        assert_eq!(shown(&format!("{long}ä")), format!("{}… 7.25", "ä".repeat(59)));
+        let spaced = format!("{} {}", "a".repeat(58), "b".repeat(20));
+        assert_eq!(shown(&spaced), format!("{}… 7.25", "a".repeat(58)));
+
+        let wide = Rect::new(DVec2::ZERO, DVec2::new(900.0, 60.0));
+        let label = label(&format!("{long}ä"), wide);
+        assert_eq!(label.lines[0].0, format!("{}…", "ä".repeat(59)));
     }
 
     #[test]

@@ -13,6 +13,9 @@ use crate::settings;
 /// Most waypoints that a road can have.
 pub const MAX_WAYPOINTS: u64 = 2_000_000;
 
+/// The narrowest kerbs, in metres: far from the origin, rounding takes the area of narrower ones.
+const LEAST_KERB: f64 = 1e-6;
+
 /// Most segments that a road can have.
 pub const MAX_SEGMENTS: usize = 4096;
 
@@ -79,7 +82,7 @@ settings! {
         width: f64 = 7.0 => number("m", 0.1..=100.0);
         /// Number of lanes.
         lanes: u64 = 2 => integer("", 1..=16);
-        /// Width of the kerbs; 0 for none.
+        /// Width of the kerbs, at least a micrometre; 0 for none.
         kerb: f64 = 0.15 => number("m", 0.0..=0.9);
         /// x of the start.
         start_x: f64 = 0.0 => number("m", -1e6..=1e6);
@@ -241,6 +244,10 @@ impl RoadSpec {
         if self.closed && waypoints < 3.0 {
             let allowed = "at most a third of the length of a closed road";
             return Err(SpecError::new("step", self.step, allowed));
+        }
+        if self.kerb > 0.0 && self.kerb < LEAST_KERB {
+            let allowed = format!("0 or from {LEAST_KERB} to 0.9");
+            return Err(SpecError::new("kerb", self.kerb, allowed));
         }
         if self.segment_count == 0 && self.prefabs.is_empty() {
             return Err(SpecError::new("prefabs", "an empty list", "at least one segment"));

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use envgen::road::{Concentration, Crossing, Prefab, RoadError, RoadSpec};
-use envgen::{Seed, Spec};
+use envgen::{Blueprint, Seed, Spec};
 
 use envgen::road::Prefab::{Left, Straight};
 
@@ -169,4 +169,22 @@ fn bad_settings_are_named() {
     // No speed is no limit.
     let slow = RoadSpec { speed: 0.0, ..good() };
     assert!((0..100).all(|seed| slow.generate(Seed(seed)).is_ok()));
+}
+
+/// Far from the origin, rounding lets no thinner kerb have an area.
+#[test]
+fn kerbs_are_none_or_a_micrometre_wide() {
+    let far = RoadSpec { length: 1e6, start_x: -1e6, start_y: 1e6, ..Default::default() };
+    let near = RoadSpec { length: 60.0, speed: 5.0, ..Default::default() };
+    for spec in [far, near] {
+        for kerb in [0.0, 1e-6] {
+            let world = RoadSpec { kerb, ..spec.clone() }.generate(Seed(1)).unwrap().to_world();
+            assert_eq!(world.check(), Ok(()), "{kerb}");
+            assert_eq!(world.walls.is_empty(), kerb == 0.0);
+        }
+        for kerb in [1e-308, 9e-7] {
+            let error = RoadSpec { kerb, ..spec.clone() }.validate().unwrap_err().to_string();
+            assert!(error.starts_with("`kerb` must be 0 or from 0.000001 to 0.9"), "{error}");
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::io::{Read, Write};
 
+use envgen::reproduction::{Reproduction, reproduce};
 use envgen::world::{Digest, Violation};
 use envgen::{Provenance, SpecError, World, WorldSpec};
 use serde::{Deserialize, Serialize};
@@ -33,13 +34,12 @@ pub enum WorldSource {
 }
 
 impl WorldSource {
-    /// The smaller representation of a world.
+    /// The smaller representation of a world. Whatever its provenance claims, the cost follows from the
+    /// world's size.
     pub(super) fn of(world: &World) -> WorldSource {
-        let again = generate(&world.provenance);
-        if again.is_ok_and(|again| again.digest() == world.digest()) {
-            WorldSource::Generated(world.provenance.clone())
-        } else {
-            WorldSource::Given(Box::new(world.clone()))
+        match reproduce(world) {
+            Reproduction::Same(_) => WorldSource::Generated(world.provenance.clone()),
+            _ => WorldSource::Given(Box::new(world.clone())),
         }
     }
 

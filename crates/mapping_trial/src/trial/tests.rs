@@ -181,6 +181,20 @@ fn bad_logs_are_reported() {
     assert!(told.contains("digest 000"), "{told}");
 }
 
+/// A world's provenance may be of another version, or claim a spec that is dear to generate.
+#[test]
+fn only_worlds_that_their_spec_makes_are_generated_again() {
+    let world = hallway();
+    assert!(matches!(WorldSource::of(&world), WorldSource::Generated(_)));
+    let mut older = world.clone();
+    older.provenance.value_version += 1;
+    let mut larger = world;
+    larger.provenance.spec["segments"] = 100_000.into();
+    for world in [older, larger] {
+        assert_eq!(WorldSource::of(&world), WorldSource::Given(Box::new(world)));
+    }
+}
+
 #[test]
 fn a_time_limit_by_area_follows_what_can_be_mapped() {
     let world = hallway();

@@ -39,7 +39,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         let defaults = kind.default_spec().settings_json();
         let column = kind.settings().iter().map(|setting| setting.name.len()).max().unwrap_or(0);
         for setting in kind.settings() {
-            let default = plain(&defaults[setting.name]);
+            let default = setting.text_of(&defaults[setting.name]);
             let unit = if setting.unit.is_empty() { "" } else { " " };
             let or_none = if setting.optional { ", or none" } else { "" };
             let example = setting.example.map_or(String::new(), |text| format!(", such as {text}"));
@@ -80,17 +80,4 @@ fn describe(kind: WorldKind) -> Value {
         "settings": settings,
         "rules": kind.rules(),
     })
-}
-
-/// A value in the form that `--set` takes.
-fn plain(value: &Value) -> String {
-    match value {
-        Value::String(text) => text.clone(),
-        Value::Null => "none".to_owned(),
-        Value::Array(items) => items.iter().map(plain).collect::<Vec<_>>().join(","),
-        Value::Number(number) => {
-            number.as_f64().map_or_else(|| number.to_string(), |number| number.to_string())
-        }
-        other => other.to_string(),
-    }
 }
