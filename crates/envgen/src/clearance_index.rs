@@ -55,6 +55,17 @@ impl ClearanceIndex {
     /// # Errors
     /// When `reach` is out of this range.
     pub fn new(world: &World, reach: f64) -> Result<Self, SpecError> {
+        Self::with_density(world, reach, CELLS_A_SHAPE, MAX_LISTINGS)
+    }
+
+    /// As [`ClearanceIndex::new`] with about `density` cells per shape, in which a shape is listed at most
+    /// `listings` times on average: finer cells take longer to fill, and make queries faster.
+    pub(crate) fn with_density(
+        world: &World,
+        reach: f64,
+        density: f64,
+        listings: usize,
+    ) -> Result<Self, SpecError> {
         if !(0.0..=MAX_REACH).contains(&reach) {
             let allowed = format!("a number from 0 to {MAX_REACH}");
             return Err(SpecError::new("reach", reach, allowed));
@@ -72,9 +83,8 @@ impl ClearanceIndex {
             }
         }
         let around = shapes.iter().map(|(_, shape)| shape.bounds()).reduce(Rect::union);
-        let (area, cells) = (index_area(around, reach), shapes.len() as f64 * CELLS_A_SHAPE);
-        let listings = Some(MAX_LISTINGS);
-        let index = GridIndex::new(area, cells, shapes.len(), listings, |i, frame, visit| {
+        let (area, cells) = (index_area(around, reach), shapes.len() as f64 * density);
+        let index = GridIndex::new(area, cells, shapes.len(), Some(listings), |i, frame, visit| {
             touched_runs(&shapes[i].1, reach, frame, visit);
         });
         Ok(ClearanceIndex { reach, index, shapes })

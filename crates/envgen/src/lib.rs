@@ -27,6 +27,7 @@
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | what generators make | [`World`], [`world`], [`geometry`], [`GridFrame`] |
 //! | queries and checks of a world | [`occupancy`], [`raycast`], [`clearance_index`], [`surface_index`], [`placement`], [`mod@distance`], [`certificate`], [`reproduction`], `picture` |
+//! | how hard a world is to map | [`difficulty`] |
 //! | colours of pictures | [`palette`] |
 //! | files | [`export`], [`import`], [`mod@file`], `whole_file` |
 //! | errors with the name of their file or option | [`located`] |
@@ -63,6 +64,7 @@ pub mod certificate;
 mod changed_settings;
 pub mod clearance_index;
 pub mod curve;
+pub mod difficulty;
 pub mod distance;
 pub mod distribution;
 mod error;

@@ -28,6 +28,16 @@ pub struct Hit {
     pub part: PartId,
 }
 
+/// The first surface that a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceHit {
+    /// The part and its distance.
+    pub hit: Hit,
+    /// The surface's unit normal where the ray meets it, on the side that the ray comes from; against the
+    /// ray's direction where the ray starts inside the part.
+    pub normal: DVec2,
+}
+
 /// The directions of a laser scan, relative to the scanner.
 ///
 /// ```
@@ -69,6 +79,11 @@ impl ScanPattern {
         let first = if beams > 1 { -0.5 * field_of_view } else { 0.0 };
         let directions = (0..beams).map(|i| unit_vector(first + step * i as f64)).collect();
         Ok(ScanPattern { directions })
+    }
+
+    /// The unit vectors of the rays, from right to left, relative to the scanner's heading.
+    pub fn directions(&self) -> &[DVec2] {
+        &self.directions
     }
 
     /// Number of rays.
@@ -175,6 +190,34 @@ impl Raycaster {
 
     /// As [`Raycaster::cast`], in the direction of a unit vector.
     pub fn cast_along(&self, from: DVec2, direction: DVec2, max_range: f64) -> Option<Hit> {
+        self.first_met(from, direction, max_range).map(|(hit, _)| hit)
+    }
+
+    /// As [`Raycaster::cast_along`], with the normal of the surface that the ray meets.
+    pub fn cast_surface(
+        &self,
+        from: DVec2,
+        direction: DVec2,
+        max_range: f64,
+    ) -> Option<SurfaceHit> {
+        let (hit, outline) = self.first_met(from, direction, max_range)?;
+        let at = from + direction * hit.distance;
+        let normal = outline
+            .filter(|_| hit.distance > 0.0)
+            .and_then(|outline| outline.normal(at))
+            .unwrap_or(-direction);
+        let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
+        Some(SurfaceHit { hit, normal })
+    }
+
+    /// The first part that a ray meets, and its outline; none for a filled polygon that the ray starts in.
+    #[inline]
+    fn first_met(
+        &self,
+        from: DVec2,
+        direction: DVec2,
+        max_range: f64,
+    ) -> Option<(Hit, Option<&Outline>)> {
         let inverse = direction.recip();
         let GridFrame { origin, cell_size: side, cols, rows } = self.frame;
 
@@ -190,7 +233,7 @@ impl Raycaster {
         if enter == 0.0
             && let Some(part) = self.filling(col + row * cols, from)
         {
-            return Some(Hit { distance: 0.0, part });
+            return Some((Hit { distance: 0.0, part }, None));
         }
 
         // Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, 1987.
@@ -203,16 +246,16 @@ impl Raycaster {
         let step = (inverse * side).abs();
         let mut next = border(row, col);
         let mut best = max_range;
-        let mut met = None;
+        let mut met: Option<&Listing> = None;
         loop {
             for listing in self.shapes.of(row * cols + col) {
                 if let Some(distance) = listing.outline.distance(from, direction, inverse)
                     && distance <= best
                 {
                     // Of two parts at the same distance the first in the world's order is met.
-                    if distance < best || met.is_none_or(|part| listing.part < part) {
+                    if distance < best || met.is_none_or(|other| listing.part < other.part) {
                         best = distance;
-                        met = Some(listing.part);
+                        met = Some(listing);
                     }
                 }
             }
@@ -228,7 +271,8 @@ impl Raycaster {
                     shift(&mut row, forward.y, rows)
                 };
             if !inside {
-                return met.map(|part| Hit { distance: best, part });
+                let hit = |part| Hit { distance: best, part };
+                return met.map(|listing| (hit(listing.part), Some(&listing.outline)));
             }
         }
     }
@@ -283,6 +327,19 @@ impl Listing {
 }
 
 impl Outline {
+    /// A unit normal at a point of the outline, on either side; `None` for an outline without length.
+    fn normal(&self, at: DVec2) -> Option<DVec2> {
+        match *self {
+            Outline::Side(_, edge) => edge.perp().try_normalize(),
+            Outline::Disc(center, _) => (at - center).try_normalize(),
+            Outline::Aligned(min, max) => {
+                let x = (at.x - min.x).abs().min((at.x - max.x).abs());
+                let y = (at.y - min.y).abs().min((at.y - max.y).abs());
+                Some(if x <= y { DVec2::X } else { DVec2::Y })
+            }
+        }
+    }
+
     /// Distance along a ray, 0 inside; `None` when the ray misses.
     #[inline]
     fn distance(&self, from: DVec2, direction: DVec2, inverse: DVec2) -> Option<f64> {

@@ -68,6 +68,45 @@ fn sampled_lines_have_the_promised_fields() {
 }
 
 #[test]
+fn sampled_lines_have_the_difficulty_that_is_shown_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.json");
+    let file = path.to_str().unwrap();
+    let small = ["--set", "width=4", "--set", "height=4", "--seed", "3"];
+    run(&[&["generate", "indoor", "--out", file], &small[..]].concat());
+    let measured = ["--metrics", "difficulty", "--platform", "max_range=3"];
+    let line = &lines(&[&["sample", "indoor", "--count", "1"], &small[..], &measured].concat())[0];
+    let inspect = ["inspect", file, "--json"];
+    let shown = |more: &[&str]| -> Value {
+        serde_json::from_slice(&run(&[&inspect[..], more].concat()).stdout).unwrap()
+    };
+    assert!(line["difficulty"]["tour_length_95_m"].as_f64().unwrap() > 1.0, "{line}");
+    assert_eq!(shown(&["--platform", "max_range=3"])["difficulty"], line["difficulty"]);
+    assert_ne!(shown(&[])["difficulty"], line["difficulty"]);
+
+    // A robot that fits nowhere has no numbers.
+    let wide = ["--platform", "circumscribed_radius=2"];
+    let output = run(&[&inspect[..], &wide].concat());
+    let note = String::from_utf8(output.stderr).unwrap();
+    assert!(note.contains("no difficulty: `start` is ("), "{note}");
+    let shown: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(shown["difficulty"], Value::Null);
+
+    for (wrong, expected) in [
+        (vec!["--platform", "beams=1"], "--platform beams=1: `platform.beams` must be"),
+        (vec!["--platform", "wheels=4"], "`platform` must be one of circumscribed_radius, "),
+        (vec!["--platform", "beams"], "is not of the form name=value"),
+        (vec!["--platform", "laser_offset=1"], "`platform.laser_offset` must be"),
+    ] {
+        let (code, text) = failure(&[&inspect[..], &wrong].concat());
+        assert!(code == 2 && text.contains(expected), "{text}");
+    }
+    let alone = ["sample", "indoor", "--count", "1", "--platform", "beams=9"];
+    let (code, text) = failure(&alone);
+    assert!(code == 2 && text.contains("`--metrics difficulty`"), "{text}");
+}
+
+#[test]
 fn a_seed_is_the_same_alone_and_in_a_row() {
     let row = lines(&["sample", "forest", "--count", "2", "--seed", "18446744073709551614"]);
     for line in &row {

@@ -100,6 +100,18 @@ proptest! {
                     let part = world.solids().find(|solid| solid.id == hit.part).unwrap();
                     let own = range_to(&part.shape, from, direction);
                     prop_assert!((own - hit.distance).abs() < 1e-9);
+                    let surface = rays_index.cast_surface(from, direction, max_range).unwrap();
+                    prop_assert_eq!(surface.hit, hit);
+                    prop_assert!((surface.normal.length() - 1.0).abs() < 1e-9);
+                    prop_assert!(surface.normal.dot(direction) <= 0.0);
+                    // Away from corners the distance grows along the normal as far as one goes.
+                    let end = from + direction * hit.distance;
+                    let corners = part.shape.corners();
+                    let at_corner = corners.iter().any(|corner| corner.distance(end) < 0.01);
+                    if hit.distance > 0.0 && !at_corner {
+                        let lifted = part.shape.distance(end + surface.normal * 1e-4);
+                        prop_assert!((lifted - 1e-4).abs() < 1e-7, "{surface:?} {:?}", part.shape);
+                    }
                 }
                 // At a corner or at the end of the range rounding decides.
                 (Some(hit), None) => {

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use envgen::certificate::{Claim, Verdict, verify};
+use envgen::difficulty::{DifficultyVector, Platform};
 use envgen::geometry::{Pose, Rect};
 use envgen::reproduction::{Reproduction, reproduce};
 use envgen::{Provenance, World, WorldMetrics};
@@ -12,7 +13,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::failure::Failure;
-use crate::source::WorldFile;
+use crate::platform::PlatformOptions;
+use crate::source::{WorldFile, note};
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -22,6 +24,9 @@ pub(crate) struct Arguments {
     /// Prints JSON.
     #[arg(long)]
     json: bool,
+
+    #[command(flatten)]
+    platform: PlatformOptions,
 }
 
 /// What a world file holds.
@@ -38,6 +43,8 @@ struct Report<'a> {
     certificate: Vec<Checked>,
     /// Absent when the world is no longer the one of its spec and seed.
     metrics: Option<WorldMetrics>,
+    /// Absent when the robot does not fit at the start, or anywhere in a world without one.
+    difficulty: Option<DifficultyVector>,
 }
 
 #[derive(Serialize)]
@@ -63,8 +70,9 @@ struct Checked {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let platform = arguments.platform.read()?;
     let world = arguments.file.read()?;
-    let report = report(&world);
+    let report = report(&world, &platform);
     let mut out = io::stdout().lock();
     if arguments.json {
         serde_json::to_writer_pretty(&mut out, &report)?;
@@ -76,11 +84,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn report(world: &World) -> Report<'_> {
+fn report<'a>(world: &'a World, platform: &Platform) -> Report<'a> {
     let again = match reproduce(world) {
         Reproduction::Same(blueprint) => Some(blueprint.metrics()),
         _ => None,
     };
+    let difficulty = DifficultyVector::of(world, platform);
+    if let Err(error) = &difficulty {
+        note(&format!("no difficulty: {error}"));
+    }
     let checked = |(claim, verdict): (Claim, Verdict)| Checked {
         claim,
         text: claim.to_string(),
@@ -106,6 +118,7 @@ fn report(world: &World) -> Report<'_> {
         },
         certificate: verify(world).into_iter().map(checked).collect(),
         metrics: again,
+        difficulty: difficulty.ok(),
     }
 }
 

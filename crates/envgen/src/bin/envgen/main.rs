@@ -8,6 +8,7 @@ mod generate;
 mod inspect;
 mod kinds;
 mod metrics;
+mod platform;
 mod progress;
 mod sample;
 mod source;
@@ -33,7 +34,7 @@ enum Command {
     /// Prints blueprints of consecutive seeds as JSON lines; seeds without a blueprint are listed on
     /// stderr and give exit code 1.
     Sample(sample::Arguments),
-    /// Shows the provenance, certificate and metrics of a world file.
+    /// Shows the provenance, certificate, metrics and difficulty vector of a world file.
     Inspect(inspect::Arguments),
     /// Prints the landscape metrics of a raster of classes.
     Metrics(metrics::Arguments),

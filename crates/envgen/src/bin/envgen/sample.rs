@@ -3,12 +3,14 @@
 use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use envgen::difficulty::{DifficultyVector, Platform};
 use envgen::{Seed, SpecError, WorldBlueprint, WorldKind, WorldMetrics};
 use serde::Serialize;
 use serde_json::Value;
 
 use crate::failure::Failure;
+use crate::platform::PlatformOptions;
 use crate::progress::bar;
 use crate::source::Source;
 
@@ -23,6 +25,22 @@ pub(crate) struct Arguments {
     /// Number of blueprints; their seeds are consecutive, starting at --seed.
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     count: u64,
+
+    /// What to measure.
+    #[arg(long, value_enum, default_value_t = Measures::Blueprint, value_name = "MEASURES")]
+    metrics: Measures,
+
+    #[command(flatten)]
+    platform: PlatformOptions,
+}
+
+/// What is measured of each seed.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Measures {
+    /// The blueprint alone.
+    Blueprint,
+    /// The blueprint, and the difficulty vector of its world: null where the robot fits nowhere.
+    Difficulty,
 }
 
 fn count(text: &str) -> Result<u64, SpecError> {
@@ -38,11 +56,19 @@ struct Line<'a> {
     spec: &'a Value,
     blueprint: &'a WorldBlueprint,
     metrics: &'a WorldMetrics,
+    /// Where it is requested; null where the robot does not fit at the start, or anywhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    difficulty: Option<Option<DifficultyVector>>,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let (source, count) = (&arguments.source, arguments.count);
     let spec = source.spec()?;
+    let platform = arguments.platform.read()?;
+    if arguments.platform.is_given() && arguments.metrics != Measures::Difficulty {
+        let text = "applies to `--metrics difficulty` only".to_owned();
+        return Err(Failure::Usage(text).about("--platform"));
+    }
     let first = source.seed;
     if count > 0 && first.checked_offset(count - 1).is_none() {
         let most = u64::MAX - first.0 + 1;
@@ -59,7 +85,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             Ok(blueprint) => {
                 let metrics = &blueprint.metrics();
                 let kind = spec.kind();
-                let line = Line { kind, seed, spec: &settings, blueprint: &blueprint, metrics };
+                let difficulty = match arguments.metrics {
+                    Measures::Blueprint => None,
+                    Measures::Difficulty => {
+                        let measured = measure(&blueprint, &platform);
+                        if let Err(text) = &measured {
+                            bar.suspend(|| say(&format!("seed {seed}: {text}")));
+                        }
+                        Some(measured.ok())
+                    }
+                };
+                let blueprint = &blueprint;
+                let line = Line { kind, seed, spec: &settings, blueprint, metrics, difficulty };
                 serde_json::to_writer(&mut out, &line)?;
                 out.write_all(b"\n")?;
             }
@@ -83,6 +120,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         return Err(source.name(Failure::Failed(text)));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The difficulty vector of a blueprint's world, or why it has none.
+fn measure(blueprint: &WorldBlueprint, platform: &Platform) -> Result<DifficultyVector, String> {
+    let vector = DifficultyVector::of(&blueprint.to_world(), platform);
+    vector.map_err(|error| format!("no difficulty: {error}"))
 }
 
 fn say(text: &str) {

@@ -1,0 +1,35 @@
+//! The robot and laser for which difficulty is computed.
+
+use clap::Args;
+use envgen::difficulty::Platform;
+use envgen::located::Locate;
+
+use crate::failure::Failure;
+
+#[derive(Args)]
+pub(crate) struct PlatformOptions {
+    /// Sets a number of the robot and laser for which the difficulty vector is computed, such as
+    /// `max_range=20`; may be given several times. An unknown name lists those that there are.
+    #[arg(long = "platform", value_name = "NAME=VALUE")]
+    numbers: Vec<String>,
+}
+
+impl PlatformOptions {
+    pub(crate) fn is_given(&self) -> bool {
+        !self.numbers.is_empty()
+    }
+
+    /// The default platform with its changes, checked.
+    pub(crate) fn read(&self) -> Result<Platform, Failure> {
+        let mut platform = Platform::default();
+        for option in &self.numbers {
+            let (name, value) = option.split_once('=').ok_or_else(|| {
+                let text = "is not of the form name=value".to_owned();
+                Failure::Usage(text).about(format!("--platform {option}"))
+            })?;
+            platform.set(name.trim(), value).in_option("--platform", option)?;
+        }
+        platform.validate()?;
+        Ok(platform)
+    }
+}

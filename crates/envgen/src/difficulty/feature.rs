@@ -1,0 +1,75 @@
+//! Features: numbers with name and unit.
+
+use serde::Serialize;
+
+/// What a feature is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Feature {
+    /// Name, which ends with its unit where it has one, such as `tour_length_95_m`.
+    pub name: &'static str,
+    /// Unit; empty for shares, ratios and numbers of things.
+    pub unit: &'static str,
+    /// What it measures, without the last full stop.
+    pub help: &'static str,
+}
+
+/// A number of a feature.
+pub(super) trait Number {
+    fn number(self) -> Option<f64>;
+}
+
+impl Number for f64 {
+    fn number(self) -> Option<f64> {
+        Some(self)
+    }
+}
+
+impl Number for u64 {
+    fn number(self) -> Option<f64> {
+        Some(self as f64)
+    }
+}
+
+impl Number for Option<f64> {
+    fn number(self) -> Option<f64> {
+        self
+    }
+}
+
+/// Declares a struct of features: fields with documentation, type and unit, each written once. Their list
+/// and their values are in the same order.
+macro_rules! features {
+    (
+        $(#[$meta:meta])*
+        pub struct $Features:ident {
+            $($(#[doc = $doc:literal])+ $field:ident: $type:ty, $unit:literal;)+
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq, serde::Serialize)]
+        pub struct $Features {
+            $(
+                $(#[doc = $doc])+
+                pub $field: $type,
+            )+
+        }
+
+        impl $Features {
+            /// Every feature, in order.
+            pub const FEATURES: &'static [$crate::difficulty::Feature] = &[$(
+                $crate::difficulty::Feature {
+                    name: stringify!($field),
+                    unit: $unit,
+                    help: $crate::settings::sentence(concat!($($doc),+)),
+                },
+            )+];
+
+            /// The values, in the order of [`Self::FEATURES`]; `None` where a feature does not exist.
+            pub fn values(&self) -> Vec<Option<f64>> {
+                use $crate::difficulty::feature::Number as _;
+                vec![$(self.$field.number()),+]
+            }
+        }
+    };
+}
+pub(super) use features;

@@ -1,0 +1,247 @@
+//! The difficulty vector: numbers that tell how hard a world is to map, for a robot and its laser.
+//!
+//! All of them follow from the [`World`] alone, without simulation, and are the same to the last bit on every
+//! platform. What each measures, with unit and source, stands at the field; [`DifficultyVector::features`]
+//! lists them all, and [`DifficultyVector::values`] gives their values in the same order.
+//!
+//! ```
+//! use envgen::difficulty::{DifficultyVector, Platform};
+//! use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+//!
+//! let spec = IndoorSpec { width: 6, height: 6, ..Default::default() };
+//! let world = spec.generate(Seed(7))?.to_world();
+//! let vector = DifficultyVector::of(&world, &Platform::default())?;
+//! assert!(vector.tour.tour_length_95_m.expect("the tour ends") > 10.0);
+//! assert!((0.0..=1.0).contains(&vector.localization.scan_degeneracy));
+//! for (feature, value) in DifficultyVector::features().iter().zip(vector.values()) {
+//!     assert!(value.is_none_or(f64::is_finite), "{}", feature.name);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Method
+//!
+//! A grid of [`CELL`] covers the world's bounds; worlds with more than [`MAX_CELLS`] cells get larger ones.
+//! Cells are free where the robot's centre has its circumscribed radius and 5 mm of clearance, on ground that
+//! it can drive on; those that it reaches from the world's start, or without a start those of the largest
+//! connected region, are the ground of the vector. Distances to solids and rays are exact. [`POSES`] poses
+//! are spread over that ground. The tour ends after [`MAX_SCANS`] scans, or when its searches have visited
+//! [`MAX_VISITS`] cells: features that it has not come to are `None` then.
+
+mod barn;
+mod clearance;
+mod drift;
+mod feature;
+mod information;
+mod places;
+mod platform;
+mod poses;
+mod search;
+mod space;
+mod statistics;
+mod tour;
+mod visibility;
+mod walls;
+
+use serde::Serialize;
+use thiserror::Error;
+
+pub use barn::{Barn, BarnMetrics, BarnMode};
+pub use clearance::Clearance;
+pub use drift::Drift;
+pub use feature::Feature;
+pub use information::{Echoes, Localization, ScanInformation};
+pub use places::Places;
+pub use platform::Platform;
+pub use poses::POSES;
+pub use search::MAX_VISITS;
+pub use space::{CELL, MAX_CELLS};
+pub use tour::{MAX_SCANS, TourFeatures};
+pub use visibility::Visibility;
+pub use walls::Walls;
+
+use crate::distance::squared_distances;
+use crate::error::SpecError;
+use crate::geometry::Pose;
+use crate::occupancy::{Coverage, OccupancyError, OccupancyGrid};
+use crate::raycast::Raycaster;
+use crate::world::{Violation, World};
+use feature::features;
+use poses::{Laser, View, poses};
+use search::Search;
+use space::Space;
+use tour::Tour;
+
+/// Why a world has no difficulty vector for a robot.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum DifficultyError {
+    /// A number of the robot or its laser is not allowed.
+    #[error(transparent)]
+    Platform(#[from] SpecError),
+    /// The world breaks an invariant.
+    #[error("the world is broken: {0}")]
+    World(#[from] Violation),
+    /// The world is too large for its grid.
+    #[error(transparent)]
+    Size(#[from] OccupancyError),
+    /// The robot does not fit at the start.
+    #[error(
+        "`start` is ({x}, {y}) m, expected ground to drive on with {radius} m of free ground all around"
+    )]
+    Start {
+        /// Its x in metres.
+        x: f64,
+        /// Its y in metres.
+        y: f64,
+        /// The distance that the robot's centre keeps from solids, in metres.
+        radius: f64,
+    },
+    /// The world has no start, and the robot fits nowhere.
+    #[error("the world has no ground to drive on with {radius} m of free ground all around")]
+    NoGround {
+        /// The distance that the robot's centre keeps from solids, in metres.
+        radius: f64,
+    },
+}
+
+features! {
+    /// The ground that the other features are about.
+    pub struct Ground {
+        /// Area of the ground that the robot's body can cover, F.
+        ground_area_m2: f64, "m^2";
+        /// Side of the cells of the grid on which reachable ground, tour and places are computed.
+        grid_cell_m: f64, "m";
+    }
+}
+
+/// The difficulty vector of a world. It serialises to one flat object, `null` where a feature does not exist.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DifficultyVector {
+    /// The ground that the robot reaches.
+    #[serde(flatten)]
+    pub ground: Ground,
+    /// How well scans tell the position.
+    #[serde(flatten)]
+    pub localization: Localization,
+    /// How much the robot sees.
+    #[serde(flatten)]
+    pub visibility: Visibility,
+    /// The tour of an errorless robot.
+    #[serde(flatten)]
+    pub tour: TourFeatures,
+    /// Drift along the tour.
+    #[serde(flatten)]
+    pub drift: Drift,
+    /// How much room there is.
+    #[serde(flatten)]
+    pub clearance: Clearance,
+    /// The walls.
+    #[serde(flatten)]
+    pub walls: Walls,
+    /// The graph of places.
+    #[serde(flatten)]
+    pub places: Places,
+    /// BARN's metrics.
+    #[serde(flatten)]
+    pub barn: Barn,
+}
+
+impl DifficultyVector {
+    /// Computes the vector of a world for a robot and its laser.
+    ///
+    /// # Errors
+    /// When a number of the platform is not allowed, when the world is broken, and when the robot does not
+    /// fit at the world's start, or anywhere in a world without a start.
+    pub fn of(world: &World, platform: &Platform) -> Result<Self, DifficultyError> {
+        platform.validate()?;
+        world.check()?;
+        let space = Space::new(world, platform.footprint())?;
+        let rays = Raycaster::new(world);
+        let laser = Laser::new(&rays, platform)?;
+        let ground_area = ground_area(world, &space)?;
+        let by_clearance = space.by_clearance();
+        let views: Vec<View> =
+            poses(&space).into_iter().map(|pose| View::new(&laser, pose)).collect();
+        let heading = world.start.map_or(0.0, |start| start.heading);
+        let start = Pose { position: space.points[space.start], heading };
+        let tour = Tour::new(&space, &laser, platform, start);
+        Ok(DifficultyVector {
+            ground: Ground { ground_area_m2: ground_area, grid_cell_m: space.frame.cell_size },
+            localization: Localization::of(&views, platform.sigma),
+            visibility: Visibility::of(&views, platform, ground_area),
+            tour: tour.features(),
+            drift: Drift::of(&tour.stops, platform),
+            clearance: Clearance::of(&space, &by_clearance, &tour),
+            walls: Walls::of(world, &space, &rays, ground_area, platform.max_range),
+            places: Places::of(&space, &by_clearance),
+            barn: barn(world, &space, &tour),
+        })
+    }
+
+    /// Every feature, in order.
+    pub fn features() -> Vec<Feature> {
+        let groups = [
+            Ground::FEATURES,
+            Localization::FEATURES,
+            Visibility::FEATURES,
+            TourFeatures::FEATURES,
+            Drift::FEATURES,
+            Clearance::FEATURES,
+            Walls::FEATURES,
+            Places::FEATURES,
+            Barn::FEATURES,
+        ];
+        groups.concat()
+    }
+
+    /// The values in the order of [`DifficultyVector::features`]; `None` where a feature does not exist.
+    pub fn values(&self) -> Vec<Option<f64>> {
+        let groups = [
+            self.ground.values(),
+            self.localization.values(),
+            self.visibility.values(),
+            self.tour.values(),
+            self.drift.values(),
+            self.clearance.values(),
+            self.walls.values(),
+            self.places.values(),
+            self.barn.values(),
+        ];
+        groups.concat()
+    }
+
+    /// The value of a feature; `None` where it does not exist in this world, and for an unknown name.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        let place = Self::features().iter().position(|feature| feature.name == name)?;
+        self.values()[place]
+    }
+}
+
+/// Area in square metres of the cells that a robot's body covers somewhere, and that no solid does.
+fn ground_area(world: &World, space: &Space<'_>) -> Result<f64, DifficultyError> {
+    let side = space.frame.cell_size;
+    let solid = OccupancyGrid::of(world, side, Coverage::Centre)?;
+    let within = (space.footprint / side) * (space.footprint / side);
+    let near = squared_distances(space.frame.cols, &space.reached);
+    let is_covered = |cell: &usize| {
+        space.reached[*cell] || (!solid.cells()[*cell] && f64::from(near[*cell]) <= within)
+    };
+    Ok((0..space.frame.len()).filter(is_covered).count() as f64 * space.cell_area())
+}
+
+fn barn(world: &World, space: &Space<'_>, tour: &Tour) -> Barn {
+    let mut cells: Vec<usize> =
+        tour.points.iter().filter_map(|(p, _)| space.frame.index_at(*p)).collect();
+    cells.retain(|&cell| space.is_free(cell));
+    cells.dedup();
+    let goal = world.goal.and_then(|goal| space.cell_to(goal.position));
+    let to_goal = goal.and_then(|goal| {
+        Search::new(space.frame.len()).nearest(space, space.start, |cell| cell == goal)
+    });
+    let blocked: Vec<bool> = (0..space.frame.len()).map(|cell| !space.is_free(cell)).collect();
+    Barn::of(space.frame.cols, &blocked, space.frame.cell_size, &cells, to_goal.as_deref())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,354 @@
+//! Where a robot's centre can be, on a grid.
+
+use glam::DVec2;
+
+use super::DifficultyError;
+use super::platform::MARGIN;
+use crate::clearance_index::ClearanceIndex;
+use crate::grid::GridFrame;
+use crate::surface_index::SurfaceIndex;
+use crate::world::{SurfaceKind, World};
+
+/// Side of a cell in metres, where the world is not too large for it.
+pub const CELL: f64 = 0.2;
+
+/// The most cells of the grid; larger worlds have larger cells.
+pub const MAX_CELLS: usize = 1 << 18;
+
+/// Clearances are measured up to this distance in metres; greater ones count as this.
+pub(super) const SIGHT_OF_SOLIDS: f64 = 1.5;
+
+/// Cells of the indices of solids per solid, and in how many of them a solid may be listed: many queries are
+/// worth fine cells.
+const INDEX: (f64, usize) = (10.0, 200);
+
+/// A point of a cell is looked for where the cell's centre is too near to a solid: at the best of nine
+/// points, then of nine around it, and once more. Three rounds end within a hundredth of a cell.
+const ROUNDS: usize = 3;
+
+/// The eight neighbours of a cell, counter-clockwise from the right.
+pub(super) const STEPS: [(isize, isize); 8] =
+    [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
+
+/// The free cells of a grid over a world, those that the robot reaches, and the moves between them.
+///
+/// A cell is free when it has a point where the robot's centre can be: its centre, or where that is too
+/// near to a solid the point of greatest clearance in it. A robot moves from cell to cell in a straight
+/// line between those points, so that passages narrower than a cell are found.
+pub(super) struct Space<'a> {
+    pub(super) frame: GridFrame,
+    /// The distance that the robot's centre keeps from solids, in metres.
+    pub(super) footprint: f64,
+    /// The point of each cell.
+    pub(super) points: Vec<DVec2>,
+    /// Clearance of each point in metres, at most [`SIGHT_OF_SOLIDS`]; 0 for cells that are not free.
+    pub(super) clearance: Vec<f64>,
+    /// For each cell the moves that are possible, bit i to neighbour i of [`STEPS`].
+    moves: Vec<u8>,
+    /// Whether the robot reaches a cell.
+    pub(super) reached: Vec<bool>,
+    /// The cell where the robot starts.
+    pub(super) start: usize,
+    /// Number of cells that the robot reaches.
+    pub(super) count: usize,
+    finder: Finder<'a>,
+}
+
+impl<'a> Space<'a> {
+    /// The cells that a robot reaches from the world's start; without one those of the largest connected
+    /// region, from its cell of greatest clearance.
+    pub(super) fn new(world: &'a World, footprint: f64) -> Result<Self, DifficultyError> {
+        let frame = frame(world);
+        let finder = Finder::new(world, footprint, frame.cell_size)?;
+        let half_diagonal = frame.cell_size * std::f64::consts::FRAC_1_SQRT_2;
+        let mut points = Vec::with_capacity(frame.len());
+        let mut clearance = Vec::with_capacity(frame.len());
+        for row in 0..frame.rows {
+            // The clearance changes by no more than the distance.
+            let mut most = f64::INFINITY;
+            for col in 0..frame.cols {
+                let center = frame.center(col, row);
+                most += frame.cell_size;
+                if most + half_diagonal < footprint {
+                    points.push(center);
+                    clearance.push(0.0);
+                    continue;
+                }
+                let (point, room) = finder.best_point(center, frame.cell_size, &mut most);
+                points.push(point);
+                clearance.push(room);
+            }
+        }
+        let moves = moves(frame, &points, &clearance, &finder);
+        let mut space = Space {
+            frame,
+            footprint,
+            points,
+            clearance,
+            moves,
+            reached: vec![false; frame.len()],
+            start: 0,
+            count: 0,
+            finder,
+        };
+        match world.start {
+            Some(start) => {
+                let (p, radius) = (start.position, footprint);
+                let error = DifficultyError::Start { x: p.x, y: p.y, radius };
+                let fits = space.fits(p);
+                space.start = space.cell_near(p).filter(|_| fits).ok_or(error)?;
+                space.count = space.flood(space.start).len();
+            }
+            None => space.reach_the_largest_region()?,
+        }
+        Ok(space)
+    }
+
+    /// The cells to which a robot can move from a cell in one step.
+    pub(super) fn neighbours(&self, cell: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let moves = self.moves[cell];
+        let cols = self.frame.cols as isize;
+        STEPS
+            .iter()
+            .enumerate()
+            .filter(move |(bit, _)| moves >> bit & 1 == 1)
+            .map(move |(bit, &(x, y))| (bit, cell.wrapping_add_signed(y * cols + x)))
+    }
+
+    /// The cells that a robot reaches, in order.
+    pub(super) fn cells(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.reached.len()).filter(|&cell| self.reached[cell])
+    }
+
+    /// Area of a cell in square metres.
+    pub(super) fn cell_area(&self) -> f64 {
+        self.frame.cell_size * self.frame.cell_size
+    }
+
+    /// The free cell around a point or beside it whose point is nearest.
+    fn cell_near(&self, p: DVec2) -> Option<usize> {
+        let cell = self.frame.index_at(p).or_else(|| {
+            // The upper right borders of the bounds belong to no cell.
+            self.frame.index_at(p - 0.5 * self.frame.cell_size)
+        })?;
+        let beside = STEPS.iter().filter_map(|&(x, y)| self.frame.neighbour(cell, x, y));
+        let near = std::iter::once(cell).chain(beside).filter(|&cell| self.is_free(cell));
+        let distance = |cell: &usize| self.points[*cell].distance_squared(p);
+        near.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+
+    /// Whether the robot's centre can be at a point.
+    fn fits(&self, p: DVec2) -> bool {
+        self.finder.clearance(p) + MARGIN >= self.footprint && self.finder.is_ground(p)
+    }
+
+    /// The cell that a robot reaches from which it comes to a point; `None` where it does not fit.
+    pub(super) fn cell_to(&self, p: DVec2) -> Option<usize> {
+        self.reached_near(p).filter(|_| self.fits(p))
+    }
+
+    /// The cell that a robot reaches around a point or beside it.
+    pub(super) fn reached_near(&self, p: DVec2) -> Option<usize> {
+        self.cell_near(p).filter(|&cell| self.reached[cell])
+    }
+
+    /// Distance from a point to the nearest solid in metres, at most [`SIGHT_OF_SOLIDS`].
+    pub(super) fn clearance_at(&self, p: DVec2) -> f64 {
+        self.finder.clearance(p).min(SIGHT_OF_SOLIDS)
+    }
+
+    /// The least clearance in metres on the move from a cell to a neighbour, at nine points.
+    pub(super) fn least_clearance(&self, from: usize, to: usize) -> f64 {
+        let (a, b) = (self.points[from], self.points[to]);
+        let points = (0..=8).map(|part| a + (b - a) * (f64::from(part) / 8.0));
+        points.map(|p| self.clearance_at(p)).fold(f64::INFINITY, f64::min).max(self.footprint)
+    }
+
+    /// Whether the robot's centre can move in a straight line between two points where it can be.
+    pub(super) fn is_clear(&self, a: DVec2, b: DVec2) -> bool {
+        let near = &self.finder.near;
+        let room = |p: DVec2| near.clearance(p).min(near.reach());
+        self.finder.is_clear(a, room(a), b, room(b))
+    }
+
+    /// The cells that a robot reaches, by falling clearance; of equal ones the first is taken first.
+    pub(super) fn by_clearance(&self) -> Vec<usize> {
+        let mut cells: Vec<usize> = self.cells().collect();
+        cells.sort_by(|&a, &b| self.clearance[b].total_cmp(&self.clearance[a]));
+        cells
+    }
+
+    pub(super) fn is_free(&self, cell: usize) -> bool {
+        self.clearance[cell] > 0.0
+    }
+
+    /// Marks the cells that are connected to a cell as reached, and returns them.
+    fn flood(&mut self, first: usize) -> Vec<usize> {
+        self.reached[first] = true;
+        // The list of cells serves as the queue.
+        let mut cells = vec![first];
+        let mut next = 0;
+        while let Some(&cell) = cells.get(next) {
+            next += 1;
+            let moves = self.moves[cell];
+            for (bit, &(x, y)) in STEPS.iter().enumerate() {
+                let other = cell.wrapping_add_signed(y * self.frame.cols as isize + x);
+                if moves >> bit & 1 == 1 && !std::mem::replace(&mut self.reached[other], true) {
+                    cells.push(other);
+                }
+            }
+        }
+        cells
+    }
+
+    fn reach_the_largest_region(&mut self) -> Result<(), DifficultyError> {
+        let mut largest = Vec::new();
+        for cell in 0..self.frame.len() {
+            if self.is_free(cell) && !self.reached[cell] {
+                let region = self.flood(cell);
+                if region.len() > largest.len() {
+                    largest = region;
+                }
+            }
+        }
+        largest.sort_unstable();
+        let better = |a: usize, b: usize| if self.clearance[b] > self.clearance[a] { b } else { a };
+        let Some(start) = largest.iter().copied().reduce(better) else {
+            return Err(DifficultyError::NoGround { radius: self.footprint });
+        };
+        self.reached.fill(false);
+        largest.iter().for_each(|&cell| self.reached[cell] = true);
+        (self.start, self.count) = (start, largest.len());
+        Ok(())
+    }
+}
+
+/// Cells over the world's bounds: of [`CELL`], or larger ones, at most [`MAX_CELLS`].
+fn frame(world: &World) -> GridFrame {
+    let size = world.bounds.size();
+    let cells = |side: f64| (size / side - 1e-9).ceil().max(DVec2::ONE);
+    let mut side = CELL.max((size.x * size.y / MAX_CELLS as f64).sqrt());
+    // A long strip has at least one row of cells; sides that are rounded up make more than the area has.
+    side = side.max(size.max_element() / MAX_CELLS as f64);
+    while cells(side).x * cells(side).y > MAX_CELLS as f64 {
+        side *= 1.01;
+    }
+    let count = cells(side);
+    let (cols, rows) = (count.x as usize, count.y as usize);
+    GridFrame { origin: world.bounds.min, cell_size: side, cols, rows }
+}
+
+/// Finds points where a robot's centre can be.
+struct Finder<'a> {
+    world: &'a World,
+    footprint: f64,
+    /// For clearances up to [`SIGHT_OF_SOLIDS`].
+    far: ClearanceIndex,
+    /// For the many queries of points near to solids.
+    near: ClearanceIndex,
+    /// Where there is ground that the robot cannot drive on.
+    grounds: Option<SurfaceIndex>,
+}
+
+impl<'a> Finder<'a> {
+    fn new(world: &'a World, footprint: f64, side: f64) -> Result<Self, DifficultyError> {
+        let index = |reach| ClearanceIndex::with_density(world, reach, INDEX.0, INDEX.1);
+        Ok(Finder {
+            world,
+            footprint,
+            far: index(SIGHT_OF_SOLIDS.max(footprint))?,
+            near: index(footprint + side)?,
+            grounds: has_bad_ground(world).then(|| SurfaceIndex::new(world)),
+        })
+    }
+
+    /// The point of the cell around `center`, and its clearance, 0 where the robot cannot be. `most` is set
+    /// to the clearance of the centre, to [`SIGHT_OF_SOLIDS`] at most.
+    fn best_point(&self, center: DVec2, side: f64, most: &mut f64) -> (DVec2, f64) {
+        let reach = self.far.reach();
+        let room = self.clearance(center);
+        *most = if room < reach { room } else { f64::INFINITY };
+        if room >= self.footprint + 0.25 * side && self.is_ground(center) {
+            return (center, room);
+        }
+        let (mut best, mut best_room) = (center, if self.is_ground(center) { room } else { 0.0 });
+        let (mut middle, mut middle_room, mut step) = (center, room, side / 3.0);
+        for _ in 0..ROUNDS {
+            // Nothing in the square of the next points is farther from solids than this.
+            if middle_room + 1.5 * step * std::f64::consts::SQRT_2 < self.footprint {
+                break;
+            }
+            let around = middle;
+            for (x, y) in STEPS {
+                let p = around + DVec2::new(x as f64, y as f64) * step;
+                let room = self.near.clearance(p).min(self.near.reach()).min(reach);
+                if room > middle_room {
+                    (middle, middle_room) = (p, room);
+                }
+                if room > best_room && room >= self.footprint && self.is_ground(p) {
+                    (best, best_room) = (p, room);
+                }
+            }
+            if middle == around && best_room >= self.footprint {
+                break;
+            }
+            step /= 3.0;
+        }
+        (best, if best_room >= self.footprint { best_room } else { 0.0 })
+    }
+
+    /// Distance to the nearest solid in metres, at most the reach of `far`.
+    fn clearance(&self, p: DVec2) -> f64 {
+        let near = self.near.clearance(p);
+        let room = if near.is_finite() { near } else { self.far.clearance(p) };
+        room.min(self.far.reach())
+    }
+
+    /// Whether a robot can drive at a point.
+    fn is_ground(&self, p: DVec2) -> bool {
+        let is_good = |grounds: &SurfaceIndex| {
+            let ground = grounds.at(p);
+            ground.speed > 0.0 && !ground.water
+        };
+        self.world.bounds.contains(p) && self.grounds.as_ref().is_none_or(is_good)
+    }
+
+    /// Whether a robot can move in a straight line between two points of known clearance. Between points
+    /// half a footprint apart it comes nearer to a convex solid by no more than 1/32 of its footprint.
+    fn is_clear(&self, a: DVec2, room_a: f64, b: DVec2, room_b: f64) -> bool {
+        let length = a.distance(b);
+        if room_a + room_b - length >= 2.0 * self.footprint || length <= 0.5 * self.footprint {
+            return true;
+        }
+        let middle = 0.5 * (a + b);
+        let room = self.near.clearance(middle).min(self.near.reach());
+        room >= self.footprint
+            && self.is_clear(a, room_a, middle, room)
+            && self.is_clear(middle, room, b, room_b)
+    }
+}
+
+/// Whether there is ground that no robot can drive on.
+fn has_bad_ground(world: &World) -> bool {
+    let bad = |speed: f64| speed <= 0.0;
+    let raster = world.raster.as_ref().is_some_and(|raster| raster.speeds.iter().any(|&s| bad(s)));
+    let is_water = |kind| kind == SurfaceKind::Water;
+    raster || world.surfaces.iter().any(|s| bad(s.speed) || is_water(s.kind))
+}
+
+/// The moves of each cell to its neighbours.
+fn moves(frame: GridFrame, points: &[DVec2], clearance: &[f64], finder: &Finder<'_>) -> Vec<u8> {
+    let mut moves = vec![0_u8; frame.len()];
+    for cell in (0..frame.len()).filter(|&cell| clearance[cell] > 0.0) {
+        for (bit, &(x, y)) in STEPS.iter().enumerate().take(4) {
+            let Some(other) = frame.neighbour(cell, x, y) else { continue };
+            if clearance[other] > 0.0
+                && finder.is_clear(points[cell], clearance[cell], points[other], clearance[other])
+            {
+                moves[cell] |= 1 << bit;
+                moves[other] |= 1 << (bit + 4);
+            }
+        }
+    }
+    moves
+}
