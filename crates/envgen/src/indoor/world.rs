@@ -178,7 +178,7 @@ fn floors(plan: &FloorPlan, surfaces: &mut Vec<Surface>) {
         let min = plan.point(f64::from(x), f64::from(bottom));
         let max = plan.point(f64::from(right), f64::from(y));
         let shape = Shape::from_rect(Rect::new(min, max));
-        surfaces.push(Surface { kind, shape, speed: 1.0, odometry_noise: 1.0 });
+        surfaces.push(Surface::new(kind, shape));
     }
 }
 
