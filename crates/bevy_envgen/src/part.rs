@@ -234,6 +234,10 @@ data! {
         Hallway,
         /// The plain floor of an open area between rooms.
         OpenArea,
+        /// Wet, dusty or strewn with rubble: wheels slip by chance.
+        Slippery,
+        /// Gravel, sand or litter that gives way under wheels: they measure too far.
+        Loose,
         /// A class of a landscape, counted from 1.
         Class(u16),
     }
@@ -247,6 +251,8 @@ impl From<world::SurfaceKind> for SurfaceKind {
             world::SurfaceKind::Stairs => SurfaceKind::Stairs,
             world::SurfaceKind::Hallway => SurfaceKind::Hallway,
             world::SurfaceKind::OpenArea => SurfaceKind::OpenArea,
+            world::SurfaceKind::Slippery => SurfaceKind::Slippery,
+            world::SurfaceKind::Loose => SurfaceKind::Loose,
             world::SurfaceKind::Class(class) => SurfaceKind::Class(class),
             _ => SurfaceKind::Uneven,
         }
@@ -282,6 +288,10 @@ data! {
     component pub struct Wall {
         /// What it is part of.
         pub kind: WallKind,
+        /// Distance in metres beyond which a laser has no echo from it, since it is too dark; `None`
+        /// where lasers see it as far as they reach.
+        #[cfg_attr(feature = "serialize", serde(default))]
+        pub visible_range: Option<f32>,
     }
 }
 
@@ -335,6 +345,9 @@ data! {
     component pub struct Obstacle {
         /// The kind of the obstacle.
         pub kind: ObstacleKind,
+        /// As [`Wall::visible_range`].
+        #[cfg_attr(feature = "serialize", serde(default))]
+        pub visible_range: Option<f32>,
     }
 }
 
@@ -347,6 +360,9 @@ data! {
         pub speed: f32,
         /// Factor on the variances of a robot's odometry, 1 for plain ground.
         pub odometry_noise: f32,
+        /// How much too far wheels measure, as a fraction of the distance that was driven.
+        #[cfg_attr(feature = "serialize", serde(default))]
+        pub wheel_bias: f32,
     }
 }
 
@@ -475,7 +491,7 @@ mod tests {
             assert_eq!(ron::from_str::<T>(&text).unwrap(), part);
         }
         there_and_back(PartId { kind: PartKind::Ground, tile: [-1, 7], index: 3 });
-        there_and_back(Wall { kind: WallKind::Kerb });
+        there_and_back(Wall { kind: WallKind::Kerb, visible_range: Some(2.0) });
         there_and_back(Doorway { open: true, rooms: [None, Some(2)] });
         let contents = Contents::Cleared;
         there_and_back(Room {
@@ -487,7 +503,12 @@ mod tests {
         // Files from before rooms had the field `contents`.
         let old: Room = ron::from_str("(name: \"hall\", difficulty: None, lit: true)").unwrap();
         assert_eq!(old.contents, Contents::AsDesigned);
-        there_and_back(Surface { kind: SurfaceKind::Class(4), speed: 0.5, odometry_noise: 2.0 });
+        there_and_back(Surface {
+            kind: SurfaceKind::Class(4),
+            speed: 0.5,
+            odometry_noise: 2.0,
+            wheel_bias: 0.1,
+        });
         there_and_back(Start);
         there_and_back(crate::PartShape::Strip {
             centreline: vec![Vec2::ZERO, Vec2::new(1.5, -2.0)],

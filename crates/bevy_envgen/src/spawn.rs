@@ -280,7 +280,8 @@ fn spawn_run(
     match kind {
         PartKind::Wall => spawn!(i => {
             let wall = &truth.walls[i];
-            (frame.place(&wall.shape), Wall { kind: wall.kind.into() })
+            let visible_range = wall.visible_range.map(|range| range as f32);
+            (frame.place(&wall.shape), Wall { kind: wall.kind.into(), visible_range })
         }),
         PartKind::Tree => spawn!(i => {
             let tree = &truth.trees[i];
@@ -300,12 +301,17 @@ fn spawn_run(
         }),
         PartKind::Obstacle => spawn!(i => {
             let obstacle = &truth.obstacles[i];
-            (frame.place(&obstacle.shape), Obstacle { kind: obstacle.kind.into() })
+            let visible_range = obstacle.visible_range.map(|range| range as f32);
+            (frame.place(&obstacle.shape), Obstacle { kind: obstacle.kind.into(), visible_range })
         }),
         PartKind::Surface => spawn!(i => {
             let surface = &truth.surfaces[i];
-            let (speed, odometry_noise) = (surface.speed as f32, surface.odometry_noise as f32);
-            let part = Surface { kind: surface.kind.into(), speed, odometry_noise };
+            let part = Surface {
+                kind: surface.kind.into(),
+                speed: surface.speed as f32,
+                odometry_noise: surface.odometry_noise as f32,
+                wheel_bias: surface.wheel_bias as f32,
+            };
             (frame.place(&surface.shape), part)
         }),
         PartKind::Start => spawn!(i => (pose(&truth.start.unwrap_or_default()), Start)),

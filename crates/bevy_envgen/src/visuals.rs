@@ -47,6 +47,12 @@ pub struct Palette {
     pub water: Color,
     /// Plain floors of hallways and open areas.
     pub floor: Color,
+    /// Slippery floors.
+    pub slippery: Color,
+    /// Loose ground.
+    pub loose: Color,
+    /// Walls and obstacles that lasers see only from near.
+    pub dark: Color,
     /// The start.
     pub start: Color,
     /// The goal.
@@ -72,6 +78,9 @@ impl Default for Palette {
             rough: color(palette::surface(SurfaceKind::Uneven).fill),
             water: color(palette::surface(SurfaceKind::Water).fill),
             floor: color(palette::surface(SurfaceKind::Hallway).fill),
+            slippery: color(palette::surface(SurfaceKind::Slippery).fill),
+            loose: color(palette::surface(SurfaceKind::Loose).fill),
+            dark: color(palette::DARK.fill),
             start: color(palette::START),
             goal: color(palette::GOAL),
             victim: color(palette::VICTIM.fill),
@@ -123,6 +132,8 @@ pub fn require_visibility(app: &mut App) {
 enum Ink {
     Class(u16),
     Floor,
+    Slippery,
+    Loose,
     Rough,
     Water,
     DarkRoom,
@@ -132,6 +143,7 @@ enum Ink {
     Wall,
     Tree,
     Obstacle,
+    Dark,
     Start,
     Goal,
     Victim,
@@ -142,6 +154,8 @@ impl Ink {
         let order = match self {
             Ink::Class(_) => 0.0,
             Ink::Floor => 1.0,
+            Ink::Slippery => 1.6,
+            Ink::Loose => 1.8,
             Ink::Rough => 2.0,
             Ink::Water => 3.0,
             Ink::DarkRoom | Ink::Room => 1.5,
@@ -149,7 +163,7 @@ impl Ink {
             Ink::Doorway => 5.0,
             Ink::Wall => 6.0,
             Ink::Tree => 7.0,
-            Ink::Obstacle => 8.0,
+            Ink::Obstacle | Ink::Dark => 8.0,
             Ink::Start | Ink::Goal | Ink::Victim => 9.0,
         };
         order * LAYER
@@ -163,6 +177,8 @@ impl Ink {
                 palette.classes.get(place).copied().unwrap_or(palette.floor)
             }
             Ink::Floor => palette.floor,
+            Ink::Slippery => palette.slippery,
+            Ink::Loose => palette.loose,
             Ink::Rough => palette.rough,
             Ink::Water => palette.water,
             Ink::DarkRoom => palette.dark_room,
@@ -172,6 +188,7 @@ impl Ink {
             Ink::Wall => palette.wall,
             Ink::Tree => palette.tree,
             Ink::Obstacle => palette.obstacle,
+            Ink::Dark => palette.dark,
             Ink::Start => palette.start,
             Ink::Goal => palette.goal,
             Ink::Victim => palette.victim,
@@ -302,6 +319,8 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<Ink, Drawing> {
             PartKind::Surface => match part.get::<Surface>().map(|surface| surface.kind) {
                 Some(SurfaceKind::Water) => Ink::Water,
                 Some(SurfaceKind::Hallway | SurfaceKind::OpenArea) => Ink::Floor,
+                Some(SurfaceKind::Slippery) => Ink::Slippery,
+                Some(SurfaceKind::Loose) => Ink::Loose,
                 // Drawn by its ground.
                 Some(SurfaceKind::Class(_)) => continue,
                 _ => Ink::Rough,
@@ -312,8 +331,14 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<Ink, Drawing> {
         };
         drawings.entry(ink).or_default().add_shape(at, shape);
     }
+    let truth = world.get::<GroundTruth>(spawned.environment);
+    let is_dark = |id: &PartId| {
+        let part = truth.zip(id.in_world());
+        part.is_some_and(|(truth, part)| truth.visible_range(part).is_some())
+    };
     for (id, at, shape) in spawned.placed(world) {
         let ink = match id.kind {
+            PartKind::Wall | PartKind::Obstacle if is_dark(&id) => Ink::Dark,
             PartKind::Wall => Ink::Wall,
             PartKind::Tree => Ink::Tree,
             PartKind::Obstacle => Ink::Obstacle,

@@ -165,7 +165,7 @@ mod tests {
             Rect::new(DVec2::ZERO, DVec2::ONE),
         );
         world.obstacles =
-            shapes.into_iter().map(|shape| Obstacle { kind: ObstacleKind::Other, shape }).collect();
+            shapes.into_iter().map(|shape| Obstacle::new(ObstacleKind::Other, shape)).collect();
         world
     }
 

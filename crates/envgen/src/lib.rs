@@ -108,6 +108,8 @@ pub use world::World;
 
 pub use glam;
 #[doc(hidden)]
+pub use serde_json;
+#[doc(hidden)]
 pub use strum;
 
 /// The snippets of the README.

@@ -123,6 +123,8 @@ pub struct Raycaster {
     /// ray starts inside one.
     fillings: CellBuckets<u32>,
     polygons: Vec<(PartId, Vec<DVec2>)>,
+    /// The parts that lasers see only from near, and from how near, in the parts' order.
+    dark: Vec<(PartId, f64)>,
 }
 
 /// A shape as a cell lists it, with all that a ray needs.
@@ -145,10 +147,21 @@ enum Outline {
 impl Raycaster {
     /// Indexes the solid parts of a world.
     pub fn new(world: &World) -> Self {
+        Raycaster::of(world, |_| true)
+    }
+
+    /// Indexes the parts that lasers see only from near; `None` where a world has none.
+    pub fn of_dark(world: &World) -> Option<Self> {
+        let dark = dark_parts(world);
+        let is_dark = |part: PartId| dark.binary_search_by_key(&part, |&(dark, _)| dark).is_ok();
+        (!dark.is_empty()).then(|| Raycaster::of(world, is_dark))
+    }
+
+    fn of(world: &World, is_listed: impl Fn(PartId) -> bool) -> Self {
         let mut shapes = Vec::new();
         let mut polygons = Vec::new();
         let mut around: Option<Rect> = None;
-        for solid in world.solids() {
+        for solid in world.solids().filter(|solid| is_listed(solid.id)) {
             let bounds = solid.shape.bounds();
             around = Some(around.map_or(bounds, |rect| rect.union(bounds)));
             let part = solid.id;
@@ -179,7 +192,19 @@ impl Raycaster {
             })?;
             Some((listed, filled))
         });
-        Raycaster { frame, per_cell: 1.0 / frame.cell_size, shapes, fillings, polygons }
+        let (per_cell, dark) = (1.0 / frame.cell_size, dark_parts(world));
+        Raycaster { frame, per_cell, shapes, fillings, polygons, dark }
+    }
+
+    /// Distance in metres beyond which lasers have no echo from a part, infinite where it is not dark.
+    pub fn visible_range(&self, part: PartId) -> f64 {
+        let found = self.dark.binary_search_by_key(&part, |&(dark, _)| dark);
+        found.map_or(f64::INFINITY, |i| self.dark[i].1)
+    }
+
+    /// Whether lasers have no echo from what a ray met, since it is too dark to be seen from there.
+    pub fn is_unseen(&self, hit: Hit) -> bool {
+        !self.dark.is_empty() && hit.distance > self.visible_range(hit.part)
     }
 
     /// The first part that a ray meets within `max_range` metres; `None` when it meets none, and for a
@@ -278,14 +303,25 @@ impl Raycaster {
     }
 
     /// A whole scan: the ranges of all rays of `fan` from a pose, in metres, `max_range` where a
-    /// ray meets nothing. `ranges` is overwritten.
+    /// ray meets nothing. `ranges` is overwritten. Ranges are those of the geometry: dark parts are
+    /// met at any distance.
     pub fn scan(&self, pose: Pose, fan: &ScanPattern, max_range: f64, ranges: &mut Vec<f64>) {
-        let heading = unit_vector(pose.heading);
         ranges.clear();
-        ranges.extend(fan.directions.iter().map(|&direction| {
-            let hit = self.cast_along(pose.position, heading.rotate(direction), max_range);
-            hit.map_or(max_range, |hit| hit.distance)
-        }));
+        let hits = self.hits(pose, fan, max_range);
+        ranges.extend(hits.map(|hit| hit.map_or(max_range, |hit| hit.distance)));
+    }
+
+    /// What each ray of `fan` from a pose meets within `max_range` metres.
+    pub fn hits(
+        &self,
+        pose: Pose,
+        fan: &ScanPattern,
+        max_range: f64,
+    ) -> impl Iterator<Item = Option<Hit>> {
+        let heading = unit_vector(pose.heading);
+        fan.directions.iter().map(move |&direction| {
+            self.cast_along(pose.position, heading.rotate(direction), max_range)
+        })
     }
 
     /// The polygon that a point lies in.
@@ -294,6 +330,11 @@ impl Raycaster {
         let inside = |(_, vertices): &&(PartId, Vec<DVec2>)| polygon_contains(vertices, p);
         polygons.filter(inside).map(|(part, _)| *part).min()
     }
+}
+
+/// The parts that lasers see only from near, and from how near, in order.
+fn dark_parts(world: &World) -> Vec<(PartId, f64)> {
+    world.solids().filter_map(|solid| Some((solid.id, world.visible_range(solid.id)?))).collect()
 }
 
 /// Steps to the next cell along an axis; false at the grid's end.

@@ -496,6 +496,17 @@ macro_rules! settings {
                 $crate::settings::named(Self::SETTINGS, name)
             }
 
+            /// Every setting by its name, also those that files omit at their defaults.
+            #[doc(hidden)]
+            pub fn settings_json(&self) -> $crate::serde_json::Value {
+                let mut settings = $crate::serde_json::Map::new();
+                $(
+                    let value = $crate::serde_json::to_value(&self.$field).unwrap_or_default();
+                    settings.insert(stringify!($field).to_owned(), value);
+                )+
+                settings.into()
+            }
+
             /// Checks every number against its own limits.
             ///
             /// # Errors

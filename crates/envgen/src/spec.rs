@@ -170,12 +170,11 @@ macro_rules! kinds {
                 }
             }
 
-            /// The settings as a JSON object, without the kind.
+            /// Every setting as a JSON object, without the kind.
             pub fn settings_json(&self) -> Value {
                 match self {
-                    $(WorldSpec::$variant(spec) => serde_json::to_value(spec),)+
+                    $(WorldSpec::$variant(spec) => spec.settings_json(),)+
                 }
-                .unwrap_or(Value::Null)
             }
 
             /// Checks every setting, and the settings together.

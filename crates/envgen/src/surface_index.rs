@@ -16,13 +16,38 @@ pub struct Ground {
     pub speed: f64,
     /// Factor on the variances of a robot's odometry.
     pub odometry_noise: f64,
+    /// How much too far wheels measure, as a fraction of the distance that was driven.
+    pub wheel_bias: f64,
     /// Whether it is water, which a robot must not enter.
     pub water: bool,
 }
 
 impl Ground {
     /// A plain floor.
-    pub const PLAIN: Ground = Ground { speed: 1.0, odometry_noise: 1.0, water: false };
+    pub const PLAIN: Ground =
+        Ground { speed: 1.0, odometry_noise: 1.0, wheel_bias: 0.0, water: false };
+
+    /// How far wheels roll, in metres, while a robot drives a distance.
+    pub fn rolled(self, distance: f64) -> f64 {
+        distance * (1.0 + self.wheel_bias)
+    }
+
+    /// The ground where this and another overlap: the worst of each.
+    pub fn worst(self, other: Ground) -> Ground {
+        Ground {
+            speed: self.speed.min(other.speed),
+            odometry_noise: self.odometry_noise.max(other.odometry_noise),
+            wheel_bias: self.wheel_bias.max(other.wheel_bias),
+            water: self.water || other.water,
+        }
+    }
+}
+
+impl From<&Surface> for Ground {
+    fn from(surface: &Surface) -> Self {
+        let Surface { speed, odometry_noise, wheel_bias, kind, .. } = *surface;
+        Ground { speed, odometry_noise, wheel_bias, water: kind == SurfaceKind::Water }
+    }
 }
 
 /// A spatial index of a world's surfaces and raster.
@@ -46,11 +71,7 @@ pub struct SurfaceIndex {
 impl SurfaceIndex {
     /// Indexes the surfaces of a world that are not plain, and its raster if it has no surfaces.
     pub fn new(world: &World) -> Self {
-        let plain = |surface: &&Surface| {
-            surface.speed == 1.0
-                && surface.odometry_noise == 1.0
-                && surface.kind != SurfaceKind::Water
-        };
+        let plain = |surface: &&Surface| Ground::from(*surface) == Ground::PLAIN;
         let surfaces: Vec<Surface> =
             world.surfaces.iter().filter(|surface| !plain(surface)).cloned().collect();
         let around = surfaces.iter().map(|surface| surface.shape.bounds()).reduce(Rect::union);
@@ -77,11 +98,7 @@ impl SurfaceIndex {
             .iter()
             .map(|&i| &self.surfaces[i as usize])
             .filter(|surface| surface.shape.contains(p))
-            .fold(plain, |ground, surface| Ground {
-                speed: ground.speed.min(surface.speed),
-                odometry_noise: ground.odometry_noise.max(surface.odometry_noise),
-                water: ground.water || surface.kind == SurfaceKind::Water,
-            })
+            .fold(plain, |ground, surface| ground.worst(surface.into()))
     }
 }
 
@@ -98,6 +115,7 @@ mod tests {
         for surface in world.surfaces.iter().filter(|surface| surface.shape.contains(p)) {
             ground.speed = ground.speed.min(surface.speed);
             ground.odometry_noise = ground.odometry_noise.max(surface.odometry_noise);
+            ground.wheel_bias = ground.wheel_bias.max(surface.wheel_bias);
             ground.water |= surface.kind == SurfaceKind::Water;
         }
         ground

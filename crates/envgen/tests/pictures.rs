@@ -208,7 +208,7 @@ fn every_kind_of_part_is_seen() {
         (WallKind::Partition, "partition"),
         (WallKind::Kerb, "kerb"),
     ] {
-        let world = with(|w| w.walls.push(Wall { kind, shape: block() }));
+        let world = with(|w| w.walls.push(Wall::new(kind, block())));
         worlds.push((format!("walls-{id}"), world));
     }
     for (kind, id) in [
@@ -216,7 +216,7 @@ fn every_kind_of_part_is_seen() {
         (ObstacleKind::Crate, "crate"),
         (ObstacleKind::Other, "obstacle"),
     ] {
-        let world = with(|w| w.obstacles.push(Obstacle { kind, shape: block() }));
+        let world = with(|w| w.obstacles.push(Obstacle::new(kind, block())));
         worlds.push((format!("obstacles-{id}"), world));
     }
     for (kind, id) in [
@@ -226,7 +226,7 @@ fn every_kind_of_part_is_seen() {
         (SurfaceKind::Stairs, "stairs"),
         (SurfaceKind::Class(3), "class"),
     ] {
-        let surface = Surface { kind, shape: block(), speed: 0.5, odometry_noise: 1.0 };
+        let surface = Surface { speed: 0.5, ..Surface::new(kind, block()) };
         worlds.push((format!("surfaces-{id}"), with(|w| w.surfaces.push(surface))));
     }
     for (open, id) in [(true, "doorways-open-doorway"), (false, "doorways-closed-door")] {
@@ -487,8 +487,8 @@ proptest! {
         let mut world = common::empty(100.0, 100.0);
         for (i, shape) in shapes.into_iter().enumerate() {
             match i % 8 {
-                0 => world.walls.push(Wall { kind: WallKind::Wall, shape }),
-                1 => world.obstacles.push(Obstacle { kind: ObstacleKind::Crate, shape }),
+                0 => world.walls.push(Wall::new(WallKind::Wall, shape)),
+                1 => world.obstacles.push(Obstacle::new(ObstacleKind::Crate, shape)),
                 2 => world.rooms.push(Room {
                     name: name.clone(),
                     shape,
@@ -497,12 +497,7 @@ proptest! {
                     contents: Contents::AsDesigned,
                 }),
                 3 => world.doorways.push(Doorway { shape, open: i < 8, rooms: [None, None] }),
-                n => world.surfaces.push(Surface {
-                    kind: [SurfaceKind::Stairs, SurfaceKind::Debris, SurfaceKind::Water, SurfaceKind::Class(n as u16)][n - 4],
-                    shape,
-                    speed: 1.0,
-                    odometry_noise: 1.0,
-                }),
+                n => world.surfaces.push(Surface::new([SurfaceKind::Stairs, SurfaceKind::Debris, SurfaceKind::Water, SurfaceKind::Class(n as u16)][n - 4], shape)),
             }
         }
         let centreline = road

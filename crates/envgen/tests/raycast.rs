@@ -51,7 +51,7 @@ fn empty_world() -> World {
 fn world_of(shapes: Vec<Shape>) -> World {
     let mut world = empty_world();
     world.obstacles =
-        shapes.into_iter().map(|shape| Obstacle { kind: ObstacleKind::Other, shape }).collect();
+        shapes.into_iter().map(|shape| Obstacle::new(ObstacleKind::Other, shape)).collect();
     world
 }
 
@@ -221,6 +221,31 @@ fn a_scan_runs_from_right_to_left() {
     rays.scan(pose, &ScanPattern::new(std::f64::consts::PI, 3).unwrap(), 8.0, &mut ranges);
     assert_eq!(ranges[..2], [8.0, 8.0]);
     assert!((ranges[2] - 2.0).abs() < 1e-12);
+}
+
+#[test]
+fn dark_parts_are_met_but_not_seen_from_afar() {
+    let slab = |x: f64| Shape::from_rect(Rect::new(DVec2::new(x, -5.0), DVec2::new(x + 0.5, 5.0)));
+    let mut world = world_of(vec![slab(2.0), slab(-7.0), slab(6.0)]);
+    assert!(Raycaster::of_dark(&world).is_none());
+    world.obstacles[1].visible_range = Some(4.0);
+    world.obstacles[2].visible_range = Some(1.0);
+    let (rays, dark) = (Raycaster::new(&world), Raycaster::of_dark(&world).unwrap());
+    let meet = |rays: &Raycaster, x: f64, heading: f64| {
+        let hit = rays.cast(DVec2::new(x, 0.0), heading, 20.0).unwrap();
+        (hit.part.index, hit.distance, rays.is_unseen(hit))
+    };
+    // A light slab hides the dark one behind it, but for the index of dark parts alone.
+    assert_eq!(meet(&rays, 0.0, 0.0), (0, 2.0, false));
+    assert_eq!(meet(&dark, 0.0, 0.0), (2, 6.0, true));
+    let left = std::f64::consts::PI;
+    for rays in [&rays, &dark] {
+        let (part, distance, unseen) = meet(rays, 0.0, left);
+        assert!(part == 1 && (distance - 6.5).abs() < 1e-12 && unseen);
+        let (_, distance, unseen) = meet(rays, -3.0, left);
+        assert!((distance - 3.5).abs() < 1e-12 && !unseen);
+    }
+    assert_eq!(world.visible_range(rays.cast(DVec2::ZERO, left, 20.0).unwrap().part), Some(4.0));
 }
 
 #[test]

@@ -10,7 +10,7 @@ use envgen::{Seed, SpecError, World};
 use glam::DVec2;
 
 use crate::backend::{Command, Condition, Observation, RobotBackend, Sensors, TICK};
-use crate::lidar::LaserProfile;
+use crate::lidar::{LaserProfile, UNSEEN};
 use crate::odometry::{Increment, OdometryProfile};
 use crate::robot::Robot;
 use crate::water;
@@ -60,6 +60,8 @@ pub struct FlatSimulator {
     ticks: u32,
     discs: Vec<Disc>,
     exact: Vec<f64>,
+    /// The beams that end at something too dark to be seen from there, and where.
+    unseen: Vec<(usize, f64)>,
 }
 
 struct Disc {
@@ -134,6 +136,26 @@ impl FlatSimulator {
             ticks: 0,
             discs: discs.collect(),
             exact: Vec::new(),
+            unseen: Vec::new(),
+        }
+    }
+
+    /// The exact ranges of a robot's scan from a pose.
+    fn scan(&mut self, robot: usize, from: Pose) {
+        let (rays, max_range) = (&self.world.rays, self.laser.max_range);
+        self.exact.clear();
+        self.unseen.clear();
+        for (beam, hit) in rays.hits(from, &self.fan, max_range).enumerate() {
+            self.exact.push(hit.map_or(max_range, |hit| hit.distance));
+            if let Some(hit) = hit.filter(|&hit| rays.is_unseen(hit)) {
+                self.unseen.push((beam, hit.distance));
+            }
+        }
+        self.see_others(robot, from);
+        for &(beam, distance) in &self.unseen {
+            if self.exact[beam] >= distance {
+                self.exact[beam] = UNSEEN;
+            }
         }
     }
 
@@ -230,8 +252,8 @@ impl FlatSimulator {
         disc.turn_rate = turn_rate;
         // What stops the disc stops its wheels.
         disc.speed = if touching { distance / TICK } else { speed };
-        disc.measured =
-            disc.sensors.odometry.measure(Increment { distance, turn }, ground.odometry_noise);
+        let rolled = Increment { distance: ground.rolled(distance), turn };
+        disc.measured = disc.sensors.odometry.measure(rolled, ground.odometry_noise);
         if touching && disc.clear >= TICKS_BETWEEN_HITS {
             disc.hits += 1;
         }
@@ -253,8 +275,7 @@ impl RobotBackend for FlatSimulator {
         let due = self.ticks.is_multiple_of(self.laser.ticks_a_scan);
         let scan = due.then(|| {
             let from = self.robot.laser_pose(self.discs[robot].pose);
-            self.world.rays.scan(from, &self.fan, self.laser.max_range, &mut self.exact);
-            self.see_others(robot, from);
+            self.scan(robot, from);
             self.discs[robot].sensors.laser.measure(&self.exact)
         });
         let FlatWorld { rays, grounds, .. } = &*self.world;
@@ -315,7 +336,7 @@ mod tests {
         let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
         let corners = Shape::from_rect(bounds).corners();
         world.walls = envgen::geometry::edges(&corners)
-            .map(|(a, b)| Wall { kind: WallKind::Wall, shape: Shape::Segment { a, b } })
+            .map(|(a, b)| Wall::new(WallKind::Wall, Shape::Segment { a, b }))
             .collect();
         world
     }
@@ -390,7 +411,7 @@ mod tests {
         let mut surface = |x: f64, speed: f64, kind| {
             let rect = Rect::new(DVec2::new(x, 0.0), DVec2::new(x + 1.0, 10.0));
             let shape = Shape::from_rect(rect);
-            world.surfaces.push(Surface { kind, shape, speed, odometry_noise: 1.0 });
+            world.surfaces.push(Surface { speed, ..Surface::new(kind, shape) });
         };
         surface(14.0, 0.0, SurfaceKind::Class(1));
         surface(2.0, 0.0, SurfaceKind::Water);
@@ -406,12 +427,61 @@ mod tests {
     }
 
     #[test]
+    fn wheels_measure_too_far_on_loose_ground() {
+        for wheel_bias in [0.0, 0.1, 0.35] {
+            let mut world = room(20.0, 10.0);
+            let loose = Surface::new(SurfaceKind::Loose, Shape::from_rect(world.bounds));
+            world.surfaces.push(Surface { wheel_bias, ..loose });
+            let mut bodies = simulator(&world, &[Pose::new(5.0, 5.0, 0.0)]);
+            let told = drive(&mut bodies, Command { speed: 0.5, turn_rate: 0.0 }, 10.0);
+            let driven = bodies.pose(0).position.x - 5.0;
+            assert!((told.distance / driven - 1.0 - wheel_bias).abs() < 1e-9, "{told:?}");
+            let turned = drive(&mut bodies, Command { speed: 0.0, turn_rate: 1.0 }, 2.0);
+            assert!((turned.turn - bodies.pose(0).heading).abs() < 1e-9, "turns are not biased");
+        }
+    }
+
+    #[test]
+    fn dark_walls_are_seen_only_from_near() {
+        let mut world = room(20.0, 10.0);
+        for wall in &mut world.walls {
+            wall.visible_range = Some(3.0);
+        }
+        let ahead = |bodies: &mut FlatSimulator| {
+            let scan = bodies.observe(0).scan.expect("the first tick has a scan");
+            scan.ranges[scan.ranges.len() / 2]
+        };
+        let offset = Robot::default().laser_offset;
+        let near = Pose::new(20.0 - offset - 2.9, 5.0, 0.0);
+        assert!((ahead(&mut simulator(&world, &[near])) - 2.9).abs() < 0.011);
+        let far = Pose::new(20.0 - offset - 3.1, 5.0, 0.0);
+        assert!(ahead(&mut simulator(&world, &[far])).is_nan());
+        // Beyond its range the laser cannot tell.
+        let farther = Pose::new(0.5, 5.0, 0.0);
+        let laser = LaserProfile { max_range: 8.0, ..LaserProfile::USARSIM };
+        let robot = Robot::default();
+        let flat = Arc::new(FlatWorld::new(&world, &robot).expect("a robot"));
+        let wheels = OdometryProfile::EXACT;
+        let mut bodies = FlatSimulator::new(flat, &robot, &[farther], &laser, &wheels, Seed(1));
+        assert_eq!(ahead(&mut bodies), crate::lidar::NO_ECHO);
+        // Robots are not dark: one before the wall is seen.
+        let other = Pose::new(far.position.x - 4.0, 5.0, 0.0);
+        let seen = ahead(&mut simulator(&world, &[other, far]));
+        assert!((seen - (4.0 - offset - robot.circumscribed_radius)).abs() < 0.011, "{seen}");
+        // The map takes no cell on the way for free.
+        let mut bodies = simulator(&world, &[far]);
+        let scan = bodies.observe(0).scan.expect("a scan");
+        let sweep = crate::slam::sweep::Sweeper::new(&robot, &LaserProfile::USARSIM).sweep(&scan);
+        assert!(sweep.clear.is_empty(), "{} free rays", sweep.clear.len());
+    }
+
+    #[test]
     fn rough_ground_multiplies_the_variance() {
         let error = |noise: f64| {
             let mut world = room(40.0, 10.0);
             let shape = Shape::from_rect(world.bounds);
             let kind = SurfaceKind::Uneven;
-            world.surfaces.push(Surface { kind, shape, speed: 1.0, odometry_noise: noise });
+            world.surfaces.push(Surface { odometry_noise: noise, ..Surface::new(kind, shape) });
             let robot = Robot::default();
             let flat = Arc::new(FlatWorld::new(&world, &robot).expect("a robot"));
             let profile = OdometryProfile { b_s: 0.0, b_t: 0.0, ..OdometryProfile::SKID };

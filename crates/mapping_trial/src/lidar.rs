@@ -11,6 +11,15 @@ const DRAWS_A_BEAM: usize = 4;
 /// Range of a beam without echo, as in REP 117 of ROS.
 pub const NO_ECHO: f64 = f64::INFINITY;
 
+/// Exact range of a beam that ends at a part that is too dark to be seen from there
+/// ([`Obstacle::visible_range`](envgen::world::Obstacle::visible_range)).
+///
+/// The beam is to be ignored, as NaN in a scan: it is neither an echo, nor does it say that its way
+/// is free. Lasers tell the two apart: the LMS 200 has one code for a signal that is too weak and
+/// another for a range beyond its greatest (SICK, *LMS2xx Telegram Listing*), which REP 117 of ROS
+/// maps to NaN and infinity.
+pub const UNSEEN: f64 = f64::NAN;
+
 /// Least difference in metres between neighbouring ranges at which a beam can hit both.
 const MIXED_PIXEL_JUMP: f64 = 0.3;
 
@@ -106,7 +115,7 @@ pub trait LaserSensor {
     }
 
     /// The next scan, from exact ranges, one per beam. A range of the profile's `max_range` or more
-    /// is no echo.
+    /// is no echo, NaN ([`UNSEEN`]) an echo that is too weak.
     fn measure(&mut self, exact: &[f64]) -> Scan;
 }
 
@@ -152,9 +161,13 @@ impl LaserSensor for Laser {
         let ranges = exact.iter().enumerate().map(|(beam, &range)| {
             let [angle, radius, fault, place] =
                 std::array::from_fn::<_, DRAWS_A_BEAM, _>(|_| draws.unit());
+            if range.is_nan() {
+                return range;
+            }
             let mut range = range;
             if p.mixed_pixel > 0.0 && fault < p.mixed_pixel {
-                let next = exact.get(beam + 1).map_or(range, |&next| next.min(p.max_range));
+                let next = exact.get(beam + 1).filter(|next| !next.is_nan());
+                let next = next.map_or(range, |&next| next.min(p.max_range));
                 let here = range.min(p.max_range);
                 if (next - here).abs() > MIXED_PIXEL_JUMP {
                     range = here + place * (next - here);
@@ -254,6 +267,23 @@ mod tests {
         assert!(near(lost, 0.005, beams), "{lost} lost");
         assert!(near(early, 0.001 * 0.95, 90.0 * f64::from(n)), "{early} early");
         assert!(near(mixed, 0.3 * 3.8 / 4.0, f64::from(n)), "{mixed} mixed");
+    }
+
+    #[test]
+    fn what_is_too_dark_is_neither_echo_nor_free() {
+        for profile in
+            [LaserProfile::USARSIM, LaserProfile::LMS200_MM, LaserProfile::LMS200_MM_ROUGH]
+        {
+            let mut laser = Laser::new(profile, Seed(4), 0);
+            let mut light = laser.clone();
+            let mut exact = vec![5.0; 60];
+            let all = light.measure(&exact);
+            exact[20] = UNSEEN;
+            let seen = laser.measure(&exact);
+            assert!(seen.ranges[20].is_nan());
+            let same = |i: usize| seen.ranges[i].to_bits() == all.ranges[i].to_bits();
+            assert!((0..60).filter(|&i| i != 20).all(same));
+        }
     }
 
     #[test]

@@ -59,9 +59,9 @@ mod tests {
         let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
         let shape = rect(5.0, -10.0, 10.0, 10.0);
         let kind = SurfaceKind::Water;
-        world.surfaces.push(Surface { kind, shape, speed: 0.0, odometry_noise: 1.0 });
+        world.surfaces.push(Surface { speed: 0.0, ..Surface::new(kind, shape) });
         let shape = rect(4.8, 1.0, 4.9, 10.0);
-        world.walls.push(Wall { kind: WallKind::Wall, shape });
+        world.walls.push(Wall::new(WallKind::Wall, shape));
         world
     }
 

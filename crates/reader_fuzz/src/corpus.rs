@@ -60,7 +60,8 @@ fn every_part() -> World {
     world.goal = Some(Pose::new(11.0, 9.0, -1.0));
     for (kind, i) in every::<WallKind>().into_iter().zip(0..) {
         let y = 0.2 + f64::from(i);
-        world.walls.push(Wall { kind, shape: Shape::Segment { a: v(0.2, y), b: v(3.0, y + 0.4) } });
+        let shape = Shape::Segment { a: v(0.2, y), b: v(3.0, y + 0.4) };
+        world.walls.push(Wall { visible_range: Some(2.0), ..Wall::new(kind, shape) });
     }
     world.trees.push(Tree { center: v(9.0, 3.0), radius: 0.7 });
     let polygon = vec![v(7.0, 6.0), v(9.0, 6.2), v(8.4, 7.0), v(9.0, 8.0), v(7.2, 7.8)];
@@ -69,15 +70,20 @@ fn every_part() -> World {
     let discs =
         (0..).map(|i| Shape::Disc { center: v(0.5 + 0.6 * f64::from(i), 9.6), radius: 0.2 });
     let kinds = every::<ObstacleKind>().into_iter().zip(shapes.into_iter().chain(discs));
-    world.obstacles = kinds.map(|(kind, shape)| Obstacle { kind, shape }).collect();
+    world.obstacles = kinds.map(|(kind, shape)| Obstacle::new(kind, shape)).collect();
     for (kind, i) in every::<SurfaceKind>().into_iter().zip(0..) {
-        let x = 4.0 + f64::from(i);
+        let x = 4.0 + 0.8 * f64::from(i);
         let shape = if i == 0 {
             Shape::Disc { center: v(6.0, 4.0), radius: 1.0 }
         } else {
             rect(x, 5.0, x + 1.5, 6.0)
         };
-        world.surfaces.push(Surface { kind, shape, speed: 0.5, odometry_noise: 4.0 });
+        world.surfaces.push(Surface {
+            speed: 0.5,
+            odometry_noise: 4.0,
+            wheel_bias: 0.1,
+            ..Surface::new(kind, shape)
+        });
     }
     for (contents, i) in every::<Contents>().into_iter().zip(0..) {
         let y = 5.5 + f64::from(i);

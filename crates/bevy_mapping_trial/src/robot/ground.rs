@@ -4,20 +4,28 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_envgen::{Environment, GroundTruth};
 use envgen::glam::DVec2;
+use envgen::raycast::Raycaster;
 use envgen::surface_index::{Ground, SurfaceIndex};
 
-/// The indexed surfaces of an environment.
-#[derive(Component)]
-pub(super) struct GroundIndex(SurfaceIndex);
+/// Difference in metres between the ranges of rapier's colliders, in single precision, and the parts.
+const SAME_HIT: f64 = 0.01;
 
-/// Indexes the surfaces of new worlds.
+/// The indexed surfaces of an environment, and its parts that lasers see only from near.
+#[derive(Component)]
+pub(super) struct GroundIndex {
+    surfaces: SurfaceIndex,
+    dark: Option<Raycaster>,
+}
+
+/// Indexes the surfaces and dark parts of new worlds.
 pub(super) fn index(
     worlds: Query<(Entity, &GroundTruth), Changed<GroundTruth>>,
     gone: Query<Entity, (With<GroundIndex>, Without<GroundTruth>)>,
     mut commands: Commands,
 ) {
     for (entity, truth) in &worlds {
-        commands.entity(entity).try_insert(GroundIndex(SurfaceIndex::new(truth)));
+        let (surfaces, dark) = (SurfaceIndex::new(truth), Raycaster::of_dark(truth));
+        commands.entity(entity).try_insert(GroundIndex { surfaces, dark });
     }
     for entity in &gone {
         commands.entity(entity).try_remove::<GroundIndex>();
@@ -37,12 +45,21 @@ impl Terrain<'_, '_> {
         self.worlds.iter().fold(Ground::PLAIN, |worst, (index, environment, transform)| {
             let affine = transform.affine().as_daffine3().inverse();
             let local = affine.transform_point3(p.extend(0.0)).truncate() + environment.origin;
-            let ground = index.0.at(local);
-            Ground {
-                speed: worst.speed.min(ground.speed),
-                odometry_noise: worst.odometry_noise.max(ground.odometry_noise),
-                water: worst.water || ground.water,
-            }
+            worst.worst(index.surfaces.at(local))
+        })
+    }
+
+    /// Whether a laser at a point of rapier's world has no echo in the direction of a unit vector from
+    /// what rapier's ray meets after `range` metres, since it is too dark to be seen from there. The
+    /// parts of a tile may share a collider, which cannot tell.
+    pub(super) fn is_unseen(&self, p: DVec2, direction: DVec2, range: f64) -> bool {
+        self.worlds.iter().any(|(index, environment, transform)| {
+            let Some(dark) = &index.dark else { return false };
+            let affine = transform.affine().as_daffine3().inverse();
+            let from = affine.transform_point3(p.extend(0.0)).truncate() + environment.origin;
+            let along = affine.transform_vector3(direction.extend(0.0)).truncate();
+            let hit = dark.cast_along(from, along.normalize_or_zero(), range + SAME_HIT);
+            hit.is_some_and(|hit| dark.is_unseen(hit))
         })
     }
 }

@@ -4,14 +4,15 @@ use bevy::prelude::*;
 use bevy_rapier2d::prelude::{QueryFilter, ReadRapierContext};
 use envgen::Seed;
 use envgen::geometry::{Pose, unit_vector};
-use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor};
+use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor, UNSEEN};
 
+use super::ground::Terrain;
 use super::model::{RobotModel, TruePose};
 
 /// A laser at the mounting pose of the robot's model.
 ///
 /// It detects all colliders except sensors and the robot's own: walls, doors as far as they are
-/// closed, other robots and anything else. The first scan is taken in the first step, later ones at
+/// closed, other robots and anything else, and dark walls and obstacles only from near. The first scan is taken in the first step, later ones at
 /// the profile's rate; the result is in [`LaserScan`].
 #[derive(Component, Reflect)]
 #[reflect(from_reflect = false)]
@@ -72,6 +73,7 @@ pub struct LaserScan {
 pub(super) fn scan(
     mut robots: Query<(Entity, &RobotModel, &TruePose, &mut LaserScanner, &mut LaserScan)>,
     rapier: ReadRapierContext,
+    terrain: Terrain,
     mut exact: Local<Vec<f64>>,
 ) {
     let Ok(rapier) = rapier.single() else { return };
@@ -91,9 +93,11 @@ pub(super) fn scan(
             let profile = scanner.profile();
             exact.clear();
             exact.extend((0..profile.beams as usize).map(|beam| {
-                let along = unit_vector(from.heading + profile.angle(beam)).as_vec2();
-                let hit = rays.cast_ray(origin, along, profile.max_range as f32, true);
-                hit.map_or(profile.max_range, |(_, range)| f64::from(range))
+                let along = unit_vector(from.heading + profile.angle(beam));
+                let hit = rays.cast_ray(origin, along.as_vec2(), profile.max_range as f32, true);
+                let Some((_, range)) = hit else { return profile.max_range };
+                let range = f64::from(range);
+                if terrain.is_unseen(from.position, along, range) { UNSEEN } else { range }
             }));
         });
         let measured = scanner.sensor.measure(&exact);

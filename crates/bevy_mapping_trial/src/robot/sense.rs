@@ -61,8 +61,9 @@ pub(super) fn sense(
             wheels.set(motion, chassis.track);
         }
         if let Some(mut odometry) = odometry {
-            let noise = terrain.at(from.position).odometry_noise;
-            odometry.measure(Increment { distance, turn }, noise);
+            let ground = terrain.at(from.position);
+            let rolled = Increment { distance: ground.rolled(distance), turn };
+            odometry.measure(rolled, ground.odometry_noise);
         }
         if terrain.at(pose.position).water {
             *condition = RobotCondition::Drowned;

@@ -22,7 +22,7 @@ fn room(width: f64, height: f64) -> EnvWorld {
     let mut world = EnvWorld::new(Provenance::other("test", serde_json::Value::Null), bounds);
     let corners = Shape::from_rect(bounds).corners();
     world.walls = envgen::geometry::edges(&corners)
-        .map(|(a, b)| Side { kind: WallKind::Wall, shape: Shape::Segment { a, b } })
+        .map(|(a, b)| Side::new(WallKind::Wall, Shape::Segment { a, b }))
         .collect();
     world
 }
@@ -134,12 +134,38 @@ fn a_laser_sees_what_stands_there_and_no_sensor() {
 }
 
 #[test]
+fn dark_walls_are_seen_only_from_near() {
+    let mut world = room(20.0, 10.0);
+    for wall in &mut world.walls {
+        wall.visible_range = Some(3.0);
+    }
+    let mut app = app(world);
+    let (near, far) = (robot(&mut app, 17.5, 3.0), robot(&mut app, 10.0, 7.0));
+    let seen = ahead(&app, near);
+    assert!((2.0..2.6).contains(&seen), "{seen}");
+    assert!(ahead(&app, far).is_nan(), "a wall that is too dark is no free space");
+}
+
+#[test]
+fn wheels_measure_too_far_on_loose_ground() {
+    let mut world = room(20.0, 10.0);
+    let loose = Ground::new(SurfaceKind::Loose, Shape::from_rect(world.bounds));
+    world.surfaces.push(Ground { wheel_bias: 0.2, ..loose });
+    let mut app = app(world);
+    let robot = robot(&mut app, 5.0, 5.0);
+    let from = position(&app, robot);
+    let (told, _) = drive(&mut app, robot, 0.5, 0.0, 6.0);
+    let driven = position(&app, robot).x - from.x;
+    assert!((told / driven - 1.2).abs() < 1e-3, "{told} m for {driven} m");
+}
+
+#[test]
 fn water_drowns_and_deep_ground_stops() {
     let mut world = room(20.0, 10.0);
     let mut surface = |x: f64, speed: f64, kind| {
         let rect = Rect::new(DVec2::new(x, 0.0), DVec2::new(x + 1.0, 10.0));
         let shape = Shape::from_rect(rect);
-        world.surfaces.push(Ground { kind, shape, speed, odometry_noise: 1.0 });
+        world.surfaces.push(Ground { speed, ..Ground::new(kind, shape) });
     };
     surface(14.0, 0.0, SurfaceKind::Class(1));
     surface(2.0, 0.0, SurfaceKind::Water);
@@ -192,7 +218,7 @@ fn rooms(gap: f64) -> EnvWorld {
     let mut world = room(12.0, 6.0);
     for (from, to) in [(0.0, 3.0 - 0.5 * gap), (3.0 + 0.5 * gap, 6.0)] {
         let rect = Rect::new(DVec2::new(5.9, from), DVec2::new(6.1, to));
-        world.walls.push(Side { kind: WallKind::Wall, shape: Shape::from_rect(rect) });
+        world.walls.push(Side::new(WallKind::Wall, Shape::from_rect(rect)));
     }
     world
 }

@@ -224,7 +224,7 @@ mod tests {
         let mut world = World::new(Provenance::other("manual", serde_json::Value::Null), bounds);
         for (low, high) in [(0.0, 3.0 - 0.5 * gap), (3.0 + 0.5 * gap, 6.0)] {
             let rect = Rect::new(DVec2::new(5.0, low), DVec2::new(5.2, high));
-            world.walls.push(Wall { kind: WallKind::Wall, shape: Shape::from_rect(rect) });
+            world.walls.push(Wall::new(WallKind::Wall, Shape::from_rect(rect)));
         }
         world.start = Some(Pose::new(1.0, 1.0, 0.0));
         world.goal = Some(Pose::new(9.0, 5.0, 0.0));

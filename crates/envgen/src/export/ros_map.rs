@@ -275,7 +275,7 @@ mod tests {
         let bounds = Rect::new(DVec2::new(-1.0, 2.0), DVec2::new(1.0, 3.0));
         let mut world = World::new(Provenance::other("manual", serde_json::Value::Null), bounds);
         let rect = Rect::new(DVec2::new(-1.0, 2.5), DVec2::new(0.0, 3.0));
-        world.walls.push(Wall { kind: WallKind::Wall, shape: Shape::from_rect(rect) });
+        world.walls.push(Wall::new(WallKind::Wall, Shape::from_rect(rect)));
         world
     }
 
@@ -297,7 +297,7 @@ mod tests {
     fn thin_walls_stay_closed() {
         let mut world = world();
         let shape = Shape::thick_segment(DVec2::new(-1.0, 2.1), DVec2::new(1.0, 2.1), 0.01, 0.0);
-        world.walls.push(Wall { kind: WallKind::Wall, shape });
+        world.walls.push(Wall::new(WallKind::Wall, shape));
         let map = RosMap::of_world(&world, 0.5).unwrap();
         assert!(map.cells[..4].iter().all(|cell| *cell == RosCell::Occupied));
     }
@@ -320,7 +320,7 @@ mod tests {
             Rect::new(DVec2::ZERO, DVec2::splat(4.0)),
         );
         let rect = Rect::new(DVec2::new(2.0, 0.0), DVec2::new(2.9, 4.0));
-        world.walls.push(Wall { kind: WallKind::Wall, shape: Shape::from_rect(rect) });
+        world.walls.push(Wall::new(WallKind::Wall, Shape::from_rect(rect)));
         world.start = Some(Pose::new(1.0, 1.0, 0.0));
         for resolution in [0.9, 0.8, 0.75, 0.6, 0.5] {
             let map = RosMap::of_world(&world, resolution).unwrap();

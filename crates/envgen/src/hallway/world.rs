@@ -27,7 +27,7 @@ pub(super) fn world(hallway: &Hallway) -> World {
         for (end, outward) in [(first.from, -first.direction), (last.to, last.direction)] {
             let across = outward.perp() * (0.5 * spec.width + spec.wall_thickness);
             let cap = block(end - across, end + across, outward, 0.0, spec.wall_thickness);
-            walls.push(Wall { kind: WallKind::EndCap, shape: cap });
+            walls.push(Wall::new(WallKind::EndCap, cap));
         }
     }
     let obstacles: Vec<_> = features.iter().flat_map(|feature| obstacles(feature, spec)).collect();
@@ -86,7 +86,7 @@ fn side_walls(
             if (to - from).dot(leg.direction) > SHORTEST_RUN {
                 let to = to + leg.direction * extension;
                 let shape = block(from, to, outward, 0.0, spec.wall_thickness);
-                walls.push(Wall { kind: WallKind::Wall, shape });
+                walls.push(Wall::new(WallKind::Wall, shape));
             }
         };
         let mut recesses = Vec::new();
@@ -122,7 +122,7 @@ fn alcove_walls(a: DVec2, b: DVec2, outward: DVec2, spec: &HallwaySpec, walls: &
         block(b, b + along * wall, outward, 0.0, depth + wall),
         block(a, b, outward, depth, depth + wall),
     ];
-    walls.extend(shapes.map(|shape| Wall { kind: WallKind::Alcove, shape }));
+    walls.extend(shapes.map(|shape| Wall::new(WallKind::Alcove, shape)));
 }
 
 /// The wall along a rounded corner, in convex pieces.
@@ -145,7 +145,7 @@ fn arc_walls(
             vertices.reverse();
         }
         if signed_area(&vertices) > SHORTEST_RUN * SHORTEST_RUN && vertices.len() > 2 {
-            walls.push(Wall { kind: WallKind::Wall, shape: Shape::Polygon { vertices } });
+            walls.push(Wall::new(WallKind::Wall, Shape::Polygon { vertices }));
         }
     }
 }
@@ -155,9 +155,9 @@ fn obstacles(feature: &Feature, spec: &HallwaySpec) -> Vec<Obstacle> {
     let along = feature.direction * (0.5 * feature.length);
     let left = feature.direction.perp();
     let half = 0.5 * spec.width;
-    let at_wall = |outward: DVec2, kind, clear_from_middle: f64| Obstacle {
-        kind,
-        shape: block(feature.at - along, feature.at + along, outward, clear_from_middle, half),
+    let at_wall = |outward: DVec2, kind, clear_from_middle: f64| {
+        let (from, to) = (feature.at - along, feature.at + along);
+        Obstacle::new(kind, block(from, to, outward, clear_from_middle, half))
     };
     match feature.kind {
         FeatureKind::Alcove => Vec::new(),

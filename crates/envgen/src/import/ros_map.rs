@@ -242,13 +242,13 @@ impl RosMap {
             "origin": [self.origin.position.x, self.origin.position.y, heading],
         });
         let mut world = World::new(Provenance::other("import", source), bounds);
-        let wall = |cells| Wall { kind: WallKind::Wall, shape: self.box_of(cells) };
+        let wall = |cells| Wall::new(WallKind::Wall, self.box_of(cells));
         world.walls = self.boxes(RosCell::Occupied).into_iter().map(wall).collect();
         let inside = match unknown {
             UnknownCells::Solid => self.boxes(RosCell::Unknown),
             UnknownCells::Free => Vec::new(),
         };
-        let obstacle = |cells| Obstacle { kind: ObstacleKind::Other, shape: self.box_of(cells) };
+        let obstacle = |cells| Obstacle::new(ObstacleKind::Other, self.box_of(cells));
         world.obstacles = inside.into_iter().chain(border).map(obstacle).collect();
         let grid = OccupancyGrid::from_cells(DVec2::ZERO, self.resolution, self.cols, solid);
         let place = grid.ok().and_then(|grid| max_clearance_point(&grid));

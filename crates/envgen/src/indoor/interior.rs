@@ -395,9 +395,7 @@ mod tests {
 
     fn room(shapes: &[Shape]) -> RoomDesign {
         let mut room = RoomDesign::bare("test", 2, 1, 5.0);
-        room.obstacles.extend(
-            shapes.iter().map(|s| Obstacle { kind: ObstacleKind::Other, shape: s.clone() }),
-        );
+        room.obstacles.extend(shapes.iter().map(|s| Obstacle::new(ObstacleKind::Other, s.clone())));
         room
     }
 

@@ -11,6 +11,23 @@ use super::dimensions::{Dimensions, STEP};
 use crate::error::SpecError;
 use crate::settings;
 
+/// The default of [`IndoorSpec::dark_range`] in metres.
+const DARK_RANGE: f64 = 3.0;
+
+// Settings of materials are written where they are set, so that the files of other maps stay as they
+// were before these existed.
+fn is_one(value: &f64) -> bool {
+    *value == 1.0
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+fn is_dark_range(value: &f64) -> bool {
+    *value == DARK_RANGE
+}
+
 settings! {
     /// An indoor map to generate.
     ///
@@ -73,6 +90,34 @@ settings! {
         /// Width that the narrowest passage through each room should have: contents are moved, turned,
         /// removed or doubled; none leaves rooms as designed.
         clearance: Option<f64> = None => optional_number("m", 0.0..=2.0);
+        /// Crates that stand about on the floors, as far as they fit: robots pass on every side of them.
+        #[serde(skip_serializing_if = "is_zero")]
+        clutter: f64 = 0.0 => number("per 100 m^2", 0.0..=30.0);
+        /// Width of the narrowest doorways, from which widths up to `doorway` are drawn; none for all of
+        /// one width.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        doorway_narrowest: Option<f64> = None => optional_number("m", 0.2..=3.0);
+        /// Factor on the variances of wheel odometry on slippery floor; 1 for none.
+        #[serde(skip_serializing_if = "is_one")]
+        floor_slip: f64 = 1.0 => number("", 1.0..=25.0);
+        /// Share of the floor that is slippery, where `floor_slip` says how much.
+        #[serde(skip_serializing_if = "is_one")]
+        floor_slip_share: f64 = 1.0 => number("", 0.0..=1.0);
+        /// How much too far wheels measure on loose floor, as a fraction of the distance; 0 for none.
+        #[serde(skip_serializing_if = "is_zero")]
+        wheel_bias: f64 = 0.0 => number("", 0.0..=0.35);
+        /// Share of the floor that is loose, where `wheel_bias` says how much.
+        #[serde(skip_serializing_if = "is_one")]
+        wheel_bias_share: f64 = 1.0 => number("", 0.0..=1.0);
+        /// Share of the walls, by their length, that lasers see only within the `dark_range`.
+        #[serde(skip_serializing_if = "is_zero")]
+        dark_walls: f64 = 0.0 => number("", 0.0..=1.0);
+        /// Share of the objects in rooms that lasers see only within the `dark_range`.
+        #[serde(skip_serializing_if = "is_zero")]
+        dark_objects: f64 = 0.0 => number("", 0.0..=1.0);
+        /// Distance beyond which a laser has no echo from a dark wall or object.
+        #[serde(skip_serializing_if = "is_dark_range")]
+        dark_range: f64 = DARK_RANGE => number("m", 1.0..=10.0);
     }
 }
 
@@ -140,6 +185,7 @@ pub(super) const RULES: &[&str] = &[
     "`spacing_h` is under the `width`, `spacing_v` under the `height`",
     "`doorway` is at most the `cell_size` less two times `wall_thickness`",
     "`robot_radius` is at most half the `doorway` less 0.05 m",
+    "`doorway_narrowest` is at most the `doorway`, and at least twice the `robot_radius` plus 0.1 m",
     "one of the `rooms` fits into `width` - 1 by `height` - 1 cells; turned as well, as `turn` says",
     "`rooms` are names of the `catalogue`",
 ];
@@ -217,6 +263,16 @@ impl IndoorSpec {
             let allowed =
                 format!("at most {largest} m: it must pass a doorway of {} m", self.doorway);
             return Err(SpecError::new("robot_radius", self.robot_radius, allowed));
+        }
+        if let Some(narrowest) = self.doorway_narrowest {
+            let least = to_nanometres(2.0 * (self.robot_radius + STEP));
+            if !(least..=self.doorway).contains(&narrowest) {
+                let allowed = format!(
+                    "from {least} m, which the robot passes, to the doorway of {} m, or none",
+                    self.doorway
+                );
+                return Err(SpecError::new("doorway_narrowest", narrowest, allowed));
+            }
         }
         Ok(())
     }

@@ -6,6 +6,7 @@ use serde_json::json;
 use super::access::{AccessGraph, PlaceKind};
 use super::blueprint::FloorPlan;
 use super::grid::{Axis, Cell, Gate, Opening, Origin};
+use super::{clutter, materials};
 use crate::generate::Spec;
 use crate::geometry::{Pose, Rect, Shape};
 use crate::provenance::Provenance;
@@ -41,6 +42,9 @@ pub(super) fn world(plan: &FloorPlan) -> World {
             }
         }
     }
+    let seed = plan.seed.unwrap_or_default();
+    clutter::add(spec, seed, &mut world);
+    materials::apply(spec, seed, &mut world);
     world
 }
 
@@ -82,12 +86,12 @@ fn runs(
     openings: &mut std::iter::Peekable<impl Iterator<Item = Gate>>,
     walls: &mut Vec<Wall>,
 ) {
-    let (half_wall, half_doorway) = (0.5 * plan.spec.wall_thickness, 0.5 * plan.spec.doorway);
+    let half_wall = 0.5 * plan.spec.wall_thickness;
     let unit = plan.spec.cell_size;
     let mut push = |from: f64, to: f64| {
         if to > from {
             let shape = Shape::from_rect(along_line(plan, axis, line, from, to, half_wall));
-            walls.push(Wall { kind: WallKind::Wall, shape });
+            walls.push(Wall::new(WallKind::Wall, shape));
         }
     };
     let mut along = 0;
@@ -106,6 +110,7 @@ fn runs(
         let here = |gate: &Gate| gate.wall == axis && gate.line == line && gate.at < 2 * end;
         while let Some(gate) = openings.next_if(here) {
             let middle = 0.5 * f64::from(gate.at) * unit;
+            let half_doorway = 0.5 * doorway_width(plan, gate);
             push(from, middle - half_doorway);
             from = from.max(middle + half_doorway);
         }
@@ -129,10 +134,23 @@ fn along_line(plan: &FloorPlan, axis: Axis, line: u32, from: f64, to: f64, half:
     }
 }
 
+/// The width of an opening in metres, drawn for its position alone.
+fn doorway_width(plan: &FloorPlan, gate: Gate) -> f64 {
+    let widest = plan.spec.doorway;
+    let Some(narrowest) = plan.spec.doorway_narrowest else { return widest };
+    let place = u64::from(gate.line) << 32 | u64::from(gate.at);
+    let stream = match gate.wall {
+        Axis::Horizontal => "indoor/doorway_width_h",
+        Axis::Vertical => "indoor/doorway_width_v",
+    };
+    let drawn = plan.seed.unwrap_or_default().stream(stream, place).unit();
+    narrowest + (widest - narrowest) * drawn
+}
+
 fn doorway(plan: &FloorPlan, opening: &Opening) -> Doorway {
     let gate = opening.gate;
     let middle = 0.5 * f64::from(gate.at) * plan.spec.cell_size;
-    let half = 0.5 * plan.spec.doorway;
+    let half = 0.5 * doorway_width(plan, gate);
     let rect = along_line(
         plan,
         gate.wall,
@@ -178,7 +196,7 @@ fn floors(plan: &FloorPlan, surfaces: &mut Vec<Surface>) {
         let min = plan.point(f64::from(x), f64::from(bottom));
         let max = plan.point(f64::from(right), f64::from(y));
         let shape = Shape::from_rect(Rect::new(min, max));
-        surfaces.push(Surface { kind, shape, speed: 1.0, odometry_noise: 1.0 });
+        surfaces.push(Surface::new(kind, shape));
     }
 }
 

@@ -29,17 +29,15 @@ pub(crate) fn raster_world(raster: ClassRaster, provenance: Provenance) -> World
     if !raster.speeds.is_empty() {
         let blocked = |class: u16| raster.speed_of(class) == 0.0;
         for outline in outlines(&raster, |class| u16::from(blocked(class))) {
-            world.obstacles.push(Obstacle { kind: ObstacleKind::Other, shape: outline.1 });
+            world.obstacles.push(Obstacle::new(ObstacleKind::Other, outline.1));
         }
         let changed =
             |class: u16| if raster.speed_of(class) == 1.0 || blocked(class) { 0 } else { class };
         let pieces = outlines(&raster, changed);
         if pieces.len() <= MAX_SURFACES {
             world.surfaces.extend(pieces.into_iter().map(|(class, shape)| Surface {
-                kind: SurfaceKind::Class(class),
-                shape,
                 speed: raster.speed_of(class),
-                odometry_noise: 1.0,
+                ..Surface::new(SurfaceKind::Class(class), shape)
             }));
         }
     }

@@ -32,7 +32,7 @@ pub use hue::{
     VERMILION,
 };
 pub use part::{
-    CLOSED_DOORWAY, OPEN_DOORWAY, PartColor, ROAD, ROAD_MARKING, ROOM, TREE, UNLIT, VICTIM,
+    CLOSED_DOORWAY, DARK, OPEN_DOORWAY, PartColor, ROAD, ROAD_MARKING, ROOM, TREE, UNLIT, VICTIM,
     obstacle, room_floor, surface, wall,
 };
 pub use scale::{CLASSES, class, difficulty, ordered_class};

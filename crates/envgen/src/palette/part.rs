@@ -59,6 +59,9 @@ pub const fn wall(kind: WallKind) -> PartColor {
     }
 }
 
+/// A wall or an obstacle that lasers see only from near.
+pub const DARK: PartColor = PartColor::new(0x0b_0d_12, 0xf2_c1_4e);
+
 /// An obstacle.
 pub const fn obstacle(kind: ObstacleKind) -> PartColor {
     match kind {
@@ -87,6 +90,8 @@ pub fn surface(kind: SurfaceKind) -> PartColor {
         SurfaceKind::Debris => PartColor::new(0xdd_d5_cd, 0x8c_7d_6f),
         SurfaceKind::Water => PartColor::new(0xb5_dc_f2, 0x4f_9b_c8),
         SurfaceKind::Stairs => PartColor::new(0xe3_e4_e8, 0x7d_84_90),
+        SurfaceKind::Slippery => PartColor::new(0xd9_e3_ec, 0x7f_95_ab),
+        SurfaceKind::Loose => PartColor::new(0xe6_d3_ae, 0x9a_7a_45),
         SurfaceKind::Hallway => PartColor::plain(0xd3_ec_c8),
         SurfaceKind::OpenArea => PartColor::plain(0xe9_f5_d8),
         SurfaceKind::Class(number) => {

@@ -62,6 +62,8 @@ impl Hatch {
         match texture {
             Texture::Plain => {}
             Texture::Dots => self.add(&outline, RISING, 8.0),
+            Texture::Rising => self.add(&outline, RISING, 11.0),
+            Texture::Falling => self.add(&outline, FALLING, 5.0),
             Texture::Crosses => {
                 self.add(&outline, RISING, 7.0);
                 self.add(&outline, FALLING, 7.0);

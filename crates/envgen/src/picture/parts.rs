@@ -106,11 +106,17 @@ pub(super) fn layers<T>(parts: &[T], style: impl Fn(&T) -> (u32, Style)) -> Vec<
 }
 
 pub(super) fn wall_layers(world: &World) -> Vec<Layer<'_, Wall>> {
-    layers(&world.walls, |wall| style::wall(wall.kind))
+    layers(&world.walls, |wall| match wall.visible_range {
+        None => style::wall(wall.kind),
+        Some(_) => style::DARK_WALL,
+    })
 }
 
 pub(super) fn obstacle_layers(world: &World) -> Vec<Layer<'_, Obstacle>> {
-    layers(&world.obstacles, |obstacle| style::obstacle(obstacle.kind))
+    layers(&world.obstacles, |obstacle| match obstacle.visible_range {
+        None => style::obstacle(obstacle.kind),
+        Some(_) => style::DARK_OBSTACLE,
+    })
 }
 
 pub(super) fn surface_layers(world: &World) -> Vec<Layer<'_, Surface>> {
@@ -152,6 +158,9 @@ fn draw_layers<T>(
             id = format!("{id}-{count}");
         }
         let mut group = ink.into_group(&id, style)?;
+        if style.texture.is_see_through() {
+            group = group.set("fill-opacity", 0.35);
+        }
         if !hatch.path.is_empty() {
             let dashes = match style.texture {
                 Texture::Waves => "7 5",

@@ -21,9 +21,18 @@ pub(super) struct Style {
 pub(super) enum Texture {
     Plain,
     Dots,
+    Rising,
+    Falling,
     Crosses,
     Waves,
     Treads,
+}
+
+impl Texture {
+    /// Whether the floor below shows through: such ground can cover whole rooms.
+    pub(super) fn is_see_through(self) -> bool {
+        matches!(self, Texture::Rising | Texture::Falling)
+    }
 }
 
 impl Style {
@@ -44,6 +53,12 @@ pub(super) const OPEN_DOOR: Style =
     Style::new("open doorway", palette::OPEN_DOORWAY).with_edge_width(1.0);
 pub(super) const CLOSED_DOOR: Style =
     Style::new("closed door", palette::CLOSED_DOORWAY).with_edge_width(1.0);
+
+/// The index in the order of drawing, and the style, of walls that lasers see only from near.
+pub(super) const DARK_WALL: (u32, Style) =
+    (6, Style::new("dark wall", palette::DARK).with_edge_width(0.7));
+/// The same of obstacles.
+pub(super) const DARK_OBSTACLE: (u32, Style) = (16, Style::new("dark obstacle", palette::DARK));
 
 /// A wall's index in the order of drawing, and its style.
 pub(super) fn wall(kind: WallKind) -> (u32, Style) {
@@ -94,6 +109,8 @@ pub(super) fn surface(kind: SurfaceKind) -> (u32, Style) {
         SurfaceKind::Debris => (FIRST + 3, "debris", Texture::Crosses),
         SurfaceKind::Water => (FIRST + 4, "water", Texture::Waves),
         SurfaceKind::Stairs => (FIRST + 5, "stairs", Texture::Treads),
+        SurfaceKind::Slippery => (FIRST + 6, "slippery", Texture::Rising),
+        SurfaceKind::Loose => (FIRST + 7, "loose", Texture::Falling),
     };
     (order, Style { texture, ..Style::new(name, palette::surface(kind)) })
 }

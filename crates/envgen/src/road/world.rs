@@ -84,7 +84,7 @@ fn kerbs(road: &Road) -> Vec<Wall> {
         };
         for stretch in stretches {
             let shapes = kerb_along(path, side, half, kerb, stretch);
-            walls.extend(shapes.map(|shape| Wall { kind: WallKind::Kerb, shape }));
+            walls.extend(shapes.map(|shape| Wall::new(WallKind::Kerb, shape)));
         }
     }
     walls

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use thiserror::Error;
 
-use super::{PartId, PartKind, World};
+use super::{MAX_WHEEL_BIAS, PartId, PartKind, World, is_visible_range};
 use crate::curve::Curve;
 use crate::geometry::{Pose, Rect, Shape, edges, segments_cross, signed_area, wrap_angle};
 
@@ -41,6 +41,18 @@ pub enum Violation {
     /// A size of a part is not positive, or a factor is negative.
     #[error("{0} holds a size that is not positive")]
     Size(PartId),
+    /// A property of a part's material is not allowed.
+    #[error("`{field}` of {part} must be {allowed}, got {value}")]
+    Material {
+        /// The part.
+        part: PartId,
+        /// The field.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
     /// A polygon is not simple, has under three corners or runs clockwise.
     #[error("{0} is not a simple counter-clockwise polygon")]
     Polygon(PartId),
@@ -137,6 +149,23 @@ impl World {
             }
             if surface.speed < 0.0 || surface.odometry_noise < 0.0 {
                 return Err(Violation::Size(id));
+            }
+            if !(0.0..=MAX_WHEEL_BIAS).contains(&surface.wheel_bias) {
+                return Err(Violation::Material {
+                    part: id,
+                    field: "wheel_bias",
+                    value: surface.wheel_bias,
+                    allowed: "a number from 0 to 1",
+                });
+            }
+        }
+        let walls = numbered(PartKind::Wall, self.walls.iter().map(|wall| wall.visible_range));
+        let obstacles =
+            numbered(PartKind::Obstacle, self.obstacles.iter().map(|o| o.visible_range));
+        for (part, range) in walls.chain(obstacles) {
+            if let Some(value) = range.filter(|_| !is_visible_range(range)) {
+                let (field, allowed) = ("visible_range", "a positive number of metres, or absent");
+                return Err(Violation::Material { part, field, value, allowed });
             }
         }
         for (id, room) in numbered(PartKind::Room, &self.rooms) {
@@ -322,7 +351,7 @@ mod tests {
         );
         world.trees.push(Tree { center: DVec2::new(3.0, 3.0), radius: 1.0 });
         let shape = Shape::thick_segment(DVec2::new(1.0, 1.0), DVec2::new(4.0, 1.0), 0.1, 0.0);
-        world.walls.push(Wall { kind: WallKind::Wall, shape });
+        world.walls.push(Wall::new(WallKind::Wall, shape));
         world.start = Some(Pose::new(0.5, 0.5, 0.0));
         world.goal = Some(Pose::new(9.0, 4.0, 1.0));
         world
@@ -334,7 +363,7 @@ mod tests {
 
     fn with_obstacle(shape: Shape) -> Result<(), Violation> {
         let mut world = world();
-        world.obstacles.push(Obstacle { kind: ObstacleKind::Other, shape });
+        world.obstacles.push(Obstacle::new(ObstacleKind::Other, shape));
         world.check()
     }
 
@@ -398,8 +427,28 @@ mod tests {
         assert_eq!(broken.check(), Err(Violation::UnknownRoom { part, room: 3 }));
 
         let mut broken = world();
+        for value in [-0.1, 1.5, f64::NAN] {
+            let mut broken = world();
+            let shape = Shape::Disc { center: DVec2::new(7.0, 3.0), radius: 0.5 };
+            let loose = Surface::new(SurfaceKind::Loose, shape);
+            broken.surfaces.push(Surface { wheel_bias: value, ..loose });
+            let error = broken.check().unwrap_err().to_string();
+            let expected =
+                format!("`wheel_bias` of surface 0 must be a number from 0 to 1, got {value}");
+            assert_eq!(error, expected);
+        }
+        for value in [0.0, -2.0, f64::NAN, f64::INFINITY] {
+            let mut broken = world();
+            broken.walls[0].visible_range = Some(value);
+            let error = broken.check().unwrap_err().to_string();
+            let expected = format!(
+                "`visible_range` of wall 0 must be a positive number of metres, or absent, got {value}"
+            );
+            assert_eq!(error, expected);
+        }
+
         let kind = SurfaceKind::Water;
-        broken.surfaces.push(Surface { kind, shape, speed: -1.0, odometry_noise: 1.0 });
+        broken.surfaces.push(Surface { speed: -1.0, ..Surface::new(kind, shape) });
         assert!(matches!(broken.check(), Err(Violation::Size(_))));
 
         let mut broken = world();

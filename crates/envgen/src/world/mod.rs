@@ -20,6 +20,7 @@ pub use part::{
     Contents, Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind,
     Tree, Wall, WallKind,
 };
+pub(crate) use part::{MAX_WHEEL_BIAS, is_visible_range};
 pub use raster::ClassRaster;
 pub use road::RoadMesh;
 
@@ -45,7 +46,7 @@ pub const SCHEMA_VERSION: u32 = 1;
 /// let bounds = Rect::new(DVec2::ZERO, DVec2::new(10.0, 6.0));
 /// let mut world = World::new(Provenance::other("manual", "a yard".into()), bounds);
 /// let shape = Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::new(10.0, 0.2)));
-/// world.walls.push(Wall { kind: WallKind::Wall, shape });
+/// world.walls.push(Wall::new(WallKind::Wall, shape));
 /// world.trees.push(Tree { center: DVec2::new(5.0, 3.0), radius: 0.25 });
 /// world.start = Some(Pose::new(1.0, 3.0, 0.0));
 /// world.check()?;
@@ -177,6 +178,17 @@ impl World {
             .chain(obstacles.map(move |(i, obstacle)| {
                 solid(PartKind::Obstacle, i, Cow::Borrowed(&obstacle.shape))
             }))
+    }
+
+    /// Distance in metres beyond which a laser has no echo from a part; `None` where it sees the part
+    /// as far as it reaches, and for parts that do not exist.
+    pub fn visible_range(&self, part: PartId) -> Option<f64> {
+        let index = part.index as usize;
+        match part.kind {
+            PartKind::Wall => self.walls.get(index)?.visible_range,
+            PartKind::Obstacle => self.obstacles.get(index)?.visible_range,
+            _ => None,
+        }
     }
 
     /// Distance in metres from a point to the nearest solid part, infinite when there is none.

@@ -43,10 +43,8 @@ pub(crate) fn indoor() -> World {
         });
         let edge = if upper { 8.0 } else { 6.0 };
         let (a, b) = (x + 2.4, x + 3.6);
-        let wall = |from: f64, to: f64| Wall {
-            kind: WallKind::Wall,
-            shape: rect(from, edge - 0.1, to, edge + 0.1),
-        };
+        let wall =
+            |from: f64, to: f64| Wall::new(WallKind::Wall, rect(from, edge - 0.1, to, edge + 0.1));
         world.walls.extend([wall(x, a), wall(b, x + 6.0)]);
         world.doorways.push(Doorway {
             shape: rect(a, edge - 0.1, b, edge + 0.1),
@@ -55,19 +53,19 @@ pub(crate) fn indoor() -> World {
         });
         if column > 0 {
             let shape = rect(x - 0.1, y0, x + 0.1, y1);
-            world.walls.push(Wall { kind: WallKind::Partition, shape });
+            world.walls.push(Wall::new(WallKind::Partition, shape));
         }
     }
     for (x0, y0, x1, y1) in [(0.0, 0.0, 24.0, 0.2), (0.0, 13.8, 24.0, 14.0), (0.0, 0.0, 0.2, 14.0)]
     {
-        world.walls.push(Wall { kind: WallKind::Wall, shape: rect(x0, y0, x1, y1) });
+        world.walls.push(Wall::new(WallKind::Wall, rect(x0, y0, x1, y1)));
     }
-    world.walls.push(Wall { kind: WallKind::EndCap, shape: rect(23.8, 0.0, 24.0, 14.0) });
-    world.walls.push(Wall { kind: WallKind::Alcove, shape: rect(11.0, 7.7, 13.0, 7.9) });
+    world.walls.push(Wall::new(WallKind::EndCap, rect(23.8, 0.0, 24.0, 14.0)));
+    world.walls.push(Wall::new(WallKind::Alcove, rect(11.0, 7.7, 13.0, 7.9)));
     let thin = Shape::Segment { a: v(16.0, 6.6), b: v(17.5, 7.2) };
-    world.walls.push(Wall { kind: WallKind::Kerb, shape: thin });
+    world.walls.push(Wall::new(WallKind::Kerb, thin));
 
-    let obstacle = |kind, shape| Obstacle { kind, shape };
+    let obstacle = |kind, shape| Obstacle::new(kind, shape);
     let crate_box =
         |x, y, heading| Shape::Box { center: v(x, y), half_size: v(0.5, 0.35), heading };
     world.obstacles = vec![
@@ -85,7 +83,8 @@ pub(crate) fn indoor() -> World {
         obstacle(ObstacleKind::DoorPost, rect(6.2, 6.1, 6.45, 6.6)),
         obstacle(ObstacleKind::DoorPost, rect(6.2, 7.4, 6.45, 7.9)),
     ];
-    let surface = |kind, shape, speed| Surface { kind, shape, speed, odometry_noise: 2.0 };
+    let surface =
+        |kind, shape, speed| Surface { speed, odometry_noise: 2.0, ..Surface::new(kind, shape) };
     world.surfaces = vec![
         surface(SurfaceKind::Uneven, rect(2.0, 6.2, 5.0, 7.8), 0.7),
         surface(SurfaceKind::Debris, rect(8.0, 6.2, 10.5, 7.8), 0.5),
@@ -167,7 +166,7 @@ pub(crate) fn road() -> World {
             half_size: v(0.3, 2.0),
             heading: angle,
         };
-        world.walls.push(Wall { kind: WallKind::Kerb, shape });
+        world.walls.push(Wall::new(WallKind::Kerb, shape));
     }
     world
 }
@@ -198,9 +197,9 @@ pub(crate) fn landscape() -> World {
     world.raster =
         Some(ClassRaster { rows, cols, cell, origin: DVec2::ZERO, cells, speeds: Vec::new() });
     let shape = Shape::Disc { center: v(20.0, 9.0), radius: 2.5 };
-    let pond = Surface { kind: SurfaceKind::Water, shape, speed: 0.0, odometry_noise: 1.0 };
+    let pond = Surface { speed: 0.0, ..Surface::new(SurfaceKind::Water, shape) };
     let shape = rect(28.0, 16.0, 33.0, 20.0);
-    let field = Surface { kind: SurfaceKind::Class(8), shape, speed: 1.0, odometry_noise: 1.0 };
+    let field = Surface::new(SurfaceKind::Class(8), shape);
     world.surfaces = vec![pond, field];
     world.start = Some(Pose::new(4.0, 4.0, 1.0));
     world.goal = Some(Pose::new(32.0, 12.0, 0.0));

@@ -89,7 +89,7 @@ mod tests {
         let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
         let corners = Shape::from_rect(bounds).corners();
         world.walls = envgen::geometry::edges(&corners)
-            .map(|(a, b)| Wall { kind: WallKind::Wall, shape: Shape::Segment { a, b } })
+            .map(|(a, b)| Wall::new(WallKind::Wall, Shape::Segment { a, b }))
             .collect();
         world
     }
@@ -124,7 +124,7 @@ mod tests {
         assert!(error(&world, 1.5, 6).contains("6 robots"), "{}", error(&world, 1.5, 6));
         let shape = Shape::from_rect(world.bounds);
         let kind = SurfaceKind::Water;
-        world.surfaces.push(Surface { kind, shape, speed: 0.0, odometry_noise: 1.0 });
+        world.surfaces.push(Surface { speed: 0.0, ..Surface::new(kind, shape) });
         assert!(error(&world, 1.5, 1).contains("cannot drive"));
     }
 }

@@ -25,7 +25,7 @@ pub(crate) fn room(width: f64, height: f64) -> World {
 
 pub(crate) fn add_wall(world: &mut World, min: (f64, f64), max: (f64, f64)) {
     let shape = Shape::from_rect(Rect::new(min.into(), max.into()));
-    world.walls.push(Wall { kind: WallKind::Wall, shape });
+    world.walls.push(Wall::new(WallKind::Wall, shape));
 }
 
 fn truth(world: &World) -> MappableArea {
@@ -65,7 +65,7 @@ fn what_is_behind_too_narrow_a_gap_is_not_free() {
 fn water_bars_the_middle_and_counts_as_no_ground() {
     let mut world = room(10.0, 4.0);
     let shape = Shape::from_rect(Rect::new(DVec2::new(4.0, 0.0), DVec2::new(6.0, 4.0)));
-    let water = Surface { kind: SurfaceKind::Water, shape, speed: 0.5, odometry_noise: 1.0 };
+    let water = Surface { speed: 0.5, ..Surface::new(SurfaceKind::Water, shape) };
     world.surfaces.push(water);
     let with_water = truth(&world);
     assert!((with_water.free_area() - 16.0).abs() < 0.2, "{}", with_water.free_area());
@@ -83,7 +83,7 @@ fn water_bars_the_middle_and_counts_as_no_ground() {
 fn lines_are_seen_from_both_sides_and_count_once() {
     let mut world = room(10.0, 4.0);
     let (a, b) = (DVec2::new(5.0, 1.5), DVec2::new(5.0, 2.5));
-    world.walls.push(Wall { kind: WallKind::Partition, shape: Shape::Segment { a, b } });
+    world.walls.push(Wall::new(WallKind::Partition, Shape::Segment { a, b }));
     let truth = truth(&world);
     assert_eq!(truth.walls().iter().filter(|point| point.position.x == 5.0).count(), 20);
     assert!((truth.free_area() - 39.8).abs() < 0.3, "{}", truth.free_area());
@@ -104,7 +104,7 @@ fn a_world_that_cannot_be_mapped_says_why() {
     assert!(matches!(error(&world), MappableAreaError::World(Violation::Blocked { .. })));
     world.start = Some(Pose::new(1.0, 1.9, 0.0));
     let shape = Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::splat(2.0)));
-    let water = Surface { kind: SurfaceKind::Water, shape, speed: 0.5, odometry_noise: 1.0 };
+    let water = Surface { speed: 0.5, ..Surface::new(SurfaceKind::Water, shape) };
     world.surfaces.push(water);
     assert!(matches!(error(&world), MappableAreaError::Start { .. }));
     world.bounds.max.x = 1e6;
@@ -210,7 +210,7 @@ proptest! {
                 let low = DVec2::new(x, y);
                 let high = (low + DVec2::new(width, height)).min(DVec2::new(6.1, 5.1));
                 let shape = Shape::from_rect(Rect::new(low, high));
-                Obstacle { kind: ObstacleKind::Other, shape }
+                Obstacle::new(ObstacleKind::Other, shape)
             })
             .collect();
         world.start = Some(Pose::new(x, y, 0.0));

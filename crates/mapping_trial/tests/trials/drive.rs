@@ -35,7 +35,7 @@ pub(crate) struct Recording<'a> {
 pub(crate) fn world_of(walls: &[Rect]) -> World {
     let bounds = walls.iter().copied().reduce(Rect::union).expect("walls");
     let mut world = World::new(Provenance::other("manual", serde_json::Value::Null), bounds);
-    let wall = |&rect: &Rect| Wall { kind: WallKind::Wall, shape: Shape::from_rect(rect) };
+    let wall = |&rect: &Rect| Wall::new(WallKind::Wall, Shape::from_rect(rect));
     world.walls = walls.iter().map(wall).collect();
     assert_eq!(world.check(), Ok(()));
     world

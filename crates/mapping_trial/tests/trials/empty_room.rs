@@ -17,9 +17,8 @@ pub(crate) fn room() -> World {
     let bounds = Rect::new(DVec2::ZERO, DVec2::splat(20.0));
     let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
     let corners = Shape::from_rect(bounds).corners();
-    world.walls = edges(&corners)
-        .map(|(a, b)| Wall { kind: WallKind::Wall, shape: Shape::Segment { a, b } })
-        .collect();
+    world.walls =
+        edges(&corners).map(|(a, b)| Wall::new(WallKind::Wall, Shape::Segment { a, b })).collect();
     world.start = Some(Pose::new(4.0, 5.0, 0.3));
     world
 }

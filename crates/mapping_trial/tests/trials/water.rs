@@ -18,12 +18,11 @@ fn room_with_a_pond() -> World {
     let bounds = Rect::new(DVec2::ZERO, DVec2::new(16.0, 12.0));
     let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
     let corners = Shape::from_rect(bounds).corners();
-    world.walls = edges(&corners)
-        .map(|(a, b)| Wall { kind: WallKind::Wall, shape: Shape::Segment { a, b } })
-        .collect();
+    world.walls =
+        edges(&corners).map(|(a, b)| Wall::new(WallKind::Wall, Shape::Segment { a, b })).collect();
     let pond = Rect::new(DVec2::new(5.0, 4.0), DVec2::new(11.0, 8.0));
     let (kind, shape) = (SurfaceKind::Water, Shape::from_rect(pond));
-    world.surfaces.push(Surface { kind, shape, speed: 0.0, odometry_noise: 1.0 });
+    world.surfaces.push(Surface { speed: 0.0, ..Surface::new(kind, shape) });
     world.start = Some(Pose::new(2.0, 6.0, 0.0));
     world
 }

@@ -1,13 +1,15 @@
 //! `envgen inspect`.
 
 use std::io::{self, Write};
+use std::ops::Add;
 use std::process::ExitCode;
 
 use clap::Args;
 use envgen::certificate::{Claim, Verdict, verify};
 use envgen::difficulty::{DifficultyVector, Platform};
-use envgen::geometry::{Pose, Rect};
+use envgen::geometry::{Pose, Rect, Shape, edges};
 use envgen::reproduction::{Reproduction, reproduce};
+use envgen::world::Surface;
 use envgen::{Provenance, World, WorldMetrics};
 use serde::Serialize;
 use serde_json::Value;
@@ -40,6 +42,9 @@ struct Report<'a> {
     start: Option<Pose>,
     goal: Option<Pose>,
     parts: Parts,
+    /// Absent where floors are plain and lasers see everything as far as they reach.
+    #[serde(skip_serializing_if = "Materials::is_empty")]
+    materials: Materials,
     certificate: Vec<Checked>,
     /// Absent when the world is no longer the one of its spec and seed.
     metrics: Option<WorldMetrics>,
@@ -57,6 +62,59 @@ struct Parts {
     obstacles: usize,
     surfaces: usize,
     raster_cells: usize,
+}
+
+/// What is slippery, loose or dark in a world.
+#[derive(Default, PartialEq, Serialize)]
+struct Materials {
+    /// Area on which wheel odometry has more variance than on a plain floor, in square metres, each
+    /// surface for itself.
+    slippery_m2: f64,
+    /// The greatest factor on its variances.
+    max_odometry_noise: f64,
+    /// Area on which wheels measure too far, in square metres.
+    loose_m2: f64,
+    /// The greatest fraction by which they do.
+    max_wheel_bias: f64,
+    /// Walls that lasers see only from near.
+    dark_walls: usize,
+    /// Half of their outlines, which is their length, in metres.
+    dark_walls_m: f64,
+    /// Obstacles that lasers see only from near.
+    dark_obstacles: usize,
+    /// The least distance in metres from which lasers see a dark part; none where there is none.
+    min_visible_range_m: Option<f64>,
+}
+
+impl Materials {
+    fn of(world: &World) -> Self {
+        let area = |of: fn(&Surface) -> bool| {
+            world.surfaces.iter().filter(|s| of(s)).map(|s| s.shape.area()).fold(0.0, Add::add)
+        };
+        let most = |of: fn(&Surface) -> f64| world.surfaces.iter().map(of).fold(0.0, f64::max);
+        let dark_walls = || world.walls.iter().filter(|wall| wall.visible_range.is_some());
+        let dark_obstacles = || world.obstacles.iter().filter_map(|o| o.visible_range);
+        let ranges = dark_walls().filter_map(|wall| wall.visible_range).chain(dark_obstacles());
+        let slippery_m2 = area(|surface| surface.odometry_noise > 1.0);
+        Materials {
+            slippery_m2,
+            max_odometry_noise: if slippery_m2 > 0.0 { most(|s| s.odometry_noise) } else { 0.0 },
+            loose_m2: area(|surface| surface.wheel_bias > 0.0),
+            max_wheel_bias: most(|surface| surface.wheel_bias),
+            dark_walls: dark_walls().count(),
+            dark_walls_m: dark_walls().map(|wall| half_outline(&wall.shape)).fold(0.0, Add::add),
+            dark_obstacles: dark_obstacles().count(),
+            min_visible_range_m: ranges.reduce(f64::min),
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        *self == Materials::default()
+    }
+}
+
+fn half_outline(shape: &Shape) -> f64 {
+    0.5 * edges(&shape.corners()).map(|(a, b)| a.distance(b)).fold(0.0, Add::add)
 }
 
 #[derive(Serialize)]
@@ -116,6 +174,7 @@ fn report<'a>(world: &'a World, platform: &Platform) -> Report<'a> {
             surfaces: world.surfaces.len(),
             raster_cells: world.raster.as_ref().map_or(0, |raster| raster.cells.len()),
         },
+        materials: Materials::of(world),
         certificate: verify(world).into_iter().map(checked).collect(),
         metrics: again,
         difficulty: difficulty.ok(),

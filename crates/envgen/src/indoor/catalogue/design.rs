@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::geometry::{Pose, Rect, Shape, edges, signed_area};
 use crate::indoor::frame::DESIGN_UNIT;
 use crate::indoor::grid::Side;
-use crate::world::{Obstacle, Surface, Wall};
+use crate::world::{MAX_WHEEL_BIAS, Obstacle, Surface, Wall, is_visible_range};
 
 /// Greatest width or height of a room in cells.
 pub const MAX_ROOM_SIZE: u32 = 64;
@@ -42,7 +42,7 @@ const MAX_CORNERS: usize = 1000;
 /// let mut room = RoomDesign::bare("store", 2, 2, 3.0);
 /// let center = 0.5 * room.size();
 /// let shape = Shape::Box { center, half_size: DVec2::splat(0.4), heading: 0.3 };
-/// room.obstacles.push(Obstacle { kind: ObstacleKind::Crate, shape });
+/// room.obstacles.push(Obstacle::new(ObstacleKind::Crate, shape));
 /// room.validate()?;
 /// let spec = IndoorSpec { catalogue: Some(Catalogue::new([room])?), ..Default::default() };
 /// assert!(spec.generate(Seed(7))?.rooms().iter().all(|placed| placed.room.name == "store"));
@@ -212,10 +212,23 @@ impl RoomDesign {
         let walls = self.walls.iter().enumerate().map(|(i, w)| ("wall", i, &w.shape));
         let obstacles = self.obstacles.iter().enumerate().map(|(i, o)| ("obstacle", i, &o.shape));
         let surfaces = self.surfaces.iter().enumerate().map(|(i, s)| ("surface", i, &s.shape));
+        let wall_ranges = self.walls.iter().enumerate().map(|(i, w)| ("wall", i, w.visible_range));
+        let ranges =
+            self.obstacles.iter().enumerate().map(|(i, o)| ("obstacle", i, o.visible_range));
+        for (list, i, range) in wall_ranges.chain(ranges) {
+            if !is_visible_range(range) {
+                let wanted = "of a `visible_range` of a positive number of metres";
+                return Err(RoomError::Part { name: name(), part: format!("{list} {i}"), wanted });
+            }
+        }
         for (list, i, shape) in walls.chain(obstacles).chain(surfaces) {
             self.check_shape(shape, || format!("{list} {i}"))?;
         }
         for (i, surface) in self.surfaces.iter().enumerate() {
+            if !(0.0..=MAX_WHEEL_BIAS).contains(&surface.wheel_bias) {
+                let wanted = "of a `wheel_bias` from 0 to 1";
+                return Err(RoomError::Part { name: name(), part: format!("surface {i}"), wanted });
+            }
             let allowed = |factor: f64| factor.is_finite() && factor >= 0.0;
             if !(allowed(surface.speed) && allowed(surface.odometry_noise)) {
                 let wanted = "of finite factors that are not negative";
@@ -283,7 +296,7 @@ mod tests {
 
     fn with(shape: Shape) -> RoomDesign {
         let mut room = RoomDesign::bare("test", 1, 2, 5.0);
-        room.obstacles.push(Obstacle { kind: ObstacleKind::Other, shape });
+        room.obstacles.push(Obstacle::new(ObstacleKind::Other, shape));
         room
     }
 
@@ -329,7 +342,15 @@ mod tests {
         assert!(error(room).contains("victim 0"));
         let mut room = RoomDesign::bare("a", 1, 1, 1.0);
         let (shape, speed) = (at(1.0, 1.0, 0.5), f64::NAN);
-        room.surfaces.push(Surface { kind: SurfaceKind::Water, shape, speed, odometry_noise: 1.0 });
+        room.surfaces.push(Surface { speed, ..Surface::new(SurfaceKind::Water, shape) });
         assert!(error(room).contains("surface 0"));
+        let mut room = RoomDesign::bare("a", 1, 1, 1.0);
+        let loose = Surface::new(SurfaceKind::Loose, at(1.0, 1.0, 0.5));
+        room.surfaces.push(Surface { wheel_bias: 1.5, ..loose });
+        assert!(error(room).contains("`wheel_bias`"));
+        let mut room = RoomDesign::bare("a", 1, 1, 1.0);
+        let dark = Obstacle::new(ObstacleKind::Other, at(1.0, 1.0, 0.5));
+        room.obstacles.push(Obstacle { visible_range: Some(0.0), ..dark });
+        assert!(error(room).contains("`visible_range`"));
     }
 }
