@@ -25,9 +25,9 @@ fn hall(width: f64, height: f64, start: Pose, obstacles: &[Shape]) -> World {
         rect(-WALL, 0.0, 0.0, h),
         rect(w, 0.0, w + WALL, h),
     ]
-    .map(|shape| Wall { kind: WallKind::Wall, shape })
+    .map(|shape| Wall::new(WallKind::Wall, shape))
     .into();
-    let obstacle = |shape: &Shape| Obstacle { kind: ObstacleKind::Other, shape: shape.clone() };
+    let obstacle = |shape: &Shape| Obstacle::new(ObstacleKind::Other, shape.clone());
     world.obstacles = obstacles.iter().map(obstacle).collect();
     world.start = Some(start);
     world
@@ -225,7 +225,7 @@ fn water_is_not_driven_through() {
     let whole = vector(&world).clearance.reachable_area_m2;
     let shape = rect(5.0, 0.0, 7.0, 4.0);
     let kind = SurfaceKind::Water;
-    world.surfaces.push(Surface { kind, shape, speed: 1.0, odometry_noise: 1.0 });
+    world.surfaces.push(Surface::new(kind, shape));
     let left = vector(&world).clearance.reachable_area_m2;
     assert!((left / whole - (5.0 - 0.36) / (12.0 - 0.72)).abs() < 0.03, "{left} of {whole} m^2");
 }
