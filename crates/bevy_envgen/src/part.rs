@@ -236,7 +236,7 @@ data! {
         OpenArea,
         /// Wet, dusty or strewn with rubble: wheels slip by chance.
         Slippery,
-        /// Gravel, sand or litter that gives way under wheels: they measure too far.
+        /// Gravel, sand or litter that gives under wheels: they measure too far.
         Loose,
         /// A class of a landscape, counted from 1.
         Class(u16),

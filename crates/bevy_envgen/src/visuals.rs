@@ -78,8 +78,9 @@ impl Default for Palette {
             rough: color(palette::surface(SurfaceKind::Uneven).fill),
             water: color(palette::surface(SurfaceKind::Water).fill),
             floor: color(palette::surface(SurfaceKind::Hallway).fill),
-            slippery: color(palette::surface(SurfaceKind::Slippery).fill),
-            loose: color(palette::surface(SurfaceKind::Loose).fill),
+            // See-through, since they cover whole rooms, whose colours count as well.
+            slippery: color(palette::surface(SurfaceKind::Slippery).fill).with_alpha(0.35),
+            loose: color(palette::surface(SurfaceKind::Loose).fill).with_alpha(0.35),
             dark: color(palette::DARK.fill),
             start: color(palette::START),
             goal: color(palette::GOAL),

@@ -328,7 +328,8 @@ impl WorldSpec {
         ron_options().from_str(text).map_err(|error| SettingsError::Ron(Box::new(error)))
     }
 
-    /// Writes a spec as RON, with every setting.
+    /// Writes a spec as RON, with every setting; those of indoor materials, clutter and doorway widths only
+    /// where they are set.
     pub fn to_ron(&self) -> String {
         let config = ron::ser::PrettyConfig::default();
         ron_options().to_string_pretty(self, config).unwrap_or_default()

@@ -14,9 +14,9 @@ pub const NO_ECHO: f64 = f64::INFINITY;
 /// Exact range of a beam that ends at a part that is too dark to be seen from there
 /// ([`Obstacle::visible_range`](envgen::world::Obstacle::visible_range)).
 ///
-/// The beam is to be ignored, as NaN in a scan: it is neither an echo, nor does it say that its way
+/// The beam is to be ignored, as NaN in a scan: it is neither an echo, nor does it say that its path
 /// is free. Lasers tell the two apart: the LMS 200 has one code for a signal that is too weak and
-/// another for a range beyond its greatest (SICK, *LMS2xx Telegram Listing*), which REP 117 of ROS
+/// another for a range beyond its greatest (SICK, *`LMS2xx` Telegram Listing*), which REP 117 of ROS
 /// maps to NaN and infinity.
 pub const UNSEEN: f64 = f64::NAN;
 

@@ -194,6 +194,8 @@ impl Robot {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lidar::LaserProfile;
+    use crate::odometry::OdometryProfile;
 
     #[test]
     fn robots_are_read_from_ron() {
@@ -241,6 +243,24 @@ mod tests {
         let other = Robot { chassis: Chassis { mass: 3.0, ..Default::default() }, ..PIONEER_3AT };
         let text = ron::to_string(&other).expect("RON");
         assert_eq!(Robot::from_ron(&text), Ok(other), "{text}");
+    }
+
+    #[test]
+    fn difficulty_vectors_are_for_the_default_robot() {
+        let (laser, wheels) = (LaserProfile::LMS200_MM, OdometryProfile::SKID);
+        let platform = envgen::difficulty::Platform {
+            circumscribed_radius: PIONEER_3AT.circumscribed_radius,
+            laser_offset: PIONEER_3AT.laser_offset,
+            beams: laser.beams,
+            field_of_view: laser.field_of_view,
+            max_range: laser.max_range,
+            sigma: laser.sigma,
+            k_ss: wheels.k_ss,
+            k_st: wheels.k_st,
+            k_tt: wheels.k_tt,
+            k_ts: wheels.k_ts,
+        };
+        assert_eq!(platform, envgen::difficulty::Platform::default());
     }
 
     #[test]

@@ -12,8 +12,8 @@ use super::model::{RobotModel, TruePose};
 /// A laser at the mounting pose of the robot's model.
 ///
 /// It detects all colliders except sensors and the robot's own: walls, doors as far as they are
-/// closed, other robots and anything else, and dark walls and obstacles only from near. The first scan is taken in the first step, later ones at
-/// the profile's rate; the result is in [`LaserScan`].
+/// closed, other robots and anything else, and dark walls and obstacles only from near. The first scan
+/// is taken in the first step, later ones at the profile's rate; the result is in [`LaserScan`].
 #[derive(Component, Reflect)]
 #[reflect(from_reflect = false)]
 #[reflect(Component)]

@@ -38,7 +38,8 @@ pub(super) fn apply(spec: &IndoorSpec, seed: Seed, world: &mut World) {
     }
 }
 
-/// The floors of rooms, hallways and open areas, which do not overlap.
+/// The floors of rooms, hallways and open areas. They overlap only where the design of a room has floors of
+/// its own.
 pub(super) fn floors(world: &World) -> Vec<Rect> {
     let plain =
         |surface: &&Surface| matches!(surface.kind, SurfaceKind::Hallway | SurfaceKind::OpenArea);
@@ -72,7 +73,7 @@ fn darken_walls(spec: &IndoorSpec, seed: Seed, walls: &mut Vec<Wall>) {
     if spec.dark_walls == 0.0 {
         return;
     }
-    let long: Vec<f64> = walls.iter().map(|wall| length(&wall.shape)).collect();
+    let long: Vec<f64> = walls.iter().map(|wall| wall.length()).collect();
     let mut wanted = spec.dark_walls * long.iter().sum::<f64>();
     for i in shuffled(walls.len(), seed, "indoor/dark_walls") {
         if wanted < SHORTEST {
@@ -97,16 +98,6 @@ fn darken_walls(spec: &IndoorSpec, seed: Seed, walls: &mut Vec<Wall>) {
 /// What is darker by design stays so.
 fn darken(visible_range: &mut Option<f64>, range: f64) {
     *visible_range = Some(visible_range.map_or(range, |designed| designed.min(range)));
-}
-
-/// The length of a wall in metres: half of its outline.
-fn length(shape: &Shape) -> f64 {
-    match shape {
-        Shape::Box { half_size, .. } => 2.0 * half_size.max_element(),
-        Shape::Disc { radius, .. } => 2.0 * radius,
-        Shape::Segment { a, b } => a.distance(*b),
-        Shape::Polygon { .. } => shape.bounds().size().max_element(),
-    }
 }
 
 /// A box in two: the first has a length in metres.
@@ -154,7 +145,7 @@ mod tests {
     }
 
     fn total(world: &World) -> f64 {
-        world.walls.iter().map(|wall| length(&wall.shape)).sum()
+        world.walls.iter().map(|wall| wall.length()).sum()
     }
 
     #[test]
@@ -265,7 +256,7 @@ mod tests {
                 let loose = of_kind(world, SurfaceKind::Loose);
                 let covered: f64 = loose.iter().map(|surface| surface.shape.area()).sum();
                 prop_assert!((covered - share * floor).abs() < 0.1, "{covered} of {floor}");
-                let dark: f64 = dark_walls(world).iter().map(|wall| length(&wall.shape)).sum();
+                let dark: f64 = dark_walls(world).iter().map(|wall| wall.length()).sum();
                 // Walls of rooms that cannot be cut are rounded.
                 prop_assert!((dark - share * total(world)).abs() < 2.0, "{dark}");
             }

@@ -80,7 +80,9 @@ impl Spec for IndoorSpec {
 
     fn work(&self) -> f64 {
         // Moving the contents of a room measures it many times.
-        let a_cell = if self.clearance.is_some() { 1000.0 } else { 1.0 };
+        let contents = if self.clearance.is_some() { 1000.0 } else { 1.0 };
+        let crates = self.clutter / 100.0 * self.cell_size * self.cell_size;
+        let a_cell = contents + crates * clutter::ATTEMPTS as f64;
         f64::from(self.width) * f64::from(self.height) * a_cell
     }
 

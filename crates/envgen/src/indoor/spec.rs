@@ -10,18 +10,15 @@ use super::catalogue::{Catalogue, SharedRoom};
 use super::dimensions::{Dimensions, STEP};
 use crate::error::SpecError;
 use crate::settings;
+use crate::world::is_zero;
 
 /// The default of [`IndoorSpec::dark_range`] in metres.
 const DARK_RANGE: f64 = 3.0;
 
-// Settings of materials are written where they are set, so that the files of other maps stay as they
-// were before these existed.
+// Settings of materials, clutter and doorway widths are written where they are set, so that the files of
+// other maps stay as they were before these existed.
 fn is_one(value: &f64) -> bool {
     *value == 1.0
-}
-
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }
 
 fn is_dark_range(value: &f64) -> bool {
@@ -90,7 +87,8 @@ settings! {
         /// Width that the narrowest passage through each room should have: contents are moved, turned,
         /// removed or doubled; none leaves rooms as designed.
         clearance: Option<f64> = None => optional_number("m", 0.0..=2.0);
-        /// Crates that stand about on the floors, as far as they fit: robots pass on every side of them.
+        /// Crates at random places of the floors, as far as they fit: robots pass on every side of them, with
+        /// the `clearance` where it is larger than a robot.
         #[serde(skip_serializing_if = "is_zero")]
         clutter: f64 = 0.0 => number("per 100 m^2", 0.0..=30.0);
         /// Width of the narrowest doorways, from which widths up to `doorway` are drawn; none for all of

@@ -43,8 +43,9 @@ pub(super) fn world(plan: &FloorPlan) -> World {
         }
     }
     let seed = plan.seed.unwrap_or_default();
-    clutter::add(spec, seed, &mut world);
     materials::apply(spec, seed, &mut world);
+    // After the materials: crates do not change which objects are dark.
+    clutter::add(spec, seed, &mut world);
     world
 }
 

@@ -16,6 +16,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 pub use check::{MAX_COORDINATE, Violation};
 pub use claim::Claim;
 pub use digest::Digest;
+pub(crate) use part::is_zero;
 pub use part::{
     Contents, Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind,
     Tree, Wall, WallKind,

@@ -24,6 +24,16 @@ impl Wall {
     pub fn new(kind: WallKind, shape: Shape) -> Self {
         Wall { kind, shape, visible_range: None }
     }
+
+    /// Its longest side in metres.
+    pub fn length(&self) -> f64 {
+        match &self.shape {
+            Shape::Box { half_size, .. } => 2.0 * half_size.max_element(),
+            Shape::Disc { radius, .. } => 2.0 * radius,
+            Shape::Segment { a, b } => a.distance(*b),
+            shape @ Shape::Polygon { .. } => shape.bounds().size().max_element(),
+        }
+    }
 }
 
 /// What a wall is part of.
@@ -217,7 +227,7 @@ pub struct Surface {
     /// Factor on the variances of a robot's odometry, 1 for plain ground.
     pub odometry_noise: f64,
     /// How much too far wheels measure, as a fraction of the distance that was driven: 0.2 where they
-    /// tell 1.2 m for each metre. Loose ground gives way under them.
+    /// measure 1.2 m for each metre. Loose ground gives under them.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub wheel_bias: f64,
 }
@@ -237,7 +247,7 @@ pub(crate) fn is_visible_range(range: Option<f64>) -> bool {
     range.is_none_or(|range| range.is_finite() && range > 0.0)
 }
 
-fn is_zero(value: &f64) -> bool {
+pub(crate) fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
@@ -260,7 +270,7 @@ pub enum SurfaceKind {
     OpenArea,
     /// Wet, dusty or strewn with rubble: wheels slip by chance.
     Slippery,
-    /// Gravel, sand or litter that gives way under wheels: they measure too far.
+    /// Gravel, sand or litter that gives under wheels: they measure too far.
     Loose,
     /// A class of a landscape, counted from 1.
     Class(u16),

@@ -151,7 +151,11 @@ impl Mapper {
         let track = &mut self.tracks[robot];
         let Some(keyframe) = track.keyframe else { return false };
         let keyframe = self.keyframes[keyframe].pose;
-        let refined = self.surfels.refine(keyframe.compose(track.relative), track.loose(), walls);
+        let expected = keyframe.compose(track.relative);
+        if !is_near(expected.position) {
+            return false;
+        }
+        let refined = self.surfels.refine(expected, track.loose(), walls);
         let (near, all) = (refined.near as f64, walls.len() as f64);
         let is_right = refined.near >= RIGHT_WALLS
             && near >= RIGHT_OF_KNOWN * refined.known as f64

@@ -88,7 +88,7 @@ pub(crate) fn wall_points(echoes: &[Vec2], laser: DVec2) -> Vec<WallPoint> {
     echoes.iter().enumerate().filter_map(on_wall).collect()
 }
 
-/// The echoes in a cell on walls that face one way.
+/// The echoes in a cell on walls that face one direction.
 #[derive(Clone, Copy, Debug, Default)]
 struct Surfel {
     echoes: f64,
@@ -98,7 +98,7 @@ struct Surfel {
     normal: DVec2,
 }
 
-/// The four ways that walls of a cell may face.
+/// The walls of a cell by the direction that they face.
 type SurfelCell = [Surfel; 4];
 
 /// A map of surfels.
@@ -156,7 +156,7 @@ impl SurfelMap {
                 .extend(wrap_angle(expected.heading - pose.heading));
             let mut information = DMat3::from_diagonal(prior);
             let mut pull = prior * off;
-            let mut tile = CachedTile { map: self, at: None };
+            let mut tile = CachedTile { map: self, at: None, cells: None };
             for wall in walls {
                 let arm = heading.rotate(wall.point);
                 let at = pose.position + arm;
@@ -213,7 +213,8 @@ pub(crate) struct Refined {
 /// The tile that was looked at last: most neighbours are in the same one.
 struct CachedTile<'a> {
     map: &'a SurfelMap,
-    at: Option<((i32, i32), Option<&'a [SurfelCell]>)>,
+    at: Option<(i32, i32)>,
+    cells: Option<&'a [SurfelCell]>,
 }
 
 impl CachedTile<'_> {
@@ -226,15 +227,11 @@ impl CachedTile<'_> {
         for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let cell = first + IVec2::new(x, y);
             let (tile, place) = address(cell);
-            let cells = match self.at {
-                Some((at, cells)) if at == tile => cells,
-                _ => {
-                    let cells = self.map.tiles.get(&tile).map(|cells| &**cells);
-                    self.at = Some((tile, cells));
-                    cells
-                }
-            };
-            let Some(surfel) = cells.map(|cells| cells[place][facing]) else { continue };
+            if self.at != Some(tile) {
+                self.at = Some(tile);
+                self.cells = self.map.tiles.get(&tile).map(|cells| &**cells);
+            }
+            let Some(surfel) = self.cells.map(|cells| cells[place][facing]) else { continue };
             all.echoes += surfel.echoes;
             all.sum += surfel.sum + (corner(cell) - origin) * surfel.echoes;
             all.normal += surfel.normal;
@@ -257,7 +254,7 @@ fn address(cell: IVec2) -> ((i32, i32), usize) {
     (tile, (cell.y.rem_euclid(TILE) * TILE + cell.x.rem_euclid(TILE)) as usize)
 }
 
-/// Which of the four ways a normal faces.
+/// Which of the four directions a normal faces.
 fn facing(normal: DVec2) -> usize {
     let (x, y) = (normal.x, normal.y);
     match (x.abs() >= y.abs(), if x.abs() >= y.abs() { x < 0.0 } else { y < 0.0 }) {

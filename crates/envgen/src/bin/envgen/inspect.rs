@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Args;
 use envgen::certificate::{Claim, Verdict, verify};
 use envgen::difficulty::{DifficultyVector, Platform};
-use envgen::geometry::{Pose, Rect, Shape, edges};
+use envgen::geometry::{Pose, Rect};
 use envgen::reproduction::{Reproduction, reproduce};
 use envgen::world::Surface;
 use envgen::{Provenance, World, WorldMetrics};
@@ -69,7 +69,7 @@ struct Parts {
 struct Materials {
     /// Area on which wheel odometry has more variance than on a plain floor, in square metres, each
     /// surface for itself.
-    slippery_m2: f64,
+    noisy_floor_m2: f64,
     /// The greatest factor on its variances.
     max_odometry_noise: f64,
     /// Area on which wheels measure too far, in square metres.
@@ -78,7 +78,7 @@ struct Materials {
     max_wheel_bias: f64,
     /// Walls that lasers see only from near.
     dark_walls: usize,
-    /// Half of their outlines, which is their length, in metres.
+    /// Their length, in metres.
     dark_walls_m: f64,
     /// Obstacles that lasers see only from near.
     dark_obstacles: usize,
@@ -95,14 +95,14 @@ impl Materials {
         let dark_walls = || world.walls.iter().filter(|wall| wall.visible_range.is_some());
         let dark_obstacles = || world.obstacles.iter().filter_map(|o| o.visible_range);
         let ranges = dark_walls().filter_map(|wall| wall.visible_range).chain(dark_obstacles());
-        let slippery_m2 = area(|surface| surface.odometry_noise > 1.0);
+        let noisy_floor_m2 = area(|surface| surface.odometry_noise > 1.0);
         Materials {
-            slippery_m2,
-            max_odometry_noise: if slippery_m2 > 0.0 { most(|s| s.odometry_noise) } else { 0.0 },
+            noisy_floor_m2,
+            max_odometry_noise: if noisy_floor_m2 > 0.0 { most(|s| s.odometry_noise) } else { 0.0 },
             loose_m2: area(|surface| surface.wheel_bias > 0.0),
             max_wheel_bias: most(|surface| surface.wheel_bias),
             dark_walls: dark_walls().count(),
-            dark_walls_m: dark_walls().map(|wall| half_outline(&wall.shape)).fold(0.0, Add::add),
+            dark_walls_m: dark_walls().map(|wall| wall.length()).fold(0.0, Add::add),
             dark_obstacles: dark_obstacles().count(),
             min_visible_range_m: ranges.reduce(f64::min),
         }
@@ -111,10 +111,6 @@ impl Materials {
     fn is_empty(&self) -> bool {
         *self == Materials::default()
     }
-}
-
-fn half_outline(shape: &Shape) -> f64 {
-    0.5 * edges(&shape.corners()).map(|(a, b)| a.distance(b)).fold(0.0, Add::add)
 }
 
 #[derive(Serialize)]
