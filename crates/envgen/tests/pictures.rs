@@ -224,11 +224,18 @@ fn every_kind_of_part_is_seen() {
         (SurfaceKind::Debris, "debris"),
         (SurfaceKind::Water, "water"),
         (SurfaceKind::Stairs, "stairs"),
+        (SurfaceKind::Slippery, "slippery"),
+        (SurfaceKind::Loose, "loose"),
         (SurfaceKind::Class(3), "class"),
     ] {
         let surface = Surface { speed: 0.5, ..Surface::new(kind, block()) };
         worlds.push((format!("surfaces-{id}"), with(|w| w.surfaces.push(surface))));
     }
+    let visible_range = Some(2.0);
+    let dark = Wall { visible_range, ..Wall::new(WallKind::Wall, block()) };
+    worlds.push(("walls-dark-wall".to_owned(), with(|w| w.walls.push(dark))));
+    let dark = Obstacle { visible_range, ..Obstacle::new(ObstacleKind::Crate, block()) };
+    worlds.push(("obstacles-dark-obstacle".to_owned(), with(|w| w.obstacles.push(dark))));
     for (open, id) in [(true, "doorways-open-doorway"), (false, "doorways-closed-door")] {
         let door = Doorway { shape: block(), open, rooms: [None, None] };
         worlds.push((id.to_owned(), with(|w| w.doorways.push(door))));
