@@ -15,9 +15,10 @@ pub const NO_ECHO: f64 = f64::INFINITY;
 /// ([`Obstacle::visible_range`](envgen::world::Obstacle::visible_range)).
 ///
 /// The beam is to be ignored, as NaN in a scan: it is neither an echo, nor does it say that its path
-/// is free. Lasers tell the two apart: the LMS 200 has one code for a signal that is too weak and
-/// another for a range beyond its greatest (SICK, *`LMS2xx` Telegram Listing*), which REP 117 of ROS
-/// maps to NaN and infinity.
+/// is free. Lasers tell the two apart: SICK's LMS 200 sends the code 0x1FFB for a signal-to-noise ratio
+/// that is too small, and 0x1FF7 for a range beyond its greatest, which by REP 117 of ROS are NaN and
+/// infinity. A real laser misses very dark walls altogether; here it always notices them within its
+/// greatest range.
 pub const UNSEEN: f64 = f64::NAN;
 
 /// Least difference in metres between neighbouring ranges at which a beam can hit both.
