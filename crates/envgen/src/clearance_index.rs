@@ -95,6 +95,15 @@ impl ClearanceIndex {
         self.reach
     }
 
+    /// What a query at a point costs: the shapes that it reads, and their corners.
+    pub(crate) fn cost_at(&self, p: DVec2) -> usize {
+        let cost = |&i: &u32| match &self.shapes[i as usize].1 {
+            Shape::Polygon { vertices } => vertices.len(),
+            _ => 1,
+        };
+        self.index.at(p).iter().map(cost).sum()
+    }
+
     /// Calls `visit` for every part within `radius` metres of a point, or within
     /// [`ClearanceIndex::reach`] where that is less. A part with a long outline may be visited several
     /// times.

@@ -97,6 +97,8 @@ struct Grid<'a> {
     blocked: &'a [bool],
     /// Squared distance of every cell to the closest blocked one, in cells; empty where there is none.
     squared: Vec<u16>,
+    /// For each of [`AXES`] the length of the run of free cells along it that a cell is in, 0 for blocked ones.
+    runs: [Vec<u32>; 4],
 }
 
 impl<'a> Grid<'a> {
@@ -106,7 +108,8 @@ impl<'a> Grid<'a> {
             false => Vec::new(),
         };
         let rows = blocked.len().checked_div(cols).unwrap_or(0);
-        Grid { cols: cols as isize, rows: rows as isize, blocked, squared }
+        let runs = AXES.map(|axis| runs(cols, blocked, axis));
+        Grid { cols: cols as isize, rows: rows as isize, blocked, squared, runs }
     }
 
     fn metrics(&self, path: &[usize], mode: BarnMode) -> Option<BarnMetrics> {
@@ -152,19 +155,6 @@ impl<'a> Grid<'a> {
         (((r - s) * (r - s) + (c - d) * (c - d)) as f64).sqrt()
     }
 
-    /// Number of free cells from a cell on in a direction, itself excluded.
-    fn free_ahead(&self, cell: usize, (down, right): (isize, isize)) -> u32 {
-        let (mut row, mut col) = self.place(cell);
-        let mut free = 0;
-        loop {
-            (row, col) = (row + down, col + right);
-            if self.is_blocked(row, col) != Some(false) {
-                return free;
-            }
-            free += 1;
-        }
-    }
-
     /// The visibility and the characteristic dimension of a cell.
     fn free_lengths(&self, cell: usize, mode: BarnMode) -> (f64, f64) {
         if self.blocked[cell] {
@@ -172,9 +162,9 @@ impl<'a> Grid<'a> {
         }
         let own = if mode == BarnMode::Reference { 2.0 } else { 0.0 };
         let (mut sum, mut least) = (0.0, (self.rows + self.cols) as f64);
-        for (down, right) in AXES {
-            let free =
-                self.free_ahead(cell, (down, right)) + self.free_ahead(cell, (-down, -right));
+        for ((down, right), runs) in AXES.into_iter().zip(&self.runs) {
+            // Itself excluded.
+            let free = runs[cell] - 1;
             let step = step_length(down, right);
             sum += (f64::from(free) + own) * step;
             least = least.min(f64::from(free) * step);
@@ -209,6 +199,30 @@ impl<'a> Grid<'a> {
         let changes = (0..RAYS.len()).filter(|&i| met[i] != met[(i + 1) % RAYS.len()]);
         changes.count() as f64
     }
+}
+
+/// For each cell the length of the run of free cells along an axis that it is in: all in two passes, since
+/// following the axis from each cell takes as long as the square of a corridor's length.
+fn runs(cols: usize, blocked: &[bool], (down, right): (isize, isize)) -> Vec<u32> {
+    let step = down * cols as isize + right;
+    // The cell before this one, or after it, along the axis.
+    let beside = |cell: usize, back: bool| {
+        let (step, right) = if back { (-step, -right) } else { (step, right) };
+        let col = (cell % cols).checked_add_signed(right)?;
+        let other = cell.checked_add_signed(step)?;
+        (col < cols && other < blocked.len() && !blocked[other]).then_some(other)
+    };
+    let mut runs = vec![0; blocked.len()];
+    for cell in (0..blocked.len()).filter(|&cell| !blocked[cell]) {
+        runs[cell] = 1 + beside(cell, true).map_or(0, |other| runs[other]);
+    }
+    // The last cell of a run has its length.
+    for cell in (0..blocked.len()).rev().filter(|&cell| !blocked[cell]) {
+        if let Some(other) = beside(cell, false) {
+            runs[cell] = runs[other];
+        }
+    }
+    runs
 }
 
 fn step_length(down: isize, right: isize) -> f64 {
@@ -411,6 +425,32 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn runs_are_those_of_walking(
+            cells in prop::collection::vec(prop::bool::weighted(0.2), 60),
+            cols in prop::sample::select(vec![1_usize, 2, 6, 10, 60]),
+        ) {
+            let rows = (60 / cols) as isize;
+            for (down, right) in AXES {
+                let found = runs(cols, &cells, (down, right));
+                for cell in 0..60 {
+                    let ahead = |down: isize, right: isize| {
+                        let (row, col) = ((cell / cols) as isize, (cell % cols) as isize);
+                        (1..)
+                            .map(|k| (row + k * down, col + k * right))
+                            .take_while(|&(r, c)| {
+                                let inside = (0..rows).contains(&r) && (0..cols as isize).contains(&c);
+                                inside && !cells[r as usize * cols + c as usize]
+                            })
+                            .count() as u32
+                    };
+                    let expected =
+                        if cells[cell] { 0 } else { 1 + ahead(down, right) + ahead(-down, -right) };
+                    prop_assert_eq!(found[cell], expected);
+                }
+            }
+        }
+
         #[test]
         fn corrected_metrics_are_the_same_mirrored(
             cells in prop::collection::vec(prop::bool::weighted(0.2), 64),

@@ -23,8 +23,8 @@ features! {
         clearance_50_m: f64, "m";
         /// 90 % quantile of the clearance.
         clearance_90_m: f64, "m";
-        /// Integral of 1 / clearance along the tour: the best single predictor of the navigation times
-        /// of others on BARN's worlds.
+        /// Integral of 1 / clearance along the tour: of the features, the best single predictor of the
+        /// times that published planners took in BARN's worlds.
         tour_length_over_clearance: f64, "";
         /// The same per metre of the tour; none where the robot need not move.
         tour_mean_inverse_clearance_per_m: Option<f64>, "1/m";

@@ -1,7 +1,7 @@
-//! The difficulty vector: numbers that tell how hard a world is to map, for a robot and its laser.
+//! The difficulty vector: numbers that state how hard a world is to map, for a robot and its laser.
 //!
 //! All of them follow from the [`World`] alone, without simulation, and are the same to the last bit on every
-//! platform. What each measures, with unit and source, stands at the field; [`DifficultyVector::features`]
+//! platform. What each measures, with unit and source, is documented at the field; [`DifficultyVector::features`]
 //! lists them all, and [`DifficultyVector::values`] gives their values in the same order.
 //!
 //! ```
@@ -21,7 +21,8 @@
 //!
 //! # Method
 //!
-//! A grid of [`CELL`] covers the world's bounds; worlds with more than [`MAX_CELLS`] cells get larger ones.
+//! A grid of [`CELL`] covers the world's bounds; worlds with more than [`MAX_CELLS`] cells get larger ones,
+//! and those that would need cells over [`MAX_CELL`] have no vector.
 //! Cells are free where the robot's centre has its circumscribed radius and 5 mm of clearance, on ground that
 //! it can drive on; those that it reaches from the world's start, or without a start those of the largest
 //! connected region, are the ground of the vector. Distances to solids and rays are exact. [`POSES`] poses
@@ -55,7 +56,7 @@ pub use places::Places;
 pub use platform::Platform;
 pub use poses::POSES;
 pub use search::MAX_VISITS;
-pub use space::{CELL, MAX_CELLS};
+pub use space::{CELL, MAX_CELL, MAX_CELLS, MAX_READS};
 pub use tour::{MAX_SCANS, TourFeatures};
 pub use visibility::Visibility;
 pub use walls::Walls;
@@ -85,6 +86,23 @@ pub enum DifficultyError {
     /// The world is too large for its grid.
     #[error(transparent)]
     Size(#[from] OccupancyError),
+    /// The world is too large for cells of [`MAX_CELL`].
+    #[error(
+        "the bounds of the world are {width} m x {height} m, expected at most {MAX_CELLS} cells of \
+         {MAX_CELL} m in them"
+    )]
+    TooLarge {
+        /// Their width in metres.
+        width: f64,
+        /// Their height in metres.
+        height: f64,
+    },
+    /// So many solids are near each other that the clearances take over [`MAX_READS`] distances to solids.
+    #[error(
+        "the solids of the world are too dense, expected clearances that take at most {MAX_READS} \
+         distances to solids"
+    )]
+    TooDense,
     /// The robot does not fit at the start.
     #[error(
         "`start` is ({x}, {y}) m, expected ground to drive on with {radius} m of free ground all around"
@@ -151,8 +169,8 @@ impl DifficultyVector {
     /// Computes the vector of a world for a robot and its laser.
     ///
     /// # Errors
-    /// When a number of the platform is not allowed, when the world is broken, and when the robot does not
-    /// fit at the world's start, or anywhere in a world without a start.
+    /// When a number of the platform is not allowed, when the world is broken, too large or its solids are
+    /// too dense, and when the robot does not fit at the world's start, or anywhere in a world without a start.
     pub fn of(world: &World, platform: &Platform) -> Result<Self, DifficultyError> {
         platform.validate()?;
         world.check()?;
@@ -166,7 +184,7 @@ impl DifficultyVector {
         let heading = world.start.map_or(0.0, |start| start.heading);
         let start = Pose { position: space.points[space.start], heading };
         let tour = Tour::new(&space, &laser, platform, start);
-        Ok(DifficultyVector {
+        let vector = DifficultyVector {
             ground: Ground { ground_area_m2: ground_area, grid_cell_m: space.frame.cell_size },
             localization: Localization::of(&views, platform.sigma),
             visibility: Visibility::of(&views, platform, ground_area),
@@ -176,7 +194,9 @@ impl DifficultyVector {
             walls: Walls::of(world, &space, &rays, ground_area, platform.max_range),
             places: Places::of(&space, &by_clearance),
             barn: barn(world, &space, &tour),
-        })
+        };
+        space.check_reads()?;
+        Ok(vector)
     }
 
     /// Every feature, in order.

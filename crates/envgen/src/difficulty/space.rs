@@ -1,10 +1,13 @@
 //! Where a robot's centre can be, on a grid.
 
+use std::cell::Cell;
+
 use glam::DVec2;
 
 use super::DifficultyError;
 use super::platform::MARGIN;
 use crate::clearance_index::ClearanceIndex;
+use crate::geometry::Shape;
 use crate::grid::GridFrame;
 use crate::surface_index::SurfaceIndex;
 use crate::world::{SurfaceKind, World};
@@ -15,12 +18,23 @@ pub const CELL: f64 = 0.2;
 /// The most cells of the grid; larger worlds have larger cells.
 pub const MAX_CELLS: usize = 1 << 18;
 
+/// The greatest side of a cell in metres: in larger ones a robot's ground and moves mean little.
+pub const MAX_CELL: f64 = 5.0;
+
+/// The most distances to solids that all clearances take, about a second's worth, a polygon counting once for
+/// each corner: where solids are piled on each other, each clearance takes many.
+pub const MAX_READS: usize = 1 << 28;
+
 /// Clearances are measured up to this distance in metres; greater ones count as this.
 pub(super) const SIGHT_OF_SOLIDS: f64 = 1.5;
 
 /// Cells of the indices of solids per solid, and in how many of them a solid may be listed: many queries are
 /// worth fine cells.
 const INDEX: (f64, usize) = (10.0, 200);
+
+/// Many solids are listed in fewer cells each, so that the lists of an index take about 64 MiB, but in no
+/// fewer than these.
+const LISTINGS: (usize, usize) = (1 << 24, 24);
 
 /// A point of a cell is looked for where the cell's centre is too near to a solid: at the best of nine
 /// points, then of nine around it, and once more. Three rounds end within a hundredth of a cell.
@@ -58,7 +72,7 @@ impl<'a> Space<'a> {
     /// The cells that a robot reaches from the world's start; without one those of the largest connected
     /// region, from its cell of greatest clearance.
     pub(super) fn new(world: &'a World, footprint: f64) -> Result<Self, DifficultyError> {
-        let frame = frame(world);
+        let frame = frame(world)?;
         let finder = Finder::new(world, footprint, frame.cell_size)?;
         let half_diagonal = frame.cell_size * std::f64::consts::FRAC_1_SQRT_2;
         let mut points = Vec::with_capacity(frame.len());
@@ -80,6 +94,7 @@ impl<'a> Space<'a> {
             }
         }
         let moves = moves(frame, &points, &clearance, &finder);
+        finder.check_reads()?;
         let mut space = Space {
             frame,
             footprint,
@@ -166,8 +181,7 @@ impl<'a> Space<'a> {
 
     /// Whether the robot's centre can move in a straight line between two points where it can be.
     pub(super) fn is_clear(&self, a: DVec2, b: DVec2) -> bool {
-        let near = &self.finder.near;
-        let room = |p: DVec2| near.clearance(p).min(near.reach());
+        let room = |p: DVec2| self.finder.near_clearance(p);
         self.finder.is_clear(a, room(a), b, room(b))
     }
 
@@ -176,6 +190,11 @@ impl<'a> Space<'a> {
         let mut cells: Vec<usize> = self.cells().collect();
         cells.sort_by(|&a, &b| self.clearance[b].total_cmp(&self.clearance[a]));
         cells
+    }
+
+    /// An error once [`MAX_READS`] are spent: clearances are wrong from then on.
+    pub(super) fn check_reads(&self) -> Result<(), DifficultyError> {
+        self.finder.check_reads()
     }
 
     pub(super) fn is_free(&self, cell: usize) -> bool {
@@ -223,8 +242,8 @@ impl<'a> Space<'a> {
     }
 }
 
-/// Cells over the world's bounds: of [`CELL`], or larger ones, at most [`MAX_CELLS`].
-fn frame(world: &World) -> GridFrame {
+/// Cells over the world's bounds: of [`CELL`], or larger ones up to [`MAX_CELL`], at most [`MAX_CELLS`].
+fn frame(world: &World) -> Result<GridFrame, DifficultyError> {
     let size = world.bounds.size();
     let cells = |side: f64| (size / side - 1e-9).ceil().max(DVec2::ONE);
     let mut side = CELL.max((size.x * size.y / MAX_CELLS as f64).sqrt());
@@ -233,9 +252,12 @@ fn frame(world: &World) -> GridFrame {
     while cells(side).x * cells(side).y > MAX_CELLS as f64 {
         side *= 1.01;
     }
+    if side > MAX_CELL {
+        return Err(DifficultyError::TooLarge { width: size.x, height: size.y });
+    }
     let count = cells(side);
     let (cols, rows) = (count.x as usize, count.y as usize);
-    GridFrame { origin: world.bounds.min, cell_size: side, cols, rows }
+    Ok(GridFrame { origin: world.bounds.min, cell_size: side, cols, rows })
 }
 
 /// Finds points where a robot's centre can be.
@@ -248,17 +270,29 @@ struct Finder<'a> {
     near: ClearanceIndex,
     /// Where there is ground that the robot cannot drive on.
     grounds: Option<SurfaceIndex>,
+    /// Distances to solids that were taken, of [`MAX_READS`].
+    reads: Cell<usize>,
 }
 
 impl<'a> Finder<'a> {
     fn new(world: &'a World, footprint: f64, side: f64) -> Result<Self, DifficultyError> {
-        let index = |reach| ClearanceIndex::with_density(world, reach, INDEX.0, INDEX.1);
+        let shapes: usize = world
+            .solids()
+            .map(|solid| match &*solid.shape {
+                // Their sides are listed on their own.
+                Shape::Polygon { vertices } => vertices.len() + 1,
+                _ => 1,
+            })
+            .sum();
+        let listings = (LISTINGS.0 / shapes.max(1)).clamp(LISTINGS.1, INDEX.1);
+        let index = |reach| ClearanceIndex::with_density(world, reach, INDEX.0, listings);
         Ok(Finder {
             world,
             footprint,
             far: index(SIGHT_OF_SOLIDS.max(footprint))?,
             near: index(footprint + side)?,
             grounds: has_bad_ground(world).then(|| SurfaceIndex::new(world)),
+            reads: Cell::new(0),
         })
     }
 
@@ -281,7 +315,7 @@ impl<'a> Finder<'a> {
             let around = middle;
             for (x, y) in STEPS {
                 let p = around + DVec2::new(x as f64, y as f64) * step;
-                let room = self.near.clearance(p).min(self.near.reach()).min(reach);
+                let room = self.near_clearance(p).min(reach);
                 if room > middle_room {
                     (middle, middle_room) = (p, room);
                 }
@@ -299,9 +333,27 @@ impl<'a> Finder<'a> {
 
     /// Distance to the nearest solid in metres, at most the reach of `far`.
     fn clearance(&self, p: DVec2) -> f64 {
-        let near = self.near.clearance(p);
-        let room = if near.is_finite() { near } else { self.far.clearance(p) };
+        let near = self.read(&self.near, p);
+        let room = if near.is_finite() { near } else { self.read(&self.far, p) };
         room.min(self.far.reach())
+    }
+
+    /// Distance to the nearest solid in metres, at most the reach of `near`.
+    fn near_clearance(&self, p: DVec2) -> f64 {
+        self.read(&self.near, p).min(self.near.reach())
+    }
+
+    /// The clearance in an index; 0, which ends every search, once [`MAX_READS`] are spent.
+    fn read(&self, index: &ClearanceIndex, p: DVec2) -> f64 {
+        if self.reads.get() > MAX_READS {
+            return 0.0;
+        }
+        self.reads.set(self.reads.get().saturating_add(1 + index.cost_at(p)));
+        index.clearance(p)
+    }
+
+    fn check_reads(&self) -> Result<(), DifficultyError> {
+        if self.reads.get() > MAX_READS { Err(DifficultyError::TooDense) } else { Ok(()) }
     }
 
     /// Whether a robot can drive at a point.
@@ -321,7 +373,7 @@ impl<'a> Finder<'a> {
             return true;
         }
         let middle = 0.5 * (a + b);
-        let room = self.near.clearance(middle).min(self.near.reach());
+        let room = self.near_clearance(middle);
         room >= self.footprint
             && self.is_clear(a, room_a, middle, room)
             && self.is_clear(middle, room, b, room_b)

@@ -32,7 +32,7 @@ const COLLINEAR: (f64, f64) = (1e-3, 0.01);
 /// A straight wall without anything in it, at least this long, is plain, in metres.
 const PLAIN: f64 = 2.0;
 
-/// A piece of wall under this length is clutter, in metres.
+/// A piece of wall under this length is short, in metres.
 const SHORT: f64 = 1.0;
 
 features! {
@@ -44,7 +44,7 @@ features! {
         wall_length_m: f64, "m";
         /// The same per area of free ground.
         wall_length_per_area_per_m: f64, "1/m";
-        /// Number of runs and of round obstacles under 1 m per area of free ground: clutter.
+        /// Number of runs and of round obstacles under 1 m per area of free ground.
         short_walls_per_m2: f64, "1/m^2";
         /// Longest run by the laser's greatest range.
         longest_plain_run_over_range: f64, "";

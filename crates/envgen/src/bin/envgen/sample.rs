@@ -14,7 +14,8 @@ use crate::platform::PlatformOptions;
 use crate::progress::bar;
 use crate::source::Source;
 
-/// At most this many seeds without a blueprint are listed on stderr; the others are counted.
+/// At most this many seeds without a blueprint, and without a difficulty vector, are listed on stderr; the
+/// others are counted.
 const NAMED_FAILURES: u64 = 10;
 
 #[derive(Args)]
@@ -39,7 +40,8 @@ pub(crate) struct Arguments {
 enum Measures {
     /// The blueprint alone.
     Blueprint,
-    /// The blueprint, and the difficulty vector of its world: null where the robot fits nowhere.
+    /// The blueprint, and the difficulty vector of its world: null where the robot does not fit at the start, or
+    /// anywhere.
     Difficulty,
 }
 
@@ -78,7 +80,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let settings = spec.settings_json();
     let bar = bar(count);
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-    let mut failures = 0_u64;
+    let (mut failures, mut unmeasured) = (0_u64, 0_u64);
     for n in 0..count {
         let seed = first.offset(n);
         match spec.generate(seed) {
@@ -90,7 +92,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
                     Measures::Difficulty => {
                         let measured = measure(&blueprint, &platform);
                         if let Err(text) = &measured {
-                            bar.suspend(|| say(&format!("seed {seed}: {text}")));
+                            unmeasured += 1;
+                            if unmeasured <= NAMED_FAILURES {
+                                bar.suspend(|| say(&format!("seed {seed}: {text}")));
+                            }
                         }
                         Some(measured.ok())
                     }
@@ -115,6 +120,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     }
     out.flush()?;
     bar.finish_and_clear();
+    if unmeasured > NAMED_FAILURES {
+        say(&format!("{unmeasured} of {count} seeds have no difficulty"));
+    }
     if failures > 0 {
         let text = format!("{failures} of {count} seeds have no {}", spec.kind());
         return Err(source.name(Failure::Failed(text)));
