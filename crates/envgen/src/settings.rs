@@ -5,10 +5,13 @@
 //! of its [`Setting`]s is what `envgen kinds` prints, what the specs' `validate` reads its limits from,
 //! and what a panel needs to offer every setting with its range.
 
+mod text;
+
 use std::fmt;
 
 use serde_json::Value;
 
+use self::text::{item, item_text, items, plain_text};
 use crate::error::SpecError;
 
 /// One setting of a spec.
@@ -281,65 +284,6 @@ impl Setting {
             }
             _ => plain_text(value),
         }
-    }
-}
-
-/// An item of a list, in quotes where it would be read as something else without them.
-fn item_text(value: &Value) -> String {
-    match value.as_str() {
-        Some(text) => {
-            let whole = !text.is_empty() && text.trim() == text;
-            let plain = whole && !text.contains(['"', ',', '[', ']']) && item(text) == *value;
-            if plain { text.to_owned() } else { value.to_string() }
-        }
-        None => plain_text(value),
-    }
-}
-
-/// A number without needless decimals, anything else as JSON.
-fn plain_text(value: &Value) -> String {
-    match value.as_f64() {
-        Some(number) if value.is_f64() => number.to_string(),
-        _ => value.to_string(),
-    }
-}
-
-/// The value that a text means: JSON, else the text itself.
-fn item(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|_| text.into())
-}
-
-/// The items of a list, which commas separate; or what is wrong with its quotes.
-fn items(list: &str) -> Result<Vec<Value>, &'static str> {
-    let mut items = Vec::new();
-    let mut rest = Some(list).filter(|list| !list.is_empty());
-    while let Some(list) = rest.map(str::trim_start) {
-        if list.starts_with('"') {
-            let (text, after) = quoted(list)?;
-            items.push(text.into());
-            rest = match after.trim_start() {
-                "" => None,
-                after => Some(
-                    after.strip_prefix(',').ok_or("a comma is missing after a closing quote")?,
-                ),
-            };
-        } else {
-            let (text, after) =
-                list.split_once(',').map_or((list, None), |(text, after)| (text, Some(after)));
-            items.push(item(text.trim()));
-            rest = after;
-        }
-    }
-    Ok(items)
-}
-
-/// Text in quotes and what follows it, or what is wrong with it.
-fn quoted(text: &str) -> Result<(String, &str), &'static str> {
-    let mut values = serde_json::Deserializer::from_str(text).into_iter::<String>();
-    match values.next() {
-        Some(Ok(value)) => Ok((value, &text[values.byte_offset()..])),
-        Some(Err(error)) if !error.is_eof() => Err("in quotes, a backslash is written as two"),
-        _ => Err("a quote is not closed"),
     }
 }
 
@@ -619,48 +563,5 @@ mod tests {
             assert_eq!(list.parse(text).unwrap(), serde_json::json!([]), "{text}");
         }
         assert_eq!(list.parse("[a").unwrap(), serde_json::json!(["[a"]));
-    }
-
-    #[test]
-    fn items_in_quotes_hold_commas() {
-        let list = Setting::list("rooms", "", "names of rooms", "which rooms");
-        for text in [r#""a, b",maze,"""#, r#"[ "a, b" , maze, "" ]"#, r#""a, b", maze ,"""#] {
-            let items = serde_json::json!(["a, b", "maze", ""]);
-            assert_eq!(list.parse(text).unwrap(), items, "{text}");
-        }
-        let quotes = serde_json::json!(["a \"b\", c", "5\" pipe", "\\"]);
-        assert_eq!(list.parse(r#""a \"b\", c",5" pipe,\"#).unwrap(), quotes);
-        for (text, why) in [
-            (r#"maze,"a, b"#, "a quote is not closed"),
-            (r#"["a, b]"#, "a quote is not closed"),
-            (r#""a, b\""#, "a quote is not closed"),
-            (r#""a, b" c,maze"#, "a comma is missing after a closing quote"),
-            (r#""a\c""#, "in quotes, a backslash is written as two"),
-        ] {
-            let expected = format!("`rooms` must be a list of names of rooms, got {text}: {why}");
-            assert_eq!(list.parse(text).unwrap_err().to_string(), expected);
-        }
-    }
-
-    #[test]
-    fn values_are_written_as_they_are_read() {
-        let list = Setting::list("rooms", "", "names of rooms", "which rooms");
-        let names = [
-            "maze", "a, b", "\"a", "5\" pipe", "", " a", "3", "true", "null", "[a", "b]", "\\", "ä",
-        ];
-        let (all, ends) = (serde_json::json!(names), serde_json::json!(["[a", "b]"]));
-        let one = names.map(|name| serde_json::json!([name]));
-        for items in one.iter().chain([&all, &ends, &serde_json::json!([1, 0.5, null])]) {
-            let text = list.text_of(items);
-            assert_eq!(list.parse(&text).as_ref(), Ok(items), "{text}");
-        }
-        assert_eq!(list.text_of(&serde_json::json!(["maze", "a, b"])), r#"maze,"a, b""#);
-        assert_eq!(WIDTH.text_of(&Value::Null), "none");
-        assert_eq!(WIDTH.text_of(&2.0.into()), "2");
-        assert_eq!(WIDTH.text_of(&u64::MAX.into()), u64::MAX.to_string());
-        let other = Setting::other("catalogue", "", "rooms", "which rooms");
-        for value in [serde_json::json!([{ "name": "a, b" }, ["c"]]), serde_json::json!(["a"])] {
-            assert_eq!(other.parse(&other.text_of(&value)), Ok(value));
-        }
     }
 }

@@ -109,14 +109,10 @@ fn with_barriers(world: &World) -> World {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Spec;
     use crate::certificate::{Verdict, verify};
     use crate::indoor::IndoorSpec;
-    use crate::{Blueprint, Spec};
-
-    fn world(spec: &IndoorSpec, seed: u64) -> World {
-        let small = IndoorSpec { width: 6, height: 6, ..spec.clone() };
-        small.generate(Seed(seed)).expect("a map").to_world()
-    }
+    use crate::indoor::tests::small_world as world;
 
     #[test]
     fn crates_add_up_and_leave_gaps() {

@@ -128,13 +128,9 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::Spec;
     use crate::indoor::IndoorSpec;
-    use crate::{Blueprint, Spec};
-
-    fn world(spec: &IndoorSpec, seed: u64) -> World {
-        let small = IndoorSpec { width: 6, height: 6, ..spec.clone() };
-        small.generate(Seed(seed)).expect("a map").to_world()
-    }
+    use crate::indoor::tests::small_world as world;
 
     fn of_kind(world: &World, kind: SurfaceKind) -> Vec<Surface> {
         world.surfaces.iter().filter(|surface| surface.kind == kind).cloned().collect()

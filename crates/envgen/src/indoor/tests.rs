@@ -21,6 +21,12 @@ fn thesis(difficulty: f64, size: u32) -> IndoorSpec {
     }
 }
 
+/// The world of a small map with the other settings of a spec.
+pub(super) fn small_world(spec: &IndoorSpec, seed: u64) -> World {
+    let small = IndoorSpec { width: 6, height: 6, ..spec.clone() };
+    small.generate(Seed(seed)).expect("a map").to_world()
+}
+
 fn plans(spec: &IndoorSpec, seeds: u64) -> impl Iterator<Item = FloorPlan> + '_ {
     (0..seeds).map(|seed| spec.generate(Seed(seed)).unwrap())
 }

@@ -22,7 +22,6 @@ use self::parts::Quality;
 use self::raster::Raster;
 pub use self::reference::Reference;
 pub use self::rows::ScoreRow;
-use self::score_1::Measurements;
 pub use self::score_1::Score1;
 pub use self::weights::{Difficulties, Sensitivity, Weights, kendall_tau, sensitivity};
 use crate::map::OccupancyMap;
@@ -233,28 +232,16 @@ impl Scores {
         let far = pose::relative(run.tracks, pose::FAR);
         let free_area = truth.free_area();
         let relative_error_far = far.map(|(position, _)| position);
-        let parts = Parts::of(
-            run,
-            truth.robot(),
-            &Quality {
-                e_wall: 1.0 - f1_30,
-                coverage,
-                drift: relative_error_far.unwrap_or(trajectory_error),
-                free_area,
-                navigability: with_margin,
-            },
-        );
-        let score_1 = Score1::of(&Measurements {
+        let quality = Quality {
             e_wall: 1.0 - f1_30,
             coverage,
-            navigability,
-            trajectory_error,
+            pose_error: relative_error_far.unwrap_or(trajectory_error),
             free_area,
-            time: run.time,
-            turning: run.turning,
-            hits: run.hits,
-            stuck: run.stuck,
-        });
+            navigability: with_margin,
+        };
+        let parts = Parts::of(run, truth.robot(), &quality);
+        let score_1 =
+            Score1::of(run, &Quality { pose_error: trajectory_error, navigability, ..quality });
         let Difficulties { mapping, navigation, overall } = Weights::default().difficulties(&parts);
         let Parts { e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn } = parts;
         Ok(Scores {

@@ -56,22 +56,23 @@ pub struct Parts {
 }
 
 /// What the map of a run and its poses are worth.
+#[derive(Clone, Copy)]
 pub(super) struct Quality {
     /// 1 - F1 at 0.30 m.
     pub(super) e_wall: f64,
     /// C, from 0 to 1.
     pub(super) coverage: f64,
-    /// Error in metres relative to that 20 m of path before.
-    pub(super) drift: f64,
+    /// Error of the poses in metres: relative to that 20 m of path before, by score 1 the ATE.
+    pub(super) pose_error: f64,
     /// Area of F in square metres.
     pub(super) free_area: f64,
-    /// The share of paths that arrive with the margin of a cell.
+    /// The share of paths that arrive, with the margin of a cell; by score 1 without.
     pub(super) navigability: f64,
 }
 
 impl Parts {
     pub(super) fn of(run: &RunSummary<'_>, robot: &Robot, quality: &Quality) -> Self {
-        let Quality { e_wall, coverage, drift, free_area, navigability } = *quality;
+        let Quality { e_wall, coverage, pose_error, free_area, navigability } = *quality;
         let e_cov = 1.0 - coverage;
         let covered = coverage.max(LEAST_COVERAGE) * free_area;
         let open_hall = 1.0 / (2.0 * VIEW * cruising_speed(robot));
@@ -82,7 +83,7 @@ impl Parts {
         Parts {
             e_wall,
             e_use: 1.0 - navigability,
-            e_pose: saturating(drift - LEAST_DRIFT, HALF_DRIFT),
+            e_pose: saturating(pose_error - LEAST_DRIFT, HALF_DRIFT),
             e_cov,
             e_time: saturating(time, HALF_TIME),
             e_hit: 1.0 - libm::exp(-hits / (distance / 100.0) / MANY_HITS),
@@ -100,8 +101,13 @@ mod tests {
     use crate::score::tests::run;
     use crate::score::{Difficulties, TrajectoryPair, Weights};
 
-    const PERFECT: Quality =
-        Quality { e_wall: 0.0, coverage: 1.0, drift: 0.0, free_area: 100.0, navigability: 1.0 };
+    const PERFECT: Quality = Quality {
+        e_wall: 0.0,
+        coverage: 1.0,
+        pose_error: 0.0,
+        free_area: 100.0,
+        navigability: 1.0,
+    };
 
     fn parts(run: &RunSummary<'_>, quality: &Quality) -> Parts {
         Parts::of(run, &Robot::default(), quality)
@@ -136,7 +142,7 @@ mod tests {
         let map = OccupancyMap::new();
         let time = 100.0 * (HALF_TIME + 0.125);
         let many = RunSummary { time, distance: 50.0, turning: 50.0, ..run(&map) };
-        let half = Quality { drift: LEAST_DRIFT + HALF_DRIFT, ..PERFECT };
+        let half = Quality { pose_error: LEAST_DRIFT + HALF_DRIFT, ..PERFECT };
         let found = parts(&many, &half);
         for part in [found.e_time, found.e_turn, found.e_pose] {
             assert!((part - 0.5).abs() < 1e-12, "{found:?}");

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Parts, STUCK_HITS, Weights, saturating};
+use super::parts::Quality;
+use super::{Parts, RunSummary, STUCK_HITS, Weights, saturating};
 
 /// Trajectory error in metres at which `e_pose` is 0.5.
 const HALF_ERROR: f64 = 0.5;
@@ -43,37 +44,17 @@ pub struct Score1 {
     pub e_turn: f64,
 }
 
-/// The measurements of a run that score 1 is made of.
-pub(super) struct Measurements {
-    /// 1 - F1 at 0.30 m.
-    pub(super) e_wall: f64,
-    /// C, from 0 to 1.
-    pub(super) coverage: f64,
-    /// U, from 0 to 1.
-    pub(super) navigability: f64,
-    /// ATE in metres.
-    pub(super) trajectory_error: f64,
-    /// Area of F in square metres.
-    pub(super) free_area: f64,
-    /// Simulated time in seconds.
-    pub(super) time: f64,
-    /// Turning of all robots in radians.
-    pub(super) turning: f64,
-    /// Number of collisions of all robots.
-    pub(super) hits: u32,
-    /// Number of robots that were stuck for good, or lost in water.
-    pub(super) stuck: u32,
-}
-
 impl Score1 {
-    pub(super) fn of(run: &Measurements) -> Self {
+    /// Scores a run whose `quality` has ATE and U.
+    pub(super) fn of(run: &RunSummary<'_>, quality: &Quality) -> Self {
+        let Quality { e_wall, coverage, pose_error, free_area, navigability } = *quality;
         let hits = f64::from(run.hits) + STUCK_HITS * f64::from(run.stuck);
         let parts = Parts {
-            e_wall: run.e_wall,
-            e_use: 1.0 - run.navigability,
-            e_pose: saturating(run.trajectory_error, HALF_ERROR),
-            e_cov: 1.0 - run.coverage,
-            e_time: saturating(run.time, HALF_TIME * run.free_area),
+            e_wall,
+            e_use: 1.0 - navigability,
+            e_pose: saturating(pose_error, HALF_ERROR),
+            e_cov: 1.0 - coverage,
+            e_time: saturating(run.time, HALF_TIME * free_area),
             e_hit: 1.0 - libm::exp(-hits / MANY_HITS),
             e_turn: saturating(run.turning, HALF_TURNING),
         };

@@ -132,15 +132,13 @@ impl Mapper {
 
     /// Corrects a robot's pose by a scan; where it has driven far enough, the scan is a keyframe.
     fn see(&mut self, robot: usize, scan: &Scan) -> Option<Added> {
-        let is_due = self.tracks[robot].is_keyframe_due();
-        if self.field.is_none() && !is_due {
+        let (is_due, matches) = (self.tracks[robot].is_keyframe_due(), self.field.is_some());
+        if !is_due && !matches {
             return None;
         }
         let sweep = self.sweeper.sweep(scan);
-        if self.field.is_none() {
-            return self.add(robot, sweep, &[], false);
-        }
-        let walls = wall_points(&sweep.echoes, self.sweeper.laser().position);
+        let laser = self.sweeper.laser().position;
+        let walls = if matches { wall_points(&sweep.echoes, laser) } else { Vec::new() };
         let is_certain = self.localise(robot, &walls);
         if is_due { self.add(robot, sweep, &walls, is_certain) } else { None }
     }
