@@ -155,7 +155,8 @@ impl Mapper {
         }
         let refined = self.surfels.refine(expected, track.loose(), walls);
         let (near, all) = (refined.near as f64, walls.len() as f64);
-        let is_right = refined.near >= RIGHT_WALLS
+        let is_right = refined.is_settled
+            && refined.near >= RIGHT_WALLS
             && near >= RIGHT_OF_KNOWN * refined.known as f64
             && near >= RIGHT_OF_ALL * all;
         if is_right {
@@ -255,7 +256,10 @@ impl Mapper {
         } else {
             let matched =
                 before.and_then(|_| self.match_scan(expected, distance, turned, drift, &sweep));
-            matched.map(|(pose, is_far)| (self.surfels.refine(pose, MATCHED, points).pose, is_far))
+            matched.map(|(pose, is_far)| {
+                let refined = self.surfels.refine(pose, MATCHED, points);
+                (if refined.is_settled { refined.pose } else { pose }, is_far)
+            })
         };
         let (pose, walls) = match (&self.field, matched) {
             (Some(field), Some((matched, is_far))) => {

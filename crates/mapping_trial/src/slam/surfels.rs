@@ -52,6 +52,9 @@ const HELD: f64 = 0.05;
 const STEPS: usize = 6;
 const STEP: f64 = 2e-4;
 
+/// The last step in metres, or radians, up to which a refinement has settled.
+const SETTLED: f64 = 5e-3;
+
 /// An echo on a wall, and the wall's normal towards the robot, in the robot's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WallPoint {
@@ -149,6 +152,7 @@ impl SurfelMap {
         let mut pose = expected;
         let (mut near, mut known) = (0, 0);
         let mut normals = DMat2::ZERO;
+        let mut last = f64::INFINITY;
         for _ in 0..STEPS {
             (near, known, normals) = (0, 0, DMat2::ZERO);
             let heading = unit_vector(pose.heading);
@@ -181,20 +185,22 @@ impl SurfelMap {
             }
             let step = information.inverse() * pull;
             if !step.is_finite() {
-                return Refined { pose: expected, near: 0, known: 0, is_held: false };
+                let (is_held, is_settled) = (false, false);
+                return Refined { pose: expected, near: 0, known: 0, is_held, is_settled };
             }
             pose = Pose {
                 position: pose.position + step.truncate(),
                 heading: wrap_angle(pose.heading + step.z),
             };
-            if step.abs().max_element() < STEP {
+            last = step.abs().max_element();
+            if last < STEP {
                 break;
             }
         }
         // The smaller eigenvalue against the larger one, by trace and determinant.
         let trace = normals.x_axis.x + normals.y_axis.y;
         let is_held = normals.determinant() > HELD * trace * trace;
-        Refined { pose, near, known, is_held }
+        Refined { pose, near, known, is_held, is_settled: last <= SETTLED }
     }
 }
 
@@ -208,6 +214,8 @@ pub(crate) struct Refined {
     pub(crate) known: usize,
     /// Whether those walls hold the position in every direction.
     pub(crate) is_held: bool,
+    /// Whether the last step was small.
+    pub(crate) is_settled: bool,
 }
 
 /// The tile that was looked at last: most neighbours are in the same one.
