@@ -171,12 +171,12 @@ fn digests_are_frozen() {
     assert_eq!(
         found,
         [
-            "ed8d373136c02d87",
-            "b3c67eaf00090053",
-            "650bf6ce66df10b4",
-            "b7b08b0e51867130",
-            "612a1a7d743fcc29",
-            "2aae032bf66b92bf"
+            "0cf6af60a9a63488",
+            "49e0d24231201146",
+            "553786bb84dd8b8d",
+            "ffbcc78d26f07a19",
+            "865d24ca55da3332",
+            "feacba68aac5a90d"
         ]
     );
 }

@@ -7,10 +7,17 @@ use super::tour::Stop;
 /// How much of a scan's information a scan matcher uses: fitted once to mapping trials.
 const USED: f64 = 0.02;
 
+/// A scan of at least this l2 holds the position well: that many echoes whose walls are square to its worst
+/// direction. With a sigma of 0.01 m it leaves a standard deviation of 0.022 m.
+const WELL_HELD: f64 = 10.0;
+
 features! {
-    /// Drift along the tour: at each scan odometry adds the variance `q = k_ss ds + k_st |dth|`, of which
-    /// the scan leaves `u = 1 / (1/q + 0.02 l2 / sigma^2)`, with l2 of the scan's information; the heading
-    /// likewise with `k_tt |dth| + k_ts ds` and the information on the heading.
+    /// Drift along the tour: at each scan odometry adds the variance
+    /// `q = f k_ss ds + f k_st |dth| + (b ds)^2`, of which the scan leaves
+    /// `u = 1 / (1/q + 0.02 l2 / sigma^2)`, with l2 of the scan's information; the heading likewise with
+    /// `f k_tt |dth| + f k_ts ds` and the information on the heading. f is the ground's factor on the
+    /// variances of odometry, and b how much too far wheels measure on it, which is a systematic error: as
+    /// a variance it counts by its square from one scan to the next.
     pub struct Drift {
         /// Root of the sum of all u: the standard deviation of the position that the worst directions of
         /// the scans leave.
@@ -23,6 +30,15 @@ features! {
         /// `drift_position_m` per root of the tour's length: without echo it is the root of `k_ss` and of
         /// what turning adds.
         drift_rate_m_per_root_m: Option<f64>, "m/m^0.5";
+        /// `drift_position_m` per metre of the tour; none where the robot need not move.
+        drift_position_m_per_m: Option<f64>, "m/m";
+        /// `drift_heading_rad` per metre of the tour; none where the robot need not move.
+        drift_heading_rad_per_m: Option<f64>, "rad/m";
+        /// `drift_map_m` per metre of the tour; none where the robot need not move.
+        drift_map_m_per_m: Option<f64>, "m/m";
+        /// Root of the greatest sum of u from a scan that holds the position well, with l2 of 10 or more,
+        /// to the next such scan, or to the tour's end.
+        drift_worst_gap_m: f64, "m";
     }
 }
 
@@ -30,20 +46,36 @@ impl Drift {
     pub(super) fn of(stops: &[Stop], platform: &Platform) -> Self {
         let trust = USED / (platform.sigma * platform.sigma);
         let (mut position, mut heading, mut map, mut length) = (0.0, 0.0, 0.0, 0.0);
+        let (mut gap, mut worst_gap) = (0.0, 0.0_f64);
         for stop in stops {
-            let (ds, turn) = (stop.distance, stop.turning);
-            position +=
-                left(platform.k_ss * ds + platform.k_st * turn, trust * stop.information.least);
+            let leg = stop.leg;
+            let (ds, turn) = (leg.distance + leg.slip_distance, leg.turning + leg.slip_turning);
+            let systematic = leg.wheel_bias * leg.wheel_bias;
+            let least = stop.information.least;
+            let added = left(platform.k_ss * ds + platform.k_st * turn + systematic, trust * least);
+            position += added;
             heading +=
                 left(platform.k_tt * turn + platform.k_ts * ds, trust * stop.information.heading);
             map += position + heading * stop.position.distance_squared(stops[0].position);
-            length += ds;
+            length += leg.distance;
+            gap += added;
+            worst_gap = worst_gap.max(gap);
+            if least >= WELL_HELD {
+                gap = 0.0;
+            }
         }
+        let map = f64::sqrt(map / stops.len().max(1) as f64);
+        let (position_m, heading_rad) = (f64::sqrt(position), f64::sqrt(heading));
+        let per_metre = |drift: f64| (length > 0.0).then(|| drift / length);
         Drift {
-            drift_position_m: f64::sqrt(position),
-            drift_heading_rad: f64::sqrt(heading),
-            drift_map_m: f64::sqrt(map / stops.len().max(1) as f64),
-            drift_rate_m_per_root_m: (length > 0.0).then(|| f64::sqrt(position / length)),
+            drift_position_m: position_m,
+            drift_heading_rad: heading_rad,
+            drift_map_m: map,
+            drift_rate_m_per_root_m: per_metre(position).map(f64::sqrt),
+            drift_position_m_per_m: per_metre(position_m),
+            drift_heading_rad_per_m: per_metre(heading_rad),
+            drift_map_m_per_m: per_metre(map),
+            drift_worst_gap_m: worst_gap.sqrt(),
         }
     }
 }
@@ -58,13 +90,14 @@ mod tests {
     use glam::DVec2;
 
     use super::super::information::ScanInformation;
+    use super::super::leg::Leg;
     use super::*;
 
     fn straight(information: ScanInformation) -> Vec<Stop> {
+        let leg = Leg { distance: 0.5, turning: 0.1, ..Default::default() };
         let stop = |i: i32| Stop {
             position: DVec2::new(0.5 * f64::from(i), 0.0),
-            distance: if i == 0 { 0.0 } else { 0.5 },
-            turning: if i == 0 { 0.0 } else { 0.1 },
+            leg: if i == 0 { Leg::default() } else { leg },
             information,
             seen: 0,
         };
@@ -81,6 +114,8 @@ mod tests {
         assert!((drift.drift_heading_rad - heading.sqrt()).abs() < 1e-12);
         let rate = drift.drift_rate_m_per_root_m.expect("it drove");
         assert!((rate - (position / 20.0).sqrt()).abs() < 1e-12);
+        assert_eq!(drift.drift_position_m_per_m, Some(drift.drift_position_m / 20.0));
+        assert_eq!(drift.drift_worst_gap_m, drift.drift_position_m);
         // Variances grow with i, those of the heading count by i^2: sums of i and of i^3.
         let (n, all) = (41.0, 40.0);
         let mean = position / all * (all * (all + 1.0) / 2.0) / n
@@ -99,9 +134,32 @@ mod tests {
     }
 
     #[test]
+    fn loose_ground_adds_its_systematic_error() {
+        let platform = Platform { k_ss: 0.0, k_st: 0.0, ..Default::default() };
+        let mut stops = straight(ScanInformation::default());
+        stops[1..].iter_mut().for_each(|stop| stop.leg.wheel_bias = 0.2 * stop.leg.distance);
+        let drift = Drift::of(&stops, &platform);
+        // 40 legs, each 0.1 m too long.
+        assert!((drift.drift_position_m - 0.4_f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_worst_gap_lies_between_two_scans_that_hold_the_position() {
+        let platform = Platform { k_ss: 2e-4, k_st: 0.0, ..Default::default() };
+        let mut stops = straight(ScanInformation::default());
+        for i in [4, 6, 30] {
+            stops[i].information.least = 1e12;
+        }
+        let drift = Drift::of(&stops, &platform);
+        // From scan 6 to scan 30, which leaves nothing: 23 legs of 0.5 m.
+        assert!((drift.drift_worst_gap_m - (23.0 * 1e-4_f64).sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
     fn a_robot_that_stays_does_not_drift() {
         let drift = Drift::of(&straight(ScanInformation::default())[..1], &Platform::default());
         assert_eq!(drift.drift_position_m, 0.0);
-        assert_eq!(drift.drift_rate_m_per_root_m, None);
+        assert_eq!((drift.drift_rate_m_per_root_m, drift.drift_map_m_per_m), (None, None));
+        assert_eq!(drift.drift_worst_gap_m, 0.0);
     }
 }

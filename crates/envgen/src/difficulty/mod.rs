@@ -34,6 +34,7 @@ mod clearance;
 mod drift;
 mod feature;
 mod information;
+mod leg;
 mod places;
 mod platform;
 mod poses;
@@ -68,6 +69,7 @@ use crate::occupancy::{Coverage, OccupancyError, OccupancyGrid};
 use crate::raycast::Raycaster;
 use crate::world::{Violation, World};
 use feature::features;
+use leg::Floor;
 use poses::{Laser, View, poses};
 use search::Search;
 use space::Space;
@@ -183,7 +185,7 @@ impl DifficultyVector {
             poses(&space).into_iter().map(|pose| View::new(&laser, pose)).collect();
         let heading = world.start.map_or(0.0, |start| start.heading);
         let start = Pose { position: space.points[space.start], heading };
-        let tour = Tour::new(&space, &laser, platform, start);
+        let tour = Tour::new(&space, &laser, &Floor::new(world), platform, start);
         let vector = DifficultyVector {
             ground: Ground { ground_area_m2: ground_area, grid_cell_m: space.frame.cell_size },
             localization: Localization::of(&views, platform.sigma),

@@ -38,6 +38,18 @@ fn spread(number: usize) -> u64 {
     (0..32).fold(0, |bits, i| bits | (number as u64 >> i & 1) << (2 * i))
 }
 
+/// What a beam says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Beam {
+    /// There is a solid at a range in metres.
+    Echo(f64),
+    /// There is nothing up to the greatest range.
+    Free,
+    /// Nothing, since it ends at a part that is too dark to be seen from there: as in trials, it is neither
+    /// an echo, nor does it say that its path is free.
+    Lost,
+}
+
 /// The laser of a platform in a world.
 pub(super) struct Laser<'a> {
     rays: &'a Raycaster,
@@ -57,22 +69,26 @@ impl<'a> Laser<'a> {
     }
 
     /// Scans from a pose of the robot; calls `visit` with the laser's position, the direction of each beam
-    /// and its range, the greatest range where it has no echo.
+    /// and what it says.
     pub(super) fn scan(
         &self,
         pose: Pose,
-        mut visit: impl FnMut(DVec2, DVec2, Option<f64>),
+        mut visit: impl FnMut(DVec2, DVec2, Beam),
     ) -> ScanInformation {
         let heading = unit_vector(pose.heading);
         let from = pose.position + heading * self.offset;
         let mut echoes = Echoes::default();
         for &direction in self.pattern.directions() {
             let direction = heading.rotate(direction);
-            let met = self.rays.cast_surface(from, direction, self.max_range);
-            if let Some(met) = met {
-                echoes.add(direction * met.hit.distance, met.normal);
-            }
-            visit(from, direction, met.map(|met| met.hit.distance));
+            let beam = match self.rays.cast_surface(from, direction, self.max_range) {
+                Some(met) if self.rays.is_unseen(met.hit) => Beam::Lost,
+                Some(met) => {
+                    echoes.add(direction * met.hit.distance, met.normal);
+                    Beam::Echo(met.hit.distance)
+                }
+                None => Beam::Free,
+            };
+            visit(from, direction, beam);
         }
         echoes.information()
     }
@@ -83,19 +99,33 @@ impl<'a> Laser<'a> {
 pub(super) struct View {
     pub(super) position: DVec2,
     pub(super) information: ScanInformation,
-    /// Ranges in metres, the greatest range where there is no echo.
+    /// Ranges in metres: the greatest range where there is no echo, NaN for lost beams.
     pub(super) ranges: Vec<f64>,
-    /// Number of beams with an echo.
+    /// Number of beams with an echo, and the sum of their ranges in metres.
     pub(super) echoes: usize,
+    pub(super) echo_ranges: f64,
+    /// Number of lost beams.
+    pub(super) lost: usize,
 }
 
 impl View {
     pub(super) fn new(laser: &Laser<'_>, pose: Pose) -> Self {
-        let (mut ranges, mut echoes) = (Vec::with_capacity(laser.pattern.len()), 0);
-        let information = laser.scan(pose, |_, _, range| {
-            echoes += usize::from(range.is_some());
-            ranges.push(range.unwrap_or(laser.max_range));
+        let mut ranges = Vec::with_capacity(laser.pattern.len());
+        let (mut echoes, mut echo_ranges, mut lost) = (0, 0.0, 0);
+        let information = laser.scan(pose, |_, _, beam| {
+            ranges.push(match beam {
+                Beam::Echo(range) => {
+                    echoes += 1;
+                    echo_ranges += range;
+                    range
+                }
+                Beam::Free => laser.max_range,
+                Beam::Lost => {
+                    lost += 1;
+                    f64::NAN
+                }
+            });
         });
-        View { position: pose.position, information, ranges, echoes }
+        View { position: pose.position, information, ranges, echoes, echo_ranges, lost }
     }
 }

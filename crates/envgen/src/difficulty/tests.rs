@@ -231,6 +231,78 @@ fn water_is_not_driven_through() {
     assert!((left / whole - (5.0 - 0.36) / (12.0 - 0.72)).abs() < 0.03, "{left} of {whole} m^2");
 }
 
+/// Ground that covers all of a hall.
+fn floor(width: f64, height: f64) -> Surface {
+    Surface::new(SurfaceKind::Slippery, rect(0.0, 0.0, width, height))
+}
+
+#[test]
+fn a_slippery_floor_doubles_the_drift_of_who_sees_nothing() {
+    let mut world = open(40.0, 30.0);
+    let before = vector(&world);
+    assert_eq!(before.tour.tour_odometry_noise_mean, Some(1.0));
+    world.surfaces.push(Surface { odometry_noise: 4.0, ..floor(40.0, 30.0) });
+    let after = vector(&world);
+    let noise = after.tour.tour_odometry_noise_mean.expect("it drives");
+    assert!((noise - 4.0).abs() < 1e-9, "{noise}");
+    for name in ["position_m", "heading_rad", "map_m", "worst_gap_m", "rate_m_per_root_m"] {
+        let name = format!("drift_{name}");
+        let (a, b) = (before.get(&name).expect("drift"), after.get(&name).expect("drift"));
+        assert!((b / a - 2.0).abs() < 1e-9, "{name}: {a} and {b}");
+    }
+    let same = |vector: &DifficultyVector| (vector.visibility.clone(), vector.clearance.clone());
+    assert_eq!(same(&before), same(&after));
+}
+
+#[test]
+fn loose_floor_counts_where_the_tour_leads_over_it() {
+    let start = Pose::new(2.0, 1.0, 0.0);
+    let mut world = hall(60.0, 2.0, start, &[]);
+    let plain = vector(&world);
+    world.surfaces.push(Surface { wheel_bias: 0.2, ..floor(22.0, 2.0) });
+    let loose = vector(&world);
+    let length = loose.tour.tour_length_100_m.expect("it ends");
+    assert_eq!(
+        (plain.tour.tour_length_100_m, plain.tour.tour_wheel_bias_mean),
+        (Some(length), Some(0.0))
+    );
+    // 20 of its metres are loose.
+    let mean = loose.tour.tour_wheel_bias_mean.expect("it drives");
+    assert!((mean * length - 0.2 * 20.0).abs() < 0.2 * 0.4, "{mean} over {length} m");
+    assert!(loose.drift.drift_position_m > 1.5 * plain.drift.drift_position_m);
+    assert_eq!(loose.drift.drift_heading_rad, plain.drift.drift_heading_rad);
+}
+
+#[test]
+fn dark_walls_lose_beams_and_show_nothing_as_seen() {
+    let start = Pose::new(5.0, 5.0, 0.0);
+    let light = hall(10.0, 10.0, start, &[]);
+    let mut dark = light.clone();
+    dark.walls.iter_mut().for_each(|wall| wall.visible_range = Some(2.0));
+    let (light, dark) = (vector(&light), vector(&dark));
+    assert_eq!(light.visibility.lost_beam_share, 0.0);
+    assert!(dark.visibility.lost_beam_share > 0.3, "{:?}", dark.visibility);
+    // Walls beyond the greatest range are met by no beam: the others are as before.
+    let met = |vector: &DifficultyVector| {
+        vector.visibility.echo_share + vector.visibility.lost_beam_share
+    };
+    assert!((met(&light) - met(&dark)).abs() < 1e-12);
+    let range = |vector: &DifficultyVector| vector.visibility.echo_range_mean_m.expect("echoes");
+    assert!(range(&dark) <= 2.0 && range(&light) > 2.0);
+    assert!(dark.visibility.visible_area_mean_m2 < light.visibility.visible_area_mean_m2);
+    assert!(dark.localization.scan_degeneracy > light.localization.scan_degeneracy);
+    assert!(dark.drift.drift_position_m > light.drift.drift_position_m);
+    // From the middle it sees all of the light hall at once, and of the dark one next to nothing.
+    assert_eq!(light.tour.tour_length_100_m, Some(0.0));
+    assert!(dark.tour.tour_length_100_m.expect("it ends") > 10.0);
+    assert_eq!((light.walls, light.places), (dark.walls, dark.places));
+
+    // Seen from nearer than that, dark walls are as light ones.
+    let mut near = hall(10.0, 10.0, start, &[]);
+    near.walls.iter_mut().for_each(|wall| wall.visible_range = Some(9.0));
+    assert_eq!(vector(&near), vector(&hall(10.0, 10.0, start, &[])));
+}
+
 #[test]
 fn the_order_of_parts_does_not_matter() {
     let mut crates: Vec<Shape> = (0..12)
@@ -265,6 +337,8 @@ fn names_carry_units_and_are_those_of_the_file() {
                 feature.unit.replace("1/", "per_").replace('^', "")
             }
             "m/m^0.5" => "m_per_root_m".to_owned(),
+            "m/m" => "m_per_m".to_owned(),
+            "rad/m" => "rad_per_m".to_owned(),
             _ => String::new(),
         };
         assert!(feature.name.ends_with(&ending), "{} in {}", feature.name, feature.unit);

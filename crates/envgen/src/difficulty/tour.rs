@@ -6,8 +6,9 @@ use glam::DVec2;
 
 use super::feature::features;
 use super::information::ScanInformation;
+use super::leg::{Floor, Leg};
 use super::platform::Platform;
-use super::poses::Laser;
+use super::poses::{Beam, Laser};
 use super::search::Search;
 use super::space::Space;
 use crate::geometry::{Pose, wrap_angle};
@@ -61,6 +62,12 @@ features! {
         tour_dead_end_depth_mean_m: Option<f64>, "m";
         /// Greatest of them.
         tour_dead_end_depth_max_m: Option<f64>, "m";
+        /// Mean over the tour's metres of the ground's factor on the variances of odometry; none where the
+        /// robot need not move.
+        tour_odometry_noise_mean: Option<f64>, "";
+        /// Mean over the tour's metres of how much too far wheels measure, as a fraction of the distance;
+        /// none where the robot need not move.
+        tour_wheel_bias_mean: Option<f64>, "";
     }
 }
 
@@ -68,9 +75,8 @@ features! {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stop {
     pub(super) position: DVec2,
-    /// Distance in metres and turning in radians since the stop before.
-    pub(super) distance: f64,
-    pub(super) turning: f64,
+    /// What it has driven since the stop before.
+    pub(super) leg: Leg,
     pub(super) information: ScanInformation,
     /// Cells seen so far.
     pub(super) seen: usize,
@@ -92,18 +98,20 @@ impl Tour {
     pub(super) fn new(
         space: &Space<'_>,
         laser: &Laser<'_>,
+        floor: &Floor,
         platform: &Platform,
         start: Pose,
     ) -> Self {
         let mut robot = Explorer {
             space,
             laser,
+            floor,
             pose: start,
             cell: space.start,
             unseen: space.reached.clone(),
             seen_cells: 0,
             driven: vec![false; space.frame.len()],
-            pending: (0.0, 0.0),
+            pending: Leg::default(),
             tour: Tour {
                 stops: Vec::new(),
                 points: vec![(start.position, 0.0)],
@@ -125,11 +133,14 @@ impl Tour {
 
     pub(super) fn features(&self) -> TourFeatures {
         let (mut length, mut turning) = (0.0, 0.0);
+        let (mut slip, mut wheel_bias) = (0.0, 0.0);
         let mut reached: [Option<(f64, f64)>; 3] = [None; 3];
         let mut short = 0;
         for stop in &self.stops {
-            length += stop.distance;
-            turning += stop.turning;
+            length += stop.leg.distance;
+            turning += stop.leg.turning;
+            slip += stop.leg.slip_distance;
+            wheel_bias += stop.leg.wheel_bias;
             for (found, percent) in reached.iter_mut().zip([80, 95, 100]) {
                 if found.is_none() && 100 * stop.seen >= percent * self.count {
                     *found = Some((length, turning));
@@ -154,6 +165,8 @@ impl Tour {
             tour_dead_ends: self.depths.len() as u64,
             tour_dead_end_depth_mean_m: deepest.map(|_| self.depths.iter().sum::<f64>() / depths),
             tour_dead_end_depth_max_m: deepest,
+            tour_odometry_noise_mean: (length > 0.0).then(|| 1.0 + slip / length),
+            tour_wheel_bias_mean: (length > 0.0).then(|| wheel_bias / length),
         }
     }
 }
@@ -162,6 +175,7 @@ impl Tour {
 struct Explorer<'a> {
     space: &'a Space<'a>,
     laser: &'a Laser<'a>,
+    floor: &'a Floor,
     pose: Pose,
     /// The free cell nearest to it.
     cell: usize,
@@ -171,8 +185,8 @@ struct Explorer<'a> {
     seen_cells: usize,
     /// Cells on or beside its trajectory.
     driven: Vec<bool>,
-    /// Distance and turning since the last scan.
-    pending: (f64, f64),
+    /// What it has driven since the last scan.
+    pending: Leg,
     tour: Tour,
 }
 
@@ -248,7 +262,8 @@ impl Explorer<'_> {
     }
 
     fn turn_to(&mut self, heading: f64) {
-        self.pending.1 += wrap_angle(heading - self.pose.heading).abs();
+        let turn = wrap_angle(heading - self.pose.heading).abs();
+        self.pending.turn(self.floor, self.pose.position, turn);
         self.pose.heading = wrap_angle(heading);
     }
 
@@ -260,10 +275,11 @@ impl Explorer<'_> {
         for part in 1..=parts as usize {
             let p = from + (to - from) * (part as f64 / parts);
             self.tour.points.push((p, length / parts));
+            self.pending.roll(self.floor, p, length / parts);
             self.mark(p);
         }
         self.mark(to);
-        self.pending.0 += length;
+        self.pending.distance += length;
         self.pose.position = to;
         // Its own cell may have no point of its own where only its border is free.
         self.cell = self.space.reached_near(to).unwrap_or(self.cell);
@@ -293,15 +309,20 @@ impl Explorer<'_> {
         let unseen = &mut self.unseen;
         let mut new = 0;
         let max_range = self.laser.max_range;
-        let information = self.laser.scan(self.pose, |from, direction, range| {
-            for cell in cells_along(frame, from, direction, range.unwrap_or(max_range)) {
+        let information = self.laser.scan(self.pose, |from, direction, beam| {
+            let range = match beam {
+                Beam::Echo(range) => range,
+                Beam::Free => max_range,
+                Beam::Lost => return,
+            };
+            for cell in cells_along(frame, from, direction, range) {
                 new += usize::from(std::mem::take(&mut unseen[cell]));
             }
         });
         self.seen_cells += new;
-        let (distance, turning) = std::mem::take(&mut self.pending);
+        let leg = std::mem::take(&mut self.pending);
         let (position, seen) = (self.pose.position, self.seen_cells);
-        self.tour.stops.push(Stop { position, distance, turning, information, seen });
+        self.tour.stops.push(Stop { position, leg, information, seen });
     }
 }
 
