@@ -60,10 +60,12 @@
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+pub mod calibration;
 pub mod certificate;
 mod changed_settings;
 pub mod clearance_index;
 pub mod curve;
+mod dials;
 pub mod difficulty;
 pub mod distance;
 pub mod distribution;
@@ -101,7 +103,7 @@ pub mod world;
 pub use error::SpecError;
 pub use generate::{Blueprint, Spec};
 pub use grid::GridFrame;
-pub use provenance::Provenance;
+pub use provenance::{MeasuredDifficulty, Provenance};
 pub use seed::{STREAM_ALGORITHM, Seed, Stream};
 pub use spec::{GenerateError, SettingsError, WorldBlueprint, WorldKind, WorldMetrics, WorldSpec};
 pub use world::World;

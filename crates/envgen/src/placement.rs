@@ -3,8 +3,13 @@
 use glam::DVec2;
 
 use crate::distance::squared_distances;
+use crate::geometry::Pose;
 use crate::grid::GridFrame;
-use crate::occupancy::OccupancyGrid;
+use crate::occupancy::{Coverage, OccupancyError, OccupancyGrid};
+use crate::world::World;
+
+/// Cells in metres of the grid on which a pose is searched.
+const GRID: f64 = 0.1;
 
 /// The middle of the cell in the largest free region of a grid that is farthest from occupied cells
 /// and from the grid's border. Cells are connected by their sides; of equal ones the first is taken, row
@@ -34,6 +39,15 @@ pub fn max_clearance_point(grid: &OccupancyGrid) -> Option<DVec2> {
     // `max_by_key` would take the last of equals.
     let best = region.into_iter().min_by_key(|&cell| (std::cmp::Reverse(room(cell)), cell))?;
     Some(frame.center_of(best))
+}
+
+/// A pose in the largest free region of a world, away from walls, on a grid of 0.1 m. `None` when nothing is free.
+///
+/// # Errors
+/// When the world is too large for that grid.
+pub fn pose_of_most_clearance(world: &World) -> Result<Option<Pose>, OccupancyError> {
+    let grid = OccupancyGrid::of(world, GRID, Coverage::Conservative)?;
+    Ok(max_clearance_point(&grid).map(|position| Pose { position, heading: 0.0 }))
 }
 
 /// The cells of the largest free region, in no particular order.

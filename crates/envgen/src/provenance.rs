@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::dials::{Dials, Estimate};
 use crate::seed::{STREAM_ALGORITHM, Seed};
 
 /// Where a world comes from, complete enough to generate it again.
@@ -29,6 +30,25 @@ pub struct Provenance {
     /// The requested difficulty, recorded when an edit makes it invalid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub difficulty_requested: Option<f64>,
+    /// The difficulty that trials measured in this world, where it was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measured: Option<MeasuredDifficulty>,
+}
+
+/// The difficulty of a world as trials measured it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredDifficulty {
+    /// The panel of operators, lasers and estimators.
+    pub panel: String,
+    /// Its version.
+    pub panel_version: u32,
+    /// The dials, with standard errors by the noise of the trials.
+    pub dials: Dials<Estimate>,
+    /// Number of trials.
+    pub trials: u32,
+    /// The first seed of their sensor noise.
+    pub noise_seed: Seed,
 }
 
 impl Provenance {
@@ -48,6 +68,7 @@ impl Provenance {
             value_version,
             edited: false,
             difficulty_requested: None,
+            measured: None,
         }
     }
 
@@ -63,6 +84,7 @@ impl Provenance {
             value_version: 0,
             edited: false,
             difficulty_requested: None,
+            measured: None,
         }
     }
 }

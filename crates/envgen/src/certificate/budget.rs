@@ -30,6 +30,8 @@ pub enum Doubt {
     Squares,
     /// More than [`MAX_BEND_POINTS`] points would be needed.
     BendPoints,
+    /// The world was predicted by another calibration.
+    OtherCalibration,
 }
 
 impl fmt::Display for Doubt {
@@ -41,6 +43,7 @@ impl fmt::Display for Doubt {
             Doubt::Squares => {
                 write!(f, "the budget of {MAX_SQUARES} squares of free space is spent")
             }
+            Doubt::OtherCalibration => f.write_str("another calibration predicted it"),
             Doubt::BendPoints => write!(f, "the roads need more than {MAX_BEND_POINTS} points"),
         }
     }

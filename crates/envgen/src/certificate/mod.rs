@@ -25,6 +25,8 @@ pub use crate::world::Claim;
 pub use budget::{Doubt, MAX_BEND_POINTS, MAX_COMPARISONS, MAX_PIECES, MAX_SQUARES};
 pub use reachability::PLACE_MARGIN;
 
+use crate::calibration::{Calibration, Prediction};
+use crate::difficulty::{DifficultyVector, Platform};
 use budget::Budget;
 use disc_path::{Barriers, Nearer};
 use piece_index::Pieces;
@@ -103,10 +105,21 @@ fn holds(world: &World, claim: &Claim) -> Result<bool, Doubt> {
         Claim::EveryPlaceReachable { radius } => {
             reachability::every_place_reachable(world, radius, budget)
         }
+        Claim::PredictedDifficulty { prediction } => predicts(world, &prediction),
         Claim::AddedDoorway { doorway } => {
             Ok(world.doorways.get(doorway as usize).is_some_and(|doorway| doorway.open))
         }
     }
+}
+
+/// Whether the calibration predicts the same again.
+fn predicts(world: &World, claimed: &Prediction) -> Result<bool, Doubt> {
+    let calibration = Calibration::indoor();
+    if claimed.calibration != calibration.version {
+        return Err(Doubt::OtherCalibration);
+    }
+    let Ok(vector) = DifficultyVector::of(world, &Platform::default()) else { return Ok(false) };
+    Ok(calibration.predict(&vector) == *claimed)
 }
 
 /// Whether a disc fits at the start and at the goal, and can move from the one to the other with

@@ -86,7 +86,7 @@ impl Platform {
     }
 
     /// The distance that the robot's centre keeps from solids, in metres.
-    pub(super) fn footprint(&self) -> f64 {
+    pub(crate) fn footprint(&self) -> f64 {
         self.circumscribed_radius + MARGIN
     }
 

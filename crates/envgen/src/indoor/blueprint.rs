@@ -8,6 +8,7 @@ use super::frame::{DESIGN_UNIT, Frame};
 use super::grid::{Axis, Gate, Grid, Opening, Origin, Side};
 use super::placed_room::PlacedRoom;
 use super::spec::IndoorSpec;
+use crate::dials::Prediction;
 use crate::seed::Seed;
 use crate::world::Contents;
 
@@ -22,6 +23,19 @@ pub struct FloorPlan {
     pub(super) openings: Vec<Opening>,
     pub(super) draws: Option<Draws>,
     pub(super) edited: bool,
+    /// Set in the profile `calibrated`.
+    pub(super) choice: Option<Box<Choice>>,
+}
+
+/// How the profile `calibrated` came to a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Choice {
+    /// The spec with the request.
+    pub(super) spec: IndoorSpec,
+    /// Its seed.
+    pub(super) seed: Seed,
+    /// The difficulty that the plan's world is predicted to have.
+    pub(super) prediction: Prediction,
 }
 
 /// The draws of a generated plan.
@@ -59,12 +73,18 @@ impl FloorPlan {
         &self.openings
     }
 
-    /// The settings.
+    /// The difficulty that trials are predicted to measure in its world; `None` outside the profile
+    /// `calibrated`, and for a plan that was changed.
+    pub fn prediction(&self) -> Option<&Prediction> {
+        self.choice.as_ref().filter(|_| !self.edited).map(|choice| &choice.prediction)
+    }
+
+    /// The settings; in the profile `calibrated` those that were drawn.
     pub fn spec(&self) -> &IndoorSpec {
         &self.spec
     }
 
-    /// The seed that it was drawn with; `None` when it was made without a seed.
+    /// The seed that it was drawn with, in the profile `calibrated` that of its own draw; `None` when it was made without a seed.
     pub fn seed(&self) -> Option<Seed> {
         self.seed
     }

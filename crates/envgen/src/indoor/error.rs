@@ -12,6 +12,9 @@ pub enum IndoorError {
     /// The spec asks for something that is not allowed.
     #[error(transparent)]
     Spec(#[from] SpecError),
+    /// The profile `calibrated` cannot predict the difficulty of its maps.
+    #[error("no map has a predicted difficulty: {0}")]
+    Unpredicted(String),
     /// A law of the distance between hallways.
     #[error("the law of `spacing` must give numbers from 3 to {max} cells, got {value:?}")]
     Spacing {

@@ -2,6 +2,7 @@
 
 use super::adaptation as adapt;
 use super::blueprint::{Draws, FloorPlan};
+use super::calibrated;
 use super::custom_laws::IndoorLaws;
 use super::error::IndoorError;
 use super::grid::Grid;
@@ -43,7 +44,20 @@ impl Stage {
 }
 
 /// The plan of a valid spec; laws of the caller replace its own, and `after` is called after every stage.
-pub(super) fn plan(
+fn plan(
+    spec: &IndoorSpec,
+    seed: Seed,
+    laws: &IndoorLaws<'_>,
+    after: &mut dyn FnMut(Stage),
+) -> Result<FloorPlan, IndoorError> {
+    match spec.profile {
+        Profile::Thesis | Profile::Guaranteed => plan_as_set(spec, seed, laws, after),
+        Profile::Calibrated => calibrated::plan(spec, seed, laws, after),
+    }
+}
+
+/// The plan of a spec whose levers are set.
+pub(super) fn plan_as_set(
     spec: &IndoorSpec,
     seed: Seed,
     laws: &IndoorLaws<'_>,
@@ -114,7 +128,7 @@ pub(super) fn plan(
     }
 
     after(Stage::Contents);
-    let dimensions = (spec.profile == Profile::Guaranteed).then(|| spec.dimensions());
+    let dimensions = (spec.profile != Profile::Thesis).then(|| spec.dimensions());
     let probability =
         spec.doorway_probability.unwrap_or_else(|| adapt::doorway_probability(spec.difficulty));
     let mut stream = seed.stream("indoor/doorways", 0);
@@ -141,6 +155,7 @@ pub(super) fn plan(
             variations,
         }),
         edited: laws.any(),
+        choice: None,
     })
 }
 

@@ -14,6 +14,7 @@ pub mod adaptation;
 
 mod access;
 mod blueprint;
+mod calibrated;
 mod catalogue;
 mod clutter;
 mod custom_laws;
@@ -24,9 +25,12 @@ mod frame;
 mod generate;
 mod grid;
 mod interior;
+mod lever_terms;
+mod levers;
 mod materials;
 mod metrics;
 mod placed_room;
+mod request;
 mod rules;
 mod spec;
 mod variation;
@@ -54,6 +58,7 @@ pub use grid::{Axis, Cell, Gate, Grid, Opening, Origin, Side, Sides};
 pub use interior::{DOORWAY_DEPTH, Interior, Part, Port, narrowest_way};
 pub use metrics::{CellCounts, IndoorMetrics};
 pub use placed_room::PlacedRoom;
+pub use request::Request;
 pub use spec::{Cycles, IndoorSpec, Layout, Profile, RoomChoice, Turn};
 
 use crate::error::SpecError;
@@ -81,9 +86,10 @@ impl Spec for IndoorSpec {
     fn work(&self) -> f64 {
         // Moving the contents of a room measures it many times.
         let contents = if self.clearance.is_some() { 1000.0 } else { 1.0 };
+        let maps = if self.profile == Profile::Calibrated { calibrated::CANDIDATES } else { 1 };
         let crates = self.clutter / 100.0 * self.cell_size * self.cell_size;
         let a_cell = contents + crates * clutter::ATTEMPTS as f64;
-        f64::from(self.width) * f64::from(self.height) * a_cell
+        f64::from(self.width) * f64::from(self.height) * a_cell * maps as f64
     }
 
     fn generate(&self, seed: Seed) -> Result<FloorPlan, IndoorError> {

@@ -6,11 +6,16 @@ use serde::{Deserialize, Serialize};
 use strum::VariantNames;
 
 use super::adaptation::{self, LEAST_SPACING};
+use super::calibrated;
 use super::catalogue::{Catalogue, SharedRoom};
 use super::dimensions::{Dimensions, STEP};
+use super::levers::LEVERS;
 use crate::error::SpecError;
 use crate::settings;
 use crate::world::is_zero;
+
+/// Most cells of maps in the profile `calibrated`: beyond, nothing was measured.
+pub(super) const MAX_CALIBRATED_CELLS: u64 = 4096;
 
 /// The default of [`IndoorSpec::dark_range`] in metres.
 const DARK_RANGE: f64 = 3.0;
@@ -19,6 +24,10 @@ const DARK_RANGE: f64 = 3.0;
 // other maps stay as they were before these existed.
 fn is_one(value: &f64) -> bool {
     *value == 1.0
+}
+
+fn is_first(value: &u32) -> bool {
+    *value == 0
 }
 
 fn is_dark_range(value: &f64) -> bool {
@@ -116,6 +125,19 @@ settings! {
         /// Distance beyond which a laser has no echo from a dark wall or object.
         #[serde(skip_serializing_if = "is_dark_range")]
         dark_range: f64 = DARK_RANGE => number("m", 1.0..=10.0);
+        /// How hard mapping should be in the profile `calibrated`, in place of `difficulty`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        mapping: Option<f64> = None => optional_number("", 0.0..=10.0);
+        /// How hard navigation should be in the profile `calibrated`, in place of `difficulty`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        navigation: Option<f64> = None => optional_number("", 0.0..=10.0);
+        /// The settings that the profile `calibrated` leaves at their defaults; it draws others that are at
+        /// theirs.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        fixed: Vec<String> = Vec::new() => list("", "names of settings", "floor_slip,doorway");
+        /// Which map the profile `calibrated` takes: 0 for the one that is predicted nearest, 1 for the next.
+        #[serde(skip_serializing_if = "is_first")]
+        candidate: u32 = 0 => integer("", 0..=7);
     }
 }
 
@@ -128,6 +150,9 @@ pub enum Profile {
     Thesis,
     /// Every place can be reached by the footprint.
     Guaranteed,
+    /// As `guaranteed`, of the requested difficulty as trials measure it: doorways, rooms, clutter, floors and
+    /// materials are drawn.
+    Calibrated,
 }
 
 /// How the hallways are laid out.
@@ -186,6 +211,9 @@ pub(super) const RULES: &[&str] = &[
     "`doorway_narrowest` is at most the `doorway`, and at least twice the `robot_radius` plus 0.1 m",
     "one of the `rooms` fits into `width` - 1 by `height` - 1 cells; turned as well, as `turn` says",
     "`rooms` are names of the `catalogue`",
+    "`mapping`, `navigation`, `fixed` and `candidate` need the `profile` calibrated",
+    "where `profile` is calibrated, the map has at most 4096 cells, `robot_radius` is at least 0.36 m, and the \
+     request is within what maps of this size reach",
 ];
 
 impl IndoorSpec {
@@ -202,10 +230,11 @@ impl IndoorSpec {
                 return Err(SpecError::new(name, spacing, allowed));
             }
         }
-        if !self.open_areas && self.profile == Profile::Guaranteed {
-            let allowed = "true in the profile guaranteed, which reaches every room";
+        if !self.open_areas && self.profile != Profile::Thesis {
+            let allowed = "true in the profiles that reach every room";
             return Err(SpecError::new("open_areas", false, allowed));
         }
+        self.check_request()?;
         self.check_rooms()
     }
 
@@ -244,9 +273,35 @@ impl IndoorSpec {
 
     pub(super) fn may_turn(&self) -> bool {
         match self.turn {
-            Turn::Profile => self.profile == Profile::Guaranteed,
+            Turn::Profile => self.profile != Profile::Thesis,
             Turn::Never => false,
             Turn::Allowed => true,
+        }
+    }
+
+    /// Checks what only the profile `calibrated` has.
+    fn check_request(&self) -> Result<(), SpecError> {
+        for name in &self.fixed {
+            if !LEVERS.contains(&name.as_str()) {
+                let allowed = format!("any of {}", LEVERS.join(", "));
+                return Err(SpecError::new("fixed", name, allowed));
+            }
+        }
+        if self.profile == Profile::Calibrated {
+            return calibrated::check(self);
+        }
+        let set = [
+            ("mapping", self.mapping.is_some()),
+            ("navigation", self.navigation.is_some()),
+            ("fixed", !self.fixed.is_empty()),
+            ("candidate", self.candidate != 0),
+        ];
+        match set.into_iter().find(|(_, is_set)| *is_set) {
+            None => Ok(()),
+            Some((name, _)) => {
+                let value = self.settings_json()[name].to_string();
+                Err(SpecError::new(name, value, "absent, except in the profile calibrated"))
+            }
         }
     }
 

@@ -42,6 +42,9 @@ pub(super) fn world(plan: &FloorPlan) -> World {
             }
         }
     }
+    world
+        .certificate
+        .extend(plan.prediction().map(|&prediction| Claim::PredictedDifficulty { prediction }));
     let seed = plan.seed.unwrap_or_default();
     materials::apply(spec, seed, &mut world);
     // After the materials: crates do not change which objects are dark.
@@ -50,13 +53,17 @@ pub(super) fn world(plan: &FloorPlan) -> World {
 }
 
 fn provenance(plan: &FloorPlan) -> Provenance {
-    let mut provenance = match plan.seed {
-        Some(seed) => plan.spec.provenance(seed),
+    let (spec, seed) = match &plan.choice {
+        Some(choice) => (&choice.spec, Some(choice.seed)),
+        None => (&plan.spec, plan.seed),
+    };
+    let mut provenance = match seed {
+        Some(seed) => spec.provenance(seed),
         None => Provenance::other("import", json!(plan.spec)),
     };
     provenance.edited = plan.edited;
-    if plan.edited && plan.seed.is_some() {
-        provenance.difficulty_requested = Some(plan.spec.difficulty);
+    if plan.edited && seed.is_some() {
+        provenance.difficulty_requested = Some(spec.difficulty);
     }
     provenance
 }

@@ -9,7 +9,7 @@ use super::shapes::filled;
 use super::text::{Align, Typesetter};
 use super::view::{self, View};
 use crate::palette;
-use crate::world::World;
+use crate::world::{Claim, World};
 
 const SIZE: f64 = 15.0;
 /// Font size of the settings, and of the extent.
@@ -36,7 +36,14 @@ impl Heading {
         let made = &world.provenance;
         match &options.title {
             Some(title) => Heading::plain(title.clone()),
-            None => Heading { name: made.name(), settings: made.changed_settings() },
+            None => {
+                let mut settings = made.changed_settings();
+                if let Some(difficulty) = difficulty(world) {
+                    let comma = if settings.is_empty() { "" } else { ", " };
+                    settings = format!("{difficulty}{comma}{settings}");
+                }
+                Heading { name: made.name(), settings }
+            }
         }
     }
 
@@ -79,13 +86,50 @@ impl Heading {
     }
 }
 
+/// What is known of a world's difficulty: measured, else predicted.
+fn difficulty(world: &World) -> Option<String> {
+    let predicted = world.certificate.iter().find_map(|claim| match claim {
+        Claim::PredictedDifficulty { prediction } => Some(prediction.dials.difficulty),
+        _ => None,
+    });
+    let (how, dial) = match &world.provenance.measured {
+        Some(measured) => ("measured", measured.dials.difficulty),
+        None => ("predicted", predicted?),
+    };
+    Some(format!("{how} difficulty {:.1} ± {:.1}", dial.value, dial.standard_error))
+}
+
 #[cfg(test)]
 mod tests {
     use serde_json::Value;
 
     use super::*;
+    use crate::calibration::{Dials, Estimate, Prediction};
     use crate::geometry::Rect;
-    use crate::provenance::Provenance;
+    use crate::provenance::{MeasuredDifficulty, Provenance};
+    use crate::seed::Seed;
+
+    #[test]
+    fn the_difficulty_is_said_where_it_is_known() {
+        let made = Provenance::other("manual", Value::Null);
+        let mut world = World::new(made, Rect::new(DVec2::ZERO, DVec2::ONE));
+        let dials = |value| {
+            let dial = Estimate { value, standard_error: 0.7 };
+            Dials { difficulty: dial, mapping: dial, navigation: dial }
+        };
+        let text = |world: &World| Heading::new(world, &PictureOptions::default()).text();
+        let prediction = Prediction { calibration: 1, dials: dials(6.04), outside: 0.0 };
+        world.certificate.push(Claim::PredictedDifficulty { prediction });
+        assert_eq!(text(&world), "manual: predicted difficulty 6.0 ± 0.7");
+        world.provenance.measured = Some(MeasuredDifficulty {
+            panel: "reference".to_owned(),
+            panel_version: 1,
+            dials: dials(5.5),
+            trials: 12,
+            noise_seed: Seed(0),
+        });
+        assert_eq!(text(&world), "manual: measured difficulty 5.5 ± 0.7");
+    }
 
     #[test]
     fn what_xml_cannot_hold_is_left_out() {

@@ -5,6 +5,7 @@ use std::fmt;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+use crate::dials::Prediction;
 use crate::geometry::Rect;
 
 /// A promise that a generator makes of a world.
@@ -47,6 +48,11 @@ pub enum Claim {
         /// Radius of the disc in metres.
         radius: f64,
     },
+    /// Trials are predicted to measure this difficulty.
+    PredictedDifficulty {
+        /// The prediction of the crate's calibration.
+        prediction: Prediction,
+    },
     /// This doorway was added, and is open, so that some place can be reached.
     AddedDoorway {
         /// Its index in [`World::doorways`](super::World::doorways).
@@ -70,6 +76,11 @@ impl Claim {
             }
             Claim::BendRadius { radius } => distance(radius),
             Claim::EveryPlaceReachable { radius } => distance(radius),
+            Claim::PredictedDifficulty { prediction } => prediction
+                .dials
+                .named()
+                .iter()
+                .all(|(_, dial)| dial.value.is_finite() && distance(dial.standard_error)),
             Claim::AddedDoorway { .. } => true,
         }
     }
@@ -98,6 +109,13 @@ impl fmt::Display for Claim {
             }
             Claim::EveryPlaceReachable { radius } => {
                 write!(f, "a disc of radius {radius} m can reach every room and hallway")
+            }
+            Claim::PredictedDifficulty { prediction } => {
+                let [d, m, n] = prediction
+                    .dials
+                    .named()
+                    .map(|(_, dial)| format!("{:.1} +- {:.1}", dial.value, dial.standard_error));
+                write!(f, "predicted difficulty {d}, mapping {m}, navigation {n}")
             }
             Claim::AddedDoorway { doorway } => {
                 write!(f, "doorway {doorway} was added so that a place can be reached")

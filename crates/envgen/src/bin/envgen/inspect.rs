@@ -5,6 +5,7 @@ use std::ops::Add;
 use std::process::ExitCode;
 
 use clap::Args;
+use envgen::calibration::{Calibration, Prediction};
 use envgen::certificate::{Claim, Verdict, verify};
 use envgen::difficulty::{DifficultyVector, Platform};
 use envgen::geometry::{Pose, Rect};
@@ -50,6 +51,10 @@ struct Report<'a> {
     metrics: Option<WorldMetrics>,
     /// Absent when the robot does not fit at the start, or anywhere in a world without one.
     difficulty: Option<DifficultyVector>,
+    /// The difficulty that trials are predicted to measure, for the usual robot; absent for kinds that are not
+    /// calibrated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    predicted: Option<Prediction>,
 }
 
 #[derive(Serialize)]
@@ -173,8 +178,19 @@ fn report<'a>(world: &'a World, platform: &Platform) -> Report<'a> {
         materials: Materials::of(world),
         certificate: verify(world).into_iter().map(checked).collect(),
         metrics: again,
+        predicted: predicted(world, platform, difficulty.as_ref().ok()),
         difficulty: difficulty.ok(),
     }
+}
+
+fn predicted(
+    world: &World,
+    platform: &Platform,
+    vector: Option<&DifficultyVector>,
+) -> Option<Prediction> {
+    let calibration = Calibration::indoor();
+    let is_known = world.provenance.kind == calibration.kind && *platform == Platform::default();
+    vector.filter(|_| is_known).map(|vector| calibration.predict(vector))
 }
 
 /// Prints a tree of values, two spaces per level; lists of plain values are on one line.

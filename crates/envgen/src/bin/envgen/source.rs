@@ -45,6 +45,9 @@ impl Source {
         for &(name, value, option) in &settings {
             spec.set(name, value).in_option("--set", option)?;
         }
+        if let WorldSpec::Indoor(indoor) = &mut spec {
+            settings.iter().for_each(|(name, ..)| indoor.fix(name));
+        }
         if self.rooms.are_given() {
             self.furnish(&mut spec)?;
         }

@@ -83,7 +83,16 @@ pub fn read_project(
     let doors_ignored = doors - openings.len();
     sort_openings(&mut openings);
     let spec = IndoorSpec { width, height: depth, profile: Profile::Thesis, ..Default::default() };
-    let plan = FloorPlan { spec, seed: None, grid, rooms, openings, draws: None, edited: false };
+    let plan = FloorPlan {
+        spec,
+        seed: None,
+        grid,
+        rooms,
+        openings,
+        draws: None,
+        edited: false,
+        choice: None,
+    };
     Ok(Project { name, plan, doors_ignored, elements_ignored })
 }
 

@@ -14,6 +14,7 @@ fn rules_name(design: &Design) -> Markup {
     let name = match design.profile {
         Profile::Thesis => "thesis",
         Profile::Guaranteed => "guaranteed",
+        Profile::Calibrated => "calibrated",
     };
     html! { code { (name) } }
 }

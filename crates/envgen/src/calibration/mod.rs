@@ -1,0 +1,104 @@
+//! Predicted difficulty: how hard a world is on the scale of mapping trials, without simulation.
+//!
+//! The crate `mapping_trial` measures the difficulty of a world by trials of a panel of robots, on a scale
+//! whose 0 and 10 are fixed by worlds of their own. An *atlas* of measured worlds gives linear models
+//! (ridge regression) of three dials: the difficulty `d`, and those of its two sides, mapping `m` and navigation
+//! `n`. A [`Calibration`] holds models from the [difficulty vector](crate::difficulty) of a world, and models
+//! from the settings alone, which choose what to generate. Predictions are the same to the last bit on every
+//! platform.
+//!
+//! ```
+//! use envgen::calibration::Calibration;
+//! use envgen::difficulty::{DifficultyVector, Platform};
+//! use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+//!
+//! let spec = IndoorSpec { width: 8, height: 8, ..Default::default() };
+//! let world = spec.generate(Seed(7))?.to_world();
+//! let vector = DifficultyVector::of(&world, &Platform::default())?;
+//! let prediction = Calibration::indoor().predict(&vector);
+//! assert!(prediction.dials.difficulty.value < 6.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod linear;
+mod scale;
+
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
+
+pub use linear::{DialModels, Input, LinearModel};
+pub use scale::Scale;
+
+pub use crate::dials::{Dials, Estimate, Prediction};
+
+use crate::difficulty::DifficultyVector;
+
+/// The calibration of indoor maps.
+const INDOOR: &str = include_str!("indoor_1.json");
+
+/// Models that predict difficulty, with the scale and the atlas that they come from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Calibration {
+    /// Its version: another one predicts other values.
+    pub version: u32,
+    /// The kind of world that it is about.
+    pub kind: String,
+    /// The atlas that it was fitted to.
+    pub atlas: Atlas,
+    /// The scale of its dials.
+    pub scale: Scale,
+    /// Models from the difficulty vector of a world.
+    pub world: DialModels,
+    /// Models from settings.
+    pub settings: DialModels,
+}
+
+/// Where a calibration comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Atlas {
+    /// The command that ran its trials.
+    pub command: String,
+    /// Number of worlds.
+    pub worlds: u32,
+    /// Number of trials.
+    pub trials: u32,
+    /// SHA-256 of the results of its trials.
+    pub digest: String,
+}
+
+impl Calibration {
+    /// The calibration of indoor maps, for the reference panel of `mapping_trial`.
+    ///
+    /// # Panics
+    /// Never: the file is part of the crate, and tested.
+    pub fn indoor() -> &'static Calibration {
+        static CALIBRATION: LazyLock<Calibration> =
+            LazyLock::new(|| serde_json::from_str(INDOOR).expect("indoor_1.json is a calibration"));
+        &CALIBRATION
+    }
+
+    /// Predicts the difficulty of a world from its difficulty vector.
+    pub fn predict(&self, vector: &DifficultyVector) -> Prediction {
+        let features = DifficultyVector::features();
+        let values = vector.values();
+        let value = |name: &str| {
+            let place = features.iter().position(|feature| feature.name == name)?;
+            values[place]
+        };
+        self.prediction(&self.world, &value)
+    }
+
+    /// Predicts the difficulty of what settings give, from their [`terms`](Input).
+    pub(crate) fn predict_terms(&self, terms: &[(&str, f64)]) -> Prediction {
+        let value = |name: &str| terms.iter().find(|(term, _)| *term == name).map(|(_, v)| *v);
+        self.prediction(&self.settings, &value)
+    }
+
+    fn prediction(&self, models: &DialModels, value: &dyn Fn(&str) -> Option<f64>) -> Prediction {
+        let (dials, outside) = models.predict(value);
+        Prediction { calibration: self.version, dials, outside }
+    }
+}

@@ -1,0 +1,337 @@
+//! The profile `calibrated`: maps of a requested difficulty, as trials measure it.
+//!
+//! Levers are drawn many times, settings alone predict what each draw gives, the draws nearest to the request
+//! are generated, and of these the one whose difficulty vector predicts nearest is taken. Nothing is
+//! simulated.
+
+use super::blueprint::{Choice, FloorPlan};
+use super::custom_laws::IndoorLaws;
+use super::error::IndoorError;
+use super::generate::{Stage, plan_as_set};
+use super::levers::{LEVERS, Levers};
+use super::request::Request;
+use super::spec::{IndoorSpec, MAX_CALIBRATED_CELLS, Profile};
+use super::world::world;
+use crate::calibration::Calibration;
+use crate::dials::{Dials, Estimate, Prediction};
+use crate::difficulty::{DifficultyVector, Platform};
+use crate::error::SpecError;
+use crate::generate::Spec;
+use crate::seed::Seed;
+
+/// Number of draws of the levers.
+const DRAWS: u64 = 256;
+
+/// Number of draws from which it is found what a spec reaches, and the share of them that lies beyond it at either
+/// end.
+const REACH_DRAWS: u64 = 512;
+const BEYOND: f64 = 0.01;
+
+/// Number of maps of which the nearest is taken.
+pub(super) const CANDIDATES: usize = 8;
+
+/// How far the nearest draw may be from a request of both dials, on each of them.
+const FARTHEST: f64 = 1.0;
+
+/// The plan that is predicted nearest to the spec's request, or one of the next.
+pub(super) fn plan(
+    spec: &IndoorSpec,
+    seed: Seed,
+    laws: &IndoorLaws<'_>,
+    after: &mut dyn FnMut(Stage),
+) -> Result<FloorPlan, IndoorError> {
+    let mut plans = plans(spec, seed, laws, after)?;
+    let rank = (spec.candidate as usize).min(plans.len() - 1);
+    Ok(plans.swap_remove(rank))
+}
+
+/// Plans, from the one on whose prediction is nearest to the spec's request; at least one.
+fn plans(
+    spec: &IndoorSpec,
+    seed: Seed,
+    laws: &IndoorLaws<'_>,
+    after: &mut dyn FnMut(Stage),
+) -> Result<Vec<FloorPlan>, IndoorError> {
+    let request = spec.request();
+    let levers = Levers::new(spec);
+    request.check(spec, &levers)?;
+    let draw = |i: u64| {
+        let seed = Seed(seed.attempt("indoor/calibrated", 0, i).bits());
+        (levers.draw(seed), seed)
+    };
+    let mut drawn: Vec<(f64, u64)> =
+        (0..DRAWS).map(|i| (request.distance(expected(&draw(i).0)), i)).collect();
+    drawn.sort_by(|a, b| a.0.total_cmp(&b.0));
+    request.check_nearest(drawn[0].0, &draw(drawn[0].1).0)?;
+    let calibration = Calibration::indoor();
+    let mut failure = None;
+    let mut candidates: Vec<(f64, FloorPlan, Prediction)> = Vec::new();
+    for &(_, i) in &drawn[..CANDIDATES] {
+        let (drawn, own_seed) = draw(i);
+        let plan = plan_as_set(&drawn, own_seed, laws, after)?;
+        match DifficultyVector::of(&world(&plan), &Platform::default()) {
+            Ok(vector) => {
+                let prediction = calibration.predict(&vector);
+                let distance = request.distance(values(prediction.dials));
+                candidates.push((distance, plan, prediction));
+            }
+            Err(error) => failure = Some(error),
+        }
+    }
+    if candidates.is_empty() {
+        let reason = failure.map_or_else(String::new, |error| error.to_string());
+        return Err(IndoorError::Unpredicted(reason));
+    }
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let chosen = candidates.into_iter().zip(0..).map(|((_, mut plan, prediction), candidate)| {
+        let spec = IndoorSpec { candidate, ..spec.clone() };
+        plan.choice = Some(Box::new(Choice { spec, seed, prediction }));
+        plan
+    });
+    Ok(chosen.collect())
+}
+
+impl IndoorSpec {
+    /// What maps of this size reach, with the settings that are kept: the interval of each dial, as predicted
+    /// from settings, between the 1 % and the 99 % quantile of what the levers give.
+    pub fn reachable(&self) -> Dials<[f64; 2]> {
+        reachable(&Levers::new(self))
+    }
+
+    /// The candidates of the profile `calibrated`, from the one on that is predicted nearest to the request.
+    /// Each is what the spec gives with its number as `candidate`.
+    ///
+    /// # Errors
+    /// As [`Spec::generate`](crate::Spec::generate), and for another profile.
+    pub fn candidates(&self, seed: Seed) -> Result<Vec<FloorPlan>, IndoorError> {
+        self.validate()?;
+        if self.profile != Profile::Calibrated {
+            let name = serde_json::to_string(&self.profile).unwrap_or_default();
+            return Err(SpecError::new("profile", name, "calibrated, to have candidates").into());
+        }
+        plans(self, seed, &IndoorLaws::default(), &mut |_| ())
+    }
+
+    /// Keeps a setting at its default in the profile `calibrated`, which draws it otherwise. Does nothing for
+    /// settings that the profile does not draw, or that have other values.
+    pub fn fix(&mut self, name: &str) {
+        let drawn = LEVERS.into_iter().find(|lever| *lever == name && *lever != "difficulty");
+        let Some(lever) = drawn.filter(|_| self.profile == Profile::Calibrated) else { return };
+        let is_default =
+            self.settings_json()[lever] == IndoorSpec::default().settings_json()[lever];
+        if is_default && !self.fixed.iter().any(|fixed| fixed == lever) {
+            self.fixed.push(lever.to_owned());
+        }
+    }
+}
+
+fn reachable(levers: &Levers<'_>) -> Dials<[f64; 2]> {
+    let draws: Vec<Dials<f64>> = (0..REACH_DRAWS)
+        .map(|i| expected(&levers.draw(Seed(0).attempt("indoor/reachable", 0, i).bits().into())))
+        .collect();
+    let interval = |of: fn(&Dials<f64>) -> f64| {
+        let mut all: Vec<f64> = draws.iter().map(of).collect();
+        all.sort_by(f64::total_cmp);
+        let cut = (BEYOND * all.len() as f64) as usize;
+        [all[cut], all[all.len() - 1 - cut]]
+    };
+    Dials {
+        difficulty: interval(|dials| dials.difficulty),
+        mapping: interval(|dials| dials.mapping),
+        navigation: interval(|dials| dials.navigation),
+    }
+}
+
+/// The dials that settings lead one to expect.
+fn expected(spec: &IndoorSpec) -> Dials<f64> {
+    values(Calibration::indoor().predict_terms(&spec.lever_terms()).dials)
+}
+
+fn values(dials: Dials<Estimate>) -> Dials<f64> {
+    dials.map(|estimate| estimate.value)
+}
+
+impl Request {
+    /// Whether each dial alone can be reached.
+    fn check(&self, spec: &IndoorSpec, levers: &Levers<'_>) -> Result<(), SpecError> {
+        for (name, (wanted, [least, most])) in self.0.zip(reachable(levers)).named() {
+            let Some(wanted) = wanted else { continue };
+            if !(least..=most).contains(&wanted) {
+                let IndoorSpec { width, height, .. } = spec;
+                let allowed = format!(
+                    "from {least:.1} to {most:.1}, what the profile calibrated reaches at {width} x \
+                     {height} cells with these settings"
+                );
+                return Err(SpecError::new(name, wanted, allowed));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether both dials can be reached together.
+    fn check_nearest(&self, distance: f64, nearest: &IndoorSpec) -> Result<(), SpecError> {
+        let Dials { mapping: Some(mapping), navigation: Some(navigation), .. } = self.0 else {
+            return Ok(());
+        };
+        if distance <= FARTHEST {
+            return Ok(());
+        }
+        let near = expected(nearest);
+        let allowed = format!(
+            "what the profile calibrated reaches together, the nearest is {:.1} and {:.1}",
+            near.mapping, near.navigation
+        );
+        let wanted = format!("{mapping} and {navigation}");
+        Err(SpecError::new("mapping` and `navigation", wanted, allowed))
+    }
+}
+
+/// Whether the profile can be calibrated for the spec's size and robot.
+pub(super) fn check(spec: &IndoorSpec) -> Result<(), SpecError> {
+    let cells = u64::from(spec.width) * u64::from(spec.height);
+    if cells > MAX_CALIBRATED_CELLS {
+        let allowed = format!(
+            "at most {} where the height is {}: the profile calibrated has maps of up to \
+             {MAX_CALIBRATED_CELLS} cells",
+            MAX_CALIBRATED_CELLS / u64::from(spec.height),
+            spec.height
+        );
+        return Err(SpecError::new("width", spec.width, allowed));
+    }
+    let least = Platform::default().footprint();
+    if spec.robot_radius < least {
+        let allowed =
+            format!("at least {least} m, the robot for which the profile calibrated predicts");
+        return Err(SpecError::new("robot_radius", spec.robot_radius, allowed));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::Blueprint;
+    use crate::world::Claim;
+
+    fn base(size: u32) -> IndoorSpec {
+        let profile = Profile::Calibrated;
+        IndoorSpec { width: size, height: size, profile, ..Default::default() }
+    }
+
+    /// A request in the middle of what a spec reaches.
+    fn middle(spec: &IndoorSpec) -> f64 {
+        let [least, most] = spec.reachable().difficulty;
+        0.5 * (least + most)
+    }
+
+    #[test]
+    fn predictions_are_near_requests() {
+        let [least, most] = base(8).reachable().difficulty;
+        let mut errors = Vec::new();
+        for i in 0..6 {
+            let difficulty = least + (most - least) * (f64::from(i) + 0.5) / 6.0;
+            let plan =
+                IndoorSpec { difficulty, ..base(8) }.generate(Seed(i as u64)).expect("a plan");
+            let prediction = plan.prediction().expect("a prediction");
+            errors.push((prediction.dials.difficulty.value - difficulty).abs());
+        }
+        assert!(errors.iter().sum::<f64>() / 6.0 < 0.5, "{errors:?}");
+    }
+
+    #[test]
+    fn the_world_claims_its_prediction_and_names_the_request() {
+        let spec = IndoorSpec { difficulty: middle(&base(6)), ..base(6) };
+        let plan = spec.generate(Seed(5)).expect("a plan");
+        let world = plan.to_world();
+        assert_eq!(world.provenance.spec, serde_json::json!(spec));
+        assert_eq!(world.provenance.seed, Some(Seed(5)));
+        let claims = crate::certificate::verify(&world);
+        let claimed = claims.iter().find(|(claim, _)| {
+            matches!(claim, Claim::PredictedDifficulty { prediction } if Some(prediction) == plan.prediction())
+        });
+        assert_eq!(claimed.map(|(_, verdict)| *verdict), Some(crate::certificate::Verdict::Holds));
+        // An easier floor is not what was predicted.
+        let mut other = world.clone();
+        other.obstacles.clear();
+        other.walls.truncate(4);
+        let broken = crate::certificate::verify(&other);
+        assert!(broken.iter().any(|(claim, verdict)| {
+            matches!(claim, Claim::PredictedDifficulty { .. })
+                && *verdict == crate::certificate::Verdict::Broken
+        }));
+    }
+
+    #[test]
+    fn candidates_are_what_their_numbers_give_and_farther_one_by_one() {
+        let spec = IndoorSpec { difficulty: middle(&base(6)), ..base(6) };
+        let plans = spec.candidates(Seed(2)).expect("candidates");
+        assert_eq!(plans.len(), CANDIDATES);
+        let distances: Vec<f64> = plans
+            .iter()
+            .map(|plan| spec.request().distance(values(plan.prediction().expect("one").dials)))
+            .collect();
+        assert!(distances.is_sorted(), "{distances:?}");
+        let third = IndoorSpec { candidate: 2, ..spec.clone() };
+        assert_eq!(third.generate(Seed(2)).as_ref(), Ok(&plans[2]));
+        let other = IndoorSpec { profile: Profile::Guaranteed, ..IndoorSpec::default() };
+        let error = other.candidates(Seed(2)).expect_err("another profile").to_string();
+        assert!(error.starts_with("`profile` must be calibrated"), "{error}");
+    }
+
+    #[test]
+    fn dials_are_requested_apart() {
+        let reach = base(8).reachable();
+        let high = |[least, most]: [f64; 2], share: f64| least + share * (most - least);
+        let spec = IndoorSpec {
+            mapping: Some(high(reach.mapping, 0.2)),
+            navigation: Some(high(reach.navigation, 0.6)),
+            ..base(8)
+        };
+        let plan = spec.generate(Seed(1)).expect("a plan");
+        let dials = values(plan.prediction().expect("a prediction").dials);
+        assert!(spec.request().distance(dials) < 1.0, "{dials:?}");
+    }
+
+    #[test]
+    fn requests_out_of_reach_are_refused_with_what_is_reached() {
+        let error =
+            |spec: IndoorSpec| spec.generate(Seed(0)).expect_err("out of reach").to_string();
+        let text = error(IndoorSpec { difficulty: 0.0, ..base(16) });
+        assert!(text.starts_with("`difficulty` must be from "), "{text}");
+        assert!(text.ends_with("reaches at 16 x 16 cells with these settings, got 0"), "{text}");
+        let text = error(IndoorSpec { width: 100, height: 100, ..base(16) });
+        assert!(text.starts_with("`width` must be at most 40"), "{text}");
+        let text = error(IndoorSpec { robot_radius: 0.2, ..base(16) });
+        assert!(text.starts_with("`robot_radius` must be at least 0.36"), "{text}");
+        let text = error(IndoorSpec { fixed: vec!["width".into()], ..base(16) });
+        assert!(text.starts_with("`fixed` must be any of difficulty, layout"), "{text}");
+        let plain = IndoorSpec { mapping: Some(3.0), ..IndoorSpec::default() };
+        let text = error(plain);
+        assert_eq!(text, "`mapping` must be absent, except in the profile calibrated, got 3.0");
+    }
+
+    #[test]
+    fn what_is_fixed_stays_and_narrows_the_reach() {
+        let mut spec = base(8);
+        for lever in ["floor_slip", "wheel_bias", "dark_walls", "dark_objects", "width"] {
+            spec.fix(lever);
+        }
+        assert_eq!(spec.fixed.len(), 4);
+        let (free, kept) = (base(8).reachable().mapping, spec.reachable().mapping);
+        assert!(kept[1] < free[1] - 2.0, "{kept:?} {free:?}");
+        spec.difficulty = middle(&spec);
+        let plan = spec.generate(Seed(3)).expect("a plan");
+        assert_eq!((plan.spec().floor_slip, plan.spec().dark_walls), (1.0, 0.0));
+    }
+
+    #[test]
+    fn an_edited_plan_has_no_prediction() {
+        let spec = IndoorSpec { difficulty: middle(&base(6)), ..base(6) };
+        let mut plan = spec.generate(Seed(5)).expect("a plan");
+        plan.edited = true;
+        assert_eq!(plan.prediction(), None);
+        let world = plan.to_world();
+        assert_eq!(world.provenance.difficulty_requested, Some(spec.difficulty));
+        assert!(!world.certificate.iter().any(|c| matches!(c, Claim::PredictedDifficulty { .. })));
+    }
+}

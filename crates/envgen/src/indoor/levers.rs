@@ -1,0 +1,330 @@
+//! Draws of the settings that make a map easy or hard, for maps of a given size.
+//!
+//! Two severities are drawn for a map, one of what makes it hard to map (floors, materials) and one of what
+//! makes it hard to drive through (doorways, rooms, clutter). Every lever follows its severity loosely and has
+//! a stream of its own, so that maps of one difficulty differ in kind, and a lever that is kept changes no
+//! other. No lever goes beyond what buildings have: floors slip at most as on gravel or debris, dark walls
+//! are seen from 2 m.
+
+use std::collections::BTreeSet;
+use std::f64::consts::PI;
+
+use super::dimensions::STEP;
+use super::spec::{Cycles, IndoorSpec, Layout, Profile, RoomChoice};
+use crate::generate::Spec;
+use crate::seed::{Seed, Stream};
+
+/// Greatest factor on the variances of wheel odometry that is drawn.
+const MOST_SLIP: f64 = 15.0;
+
+/// Greatest wheel bias that is drawn.
+const MOST_BIAS: f64 = 0.3;
+
+/// Range in metres of dark walls where the lever begins, and where it ends.
+const DARK_RANGES: [f64; 2] = [8.0, 2.0];
+
+/// Least share of the floors or walls that a material covers where it is drawn.
+const LEAST_SHARE: f64 = 0.3;
+
+/// Most crates per 100 m^2 that are drawn.
+const MOST_CLUTTER: f64 = 25.0;
+
+/// How much wider than the narrowest the widest doorways are that are drawn, in metres.
+const WIDER: f64 = 1.6;
+
+/// Rooms of which a few are chosen.
+const THEME: usize = 8;
+
+/// Greatest distance between hallways in cells that is drawn.
+const FARTHEST: u32 = 10;
+
+/// The settings that the levers set.
+pub(super) const LEVERS: [&str; 19] = [
+    "difficulty",
+    "layout",
+    "branching",
+    "rooms",
+    "room_choice",
+    "spacing_h",
+    "spacing_v",
+    "doorway_probability",
+    "cycles",
+    "doorway",
+    "doorway_narrowest",
+    "clutter",
+    "floor_slip",
+    "floor_slip_share",
+    "wheel_bias",
+    "wheel_bias_share",
+    "dark_walls",
+    "dark_objects",
+    "dark_range",
+];
+
+/// The levers of a spec, and those that keep their values.
+pub(super) struct Levers<'a> {
+    base: &'a IndoorSpec,
+    kept: BTreeSet<&'static str>,
+}
+
+impl<'a> Levers<'a> {
+    /// Keeps the levers that the spec sets to other values than the defaults, and those that it fixes.
+    pub(super) fn new(base: &'a IndoorSpec) -> Self {
+        let (own, defaults) = (base.settings_json(), IndoorSpec::default().settings_json());
+        let is_kept = |name: &&str| {
+            // The difficulty is what the map should have, as measured, not the rules' number.
+            *name != "difficulty"
+                && (own[*name] != defaults[*name] || base.fixed.iter().any(|fixed| fixed == name))
+        };
+        let kept = LEVERS.into_iter().filter(is_kept).collect();
+        Levers { base, kept }
+    }
+
+    /// The spec with its levers drawn.
+    pub(super) fn draw(&self, seed: Seed) -> IndoorSpec {
+        let base = self.base;
+        let mut draws = stream("severity", seed);
+        let [mapping, navigation] = std::array::from_fn(|_| severity(&mut draws));
+        let mut spec = IndoorSpec {
+            profile: Profile::Guaranteed,
+            mapping: None,
+            navigation: None,
+            fixed: Vec::new(),
+            candidate: 0,
+            ..base.clone()
+        };
+        self.lever("difficulty", seed, |stream| {
+            spec.difficulty = 10.0 * near(navigation, 0.3, stream);
+        });
+        self.plan(&mut spec, navigation, seed);
+        self.doorways(&mut spec, navigation, seed);
+        self.lever("clutter", seed, |stream| {
+            spec.clutter = MOST_CLUTTER * strength(navigation, stream);
+        });
+        self.materials(&mut spec, mapping, seed);
+        if spec.validate().is_err() {
+            // Rooms of the caller may all be too large.
+            spec.rooms.clone_from(&base.rooms);
+        }
+        spec
+    }
+
+    /// Calls `set` with the lever's own stream, unless the lever is kept.
+    fn lever(&self, name: &'static str, seed: Seed, set: impl FnOnce(&mut Stream)) {
+        if !self.kept.contains(name) {
+            set(&mut stream(name, seed));
+        }
+    }
+
+    /// Hallways and rooms.
+    fn plan(&self, spec: &mut IndoorSpec, navigation: f64, seed: Seed) {
+        self.lever("layout", seed, |stream| {
+            spec.layout = if stream.chance(0.25) { Layout::LSystem } else { Layout::Grid };
+        });
+        self.lever("branching", seed, |stream| spec.branching = stream.unit());
+        self.lever("cycles", seed, |stream| {
+            let all = [Cycles::Difficulty, Cycles::Allow, Cycles::Prevent];
+            spec.cycles = all[stream.below(all.len() as u64) as usize];
+        });
+        let spacing = |size: u32, stream: &mut Stream| {
+            let farthest = FARTHEST.min(size - 1);
+            let cells = 3 + stream.below(u64::from(farthest - 2)) as u32;
+            stream.chance(0.5).then_some(cells)
+        };
+        self.lever("spacing_h", seed, |stream| spec.spacing_h = spacing(spec.width, stream));
+        self.lever("spacing_v", seed, |stream| spec.spacing_v = spacing(spec.height, stream));
+        self.lever("doorway_probability", seed, |stream| {
+            let probability = stream.between(0.1, 1.0);
+            spec.doorway_probability = stream.chance(0.5).then_some(probability);
+        });
+        self.lever("room_choice", seed, |stream| {
+            let uniform = stream.chance(0.4);
+            spec.room_choice = if uniform { RoomChoice::Uniform } else { RoomChoice::Difficulty };
+        });
+        self.lever("rooms", seed, |stream| {
+            if stream.chance(0.4) {
+                spec.rooms = theme(self.base, near(navigation, 0.2, stream), stream);
+            }
+        });
+    }
+
+    /// Widths of doorways.
+    fn doorways(&self, spec: &mut IndoorSpec, navigation: f64, seed: Seed) {
+        let least = 2.0 * (spec.robot_radius + STEP);
+        self.lever("doorway", seed, |stream| {
+            let widest = (spec.cell_size - 2.0 * spec.wall_thickness).min(least + WIDER).min(3.0);
+            let width = widest - (widest - least) * near(navigation, 0.3, stream);
+            spec.doorway = centimetres(width, least, widest);
+        });
+        self.lever("doorway_narrowest", seed, |stream| {
+            let width = centimetres(stream.between(least, spec.doorway), least, spec.doorway);
+            spec.doorway_narrowest = stream.chance(0.3).then_some(width);
+        });
+    }
+
+    /// Slippery and loose floors, dark walls and objects.
+    fn materials(&self, spec: &mut IndoorSpec, severity: f64, seed: Seed) {
+        self.lever("floor_slip", seed, |stream| {
+            spec.floor_slip = 1.0 + (MOST_SLIP - 1.0) * strength(severity, stream);
+        });
+        self.lever("floor_slip_share", seed, |stream| {
+            spec.floor_slip_share = stream.between(LEAST_SHARE, 1.0);
+        });
+        self.lever("wheel_bias", seed, |stream| {
+            spec.wheel_bias = MOST_BIAS * strength(severity, stream);
+        });
+        self.lever("wheel_bias_share", seed, |stream| {
+            spec.wheel_bias_share = stream.between(LEAST_SHARE, 1.0);
+        });
+        // Walls and objects are dark together.
+        let dark = strength(severity, &mut stream("dark", seed));
+        self.lever("dark_range", seed, |_| {
+            let [from, to] = DARK_RANGES.map(f64::recip);
+            spec.dark_range = 1.0 / (from + (to - from) * dark);
+        });
+        self.lever("dark_walls", seed, |stream| {
+            let share = stream.between(LEAST_SHARE, 1.0);
+            spec.dark_walls = if dark > 0.0 { share } else { 0.0 };
+        });
+        self.lever("dark_objects", seed, |stream| {
+            spec.dark_objects = if dark > 0.0 { stream.unit() } else { 0.0 };
+        });
+    }
+}
+
+impl IndoorSpec {
+    /// Draws the settings that make a map easy or hard, within what buildings have: doorways, hallways,
+    /// rooms, clutter, floors and materials. Settings of other values than the defaults, and those in `fixed`,
+    /// keep their values; size, robot and walls are never drawn. The result has the profile `guaranteed`.
+    ///
+    /// ```
+    /// use envgen::Seed;
+    /// use envgen::indoor::IndoorSpec;
+    ///
+    /// let dry = IndoorSpec { fixed: vec!["floor_slip".into()], ..Default::default() };
+    /// let spec = dry.draw_levers(Seed(3));
+    /// assert_eq!((spec.width, spec.floor_slip), (16, 1.0));
+    /// assert_ne!(spec.difficulty, dry.draw_levers(Seed(4)).difficulty);
+    /// ```
+    pub fn draw_levers(&self, seed: Seed) -> IndoorSpec {
+        Levers::new(self).draw(seed)
+    }
+}
+
+/// The stream of a lever.
+fn stream(lever: &str, seed: Seed) -> Stream {
+    seed.stream(&format!("indoor/levers/{lever}"), 0)
+}
+
+/// How hard one side of a map is meant to be, from 0 to 1: easy and hard maps are more frequent than those
+/// between, of which a mixture of levers gives enough.
+fn severity(stream: &mut Stream) -> f64 {
+    0.5 - 0.5 * libm::cos(PI * stream.unit())
+}
+
+/// A number from 0 to 1 that is near another.
+fn near(severity: f64, spread: f64, stream: &mut Stream) -> f64 {
+    (severity + stream.between(-spread, spread)).clamp(0.0, 1.0)
+}
+
+/// How strong a lever is, from 0 to 1: 0 for some maps of any severity.
+fn strength(severity: f64, stream: &mut Stream) -> f64 {
+    let (is_on, share) = (stream.chance(0.3 + 0.5 * severity), stream.between(0.5, 1.0));
+    if is_on { severity * share } else { 0.0 }
+}
+
+/// A few of the rooms that may be placed, of about the same difficulty.
+fn theme(base: &IndoorSpec, severity: f64, stream: &mut Stream) -> Vec<String> {
+    let mut rooms = base.allowed_rooms();
+    rooms.sort_by(|a, b| a.difficulty.total_cmp(&b.difficulty));
+    let window = THEME.min(rooms.len());
+    let first = (severity * (rooms.len() - window) as f64).round() as usize;
+    let mut names: Vec<String> =
+        rooms[first..first + window].iter().map(|room| room.name.clone()).collect();
+    let wanted = 1 + stream.below(5) as usize;
+    while names.len() > wanted {
+        let last = names.len() as u64;
+        names.swap_remove(stream.below(last) as usize);
+    }
+    names
+}
+
+/// A length in whole centimetres, within limits.
+fn centimetres(metres: f64, least: f64, most: f64) -> f64 {
+    ((metres * 100.0).round() / 100.0).min(most).max(least)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::Blueprint;
+    use crate::indoor::Turn;
+
+    #[test]
+    fn every_lever_is_a_setting_and_moves() {
+        let base = IndoorSpec::default();
+        let drawn: Vec<_> =
+            (0..40).map(|seed| base.draw_levers(Seed(seed)).settings_json()).collect();
+        for lever in LEVERS {
+            assert!(IndoorSpec::SETTINGS.iter().any(|setting| setting.name == lever), "{lever}");
+            assert!(drawn.iter().any(|spec| spec[lever] != drawn[0][lever]), "{lever}");
+        }
+        for setting in IndoorSpec::SETTINGS.iter().filter(|s| !LEVERS.contains(&s.name)) {
+            let first = &drawn[0][setting.name];
+            assert!(drawn.iter().all(|spec| spec[setting.name] == *first), "{}", setting.name);
+        }
+    }
+
+    #[test]
+    fn a_kept_lever_moves_no_other() {
+        let base = IndoorSpec { profile: Profile::Calibrated, ..Default::default() };
+        for lever in LEVERS.into_iter().filter(|lever| *lever != "difficulty") {
+            let fixed = IndoorSpec { fixed: vec![lever.to_owned()], ..base.clone() };
+            for seed in 0..20 {
+                let mut free = base.draw_levers(Seed(seed)).settings_json();
+                let kept = fixed.draw_levers(Seed(seed)).settings_json();
+                assert_eq!(kept[lever], base.settings_json()[lever]);
+                free[lever] = kept[lever].clone();
+                // The narrowest doorway is drawn up to the width of the widest.
+                if lever == "doorway" {
+                    free["doorway_narrowest"] = kept["doorway_narrowest"].clone();
+                }
+                assert_eq!(free, kept, "{lever}");
+            }
+        }
+        let set = IndoorSpec { wheel_bias: 0.3, turn: Turn::Never, ..base };
+        assert_eq!(set.draw_levers(Seed(1)).wheel_bias, 0.3);
+    }
+
+    #[test]
+    fn every_draw_can_be_generated() {
+        for seed in 0..60 {
+            let size = 4 + (seed % 9) as u32;
+            let base = IndoorSpec { width: size, height: 12 - size / 2, ..Default::default() };
+            let spec = base.draw_levers(Seed(seed));
+            let plan = spec.generate(Seed(seed)).expect("a plan");
+            assert_eq!(plan.to_world().check(), Ok(()));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn every_draw_is_allowed(
+            seed in any::<u64>(),
+            (width, height) in (4..40_u32, 4..40_u32),
+            cell_size in 1.6..12.0_f64,
+            wall_thickness in 0.01..0.3_f64,
+            robot_radius in 0.01..0.4_f64,
+        ) {
+            let base = IndoorSpec {
+                width, height, cell_size, wall_thickness, robot_radius, ..Default::default()
+            };
+            prop_assume!(base.validate().is_ok());
+            let spec = base.draw_levers(Seed(seed));
+            prop_assert_eq!(spec.validate(), Ok(()));
+            prop_assert_eq!(spec.profile, Profile::Guaranteed);
+        }
+    }
+}

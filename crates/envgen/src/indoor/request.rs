@@ -1,0 +1,45 @@
+//! What the profile `calibrated` is asked for.
+
+use super::spec::IndoorSpec;
+use crate::dials::Dials;
+
+/// The dials that a spec of the profile `calibrated` requests.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Request(pub Dials<Option<f64>>);
+
+impl Request {
+    /// How far dials are from what is requested: the root of the sum of squares over the dials that are.
+    pub fn distance(&self, dials: Dials<f64>) -> f64 {
+        let squares = self.0.zip(dials).named().map(|(_, (wanted, value))| {
+            wanted.map_or(0.0, |wanted| (value - wanted) * (value - wanted))
+        });
+        squares.iter().sum::<f64>().sqrt()
+    }
+}
+
+impl IndoorSpec {
+    /// What it requests in the profile `calibrated`: `mapping` and `navigation` where one of them is set, else
+    /// the `difficulty`.
+    pub fn request(&self) -> Request {
+        let IndoorSpec { mapping, navigation, .. } = *self;
+        let whole = mapping.is_none() && navigation.is_none();
+        let difficulty = whole.then_some(self.difficulty);
+        Request(Dials { difficulty, mapping, navigation })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dials_of_their_own_replace_the_difficulty() {
+        let all = Dials { difficulty: 5.0, mapping: 6.0, navigation: 1.0 };
+        let plain = IndoorSpec { difficulty: 7.0, ..Default::default() };
+        assert_eq!(plain.request().distance(all), 2.0);
+        let mapping = IndoorSpec { mapping: Some(3.0), ..plain };
+        assert_eq!(mapping.request().distance(all), 3.0);
+        let both = IndoorSpec { navigation: Some(5.0), ..mapping };
+        assert_eq!(both.request().distance(all), 5.0);
+    }
+}
