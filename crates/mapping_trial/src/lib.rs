@@ -32,6 +32,7 @@
 //! | what could be mapped, and how well it was | [`truth`], [`score`] |
 //! | the operator's rating of it | [`feedback`] |
 //! | many trials at once, and their statistics | `experiment` |
+//! | how difficult a world is, measured by trials | `difficulty` |
 //!
 //! # Guarantees
 //!
@@ -44,6 +45,8 @@
 
 pub mod autonomy;
 pub mod backend;
+#[cfg(feature = "experiment")]
+pub mod difficulty;
 #[cfg(feature = "driver")]
 pub mod driver;
 #[cfg(feature = "experiment")]

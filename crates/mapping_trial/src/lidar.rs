@@ -67,6 +67,20 @@ impl LaserProfile {
     /// The same with the errors of a real scan: lost, early and mixed echoes.
     pub const LMS200_MM_ROUGH: LaserProfile =
         LaserProfile { dropout: 0.005, short: 0.001, mixed_pixel: 0.3, ..LaserProfile::LMS200_MM };
+    /// Hokuyo's URG-04LX, of which every third beam and every second scan is used.
+    pub const URG_04LX: LaserProfile = LaserProfile {
+        beams: 229,
+        field_of_view: 4.0 / 3.0 * PI,
+        max_range: 5.6,
+        ..LaserProfile::LMS200_MM
+    };
+    /// A laser of 270 degrees and 12 m with a beam per degree, otherwise as SICK's LMS 200.
+    pub const WIDE_12M: LaserProfile = LaserProfile {
+        beams: 271,
+        field_of_view: 1.5 * PI,
+        max_range: 12.0,
+        ..LaserProfile::LMS200_MM
+    };
 
     /// Checks every number.
     ///

@@ -49,6 +49,8 @@ impl Named for LaserProfile {
         ("lms200_mm", LaserProfile::LMS200_MM),
         ("lms200_mm_rough", LaserProfile::LMS200_MM_ROUGH),
         ("usarsim", LaserProfile::USARSIM),
+        ("urg_04lx", LaserProfile::URG_04LX),
+        ("wide_12m", LaserProfile::WIDE_12M),
     ];
 }
 

@@ -3,7 +3,7 @@
 use envgen::palette::{self, Srgb};
 
 /// Of D, M and N.
-pub(super) const MEASURED: [Srgb; 3] = [palette::BLUE, palette::VERMILION, palette::GREEN];
+pub(crate) const MEASURED: [Srgb; 3] = [palette::BLUE, palette::VERMILION, palette::GREEN];
 
 /// Of what the paper states.
 pub(super) const STATED: Srgb = palette::PURPLE;
@@ -18,7 +18,7 @@ pub(super) const SOFT: Srgb = palette::QUIET_INK;
 pub(super) const LINE: Srgb = palette::GRID;
 
 /// The variables of `report.css`.
-pub(super) fn variables() -> String {
+pub(crate) fn variables() -> String {
     let [d, m, n] = MEASURED;
     let named = [
         ("ink", INK),

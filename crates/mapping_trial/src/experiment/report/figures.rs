@@ -20,7 +20,7 @@ const INK: RGBColor = rgb(colors::INK);
 const SOFT: RGBColor = rgb(colors::SOFT);
 const LINE: RGBColor = rgb(colors::LINE);
 
-const fn rgb(Srgb([red, green, blue]): Srgb) -> RGBColor {
+pub(crate) const fn rgb(Srgb([red, green, blue]): Srgb) -> RGBColor {
     RGBColor(red, green, blue)
 }
 
@@ -30,9 +30,10 @@ const APART: [f64; 3] = [0.0, -0.16, 0.16];
 /// The ratings that the paper states in words: level and mean rating (its section 6).
 const RATED: [(f64, f64); 2] = [(1.0, 6.0), (9.0, 6.0)];
 
-type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+pub(crate) type Chart<'a, 'b> =
+    ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-fn report_error(error: impl Display) -> ExperimentError {
+pub(crate) fn report_error(error: impl Display) -> ExperimentError {
     ExperimentError::Report(error.to_string())
 }
 
@@ -177,7 +178,7 @@ pub(super) fn rules(effects: &[FeatureEffect]) -> Result<Markup, ExperimentError
     Ok(inline(svg, "What each rule adds to the difficulty"))
 }
 
-fn chart<'a, 'b>(
+pub(crate) fn chart<'a, 'b>(
     area: &'a DrawingArea<SVGBackend<'b>, plotters::coord::Shift>,
     (x, y): (std::ops::Range<f64>, std::ops::Range<f64>),
     (x_name, y_name): (&str, &str),
@@ -212,7 +213,7 @@ fn chart<'a, 'b>(
 }
 
 /// The line of the best possible result.
-fn diagonal(
+pub(crate) fn diagonal(
     chart: &mut Chart<'_, '_>,
     from: (f64, f64),
     to: (f64, f64),
@@ -227,7 +228,7 @@ fn diagonal(
 }
 
 /// The SVG as part of a page: scalable, with a name for people who cannot see it.
-fn inline(svg: String, name: &str) -> Markup {
+pub(crate) fn inline(svg: String, name: &str) -> Markup {
     let svg = svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{name}\" "), 1);
     PreEscaped(svg.replace("font-family=\"sans-serif\"", "font-family=\"inherit\""))
 }

@@ -1,12 +1,12 @@
 //! The report of an experiment: one self-contained page, and the tables.
 
-mod colors;
-mod figures;
+pub(crate) mod colors;
+pub(crate) mod figures;
 mod levels;
 mod maps;
 mod numbers;
 mod page;
-mod pieces;
+pub(crate) mod pieces;
 mod rules;
 mod statistics;
 mod trials;
@@ -27,6 +27,9 @@ use super::{table, write as files};
 pub const FILES: [&str; 4] = ["report.html", "summary.json", "trials.csv", "trials.parquet"];
 
 /// The statistics in the file.
+/// The style of the pages.
+pub(crate) const STYLE: &str = include_str!("report.css");
+
 #[derive(Serialize)]
 struct Summary<'a> {
     design: &'a Design,

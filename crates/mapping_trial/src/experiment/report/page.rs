@@ -4,15 +4,14 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::maps::MapPictures;
 use super::numbers::list;
-use super::{colors, levels, rules, statistics, trials, words};
+use super::{STYLE, colors, levels, rules, statistics, trials, words};
 use crate::experiment::design::{Design, operator_name};
 use crate::experiment::error::ExperimentError;
 use crate::experiment::record::Record;
 use crate::experiment::stats::Analysis;
 use crate::names::Named;
 use crate::policy::PolicyKind;
-
-const STYLE: &str = include_str!("report.css");
+use crate::score::Weights;
 
 const TITLE: &str = "Do the rules make maps difficult?";
 
@@ -90,6 +89,7 @@ fn lead(design: &Design, records: &[&Record]) -> Markup {
 
 fn method(design: &Design) -> Markup {
     let e = |index: &str| html! { "e" sub { (index) } };
+    let (w, share) = (Weights::default(), |weight: f64| format!("{weight:.2} "));
     html! {
         h2 { "Method" }
         p.note {
@@ -97,9 +97,11 @@ fn method(design: &Design) -> Markup {
             (design.seed.0.wrapping_mul(1_000_000)) " + 10000 " i { "l" } " + " i { "k" }
             ", its noise " i { "j" } " with 1000 times that seed + " i { "j" }
             ". The robot is a P3-AT with the noise of its laser and wheels; the world is unknown to it. \
-             M = 10 (0.35 " (e("wall")) " + 0.30 " (e("use")) " + 0.25 " (e("pose")) " + 0.10 "
-            (e("cov")) "), N = 10 (0.40 " (e("time")) " + 0.25 " (e("cov")) " + 0.20 " (e("hit"))
-            " + 0.15 " (e("turn")) "), D = 0.6 M + 0.4 N. The same design gives the same page to the \
+             M = 10 (" (share(w.wall)) (e("wall")) " + " (share(w.navigability)) (e("use")) " + "
+            (share(w.pose)) (e("pose")) " + " (share(w.coverage)) (e("cov")) "), N = 10 ("
+            (share(w.time)) (e("time")) " + " (share(w.reach)) (e("cov")) " + " (share(w.hits))
+            (e("hit")) " + " (share(w.turning)) (e("turn")) "), D = " (share(w.mapping)) "M + "
+            (share(w.navigation)) "N. The same design gives the same page to the \
              last byte."
         }
     }

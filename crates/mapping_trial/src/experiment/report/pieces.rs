@@ -8,29 +8,29 @@ use super::numbers::number;
 use crate::experiment::stats::{FeatureEffect, Interval, Part};
 
 /// An estimate and its interval, the latter small.
-pub(super) fn interval(interval: Option<Interval>, digits: usize) -> Markup {
+pub(crate) fn interval(interval: Option<Interval>, digits: usize) -> Markup {
     let Some(Interval { value, low, high }) = interval else { return cell("–") };
     let [value, low, high] = [value, low, high].map(|x| number(x, digits));
     html! { (value) " " small { (low) " to " (high) } }
 }
 
 /// A cell of a table that holds text.
-pub(super) fn cell(text: impl Render) -> Markup {
+pub(crate) fn cell(text: impl Render) -> Markup {
     html! { (text) }
 }
 
 /// The head of a table of which every cell is text.
-pub(super) fn head<const N: usize>(texts: [&str; N]) -> Vec<Markup> {
+pub(crate) fn head<const N: usize>(texts: [&str; N]) -> Vec<Markup> {
     texts.map(cell).into()
 }
 
 /// A column's name with the size of the intervals in it.
-pub(super) fn with_interval(name: &str) -> Markup {
+pub(crate) fn with_interval(name: &str) -> Markup {
     html! { (name) " " small { "95 %" } }
 }
 
 /// A table in which wide ones can be scrolled.
-pub(super) fn table(caption: &str, head: &[Markup], rows: &[Vec<Markup>]) -> Markup {
+pub(crate) fn table(caption: &str, head: &[Markup], rows: &[Vec<Markup>]) -> Markup {
     html! {
         div.scroll {
             table {

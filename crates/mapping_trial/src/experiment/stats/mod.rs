@@ -24,6 +24,7 @@ pub use measure::{MEASURES, MapValues, Measure, map_values};
 pub use order::{Mean, Order, Verdict, order};
 pub(super) use rank::ranks;
 pub use rank::{Null, spearman};
+pub(crate) use resample::bootstrap;
 pub use resample::{Interval, RESAMPLES};
 pub use rules::{FEATURES, Feature, FeatureEffect, Slope, effects};
 pub use triples::{Relative, relative};

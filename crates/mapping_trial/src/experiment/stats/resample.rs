@@ -45,7 +45,7 @@ fn draw(levels: &[usize], stream: &mut Stream) -> Vec<usize> {
 
 /// The percentile bootstrap of several statistics of the same maps at once; `None` for those that
 /// do not exist for the maps themselves, or for more than a tenth of the samples.
-pub(super) fn bootstrap<const N: usize>(
+pub(crate) fn bootstrap<const N: usize>(
     levels: &[usize],
     stream: &mut Stream,
     statistics: impl Fn(&[usize]) -> [Option<f64>; N],

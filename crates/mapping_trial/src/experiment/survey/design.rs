@@ -178,10 +178,7 @@ impl Survey {
     /// # Errors
     /// Line and column of a mistake, or the first value that is not allowed.
     pub fn from_ron(text: &str) -> Result<Self, SurveyError> {
-        let options = ron::Options::default()
-            .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
-            .with_default_extension(Extensions::IMPLICIT_SOME);
-        let survey: Survey = options.from_str(text).map_err(Box::new)?;
+        let survey: Survey = ron_options().from_str(text).map_err(Box::new)?;
         survey.validate()?;
         Ok(survey)
     }
@@ -191,14 +188,9 @@ impl Survey {
     /// # Errors
     /// The first that is not allowed.
     pub fn validate(&self) -> Result<(), SurveyError> {
-        let at = |place: &str| {
-            let place = place.to_owned();
-            move |error| SurveyError::Value { place, error }
-        };
         let whole = || at("survey");
         NOISE_SEEDS.check_integer(u64::from(self.noise_seeds)).map_err(whole())?;
         names("families", self.families.iter().map(|family| &family.name)).map_err(whole())?;
-        names("conditions", self.conditions.iter().map(|one| &one.name)).map_err(whole())?;
         for family in &self.families {
             MAPS.check_integer(u64::from(family.maps)).map_err(at(&family.name))?;
             family.spec.validate().map_err(at(&family.name))?;
@@ -209,9 +201,7 @@ impl Survey {
                 return Err(at(&family.name)(error));
             }
         }
-        for condition in &self.conditions {
-            condition.settings(Seed(0)).map_err(at(&condition.name))?;
-        }
+        check_conditions(&self.conditions)?;
         if self.trials() > MAX_SURVEY_TRIALS {
             let allowed = format!("at most {MAX_SURVEY_TRIALS} trials");
             return Err(whole()(SpecError::new("families", self.trials(), allowed)));
@@ -240,6 +230,31 @@ impl Survey {
         let own = map.seed.0.wrapping_mul(u64::from(MAX_NOISE_SEEDS));
         Seed(own).offset(u64::from(noise))
     }
+}
+
+/// How surveys and panels are written: specs as in `.envgen.ron` files.
+pub(crate) fn ron_options() -> ron::Options {
+    ron::Options::default()
+        .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
+        .with_default_extension(Extensions::IMPLICIT_SOME)
+}
+
+/// Checks conditions, of which no two may have one name.
+///
+/// # Errors
+/// The first value that is not allowed.
+pub(crate) fn check_conditions(conditions: &[Condition]) -> Result<(), SurveyError> {
+    names("conditions", conditions.iter().map(|one| &one.name)).map_err(at("survey"))?;
+    for condition in conditions {
+        condition.settings(Seed(0)).map_err(at(&condition.name))?;
+    }
+    Ok(())
+}
+
+/// The error of a value at a place.
+fn at(place: &str) -> impl FnOnce(SpecError) -> SurveyError + use<> {
+    let place = place.to_owned();
+    move |error| SurveyError::Value { place, error }
 }
 
 /// Checks that a list is not empty, and that no name occurs twice.

@@ -11,12 +11,13 @@ use serde::{Deserialize, Serialize};
 
 use super::design::{Survey, SurveyMap};
 use super::record::Record;
-use super::site::Site;
+use super::site::{Outcome, Site};
 use crate::experiment::design::Shard;
 use crate::experiment::error::ExperimentError;
 use crate::experiment::head;
 use crate::experiment::lines::{Lines, line};
 use crate::experiment::write;
+use crate::trial::WorldSource;
 
 /// Version of the folders' layout; a folder of another version is refused.
 pub const SURVEY_VERSION: u32 = 2;
@@ -126,9 +127,8 @@ impl SurveyFolder {
                     if stop.load(Ordering::Relaxed) {
                         return;
                     }
-                    let site = site.get_or_insert_with(|| Site::new(*map));
-                    let conditions = &head.survey.conditions;
-                    let record = site.run(condition, &conditions[condition as usize], noise);
+                    let site = site.get_or_insert_with(|| place(map));
+                    let record = record(&head.survey, map, site, condition, noise);
                     let mut sink = sink.lock().unwrap_or_else(PoisonError::into_inner);
                     if sink.take(record, all, watch).is_break() {
                         stop.store(true, Ordering::Relaxed);
@@ -179,13 +179,55 @@ impl SurveyFolder {
         let Some(known) = self.records.values().next() else { return Ok(()) };
         let survey = &self.head.survey;
         let Some(map) = survey.maps().nth(known.map as usize) else { return Ok(()) };
-        let condition = &survey.conditions[known.condition as usize];
-        if Site::new(map).run(known.condition, condition, known.noise) == *known {
+        if record(survey, &map, &mut place(&map), known.condition, known.noise) == *known {
             return Ok(());
         }
         let trial = format!("the trial of world {} ({})", known.map, map.family.name);
         let path: PathBuf = self.lines.path.clone();
         Err(ExperimentError::Code { path, trial })
+    }
+}
+
+/// The world of a survey, or why there is none.
+fn place(map: &SurveyMap<'_>) -> Result<Site, String> {
+    let blueprint = map.family.spec.generate(map.seed).map_err(|error| error.to_string())?;
+    let world = blueprint.to_world();
+    let source = WorldSource::Generated(world.provenance.clone());
+    Ok(Site::new(world, source))
+}
+
+/// Runs a trial of a survey.
+fn record(
+    survey: &Survey,
+    map: &SurveyMap<'_>,
+    site: &mut Result<Site, String>,
+    condition: u32,
+    noise: u32,
+) -> Record {
+    let noise_seed = Survey::noise_seed(map, noise);
+    let settings = survey.conditions[condition as usize].settings(noise_seed);
+    let outcome = site
+        .as_mut()
+        .map_err(|error| error.clone())
+        .and_then(|site| site.run(settings.map_err(|error| error.to_string())?));
+    let (world_seed, number) = (map.seed, map.number);
+    let empty = Record {
+        map: number,
+        condition,
+        noise,
+        world_seed,
+        noise_seed,
+        log_digest: String::new(),
+        end: None,
+        pose_error: 0.0,
+        scores: None,
+        failure: None,
+    };
+    match outcome {
+        Ok(Outcome { log_digest, end, pose_error, scores }) => {
+            Record { log_digest, end, pose_error, scores: Some(scores), ..empty }
+        }
+        Err(failure) => Record { failure: Some(failure), ..empty },
     }
 }
 

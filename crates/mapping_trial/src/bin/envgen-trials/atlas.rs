@@ -1,0 +1,50 @@
+//! `envgen-trials atlas`.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use envgen::located::Locate;
+use mapping_trial::difficulty::{AtlasDesign, Panel};
+use mapping_trial::experiment::Shard;
+
+use crate::survey;
+
+/// The atlas's design.
+#[derive(Args)]
+pub(crate) struct DesignOptions {
+    /// The atlas's design in RON, if not the one of the crate.
+    #[arg(long, value_name = "FILE.ron")]
+    design: Option<PathBuf>,
+}
+
+impl DesignOptions {
+    pub(crate) fn read(&self) -> Result<AtlasDesign, Box<dyn Error>> {
+        let Some(path) = &self.design else { return Ok(AtlasDesign::first()) };
+        let text = std::fs::read_to_string(path).in_file(path)?;
+        Ok(AtlasDesign::from_ron(&text).in_file(path)?)
+    }
+}
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    design: DesignOptions,
+
+    /// Run only a share of the worlds, such as 2/8.
+    #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
+    shard: Shard,
+
+    /// The folder to write into. The same command continues an interrupted run.
+    #[arg(long, value_name = "FOLDER", default_value = "out/atlas")]
+    out: PathBuf,
+}
+
+#[expect(clippy::print_stdout, reason = "what the command is for")]
+pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn Error>> {
+    let survey = arguments.design.read()?.survey(&Panel::reference());
+    let out: &Path = &arguments.out;
+    let folder = survey::run(&survey, out, arguments.shard, threads)?;
+    println!("wrote {} trials to {}", folder.records().len(), folder.file().display());
+    Ok(())
+}

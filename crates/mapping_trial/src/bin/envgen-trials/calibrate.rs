@@ -1,0 +1,114 @@
+//! `envgen-trials calibrate`.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use envgen::calibration::{Atlas, Calibration};
+use envgen::whole_file;
+use envgen::world::Digest;
+use mapping_trial::difficulty::{Anchors, CALIBRATION_VERSION, Panel, calibrate, samples};
+use mapping_trial::experiment::Shard;
+use mapping_trial::experiment::survey::{Survey, SurveyFolder};
+
+use crate::atlas::DesignOptions;
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    design: DesignOptions,
+
+    /// The folders of the atlas's trials: the whole, or all shares.
+    #[arg(long, value_name = "FOLDER", num_args = 1.., default_value = "out/atlas")]
+    atlas: Vec<PathBuf>,
+
+    /// The folder of the anchors' trials.
+    #[arg(long, value_name = "FOLDER", default_value = "out/anchors")]
+    anchors: PathBuf,
+
+    /// Trials per anchor and condition.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    anchor_seeds: u32,
+
+    /// Fit to the worlds whose trials are finished, although others are not.
+    #[arg(long)]
+    partial: bool,
+
+    /// The calibration to write.
+    #[arg(long, value_name = "FILE.json")]
+    out: PathBuf,
+
+    /// A table of the atlas's worlds to write as well: settings, features and measured dials.
+    #[arg(long, value_name = "FILE.parquet")]
+    table: Option<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let panel = Panel::reference();
+    let anchors = Anchors::first();
+    let survey = anchors.survey(&panel, arguments.anchor_seeds);
+    let folder = open(&survey, &arguments.anchors, Shard::WHOLE, false)?;
+    let scale = anchors.scale(&panel, folder.records())?;
+
+    let survey = arguments.design.read()?.survey(&panel);
+    let of = arguments.atlas.len() as u32;
+    let folders: Result<Vec<SurveyFolder>, _> = arguments
+        .atlas
+        .iter()
+        .zip(1..)
+        .map(|(path, index)| open(&survey, path, Shard { index, of }, arguments.partial))
+        .collect();
+    let folders = folders?;
+    let records: Vec<_> = folders.iter().flat_map(SurveyFolder::records).collect();
+    let samples = samples(&survey, &records, &scale)?;
+    let atlas = Atlas {
+        command: "envgen-trials atlas".to_owned(),
+        worlds: samples.len() as u32,
+        trials: records.len() as u32,
+        digest: Digest::of(&records).to_string(),
+    };
+    let calibration = calibrate(CALIBRATION_VERSION, atlas, scale, &samples);
+    let mut text = serde_json::to_vec_pretty(&calibration)?;
+    text.push(b'\n');
+    write(&arguments.out, &text)?;
+    if let Some(path) = &arguments.table {
+        write(path, &mapping_trial::difficulty::table(&samples)?)?;
+    }
+    print(&calibration);
+    Ok(())
+}
+
+/// A folder whose trials are all finished, or some of them.
+fn open(
+    survey: &Survey,
+    path: &Path,
+    shard: Shard,
+    partial: bool,
+) -> Result<SurveyFolder, Box<dyn Error>> {
+    let folder = SurveyFolder::open(path, survey, shard)?;
+    if !partial && !folder.is_complete() {
+        let (done, all) = (folder.records().len(), folder.trials());
+        return Err(format!("{}: {done} of {all} trials are finished", path.display()).into());
+    }
+    Ok(folder)
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Box<dyn Error>> {
+    whole_file::write(path, bytes)
+        .map_err(|error| format!("{}: {}", path.display(), error.error).into())
+}
+
+#[expect(clippy::print_stdout, reason = "what the command is for")]
+fn print(calibration: &Calibration) {
+    println!("{} worlds, {} trials", calibration.atlas.worlds, calibration.atlas.trials);
+    for (name, models) in [("world", &calibration.world), ("settings", &calibration.settings)] {
+        for (dial, model) in models.models.as_ref().named() {
+            let [low, high] = model.standard_errors;
+            println!(
+                "{dial} from {name}: {} inputs, explains {:.2}, standard error {low:.2} at 0, {high:.2} at 10",
+                models.inputs.len(),
+                model.explained
+            );
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! The command `envgen-trials`: measures how difficult worlds are, and makes worlds of a measured difficulty.
+//!
+//! Exit codes: 0 done, 1 the work failed, 2 bad arguments.
+
+mod anchors;
+mod atlas;
+mod calibrate;
+mod generate;
+mod measure;
+mod panel;
+mod progress;
+mod survey;
+
+use std::error::Error;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// How difficult worlds are, measured by mapping trials of a panel of simulated robots.
+#[derive(Parser)]
+#[command(version, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+
+    /// Threads; 0 for one per core.
+    #[arg(long, global = true, default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
+    threads: u16,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Measures the difficulty of a world file, or of a map of ROS.
+    Measure(measure::Arguments),
+    /// Generates an indoor map whose measured difficulty is the requested one: several candidates race, the
+    /// nearest is measured again.
+    Generate(generate::Arguments),
+    /// Measures the anchors: the scale of a panel.
+    Anchors(anchors::Arguments),
+    /// Measures the worlds of the atlas, from which predictions are fitted.
+    Atlas(atlas::Arguments),
+    /// Fits predictions to a measured atlas.
+    Calibrate(calibrate::Arguments),
+}
+
+#[expect(clippy::print_stderr, reason = "errors go to stderr")]
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    match run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let threads = usize::from(arguments.threads);
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+    match &arguments.command {
+        Command::Measure(arguments) => measure::run(arguments, threads),
+        Command::Generate(arguments) => generate::run(arguments, threads),
+        Command::Anchors(arguments) => anchors::run(arguments, threads),
+        Command::Atlas(arguments) => atlas::run(arguments, threads),
+        Command::Calibrate(arguments) => calibrate::run(arguments),
+    }
+}

@@ -1,0 +1,121 @@
+//! `envgen-trials measure`.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use clap::Args;
+use envgen::calibration::{Calibration, Prediction};
+use envgen::difficulty::{DifficultyVector, Platform};
+use envgen::located::Locate;
+use envgen::placement::pose_of_most_clearance;
+use envgen::{Seed, World, import};
+use mapping_trial::difficulty::{Measurement, Measuring};
+use mapping_trial::truth::MappableArea;
+use serde::Serialize;
+
+use crate::panel::PanelOptions;
+use crate::progress;
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// A world file (.ron, .json, .xml, .asc, .map), or the YAML of a map of ROS. Where it has no start, robots
+    /// start in the largest free region, away from walls.
+    #[arg(value_name = "FILE")]
+    world: PathBuf,
+
+    /// Trials under each condition.
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    seeds: u32,
+
+    /// The first seed of the sensor noise.
+    #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true)]
+    noise_seed: Seed,
+
+    /// Prints JSON.
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    panel: PanelOptions,
+}
+
+/// What is printed as JSON.
+#[derive(Serialize)]
+struct Report {
+    /// Where the world comes from, such as `indoor, seed 3`.
+    world: String,
+    measurement: Measurement,
+    /// What the calibration of indoor maps says of the world, for the reference panel; absent for worlds without
+    /// a difficulty vector.
+    prediction: Option<Prediction>,
+}
+
+pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn Error>> {
+    let path = &arguments.world;
+    let mut world = import::read_world(path).in_file(path)?;
+    MappableArea::check_size(&world).in_file(path)?;
+    if world.start.is_none() {
+        let start = pose_of_most_clearance(&world).in_file(path)?;
+        world.start = Some(start.ok_or("the world has no free space to start in").in_file(path)?);
+    }
+    let panel = arguments.panel.panel()?;
+    let scale = arguments.panel.scale(&panel, threads)?;
+    let bar = progress::trials(panel.conditions.len() as u64 * u64::from(arguments.seeds));
+    let mut measuring = Measuring::new(&world, &panel, arguments.noise_seed);
+    let all: Vec<usize> = (0..panel.conditions.len()).collect();
+    for _ in 0..arguments.seeds {
+        measuring.add(&all).in_file(path)?;
+        bar.set_position(measuring.trials() as u64);
+    }
+    bar.finish_and_clear();
+    let measurement = measuring.finish(&scale).ok_or("the panel has no condition")?;
+    let report =
+        Report { world: world.provenance.name(), prediction: prediction(&world), measurement };
+    if arguments.json {
+        print_json(&report)
+    } else {
+        print(&report);
+        Ok(())
+    }
+}
+
+fn prediction(world: &World) -> Option<Prediction> {
+    let vector = DifficultyVector::of(world, &Platform::default()).ok()?;
+    Some(Calibration::indoor().predict(&vector))
+}
+
+#[expect(clippy::print_stdout, reason = "what the command is for")]
+fn print_json(report: &Report) -> Result<(), Box<dyn Error>> {
+    println!("{}", serde_json::to_string_pretty(report)?);
+    Ok(())
+}
+
+#[expect(clippy::print_stdout, reason = "what the command is for")]
+fn print(report: &Report) {
+    let Measurement { measured, scores, conditions } = &report.measurement;
+    println!(
+        "{}: {} trials of the panel {:?}, version {}",
+        report.world, measured.trials, measured.panel, measured.panel_version
+    );
+    println!("\n{:>12} measured  95 % interval  score  predicted", "");
+    let predicted = report.prediction.map(|prediction| prediction.dials.named());
+    for (i, (name, dial)) in measured.dials.named().into_iter().enumerate() {
+        let [low, high] = dial.interval();
+        let predicted = predicted.map_or_else(String::new, |dials| {
+            format!("{:5.1} +- {:.1}", dials[i].1.value, dials[i].1.standard_error)
+        });
+        let score = scores.named()[i].1;
+        println!(
+            "{name:>12} {:8.2}  {low:5.2} to {high:5.2}  {score:5.2}  {predicted}",
+            dial.value
+        );
+    }
+    if report.prediction.is_some_and(|prediction| prediction.outside > 0.1) {
+        println!("this world is unlike those of the atlas: do not rely on the prediction");
+    }
+    println!("\n{:>28}     D     M     N  explored", "");
+    for one in conditions {
+        let [d, m, n] = one.scores.named().map(|(_, score)| score);
+        println!("{:>28} {d:5.2} {m:5.2} {n:5.2}  {}", one.condition, one.explored);
+    }
+}

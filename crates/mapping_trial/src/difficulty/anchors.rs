@@ -1,0 +1,138 @@
+//! Anchors: the worlds that fix 0 and 10 of the scale.
+
+use envgen::calibration::{Calibration, Scale};
+use serde::{Deserialize, Serialize};
+
+use super::measure::{MeasureError, mean, scores};
+use super::panel::Panel;
+use crate::experiment::survey::{Family, Record, Survey, SurveyError, ron_options};
+
+const FIRST: &str = include_str!("anchors_1.ron");
+
+/// Worlds that are easy, and worlds that are as hard as robots can still pass.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Anchors {
+    /// Their version.
+    pub version: u32,
+    /// Worlds of difficulty 0: empty rooms whose walls a laser sees.
+    pub easy: Vec<Family>,
+    /// Worlds of difficulty 10: narrow doorways, floors on which wheels slip and measure too far, and dark
+    /// walls.
+    pub hard: Vec<Family>,
+}
+
+impl Anchors {
+    /// The anchors of the scale, 20 worlds of each kind.
+    ///
+    /// # Panics
+    /// Never: the file is part of the crate, and tested.
+    pub fn first() -> Self {
+        Self::from_ron(FIRST).expect("anchors_1.ron has anchors")
+    }
+
+    /// Reads anchors from RON.
+    ///
+    /// # Errors
+    /// Line and column of a mistake.
+    pub fn from_ron(text: &str) -> Result<Self, SurveyError> {
+        Ok(ron_options().from_str(text).map_err(Box::new)?)
+    }
+
+    /// The survey of the anchors under a panel; the easy worlds come first.
+    pub fn survey(&self, panel: &Panel, noise_seeds: u32) -> Survey {
+        let families = self.easy.iter().chain(&self.hard).cloned().collect();
+        Survey { families, conditions: panel.conditions.clone(), noise_seeds }
+    }
+
+    /// The scale of a panel, from the trials of its [survey](Anchors::survey) of these anchors.
+    ///
+    /// # Errors
+    /// The hard anchors do not score more than the easy ones.
+    pub fn scale<'a>(
+        &self,
+        panel: &Panel,
+        records: impl IntoIterator<Item = &'a Record>,
+    ) -> Result<Scale, MeasureError> {
+        let easy: u32 = self.easy.iter().map(|family| family.maps).sum();
+        let (mut zero, mut ten) = (Vec::new(), Vec::new());
+        for record in records {
+            let to = if record.map < easy { &mut zero } else { &mut ten };
+            to.extend(record.scores.as_ref().map(scores));
+        }
+        let (zero, ten) = (mean(zero.into_iter()), mean(ten.into_iter()));
+        for (dial, (easy, hard)) in zero.zip(ten).named() {
+            if easy >= hard {
+                return Err(MeasureError::Scale { dial, easy, hard });
+            }
+        }
+        Ok(Scale {
+            panel: panel.name.clone(),
+            panel_version: panel.version,
+            anchors_version: self.version,
+            zero,
+            ten,
+        })
+    }
+}
+
+/// The scale of the [reference panel](Panel::reference), as measured with the [first](Anchors::first) anchors.
+pub fn reference_scale() -> &'static Scale {
+    &Calibration::indoor().scale
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::calibration::Dials;
+
+    use super::*;
+    use crate::experiment::ExperimentError;
+    use crate::score::Scores;
+
+    fn record(map: u32, difficulty: f64) -> Record {
+        let scores = Scores {
+            difficulty,
+            mapping: 2.0 * difficulty,
+            navigation: 1.0 + difficulty,
+            ..Default::default()
+        };
+        Record {
+            map,
+            condition: 0,
+            noise: 0,
+            world_seed: envgen::Seed(0),
+            noise_seed: envgen::Seed(0),
+            log_digest: String::new(),
+            end: None,
+            pose_error: 0.0,
+            scores: Some(scores),
+            failure: None,
+        }
+    }
+
+    #[test]
+    fn the_scale_lies_between_the_means_of_the_anchors() -> Result<(), ExperimentError> {
+        let (anchors, panel) = (Anchors::first(), Panel::reference());
+        let survey = anchors.survey(&panel, 2);
+        survey.validate()?;
+        assert_eq!(survey.trials(), 40 * 12 * 2);
+        let records = [record(0, 0.0), record(19, 1.0), record(20, 6.0), record(39, 8.0)];
+        let scale = anchors.scale(&panel, &records).expect("a scale");
+        let zero = Dials { difficulty: 0.5, mapping: 1.0, navigation: 1.5 };
+        assert_eq!((scale.zero, scale.ten.difficulty), (zero, 7.0));
+        let reversed = [record(0, 5.0), record(20, 4.0)];
+        let error = anchors.scale(&panel, &reversed).expect_err("no scale").to_string();
+        assert_eq!(
+            error,
+            "the hard anchors must score more than the easy ones, got 4 and 5 of difficulty"
+        );
+        Ok(())
+    }
+
+    #[test]
+    fn the_calibration_of_the_crate_is_of_these_anchors_and_this_panel() {
+        let (anchors, panel, scale) = (Anchors::first(), Panel::reference(), reference_scale());
+        assert_eq!(scale.panel, panel.name);
+        assert_eq!((scale.panel_version, scale.anchors_version), (panel.version, anchors.version));
+    }
+}

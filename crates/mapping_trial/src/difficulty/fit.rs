@@ -1,0 +1,178 @@
+//! Fits the models of a calibration to an atlas.
+
+use envgen::calibration::{Atlas, Calibration, DialModels, Dials, Input, LinearModel, Scale};
+use envgen::difficulty::{DifficultyVector, Platform};
+use envgen::indoor::IndoorSpec;
+use envgen::{World, WorldSpec};
+
+use super::ridge;
+
+/// Version of the calibrations that this crate fits: it rises when inputs or models change.
+pub const CALIBRATION_VERSION: u32 = 1;
+
+/// Inputs that vary less in the atlas than this are left out.
+const LEAST_DEVIATION: f64 = 1e-6;
+
+/// Least standard error of predictions.
+const LEAST_ERROR: f64 = 0.1;
+
+/// A world of an atlas: what is known of it, and what was measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// The features of its difficulty vector, in order.
+    pub features: Vec<Option<f64>>,
+    /// What its settings say.
+    pub terms: Vec<(&'static str, f64)>,
+    /// Its dials.
+    pub dials: Dials<f64>,
+}
+
+impl Sample {
+    /// The sample of a world that was measured.
+    ///
+    /// # Errors
+    /// If the world has no difficulty vector.
+    pub fn new(
+        spec: &IndoorSpec,
+        world: &World,
+        dials: Dials<f64>,
+    ) -> Result<Self, envgen::difficulty::DifficultyError> {
+        let vector = DifficultyVector::of(world, &Platform::default())?;
+        Ok(Sample { features: vector.values(), terms: spec.lever_terms(), dials })
+    }
+}
+
+/// Fits all models to the samples of an atlas.
+pub fn calibrate(version: u32, atlas: Atlas, scale: Scale, samples: &[Sample]) -> Calibration {
+    let names = DifficultyVector::features();
+    let features = names.iter().enumerate().map(|(i, feature)| {
+        (feature.name, samples.iter().map(|sample| sample.features[i]).collect())
+    });
+    let terms = samples.first().map_or(&[][..], |sample| &sample.terms);
+    let terms = terms.iter().enumerate().map(|(i, (name, _))| {
+        (*name, samples.iter().map(|sample| Some(sample.terms[i].1)).collect())
+    });
+    let dials: Vec<Dials<f64>> = samples.iter().map(|sample| sample.dials).collect();
+    Calibration {
+        version,
+        kind: WorldSpec::from(IndoorSpec::default()).kind().name().to_owned(),
+        atlas,
+        scale,
+        world: models(features, &dials),
+        settings: models(terms, &dials),
+    }
+}
+
+/// Models of all dials from columns of inputs, one value per sample.
+fn models<'a>(
+    columns: impl Iterator<Item = (&'a str, Vec<Option<f64>>)>,
+    dials: &[Dials<f64>],
+) -> DialModels {
+    let mut rows = vec![Vec::new(); dials.len()];
+    let mut inputs = Vec::new();
+    for (name, values) in columns {
+        let Some(input) = input(name, &values) else { continue };
+        for (row, value) in rows.iter_mut().zip(values) {
+            row.push(input.standardised(value).0);
+        }
+        inputs.push(input);
+    }
+    let model =
+        |of: fn(&Dials<f64>) -> f64| linear_model(&rows, &dials.iter().map(of).collect::<Vec<_>>());
+    let models = Dials {
+        difficulty: model(|dials| dials.difficulty),
+        mapping: model(|dials| dials.mapping),
+        navigation: model(|dials| dials.navigation),
+    };
+    DialModels { inputs, models }
+}
+
+/// How an input is distributed; `None` if it does not vary.
+fn input(name: &str, values: &[Option<f64>]) -> Option<Input> {
+    let mut known: Vec<f64> = values.iter().flatten().copied().filter(|v| *v > 0.0).collect();
+    known.sort_by(f64::total_cmp);
+    let scale = *known.get(known.len() / 2)?;
+    let logs: Vec<f64> = values.iter().flatten().map(|&v| Input::logarithm(v, scale)).collect();
+    let n = logs.len() as f64;
+    let mean = logs.iter().sum::<f64>() / n;
+    let squares: f64 = logs.iter().map(|log| (log - mean) * (log - mean)).sum();
+    let deviation = (squares / n).sqrt();
+    let range = logs.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], &log| {
+        [least.min(log), most.max(log)]
+    });
+    let varies = deviation > LEAST_DEVIATION;
+    varies.then(|| Input { name: name.to_owned(), scale, mean, deviation, range })
+}
+
+fn linear_model(rows: &[Vec<f64>], values: &[f64]) -> LinearModel {
+    let fitted = ridge::fit(rows, values);
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let spread = ridge::squared_error(&vec![mean; values.len()], values);
+    let error = ridge::squared_error(&fitted.left_out, values);
+    LinearModel {
+        standard_errors: standard_errors(&fitted.left_out, values),
+        explained: if spread > 0.0 { 1.0 - error / spread } else { 0.0 },
+        intercept: fitted.intercept,
+        coefficients: fitted.coefficients,
+    }
+}
+
+/// The standard error at 0 and at 10: a line through the absolute errors over the predictions.
+fn standard_errors(predicted: &[f64], values: &[f64]) -> [f64; 2] {
+    // The mean absolute value of a normal number is the root of 2 / pi of its deviation.
+    let to_deviation = (0.5 * std::f64::consts::PI).sqrt();
+    let errors: Vec<f64> =
+        predicted.iter().zip(values).map(|(a, b)| to_deviation * (a - b).abs()).collect();
+    let n = errors.len().max(1) as f64;
+    let (x, y) = (predicted.iter().sum::<f64>() / n, errors.iter().sum::<f64>() / n);
+    let xx: f64 = predicted.iter().map(|p| (p - x) * (p - x)).sum();
+    let xy: f64 = predicted.iter().zip(&errors).map(|(p, e)| (p - x) * (e - y)).sum();
+    let slope = if xx > 0.0 { xy / xx } else { 0.0 };
+    [0.0, 10.0].map(|at| (y + slope * (at - x)).max(LEAST_ERROR))
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::{Blueprint, Seed, Spec};
+
+    use super::*;
+
+    /// Small maps whose dials follow from one feature and one term.
+    fn samples() -> Vec<Sample> {
+        let base = IndoorSpec { width: 5, height: 5, ..Default::default() };
+        let place = |name: &str| {
+            DifficultyVector::features().iter().position(|f| f.name == name).expect("a feature")
+        };
+        let area = place("reachable_area_m2");
+        let sample = |seed: u64| {
+            let spec = base.draw_levers(Seed(seed));
+            let world = spec.generate(Seed(seed)).expect("a plan").to_world();
+            let mut sample = Sample::new(&spec, &world, Dials::default()).expect("a vector");
+            let mapping = 0.3 * sample.features[area].expect("an area").ln();
+            sample.dials = Dials { difficulty: 5.0, mapping, navigation: spec.doorway };
+            sample
+        };
+        (0..60).map(sample).collect()
+    }
+
+    #[test]
+    fn models_predict_what_they_were_fitted_to() {
+        let atlas = Atlas { command: String::new(), worlds: 60, trials: 0, digest: String::new() };
+        let zero = Dials::default();
+        let scale = Scale {
+            panel: "test".to_owned(),
+            panel_version: 1,
+            anchors_version: 1,
+            zero,
+            ten: zero.map(|_| 10.0),
+        };
+        let samples = samples();
+        let calibration = calibrate(7, atlas, scale, &samples);
+        let explained = calibration.world.models.as_ref().map(|model| model.explained);
+        assert!(explained.mapping > 0.95, "{explained:?}");
+        // The widths of doorways are settings.
+        assert!(calibration.settings.models.navigation.explained > 0.95);
+        let text = serde_json::to_string(&calibration).expect("JSON");
+        assert_eq!(serde_json::from_str::<Calibration>(&text).expect("the same"), calibration);
+    }
+}

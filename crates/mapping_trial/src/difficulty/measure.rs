@@ -1,0 +1,248 @@
+//! Measures how difficult a world is: trials of a panel in it.
+
+use envgen::calibration::{Dials, Estimate, Scale};
+use envgen::{MeasuredDifficulty, Seed, World};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::panel::Panel;
+use crate::experiment::survey::Site;
+use crate::score::Scores;
+use crate::trial::WorldSource;
+
+/// Variance of the score of one trial where the noise of a world is not known yet: of D, M and N in the atlas.
+const USUAL_VARIANCE: Dials<f64> = Dials { difficulty: 0.25, mapping: 0.6, navigation: 0.12 };
+
+/// Weight of the usual variance, in degrees of freedom.
+const USUAL_WEIGHT: f64 = 6.0;
+
+/// Why the difficulty of a world cannot be measured.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum MeasureError {
+    /// No trial can run in the world under a condition.
+    #[error("the condition {condition:?} of the panel cannot run in this world: {reason}")]
+    Trial {
+        /// Name of the condition.
+        condition: String,
+        /// Why.
+        reason: String,
+    },
+    /// The scores of the anchors do not make a scale.
+    #[error("the hard anchors must score more than the easy ones, got {hard} and {easy} of {dial}")]
+    Scale {
+        /// The dial.
+        dial: &'static str,
+        /// Mean score of the easy anchors.
+        easy: f64,
+        /// Mean score of the hard anchors.
+        hard: f64,
+    },
+}
+
+/// The measured difficulty of a world, with what it was measured from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measurement {
+    /// The dials, with panel and noise.
+    pub measured: MeasuredDifficulty,
+    /// The mean scores D, M and N.
+    pub scores: Dials<f64>,
+    /// Each condition by itself.
+    pub conditions: Vec<ConditionMean>,
+}
+
+/// The mean scores of one condition.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ConditionMean {
+    /// Its name.
+    pub condition: String,
+    /// The mean scores D, M and N.
+    pub scores: Dials<f64>,
+    /// Number of its trials that ended since nothing was left to explore.
+    pub explored: u32,
+}
+
+/// Trials of a panel in a world, which can be added to.
+#[derive(Clone, Debug)]
+pub struct Measuring<'a> {
+    world: &'a World,
+    panel: &'a Panel,
+    noise: Seed,
+    /// The scores of every condition, one per seed.
+    scores: Vec<Vec<(Dials<f64>, bool)>>,
+}
+
+impl<'a> Measuring<'a> {
+    /// Begins to measure; trials draw their noise from `noise` and the seeds after it.
+    pub fn new(world: &'a World, panel: &'a Panel, noise: Seed) -> Self {
+        Measuring { world, panel, noise, scores: vec![Vec::new(); panel.conditions.len()] }
+    }
+
+    /// Runs one more trial under each of some conditions, on all threads of the current pool.
+    ///
+    /// # Errors
+    /// No trial can run under one of them.
+    pub fn add(&mut self, conditions: &[usize]) -> Result<(), MeasureError> {
+        let run = |condition: usize| {
+            let own = &self.panel.conditions[condition];
+            let noise = self.noise.offset(self.scores[condition].len() as u64);
+            let failed =
+                |reason: String| MeasureError::Trial { condition: own.name.clone(), reason };
+            let settings = own.settings(noise).map_err(|error| failed(error.to_string()))?;
+            let source = WorldSource::Given(Box::new(self.world.clone()));
+            let mut site = Site::new(self.world.clone(), source);
+            let outcome = site.run(settings).map_err(failed)?;
+            let is_explored = outcome.end == Some(crate::trial::EndReason::Explored);
+            Ok((condition, (scores(&outcome.scores), is_explored)))
+        };
+        let results: Result<Vec<_>, MeasureError> =
+            conditions.to_vec().into_par_iter().map(run).collect();
+        for (condition, result) in results? {
+            self.scores[condition].push(result);
+        }
+        Ok(())
+    }
+
+    /// Number of trials.
+    pub fn trials(&self) -> usize {
+        self.scores.iter().map(Vec::len).sum()
+    }
+
+    /// The dials over the conditions that have a trial, each of the same weight; `None` before the first.
+    pub fn dials(&self, scale: &Scale) -> Option<Dials<Estimate>> {
+        let tried: Vec<&Vec<_>> = self.scores.iter().filter(|one| !one.is_empty()).collect();
+        if tried.is_empty() {
+            return None;
+        }
+        let estimate = |of: fn(&Dials<f64>) -> f64| {
+            let values = tried.iter().map(|one| one.iter().map(|(s, _)| of(s)).collect());
+            estimate(&values.collect::<Vec<_>>(), of(&USUAL_VARIANCE))
+        };
+        let scores = Dials {
+            difficulty: estimate(|scores| scores.difficulty),
+            mapping: estimate(|scores| scores.mapping),
+            navigation: estimate(|scores| scores.navigation),
+        };
+        let values = scale.dials(scores.map(|score| score.value));
+        Some(scale.units().zip(scores.zip(values)).map(|(unit, (score, value))| Estimate {
+            value,
+            standard_error: unit.abs() * score.standard_error,
+        }))
+    }
+
+    /// The measurement; `None` as long as a condition has no trial.
+    pub fn finish(&self, scale: &Scale) -> Option<Measurement> {
+        if self.scores.iter().any(Vec::is_empty) {
+            return None;
+        }
+        let dials = self.dials(scale)?;
+        let conditions: Vec<ConditionMean> = self
+            .panel
+            .conditions
+            .iter()
+            .zip(&self.scores)
+            .map(|(condition, trials)| ConditionMean {
+                condition: condition.name.clone(),
+                scores: mean(trials.iter().map(|(scores, _)| *scores)),
+                explored: trials.iter().filter(|(_, is_explored)| *is_explored).count() as u32,
+            })
+            .collect();
+        let measured = MeasuredDifficulty {
+            panel: self.panel.name.clone(),
+            panel_version: self.panel.version,
+            dials,
+            trials: self.trials() as u32,
+            noise_seed: self.noise,
+        };
+        let scores = mean(conditions.iter().map(|one| one.scores));
+        Some(Measurement { measured, scores, conditions })
+    }
+}
+
+/// Measures a world with `seeds` trials under each condition, at least one.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::difficulty::{Panel, measure, reference_scale};
+///
+/// let room = HallwaySpec { segments: 1, pitch: 8.1, width: 8.0, ..Default::default() };
+/// let world = room.generate(Seed(1))?.to_world();
+/// let found = measure(&world, &Panel::reference(), reference_scale(), Seed(5), 1)?;
+/// assert_eq!(found.measured.trials, 12);
+/// assert!(found.measured.dials.difficulty.value.abs() < 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// No trial can run under one of the conditions: the world has no start, or the robot does not fit there.
+pub fn measure(
+    world: &World,
+    panel: &Panel,
+    scale: &Scale,
+    noise: Seed,
+    seeds: u32,
+) -> Result<Measurement, MeasureError> {
+    let mut measuring = Measuring::new(world, panel, noise);
+    let all: Vec<usize> = (0..panel.conditions.len()).collect();
+    for _ in 0..seeds.max(1) {
+        measuring.add(&all)?;
+    }
+    Ok(measuring.finish(scale).unwrap_or_else(|| unreachable!("every condition has a trial")))
+}
+
+/// The scores D, M and N of a trial.
+pub(super) fn scores(scores: &Scores) -> Dials<f64> {
+    Dials { difficulty: scores.difficulty, mapping: scores.mapping, navigation: scores.navigation }
+}
+
+/// The mean of scores; 0 of none.
+pub(super) fn mean(scores: impl Iterator<Item = Dials<f64>>) -> Dials<f64> {
+    let (mut sum, mut count) = (Dials::<f64>::default(), 0.0);
+    for one in scores {
+        sum = one.zip(sum).map(|(a, b)| a + b);
+        count += 1.0;
+    }
+    sum.map(|sum| if count > 0.0 { sum / count } else { 0.0 })
+}
+
+/// The mean over conditions of their means, and its standard error by noise: the variance within conditions,
+/// drawn towards the usual one as long as it is known from few trials.
+fn estimate(conditions: &[Vec<f64>], usual_variance: f64) -> Estimate {
+    let count = conditions.len() as f64;
+    let (mut value, mut squares, mut freedom, mut inverse) = (0.0, 0.0, 0.0, 0.0);
+    for trials in conditions {
+        let n = trials.len() as f64;
+        let mean = trials.iter().sum::<f64>() / n;
+        value += mean / count;
+        squares += trials.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();
+        freedom += n - 1.0;
+        inverse += 1.0 / n;
+    }
+    let variance = (squares + USUAL_WEIGHT * usual_variance) / (freedom + USUAL_WEIGHT);
+    Estimate { value, standard_error: (variance * inverse).sqrt() / count }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conditions_count_the_same_however_many_trials_they_have() {
+        let found = estimate(&[vec![2.0], vec![4.0, 4.0, 4.0, 4.0]], 0.25);
+        assert_eq!(found.value, 3.0);
+        // Three degrees of freedom without any spread, six with the usual one.
+        let variance = 6.0 * 0.25 / 9.0;
+        assert!((found.standard_error - (variance * 1.25_f64).sqrt() / 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn spread_within_conditions_is_noise_and_spread_between_them_is_not() {
+        let within = estimate(&vec![vec![1.0, 3.0]; 40], 0.25);
+        assert!((within.standard_error - (2.0_f64 / 80.0).sqrt()).abs() < 0.02, "{within:?}");
+        let between = estimate(&[vec![0.0; 40], vec![9.0; 40]], 0.25);
+        assert!(between.standard_error < 0.03, "{between:?}");
+    }
+}

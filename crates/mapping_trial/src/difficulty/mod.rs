@@ -1,0 +1,29 @@
+//! How difficult a world is, measured by trials; and worlds of a requested difficulty.
+//!
+//! The difficulty `d` of a world is the mean score D of a [`Panel`]'s trials in it, on a scale whose 0 and 10 are
+//! the means of two sets of worlds, the [`Anchors`]; `m` and `n` are the same of the scores M and N.
+//!
+//! | what | where |
+//! |---|---|
+//! | the conditions of trials | [`Panel`] |
+//! | the worlds that fix the scale | [`Anchors`], [`reference_scale`] |
+//! | the difficulty of a world | [`measure`](fn@measure) |
+//! | maps of a requested difficulty, verified by trials | [`verified`](fn@verified) |
+//! | are maps as difficult as requested? | [`proof`] |
+//! | worlds from which predictions are fitted | [`AtlasDesign`], [`samples`], [`calibrate`] |
+
+mod anchors;
+mod atlas;
+mod fit;
+mod measure;
+mod panel;
+pub mod proof;
+mod ridge;
+mod verified;
+
+pub use anchors::{Anchors, reference_scale};
+pub use atlas::{AtlasDesign, AtlasSize, samples, table};
+pub use fit::{CALIBRATION_VERSION, Sample, calibrate};
+pub use measure::{ConditionMean, MeasureError, Measurement, Measuring, measure};
+pub use panel::Panel;
+pub use verified::{RACERS, Verified, VerifyError, verified};

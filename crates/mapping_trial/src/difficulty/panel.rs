@@ -1,0 +1,88 @@
+//! Panels: the operators, lasers and estimators under which difficulties are measured.
+
+use serde::{Deserialize, Serialize};
+
+use crate::experiment::survey::{Condition, SurveyError, check_conditions, ron_options};
+
+const REFERENCE: &str = include_str!("panel_1.ron");
+
+/// Conditions of trials that count the same: the difficulty of a world is the mean over them.
+///
+/// ```
+/// use mapping_trial::difficulty::Panel;
+///
+/// let panel = Panel::reference();
+/// assert_eq!((panel.version, panel.conditions.len()), (1, 12));
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Panel {
+    /// Its name.
+    pub name: String,
+    /// Its version.
+    pub version: u32,
+    /// The conditions.
+    pub conditions: Vec<Condition>,
+}
+
+impl Panel {
+    /// The panel that difficulties refer to if nothing else is said: four operators, each with a SICK LMS 200,
+    /// with the same laser with the errors of real scans, and with one of shorter range; a Pioneer 3-AT,
+    /// scan-to-map matching, and 2 s per square metre.
+    ///
+    /// # Panics
+    /// Never: the file is part of the crate, and tested.
+    pub fn reference() -> Self {
+        Self::from_ron(REFERENCE).expect("panel_1.ron is a panel")
+    }
+
+    /// Reads a panel from RON.
+    ///
+    /// # Errors
+    /// Line and column of a mistake, or the first value that is not allowed.
+    pub fn from_ron(text: &str) -> Result<Self, SurveyError> {
+        let panel: Panel = ron_options().from_str(text).map_err(Box::new)?;
+        check_conditions(&panel.conditions)?;
+        Ok(panel)
+    }
+
+    /// Drops conditions that differ from an earlier one only by their names.
+    pub fn drop_repeated(&mut self) {
+        let mut kept: Vec<Condition> = Vec::new();
+        for condition in self.conditions.drain(..) {
+            let same = |other: &Condition| {
+                Condition { name: condition.name.clone(), ..other.clone() } == condition
+            };
+            if !kept.iter().any(same) {
+                kept.push(condition);
+            }
+        }
+        self.conditions = kept;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::policy::PolicyKind;
+
+    #[test]
+    fn equal_conditions_are_dropped() {
+        let mut panel = Panel::reference();
+        panel.conditions.iter_mut().for_each(|one| one.laser = "usarsim".to_owned());
+        panel.drop_repeated();
+        assert_eq!(panel.conditions.len(), 4);
+        panel.conditions.iter_mut().for_each(|one| one.operator = PolicyKind::Nearest);
+        panel.drop_repeated();
+        assert_eq!(panel.conditions.len(), 1);
+    }
+
+    #[test]
+    fn bad_panels_are_refused() {
+        let error = |text: &str| Panel::from_ron(text).expect_err("no panel").to_string();
+        assert!(error("(name: \"mine\", version: 1, conditions: [])").contains("conditions"));
+        let laser =
+            error("(name: \"mine\", version: 1, conditions: [(name: \"a\", laser: \"far\")])");
+        assert!(laser.starts_with("a: `laser` must be lms200_mm"), "{laser}");
+    }
+}

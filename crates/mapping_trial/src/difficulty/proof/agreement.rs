@@ -1,0 +1,117 @@
+//! How well measured difficulties agree with those requested.
+
+use envgen::{Seed, Stream};
+use serde::Serialize;
+
+use crate::experiment::stats::{Interval, bootstrap, spearman};
+use crate::score::kendall_tau;
+
+/// How measured values agree with requested ones, over maps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Agreement {
+    /// Number of maps.
+    pub maps: usize,
+    /// Spearman's rank correlation.
+    pub rho: Option<Interval>,
+    /// Kendall's tau-b.
+    pub tau: Option<Interval>,
+    /// Mean absolute difference.
+    pub error: Option<Interval>,
+    /// Slope of the measured over the requested values.
+    pub slope: Option<Interval>,
+    /// What the line through them has at 0.
+    pub intercept: Option<Interval>,
+}
+
+/// Compares values map by map, with intervals of 95 % by the bootstrap over maps.
+pub fn agreement(requested: &[f64], measured: &[f64]) -> Agreement {
+    let mut stream: Stream = Seed(0).stream("proof/bootstrap", 0);
+    let found = bootstrap(&vec![0; requested.len()], &mut stream, |drawn| {
+        let pick = |values: &[f64]| drawn.iter().map(|&i| values[i]).collect::<Vec<f64>>();
+        let (x, y) = (pick(requested), pick(measured));
+        let line = line(&x, &y);
+        let n = x.len().max(1) as f64;
+        let error = x.iter().zip(&y).map(|(x, y)| (x - y).abs()).sum::<f64>() / n;
+        [
+            spearman(&x, &y),
+            kendall_tau(&x, &y),
+            Some(error),
+            line.map(|(slope, _)| slope),
+            line.map(|(_, intercept)| intercept),
+        ]
+    });
+    let [rho, tau, error, slope, intercept] = found;
+    Agreement { maps: requested.len(), rho, tau, error, slope, intercept }
+}
+
+/// Slope and intercept of the least-squares line; `None` where `x` does not vary.
+fn line(x: &[f64], y: &[f64]) -> Option<(f64, f64)> {
+    let n = x.len() as f64;
+    let (x_mean, y_mean) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
+    let xx: f64 = x.iter().map(|x| (x - x_mean) * (x - x_mean)).sum();
+    let xy: f64 = x.iter().zip(y).map(|(x, y)| (x - x_mean) * (y - y_mean)).sum();
+    (xx > 0.0).then(|| (xy / xx, y_mean - xy / xx * x_mean))
+}
+
+/// A linear link from values under other conditions to those of the reference panel: the same mean and
+/// deviation over maps that both have measured.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Link {
+    /// What one of the other is of the reference.
+    pub slope: f64,
+    /// What 0 of the other is of the reference.
+    pub intercept: f64,
+    /// Number of maps.
+    pub maps: usize,
+}
+
+impl Link {
+    /// The link from paired values; `None` if the others do not vary.
+    pub fn new(reference: &[f64], other: &[f64]) -> Option<Self> {
+        let n = other.len() as f64;
+        let moments = |values: &[f64]| {
+            let mean = values.iter().sum::<f64>() / n;
+            let variance = values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n;
+            (mean, variance.sqrt())
+        };
+        let ((mean, deviation), (other_mean, other_deviation)) =
+            (moments(reference), moments(other));
+        (other_deviation > 0.0).then(|| {
+            let slope = deviation / other_deviation;
+            Link { slope, intercept: mean - slope * other_mean, maps: other.len() }
+        })
+    }
+
+    /// The value on the reference's scale.
+    pub fn apply(&self, value: f64) -> f64 {
+        self.intercept + self.slope * value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn agreement_by_hand() {
+        let requested: Vec<f64> = (0..40).map(f64::from).collect();
+        let measured: Vec<f64> = requested.iter().map(|x| 0.5 * x + 3.0).collect();
+        let found = agreement(&requested, &measured);
+        let value = |interval: Option<Interval>| interval.expect("an interval").value;
+        assert_eq!((value(found.rho), value(found.tau)), (1.0, 1.0));
+        assert!((value(found.slope) - 0.5).abs() < 1e-12);
+        assert!((value(found.intercept) - 3.0).abs() < 1e-9);
+        let error: f64 = requested.iter().map(|x| (0.5 * x - 3.0).abs()).sum::<f64>() / 40.0;
+        assert!((value(found.error) - error).abs() < 1e-12);
+    }
+
+    #[test]
+    fn linked_values_have_the_mean_and_deviation_of_the_reference() {
+        let reference = [1.0, 2.0, 6.0];
+        let other: Vec<f64> = reference.iter().map(|x| 7.0 - 2.0 * (x - 3.0)).collect();
+        let link = Link::new(&reference, &other).expect("a link");
+        assert!((link.slope - 0.5).abs() < 1e-12 && link.maps == 3);
+        assert!((link.apply(7.0) - 3.0).abs() < 1e-12);
+        assert_eq!(Link::new(&reference, &[2.0; 3]), None);
+    }
+}

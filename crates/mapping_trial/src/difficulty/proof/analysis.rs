@@ -1,0 +1,187 @@
+//! What the proof shows.
+
+use envgen::calibration::Scale;
+use envgen::difficulty::{DifficultyVector, Platform};
+use envgen::{Blueprint, Spec};
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use serde::Serialize;
+
+use super::agreement::{Agreement, Link, agreement};
+use super::design::{Part, ProofDesign, panels};
+use super::run::ProofResult;
+use crate::experiment::stats::spearman;
+
+/// All comparisons.
+#[derive(Clone, Debug, Serialize)]
+pub struct Analysis {
+    /// The design.
+    pub design: ProofDesign,
+    /// The links from the other panels to the reference.
+    pub links: Vec<Option<Link>>,
+    /// Each part at each footprint under each panel.
+    pub rows: Vec<Row>,
+    /// The means of measured difficulty of the calibrated maps, by request.
+    pub levels: Vec<Level>,
+    /// What a single number explains, of the calibrated maps.
+    pub singles: Vec<Single>,
+}
+
+/// How one part agrees with its requests.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// The part.
+    pub part: Part,
+    /// Side of the maps in cells.
+    pub footprint: u32,
+    /// Name of the panel.
+    pub panel: String,
+    /// With the difficulties as this panel measures them, on the reference's scale.
+    pub raw: Agreement,
+    /// With difficulties linked to the reference panel.
+    pub linked: Agreement,
+}
+
+/// The calibrated maps whose requests are near a level, one unit to either side.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Level {
+    /// Side of the maps in cells.
+    pub footprint: u32,
+    /// The level.
+    pub level: f64,
+    /// Number of maps.
+    pub maps: usize,
+    /// Mean of their measured difficulty.
+    pub mean: f64,
+    /// Half the interval of 95 % of that mean.
+    pub half_interval: f64,
+}
+
+/// The largest share of the variance of measured difficulty that one number explains.
+#[derive(Clone, Debug, Serialize)]
+pub struct Single {
+    /// Side of the maps in cells.
+    pub footprint: u32,
+    /// `setting` or `feature`.
+    pub of: &'static str,
+    /// Its name.
+    pub name: String,
+    /// Squared rank correlation with the measured difficulty.
+    pub explained: f64,
+    /// The same of the metres of wall.
+    pub wall_length: f64,
+}
+
+/// Analyses the results of all parts.
+pub fn analyse(
+    design: &ProofDesign,
+    scale: &Scale,
+    results: &[(Part, Vec<ProofResult>)],
+) -> Analysis {
+    let of = |part: Part| {
+        results.iter().find(|(own, _)| *own == part).map_or(&[][..], |(_, all)| all.as_slice())
+    };
+    let names: Vec<String> = panels().into_iter().map(|panel| panel.name).collect();
+    let links = links(of(Part::Link), names.len());
+    let unit = scale.units().difficulty;
+    let dial = |score: f64| unit * (score - scale.zero.difficulty);
+    let mut rows = Vec::new();
+    for part in [Part::Calibrated, Part::Verified, Part::Thesis] {
+        for &footprint in &design.footprints {
+            let own: Vec<&ProofResult> =
+                of(part).iter().filter(|result| result.map.footprint == footprint).collect();
+            if own.is_empty() {
+                continue;
+            }
+            let requested: Vec<f64> = own.iter().map(|result| result.map.requested).collect();
+            for (i, panel) in names.iter().enumerate() {
+                let values = |link: Option<Link>| {
+                    let linked = |score: f64| link.map_or(score, |link| link.apply(score));
+                    own.iter().map(|one| dial(linked(one.scores[i]))).collect::<Vec<f64>>()
+                };
+                rows.push(Row {
+                    part,
+                    footprint,
+                    panel: panel.clone(),
+                    raw: agreement(&requested, &values(None)),
+                    linked: agreement(&requested, &values(links[i])),
+                });
+            }
+        }
+    }
+    let calibrated = of(Part::Calibrated);
+    let measured = |one: &ProofResult| dial(one.scores[0]);
+    let levels = design.footprints.iter().flat_map(|&footprint| {
+        let own = calibrated.iter().filter(move |one| one.map.footprint == footprint);
+        levels(footprint, own.map(|one| (one.map.requested, measured(one))).collect())
+    });
+    let singles = design.footprints.iter().flat_map(|&footprint| {
+        let own: Vec<&ProofResult> =
+            calibrated.iter().filter(|one| one.map.footprint == footprint).collect();
+        let values: Vec<f64> = own.iter().map(|one| measured(one)).collect();
+        singles(footprint, &own, &values)
+    });
+    Analysis {
+        design: design.clone(),
+        levels: levels.collect(),
+        singles: singles.collect(),
+        links,
+        rows,
+    }
+}
+
+/// The links of all panels over the same maps; the reference links to itself.
+fn links(results: &[ProofResult], panels: usize) -> Vec<Option<Link>> {
+    let scores = |panel: usize| results.iter().map(|one| one.scores[panel]).collect::<Vec<f64>>();
+    (0..panels).map(|panel| Link::new(&scores(0), &scores(panel))).collect()
+}
+
+fn levels(footprint: u32, maps: Vec<(f64, f64)>) -> Vec<Level> {
+    let level = |level: f64| {
+        let own: Vec<f64> = maps
+            .iter()
+            .filter(|(requested, _)| (requested - level).abs() < 1.0)
+            .map(|(_, measured)| *measured)
+            .collect();
+        let n = own.len() as f64;
+        let mean = own.iter().sum::<f64>() / n;
+        let squares: f64 = own.iter().map(|x| (x - mean) * (x - mean)).sum();
+        let half_interval = 1.96 * (squares / (n - 1.0) / n).sqrt();
+        (own.len() > 1).then_some(Level { footprint, level, maps: own.len(), mean, half_interval })
+    };
+    [1.0, 3.0, 5.0, 7.0, 9.0].into_iter().filter_map(level).collect()
+}
+
+/// The best setting and the best feature.
+fn singles(footprint: u32, results: &[&ProofResult], measured: &[f64]) -> Vec<Single> {
+    let described: Vec<_> = results
+        .par_iter()
+        .filter_map(|one| {
+            let plan = one.map.spec.generate(one.map.seed).ok()?;
+            let vector = DifficultyVector::of(&plan.to_world(), &Platform::default()).ok()?;
+            Some((plan.spec().lever_terms(), vector.values()))
+        })
+        .collect();
+    let Some((terms, _)) = described.first() else { return Vec::new() };
+    if described.len() != measured.len() {
+        return Vec::new();
+    }
+    let squared = |values: Vec<f64>| spearman(&values, measured).map_or(0.0, |rho| rho * rho);
+    let features = DifficultyVector::features();
+    let feature =
+        |i: usize| squared(described.iter().map(|(_, values)| values[i].unwrap_or(0.0)).collect());
+    let wall = features.iter().position(|feature| feature.name == "wall_length_m");
+    let wall_length = wall.map_or(0.0, feature);
+    let by_setting = terms.iter().enumerate().map(|(i, (name, _))| {
+        (*name, squared(described.iter().map(|(terms, _)| terms[i].1).collect()))
+    });
+    let by_feature = features.iter().enumerate().map(|(i, one)| (one.name, feature(i)));
+    let best = |all: Vec<(&'static str, f64)>, of: &'static str| {
+        let best = all.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (name, explained) = (best.0.to_owned(), best.1);
+        Some(Single { footprint, of, name, explained, wall_length })
+    };
+    [best(by_setting.collect(), "setting"), best(by_feature.collect(), "feature")]
+        .into_iter()
+        .flatten()
+        .collect()
+}

@@ -1,0 +1,17 @@
+//! The proof: are maps as difficult as requested, also for operators, lasers, estimators and robots that the
+//! calibration has not seen?
+//!
+//! The design is frozen: its maps, conditions and analysis follow from the files of this folder and a seed, and
+//! nothing is fitted to its results.
+
+mod agreement;
+mod analysis;
+mod design;
+mod report;
+mod run;
+
+pub use agreement::{Agreement, Link, agreement};
+pub use analysis::{Analysis, Level, Row, Single, analyse};
+pub use design::{Part, ProofDesign, ProofMap, panels};
+pub use report::page;
+pub use run::{ProofResult, Watch, run};

@@ -1,0 +1,182 @@
+//! The report of the proof: one self-contained page.
+
+use envgen::calibration::Scale;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use plotters::prelude::*;
+
+use super::analysis::{Analysis, Row};
+use super::design::Part;
+use super::run::ProofResult;
+use crate::experiment::ExperimentError;
+use crate::experiment::report::figures::{chart, diagonal, inline, report_error, rgb};
+use crate::experiment::report::pieces::{cell, head, interval, table, with_interval};
+use crate::experiment::report::{STYLE, colors};
+
+const TITLE: &str = "Is a map as difficult as requested?";
+
+/// Part, its name and the colour of its marks.
+const PARTS: [(Part, &str, usize); 3] = [
+    (Part::Thesis, "rules of the thesis", 1),
+    (Part::Calibrated, "calibrated, not simulated", 0),
+    (Part::Verified, "verified by trials", 2),
+];
+
+/// The page as HTML.
+///
+/// # Errors
+/// A figure cannot be drawn.
+pub fn page(
+    analysis: &Analysis,
+    scale: &Scale,
+    results: &[(Part, Vec<ProofResult>)],
+) -> Result<String, ExperimentError> {
+    let design = &analysis.design;
+    let figures: Result<Vec<Markup>, ExperimentError> =
+        design.footprints.iter().map(|&footprint| figure(footprint, scale, results)).collect();
+    let figures = figures?;
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width,initial-scale=1";
+                title { (TITLE) }
+                style { (PreEscaped(colors::variables())) (PreEscaped(STYLE)) }
+            }
+            "\n"
+            body {
+                main {
+                    h1 { (TITLE) }
+                    p.lead {
+                        "Maps of a fixed size are requested with difficulties spread evenly over what their size \
+                         reaches, generated, and measured by trials with fresh noise: under the reference panel, \
+                         and under operators, lasers, estimators and robots that the calibration has not seen."
+                    }
+                    h2 { "Requested and measured difficulty" }
+                    @for figure in &figures {
+                        figure { (figure) }
+                        "\n"
+                    }
+                    (key())
+                    h2 { "Agreement" }
+                    (agreement(&analysis.rows, design.noise_seeds))
+                    h2 { "Levels" }
+                    (levels(analysis))
+                    h2 { "What a single number explains" }
+                    (singles(analysis))
+                }
+            }
+        }
+    };
+    Ok(page.into_string() + "\n")
+}
+
+fn key() -> Markup {
+    let [d, m, n] = ["d", "m", "n"];
+    html! {
+        div.key {
+            span { i class=(m) {} (PARTS[0].1) }
+            span { i class=(d) {} (PARTS[1].1) }
+            span { i class=(n) {} (PARTS[2].1) }
+        }
+    }
+}
+
+/// Measured over requested difficulty at one footprint, under the reference panel.
+fn figure(
+    footprint: u32,
+    scale: &Scale,
+    results: &[(Part, Vec<ProofResult>)],
+) -> Result<Markup, ExperimentError> {
+    let unit = scale.units().difficulty;
+    let mut svg = String::new();
+    {
+        let area = SVGBackend::with_string(&mut svg, (520, 470)).into_drawing_area();
+        let name = format!("measured difficulty of {footprint} x {footprint} cells");
+        let mut chart = chart(&area, (0.0..10.0, 0.0..10.0), ("requested difficulty", &name))?;
+        diagonal(&mut chart, (0.0, 0.0), (10.0, 10.0))?;
+        for (part, _, color) in PARTS {
+            let own = results.iter().find(|(own, _)| *own == part).map(|(_, all)| all);
+            let own = own.into_iter().flatten().filter(|one| one.map.footprint == footprint);
+            let dots = own.map(|one| {
+                let measured = unit * (one.scores[0] - scale.zero.difficulty);
+                let color = rgb(colors::MEASURED[color]);
+                Circle::new(
+                    (one.map.requested, measured.clamp(0.0, 10.0)),
+                    4,
+                    color.mix(0.7).filled(),
+                )
+            });
+            chart.draw_series(dots).map_err(report_error)?;
+        }
+        area.present().map_err(report_error)?;
+    }
+    Ok(inline(svg, "Measured over requested difficulty"))
+}
+
+fn agreement(rows: &[Row], noise_seeds: u32) -> Markup {
+    let mut names = head(["maps", "cells", "panel", "n"]);
+    names.extend(
+        ["rank correlation", "Kendall's tau", "slope", "mean error", "mean error, linked"]
+            .map(with_interval),
+    );
+    let row = |row: &Row| {
+        let part =
+            PARTS.iter().find(|(part, ..)| *part == row.part).map_or("", |(_, name, _)| name);
+        vec![
+            cell(part),
+            cell(row.footprint),
+            cell(&row.panel),
+            cell(row.raw.maps),
+            interval(row.raw.rho, 2),
+            interval(row.raw.tau, 2),
+            interval(row.linked.slope, 2),
+            interval(row.raw.error, 2),
+            interval(row.linked.error, 2),
+        ]
+    };
+    let rows: Vec<Vec<Markup>> = rows.iter().map(row).collect();
+    html! {
+        p.note {
+            (noise_seeds) " trials per map and condition. Slopes are of linked values: those of another panel are \
+             put on the reference's scale by maps of their own, by mean and deviation."
+        }
+        (table("", &names, &rows))
+    }
+}
+
+fn levels(analysis: &Analysis) -> Markup {
+    let row = |level: &super::analysis::Level| {
+        vec![
+            cell(level.footprint),
+            cell(level.level),
+            cell(level.maps),
+            cell(format!("{:.2} +- {:.2}", level.mean, level.half_interval)),
+        ]
+    };
+    let rows: Vec<Vec<Markup>> = analysis.levels.iter().map(row).collect();
+    html! {
+        p.note { "Calibrated maps whose requests are within one unit of a level; mean and its 95 % interval." }
+        (table("", &head(["cells", "level", "maps", "measured"]), &rows))
+    }
+}
+
+fn singles(analysis: &Analysis) -> Markup {
+    let row = |one: &super::analysis::Single| {
+        vec![
+            cell(one.footprint),
+            cell(one.of),
+            cell(&one.name),
+            cell(format!("{:.2}", one.explained)),
+            cell(format!("{:.2}", one.wall_length)),
+        ]
+    };
+    let rows: Vec<Vec<Markup>> = analysis.singles.iter().map(row).collect();
+    html! {
+        p.note {
+            "The setting and the feature whose squared rank correlation with the measured difficulty of the \
+             calibrated maps is the greatest, and that of the metres of wall."
+        }
+        (table("", &head(["cells", "of", "name", "explained", "metres of wall"]), &rows))
+    }
+}

@@ -1,0 +1,188 @@
+//! Maps whose difficulty is verified by trials: the candidates of a request race, and the nearest is measured
+//! again.
+
+use envgen::calibration::{Dials, Estimate, Scale};
+use envgen::indoor::{FloorPlan, IndoorError, IndoorSpec, Request};
+use envgen::{Blueprint, Seed, World};
+use thiserror::Error;
+
+use super::measure::{MeasureError, Measurement, Measuring, measure};
+use super::panel::Panel;
+
+/// Number of candidates that race.
+pub const RACERS: usize = 5;
+
+/// Number of conditions of the first round, spread over the panel.
+const FIRST_ROUND: usize = 4;
+
+/// A candidate is dropped that is farther from the request than the nearest by more than this many standard
+/// errors of the difference.
+const DROPPED: f64 = 2.0;
+
+/// Why there is no verified map.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum VerifyError {
+    /// No candidates.
+    #[error(transparent)]
+    Generate(#[from] IndoorError),
+    /// A candidate cannot be measured.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
+}
+
+/// A map whose difficulty was measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verified {
+    /// Its world; the measurement is in its provenance.
+    pub world: World,
+    /// The measurement, by trials that did not take part in the choice.
+    pub measurement: Measurement,
+    /// What the race measured of each candidate, from the one on that was predicted nearest.
+    pub race: Vec<Dials<Estimate>>,
+}
+
+struct Racer<'a> {
+    measuring: Measuring<'a>,
+    dials: Dials<Estimate>,
+    is_dropped: bool,
+}
+
+/// Generates the candidates of a spec of the profile `calibrated`, lets the nearest [`RACERS`] race on the panel
+/// and returns the one whose measured difficulty is nearest to the request, measured once more with `seeds`
+/// fresh trials under each condition. `step` is called after every round of trials with the number of rounds so
+/// far.
+///
+/// # Errors
+/// The request is not allowed or out of reach; the panel cannot drive in a candidate.
+pub fn verified(
+    spec: &IndoorSpec,
+    seed: Seed,
+    panel: &Panel,
+    scale: &Scale,
+    seeds: u32,
+    step: &mut dyn FnMut(usize),
+) -> Result<Verified, VerifyError> {
+    let request = spec.request();
+    let plans = spec.candidates(seed)?;
+    let worlds: Vec<World> = plans.iter().take(RACERS).map(FloorPlan::to_world).collect();
+    // Noise of the race and of the measurement, and of no other map.
+    let noise = |stage: u64| Seed(seed.stream("difficulty/noise", stage).bits());
+    let (first, rest) = rounds(panel.conditions.len());
+    let mut racers: Vec<Racer<'_>> = worlds
+        .iter()
+        .map(|world| Racer {
+            measuring: Measuring::new(world, panel, noise(0)),
+            dials: Dials::default(),
+            is_dropped: false,
+        })
+        .collect();
+    let mut rounds = 0;
+    for conditions in [first, rest] {
+        for racer in racers.iter_mut().filter(|racer| !racer.is_dropped) {
+            racer.measuring.add(&conditions)?;
+            racer.dials = racer.measuring.dials(scale).unwrap_or_default();
+            rounds += 1;
+            step(rounds);
+        }
+        drop_far(&mut racers, request);
+    }
+    let nearest = racers
+        .iter()
+        .zip(&worlds)
+        .filter(|(racer, _)| !racer.is_dropped)
+        .min_by(|a, b| distance(request, &a.0.dials).total_cmp(&distance(request, &b.0.dials)));
+    let Some((_, nearest)) = nearest else { unreachable!("the nearest is never dropped") };
+    let measurement = measure(nearest, panel, scale, noise(1), seeds)?;
+    step(rounds + 1);
+    let mut world = nearest.clone();
+    world.provenance.measured = Some(measurement.measured.clone());
+    Ok(Verified { world, measurement, race: racers.iter().map(|racer| racer.dials).collect() })
+}
+
+/// The conditions of the first round, spread over the panel, and the others.
+fn rounds(conditions: usize) -> (Vec<usize>, Vec<usize>) {
+    let first = FIRST_ROUND.min(conditions);
+    // Operators and lasers both change from one to the next where operators are the inner loop.
+    let chosen: Vec<usize> =
+        (0..first).map(|i| i * (conditions + 1) / first % conditions).collect();
+    let rest = (0..conditions).filter(|i| !chosen.contains(i)).collect();
+    (chosen, rest)
+}
+
+fn distance(request: Request, dials: &Dials<Estimate>) -> f64 {
+    request.distance(dials.map(|dial| dial.value))
+}
+
+/// Drops the racers that are clearly farther from the request than the nearest.
+fn drop_far(racers: &mut [Racer<'_>], request: Request) {
+    let error = |dials: &Dials<Estimate>| {
+        let squares = request.0.zip(*dials).named().map(|(_, (wanted, dial))| {
+            wanted.map_or(0.0, |_| dial.standard_error * dial.standard_error)
+        });
+        squares.iter().sum::<f64>()
+    };
+    let running = racers.iter().filter(|racer| !racer.is_dropped).map(|racer| racer.dials);
+    let nearest = running.min_by(|a, b| distance(request, a).total_cmp(&distance(request, b)));
+    let Some(nearest) = nearest else { return };
+    for racer in racers {
+        let farther = distance(request, &racer.dials) - distance(request, &nearest);
+        let deviation = (error(&racer.dials) + error(&nearest)).sqrt();
+        racer.is_dropped |= farther > DROPPED * deviation;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::indoor::Profile;
+    use envgen::reproduction::{Reproduction, reproduce};
+
+    use super::*;
+    use crate::difficulty::reference_scale;
+
+    #[test]
+    fn the_first_round_has_all_operators_and_lasers() {
+        let (first, rest) = rounds(12);
+        assert_eq!((first.len(), rest.len()), (4, 8));
+        let panel = Panel::reference();
+        let operators: Vec<_> = first.iter().map(|&i| panel.conditions[i].operator).collect();
+        let lasers: Vec<_> = first.iter().map(|&i| panel.conditions[i].laser.clone()).collect();
+        for i in 0..4 {
+            assert!(operators[..i].iter().all(|one| *one != operators[i]), "{operators:?}");
+        }
+        for laser in panel.conditions.iter().map(|condition| &condition.laser) {
+            assert!(lasers.contains(laser), "{lasers:?}");
+        }
+        for few in 1..4 {
+            let (first, rest) = rounds(few);
+            assert_eq!((first.len(), rest.len()), (few, 0));
+        }
+    }
+
+    #[test]
+    fn the_winner_is_measured_again_and_can_be_made_again() {
+        let mut panel = Panel::reference();
+        panel.conditions.truncate(2);
+        panel.conditions.iter_mut().for_each(|one| {
+            (one.time_per_area, one.time_limit) = (None, 60.0);
+        });
+        let profile = Profile::Calibrated;
+        let base = IndoorSpec { width: 5, height: 5, profile, ..Default::default() };
+        let [least, most] = base.reachable().difficulty;
+        let spec = IndoorSpec { difficulty: 0.5 * (least + most), ..base };
+        let mut rounds = Vec::new();
+        let make = |step: &mut dyn FnMut(usize)| {
+            verified(&spec, Seed(4), &panel, reference_scale(), 1, step).expect("a map")
+        };
+        let found = make(&mut |round| rounds.push(round));
+        assert_eq!((found.race.len(), found.measurement.measured.trials), (RACERS, 2));
+        assert!(rounds.len() > RACERS && rounds.is_sorted(), "{rounds:?}");
+        assert_eq!(found.world.provenance.measured.as_ref(), Some(&found.measurement.measured));
+        let Reproduction::Same(_) = reproduce(&found.world) else {
+            panic!("another world: {:?}", reproduce(&found.world))
+        };
+        assert_eq!(make(&mut |_| ()), found);
+        let fresh = found.measurement.measured.noise_seed;
+        assert_ne!(fresh, Seed(Seed(4).stream("difficulty/noise", 0).bits()));
+    }
+}

@@ -1,0 +1,111 @@
+//! The command `envgen-trials`, as users run it.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use envgen::hallway::HallwaySpec;
+use envgen::{Blueprint, Seed, Spec};
+use mapping_trial::difficulty::{Panel, measure, reference_scale};
+use serde_json::Value;
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_envgen-trials"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .expect("the command runs")
+}
+
+fn error(folder: &Path, arguments: &[&str]) -> String {
+    let output = run(folder, arguments);
+    assert!(!output.status.success(), "{arguments:?}");
+    String::from_utf8(output.stderr).expect("text")
+}
+
+#[test]
+fn an_empty_room_measures_near_0_and_as_the_library_does() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let room = HallwaySpec { segments: 1, pitch: 8.3, width: 8.2, ..Default::default() };
+    let world = room.generate(Seed(0)).expect("a room").to_world();
+    let path = folder.path().join("room.json");
+    std::fs::write(&path, world.to_json().expect("JSON")).expect("a file");
+    let output = run(folder.path(), &["measure", "room.json", "--seeds", "1", "--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let found =
+        measure(&world, &Panel::reference(), reference_scale(), Seed(0), 1).expect("trials");
+    let dials = &report["measurement"]["measured"]["dials"];
+    assert_eq!(*dials, serde_json::json!(found.measured.dials));
+    let difficulty = found.measured.dials.difficulty.value;
+    assert!(difficulty.abs() < 0.5, "{difficulty}");
+    let output = run(folder.path(), &["measure", "room.json", "--seeds", "1"]);
+    let text = String::from_utf8(output.stdout).expect("text");
+    assert!(text.starts_with("hallway, seed 0: 12 trials of the panel \"reference\""), "{text}");
+    assert!(text.contains("wall_follow, short"), "{text}");
+}
+
+#[test]
+fn a_world_without_a_start_gets_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let room = HallwaySpec { segments: 1, pitch: 6.1, width: 6.0, ..Default::default() };
+    let mut world = room.generate(Seed(0)).expect("a room").to_world();
+    world.start = None;
+    world.goal = None;
+    world.certificate.clear();
+    std::fs::write(folder.path().join("room.ron"), world.to_ron().expect("RON")).expect("a file");
+    let output = run(folder.path(), &["measure", "room.ron", "--seeds", "1"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn mistakes_are_named_with_their_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    assert!(error(at, &["measure", "none.json"]).starts_with("error: none.json: "));
+    std::fs::write(at.join("half.json"), "{\"schema\": 1").expect("a file");
+    assert!(error(at, &["measure", "half.json"]).starts_with("error: half.json: "));
+    let far = error(
+        at,
+        &[
+            "generate",
+            "--set",
+            "difficulty=10",
+            "--set",
+            "width=6",
+            "--set",
+            "height=6",
+            "--set",
+            "floor_slip=1",
+            "--set",
+            "wheel_bias=0",
+            "--out",
+            "map.json",
+        ],
+    );
+    assert!(far.contains("`difficulty` must be from "), "{far}");
+    assert!(!at.join("map.json").exists());
+    let bad = error(at, &["generate", "--set", "speed=1", "--out", "map.json"]);
+    assert!(bad.starts_with("error: --set speed=1: kind indoor has no setting `speed`"), "{bad}");
+    let ending = error(at, &["generate", "--out", "map.doc"]);
+    assert!(ending.starts_with("error: map.doc: "), "{ending}");
+    let laser = error(at, &["measure", "half.json", "--laser", "far"]);
+    assert!(laser.contains("half.json") || laser.contains("--laser far"), "{laser}");
+    std::fs::write(at.join("panel.ron"), "(name: \"mine\", version: 1, conditions: [(nam: 1)])")
+        .expect("a file");
+    let panel = error(at, &["anchors", "--panel", "panel.ron"]);
+    assert!(panel.starts_with("error: panel.ron: ") && panel.contains("nam"), "{panel}");
+}
+
+#[test]
+fn unfinished_and_foreign_atlases_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let unfinished = error(at, &["calibrate", "--anchors", "anchors", "--out", "new.json"]);
+    assert_eq!(unfinished, "error: anchors: 0 of 480 trials are finished\n");
+    let head = at.join("anchors").join("survey.json");
+    let text = std::fs::read_to_string(&head).expect("a head");
+    std::fs::write(&head, text.replacen("\"version\": 2", "\"version\": 1", 1)).expect("a head");
+    let other = error(at, &["calibrate", "--anchors", "anchors", "--out", "new.json"]);
+    assert!(other.contains("a survey of version 1, expected 2"), "{other}");
+    assert!(!at.join("new.json").exists());
+}
