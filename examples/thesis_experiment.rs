@@ -85,7 +85,7 @@ struct Arguments {
     #[arg(long, default_value = "scan_to_map", value_parser = SlamKind::named)]
     slam: SlamKind,
 
-    /// Laser profile: lms200_mm, lms200_mm_rough or usarsim.
+    /// Laser profile: lms200_mm, lms200_mm_rough, usarsim, urg_04lx or wide_12m.
     #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named)]
     laser: LaserProfile,
 

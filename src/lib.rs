@@ -7,6 +7,11 @@
 #[doc = include_str!("../docs/guide/bevy.md")]
 struct Bevy;
 
+/// The snippets of the guide's chapter on maps of a requested difficulty.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/guide/calibrated.md")]
+struct Calibrated;
+
 /// The snippets of the guide's chapter on forests.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/guide/forests.md")]

@@ -90,7 +90,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.ron", conflicts_with = "replay")]
     robot: Option<PathBuf>,
 
-    /// Laser profile: lms200_mm, lms200_mm_rough or usarsim.
+    /// Laser profile: lms200_mm, lms200_mm_rough, usarsim, urg_04lx or wide_12m.
     #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named, conflicts_with = "replay")]
     laser: LaserProfile,
 

@@ -53,7 +53,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.ron")]
     robot: Option<PathBuf>,
 
-    /// Resolution and noise of the laser: lms200_mm, lms200_mm_rough or usarsim.
+    /// Resolution and noise of the laser: lms200_mm, lms200_mm_rough, usarsim, urg_04lx or wide_12m.
     #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named)]
     laser: LaserProfile,
 

@@ -1,0 +1,184 @@
+//! The proof that maps are as difficult as requested: maps are generated for difficulties spread over what
+//! their size reaches, and measured by trials of robots that the calibration knows, and of others.
+//!
+//! ```text
+//! cargo run --release --example difficulty_proof -- --quick
+//! cargo run --release --example difficulty_proof
+//! ```
+//!
+//! Every finished trial is on disk at once: the same command continues an interrupted run. The output folder
+//! gets `report.html` and `summary.json`.
+
+use std::error::Error;
+use std::io::IsTerminal;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::time::Duration;
+
+use clap::Parser;
+use envgen::Seed;
+use envgen::whole_file;
+use indicatif::{ProgressBar, ProgressStyle};
+use mapping_trial::difficulty::proof::{Analysis, Part, ProofDesign, analyse, page, run};
+use mapping_trial::difficulty::reference_scale;
+
+/// Are maps as difficult as requested? Maps of fixed sizes are generated for requests over all that their size
+/// reaches, and measured by trials.
+///
+/// The same command continues an interrupted run.
+#[derive(Parser)]
+struct Arguments {
+    /// A short form: maps of 8 x 8 cells, one trial per map and condition, no verified maps.
+    #[arg(long)]
+    quick: bool,
+
+    /// Sides of the maps in cells of 3 m [default: 8,10,16, with --quick 8].
+    #[arg(long, value_delimiter = ',')]
+    footprints: Option<Vec<u32>>,
+
+    /// Calibrated maps per footprint [default: 120, with --quick 16].
+    #[arg(long)]
+    maps: Option<u32>,
+
+    /// Verified maps per footprint [default: 40, with --quick 0].
+    #[arg(long)]
+    verified: Option<u32>,
+
+    /// Maps per footprint by the rules of the thesis [default: 40, with --quick 8].
+    #[arg(long)]
+    thesis: Option<u32>,
+
+    /// Maps per footprint that link other conditions to the reference panel [default: 20, with --quick 8].
+    #[arg(long)]
+    link: Option<u32>,
+
+    /// Trials per map and condition [default: 3, with --quick 1].
+    #[arg(long)]
+    seeds: Option<u32>,
+
+    /// The seed of all maps and noise.
+    #[arg(long, allow_negative_numbers = true)]
+    seed: Option<Seed>,
+
+    /// Threads; 0 for one per core.
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
+    threads: u16,
+
+    /// The folder to write into.
+    #[arg(long, default_value = "out/proof", value_name = "FOLDER")]
+    out: PathBuf,
+}
+
+impl Arguments {
+    fn design(&self) -> Result<ProofDesign, Box<dyn Error>> {
+        let usual = if self.quick { ProofDesign::quick() } else { ProofDesign::default() };
+        let design = ProofDesign {
+            footprints: self.footprints.clone().unwrap_or(usual.footprints),
+            maps: self.maps.unwrap_or(usual.maps),
+            verified: self.verified.unwrap_or(usual.verified),
+            thesis: self.thesis.unwrap_or(usual.thesis),
+            link: self.link.unwrap_or(usual.link),
+            noise_seeds: self.seeds.unwrap_or(usual.noise_seeds),
+            seed: self.seed.unwrap_or(usual.seed),
+            ..usual
+        };
+        design.validate()?;
+        Ok(design)
+    }
+}
+
+#[expect(clippy::print_stderr, reason = "errors go to stderr")]
+fn main() -> ExitCode {
+    match prove(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn prove(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let design = arguments.design()?;
+    let threads = usize::from(arguments.threads);
+    let bar = progress();
+    let stage = Mutex::new(String::new());
+    let watch = |name: &str, done: u64, all: u64| {
+        if let Ok(mut stage) = stage.lock()
+            && *stage != name
+        {
+            name.clone_into(&mut stage);
+            bar.set_message(name.to_owned());
+            bar.set_length(all);
+            bar.reset_eta();
+        }
+        bar.set_position(done);
+        ControlFlow::Continue(())
+    };
+    let mut results = Vec::new();
+    for part in [Part::Link, Part::Calibrated, Part::Thesis, Part::Verified] {
+        if let Some(found) = run(&design, part, &arguments.out, threads, &watch)? {
+            results.push((part, found));
+        }
+    }
+    bar.finish_and_clear();
+    let scale = reference_scale();
+    let analysis = analyse(&design, scale, &results);
+    let report = page(&analysis, scale, &results)?;
+    let summary = serde_json::to_vec_pretty(&analysis)?;
+    for (name, bytes) in [("report.html", report.as_bytes()), ("summary.json", &summary)] {
+        let path = arguments.out.join(name);
+        whole_file::write(&path, bytes)
+            .map_err(|error| format!("{}: {}", path.display(), error.error))?;
+    }
+    print(&analysis);
+    Ok(())
+}
+
+fn progress() -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(0);
+    bar.enable_steady_tick(Duration::from_millis(500));
+    match ProgressStyle::with_template("{msg} {bar:40} {pos}/{len}, {per_sec}, {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+#[expect(clippy::print_stdout, reason = "what an example is for")]
+fn print(analysis: &Analysis) {
+    println!("{:>10} cells {:>26} maps    rho   tau  slope  error  linked", "", "panel");
+    for row in &analysis.rows {
+        let number = |interval: Option<mapping_trial::experiment::stats::Interval>| {
+            interval.map_or_else(|| "-".to_owned(), |interval| format!("{:.2}", interval.value))
+        };
+        let part = format!("{:?}", row.part).to_lowercase();
+        println!(
+            "{part:>10} {:5} {:>26} {:4} {:>6} {:>5} {:>6} {:>6} {:>7}",
+            row.footprint,
+            row.panel,
+            row.raw.maps,
+            number(row.raw.rho),
+            number(row.raw.tau),
+            number(row.linked.slope),
+            number(row.raw.error),
+            number(row.linked.error)
+        );
+    }
+    for level in &analysis.levels {
+        println!(
+            "{} cells, requests of {}: measured {:.2} +- {:.2} over {} maps",
+            level.footprint, level.level, level.mean, level.half_interval, level.maps
+        );
+    }
+    for single in &analysis.singles {
+        println!(
+            "{} cells: the {} {} explains {:.2} of the order, metres of wall {:.2}",
+            single.footprint, single.of, single.name, single.explained, single.wall_length
+        );
+    }
+}
