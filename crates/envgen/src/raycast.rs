@@ -385,7 +385,7 @@ impl Eye<'_> {
     pub(crate) fn cast_surface(&self, direction: DVec2, max_range: f64) -> Option<SurfaceHit> {
         let met = match self.inside {
             None => self.rays.first_met(self.from, direction, max_range),
-            Some(_) if !(max_range >= 0.0) => None,
+            Some(_) if max_range.is_nan() || max_range < 0.0 => None,
             Some((_, Some(part))) => Some((Hit { distance: 0.0, part }, None)),
             Some((cell, None)) => self.rays.first_met_from(self.from, cell, direction, max_range),
         };
