@@ -13,6 +13,9 @@ const CELLS_A_SHAPE: f64 = 1.0;
 /// A shape is listed in at most this many cells, on average over all shapes.
 const MAX_LISTINGS: usize = 48;
 
+/// More than rounding changes the distance to a shape, in metres.
+const ROUNDING: f64 = 1e-6;
+
 /// The greatest reach of an index, in metres.
 const MAX_REACH: f64 = 1e9;
 
@@ -47,6 +50,55 @@ pub struct ClearanceIndex {
     reach: f64,
     index: GridIndex,
     shapes: Vec<(PartId, Shape)>,
+    hulls: Vec<Hull>,
+}
+
+/// The room around a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Room {
+    /// As [`ClearanceIndex::clearance`].
+    pub(crate) clearance: f64,
+    /// The number of the nearest shape, the same in all indices of a world; none beyond the reach.
+    pub(crate) nearest: Option<u32>,
+    /// The shapes that the query read, and their corners.
+    pub(crate) cost: usize,
+}
+
+/// The bounding box of a shape.
+#[derive(Clone, Copy, Debug)]
+struct Hull {
+    center: DVec2,
+    half_size: DVec2,
+    /// Whether the shape is that box.
+    is_shape: bool,
+    /// What a query pays for the shape: 1, and for polygons their corners.
+    cost: u32,
+}
+
+impl Hull {
+    fn of(shape: &Shape) -> Self {
+        let cost = match shape {
+            Shape::Polygon { vertices } => vertices.len() as u32,
+            _ => 1,
+        };
+        match *shape {
+            Shape::Box { center, half_size, heading: 0.0 } => {
+                Hull { center, half_size, is_shape: true, cost }
+            }
+            _ => {
+                let bounds = shape.bounds();
+                let (center, half_size) = (bounds.center(), 0.5 * bounds.size());
+                Hull { center, half_size, is_shape: false, cost }
+            }
+        }
+    }
+
+    /// Squared distance from a point; for a box as [`Shape::nearest_point`] rounds it.
+    #[inline]
+    fn distance_squared(&self, p: DVec2) -> f64 {
+        let inside = (p - self.center).clamp(-self.half_size, self.half_size);
+        p.distance_squared(self.center + inside)
+    }
 }
 
 impl ClearanceIndex {
@@ -87,21 +139,13 @@ impl ClearanceIndex {
         let index = GridIndex::new(area, cells, shapes.len(), Some(listings), |i, frame, visit| {
             touched_runs(&shapes[i].1, reach, frame, visit);
         });
-        Ok(ClearanceIndex { reach, index, shapes })
+        let hulls = shapes.iter().map(|(_, shape)| Hull::of(shape)).collect();
+        Ok(ClearanceIndex { reach, index, shapes, hulls })
     }
 
     /// The reach of the index, in metres.
     pub fn reach(&self) -> f64 {
         self.reach
-    }
-
-    /// What a query at a point costs: the shapes that it reads, and their corners.
-    pub(crate) fn cost_at(&self, p: DVec2) -> usize {
-        let cost = |&i: &u32| match &self.shapes[i as usize].1 {
-            Shape::Polygon { vertices } => vertices.len(),
-            _ => 1,
-        };
-        self.index.at(p).iter().map(cost).sum()
     }
 
     /// Calls `visit` for every part within `radius` metres of a point, or within
@@ -134,7 +178,44 @@ impl ClearanceIndex {
     /// Distance in metres to the nearest solid part, infinite when none is within
     /// [`ClearanceIndex::reach`].
     pub fn clearance(&self, p: DVec2) -> f64 {
-        self.nearest(p).map_or(f64::INFINITY, |contact| contact.distance)
+        self.room(p).clearance
+    }
+
+    /// The clearance, the shape that it ends at, and what the query costs.
+    pub(crate) fn room(&self, p: DVec2) -> Room {
+        let (mut least, mut nearest, mut cost) = (f64::INFINITY, 0, 0);
+        for &i in self.index.at(p) {
+            let hull = &self.hulls[i as usize];
+            cost += hull.cost as usize;
+            let mut squared = hull.distance_squared(p);
+            if !hull.is_shape {
+                let beyond = least.sqrt() + ROUNDING;
+                if squared > beyond * beyond {
+                    continue;
+                }
+                squared = p.distance_squared(self.shapes[i as usize].1.nearest_point(p));
+            }
+            if squared < least {
+                (least, nearest) = (squared, i);
+            }
+        }
+        let clearance = least.sqrt();
+        if clearance <= self.reach {
+            Room { clearance, nearest: Some(nearest), cost }
+        } else {
+            Room { clearance: f64::INFINITY, nearest: None, cost }
+        }
+    }
+
+    /// Distance in metres from a point to a shape by its number, of which [`ClearanceIndex::room`] takes the
+    /// least, and what the query costs.
+    pub(crate) fn distance(&self, p: DVec2, shape: u32) -> (f64, usize) {
+        let hull = &self.hulls[shape as usize];
+        let squared = match hull.is_shape {
+            true => hull.distance_squared(p),
+            false => p.distance_squared(self.shapes[shape as usize].1.nearest_point(p)),
+        };
+        (squared.sqrt(), hull.cost as usize)
     }
 }
 

@@ -225,14 +225,41 @@ impl Raycaster {
         direction: DVec2,
         max_range: f64,
     ) -> Option<SurfaceHit> {
-        let (hit, outline) = self.first_met(from, direction, max_range)?;
+        self.eye(from).cast_surface(direction, max_range)
+    }
+
+    /// A point from which many rays go out.
+    pub(crate) fn eye(&self, from: DVec2) -> Eye<'_> {
+        let GridFrame { origin, cols, rows, .. } = self.frame;
+        let is_inside = from.cmpgt(origin).all() && from.cmplt(self.frame.corner(cols, rows)).all();
+        let inside = is_inside.then(|| {
+            let (col, row) = self.cell_around(from);
+            ((col, row), self.filling(col + row * cols, from))
+        });
+        Eye { rays: self, from, inside }
+    }
+
+    /// The first surface that a ray meets, from what it meets.
+    #[inline]
+    fn surface(
+        from: DVec2,
+        direction: DVec2,
+        (hit, outline): (Hit, Option<&Outline>),
+    ) -> SurfaceHit {
         let at = from + direction * hit.distance;
         let normal = outline
             .filter(|_| hit.distance > 0.0)
             .and_then(|outline| outline.normal(at))
             .unwrap_or(-direction);
         let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-        Some(SurfaceHit { hit, normal })
+        SurfaceHit { hit, normal }
+    }
+
+    /// The column and row of the cell around a point of the grid.
+    #[inline]
+    fn cell_around(&self, p: DVec2) -> (usize, usize) {
+        let cell = (p - self.frame.origin) * self.per_cell;
+        ((cell.x as usize).min(self.frame.cols - 1), (cell.y as usize).min(self.frame.rows - 1))
     }
 
     /// The first part that a ray meets, and its outline; none for a filled polygon that the ray starts in.
@@ -244,7 +271,7 @@ impl Raycaster {
         max_range: f64,
     ) -> Option<(Hit, Option<&Outline>)> {
         let inverse = direction.recip();
-        let GridFrame { origin, cell_size: side, cols, rows } = self.frame;
+        let GridFrame { origin, cols, rows, .. } = self.frame;
 
         // Where the ray enters the grid, and the cell there.
         let (enter, leave) = slab(from, inverse, origin, self.frame.corner(cols, rows));
@@ -252,14 +279,26 @@ impl Raycaster {
         if !(enter <= leave && enter <= max_range) {
             return None;
         }
-        let entry = (from + direction * enter - origin) * self.per_cell;
-        let mut col = (entry.x as usize).min(cols - 1);
-        let mut row = (entry.y as usize).min(rows - 1);
+        let (col, row) = self.cell_around(from + direction * enter);
         if enter == 0.0
             && let Some(part) = self.filling(col + row * cols, from)
         {
             return Some((Hit { distance: 0.0, part }, None));
         }
+        self.first_met_from(from, (col, row), direction, max_range)
+    }
+
+    /// As [`Raycaster::first_met`], from the cell in which a ray enters the grid, or begins.
+    #[inline]
+    fn first_met_from(
+        &self,
+        from: DVec2,
+        (mut col, mut row): (usize, usize),
+        direction: DVec2,
+        max_range: f64,
+    ) -> Option<(Hit, Option<&Outline>)> {
+        let inverse = direction.recip();
+        let GridFrame { origin, cell_size: side, cols, rows } = self.frame;
 
         // Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, 1987.
         let forward = direction.cmpge(DVec2::ZERO);
@@ -329,6 +368,28 @@ impl Raycaster {
         let polygons = self.fillings.of(cell).iter().map(|&i| &self.polygons[i as usize]);
         let inside = |(_, vertices): &&(PartId, Vec<DVec2>)| polygon_contains(vertices, p);
         polygons.filter(inside).map(|(part, _)| *part).min()
+    }
+}
+
+/// A point from which many rays go out: what is the same for all of them is looked up once.
+pub(crate) struct Eye<'a> {
+    rays: &'a Raycaster,
+    from: DVec2,
+    /// The cell around it, and the polygon that it lies in; none outside the grid and on its border.
+    inside: Option<((usize, usize), Option<PartId>)>,
+}
+
+impl Eye<'_> {
+    /// As [`Raycaster::cast_surface`].
+    #[inline]
+    pub(crate) fn cast_surface(&self, direction: DVec2, max_range: f64) -> Option<SurfaceHit> {
+        let met = match self.inside {
+            None => self.rays.first_met(self.from, direction, max_range),
+            Some(_) if max_range.is_nan() || max_range < 0.0 => None,
+            Some((_, Some(part))) => Some((Hit { distance: 0.0, part }, None)),
+            Some((cell, None)) => self.rays.first_met_from(self.from, cell, direction, max_range),
+        };
+        met.map(|met| Raycaster::surface(self.from, direction, met))
     }
 }
 

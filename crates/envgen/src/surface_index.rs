@@ -6,6 +6,9 @@ use crate::geometry::{Rect, Shape};
 use crate::grid::{Convex, GridIndex, index_area};
 use crate::world::{ClassRaster, Surface, SurfaceKind, World};
 
+/// More than rounding changes the place of an outline, in metres.
+const ROUNDING: f64 = 1e-6;
+
 /// A surface is listed in at most this many cells, on average.
 const MAX_LISTINGS: usize = 24;
 
@@ -64,6 +67,8 @@ impl From<&Surface> for Ground {
 pub struct SurfaceIndex {
     index: GridIndex,
     surfaces: Vec<Surface>,
+    /// A little more than the bounds of each surface, which are faster to look up than its outline.
+    bounds: Vec<Rect>,
     /// Set where a landscape has too many surfaces to be listed.
     raster: Option<ClassRaster>,
 }
@@ -71,9 +76,13 @@ pub struct SurfaceIndex {
 impl SurfaceIndex {
     /// Indexes the surfaces of a world that are not plain, and its raster if it has no surfaces.
     pub fn new(world: &World) -> Self {
-        let plain = |surface: &&Surface| Ground::from(*surface) == Ground::PLAIN;
-        let surfaces: Vec<Surface> =
-            world.surfaces.iter().filter(|surface| !plain(surface)).cloned().collect();
+        SurfaceIndex::of(world, |ground| ground != Ground::PLAIN)
+    }
+
+    /// Indexes the surfaces of a world with some ground alone, and its raster if it has no surfaces.
+    pub(crate) fn of(world: &World, is_listed: impl Fn(Ground) -> bool) -> Self {
+        let is_listed = |surface: &&Surface| is_listed(Ground::from(*surface));
+        let surfaces: Vec<Surface> = world.surfaces.iter().filter(is_listed).cloned().collect();
         let around = surfaces.iter().map(|surface| surface.shape.bounds()).reduce(Rect::union);
         let (area, len) = (index_area(around, 0.0), surfaces.len());
         let index = GridIndex::new(area, len as f64, len, Some(MAX_LISTINGS), |i, frame, visit| {
@@ -81,7 +90,8 @@ impl SurfaceIndex {
             frame.touched_runs(&Convex::Polygon(&corners), visit);
         });
         let raster = if world.surfaces.is_empty() { world.raster.clone() } else { None };
-        SurfaceIndex { index, surfaces, raster }
+        let bounds = surfaces.iter().map(|s| s.shape.bounds().grown(ROUNDING)).collect();
+        SurfaceIndex { index, surfaces, bounds, raster }
     }
 
     /// Whether the world has water.
@@ -96,6 +106,7 @@ impl SurfaceIndex {
         self.index
             .at(p)
             .iter()
+            .filter(|&&i| self.bounds[i as usize].contains(p))
             .map(|&i| &self.surfaces[i as usize])
             .filter(|surface| surface.shape.contains(p))
             .fold(plain, |ground, surface| ground.worst(surface.into()))

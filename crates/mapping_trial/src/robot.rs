@@ -1,5 +1,6 @@
 //! The robot that trials use: its size, weight and limits.
 
+use envgen::difficulty::Platform;
 use envgen::geometry::Pose;
 use envgen::{SpecError, settings};
 use glam::DVec2;
@@ -7,6 +8,8 @@ use serde::{Deserialize, Serialize};
 use strum::VariantNames;
 use thiserror::Error;
 
+use crate::lidar::LaserProfile;
+use crate::odometry::OdometryProfile;
 use crate::setting_limits::{MAX_TIME_LIMIT, number};
 
 /// The greatest circumscribed radius in metres that robots may have.
@@ -189,13 +192,42 @@ impl Robot {
         // The heading is not wrapped: wrapping would change the last bits of beams.
         Pose { position: pose.to_world(at), heading: pose.heading + heading }
     }
+
+    /// What difficulty vectors depend on of this robot, its laser and its wheels. Ranges that are rounded
+    /// have at least the standard deviation of the rounding, a step by the root of 12. Missing are a laser's
+    /// place to the side and its heading, what it loses and mixes, and errors that are drawn once per run.
+    ///
+    /// ```
+    /// use envgen::difficulty::DifficultyVector;
+    /// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+    /// use mapping_trial::{lidar::LaserProfile, odometry::OdometryProfile, robot::Robot};
+    ///
+    /// let platform = Robot::default().platform(&LaserProfile::USARSIM, &OdometryProfile::POOR);
+    /// assert_eq!((platform.max_range, platform.k_tt), (20.0, 3e-3));
+    /// let spec = IndoorSpec { width: 6, height: 6, ..Default::default() };
+    /// let world = spec.generate(Seed(7))?.to_world();
+    /// assert!(DifficultyVector::of(&world, &platform).is_ok());
+    /// # Ok::<(), envgen::GenerateError>(())
+    /// ```
+    pub fn platform(&self, laser: &LaserProfile, odometry: &OdometryProfile) -> Platform {
+        Platform {
+            circumscribed_radius: self.circumscribed_radius,
+            laser_offset: self.laser_offset,
+            beams: laser.beams,
+            field_of_view: laser.field_of_view,
+            max_range: laser.max_range,
+            sigma: laser.sigma.max(laser.range_step / libm::sqrt(12.0)),
+            k_ss: odometry.k_ss,
+            k_st: odometry.k_st,
+            k_tt: odometry.k_tt,
+            k_ts: odometry.k_ts,
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lidar::LaserProfile;
-    use crate::odometry::OdometryProfile;
 
     #[test]
     fn robots_are_read_from_ron() {
@@ -247,20 +279,19 @@ mod tests {
 
     #[test]
     fn difficulty_vectors_are_for_the_default_robot() {
-        let (laser, wheels) = (LaserProfile::LMS200_MM, OdometryProfile::SKID);
-        let platform = envgen::difficulty::Platform {
-            circumscribed_radius: PIONEER_3AT.circumscribed_radius,
-            laser_offset: PIONEER_3AT.laser_offset,
-            beams: laser.beams,
-            field_of_view: laser.field_of_view,
-            max_range: laser.max_range,
-            sigma: laser.sigma,
-            k_ss: wheels.k_ss,
-            k_st: wheels.k_st,
-            k_tt: wheels.k_tt,
-            k_ts: wheels.k_ts,
-        };
-        assert_eq!(platform, envgen::difficulty::Platform::default());
+        let (laser, wheels) = (LaserProfile::default(), OdometryProfile::default());
+        assert_eq!(Robot::default().platform(&laser, &wheels), Platform::default());
+    }
+
+    #[test]
+    fn every_laser_profile_has_a_platform() {
+        let wheels = OdometryProfile::EXACT;
+        for laser in [LaserProfile::USARSIM, LaserProfile::LMS200_MM, LaserProfile::LMS200_MM_ROUGH]
+        {
+            assert_eq!(Robot::default().platform(&laser, &wheels).validate(), Ok(()));
+        }
+        let rounded = Robot::default().platform(&LaserProfile::USARSIM, &wheels);
+        assert!((rounded.sigma - 0.01 / 12.0_f64.sqrt()).abs() < 1e-15, "{}", rounded.sigma);
     }
 
     #[test]

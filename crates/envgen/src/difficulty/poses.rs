@@ -77,10 +77,11 @@ impl<'a> Laser<'a> {
     ) -> ScanInformation {
         let heading = unit_vector(pose.heading);
         let from = pose.position + heading * self.offset;
+        let eye = self.rays.eye(from);
         let mut echoes = Echoes::default();
         for &direction in self.pattern.directions() {
             let direction = heading.rotate(direction);
-            let beam = match self.rays.cast_surface(from, direction, self.max_range) {
+            let beam = match eye.cast_surface(direction, self.max_range) {
                 Some(met) if self.rays.is_unseen(met.hit) => Beam::Lost,
                 Some(met) => {
                     echoes.add(direction * met.hit.distance, met.normal);

@@ -11,23 +11,27 @@ pub const MAX_VISITS: usize = 1 << 25;
 /// Buckets of cells by cost (R. B. Dial, Algorithm 360: shortest-path forest with topological ordering,
 /// Comm. ACM 12(11), 1969, doi:10.1145/363269.363610), which are kept from one search to the next.
 pub(super) struct Search {
-    cost: Vec<u32>,
-    /// The search in which a cell was last reached.
-    stamp: Vec<u32>,
-    /// The cell before it on the path.
-    before: Vec<u32>,
+    cells: Vec<Reached>,
     buckets: [Vec<u32>; 8],
     searches: u32,
     /// Visits that are left.
     visits: usize,
 }
 
+/// What a search knows of a cell.
+#[derive(Clone, Copy, Debug, Default)]
+struct Reached {
+    cost: u32,
+    /// The search in which it was last reached.
+    search: u32,
+    /// The cell before it on the path.
+    before: u32,
+}
+
 impl Search {
     pub(super) fn new(cells: usize) -> Self {
         Search {
-            cost: vec![0; cells],
-            stamp: vec![0; cells],
-            before: vec![0; cells],
+            cells: vec![Reached::default(); cells],
             buckets: Default::default(),
             searches: 0,
             visits: MAX_VISITS,
@@ -52,7 +56,7 @@ impl Search {
             for &cell in &bucket {
                 let cell = cell as usize;
                 // A cheaper path to it was found later.
-                if self.cost[cell] != cost {
+                if self.cells[cell].cost != cost {
                     continue;
                 }
                 self.visits = self.visits.checked_sub(1)?;
@@ -61,7 +65,8 @@ impl Search {
                 }
                 for (bit, other) in space.neighbours(cell) {
                     let cost = cost + COSTS[bit % 2];
-                    if self.stamp[other] != self.searches || cost < self.cost[other] {
+                    let known = self.cells[other];
+                    if known.search != self.searches || cost < known.cost {
                         self.reach(other, cell, cost);
                     }
                 }
@@ -74,9 +79,7 @@ impl Search {
     }
 
     fn reach(&mut self, cell: usize, before: usize, cost: u32) {
-        self.stamp[cell] = self.searches;
-        self.before[cell] = before as u32;
-        self.cost[cell] = cost;
+        self.cells[cell] = Reached { cost, search: self.searches, before: before as u32 };
         self.buckets[cost as usize % 8].push(cell as u32);
     }
 
@@ -84,7 +87,7 @@ impl Search {
         let mut path = vec![to];
         let mut cell = to;
         while cell != from {
-            cell = self.before[cell] as usize;
+            cell = self.cells[cell].before as usize;
             path.push(cell);
         }
         path.reverse();

@@ -6,11 +6,11 @@ use glam::DVec2;
 
 use super::DifficultyError;
 use super::platform::MARGIN;
-use crate::clearance_index::ClearanceIndex;
+use crate::clearance_index::{ClearanceIndex, Room};
 use crate::geometry::Shape;
 use crate::grid::GridFrame;
-use crate::surface_index::SurfaceIndex;
-use crate::world::{SurfaceKind, World};
+use crate::surface_index::{Ground, SurfaceIndex};
+use crate::world::World;
 
 /// Side of a cell in metres, where the world is not too large for it.
 pub const CELL: f64 = 0.2;
@@ -59,6 +59,8 @@ pub(super) struct Space<'a> {
     pub(super) clearance: Vec<f64>,
     /// For each cell the moves that are possible, bit i to neighbour i of [`STEPS`].
     moves: Vec<u8>,
+    /// From the index of a cell to that of each neighbour.
+    offsets: [isize; 8],
     /// Whether the robot reaches a cell.
     pub(super) reached: Vec<bool>,
     /// The cell where the robot starts.
@@ -101,6 +103,7 @@ impl<'a> Space<'a> {
             points,
             clearance,
             moves,
+            offsets: STEPS.map(|(x, y)| y * frame.cols as isize + x),
             reached: vec![false; frame.len()],
             start: 0,
             count: 0,
@@ -121,13 +124,13 @@ impl<'a> Space<'a> {
 
     /// The cells to which a robot can move from a cell in one step.
     pub(super) fn neighbours(&self, cell: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let moves = self.moves[cell];
-        let cols = self.frame.cols as isize;
-        STEPS
-            .iter()
-            .enumerate()
-            .filter(move |(bit, _)| moves >> bit & 1 == 1)
-            .map(move |(bit, &(x, y))| (bit, cell.wrapping_add_signed(y * cols + x)))
+        let mut moves = self.moves[cell];
+        std::iter::from_fn(move || {
+            let bit = moves.trailing_zeros() as usize;
+            // The lowest bit is taken away.
+            moves &= moves.wrapping_sub(1);
+            (bit < STEPS.len()).then(|| (bit, cell.wrapping_add_signed(self.offsets[bit])))
+        })
     }
 
     /// The cells that a robot reaches, in order.
@@ -210,8 +213,8 @@ impl<'a> Space<'a> {
         while let Some(&cell) = cells.get(next) {
             next += 1;
             let moves = self.moves[cell];
-            for (bit, &(x, y)) in STEPS.iter().enumerate() {
-                let other = cell.wrapping_add_signed(y * self.frame.cols as isize + x);
+            for (bit, offset) in self.offsets.into_iter().enumerate() {
+                let other = cell.wrapping_add_signed(offset);
                 if moves >> bit & 1 == 1 && !std::mem::replace(&mut self.reached[other], true) {
                     cells.push(other);
                 }
@@ -291,7 +294,7 @@ impl<'a> Finder<'a> {
             footprint,
             far: index(SIGHT_OF_SOLIDS.max(footprint))?,
             near: index(footprint + side)?,
-            grounds: has_bad_ground(world).then(|| SurfaceIndex::new(world)),
+            grounds: has_bad_ground(world).then(|| SurfaceIndex::of(world, is_bad)),
             reads: Cell::new(0),
         })
     }
@@ -300,7 +303,7 @@ impl<'a> Finder<'a> {
     /// to the clearance of the centre, to [`SIGHT_OF_SOLIDS`] at most.
     fn best_point(&self, center: DVec2, side: f64, most: &mut f64) -> (DVec2, f64) {
         let reach = self.far.reach();
-        let room = self.clearance(center);
+        let Room { clearance: room, mut nearest, .. } = self.room(center);
         *most = if room < reach { room } else { f64::INFINITY };
         if room >= self.footprint + 0.25 * side && self.is_ground(center) {
             return (center, room);
@@ -315,9 +318,15 @@ impl<'a> Finder<'a> {
             let around = middle;
             for (x, y) in STEPS {
                 let p = around + DVec2::new(x as f64, y as f64) * step;
-                let room = self.near_clearance(p).min(reach);
+                // No point is farther from solids than from any one of them.
+                let most = nearest.map_or(reach, |shape| self.distance(p, shape));
+                if most <= middle_room && (most <= best_room || most < self.footprint) {
+                    continue;
+                }
+                let found = self.read(&self.near, p);
+                let room = found.clearance.min(self.near.reach()).min(reach);
                 if room > middle_room {
-                    (middle, middle_room) = (p, room);
+                    (middle, middle_room, nearest) = (p, room, found.nearest.or(nearest));
                 }
                 if room > best_room && room >= self.footprint && self.is_ground(p) {
                     (best, best_room) = (p, room);
@@ -331,25 +340,38 @@ impl<'a> Finder<'a> {
         (best, if best_room >= self.footprint { best_room } else { 0.0 })
     }
 
+    /// The room around a point, at most the reach of `far`.
+    fn room(&self, p: DVec2) -> Room {
+        let near = self.read(&self.near, p);
+        let room = if near.nearest.is_some() { near } else { self.read(&self.far, p) };
+        Room { clearance: room.clearance.min(self.far.reach()), ..room }
+    }
+
     /// Distance to the nearest solid in metres, at most the reach of `far`.
     fn clearance(&self, p: DVec2) -> f64 {
-        let near = self.read(&self.near, p);
-        let room = if near.is_finite() { near } else { self.read(&self.far, p) };
-        room.min(self.far.reach())
+        self.room(p).clearance
     }
 
     /// Distance to the nearest solid in metres, at most the reach of `near`.
     fn near_clearance(&self, p: DVec2) -> f64 {
-        self.read(&self.near, p).min(self.near.reach())
+        self.read(&self.near, p).clearance.min(self.near.reach())
     }
 
-    /// The clearance in an index; 0, which ends every search, once [`MAX_READS`] are spent.
-    fn read(&self, index: &ClearanceIndex, p: DVec2) -> f64 {
+    /// The room in an index; none, which ends every search, once [`MAX_READS`] are spent.
+    fn read(&self, index: &ClearanceIndex, p: DVec2) -> Room {
         if self.reads.get() > MAX_READS {
-            return 0.0;
+            return Room { clearance: 0.0, nearest: None, cost: 0 };
         }
-        self.reads.set(self.reads.get().saturating_add(1 + index.cost_at(p)));
-        index.clearance(p)
+        let room = index.room(p);
+        self.reads.set(self.reads.get().saturating_add(1 + room.cost));
+        room
+    }
+
+    /// Distance to a solid that was the nearest of a point nearby, in metres.
+    fn distance(&self, p: DVec2, shape: u32) -> f64 {
+        let (distance, cost) = self.near.distance(p, shape);
+        self.reads.set(self.reads.get().saturating_add(cost));
+        distance
     }
 
     fn check_reads(&self) -> Result<(), DifficultyError> {
@@ -358,10 +380,7 @@ impl<'a> Finder<'a> {
 
     /// Whether a robot can drive at a point.
     fn is_ground(&self, p: DVec2) -> bool {
-        let is_good = |grounds: &SurfaceIndex| {
-            let ground = grounds.at(p);
-            ground.speed > 0.0 && !ground.water
-        };
+        let is_good = |grounds: &SurfaceIndex| !is_bad(grounds.at(p));
         self.world.bounds.contains(p) && self.grounds.as_ref().is_none_or(is_good)
     }
 
@@ -380,12 +399,16 @@ impl<'a> Finder<'a> {
     }
 }
 
+/// Whether no robot can drive on some ground.
+fn is_bad(ground: Ground) -> bool {
+    ground.speed <= 0.0 || ground.water
+}
+
 /// Whether there is ground that no robot can drive on.
 fn has_bad_ground(world: &World) -> bool {
-    let bad = |speed: f64| speed <= 0.0;
-    let raster = world.raster.as_ref().is_some_and(|raster| raster.speeds.iter().any(|&s| bad(s)));
-    let is_water = |kind| kind == SurfaceKind::Water;
-    raster || world.surfaces.iter().any(|s| bad(s.speed) || is_water(s.kind))
+    let raster = world.raster.as_ref();
+    raster.is_some_and(|raster| raster.speeds.iter().any(|&speed| speed <= 0.0))
+        || world.surfaces.iter().map(Ground::from).any(is_bad)
 }
 
 /// The moves of each cell to its neighbours.

@@ -214,13 +214,17 @@ impl Sight<'_> {
         let eye = point + normal * LIFT;
         LOOKS.into_iter().any(|tangent| {
             let direction = (normal + normal.perp() * tangent).normalize_or_zero();
-            let range = self.rays.cast_along(eye, direction, SIGHT);
-            let range = range.map_or(SIGHT, |hit| hit.distance);
-            let steps = (range / frame.cell_size) as usize;
-            (0..=steps).any(|step| {
+            let is_ground = |&step: &usize| {
                 let p = eye + direction * (step as f64 * frame.cell_size);
                 frame.index_at(p).is_some_and(|cell| self.space.reached[cell])
-            })
+            };
+            let Some(first) = (0..=(SIGHT / frame.cell_size) as usize).find(is_ground) else {
+                return false;
+            };
+            // What is farther than the first ground, whatever rounding does, need not be looked for.
+            let sight = SIGHT.min((first + 1) as f64 * frame.cell_size);
+            let hit = self.rays.cast_along(eye, direction, sight);
+            hit.is_none_or(|hit| first <= (hit.distance / frame.cell_size) as usize)
         })
     }
 }

@@ -54,7 +54,8 @@ impl GridFrame {
     /// Column and row of the cell that contains a point; `None` outside, and for NaN.
     #[inline]
     pub fn cell_at(self, p: DVec2) -> Option<(usize, usize)> {
-        let cell = ((p - self.origin) / self.cell_size).floor();
+        // Not rounded down: what is cut off below does that, and many processors have no instruction for it.
+        let cell = (p - self.origin) / self.cell_size;
         let inside = cell.x >= 0.0
             && cell.y >= 0.0
             && cell.x < self.cols as f64
