@@ -17,7 +17,7 @@ const GOLDEN: [&str; 7] = [
     "01096df4b9b3980f5ec3bcb1814f6156",
     "e4a4c44edca892bd4109b4563e042978",
     "5d53a967ceb58d74d77035031d2c3ddc",
-    "f8f520ebd0ecfbe7533919dada4ce887",
+    "a2ed27f74f875484f9322ea5e347d648",
     "dd218f6e074e6e4d1f023ae5d3206ec2",
 ];
 
