@@ -440,6 +440,9 @@ mod tests {
                     spec.set("classes", "3").unwrap();
                     spec.set("entropy", "1").unwrap();
                 }
+                if setting.name == "fixed" {
+                    spec.set("profile", "calibrated").unwrap();
+                }
                 assert_eq!(spec.set(setting.name, example), Ok(()), "{kind} {}", setting.name);
                 assert_eq!(spec.validate(), Ok(()), "{kind} {}", setting.name);
             }

@@ -12,7 +12,7 @@ pub struct Input {
     pub name: String,
     /// Its scale: its median in the atlas where it is not 0.
     pub scale: f64,
-    /// Mean of the logarithm, which stands for it in worlds that do not have it.
+    /// Mean of the logarithm, which replaces it in worlds that do not have it.
     pub mean: f64,
     /// Standard deviation of the logarithm.
     pub deviation: f64,

@@ -29,6 +29,9 @@ const LEAST_SHARE: f64 = 0.3;
 /// Most crates per 100 m^2 that are drawn.
 const MOST_CLUTTER: f64 = 25.0;
 
+/// Narrowest doorway in metres that a setting allows.
+const LEAST_DOORWAY: f64 = 0.2;
+
 /// How much wider than the narrowest the widest doorways are that are drawn, in metres.
 const WIDER: f64 = 1.6;
 
@@ -148,17 +151,23 @@ impl<'a> Levers<'a> {
         });
     }
 
-    /// Widths of doorways.
+    /// Widths of doorways, in whole centimetres: where there is no choice of them they stay as they are.
     fn doorways(&self, spec: &mut IndoorSpec, navigation: f64, seed: Seed) {
-        let least = 2.0 * (spec.robot_radius + STEP);
+        let least = (2.0 * (spec.robot_radius + STEP)).max(LEAST_DOORWAY);
+        let between_walls = centimetres(spec.cell_size - 2.0 * spec.wall_thickness, f64::floor);
+        let widest = between_walls.min(least + WIDER).min(3.0);
+        let least = centimetres(least, f64::ceil);
         self.lever("doorway", seed, |stream| {
-            let widest = (spec.cell_size - 2.0 * spec.wall_thickness).min(least + WIDER).min(3.0);
             let width = widest - (widest - least) * near(navigation, 0.3, stream);
-            spec.doorway = centimetres(width, least, widest);
+            if least < widest {
+                spec.doorway = centimetres(width, f64::round).clamp(least, widest);
+            }
         });
         self.lever("doorway_narrowest", seed, |stream| {
-            let width = centimetres(stream.between(least, spec.doorway), least, spec.doorway);
-            spec.doorway_narrowest = stream.chance(0.3).then_some(width);
+            let (share, is_drawn) = (stream.unit(), stream.chance(0.3));
+            let width = centimetres(least + (spec.doorway - least) * share, f64::round);
+            let is_possible = is_drawn && least < spec.doorway;
+            spec.doorway_narrowest = is_possible.then(|| width.clamp(least, spec.doorway));
         });
     }
 
@@ -249,9 +258,9 @@ fn theme(base: &IndoorSpec, severity: f64, stream: &mut Stream) -> Vec<String> {
     names
 }
 
-/// A length in whole centimetres, within limits.
-fn centimetres(metres: f64, least: f64, most: f64) -> f64 {
-    ((metres * 100.0).round() / 100.0).min(most).max(least)
+/// A length in whole centimetres.
+fn centimetres(metres: f64, round: fn(f64) -> f64) -> f64 {
+    round(metres * 100.0) / 100.0
 }
 
 #[cfg(test)]
