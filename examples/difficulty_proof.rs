@@ -82,7 +82,6 @@ impl Arguments {
             link: self.link.unwrap_or(usual.link),
             noise_seeds: self.seeds.unwrap_or(usual.noise_seeds),
             seed: self.seed.unwrap_or(usual.seed),
-            ..usual
         };
         design.validate()?;
         Ok(design)

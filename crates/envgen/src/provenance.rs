@@ -32,7 +32,7 @@ pub struct Provenance {
     pub difficulty_requested: Option<f64>,
     /// The difficulty that trials measured in this world, where it was.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub measured: Option<MeasuredDifficulty>,
+    pub measured: Option<Box<MeasuredDifficulty>>,
 }
 
 /// The difficulty of a world as trials measured it.

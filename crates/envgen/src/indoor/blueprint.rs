@@ -15,7 +15,7 @@ use crate::world::Contents;
 /// A plan on a grid, with the spec and seed that it was drawn for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloorPlan {
-    pub(super) spec: IndoorSpec,
+    pub(super) spec: Box<IndoorSpec>,
     pub(super) seed: Option<Seed>,
     pub(super) grid: Grid,
     pub(super) rooms: Vec<PlacedRoom>,

@@ -141,7 +141,7 @@ pub(super) fn plan_as_set(
     }
     after(Stage::Access);
     Ok(FloorPlan {
-        spec: spec.clone(),
+        spec: Box::new(spec.clone()),
         seed: Some(seed),
         grid,
         rooms,

@@ -55,7 +55,7 @@ pub(super) fn world(plan: &FloorPlan) -> World {
 fn provenance(plan: &FloorPlan) -> Provenance {
     let (spec, seed) = match &plan.choice {
         Some(choice) => (&choice.spec, Some(choice.seed)),
-        None => (&plan.spec, plan.seed),
+        None => (plan.spec(), plan.seed),
     };
     let mut provenance = match seed {
         Some(seed) => spec.provenance(seed),

@@ -121,13 +121,13 @@ mod tests {
         let prediction = Prediction { calibration: 1, dials: dials(6.04), outside: 0.0 };
         world.certificate.push(Claim::PredictedDifficulty { prediction });
         assert_eq!(text(&world), "manual: predicted difficulty 6.0 ± 0.7");
-        world.provenance.measured = Some(MeasuredDifficulty {
+        world.provenance.measured = Some(Box::new(MeasuredDifficulty {
             panel: "reference".to_owned(),
             panel_version: 1,
             dials: dials(5.5),
             trials: 12,
             noise_seed: Seed(0),
-        });
+        }));
         assert_eq!(text(&world), "manual: measured difficulty 5.5 ± 0.7");
     }
 

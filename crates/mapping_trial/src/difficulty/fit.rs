@@ -148,7 +148,7 @@ mod tests {
             let spec = base.draw_levers(Seed(seed));
             let world = spec.generate(Seed(seed)).expect("a plan").to_world();
             let mut sample = Sample::new(&spec, &world, Dials::default()).expect("a vector");
-            let mapping = 0.3 * sample.features[area].expect("an area").ln();
+            let mapping = 0.3 * libm::log(sample.features[area].expect("an area"));
             sample.dials = Dials { difficulty: 5.0, mapping, navigation: spec.doorway };
             sample
         };

@@ -96,7 +96,7 @@ pub fn verified(
     let measurement = measure(nearest, panel, scale, noise(1), seeds)?;
     step(rounds + 1);
     let mut world = nearest.clone();
-    world.provenance.measured = Some(measurement.measured.clone());
+    world.provenance.measured = Some(Box::new(measurement.measured.clone()));
     Ok(Verified { world, measurement, race: racers.iter().map(|racer| racer.dials).collect() })
 }
 
@@ -177,7 +177,7 @@ mod tests {
         let found = make(&mut |round| rounds.push(round));
         assert_eq!((found.race.len(), found.measurement.measured.trials), (RACERS, 2));
         assert!(rounds.len() > RACERS && rounds.is_sorted(), "{rounds:?}");
-        assert_eq!(found.world.provenance.measured.as_ref(), Some(&found.measurement.measured));
+        assert_eq!(found.world.provenance.measured.as_deref(), Some(&found.measurement.measured));
         let Reproduction::Same(_) = reproduce(&found.world) else {
             panic!("another world: {:?}", reproduce(&found.world))
         };

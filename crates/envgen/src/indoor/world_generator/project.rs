@@ -84,7 +84,7 @@ pub fn read_project(
     sort_openings(&mut openings);
     let spec = IndoorSpec { width, height: depth, profile: Profile::Thesis, ..Default::default() };
     let plan = FloorPlan {
-        spec,
+        spec: Box::new(spec),
         seed: None,
         grid,
         rooms,

@@ -19,6 +19,7 @@ use crate::survey;
 
 /// Options that replace parts of the panel.
 #[derive(Args)]
+#[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
 pub(crate) struct PanelOptions {
     /// A panel of your own, in RON.
     #[arg(long, value_name = "FILE.ron")]

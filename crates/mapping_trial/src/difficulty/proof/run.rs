@@ -89,29 +89,30 @@ fn race(maps: &mut [ProofMap], folder: &Path, watch: Watch<'_>) -> Result<bool, 
     let path = folder.join("verified.jsonl");
     let file = |source| ExperimentError::File { path: path.clone(), source };
     std::fs::create_dir_all(folder).map_err(file)?;
-    let mut winners = read(&path)?;
+    let winners = read(&path)?;
     let mut out =
         std::fs::OpenOptions::new().create(true).append(true).open(&path).map_err(file)?;
     let all = maps.len() as u64;
     let panel = Panel::reference();
     for (map, done) in maps.iter_mut().zip(1..) {
         let seed = map.seed;
-        if !winners.contains_key(&seed) {
-            let found = verified(&map.spec, seed, &panel, reference_scale(), 1, &mut |_| ())
-                .map_err(|error| ExperimentError::Report(format!("seed {seed}: {error}")))?;
-            let spec = WorldSpec::from_provenance(&found.world.provenance)
-                .map_err(|error| ExperimentError::Report(error.to_string()))?;
-            let WorldSpec::Indoor(spec) = spec else { continue };
-            let mut line = serde_json::to_vec(&Winner { seed, spec: spec.clone() })
-                .map_err(|error| ExperimentError::Report(error.to_string()))?;
-            line.push(b'\n');
-            out.write_all(&line).map_err(file)?;
-            winners.insert(seed, spec);
-            if watch("race", done, all).is_break() {
-                return Ok(false);
-            }
+        if let Some(known) = winners.get(&seed) {
+            map.spec.clone_from(known);
+            continue;
         }
-        map.spec.clone_from(&winners[&seed]);
+        let found = verified(&map.spec, seed, &panel, reference_scale(), 1, &mut |_| ())
+            .map_err(|error| ExperimentError::Report(format!("seed {seed}: {error}")))?;
+        let spec = WorldSpec::from_provenance(&found.world.provenance)
+            .map_err(|error| ExperimentError::Report(error.to_string()))?;
+        let WorldSpec::Indoor(spec) = spec else { continue };
+        map.spec.clone_from(&spec);
+        let mut line = serde_json::to_vec(&Winner { seed, spec })
+            .map_err(|error| ExperimentError::Report(error.to_string()))?;
+        line.push(b'\n');
+        out.write_all(&line).map_err(file)?;
+        if watch("race", done, all).is_break() {
+            return Ok(false);
+        }
     }
     Ok(true)
 }
