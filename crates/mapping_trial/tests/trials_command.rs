@@ -87,9 +87,11 @@ fn mistakes_are_named_with_their_place() {
     let bad = error(at, &["generate", "--set", "speed=1", "--out", "map.json"]);
     assert!(bad.starts_with("error: --set speed=1: kind indoor has no setting `speed`"), "{bad}");
     let ending = error(at, &["generate", "--out", "map.doc"]);
-    assert!(ending.starts_with("error: map.doc: "), "{ending}");
-    let laser = error(at, &["measure", "half.json", "--laser", "far"]);
-    assert!(laser.contains("half.json") || laser.contains("--laser far"), "{laser}");
+    assert!(ending.starts_with("error: --out map.doc: "), "{ending}");
+    let twice = error(at, &["generate", "--out", "map.json", "--out", "./map.json"]);
+    assert!(twice.contains("is the same file as --out map.json"), "{twice}");
+    let laser = error(at, &["anchors", "--laser", "far"]);
+    assert!(laser.starts_with("error: --laser far: `laser` must be lms200_mm, "), "{laser}");
     std::fs::write(at.join("panel.ron"), "(name: \"mine\", version: 1, conditions: [(nam: 1)])")
         .expect("a file");
     let panel = error(at, &["anchors", "--panel", "panel.ron"]);

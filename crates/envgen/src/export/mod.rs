@@ -25,6 +25,8 @@ mod csv;
 pub mod movingai;
 #[cfg(feature = "opendrive")]
 mod opendrive;
+#[cfg(feature = "whole-file")]
+mod output;
 pub mod ros_map;
 
 use std::fmt;
@@ -32,6 +34,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 pub use asc::write_asc;
+#[cfg(feature = "whole-file")]
+pub use output::{Output, OutputError};
 use thiserror::Error;
 
 use self::ros_map::RosMap;

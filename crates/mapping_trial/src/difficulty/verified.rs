@@ -34,6 +34,10 @@ pub enum VerifyError {
 /// A map whose difficulty was measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verified {
+    /// Its plan.
+    pub plan: FloorPlan,
+    /// Its number among the candidates, from the one on that was predicted nearest.
+    pub candidate: u32,
     /// Its world; the measurement is in its provenance.
     pub world: World,
     /// The measurement, by trials that did not take part in the choice.
@@ -50,8 +54,8 @@ struct Racer<'a> {
 
 /// Generates the candidates of a spec of the profile `calibrated`, lets the nearest [`RACERS`] race on the panel
 /// and returns the one whose measured difficulty is nearest to the request, measured once more with `seeds`
-/// fresh trials under each condition. `step` is called after every round of trials with the number of rounds so
-/// far.
+/// fresh trials under each condition. `step` is called with the number of trials so far, which are at most those of
+/// all [`RACERS`] under all conditions and the last ones.
 ///
 /// # Errors
 /// The request is not allowed or out of reach; the panel cannot drive in a candidate.
@@ -64,8 +68,8 @@ pub fn verified(
     step: &mut dyn FnMut(usize),
 ) -> Result<Verified, VerifyError> {
     let request = spec.request();
-    let plans = spec.candidates(seed)?;
-    let worlds: Vec<World> = plans.iter().take(RACERS).map(FloorPlan::to_world).collect();
+    let mut plans = spec.candidates(seed)?;
+    let mut worlds: Vec<World> = plans.iter().take(RACERS).map(FloorPlan::to_world).collect();
     // Noise of the race and of the measurement, and of no other map.
     let noise = |stage: u64| Seed(seed.stream("difficulty/noise", stage).bits());
     let (first, rest) = rounds(panel.conditions.len());
@@ -77,27 +81,27 @@ pub fn verified(
             is_dropped: false,
         })
         .collect();
-    let mut rounds = 0;
     for conditions in [first, rest] {
-        for racer in racers.iter_mut().filter(|racer| !racer.is_dropped) {
-            racer.measuring.add(&conditions)?;
-            racer.dials = racer.measuring.dials(scale).unwrap_or_default();
-            rounds += 1;
-            step(rounds);
+        for i in 0..racers.len() {
+            if racers[i].is_dropped {
+                continue;
+            }
+            racers[i].measuring.add(&conditions)?;
+            racers[i].dials = racers[i].measuring.dials(scale).unwrap_or_default();
+            step(racers.iter().map(|racer| racer.measuring.trials()).sum());
         }
         drop_far(&mut racers, request);
     }
-    let nearest = racers
-        .iter()
-        .zip(&worlds)
-        .filter(|(racer, _)| !racer.is_dropped)
-        .min_by(|a, b| distance(request, &a.0.dials).total_cmp(&distance(request, &b.0.dials)));
-    let Some((_, nearest)) = nearest else { unreachable!("the nearest is never dropped") };
-    let measurement = measure(nearest, panel, scale, noise(1), seeds)?;
-    step(rounds + 1);
-    let mut world = nearest.clone();
+    let running = (0..racers.len()).filter(|&i| !racers[i].is_dropped);
+    let off = |i: &usize| distance(request, &racers[*i].dials);
+    let nearest = running.min_by(|a, b| off(a).total_cmp(&off(b)));
+    let Some(nearest) = nearest else { unreachable!("the nearest is never dropped") };
+    let race: Vec<Dials<Estimate>> = racers.iter().map(|racer| racer.dials).collect();
+    let mut world = worlds.swap_remove(nearest);
+    let measurement = measure(&world, panel, scale, noise(1), seeds)?;
     world.provenance.measured = Some(Box::new(measurement.measured.clone()));
-    Ok(Verified { world, measurement, race: racers.iter().map(|racer| racer.dials).collect() })
+    let plan = plans.swap_remove(nearest);
+    Ok(Verified { plan, candidate: nearest as u32, world, measurement, race })
 }
 
 /// The conditions of the first round, spread over the panel, and the others.
@@ -134,6 +138,7 @@ fn drop_far(racers: &mut [Racer<'_>], request: Request) {
 
 #[cfg(test)]
 mod tests {
+    use envgen::Spec;
     use envgen::indoor::Profile;
     use envgen::reproduction::{Reproduction, reproduce};
 
@@ -170,17 +175,19 @@ mod tests {
         let base = IndoorSpec { width: 5, height: 5, profile, ..Default::default() };
         let [least, most] = base.reachable().difficulty;
         let spec = IndoorSpec { difficulty: 0.5 * (least + most), ..base };
-        let mut rounds = Vec::new();
+        let mut trials = Vec::new();
         let make = |step: &mut dyn FnMut(usize)| {
             verified(&spec, Seed(4), &panel, reference_scale(), 1, step).expect("a map")
         };
-        let found = make(&mut |round| rounds.push(round));
+        let found = make(&mut |count| trials.push(count));
         assert_eq!((found.race.len(), found.measurement.measured.trials), (RACERS, 2));
-        assert!(rounds.len() > RACERS && rounds.is_sorted(), "{rounds:?}");
+        assert!(trials.len() >= RACERS && trials.is_sorted(), "{trials:?}");
         assert_eq!(found.world.provenance.measured.as_deref(), Some(&found.measurement.measured));
         let Reproduction::Same(_) = reproduce(&found.world) else {
             panic!("another world: {:?}", reproduce(&found.world))
         };
+        let again = IndoorSpec { candidate: found.candidate, ..spec.clone() };
+        assert_eq!(again.generate(Seed(4)).as_ref(), Ok(&found.plan));
         assert_eq!(make(&mut |_| ()), found);
         let fresh = found.measurement.measured.noise_seed;
         assert_ne!(fresh, Seed(Seed(4).stream("difficulty/noise", 0).bits()));

@@ -7,7 +7,7 @@ use std::fmt::Display;
 use std::io;
 use std::process::ExitCode;
 
-use envgen::export::ExportError;
+use envgen::export::{ExportError, OutputError};
 use envgen::import::{ImportError, RasterFileError};
 use envgen::indoor::{CatalogueError, FolderError};
 use envgen::landscape::metrics::RasterError;
@@ -92,6 +92,15 @@ impl From<ExportError> for Failure {
             ExportError::UnknownEnding { .. } => Failure::Usage(error.to_string()),
             ExportError::Io(error) => error.into(),
             other => Failure::Failed(other.to_string()),
+        }
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        match error {
+            OutputError::Format(error) => error.into(),
+            other => Failure::Usage(other.to_string()),
         }
     }
 }

@@ -1,16 +1,15 @@
 //! `envgen generate`.
 
-use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
 use envgen::export::ros_map::{self, RESOLUTIONS, size_in_cells, usual_resolution};
-use envgen::export::{Format, Job, Writer};
+use envgen::export::{Format, Job, Output};
 use envgen::located::Locate;
 use envgen::picture::{PictureError, PictureOptions};
 use envgen::settings::Setting;
-use envgen::whole_file::{WholeFile, commit_all, is_same, refuse_inputs};
+use envgen::whole_file::commit_all;
 use envgen::{World, WorldMetrics};
 
 use crate::failure::Failure;
@@ -91,43 +90,6 @@ const RESOLUTION: Setting = Setting::number(
     "side of a cell of maps for ROS",
 );
 
-/// A file to write.
-struct Output {
-    /// The name given to `--out`, which selects the format.
-    asked: PathBuf,
-    format: Format,
-    /// The name of this file; a format can have several.
-    path: PathBuf,
-    write: Writer,
-}
-
-impl Output {
-    /// The requested files; refuses duplicates and input files.
-    fn all(asked: &[PathBuf], inputs: &[PathBuf]) -> Result<Vec<Output>, Failure> {
-        let mut outputs: Vec<Output> = Vec::new();
-        for asked in asked {
-            let format = Format::from_path(asked).in_option("--out", asked.display())?;
-            for (i, &(ending, write)) in format.files().iter().enumerate() {
-                // The first file keeps the name as it was given, capitals and all.
-                let path = if i == 0 { asked.clone() } else { asked.with_extension(ending) };
-                let usage = |text: String| Failure::Usage(text).about(option(&path));
-                if let Some(other) = outputs.iter().find(|other| is_same(&other.path, &path)) {
-                    return Err(usage(format!("is the same file as {}", option(&other.path))));
-                }
-                refuse_inputs(&path, inputs).map_err(|error| usage(error.to_string()))?;
-                outputs.push(Output { asked: asked.clone(), format, path, write });
-            }
-        }
-        Ok(outputs)
-    }
-
-    fn write(&self, job: &Job<'_>, file: &mut WholeFile) -> Result<(), Failure> {
-        let mut out = BufWriter::with_capacity(1 << 16, file);
-        (self.write)(job, &mut out).map_err(Failure::from)?;
-        out.flush().map_err(Failure::from)
-    }
-}
-
 /// Checks the resolution, and that one of the outputs uses it.
 fn check_resolution(resolution: Option<f64>, outputs: &[Output]) -> Result<(), Failure> {
     let Some(resolution) = resolution else { return Ok(()) };
@@ -178,7 +140,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     check_resolution(resolution, &outputs)?;
     let mut files = Vec::new();
     for output in &outputs {
-        files.push(WholeFile::create(&output.path).in_option("--out", output.path.display())?);
+        files.push(output.create()?);
     }
     let _spinner = spinner("generating");
     let blueprint = spec.generate(source.seed).map_err(|error| source.name(error.into()))?;
@@ -191,7 +153,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             picture: picture.clone(),
             ..Job::for_path(&world, &output.asked)
         };
-        output.write(&job, file).map_err(|failure| failure.about(option(&output.path)))?;
+        output.write(&job, file)?;
     }
     commit_all(files).map_err(|error| Failure::from(error).about("--out"))?;
     if let WorldMetrics::Landscape(metrics) = blueprint.metrics()

@@ -1,15 +1,14 @@
 //! `envgen-trials generate`.
 
 use std::error::Error;
-use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
 use clap::Args;
-use envgen::export::{Format, Job};
+use envgen::export::{Job, Output};
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::located::Locate;
-use envgen::whole_file::{WholeFile, commit_all};
-use envgen::{Seed, WorldSpec};
+use envgen::whole_file::commit_all;
+use envgen::{Seed, WorldBlueprint, WorldSpec};
 use mapping_trial::difficulty::{RACERS, Verified, verified};
 
 use crate::panel::PanelOptions;
@@ -57,29 +56,22 @@ impl Arguments {
 
 pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn Error>> {
     let spec = arguments.spec()?;
-    let formats: Result<Vec<Format>, _> =
-        arguments.out.iter().map(|path| Format::from_path(path).in_file(path)).collect();
-    let formats = formats?;
+    let outputs = Output::all(&arguments.out, &arguments.panel.inputs())?;
+    let mut files = outputs.iter().map(Output::create).collect::<Result<Vec<_>, _>>()?;
     let panel = arguments.panel.panel()?;
     let scale = arguments.panel.scale(&panel, threads)?;
-    let bar = progress::trials(2 * RACERS as u64 + 1);
-    let found = verified(&spec, arguments.seed, &panel, &scale, arguments.seeds, &mut |rounds| {
-        bar.set_position(rounds as u64);
+    let bar = progress::trials(
+        panel.conditions.len() as u64 * (RACERS as u64 + u64::from(arguments.seeds)),
+    );
+    let found = verified(&spec, arguments.seed, &panel, &scale, arguments.seeds, &mut |trials| {
+        bar.set_position(trials as u64);
     });
     bar.finish_and_clear();
     let found = found?;
-    let mut files = Vec::new();
-    for (path, format) in arguments.out.iter().zip(formats) {
-        let job = Job::for_path(&found.world, path);
-        for (i, (ending, write)) in format.files().iter().enumerate() {
-            let path = if i == 0 { path.clone() } else { path.with_extension(ending) };
-            let mut file = WholeFile::create(&path).in_file(&path)?;
-            let mut out = BufWriter::new(&mut file);
-            write(&job, &mut out).in_file(&path)?;
-            out.flush().in_file(&path)?;
-            drop(out);
-            files.push(file);
-        }
+    let blueprint = WorldBlueprint::Indoor(found.plan.clone());
+    for (output, file) in outputs.iter().zip(&mut files) {
+        let job = Job { blueprint: Some(&blueprint), ..Job::for_path(&found.world, &output.asked) };
+        output.write(&job, file)?;
     }
     commit_all(files)?;
     print(&found);

@@ -52,6 +52,11 @@ pub(crate) struct PanelOptions {
 }
 
 impl PanelOptions {
+    /// The files that are read.
+    pub(crate) fn inputs(&self) -> Vec<PathBuf> {
+        [&self.panel, &self.robot].into_iter().flatten().cloned().collect()
+    }
+
     /// The panel.
     pub(crate) fn panel(&self) -> Result<Panel, Box<dyn Error>> {
         let mut panel = match &self.panel {

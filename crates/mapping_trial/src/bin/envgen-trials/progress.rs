@@ -1,7 +1,6 @@
 //! Progress on a terminal.
 
 use std::io::IsTerminal;
-use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -11,7 +10,6 @@ pub(crate) fn trials(count: u64) -> ProgressBar {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(count);
-    bar.enable_steady_tick(Duration::from_millis(500));
     match ProgressStyle::with_template("{bar:40} {pos}/{len} trials, {per_sec}, {eta} left") {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
