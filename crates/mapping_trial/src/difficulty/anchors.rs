@@ -96,18 +96,7 @@ mod tests {
             navigation: 1.0 + difficulty,
             ..Default::default()
         };
-        Record {
-            map,
-            condition: 0,
-            noise: 0,
-            world_seed: envgen::Seed(0),
-            noise_seed: envgen::Seed(0),
-            log_digest: String::new(),
-            end: None,
-            pose_error: 0.0,
-            scores: Some(scores),
-            failure: None,
-        }
+        Record { map, scores: Some(scores), ..Record::default() }
     }
 
     #[test]

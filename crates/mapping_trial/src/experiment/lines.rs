@@ -14,8 +14,8 @@ pub(super) const TRIALS: &str = "trials.jsonl";
 
 /// The file of the trials.
 #[derive(Debug)]
-pub(super) struct Lines {
-    pub(super) path: PathBuf,
+pub(crate) struct Lines {
+    pub(crate) path: PathBuf,
     file: File,
     /// Bytes of whole lines.
     len: u64,
@@ -23,7 +23,7 @@ pub(super) struct Lines {
 
 impl Lines {
     /// Opens the file, and locks it for this process. A last line without its line end is cut off.
-    pub(super) fn open(folder: &Path) -> Result<(Self, String), ExperimentError> {
+    pub(crate) fn open(folder: &Path) -> Result<(Self, String), ExperimentError> {
         let path = folder.join(TRIALS);
         let error = |source| ExperimentError::File { path: path.clone(), source };
         let mut options = OpenOptions::new();
@@ -51,7 +51,7 @@ impl Lines {
     }
 
     /// Adds a trial; if that fails, nothing of it stays if the disk allows.
-    pub(super) fn append<T: Serialize>(&mut self, record: &T) -> Result<(), ExperimentError> {
+    pub(crate) fn append<T: Serialize>(&mut self, record: &T) -> Result<(), ExperimentError> {
         let bytes = line(record, &self.path)?;
         match self.file.write_all(&bytes) {
             Ok(()) => {

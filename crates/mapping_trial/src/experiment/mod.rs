@@ -21,7 +21,7 @@
 mod design;
 mod error;
 mod head;
-mod lines;
+pub(crate) mod lines;
 mod record;
 pub mod report;
 mod run;
@@ -30,7 +30,7 @@ pub mod stats;
 mod store;
 pub mod survey;
 pub mod table;
-mod write;
+pub(crate) mod write;
 
 pub use design::{
     Design, MAX_MAPS, MAX_NOISE_SEEDS, MAX_SIZE, MAX_TRIALS, Replay, Shard, Trial, operator_name,

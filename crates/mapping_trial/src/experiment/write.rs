@@ -7,7 +7,7 @@ use envgen::whole_file;
 use super::error::ExperimentError;
 
 /// Creates a folder, and checks that files can be written into it.
-pub(super) fn folder(path: &Path) -> Result<(), ExperimentError> {
+pub(crate) fn folder(path: &Path) -> Result<(), ExperimentError> {
     whole_file::create_folder(path)
         .map_err(|source| ExperimentError::File { path: path.to_owned(), source })
 }

@@ -1,16 +1,17 @@
 //! The report of the proof: one self-contained page.
 
 use envgen::calibration::Scale;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use plotters::prelude::*;
 
 use super::analysis::{Analysis, Row};
 use super::design::Part;
 use super::run::ProofResult;
 use crate::experiment::ExperimentError;
+use crate::experiment::report::colors;
 use crate::experiment::report::figures::{chart, diagonal, inline, report_error, rgb};
+use crate::experiment::report::page::html_page;
 use crate::experiment::report::pieces::{cell, head, interval, table, with_interval};
-use crate::experiment::report::{STYLE, colors};
 
 const TITLE: &str = "Is a map as difficult as requested?";
 
@@ -34,41 +35,26 @@ pub fn page(
     let figures: Result<Vec<Markup>, ExperimentError> =
         design.footprints.iter().map(|&footprint| figure(footprint, scale, results)).collect();
     let figures = figures?;
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width,initial-scale=1";
-                title { (TITLE) }
-                style { (PreEscaped(colors::variables())) (PreEscaped(STYLE)) }
-            }
-            "\n"
-            body {
-                main {
-                    h1 { (TITLE) }
-                    p.lead {
-                        "Maps of a fixed size are requested with difficulties spread evenly over what their size \
-                         reaches, generated, and measured by trials with fresh noise: under the reference panel, \
-                         and under operators, lasers, estimators and robots that the calibration has not seen."
-                    }
-                    h2 { "Requested and measured difficulty" }
-                    @for figure in &figures {
-                        figure { (figure) }
-                        "\n"
-                    }
-                    (key())
-                    h2 { "Agreement" }
-                    (agreement(&analysis.rows, design.noise_seeds))
-                    h2 { "Levels" }
-                    (levels(analysis))
-                    h2 { "What a single number explains" }
-                    (singles(analysis))
-                }
-            }
+    let content = html! {
+        p.lead {
+            "Maps of a fixed size are requested with difficulties spread evenly over what their size reaches, \
+             generated, and measured by trials with fresh noise: under the reference panel, and under \
+             operators, lasers, estimators and robots that the calibration has not seen."
         }
+        h2 { "Requested and measured difficulty" }
+        @for figure in &figures {
+            figure { (figure) }
+            "\n"
+        }
+        (key())
+        h2 { "Agreement" }
+        (agreement(&analysis.rows, design.noise_seeds))
+        h2 { "Levels" }
+        (levels(analysis))
+        h2 { "What a single number explains" }
+        (singles(analysis))
     };
-    Ok(page.into_string() + "\n")
+    Ok(html_page(TITLE, &content))
 }
 
 fn key() -> Markup {

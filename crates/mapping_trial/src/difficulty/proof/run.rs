@@ -1,19 +1,19 @@
 //! Runs the proof in its folder.
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use envgen::Seed;
 use envgen::indoor::IndoorSpec;
-use envgen::{Seed, WorldSpec};
 use serde::{Deserialize, Serialize};
 
 use super::design::{Part, ProofDesign, ProofMap, panel_of_condition};
 use crate::difficulty::measure::scores;
 use crate::difficulty::{Panel, reference_scale, verified};
+use crate::experiment::lines::Lines;
 use crate::experiment::survey::{SurveyFolder, SurveyProgress};
-use crate::experiment::{ExperimentError, Shard};
+use crate::experiment::{ExperimentError, Shard, write};
 
 /// A map of the proof with what each panel measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub struct ProofResult {
     pub scores: Vec<f64>,
 }
 
-/// A map that won its race: a line of `verified.jsonl`.
+/// A map that won its race, as a line of a file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Winner {
@@ -50,7 +50,7 @@ pub fn run(
     if maps.is_empty() {
         return Ok(Some(Vec::new()));
     }
-    if part == Part::Verified && !race(&mut maps, folder, watch)? {
+    if part == Part::Verified && !race(&mut maps, &folder.join("race"), watch)? {
         return Ok(None);
     }
     let name = match part {
@@ -86,12 +86,9 @@ pub fn run(
 
 /// Replaces each map by the winner of its race; false where `watch` stopped it.
 fn race(maps: &mut [ProofMap], folder: &Path, watch: Watch<'_>) -> Result<bool, ExperimentError> {
-    let path = folder.join("verified.jsonl");
-    let file = |source| ExperimentError::File { path: path.clone(), source };
-    std::fs::create_dir_all(folder).map_err(file)?;
-    let winners = read(&path)?;
-    let mut out =
-        std::fs::OpenOptions::new().create(true).append(true).open(&path).map_err(file)?;
+    write::folder(folder)?;
+    let (mut lines, text) = Lines::open(folder)?;
+    let winners = winners(&text, &lines.path)?;
     let all = maps.len() as u64;
     let panel = Panel::reference();
     for (map, done) in maps.iter_mut().zip(1..) {
@@ -102,14 +99,8 @@ fn race(maps: &mut [ProofMap], folder: &Path, watch: Watch<'_>) -> Result<bool, 
         }
         let found = verified(&map.spec, seed, &panel, reference_scale(), 1, &mut |_| ())
             .map_err(|error| ExperimentError::Report(format!("seed {seed}: {error}")))?;
-        let spec = WorldSpec::from_provenance(&found.world.provenance)
-            .map_err(|error| ExperimentError::Report(error.to_string()))?;
-        let WorldSpec::Indoor(spec) = spec else { continue };
-        map.spec.clone_from(&spec);
-        let mut line = serde_json::to_vec(&Winner { seed, spec })
-            .map_err(|error| ExperimentError::Report(error.to_string()))?;
-        line.push(b'\n');
-        out.write_all(&line).map_err(file)?;
+        map.spec.candidate = found.candidate;
+        lines.append(&Winner { seed, spec: map.spec.clone() })?;
         if watch("race", done, all).is_break() {
             return Ok(false);
         }
@@ -117,25 +108,15 @@ fn race(maps: &mut [ProofMap], folder: &Path, watch: Watch<'_>) -> Result<bool, 
     Ok(true)
 }
 
-/// The winners that are known; an unfinished last line is dropped.
-fn read(path: &PathBuf) -> Result<BTreeMap<Seed, IndoorSpec>, ExperimentError> {
-    let text = match std::fs::read_to_string(path) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(BTreeMap::new()),
-        Err(source) => return Err(ExperimentError::File { path: path.clone(), source }),
-    };
-    let whole = text.rfind('\n').map_or("", |end| &text[..end]);
-    if whole.len() + 1 < text.len() {
-        std::fs::write(path, format!("{whole}\n"))
-            .map_err(|source| ExperimentError::File { path: path.clone(), source })?;
-    }
+/// The winners that are known, from whole lines.
+fn winners(text: &str, path: &Path) -> Result<BTreeMap<Seed, IndoorSpec>, ExperimentError> {
     let winner = |(i, line): (usize, &str)| {
-        let found: Winner =
-            serde_json::from_str(line).map_err(|error| ExperimentError::Content {
-                path: path.clone(),
-                reason: format!("line {}: {error}", i + 1),
-            })?;
-        Ok((found.seed, found.spec))
+        let content = |error: serde_json::Error| ExperimentError::Content {
+            path: path.to_owned(),
+            reason: format!("line {}: {error}", i + 1),
+        };
+        let Winner { seed, spec } = serde_json::from_str(line).map_err(content)?;
+        Ok((seed, spec))
     };
-    whole.lines().enumerate().filter(|(_, line)| !line.is_empty()).map(winner).collect()
+    text.lines().enumerate().map(winner).collect()
 }

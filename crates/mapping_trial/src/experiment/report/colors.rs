@@ -18,7 +18,7 @@ pub(super) const SOFT: Srgb = palette::QUIET_INK;
 pub(super) const LINE: Srgb = palette::GRID;
 
 /// The variables of `report.css`.
-pub(crate) fn variables() -> String {
+pub(super) fn variables() -> String {
     let [d, m, n] = MEASURED;
     let named = [
         ("ink", INK),

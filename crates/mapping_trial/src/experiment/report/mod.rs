@@ -5,7 +5,7 @@ pub(crate) mod figures;
 mod levels;
 mod maps;
 mod numbers;
-mod page;
+pub(crate) mod page;
 pub(crate) mod pieces;
 mod rules;
 mod statistics;
@@ -27,9 +27,6 @@ use super::{table, write as files};
 pub const FILES: [&str; 4] = ["report.html", "summary.json", "trials.csv", "trials.parquet"];
 
 /// The statistics in the file.
-/// The style of the pages.
-pub(crate) const STYLE: &str = include_str!("report.css");
-
 #[derive(Serialize)]
 struct Summary<'a> {
     design: &'a Design,

@@ -4,7 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::maps::MapPictures;
 use super::numbers::list;
-use super::{STYLE, colors, levels, rules, statistics, trials, words};
+use super::{colors, levels, rules, statistics, trials, words};
 use crate::experiment::design::{Design, operator_name};
 use crate::experiment::error::ExperimentError;
 use crate::experiment::record::Record;
@@ -12,6 +12,8 @@ use crate::experiment::stats::Analysis;
 use crate::names::Named;
 use crate::policy::PolicyKind;
 use crate::score::Weights;
+
+const STYLE: &str = include_str!("report.css");
 
 const TITLE: &str = "Do the rules make maps difficult?";
 
@@ -22,41 +24,49 @@ pub(super) fn page(
     analysis: &Analysis,
     maps: &[MapPictures],
 ) -> Result<String, ExperimentError> {
+    let content = html! {
+        (lead(design, records))
+        div.findings {
+            ul {
+                @for finding in words::findings(design, analysis) {
+                    li { (finding) }
+                    "\n"
+                }
+            }
+        }
+        (levels::section(design, analysis)?)
+        (statistics::section(design, analysis))
+        (rules::section(design, analysis)?)
+        (rules::weights(analysis))
+        (trials::ends(design, analysis))
+        (trials::maps(design, maps))
+        (trials::list(design, records))
+        (method(design))
+    };
+    Ok(html_page(TITLE, &content))
+}
+
+/// A self-contained page.
+pub(crate) fn html_page(title: &str, content: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width,initial-scale=1";
-                title { (TITLE) }
+                title { (title) }
                 style { (PreEscaped(colors::variables())) (PreEscaped(STYLE)) }
             }
             "\n"
             body {
                 main {
-                    h1 { (TITLE) }
-                    (lead(design, records))
-                    div.findings {
-                        ul {
-                            @for finding in words::findings(design, analysis) {
-                                li { (finding) }
-                                "\n"
-                            }
-                        }
-                    }
-                    (levels::section(design, analysis)?)
-                    (statistics::section(design, analysis))
-                    (rules::section(design, analysis)?)
-                    (rules::weights(analysis))
-                    (trials::ends(design, analysis))
-                    (trials::maps(design, maps))
-                    (trials::list(design, records))
-                    (method(design))
+                    h1 { (title) }
+                    (content)
                 }
             }
         }
     };
-    Ok(page.into_string() + "\n")
+    page.into_string() + "\n"
 }
 
 fn names(operators: &[PolicyKind]) -> String {

@@ -127,7 +127,7 @@ impl SurveyFolder {
                     if stop.load(Ordering::Relaxed) {
                         return;
                     }
-                    let site = site.get_or_insert_with(|| place(map));
+                    let site = &*site.get_or_insert_with(|| place(map));
                     let record = record(&head.survey, map, site, condition, noise);
                     let mut sink = sink.lock().unwrap_or_else(PoisonError::into_inner);
                     if sink.take(record, all, watch).is_break() {
@@ -179,7 +179,7 @@ impl SurveyFolder {
         let Some(known) = self.records.values().next() else { return Ok(()) };
         let survey = &self.head.survey;
         let Some(map) = survey.maps().nth(known.map as usize) else { return Ok(()) };
-        if record(survey, &map, &mut place(&map), known.condition, known.noise) == *known {
+        if record(survey, &map, &place(&map), known.condition, known.noise) == *known {
             return Ok(());
         }
         let trial = format!("the trial of world {} ({})", known.map, map.family.name);
@@ -188,7 +188,7 @@ impl SurveyFolder {
     }
 }
 
-/// The world of a survey, or why there is none.
+/// The world of a survey, or why it cannot be generated.
 fn place(map: &SurveyMap<'_>) -> Result<Site, String> {
     let blueprint = map.family.spec.generate(map.seed).map_err(|error| error.to_string())?;
     let world = blueprint.to_world();
@@ -200,29 +200,19 @@ fn place(map: &SurveyMap<'_>) -> Result<Site, String> {
 fn record(
     survey: &Survey,
     map: &SurveyMap<'_>,
-    site: &mut Result<Site, String>,
+    site: &Result<Site, String>,
     condition: u32,
     noise: u32,
 ) -> Record {
     let noise_seed = Survey::noise_seed(map, noise);
     let settings = survey.conditions[condition as usize].settings(noise_seed);
     let outcome = site
-        .as_mut()
+        .as_ref()
         .map_err(|error| error.clone())
         .and_then(|site| site.run(settings.map_err(|error| error.to_string())?));
     let (world_seed, number) = (map.seed, map.number);
-    let empty = Record {
-        map: number,
-        condition,
-        noise,
-        world_seed,
-        noise_seed,
-        log_digest: String::new(),
-        end: None,
-        pose_error: 0.0,
-        scores: None,
-        failure: None,
-    };
+    let empty =
+        Record { map: number, condition, noise, world_seed, noise_seed, ..Record::default() };
     match outcome {
         Ok(Outcome { log_digest, end, pose_error, scores }) => {
             Record { log_digest, end, pose_error, scores: Some(scores), ..empty }

@@ -71,8 +71,6 @@ pub(super) fn ranks(names: &[&str], worlds: &[(usize, &[&Record])]) -> Option<Ra
 
 #[cfg(test)]
 mod tests {
-    use envgen::Seed;
-
     use super::*;
     use crate::score::Score1;
 
@@ -82,18 +80,7 @@ mod tests {
             score_1: Score1 { difficulty: one, ..Score1::default() },
             ..Scores::default()
         };
-        Record {
-            map,
-            condition: 0,
-            noise: 0,
-            world_seed: Seed(0),
-            noise_seed: Seed(0),
-            log_digest: String::new(),
-            end: None,
-            pose_error: 0.0,
-            scores: Some(scores),
-            failure: None,
-        }
+        Record { map, scores: Some(scores), ..Record::default() }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::score::Scores;
 use crate::trial::EndReason;
 
 /// The result of one trial of a survey.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
     /// Number of the world in the survey, from 0.

@@ -1,6 +1,6 @@
 //! A world with what the trials in it share.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use envgen::World;
 
@@ -13,7 +13,7 @@ use crate::trial::{EndReason, Trial, TrialSettings, WorldSource};
 pub(crate) struct Site {
     world: World,
     source: WorldSource,
-    robots: Vec<(Robot, Result<Indexed, String>)>,
+    robots: Mutex<Vec<(Robot, Result<Indexed, String>)>>,
 }
 
 /// How a trial ended.
@@ -33,11 +33,11 @@ struct Indexed {
 
 impl Site {
     pub(crate) fn new(world: World, source: WorldSource) -> Self {
-        Site { world, source, robots: Vec::new() }
+        Site { world, source, robots: Mutex::default() }
     }
 
     /// Runs a trial to its end, or says why it cannot run.
-    pub(crate) fn run(&mut self, settings: TrialSettings) -> Result<Outcome, String> {
+    pub(crate) fn run(&self, settings: TrialSettings) -> Result<Outcome, String> {
         let Indexed { flat, reference } = self.indexed(&settings.body)?;
         let mut trial = Trial::builder(&self.world, settings)
             .source(self.source.clone())
@@ -53,8 +53,10 @@ impl Site {
         })
     }
 
-    fn indexed(&mut self, robot: &Robot) -> Result<Indexed, String> {
-        if let Some((_, known)) = self.robots.iter().find(|(known, _)| known == robot) {
+    /// The world for a robot; other threads wait while the first indexes it.
+    fn indexed(&self, robot: &Robot) -> Result<Indexed, String> {
+        let mut robots = self.robots.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, known)) = robots.iter().find(|(known, _)| known == robot) {
             return known.clone();
         }
         let index = |world: &World| {
@@ -63,7 +65,7 @@ impl Site {
             Ok(Indexed { flat: Arc::new(flat), reference: Arc::new(reference) })
         };
         let found = index(&self.world);
-        self.robots.push((robot.clone(), found.clone()));
+        robots.push((robot.clone(), found.clone()));
         found
     }
 }
