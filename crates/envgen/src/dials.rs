@@ -74,7 +74,7 @@ pub struct Prediction {
     pub calibration: u32,
     /// The dials, with standard errors.
     pub dials: Dials<Estimate>,
-    /// Share of the features that lie outside what the atlas has. Those count as at its border: the prediction of
-    /// a world that is not like those of the atlas is none.
+    /// Share of the features that lie outside what the atlas has. Those count as at its border: do not
+    /// rely on the prediction of a world with many of them.
     pub outside: f64,
 }

@@ -5,7 +5,7 @@ mod random_spec;
 
 use envgen::difficulty::{DifficultyError, DifficultyVector, Platform};
 use envgen::geometry::Pose;
-use envgen::indoor::IndoorSpec;
+use envgen::indoor::{IndoorSpec, Profile};
 use envgen::world::Digest;
 use envgen::{Blueprint, Seed, Spec, World, WorldKind};
 use proptest::prelude::*;
@@ -180,3 +180,20 @@ fn digests_are_frozen() {
         ]
     );
 }
+
+#[test]
+fn digests_are_frozen_of_predictions() {
+    let found: Vec<String> = [(2.9, 3), (5.0, 4), (7.5, 5)]
+        .map(|(difficulty, seed)| {
+            let profile = Profile::Calibrated;
+            let spec =
+                IndoorSpec { width: 8, height: 8, difficulty, profile, ..Default::default() };
+            let plan = spec.generate(Seed(seed)).expect("within reach");
+            let digest = Digest::of(&(plan.prediction(), plan.to_world().digest().to_string()));
+            digest.to_string()[..16].to_owned()
+        })
+        .into();
+    assert_eq!(found, PREDICTIONS, "{found:#?}");
+}
+
+const PREDICTIONS: [&str; 3] = ["98b5509fbf33932a", "1670dbf7a0d9ff16", "490f75f4bf8b3f4f"];

@@ -82,13 +82,7 @@ impl Calibration {
 
     /// Predicts the difficulty of a world from its difficulty vector.
     pub fn predict(&self, vector: &DifficultyVector) -> Prediction {
-        let features = DifficultyVector::features();
-        let values = vector.values();
-        let value = |name: &str| {
-            let place = features.iter().position(|feature| feature.name == name)?;
-            values[place]
-        };
-        self.prediction(&self.world, &value)
+        self.prediction(&self.world, &|name| vector.get(name))
     }
 
     /// Predicts the difficulty of what settings give, from their [`terms`](Input).

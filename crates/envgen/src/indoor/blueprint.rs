@@ -84,7 +84,8 @@ impl FloorPlan {
         &self.spec
     }
 
-    /// The seed that it was drawn with, in the profile `calibrated` that of its own draw; `None` when it was made without a seed.
+    /// The seed that it was drawn with, in the profile `calibrated` that of its own draw; `None` when it was
+    /// made without a seed.
     pub fn seed(&self) -> Option<Seed> {
         self.seed
     }
