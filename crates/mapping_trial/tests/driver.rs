@@ -84,7 +84,7 @@ fn a_drivers_errors_are_reported() {
     for (script, parts) in [
         (String::new(), ["it ended (exit", "status: 0)", "(answer to the hello)"]),
         (
-            "echo garbage; cat > /dev/null".to_owned(),
+            "read hello; echo garbage; cat > /dev/null".to_owned(),
             ["a line that is not an answer: expected value", "`garbage`", "(answer to the hello)"],
         ),
         (drives("exit 3"), ["it ended (exit status: 3)", "(observation 2", "at 0.10 s)"]),
