@@ -9,7 +9,7 @@ use envgen::difficulty::{DifficultyVector, Platform};
 use envgen::located::Locate;
 use envgen::placement::pose_of_most_clearance;
 use envgen::{Seed, World, import};
-use mapping_trial::difficulty::{Measurement, Measuring};
+use mapping_trial::difficulty::{Measurement, Measuring, Panel};
 use mapping_trial::truth::MappableArea;
 use serde::Serialize;
 
@@ -45,8 +45,8 @@ struct Report {
     /// Where the world comes from, such as `indoor, seed 3`.
     world: String,
     measurement: Measurement,
-    /// What the calibration of indoor maps says of the world, for the reference panel; absent for worlds without
-    /// a difficulty vector.
+    /// What the calibration of indoor maps says of the world; absent for other panels than the reference, and for
+    /// worlds without a difficulty vector.
     prediction: Option<Prediction>,
 }
 
@@ -69,8 +69,9 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     }
     bar.finish_and_clear();
     let measurement = measuring.finish(&scale).ok_or("the panel has no condition")?;
-    let report =
-        Report { world: world.provenance.name(), prediction: prediction(&world), measurement };
+    // Predictions are for the reference panel.
+    let prediction = if panel == Panel::reference() { prediction(&world) } else { None };
+    let report = Report { world: world.provenance.name(), measurement, prediction };
     if arguments.json {
         print_json(&report)
     } else {
