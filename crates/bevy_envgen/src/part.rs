@@ -270,6 +270,8 @@ data! {
         Cleared,
         /// None.
         Emptied,
+        /// A maze in place of them.
+        Maze,
     }
 }
 
@@ -279,6 +281,7 @@ impl From<world::Contents> for Contents {
             world::Contents::AsDesigned => Contents::AsDesigned,
             world::Contents::Cleared => Contents::Cleared,
             world::Contents::Emptied => Contents::Emptied,
+            world::Contents::Maze => Contents::Maze,
         }
     }
 }

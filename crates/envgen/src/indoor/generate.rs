@@ -6,6 +6,7 @@ use super::calibrated;
 use super::custom_laws::IndoorLaws;
 use super::error::IndoorError;
 use super::grid::Grid;
+use super::maze;
 use super::rules::{access, cycles, doorways, hallways, l_system, open_areas, rooms};
 use super::spec::{Cycles, IndoorSpec, Layout, Profile};
 use crate::generate::Spec;
@@ -28,11 +29,13 @@ pub enum Stage {
     Doorways,
     /// Unreachable places get doorways, in the profile `guaranteed`.
     Access,
+    /// Rooms get mazes, where there are any.
+    Mazes,
 }
 
 impl Stage {
     /// Every stage, in order.
-    pub const ALL: [Stage; 7] = [
+    pub const ALL: [Stage; 8] = [
         Stage::Hallways,
         Stage::Cycles,
         Stage::Rooms,
@@ -40,6 +43,7 @@ impl Stage {
         Stage::Contents,
         Stage::Doorways,
         Stage::Access,
+        Stage::Mazes,
     ];
 }
 
@@ -140,6 +144,8 @@ pub(super) fn plan_as_set(
         access::repair(&grid, &mut rooms, &mut openings, dimensions, &mut stream);
     }
     after(Stage::Access);
+    maze::place(spec, seed, &openings, &mut rooms);
+    after(Stage::Mazes);
     Ok(FloorPlan {
         spec: Box::new(spec.clone()),
         seed: Some(seed),

@@ -133,7 +133,7 @@ pub(super) fn cleared(
 ) -> RoomDesign {
     let field = Field::bare(room, dimensions, STEP, REACH);
     let need = field.need();
-    let zone = field.doorway_zone(side, at);
+    let zone = doorway_zone(dimensions, field.size, side, at);
     let entry: Vec<DVec2> = field.entry_samples(side, at).map(|i| field.point(i)).collect();
     let frame = field.frame(room);
     let stays = |shape: &Shape| {
@@ -145,6 +145,22 @@ pub(super) fn cleared(
     room.obstacles.retain(|obstacle| stays(&obstacle.shape));
     room.surfaces.retain(|surface| surface.speed > 0.0 || stays(&surface.shape));
     room
+}
+
+/// The part of a room's floor that must stay clear at a doorway in a side, `at` half cells from its left or
+/// upper end; in metres, for a room of that size.
+pub(super) fn doorway_zone(dimensions: Dimensions, size: DVec2, side: Side, at: u32) -> Rect {
+    let depth = 0.5 * dimensions.wall + DOORWAY_DEPTH;
+    let along = f64::from(at) * 0.5 * dimensions.unit;
+    let half = 0.5 * dimensions.doorway;
+    let (w, h) = (size.x, size.y);
+    let (min, max) = match side {
+        Side::North => ((along - half, h - depth), (along + half, h)),
+        Side::South => ((along - half, 0.0), (along + half, depth)),
+        Side::West => ((0.0, h - along - half), (depth, h - along + half)),
+        Side::East => ((w - depth, h - along - half), (w, h - along + half)),
+    };
+    Rect::new(min.into(), max.into())
 }
 
 /// Distances to the contents of a room, sampled.
@@ -287,21 +303,6 @@ impl Field {
         self.grid.index(column, row)
     }
 
-    /// The part of the floor that must stay clear at a doorway.
-    fn doorway_zone(&self, side: Side, at: u32) -> Rect {
-        let depth = 0.5 * self.dimensions.wall + DOORWAY_DEPTH;
-        let along = f64::from(at) * 0.5 * self.dimensions.unit;
-        let half = 0.5 * self.dimensions.doorway;
-        let (w, h) = (self.size.x, self.size.y);
-        let (min, max) = match side {
-            Side::North => ((along - half, h - depth), (along + half, h)),
-            Side::South => ((along - half, 0.0), (along + half, depth)),
-            Side::West => ((0.0, h - along - half), (depth, h - along + half)),
-            Side::East => ((w - depth, h - along - half), (w, h - along + half)),
-        };
-        Rect::new(min.into(), max.into())
-    }
-
     /// The samples from a wall's middle line inward until the footprint is past the wall.
     fn entry_samples(&self, side: Side, at: u32) -> impl Iterator<Item = usize> + use<'_> {
         let deepest =
@@ -311,7 +312,7 @@ impl Field {
     }
 
     fn port(&self, side: Side, at: u32, need: f64, labels: &[u32]) -> Port {
-        let zone = self.doorway_zone(side, at);
+        let zone = doorway_zone(self.dimensions, self.size, side, at);
         let clear = !self.barriers.iter().any(|shape| overlaps(shape, zone));
         let mut part = None;
         for i in self.entry_samples(side, at) {

@@ -115,7 +115,7 @@ fn cut(shape: &Shape, at: f64) -> Option<[Shape; 2]> {
 }
 
 /// The numbers from 0 to `len` in random order.
-fn shuffled(len: usize, seed: Seed, stream: &str) -> Vec<usize> {
+pub(super) fn shuffled(len: usize, seed: Seed, stream: &str) -> Vec<usize> {
     // Each part has a draw of its own, so that further parts do not change the order of others.
     let draw = |i: usize| (seed.stream(stream, i as u64).unit(), i);
     let mut order: Vec<(f64, usize)> = (0..len).map(draw).collect();

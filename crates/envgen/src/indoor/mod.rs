@@ -28,6 +28,7 @@ mod interior;
 mod lever_terms;
 mod levers;
 mod materials;
+mod maze;
 mod metrics;
 mod placed_room;
 mod request;

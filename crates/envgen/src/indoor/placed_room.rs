@@ -20,7 +20,7 @@ pub struct PlacedRoom {
     /// Sides for which a doorway was drawn.
     pub doorways: Sides,
     /// Which of its contents remain: in the profile `guaranteed` those that block drawn doorways are
-    /// removed, and all of them where nothing else makes a place reachable.
+    /// removed, and all of them where nothing else makes a place reachable; mazes replace them.
     pub contents: Contents,
 }
 

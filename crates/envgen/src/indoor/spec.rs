@@ -20,6 +20,9 @@ pub(super) const MAX_CALIBRATED_CELLS: u64 = 4096;
 /// The default of [`IndoorSpec::dark_range`] in metres.
 const DARK_RANGE: f64 = 3.0;
 
+/// Width of the passages of mazes in metres, unless set.
+const MAZE_PASSAGE: f64 = 1.4;
+
 // Settings of materials, clutter and doorway widths are written where they are set, so that the files of
 // other maps stay as they were before these existed.
 fn is_one(value: &f64) -> bool {
@@ -28,6 +31,10 @@ fn is_one(value: &f64) -> bool {
 
 fn is_first(value: &u32) -> bool {
     *value == 0
+}
+
+fn is_maze_passage(value: &f64) -> bool {
+    *value == MAZE_PASSAGE
 }
 
 fn is_dark_range(value: &f64) -> bool {
@@ -100,6 +107,17 @@ settings! {
         /// the `clearance` where it is larger than a robot.
         #[serde(skip_serializing_if = "is_zero")]
         clutter: f64 = 0.0 => number("per 100 m^2", 0.0..=30.0);
+        /// Share of the rooms, by area, that hold a maze in place of their contents, where two passages fit into
+        /// either side.
+        #[serde(skip_serializing_if = "is_zero")]
+        mazes: f64 = 0.0 => number("", 0.0..=1.0);
+        /// Least width of the passages of mazes, at least twice the `robot_radius` plus 0.1 m.
+        #[serde(skip_serializing_if = "is_maze_passage")]
+        maze_passage: f64 = MAZE_PASSAGE => number("m", 0.12..=6.0);
+        /// Share of the dead ends of mazes that are opened: 0 for one path between any two places, 1 for no
+        /// dead ends.
+        #[serde(skip_serializing_if = "is_zero")]
+        maze_braid: f64 = 0.0 => number("", 0.0..=1.0);
         /// Width of the narrowest doorways, from which widths up to `doorway` are drawn; none for all of
         /// one width.
         #[serde(skip_serializing_if = "Option::is_none")]
@@ -208,6 +226,7 @@ pub(super) const RULES: &[&str] = &[
     "`spacing_h` is under the `width`, `spacing_v` under the `height`",
     "`doorway` is at most the `cell_size` less two times `wall_thickness`",
     "`robot_radius` is at most half the `doorway` less 0.05 m",
+    "`maze_passage` is at least twice the `robot_radius` plus 0.1 m",
     "`doorway_narrowest` is at most the `doorway`, and at least twice the `robot_radius` plus 0.1 m",
     "one of the `rooms` fits into `width` - 1 by `height` - 1 cells; turned as well, as `turn` says",
     "`rooms` are names of the `catalogue`",
@@ -317,8 +336,12 @@ impl IndoorSpec {
                 format!("at most {largest} m: it must pass a doorway of {} m", self.doorway);
             return Err(SpecError::new("robot_radius", self.robot_radius, allowed));
         }
+        let least = to_nanometres(2.0 * (self.robot_radius + STEP));
+        if self.mazes > 0.0 && self.maze_passage < least {
+            let allowed = format!("at least {least} m, which the robot passes");
+            return Err(SpecError::new("maze_passage", self.maze_passage, allowed));
+        }
         if let Some(narrowest) = self.doorway_narrowest {
-            let least = to_nanometres(2.0 * (self.robot_radius + STEP));
             if !(least..=self.doorway).contains(&narrowest) {
                 let allowed = format!(
                     "from {least} m, which the robot passes, to the doorway of {} m, or none",

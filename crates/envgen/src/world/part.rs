@@ -108,7 +108,7 @@ pub struct Room {
     pub contents: Contents,
 }
 
-/// What a generator left of a room's contents: some may be removed so that a robot can enter.
+/// What a generator left of a room's contents: some may be removed so that a robot can enter, or replaced.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
@@ -121,10 +121,12 @@ pub enum Contents {
     Cleared,
     /// None.
     Emptied,
+    /// A maze in place of them.
+    Maze,
 }
 
 impl Contents {
-    /// Whether nothing was taken out.
+    /// Whether they are those that its name and difficulty describe.
     pub fn is_as_designed(&self) -> bool {
         *self == Contents::AsDesigned
     }
@@ -135,6 +137,7 @@ impl Contents {
             Contents::AsDesigned => "as designed",
             Contents::Cleared => "cleared",
             Contents::Emptied => "emptied",
+            Contents::Maze => "maze",
         }
     }
 }
