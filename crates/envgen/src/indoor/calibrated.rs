@@ -20,12 +20,12 @@ use crate::generate::Spec;
 use crate::seed::Seed;
 
 /// Number of draws of the levers.
-const DRAWS: u64 = 256;
+const DRAWS: u64 = 2048;
 
 /// Number of draws from which it is found what a spec reaches, and the share of them that lies beyond it at either
 /// end.
-const REACH_DRAWS: u64 = 512;
-const BEYOND: f64 = 0.01;
+const REACH_DRAWS: u64 = 2048;
+const BEYOND: f64 = 0.002;
 
 /// Number of maps of which the nearest is taken.
 pub(super) const CANDIDATES: usize = 8;
@@ -93,7 +93,7 @@ fn plans(
 
 impl IndoorSpec {
     /// What maps of this size reach, with the settings that are kept: the interval of each dial, as predicted
-    /// from settings, between the 1 % and the 99 % quantile of what the levers give.
+    /// from settings, between the .2 % and the 99.8 % quantile of what the levers give.
     pub fn reachable(&self) -> Dials<[f64; 2]> {
         reachable(&Levers::new(self))
     }

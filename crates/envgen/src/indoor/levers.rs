@@ -1,9 +1,8 @@
 //! Draws of the settings that make a map easy or hard, for maps of a given size.
 //!
-//! Two severities are drawn for a map, one of what makes it hard to map (floors, materials) and one of what
-//! makes it hard to drive through (doorways, rooms, clutter). Every lever follows its severity loosely and has
-//! a stream of its own, so that maps of one difficulty differ in kind, and a lever that is kept changes no
-//! other. No lever goes beyond what buildings have: floors slip at most as on gravel or debris, dark walls
+//! Doorways, rooms, mazes and clutter follow one severity loosely; floors and walls are drawn apart from each
+//! other, so that no material alone makes maps hard. Every lever has a stream of its own, so that a lever that is
+//! kept changes no other. No lever goes beyond what buildings have: floors slip at most as on rubble, dark walls
 //! are seen from 2 m.
 
 use std::collections::BTreeSet;
@@ -15,10 +14,10 @@ use crate::generate::Spec;
 use crate::seed::{Seed, Stream};
 
 /// Greatest factor on the variances of wheel odometry that is drawn.
-const MOST_SLIP: f64 = 15.0;
+const MOST_SLIP: f64 = 25.0;
 
 /// Greatest wheel bias that is drawn.
-const MOST_BIAS: f64 = 0.3;
+const MOST_BIAS: f64 = 0.18;
 
 /// Range in metres of dark walls where the lever begins, and where it ends.
 const DARK_RANGES: [f64; 2] = [8.0, 2.0];
@@ -29,11 +28,17 @@ const LEAST_SHARE: f64 = 0.3;
 /// Most crates per 100 m^2 that are drawn.
 const MOST_CLUTTER: f64 = 25.0;
 
+/// Widest passage of mazes in metres that is drawn.
+const WIDEST_PASSAGE: f64 = 3.0;
+
 /// Narrowest doorway in metres that a setting allows.
 const LEAST_DOORWAY: f64 = 0.2;
 
 /// How much wider than the narrowest the widest doorways are that are drawn, in metres.
 const WIDER: f64 = 1.6;
+
+/// Probability of each material. They are drawn apart from each other, so that none alone makes maps hard.
+const MATERIAL: f64 = 0.55;
 
 /// Rooms of which a few are chosen.
 const THEME: usize = 8;
@@ -42,7 +47,7 @@ const THEME: usize = 8;
 const FARTHEST: u32 = 10;
 
 /// The settings that the levers set.
-pub(super) const LEVERS: [&str; 19] = [
+pub(super) const LEVERS: [&str; 22] = [
     "difficulty",
     "layout",
     "branching",
@@ -54,6 +59,9 @@ pub(super) const LEVERS: [&str; 19] = [
     "cycles",
     "doorway",
     "doorway_narrowest",
+    "mazes",
+    "maze_passage",
+    "maze_braid",
     "clutter",
     "floor_slip",
     "floor_slip_share",
@@ -87,7 +95,7 @@ impl<'a> Levers<'a> {
     pub(super) fn draw(&self, seed: Seed) -> IndoorSpec {
         let base = self.base;
         let mut draws = stream("severity", seed);
-        let [mapping, navigation] = std::array::from_fn(|_| severity(&mut draws));
+        let navigation = severity(&mut draws);
         let mut spec = IndoorSpec {
             profile: Profile::Guaranteed,
             mapping: None,
@@ -101,10 +109,11 @@ impl<'a> Levers<'a> {
         });
         self.plan(&mut spec, navigation, seed);
         self.doorways(&mut spec, navigation, seed);
+        self.mazes(&mut spec, navigation, seed);
         self.lever("clutter", seed, |stream| {
             spec.clutter = MOST_CLUTTER * strength(navigation, stream);
         });
-        self.materials(&mut spec, mapping, seed);
+        self.materials(&mut spec, seed);
         if spec.validate().is_err() {
             // Rooms of the caller may all be too large.
             spec.rooms.clone_from(&base.rooms);
@@ -171,22 +180,37 @@ impl<'a> Levers<'a> {
         });
     }
 
+    /// Mazes, whose passages are at most so wide that one fits into a cell.
+    fn mazes(&self, spec: &mut IndoorSpec, navigation: f64, seed: Seed) {
+        let widest = 0.5 * spec.cell_size - spec.wall_thickness;
+        let least = centimetres(2.0 * (spec.robot_radius + STEP), f64::ceil);
+        self.lever("maze_passage", seed, |stream| {
+            let width = widest - (widest - least) * near(navigation, 0.3, stream);
+            spec.maze_passage = centimetres(width.min(WIDEST_PASSAGE), f64::floor).max(least);
+        });
+        self.lever("maze_braid", seed, |stream| spec.maze_braid = stream.unit());
+        self.lever("mazes", seed, |stream| {
+            let share = strength(navigation, stream);
+            spec.mazes = if spec.maze_passage >= least { share } else { 0.0 };
+        });
+    }
+
     /// Slippery and loose floors, dark walls and objects.
-    fn materials(&self, spec: &mut IndoorSpec, severity: f64, seed: Seed) {
+    fn materials(&self, spec: &mut IndoorSpec, seed: Seed) {
         self.lever("floor_slip", seed, |stream| {
-            spec.floor_slip = 1.0 + (MOST_SLIP - 1.0) * strength(severity, stream);
+            spec.floor_slip = 1.0 + (MOST_SLIP - 1.0) * amount(stream);
         });
         self.lever("floor_slip_share", seed, |stream| {
             spec.floor_slip_share = stream.between(LEAST_SHARE, 1.0);
         });
         self.lever("wheel_bias", seed, |stream| {
-            spec.wheel_bias = MOST_BIAS * strength(severity, stream);
+            spec.wheel_bias = MOST_BIAS * amount(stream);
         });
         self.lever("wheel_bias_share", seed, |stream| {
             spec.wheel_bias_share = stream.between(LEAST_SHARE, 1.0);
         });
         // Walls and objects are dark together.
-        let dark = strength(severity, &mut stream("dark", seed));
+        let dark = amount(&mut stream("dark", seed));
         self.lever("dark_range", seed, |_| {
             let [from, to] = DARK_RANGES.map(f64::recip);
             spec.dark_range = 1.0 / (from + (to - from) * dark);
@@ -240,6 +264,12 @@ fn near(severity: f64, spread: f64, stream: &mut Stream) -> f64 {
 fn strength(severity: f64, stream: &mut Stream) -> f64 {
     let (is_on, share) = (stream.chance(0.3 + 0.5 * severity), stream.between(0.5, 1.0));
     if is_on { severity * share } else { 0.0 }
+}
+
+/// How much there is of a material, from 0 to 1.
+fn amount(stream: &mut Stream) -> f64 {
+    let (is_there, amount) = (stream.chance(MATERIAL), stream.unit());
+    if is_there { amount } else { 0.0 }
 }
 
 /// A few of the rooms that may be placed, of about the same difficulty.
