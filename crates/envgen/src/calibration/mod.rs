@@ -51,8 +51,9 @@ pub struct Calibration {
     pub scale: Scale,
     /// Models from the difficulty vector of a world.
     pub world: DialModels,
-    /// Models from settings.
-    pub settings: DialModels,
+    /// Models from settings; `None` for kinds that are not drawn by difficulty.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settings: Option<DialModels>,
 }
 
 /// Where a calibration comes from.
@@ -67,6 +68,23 @@ pub struct Atlas {
     pub trials: u32,
     /// SHA-256 of the results of its trials.
     pub digest: String,
+    /// The measured dials of its worlds, each in order.
+    #[serde(default)]
+    pub dials: Dials<Vec<f64>>,
+}
+
+impl Atlas {
+    /// The percentage of its worlds that measure less than a world of these dials, those that measure the same
+    /// by half; `None` if it has none.
+    pub fn percentiles(&self, dials: Dials<f64>) -> Option<Dials<f64>> {
+        let is_empty = self.dials.difficulty.is_empty();
+        let percentile = |(all, value): (&Vec<f64>, f64)| {
+            let below = all.partition_point(|one| *one < value);
+            let upto = all.partition_point(|one| *one <= value);
+            50.0 * (below + upto) as f64 / all.len() as f64
+        };
+        (!is_empty).then(|| self.dials.as_ref().zip(dials).map(percentile))
+    }
 }
 
 impl Calibration {
@@ -80,19 +98,47 @@ impl Calibration {
         &CALIBRATION
     }
 
+    /// The calibration of a kind of world, by its [name](crate::WorldKind::name); `None` for kinds that have
+    /// none.
+    pub fn of(kind: &str) -> Option<&'static Calibration> {
+        [Self::indoor()].into_iter().find(|calibration| calibration.kind == kind)
+    }
+
     /// Predicts the difficulty of a world from its difficulty vector.
     pub fn predict(&self, vector: &DifficultyVector) -> Prediction {
         self.prediction(&self.world, &|name| vector.get(name))
     }
 
-    /// Predicts the difficulty of what settings give, from their [`terms`](Input).
-    pub(crate) fn predict_terms(&self, terms: &[(&str, f64)]) -> Prediction {
+    /// Predicts the difficulty of what settings give, from their [`terms`](Input); `None` for kinds that are not
+    /// drawn by difficulty.
+    pub(crate) fn predict_terms(&self, terms: &[(&str, f64)]) -> Option<Prediction> {
         let value = |name: &str| terms.iter().find(|(term, _)| *term == name).map(|(_, v)| *v);
-        self.prediction(&self.settings, &value)
+        self.settings.as_ref().map(|settings| self.prediction(settings, &value))
     }
 
     fn prediction(&self, models: &DialModels, value: &dyn Fn(&str) -> Option<f64>) -> Prediction {
         let (dials, outside) = models.predict(value);
         Prediction { calibration: self.version, dials, outside }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_count_worlds_below() {
+        let sorted = vec![1.0, 2.0, 2.0, 5.0];
+        let dials =
+            Dials { difficulty: sorted.clone(), mapping: sorted.clone(), navigation: sorted };
+        let mut atlas = Calibration::indoor().atlas.clone();
+        atlas.dials = dials;
+        let at = |difficulty: f64, mapping: f64, navigation: f64| {
+            atlas.percentiles(Dials { difficulty, mapping, navigation }).expect("an atlas").named()
+        };
+        assert_eq!(at(0.0, 2.0, 9.0).map(|(_, value)| value), [0.0, 50.0, 100.0]);
+        assert_eq!(at(1.0, 3.0, 5.0).map(|(_, value)| value), [12.5, 75.0, 87.5]);
+        atlas.dials = Dials::default();
+        assert_eq!(atlas.percentiles(Dials::default()), None);
     }
 }

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use envgen::calibration::{Dials, Scale};
 use envgen::indoor::IndoorSpec;
-use envgen::{Blueprint, Seed, Spec, WorldSpec};
+use envgen::settings::Allowed;
+use envgen::{Seed, SettingsError, WorldKind, WorldSpec};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};
 
@@ -14,16 +15,32 @@ use super::panel::Panel;
 use crate::experiment::survey::{Family, Record, Survey, SurveyError, SurveyMap, ron_options};
 use crate::experiment::{ExperimentError, table};
 
-const FIRST: &str = include_str!("atlas_1.ron");
+const INDOOR: &str = include_str!("atlas/indoor.ron");
+const HALLWAY: &str = include_str!("atlas/hallway.ron");
+const FOREST: &str = include_str!("atlas/forest.ron");
 
-/// Worlds of one kind of several sizes, whose levers are drawn.
+/// Which worlds an atlas has.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AtlasDesign {
-    /// Width and height in cells, with the number of worlds of that size.
-    pub sizes: Vec<AtlasSize>,
-    /// Seed of the first world.
-    pub first_seed: Seed,
+pub enum AtlasDesign {
+    /// Indoor maps of several sizes, whose levers are drawn.
+    Indoor {
+        /// The sizes.
+        sizes: Vec<AtlasSize>,
+        /// Seed of the first world.
+        first_seed: Seed,
+    },
+    /// Worlds of which some settings are drawn.
+    Drawn {
+        /// The spec with the other settings.
+        spec: WorldSpec,
+        /// Least and greatest value of each setting that is drawn, all values between them with the same
+        /// probability.
+        drawn: BTreeMap<String, [f64; 2]>,
+        /// Number of worlds.
+        maps: u32,
+        /// Seed of the first world.
+        first_seed: Seed,
+    },
 }
 
 /// Worlds of one size.
@@ -39,12 +56,18 @@ pub struct AtlasSize {
 }
 
 impl AtlasDesign {
-    /// The design of the atlas that the crate's calibration was fitted to.
+    /// The design of the atlas that a calibration of `envgen` was fitted to; `None` for kinds that have none.
     ///
     /// # Panics
-    /// Never: the file is part of the crate, and tested.
-    pub fn first() -> Self {
-        Self::from_ron(FIRST).expect("atlas_1.ron is a design")
+    /// Never: the files are part of the crate, and tested.
+    pub fn of(kind: WorldKind) -> Option<Self> {
+        let text = match kind {
+            WorldKind::Indoor => INDOOR,
+            WorldKind::Hallway => HALLWAY,
+            WorldKind::Forest => FOREST,
+            _ => return None,
+        };
+        Some(Self::from_ron(text).expect("a design of an atlas"))
     }
 
     /// Reads a design from RON.
@@ -55,37 +78,74 @@ impl AtlasDesign {
         Ok(ron_options().from_str(text).map_err(Box::new)?)
     }
 
-    /// The survey of the atlas: every world under every condition once. Sizes take turns, so that a part of
-    /// the survey has worlds of all sizes.
-    pub fn survey(&self, panel: &Panel) -> Survey {
-        let most = self.sizes.iter().map(|size| size.maps).max().unwrap_or(0);
-        let mut families = Vec::new();
-        for round in 0..most {
-            for size in &self.sizes {
-                // Evenly spread over the rounds.
-                let (before, after) = (size.maps * round / most, size.maps * (round + 1) / most);
-                if after == before {
-                    continue;
-                }
-                let seed = self.first_seed.offset(families.len() as u64);
-                let base =
-                    IndoorSpec { width: size.width, height: size.height, ..Default::default() };
-                families.push(Family {
-                    name: format!("{} x {}, {seed}", size.width, size.height),
-                    spec: WorldSpec::from(base.draw_levers(seed)),
-                    maps: 1,
-                    first_seed: seed,
-                });
-            }
+    /// The kind of its worlds.
+    pub fn kind(&self) -> WorldKind {
+        match self {
+            AtlasDesign::Indoor { .. } => WorldKind::Indoor,
+            AtlasDesign::Drawn { spec, .. } => spec.kind(),
         }
-        Survey { families, conditions: panel.conditions.clone(), noise_seeds: 1 }
     }
+
+    /// The survey of the atlas: every world under every condition once.
+    ///
+    /// # Errors
+    /// A setting that is not there, or not a number, or a range of it that is not allowed.
+    pub fn survey(&self, panel: &Panel) -> Result<Survey, SettingsError> {
+        let families = match self {
+            AtlasDesign::Indoor { sizes, first_seed } => indoor(sizes, *first_seed),
+            AtlasDesign::Drawn { spec, drawn, maps, first_seed } => {
+                let seeds = (0..*maps).map(|i| first_seed.offset(u64::from(i)));
+                seeds.map(|seed| family(spec, drawn, seed)).collect::<Result<_, _>>()?
+            }
+        };
+        Ok(Survey { families, conditions: panel.conditions.clone(), noise_seeds: 1 })
+    }
+}
+
+/// Sizes take turns, so that a part of the survey has worlds of all sizes.
+fn indoor(sizes: &[AtlasSize], first_seed: Seed) -> Vec<Family> {
+    let most = sizes.iter().map(|size| size.maps).max().unwrap_or(0);
+    let mut families = Vec::new();
+    for round in 0..most {
+        for size in sizes {
+            // Evenly spread over the rounds.
+            let (before, after) = (size.maps * round / most, size.maps * (round + 1) / most);
+            if after == before {
+                continue;
+            }
+            let seed = first_seed.offset(families.len() as u64);
+            let base = IndoorSpec { width: size.width, height: size.height, ..Default::default() };
+            families.push(Family {
+                name: format!("{} x {}, {seed}", size.width, size.height),
+                spec: WorldSpec::from(base.draw_levers(seed)),
+                maps: 1,
+                first_seed: seed,
+            });
+        }
+    }
+    families
+}
+
+/// A world whose settings are drawn.
+fn family(
+    spec: &WorldSpec,
+    drawn: &BTreeMap<String, [f64; 2]>,
+    seed: Seed,
+) -> Result<Family, SettingsError> {
+    let mut spec = spec.clone();
+    for (name, &[least, most]) in drawn {
+        let value = seed.stream(&format!("atlas/{name}"), 0).between(least, most);
+        let is_whole = matches!(spec.kind().setting(name)?.allowed, Allowed::Integer { .. });
+        let digits = if is_whole { 0 } else { 4 };
+        spec.set(name, &format!("{value:.digits$}"))?;
+    }
+    Ok(Family { name: format!("{} {seed}", spec.kind().name()), spec, maps: 1, first_seed: seed })
 }
 
 /// What is known of the worlds of an atlas: those under all of whose conditions a trial ended.
 ///
 /// # Errors
-/// A world that is no indoor map, or has no difficulty vector.
+/// A world that cannot be generated, or has no difficulty vector.
 pub fn samples(
     survey: &Survey,
     records: &[&Record],
@@ -110,11 +170,9 @@ fn sample(map: &SurveyMap<'_>, dials: Dials<f64>) -> Result<Sample, ExperimentEr
     let failed = |reason: String| {
         ExperimentError::Report(format!("world {} ({}): {reason}", map.number, map.family.name))
     };
-    let WorldSpec::Indoor(spec) = &map.family.spec else {
-        return Err(failed("this is no indoor map".to_owned()));
-    };
-    let plan = spec.generate(map.seed).map_err(|error| failed(error.to_string()))?;
-    Sample::new(spec, &plan.to_world(), dials).map_err(|error| failed(error.to_string()))
+    let spec = &map.family.spec;
+    let blueprint = spec.generate(map.seed).map_err(|error| failed(error.to_string()))?;
+    Sample::new(spec, &blueprint.to_world(), dials).map_err(|error| failed(error.to_string()))
 }
 
 /// The samples as a Parquet file, one world per row: what its settings say, the features of its difficulty
@@ -148,12 +206,12 @@ mod tests {
 
     #[test]
     fn sizes_take_turns_and_all_worlds_are_there() {
-        let design = AtlasDesign::first();
-        let survey = design.survey(&Panel::reference());
-        assert_eq!(survey.validate(), Ok(()));
-        let all: u32 = design.sizes.iter().map(|size| size.maps).sum();
+        let design = AtlasDesign::of(WorldKind::Indoor).expect("an atlas");
+        let survey = design.survey(&Panel::reference()).expect("a survey");
+        let AtlasDesign::Indoor { sizes, .. } = &design else { panic!("{design:?}") };
+        let all: u32 = sizes.iter().map(|size| size.maps).sum();
         assert_eq!(survey.families.len(), all as usize);
-        for size in &design.sizes {
+        for size in sizes {
             let name = format!("{} x {},", size.width, size.height);
             let of = |families: &[Family]| {
                 families.iter().filter(|family| family.name.starts_with(&name)).count() as f64
@@ -162,5 +220,40 @@ mod tests {
             let half = of(&survey.families[..survey.families.len() / 2]);
             assert!((half / f64::from(size.maps) - 0.5).abs() < 0.1, "{name} {half}");
         }
+    }
+
+    #[test]
+    fn every_world_of_every_atlas_can_be_generated() {
+        for kind in [WorldKind::Indoor, WorldKind::Hallway, WorldKind::Forest] {
+            let design = AtlasDesign::of(kind).expect("an atlas");
+            assert_eq!(design.kind(), kind);
+            let survey = design.survey(&Panel::reference()).expect("a survey");
+            assert_eq!(survey.validate(), Ok(()));
+            for map in survey.maps().step_by(9) {
+                let world = map.family.spec.generate(map.seed).expect("a blueprint").to_world();
+                assert_eq!(world.check(), Ok(()));
+                assert!(world.start.is_some(), "{}", map.family.name);
+            }
+        }
+        assert_eq!(AtlasDesign::of(WorldKind::Road), None);
+    }
+
+    #[test]
+    fn settings_are_drawn_within_their_ranges() {
+        let design = |drawn: &str| {
+            let text = format!("Drawn(spec: Hallway(), drawn: {drawn}, maps: 20, first_seed: 1)");
+            AtlasDesign::from_ron(&text).expect("a design").survey(&Panel::reference())
+        };
+        let survey = design("{\"segments\": (5, 9), \"p_st\": (0.2, 0.3)}").expect("a survey");
+        let mut seen = std::collections::BTreeSet::new();
+        for family in &survey.families {
+            let WorldSpec::Hallway(spec) = &family.spec else { panic!("{family:?}") };
+            assert!((5..=9).contains(&spec.segments) && (0.2..=0.3).contains(&spec.p_st));
+            seen.insert(spec.segments);
+        }
+        assert_eq!(seen.len(), 5);
+        let error = |drawn: &str| design(drawn).expect_err("no survey").to_string();
+        assert!(error("{\"segment\": (5, 9)}").contains("segment"));
+        assert!(error("{\"p_st\": (2, 3)}").starts_with("`p_st` must be"));
     }
 }

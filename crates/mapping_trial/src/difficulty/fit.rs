@@ -2,13 +2,12 @@
 
 use envgen::calibration::{Atlas, Calibration, DialModels, Dials, Input, LinearModel, Scale};
 use envgen::difficulty::{DifficultyVector, Platform};
-use envgen::indoor::IndoorSpec;
-use envgen::{World, WorldSpec};
+use envgen::{World, WorldKind, WorldSpec};
 
 use super::ridge;
 
-/// Version of the calibrations that this crate fits: it rises when inputs or models change.
-pub const CALIBRATION_VERSION: u32 = 1;
+/// Version of the calibrations that this crate fits: it rises when inputs, models or atlases change.
+const CALIBRATION_VERSION: u32 = 2;
 
 /// Inputs that vary less in the atlas than this are left out.
 const LEAST_DEVIATION: f64 = 1e-6;
@@ -21,7 +20,7 @@ const LEAST_ERROR: f64 = 0.1;
 pub struct Sample {
     /// The features of its difficulty vector, in order.
     pub features: Vec<Option<f64>>,
-    /// What its settings say.
+    /// What its settings say; nothing for kinds that are not drawn by difficulty.
     pub terms: Vec<(&'static str, f64)>,
     /// Its dials.
     pub dials: Dials<f64>,
@@ -33,17 +32,21 @@ impl Sample {
     /// # Errors
     /// If the world has no difficulty vector.
     pub fn new(
-        spec: &IndoorSpec,
+        spec: &WorldSpec,
         world: &World,
         dials: Dials<f64>,
     ) -> Result<Self, envgen::difficulty::DifficultyError> {
         let vector = DifficultyVector::of(world, &Platform::default())?;
-        Ok(Sample { features: vector.values(), terms: spec.lever_terms(), dials })
+        let terms = match spec {
+            WorldSpec::Indoor(spec) => spec.lever_terms(),
+            _ => Vec::new(),
+        };
+        Ok(Sample { features: vector.values(), terms, dials })
     }
 }
 
-/// Fits all models to the samples of an atlas.
-pub fn calibrate(version: u32, atlas: Atlas, scale: Scale, samples: &[Sample]) -> Calibration {
+/// Fits all models to the samples of an atlas of worlds of a kind.
+pub fn calibrate(kind: WorldKind, atlas: Atlas, scale: Scale, samples: &[Sample]) -> Calibration {
     let names = DifficultyVector::features();
     let features = names.iter().enumerate().map(|(i, feature)| {
         (feature.name, samples.iter().map(|sample| sample.features[i]).collect())
@@ -53,13 +56,28 @@ pub fn calibrate(version: u32, atlas: Atlas, scale: Scale, samples: &[Sample]) -
         (*name, samples.iter().map(|sample| Some(sample.terms[i].1)).collect())
     });
     let dials: Vec<Dials<f64>> = samples.iter().map(|sample| sample.dials).collect();
+    let atlas = Atlas { dials: sorted(&dials), ..atlas };
     Calibration {
-        version,
-        kind: WorldSpec::from(IndoorSpec::default()).kind().name().to_owned(),
+        version: CALIBRATION_VERSION,
+        kind: kind.name().to_owned(),
         atlas,
         scale,
         world: models(features, &dials),
-        settings: models(terms, &dials),
+        settings: (terms.len() > 0).then(|| models(terms, &dials)),
+    }
+}
+
+/// The values of each dial in order, to a hundredth.
+fn sorted(dials: &[Dials<f64>]) -> Dials<Vec<f64>> {
+    let values = |of: fn(&Dials<f64>) -> f64| {
+        let mut all: Vec<f64> = dials.iter().map(|one| (100.0 * of(one)).round() / 100.0).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    };
+    Dials {
+        difficulty: values(|dials| dials.difficulty),
+        mapping: values(|dials| dials.mapping),
+        navigation: values(|dials| dials.navigation),
     }
 }
 
@@ -133,6 +151,7 @@ fn standard_errors(predicted: &[f64], values: &[f64]) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use envgen::indoor::IndoorSpec;
     use envgen::{Blueprint, Seed, Spec};
 
     use super::*;
@@ -147,7 +166,8 @@ mod tests {
         let sample = |seed: u64| {
             let spec = base.draw_levers(Seed(seed));
             let world = spec.generate(Seed(seed)).expect("a plan").to_world();
-            let mut sample = Sample::new(&spec, &world, Dials::default()).expect("a vector");
+            let mut sample =
+                Sample::new(&spec.clone().into(), &world, Dials::default()).expect("a vector");
             let mapping = 0.3 * libm::log(sample.features[area].expect("an area"));
             sample.dials = Dials { difficulty: 5.0, mapping, navigation: spec.doorway };
             sample
@@ -157,7 +177,13 @@ mod tests {
 
     #[test]
     fn models_predict_what_they_were_fitted_to() {
-        let atlas = Atlas { command: String::new(), worlds: 60, trials: 0, digest: String::new() };
+        let atlas = Atlas {
+            command: String::new(),
+            worlds: 60,
+            trials: 0,
+            digest: String::new(),
+            dials: Dials::default(),
+        };
         let zero = Dials::default();
         let scale = Scale {
             panel: "test".to_owned(),
@@ -167,12 +193,14 @@ mod tests {
             ten: zero.map(|_| 10.0),
         };
         let samples = samples();
-        let calibration = calibrate(7, atlas, scale, &samples);
+        let calibration = calibrate(WorldKind::Indoor, atlas, scale, &samples);
         let explained = calibration.world.models.as_ref().map(|model| model.explained);
         assert!(explained.mapping > 0.95, "{explained:?}");
         // The widths of doorways are settings.
-        assert!(calibration.settings.models.navigation.explained > 0.95);
+        assert!(calibration.settings.as_ref().expect("models").models.navigation.explained > 0.95);
         let text = serde_json::to_string(&calibration).expect("JSON");
+        let measured = &calibration.atlas.dials.mapping;
+        assert!(measured.len() == 60 && measured.is_sorted());
         assert_eq!(serde_json::from_str::<Calibration>(&text).expect("the same"), calibration);
     }
 }

@@ -23,7 +23,7 @@ mod verified;
 
 pub use anchors::{Anchors, reference_scale};
 pub use atlas::{AtlasDesign, AtlasSize, samples, table};
-pub use fit::{CALIBRATION_VERSION, Sample, calibrate};
+pub use fit::{Sample, calibrate};
 pub use measure::{ConditionMean, MeasureError, Measurement, Measuring, measure};
 pub use panel::Panel;
 pub use verified::{RACERS, Verified, VerifyError, verified};

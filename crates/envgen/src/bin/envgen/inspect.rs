@@ -5,13 +5,14 @@ use std::ops::Add;
 use std::process::ExitCode;
 
 use clap::Args;
-use envgen::calibration::{Calibration, Prediction};
+use envgen::calibration::{Calibration, Dials, Prediction};
 use envgen::certificate::{Claim, Verdict, verify};
 use envgen::difficulty::{DifficultyVector, Platform};
 use envgen::geometry::{Pose, Rect};
+use envgen::indoor::Profile;
 use envgen::reproduction::{Reproduction, reproduce};
 use envgen::world::Surface;
-use envgen::{Provenance, World, WorldMetrics};
+use envgen::{Provenance, World, WorldMetrics, WorldSpec};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -55,6 +56,10 @@ struct Report<'a> {
     /// calibrated.
     #[serde(skip_serializing_if = "Option::is_none")]
     predicted: Option<Prediction>,
+    /// What the profile `calibrated` reaches at this size with the settings that are kept; absent for other
+    /// profiles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reachable: Option<Dials<[f64; 2]>>,
 }
 
 #[derive(Serialize)]
@@ -180,6 +185,16 @@ fn report<'a>(world: &'a World, platform: &Platform) -> Report<'a> {
         metrics: again,
         predicted: predicted(world, platform, difficulty.as_ref().ok()),
         difficulty: difficulty.ok(),
+        reachable: reachable(world),
+    }
+}
+
+fn reachable(world: &World) -> Option<Dials<[f64; 2]>> {
+    match WorldSpec::from_provenance(&world.provenance) {
+        Ok(WorldSpec::Indoor(spec)) if spec.profile == Profile::Calibrated => {
+            Some(spec.reachable())
+        }
+        _ => None,
     }
 }
 
@@ -188,8 +203,8 @@ fn predicted(
     platform: &Platform,
     vector: Option<&DifficultyVector>,
 ) -> Option<Prediction> {
-    let calibration = Calibration::indoor();
-    let is_known = world.provenance.kind == calibration.kind && *platform == Platform::default();
+    let calibration = Calibration::of(&world.provenance.kind)?;
+    let is_known = *platform == Platform::default();
     vector.filter(|_| is_known).map(|vector| calibration.predict(vector))
 }
 

@@ -3,7 +3,8 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use envgen::WorldKind;
 use envgen::located::Locate;
 use mapping_trial::difficulty::{AtlasDesign, Panel};
 use mapping_trial::experiment::Shard;
@@ -13,14 +14,37 @@ use crate::survey;
 /// The atlas's design.
 #[derive(Args)]
 pub(crate) struct DesignOptions {
-    /// The atlas's design in RON, if not the one of the crate.
-    #[arg(long, value_name = "FILE.ron")]
+    /// The kind of worlds, of the atlases of the crate.
+    #[arg(long, value_enum, default_value_t = AtlasKind::Indoor)]
+    kind: AtlasKind,
+
+    /// The atlas's design in RON, if not one of the crate.
+    #[arg(long, value_name = "FILE.ron", conflicts_with = "kind")]
     design: Option<PathBuf>,
+}
+
+/// The kinds of worlds that have an atlas.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum AtlasKind {
+    Indoor,
+    Hallway,
+    Forest,
+}
+
+impl AtlasKind {
+    fn design(self) -> AtlasDesign {
+        let kind = match self {
+            AtlasKind::Indoor => WorldKind::Indoor,
+            AtlasKind::Hallway => WorldKind::Hallway,
+            AtlasKind::Forest => WorldKind::Forest,
+        };
+        AtlasDesign::of(kind).unwrap_or_else(|| unreachable!("these kinds have an atlas"))
+    }
 }
 
 impl DesignOptions {
     pub(crate) fn read(&self) -> Result<AtlasDesign, Box<dyn Error>> {
-        let Some(path) = &self.design else { return Ok(AtlasDesign::first()) };
+        let Some(path) = &self.design else { return Ok(self.kind.design()) };
         let text = std::fs::read_to_string(path).in_file(path)?;
         Ok(AtlasDesign::from_ron(&text).in_file(path)?)
     }
@@ -42,7 +66,7 @@ pub(crate) struct Arguments {
 
 #[expect(clippy::print_stdout, reason = "what the command is for")]
 pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn Error>> {
-    let survey = arguments.design.read()?.survey(&Panel::reference());
+    let survey = arguments.design.read()?.survey(&Panel::reference())?;
     let out: &Path = &arguments.out;
     let folder = survey::run(&survey, out, arguments.shard, threads)?;
     println!("wrote {} trials to {}", folder.records().len(), folder.file().display());

@@ -4,10 +4,10 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use envgen::calibration::{Atlas, Calibration};
+use envgen::calibration::{Atlas, Calibration, Dials};
 use envgen::whole_file;
 use envgen::world::Digest;
-use mapping_trial::difficulty::{Anchors, CALIBRATION_VERSION, Panel, calibrate, samples};
+use mapping_trial::difficulty::{Anchors, Panel, calibrate, samples};
 use mapping_trial::experiment::Shard;
 use mapping_trial::experiment::survey::{Survey, SurveyFolder};
 
@@ -50,7 +50,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let folder = open(&survey, &arguments.anchors, Shard::WHOLE, false)?;
     let scale = anchors.scale(&panel, folder.records())?;
 
-    let survey = arguments.design.read()?.survey(&panel);
+    let design = arguments.design.read()?;
+    let survey = design.survey(&panel)?;
     let of = arguments.atlas.len() as u32;
     let folders: Result<Vec<SurveyFolder>, _> = arguments
         .atlas
@@ -62,12 +63,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let records: Vec<_> = folders.iter().flat_map(SurveyFolder::records).collect();
     let samples = samples(&survey, &records, &scale)?;
     let atlas = Atlas {
-        command: "envgen-trials atlas".to_owned(),
+        command: format!("envgen-trials atlas --kind {}", design.kind().name()),
         worlds: samples.len() as u32,
         trials: records.len() as u32,
         digest: Digest::of(&records).to_string(),
+        // The fit adds them.
+        dials: Dials::default(),
     };
-    let calibration = calibrate(CALIBRATION_VERSION, atlas, scale, &samples);
+    let calibration = calibrate(design.kind(), atlas, scale, &samples);
     let mut text = serde_json::to_vec_pretty(&calibration)?;
     text.push(b'\n');
     write(&arguments.out, &text)?;
@@ -101,7 +104,8 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), Box<dyn Error>> {
 #[expect(clippy::print_stdout, reason = "what the command is for")]
 fn print(calibration: &Calibration) {
     println!("{} worlds, {} trials", calibration.atlas.worlds, calibration.atlas.trials);
-    for (name, models) in [("world", &calibration.world), ("settings", &calibration.settings)] {
+    let settings = calibration.settings.iter().map(|models| ("settings", models));
+    for (name, models) in std::iter::once(("world", &calibration.world)).chain(settings) {
         for (dial, model) in models.models.as_ref().named() {
             let [low, high] = model.standard_errors;
             println!(

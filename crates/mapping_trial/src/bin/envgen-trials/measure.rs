@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use clap::Args;
-use envgen::calibration::{Calibration, Prediction};
+use envgen::calibration::{Calibration, Dials, Prediction};
 use envgen::difficulty::{DifficultyVector, Platform};
 use envgen::located::Locate;
 use envgen::placement::pose_of_most_clearance;
@@ -45,8 +45,11 @@ struct Report {
     /// Where the world comes from, such as `indoor, seed 3`.
     world: String,
     measurement: Measurement,
-    /// What the calibration of indoor maps says of the world; absent for other panels than the reference, and for
-    /// worlds without a difficulty vector.
+    /// The percentage of the atlas's worlds that are easier, by each dial; absent for other panels than the
+    /// reference.
+    percentiles: Option<Dials<f64>>,
+    /// What the calibration says of the world; absent for other panels than the reference, and for worlds without
+    /// a difficulty vector.
     prediction: Option<Prediction>,
 }
 
@@ -69,9 +72,12 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     }
     bar.finish_and_clear();
     let measurement = measuring.finish(&scale).ok_or("the panel has no condition")?;
-    // Predictions are for the reference panel.
-    let prediction = if panel == Panel::reference() { prediction(&world) } else { None };
-    let report = Report { world: world.provenance.name(), measurement, prediction };
+    // Atlases and predictions are of the reference panel.
+    let calibration = (panel == Panel::reference()).then(|| calibration(&world));
+    let values = measurement.measured.dials.map(|dial| dial.value);
+    let percentiles = calibration.and_then(|known| known.atlas.percentiles(values));
+    let prediction = calibration.and_then(|known| predict(known, &world));
+    let report = Report { world: world.provenance.name(), measurement, percentiles, prediction };
     if arguments.json {
         print_json(&report)
     } else {
@@ -80,9 +86,14 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     }
 }
 
-fn prediction(world: &World) -> Option<Prediction> {
+/// The calibration of a world's kind; that of indoor maps for what other tools made, mostly of buildings.
+fn calibration(world: &World) -> &'static Calibration {
+    Calibration::of(&world.provenance.kind).unwrap_or_else(|| Calibration::indoor())
+}
+
+fn predict(calibration: &Calibration, world: &World) -> Option<Prediction> {
     let vector = DifficultyVector::of(world, &Platform::default()).ok()?;
-    Some(Calibration::indoor().predict(&vector))
+    Some(calibration.predict(&vector))
 }
 
 #[expect(clippy::print_stdout, reason = "what the command is for")]
@@ -98,16 +109,19 @@ fn print(report: &Report) {
         "{}: {} trials of the panel {:?}, version {}",
         report.world, measured.trials, measured.panel, measured.panel_version
     );
-    println!("\n{:>12} measured  95 % interval  score  predicted", "");
+    println!("\n{:>12} measured  95 % interval  score  harder than  predicted", "");
+    let percentiles = report.percentiles.map(Dials::named);
     let predicted = report.prediction.map(|prediction| prediction.dials.named());
     for (i, (name, dial)) in measured.dials.named().into_iter().enumerate() {
         let [low, high] = dial.interval();
         let predicted = predicted.map_or_else(String::new, |dials| {
             format!("{:5.1} +- {:.1}", dials[i].1.value, dials[i].1.standard_error)
         });
+        let harder_than =
+            percentiles.map_or_else(String::new, |dials| format!("{:.0} %", dials[i].1));
         let score = scores.named()[i].1;
         println!(
-            "{name:>12} {:8.2}  {low:5.2} to {high:5.2}  {score:5.2}  {predicted}",
+            "{name:>12} {:8.2}  {low:5.2} to {high:5.2}  {score:5.2}  {harder_than:>11}  {predicted}",
             dial.value
         );
     }
