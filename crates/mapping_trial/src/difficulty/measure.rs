@@ -12,7 +12,7 @@ use crate::score::Scores;
 use crate::trial::{EndReason, WorldSource};
 
 /// Variance of D, M and N by noise alone where that of a world is not known yet: the mean over 76 pairs of trials
-/// of `assets/surveys/levers.survey.ron`.
+/// of levers at 10 x 10 cells.
 const USUAL_VARIANCE: Dials<f64> = Dials { difficulty: 0.31, mapping: 0.74, navigation: 0.043 };
 
 /// Weight of the usual variance, in degrees of freedom.

@@ -10,11 +10,13 @@
 //! | the difficulty of a world | [`measure`](fn@measure) |
 //! | maps of a requested difficulty, verified by trials | [`verified`](fn@verified) |
 //! | are maps as difficult as requested? | [`proof`] |
+//! | what each setting does to the difficulty | [`levers`] |
 //! | worlds from which predictions are fitted | [`AtlasDesign`], [`samples`], [`calibrate`] |
 
 mod anchors;
 mod atlas;
 mod fit;
+pub mod levers;
 mod measure;
 mod panel;
 pub mod proof;

@@ -187,7 +187,18 @@ pub(crate) fn chart<'a, 'b>(
         let whole = range.end.floor() - range.start.ceil() + 1.0;
         whole.max(2.0) as usize
     };
-    let (x_labels, y_labels) = (count(&x), count(&y));
+    let labels = (count(&x), count(&y));
+    chart_with(area, (x, y), (x_name, y_name), labels, 0)
+}
+
+/// The same with about so many labels on the axes, and digits behind the point of those below.
+pub(crate) fn chart_with<'a, 'b>(
+    area: &'a DrawingArea<SVGBackend<'b>, plotters::coord::Shift>,
+    (x, y): (std::ops::Range<f64>, std::ops::Range<f64>),
+    (x_name, y_name): (&str, &str),
+    (x_labels, y_labels): (usize, usize),
+    digits: usize,
+) -> Result<Chart<'a, 'b>, ExperimentError> {
     let mut chart = ChartBuilder::on(area)
         .margin(10)
         .x_label_area_size(50)
@@ -201,7 +212,7 @@ pub(crate) fn chart<'a, 'b>(
         .axis_style(SOFT)
         .x_labels(x_labels)
         .y_labels(y_labels)
-        .x_label_formatter(&|x| format!("{x:.0}"))
+        .x_label_formatter(&|x| format!("{x:.digits$}"))
         .y_label_formatter(&|y| format!("{y:.0}"))
         .x_desc(x_name)
         .y_desc(y_name)
