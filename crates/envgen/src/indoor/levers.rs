@@ -35,7 +35,7 @@ const WIDEST_PASSAGE: f64 = 3.0;
 const LEAST_DOORWAY: f64 = 0.2;
 
 /// How much wider than the narrowest the widest doorways are that are drawn, in metres.
-const WIDER: f64 = 1.6;
+const WIDER: f64 = 2.0;
 
 /// Probability of each material. They are drawn apart from each other, so that none alone makes maps hard.
 const MATERIAL: f64 = 0.55;
@@ -154,7 +154,7 @@ impl<'a> Levers<'a> {
             spec.room_choice = if uniform { RoomChoice::Uniform } else { RoomChoice::Difficulty };
         });
         self.lever("rooms", seed, |stream| {
-            if stream.chance(0.4) {
+            if stream.chance(0.6) {
                 spec.rooms = theme(self.base, near(navigation, 0.2, stream), stream);
             }
         });
@@ -167,7 +167,7 @@ impl<'a> Levers<'a> {
         let widest = between_walls.min(least + WIDER).min(3.0);
         let least = centimetres(least, f64::ceil);
         self.lever("doorway", seed, |stream| {
-            let width = widest - (widest - least) * near(navigation, 0.3, stream);
+            let width = widest - (widest - least) * near(navigation, 0.2, stream);
             if least < widest {
                 spec.doorway = centimetres(width, f64::round).clamp(least, widest);
             }
