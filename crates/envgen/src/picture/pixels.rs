@@ -2,10 +2,11 @@
 
 use std::io::Write;
 
-use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg;
 
 use super::{MAX_PIXELS, PictureError};
+use crate::palette;
 
 /// Renders an SVG, whose background must be opaque, with `ratio` pixels per px.
 pub(super) fn write(svg: &str, ratio: f64, out: &mut dyn Write) -> Result<(), PictureError> {
@@ -17,6 +18,9 @@ pub(super) fn write(svg: &str, ratio: f64, out: &mut dyn Write) -> Result<(), Pi
         return Err(too_large);
     }
     let Some(mut pixmap) = Pixmap::new(width as u32, height as u32) else { return Err(too_large) };
+    // The picture may cover the last row and column in part.
+    let [r, g, b] = palette::PAGE.0;
+    pixmap.fill(Color::from_rgba8(r, g, b, u8::MAX));
     let ratio = ratio as f32;
     resvg::render(&tree, Transform::from_scale(ratio, ratio), &mut pixmap.as_mut());
     drop(tree);
@@ -38,4 +42,24 @@ pub(super) fn write(svg: &str, ratio: f64, out: &mut dyn Write) -> Result<(), Pi
     }
     rows.finish()?;
     Ok(writer.finish()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_that_are_covered_in_part_have_the_colour_of_the_page() {
+        let color = palette::PAGE;
+        let svg = format!(
+            r#"<svg xmlns="http://www.w3.org/2000/svg" width="11" height="11"><rect width="11" height="11" fill="{color}"/></svg>"#
+        );
+        let mut file = Vec::new();
+        write(&svg, 0.75, &mut file).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        assert_eq!(pixels.len(), 3 * 9 * 9);
+        assert!(pixels.chunks_exact(3).all(|pixel| pixel == color.0), "{pixels:?}");
+    }
 }
