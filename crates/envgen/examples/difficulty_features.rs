@@ -5,20 +5,14 @@
 //!
 //! Names of features after the file replace the list of this program.
 
-use std::cmp::Reverse;
-use std::collections::BTreeMap;
-use std::error::Error;
-use std::fs;
-use std::io::Cursor;
+mod sheet;
+
 use std::path::PathBuf;
 
 use envgen::difficulty::{DifficultyVector, Feature, Platform};
 use envgen::indoor::IndoorSpec;
-use envgen::picture::{self, PictureOptions};
 use envgen::{Blueprint, Seed, Spec, World};
-use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter};
-
-type Result<T = ()> = std::result::Result<T, Box<dyn Error>>;
+use sheet::{Image, Result};
 
 /// Number of maps, and their side in cells: of one size, since nearly every feature grows with the size.
 const MAPS: u64 = 200;
@@ -44,24 +38,13 @@ const FEATURES: [&str; 16] = [
     "loops",
 ];
 
-/// Pictures in a row, and their width in px with the gap to the next.
+/// Pictures in a row.
 const COLUMNS: usize = 4;
-const WIDTH: u32 = 300;
-const GAP: usize = 8;
-
-/// Pixels per px: pictures that are drawn larger and scaled down keep their titles on one line.
-const PIXEL_RATIO: f64 = 0.8;
 
 /// A map with the values of its features, in the order of [`DifficultyVector::features`].
 struct Sample {
     world: World,
     values: Vec<Option<f64>>,
-}
-
-/// Pixels row by row, three bytes each.
-struct Image {
-    width: usize,
-    rgb: Vec<u8>,
 }
 
 fn main() -> Result {
@@ -82,10 +65,7 @@ fn main() -> Result {
         tiles.push(tile(least, index, &feature)?);
         tiles.push(tile(greatest, index, &feature)?);
     }
-    if let Some(folder) = file.parent() {
-        fs::create_dir_all(folder)?;
-    }
-    Ok(fs::write(file, page(&tiles).to_png()?)?)
+    sheet::write(&file, &tiles, COLUMNS)
 }
 
 /// Features by name, with their places in the vector.
@@ -121,90 +101,6 @@ fn ends(samples: &[Sample], index: usize) -> Option<(&Sample, &Sample)> {
 fn tile(sample: &Sample, index: usize, feature: &Feature) -> Result<Image> {
     let value = sample.values[index].unwrap_or_default();
     let decimals = if value.fract() == 0.0 || value.abs() >= 100.0 { 0 } else { 3 };
-    let options = PictureOptions {
-        width: WIDTH,
-        height: WIDTH,
-        pixel_ratio: PIXEL_RATIO,
-        margin: 4,
-        title: Some(format!("{} {value:.decimals$}", feature.name)),
-        legend: false,
-        names: false,
-        ..Default::default()
-    };
-    Image::from_png(&picture::png(&sample.world, &options)?)
-}
-
-/// The pictures in rows.
-fn page(tiles: &[Image]) -> Image {
-    let columns = COLUMNS.min(tiles.len());
-    let width = tiles.iter().map(|tile| tile.width).max().unwrap_or_default() + GAP;
-    let height = tiles.iter().map(Image::height).max().unwrap_or_default() + GAP;
-    let whole = columns * width;
-    let mut rgb = vec![u8::MAX; 3 * whole * height * tiles.len().div_ceil(columns)];
-    for (i, tile) in tiles.iter().enumerate() {
-        let corner = (i / columns * height) * whole + i % columns * width;
-        for (row, pixels) in tile.rgb.chunks_exact(3 * tile.width).enumerate() {
-            let from = 3 * (corner + row * whole);
-            rgb[from..from + pixels.len()].copy_from_slice(pixels);
-        }
-    }
-    Image { width: whole, rgb }
-}
-
-impl Image {
-    fn height(&self) -> usize {
-        self.rgb.len() / (3 * self.width)
-    }
-
-    fn from_png(file: &[u8]) -> Result<Self> {
-        let mut reader = Decoder::new(Cursor::new(file)).read_info()?;
-        let size = reader.output_buffer_size().ok_or("the picture is too large")?;
-        let mut rgb = vec![0; size];
-        let frame = reader.next_frame(&mut rgb)?;
-        Ok(Image { width: frame.width as usize, rgb })
-    }
-
-    /// As a PNG of at most 256 colours, the most frequent; others become the nearest of them.
-    fn to_png(&self) -> Result<Vec<u8>> {
-        let (palette, pixels) = self.indexed();
-        let mut file = Vec::new();
-        let size = [self.width, self.height()].map(u32::try_from);
-        let [width, height] = [size[0]?, size[1]?];
-        let mut encoder = Encoder::new(&mut file, width, height);
-        encoder.set_color(ColorType::Indexed);
-        encoder.set_palette(palette.as_flattened());
-        encoder.set_depth(BitDepth::Eight);
-        encoder.set_filter(Filter::NoFilter);
-        encoder.set_compression(Compression::High);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&pixels)?;
-        writer.finish()?;
-        Ok(file)
-    }
-
-    /// The palette, and the index of each pixel's colour.
-    fn indexed(&self) -> (Vec<[u8; 3]>, Vec<u8>) {
-        let (colors, _) = self.rgb.as_chunks::<3>();
-        let mut counts: BTreeMap<[u8; 3], usize> = BTreeMap::new();
-        for color in colors {
-            *counts.entry(*color).or_default() += 1;
-        }
-        let mut palette: Vec<[u8; 3]> = counts.keys().copied().collect();
-        palette.sort_by_key(|color| Reverse(counts[color]));
-        palette.truncate(256);
-        let squared = |a: u8, b: u8| u32::from(a.abs_diff(b)).pow(2);
-        let nearest = |color: &[u8; 3]| {
-            let distance = |other: &[u8; 3]| -> u32 {
-                color.iter().zip(other).map(|(a, b)| squared(*a, *b)).sum()
-            };
-            (0..=u8::MAX)
-                .zip(&palette)
-                .min_by_key(|(_, other)| distance(other))
-                .map_or(0, |(i, _)| i)
-        };
-        let indices: BTreeMap<&[u8; 3], u8> =
-            counts.keys().map(|color| (color, nearest(color))).collect();
-        let pixels = colors.iter().map(|color| indices[color]).collect();
-        (palette, pixels)
-    }
+    let title = format!("{} {value:.decimals$}", feature.name);
+    sheet::picture(&sample.world, title)
 }
