@@ -61,7 +61,7 @@ pub struct Level {
 pub struct Single {
     /// Side of the maps in cells.
     pub footprint: u32,
-    /// `setting` or `feature`.
+    /// `setting`, `two settings` or `feature`.
     pub of: &'static str,
     /// Its name.
     pub name: String,
@@ -151,7 +151,7 @@ fn levels(footprint: u32, maps: Vec<(f64, f64)>) -> Vec<Level> {
     [1.0, 3.0, 5.0, 7.0, 9.0].into_iter().filter_map(level).collect()
 }
 
-/// The best setting and the best feature.
+/// The best setting, the best product of two settings, and the best feature.
 fn singles(footprint: u32, results: &[&ProofResult], measured: &[f64]) -> Vec<Single> {
     let described: Vec<_> = results
         .par_iter()
@@ -174,13 +174,16 @@ fn singles(footprint: u32, results: &[&ProofResult], measured: &[f64]) -> Vec<Si
     let by_setting = terms.iter().enumerate().map(|(i, (name, _))| {
         (*name, squared(described.iter().map(|(terms, _)| terms[i].1).collect()))
     });
+    // Products are named after both.
+    let (by_two, by_one): (Vec<_>, Vec<_>) =
+        by_setting.partition(|(name, _)| name.contains("_and_"));
     let by_feature = features.iter().enumerate().map(|(i, one)| (one.name, feature(i)));
     let best = |all: Vec<(&'static str, f64)>, of: &'static str| {
         let best = all.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let (name, explained) = (best.0.to_owned(), best.1);
         Some(Single { footprint, of, name, explained, wall_length })
     };
-    [best(by_setting.collect(), "setting"), best(by_feature.collect(), "feature")]
+    [best(by_one, "setting"), best(by_two, "two settings"), best(by_feature.collect(), "feature")]
         .into_iter()
         .flatten()
         .collect()
