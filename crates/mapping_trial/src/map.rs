@@ -1,7 +1,7 @@
 //! The map that a robot makes: log odds of occupancy on a grid that grows.
 
 use envgen::geometry::{Pose, Rect};
-use glam::DVec2;
+use glam::{DVec2, IVec2};
 
 /// Side of a cell in metres.
 pub const RESOLUTION: f64 = 0.05;
@@ -47,9 +47,10 @@ pub struct CellIndex {
 
 impl CellIndex {
     /// The cell that contains a point, in metres in the map's frame.
+    #[inline]
     pub fn of(p: DVec2) -> CellIndex {
-        let scaled = (p * (1.0 / RESOLUTION)).floor();
-        CellIndex { col: scaled.x as i32, row: scaled.y as i32 }
+        let cell = floor(p * (1.0 / RESOLUTION));
+        CellIndex { col: cell.x, row: cell.y }
     }
 
     /// The centre of the cell in metres.
@@ -256,6 +257,17 @@ impl OccupancyMap {
     }
 }
 
+/// The greatest whole numbers that are not above two numbers, saturating, 0 for NaN. Where the processor that is
+/// built for has no instruction for it, `f64::floor` is a call.
+#[inline]
+pub(crate) fn floor(p: DVec2) -> IVec2 {
+    let floor = |v: f64| {
+        let towards_zero = v as i32;
+        towards_zero.saturating_sub(i32::from(f64::from(towards_zero) > v))
+    };
+    IVec2::new(floor(p.x), floor(p.y))
+}
+
 /// Index of a cell in its tile.
 fn place(index: CellIndex) -> usize {
     (index.row.rem_euclid(TILE) * TILE + index.col.rem_euclid(TILE)) as usize
@@ -347,6 +359,13 @@ mod tests {
                 prop_assert!(bounds.contains(at(col, row).centre()));
                 let tile = map.tile(col.div_euclid(TILE), row.div_euclid(TILE)).expect("written");
                 prop_assert_eq!(tile[place(at(col, row))], odds);
+            }
+        }
+
+        #[test]
+        fn rounding_down_is_that_of_floats(x in any::<f64>(), y in -1e10..1e10_f64, z in -9..9_i32) {
+            for v in [x, y, f64::from(z), f64::from(z) - 1e-9, 0.1 * f64::from(z)] {
+                prop_assert_eq!(floor(DVec2::new(v, -v)), DVec2::new(v, -v).floor().as_ivec2());
             }
         }
 

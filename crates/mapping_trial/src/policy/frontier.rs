@@ -40,6 +40,8 @@ pub struct Frontiers {
     /// The number of the cluster whose goal a planning cell is, plus one; 0 for none.
     labels: Vec<u32>,
     labelled: Vec<Node>,
+    /// Number of clusters that have a goal.
+    with_goal: usize,
 }
 
 impl Frontiers {
@@ -59,7 +61,9 @@ impl Frontiers {
             }
         }
         self.labels.resize(costmap.tiles() * NODES, 0);
+        self.with_goal = 0;
         for number in 0..self.clusters.len() {
+            let before = self.labelled.len();
             let cells = self.clusters[number].cells.clone();
             let mut fits = false;
             for cell in cells.clone() {
@@ -81,6 +85,7 @@ impl Frontiers {
                     }
                 }
             }
+            self.with_goal += usize::from(self.labelled.len() > before);
         }
     }
 
@@ -97,6 +102,11 @@ impl Frontiers {
     /// Number of planning cells that are goals.
     pub fn goals(&self) -> usize {
         self.labelled.len()
+    }
+
+    /// Number of clusters that have a goal.
+    pub(super) fn with_goal(&self) -> usize {
+        self.with_goal
     }
 
     /// The cluster that a node is a goal of.

@@ -75,6 +75,10 @@ fn collect(planning: &mut Planning<'_>, seen: &mut Vec<bool>, candidates: &mut V
     seen.clear();
     seen.resize(frontiers.len(), false);
     candidates.clear();
+    let most = frontiers.with_goal().min(CANDIDATES);
+    if most == 0 {
+        return;
+    }
     let mut farthest = u32::MAX;
     search.nearest(costmap, pose.position, blocks, |node, cost| {
         if let Some(cluster) = frontiers.cluster_at(node)
@@ -86,7 +90,7 @@ fn collect(planning: &mut Planning<'_>, seen: &mut Vec<bool>, candidates: &mut V
             seen[cluster] = true;
             candidates.push((node, cost));
         }
-        candidates.len() >= CANDIDATES || cost > farthest
+        candidates.len() >= most || cost > farthest
     });
 }
 

@@ -74,6 +74,9 @@ impl Planning<'_> {
     /// The nearest goal of the clusters for which `wanted` is true.
     pub(super) fn nearest_of(&mut self, wanted: impl Fn(usize) -> bool) -> Option<Node> {
         let Planning { costmap, frontiers, search, pose, blocks, .. } = self;
+        if frontiers.goals() == 0 {
+            return None;
+        }
         let goal = |node, _| frontiers.cluster_at(node).is_some_and(&wanted);
         search.nearest(costmap, pose.position, blocks, goal)
     }

@@ -258,9 +258,16 @@ impl GridPlanner {
     ) -> usize {
         let inside = costmap.derived_class(node) <= self.limit;
         let mut added = 0;
+        let is_within_tile = node.is_within_tile();
         for direction in 0..STEPS.len() {
-            let Some(next) = costmap.step(node, direction) else { continue };
-            self.enter(costmap, next.slot());
+            // Most neighbours are in the node's own tile, which is entered already.
+            let next = if is_within_tile {
+                node.beside(direction)
+            } else {
+                let Some(next) = costmap.step(node, direction) else { continue };
+                self.enter(costmap, next.slot());
+                next
+            };
             let state = self.nodes[next.0 as usize];
             if state.closed {
                 continue;

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, IVec2};
 
-use crate::map::RESOLUTION;
+use crate::map::{RESOLUTION, floor};
 
 /// Standard deviation in metres of the Gaussian around each echo.
 pub const SIGMA: f64 = 0.07;
@@ -128,7 +128,7 @@ impl LikelihoodField {
 
     /// The likelihood at a point in 1/255, 0 outside of the field.
     pub fn at(&self, p: DVec2) -> u8 {
-        let cell = (p * (1.0 / RESOLUTION)).floor().as_ivec2();
+        let cell = floor(p * (1.0 / RESOLUTION));
         let local = cell.saturating_sub(self.origin);
         let inside = local.min_element() >= 0 && local.x < self.cols && local.y < self.rows;
         let level = self.levels.first().filter(|_| inside);
@@ -185,9 +185,10 @@ impl LikelihoodField {
     /// Stamps the Gaussian of an echo at a point in metres, if the field covers its surroundings.
     pub fn stamp(&mut self, p: DVec2) {
         let scaled = p * (1.0 / RESOLUTION);
-        let cell = scaled.floor();
-        let place = ((scaled - cell) * f64::from(PLACES)).as_ivec2().min(IVec2::splat(PLACES - 1));
-        let cell = cell.as_ivec2() - self.origin;
+        let cell = floor(scaled);
+        let place = ((scaled - cell.as_dvec2()) * f64::from(PLACES)).as_ivec2();
+        let place = place.clamp(IVec2::ZERO, IVec2::splat(PLACES - 1));
+        let cell = cell - self.origin;
         let table = (place.y * PLACES + place.x) as usize;
         for level in &mut self.levels {
             let stamps = &level.stamps;
@@ -201,14 +202,15 @@ impl LikelihoodField {
             }
             let rows = stamps.rows as usize;
             let stamp = &stamps.table[table * rows * stamps.pieces..][..rows * stamps.pieces];
-            let start = (first.y * self.cols + first.x) as usize;
-            let lines = level.cells[start..].chunks_mut(self.cols as usize);
-            for (line, row) in lines.zip(stamp.chunks_exact(stamps.pieces)) {
-                for (cells, values) in line.as_chunks_mut::<16>().0.iter_mut().zip(row) {
-                    for (cell, &value) in cells.iter_mut().zip(values) {
-                        *cell = (*cell).max(value);
-                    }
+            let mut start = (first.y * self.cols + first.x) as usize;
+            for row in stamp.chunks_exact(stamps.pieces) {
+                let (cells, _) = level.cells[start..start + wide as usize].as_chunks_mut::<16>();
+                for (cells, values) in cells.iter_mut().zip(row) {
+                    // Of copies, which cannot overlap: one instruction for all 16.
+                    let (before, values) = (*cells, *values);
+                    *cells = std::array::from_fn(|i| before[i].max(values[i]));
                 }
+                start += self.cols as usize;
             }
         }
     }

@@ -452,8 +452,10 @@ fn interpolated(field: &LikelihoodField, places: &[(i32, i32)], dx: i32, dy: i32
         let (x, y) = (x + dx, y + dy);
         let index = (y >> FINE_BITS) as usize * cols + (x >> FINE_BITS) as usize;
         let (u, v) = ((x & (FINE - 1)) as u32, (y & (FINE - 1)) as u32);
-        let across =
-            |at: usize| u32::from(cells[at]) * (FINE as u32 - u) + u32::from(cells[at + 1]) * u;
+        let across = |at: usize| {
+            let pair = &cells[at..at + 2];
+            u32::from(pair[0]) * (FINE as u32 - u) + u32::from(pair[1]) * u
+        };
         sum += u64::from(across(index) * (FINE as u32 - v) + across(index + cols) * v);
     }
     sum

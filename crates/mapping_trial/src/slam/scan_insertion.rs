@@ -139,7 +139,8 @@ fn transfer(map: &mut OccupancyMap, tile: (i32, i32), marks: &mut [i8], width: u
 
 fn add(cells: &mut [i16], marks: &mut [i8]) {
     for (cell, mark) in cells.iter_mut().zip(marks) {
-        *cell = (*cell + i16::from(*mark)).clamp(-CLAMP, CLAMP);
+        // Both are far from the limits: a checked sum would be taken one cell at a time.
+        *cell = cell.saturating_add(i16::from(*mark)).clamp(-CLAMP, CLAMP);
         *mark = 0;
     }
 }

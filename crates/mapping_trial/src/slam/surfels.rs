@@ -10,6 +10,7 @@ use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::{DMat2, DMat3, DVec2, DVec3, IVec2, Vec2};
 
 use super::track::Variance;
+use crate::map::floor;
 
 /// Side of a cell in metres: a surfel is the mean over at most two cells along each axis.
 const CELL: f64 = 0.2;
@@ -64,12 +65,13 @@ pub(crate) struct WallPoint {
 
 /// The echoes of a scan that lie on a wall, seen from the laser's position.
 pub(crate) fn wall_points(echoes: &[Vec2], laser: DVec2) -> Vec<WallPoint> {
+    let is_gap: Vec<bool> = echoes.windows(2).map(|pair| pair[1].distance(pair[0]) > GAP).collect();
     let arm = |i: usize, step: isize| -> Option<Vec2> {
         let (mut at, from) = (i, echoes[i]);
         loop {
             let next = at.checked_add_signed(step)?;
             let p = *echoes.get(next)?;
-            if p.distance(echoes[at]) > GAP {
+            if is_gap[at.min(next)] {
                 return None;
             }
             if p.distance(from) >= ARM {
@@ -122,7 +124,7 @@ impl SurfelMap {
         for wall in walls {
             let at = pose.position + heading.rotate(wall.point);
             let normal = heading.rotate(wall.normal);
-            let cell = (at / CELL).floor().as_ivec2();
+            let cell = floor(at / CELL);
             let (tile, place) = address(cell);
             let cells = (TILE * TILE) as usize;
             let tile = self
@@ -153,6 +155,8 @@ impl SurfelMap {
         let (mut near, mut known) = (0, 0);
         let mut normals = DMat2::ZERO;
         let mut last = f64::INFINITY;
+        let mut tile = CachedTile { map: self, at: None, cells: None };
+        let mut looks = vec![Look::default(); walls.len()];
         for _ in 0..STEPS {
             (near, known, normals) = (0, 0, DMat2::ZERO);
             let heading = unit_vector(pose.heading);
@@ -160,13 +164,17 @@ impl SurfelMap {
                 .extend(wrap_angle(expected.heading - pose.heading));
             let mut information = DMat3::from_diagonal(prior);
             let mut pull = prior * off;
-            let mut tile = CachedTile { map: self, at: None, cells: None };
-            for wall in walls {
+            let mut before = Look::default();
+            for (wall, look) in walls.iter().zip(&mut looks) {
                 let arm = heading.rotate(wall.point);
                 let at = pose.position + arm;
-                let Some((middle, normal)) = tile.surfel(at, heading.rotate(wall.normal)) else {
-                    continue;
-                };
+                let place = Place::of(at, heading.rotate(wall.normal));
+                // Most walls are in the same place as in the last step, or as their neighbour.
+                if look.place != Some(place) {
+                    *look = if before.place == Some(place) { before } else { tile.look(place) };
+                }
+                before = *look;
+                let Some((middle, normal)) = look.found else { continue };
                 let distance = normal.dot(middle - at);
                 known += 1;
                 if distance.abs() > FARTHEST {
@@ -218,6 +226,28 @@ pub(crate) struct Refined {
     pub(crate) is_settled: bool,
 }
 
+/// Where a wall is looked up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Place {
+    /// The lower left of the four cells that are nearest to a point.
+    first: IVec2,
+    facing: usize,
+}
+
+impl Place {
+    fn of(at: DVec2, normal: DVec2) -> Place {
+        Place { first: floor(at / CELL - 0.5), facing: facing(normal) }
+    }
+}
+
+/// Middle and normal of the wall at a place, if there is one.
+#[derive(Clone, Copy, Debug, Default)]
+struct Look {
+    /// `None` before the first look.
+    place: Option<Place>,
+    found: Option<(DVec2, DVec2)>,
+}
+
 /// The tile that was looked at last: most neighbours are in the same one.
 struct CachedTile<'a> {
     map: &'a SurfelMap,
@@ -226,10 +256,12 @@ struct CachedTile<'a> {
 }
 
 impl CachedTile<'_> {
-    /// Middle and normal of the wall at a point: over the two cells on each axis that are nearest.
-    fn surfel(&mut self, at: DVec2, normal: DVec2) -> Option<(DVec2, DVec2)> {
-        let facing = facing(normal);
-        let first = (at / CELL - 0.5).floor().as_ivec2();
+    fn look(&mut self, place: Place) -> Look {
+        Look { place: Some(place), found: self.surfel(place) }
+    }
+
+    /// Middle and normal of the wall at a place: over the two cells on each axis that are nearest.
+    fn surfel(&mut self, Place { first, facing }: Place) -> Option<(DVec2, DVec2)> {
         let origin = corner(first);
         let mut all = Surfel::default();
         for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1)] {

@@ -28,10 +28,12 @@ pub enum CellCost {
 
 impl CellCost {
     /// Whether a path may lead through the cell.
+    #[inline]
     pub fn is_passable(self) -> bool {
         self <= CellCost::Tight
     }
 
+    #[inline]
     pub(super) fn of(bits: u8) -> CellCost {
         match bits & 7 {
             0 => CellCost::Open,
