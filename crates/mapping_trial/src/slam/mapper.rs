@@ -11,6 +11,7 @@ use super::scan_insertion::{ScanInserter, is_near};
 use super::surfels::{MATCHED, SurfelMap, WallPoint, wall_points};
 use super::sweep::{FEWEST_ECHOES, Sweep, Sweeper};
 use super::track::{PoseTrack, Variance};
+use super::turn_scale::TurnScale;
 use super::walls::{WALL_GAP, WallPiece, constrained, walls};
 use crate::lidar::{LaserProfile, Scan};
 use crate::map::{Cell, CellIndex, Estimate, OccupancyMap, RESOLUTION};
@@ -49,6 +50,10 @@ const RIGHT_OF_ALL: f64 = 0.2;
 
 /// Share of all of a scan's walls from which no match is needed.
 const CERTAIN: f64 = 0.8;
+
+/// Greatest standard deviation in radians of the drift with which walls hold a heading well enough to measure
+/// the wheels by it.
+const HELD: f64 = 0.01;
 
 /// Of each scan every so many echoes are compared with the map.
 const ECHO_STEP: usize = 4;
@@ -93,6 +98,8 @@ pub(crate) struct Mapper {
     pub(crate) tracks: Vec<PoseTrack>,
     /// The drift of each robot's last keyframe against the map.
     drifts: Vec<Drift>,
+    /// What is known of the turns that each robot's wheels measure; without matching nothing is.
+    wheels: Vec<TurnScale>,
 }
 
 impl Mapper {
@@ -113,6 +120,7 @@ impl Mapper {
             keyframes: Vec::new(),
             tracks: starts.iter().copied().map(PoseTrack::new).collect(),
             drifts: vec![Drift::NONE; starts.len()],
+            wheels: vec![TurnScale::new(); starts.len()],
         }
     }
 
@@ -124,7 +132,8 @@ impl Mapper {
         odometry: Increment,
         scan: Option<&Scan>,
     ) -> Option<Added> {
-        self.tracks.get_mut(robot)?.advance(odometry);
+        let odometry = self.wheels.get_mut(robot)?.correct(odometry);
+        self.tracks[robot].advance(odometry);
         let added = scan.and_then(|scan| self.see(robot, scan));
         self.tracks[robot].record();
         added
@@ -270,6 +279,11 @@ impl Mapper {
             _ => (expected, Vec::new()),
         };
         self.drifts[robot] = if before.is_some() { drift.held(&walls, pose) } else { drift };
+        if self.field.is_some() {
+            let last = before.map_or(pose, |before| self.keyframes[before].pose);
+            let is_held = self.drifts[robot].heading_deviation() <= HELD;
+            self.wheels[robot].keyframe(pose.heading - last.heading, is_held);
+        }
         let variance = before.map_or(Variance::default(), |before| {
             self.variance(before, distance, turned, path, pose, &walls)
         });

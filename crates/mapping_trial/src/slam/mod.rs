@@ -9,7 +9,8 @@
 //!
 //! All of them take a keyframe every 0.3 m or 15 degrees and draw its scan into one
 //! [`OccupancyMap`] that the robots share. In between poses come from the wheels; those that match scans
-//! also correct them by every scan of which most walls are on the map.
+//! also correct them by every scan of which most walls are on the map, and learn the systematic error of
+//! the wheels' turns where walls hold the heading.
 
 mod fusion;
 mod incremental;
@@ -24,6 +25,7 @@ pub mod scan_insertion;
 mod surfels;
 pub mod sweep;
 mod track;
+mod turn_scale;
 mod walls;
 
 use envgen::geometry::Pose;

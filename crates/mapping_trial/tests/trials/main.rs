@@ -10,3 +10,4 @@ mod robots;
 mod slam;
 mod slam_bands;
 mod water;
+mod wheel_errors;
