@@ -168,8 +168,8 @@ pub enum Profile {
     Thesis,
     /// Every place can be reached by the footprint.
     Guaranteed,
-    /// As `guaranteed`, of the requested difficulty as trials measure it: doorways, rooms, clutter, floors and
-    /// materials are drawn.
+    /// As `guaranteed`, of the requested difficulty as trials measure it: doorways, rooms, mazes, clutter, floors
+    /// and materials are drawn.
     Calibrated,
 }
 
