@@ -38,6 +38,9 @@ use clap::Parser;
 use envgen::Seed;
 use envgen::indoor::Profile;
 use indicatif::{ProgressBar, ProgressStyle};
+use mapping_trial::experiment::hazards::{self, Hazard};
+use mapping_trial::experiment::stats::Interval;
+use mapping_trial::experiment::survey::SurveyFolder;
 use mapping_trial::experiment::{Design, Experiment, ExperimentError, Shard, report};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
@@ -117,6 +120,11 @@ struct Arguments {
     ])]
     merge: Vec<PathBuf>,
 
+    /// What moves in the same maps costs this much: doors, people, smoke, or settings of scenarios such as
+    /// people=20. Prints a table of paired differences instead of the report.
+    #[arg(long, value_delimiter = ',', value_parser = Hazard::parse, conflicts_with_all = ["merge", "fresh"])]
+    hazards: Vec<Hazard>,
+
     /// Delete an earlier experiment in the folder first.
     #[arg(long)]
     fresh: bool,
@@ -159,10 +167,13 @@ fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
         return write_report(&experiment, threads);
     }
     let (design, shard) = (arguments.design(), arguments.shard);
+    if !arguments.hazards.is_empty() {
+        return cost(arguments, &design);
+    }
     let begin = if arguments.fresh { Experiment::fresh } else { Experiment::open };
     let mut experiment = begin(&arguments.out, &design, shard)?;
     announce(&experiment);
-    let bar = progress(&experiment);
+    let bar = bar(experiment.trials() as u64, experiment.records().len() as u64);
     let result = experiment.run(threads, &|progress| {
         bar.set_position(progress.done as u64);
         ControlFlow::Continue(())
@@ -173,6 +184,41 @@ fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
         return write_report(&experiment, threads);
     }
     println!("share {shard} is finished: {}", experiment.folder().display());
+    Ok(())
+}
+
+/// Runs the maps with and without each hazard, and prints what each costs.
+#[expect(clippy::print_stdout, reason = "what an example is for")]
+fn cost(arguments: &Arguments, design: &Design) -> Result<(), ExperimentError> {
+    let hazards = &arguments.hazards;
+    let survey = hazards::survey(design, hazards)?;
+    let mut folder = SurveyFolder::open(&arguments.out, &survey, arguments.shard)?;
+    let bar = bar(folder.trials(), folder.records().len() as u64);
+    let result = folder.run(usize::from(arguments.threads), &|progress| {
+        bar.set_position(progress.done);
+        ControlFlow::Continue(())
+    });
+    bar.finish_and_clear();
+    result?;
+    println!(
+        "{:>20} maps  D more             M more             N more             people hit  ghosts",
+        ""
+    );
+    for cost in hazards::costs(&survey, hazards, folder.records()) {
+        let more =
+            |one: Interval| format!("{:+5.2} [{:+.2}, {:+.2}]", one.value, one.low, one.high);
+        println!(
+            "{:>20} {:4}  {} {} {} {:10.1} {:7.1} m^2",
+            cost.hazard,
+            cost.maps,
+            more(cost.difficulty),
+            more(cost.mapping),
+            more(cost.navigation),
+            cost.person_hits,
+            cost.ghost_area
+        );
+    }
+    println!("wrote {}", folder.file().display());
     Ok(())
 }
 
@@ -225,12 +271,12 @@ fn announce(experiment: &Experiment) {
 }
 
 /// A bar with the time left on stderr; nothing if that is not a terminal.
-fn progress(experiment: &Experiment) -> ProgressBar {
+fn bar(trials: u64, finished: u64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let bar = ProgressBar::new(experiment.trials() as u64);
-    bar.set_position(experiment.records().len() as u64);
+    let bar = ProgressBar::new(trials);
+    bar.set_position(finished);
     bar.reset_eta();
     bar.enable_steady_tick(std::time::Duration::from_millis(500));
     match ProgressStyle::with_template("{bar:40} {pos}/{len} trials, {eta} left") {

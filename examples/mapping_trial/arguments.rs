@@ -8,6 +8,7 @@ use envgen::geometry::Pose;
 use envgen::import::ros_map::RosDescription;
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::located::Locate;
+use envgen::scenario::{Scenario, ScenarioSpec};
 use envgen::whole_file::{WholeFile, refuse_inputs};
 use envgen::{Blueprint, Seed, Spec, World, WorldSpec, import};
 use mapping_trial::lidar::LaserProfile;
@@ -120,6 +121,18 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LOG")]
     pub(crate) replay: Option<PathBuf>,
 
+    /// Sets what moves in the world, such as doors=0.5, people=4 or smoke=0.2; may be given several times.
+    #[arg(long = "set", value_name = "NAME=VALUE", conflicts_with = "replay")]
+    settings: Vec<String>,
+
+    /// What moves in the world, in RON.
+    #[arg(long, value_name = "FILE.ron", conflicts_with_all = ["settings", "replay"])]
+    scenario: Option<PathBuf>,
+
+    /// The seed of what moves, if not that of the world.
+    #[arg(long, allow_negative_numbers = true, requires = "settings")]
+    scenario_seed: Option<Seed>,
+
     /// Fill the feedback form of Zwennes (2011) yourself, instead of from measurements.
     #[arg(long)]
     pub(crate) form: bool,
@@ -151,10 +164,29 @@ impl Arguments {
         Ok(spec.generate(self.seed)?.to_world())
     }
 
+    /// What moves in the world; `None` where nothing does.
+    pub(crate) fn scenario(&self, world: &World) -> Result<Option<Scenario>, Box<dyn Error>> {
+        if let Some(path) = &self.scenario {
+            let text = std::fs::read_to_string(path).in_file(path)?;
+            return Ok(Some(Scenario::from_ron(&text).in_file(path)?));
+        }
+        let mut spec = ScenarioSpec::default();
+        for setting in &self.settings {
+            let (name, value) = setting
+                .split_once('=')
+                .ok_or_else(|| format!("--set {setting}: not of the form NAME=VALUE"))?;
+            spec.set(name, value).map_err(|error| format!("--set {setting}: {error}"))?;
+        }
+        if spec.is_still() {
+            return Ok(None);
+        }
+        Ok(Some(Scenario::new(world, &spec, self.scenario_seed.unwrap_or(self.seed))?))
+    }
+
     /// Checks that every output file can be written, and that none is an input.
     pub(crate) fn check_outputs(&self) -> Result<(), Box<dyn Error>> {
         let image = self.map.as_deref().and_then(image_of);
-        let files = [&self.world, &self.map, &image, &self.robot, &self.replay];
+        let files = [&self.world, &self.map, &image, &self.robot, &self.replay, &self.scenario];
         let inputs: Vec<_> = files.into_iter().flatten().collect();
         for name in output::FILES {
             let path = self.out.join(name);

@@ -32,6 +32,7 @@ use bevy_mapping_trial::trial::{replay_headless, run_headless_with};
 use clap::Parser;
 use envgen::World;
 use envgen::located::Locate;
+use envgen::scenario::Scenario;
 use indicatif::{ProgressBar, ProgressStyle};
 use mapping_trial::backend::RobotBackend;
 use mapping_trial::driver::Driver;
@@ -73,6 +74,10 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let Some(path) = &arguments.replay else {
         let world = arguments.world()?;
         let settings = arguments.settings(&world)?;
+        let scenario = arguments.scenario(&world)?;
+        if scenario.is_some() && arguments.engine == RAPIER {
+            return Err("doors, people and smoke move in the engine flat alone".into());
+        }
         // With the time limit that holds, which may depend on the area.
         let settings = Trial::builder(&world, settings).setup()?.settings.clone();
         let driver = arguments.start_driver(&world, &settings)?;
@@ -84,7 +89,7 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             bar.finish_and_clear();
             tell(arguments, &world, &trial, clock)?
         } else {
-            let trial = run_flat(&world, settings, parts, &bar)?;
+            let trial = run_flat(&world, settings, parts, scenario, &bar)?;
             tell(arguments, &world, &trial, clock)?
         };
         if let Some(driver) = driver {
@@ -173,9 +178,14 @@ fn run_flat(
     world: &World,
     settings: TrialSettings,
     parts: TrialParts,
+    scenario: Option<Scenario>,
     bar: &ProgressBar,
 ) -> Result<Trial<FlatSimulator>, Box<dyn Error>> {
-    let mut trial = Trial::builder(world, settings).parts(parts).build_flat()?;
+    let mut builder = Trial::builder(world, settings).parts(parts);
+    if let Some(scenario) = scenario {
+        builder = builder.scenario(scenario);
+    }
+    let mut trial = builder.build_flat()?;
     let mut ticks = 0_u64;
     while trial.step() {
         ticks += 1;

@@ -37,6 +37,7 @@ fn main() {
             distance: 480.0,
             turning: 24.0,
             hits: 0,
+            moving: None,
             recoveries: 0,
             stuck: 0,
             energy_left: 0.0,

@@ -2,6 +2,7 @@
 
 use envgen::Seed;
 use envgen::geometry::Pose;
+use envgen::scenario::ScenarioState;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -82,8 +83,19 @@ pub trait RobotBackend {
     /// The state of a robot now.
     fn condition(&self, robot: usize) -> Condition;
 
-    /// Number of collisions of a robot so far.
+    /// Number of collisions of a robot so far, those with people aside.
     fn hits(&self, robot: usize) -> u32;
+
+    /// Number of collisions of a robot with people so far.
+    fn person_hits(&self, robot: usize) -> u32 {
+        let _ = robot;
+        0
+    }
+
+    /// The doors, people and smoke of its scenario as they are now; `None` where nothing moves.
+    fn scenario(&self) -> Option<&ScenarioState> {
+        None
+    }
 }
 
 /// The sensors of one robot.

@@ -1,13 +1,18 @@
 //! The fast simulator: discs that drive in a world, collide with its solids and slide along them.
 
+mod moving;
+
 use std::sync::Arc;
 
 use envgen::clearance_index::ClearanceIndex;
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use envgen::raycast::{Raycaster, ScanPattern};
+use envgen::scenario::{self, ScenarioState};
 use envgen::surface_index::SurfaceIndex;
 use envgen::{Seed, SpecError, World};
 use glam::DVec2;
+
+use self::moving::{Moving, Rays};
 
 use crate::backend::{Command, Condition, Observation, RobotBackend, Sensors, TICK};
 use crate::lidar::{LaserProfile, UNSEEN};
@@ -62,6 +67,9 @@ pub struct FlatSimulator {
     exact: Vec<f64>,
     /// The beams that end at something too dark to be seen from there, and where.
     unseen: Vec<(usize, f64)>,
+    /// The doors, people and smoke of a scenario.
+    moving: Option<Box<Moving>>,
+    directions: Vec<DVec2>,
 }
 
 struct Disc {
@@ -71,6 +79,7 @@ struct Disc {
     condition: Condition,
     touching: bool,
     hits: u32,
+    person_hits: u32,
     /// Ticks since the last contact.
     clear: u32,
     /// What the wheels measured in the last tick.
@@ -124,6 +133,7 @@ impl FlatSimulator {
             condition: Condition::Operational,
             touching: false,
             hits: 0,
+            person_hits: 0,
             clear: TICKS_BETWEEN_HITS,
             measured: Increment::default(),
             sensors,
@@ -137,11 +147,21 @@ impl FlatSimulator {
             discs: discs.collect(),
             exact: Vec::new(),
             unseen: Vec::new(),
+            moving: None,
+            directions: Vec::new(),
         }
     }
 
-    /// The exact ranges of a robot's scan from a pose.
-    fn scan(&mut self, robot: usize, from: Pose) {
+    /// With everything that moves in a scenario of the same world; draws of smoke follow from the seed. People
+    /// and leaves are solid and seen by lasers, and smoke blinds these.
+    #[must_use]
+    pub fn in_scenario(mut self, state: ScenarioState, seed: Seed) -> Self {
+        self.moving = Some(Box::new(Moving::new(state, &self.laser, seed)));
+        self
+    }
+
+    /// The exact ranges of a robot's scan from a pose. Returns the beams that read 0 in smoke.
+    fn scan(&mut self, robot: usize, from: Pose) -> Vec<usize> {
         let (rays, max_range) = (&self.world.rays, self.laser.max_range);
         self.exact.clear();
         self.unseen.clear();
@@ -152,11 +172,26 @@ impl FlatSimulator {
             }
         }
         self.see_others(robot, from);
+        let zero = self.see_moving(robot, from);
         for &(beam, distance) in &self.unseen {
             if self.exact[beam] >= distance {
                 self.exact[beam] = UNSEEN;
             }
         }
+        zero
+    }
+
+    /// Shortens ranges that end at a leaf or a person, and applies smoke. Returns the beams that then read 0.
+    fn see_moving(&mut self, robot: usize, from: Pose) -> Vec<usize> {
+        let Some(moving) = &mut self.moving else { return Vec::new() };
+        let beams = 0..self.exact.len();
+        self.directions.clear();
+        self.directions
+            .extend(beams.map(|beam| unit_vector(from.heading + self.laser.angle(beam))));
+        let (from, max_range) = (from.position, self.laser.max_range);
+        let rays = Rays { from, directions: &self.directions, max_range };
+        moving.shorten(&rays, &mut self.exact);
+        moving.dim((robot, self.ticks), &rays, &mut self.exact)
     }
 
     /// Shortens ranges that end at another robot.
@@ -175,36 +210,43 @@ impl FlatSimulator {
         }
     }
 
-    /// The final position of a disc that moves to `to`, and whether it touches something.
-    fn slide(&self, robot: usize, from: DVec2, to: DVec2) -> (DVec2, bool) {
+    /// The final position of a disc that moves to `to`, and what it touches.
+    fn slide(&self, robot: usize, from: DVec2, to: DVec2) -> (DVec2, Option<Touched>) {
         let radius = self.robot.circumscribed_radius;
         let mut at = to;
-        let mut touching = false;
+        let mut touching = None;
         let mut deepest = 0.0;
         for _ in 0..PUSHES {
             deepest = 0.0;
             let mut push = DVec2::ZERO;
-            let mut press = |toward: DVec2, gap: f64| {
+            let mut nearest = Touched::Solid;
+            let mut press = |toward: DVec2, gap: f64, what: Touched| {
                 let depth = radius - gap;
                 if depth > deepest {
                     deepest = depth;
+                    nearest = what;
                     // A centre on an outline is pushed back to where it came from.
                     let away = (at - toward).try_normalize();
                     push = away.or((from - at).try_normalize()).unwrap_or(DVec2::ZERO) * depth;
                 }
             };
-            self.world.near.contacts(at, radius, |c| press(c.point, c.distance));
+            self.world.near.contacts(at, radius, |c| press(c.point, c.distance, Touched::Solid));
             for (i, other) in self.discs.iter().enumerate() {
                 let middle = other.pose.position;
                 let gap = at.distance(middle) - radius;
                 if i != robot {
-                    press(middle, gap);
+                    press(middle, gap, Touched::Solid);
                 }
+            }
+            if let Some(moving) = &self.moving {
+                moving.press(at, |point, gap, is_person| {
+                    press(point, gap, if is_person { Touched::Person } else { Touched::Solid });
+                });
             }
             if deepest <= 0.0 {
                 break;
             }
-            touching = true;
+            touching = touching.max(Some(nearest));
             at += push;
         }
         // Wedged: it stays, unless it was no better before.
@@ -213,7 +255,7 @@ impl FlatSimulator {
         }
         let ground = self.world.grounds.at(at);
         if ground.speed == 0.0 && !ground.water {
-            return (from, true);
+            return (from, Some(Touched::Solid));
         }
         (at, touching)
     }
@@ -222,9 +264,12 @@ impl FlatSimulator {
     fn depth(&self, robot: usize, at: DVec2) -> f64 {
         let radius = self.robot.circumscribed_radius;
         let others = self.discs.iter().enumerate().filter(|&(i, _)| i != robot);
-        let gap = others
+        let mut gap = others
             .map(|(_, other)| at.distance(other.pose.position) - radius)
             .fold(self.world.near.clearance(at), f64::min);
+        if let Some(moving) = &self.moving {
+            moving.press(at, |_, distance, _| gap = gap.min(distance));
+        }
         (radius - gap).max(0.0)
     }
 
@@ -242,11 +287,12 @@ impl FlatSimulator {
 
         let turn = turn_rate * TICK;
         let ahead = unit_vector(from.heading + 0.5 * turn);
-        let (position, touching) =
+        let (position, touched) =
             self.slide(robot, from.position, from.position + ahead * speed * TICK);
         let distance = (position - from.position).dot(ahead);
         let water = self.world.grounds.at(position).water;
 
+        let touching = touched.is_some();
         let disc = &mut self.discs[robot];
         disc.pose = Pose { position, heading: wrap_angle(from.heading + turn) };
         disc.turn_rate = turn_rate;
@@ -254,8 +300,12 @@ impl FlatSimulator {
         disc.speed = if touching { distance / TICK } else { speed };
         let rolled = Increment { distance: ground.rolled(distance), turn };
         disc.measured = disc.sensors.odometry.measure(rolled, ground.odometry_noise);
-        if touching && disc.clear >= TICKS_BETWEEN_HITS {
-            disc.hits += 1;
+        if disc.clear >= TICKS_BETWEEN_HITS {
+            match touched {
+                Some(Touched::Solid) => disc.hits += 1,
+                Some(Touched::Person) => disc.person_hits += 1,
+                None => {}
+            }
         }
         disc.clear = if touching { 0 } else { disc.clear.saturating_add(1) };
         disc.touching = touching;
@@ -263,6 +313,13 @@ impl FlatSimulator {
             disc.condition = Condition::Drowned;
         }
     }
+}
+
+/// What a disc touches: a wall counts where it touches both.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Touched {
+    Person,
+    Solid,
 }
 
 impl RobotBackend for FlatSimulator {
@@ -275,8 +332,15 @@ impl RobotBackend for FlatSimulator {
         let due = self.ticks.is_multiple_of(self.laser.ticks_a_scan);
         let scan = due.then(|| {
             let from = self.robot.laser_pose(self.discs[robot].pose);
-            self.scan(robot, from);
-            self.discs[robot].sensors.laser.measure(&self.exact)
+            let zero = self.scan(robot, from);
+            let mut scan = self.discs[robot].sensors.laser.measure(&self.exact);
+            for beam in zero {
+                // A sensor of one's own may give fewer ranges.
+                if let Some(range) = scan.ranges.get_mut(beam) {
+                    *range = 0.0;
+                }
+            }
+            scan
         });
         let FlatWorld { rays, grounds, .. } = &*self.world;
         let disc = &self.discs[robot];
@@ -299,6 +363,15 @@ impl RobotBackend for FlatSimulator {
                 self.discs[robot].measured = Increment::default();
             }
         }
+        if let Some(moving) = &mut self.moving {
+            let radius = self.robot.circumscribed_radius;
+            let robots = self.discs.iter().map(|disc| scenario::Robot {
+                position: disc.pose.position,
+                velocity: unit_vector(disc.pose.heading) * disc.speed,
+                radius,
+            });
+            moving.step(&robots.collect::<Vec<_>>());
+        }
         self.ticks += 1;
     }
 
@@ -312,6 +385,14 @@ impl RobotBackend for FlatSimulator {
 
     fn hits(&self, robot: usize) -> u32 {
         self.discs[robot].hits
+    }
+
+    fn person_hits(&self, robot: usize) -> u32 {
+        self.discs[robot].person_hits
+    }
+
+    fn scenario(&self) -> Option<&ScenarioState> {
+        self.moving.as_ref().map(|moving| moving.state())
     }
 }
 

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use envgen::raycast::ScanPattern;
+use envgen::scenario::{SmokeProfile, smoke};
 use envgen::{Seed, SpecError, settings};
 
 /// Random numbers per beam, used or not, so that a beam's errors do not depend on other beams.
@@ -20,6 +21,9 @@ pub const NO_ECHO: f64 = f64::INFINITY;
 /// infinity. A real laser misses very dark walls altogether; here it always notices them within its
 /// greatest range.
 pub const UNSEEN: f64 = f64::NAN;
+
+/// Range in metres that SICK's LMS 200 has without smoke, to bright walls: more than it reports.
+const SICK_RANGE: f64 = 30.0;
 
 /// Least difference in metres between neighbouring ranges at which a beam can hit both.
 const MIXED_PIXEL_JUMP: f64 = 0.3;
@@ -82,6 +86,21 @@ impl LaserProfile {
         ..LaserProfile::LMS200_MM
     };
 
+    /// How it measures in smoke. Lasers of at most 180 degrees are taken for a SICK, which would see 30 m or its
+    /// `max_range` without smoke, others for a Hokuyo, which would see its `max_range`.
+    pub fn in_smoke(&self, profile: SmokeProfile) -> smoke::Laser {
+        let is_sick = self.field_of_view <= PI;
+        match profile {
+            SmokeProfile::Physical => {
+                let power_range =
+                    if is_sick { self.max_range.max(SICK_RANGE) } else { self.max_range };
+                smoke::Laser::Physical { power_range }
+            }
+            SmokeProfile::Usarsim if is_sick => smoke::Laser::Sick,
+            SmokeProfile::Usarsim => smoke::Laser::Hokuyo { budget: smoke::Laser::HOKUYO_BUDGET },
+        }
+    }
+
     /// Checks every number.
     ///
     /// # Errors
@@ -110,7 +129,7 @@ impl LaserProfile {
 
 /// The ranges of one scan in metres, beam by beam from right to left. As in REP 117 of ROS,
 /// [`NO_ECHO`] is a beam without echo within the greatest range, and NaN is a beam to be
-/// ignored.
+/// ignored, as is a range of 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scan {
     /// One range per beam.

@@ -74,7 +74,7 @@ struct LaserNumbers {
 impl Hello {
     /// What a driver is sent before a trial.
     pub fn new(setup: &Setup<'_>) -> Self {
-        let Setup { settings, starts, area } = setup;
+        let Setup { settings, starts, area, .. } = setup;
         let TrialSettings { body: robot, laser, time_limit, .. } = settings;
         Hello {
             protocol: PROTOCOL,

@@ -54,7 +54,12 @@ fn area() -> Rect {
 
 fn hello(robots: usize) -> Hello {
     let starts = vec![Pose::new(1.0, 2.0, 0.5); robots];
-    Hello::new(&Setup { settings: &TrialSettings::default(), starts: &starts, area: area() })
+    Hello::new(&Setup {
+        settings: &TrialSettings::default(),
+        starts: &starts,
+        area: area(),
+        scenario: None,
+    })
 }
 
 /// The decision of a policy on an observation at a pose.

@@ -13,6 +13,7 @@
 //! | a folder of records that survives interrupts | [`Experiment`] |
 //! | the statistics | [`stats`] |
 //! | tables and the report | [`table`], [`report`] |
+//! | what doors, people and smoke cost | [`hazards`] |
 //! | trials in worlds of any kind, under any conditions | [`survey`] |
 //!
 //! A finished experiment is the same to the last byte whether it ran on one thread or many, at
@@ -20,6 +21,7 @@
 
 mod design;
 mod error;
+pub mod hazards;
 mod head;
 pub(crate) mod lines;
 mod record;

@@ -9,6 +9,7 @@ mod raster;
 mod reference;
 mod rows;
 mod score_1;
+mod swept;
 mod walls;
 mod weights;
 
@@ -23,9 +24,10 @@ use self::raster::Raster;
 pub use self::reference::Reference;
 pub use self::rows::ScoreRow;
 pub use self::score_1::Score1;
+pub use self::swept::SweptCells;
 pub use self::weights::{Difficulties, Sensitivity, Weights, kendall_tau, sensitivity};
 use crate::map::OccupancyMap;
-use crate::truth::MappableArea;
+use crate::truth::{MappableArea, SCORE_CELL};
 
 /// Distances in metres up to which a wall counts as mapped in its place.
 const TOLERANCES: [f64; 2] = [0.30, 0.15];
@@ -60,8 +62,11 @@ pub struct RunSummary<'a> {
     pub distance: f64,
     /// Turning of all robots in radians, left and right added.
     pub turning: f64,
-    /// Number of collisions of all robots.
+    /// Number of collisions of all robots, those with people aside.
     pub hits: u32,
+    /// Where people and leaves were, and the number of collisions of all robots with people; `None` where
+    /// nothing moves.
+    pub moving: Option<(&'a SweptCells, u32)>,
     /// Number of recoveries of all robots.
     pub recoveries: u32,
     /// Number of robots that were stuck for good, or lost in water.
@@ -128,6 +133,19 @@ pub enum ScoreError {
         /// Its value.
         value: f64,
     },
+}
+
+/// What a run shows of people and doors. Where one of them was for more than a twentieth of the time, the map
+/// is neither right nor wrong: those cells count in no precision and no recall.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MovingScores {
+    /// Number of collisions with people.
+    pub person_hits: u32,
+    /// Area in square metres where people and leaves were for more than a twentieth of the time.
+    pub swept_area: f64,
+    /// Area in square metres of that which the map shows as occupied: ghosts of people, and leaves.
+    pub ghost_area: f64,
 }
 
 /// The scores of a run.
@@ -213,6 +231,9 @@ pub struct Scores {
     pub energy_left: f64,
     /// The same run by the older score, which the thesis's replay compares with.
     pub score_1: Score1,
+    /// What concerns people and doors; absent where nothing moves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moving: Option<MovingScores>,
 }
 
 impl Scores {
@@ -223,7 +244,8 @@ impl Scores {
     pub fn of(truth: &Reference, run: &RunSummary<'_>) -> Result<Scores, ScoreError> {
         check(run)?;
         let raster = Raster::of(truth, run.map);
-        let walls = walls::compare(truth, truth.runs(), &raster, TOLERANCES);
+        let swept = run.moving.map(|(swept, _)| swept);
+        let walls = walls::compare(truth, truth.runs(), &raster, swept, TOLERANCES);
         let [f1_30, f1_15] = [0, 1].map(|i| harmonic(walls.precision[i], walls.recall[i]));
         let coverage = coverage(truth, &raster);
         let [navigability, with_margin] = navigability::navigability(truth, truth.trips(), run.map);
@@ -279,6 +301,11 @@ impl Scores {
             stuck: run.stuck,
             energy_left: run.energy_left,
             score_1,
+            moving: run.moving.map(|(swept, person_hits)| MovingScores {
+                person_hits,
+                swept_area: swept.area(),
+                ghost_area: ghost_area(&raster, swept),
+            }),
         })
     }
 
@@ -317,6 +344,16 @@ fn check(run: &RunSummary<'_>) -> Result<(), ScoreError> {
         Some((field, value)) => Err(ScoreError::Number { field, value }),
         None => Ok(()),
     }
+}
+
+/// Area in square metres that the map shows as occupied where people or leaves were.
+fn ghost_area(raster: &Raster, swept: &SweptCells) -> f64 {
+    let occupied = raster.occupied.iter().enumerate().filter(|(_, occupied)| **occupied);
+    let ghosts = occupied.filter(|(cell, _)| {
+        let (col, row) = raster.frame.place(*cell);
+        swept.is_moving(col, row)
+    });
+    ghosts.count() as f64 * SCORE_CELL * SCORE_CELL
 }
 
 /// `C = |E_f and F| / |F|`.

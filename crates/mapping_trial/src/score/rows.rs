@@ -47,6 +47,15 @@ impl Scores {
             ("relative error", some(self.relative_error_near), "over 1 m"),
             ("relative error, far", some(self.relative_error_far), "over 20 m"),
         ];
-        rows.into_iter().map(|(name, value, meaning)| ScoreRow { name, value, meaning }).collect()
+        let moving = self.moving.iter().flat_map(|moving| {
+            let area = |area: f64| format!("{area:.1} m^2");
+            [
+                ("collisions with people", moving.person_hits.to_string(), "not among the others"),
+                ("swept area", area(moving.swept_area), "by people and doors, not scored"),
+                ("ghosts", area(moving.ghost_area), "of the swept area shown as occupied"),
+            ]
+        });
+        let rows = rows.into_iter().chain(moving);
+        rows.map(|(name, value, meaning)| ScoreRow { name, value, meaning }).collect()
     }
 }

@@ -34,6 +34,7 @@ pub(super) fn run(map: &OccupancyMap) -> RunSummary<'_> {
         distance: 0.0,
         turning: 0.0,
         hits: 0,
+        moving: None,
         recoveries: 0,
         stuck: 0,
         energy_left: 1200.0,

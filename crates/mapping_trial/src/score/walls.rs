@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::raster::Raster;
+use super::swept::SweptCells;
 use crate::map::{CellIndex, OccupancyMap, RESOLUTION};
 use crate::truth::{MappableArea, SCORE_CELL, WallPoint};
 use envgen::distance::{FAR_SQUARED, squared_distances};
@@ -29,17 +30,21 @@ pub(super) struct WallScores {
     pub(super) ghosting: f64,
 }
 
-/// Compares with two tolerances in metres.
+/// Compares with two tolerances in metres; cells in which something moved do not count.
 pub(super) fn compare(
     truth: &MappableArea,
     runs: &[u8],
     raster: &Raster,
+    swept: Option<&SweptCells>,
     tolerances: [f64; 2],
 ) -> WallScores {
     let (mut found, mut mapped) = (Tally::new(tolerances), Tally::new(tolerances));
     // Of the map: how far is the nearest true wall?
     for (cell, _) in raster.occupied.iter().enumerate().filter(|(_, occupied)| **occupied) {
         let (col, row) = raster.frame.place(cell);
+        if swept.is_some_and(|swept| swept.is_moving(col, row)) {
+            continue;
+        }
         let squared = truth.frame().cell(col, row).map(|cell| truth.wall_distance()[cell]);
         mapped.add(squared.unwrap_or(FAR_SQUARED));
     }
@@ -48,7 +53,8 @@ pub(super) fn compare(
     }
     // Of the world: how far is the nearest wall of the map?
     let distance = squared_distances(raster.frame.cols, &raster.occupied);
-    for point in truth.walls() {
+    let is_moving = |p: DVec2| swept.is_some_and(|swept| swept.is_moving_at(p));
+    for point in truth.walls().iter().filter(|point| !is_moving(point.position)) {
         found.add(match raster.frame.cell_at(point.position) {
             Some(cell) => distance[cell],
             // Beyond the map nothing is nearer than its border.

@@ -65,7 +65,8 @@ impl Sweeper {
         self.laser
     }
 
-    /// The points of a scan. Ranges that are NaN or negative are ignored, as are those beyond the
+    /// The points of a scan. Ranges that are NaN, negative, or 0, which a Hokuyo gives for an error, are ignored, as
+    /// are those beyond the
     /// laser's number of beams.
     pub fn sweep(&self, scan: &Scan) -> Sweep {
         let mut sweep = Sweep::default();
@@ -74,7 +75,7 @@ impl Sweeper {
             let point = |r: f64| (self.laser.position + direction * r).as_vec2();
             if range == NO_ECHO || range > self.max_range {
                 sweep.clear.push(point(self.max_range));
-            } else if range >= 0.0 {
+            } else if range > 0.0 {
                 sweep.echoes.push(point(range));
             }
         }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use envgen::World;
 use envgen::geometry::Pose;
+use envgen::scenario::{Scenario, ScenarioState};
 
 use super::clock::Clock;
 use super::log::{CommandTrack, WorldSource};
@@ -16,7 +17,7 @@ use crate::flat::{FlatSimulator, FlatWorld};
 use crate::lidar::LaserSensor;
 use crate::odometry::WheelSensor;
 use crate::policy::ExplorationPolicy;
-use crate::score::Reference;
+use crate::score::{Reference, SweptCells};
 use crate::slam::Slam;
 use crate::truth::MappableArea;
 
@@ -58,6 +59,7 @@ pub struct TrialBuilder<'w> {
     /// Area in square metres that can be mapped, if it is known.
     area: Option<f64>,
     source: Option<WorldSource>,
+    scenario: Option<Scenario>,
 }
 
 impl<'w> TrialBuilder<'w> {
@@ -70,7 +72,16 @@ impl<'w> TrialBuilder<'w> {
             starts: Vec::new(),
             area: None,
             source: None,
+            scenario: None,
         }
+    }
+
+    /// With doors, people and smoke. A backend of your own has them in [`Setup::scenario`], and gives their state
+    /// by [`RobotBackend::scenario`].
+    #[must_use]
+    pub fn scenario(mut self, scenario: Scenario) -> Self {
+        self.scenario = Some(scenario);
+        self
     }
 
     /// With an estimator of your own.
@@ -162,7 +173,7 @@ impl<'w> TrialBuilder<'w> {
             self.settings.limit_time(area);
         }
         let TrialBuilder { settings, starts, world, .. } = self;
-        Ok(Setup { settings, starts, area: world.bounds })
+        Ok(Setup { settings, starts, area: world.bounds, scenario: None })
     }
 
     /// The area in square metres that can be mapped from a start.
@@ -190,7 +201,11 @@ impl<'w> TrialBuilder<'w> {
     pub fn build_flat_in(self, flat: Arc<FlatWorld>) -> Result<Trial<FlatSimulator>, TrialError> {
         self.build(|setup, sensors| {
             let TrialSettings { body, laser, .. } = setup.settings;
-            FlatSimulator::with_sensors(flat, body, setup.starts, laser, sensors)
+            let robots = FlatSimulator::with_sensors(flat, body, setup.starts, laser, sensors);
+            match setup.scenario {
+                Some(state) => robots.in_scenario(state.clone(), setup.settings.seed),
+                None => robots,
+            }
         })
     }
 
@@ -205,8 +220,15 @@ impl<'w> TrialBuilder<'w> {
         place: impl FnOnce(&Setup<'_>, Vec<Sensors>) -> B,
     ) -> Result<Trial<B>, TrialError> {
         self.setup()?;
-        let TrialBuilder { world, parts, settings, starts, source, .. } = &mut self;
-        let setup = Setup { settings, starts, area: world.bounds };
+        let TrialBuilder { world, parts, settings, starts, source, scenario, .. } = &mut self;
+        let mut moving = None;
+        if let Some(scenario) = scenario.take() {
+            MappableArea::check_size(world)?;
+            let state = ScenarioState::new(world, &scenario)?;
+            moving = Some((scenario, state));
+        }
+        let state = moving.as_ref().map(|(_, state)| state);
+        let setup = Setup { settings, starts, area: world.bounds, scenario: state };
         let slam = parts.make_slam(&setup);
         let policy = parts.make_policy(&setup);
         let sensors: Vec<Sensors> =
@@ -238,6 +260,8 @@ impl<'w> TrialBuilder<'w> {
             commands: vec![CommandTrack::default(); starts.len()],
             script: None,
             over: false,
+            scenario: moving
+                .map(|(scenario, _)| Box::new((scenario, SweptCells::new(world.bounds)))),
             starts: self.starts,
             settings: self.settings,
         })

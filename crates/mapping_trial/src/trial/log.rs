@@ -3,6 +3,7 @@
 use std::io::{Read, Write};
 
 use envgen::reproduction::{Reproduction, reproduce};
+use envgen::scenario::Scenario;
 use envgen::world::{Digest, Violation};
 use envgen::{Provenance, SpecError, World, WorldSpec};
 use serde::{Deserialize, Serialize};
@@ -111,6 +112,9 @@ pub struct TrialLog {
     /// are plugged in again. A policy's commands are in the log.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foreign: Vec<ForeignPart>,
+    /// The doors, people and smoke; absent where nothing moved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scenario: Option<Scenario>,
     commands: Vec<CommandTrack>,
     /// Why and when each robot's part ended; `None` if it had not ended.
     pub ends: Vec<Option<RobotEnd>>,
@@ -265,7 +269,11 @@ impl TrialLog {
         }
         // The log replaces the policy, but the settings still name it.
         let settings = TrialSettings { policy: None, ..self.settings.clone() };
-        let mut trial = build(TrialBuilder::new(world, settings))?;
+        let mut builder = TrialBuilder::new(world, settings);
+        if let Some(scenario) = &self.scenario {
+            builder = builder.scenario(scenario.clone());
+        }
+        let mut trial = build(builder)?;
         trial.settings.policy = self.settings.policy;
         trial.foreign = self.foreign.clone();
         trial.source = self.world.clone();
@@ -321,6 +329,7 @@ impl<B: RobotBackend> Trial<B> {
             settings: self.settings.clone(),
             engine: self.bodies.engine().to_owned(),
             foreign: self.foreign.clone(),
+            scenario: self.scenario().cloned(),
             commands: self.commands.clone(),
             ends: self.ends.clone(),
             recoveries: (0..self.robots()).map(|robot| self.recoveries(robot)).collect(),

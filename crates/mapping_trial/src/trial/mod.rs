@@ -11,6 +11,7 @@ mod start;
 mod summary;
 
 use envgen::geometry::{Pose, wrap_angle};
+use envgen::scenario::Scenario;
 use envgen::{GenerateError, SettingsError, SpecError, World};
 use thiserror::Error;
 
@@ -28,8 +29,11 @@ use crate::autonomy::Autonomy;
 use crate::backend::{Command, Condition, RobotBackend};
 use crate::flat::FlatSimulator;
 use crate::policy::{Decision, ExplorationPolicy};
-use crate::score::{self, Reference, ScoreError, Scores};
+use crate::score::{self, Reference, ScoreError, Scores, SweptCells};
 use crate::truth::MappableAreaError;
+
+/// Ticks between two looks at where people and leaves are.
+const TICKS_PER_SAMPLE: u64 = 10;
 
 /// Why a trial cannot begin.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -145,6 +149,8 @@ pub struct Trial<B> {
     /// What a replayed log knows of its policy.
     script: Option<log::Script>,
     over: bool,
+    /// What moves in the world, and where it was.
+    scenario: Option<Box<(Scenario, SweptCells)>>,
 }
 
 impl Trial<FlatSimulator> {
@@ -248,6 +254,16 @@ impl<B: RobotBackend> Trial<B> {
             track.turning += wrap_angle(pose.heading - last.heading).abs();
             track.poses.push(pose);
         }
+        if let (Some(moving), Some(state)) = (&mut self.scenario, self.bodies.scenario())
+            && self.clock.ticks().is_multiple_of(TICKS_PER_SAMPLE)
+        {
+            moving.1.add(state);
+        }
+    }
+
+    /// What moves in its world; `None` where nothing does.
+    pub fn scenario(&self) -> Option<&Scenario> {
+        self.scenario.as_ref().map(|moving| &moving.0)
     }
 
     /// Ends the trial for every robot whose part has not ended yet.
@@ -399,6 +415,10 @@ impl<B: RobotBackend> Trial<B> {
                 distance: self.tracks.iter().map(|track| track.distance).sum(),
                 turning: self.tracks.iter().map(|track| track.turning).sum(),
                 hits: robots.clone().map(|robot| self.bodies.hits(robot)).sum(),
+                moving: self.scenario.as_ref().map(|moving| {
+                    let hits = robots.clone().map(|robot| self.bodies.person_hits(robot)).sum();
+                    (&moving.1, hits)
+                }),
                 recoveries: robots.map(|robot| self.recoveries(robot)).sum(),
                 stuck: self.ends.iter().filter(lost).count() as u32,
                 energy_left: (self.settings.body.battery - self.time()).max(0.0),

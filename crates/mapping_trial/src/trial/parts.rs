@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use envgen::geometry::{Pose, Rect};
+use envgen::scenario::ScenarioState;
 use serde::{Deserialize, Serialize};
 
 use super::TrialSettings;
@@ -21,6 +22,9 @@ pub struct Setup<'a> {
     pub starts: &'a [Pose],
     /// The area to map, in the map's frame: the bounds of the world.
     pub area: Rect,
+    /// The doors, people and smoke at the start, for the robot backend; `None` where nothing moves. Other parts
+    /// are not given it.
+    pub scenario: Option<&'a ScenarioState>,
 }
 
 /// The role of a part in a trial.

@@ -1,5 +1,6 @@
 //! The report of a trial, as it is written to a file.
 
+use envgen::scenario::Scenario;
 use envgen::{Provenance, World};
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +31,9 @@ pub struct TrialReport {
     pub settings: TrialSettings,
     /// What each robot did.
     pub robots: Vec<RobotReport>,
+    /// The doors, people and smoke; absent where nothing moved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scenario: Option<Scenario>,
     /// The parts that were plugged in, in place of those that the settings name.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foreign: Vec<ForeignPart>,
@@ -96,6 +100,7 @@ impl<B: RobotBackend> Trial<B> {
             log_digest: self.log().digest().to_string(),
             settings: self.settings().clone(),
             robots: (0..self.robots()).map(robot).collect(),
+            scenario: self.scenario().cloned(),
             foreign: self.foreign().to_vec(),
             failure: self.failure().map(str::to_owned),
             scores,

@@ -1,5 +1,6 @@
 //! Which trials a survey is made of.
 
+use envgen::scenario::ScenarioSpec;
 use envgen::settings::Setting;
 use envgen::{Seed, SettingsError, SpecError, WorldSpec};
 use ron::extensions::Extensions;
@@ -97,6 +98,9 @@ pub struct Condition {
     pub time_limit: f64,
     /// Time limit in seconds per square metre that can be mapped, in place of `time_limit`.
     pub time_per_area: Option<f64>,
+    /// The doors, people and smoke, drawn with the seed of the world.
+    #[serde(skip_serializing_if = "ScenarioSpec::is_still")]
+    pub scenario: ScenarioSpec,
 }
 
 impl Default for Condition {
@@ -111,6 +115,7 @@ impl Default for Condition {
             robot: settings.body,
             time_limit: settings.time_limit,
             time_per_area: settings.time_per_area,
+            scenario: ScenarioSpec::default(),
         }
     }
 }
@@ -168,6 +173,7 @@ impl Condition {
             ..TrialSettings::default()
         };
         settings.validate()?;
+        self.scenario.validate().map_err(|error| error.within("scenario"))?;
         Ok(settings)
     }
 }

@@ -205,11 +205,10 @@ fn record(
     noise: u32,
 ) -> Record {
     let noise_seed = Survey::noise_seed(map, noise);
-    let settings = survey.conditions[condition as usize].settings(noise_seed);
     let outcome = site
         .as_ref()
         .map_err(|error| error.clone())
-        .and_then(|site| site.run(settings.map_err(|error| error.to_string())?));
+        .and_then(|site| site.run(&survey.conditions[condition as usize], noise_seed));
     let (world_seed, number) = (map.seed, map.number);
     let empty =
         Record { map: number, condition, noise, world_seed, noise_seed, ..Record::default() };

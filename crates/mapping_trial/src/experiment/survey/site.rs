@@ -2,12 +2,14 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use envgen::World;
+use envgen::scenario::Scenario;
+use envgen::{Seed, World};
 
+use super::design::Condition;
 use crate::flat::FlatWorld;
 use crate::robot::Robot;
 use crate::score::{Reference, Scores};
-use crate::trial::{EndReason, Trial, TrialSettings, WorldSource};
+use crate::trial::{EndReason, Trial, WorldSource};
 
 /// A world, and for each robot that drives in it the indexed world and the reference.
 pub(crate) struct Site {
@@ -36,14 +38,18 @@ impl Site {
         Site { world, source, robots: Mutex::default() }
     }
 
-    /// Runs a trial to its end, or says why it cannot run.
-    pub(crate) fn run(&self, settings: TrialSettings) -> Result<Outcome, String> {
+    /// Runs a trial under a condition to its end, or says why it cannot run.
+    pub(crate) fn run(&self, condition: &Condition, noise: Seed) -> Result<Outcome, String> {
+        let settings = condition.settings(noise).map_err(|error| error.to_string())?;
         let Indexed { flat, reference } = self.indexed(&settings.body)?;
-        let mut trial = Trial::builder(&self.world, settings)
-            .source(self.source.clone())
-            .reference(&reference)
-            .build_flat_in(flat)
-            .map_err(|error| error.to_string())?;
+        let mut builder =
+            Trial::builder(&self.world, settings).source(self.source.clone()).reference(&reference);
+        if !condition.scenario.is_still() {
+            let seed = self.world.provenance.seed.unwrap_or_default();
+            let scenario = Scenario::new(&self.world, &condition.scenario, seed);
+            builder = builder.scenario(scenario.map_err(|error| error.to_string())?);
+        }
+        let mut trial = builder.build_flat_in(flat).map_err(|error| error.to_string())?;
         while trial.step() {}
         Ok(Outcome {
             log_digest: trial.log().digest().to_string(),

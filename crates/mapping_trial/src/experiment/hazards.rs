@@ -1,0 +1,238 @@
+//! What doors, people and smoke cost: the same trials with and without them.
+//!
+//! Every world is mapped under every condition without anything that moves, and with each hazard alone, all with
+//! the same sensor noise. The cost of a hazard is the mean paired difference of a score.
+
+use std::collections::BTreeMap;
+
+use envgen::scenario::ScenarioSpec;
+use envgen::{Seed, SpecError};
+use serde::Serialize;
+
+use super::design::{Design, operator_name};
+use super::stats::{Interval, bootstrap};
+use super::survey::{Condition, Family, Record, Survey};
+use crate::names::Named;
+use crate::score::Scores;
+
+/// Something that moves in a world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hazard {
+    /// Its name in tables: the setting with its value.
+    pub name: String,
+    /// What moves.
+    pub scenario: ScenarioSpec,
+}
+
+/// The hazards that have a usual amount, by the name of their setting.
+const USUAL: [(&str, &str); 3] = [("doors", "0.5"), ("people", "8"), ("smoke", "0.3")];
+
+/// What a hazard costs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HazardCost {
+    /// Name of the hazard.
+    pub hazard: String,
+    /// Number of worlds.
+    pub maps: usize,
+    /// Mean difference of D from the same trials without the hazard, with its interval over worlds.
+    pub difficulty: Interval,
+    /// The same of M.
+    pub mapping: Interval,
+    /// The same of N.
+    pub navigation: Interval,
+    /// Mean number of collisions with people in a trial.
+    pub person_hits: f64,
+    /// Mean area in square metres of ghosts on a map.
+    pub ghost_area: f64,
+}
+
+impl Hazard {
+    /// A hazard from its name, such as `doors`, or from a setting of scenarios and its value, such as `doors=1` or
+    /// `people=20`.
+    ///
+    /// # Errors
+    /// When there is no such setting, or the value is not allowed.
+    pub fn parse(text: &str) -> Result<Self, SpecError> {
+        let usual = || USUAL.into_iter().find(|(name, _)| *name == text);
+        let Some((name, value)) = text.split_once('=').or_else(usual) else {
+            let names = USUAL.map(|(name, _)| name).join(", ");
+            let allowed =
+                format!("one of {names}, or a setting of scenarios and its value, as doors=1");
+            return Err(SpecError::new("hazards", text, allowed));
+        };
+        let mut scenario = ScenarioSpec::default();
+        scenario.set(name, value)?;
+        Ok(Hazard { name: format!("{name}={value}"), scenario })
+    }
+}
+
+/// The survey of a design's maps and operators without hazards and with each of them.
+///
+/// # Errors
+/// A laser or wheels that have no name.
+pub fn survey(design: &Design, hazards: &[Hazard]) -> Result<Survey, SpecError> {
+    let named = |field: &str, name: Option<&str>| {
+        name.map(str::to_owned).ok_or_else(|| {
+            SpecError::new(field, "numbers of your own", "a profile that has a name")
+        })
+    };
+    let laser = named("laser", design.laser.name())?;
+    let odometry = named("odometry", design.odometry.name())?;
+    let mut conditions = Vec::new();
+    for (name, scenario) in std::iter::once(("nothing moves", ScenarioSpec::default()))
+        .chain(hazards.iter().map(|hazard| (hazard.name.as_str(), hazard.scenario.clone())))
+    {
+        for &operator in &design.operators {
+            conditions.push(Condition {
+                name: format!("{name}, {}", operator_name(operator)),
+                operator,
+                slam: design.slam,
+                laser: laser.clone(),
+                odometry: odometry.clone(),
+                time_limit: design.time_limit,
+                time_per_area: design.time_per_area,
+                scenario: scenario.clone(),
+                ..Condition::default()
+            });
+        }
+    }
+    let families = design.levels.iter().enumerate().map(|(i, &level)| Family {
+        name: format!("level {level}"),
+        spec: design.spec(level).into(),
+        maps: design.maps,
+        first_seed: design.seed.offset(1000 * (i as u64 + 1)),
+    });
+    let (families, noise_seeds) = (families.collect(), design.noise_seeds);
+    Ok(Survey { families, conditions, noise_seeds })
+}
+
+/// What each hazard costs, from the records of the [`survey()`]; nothing of hazards for which no world has the
+/// trials both with and without it.
+pub fn costs<'a>(
+    survey: &Survey,
+    hazards: &[Hazard],
+    records: impl IntoIterator<Item = &'a Record>,
+) -> Vec<HazardCost> {
+    let operators = survey.conditions.len() / (hazards.len() + 1);
+    let mut scores: BTreeMap<(u32, u32, u32), &Scores> = BTreeMap::new();
+    for record in records {
+        if let Some(found) = &record.scores {
+            scores.insert((record.map, record.condition, record.noise), found);
+        }
+    }
+    hazards
+        .iter()
+        .enumerate()
+        .filter_map(|(number, hazard)| {
+            let shift = ((number + 1) * operators) as u32;
+            // The pairs of each world.
+            let mut worlds: BTreeMap<u32, Vec<(&Scores, &Scores)>> = BTreeMap::new();
+            for (&(map, condition, noise), &without) in &scores {
+                if (condition as usize) < operators
+                    && let Some(&with) = scores.get(&(map, condition + shift, noise))
+                {
+                    worlds.entry(map).or_default().push((without, with));
+                }
+            }
+            cost(hazard, &worlds.into_values().collect::<Vec<_>>())
+        })
+        .collect()
+}
+
+/// The cost over worlds, each with its pairs of trials without and with the hazard.
+fn cost(hazard: &Hazard, worlds: &[Vec<(&Scores, &Scores)>]) -> Option<HazardCost> {
+    let mean = |pairs: &Vec<(&Scores, &Scores)>, of: fn(&Scores) -> f64| {
+        let sum: f64 = pairs.iter().map(|(without, with)| of(with) - of(without)).sum();
+        sum / pairs.len() as f64
+    };
+    let parts: [fn(&Scores) -> f64; 3] =
+        [|scores| scores.difficulty, |scores| scores.mapping, |scores| scores.navigation];
+    let differences: Vec<[f64; 3]> =
+        worlds.iter().map(|pairs| parts.map(|part| mean(pairs, part))).collect();
+    let mut stream = Seed(0).stream("experiment/hazards", 0);
+    let of = |maps: &[usize]| {
+        let sum = |part: usize| maps.iter().map(|&map| differences[map][part]).sum::<f64>();
+        let count = maps.len() as f64;
+        std::array::from_fn(|part| (count > 0.0).then(|| sum(part) / count))
+    };
+    let [difficulty, mapping, navigation] =
+        bootstrap::<3>(&vec![0; differences.len()], &mut stream, of);
+    let with: Vec<&Scores> = worlds.iter().flatten().map(|(_, with)| *with).collect();
+    let moving = |of: fn(crate::score::MovingScores) -> f64| {
+        with.iter().filter_map(|scores| scores.moving).map(of).sum::<f64>() / with.len() as f64
+    };
+    Some(HazardCost {
+        hazard: hazard.name.clone(),
+        maps: worlds.len(),
+        difficulty: difficulty?,
+        mapping: mapping?,
+        navigation: navigation?,
+        person_hits: moving(|moving| f64::from(moving.person_hits)),
+        ghost_area: moving(|moving| moving.ghost_area),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::score::MovingScores;
+
+    fn design() -> Design {
+        Design { levels: vec![1.0, 5.0], maps: 2, size: 6, noise_seeds: 2, ..Design::quick() }
+    }
+
+    #[test]
+    fn hazards_have_names_and_values() {
+        let doors = Hazard::parse("doors").expect("a hazard");
+        assert_eq!((doors.name.as_str(), doors.scenario.doors), ("doors=0.5", 0.5));
+        assert_eq!(Hazard::parse("people=20").expect("a hazard").scenario.people, 20);
+        let error = |text: &str| Hazard::parse(text).expect_err("no hazard").to_string();
+        assert!(error("fire").starts_with("`hazards` must be one of doors, people, smoke"));
+        assert!(error("smoke=-1").starts_with("`smoke` must be a number from 0"));
+        assert!(error("fire=1").starts_with("`setting` must be one of doors"));
+    }
+
+    #[test]
+    fn noise_is_the_same_with_and_without() {
+        let hazards = [Hazard::parse("doors").expect("a hazard")];
+        let survey = survey(&design(), &hazards).expect("a survey");
+        assert_eq!(survey.validate(), Ok(()));
+        assert_eq!(survey.conditions.len(), 2 * design().operators.len());
+        assert!(survey.conditions[0].scenario.is_still());
+        let text = serde_json::to_string(&survey.conditions[0]).expect("JSON");
+        assert!(!text.contains("scenario"), "{text}");
+    }
+
+    #[test]
+    fn costs_are_paired_differences() {
+        let hazards =
+            [Hazard::parse("doors").expect("a hazard"), Hazard::parse("smoke").expect("one")];
+        let survey = survey(&design(), &hazards).expect("a survey");
+        let record = |map: u32, condition: u32, noise: u32, difficulty: f64| {
+            let scores = Scores {
+                difficulty,
+                mapping: 2.0 * difficulty,
+                moving: Some(MovingScores { person_hits: 1, ..Default::default() }),
+                ..Default::default()
+            };
+            Record { map, condition, noise, scores: Some(scores), ..Record::default() }
+        };
+        let mut records = Vec::new();
+        for (map, base) in [(0, 1.0), (1, 4.0), (2, 2.0)] {
+            for noise in 0..2 {
+                let level = base + f64::from(noise);
+                records.push(record(map, 0, noise, level));
+                records.push(record(map, 1, noise, level + 0.5));
+            }
+        }
+        let costs = costs(&survey, &hazards, &records);
+        // No trial with smoke.
+        assert_eq!(costs.len(), 1);
+        assert_eq!((costs[0].hazard.as_str(), costs[0].maps), ("doors=0.5", 3));
+        let half = Interval { value: 0.5, low: 0.5, high: 0.5 };
+        let near =
+            |a: Interval, b: f64| [a.value, a.low, a.high].iter().all(|x| (x - b).abs() < 1e-9);
+        assert!(near(costs[0].difficulty, half.value) && near(costs[0].mapping, 1.0));
+        assert!(near(costs[0].navigation, 0.0) && costs[0].person_hits == 1.0);
+    }
+}
