@@ -48,7 +48,7 @@ pub(super) fn place_people(
         return Err(FreeSpace::too_many(needed, places.len()));
     }
     let person = |(i, &position)| {
-        let mut stream = seed.stream("scenario/people", i as u64);
+        let mut stream = seed.stream("scenario/people", i);
         let factor = (1.0 + 0.2 * standard_normal(&mut stream)).clamp(0.5, 1.5);
         Person {
             position,

@@ -5,7 +5,7 @@ use crate::scenario::spec::FailedBeams;
 use crate::seed::Stream;
 
 /// Distances in metres between which the fields of view of emitter and detector begin to overlap and are one
-/// (M. Hahner et al., Fog Simulation on Real LiDAR Point Clouds, ICCV 2021).
+/// (M. Hahner et al., Fog Simulation on Real `LiDAR` Point Clouds, ICCV 2021).
 const OVERLAP: [f64; 2] = [0.9, 1.0];
 
 /// Parts into which the path of a beam is divided for the law of its phantom echoes.
@@ -93,8 +93,7 @@ pub(super) fn optical_depth(stretches: &[Stretch], end: f64) -> f64 {
 /// there is no smoke that the detector sees.
 fn phantom(end: f64, stretches: &[Stretch], uniform: f64) -> Option<f64> {
     let step = (end - OVERLAP[0]) / f64::from(PARTS);
-    // False for NaN.
-    if !(step > 0.0) {
+    if step.is_nan() || step <= 0.0 {
         return None;
     }
     let middle = |part: u32| OVERLAP[0] + (f64::from(part) + 0.5) * step;
@@ -107,7 +106,7 @@ fn phantom(end: f64, stretches: &[Stretch], uniform: f64) -> Option<f64> {
     };
     let powers: Vec<f64> = (0..PARTS).map(power).collect();
     let total: f64 = powers.iter().sum();
-    if !(total > 0.0) {
+    if total.is_nan() || total <= 0.0 {
         return None;
     }
     let mut left = uniform * total;

@@ -78,7 +78,7 @@ impl SmokeRegions {
     /// Spreads the smoke by `dt` seconds, up to a time since the start. `openness` is that of a doorway by its
     /// index, from 0 to 1.
     ///
-    /// The concentrations follow dC_i/dt = q_i/V_i + sum_j k A_ij (C_j - C_i)/V_i on the graph of rooms, with
+    /// The concentrations follow `dC_i/dt = q_i/V_i + sum_j k A_ij (C_j - C_i)/V_i` on the graph of rooms, with
     /// areas for volumes, since all rooms are equally high. Each term is integrated exactly on its own (operator
     /// splitting), so that every step is stable and the exchange keeps the amount of smoke.
     pub(crate) fn spread(
