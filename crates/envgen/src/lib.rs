@@ -27,6 +27,7 @@
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | what generators make | [`World`], [`world`], [`geometry`], [`GridFrame`] |
 //! | queries and checks of a world | [`occupancy`], [`raycast`], [`clearance_index`], [`surface_index`], [`placement`], [`mod@distance`], [`certificate`], [`reproduction`], `picture` |
+//! | doors, people and smoke | [`scenario`] |
 //! | how hard a world is to map | [`difficulty`] |
 //! | colours of pictures | [`palette`] |
 //! | files | [`export`], [`import`], [`mod@file`], `whole_file` |
@@ -91,6 +92,7 @@ mod provenance;
 pub mod raycast;
 pub mod reproduction;
 pub mod road;
+pub mod scenario;
 mod seed;
 pub mod settings;
 mod spec;

@@ -1,0 +1,193 @@
+//! The geometry of a door's leaves.
+
+use std::f64::consts::FRAC_PI_2;
+
+use glam::DVec2;
+
+use super::{Door, DoorKind};
+use crate::geometry::{Shape, distance_to_segment, nearest_on_segment, unit_vector};
+use crate::world::Doorway;
+
+/// A leaf of a door: a line without thickness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leaf {
+    /// The end at the hinge; of a sliding leaf the end in the wall.
+    pub hinge: DVec2,
+    /// The other end.
+    pub tip: DVec2,
+}
+
+impl Leaf {
+    /// The nearest point of the leaf, in metres.
+    pub fn nearest_point(&self, p: DVec2) -> DVec2 {
+        nearest_on_segment(p, self.hinge, self.tip)
+    }
+
+    /// Distance along a ray in the direction of a unit vector; `None` where it misses.
+    pub fn distance_along(&self, from: DVec2, direction: DVec2) -> Option<f64> {
+        let (to, edge) = (self.hinge - from, self.tip - self.hinge);
+        let across = direction.perp_dot(edge);
+        // A ray along a line without thickness sees nothing of it.
+        if across == 0.0 {
+            return None;
+        }
+        let distance = to.perp_dot(edge) / across;
+        let along = to.perp_dot(direction) / across;
+        (distance >= 0.0 && (0.0..=1.0).contains(&along)).then_some(distance)
+    }
+}
+
+/// Where the leaves of a door can be.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DoorShape {
+    kind: DoorKind,
+    /// The end with the hinge of the first leaf, and the other end of the doorway.
+    pub(crate) ends: [DVec2; 2],
+    /// Unit vector to the side that the leaves swing to.
+    side: DVec2,
+    /// Unit vector from the first end to the second.
+    along: DVec2,
+    pub(crate) width: f64,
+}
+
+impl DoorShape {
+    /// The shape of a door in its doorway, whose longer axis is its width.
+    pub(crate) fn new(door: &Door, doorway: &Doorway) -> Self {
+        let (near, far) = ends(&doorway.shape);
+        let along = (far - near).normalize_or(DVec2::X);
+        let side = if door.to_right { -along.perp() } else { along.perp() };
+        let (ends, along) = if door.far_end { ([far, near], -along) } else { ([near, far], along) };
+        DoorShape { kind: door.kind, ends, side, along, width: near.distance(far) }
+    }
+
+    pub(crate) fn middle(&self) -> DVec2 {
+        0.5 * (self.ends[0] + self.ends[1])
+    }
+
+    /// Whether its leaves swing out of the doorway.
+    pub(crate) fn swings(&self) -> bool {
+        self.kind != DoorKind::Sliding
+    }
+
+    /// How far the leaves reach from the middle of the doorway, in metres.
+    pub(crate) fn reach(&self) -> f64 {
+        // The corner of a leaf that is open by 90 degrees is the farthest.
+        1.2 * self.width
+    }
+
+    /// The leaves at an openness from 0 to 1; none where nothing is left of a sliding one.
+    pub(crate) fn leaves(&self, openness: f64) -> impl Iterator<Item = Leaf> + use<> {
+        let turned = |along: DVec2| {
+            let (sin, cos) = match openness {
+                0.0 => (0.0, 1.0),
+                1.0 => (1.0, 0.0),
+                _ => {
+                    let turn = unit_vector(openness * FRAC_PI_2);
+                    (turn.y, turn.x)
+                }
+            };
+            along * cos + self.side * sin
+        };
+        let [a, b] = self.ends;
+        let leaf = |hinge: DVec2, tip| Some(Leaf { hinge, tip });
+        let leaves = match self.kind {
+            DoorKind::Hinged => [leaf(a, a + turned(self.along) * self.width), None],
+            DoorKind::Double => {
+                let half = 0.5 * self.width;
+                [leaf(a, a + turned(self.along) * half), leaf(b, b + turned(-self.along) * half)]
+            }
+            DoorKind::Sliding if openness >= 1.0 => [None, None],
+            DoorKind::Sliding => [leaf(a, a + self.along * self.width * (1.0 - openness)), None],
+        };
+        leaves.into_iter().flatten()
+    }
+
+    /// Distance from a point to what the leaves sweep between two opennesses, in metres; 0 inside.
+    pub(crate) fn swept_distance(&self, p: DVec2, from: f64, to: f64) -> f64 {
+        let (low, high) = (from.min(to), from.max(to));
+        let [a, b] = self.ends;
+        match self.kind {
+            DoorKind::Hinged => self.sector_distance(p - a, self.along, self.width, low, high),
+            DoorKind::Double => {
+                let half = 0.5 * self.width;
+                let first = self.sector_distance(p - a, self.along, half, low, high);
+                first.min(self.sector_distance(p - b, -self.along, half, low, high))
+            }
+            DoorKind::Sliding => {
+                let at = |openness: f64| a + self.along * self.width * (1.0 - openness);
+                distance_to_segment(p, at(low), at(high))
+            }
+        }
+    }
+
+    /// Distance to all places where a leaf can be; of a sliding door to the closed leaf.
+    pub(crate) fn swing_distance(&self, p: DVec2) -> f64 {
+        self.swept_distance(p, 0.0, 1.0)
+    }
+
+    /// Distance from a point, relative to the hinge, to a sector of a disc.
+    fn sector_distance(&self, p: DVec2, along: DVec2, radius: f64, low: f64, high: f64) -> f64 {
+        // In axes where the closed leaf points along +x and opens towards +y.
+        let local = DVec2::new(p.dot(along), p.dot(self.side));
+        let (first, last) = (unit_vector(low * FRAC_PI_2), unit_vector(high * FRAC_PI_2));
+        let is_between = first.perp_dot(local) >= 0.0 && local.perp_dot(last) >= 0.0;
+        if is_between {
+            return (local.length() - radius).max(0.0);
+        }
+        let to_edge = |edge: DVec2| distance_to_segment(local, DVec2::ZERO, edge * radius);
+        to_edge(first).min(to_edge(last))
+    }
+
+    /// The outline of what a swinging door sweeps, for a check against other solids: without the parts
+    /// nearer than `gap` metres to the doorway's middle line and its ends. Nothing for sliding doors.
+    pub(crate) fn swept_outlines(&self, gap: f64) -> Vec<Vec<DVec2>> {
+        const CORNERS: usize = 8;
+        let outline = |hinge: DVec2, along: DVec2, radius: f64| -> Vec<DVec2> {
+            let point = |x: f64, y: f64| hinge + along * x + self.side * y;
+            let rim = (0..=CORNERS).map(|i| {
+                let turn = unit_vector(FRAC_PI_2 * i as f64 / CORNERS as f64);
+                point((turn.x * radius).max(INSET), (turn.y * radius).max(gap))
+            });
+            let mut corners = vec![point(INSET, gap)];
+            corners.extend(rim);
+            corners
+        };
+        let [a, b] = self.ends;
+        match self.kind {
+            DoorKind::Hinged => vec![outline(a, self.along, self.width)],
+            DoorKind::Double => {
+                let half = 0.5 * self.width;
+                vec![outline(a, self.along, half), outline(b, -self.along, half)]
+            }
+            DoorKind::Sliding => Vec::new(),
+        }
+    }
+}
+
+/// An open leaf may touch a wall that continues the doorway's end at a right angle.
+const INSET: f64 = 0.02;
+
+/// The two ends of a doorway's longer axis.
+fn ends(shape: &Shape) -> (DVec2, DVec2) {
+    match shape {
+        Shape::Box { center, half_size, heading } => {
+            let axis = crate::geometry::box_axis(*heading);
+            let reach = if half_size.x >= half_size.y {
+                axis * half_size.x
+            } else {
+                axis.perp() * half_size.y
+            };
+            (center - reach, center + reach)
+        }
+        Shape::Segment { a, b } => (*a, *b),
+        Shape::Disc { center, radius } => {
+            (center - DVec2::X * *radius, center + DVec2::X * *radius)
+        }
+        polygon @ Shape::Polygon { .. } => {
+            let bounds = polygon.bounds();
+            let (middle, half) = (bounds.center(), 0.5 * bounds.size());
+            let reach = if half.x >= half.y { DVec2::X * half.x } else { DVec2::Y * half.y };
+            (middle - reach, middle + reach)
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! Doors: leaves that turn or slide, and when they do.
+
+mod leaf;
+mod motion;
+mod place;
+
+pub(super) use leaf::DoorShape;
+pub use leaf::Leaf;
+pub use motion::DoorState;
+pub(super) use motion::{Bodies, DoorClock, LEAF_GAP};
+pub(super) use place::place_doors;
+
+use serde::{Deserialize, Serialize};
+
+use super::spec::DoorControl;
+use crate::error::SpecError;
+use crate::world::World;
+
+/// A door of a scenario, in an open doorway of its world.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Door {
+    /// The index of its doorway in [`World::doorways`].
+    pub doorway: u32,
+    /// How it moves.
+    pub kind: DoorKind,
+    /// The end of the doorway with the hinge, or into which it slides: seen along the doorway's longer
+    /// axis, the far end.
+    #[serde(default)]
+    pub far_end: bool,
+    /// Whether it swings to the right of the doorway's longer axis, not to its left.
+    #[serde(default)]
+    pub to_right: bool,
+    /// What opens and closes it.
+    pub control: DoorControl,
+    /// Mean time in seconds that it stays open, where it is timed.
+    pub open: f64,
+    /// Mean time in seconds that it stays closed, where it is timed.
+    pub closed: f64,
+    /// Probability that it slams when it closes.
+    pub slam: f64,
+}
+
+/// How a door moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DoorKind {
+    /// One leaf turns by 90 degrees about an end of the doorway.
+    Hinged,
+    /// Two leaves, each half as wide, turn about both ends.
+    Double,
+    /// One leaf slides into the wall.
+    Sliding,
+}
+
+impl Door {
+    /// Checks it against its world.
+    ///
+    /// # Errors
+    /// When there is no such doorway, or it is closed, and for times and probabilities out of range.
+    pub(super) fn check(&self, world: &World) -> Result<(), SpecError> {
+        match world.doorways.get(self.doorway as usize) {
+            None => {
+                let allowed = match world.doorways.len() {
+                    0 => "absent: the world has no doorway".to_owned(),
+                    n => format!("the index of a doorway of the world, at most {}", n - 1),
+                };
+                return Err(SpecError::new("doorway", self.doorway, allowed));
+            }
+            Some(doorway) if !doorway.open => {
+                let allowed = "the index of an open doorway: this one is closed for ever";
+                return Err(SpecError::new("doorway", self.doorway, allowed));
+            }
+            Some(_) => {}
+        }
+        for (name, value) in [("open", self.open), ("closed", self.closed)] {
+            super::ScenarioSpec::setting("door_open")
+                .check(value)
+                .map_err(|error| SpecError { field: name.to_owned(), ..error })?;
+        }
+        super::ScenarioSpec::setting("slam").check(self.slam)
+    }
+}

@@ -1,0 +1,187 @@
+//! The motion of doors: chance or a robot opens them, and they never close on a body.
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use super::leaf::DoorShape;
+use super::{Door, Leaf};
+use crate::scenario::people::Neighbourhood;
+use crate::scenario::spec::DoorControl;
+use crate::scenario::{PERSON_RADIUS, PersonState, Robot, TICKS_PER_SECOND};
+use crate::seed::Seed;
+
+/// Seconds that a door takes to open or close, and to slam shut.
+const OPENING: f64 = 1.0;
+const SLAMMING: f64 = 0.15;
+
+/// A door that is triggered stays open for this many seconds after nobody is near.
+const HOLD: f64 = 2.0;
+
+/// A robot or person nearer than this to the middle of a triggered door opens it, in metres.
+const TRIGGER: f64 = 2.0;
+
+/// A leaf stops at this distance from a body, in metres.
+pub(crate) const LEAF_GAP: f64 = 0.02;
+
+/// Where a door is, and what it does.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DoorState {
+    /// How far it is open: 0 is closed, 1 is open.
+    pub openness: f64,
+    /// Whether it is open or opening.
+    pub opens: bool,
+    /// How often a body stopped it while it closed.
+    pub stopped: u64,
+    slams: bool,
+    /// Number of the next action, and the tick when it is due.
+    action: u64,
+    due: u64,
+}
+
+/// What a door needs to know of its schedule.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DoorClock {
+    pub(crate) seed: Seed,
+    /// The index of the doorway: its streams.
+    pub(crate) doorway: u64,
+    pub(crate) tick: u64,
+}
+
+impl DoorClock {
+    /// Ticks of an exponentially distributed time, at least one.
+    fn wait(&self, mean: f64, action: u64) -> u64 {
+        let mut stream = self.seed.attempt("scenario/doors/wait", self.doorway, action);
+        let seconds = -mean * libm::log1p(-stream.unit());
+        ((seconds * TICKS_PER_SECOND as f64).round() as u64).max(1)
+    }
+
+    fn slams(&self, door: &Door, action: u64) -> bool {
+        self.seed.attempt("scenario/doors/slam", self.doorway, action).chance(door.slam)
+    }
+}
+
+/// Everything that a leaf must not touch.
+#[derive(Clone, Copy)]
+pub(crate) struct Bodies<'a> {
+    pub(crate) people: &'a [PersonState],
+    pub(crate) near: &'a Neighbourhood,
+    pub(crate) robots: &'a [Robot],
+}
+
+impl Bodies<'_> {
+    /// Whether one for which a test of position and radius holds is within a distance of a point.
+    fn any_near(&self, p: DVec2, reach: f64, test: impl Fn(DVec2, f64) -> bool) -> bool {
+        self.robots.iter().any(|robot| test(robot.position, robot.radius))
+            || self.near.any(p, reach + PERSON_RADIUS, |i| {
+                self.people.get(i).is_some_and(|person| test(person.position, PERSON_RADIUS))
+            })
+    }
+}
+
+impl DoorState {
+    /// The state at the start: open or closed with the probabilities of the long run; closed where it is
+    /// triggered.
+    pub(crate) fn new(door: &Door, clock: &DoorClock) -> Self {
+        let share = door.open / (door.open + door.closed);
+        let is_timed = door.control == DoorControl::Timed;
+        let mut stream = clock.seed.stream("scenario/doors/first", clock.doorway);
+        let opens = stream.chance(share) && is_timed;
+        let mean = if opens { door.open } else { door.closed };
+        let due = if is_timed { clock.wait(mean, 0) } else { 0 };
+        let openness = f64::from(u8::from(opens));
+        DoorState { openness, opens, stopped: 0, slams: false, action: 1, due }
+    }
+
+    /// Whether it neither opens nor closes.
+    pub fn is_still(&self) -> bool {
+        self.openness == f64::from(u8::from(self.opens))
+    }
+
+    /// Whether people can walk through, and need not care for its leaves.
+    pub(crate) fn is_open(&self) -> bool {
+        self.opens && self.openness >= 1.0
+    }
+
+    /// Its leaves.
+    pub(crate) fn leaves(&self, shape: &DoorShape) -> impl Iterator<Item = Leaf> + use<> {
+        shape.leaves(self.openness)
+    }
+
+    /// Moves it by a tick.
+    pub(crate) fn step(
+        &mut self,
+        door: &Door,
+        shape: &DoorShape,
+        clock: &DoorClock,
+        bodies: &Bodies<'_>,
+    ) {
+        match door.control {
+            DoorControl::Timed => {
+                while self.due <= clock.tick {
+                    self.turn(!self.opens, door, clock);
+                    let mean = if self.opens { door.open } else { door.closed };
+                    self.due += clock.wait(mean, self.action);
+                    self.action += 1;
+                }
+            }
+            DoorControl::Triggered => {
+                let middle = shape.middle();
+                let near = |p: DVec2, _| p.distance_squared(middle) < TRIGGER * TRIGGER;
+                let is_asked = bodies.robots.iter().any(|robot| near(robot.position, 0.0))
+                    || bodies.near.any(middle, TRIGGER, |i| {
+                        bodies
+                            .people
+                            .get(i)
+                            .is_some_and(|person| person.is_walking() && near(person.position, 0.0))
+                    });
+                if is_asked {
+                    self.due = clock.tick + (HOLD * TICKS_PER_SECOND as f64) as u64;
+                    self.opens = true;
+                    self.slams = false;
+                } else if self.opens && self.due <= clock.tick {
+                    self.turn(false, door, clock);
+                    self.action += 1;
+                }
+            }
+        }
+        if !self.is_still() {
+            self.advance(door, shape, clock, bodies);
+        }
+    }
+
+    fn turn(&mut self, opens: bool, door: &Door, clock: &DoorClock) {
+        self.opens = opens;
+        self.slams = !opens && clock.slams(door, self.action);
+    }
+
+    /// Moves the leaves, unless a body is in front of them.
+    fn advance(&mut self, door: &Door, shape: &DoorShape, clock: &DoorClock, bodies: &Bodies<'_>) {
+        let seconds = if self.slams { SLAMMING } else { OPENING };
+        let step = 1.0 / (seconds * TICKS_PER_SECOND as f64);
+        let next = match self.opens {
+            // Rounding must not leave a sliver of a step.
+            true if self.openness + step > 1.0 - 1e-9 => 1.0,
+            true => self.openness + step,
+            false if self.openness - step < 1e-9 => 0.0,
+            false => self.openness - step,
+        };
+        let touches = |p: DVec2, radius: f64| {
+            let swept = shape.swept_distance(p, self.openness, next);
+            // A leaf may always leave a body that it touches.
+            swept < radius + LEAF_GAP
+                && swept < shape.swept_distance(p, self.openness, self.openness) - 1e-9
+        };
+        if !bodies.any_near(shape.middle(), shape.reach() + LEAF_GAP, touches) {
+            self.openness = next;
+        } else if !self.opens {
+            self.opens = true;
+            self.slams = false;
+            self.stopped += 1;
+            if door.control == DoorControl::Timed {
+                self.due = clock.tick + clock.wait(door.open, self.action);
+                self.action += 1;
+            }
+        }
+    }
+}

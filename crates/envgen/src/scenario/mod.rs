@@ -1,0 +1,68 @@
+//! Things that move in a [`World`](crate::World): doors, people and smoke.
+//!
+//! A [`ScenarioSpec`] and a seed give a [`Scenario`], which lists the doors, people and sources of smoke of a
+//! world, can be edited, and is a RON file. A [`ScenarioState`] runs it in steps of 1/20 s: the same at all
+//! times, however often it is asked, on every platform. It needs no simulator; what it gets of one are the
+//! true poses of the robots, and what it gives are rays, clearances and contacts with everything.
+//!
+//! ```
+//! use envgen::scenario::{Scenario, ScenarioSpec, ScenarioState, Target};
+//! use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+//!
+//! let world = IndoorSpec::default().generate(Seed(7))?.to_world();
+//! let spec = ScenarioSpec { doors: 0.5, people: 4, smoke: 0.2, ..Default::default() };
+//! let scenario = Scenario::new(&world, &spec, Seed(1))?;
+//! let mut state = ScenarioState::new(&world, &scenario)?;
+//! // A minute without a robot.
+//! state.step(60.0, &[])?;
+//! let person = &state.people()[0];
+//! let hit = state.cast(person.position - person.facing, person.facing, 8.0);
+//! assert!(hit.is_some_and(|hit| hit.distance <= 0.75 + 1e-9));
+//! assert_eq!(Scenario::from_ron(&scenario.to_ron()?)?, scenario);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Limits
+//!
+//! - Doors are in open doorways; one that is closed in the world stays so. The leaf of a door has no thickness.
+//! - People are discs of radius [`PERSON_RADIUS`] for everything but a laser. They walk where such a disc fits,
+//!   on a grid of 0.2 m that is coarser in worlds of more than 41,000 square metres.
+//! - Smoke has one density in each room, and one in all hallways and open areas together.
+
+mod door;
+mod people;
+mod plan;
+pub mod smoke;
+mod spec;
+mod state;
+mod view;
+
+pub use door::{Door, DoorKind, DoorState, Leaf};
+pub use people::{Person, PersonState, Reaction};
+pub use plan::{Scenario, ScenarioFileError};
+pub use spec::{
+    Body, DoorControl, DoorKinds, FailedBeams, Reactions, ScenarioSpec, SmokeKind, SmokeProfile,
+};
+pub use state::{Robot, ScenarioState};
+pub use view::{MovingContact, MovingHit, Target};
+
+/// Steps of a scenario per second.
+pub const TICKS_PER_SECOND: u64 = 20;
+
+/// Time between two steps in seconds.
+const TICK: f64 = 1.0 / TICKS_PER_SECOND as f64;
+
+/// Radius in metres of the disc that a person needs.
+pub const PERSON_RADIUS: f64 = 0.25;
+
+/// Radius in metres of a leg, as a laser sees it.
+pub const LEG_RADIUS: f64 = 0.07;
+
+/// The most people of a scenario.
+pub const MAX_PEOPLE: u32 = 10_000;
+
+/// The greatest speed of a person in m/s.
+const MAX_SPEED: f64 = 3.0;
+
+/// Clearances and contacts are known up to this distance in metres.
+const REACH: f64 = 2.0;

@@ -1,0 +1,85 @@
+//! People: where they go, how they avoid each other, and how they react to a robot.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+mod crowd;
+mod free_space;
+mod neighbourhood;
+mod orca;
+mod person;
+mod places;
+mod routes;
+
+pub(super) use crowd::{Crowd, Surroundings};
+pub(super) use free_space::FreeSpace;
+pub(super) use neighbourhood::Neighbourhood;
+pub(super) use person::max_speed;
+pub use person::{Person, PersonState, Reaction};
+pub(super) use places::find_places;
+pub(super) use routes::Routes;
+
+/// Half the distance between the middles of a person's legs, in metres.
+const LEG_OFFSET: f64 = 0.15;
+
+use crate::clearance_index::ClearanceIndex;
+use crate::distribution::standard_normal;
+use crate::error::SpecError;
+use crate::scenario::door::DoorShape;
+use crate::scenario::{MAX_SPEED, REACH, ScenarioSpec};
+use crate::seed::Seed;
+use crate::world::World;
+
+/// Draws the people of a world.
+pub(super) fn place_people(
+    world: &World,
+    doors: &[DoorShape],
+    spec: &ScenarioSpec,
+    seed: Seed,
+) -> Result<Vec<Person>, SpecError> {
+    let needed = spec.people as usize;
+    if needed == 0 {
+        return Ok(Vec::new());
+    }
+    let index = Arc::new(ClearanceIndex::new(world, REACH)?);
+    let space = FreeSpace::new(world, doors, index);
+    let places = find_places(&space, world, doors, seed, (needed, needed));
+    if places.len() < needed {
+        return Err(FreeSpace::too_many(needed, places.len()));
+    }
+    let person = |(i, &position)| {
+        let mut stream = seed.stream("scenario/people", i);
+        let factor = (1.0 + 0.2 * standard_normal(&mut stream)).clamp(0.5, 1.5);
+        Person {
+            position,
+            heading: stream.between(-PI, PI),
+            speed: (spec.walking_speed * factor).min(MAX_SPEED),
+            reaction: spec.reaction.reaction(stream.below(5)),
+        }
+    };
+    Ok((0_u64..).zip(&places).map(person).collect())
+}
+
+impl Person {
+    /// Checks it against its world, other people and doors.
+    ///
+    /// # Errors
+    /// When it is not in free space, and for speeds out of range.
+    pub(super) fn check(&self, space: &FreeSpace) -> Result<(), SpecError> {
+        if !(0.05..=MAX_SPEED).contains(&self.speed) {
+            let allowed = format!("a number from 0.05 to {MAX_SPEED}");
+            return Err(SpecError::new("speed", self.speed, allowed));
+        }
+        if !self.heading.is_finite() {
+            return Err(SpecError::new("heading", self.heading, "a finite number"));
+        }
+        if !space.fits(self.position) {
+            let allowed = format!(
+                "a point with {} m of free space around it",
+                crate::scenario::PERSON_RADIUS
+            );
+            return Err(SpecError::new("position", self.position, allowed));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,118 @@
+//! Who is near whom: cells and lists that are rebuilt from time to time.
+
+use glam::DVec2;
+
+use super::PersonState;
+use crate::geometry::Rect;
+use crate::grid::GridFrame;
+
+/// People farther away than this do not avoid each other, in metres.
+pub(super) const RANGE: f64 = 5.0;
+
+/// The lists are rebuilt after this many ticks.
+pub(super) const REBUILD: u64 = 10;
+
+/// Least side of a cell in metres.
+const CELL: f64 = 4.0;
+
+/// The people around each point and each person. The lists hold everyone who can come within range before they
+/// are rebuilt (L. Verlet, Physical Review 159, 1967), so that a step costs as much as there are neighbours.
+#[derive(Clone, Debug)]
+pub(crate) struct Neighbourhood {
+    frame: GridFrame,
+    /// How far a person can go until the lists are rebuilt, in metres.
+    drift: f64,
+    starts: Vec<u32>,
+    ids: Vec<u32>,
+    list_starts: Vec<u32>,
+    lists: Vec<u32>,
+}
+
+impl Neighbourhood {
+    pub(crate) fn new(bounds: Rect, people: usize, max_speed: f64) -> Self {
+        let size = bounds.size();
+        let side = (size.x * size.y / people.max(1) as f64).sqrt().max(CELL);
+        let side = side.max(size.max_element() / people.max(16) as f64);
+        let count = (size / side).ceil().max(DVec2::ONE);
+        let (cols, rows) = (count.x as usize, count.y as usize);
+        Neighbourhood {
+            frame: GridFrame { origin: bounds.min, cell_size: side, cols, rows },
+            drift: max_speed * REBUILD as f64 * super::super::TICK,
+            starts: vec![0; cols * rows + 1],
+            ids: vec![0; people],
+            list_starts: vec![0; people + 1],
+            lists: Vec::new(),
+        }
+    }
+
+    /// Those who can come within [`RANGE`] of a person before the next rebuild.
+    #[inline]
+    pub(super) fn of(&self, person: usize) -> &[u32] {
+        match self.list_starts.get(person..person + 2) {
+            Some(&[from, to]) => &self.lists[from as usize..to as usize],
+            _ => &[],
+        }
+    }
+
+    pub(crate) fn rebuild(&mut self, people: &[PersonState]) {
+        self.starts.fill(0);
+        let cell = |p: DVec2| {
+            let (col, row) = self.clamped(p);
+            self.frame.index(col, row)
+        };
+        let cells: Vec<usize> = people.iter().map(|person| cell(person.position)).collect();
+        for &cell in &cells {
+            self.starts[cell] += 1;
+        }
+        let mut end = 0;
+        for start in &mut self.starts {
+            end += *start;
+            *start = end;
+        }
+        // Filled from the back, each start moves from the end of its cell to its beginning.
+        for (i, &cell) in cells.iter().enumerate().rev() {
+            self.starts[cell] -= 1;
+            self.ids[self.starts[cell] as usize] = i as u32;
+        }
+        let mut lists = std::mem::take(&mut self.lists);
+        lists.clear();
+        let range = RANGE + 2.0 * self.drift;
+        for (i, person) in people.iter().enumerate() {
+            self.list_starts[i] = lists.len() as u32;
+            self.visit(person.position, range, |j| {
+                let other = people[j].position;
+                if j != i && other.distance_squared(person.position) <= range * range {
+                    lists.push(j as u32);
+                }
+                false
+            });
+        }
+        self.list_starts[people.len()] = lists.len() as u32;
+        self.lists = lists;
+    }
+
+    /// Whether a test holds for one of those who may be within `reach` metres of a point.
+    pub(crate) fn any(&self, p: DVec2, reach: f64, test: impl FnMut(usize) -> bool) -> bool {
+        self.visit(p, reach + self.drift, test)
+    }
+
+    fn visit(&self, p: DVec2, reach: f64, mut test: impl FnMut(usize) -> bool) -> bool {
+        if self.ids.is_empty() {
+            return false;
+        }
+        let (left, bottom) = self.clamped(p - reach);
+        let (right, top) = self.clamped(p + reach);
+        (bottom..=top).any(|row| {
+            let (from, to) = (self.frame.index(left, row), self.frame.index(right, row));
+            let ids = self.starts[from] as usize..self.starts[to + 1] as usize;
+            self.ids[ids].iter().any(|&i| test(i as usize))
+        })
+    }
+
+    /// The column and row of the cell that is nearest to a point.
+    fn clamped(&self, p: DVec2) -> (usize, usize) {
+        let cell = (p - self.frame.origin) / self.frame.cell_size;
+        // Negative numbers and NaN become 0.
+        ((cell.x as usize).min(self.frame.cols - 1), (cell.y as usize).min(self.frame.rows - 1))
+    }
+}

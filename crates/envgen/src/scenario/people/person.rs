@@ -1,0 +1,150 @@
+//! A person, and what a person does.
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::unit_vector;
+
+/// A person of a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Person {
+    /// Where the person is at first, in metres.
+    pub position: DVec2,
+    /// The direction in which the person looks at first, in radians.
+    pub heading: f64,
+    /// Speed of walking in m/s.
+    pub speed: f64,
+    /// What the person does when a robot is near.
+    pub reaction: Reaction,
+}
+
+/// What a person does when a robot is near and in sight. The numbers are those of `HuNavSim` (Pérez-Higueras
+/// et al., <https://arxiv.org/abs/2305.01303>).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reaction {
+    /// Treats the robot as another person, and expects it to avoid as well.
+    Regular,
+    /// Stops and looks at a robot within 4 m for 30 s.
+    Surprised,
+    /// Comes up to 1.5 m to a robot within 10 m, for 30 s, and slower when nearer.
+    Curious,
+    /// Goes away from a robot within 3 m at 0.6 m/s, for 40 s.
+    Scared,
+    /// Treats the robot as an obstacle, and avoids it alone.
+    Impassive,
+}
+
+impl Reaction {
+    /// Distance of a robot in metres that makes a person react, and for how many seconds.
+    pub(super) fn trigger(self) -> Option<(f64, f64)> {
+        match self {
+            Reaction::Regular | Reaction::Impassive => None,
+            Reaction::Surprised => Some((4.0, 30.0)),
+            Reaction::Curious => Some((10.0, 30.0)),
+            Reaction::Scared => Some((3.0, 40.0)),
+        }
+    }
+
+    /// The velocity of a person who reacts to a robot, from the vector to it.
+    pub(super) fn velocity(self, to_robot: DVec2) -> DVec2 {
+        const STOP: f64 = 1.5;
+        let distance = to_robot.length();
+        let direction = to_robot.normalize_or_zero();
+        match self {
+            Reaction::Curious if distance > STOP => {
+                direction * (MAX_CURIOUS * distance.min(10.0) / 10.0)
+            }
+            Reaction::Scared => direction * -0.6,
+            _ => DVec2::ZERO,
+        }
+    }
+}
+
+/// The greatest speed of a curious person, in m/s.
+pub(super) const MAX_CURIOUS: f64 = 1.8;
+
+/// Where a person is, and what the person does.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PersonState {
+    /// Position in metres.
+    pub position: DVec2,
+    /// Velocity in m/s.
+    pub velocity: DVec2,
+    /// Unit vector in which the person looks.
+    pub facing: DVec2,
+    pub(super) task: Task,
+    /// The corners of the path, the last first.
+    pub(super) path: Vec<DVec2>,
+    /// The place to which the path leads, or where the person is.
+    pub(super) place: Option<u32>,
+    /// How many goals were drawn.
+    pub(super) draws: u64,
+    /// Whether the line to the next corner is known to be clear of solids.
+    pub(super) on_path: bool,
+    /// Steps of the present velocity until the next corner.
+    pub(super) steps_left: u32,
+    /// The tick until which nobody can come near.
+    pub(super) calm_until: u64,
+    /// Where and when the person last came forward.
+    pub(super) moved: (DVec2, u64),
+    /// Set after a reaction, until the robot is away.
+    pub(super) is_used_to_robot: bool,
+}
+
+/// What a person does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Task {
+    /// Works or waits until a tick.
+    Stand { until: u64 },
+    /// Walks along the path.
+    Walk,
+    /// Reacts to a robot until a tick.
+    React { until: u64 },
+}
+
+impl PersonState {
+    pub(super) fn new(person: &Person, until: u64) -> Self {
+        PersonState {
+            position: person.position,
+            velocity: DVec2::ZERO,
+            facing: unit_vector(person.heading),
+            task: Task::Stand { until },
+            path: Vec::new(),
+            place: None,
+            draws: 0,
+            on_path: false,
+            steps_left: 0,
+            calm_until: 0,
+            moved: (person.position, 0),
+            is_used_to_robot: false,
+        }
+    }
+
+    /// Whether the person is walking to a place.
+    pub fn is_walking(&self) -> bool {
+        self.task == Task::Walk
+    }
+
+    /// The corners of the path ahead, the last first, in metres; empty for who does not walk.
+    pub fn path(&self) -> &[DVec2] {
+        &self.path
+    }
+
+    /// The middles of the legs, in metres: beside each other, across the direction in which the person looks.
+    pub fn legs(&self) -> [DVec2; 2] {
+        let aside = self.facing.perp() * super::LEG_OFFSET;
+        [self.position + aside, self.position - aside]
+    }
+}
+
+/// The greatest speed that one of these people can have, in m/s.
+pub(crate) fn max_speed(people: &[Person]) -> f64 {
+    let speed = |person: &Person| match person.reaction {
+        Reaction::Curious => person.speed.max(MAX_CURIOUS),
+        _ => person.speed,
+    };
+    people.iter().map(speed).fold(0.6, f64::max)
+}

@@ -1,0 +1,116 @@
+//! Where people begin, and where they go.
+
+use glam::DVec2;
+
+use super::free_space::FreeSpace;
+use crate::scenario::PERSON_RADIUS;
+use crate::scenario::door::DoorShape;
+use crate::seed::Seed;
+use crate::world::World;
+
+/// People stand at least this far from a doorway's middle, beyond half its width, in metres.
+const OFF_DOORWAYS: f64 = 0.7;
+
+/// Clearance in metres of a place beside which others can often pass.
+const ROOMY: f64 = 0.4;
+
+/// Distances in metres between places: the second is tried where there are too few with the first.
+const SPACINGS: [f64; 2] = [1.2, 2.0 * PERSON_RADIUS + 0.1];
+
+/// Middles of cells where people can stand, at most `most`, in random order and away from each other. Every
+/// room, and the rest of the world, is as likely as every other. The first ones are the same for every `most`
+/// that they are enough for.
+pub(crate) fn find_places(
+    space: &FreeSpace,
+    world: &World,
+    doors: &[DoorShape],
+    seed: Seed,
+    (needed, most): (usize, usize),
+) -> Vec<DVec2> {
+    let frame = space.frame;
+    let usable = space.region(world.start.map(|start| start.position));
+    let mut rooms = vec![0_u32; frame.len()];
+    for (number, room) in (1..).zip(&world.rooms) {
+        let bounds = room.shape.bounds();
+        let (low, high) = (bounds.min - frame.origin, bounds.max - frame.origin);
+        let cols = frame.middles(low.x, high.x, frame.cols);
+        let rows = frame.middles(low.y, high.y, frame.rows);
+        let (Some((left, right)), Some((bottom, top))) = (cols, rows) else { continue };
+        for row in bottom..=top {
+            for col in left..=right {
+                if room.shape.contains(frame.center(col, row)) {
+                    rooms[frame.index(col, row)] = number;
+                }
+            }
+        }
+    }
+    let mut blocked = vec![false; frame.len()];
+    let mut block = |p: DVec2, radius: f64| {
+        frame.touched_runs(&crate::grid::Convex::Disc(p, radius), |row, from, to| {
+            blocked[row * frame.cols + from..=row * frame.cols + to].fill(true);
+        });
+    };
+    for doorway in world.doorways.iter().filter(|doorway| doorway.open) {
+        let bounds = doorway.shape.bounds();
+        block(bounds.center(), 0.5 * bounds.size().max_element() + OFF_DOORWAYS);
+    }
+    for door in doors {
+        block(door.middle(), door.reach() + PERSON_RADIUS);
+    }
+    let is_candidate = |cell: &usize| usable[*cell] && !blocked[*cell];
+    let candidates: Vec<usize> = (0..frame.len()).filter(is_candidate).collect();
+    let mut sizes = vec![0_u32; world.rooms.len() + 1];
+    for &cell in &candidates {
+        sizes[rooms[cell] as usize] += 1;
+    }
+    // Cells in the order of exponential waits at rates of one over the size of their room: a weighted
+    // sample without replacement (Efraimidis and Spirakis, Information Processing Letters 97, 2006).
+    let mut stream = seed.stream("scenario/people/places", 0);
+    let mut order: Vec<(bool, f64, usize)> = candidates
+        .into_iter()
+        .map(|cell| {
+            let wait = -libm::log1p(-stream.unit()) * f64::from(sizes[rooms[cell] as usize]);
+            (space.cell_clearance(cell) < ROOMY, wait, cell)
+        })
+        .collect();
+    order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    let mut places = Vec::new();
+    for spacing in SPACINGS {
+        places = spread(space, &order, spacing, most);
+        if places.len() >= needed {
+            break;
+        }
+    }
+    places
+}
+
+/// The first cells that are at least `spacing` metres from those before.
+fn spread(
+    space: &FreeSpace,
+    order: &[(bool, f64, usize)],
+    spacing: f64,
+    most: usize,
+) -> Vec<DVec2> {
+    let frame = space.frame;
+    let mut taken = vec![false; frame.len()];
+    let mut places = Vec::new();
+    for &(_, _, cell) in order {
+        if places.len() >= most {
+            break;
+        }
+        if taken[cell] {
+            continue;
+        }
+        let p = frame.center_of(cell);
+        places.push(p);
+        // Cells that the disc touches have their middle up to half a diagonal beyond it.
+        let near = crate::grid::Convex::Disc(p, spacing);
+        frame.touched_runs(&near, |row, from, to| {
+            for col in from..=to {
+                let is_near = frame.center(col, row).distance_squared(p) < spacing * spacing;
+                taken[frame.index(col, row)] |= is_near;
+            }
+        });
+    }
+    places
+}

@@ -1,0 +1,230 @@
+//! What a laser beam reads in smoke.
+
+use super::Stretch;
+use crate::scenario::spec::FailedBeams;
+use crate::seed::Stream;
+
+/// Distances in metres between which the fields of view of emitter and detector begin to overlap and are one
+/// (M. Hahner et al., Fog Simulation on Real `LiDAR` Point Clouds, ICCV 2021).
+const OVERLAP: [f64; 2] = [0.9, 1.0];
+
+/// Parts into which the path of a beam is divided for the law of its phantom echoes.
+const PARTS: u32 = 256;
+
+/// How a laser measures in smoke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Laser {
+    /// The equation of a lidar with Beer and Lambert's law: it has an echo at distance R where
+    /// R exp(optical depth) is at most this range in metres, which it has without smoke.
+    Physical {
+        /// The range without smoke; it may be beyond the greatest distance that the laser reports.
+        power_range: f64,
+    },
+    /// A Hokuyo of `USARSim`: it reads 0 where density times metres in smoke exceed a budget.
+    Hokuyo {
+        /// The budget; [`Laser::HOKUYO_BUDGET`] in `USARSim`.
+        budget: f64,
+    },
+    /// A SICK of `USARSim`: smoke in a region does nothing, particles stop it.
+    Sick,
+}
+
+/// What a beam reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reading {
+    /// The distance of a surface in metres.
+    Echo(f64),
+    /// Nothing: this does not say that the beam's path is free.
+    NoEcho,
+    /// A distance of 0, which a Hokuyo reports for an error.
+    Zero,
+    /// The distance in metres of an echo from smoke, where there is nothing.
+    Phantom(f64),
+}
+
+impl Laser {
+    /// The budget of the Hokuyo of `USARSim`.
+    pub const HOKUYO_BUDGET: f64 = 0.005_75;
+
+    /// What a beam reads that meets a surface at `distance` metres, or nothing within `max_range`. `stretches`
+    /// is the smoke along it up to there; `stream` is the beam's own, and is drawn from for phantoms alone.
+    pub fn read(
+        &self,
+        distance: Option<f64>,
+        max_range: f64,
+        stretches: &[Stretch],
+        failed: FailedBeams,
+        stream: &mut Stream,
+    ) -> Reading {
+        let end = distance.unwrap_or(max_range);
+        if !self.fails(end, stretches) {
+            return distance.map_or(Reading::NoEcho, Reading::Echo);
+        }
+        match failed {
+            FailedBeams::None => Reading::NoEcho,
+            FailedBeams::Zero => Reading::Zero,
+            FailedBeams::Phantom => {
+                phantom(end, stretches, stream.unit()).map_or(Reading::NoEcho, Reading::Phantom)
+            }
+        }
+    }
+
+    /// Whether smoke stops a beam before a distance in metres.
+    fn fails(&self, end: f64, stretches: &[Stretch]) -> bool {
+        let is_stopped = || stretches.iter().any(|s| s.is_particle && s.from < end);
+        match *self {
+            Laser::Physical { power_range } => {
+                end * libm::exp(optical_depth(stretches, end)) > power_range
+            }
+            Laser::Hokuyo { budget } => optical_depth(stretches, end) > budget || is_stopped(),
+            Laser::Sick => is_stopped(),
+        }
+    }
+}
+
+/// The integral of the extinction coefficient along a ray up to a distance in metres.
+pub(super) fn optical_depth(stretches: &[Stretch], end: f64) -> f64 {
+    let depth = |s: &Stretch| s.extinction * (s.to.min(end) - s.from).max(0.0);
+    stretches.iter().map(depth).sum()
+}
+
+/// The distance of an echo from smoke before `end`, drawn by a uniform number in [0, 1): its density is that of
+/// the power that smoke scatters back, proportional to extinction * exp(-2 optical depth) / r^2. `None` where
+/// there is no smoke that the detector sees.
+fn phantom(end: f64, stretches: &[Stretch], uniform: f64) -> Option<f64> {
+    let step = (end - OVERLAP[0]) / f64::from(PARTS);
+    if step.is_nan() || step <= 0.0 {
+        return None;
+    }
+    let middle = |part: u32| OVERLAP[0] + (f64::from(part) + 0.5) * step;
+    let power = |part: u32| {
+        let r = middle(part);
+        let here = stretches.iter().filter(|s| (s.from..s.to).contains(&r));
+        let extinction: f64 = here.map(|s| s.extinction).sum();
+        let overlap = ((r - OVERLAP[0]) / (OVERLAP[1] - OVERLAP[0])).min(1.0);
+        overlap * extinction * libm::exp(-2.0 * optical_depth(stretches, r)) / (r * r)
+    };
+    let powers: Vec<f64> = (0..PARTS).map(power).collect();
+    let total: f64 = powers.iter().sum();
+    if total.is_nan() || total <= 0.0 {
+        return None;
+    }
+    let mut left = uniform * total;
+    let mut last = None;
+    for (part, &power) in (0..PARTS).zip(&powers).filter(|(_, power)| **power > 0.0) {
+        if left < power {
+            return Some(middle(part) + (left / power - 0.5) * step);
+        }
+        left -= power;
+        last = Some(middle(part));
+    }
+    last
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::smoke::smoke_range;
+    use crate::seed::Seed;
+    use proptest::prelude::*;
+
+    fn regional(from: f64, to: f64, extinction: f64) -> Stretch {
+        Stretch { from, to, extinction, is_particle: false }
+    }
+
+    fn read(
+        laser: Laser,
+        distance: Option<f64>,
+        smoke: &[Stretch],
+        failed: FailedBeams,
+    ) -> Reading {
+        laser.read(distance, 20.0, smoke, failed, &mut Seed(1).stream("test", 0))
+    }
+
+    #[test]
+    fn the_budget_of_a_hokuyo_is_exact() {
+        let hokuyo = Laser::Hokuyo { budget: Laser::HOKUYO_BUDGET };
+        // 5 m at a density of 0.00115 are the budget itself.
+        let smoke = [regional(1.0, 6.0, 0.001_15)];
+        let zero = |distance| read(hokuyo, distance, &smoke, FailedBeams::Zero);
+        assert_eq!(zero(Some(5.9)), Reading::Echo(5.9));
+        assert_eq!(zero(Some(6.0)), Reading::Echo(6.0));
+        assert_eq!(zero(Some(9.0)), Reading::Echo(9.0));
+        let thicker = [regional(1.0, 6.0, 0.001_16)];
+        assert_eq!(read(hokuyo, Some(9.0), &thicker, FailedBeams::Zero), Reading::Zero);
+        assert_eq!(read(hokuyo, Some(9.0), &thicker, FailedBeams::None), Reading::NoEcho);
+        assert_eq!(read(hokuyo, Some(5.0), &thicker, FailedBeams::Zero), Reading::Echo(5.0));
+        // Two regions on one ray share the budget.
+        let two = [regional(0.0, 1.0, 0.003), regional(0.5, 2.0, 0.002)];
+        assert_eq!(read(hokuyo, Some(1.8), &two, FailedBeams::Zero), Reading::Echo(1.8));
+        assert_eq!(read(hokuyo, Some(1.9), &two, FailedBeams::Zero), Reading::Zero);
+        assert_eq!(read(hokuyo, None, &two, FailedBeams::Zero), Reading::Zero);
+        assert_eq!(read(hokuyo, None, &[], FailedBeams::Zero), Reading::NoEcho);
+    }
+
+    #[test]
+    fn a_sick_sees_through_regions_and_not_through_particles() {
+        let thick = [regional(0.0, 20.0, 50.0)];
+        assert_eq!(read(Laser::Sick, Some(7.0), &thick, FailedBeams::Zero), Reading::Echo(7.0));
+        let particles = [Stretch { is_particle: true, ..regional(3.0, 4.0, 1e-3) }];
+        assert_eq!(read(Laser::Sick, Some(7.0), &particles, FailedBeams::None), Reading::NoEcho);
+        assert_eq!(read(Laser::Sick, Some(2.0), &particles, FailedBeams::None), Reading::Echo(2.0));
+    }
+
+    #[test]
+    fn phantoms_follow_their_law() {
+        // Uniform smoke from 1 to 5 m: the mean distance against a fine integral of the law.
+        let smoke = [regional(1.0, 5.0, 0.4)];
+        let density = |r: f64| 0.4 * libm::exp(-0.8 * (r - 1.0)) / (r * r);
+        let fine = (0..40_000).map(|i| 1.0 + (f64::from(i) + 0.5) * 1e-4);
+        let (mass, moment) =
+            fine.fold((0.0, 0.0), |(m, n), r| (m + density(r), n + r * density(r)));
+        let mut stream = Seed(3).stream("test", 0);
+        let mut draws = 0.0;
+        for _ in 0..20_000 {
+            let r = phantom(6.0, &smoke, stream.unit()).expect("smoke");
+            assert!((0.98..5.02).contains(&r), "{r}");
+            draws += r;
+        }
+        // Standard deviation 0.75 m: within five standard errors and the width of a part.
+        assert!(
+            (draws / 2e4 - moment / mass).abs() < 0.027 + 0.02,
+            "{} {}",
+            draws / 2e4,
+            moment / mass
+        );
+    }
+
+    #[test]
+    fn without_smoke_in_view_there_is_no_phantom() {
+        assert_eq!(phantom(6.0, &[], 0.5), None);
+        assert_eq!(phantom(0.5, &[regional(0.0, 5.0, 9.0)], 0.5), None);
+        assert_eq!(phantom(f64::NAN, &[regional(0.0, 5.0, 9.0)], 0.5), None);
+    }
+
+    proptest! {
+        #[test]
+        fn in_uniform_smoke_the_range_is_that_of_lambert(
+            power_range in 5.0..40.0_f64, extinction in 0.01..5.0_f64, distance in 0.1..20.0_f64,
+        ) {
+            let range = smoke_range(power_range, extinction);
+            prop_assume!((distance / range - 1.0).abs() > 1e-9);
+            let smoke = [regional(0.0, 20.0, extinction)];
+            let reading =
+                read(Laser::Physical { power_range }, Some(distance), &smoke, FailedBeams::None);
+            prop_assert_eq!(reading == Reading::Echo(distance), distance < range);
+        }
+
+        #[test]
+        fn a_phantom_is_in_smoke_before_the_surface(
+            a in 0.0..8.0_f64, length in 0.1..8.0_f64, extinction in 0.01..5.0_f64,
+            end in 1.2..12.0_f64, uniform in 0.0..1.0_f64,
+        ) {
+            let smoke = [regional(a, a + length, extinction)];
+            if let Some(r) = phantom(end, &smoke, uniform) {
+                let part = 12.0 / f64::from(PARTS);
+                prop_assert!(r <= end && r > a - part && r < a + length + part, "{r}");
+            }
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! The settings of a scenario.
+
+use serde::{Deserialize, Serialize};
+use strum::VariantNames;
+
+use super::MAX_PEOPLE;
+use super::door::DoorKind;
+use super::people::Reaction;
+use crate::error::SpecError;
+use crate::settings;
+
+settings! {
+    /// What moves in a world. By default nothing does.
+    ///
+    /// ```
+    /// use envgen::scenario::ScenarioSpec;
+    ///
+    /// let spec = ScenarioSpec { doors: 0.5, people: 4, ..Default::default() };
+    /// assert!(spec.validate().is_ok() && !spec.is_still());
+    /// let error = ScenarioSpec { smoke: -0.1, ..Default::default() }.validate().unwrap_err();
+    /// assert_eq!(error.to_string(), "`smoke` must be a number from 0 to 100, got -0.1");
+    /// ```
+    pub struct ScenarioSpec {
+        /// Probability that an open doorway has a door.
+        doors: f64 = 0.0 => number("", 0.0..=1.0);
+        /// How the doors move; one whose leaf has no room to swing slides.
+        door_kind: DoorKinds = DoorKinds::Mixed => choice;
+        /// What opens and closes the doors.
+        door_control: DoorControl = DoorControl::Timed => choice;
+        /// Mean of the exponentially distributed time that a door stays open.
+        door_open: f64 = 20.0 => number("s", 0.5..=1e6);
+        /// Mean of the exponentially distributed time that a door stays closed.
+        door_closed: f64 = 20.0 => number("s", 0.5..=1e6);
+        /// Probability that a closing door slams.
+        slam: f64 = 0.2 => number("", 0.0..=1.0);
+        /// Number of people.
+        people: u32 = 0 => integer("", 0..=MAX_PEOPLE as u64);
+        /// What a laser sees of a person.
+        body: Body = Body::Disc => choice;
+        /// How people react to a robot.
+        reaction: Reactions = Reactions::Regular => choice;
+        /// Mean speed of walking; it is normally distributed with a deviation of a fifth.
+        walking_speed: f64 = 1.34 => number("m/s", 0.1..=3.0);
+        /// Mean of the exponentially distributed time that a person waits between two walks.
+        waiting: f64 = 20.0 => number("s", 0.5..=1e6);
+        /// Mean of the exponentially distributed time that a person works after every second walk.
+        working: f64 = 60.0 => number("s", 0.5..=1e6);
+        /// Extinction coefficient of the smoke at its sources, 0 for no smoke.
+        smoke: f64 = 0.0 => number("1/m", 0.0..=100.0);
+        /// Number of sources of smoke.
+        smoke_sources: u32 = 1 => integer("", 1..=1000);
+        /// Radius of the smoke of a source outside of rooms.
+        smoke_radius: f64 = 3.0 => number("m", 0.1..=1000.0);
+        /// Time in which smoke grows to 63 % of its density, 0 where it is there from the start.
+        smoke_growth: f64 = 0.0 => number("s", 0.0..=1e6);
+        /// Speed at which air passes an open doorway in each direction.
+        smoke_leak: f64 = 0.1 => number("m/s", 0.0..=10.0);
+        /// What the smoke of `USARSim` is.
+        smoke_kind: SmokeKind = SmokeKind::Regional => choice;
+        /// How smoke affects a laser.
+        smoke_profile: SmokeProfile = SmokeProfile::Physical => choice;
+        /// What a beam that smoke stops reads.
+        failed_beams: FailedBeams = FailedBeams::None => choice;
+    }
+}
+
+/// How the doors of a scenario move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
+#[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
+pub enum DoorKinds {
+    /// Each kind with the same probability.
+    Mixed,
+    /// One leaf that turns.
+    Hinged,
+    /// Two leaves that turn.
+    Double,
+    /// One leaf that slides into the wall.
+    Sliding,
+}
+
+impl DoorKinds {
+    /// The kind of a door by a draw from 0 to 2.
+    pub(super) fn kind(self, draw: u64) -> DoorKind {
+        match (self, draw) {
+            (DoorKinds::Hinged, _) | (DoorKinds::Mixed, 0) => DoorKind::Hinged,
+            (DoorKinds::Double, _) | (DoorKinds::Mixed, 1) => DoorKind::Double,
+            _ => DoorKind::Sliding,
+        }
+    }
+}
+
+/// What opens and closes a door.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
+#[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
+pub enum DoorControl {
+    /// Chance: open and closed times are exponentially distributed.
+    Timed,
+    /// A robot, or a person who walks, nearer than 2 m opens it.
+    Triggered,
+}
+
+/// What a laser sees of a person.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
+#[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
+pub enum Body {
+    /// A disc of radius 0.25 m.
+    Disc,
+    /// Two legs of radius 0.07 m, 0.3 m apart.
+    Legs,
+}
+
+/// How the people of a scenario react to a robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
+#[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
+pub enum Reactions {
+    /// [`Reaction::Regular`].
+    Regular,
+    /// [`Reaction::Surprised`].
+    Surprised,
+    /// [`Reaction::Curious`].
+    Curious,
+    /// [`Reaction::Scared`].
+    Scared,
+    /// [`Reaction::Impassive`].
+    Impassive,
+    /// Each with the same probability.
+    Mixed,
+}
+
+impl Reactions {
+    /// The reaction of a person by a draw from 0 to 4.
+    pub(super) fn reaction(self, draw: u64) -> Reaction {
+        const ALL: [Reaction; 5] = [
+            Reaction::Regular,
+            Reaction::Surprised,
+            Reaction::Curious,
+            Reaction::Scared,
+            Reaction::Impassive,
+        ];
+        match self {
+            Reactions::Regular => Reaction::Regular,
+            Reactions::Surprised => Reaction::Surprised,
+            Reactions::Curious => Reaction::Curious,
+            Reactions::Scared => Reaction::Scared,
+            Reactions::Impassive => Reaction::Impassive,
+            Reactions::Mixed => ALL[draw as usize % ALL.len()],
+        }
+    }
+}
+
+/// What the smoke of `USARSim` is; the physical profile makes no difference between them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
+#[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
+pub enum SmokeKind {
+    /// A density in a region, through which a SICK sees.
+    Regional,
+    /// Particles, which stop every beam.
+    Particle,
+}
+
+/// How smoke affects a laser.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
+#[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
+pub enum SmokeProfile {
+    /// Beer and Lambert's law in the equation of a lidar.
+    Physical,
+    /// As `USARSim` does: each laser has a rule of its own.
+    Usarsim,
+}
+
+/// What a beam that smoke stops reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
+#[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
+pub enum FailedBeams {
+    /// No echo.
+    None,
+    /// A distance of 0, as a Hokuyo.
+    Zero,
+    /// The distance of an echo from the smoke itself.
+    Phantom,
+}
+
+impl ScenarioSpec {
+    /// Checks every setting against its limits.
+    ///
+    /// # Errors
+    /// Names the first setting that is not allowed, its value and its limits.
+    pub fn validate(&self) -> Result<(), SpecError> {
+        self.check_fields()
+    }
+
+    /// Whether nothing moves, so that the world is as without a scenario.
+    pub fn is_still(&self) -> bool {
+        self.doors == 0.0 && self.people == 0 && self.smoke == 0.0
+    }
+}

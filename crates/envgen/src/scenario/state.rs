@@ -1,0 +1,265 @@
+//! A scenario as it runs.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use super::door::{Bodies, DoorClock, DoorShape, DoorState};
+use super::people::{
+    Crowd, FreeSpace, Neighbourhood, Person, PersonState, Routes, Surroundings, find_places,
+    max_speed,
+};
+use super::plan::shapes;
+use super::smoke::{SmokeField, SmokeRegions};
+use super::{Door, Leaf, PERSON_RADIUS, REACH, Scenario, ScenarioSpec, TICK};
+use crate::clearance_index::ClearanceIndex;
+use crate::error::SpecError;
+use crate::geometry::Rect;
+use crate::grid::{CellBuckets, Convex};
+use crate::raycast::Raycaster;
+use crate::seed::Seed;
+use crate::world::{Digest, World};
+
+/// A step is due when the time is within this many seconds of it, so that the rounding of a sum of small steps
+/// does not delay it.
+const ROUNDING: f64 = 1e-6;
+
+/// The longest step in seconds.
+const MAX_STEP: f64 = 86_400.0;
+
+/// Smoke spreads after this many ticks.
+const SPREAD: u64 = 10;
+
+/// The most places to which people go.
+const MAX_PLACES: usize = 1024;
+
+/// Doors concern people this far beyond the reach of their leaves, in metres.
+const ZONE: f64 = 0.5;
+
+/// A robot, as people see it and doors feel it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Robot {
+    /// True position in metres.
+    pub position: DVec2,
+    /// True velocity in m/s.
+    pub velocity: DVec2,
+    /// Radius in metres of a disc that holds it.
+    pub radius: f64,
+}
+
+/// A scenario at a time.
+///
+/// A copy continues on its own; all copies share the indices of the world.
+#[derive(Clone, Debug)]
+pub struct ScenarioState {
+    pub(super) scene: Arc<Scene>,
+    time: f64,
+    tick: u64,
+    pub(super) doors: Vec<DoorState>,
+    pub(super) crowd: Crowd,
+    pub(super) smoke: SmokeField,
+}
+
+/// What does not change.
+#[derive(Debug)]
+pub(super) struct Scene {
+    pub(super) settings: ScenarioSpec,
+    seed: Seed,
+    bounds: Rect,
+    doors: Vec<Door>,
+    pub(super) shapes: Vec<DoorShape>,
+    /// The door of each doorway.
+    door_of: Vec<Option<usize>>,
+    people: Vec<Person>,
+    max_speed: f64,
+    pub(super) rays: Raycaster,
+    pub(super) index: Arc<ClearanceIndex>,
+    pub(super) smoke: SmokeRegions,
+    walk: Option<Walk>,
+}
+
+/// What people need.
+#[derive(Debug)]
+struct Walk {
+    space: FreeSpace,
+    routes: Routes,
+    door_zones: CellBuckets<u32>,
+}
+
+impl Walk {
+    fn new(
+        world: &World,
+        scenario: &Scenario,
+        shapes: &[DoorShape],
+        index: &Arc<ClearanceIndex>,
+    ) -> Result<Self, SpecError> {
+        let space = FreeSpace::new(world, shapes, Arc::clone(index));
+        scenario.check_people(&space, shapes)?;
+        let people = scenario.people.len();
+        let most = (2 * people + 16).min(MAX_PLACES);
+        let places = find_places(&space, world, shapes, scenario.seed, (most, most));
+        let numbers: Vec<u32> = (0..shapes.len() as u32).collect();
+        let door_zones = CellBuckets::build(&space.frame, &numbers, None, |&i, frame, visit| {
+            let door = &shapes[i as usize];
+            let reach = door.reach() + PERSON_RADIUS + ZONE;
+            frame.touched_runs(&Convex::Disc(door.middle(), reach), visit);
+        })
+        .unwrap_or_else(|| unreachable!("there is no limit"));
+        Ok(Walk { space, routes: Routes::new(places), door_zones })
+    }
+}
+
+impl ScenarioState {
+    /// The start of a scenario in its world.
+    ///
+    /// # Errors
+    /// When the scenario does not fit the world: a door without an open doorway, a person without free space, a
+    /// source of smoke without its room, or a number out of range. The error names the item, such as
+    /// `people[3].position`.
+    pub fn new(world: &World, scenario: &Scenario) -> Result<Self, SpecError> {
+        scenario.check(world)?;
+        let shapes = shapes(world, &scenario.doors);
+        let index = Arc::new(ClearanceIndex::new(world, REACH)?);
+        let walk = match scenario.people.is_empty() {
+            true => None,
+            false => Some(Walk::new(world, scenario, &shapes, &index)?),
+        };
+        let mut door_of = vec![None; world.doorways.len()];
+        for (i, door) in scenario.doors.iter().enumerate() {
+            door_of[door.doorway as usize] = Some(i);
+        }
+        let scene = Scene {
+            settings: scenario.settings.clone(),
+            seed: scenario.seed,
+            bounds: world.bounds,
+            doors: scenario.doors.clone(),
+            shapes,
+            door_of,
+            people: scenario.people.clone(),
+            max_speed: max_speed(&scenario.people),
+            rays: Raycaster::new(world),
+            index,
+            smoke: SmokeRegions::new(world, &scenario.smoke, scenario.settings.smoke_leak),
+            walk,
+        };
+        Ok(ScenarioState::start(Arc::new(scene)))
+    }
+
+    fn start(scene: Arc<Scene>) -> Self {
+        let doors = scene.doors.iter();
+        let doors = doors.map(|door| DoorState::new(door, &scene.clock(door, 0))).collect();
+        let near = Neighbourhood::new(scene.bounds, scene.people.len(), scene.max_speed);
+        let places = scene.walk.as_ref().map_or(0, |walk| walk.routes.places.len());
+        let crowd = Crowd::new(&scene.people, places, (&scene.settings, scene.seed), near);
+        let smoke = scene.smoke.start();
+        ScenarioState { scene, time: 0.0, tick: 0, doors, crowd, smoke }
+    }
+
+    /// The same scenario from its start.
+    pub fn restarted(&self) -> Self {
+        ScenarioState::start(Arc::clone(&self.scene))
+    }
+
+    /// Continues by `dt` seconds, from 0 to a day, with robots at their true positions. Everything moves in
+    /// whole ticks: several short steps are as a long one, to the bit, where the robots are the same.
+    ///
+    /// # Errors
+    /// When `dt` is out of range, or a number of a robot is not finite or its radius negative; then nothing
+    /// moves.
+    pub fn step(&mut self, dt: f64, robots: &[Robot]) -> Result<(), SpecError> {
+        if !(0.0..=MAX_STEP).contains(&dt) {
+            return Err(SpecError::new("dt", dt, format!("a number from 0 to {MAX_STEP}")));
+        }
+        for (i, robot) in robots.iter().enumerate() {
+            robot.check().map_err(|error| error.within(&format!("robots[{i}]")))?;
+        }
+        self.time += dt;
+        while (self.tick + 1) as f64 * TICK <= self.time + ROUNDING {
+            self.tick += 1;
+            self.advance(robots);
+        }
+        Ok(())
+    }
+
+    fn advance(&mut self, robots: &[Robot]) {
+        let scene = &*self.scene;
+        let bodies = Bodies { people: &self.crowd.people, near: &self.crowd.near, robots };
+        for ((door, shape), state) in scene.doors.iter().zip(&scene.shapes).zip(&mut self.doors) {
+            state.step(door, shape, &scene.clock(door, self.tick), &bodies);
+        }
+        if let Some(Walk { space, routes, door_zones }) = &scene.walk {
+            self.crowd.step(&Surroundings {
+                space,
+                routes,
+                rays: &scene.rays,
+                shapes: &scene.shapes,
+                door_zones,
+                people: &scene.people,
+                spec: &scene.settings,
+                seed: scene.seed,
+                doors: &self.doors,
+                robots,
+                tick: self.tick,
+                max_speed: scene.max_speed,
+            });
+        }
+        if !scene.smoke.is_empty() && self.tick.is_multiple_of(SPREAD) {
+            let doors = &self.doors;
+            let openness =
+                |doorway: usize| scene.door_of[doorway].map_or(1.0, |door| doors[door].openness);
+            let time = (self.tick as f64 * TICK, SPREAD as f64 * TICK);
+            scene.smoke.spread(&mut self.smoke, time, openness);
+        }
+    }
+
+    /// Seconds since the start, as the sum of all steps.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Ticks since the start, [`TICKS_PER_SECOND`] per second.
+    pub fn tick(&self) -> u64 {
+        self.tick
+    }
+
+    /// The doors, in the order of the scenario.
+    pub fn doors(&self) -> &[DoorState] {
+        &self.doors
+    }
+
+    /// The leaves of a door; none of one that does not exist.
+    pub fn leaves(&self, door: usize) -> impl Iterator<Item = Leaf> + use<> {
+        let shape = self.scene.shapes.get(door).zip(self.doors.get(door));
+        shape.map(|(shape, state)| state.leaves(shape)).into_iter().flatten()
+    }
+
+    /// The people, in the order of the scenario.
+    pub fn people(&self) -> &[PersonState] {
+        &self.crowd.people
+    }
+
+    /// A digest of everything that moves: of equal ones everything is at the same place, to the bit.
+    pub fn digest(&self) -> Digest {
+        Digest::of(&(self.tick, &self.doors, &self.crowd.people, &self.smoke))
+    }
+}
+
+impl Scene {
+    fn clock(&self, door: &Door, tick: u64) -> DoorClock {
+        DoorClock { seed: self.seed, doorway: u64::from(door.doorway), tick }
+    }
+}
+
+impl Robot {
+    fn check(&self) -> Result<(), SpecError> {
+        for (name, value) in [("position", self.position), ("velocity", self.velocity)] {
+            if !value.is_finite() {
+                return Err(SpecError::new(name, value, "finite numbers"));
+            }
+        }
+        if !(0.0..1e6).contains(&self.radius) {
+            return Err(SpecError::new("radius", self.radius, "a number from 0 to 1e6"));
+        }
+        Ok(())
+    }
+}

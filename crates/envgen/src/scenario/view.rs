@@ -1,0 +1,169 @@
+//! Rays, clearances, contacts and smoke in a world with everything that moves.
+
+use glam::DVec2;
+
+use super::smoke::{Laser, Reading, Stretch};
+use super::spec::Body;
+use super::{LEG_RADIUS, PERSON_RADIUS, ScenarioState};
+use crate::raycast::{Hit, Raycaster};
+use crate::seed::Stream;
+use crate::world::PartId;
+
+/// What a ray or a robot meets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// A part of the world.
+    Part(PartId),
+    /// A leaf of the door with this index in the scenario.
+    Leaf(u32),
+    /// The person with this index in the scenario.
+    Person(u32),
+}
+
+/// The first thing that a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MovingHit {
+    /// Distance in metres; 0 for a ray that starts inside.
+    pub distance: f64,
+    /// What it is.
+    pub target: Target,
+}
+
+/// The nearest point of something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MovingContact {
+    /// What it is.
+    pub target: Target,
+    /// Its nearest point; the query point itself when that lies inside.
+    pub point: DVec2,
+    /// Distance to that point in metres.
+    pub distance: f64,
+}
+
+impl ScenarioState {
+    /// The first thing that a ray in the direction of a unit vector meets within `max_range` metres, smoke
+    /// aside; `None` when it meets nothing, and for a negative range or NaN. Of things at the same distance it
+    /// is a part of the world, then a leaf.
+    pub fn cast(&self, from: DVec2, direction: DVec2, max_range: f64) -> Option<MovingHit> {
+        let part = self.scene.rays.cast_along(from, direction, max_range);
+        let part = part.map(|Hit { distance, part }| (distance, Target::Part(part)));
+        let mut best = part.map_or((max_range, None), |(distance, part)| (distance, Some(part)));
+        let mut meet = |distance: Option<f64>, target: Target| {
+            let is_first =
+                |distance: &f64| *distance < best.0 || (*distance <= best.0 && best.1.is_none());
+            if let Some(distance) = distance.filter(is_first) {
+                best = (distance, Some(target));
+            }
+        };
+        for (door, (shape, state)) in (0..).zip(self.scene.shapes.iter().zip(&self.doors)) {
+            let reach = shape.reach() + max_range;
+            if from.distance_squared(shape.middle()) > reach * reach {
+                continue;
+            }
+            for leaf in state.leaves(shape) {
+                meet(leaf.distance_along(from, direction), Target::Leaf(door));
+            }
+        }
+        let is_disc = self.scene.settings.body == Body::Disc;
+        for (i, person) in (0..).zip(&self.crowd.people) {
+            let whole = to_disc(from, direction, (person.position, PERSON_RADIUS));
+            if is_disc {
+                meet(whole, Target::Person(i));
+            } else if whole.is_some_and(|distance| distance <= max_range) {
+                for leg in person.legs() {
+                    meet(to_disc(from, direction, (leg, LEG_RADIUS)), Target::Person(i));
+                }
+            }
+        }
+        best.1.map(|target| MovingHit { distance: best.0, target })
+    }
+
+    /// The rays of the world without anything that moves.
+    pub fn still_rays(&self) -> &Raycaster {
+        &self.scene.rays
+    }
+
+    /// Calls `visit` for everything within `radius` metres of a point, or within 2 m where that is less. A part
+    /// with a long outline may be visited several times. People are discs.
+    pub fn contacts(&self, p: DVec2, radius: f64, mut visit: impl FnMut(MovingContact)) {
+        let radius = radius.min(self.scene.index.reach());
+        self.scene.index.contacts(p, radius, |contact| {
+            let (point, distance) = (contact.point, contact.distance);
+            visit(MovingContact { target: Target::Part(contact.part), point, distance });
+        });
+        let mut near = |point: DVec2, target: Target| {
+            let distance = p.distance(point);
+            if distance <= radius {
+                visit(MovingContact { target, point, distance });
+            }
+        };
+        for (door, (shape, state)) in (0..).zip(self.scene.shapes.iter().zip(&self.doors)) {
+            for leaf in state.leaves(shape) {
+                near(leaf.nearest_point(p), Target::Leaf(door));
+            }
+        }
+        for (i, person) in (0..).zip(&self.crowd.people) {
+            let from = p - person.position;
+            near(person.position + from.clamp_length_max(PERSON_RADIUS), Target::Person(i));
+        }
+    }
+
+    /// Distance in metres from a point to the nearest solid, leaf or person, infinite when none is within
+    /// 2 m.
+    pub fn clearance(&self, p: DVec2) -> f64 {
+        let mut least = f64::INFINITY;
+        self.contacts(p, self.scene.index.reach(), |contact| least = least.min(contact.distance));
+        least
+    }
+
+    /// The extinction coefficient of the smoke at a point, in 1/m.
+    pub fn extinction(&self, p: DVec2) -> f64 {
+        self.scene.smoke.extinction(&self.smoke, p)
+    }
+
+    /// The smoke along a ray in the direction of a unit vector, up to `length` metres. `stretches` is
+    /// overwritten; those of different sources may overlap, and then add up.
+    pub fn smoke_along(
+        &self,
+        from: DVec2,
+        direction: DVec2,
+        length: f64,
+        stretches: &mut Vec<Stretch>,
+    ) {
+        stretches.clear();
+        if !self.scene.smoke.is_empty() {
+            let ray = (from, direction, length);
+            self.scene.smoke.stretches(&self.smoke, ray, |stretch| stretches.push(stretch));
+        }
+    }
+
+    /// What a laser beam reads, and what it would have met without smoke. `stream` is the beam's own, for
+    /// example one of the robot's seed, the scan and the beam; it is drawn from for phantoms alone.
+    pub fn beam(
+        &self,
+        laser: &Laser,
+        (from, direction): (DVec2, DVec2),
+        max_range: f64,
+        stream: &mut Stream,
+    ) -> (Reading, Option<MovingHit>) {
+        let hit = self.cast(from, direction, max_range);
+        let end = hit.map_or(max_range, |hit| hit.distance);
+        let mut stretches = Vec::new();
+        self.smoke_along(from, direction, end, &mut stretches);
+        let distance = hit.map(|hit| hit.distance);
+        let failed = self.scene.settings.failed_beams;
+        (laser.read(distance, max_range, &stretches, failed, stream), hit)
+    }
+}
+
+/// Distance along a ray to a disc, 0 inside; `None` when it misses.
+fn to_disc(from: DVec2, direction: DVec2, (center, radius): (DVec2, f64)) -> Option<f64> {
+    let to = center - from;
+    let (middle, off) = (to.dot(direction), to.perp_dot(direction));
+    let half2 = radius * radius - off * off;
+    if half2 < 0.0 {
+        return None;
+    }
+    let half = half2.sqrt();
+    (middle + half >= 0.0).then(|| (middle - half).max(0.0))
+}
