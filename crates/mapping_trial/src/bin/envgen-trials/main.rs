@@ -6,6 +6,7 @@ mod anchors;
 mod atlas;
 mod calibrate;
 mod generate;
+mod link;
 mod measure;
 mod panel;
 mod progress;
@@ -35,6 +36,8 @@ enum Command {
     /// Generates an indoor map whose measured difficulty is the requested one: several candidates race, the
     /// nearest is measured again.
     Generate(generate::Arguments),
+    /// Links people's ratings to the scale of measured difficulty, from the reports of their sessions.
+    Link(link::Arguments),
     /// Measures the anchors: the scale of a panel.
     Anchors(anchors::Arguments),
     /// Measures the worlds of the atlas, from which predictions are fitted.
@@ -61,6 +64,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     match &arguments.command {
         Command::Measure(arguments) => measure::run(arguments, threads),
         Command::Generate(arguments) => generate::run(arguments, threads),
+        Command::Link(arguments) => link::run(arguments),
         Command::Anchors(arguments) => anchors::run(arguments, threads),
         Command::Atlas(arguments) => atlas::run(arguments, threads),
         Command::Calibrate(arguments) => calibrate::run(arguments),
