@@ -96,14 +96,15 @@ type Outcome = Result<EnvironmentDifficulty, DifficultyError>;
 #[component(clone_behavior = Ignore)]
 pub(crate) struct DifficultyTask(Option<Task<Outcome>>);
 
+/// An environment and its request.
+type Requested =
+    (Entity, &'static ComputeDifficulty, &'static GroundTruth, &'static mut DifficultyTask);
+
+/// Either of them is new.
+type Renewed = Or<(Changed<ComputeDifficulty>, Changed<GroundTruth>)>;
+
 /// Starts to compute where the request or the world has changed.
-pub(crate) fn request(
-    mut environments: Query<
-        (Entity, &ComputeDifficulty, &GroundTruth, &mut DifficultyTask),
-        Or<(Changed<ComputeDifficulty>, Changed<GroundTruth>)>,
-    >,
-    mut commands: Commands,
-) {
+pub(crate) fn request(mut environments: Query<Requested, Renewed>, mut commands: Commands) {
     for (entity, request, truth, mut task) in &mut environments {
         commands.entity(entity).try_remove::<(EnvironmentDifficulty, DifficultyFailure)>();
         let (world, platform) = (Arc::clone(&truth.0), request.platform.0.clone());

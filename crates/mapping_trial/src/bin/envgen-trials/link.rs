@@ -15,7 +15,6 @@ use mapping_trial::trial::{TrialLog, TrialReport};
 use serde::Serialize;
 
 #[derive(Args)]
-#[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
 pub(crate) struct Arguments {
     /// The report.json of each session, with its log.json beside it. Give those of one person for a link of
     /// that person's ratings. Sessions of which the folder's name ends with _training are left out: the true
