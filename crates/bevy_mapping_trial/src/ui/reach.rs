@@ -27,17 +27,7 @@ impl Reach {
         let (WorldSpec::Indoor(indoor), Some(base)) = (spec, base(spec)) else { return Ok(()) };
         let last = self.last.as_ref().filter(|(last, _)| *last == base);
         let reached = last.map_or_else(|| base.reachable(), |(_, reached)| *reached);
-        for (name, (wanted, [least, most])) in indoor.request().0.zip(reached).named() {
-            let Some(wanted) = wanted else { continue };
-            if !(least..=most).contains(&wanted) {
-                let IndoorSpec { width, height, .. } = indoor;
-                let allowed = format!(
-                    "from {least:.1} to {most:.1}, what {width} x {height} cells reach with these settings"
-                );
-                return Err(SpecError::new(name, wanted, allowed));
-            }
-        }
-        Ok(())
+        indoor.request().check(indoor, reached)
     }
 }
 

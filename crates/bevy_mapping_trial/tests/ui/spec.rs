@@ -106,7 +106,8 @@ fn difficulties_out_of_reach_are_refused_below_the_slider() {
     }
     let error = form.error_of("difficulty").expect("out of reach").to_owned();
     let expected = format!(
-        "`difficulty` must be from {least:.1} to {most:.1}, what 8 x 8 cells reach with these settings"
+        "`difficulty` must be from {least:.1} to {most:.1}, what the profile calibrated reaches at 8 x 8 \
+         cells with these settings"
     );
     assert!(error.starts_with(&expected), "{error}");
     // A larger map of the same difficulty, and what the rules of the thesis call it.

@@ -29,7 +29,7 @@ const SAME: f64 = 1e-9;
 pub enum DifficultySource {
     /// Trials of the panel, as the world's provenance says.
     Measured,
-    /// The calibration of indoor maps.
+    /// The calibration of its kind; that of indoor maps for worlds of other tools.
     Predicted,
 }
 
@@ -77,7 +77,9 @@ impl PanelDifficulty {
             return Ok(PanelDifficulty { source, dials: measured.dials });
         }
         let vector = DifficultyVector::of(world, &Platform::default())?;
-        let Prediction { dials, outside, .. } = Calibration::indoor().predict(&vector);
+        let calibration =
+            Calibration::of(&world.provenance.kind).unwrap_or_else(|| Calibration::indoor());
+        let Prediction { dials, outside, .. } = calibration.predict(&vector);
         if outside > MOST_OUTSIDE {
             return Err(UnknownDifficulty::Outside { outside });
         }
