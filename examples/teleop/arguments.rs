@@ -4,8 +4,9 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use bevy_mapping_trial::ui::SpecForm;
 use clap::Parser;
-use envgen::indoor::IndoorSpec;
+use envgen::indoor::{IndoorSpec, Profile};
 use envgen::located::Locate;
 use envgen::{Seed, World, WorldSpec, import};
 use mapping_trial::lidar::LaserProfile;
@@ -25,7 +26,7 @@ const SIZE: u32 = 10;
 #[derive(Parser, Clone)]
 #[expect(clippy::doc_markdown, reason = "these texts are for the terminal, not Markdown")]
 pub(crate) struct Arguments {
-    /// Difficulty of the indoor map, from 0 to 10.
+    /// Difficulty of the indoor map as trials measure it, from 0 to 10.
     #[arg(long, default_value_t = 5.0, conflicts_with = "world")]
     difficulty: f64,
 
@@ -89,10 +90,10 @@ impl Arguments {
     pub(crate) fn beginning(&self) -> Result<Beginning, Box<dyn Error>> {
         let Some(path) = &self.world else {
             let (width, height) = (SIZE, SIZE);
-            let difficulty = self.difficulty;
-            let spec = IndoorSpec { difficulty, width, height, ..Default::default() };
-            let spec = WorldSpec::from(spec);
-            spec.validate()?;
+            let (difficulty, profile) = (self.difficulty, Profile::Calibrated);
+            let spec = IndoorSpec { difficulty, width, height, profile, ..Default::default() };
+            // Also refuses a difficulty that maps of this size do not reach.
+            let (spec, _) = SpecForm::new(&spec.into(), self.seed).request()?;
             return Ok(Beginning::Spec(Box::new(spec)));
         };
         if path.to_string_lossy().ends_with(".envgen.ron") {

@@ -88,7 +88,7 @@ impl Session {
         let (spec, environment) = match beginning {
             Beginning::Spec(spec) => (SpecForm::new(&spec, seed), Environment::new(*spec, seed.0)),
             Beginning::World(given) => (
-                SpecForm::new(&WorldKind::Indoor.default_spec(), seed),
+                SpecForm::new(&SpecForm::initial(WorldKind::Indoor), seed),
                 Environment::prebuilt(given),
             ),
         };

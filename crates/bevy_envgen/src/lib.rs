@@ -23,7 +23,8 @@
 //!
 //! ```text
 //! Environment            GroundTruth (the exact world), EnvironmentState, EnvironmentStats,
-//!                        EnvironmentLandmarks (its start and goal), EnvironmentFailure
+//!                        EnvironmentLandmarks (its start and goal), EnvironmentFailure,
+//!                        EnvironmentDifficulty (where ComputeDifficulty requests it)
 //!   Tile                 with merged colliders and meshes, where asked; TileSolids
 //!     Wall, Tree, ..     PartId, PartOf (its environment), Name, Transform, PartShape
 //! ```
@@ -38,6 +39,7 @@
 //! | event for observers | also as | reported for |
 //! |---|---|---|
 //! | [`EnvironmentReady`], [`EnvironmentFailed`] | messages; [`EnvironmentState`], [`EnvironmentFailure`] | an environment |
+//! | [`DifficultyComputed`] | a message; [`EnvironmentDifficulty`], [`DifficultyFailure`] | an environment with [`ComputeDifficulty`] |
 //! | [`TileSpawned`] | `Added<Tile>` | each tile, as it is spawned |
 //! | `DoorStopped` | a message | a door |
 //!
@@ -59,7 +61,7 @@
 //! # System sets
 //!
 //! All are in the schedule of [`EnvgenPlugins::in_schedule`], `Update` by default, in the order of
-//! [`EnvgenSystems`]: `Request`, `Collect`, `Spawn`, `Stream`, `Notify`. Transforms are watched in
+//! [`EnvgenSystems`]: `Request`, `Collect`, `Spawn`, `Stream`, `Notify`; difficulties follow them. Transforms are watched in
 //! `PostUpdate`. Doors move in `DoorSystems`, in `FixedUpdate` by default, before rapier's
 //! `PhysicsSet::SyncBackend`.
 //!
@@ -83,6 +85,7 @@ pub mod asset;
 #[cfg(feature = "debug")]
 pub mod debug;
 mod diagnostics;
+mod difficulty;
 mod environment;
 mod generate;
 mod job;
@@ -113,6 +116,9 @@ pub use bevy_rapier2d;
 pub use envgen;
 
 pub use diagnostics::EnvgenDiagnosticsPlugin;
+pub use difficulty::{
+    ComputeDifficulty, DifficultyComputed, DifficultyFailure, EnvironmentDifficulty, PlatformValue,
+};
 pub use environment::{
     EndlessTruth, Environment, EnvironmentError, EnvironmentFailed, EnvironmentFailure,
     EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GenerationMode, GroundTruth,
@@ -142,7 +148,8 @@ pub mod prelude {
     #[cfg(feature = "render")]
     pub use crate::visuals::EnvgenVisualsPlugin;
     pub use crate::{
-        EnvgenCorePlugin, EnvgenDiagnosticsPlugin, EnvgenPlugins, EnvgenSystems, Environment,
+        ComputeDifficulty, DifficultyComputed, DifficultyFailure, EnvgenCorePlugin,
+        EnvgenDiagnosticsPlugin, EnvgenPlugins, EnvgenSystems, Environment, EnvironmentDifficulty,
         EnvironmentError, EnvironmentFailed, EnvironmentFailure, EnvironmentLandmarks,
         EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GenerationMode, GroundTruth,
         Landmark, PartShape, RebuildEnvironment, SolidStorage, StreamAround, StreamingBudget,
@@ -215,6 +222,7 @@ impl Plugin for EnvgenCorePlugin {
     fn build(&self, app: &mut App) {
         part::register(app);
         environment::register(app);
+        difficulty::register(app);
         landmarks::register(app);
         app.register_type::<Tile>()
             .register_type::<TileSolids>()
@@ -247,6 +255,7 @@ impl Plugin for EnvgenCorePlugin {
                     generate::spawn_worlds.in_set(EnvgenSystems::Spawn),
                     streaming::stream_tiles.in_set(EnvgenSystems::Stream),
                     generate::notify.in_set(EnvgenSystems::Notify),
+                    (difficulty::request, difficulty::collect).chain().after(EnvgenSystems::Notify),
                 ),
             )
             .add_systems(

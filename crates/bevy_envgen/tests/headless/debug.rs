@@ -81,6 +81,7 @@ fn without_bevys_plugin_for_gizmos_nothing_is_drawn() {
 const PRIVATE: &[&str] = &[
     "bevy_envgen::Schedules",
     "bevy_envgen::debug::Drawable",
+    "bevy_envgen::difficulty::DifficultyTask",
     "bevy_envgen::job::GenerationJob",
     "bevy_envgen::job::PendingEvents",
     "bevy_envgen::job::SpawnedTiles",
@@ -90,6 +91,8 @@ const PRIVATE: &[&str] = &[
 
 /// What is made again from an environment, and must not get into scenes.
 const MADE_AGAIN: &[&str] = &[
+    "bevy_envgen::difficulty::DifficultyFailure",
+    "bevy_envgen::difficulty::EnvironmentDifficulty",
     "bevy_envgen::environment::EndlessTruth",
     "bevy_envgen::environment::EnvironmentFailure",
     "bevy_envgen::environment::GroundTruth",

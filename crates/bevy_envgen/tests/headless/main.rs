@@ -3,6 +3,7 @@
 mod bad_input;
 #[cfg(feature = "debug")]
 mod debug;
+mod difficulty;
 mod doors;
 mod files;
 #[cfg(feature = "debug")]

@@ -30,6 +30,7 @@
 
 mod feedback;
 mod manual_control;
+mod reach;
 mod scores;
 mod setup;
 mod spec;

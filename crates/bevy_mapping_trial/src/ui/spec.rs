@@ -1,16 +1,25 @@
 //! The panel for specs: every setting of every kind, with its limits.
+//!
+//! In the profile `calibrated` of indoor maps, the difficulty is the one that trials measure. What maps of
+//! the chosen size and settings reach is shown below each dial that is requested.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use bevy_egui::egui::{self, ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
+use envgen::calibration::Dials;
+use envgen::indoor::{IndoorSpec, Profile};
 use envgen::settings::{Allowed, Setting};
 use envgen::{Seed, SettingsError, SpecError, WorldKind, WorldSpec, whole_file};
 
+use super::reach::Reach;
 use super::{error, row};
 
 /// The widest range for which a slider is precise enough.
 const SLIDER_RANGE: f64 = 20.0;
+
+/// Settings that are shown first: what a map is asked for.
+const FIRST: [&str; 4] = ["profile", "difficulty", "mapping", "navigation"];
 
 /// What the person asks the app for.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +45,7 @@ pub struct SpecForm {
     file: String,
     /// The last error of the app or the disk.
     failure: Option<String>,
+    reach: Reach,
 }
 
 /// One setting as it is edited.
@@ -45,6 +55,10 @@ struct Draft {
     text: String,
     /// Whether the setting may be absent.
     optional: bool,
+    /// What is reached of the setting, if it is a dial of measured difficulty.
+    reached: Option<[f64; 2]>,
+    /// Whether that is shown: the dial is requested.
+    requested: bool,
     error: Option<String>,
 }
 
@@ -52,12 +66,37 @@ impl SpecForm {
     /// A form that holds a spec and a seed.
     pub fn new(spec: &WorldSpec, seed: Seed) -> Self {
         let texts = WorldKind::ALL.iter().map(|&kind| {
-            let shown = if kind == spec.kind() { spec.clone() } else { kind.default_spec() };
+            let shown = if kind == spec.kind() { spec.clone() } else { Self::initial(kind) };
             (kind, drafts(&shown))
         });
         let texts = texts.collect();
         let file = format!("{}.envgen.ron", spec.kind());
-        SpecForm { kind: spec.kind(), texts, seed: seed.0, file, failure: None }
+        let (kind, reach) = (spec.kind(), Reach::default());
+        let mut form = SpecForm { kind, texts, seed: seed.0, file, failure: None, reach };
+        form.check();
+        form
+    }
+
+    /// What the form holds of a kind before anything is set: the defaults, but indoor maps of the profile
+    /// `calibrated`, whose difficulty is the one that trials measure.
+    ///
+    /// ```
+    /// use bevy_mapping_trial::ui::SpecForm;
+    /// use envgen::{Seed, WorldKind};
+    ///
+    /// let mut form = SpecForm::new(&SpecForm::initial(WorldKind::Indoor), Seed(3));
+    /// let [least, most] = form.reached("difficulty").expect("a calibrated profile");
+    /// form.set("difficulty", &(most + 1.0).to_string());
+    /// let error = form.request().expect_err("out of reach").to_string();
+    /// assert!(error.starts_with(&format!("`difficulty` must be from {least:.1} to {most:.1}")), "{error}");
+    /// form.set("profile", "thesis");
+    /// assert!(form.request().is_ok());
+    /// ```
+    pub fn initial(kind: WorldKind) -> WorldSpec {
+        if kind == WorldKind::Indoor {
+            return IndoorSpec { profile: Profile::Calibrated, ..Default::default() }.into();
+        }
+        kind.default_spec()
     }
 
     /// The kind that is edited.
@@ -97,16 +136,24 @@ impl SpecForm {
         draft.error.as_deref()
     }
 
+    /// What maps reach of a dial of measured difficulty, which is shown below its setting; `None` for other settings,
+    /// in other profiles, and where the dial is not requested.
+    pub fn reached(&self, name: &str) -> Option<[f64; 2]> {
+        let draft = self.texts.get(&self.kind)?.iter().find(|d| d.setting.name == name)?;
+        draft.reached.filter(|_| draft.requested)
+    }
+
     /// The spec and the seed in the form.
     ///
     /// # Errors
-    /// The first setting that is out of range, with its value and the allowed range.
+    /// The first setting that is out of range, or out of reach, with its value and the allowed range.
     pub fn request(&self) -> Result<(WorldSpec, Seed), SettingsError> {
         let mut spec = self.kind.default_spec();
         for draft in self.texts.get(&self.kind).into_iter().flatten() {
             spec.set(draft.setting.name, &draft.text)?;
         }
         spec.validate()?;
+        self.reach.check(&spec)?;
         Ok((spec, Seed(self.seed)))
     }
 
@@ -152,8 +199,8 @@ impl SpecForm {
                 action = self.regenerate();
             }
             if ui.button("Defaults").clicked() {
-                self.texts.insert(self.kind, drafts(&self.kind.default_spec()));
-                self.failure = None;
+                self.texts.insert(self.kind, drafts(&Self::initial(self.kind)));
+                self.check();
             }
         });
         row(ui, "file", "where Save writes the spec", |ui| {
@@ -199,16 +246,25 @@ impl SpecForm {
         }
     }
 
-    /// Shows each error below the setting that it names.
+    /// Shows each error below the setting that it names, and what is reached.
     fn check(&mut self) {
         let Some(drafts) = self.texts.get_mut(&self.kind) else { return };
         let mut spec = self.kind.default_spec();
         let mut good = true;
         for draft in &mut *drafts {
             draft.error = spec.set(draft.setting.name, &draft.text).err().map(|e| e.to_string());
+            (draft.reached, draft.requested) = (None, false);
             good &= draft.error.is_none();
         }
-        if let (true, Err(error)) = (good, spec.validate()) {
+        if !good {
+            self.failure = None;
+            return;
+        }
+        let allowed = spec.validate().and_then(|()| {
+            show_reached(drafts, &spec, self.reach.update(&spec));
+            self.reach.check(&spec)
+        });
+        if let Err(error) = allowed {
             let SpecError { field, .. } = &error;
             // Fields of lists are named such as `speeds[2]`.
             let named = drafts.iter_mut().find(|draft| {
@@ -229,6 +285,7 @@ impl SpecForm {
 impl Draft {
     /// Draws the setting; true when its text has changed.
     fn show(&mut self, ui: &mut Ui) -> bool {
+        let first = self.first_value();
         let Draft { setting, text, optional, .. } = self;
         let before = text.clone();
         let unit = if setting.unit.is_empty() { "" } else { " " };
@@ -237,7 +294,7 @@ impl Draft {
             if *optional && !matches!(setting.allowed, Allowed::List(_)) {
                 let mut set = text != "none";
                 if ui.checkbox(&mut set, "").on_hover_text("absent when not ticked").changed() {
-                    *text = if set { first_value(setting) } else { "none".to_owned() };
+                    *text = if set { first } else { "none".to_owned() };
                 }
                 if !set {
                     ui.weak("none");
@@ -246,10 +303,27 @@ impl Draft {
             }
             edit(ui, setting, text);
         });
+        if let (Some([least, most]), true) = (self.reached, self.requested) {
+            ui.weak(format!("within reach: {least:.1} to {most:.1}, as trials measure it"));
+        }
         if let Some(text) = &self.error {
             error(ui, text);
         }
         before != self.text
+    }
+
+    /// The value of an absent setting when it is ticked: of a dial, the middle of what is reached.
+    fn first_value(&self) -> String {
+        match (self.setting.allowed, self.reached) {
+            (Allowed::Number { min, max }, Some([least, most])) => {
+                format!("{:.1}", (0.5 * (least + most)).clamp(min, max))
+            }
+            (Allowed::Number { min, max }, None) => 0.1_f64.clamp(min, max).to_string(),
+            (Allowed::Integer { min, .. }, _) => min.to_string(),
+            (Allowed::Choice(names), _) => names.first().copied().unwrap_or_default().to_owned(),
+            (Allowed::Flag, _) => "false".to_owned(),
+            (Allowed::List(_) | Allowed::Other(_), _) => String::new(),
+        }
     }
 }
 
@@ -304,14 +378,15 @@ fn edit_number(ui: &mut Ui, text: &mut String, (min, max): (f64, f64), unit: &st
     }
 }
 
-/// The value of an absent setting when it is ticked.
-fn first_value(setting: &Setting) -> String {
-    match setting.allowed {
-        Allowed::Integer { min, .. } => min.to_string(),
-        Allowed::Number { min, max } => 0.1_f64.clamp(min, max).to_string(),
-        Allowed::Choice(names) => names.first().copied().unwrap_or_default().to_owned(),
-        Allowed::Flag => "false".to_owned(),
-        Allowed::List(_) | Allowed::Other(_) => String::new(),
+/// Notes what is reached of each dial.
+fn show_reached(drafts: &mut [Draft], spec: &WorldSpec, reached: Option<Dials<[f64; 2]>>) {
+    let (WorldSpec::Indoor(spec), Some(reached)) = (spec, reached) else { return };
+    for (name, (wanted, interval)) in spec.request().0.zip(reached).named() {
+        let draft = drafts.iter_mut().find(|draft| draft.setting.name == name);
+        if let Some(draft) = draft {
+            draft.reached = Some(interval);
+            draft.requested = wanted.is_some();
+        }
     }
 }
 
@@ -322,7 +397,33 @@ fn drafts(spec: &WorldSpec) -> Vec<Draft> {
         setting,
         text: setting.text_of(&values[setting.name]),
         optional: defaults[setting.name].is_null(),
+        reached: None,
+        requested: false,
         error: None,
     };
-    spec.kind().settings().iter().map(draft).collect()
+    let mut drafts: Vec<Draft> = spec.kind().settings().iter().map(draft).collect();
+    let place = |draft: &Draft| FIRST.iter().position(|name| *name == draft.setting.name);
+    drafts.sort_by_key(|draft| place(draft).unwrap_or(FIRST.len()));
+    drafts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dial_that_is_ticked_is_within_reach() {
+        for size in ["6", "8", "16"] {
+            let mut form = SpecForm::new(&SpecForm::initial(WorldKind::Indoor), Seed(3));
+            for name in ["width", "height"] {
+                form.set(name, size);
+            }
+            for name in ["mapping", "navigation"] {
+                let draft = form.texts[&WorldKind::Indoor].iter().find(|d| d.setting.name == name);
+                let first = draft.expect("a setting").first_value();
+                form.set(name, &first);
+                assert_eq!(form.error_of(name), None, "{size} {name}");
+            }
+        }
+    }
 }

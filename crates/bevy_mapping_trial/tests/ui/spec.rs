@@ -80,3 +80,88 @@ fn saved_specs_are_read_back() {
     let error = form.save(&folder.path().join("no/such.ron")).expect_err("no folder");
     assert!(error.contains("no/such.ron"), "{error}");
 }
+
+/// The form of a map of 8 x 8 cells whose difficulty is the one that trials measure.
+fn calibrated() -> SpecForm {
+    let mut form = SpecForm::new(&SpecForm::initial(WorldKind::Indoor), Seed(3));
+    form.set("width", "8");
+    form.set("height", "8");
+    form
+}
+
+#[test]
+fn difficulties_out_of_reach_are_refused_below_the_slider() {
+    let mut form = calibrated();
+    let [least, most] = form.reached("difficulty").expect("a dial");
+    let shown = format!("within reach: {least:.1} to {most:.1}, as trials measure it");
+    assert!(show_in(egui::vec2(340.0, 4000.0), |ui| drop(form.show(ui))).has(&shown));
+    assert!(form.request().is_ok(), "{least} to {most}");
+    for (asked, is_reached) in
+        [(least - 0.2, false), (least + 0.1, true), (most - 0.1, true), (most + 0.2, false)]
+    {
+        let asked = format!("{asked:.3}");
+        form.set("difficulty", &asked);
+        assert_eq!(form.error_of("difficulty").is_none(), is_reached, "{asked}");
+        assert_eq!(form.request().is_ok(), is_reached, "{asked}");
+    }
+    let error = form.error_of("difficulty").expect("out of reach").to_owned();
+    let expected = format!(
+        "`difficulty` must be from {least:.1} to {most:.1}, what the profile calibrated reaches at 8 x 8 \
+         cells with these settings"
+    );
+    assert!(error.starts_with(&expected), "{error}");
+    // A larger map of the same difficulty, and what the rules of the thesis call it.
+    form.set("width", "16");
+    form.set("height", "16");
+    assert_ne!(form.reached("difficulty"), Some([least, most]));
+    for profile in ["guaranteed", "thesis"] {
+        form.set("profile", profile);
+        assert_eq!(form.reached("difficulty"), None);
+        assert!(form.request().is_ok(), "{profile}");
+    }
+}
+
+#[test]
+fn two_dials_replace_the_difficulty() {
+    let mut form = calibrated();
+    form.set("mapping", "4");
+    assert_eq!(form.reached("difficulty"), None);
+    let [least, most] = form.reached("mapping").expect("a dial");
+    assert!((least..most).contains(&4.0), "{least} to {most}");
+    assert_eq!(form.reached("navigation"), None);
+    // No longer asked for.
+    form.set("difficulty", "0");
+    assert!(form.request().is_ok());
+    form.set("navigation", "9.9");
+    let [_, most] = form.reached("navigation").expect("a dial");
+    let is_reached = 9.9 <= most;
+    assert_eq!(form.error_of("navigation").is_none(), is_reached);
+    form.set("navigation", "none");
+    form.set("mapping", "none");
+    assert!(form.error_of("difficulty").is_some());
+    form.set("profile", "guaranteed");
+    form.set("mapping", "4");
+    let error = form.error_of("mapping").expect("another profile");
+    assert!(error.contains("except in the profile calibrated"), "{error}");
+}
+
+#[test]
+fn what_is_kept_narrows_what_is_reached() {
+    let mut form = calibrated();
+    let [_, free] = form.reached("difficulty").expect("a dial");
+    form.set("fixed", "floor_slip, wheel_bias, dark_walls, dark_objects");
+    let [_, kept] = form.reached("difficulty").expect("a dial");
+    assert!(kept < free - 1.0, "{kept} {free}");
+}
+
+#[test]
+fn indoor_maps_begin_calibrated() {
+    let mut form = form(WorldKind::Hallway);
+    form.set_kind(WorldKind::Indoor);
+    let (spec, _) = form.request().expect("allowed");
+    assert_eq!(spec.settings_json()["profile"], "calibrated");
+    let Some(action) = click(egui::vec2(340.0, 900.0), "Regenerate", |ui| form.show(ui)) else {
+        panic!("no action");
+    };
+    assert!(matches!(action, SpecAction::Regenerate { .. }));
+}

@@ -35,7 +35,7 @@ pub use crate::dials::{Dials, Estimate, Prediction};
 use crate::difficulty::DifficultyVector;
 
 /// The calibration of indoor maps.
-const INDOOR: &str = include_str!("indoor_1.json");
+const INDOOR: &str = include_str!("indoor.json");
 
 /// Models that predict difficulty, with the scale and the atlas that they come from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -94,7 +94,7 @@ impl Calibration {
     /// Never: the file is part of the crate, and tested.
     pub fn indoor() -> &'static Calibration {
         static CALIBRATION: LazyLock<Calibration> =
-            LazyLock::new(|| serde_json::from_str(INDOOR).expect("indoor_1.json is a calibration"));
+            LazyLock::new(|| serde_json::from_str(INDOOR).expect("indoor.json is a calibration"));
         &CALIBRATION
     }
 

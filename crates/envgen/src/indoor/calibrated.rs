@@ -54,7 +54,7 @@ fn plans(
 ) -> Result<Vec<FloorPlan>, IndoorError> {
     let request = spec.request();
     let levers = Levers::new(spec);
-    request.check(spec, &levers)?;
+    request.check(spec, reachable(&levers))?;
     let draw = |i: u64| {
         let seed = Seed(seed.attempt("indoor/calibrated", 0, i).bits());
         (levers.draw(seed), seed)
@@ -153,9 +153,13 @@ fn values(dials: Dials<Estimate>) -> Dials<f64> {
 }
 
 impl Request {
-    /// Whether each dial alone can be reached.
-    fn check(&self, spec: &IndoorSpec, levers: &Levers<'_>) -> Result<(), SpecError> {
-        for (name, (wanted, [least, most])) in self.0.zip(reachable(levers)).named() {
+    /// Checks whether each dial alone is within what maps of the spec's size and settings
+    /// [reach](IndoorSpec::reachable).
+    ///
+    /// # Errors
+    /// The first dial that is not, with its interval.
+    pub fn check(&self, spec: &IndoorSpec, reachable: Dials<[f64; 2]>) -> Result<(), SpecError> {
+        for (name, (wanted, [least, most])) in self.0.zip(reachable).named() {
             let Some(wanted) = wanted else { continue };
             if !(least..=most).contains(&wanted) {
                 let IndoorSpec { width, height, .. } = spec;

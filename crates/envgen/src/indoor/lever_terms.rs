@@ -3,6 +3,9 @@
 use super::adaptation;
 use super::spec::{Cycles, IndoorSpec, Layout, RoomChoice};
 
+/// Passages per metre from which mazes count as narrow.
+const WIDE: f64 = 0.7;
+
 impl IndoorSpec {
     /// Numbers that follow from the settings alone, none negative, from which difficulty is predicted before a
     /// map is generated: sizes, what the rules of the difficulty expect, and how much of each material there is.
@@ -22,6 +25,7 @@ impl IndoorSpec {
         let grown = f64::from(u8::from(self.layout == Layout::LSystem));
         let narrowest = self.doorway_narrowest.unwrap_or(self.doorway);
         let slip = (self.floor_slip - 1.0) * self.floor_slip_share;
+        let bias = 10.0 * self.wheel_bias * self.wheel_bias_share;
         // Per metre: how near a robot must be.
         let dark = 10.0 / self.dark_range;
         let (walls, objects) = (self.dark_walls * dark, self.dark_objects * dark);
@@ -51,14 +55,18 @@ impl IndoorSpec {
             ("doorway_narrowest_m", narrowest),
             ("clutter_per_100_m2", self.clutter),
             ("mazes", self.mazes),
-            ("mazes_per_passage", self.mazes / self.maze_passage),
+            ("narrow_mazes", self.mazes * (1.0 / self.maze_passage - WIDE).max(0.0)),
             ("maze_loops", self.mazes * self.maze_braid),
             ("slip", slip),
-            ("bias", 10.0 * self.wheel_bias * self.wheel_bias_share),
+            ("bias", bias),
             ("dark_walls_per_range", walls),
             ("dark_objects_per_range", objects),
             ("dark_and_slip", walls * slip),
-            ("dark_and_bias", 10.0 * walls * self.wheel_bias * self.wheel_bias_share),
+            ("dark_and_bias", walls * bias),
+            ("slip_and_bias", slip * bias),
+            ("dark_walls_and_objects", walls * objects),
+            ("slip_and_clutter", slip * self.clutter),
+            ("dark_and_clutter", walls * self.clutter),
         ]
     }
 }

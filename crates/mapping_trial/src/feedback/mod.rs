@@ -2,6 +2,8 @@
 //! that separate what its one rating mixed.
 
 mod ask;
+#[cfg(feature = "experiment")]
+mod link;
 mod measured;
 pub mod questions;
 
@@ -12,6 +14,11 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use ask::{FeedbackError, MAX_LINE, ask};
+#[cfg(feature = "experiment")]
+pub use link::{
+    DifficultySource, LEAST_SESSIONS, LinkError, PanelDifficulty, RatedWorld, RatingLink,
+    UnknownDifficulty,
+};
 pub use measured::Measured;
 
 /// The filled form.

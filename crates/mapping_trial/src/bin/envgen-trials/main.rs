@@ -7,6 +7,7 @@ mod atlas;
 mod calibrate;
 mod generate;
 mod levers;
+mod link;
 mod measure;
 mod panel;
 mod progress;
@@ -38,6 +39,8 @@ enum Command {
     Generate(generate::Arguments),
     /// Measures what each lever of the generator does.
     Levers(levers::Arguments),
+    /// Links people's ratings to the scale of measured difficulty, from the reports of their sessions.
+    Link(link::Arguments),
     /// Measures the anchors: the scale of a panel.
     Anchors(anchors::Arguments),
     /// Measures the worlds of the atlas, from which predictions are fitted.
@@ -65,6 +68,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         Command::Measure(arguments) => measure::run(arguments, threads),
         Command::Generate(arguments) => generate::run(arguments, threads),
         Command::Levers(arguments) => levers::run(arguments, threads),
+        Command::Link(arguments) => link::run(arguments),
         Command::Anchors(arguments) => anchors::run(arguments, threads),
         Command::Atlas(arguments) => atlas::run(arguments, threads),
         Command::Calibrate(arguments) => calibrate::run(arguments),

@@ -22,6 +22,7 @@ use serde::Serialize;
 pub use components::{Component, Components, Factorial, MeasureComponents, components};
 pub use measure::{MEASURES, MapValues, Measure, map_values};
 pub use order::{Mean, Order, Verdict, order};
+pub(crate) use rank::pearson;
 pub(super) use rank::ranks;
 pub use rank::{Null, spearman};
 pub(crate) use resample::bootstrap;

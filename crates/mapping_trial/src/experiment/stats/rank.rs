@@ -20,7 +20,7 @@ pub(crate) fn ranks(values: &[f64]) -> Vec<f64> {
 }
 
 /// Pearson's correlation.
-pub(super) fn pearson(a: &[f64], b: &[f64]) -> Option<f64> {
+pub(crate) fn pearson(a: &[f64], b: &[f64]) -> Option<f64> {
     if a.len() != b.len() || a.is_empty() {
         return None;
     }

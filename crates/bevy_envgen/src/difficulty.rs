@@ -1,0 +1,182 @@
+//! The difficulty vector of an environment's world, on request.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+#[cfg(feature = "serialize")]
+use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
+use bevy::tasks::futures::check_ready;
+use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool};
+use envgen::World;
+use envgen::calibration::{Calibration, Prediction};
+use envgen::difficulty::{DifficultyError, DifficultyVector, Platform};
+
+use crate::environment::GroundTruth;
+
+/// Requests the difficulty vector of an environment's world: numbers that state how hard it is to map for a
+/// robot and its laser.
+///
+/// Add it to the entity of the [`Environment`](crate::Environment). A background task computes the vector, in some
+/// tens of milliseconds for an indoor map; then [`EnvironmentDifficulty`] is on the entity, or
+/// [`DifficultyFailure`], and [`DifficultyComputed`] is triggered on it and written as a message. It is computed
+/// again when the world or this component changes. Removing this component removes the results. Endless worlds have no
+/// difficulty.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_envgen::prelude::*;
+///
+/// fn report(computed: On<DifficultyComputed>, found: Query<&EnvironmentDifficulty>) {
+///     let Ok(difficulty) = found.get(computed.entity) else { return };
+///     println!("{} m of walls", difficulty.vector.walls.wall_length_m);
+///     if let Some(prediction) = &difficulty.prediction {
+///         println!("difficulty {:.1} of 10", prediction.dials.difficulty.value);
+///     }
+/// }
+///
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, TransformPlugin, EnvgenPlugins::default()));
+/// app.add_observer(report);
+/// let map = IndoorSpec { width: 6, height: 6, ..default() };
+/// app.world_mut().spawn((Environment::new(map, 1), ComputeDifficulty::default()));
+/// app.update(); // or app.run()
+/// ```
+#[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+#[require(DifficultyTask)]
+pub struct ComputeDifficulty {
+    /// The robot and its laser.
+    pub platform: PlatformValue,
+}
+
+impl ComputeDifficulty {
+    /// For a robot and its laser.
+    pub fn new(platform: Platform) -> Self {
+        ComputeDifficulty { platform: PlatformValue(platform) }
+    }
+}
+
+/// A robot and its laser as a value that scenes can hold, serialized as [`Platform`].
+#[derive(Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+#[reflect(opaque)]
+#[reflect(Default, Debug, PartialEq, Clone)]
+pub struct PlatformValue(pub Platform);
+
+/// The difficulty of an environment's world, on its entity; see [`ComputeDifficulty`]. Scenes do not hold it: it
+/// is computed again.
+#[derive(Component, Clone, Debug, PartialEq)]
+#[component(clone_behavior = Ignore)]
+pub struct EnvironmentDifficulty {
+    /// The difficulty vector.
+    pub vector: DifficultyVector,
+    /// The dials that the calibration predicts from it: for kinds that are calibrated, and the default platform.
+    pub prediction: Option<Prediction>,
+}
+
+/// Why the world of an environment has no difficulty vector; see [`ComputeDifficulty`]. On its entity until a
+/// vector is computed.
+#[derive(Component, Clone, Debug, PartialEq, Deref)]
+#[component(clone_behavior = Ignore)]
+pub struct DifficultyFailure(pub DifficultyError);
+
+/// Triggered on an environment, and written as a message, when its [`EnvironmentDifficulty`] is computed, or its
+/// [`DifficultyFailure`].
+#[derive(EntityEvent, Message, Clone, Debug)]
+pub struct DifficultyComputed {
+    /// The environment.
+    pub entity: Entity,
+}
+
+type Outcome = Result<EnvironmentDifficulty, DifficultyError>;
+
+/// The computation, while it runs.
+#[derive(Component, Default)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct DifficultyTask(Option<Task<Outcome>>);
+
+/// An environment and its request.
+type Requested =
+    (Entity, &'static ComputeDifficulty, &'static GroundTruth, &'static mut DifficultyTask);
+
+/// Either of them is new.
+type Renewed = Or<(Changed<ComputeDifficulty>, Changed<GroundTruth>)>;
+
+/// Starts to compute where the request or the world has changed.
+pub(crate) fn request(mut environments: Query<Requested, Renewed>, mut commands: Commands) {
+    for (entity, request, truth, mut task) in &mut environments {
+        commands.entity(entity).try_remove::<(EnvironmentDifficulty, DifficultyFailure)>();
+        let (world, platform) = (Arc::clone(&truth.0), request.platform.0.clone());
+        let pool = AsyncComputeTaskPool::get_or_init(TaskPool::default);
+        task.0 = Some(pool.spawn(async move { compute(&world, &platform) }));
+    }
+}
+
+fn compute(world: &World, platform: &Platform) -> Outcome {
+    let vector = DifficultyVector::of(world, platform)?;
+    let calibration =
+        Calibration::of(&world.provenance.kind).filter(|_| *platform == Platform::default());
+    let prediction = calibration.map(|calibration| calibration.predict(&vector));
+    Ok(EnvironmentDifficulty { vector, prediction })
+}
+
+/// Adds the results of finished tasks, and reports them.
+pub(crate) fn collect(
+    mut environments: Query<(Entity, &mut DifficultyTask)>,
+    mut commands: Commands,
+) {
+    for (entity, mut task) in &mut environments {
+        let running = task.bypass_change_detection();
+        let Some(outcome) = running.0.as_mut().and_then(check_ready) else { continue };
+        running.0 = None;
+        let mut root = commands.entity(entity);
+        match outcome {
+            Ok(difficulty) => {
+                root.try_insert(difficulty);
+            }
+            Err(error) => {
+                root.try_insert(DifficultyFailure(error));
+            }
+        }
+        commands.queue(move |world: &mut bevy::ecs::world::World| {
+            if world.get_entity(entity).is_ok() {
+                let computed = DifficultyComputed { entity };
+                world.write_message(computed.clone());
+                world.trigger(computed);
+            }
+        });
+    }
+}
+
+/// Removes the results of a world that is gone.
+fn lose_world(
+    removed: On<Remove, GroundTruth>,
+    tasks: Query<&mut DifficultyTask>,
+    commands: Commands,
+) {
+    clear(removed.entity, tasks, commands);
+}
+
+/// Removes results that are no longer requested.
+fn lose_request(
+    removed: On<Remove, ComputeDifficulty>,
+    tasks: Query<&mut DifficultyTask>,
+    commands: Commands,
+) {
+    clear(removed.entity, tasks, commands);
+}
+
+fn clear(entity: Entity, mut tasks: Query<&mut DifficultyTask>, mut commands: Commands) {
+    if let Ok(mut task) = tasks.get_mut(entity) {
+        task.0 = None;
+        commands.entity(entity).try_remove::<(EnvironmentDifficulty, DifficultyFailure)>();
+    }
+}
+
+pub(crate) fn register(app: &mut App) {
+    app.register_type::<ComputeDifficulty>()
+        .add_message::<DifficultyComputed>()
+        .add_observer(lose_world)
+        .add_observer(lose_request);
+}

@@ -1,0 +1,194 @@
+//! `envgen-trials link`.
+
+use std::error::Error;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use envgen::calibration::Dials;
+use envgen::located::Locate;
+use mapping_trial::experiment::stats::Interval;
+use mapping_trial::feedback::{
+    DifficultySource, LinkError, PanelDifficulty, RatedWorld, Rating, RatingLink,
+};
+use mapping_trial::trial::{TrialLog, TrialReport};
+use serde::Serialize;
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// The report.json of each session, with its log.json beside it. Give those of one person for a link of
+    /// that person's ratings. Sessions of which the folder's name ends with _training are left out: the true
+    /// world was shown.
+    #[arg(value_name = "REPORT.json", required = true)]
+    reports: Vec<PathBuf>,
+
+    /// Prints JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// A session.
+#[derive(Serialize)]
+struct Session {
+    report: PathBuf,
+    operator: String,
+    /// Where the world comes from, such as `indoor, seed 3`.
+    world: String,
+    world_digest: String,
+    ratings: Dials<Rating>,
+    /// The difficulty by the reference panel.
+    panel: PanelDifficulty,
+}
+
+/// What is printed.
+#[derive(Serialize)]
+struct Links {
+    sessions: Vec<Session>,
+    /// Sessions that are not linked, with the reason.
+    left_out: Vec<String>,
+    /// The link of each rating.
+    links: Dials<DialLink>,
+}
+
+/// The link of a rating.
+#[derive(Serialize)]
+struct DialLink {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    link: Option<RatingLink>,
+    /// Why there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    failure: Option<String>,
+    /// The sessions' ratings on the scale of the panel.
+    linked: Vec<Interval>,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let (mut sessions, mut left_out) = (Vec::new(), Vec::new());
+    for path in &arguments.reports {
+        match session(path)? {
+            Ok(session) => sessions.push(session),
+            Err(reason) => left_out.push(format!("{}: {reason}", path.display())),
+        }
+    }
+    let ratings = |rating: fn(&Session) -> Rating, difficulty: fn(&Session) -> f64| {
+        DialLink::new(&sessions, rating, difficulty)
+    };
+    let links = Dials {
+        difficulty: ratings(|s| s.ratings.difficulty, |s| s.panel.dials.difficulty.value),
+        mapping: ratings(|s| s.ratings.mapping, |s| s.panel.dials.mapping.value),
+        navigation: ratings(|s| s.ratings.navigation, |s| s.panel.dials.navigation.value),
+    };
+    let links = Links { sessions, left_out, links };
+    if arguments.json {
+        print_json(&links)
+    } else {
+        print(&links);
+        Ok(())
+    }
+}
+
+/// A session, or why it is not linked.
+fn session(path: &Path) -> Result<Result<Session, String>, Box<dyn Error>> {
+    let text = fs::read_to_string(path).in_file(path)?;
+    let report: TrialReport = serde_json::from_str(&text).in_file(path)?;
+    let folder = path.parent().and_then(Path::file_name).unwrap_or_default();
+    if folder.to_string_lossy().ends_with("_training") {
+        return Ok(Err("the true world was shown".to_owned()));
+    }
+    let Some(feedback) = report.feedback else {
+        return Ok(Err("the form is not filled".to_owned()));
+    };
+    let log_path = path.with_file_name("log.json");
+    let mut log = File::open(&log_path).in_file(&log_path)?;
+    let world = TrialLog::read(&mut log).in_file(&log_path)?.world.world().in_file(&log_path)?;
+    if world.digest().to_string() != report.world_digest {
+        return Err(
+            format!("{}: this is not the world of {}", log_path.display(), path.display()).into()
+        );
+    }
+    let panel = match PanelDifficulty::of(&world) {
+        Ok(panel) => panel,
+        Err(error) => return Ok(Err(error.to_string())),
+    };
+    Ok(Ok(Session {
+        report: path.to_owned(),
+        ratings: feedback.ratings(),
+        operator: feedback.name,
+        world: world.provenance.name(),
+        world_digest: report.world_digest,
+        panel,
+    }))
+}
+
+impl DialLink {
+    fn new(
+        sessions: &[Session],
+        rating: fn(&Session) -> Rating,
+        difficulty: fn(&Session) -> f64,
+    ) -> Self {
+        let rated = |session: &Session| (rating(session), difficulty(session));
+        let rated: Vec<RatedWorld<'_>> = sessions
+            .iter()
+            .map(|session| {
+                let (rating, difficulty) = rated(session);
+                RatedWorld { world: &session.world_digest, rating, difficulty }
+            })
+            .collect();
+        let link: Result<RatingLink, LinkError> = RatingLink::new(&rated);
+        let linked = link.iter().flat_map(|link| rated.iter().map(|one| link.apply(one.rating)));
+        let linked = linked.collect();
+        match link {
+            Ok(link) => DialLink { link: Some(link), failure: None, linked },
+            Err(error) => DialLink { link: None, failure: Some(error.to_string()), linked },
+        }
+    }
+}
+
+#[expect(clippy::print_stdout, reason = "what the command is for")]
+fn print_json(links: &Links) -> Result<(), Box<dyn Error>> {
+    println!("{}", serde_json::to_string_pretty(links)?);
+    Ok(())
+}
+
+#[expect(clippy::print_stdout, reason = "what the command is for")]
+fn print(links: &Links) {
+    let Links { sessions, left_out, links } = links;
+    let dials = links.as_ref().named();
+    println!("rating, linked rating with its 95 % interval, and difficulty by the reference panel");
+    for (i, session) in sessions.iter().enumerate() {
+        let source = match session.panel.source {
+            DifficultySource::Measured => "measured",
+            DifficultySource::Predicted => "predicted",
+        };
+        println!("\n{} by {} ({})", session.world, session.operator, session.report.display());
+        let panel = session.panel.dials.named();
+        for (j, (name, rating)) in session.ratings.named().into_iter().enumerate() {
+            let linked = dials[j].1.linked.get(i).map_or_else(String::new, |linked| {
+                format!("{:5.1} ({:.1} to {:.1})", linked.value, linked.low, linked.high)
+            });
+            let difficulty = panel[j].1;
+            println!(
+                "{name:>12} {:4.1} {linked:>22}  {source} {:.1} +- {:.1}",
+                rating.value(),
+                difficulty.value,
+                difficulty.standard_error
+            );
+        }
+    }
+    println!();
+    for (name, dial) in dials {
+        match &dial.link {
+            Some(RatingLink { link, sessions, correlation, .. }) => println!(
+                "{name:>12}: {:.2} + {:.2} x rating, from {sessions} sessions in {} worlds, correlation \
+                 {correlation:.2}",
+                link.intercept, link.slope, link.maps
+            ),
+            None => {
+                println!("{name:>12}: not linked: {}", dial.failure.as_deref().unwrap_or_default());
+            }
+        }
+    }
+    for reason in left_out {
+        println!("left out: {reason}");
+    }
+}

@@ -1,0 +1,403 @@
+//! Links the ratings of people to the scale of measured difficulty.
+
+use std::collections::BTreeMap;
+
+use envgen::World;
+use envgen::calibration::{Calibration, Dials, Estimate, Prediction};
+use envgen::difficulty::{DifficultyError, DifficultyVector, Platform};
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+use thiserror::Error;
+
+use super::{Feedback, Rating};
+use crate::difficulty::Panel;
+use crate::difficulty::proof::Link;
+use crate::experiment::stats::{Interval, pearson};
+
+/// The fewest sessions that are linked.
+pub const LEAST_SESSIONS: usize = 3;
+
+/// The greatest share of features outside the atlas with which a prediction is relied on.
+const MOST_OUTSIDE: f64 = 0.1;
+
+/// Ratings and difficulties that differ by no more are the same: means of equal numbers differ by rounding.
+const SAME: f64 = 1e-9;
+
+/// Where the difficulty of a world by the reference panel is known from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DifficultySource {
+    /// Trials of the panel, as the world's provenance says.
+    Measured,
+    /// The calibration of its kind; that of indoor maps for worlds of other tools.
+    Predicted,
+}
+
+/// The difficulty of a world by the reference panel.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PanelDifficulty {
+    /// Where it is known from.
+    pub source: DifficultySource,
+    /// The dials, with standard errors.
+    pub dials: Dials<Estimate>,
+}
+
+/// Why the difficulty of a world by the reference panel is not known.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum UnknownDifficulty {
+    /// It was not measured, and has no difficulty vector.
+    #[error(transparent)]
+    Vector(#[from] DifficultyError),
+    /// It was not measured, and is unlike the worlds that predictions come from.
+    #[error(
+        "{:.0} % of the features of the world lie outside what the atlas has, expected at most {:.0} %, or a \
+         world whose difficulty was measured",
+        100.0 * outside,
+        100.0 * MOST_OUTSIDE
+    )]
+    Outside {
+        /// The share of the features that lie outside the atlas.
+        outside: f64,
+    },
+}
+
+impl PanelDifficulty {
+    /// The difficulty of a world: measured by the reference panel if its provenance says so, predicted otherwise.
+    ///
+    /// # Errors
+    /// If it was not measured and cannot be predicted.
+    pub fn of(world: &World) -> Result<Self, UnknownDifficulty> {
+        let panel = Panel::reference();
+        let measured = world.provenance.measured.as_deref();
+        let by_reference =
+            measured.filter(|m| m.panel == panel.name && m.panel_version == panel.version);
+        if let Some(measured) = by_reference {
+            let source = DifficultySource::Measured;
+            return Ok(PanelDifficulty { source, dials: measured.dials });
+        }
+        let vector = DifficultyVector::of(world, &Platform::default())?;
+        let calibration =
+            Calibration::of(&world.provenance.kind).unwrap_or_else(|| Calibration::indoor());
+        let Prediction { dials, outside, .. } = calibration.predict(&vector);
+        if outside > MOST_OUTSIDE {
+            return Err(UnknownDifficulty::Outside { outside });
+        }
+        Ok(PanelDifficulty { source: DifficultySource::Predicted, dials })
+    }
+}
+
+/// A rating of a world, beside its difficulty by the reference panel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RatedWorld<'a> {
+    /// What distinguishes the world, such as its digest.
+    pub world: &'a str,
+    /// The rating.
+    pub rating: Rating,
+    /// The dial of the panel that it is a rating of.
+    pub difficulty: f64,
+}
+
+/// Why ratings are not linked.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LinkError {
+    /// Too few sessions.
+    #[error("{sessions} sessions are rated, expected at least {LEAST_SESSIONS}")]
+    Few {
+        /// Number of sessions.
+        sessions: usize,
+    },
+    /// All were of one world.
+    #[error("all {sessions} sessions were in the same world, expected at least two worlds")]
+    OneWorld {
+        /// Number of sessions.
+        sessions: usize,
+    },
+    /// All worlds are rated the same.
+    #[error("all {worlds} worlds are rated {rating:.1}, expected ratings that differ")]
+    SameRating {
+        /// Number of worlds.
+        worlds: usize,
+        /// Their rating.
+        rating: f64,
+    },
+    /// All worlds are as difficult.
+    #[error("all {worlds} worlds have the difficulty {difficulty:.1}, expected some that differ")]
+    SameDifficulty {
+        /// Number of worlds.
+        worlds: usize,
+        /// Their difficulty.
+        difficulty: f64,
+    },
+    /// The difficulty of a world is not a number.
+    #[error("the difficulty of the world {world} must be finite, got {difficulty}")]
+    NotFinite {
+        /// The world.
+        world: String,
+        /// Its difficulty.
+        difficulty: f64,
+    },
+}
+
+/// The link from ratings to the scale of the reference panel: linked ratings have the mean and the
+/// standard deviation that the panel has over the worlds that were rated,
+/// `L(x) = mean_R + sd_R / sd_x (x - mean_x)`.
+///
+/// ```
+/// use mapping_trial::feedback::{RatedWorld, Rating, RatingLink};
+///
+/// let rated = |world, rating, difficulty| {
+///     Ok::<_, Box<dyn std::error::Error>>(RatedWorld { world, rating: Rating::try_from(rating)?, difficulty })
+/// };
+/// let sessions = [rated("a", 2.0, 1.0)?, rated("b", 4.0, 5.0)?, rated("c", 6.0, 9.0)?];
+/// let link = RatingLink::new(&sessions)?;
+/// assert!((link.link.apply(5.0) - 7.0).abs() < 1e-9);
+/// assert_eq!(link.link.maps, 3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RatingLink {
+    /// The link, with the number of worlds.
+    pub link: Link,
+    /// Number of sessions.
+    pub sessions: usize,
+    /// Pearson's correlation of ratings and difficulties over the worlds.
+    pub correlation: f64,
+    /// Mean of the worlds' ratings.
+    pub rating_mean: f64,
+    /// Their standard deviation.
+    pub rating_deviation: f64,
+}
+
+impl RatingLink {
+    /// Links the ratings of sessions; those of one world count as one, with their mean.
+    ///
+    /// # Errors
+    /// With under [`LEAST_SESSIONS`] sessions, and where ratings or difficulties do not differ.
+    pub fn new(sessions: &[RatedWorld<'_>]) -> Result<Self, LinkError> {
+        if sessions.len() < LEAST_SESSIONS {
+            return Err(LinkError::Few { sessions: sessions.len() });
+        }
+        let mut worlds: BTreeMap<&str, Vec<&RatedWorld<'_>>> = BTreeMap::new();
+        for session in sessions {
+            let RatedWorld { world, difficulty, .. } = *session;
+            if !difficulty.is_finite() {
+                return Err(LinkError::NotFinite { world: world.to_owned(), difficulty });
+            }
+            worlds.entry(world).or_default().push(session);
+        }
+        if worlds.len() < 2 {
+            return Err(LinkError::OneWorld { sessions: sessions.len() });
+        }
+        let means = |of: fn(&RatedWorld<'_>) -> f64| -> Vec<f64> {
+            let of_world = |all: &Vec<&RatedWorld<'_>>| {
+                all.iter().map(|one| of(one) / all.len() as f64).sum::<f64>()
+            };
+            worlds.values().map(of_world).collect()
+        };
+        let (ratings, difficulties) =
+            (means(|one| one.rating.value()), means(|one| one.difficulty));
+        let worlds = ratings.len();
+        if spread(&ratings) <= SAME {
+            return Err(LinkError::SameRating { worlds, rating: ratings[0] });
+        }
+        let same = LinkError::SameDifficulty { worlds, difficulty: difficulties[0] };
+        if spread(&difficulties) <= SAME {
+            return Err(same);
+        }
+        let (rating_mean, rating_deviation) = moments(&ratings);
+        let link = Link::new(&difficulties, &ratings);
+        let (Some(link), Some(correlation)) = (link, pearson(&ratings, &difficulties)) else {
+            return Err(same);
+        };
+        let sessions = sessions.len();
+        Ok(RatingLink { link, sessions, correlation, rating_mean, rating_deviation })
+    }
+
+    /// A rating on the scale of the panel, with an interval of 95 % for where the link over very many worlds would
+    /// place it. Its bounds are infinite for a link over two worlds.
+    ///
+    /// The standard error is that of linear equating where the same worlds have both numbers and these are normal,
+    /// `sd_R sqrt((1 - r) (2 + (1 + r) z^2) / n)` at z deviations from the mean rating (M. J. Kolen and R. L. Brennan,
+    /// *Test Equating, Scaling, and Linking*, chapter 7), with Student's quantile for n - 2 degrees of freedom.
+    pub fn apply(&self, rating: Rating) -> Interval {
+        let value = self.link.apply(rating.value());
+        let n = self.link.maps as f64;
+        let z = (rating.value() - self.rating_mean) / self.rating_deviation;
+        let r = self.correlation;
+        // Of the sample, not of the worlds at hand.
+        let deviation = self.link.slope * self.rating_deviation;
+        let variance = deviation * deviation * n / (n - 1.0);
+        let error = (variance * (1.0 - r) * (2.0 + (1.0 + r) * z * z) / n).sqrt();
+        let half = match StudentsT::new(0.0, 1.0, n - 2.0) {
+            Ok(law) => law.inverse_cdf(0.975) * error,
+            // Any two worlds agree, in one order or the other.
+            Err(_) => f64::INFINITY,
+        };
+        Interval { value, low: value - half, high: value + half }
+    }
+}
+
+impl Feedback {
+    /// The ratings, in the order of the dials that they are ratings of.
+    pub fn ratings(&self) -> Dials<Rating> {
+        Dials {
+            difficulty: self.difficulty,
+            mapping: self.mapping,
+            navigation: self.getting_around,
+        }
+    }
+}
+
+fn spread(values: &[f64]) -> f64 {
+    let (low, high) = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)));
+    high - low
+}
+
+/// Mean and standard deviation.
+fn moments(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (mean, (values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::{Blueprint, MeasuredDifficulty, Seed, Spec, Stream, hallway, indoor};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn link(pairs: &[(f64, f64)]) -> Result<RatingLink, LinkError> {
+        let names: Vec<String> = (0..pairs.len()).map(|i| i.to_string()).collect();
+        let sessions: Vec<RatedWorld<'_>> = pairs
+            .iter()
+            .zip(&names)
+            .map(|(&(rating, difficulty), world)| RatedWorld {
+                world,
+                rating: Rating::try_from(rating).expect("a rating"),
+                difficulty,
+            })
+            .collect();
+        RatingLink::new(&sessions)
+    }
+
+    fn rating(value: f64) -> Rating {
+        Rating::try_from(value).expect("a rating")
+    }
+
+    #[test]
+    fn a_link_by_hand() {
+        // Ratings 1, 2, 6 (deviation sqrt(14/3)) of difficulties 2, 6, 4 (sqrt(8/3)); correlation 1/(2 sqrt 7).
+        let found = link(&[(1.0, 2.0), (2.0, 6.0), (6.0, 4.0)]).expect("a link");
+        let slope = (8.0_f64 / 14.0).sqrt();
+        assert!((found.link.slope - slope).abs() < 1e-12);
+        assert!((found.correlation - 0.5 / 7.0_f64.sqrt()).abs() < 1e-12, "{found:?}");
+        assert!((found.apply(rating(3.0)).value - 4.0).abs() < 1e-12);
+        assert_eq!((found.sessions, found.link.maps), (3, 3));
+        // At the mean rating: sd_R = 2, n = 3, t(1, 97.5 %) = 12.7062.
+        let half = 12.7062 * (4.0 * (1.0 - found.correlation) * 2.0 / 3.0).sqrt();
+        let interval = found.apply(rating(3.0));
+        assert!((interval.high - 4.0 - half).abs() < 1e-3, "{interval:?}");
+    }
+
+    #[test]
+    fn what_cannot_be_linked_is_refused() {
+        let text = |pairs: &[(f64, f64)]| link(pairs).expect_err("no link").to_string();
+        assert_eq!(text(&[]), "0 sessions are rated, expected at least 3");
+        assert_eq!(text(&[(1.0, 2.0), (3.0, 4.0)]), "2 sessions are rated, expected at least 3");
+        // Means of 6.1 are not all 6.1 to the bit.
+        let constant = [(6.1, 1.0), (6.1, 2.0), (6.1, 5.0)];
+        assert_eq!(text(&constant), "all 3 worlds are rated 6.1, expected ratings that differ");
+        let alike = [(1.0, 6.1), (2.0, 6.1), (5.0, 6.1)];
+        assert_eq!(text(&alike), "all 3 worlds have the difficulty 6.1, expected some that differ");
+        for bad in [f64::NAN, f64::INFINITY] {
+            let error = text(&[(1.0, 2.0), (2.0, bad), (3.0, 3.0)]);
+            assert_eq!(error, format!("the difficulty of the world 1 must be finite, got {bad}"));
+        }
+        let one = RatedWorld { world: "a", rating: rating(1.0), difficulty: 2.0 };
+        let error = RatingLink::new(&[one; 4]).expect_err("one world").to_string();
+        assert!(error.starts_with("all 4 sessions were in the same world"), "{error}");
+    }
+
+    #[test]
+    fn sessions_in_one_world_count_as_one() {
+        let of = |world, value, difficulty| RatedWorld { world, rating: rating(value), difficulty };
+        let sessions = [of("a", 2.0, 1.0), of("a", 4.0, 1.0), of("b", 7.0, 9.0)];
+        let found = RatingLink::new(&sessions).expect("a link");
+        assert_eq!((found.sessions, found.link.maps), (3, 2));
+        let interval = found.apply(rating(7.0));
+        assert!((interval.value - 9.0).abs() < 1e-12);
+        assert_eq!((interval.low, interval.high), (f64::NEG_INFINITY, f64::INFINITY));
+    }
+
+    /// About normal, of mean 0 and deviation 1.
+    fn normal(stream: &mut Stream) -> f64 {
+        (0..12).map(|_| stream.unit()).sum::<f64>() - 6.0
+    }
+
+    #[test]
+    fn intervals_hold_the_true_link_as_often_as_they_say() {
+        // Ratings 5 +- 1 and difficulties 4 +- 2 of correlation 0.8: one deviation above the mean, 6 is 6.
+        let mut stream = Seed(1).stream("link", 0);
+        let mut sample = |_| {
+            let (shared, own) = (normal(&mut stream), normal(&mut stream));
+            ((5.0 + shared).clamp(0.0, 10.0), 4.0 + 2.0 * (0.8 * shared + 0.6 * own))
+        };
+        let repeats = 1000;
+        let holds = (0..repeats).filter(|_| {
+            let pairs: Vec<(f64, f64)> = (0..20).map(&mut sample).collect();
+            let interval = link(&pairs).expect("a link").apply(rating(6.0));
+            (interval.low..=interval.high).contains(&6.0)
+        });
+        let share = holds.count() as f64 / f64::from(repeats);
+        // 95 %; four standard errors are 2.8 %.
+        assert!((share - 0.95).abs() < 0.028, "{share}");
+    }
+
+    #[test]
+    fn the_difficulty_is_measured_before_it_is_predicted() {
+        let spec = indoor::IndoorSpec { width: 8, height: 8, ..Default::default() };
+        let mut world = spec.generate(Seed(3)).expect("a plan").to_world();
+        let predicted = PanelDifficulty::of(&world).expect("a prediction");
+        assert_eq!(predicted.source, DifficultySource::Predicted);
+        let dial = Estimate { value: 4.5, standard_error: 0.2 };
+        let dials = Dials { difficulty: dial, mapping: dial, navigation: dial };
+        let measured = |panel: &str| {
+            let panel = panel.to_owned();
+            MeasuredDifficulty { panel, panel_version: 1, dials, trials: 12, noise_seed: Seed(0) }
+        };
+        world.provenance.measured = Some(Box::new(measured("reference")));
+        let found = PanelDifficulty::of(&world).expect("a measurement");
+        assert_eq!((found.source, found.dials), (DifficultySource::Measured, dials));
+        world.provenance.measured = Some(Box::new(measured("mine")));
+        assert_eq!(PanelDifficulty::of(&world), Ok(predicted));
+        let hallway = hallway::HallwaySpec { segments: 40, ..Default::default() };
+        let world = hallway.generate(Seed(1)).expect("a hallway").to_world();
+        let error = PanelDifficulty::of(&world).expect_err("no indoor map").to_string();
+        assert!(error.contains("of the features of the world lie outside"), "{error}");
+    }
+
+    proptest! {
+        #[test]
+        fn linked_ratings_have_the_mean_and_deviation_of_the_panel(
+            pairs in prop::collection::vec((0.0..=10.0_f64, -5.0..15.0_f64), 0..12),
+            at in 0.0..=10.0_f64,
+        ) {
+            let Ok(found) = link(&pairs) else { return Ok(()) };
+            let linked: Vec<f64> = pairs.iter().map(|(x, _)| found.apply(rating(*x)).value).collect();
+            let panel: Vec<f64> = pairs.iter().map(|(_, y)| *y).collect();
+            let ((a, b), (c, d)) = (moments(&linked), moments(&panel));
+            prop_assert!((a - c).abs() < 1e-6 && (b - d).abs() < 1e-6, "{a} {c} {b} {d}");
+            let interval = found.apply(rating(at));
+            prop_assert!(interval.low <= interval.value && interval.value <= interval.high);
+            // The scale of the panel does not matter.
+            let scaled: Vec<(f64, f64)> = pairs.iter().map(|(x, y)| (*x, 3.0 * y + 1.0)).collect();
+            let scaled = link(&scaled).expect("a link").apply(rating(at));
+            prop_assert!((scaled.value - 3.0 * interval.value - 1.0).abs() < 1e-6 * scaled.value.abs().max(1.0));
+        }
+    }
+}
