@@ -196,6 +196,31 @@ impl ScenarioSpec {
         self.check_fields()
     }
 
+    /// Sets one setting from text, as `--set name=value` does. On an error nothing changes.
+    ///
+    /// ```
+    /// use envgen::scenario::ScenarioSpec;
+    ///
+    /// let mut spec = ScenarioSpec::default();
+    /// spec.set("doors", "0.5")?;
+    /// assert_eq!(spec.doors, 0.5);
+    /// assert!(spec.set("door", "0.5").is_err());
+    /// # Ok::<(), envgen::SpecError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When the setting does not exist (the error lists those that do) or the text is not one of its values.
+    pub fn set(&mut self, name: &str, value: &str) -> Result<(), SpecError> {
+        let Some(setting) = Self::SETTINGS.iter().find(|setting| setting.name == name) else {
+            let known: Vec<_> = Self::SETTINGS.iter().map(|setting| setting.name).collect();
+            return Err(SpecError::new("setting", name, format!("one of {}", known.join(", "))));
+        };
+        let mut settings = self.settings_json();
+        settings[setting.name] = setting.parse(value)?;
+        *self = serde_json::from_value(settings).map_err(|_| setting.error(value))?;
+        Ok(())
+    }
+
     /// Whether nothing moves, so that the world is as without a scenario.
     pub fn is_still(&self) -> bool {
         self.doors == 0.0 && self.people == 0 && self.smoke == 0.0

@@ -212,6 +212,16 @@ impl ScenarioState {
         }
     }
 
+    /// The settings of the scenario.
+    pub fn settings(&self) -> &ScenarioSpec {
+        &self.scene.settings
+    }
+
+    /// Whether there is any smoke.
+    pub fn has_smoke(&self) -> bool {
+        !self.scene.smoke.is_empty()
+    }
+
     /// Seconds since the start, as the sum of all steps.
     pub fn time(&self) -> f64 {
         self.time
