@@ -17,6 +17,11 @@ struct Calibrated;
 #[doc = include_str!("../docs/guide/forests.md")]
 struct Forests;
 
+/// The snippets of the guide's chapter on doors, people and smoke.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/guide/moving.md")]
+struct Moving;
+
 /// The snippets of the guide's chapter on trials.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/guide/trials.md")]

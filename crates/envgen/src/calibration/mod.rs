@@ -33,6 +33,7 @@ pub use scale::Scale;
 pub use crate::dials::{Dials, Estimate, Prediction};
 
 use crate::difficulty::DifficultyVector;
+use crate::spec::WorldKind;
 
 /// The calibration of indoor maps.
 const INDOOR: &str = include_str!("indoor.json");
@@ -98,10 +99,12 @@ impl Calibration {
         &CALIBRATION
     }
 
-    /// The calibration of a kind of world, by its [name](crate::WorldKind::name); `None` for kinds that have
-    /// none.
+    /// The calibration of a kind of world, by its [name](WorldKind::name): `None` for kinds that have none, that of
+    /// indoor maps for worlds of other tools, which mostly are of buildings.
     pub fn of(kind: &str) -> Option<&'static Calibration> {
-        [Self::indoor()].into_iter().find(|calibration| calibration.kind == kind)
+        let indoor = Self::indoor();
+        let is_of_another_tool = kind.parse::<WorldKind>().is_err();
+        (is_of_another_tool || kind == indoor.kind).then_some(indoor)
     }
 
     /// Predicts the difficulty of a world from its difficulty vector.

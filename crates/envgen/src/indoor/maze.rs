@@ -84,8 +84,8 @@ struct Edge {
 }
 
 impl Lattice {
-    /// As many squares as passages of the wanted width fit into; `None` if there are not two either way,
-    /// or too many for a room.
+    /// As many squares as passages of the wanted width fit into; `None` if there are not two in either
+    /// direction, or too many for a room.
     fn new(spec: &IndoorSpec, room: &RoomDesign) -> Option<Self> {
         let count = |cells: u32| {
             let length = f64::from(cells) * spec.cell_size;

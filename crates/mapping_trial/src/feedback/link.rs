@@ -49,6 +49,11 @@ pub enum UnknownDifficulty {
     /// It was not measured, and has no difficulty vector.
     #[error(transparent)]
     Vector(#[from] DifficultyError),
+    /// It was not measured, and there are no predictions for its kind.
+    #[error(
+        "there are no predictions for worlds of the kind {0}, expected one whose difficulty was measured"
+    )]
+    Kind(String),
     /// It was not measured, and is unlike the worlds that predictions come from.
     #[error(
         "{:.0} % of the features of the world lie outside what the atlas has, expected at most {:.0} %, or a \
@@ -76,9 +81,10 @@ impl PanelDifficulty {
             let source = DifficultySource::Measured;
             return Ok(PanelDifficulty { source, dials: measured.dials });
         }
-        let vector = DifficultyVector::of(world, &Platform::default())?;
+        let kind = &world.provenance.kind;
         let calibration =
-            Calibration::of(&world.provenance.kind).unwrap_or_else(|| Calibration::indoor());
+            Calibration::of(kind).ok_or_else(|| UnknownDifficulty::Kind(kind.clone()))?;
+        let vector = DifficultyVector::of(world, &Platform::default())?;
         let Prediction { dials, outside, .. } = calibration.predict(&vector);
         if outside > MOST_OUTSIDE {
             return Err(UnknownDifficulty::Outside { outside });
@@ -266,7 +272,9 @@ fn moments(values: &[f64]) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use envgen::{Blueprint, MeasuredDifficulty, Seed, Spec, Stream, hallway, indoor};
+    use envgen::geometry::{Pose, Rect};
+    use envgen::{Blueprint, MeasuredDifficulty, Provenance, Seed, Spec, Stream, hallway, indoor};
+    use glam::DVec2;
     use proptest::prelude::*;
 
     use super::*;
@@ -377,7 +385,16 @@ mod tests {
         assert_eq!(PanelDifficulty::of(&world), Ok(predicted));
         let hallway = hallway::HallwaySpec { segments: 40, ..Default::default() };
         let world = hallway.generate(Seed(1)).expect("a hallway").to_world();
-        let error = PanelDifficulty::of(&world).expect_err("no indoor map").to_string();
+        let error = PanelDifficulty::of(&world).expect_err("no prediction").to_string();
+        assert!(
+            error.starts_with("there are no predictions for worlds of the kind hallway"),
+            "{error}"
+        );
+        // A hall in which nothing is like in the atlas.
+        let bounds = Rect::new(DVec2::ZERO, DVec2::splat(100.0));
+        let mut hall = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
+        hall.start = Some(Pose::new(50.0, 50.0, 0.0));
+        let error = PanelDifficulty::of(&hall).expect_err("another world").to_string();
         assert!(error.contains("of the features of the world lie outside"), "{error}");
     }
 

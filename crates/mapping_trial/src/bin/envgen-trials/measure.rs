@@ -46,10 +46,10 @@ struct Report {
     world: String,
     measurement: Measurement,
     /// The percentage of the atlas's worlds that are easier, by each dial; absent for other panels than the
-    /// reference.
+    /// reference, and for kinds that are not calibrated.
     percentiles: Option<Dials<f64>>,
-    /// What the calibration says of the world; absent for other panels than the reference, and for worlds without
-    /// a difficulty vector.
+    /// What the calibration says of the world; absent for other panels than the reference, for kinds that are not
+    /// calibrated, and for worlds without a difficulty vector.
     prediction: Option<Prediction>,
 }
 
@@ -73,7 +73,8 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     bar.finish_and_clear();
     let measurement = measuring.finish(&scale).ok_or("the panel has no condition")?;
     // Atlases and predictions are of the reference panel.
-    let calibration = (panel == Panel::reference()).then(|| calibration(&world));
+    let calibration =
+        Calibration::of(&world.provenance.kind).filter(|_| panel == Panel::reference());
     let values = measurement.measured.dials.map(|dial| dial.value);
     let percentiles = calibration.and_then(|known| known.atlas.percentiles(values));
     let prediction = calibration.and_then(|known| predict(known, &world));
@@ -84,11 +85,6 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
         print(&report);
         Ok(())
     }
-}
-
-/// The calibration of a world's kind; that of indoor maps for what other tools made, mostly of buildings.
-fn calibration(world: &World) -> &'static Calibration {
-    Calibration::of(&world.provenance.kind).unwrap_or_else(|| Calibration::indoor())
 }
 
 fn predict(calibration: &Calibration, world: &World) -> Option<Prediction> {
