@@ -341,14 +341,14 @@ impl IndoorSpec {
             let allowed = format!("at least {least} m, which the robot passes");
             return Err(SpecError::new("maze_passage", self.maze_passage, allowed));
         }
-        if let Some(narrowest) = self.doorway_narrowest {
-            if !(least..=self.doorway).contains(&narrowest) {
-                let allowed = format!(
-                    "from {least} m, which the robot passes, to the doorway of {} m, or none",
-                    self.doorway
-                );
-                return Err(SpecError::new("doorway_narrowest", narrowest, allowed));
-            }
+        if let Some(narrowest) = self.doorway_narrowest
+            && !(least..=self.doorway).contains(&narrowest)
+        {
+            let allowed = format!(
+                "from {least} m, which the robot passes, to the doorway of {} m, or none",
+                self.doorway
+            );
+            return Err(SpecError::new("doorway_narrowest", narrowest, allowed));
         }
         Ok(())
     }

@@ -32,7 +32,7 @@ pub enum AtlasDesign {
     /// Worlds of which some settings are drawn.
     Drawn {
         /// The spec with the other settings.
-        spec: WorldSpec,
+        spec: Box<WorldSpec>,
         /// Least and greatest value of each setting that is drawn, all values between them with the same
         /// probability.
         drawn: BTreeMap<String, [f64; 2]>,
