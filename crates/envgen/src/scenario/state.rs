@@ -227,7 +227,7 @@ impl ScenarioState {
         self.time
     }
 
-    /// Ticks since the start, [`TICKS_PER_SECOND`] per second.
+    /// Ticks since the start, [`TICKS_PER_SECOND`](super::TICKS_PER_SECOND) per second.
     pub fn tick(&self) -> u64 {
         self.tick
     }
