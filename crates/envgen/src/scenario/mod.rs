@@ -44,7 +44,7 @@ pub use spec::{
     Body, DoorControl, DoorKinds, FailedBeams, Reactions, ScenarioSpec, SmokeKind, SmokeProfile,
 };
 pub use state::{Robot, ScenarioState};
-pub use view::{MovingContact, MovingHit, Target};
+pub use view::{MovingContact, MovingHit, MovingShape, Target};
 
 /// Steps of a scenario per second.
 pub const TICKS_PER_SECOND: u64 = 20;

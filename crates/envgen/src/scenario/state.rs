@@ -243,6 +243,11 @@ impl ScenarioState {
         shape.map(|(shape, state)| state.leaves(shape)).into_iter().flatten()
     }
 
+    /// The leaves of all doors.
+    pub fn all_leaves(&self) -> impl Iterator<Item = Leaf> + '_ {
+        (0..self.doors.len()).flat_map(|door| self.leaves(door))
+    }
+
     /// The people, in the order of the scenario.
     pub fn people(&self) -> &[PersonState] {
         &self.crowd.people

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::smoke::{Laser, Reading, Stretch};
 use super::spec::Body;
-use super::{LEG_RADIUS, PERSON_RADIUS, ScenarioState};
+use super::{LEG_RADIUS, Leaf, PERSON_RADIUS, ScenarioState};
 use crate::raycast::{Hit, Raycaster};
 use crate::seed::Stream;
 use crate::world::PartId;
@@ -40,6 +40,30 @@ pub struct MovingContact {
     pub distance: f64,
 }
 
+/// Something that moves, as a laser sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MovingShape {
+    /// The leaf of a door.
+    Leaf(Leaf),
+    /// A person, or a leg.
+    Disc {
+        /// Middle in metres.
+        center: DVec2,
+        /// Radius in metres.
+        radius: f64,
+    },
+}
+
+impl MovingShape {
+    /// Distance along a ray in the direction of a unit vector, 0 inside; `None` where it misses.
+    pub fn distance_along(&self, from: DVec2, direction: DVec2) -> Option<f64> {
+        match *self {
+            MovingShape::Leaf(leaf) => leaf.distance_along(from, direction),
+            MovingShape::Disc { center, radius } => to_disc(from, direction, (center, radius)),
+        }
+    }
+}
+
 impl ScenarioState {
     /// The first thing that a ray in the direction of a unit vector meets within `max_range` metres, smoke
     /// aside; `None` when it meets nothing, and for a negative range or NaN. Of things at the same distance it
@@ -55,27 +79,42 @@ impl ScenarioState {
                 best = (distance, Some(target));
             }
         };
-        for (door, (shape, state)) in (0..).zip(self.scene.shapes.iter().zip(&self.doors)) {
-            let reach = shape.reach() + max_range;
-            if from.distance_squared(shape.middle()) > reach * reach {
-                continue;
-            }
-            for leaf in state.leaves(shape) {
-                meet(leaf.distance_along(from, direction), Target::Leaf(door));
-            }
-        }
-        let is_disc = self.scene.settings.body == Body::Disc;
-        for (i, person) in (0..).zip(&self.crowd.people) {
-            let whole = to_disc(from, direction, (person.position, PERSON_RADIUS));
-            if is_disc {
-                meet(whole, Target::Person(i));
-            } else if whole.is_some_and(|distance| distance <= max_range) {
-                for leg in person.legs() {
-                    meet(to_disc(from, direction, (leg, LEG_RADIUS)), Target::Person(i));
-                }
-            }
+        for (target, shape) in self.visible(from, max_range) {
+            meet(shape.distance_along(from, direction), target);
         }
         best.1.map(|target| MovingHit { distance: best.0, target })
+    }
+
+    /// What moves within `max_range` metres of a point, as a laser sees it: leaves, then people. What is a little
+    /// farther away may be among them.
+    pub fn visible(
+        &self,
+        from: DVec2,
+        max_range: f64,
+    ) -> impl Iterator<Item = (Target, MovingShape)> + '_ {
+        let doors = (0..).zip(self.scene.shapes.iter().zip(&self.doors));
+        let leaves = doors
+            .filter(move |(_, (shape, _))| {
+                let reach = shape.reach() + max_range;
+                from.distance_squared(shape.middle()) <= reach * reach
+            })
+            .flat_map(|(door, (shape, state))| {
+                state.leaves(shape).map(move |leaf| (Target::Leaf(door), MovingShape::Leaf(leaf)))
+            });
+        let is_disc = self.scene.settings.body == Body::Disc;
+        let reach = max_range + PERSON_RADIUS;
+        let people = (0..)
+            .zip(&self.crowd.people)
+            .filter(move |(_, person)| from.distance_squared(person.position) <= reach * reach)
+            .flat_map(move |(i, person)| {
+                let discs = match (is_disc, person.legs()) {
+                    (true, _) => [Some((person.position, PERSON_RADIUS)), None],
+                    (false, [left, right]) => [Some((left, LEG_RADIUS)), Some((right, LEG_RADIUS))],
+                };
+                let shape = |(center, radius)| MovingShape::Disc { center, radius };
+                discs.into_iter().flatten().map(move |disc| (Target::Person(i), shape(disc)))
+            });
+        leaves.chain(people)
     }
 
     /// The rays of the world without anything that moves.

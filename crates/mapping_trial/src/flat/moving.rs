@@ -2,7 +2,7 @@
 
 use envgen::Seed;
 use envgen::scenario::smoke::{Laser, Reading, Stretch};
-use envgen::scenario::{Body, LEG_RADIUS, PERSON_RADIUS, Robot, ScenarioState};
+use envgen::scenario::{PERSON_RADIUS, Robot, ScenarioState};
 use glam::DVec2;
 
 use crate::backend::TICK;
@@ -42,34 +42,13 @@ impl Moving {
         }
     }
 
-    fn leaves(&self) -> impl Iterator<Item = envgen::scenario::Leaf> + '_ {
-        (0..self.state.doors().len()).flat_map(|door| self.state.leaves(door))
-    }
-
     /// Shortens ranges that end at a leaf or a person.
     pub(super) fn shorten(&self, rays: &Rays<'_>, ranges: &mut [f64]) {
         let Rays { from, directions, max_range } = *rays;
-        let mut meet = |distance: &dyn Fn(DVec2) -> Option<f64>| {
+        for (_, shape) in self.state.visible(from, max_range) {
             for (range, &direction) in ranges.iter_mut().zip(directions) {
-                *range = distance(direction).map_or(*range, |distance| range.min(distance));
-            }
-        };
-        for leaf in self.leaves() {
-            if leaf.nearest_point(from).distance(from) < max_range {
-                meet(&|direction| leaf.distance_along(from, direction));
-            }
-        }
-        let is_disc = self.state.settings().body == Body::Disc;
-        for person in self.state.people() {
-            if person.position.distance(from) >= max_range + PERSON_RADIUS {
-                continue;
-            }
-            if is_disc {
-                meet(&|direction| to_disc(from, direction, person.position, PERSON_RADIUS));
-            } else {
-                for leg in person.legs() {
-                    meet(&|direction| to_disc(from, direction, leg, LEG_RADIUS));
-                }
+                let distance = shape.distance_along(from, direction);
+                *range = distance.map_or(*range, |distance| range.min(distance));
             }
         }
     }
@@ -109,7 +88,7 @@ impl Moving {
     /// Calls `press` for every leaf and person: a point, its distance from a robot's centre less the size of
     /// what is there, and whether it is a person.
     pub(super) fn press(&self, at: DVec2, mut press: impl FnMut(DVec2, f64, bool)) {
-        for leaf in self.leaves() {
+        for leaf in self.state.all_leaves() {
             let point = leaf.nearest_point(at);
             press(point, point.distance(at), false);
         }
@@ -117,12 +96,4 @@ impl Moving {
             press(person.position, person.position.distance(at) - PERSON_RADIUS, true);
         }
     }
-}
-
-/// Distance along a ray to a disc, 0 inside; `None` where it misses.
-fn to_disc(from: DVec2, direction: DVec2, center: DVec2, radius: f64) -> Option<f64> {
-    let to = center - from;
-    let (along, across) = (to.dot(direction), to.perp_dot(direction));
-    let half2 = radius * radius - across * across;
-    (half2 >= 0.0 && along + half2.sqrt() >= 0.0).then(|| (along - half2.sqrt()).max(0.0))
 }

@@ -41,7 +41,7 @@ impl SweptCells {
                 }
             });
         }
-        for leaf in (0..state.doors().len()).flat_map(|door| state.leaves(door)) {
+        for leaf in state.all_leaves() {
             let bounds = Rect::new(leaf.hinge.min(leaf.tip), leaf.hinge.max(leaf.tip));
             self.visit(bounds.grown(MARGIN), |cell, centre| {
                 if leaf.nearest_point(centre).distance(centre) <= MARGIN {
