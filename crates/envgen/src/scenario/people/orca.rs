@@ -95,7 +95,7 @@ pub(crate) fn keep_off(position: DVec2, radius: f64, wall: DVec2) -> HalfPlane {
 }
 
 /// The velocity of at most `max_speed` that is allowed by all half-planes and nearest to `preferred`. Where
-/// there is none, the first `walls` half-planes hold and the greatest excess over the others is least.
+/// no velocity is, the first `walls` half-planes hold and the greatest excess over the others is least.
 pub(crate) fn solve(planes: &[HalfPlane], walls: usize, max_speed: f64, preferred: DVec2) -> DVec2 {
     match nearest(planes, max_speed, Aim::Point(preferred)) {
         Ok(velocity) => velocity,
@@ -113,7 +113,7 @@ enum Aim {
     Far(DVec2),
 }
 
-/// The best value in a disc and in all half-planes; otherwise the first half-plane for which there is none,
+/// The best value in a disc and in all half-planes; otherwise the first half-plane that leaves no value,
 /// and the best value for those before.
 ///
 /// Incremental, as in M. de Berg et al., Computational Geometry, 2008, section 4.3, in the given order.

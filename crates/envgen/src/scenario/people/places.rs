@@ -11,7 +11,7 @@ use crate::world::World;
 /// People stand at least this far from a doorway's middle, beyond half its width, in metres.
 const OFF_DOORWAYS: f64 = 0.7;
 
-/// Clearance in metres of a place beside which others can often pass.
+/// Clearance in metres from which others can mostly pass beside a place.
 const ROOMY: f64 = 0.4;
 
 /// Distances in metres between places: the second is tried where there are too few with the first.

@@ -40,7 +40,7 @@ impl Routes {
         Routes { places, trees }
     }
 
-    /// The corners of a path to a place, the last first; `None` where there is none.
+    /// The corners of a path to a place, the last first; `None` where the place cannot be reached.
     pub(crate) fn path(&self, space: &FreeSpace, from: DVec2, place: usize) -> Option<Vec<DVec2>> {
         let goal = *self.places.get(place)?;
         let tree = self.trees[place].get_or_init(|| Tree::new(space, goal));

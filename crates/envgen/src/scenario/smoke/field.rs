@@ -9,7 +9,7 @@ use crate::geometry::{Rect, Shape};
 use crate::scenario::spec::SmokeKind;
 use crate::world::{SurfaceKind, World};
 
-/// Thinner smoke is none, in 1/m.
+/// Smoke of a lower extinction coefficient is ignored, in 1/m.
 const THINNEST: f64 = 1e-9;
 
 /// What is fixed about the smoke of a world.

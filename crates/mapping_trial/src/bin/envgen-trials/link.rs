@@ -55,7 +55,7 @@ struct Links {
 struct DialLink {
     #[serde(skip_serializing_if = "Option::is_none")]
     link: Option<RatingLink>,
-    /// Why there is none.
+    /// Why the ratings are not linked.
     #[serde(skip_serializing_if = "Option::is_none")]
     failure: Option<String>,
     /// The sessions' ratings on the scale of the panel.
