@@ -99,6 +99,11 @@ impl SurfaceIndex {
         self.surfaces.iter().any(|surface| surface.kind == SurfaceKind::Water)
     }
 
+    /// Whether the ground is plain everywhere.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.surfaces.is_empty() && self.raster.is_none()
+    }
+
     /// The ground at a point, [`Ground::PLAIN`] where nothing else is known.
     pub fn at(&self, p: DVec2) -> Ground {
         let speed = self.raster.as_ref().and_then(|raster| raster.speed_at(p));

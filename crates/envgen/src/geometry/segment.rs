@@ -42,6 +42,18 @@ pub fn segments_cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
         || (s4 == 0 && within(c, d, b))
 }
 
+/// Distance between two lines, 0 where they cross.
+pub(crate) fn distance_between_segments(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> f64 {
+    if segments_cross(a, b, c, d) {
+        return 0.0;
+    }
+    // Otherwise an end of one of them is nearest to the other.
+    [(a, c, d), (b, c, d), (c, a, b), (d, a, b)]
+        .map(|(end, from, to)| distance_to_segment(end, from, to))
+        .into_iter()
+        .fold(f64::INFINITY, f64::min)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,8 +6,8 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Rect, distance_to_segment, edges, nearest_on_segment, polygon_contains, signed_area,
-    unit_vector,
+    Rect, distance_between_segments, distance_to_segment, edges, nearest_on_segment,
+    polygon_contains, signed_area, unit_vector,
 };
 
 /// A shape in world coordinates: what colliders, rays, rasters and pictures are made of.
@@ -79,9 +79,7 @@ impl Shape {
             Shape::Segment { a, b } => vec![*a, *b],
             Shape::Disc { .. } => Vec::new(),
             Shape::Box { center, half_size, heading } => {
-                let u = box_axis(*heading);
-                let (u, v) = (u * half_size.x, u.perp() * half_size.y);
-                vec![*center - u - v, *center + u - v, *center + u + v, *center - u + v]
+                box_corners(*center, *half_size, *heading).to_vec()
             }
             Shape::Polygon { vertices } => vertices.clone(),
         }
@@ -135,6 +133,26 @@ impl Shape {
         }
     }
 
+    /// Distance from the line from `a` to `b` to the shape in metres, 0 where they meet.
+    pub(crate) fn distance_from_segment(&self, a: DVec2, b: DVec2) -> f64 {
+        let from_sides = |vertices: &[DVec2]| {
+            edges(vertices)
+                .map(|(c, d)| distance_between_segments(a, b, c, d))
+                .fold(f64::INFINITY, f64::min)
+        };
+        match self {
+            Shape::Segment { a: c, b: d } => distance_between_segments(a, b, *c, *d),
+            Shape::Disc { center, radius } => {
+                (distance_to_segment(*center, a, b) - radius).max(0.0)
+            }
+            shape if shape.contains(a) => 0.0,
+            Shape::Box { center, half_size, heading } => {
+                from_sides(&box_corners(*center, *half_size, *heading))
+            }
+            Shape::Polygon { vertices } => from_sides(vertices),
+        }
+    }
+
     /// The point of the shape that is nearest to a point: the point itself when it lies inside.
     pub fn nearest_point(&self, p: DVec2) -> DVec2 {
         match self {
@@ -162,6 +180,13 @@ impl Shape {
             Shape::Polygon { vertices } => signed_area(vertices).abs(),
         }
     }
+}
+
+/// The corners of a box, counter-clockwise.
+fn box_corners(center: DVec2, half_size: DVec2, heading: f64) -> [DVec2; 4] {
+    let u = box_axis(heading);
+    let (u, v) = (u * half_size.x, u.perp() * half_size.y);
+    [center - u - v, center + u - v, center + u + v, center - u + v]
 }
 
 /// The direction of a box's width. Quarter turns, which most boxes have, are exact.
@@ -205,6 +230,25 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn the_distance_from_a_line_is_that_of_its_nearest_point(
+            ax in -5.0..5.0_f64, ay in -5.0..5.0_f64, bx in -5.0..5.0_f64, by in -5.0..5.0_f64,
+            heading in -4.0..4.0_f64, which in 0..4,
+        ) {
+            let (a, b) = (DVec2::new(ax, ay), DVec2::new(bx, by));
+            let shape = match which {
+                0 => unit_box(heading),
+                1 => Shape::Polygon { vertices: unit_box(heading).corners() },
+                2 => Shape::Disc { center: DVec2::new(1.0, 2.0), radius: 1.5 },
+                _ => Shape::Segment { a: DVec2::new(1.0, 2.0), b: DVec2::new(-2.0, 1.0) },
+            };
+            let found = shape.distance_from_segment(a, b);
+            let points = (0..=1000).map(|i| a.lerp(b, f64::from(i) / 1000.0));
+            let sampled = points.map(|p| shape.distance(p)).fold(f64::INFINITY, f64::min);
+            prop_assert!(found <= sampled + 1e-9, "{found} {sampled}");
+            prop_assert!(sampled <= found + 0.0005 * a.distance(b) + 1e-9, "{found} {sampled}");
+        }
+
         #[test]
         fn distance_is_zero_exactly_inside(
             x in -5.0..5.0_f64, y in -5.0..5.0_f64, heading in -4.0..4.0_f64,

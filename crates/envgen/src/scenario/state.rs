@@ -31,7 +31,7 @@ const MAX_STEP: f64 = 86_400.0;
 const SPREAD: u64 = 10;
 
 /// The most places to which people go.
-const MAX_PLACES: usize = 1024;
+const MAX_PLACES: usize = 1 << 14;
 
 /// Doors concern people this far beyond the reach of their leaves, in metres.
 const ZONE: f64 = 0.5;
@@ -105,7 +105,8 @@ impl Walk {
             frame.touched_runs(&Convex::Disc(door.middle(), reach), visit);
         })
         .unwrap_or_else(|| unreachable!("there is no limit"));
-        Ok(Walk { space, routes: Routes::new(places), door_zones })
+        let routes = Routes::new(places, &space);
+        Ok(Walk { space, routes, door_zones })
     }
 }
 

@@ -2,16 +2,19 @@
 
 use glam::DVec2;
 
-use super::leaf::DoorShape;
+use super::leaf::{DoorShape, Leaf};
 use super::{Door, DoorKind};
 use crate::error::SpecError;
 use crate::geometry::{Rect, Shape, edges, polygon_contains, segments_cross};
-use crate::scenario::ScenarioSpec;
+use crate::scenario::{PERSON_RADIUS, ScenarioSpec};
 use crate::seed::Seed;
-use crate::world::World;
+use crate::world::{Doorway, World};
 
 /// Leaves keep this distance in metres from solids in front of their wall.
 const GAP: f64 = 0.02;
+
+/// Between an open leaf and the next solid is room for a person, in metres.
+const PASSAGE: f64 = 2.0 * PERSON_RADIUS + 0.1;
 
 /// Draws the doors of a world. Each doorway has a stream of its own, so that a doorway more or less changes
 /// no other door.
@@ -52,7 +55,7 @@ pub(crate) fn place_doors(
         let outlines = |door: &Door| DoorShape::new(door, doorway).swept_outlines(half_wall + GAP);
         let others = || world.doorways.iter().enumerate().filter(|(j, _)| *j != i);
         let is_free = |door: &Door| {
-            outlines(door).iter().all(|outline| {
+            outlines(door).iter().chain(&passages(door, doorway)).all(|outline| {
                 let around = Rect::around(outline.iter().copied());
                 let hits = |bounds: Rect, shape: &Shape| {
                     around.is_some_and(|around| around.overlaps(bounds)) && overlap(outline, shape)
@@ -71,6 +74,16 @@ pub(crate) fn place_doors(
         doors.push(door);
     }
     Ok(doors)
+}
+
+/// What must be free beyond the open leaves so that someone can walk past them.
+fn passages(door: &Door, doorway: &Doorway) -> Vec<Vec<DVec2>> {
+    let shape = DoorShape::new(door, doorway);
+    let passage = |Leaf { hinge, tip }: Leaf| {
+        let beyond = tip + (tip - hinge).normalize_or_zero() * PASSAGE;
+        Shape::thick_segment(tip, beyond, GAP, 0.0).corners()
+    };
+    shape.leaves(1.0).filter(|_| shape.swings()).map(passage).collect()
 }
 
 /// Whether a simple polygon and a shape share a point.

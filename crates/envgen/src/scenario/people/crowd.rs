@@ -30,8 +30,10 @@ const LOOK: u64 = 4;
 /// Someone who does not see it searches for a new path after this many ticks.
 const SEARCH: u64 = TICKS_PER_SECOND;
 
-/// How many goals are tried before a person waits a second.
+/// How many goals are tried before a person waits a second, and how many by one who is blocked and looks for
+/// one that is not ahead.
 const TRIES: u32 = 8;
+const BLOCKED_TRIES: u32 = 32;
 
 /// What people walk among.
 pub(crate) struct Surroundings<'a> {
@@ -165,21 +167,28 @@ impl Crowd {
         person.draws += 1;
         person.moved = (person.position, around.tick);
         person.steps_left = 0;
-        let places = &around.routes.places;
+        // Who hardly moves may look anywhere: the path tells what is ahead.
+        let ahead = person.path.last().map_or(person.facing, |corner| *corner - person.position);
+        let is_free = |&(place, p): &(usize, DVec2)| {
+            self.taken[place] == 0 && p.distance_squared(person.position) >= 1.0
+        };
+        let places: Vec<usize> = around
+            .routes
+            .around(around.space, person.position)
+            .filter(is_free)
+            .map(|(place, _)| place)
+            .collect();
         let mut found = None;
-        for attempt in 0..TRIES {
+        let tries = if is_blocked { BLOCKED_TRIES } else { TRIES };
+        for attempt in 0..tries {
             if places.is_empty() {
                 break;
             }
-            let place = stream.below(places.len() as u64) as usize;
-            let is_free = self.taken[place] == 0 && Some(place as u32) != person.place;
-            if !is_free || places[place].distance_squared(person.position) < 1.0 {
-                continue;
-            }
+            let place = places[stream.below(places.len() as u64) as usize];
             // At first only places that lie behind who is blocked.
-            if is_blocked && attempt < TRIES - 1 {
+            if is_blocked && attempt < tries - 1 {
                 let direction = around.routes.direction(around.space, person.position, place);
-                if direction.is_some_and(|direction| direction.dot(person.facing) > 0.0) {
+                if direction.is_some_and(|direction| direction.dot(ahead) > 0.0) {
                     continue;
                 }
             }
@@ -234,10 +243,19 @@ impl Crowd {
         let mut is_clear = person.on_path;
         for &door in zone(around, person.position) {
             let (shape, state) = (&around.shapes[door as usize], &around.doors[door as usize]);
-            // A door that cannot open gets room for its leaf.
+            // A door that cannot open gets room for its leaf, unless the person leaves in any case.
+            let gap = PERSON_RADIUS + 2.0 * LEAF_GAP;
+            let leaves = || {
+                person.path.last().is_some_and(|&corner| {
+                    let [a, b] = shape.ends;
+                    shape.swing_distance(corner) >= gap
+                        && !segments_cross(person.position, corner, a, b)
+                })
+            };
             if state.opens
                 && !state.is_open()
-                && shape.swing_distance(person.position) < PERSON_RADIUS + 2.0 * LEAF_GAP
+                && shape.swing_distance(person.position) < gap
+                && !leaves()
             {
                 let away = (person.position - shape.middle()).normalize_or(person.facing);
                 (preferred, is_clear) = (away * max_speed, false);
@@ -358,16 +376,15 @@ impl Crowd {
             }
             return;
         }
-        let tries = [
-            (velocity, is_clear),
-            (self.along_wall(from, velocity, around), false),
-            (0.5 * velocity, is_clear),
-        ];
-        let allowed = tries.into_iter().find(|&(velocity, is_clear)| {
-            velocity != DVec2::ZERO
+        let allowed = |(velocity, is_clear): (DVec2, bool)| {
+            let is_allowed = velocity != DVec2::ZERO
                 && (is_clear || around.space.fits(from + velocity * TICK))
-                && self.is_passable(i, from, from + velocity * TICK, around)
-        });
+                && self.is_passable(i, from, from + velocity * TICK, around);
+            is_allowed.then_some((velocity, is_clear))
+        };
+        let allowed = allowed((velocity, is_clear))
+            .or_else(|| allowed((self.along_wall(from, velocity, around), false)))
+            .or_else(|| allowed((0.5 * velocity, is_clear)));
         let person = &mut self.people[i];
         person.steps_left = 0;
         match allowed {

@@ -6,11 +6,11 @@ use glam::DVec2;
 
 use crate::clearance_index::ClearanceIndex;
 use crate::error::SpecError;
-use crate::geometry::nearest_on_segment;
+use crate::geometry::{distance_between_segments, distance_to_segment};
 use crate::grid::{CellBuckets, GridFrame};
 use crate::scenario::door::{DoorShape, Leaf};
 use crate::scenario::{PERSON_RADIUS, REACH, ScenarioSpec};
-use crate::surface_index::SurfaceIndex;
+use crate::surface_index::{Ground, SurfaceIndex};
 use crate::world::World;
 
 /// Side of a cell in metres, where the world is not too large for it.
@@ -22,12 +22,14 @@ const MAX_CELLS: f64 = (1 << 20) as f64;
 /// Paths keep this much more than a person's radius from solids, so that rounding leads nobody into a wall.
 pub(super) const CARE: f64 = 0.01;
 
-/// A line is checked at steps of at least this length in metres. Between two checks the clearance is less by
-/// at most half of it.
-const STEP: f64 = 2.0 * CARE;
-
 /// Someone who was pushed against a solid may start this much nearer to it, in metres.
 const TOUCH: f64 = 0.002;
+
+/// Rounding changes a distance by less than this, in metres.
+const ROUNDING: f64 = 1e-9;
+
+/// The ground is looked at in steps of this length in metres.
+const STEP: f64 = 0.1;
 
 /// The eight neighbours of a cell, counter-clockwise from the right.
 pub(super) const NEIGHBOURS: [(isize, isize); 8] =
@@ -42,11 +44,17 @@ pub(crate) struct FreeSpace {
     /// Clearance at the middle of each cell, at most [`REACH`].
     clearances: Vec<f32>,
     pub(super) index: Arc<ClearanceIndex>,
+    /// The ground on which people do not walk.
     surfaces: SurfaceIndex,
     /// The leaves of swinging doors where they are open.
     open_leaves: Vec<Leaf>,
     /// The leaves within reach of each cell.
     near_leaves: CellBuckets<u32>,
+}
+
+/// Whether people walk on a ground: not on water, nor where nothing can be driven on.
+fn is_firm(ground: Ground) -> bool {
+    !ground.water && ground.speed > 0.0
 }
 
 impl FreeSpace {
@@ -68,7 +76,7 @@ impl FreeSpace {
             frame.touched_runs(&crate::grid::Convex::Polygon(&shape.corners()), visit);
         })
         .unwrap_or_else(|| unreachable!("there is no limit"));
-        let surfaces = SurfaceIndex::new(world);
+        let surfaces = SurfaceIndex::of(world, |ground| !is_firm(ground));
         let mut space = FreeSpace {
             frame,
             moves: Vec::new(),
@@ -89,19 +97,19 @@ impl FreeSpace {
         space
     }
 
-    /// Whether people walk on the ground at a point: not on water, nor where nothing can be driven on.
     fn is_firm(&self, p: DVec2) -> bool {
-        let ground = self.surfaces.at(p);
-        !ground.water && ground.speed > 0.0
+        is_firm(self.surfaces.at(p))
+    }
+
+    /// The leaves of open doors within reach of a point, and perhaps a few more.
+    fn leaves_near(&self, p: DVec2) -> impl Iterator<Item = Leaf> + '_ {
+        let leaves = self.frame.index_at(p).map_or(&[][..], |cell| self.near_leaves.of(cell));
+        leaves.iter().map(|&i| self.open_leaves[i as usize])
     }
 
     /// Distance to the nearest solid or leaf of a door that is open, infinite beyond [`REACH`].
     fn clearance(&self, p: DVec2) -> f64 {
-        let leaves = self.frame.index_at(p).map_or(&[][..], |cell| self.near_leaves.of(cell));
-        let leaves = leaves.iter().map(|&i| {
-            let Leaf { hinge, tip } = self.open_leaves[i as usize];
-            p.distance(nearest_on_segment(p, hinge, tip))
-        });
+        let leaves = self.leaves_near(p).map(|leaf| distance_to_segment(p, leaf.hinge, leaf.tip));
         leaves.fold(self.index.clearance(p), f64::min)
     }
 
@@ -134,35 +142,47 @@ impl FreeSpace {
 
     /// Whether a person with some care can walk from `a` to `b` in a straight line.
     pub(super) fn is_clear(&self, a: DVec2, b: DVec2) -> bool {
-        self.is_clear_for(PERSON_RADIUS + CARE, STEP, a, b)
+        self.is_clear_for(PERSON_RADIUS + CARE, a, b)
     }
 
     /// As [`FreeSpace::is_clear`] for a person who was pushed to `a`, perhaps with less care.
     pub(super) fn is_clear_from(&self, a: DVec2, b: DVec2) -> bool {
-        let needed = self.clearance(a).clamp(PERSON_RADIUS - TOUCH, PERSON_RADIUS + CARE);
-        self.is_clear_for(needed, TOUCH, a, b)
+        let clearance = self.clearance(a) - ROUNDING;
+        self.is_clear_for(clearance.clamp(PERSON_RADIUS - TOUCH, PERSON_RADIUS + CARE), a, b)
     }
 
-    fn is_clear_for(&self, needed: f64, step: f64, a: DVec2, b: DVec2) -> bool {
-        let length = a.distance(b);
-        let direction = if length > 0.0 { (b - a) / length } else { DVec2::ZERO };
-        let mut along = 0.0;
-        loop {
-            let p = a + direction * along;
-            // The clearance changes by no more than the distance from the middle of the cell.
-            let bound = self.frame.index_at(p).map_or(0.0, |cell| {
-                self.cell_clearance(cell) - p.distance(self.frame.center_of(cell))
-            });
-            let clearance =
-                if bound >= needed + step { bound } else { self.clearance(p).min(REACH) };
-            if clearance < needed || !(bound >= needed || self.is_firm(p)) {
-                return false;
-            }
-            if along >= length {
-                return true;
-            }
-            along = (along + (clearance - needed).max(step)).min(length);
+    /// As [`FreeSpace::is_clear`] without any care, and whether or not an open leaf is in front: it may close.
+    pub(super) fn is_squeezed_clear(&self, a: DVec2, b: DVec2) -> bool {
+        self.index.is_clear_along(a, b, PERSON_RADIUS - TOUCH) && self.is_firm_along(a, b)
+    }
+
+    fn is_clear_for(&self, needed: f64, a: DVec2, b: DVec2) -> bool {
+        self.index.is_clear_along(a, b, needed)
+            && self.leaves_are_off(needed, a, b)
+            && self.is_firm_along(a, b)
+    }
+
+    /// Whether no leaf of an open door is nearer than `needed` metres to a line.
+    fn leaves_are_off(&self, needed: f64, a: DVec2, b: DVec2) -> bool {
+        if self.open_leaves.is_empty() {
+            return true;
         }
+        // A cell lists the leaves within reach of it, which is more than half a piece and what is needed.
+        let pieces = (a.distance(b) / REACH).ceil().max(1.0);
+        (0..pieces as usize).all(|k| {
+            let [from, to] = [k, k + 1].map(|k| a.lerp(b, k as f64 / pieces));
+            self.leaves_near(from.midpoint(to)).all(|Leaf { hinge, tip }| {
+                distance_between_segments(from, to, hinge, tip) >= needed
+            })
+        })
+    }
+
+    fn is_firm_along(&self, a: DVec2, b: DVec2) -> bool {
+        if self.surfaces.is_plain() {
+            return true;
+        }
+        let steps = (a.distance(b) / STEP).ceil().max(1.0);
+        (0..=steps as usize).all(|k| self.is_firm(a.lerp(b, k as f64 / steps)))
     }
 
     /// Whether a person fits at a point, solids alone considered.

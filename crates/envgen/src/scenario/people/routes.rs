@@ -1,13 +1,22 @@
 //! Shortest paths between places.
 
-use std::sync::OnceLock;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use glam::DVec2;
 
 use super::free_space::{FreeSpace, NEIGHBOURS};
 
-/// Half the side of the window in which paths to a place are known, in metres.
+/// Half the side of the window in which paths to a place are known, in metres: people go this far at most, or
+/// less where there are so many places that the windows would take more memory than [`MAX_CELLS`].
 const WINDOW: f64 = 40.0;
+
+/// The most cells of all windows, of a byte each.
+const MAX_CELLS: f64 = (1 << 26) as f64;
+
+/// Paths are entered at most this many columns and rows away, and at most so many by who has to squeeze through.
+const NEAR: isize = 2;
+const FAR: isize = 8;
 
 /// Costs of a step to the side and of a diagonal one: nearly as 1 to the square root of 2.
 const COSTS: [u32; 2] = [5, 7];
@@ -22,6 +31,8 @@ pub(crate) struct Routes {
     pub(crate) places: Vec<DVec2>,
     /// Found when they are first asked for.
     trees: Vec<OnceLock<Tree>>,
+    /// Half the side of the windows in cells.
+    reach: usize,
 }
 
 /// The first step of a shortest path to a place from each cell around it.
@@ -32,106 +43,114 @@ struct Tree {
     cols: usize,
     rows: usize,
     steps: Vec<u8>,
+    /// The next corner after each cell that is a corner of a path so far. All paths share them: only the part
+    /// before its first corner is new in each.
+    corners: Mutex<BTreeMap<usize, usize>>,
 }
 
 impl Routes {
-    pub(crate) fn new(places: Vec<DVec2>) -> Self {
+    pub(crate) fn new(places: Vec<DVec2>, space: &FreeSpace) -> Self {
         let trees = places.iter().map(|_| OnceLock::new()).collect();
-        Routes { places, trees }
+        let most = 0.5 * (MAX_CELLS / places.len() as f64).sqrt();
+        let reach = (WINDOW / space.frame.cell_size).min(most) as usize;
+        Routes { places, trees, reach }
+    }
+
+    /// The places to which a path from a point can be known: those around it.
+    pub(super) fn around(
+        &self,
+        space: &FreeSpace,
+        from: DVec2,
+    ) -> impl Iterator<Item = (usize, DVec2)> + '_ {
+        let reach = self.reach as f64 * space.frame.cell_size;
+        let places = self.places.iter().copied().enumerate();
+        places.filter(move |(_, place)| (*place - from).abs().max_element() <= reach)
+    }
+
+    fn tree(&self, space: &FreeSpace, place: usize) -> Option<&Tree> {
+        let goal = *self.places.get(place)?;
+        Some(self.trees[place].get_or_init(|| Tree::new(space, goal, self.reach)))
     }
 
     /// The corners of a path to a place, the last first; `None` where the place cannot be reached.
     pub(crate) fn path(&self, space: &FreeSpace, from: DVec2, place: usize) -> Option<Vec<DVec2>> {
         let goal = *self.places.get(place)?;
-        let tree = self.trees[place].get_or_init(|| Tree::new(space, goal));
+        let tree = self.tree(space, place)?;
         let first = self.entry(space, tree, from)?;
         if space.is_clear_from(from, goal) {
             return Some(vec![goal]);
         }
-        let mut cells = vec![from];
-        let mut cell = first;
-        loop {
-            cells.push(space.frame.center_of(cell));
-            match tree.step(space, cell)? {
-                HERE => break,
-                step => {
-                    let &(right, up) = NEIGHBOURS.get(usize::from(step))?;
-                    cell = space.frame.neighbour(cell, right, up)?;
+        let mut corner = tree.farthest_seen(space, from, first)?;
+        let mut path = vec![space.frame.center_of(corner)];
+        let mut known = tree.corners.lock().unwrap_or_else(PoisonError::into_inner);
+        while let Some(next) = tree.next(space, corner)? {
+            corner = match known.get(&corner) {
+                Some(&seen) => seen,
+                None => {
+                    let seen = tree.farthest_seen(space, space.frame.center_of(corner), next)?;
+                    known.insert(corner, seen);
+                    seen
                 }
-            }
+            };
+            path.push(space.frame.center_of(corner));
         }
-        Some(pulled(space, &cells))
+        path.reverse();
+        Some(path)
     }
 
     /// The direction in which a path to a place begins, as the grid knows it; much less work than the path.
     pub(super) fn direction(&self, space: &FreeSpace, from: DVec2, place: usize) -> Option<DVec2> {
-        let goal = *self.places.get(place)?;
-        let tree = self.trees[place].get_or_init(|| Tree::new(space, goal));
+        let tree = self.tree(space, place)?;
         let step = tree.step(space, space.frame.index_at(from)?)?;
         let &(right, up) = NEIGHBOURS.get(usize::from(step))?;
         Some(DVec2::new(right as f64, up as f64))
     }
 
-    /// A cell near a point from which a path leads to the place, and to which the straight line is clear.
+    /// A cell near a point from which a path leads to the place, and to which the straight line is clear: a
+    /// farther one, and without care, for who was pushed to where the grid knows no path.
     fn entry(&self, space: &FreeSpace, tree: &Tree, from: DVec2) -> Option<usize> {
         let here = space.frame.index_at(from)?;
-        let is_entry = |cell: &usize| {
-            tree.step(space, *cell).is_some_and(|step| step != UNREACHED)
-                && space.is_clear_from(from, space.frame.center_of(*cell))
-        };
-        if is_entry(&here) {
+        let is_reached = |cell: usize| tree.step(space, cell).is_some_and(|step| step != UNREACHED);
+        let is_near = |cell: usize| space.is_clear_from(from, space.frame.center_of(cell));
+        if is_reached(here) && is_near(here) {
             return Some(here);
         }
-        let around = (-2..=2).flat_map(|up| (-2..=2).map(move |right| (right, up)));
-        let mut cells: Vec<usize> =
-            around.filter_map(|(right, up)| space.frame.neighbour(here, right, up)).collect();
         let distance = |cell: usize| space.frame.center_of(cell).distance_squared(from);
-        cells.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(a.cmp(&b)));
-        cells.into_iter().find(is_entry)
+        let around = |reach: isize| {
+            let around =
+                (-reach..=reach).flat_map(|up| (-reach..=reach).map(move |right| (right, up)));
+            let mut cells: Vec<usize> = around
+                .filter_map(|(right, up)| space.frame.neighbour(here, right, up))
+                .filter(|cell| is_reached(*cell))
+                .collect();
+            cells.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(a.cmp(&b)));
+            cells
+        };
+        around(NEAR).into_iter().find(|cell| is_near(*cell)).or_else(|| {
+            around(FAR)
+                .into_iter()
+                .find(|cell| space.is_squeezed_clear(from, space.frame.center_of(*cell)))
+        })
     }
-}
-
-/// The corners of a chain of points after it is pulled tight, the last first and without the first. Each point
-/// can be reached from the one before in a straight line.
-fn pulled(space: &FreeSpace, chain: &[DVec2]) -> Vec<DVec2> {
-    let mut corners = Vec::new();
-    let mut at = 0;
-    while at + 1 < chain.len() {
-        // The farthest point that is found in sight: by doubling, then by halving.
-        let (mut seen, mut step) = (at + 1, 2);
-        while at + step < chain.len() && space.is_clear(chain[at], chain[at + step]) {
-            seen = at + step;
-            step *= 2;
-        }
-        let mut hidden = (at + step).min(chain.len());
-        while seen + 1 < hidden {
-            let middle = seen.midpoint(hidden);
-            if space.is_clear(chain[at], chain[middle]) {
-                seen = middle;
-            } else {
-                hidden = middle;
-            }
-        }
-        corners.push(chain[seen]);
-        at = seen;
-    }
-    corners.reverse();
-    corners
 }
 
 impl Tree {
+    /// A window in which nothing is reached yet.
+    fn of(corner: (usize, usize), (cols, rows): (usize, usize)) -> Self {
+        Tree { corner, cols, rows, steps: vec![UNREACHED; cols * rows], corners: Mutex::default() }
+    }
+
     /// Dijkstra's search from a place, with a circle of buckets for the small whole costs (R. B. Dial,
     /// Communications of the ACM 12, 1969).
-    fn new(space: &FreeSpace, goal: DVec2) -> Self {
+    fn new(space: &FreeSpace, goal: DVec2, reach: usize) -> Self {
         let frame = space.frame;
-        let reach = (WINDOW / frame.cell_size) as usize;
         let Some((col, row)) = frame.cell_at(goal) else {
-            return Tree { corner: (0, 0), cols: 0, rows: 0, steps: Vec::new() };
+            return Tree::of((0, 0), (0, 0));
         };
         let corner = (col.saturating_sub(reach), row.saturating_sub(reach));
         let cols = (col + reach + 1).min(frame.cols) - corner.0;
         let rows = (row + reach + 1).min(frame.rows) - corner.1;
-        let mut tree = Tree { corner, cols, rows, steps: vec![UNREACHED; cols * rows] };
+        let mut tree = Tree::of(corner, (cols, rows));
         let mut costs = vec![u32::MAX; cols * rows];
         let mut buckets: [Vec<usize>; 8] = Default::default();
         let start = frame.index(col, row);
@@ -169,6 +188,52 @@ impl Tree {
         let (col, row) = space.frame.cell(cell);
         let (col, row) = (col.checked_sub(self.corner.0)?, row.checked_sub(self.corner.1)?);
         (col < self.cols && row < self.rows).then(|| row * self.cols + col)
+    }
+
+    /// The next cell of the path from a cell, which is the last if there is none.
+    #[expect(clippy::option_option, reason = "no path and no next cell are different")]
+    fn next(&self, space: &FreeSpace, cell: usize) -> Option<Option<usize>> {
+        match self.step(space, cell)? {
+            HERE => Some(None),
+            step => {
+                let &(right, up) = NEIGHBOURS.get(usize::from(step))?;
+                space.frame.neighbour(cell, right, up).map(Some)
+            }
+        }
+    }
+
+    /// The farthest cell of the path that is found in sight of a point, by doubling and then by halving. The
+    /// cell `first`, with which the path goes on, can be reached.
+    fn farthest_seen(&self, space: &FreeSpace, from: DVec2, first: usize) -> Option<usize> {
+        let is_seen = |cell: usize| space.is_clear(from, space.frame.center_of(cell));
+        let mut cells = vec![first];
+        // Numbers of cells, of which the last is seen or hidden.
+        let (mut seen, mut step) = (1, 2);
+        while self.extend(space, &mut cells, step)? && is_seen(cells[step - 1]) {
+            seen = step;
+            step *= 2;
+        }
+        let mut hidden = step.min(cells.len() + 1);
+        while seen + 1 < hidden {
+            let middle = seen.midpoint(hidden);
+            if is_seen(cells[middle - 1]) {
+                seen = middle;
+            } else {
+                hidden = middle;
+            }
+        }
+        Some(cells[seen - 1])
+    }
+
+    /// Continues a path to a number of cells; whether it has so many.
+    fn extend(&self, space: &FreeSpace, cells: &mut Vec<usize>, count: usize) -> Option<bool> {
+        while cells.len() < count {
+            match self.next(space, *cells.last()?)? {
+                Some(cell) => cells.push(cell),
+                None => return Some(false),
+            }
+        }
+        Some(true)
     }
 
     /// The direction from a cell of the window towards the place.
