@@ -500,3 +500,38 @@ fn maps_for_robots_are_two_files_that_are_read_back() {
     let (code, text) = failure(&["inspect", file]);
     assert!(code == 1 && text.contains("hall.pgm, which cannot be read"), "{text}");
 }
+
+#[test]
+fn what_moves_is_generated_drawn_and_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (picture, scenario) = (path("map.svg"), path("map.scenario.ron"));
+    let small = ["generate", "indoor", "--seed", "3", "--set", "width=6", "--set", "height=6"];
+    let with = |more: &[&str]| run(&[&small[..], more].concat());
+    let settings = ["--set", "doors=0.6", "--set", "people=3", "--set", "smoke=0.4"];
+    let outputs = ["--out", &picture, "--out", &scenario];
+    let made = with(&[&settings[..], &outputs[..]].concat());
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let drawn = std::fs::read_to_string(&picture).unwrap();
+    for id in ["doors", "people", "smoke"] {
+        assert!(drawn.contains(&format!("id=\"{id}\"")), "no {id}");
+    }
+    // The same picture from the file, and nothing else without it.
+    let (again, still) = (path("again.svg"), path("still.svg"));
+    assert!(with(&["--scenario", &scenario, "--out", &again]).status.success());
+    assert_eq!(std::fs::read_to_string(&again).unwrap(), drawn);
+    assert!(with(&["--out", &still]).status.success());
+    assert!(!std::fs::read_to_string(&still).unwrap().contains("id=\"people\""));
+    let refused = |more: &[&str], why: &str| {
+        let (code, text) = failure(&[&small[..], more].concat());
+        assert!(code != 0 && text.contains(why), "{text}");
+    };
+    let png = path("x.png");
+    refused(&["--set", "people=-2", "--out", &png], "`people` must be");
+    refused(&["--set", "people=9999", "--out", &png], "no more fit");
+    refused(&["--out", &scenario], "no doors, people or smoke that move");
+    refused(&["--set", "people=2", "--scenario", &scenario, "--out", &png], "cannot be used with");
+    refused(&["--scenario", &scenario, "--out", &scenario], "input");
+    let (_, text) = failure(&["generate", "forest", "--set", "doors=0.5", "--out", &png]);
+    assert!(text.contains("no open doorway"), "{text}");
+}

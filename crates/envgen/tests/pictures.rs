@@ -14,6 +14,7 @@ use envgen::geometry::{Pose, Rect, Shape};
 use envgen::glam::DVec2;
 use envgen::hallway::HallwaySpec;
 use envgen::picture::{self, MAX_PIXELS, PictureError, PictureOptions};
+use envgen::scenario::{Scenario, ScenarioSpec};
 use envgen::world::{
     Contents, Digest, Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface,
     SurfaceKind, Tree, Wall, WallKind,
@@ -46,6 +47,12 @@ fn hallway(segments: u64) -> World {
     spec.generate(Seed(3)).unwrap().to_world()
 }
 
+fn moving(world: &World) -> PictureOptions {
+    let spec = ScenarioSpec { doors: 0.6, people: 3, smoke: 0.5, ..Default::default() };
+    let scenario = Some(Scenario::new(world, &spec, Seed(1)).unwrap());
+    PictureOptions { scenario, ..small(560) }
+}
+
 /// The pictures that are kept, by name.
 fn kept() -> Vec<(&'static str, World, PictureOptions)> {
     let grid = PictureOptions { grid: true, ..small(400) };
@@ -68,6 +75,7 @@ fn kept() -> Vec<(&'static str, World, PictureOptions)> {
         ("road", common::road(), profile),
         ("landscape", common::landscape(), title),
         ("everything", common::everything(), small(480)),
+        ("moving", common::indoor(), moving(&common::indoor())),
         ("empty", common::empty(3.0, 1.0), dense),
     ]
 }
@@ -521,7 +529,7 @@ proptest! {
         }
         let (width, height, margin, [legend, names, grid, curvature_profile]) = options;
         let options = PictureOptions {
-            width, height, margin, title, legend, names, grid, curvature_profile, pixel_ratio: 1.0,
+            width, height, margin, title, legend, names, grid, curvature_profile, pixel_ratio: 1.0, scenario: None,
         };
         match world.check() {
             Ok(()) => {

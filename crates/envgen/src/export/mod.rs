@@ -44,6 +44,7 @@ use crate::landscape::metrics::RasterError;
 use crate::occupancy::OccupancyError;
 #[cfg(feature = "picture")]
 use crate::picture::{PictureError, PictureOptions};
+use crate::scenario::{Scenario, ScenarioFileError};
 #[cfg(feature = "paths")]
 use crate::seed::Seed;
 use crate::spec::WorldBlueprint;
@@ -88,6 +89,9 @@ pub enum ExportError {
         /// The part that the format holds.
         part: &'static str,
     },
+    /// The scenario cannot be written.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioFileError),
     /// No grid of the world could be made.
     #[error(transparent)]
     Occupancy(#[from] OccupancyError),
@@ -123,6 +127,8 @@ pub struct Job<'a> {
     /// Side in metres of the cells of maps whose cell size can be chosen; `None` for the usual one
     /// ([`ros_map::usual_resolution`]).
     pub resolution: Option<f64>,
+    /// What moves in the world. Pictures show it if their options hold it too.
+    pub scenario: Option<&'a Scenario>,
     /// How pictures are drawn.
     #[cfg(feature = "picture")]
     pub picture: PictureOptions,
@@ -136,6 +142,7 @@ impl<'a> Job<'a> {
             blueprint: None,
             stem: "world".to_owned(),
             resolution: None,
+            scenario: None,
             #[cfg(feature = "picture")]
             picture: PictureOptions::default(),
         }
@@ -152,6 +159,12 @@ impl<'a> Job<'a> {
 
     fn raster(&self) -> Result<&'a ClassRaster, ExportError> {
         self.world.raster.as_ref().ok_or(ExportError::Empty { part: "raster of classes" })
+    }
+
+    fn write_scenario(&self, out: &mut dyn Write) -> Result<(), ExportError> {
+        let scenario =
+            self.scenario.ok_or(ExportError::Empty { part: "doors, people or smoke that move" })?;
+        Ok(out.write_all(scenario.to_ron()?.as_bytes())?)
     }
 
     fn ros_resolution(&self) -> f64 {
@@ -217,6 +230,8 @@ formats! {
         ["json" => |job, out| Ok(job.world.write_json(out)?)];
     Ron, " The whole world as RON, one line per part, for reading back.",
         ["ron" => |job, out| Ok(job.world.write_ron(out)?)];
+    Scenario, " What moves in the world as RON: doors, people and smoke.",
+        ["scenario.ron" => |job, out| job.write_scenario(out)];
     #[cfg(feature = "opendrive")]
     OpenDrive, " The roads as OpenDRIVE 1.7.",
         ["xodr" => |job, out| opendrive::write(job.world, out)];

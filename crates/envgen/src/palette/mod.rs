@@ -32,8 +32,8 @@ pub use hue::{
     VERMILION,
 };
 pub use part::{
-    CLOSED_DOORWAY, DARK, OPEN_DOORWAY, PartColor, ROAD, ROAD_MARKING, ROOM, TREE, UNLIT, VICTIM,
-    obstacle, room_floor, surface, wall,
+    CLOSED_DOORWAY, DARK, LEAF, OPEN_DOORWAY, PERSON, PartColor, ROAD, ROAD_MARKING, ROOM, SMOKE,
+    TREE, UNLIT, VICTIM, obstacle, room_floor, surface, wall,
 };
 pub use scale::{CLASSES, class, difficulty, ordered_class};
 pub use srgb::Srgb;

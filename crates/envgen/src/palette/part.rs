@@ -1,6 +1,6 @@
 //! The colours of the parts of worlds.
 
-use super::hue::{GREEN, ORANGE, PURPLE};
+use super::hue::{GREEN, ORANGE, PURPLE, QUIET_INK};
 use super::scale::{class, difficulty};
 use super::srgb::Srgb;
 use crate::world::{ObstacleKind, SurfaceKind, WallKind};
@@ -41,6 +41,13 @@ pub const OPEN_DOORWAY: PartColor = PartColor { fill: Srgb::hex(0xd6_f0_e6), edg
 pub const CLOSED_DOORWAY: PartColor = PartColor::new(0xb5_4a_1f, 0x6e_2a_10);
 /// A person to be found.
 pub const VICTIM: PartColor = PartColor { fill: PURPLE, edge: Srgb::hex(0x7a_2f_5a) };
+
+/// A person who walks about.
+pub const PERSON: PartColor = PartColor { fill: GREEN, edge: Srgb::hex(0x00_4a_36) };
+/// The leaf of a door that moves.
+pub const LEAF: PartColor = CLOSED_DOORWAY;
+/// Smoke, which is transparent.
+pub const SMOKE: PartColor = PartColor { fill: QUIET_INK, edge: QUIET_INK };
 
 /// The floor of a room of a difficulty from 0 to 10, if it has one, with light or without.
 pub fn room_floor(rated: Option<f64>, lit: bool) -> Srgb {

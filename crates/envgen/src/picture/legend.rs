@@ -13,6 +13,7 @@ use super::text::{Align, CAPITAL_HEIGHT, Typesetter};
 use super::view::View;
 use crate::geometry::{Pose, Shape, edges};
 use crate::palette;
+use crate::scenario::Scenario;
 use crate::world::{SurfaceKind, Wall, WallKind, World};
 
 const LABEL_SIZE: f64 = 12.0;
@@ -66,7 +67,12 @@ impl Entry {
 }
 
 /// The entries of a world's legend; the last ones explain the numbers in rooms.
-pub(super) fn entries(world: &World, view: &View, numbers: &[String]) -> Vec<Entry> {
+pub(super) fn entries(
+    world: &World,
+    scenario: Option<&Scenario>,
+    view: &View,
+    numbers: &[String],
+) -> Vec<Entry> {
     let mut entries = Vec::new();
     if world.start.is_some() {
         entries.push(Entry::Start);
@@ -85,6 +91,15 @@ pub(super) fn entries(world: &World, view: &View, numbers: &[String]) -> Vec<Ent
     entries.extend(obstacles.iter().map(|layer| Entry::Part(layer.style)));
     if !world.victims.is_empty() {
         entries.push(Entry::Part(style::VICTIM));
+    }
+    if let Some(Scenario { doors, people, smoke, .. }) = scenario {
+        let moving = [
+            (!doors.is_empty(), style::LEAF),
+            (!people.is_empty(), style::PERSON),
+            (!smoke.is_empty(), style::SMOKE),
+        ];
+        let there = moving.into_iter().filter(|(is_there, _)| *is_there);
+        entries.extend(there.map(|(_, style)| Entry::Part(style)));
     }
     if !world.road_strips.is_empty() {
         entries.push(Entry::Road);

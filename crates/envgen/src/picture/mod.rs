@@ -25,6 +25,7 @@ mod hatch;
 mod ink;
 mod labels;
 mod legend;
+mod moving;
 mod page;
 mod parts;
 mod path;
@@ -45,7 +46,9 @@ use std::io::{self, Write};
 
 use thiserror::Error;
 
+use crate::error::SpecError;
 use crate::geometry::Rect;
+use crate::scenario::Scenario;
 use crate::world::{Violation, World};
 
 /// The narrowest and widest picture, in px.
@@ -81,6 +84,8 @@ pub struct PictureOptions {
     pub grid: bool,
     /// Whether the curvature of roads over their length is drawn under the world.
     pub curvature_profile: bool,
+    /// What moves in the world: doors with their swing, people with their routes of the first minute, smoke.
+    pub scenario: Option<Scenario>,
 }
 
 impl Default for PictureOptions {
@@ -95,6 +100,7 @@ impl Default for PictureOptions {
             names: true,
             grid: false,
             curvature_profile: false,
+            scenario: None,
         }
     }
 }
@@ -106,6 +112,9 @@ pub enum PictureError {
     /// The world breaks an invariant.
     #[error("the world is broken: {0}")]
     World(#[from] Violation),
+    /// The scenario does not fit the world.
+    #[error("the scenario does not fit the world: {0}")]
+    Scenario(#[from] SpecError),
     /// An option is out of its limits.
     #[error("the picture's {option} must be from {min} to {max}, got {value}")]
     Option {

@@ -67,8 +67,11 @@ pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Docume
     } else {
         Names::default()
     };
-    let entries =
-        if options.legend { legend::entries(world, &view, &names.numbers) } else { Vec::new() };
+    let entries = if options.legend {
+        legend::entries(world, options.scenario.as_ref(), &view, &names.numbers)
+    } else {
+        Vec::new()
+    };
 
     let plan = view.plan;
     let (mut right, mut bottom) = (plan.max.x, plan.max.y);

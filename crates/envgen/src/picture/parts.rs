@@ -11,7 +11,7 @@ use super::path::PathData;
 use super::shapes::stroked;
 use super::style::{self, Style, Texture};
 use super::view::{View, round_number};
-use super::{PictureError, PictureOptions, raster, roads};
+use super::{PictureError, PictureOptions, moving, raster, roads};
 use crate::geometry::Shape;
 use crate::palette::{self, Srgb};
 use crate::world::{Doorway, Obstacle, Room, Surface, Wall, World};
@@ -44,6 +44,9 @@ pub(super) fn draw(
     trees(world, view, &mut groups)?;
     groups.extend(draw_layers("obstacles", obstacle_layers(world), view, |o| &o.shape)?);
     groups.extend(victims(world, view));
+    if let Some(scenario) = &options.scenario {
+        groups.extend(moving::draw(world, scenario, view)?);
+    }
     Ok(groups)
 }
 

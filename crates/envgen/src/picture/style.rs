@@ -49,6 +49,11 @@ impl Style {
 pub(super) const ROOM: Style = Style::new("room", palette::ROOM);
 /// People to be found.
 pub(super) const VICTIM: Style = Style::new("victim", palette::VICTIM).with_edge_width(1.0);
+/// The leaf of a door that moves.
+pub(super) const LEAF: Style = Style::new("door that moves", palette::LEAF);
+/// Someone who walks about.
+pub(super) const PERSON: Style = Style::new("person, and a minute's path", palette::PERSON);
+pub(super) const SMOKE: Style = Style::new("smoke", palette::SMOKE);
 pub(super) const OPEN_DOOR: Style =
     Style::new("open doorway", palette::OPEN_DOORWAY).with_edge_width(1.0);
 pub(super) const CLOSED_DOOR: Style =

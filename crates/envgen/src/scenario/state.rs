@@ -244,6 +244,12 @@ impl ScenarioState {
         shape.map(|(shape, state)| state.leaves(shape)).into_iter().flatten()
     }
 
+    /// The leaves of a door as they would be at an openness from 0, closed, to 1; none of one that does not exist.
+    pub fn leaves_at(&self, door: usize, openness: f64) -> impl Iterator<Item = Leaf> + use<> {
+        let openness = openness.clamp(0.0, 1.0);
+        self.scene.shapes.get(door).map(|shape| shape.leaves(openness)).into_iter().flatten()
+    }
+
     /// The leaves of all doors.
     pub fn all_leaves(&self) -> impl Iterator<Item = Leaf> + '_ {
         (0..self.doors.len()).flat_map(|door| self.leaves(door))

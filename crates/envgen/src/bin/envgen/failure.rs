@@ -14,6 +14,7 @@ use envgen::landscape::metrics::RasterError;
 use envgen::located::Located;
 use envgen::occupancy::OccupancyError;
 use envgen::picture::PictureError;
+use envgen::scenario::ScenarioFileError;
 use envgen::{GenerateError, SettingsError, SpecError};
 
 /// Why a run ends.
@@ -140,4 +141,12 @@ macro_rules! usage {
     };
 }
 
-usage!(CatalogueError, FolderError, OccupancyError, PictureError, SettingsError, SpecError);
+usage!(
+    CatalogueError,
+    FolderError,
+    OccupancyError,
+    PictureError,
+    ScenarioFileError,
+    SettingsError,
+    SpecError
+);

@@ -13,6 +13,7 @@ use envgen::whole_file::commit_all;
 use envgen::{World, WorldMetrics};
 
 use crate::failure::Failure;
+use crate::moving::Moving;
 use crate::progress::spinner;
 use crate::source::{Source, note};
 
@@ -29,6 +30,9 @@ pub(crate) struct Arguments {
     /// Default: 0.05, or coarser for a world that would have more than 16,777,216 cells.
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     resolution: Option<f64>,
+
+    #[command(flatten)]
+    moving: Moving,
 
     #[command(flatten)]
     picture: Picture,
@@ -133,9 +137,10 @@ fn option(path: &Path) -> String {
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     // All mistakes in the arguments are found before any work is done.
     let source = &arguments.source;
-    let spec = source.spec()?;
-    let picture = arguments.picture.options()?;
-    let outputs = Output::all(&arguments.out, &source.inputs())?;
+    let (spec, moving) = source.spec_and_scenario()?;
+    let mut picture = arguments.picture.options()?;
+    let outputs =
+        Output::all(&arguments.out, &[source.inputs(), arguments.moving.inputs()].concat())?;
     let resolution = arguments.resolution;
     check_resolution(resolution, &outputs)?;
     let mut files = Vec::new();
@@ -145,11 +150,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let _spinner = spinner("generating");
     let blueprint = spec.generate(source.seed).map_err(|error| source.name(error.into()))?;
     let world = blueprint.to_world();
+    let scenario = arguments.moving.scenario(&world, moving, source.seed)?;
+    picture.scenario.clone_from(&scenario);
     say_sizes(&world, resolution, &outputs)?;
     for (output, file) in outputs.iter().zip(&mut files) {
         let job = Job {
             blueprint: Some(&blueprint),
             resolution,
+            scenario: scenario.as_ref(),
             picture: picture.clone(),
             ..Job::for_path(&world, &output.asked)
         };

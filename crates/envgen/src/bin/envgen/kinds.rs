@@ -5,6 +5,8 @@ use std::process::ExitCode;
 
 use clap::Args;
 use envgen::WorldKind;
+use envgen::scenario::ScenarioSpec;
+use envgen::settings::Setting;
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -36,24 +38,33 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             writeln!(out)?;
         }
         writeln!(out, "{kind}: {}", kind.summary())?;
-        let defaults = kind.default_spec().settings_json();
-        let column = kind.settings().iter().map(|setting| setting.name.len()).max().unwrap_or(0);
-        for setting in kind.settings() {
-            let default = setting.text_of(&defaults[setting.name]);
-            let unit = if setting.unit.is_empty() { "" } else { " " };
-            let or_none = if setting.optional { ", or none" } else { "" };
-            let example = setting.example.map_or(String::new(), |text| format!(", such as {text}"));
-            writeln!(
-                out,
-                "  {:column$}  {}\n  {:column$}  {}{unit}{}{or_none}{example}; default {default}",
-                setting.name, setting.help, "", setting.allowed, setting.unit
-            )?;
-        }
+        list(kind.settings(), &kind.default_spec().settings_json(), &mut out)?;
         for rule in kind.rules() {
             writeln!(out, "  together: {rule}")?;
         }
     }
+    if arguments.kind.is_none() {
+        writeln!(out, "\nin worlds of every kind, for `generate`: what moves")?;
+        list(ScenarioSpec::SETTINGS, &ScenarioSpec::default().settings_json(), &mut out)?;
+    }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Prints settings with their limits and defaults.
+fn list(settings: &[Setting], defaults: &Value, out: &mut impl Write) -> io::Result<()> {
+    let column = settings.iter().map(|setting| setting.name.len()).max().unwrap_or(0);
+    for setting in settings {
+        let default = setting.text_of(&defaults[setting.name]);
+        let unit = if setting.unit.is_empty() { "" } else { " " };
+        let or_none = if setting.optional { ", or none" } else { "" };
+        let example = setting.example.map_or(String::new(), |text| format!(", such as {text}"));
+        writeln!(
+            out,
+            "  {:column$}  {}\n  {:column$}  {}{unit}{}{or_none}{example}; default {default}",
+            setting.name, setting.help, "", setting.allowed, setting.unit
+        )?;
+    }
+    Ok(())
 }
 
 fn describe(kind: WorldKind) -> Value {

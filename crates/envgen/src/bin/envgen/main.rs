@@ -8,6 +8,7 @@ mod generate;
 mod inspect;
 mod kinds;
 mod metrics;
+mod moving;
 mod platform;
 mod progress;
 mod sample;

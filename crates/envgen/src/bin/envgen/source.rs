@@ -9,6 +9,7 @@ use envgen::import;
 use envgen::indoor::world_generator::{HALLWAY, LibraryRoom};
 use envgen::indoor::{Catalogue, PlacedRoom};
 use envgen::located::Locate;
+use envgen::scenario::ScenarioSpec;
 use envgen::{Blueprint, Seed, SpecError, World, WorldKind, WorldSpec};
 
 use crate::failure::Failure;
@@ -37,12 +38,41 @@ pub(crate) struct Source {
 impl Source {
     /// The spec with its settings, checked.
     pub(crate) fn spec(&self) -> Result<WorldSpec, Failure> {
-        let mut spec = match self.file() {
-            Some(path) => WorldSpec::from_ron(&read(path)?).in_file(path)?,
-            None => self.what.parse::<WorldKind>()?.default_spec(),
+        self.with_settings(self.unset()?, &self.settings()?)
+    }
+
+    /// As [`Source::spec`], with the settings of what moves, if any is set.
+    pub(crate) fn spec_and_scenario(&self) -> Result<(WorldSpec, Option<ScenarioSpec>), Failure> {
+        let spec = self.unset()?;
+        let is_moving = |name: &str| {
+            ScenarioSpec::SETTINGS.iter().any(|setting| setting.name == name)
+                && !spec.kind().settings().iter().any(|setting| setting.name == name)
         };
-        let settings = self.settings()?;
-        for &(name, value, option) in &settings {
+        let (moving, still): (Vec<_>, Vec<_>) =
+            self.settings()?.into_iter().partition(|(name, ..)| is_moving(name));
+        let spec = self.with_settings(spec, &still)?;
+        let mut scenario = ScenarioSpec::default();
+        for &(name, value, option) in &moving {
+            scenario.set(name, value).in_option("--set", option)?;
+        }
+        scenario.validate().map_err(|error| self.blame(error, &moving))?;
+        Ok((spec, (!moving.is_empty()).then_some(scenario)))
+    }
+
+    /// The spec without its settings.
+    fn unset(&self) -> Result<WorldSpec, Failure> {
+        match self.file() {
+            Some(path) => Ok(WorldSpec::from_ron(&read(path)?).in_file(path)?),
+            None => Ok(self.what.parse::<WorldKind>()?.default_spec()),
+        }
+    }
+
+    fn with_settings(
+        &self,
+        mut spec: WorldSpec,
+        settings: &[(&str, &str, &str)],
+    ) -> Result<WorldSpec, Failure> {
+        for &(name, value, option) in settings {
             spec.set(name, value).in_option("--set", option)?;
         }
         if let WorldSpec::Indoor(indoor) = &mut spec {
@@ -51,7 +81,7 @@ impl Source {
         if self.rooms.are_given() {
             self.furnish(&mut spec)?;
         }
-        spec.validate().map_err(|error| self.blame(error, &settings))?;
+        spec.validate().map_err(|error| self.blame(error, settings))?;
         Ok(spec)
     }
 
@@ -126,7 +156,8 @@ fn names(field: &str) -> impl Iterator<Item = &str> {
     field.split(|letter: char| !(letter.is_alphanumeric() || letter == '_'))
 }
 
-fn read(path: &Path) -> Result<String, Failure> {
+/// The text of a file of specs.
+pub(crate) fn read(path: &Path) -> Result<String, Failure> {
     let mut text = String::new();
     File::open(path)
         .and_then(|file| file.take(MAX_SPEC_BYTES + 1).read_to_string(&mut text))

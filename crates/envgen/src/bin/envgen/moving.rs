@@ -1,0 +1,53 @@
+//! What moves in a generated world.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use envgen::located::Locate;
+use envgen::scenario::{Scenario, ScenarioSpec};
+use envgen::{Seed, World};
+
+use crate::failure::Failure;
+use crate::source::read;
+
+#[derive(Args)]
+#[command(next_help_heading = "Doors, people and smoke")]
+pub(crate) struct Moving {
+    /// What moves in the world, in RON, instead of settings such as doors=0.5, people=4 and smoke=0.2. It is
+    /// drawn in pictures, and written to files that end with .scenario.ron.
+    #[arg(long, value_name = "FILE.ron")]
+    scenario: Option<PathBuf>,
+
+    /// The seed of what moves, if not that of the world.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "scenario")]
+    scenario_seed: Option<Seed>,
+}
+
+impl Moving {
+    /// The input file.
+    pub(crate) fn inputs(&self) -> Vec<PathBuf> {
+        self.scenario.iter().cloned().collect()
+    }
+
+    /// What moves in a world; `None` where nothing does.
+    pub(crate) fn scenario(
+        &self,
+        world: &World,
+        spec: Option<ScenarioSpec>,
+        seed: Seed,
+    ) -> Result<Option<Scenario>, Failure> {
+        if let Some(path) = &self.scenario {
+            if spec.is_some() {
+                let text = "cannot be used with settings of what moves".to_owned();
+                return Err(Failure::Usage(text).about(format!("--scenario {}", path.display())));
+            }
+            let scenario = Scenario::from_ron(&read(path)?).in_file(path)?;
+            // Refuses what does not fit the world.
+            envgen::scenario::ScenarioState::new(world, &scenario).in_file(path)?;
+            return Ok(Some(scenario));
+        }
+        let Some(spec) = spec.filter(|spec| !spec.is_still()) else { return Ok(None) };
+        let scenario = Scenario::new(world, &spec, self.scenario_seed.unwrap_or(seed));
+        scenario.map(Some).map_err(|error| Failure::from(error).about("--set"))
+    }
+}
