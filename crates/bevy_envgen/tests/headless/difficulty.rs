@@ -87,10 +87,15 @@ fn an_indoor_map_has_its_vector_and_prediction() {
 }
 
 #[test]
-fn other_kinds_have_a_vector_and_no_prediction() {
+fn kinds_without_calibration_have_a_vector_and_no_prediction() {
     let mut app = user_app();
     let hallway = Environment::new(HallwaySpec { segments: 12, ..default() }, 1);
     let root = app.world_mut().spawn((hallway, ComputeDifficulty::default())).id();
+    wait(&mut app);
+    let found = app.world().get::<EnvironmentDifficulty>(root).expect("a difficulty");
+    assert!(found.prediction.is_some());
+    let road = Environment::new(RoadSpec { length: 100.0, ..default() }, 1);
+    let root = app.world_mut().spawn((road, ComputeDifficulty::default())).id();
     wait(&mut app);
     let found = app.world().get::<EnvironmentDifficulty>(root).expect("a difficulty");
     assert_eq!(found.vector, vector(&app, root, &Platform::default()));

@@ -35,8 +35,15 @@ pub use crate::dials::{Dials, Estimate, Prediction};
 use crate::difficulty::DifficultyVector;
 use crate::spec::WorldKind;
 
-/// The calibration of indoor maps.
-const INDOOR: &str = include_str!("indoor.json");
+/// The calibrations of this crate.
+static INDOOR: LazyLock<Calibration> = LazyLock::new(|| parse(include_str!("indoor.json")));
+static HALLWAY: LazyLock<Calibration> = LazyLock::new(|| parse(include_str!("hallway.json")));
+static FOREST: LazyLock<Calibration> = LazyLock::new(|| parse(include_str!("forest.json")));
+
+/// A calibration that is part of the crate, and tested.
+fn parse(text: &str) -> Calibration {
+    serde_json::from_str(text).expect("the file is a calibration")
+}
 
 /// Models that predict difficulty, with the scale and the atlas that they come from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,21 +97,19 @@ impl Atlas {
 
 impl Calibration {
     /// The calibration of indoor maps, for the reference panel of `mapping_trial`.
-    ///
-    /// # Panics
-    /// Never: the file is part of the crate, and tested.
     pub fn indoor() -> &'static Calibration {
-        static CALIBRATION: LazyLock<Calibration> =
-            LazyLock::new(|| serde_json::from_str(INDOOR).expect("indoor.json is a calibration"));
-        &CALIBRATION
+        &INDOOR
     }
 
     /// The calibration of a kind of world, by its [name](WorldKind::name): `None` for kinds that have none, that of
     /// indoor maps for worlds of other tools, which mostly are of buildings.
     pub fn of(kind: &str) -> Option<&'static Calibration> {
-        let indoor = Self::indoor();
-        let is_of_another_tool = kind.parse::<WorldKind>().is_err();
-        (is_of_another_tool || kind == indoor.kind).then_some(indoor)
+        match kind.parse() {
+            Ok(WorldKind::Indoor) | Err(_) => Some(&INDOOR),
+            Ok(WorldKind::Hallway) => Some(&HALLWAY),
+            Ok(WorldKind::Forest) => Some(&FOREST),
+            Ok(_) => None,
+        }
     }
 
     /// Predicts the difficulty of a world from its difficulty vector.
@@ -128,6 +133,22 @@ impl Calibration {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_calibration_is_of_its_kind() {
+        for kind in WorldKind::ALL {
+            let of = Calibration::of(kind.name());
+            let is_calibrated =
+                matches!(kind, WorldKind::Indoor | WorldKind::Hallway | WorldKind::Forest);
+            assert_eq!(of.map(|found| found.kind.as_str()), is_calibrated.then_some(kind.name()));
+            let Some(found) = of else { continue };
+            assert!(found.world.models.difficulty.explained > 0.5, "{kind}");
+            assert_eq!(found.settings.is_some(), *kind == WorldKind::Indoor);
+            let scale = &Calibration::indoor().scale;
+            assert_eq!(&found.scale, scale, "{kind} is on another scale");
+        }
+        assert_eq!(Calibration::of("a tool").map(|found| found.kind.as_str()), Some("indoor"));
+    }
 
     #[test]
     fn percentiles_count_worlds_below() {

@@ -273,7 +273,7 @@ fn moments(values: &[f64]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use envgen::geometry::{Pose, Rect};
-    use envgen::{Blueprint, MeasuredDifficulty, Provenance, Seed, Spec, Stream, hallway, indoor};
+    use envgen::{Blueprint, MeasuredDifficulty, Provenance, Seed, Spec, Stream, indoor, road};
     use glam::DVec2;
     use proptest::prelude::*;
 
@@ -383,11 +383,11 @@ mod tests {
         assert_eq!((found.source, found.dials), (DifficultySource::Measured, dials));
         world.provenance.measured = Some(Box::new(measured("mine")));
         assert_eq!(PanelDifficulty::of(&world), Ok(predicted));
-        let hallway = hallway::HallwaySpec { segments: 40, ..Default::default() };
-        let world = hallway.generate(Seed(1)).expect("a hallway").to_world();
+        let road = road::RoadSpec { length: 100.0, ..Default::default() };
+        let world = road.generate(Seed(1)).expect("a road").to_world();
         let error = PanelDifficulty::of(&world).expect_err("no prediction").to_string();
         assert!(
-            error.starts_with("there are no predictions for worlds of the kind hallway"),
+            error.starts_with("there are no predictions for worlds of the kind road"),
             "{error}"
         );
         // A hall in which nothing is like in the atlas.
