@@ -29,14 +29,17 @@
 //!   on a grid of 0.2 m that is coarser in worlds of more than 41,000 square metres.
 //! - Smoke has one density in each room, and one in all hallways and open areas together.
 
+mod access;
 mod door;
 mod people;
 mod plan;
+mod rooms;
 pub mod smoke;
 mod spec;
 mod state;
 mod view;
 
+pub use access::BehindDoor;
 pub use door::{Door, DoorKind, DoorState, Leaf};
 pub use people::{Person, PersonState, Reaction};
 pub use plan::{Scenario, ScenarioFileError};

@@ -1,13 +1,18 @@
 //! `envgen check`.
 
 use std::io::{self, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use envgen::World;
 use envgen::certificate::{Claim, Verdict, verify};
+use envgen::difficulty::Platform;
 use envgen::reproduction::{Reproduction, reproduce};
+use envgen::scenario::{BehindDoor, Scenario};
 
 use crate::failure::Failure;
+use crate::moving::read_scenario;
 use crate::progress::spinner;
 use crate::source::WorldFile;
 
@@ -15,24 +20,60 @@ use crate::source::WorldFile;
 pub(crate) struct Arguments {
     #[command(flatten)]
     file: WorldFile,
+
+    /// What moves in the world, in RON: promises are verified with every door open, and what depends on a single
+    /// door is listed.
+    #[arg(long, value_name = "FILE.ron")]
+    scenario: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let world = arguments.file.read()?;
-    let (checked, reproduction) = {
+    let scenario = match &arguments.scenario {
+        Some(path) => Some(read_scenario(path, &world)?),
+        None => None,
+    };
+    let (checked, reproduction, behind) = {
         let _spinner = spinner("checking");
-        (verify(&world), reproduce(&world))
+        let doors = scenario.as_ref().map(|scenario| doors(&world, scenario)).transpose()?;
+        let (open, behind) = doors.unzip();
+        let checked = verify(open.as_ref().unwrap_or(&world));
+        (checked, reproduce(&world), behind.unwrap_or_default())
     };
     let all_hold = checked.iter().all(|(_, verdict)| *verdict == Verdict::Holds);
     let is_trusted = all_hold && reproduction.is_credible();
-    match print(&checked, &reproduction) {
+    let doors: Vec<String> = behind.iter().map(|behind| describe(&world, behind)).collect();
+    match print(&checked, &reproduction, &doors) {
         // A reader that stops after the first line still gets the right exit code.
         Err(Failure::ReaderGone) | Ok(()) => Ok(ExitCode::from(u8::from(!is_trusted))),
         Err(failure) => Err(failure),
     }
 }
 
-fn print(checked: &[(Claim, Verdict)], reproduction: &Reproduction) -> Result<(), Failure> {
+/// The world with every door open, and what is behind single doors.
+fn doors(world: &World, scenario: &Scenario) -> Result<(World, Vec<BehindDoor>), Failure> {
+    let radius = world.certificate.iter().find_map(|claim| match claim {
+        Claim::Connected { radius } | Claim::EveryPlaceReachable { radius } => Some(*radius),
+        _ => None,
+    });
+    let radius = radius.unwrap_or(Platform::default().circumscribed_radius);
+    Ok((scenario.with_open_doors(world)?, scenario.behind_doors(world, radius)?))
+}
+
+fn describe(world: &World, behind: &BehindDoor) -> String {
+    let room = |&room: &u32| format!("room {room} ({})", world.rooms[room as usize].name);
+    let mut places: Vec<String> = behind.rooms.iter().map(room).collect();
+    if behind.goal {
+        places.push("the goal".to_owned());
+    }
+    format!("only through doors[{}]: {}", behind.door, places.join(", "))
+}
+
+fn print(
+    checked: &[(Claim, Verdict)],
+    reproduction: &Reproduction,
+    doors: &[String],
+) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     writeln!(out, "holds: every invariant of a world")?;
     for (claim, verdict) in checked {
@@ -45,5 +86,8 @@ fn print(checked: &[(Claim, Verdict)], reproduction: &Reproduction) -> Result<()
         writeln!(out, "nothing promised: the certificate is empty")?;
     }
     writeln!(out, "{reproduction}")?;
+    for door in doors {
+        writeln!(out, "{door}")?;
+    }
     Ok(())
 }

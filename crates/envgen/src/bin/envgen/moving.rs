@@ -1,10 +1,10 @@
 //! What moves in a generated world.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use envgen::located::Locate;
-use envgen::scenario::{Scenario, ScenarioSpec};
+use envgen::scenario::{Scenario, ScenarioSpec, ScenarioState};
 use envgen::{Seed, World};
 
 use crate::failure::Failure;
@@ -41,13 +41,17 @@ impl Moving {
                 let text = "cannot be used with settings of what moves".to_owned();
                 return Err(Failure::Usage(text).about(format!("--scenario {}", path.display())));
             }
-            let scenario = Scenario::from_ron(&read(path)?).in_file(path)?;
-            // Refuses what does not fit the world.
-            envgen::scenario::ScenarioState::new(world, &scenario).in_file(path)?;
-            return Ok(Some(scenario));
+            return Ok(Some(read_scenario(path, world)?));
         }
         let Some(spec) = spec.filter(|spec| !spec.is_still()) else { return Ok(None) };
         let scenario = Scenario::new(world, &spec, self.scenario_seed.unwrap_or(seed));
         scenario.map(Some).map_err(|error| Failure::from(error).about("--set"))
     }
+}
+
+/// Reads what moves in a world, which must fit it.
+pub(crate) fn read_scenario(path: &Path, world: &World) -> Result<Scenario, Failure> {
+    let scenario = Scenario::from_ron(&read(path)?).in_file(path)?;
+    ScenarioState::new(world, &scenario).in_file(path)?;
+    Ok(scenario)
 }

@@ -5,6 +5,7 @@ use glam::DVec2;
 use super::free_space::FreeSpace;
 use crate::scenario::PERSON_RADIUS;
 use crate::scenario::door::DoorShape;
+use crate::scenario::rooms::rooms_of_cells;
 use crate::seed::Seed;
 use crate::world::World;
 
@@ -29,21 +30,7 @@ pub(crate) fn find_places(
 ) -> Vec<DVec2> {
     let frame = space.frame;
     let usable = space.region(world.start.map(|start| start.position));
-    let mut rooms = vec![0_u32; frame.len()];
-    for (number, room) in (1..).zip(&world.rooms) {
-        let bounds = room.shape.bounds();
-        let (low, high) = (bounds.min - frame.origin, bounds.max - frame.origin);
-        let cols = frame.middles(low.x, high.x, frame.cols);
-        let rows = frame.middles(low.y, high.y, frame.rows);
-        let (Some((left, right)), Some((bottom, top))) = (cols, rows) else { continue };
-        for row in bottom..=top {
-            for col in left..=right {
-                if room.shape.contains(frame.center(col, row)) {
-                    rooms[frame.index(col, row)] = number;
-                }
-            }
-        }
-    }
+    let rooms = rooms_of_cells(world, frame);
     let mut blocked = vec![false; frame.len()];
     let mut block = |p: DVec2, radius: f64| {
         frame.touched_runs(&crate::grid::Convex::Disc(p, radius), |row, from, to| {
