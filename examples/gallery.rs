@@ -1,4 +1,4 @@
-//! Draws every kind of world and films a mapping trial, without a window.
+//! Draws every kind of world, films a mapping trial, and films people, doors and smoke, without a window.
 //!
 //! `cargo run --release --features render --example gallery`
 //!
@@ -8,31 +8,65 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use bevy::prelude::*;
-use bevy_envgen::envgen::indoor::IndoorSpec;
-use bevy_envgen::envgen::{Seed, WorldKind, WorldSpec};
-use bevy_envgen::prelude::*;
+use bevy_envgen::prelude::{
+    ColliderSettings, EnvgenPhysicsPlugin, EnvgenPlugins, Environment, EnvironmentFailure,
+    EnvironmentScenario, GenerationMode, GroundTruth, TopDownPhysicsPlugin,
+};
 use bevy_mapping_trial::prelude::*;
-use bevy_mapping_trial::view::{TrialPalette, TrialViewPlugin};
+use bevy_mapping_trial::view::{TrialPalette, TrialView, TrialViewPlugin};
 use bevy_offscreen::{Film, Picture, Studio, find_renderer};
 use clap::Parser;
+use envgen::geometry::{Pose, Rect, Shape};
+use envgen::glam::DVec2;
+use envgen::indoor::IndoorSpec;
+use envgen::scenario::smoke::{SmokeRegion, SmokeSource};
+use envgen::scenario::{
+    Door, DoorControl, DoorKind, Person, Reaction, Scenario, ScenarioSpec, SmokeKind,
+};
+use envgen::world::{Doorway, Room, Wall, WallKind};
+use envgen::{Provenance, Seed, World, WorldKind, WorldSpec};
 use mapping_trial::backend::TICK;
 use mapping_trial::trial::{Trial, TrialSettings};
 
 /// Width and height of the pictures in pixels.
 const SIZE: UVec2 = UVec2::new(800, 600);
 
-/// Side of the map of the film in grid units of 3 m, and its seed.
+/// Side of the map of the film of a trial in grid units of 3 m, and its seed.
 const FILM_MAP: u32 = 6;
 const FILM_SEED: u64 = 2;
 
-/// Width and height of the film in pixels.
-const FILM_SIZE: UVec2 = UVec2::new(480, 480);
+/// A film of a trial.
+struct Take {
+    /// Width and height in pixels.
+    size: UVec2,
+    /// What is shown.
+    view: TrialView,
+    /// The greatest simulated time in seconds.
+    time_limit: f64,
+    /// Simulated time from frame to frame in ticks of 50 ms, and frames per second.
+    ticks_per_frame: u32,
+    frames_per_second: f64,
+}
 
-/// Simulated time from frame to frame in ticks of 50 ms, and frames per second of the film.
-const TICKS_PER_FRAME: u32 = 50;
-const FRAMES_A_SECOND: f64 = 12.5;
+/// A trial as a driver sees it.
+const TRIAL: Take = Take {
+    size: UVec2::new(480, 480),
+    view: TrialView { truth: false, map: true, scan: true, path: true },
+    time_limit: 1200.0,
+    ticks_per_frame: 50,
+    frames_per_second: 12.5,
+};
 
-/// Draws every kind of world and films a mapping trial, without a window.
+/// A corridor as it is, with the robot's laser.
+const CORRIDOR: Take = Take {
+    size: UVec2::new(640, 200),
+    view: TrialView { truth: true, map: false, scan: true, path: false },
+    time_limit: 30.0,
+    ticks_per_frame: 4,
+    frames_per_second: 10.0,
+};
+
+/// Draws every kind of world, films a mapping trial, and films people, doors and smoke, without a window.
 #[derive(Parser)]
 struct Arguments {
     /// The folder to write into.
@@ -95,8 +129,13 @@ fn gallery(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         println!("wrote {}", path.display());
     }
     let path = arguments.out.join("trial.gif");
-    let trial = film(&path)?;
+    let spec = IndoorSpec { width: FILM_MAP, height: FILM_MAP, ..Default::default() };
+    let trial = film(&path, &TRIAL, Environment::new(spec, FILM_SEED), None)?;
     println!("wrote {}, a trial of {trial:.0} simulated seconds", path.display());
+    let path = arguments.out.join("moving.gif");
+    let (world, moving) = corridor();
+    film(&path, &CORRIDOR, Environment::prebuilt(world), Some(moving))?;
+    println!("wrote {}, people, a door and smoke in a corridor", path.display());
     Ok(())
 }
 
@@ -128,9 +167,71 @@ fn draw(spec: WorldSpec, seed: u64) -> Result<Picture, Box<dyn std::error::Error
     Ok(studio.picture(camera)?)
 }
 
-/// Films a mapping trial from start to end: the map, the scan, the estimated pose and the
-/// trajectory. Returns the simulated seconds.
-fn film(path: &Path) -> Result<f64, Box<dyn std::error::Error>> {
+/// A corridor of 16 x 3 m that a wall with a door divides, two people, and smoke that grows behind the door.
+fn corridor() -> (World, Scenario) {
+    let v = DVec2::new;
+    let bounds = Rect::new(DVec2::ZERO, v(16.0, 3.0));
+    let mut world = World::new(Provenance::other("corridor", serde_json::Value::Null), bounds);
+    let boxes = [
+        (v(0.0, 0.0), v(16.0, 0.1)),
+        (v(0.0, 2.9), v(16.0, 3.0)),
+        (v(0.0, 0.1), v(0.1, 2.9)),
+        (v(15.9, 0.1), v(16.0, 2.9)),
+        (v(9.95, 0.1), v(10.05, 1.0)),
+        (v(9.95, 2.0), v(10.05, 2.9)),
+    ];
+    let walls =
+        boxes.map(|(from, to)| Wall::new(WallKind::Wall, Shape::from_rect(Rect::new(from, to))));
+    world.walls.extend(walls);
+    for (left, right) in [(0.1, 9.95), (10.05, 15.9)] {
+        world.rooms.push(Room {
+            name: "corridor".to_owned(),
+            shape: Shape::from_rect(Rect::new(v(left, 0.1), v(right, 2.9))),
+            difficulty: None,
+            lit: true,
+            contents: Default::default(),
+        });
+    }
+    let shape = Shape::from_rect(Rect::new(v(9.95, 1.0), v(10.05, 2.0)));
+    world.doorways.push(Doorway { shape, open: true, rooms: [Some(0), Some(1)] });
+    world.start = Some(Pose::new(1.0, 1.5, 0.0));
+
+    let seed = Seed(FILM_SEED);
+    let settings =
+        ScenarioSpec { smoke_leak: 0.5, waiting: 1.0, working: 2.0, ..Default::default() };
+    let person = |x: f64, y: f64| Person {
+        position: v(x, y),
+        heading: 0.0,
+        speed: 1.2,
+        reaction: Reaction::Regular,
+    };
+    let door = Door {
+        doorway: 0,
+        kind: DoorKind::Hinged,
+        far_end: false,
+        to_right: false,
+        control: DoorControl::Triggered,
+        open: 20.0,
+        closed: 20.0,
+        slam: 0.0,
+    };
+    let smoke = SmokeSource {
+        region: SmokeRegion::Room(1),
+        extinction: 0.8,
+        growth: 5.0,
+        kind: SmokeKind::Regional,
+    };
+    let people = vec![person(4.0, 0.8), person(7.0, 2.2), person(13.0, 1.5), person(14.5, 0.8)];
+    (world, Scenario { seed, settings, doors: vec![door], people, smoke: vec![smoke] })
+}
+
+/// Films a mapping trial from start to end. Returns the simulated seconds.
+fn film(
+    path: &Path,
+    take: &Take,
+    environment: Environment,
+    moving: Option<Scenario>,
+) -> Result<f64, Box<dyn std::error::Error>> {
     let mut studio = Studio::new()?;
     studio.set_frame_time(Duration::from_secs_f64(TICK));
     let colliders = ColliderSettings::for_trials();
@@ -143,18 +244,22 @@ fn film(path: &Path) -> Result<f64, Box<dyn std::error::Error>> {
             TrialViewPlugin::default(),
         ))
         .insert_resource(ClearColor(TrialPalette::default().unknown));
-    let spec = IndoorSpec { width: FILM_MAP, height: FILM_MAP, ..Default::default() };
-    let (world, camera) = spawn(&mut studio, Environment::new(spec, FILM_SEED), FILM_SIZE)?;
+    let (world, camera) = spawn(&mut studio, environment, take.size)?;
     // Nothing needs to be drawn between pictures.
     if let Some(mut camera) = studio.app().world_mut().get_mut::<Camera>(camera) {
         camera.is_active = false;
     }
-    let settings = TrialSettings { seed: Seed(FILM_SEED), ..Default::default() };
-    studio.app().world_mut().entity_mut(world).insert(MappingTrial::new(settings));
+    let time_limit = take.time_limit;
+    let settings = TrialSettings { seed: Seed(FILM_SEED), time_limit, ..Default::default() };
+    let mut root = studio.app().world_mut().entity_mut(world);
+    if let Some(moving) = moving {
+        root.insert(EnvironmentScenario::prebuilt(moving));
+    }
+    root.insert((MappingTrial::new(settings), take.view));
 
-    let mut film = Film::create(path, FRAMES_A_SECOND)?;
+    let mut film = Film::create(path, take.frames_per_second)?;
     loop {
-        for _ in 0..TICKS_PER_FRAME {
+        for _ in 0..take.ticks_per_frame {
             studio.step()?;
         }
         film.push(&studio.picture(camera)?)?;

@@ -3,7 +3,7 @@
 //! ```text
 //! cargo run --release --example mapping_trial
 //! cargo run --release --example mapping_trial -- --difficulty 8 --seed 3 --policy corridors
-//! cargo run --release --example mapping_trial -- --engine rapier
+//! cargo run --release --example mapping_trial -- --engine rapier --set doors=0.5 --set people=4
 //! cargo run --release --example mapping_trial -- --driver "python3 examples/drivers/explorer.py"
 //! cargo run --release --example mapping_trial -- --replay out/log.json --out out/again
 //! ```
@@ -75,9 +75,6 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let world = arguments.world()?;
         let settings = arguments.settings(&world)?;
         let scenario = arguments.scenario(&world)?;
-        if scenario.is_some() && arguments.engine == RAPIER {
-            return Err("doors, people and smoke move in the engine flat alone".into());
-        }
         // With the time limit that holds, which may depend on the area.
         let settings = Trial::builder(&world, settings).setup()?.settings.clone();
         let driver = arguments.start_driver(&world, &settings)?;
@@ -85,7 +82,7 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let bar = progress(settings.time_limit.min(settings.body.battery));
         let report = if arguments.engine == RAPIER {
             let progress = |time| bar.set_position(time as u64);
-            let trial = run_headless_with(&world, settings, parts, progress)?;
+            let trial = run_headless_with(&world, settings, parts, scenario, progress)?;
             bar.finish_and_clear();
             tell(arguments, &world, &trial, clock)?
         } else {

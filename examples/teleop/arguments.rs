@@ -4,10 +4,11 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bevy_mapping_trial::ui::SpecForm;
+use bevy_mapping_trial::ui::{ScenarioForm, SpecForm};
 use clap::Parser;
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::located::Locate;
+use envgen::scenario::ScenarioSpec;
 use envgen::{Seed, World, WorldSpec, import};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
@@ -66,6 +67,10 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 1200.0)]
     time_limit: f64,
 
+    /// Sets what moves in the world, such as doors=0.5, people=4 or smoke=0.2; may be given several times.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    scenario: Vec<String>,
+
     /// Show the true world from the start, for training.
     #[arg(long)]
     pub(crate) training: bool,
@@ -104,6 +109,18 @@ impl Arguments {
         }
         let world = import::read_world(path).in_file(path)?;
         Ok(Beginning::World(Arc::new(world)))
+    }
+
+    /// What moves in the world at first.
+    pub(crate) fn scenario(&self) -> Result<ScenarioForm, Box<dyn Error>> {
+        let mut spec = ScenarioSpec::default();
+        for setting in &self.scenario {
+            let (name, value) = setting
+                .split_once('=')
+                .ok_or_else(|| format!("--set {setting}: not of the form NAME=VALUE"))?;
+            spec.set(name, value).map_err(|error| format!("--set {setting}: {error}"))?;
+        }
+        Ok(ScenarioForm::new(&spec))
     }
 
     /// The initial settings of trials.

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future};
-use bevy_mapping_trial::trial::{replay_headless, run_headless};
+use bevy_mapping_trial::trial::{replay_headless, run_headless_with};
 use envgen::World;
 use mapping_trial::score::{Reference, Scores};
-use mapping_trial::trial::{Trajectory, TrialLog, TrialSettings};
+use mapping_trial::trial::{Trajectory, TrialLog, TrialParts, TrialSettings};
 
 /// A comparison that is running or finished.
 pub(crate) enum Comparison {
@@ -42,12 +42,15 @@ impl Comparison {
     ) -> Self {
         Comparison::Running(AsyncComputeTaskPool::get().spawn(async move {
             let text = |error: &dyn std::fmt::Display| error.to_string();
+            let moving = session.log.scenario.clone();
             let again =
                 replay_headless(&world, session.log, |_| ()).map_err(|error| text(&error))?;
             let mut tracks = session.tracks.iter().enumerate();
             let same = tracks.all(|(robot, track)| again.trajectory(robot) == track);
             let replayed = again.score(&truth).map_err(|error| text(&error))?;
-            let trial = run_headless(&world, program, |_| ()).map_err(|error| text(&error))?;
+            let parts = TrialParts::default();
+            let trial = run_headless_with(&world, program, parts, moving, |_| ())
+                .map_err(|error| text(&error))?;
             let program = trial.score(&truth).map_err(|error| text(&error))?;
             Ok(Box::new(Compared { replayed, same, program, name }))
         }))

@@ -4,6 +4,7 @@
 //! ```text
 //! cargo run --release --features window --example teleop
 //! cargo run --release --features window --example teleop -- --difficulty 8 --seed 3 --robots 2
+//! cargo run --release --features window --example teleop -- --set doors=0.5 --set people=4 --training
 //! cargo run --release --features window --example teleop -- --policy corridors
 //! cargo run --release --features window --example mapping_trial -- --replay out/teleop/001/log.json --out out/again
 //! ```
@@ -32,9 +33,9 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use bevy::prelude::*;
-use bevy_envgen::EnvgenCorePlugin;
 use bevy_envgen::physics::{ColliderSettings, EnvgenPhysicsPlugin, TopDownPhysicsPlugin};
 use bevy_envgen::visuals::EnvgenVisualsPlugin;
+use bevy_envgen::{EnvgenCorePlugin, EnvgenScenarioPlugin};
 use bevy_mapping_trial::debug::TrialDebugPlugin;
 use bevy_mapping_trial::trial::{ForTrials, TrialPlugin, TrialSystems};
 use bevy_mapping_trial::ui::bevy_egui::input::egui_wants_any_keyboard_input;
@@ -65,7 +66,7 @@ fn main() -> ExitCode {
 /// Opens the window. Mistakes in the command line are reported before.
 fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let beginning = arguments.beginning()?;
-    let settings = arguments.settings()?;
+    let settings = (arguments.settings()?, arguments.scenario()?);
     output::folder(&arguments.out)?;
     // Without a graphics driver Bevy would panic.
     find_renderer()?;
@@ -81,6 +82,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
         DefaultPlugins.set(window),
         EguiPlugin::default(),
         EnvgenCorePlugin::default(),
+        EnvgenScenarioPlugin::default(),
         TopDownPhysicsPlugin::for_trials(),
         EnvgenPhysicsPlugin::default().with_colliders(ColliderSettings::for_trials()),
         TrialPlugin::default(),

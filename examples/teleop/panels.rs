@@ -142,6 +142,7 @@ fn debug_layers(
         ui.checkbox(&mut of_trial.frontiers, "frontiers");
         ui.checkbox(&mut of_trial.plan, "plan");
         ui.checkbox(&mut of_world.rooms, "rooms");
+        ui.checkbox(&mut of_world.scenario, "people's paths");
     });
     world.set_if_neq(of_world);
     trial.set_if_neq(of_trial);

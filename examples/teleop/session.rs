@@ -8,7 +8,7 @@ use bevy_envgen::debug::DebugLayers;
 use bevy_envgen::prelude::*;
 use bevy_mapping_trial::debug::TrialDebugLayers;
 use bevy_mapping_trial::prelude::*;
-use bevy_mapping_trial::ui::{FeedbackForm, SetupForm, SpecForm, TrialAction};
+use bevy_mapping_trial::ui::{FeedbackForm, ScenarioForm, SetupForm, SpecForm, TrialAction};
 use bevy_mapping_trial::view::TrialView;
 use envgen::located::Locate;
 use envgen::{Seed, WorldKind, WorldSpec, whole_file};
@@ -80,7 +80,7 @@ impl Session {
     pub(crate) fn begin(
         arguments: &Arguments,
         beginning: Beginning,
-        settings: TrialSettings,
+        (settings, scenario): (TrialSettings, ScenarioForm),
         world: &mut World,
     ) -> Self {
         let seed = arguments.seed;
@@ -97,7 +97,7 @@ impl Session {
         Session {
             phase: Phase::Generating,
             spec,
-            setup: SetupForm { settings, training },
+            setup: SetupForm { settings, scenario, training },
             world: world.spawn((environment, view)).id(),
             driven: 0,
             paused: false,
@@ -133,9 +133,12 @@ impl Session {
         // For a world from a file, the panel's seed is used.
         let made = truth.provenance.seed.filter(|_| !self.from_file);
         let seed = made.unwrap_or(self.spec.seed());
-        let begun = self.setup.request(seed).map_err(Into::into);
-        match begun.and_then(|settings| start::with_start(truth, settings)) {
-            Ok(settings) => {
+        let begun = || -> Result<_, Box<dyn std::error::Error>> {
+            let settings = start::with_start(truth, self.setup.request(seed)?)?;
+            Ok((settings, self.setup.scenario.request()?))
+        };
+        match begun() {
+            Ok((settings, moving)) => {
                 self.driven = 0;
                 self.paused = false;
                 self.report = None;
@@ -147,6 +150,11 @@ impl Session {
                 self.folder = new_folder(&self.out);
                 let view = TrialView { truth: self.setup.training, ..default() };
                 let mut world = commands.entity(self.world);
+                if moving.is_still() {
+                    world.remove::<EnvironmentScenario>();
+                } else {
+                    world.insert(EnvironmentScenario::new(moving, seed.0));
+                }
                 if settings.policy.is_none() {
                     world.insert(ManualControl::default());
                 } else {

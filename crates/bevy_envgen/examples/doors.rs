@@ -1,4 +1,4 @@
-//! An indoor map whose doors open, close and slam on a schedule that the seed determines.
+//! An indoor map with people and doors, which open, close and slam by chance and spare who is in front of them.
 //!
 //! `cargo run --release --example doors`
 
@@ -14,11 +14,12 @@ use bevy_envgen::prelude::*;
 /// Simulated seconds.
 const END: f32 = 12.0;
 
-/// How often doors have fully opened and closed so far.
+/// How often doors have fully opened and closed, or were blocked, so far.
 #[derive(Resource, Default)]
-struct Stops {
+struct Changes {
     opened: usize,
     closed: usize,
+    blocked: usize,
 }
 
 fn main() -> AppExit {
@@ -27,7 +28,7 @@ fn main() -> AppExit {
         .add_plugins(EnvgenPlugins::default())
         // One step of physics per frame, as fast as the computer can: the same in every run.
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
-        .init_resource::<Stops>()
+        .init_resource::<Changes>()
         .add_systems(Startup, ask_for_rooms)
         .add_systems(Update, (report.run_if(on_timer(Duration::from_secs(2))), end).chain())
         .add_observer(count)
@@ -36,28 +37,34 @@ fn main() -> AppExit {
 
 fn ask_for_rooms(mut commands: Commands) {
     let rooms = Environment::new(IndoorSpec::default(), 4).with_pace(GenerationMode::Blocking);
-    commands.spawn((rooms, DoorSchedule { mean_wait: 4.0, slam: 0.2 }));
+    let (door_open, door_closed, waiting) = (4.0, 4.0, 1.0);
+    let moving =
+        ScenarioSpec { doors: 1.0, door_open, door_closed, people: 8, waiting, ..default() };
+    commands.spawn((rooms, EnvironmentScenario::new(moving, 4)));
 }
 
-fn count(stopped: On<DoorStopped>, mut stops: ResMut<Stops>) {
-    if stopped.open {
-        stops.opened += 1;
-    } else {
-        stops.closed += 1;
+fn count(changed: On<DoorChanged>, mut changes: ResMut<Changes>) {
+    match changed.change {
+        DoorChange::Opened => changes.opened += 1,
+        DoorChange::Closed => changes.closed += 1,
+        DoorChange::Blocked => changes.blocked += 1,
     }
 }
 
-fn report(time: Res<Time>, doors: Query<&Door>, stops: Res<Stops>) {
-    let count_at = |openness: f32| doors.iter().filter(|door| door.openness() == openness).count();
+fn report(time: Res<Time>, doors: Query<&Door>, people: Query<&Person>, changes: Res<Changes>) {
+    let count_at = |openness: f64| doors.iter().filter(|door| door.openness() == openness).count();
     let (open, closed) = (count_at(1.0), count_at(0.0));
     let moving = doors.iter().count() - open - closed;
+    let walking = people.iter().filter(|person| person.velocity != Vec2::ZERO).count();
     println!("{:>2.0} s: {open} open, {closed} closed, {moving} move", time.elapsed_secs());
-    println!("      opened {} times, closed {} times", stops.opened, stops.closed);
+    let Changes { opened, closed, blocked } = *changes;
+    println!("      opened {opened} times, closed {closed} times, blocked {blocked} times");
+    println!("      {walking} people walk");
 }
 
-fn end(time: Res<Time>, stops: Res<Stops>, mut exit: MessageWriter<AppExit>) {
+fn end(time: Res<Time>, changes: Res<Changes>, mut exit: MessageWriter<AppExit>) {
     if time.elapsed_secs() > END {
-        let moved = stops.opened > 0 && stops.closed > 0;
+        let moved = changes.opened > 0 && changes.closed > 0;
         exit.write(if moved { AppExit::Success } else { AppExit::error() });
     }
 }

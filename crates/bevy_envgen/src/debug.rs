@@ -6,8 +6,10 @@ use bevy::gizmos::GizmoPlugin;
 use bevy::prelude::*;
 use envgen::World as EnvgenWorld;
 use envgen::glam::DVec2;
+use envgen::scenario::PERSON_RADIUS;
 
 use crate::environment::{Environment, GroundTruth};
+use crate::scenario::ScenarioRun;
 
 /// The gizmos of this crate, to set their line width and visibility in Bevy's `GizmoConfigStore`.
 #[derive(GizmoConfigGroup, Clone, Copy, Debug, Default, Reflect)]
@@ -22,11 +24,13 @@ pub struct DebugLayers {
     pub colliders: bool,
     /// The graph of rooms: lines between rooms that a doorway joins, open or closed.
     pub rooms: bool,
+    /// The people of scenarios with the paths that they follow, and the leaves of doors.
+    pub scenario: bool,
 }
 
 impl DebugLayers {
     /// All layers.
-    pub const ALL: DebugLayers = DebugLayers { colliders: true, rooms: true };
+    pub const ALL: DebugLayers = DebugLayers { colliders: true, rooms: true, scenario: true };
 }
 
 /// Colours of the layers.
@@ -35,6 +39,7 @@ const COLLIDER: Color = Color::srgb(0.0, 0.62, 0.45);
 const ROOM: Color = Color::srgb(0.34, 0.71, 0.91);
 const OPEN: Color = Color::srgb(0.34, 0.71, 0.91);
 const CLOSED: Color = Color::srgb(0.84, 0.37, 0.0);
+const PERSON: Color = Color::srgb(0.9, 0.62, 0.0);
 
 /// Radius in metres of the mark of a room, and of a doorway to a hallway or the outside.
 const NODE: f32 = 0.3;
@@ -65,7 +70,11 @@ impl Plugin for EnvgenDebugPlugin {
                     .after(bevy::transform::TransformSystems::Propagate)
                     .run_if(resource_exists::<Drawable>),
             )
-            .add_systems(PostUpdate, draw_rooms.in_set(DebugSystems).run_if(on(|on| on.rooms)));
+            .add_systems(
+                PostUpdate,
+                (draw_rooms.run_if(on(|on| on.rooms)), draw_scenarios.run_if(on(|on| on.scenario)))
+                    .in_set(DebugSystems),
+            );
         #[cfg(feature = "physics")]
         app.add_systems(
             PostUpdate,
@@ -127,6 +136,29 @@ fn draw_rooms(
                     }
                 }
             }
+        }
+    }
+}
+
+/// Draws people, their paths, and leaves.
+fn draw_scenarios(
+    runs: Query<(&ScenarioRun, &Environment, &GlobalTransform)>,
+    mut gizmos: Gizmos<EnvgenGizmos>,
+) {
+    for (run, environment, frame) in &runs {
+        let place = |p: DVec2| environment.point_in_app(frame, p);
+        for person in run.state().people() {
+            let at = place(person.position);
+            gizmos.circle_2d(
+                at,
+                place(person.position + DVec2::X * PERSON_RADIUS).distance(at),
+                PERSON,
+            );
+            let ahead = std::iter::once(&person.position).chain(person.path().iter().rev());
+            gizmos.linestrip_2d(ahead.map(|&p| place(p)), PERSON);
+        }
+        for leaf in run.state().all_leaves() {
+            gizmos.line_2d(place(leaf.hinge), place(leaf.tip), CLOSED);
         }
     }
 }

@@ -205,6 +205,7 @@ pub(crate) fn spawn_worlds(
 fn spawn_world(world: &mut World, entity: Entity, global: &GlobalTransform, made: &Generated) {
     clear(world, entity);
     propagate(world, entity, *global);
+    crate::scenario::remove(world, entity);
     let Ok(mut root) = world.get_entity_mut(entity) else { return };
     root.remove::<(GroundTruth, EndlessTruth, EnvironmentStats, Streaming)>();
     let (layout, tile) = match root.get::<GenerationJob>().and_then(|slot| slot.asked.as_ref()) {
@@ -269,6 +270,7 @@ pub(crate) fn clear(world: &mut World, entity: Entity) {
 /// Despawns an environment's world until its transform is valid again.
 fn suspend(world: &mut World, entity: Entity) {
     clear(world, entity);
+    crate::scenario::remove(world, entity);
     if let Ok(mut root) = world.get_entity_mut(entity) {
         root.remove::<Streaming>();
         root.insert(SpawnedTiles { suspended: true, ..default() });
@@ -359,6 +361,7 @@ pub(crate) fn clean_up(removed: On<Remove, Environment>, mut commands: Commands)
         // too.
         if world.get_entity(entity).is_ok_and(|root| !root.contains::<Environment>()) {
             clear(world, entity);
+            crate::scenario::remove(world, entity);
             world.entity_mut(entity).remove::<(
                 EndlessTruth,
                 EnvironmentFailure,

@@ -41,7 +41,8 @@
 //! | [`EnvironmentReady`], [`EnvironmentFailed`] | messages; [`EnvironmentState`], [`EnvironmentFailure`] | an environment |
 //! | [`DifficultyComputed`] | a message; [`EnvironmentDifficulty`], [`DifficultyFailure`] | an environment with [`ComputeDifficulty`] |
 //! | [`TileSpawned`] | `Added<Tile>` | each tile, as it is spawned |
-//! | `DoorStopped` | a message | a door |
+//! | [`ScenarioStarted`], [`ScenarioFailed`] | messages; [`ScenarioRun`], [`ScenarioFailure`] | an environment with an [`EnvironmentScenario`] |
+//! | [`DoorChanged`], [`PersonReacted`], `PersonHit` | messages | a [`Door`], a [`Person`] |
 //!
 //! # Plugins
 //!
@@ -52,7 +53,8 @@
 //! |---|---|---|
 //! | [`EnvgenCorePlugin`] | | generation, spawning, streaming |
 //! | `EnvgenAssetPlugin` | `asset` | `.envgen.ron` and `.room.ron` files |
-//! | `EnvgenPhysicsPlugin` | `physics` | rapier colliders, moving doors |
+//! | [`EnvgenScenarioPlugin`] | | doors, people and smoke that move |
+//! | `EnvgenPhysicsPlugin` | `physics` | rapier colliders |
 //! | `EnvgenVisualsPlugin` | `render` | meshes and colours |
 //! | [`EnvgenDiagnosticsPlugin`] | | not in the group: counts of parts and tiles, times of generation and streaming, as Bevy's diagnostics |
 //! | `EnvgenDebugPlugin` | `debug` | not in the group: lines over colliders and the graph of rooms |
@@ -62,8 +64,8 @@
 //!
 //! All are in the schedule of [`EnvgenPlugins::in_schedule`], `Update` by default, in the order of
 //! [`EnvgenSystems`]: `Request`, `Collect`, `Spawn`, `Stream`, `Notify`; difficulties follow them. Transforms are watched in
-//! `PostUpdate`. Doors move in `DoorSystems`, in `FixedUpdate` by default, before rapier's
-//! `PhysicsSet::SyncBackend`.
+//! `PostUpdate`. Doors, people and smoke move in [`ScenarioSystems`], in `FixedUpdate` by default, after
+//! rapier's `PhysicsSet::Writeback`.
 //!
 //! # Features
 //!
@@ -71,7 +73,7 @@
 //! |---|---|---|
 //! | `asset` | yes | specs and rooms as Bevy assets |
 //! | `multi_threaded` | yes | generation on background threads |
-//! | `physics` | yes | colliders and doors, with `bevy_rapier2d` |
+//! | `physics` | yes | colliders, with `bevy_rapier2d` |
 //! | `file_watcher` | no | reloads files that change |
 //! | `render` | no | meshes; only this feature and those that include it need rendering crates |
 //! | `debug` | no | lines over colliders and the graph of rooms |
@@ -95,6 +97,7 @@ pub mod part;
 pub mod physics;
 mod place;
 mod plan;
+pub mod scenario;
 mod shape;
 mod spawn;
 mod streaming;
@@ -127,6 +130,10 @@ pub use environment::{
 pub use generate::MAX_PARTS;
 pub use landmarks::{EnvironmentLandmarks, Landmark};
 pub use part::{PartId, PartKind, PartOf};
+pub use scenario::{
+    Door, DoorChanged, EnvgenScenarioPlugin, EnvironmentScenario, Person, PersonReacted,
+    ScenarioFailed, ScenarioFailure, ScenarioRun, ScenarioStarted, ScenarioSystems,
+};
 pub use shape::PartShape;
 pub use spawn::{SolidPart, Tile, TileSolids, TileSpawned};
 pub use streaming::{StreamAround, StreamingBudget, StreamingReport};
@@ -142,8 +149,13 @@ pub mod prelude {
     };
     #[cfg(feature = "physics")]
     pub use crate::physics::{
-        ColliderSettings, Door, DoorSchedule, DoorStopped, EnvgenPhysicsPlugin,
-        EnvironmentColliders, TopDownPhysicsPlugin,
+        ColliderSettings, EnvgenPhysicsPlugin, EnvironmentColliders, PersonHit,
+        TopDownPhysicsPlugin,
+    };
+    pub use crate::scenario::{
+        Door, DoorChange, DoorChanged, DoorControl, DoorLeaf, EnvgenScenarioPlugin,
+        EnvironmentScenario, Person, PersonReacted, RestartScenario, ScenarioAgent, ScenarioFailed,
+        ScenarioFailure, ScenarioRun, ScenarioSpec, ScenarioStarted, ScenarioSystems, Smoke,
     };
     #[cfg(feature = "render")]
     pub use crate::visuals::EnvgenVisualsPlugin;
@@ -266,11 +278,12 @@ impl Plugin for EnvgenCorePlugin {
     }
 }
 
-/// The group of plugins for worlds: generation, assets, colliders and meshes, as far as features
+/// The group of plugins for worlds: generation, scenarios, assets, colliders and meshes, as far as features
 /// are on. Rapier itself is added by `TopDownPhysicsPlugin`.
 #[derive(Clone, Debug, Default)]
 pub struct EnvgenPlugins {
     core: EnvgenCorePlugin,
+    scenario: scenario::EnvgenScenarioPlugin,
     #[cfg(feature = "physics")]
     physics: physics::EnvgenPhysicsPlugin,
 }
@@ -292,7 +305,7 @@ impl EnvgenPlugins {
 
 impl PluginGroup for EnvgenPlugins {
     fn build(self) -> PluginGroupBuilder {
-        let group = PluginGroupBuilder::start::<Self>().add(self.core);
+        let group = PluginGroupBuilder::start::<Self>().add(self.core).add(self.scenario);
         #[cfg(feature = "asset")]
         let group = group.add(asset::EnvgenAssetPlugin);
         #[cfg(feature = "physics")]

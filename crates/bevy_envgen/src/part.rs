@@ -334,7 +334,7 @@ data! {
 }
 
 data! {
-    /// An opening in a wall. With the physics plugin it also has a `Door`.
+    /// An opening in a wall. A `Door` of a scenario may be in it.
     component pub struct Doorway {
         /// Whether the generator left the door open.
         pub open: bool,

@@ -1,4 +1,6 @@
-//! Meshes and colours for the parts of worlds.
+//! Meshes and colours for the parts of worlds, and for the people, doors and smoke of scenarios.
+
+mod moving;
 
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;
@@ -10,9 +12,11 @@ use envgen::palette::{self, Srgb};
 
 use crate::environment::{Environment, GroundTruth};
 use crate::part::{Ground, PartId, PartKind, Room, Surface, SurfaceKind};
+use crate::scenario::{Door, DoorLeaf, Person, Smoke};
 use crate::shape::PartShape;
 use crate::spawn::{Tile, TileSpawned};
 use crate::tessellate::triangles;
+use crate::{EnvgenSystems, Schedules};
 
 /// Distance in z between layers.
 const LAYER: f32 = 0.01;
@@ -59,6 +63,14 @@ pub struct Palette {
     pub goal: Color,
     /// People to be found.
     pub victim: Color,
+    /// People of scenarios.
+    pub person: Color,
+    /// Where they look.
+    pub face: Color,
+    /// The leaves of doors.
+    pub leaf: Color,
+    /// Smoke; its opacity follows from its extinction.
+    pub smoke: Color,
     /// The classes of a landscape from 1 on; repeated when there are more classes than colours.
     pub classes: Vec<Color>,
 }
@@ -85,6 +97,10 @@ impl Default for Palette {
             start: color(palette::START),
             goal: color(palette::GOAL),
             victim: color(palette::VICTIM.fill),
+            person: color(palette::ORANGE),
+            face: color(palette::INK),
+            leaf: color(palette::CLOSED_DOORWAY.fill),
+            smoke: color(palette::QUIET_INK),
             classes: (1..=palette::CLASSES).map(|class| color(palette::class(class))).collect(),
         }
     }
@@ -94,7 +110,8 @@ fn color(Srgb([red, green, blue]): Srgb) -> Color {
     Color::srgb_u8(red, green, blue)
 }
 
-/// Draws the parts of worlds: one mesh per tile and colour, as children of the tile.
+/// Draws the parts of worlds: one mesh per tile and colour, as children of the tile. People, leaves and smoke of
+/// scenarios have meshes as children.
 ///
 /// Needs Bevy's plugins for meshes and `ColorMaterial`s; without them it draws nothing. No other
 /// plugin depends on it.
@@ -115,17 +132,29 @@ impl Plugin for EnvgenVisualsPlugin {
         app.register_type::<Palette>()
             .insert_resource(self.palette.clone())
             .init_resource::<Inks>()
-            .add_observer(draw);
+            .add_observer(draw)
+            .add_observer(moving::draw_person)
+            .add_observer(moving::draw_leaf)
+            .add_observer(moving::draw_smoke);
+        let main = Schedules::of(app).main;
+        app.add_systems(
+            main,
+            (moving::stretch_leaves, moving::fade_smoke).after(EnvgenSystems::Notify),
+        );
         require_visibility(app);
     }
 }
 
-/// Requires [`Visibility`] for environments, tiles and parts, so that an app can hide them: Bevy hides the
+/// Requires [`Visibility`] for environments, tiles, parts and what moves, so that an app can hide them: Bevy hides the
 /// children of an entity without it. Another plugin may have required it before: that is no error.
 pub fn require_visibility(app: &mut App) {
     app.try_register_required_components::<Environment, Visibility>().ok();
     app.try_register_required_components::<Tile, Visibility>().ok();
     app.try_register_required_components::<PartId, Visibility>().ok();
+    app.try_register_required_components::<Person, Visibility>().ok();
+    app.try_register_required_components::<Door, Visibility>().ok();
+    app.try_register_required_components::<DoorLeaf, Visibility>().ok();
+    app.try_register_required_components::<Smoke, Visibility>().ok();
 }
 
 /// The groups of parts with one colour, from the lowest layer to the highest.
@@ -148,6 +177,9 @@ enum Ink {
     Start,
     Goal,
     Victim,
+    Leaf,
+    Person,
+    Face,
 }
 
 impl Ink {
@@ -166,6 +198,9 @@ impl Ink {
             Ink::Tree => 7.0,
             Ink::Obstacle | Ink::Dark => 8.0,
             Ink::Start | Ink::Goal | Ink::Victim => 9.0,
+            Ink::Leaf => 9.5,
+            Ink::Person => 10.0,
+            Ink::Face => 10.5,
         };
         order * LAYER
     }
@@ -193,6 +228,9 @@ impl Ink {
             Ink::Start => palette.start,
             Ink::Goal => palette.goal,
             Ink::Victim => palette.victim,
+            Ink::Leaf => palette.leaf,
+            Ink::Person => palette.person,
+            Ink::Face => palette.face,
         }
     }
 }

@@ -87,8 +87,8 @@ fn a_scene_gives_the_same_world_in_another_app() {
             merge: ColliderMerging::Above(7),
             ..default()
         });
-        let doors = DoorSchedule { mean_wait: 3.0, slam: 0.9 };
-        first.world_mut().entity_mut(root).insert((at, colliders, doors));
+        let scenario = EnvironmentScenario::new(ScenarioSpec { people: 1, ..default() }, 3);
+        first.world_mut().entity_mut(root).insert((at, colliders, scenario.clone()));
         let text = save(&first, &[root]);
 
         let mut second = app();
@@ -100,7 +100,7 @@ fn a_scene_gives_the_same_world_in_another_app() {
         let (ours, theirs) = (second.world().entity(loaded), first.world().entity(root));
         assert_eq!(ours.get::<Transform>(), Some(&at));
         assert_eq!(ours.get::<EnvironmentColliders>(), Some(&colliders));
-        assert_eq!(ours.get::<DoorSchedule>(), Some(&doors));
+        assert_eq!(ours.get::<EnvironmentScenario>(), Some(&scenario));
         assert_eq!(**ours.get::<GroundTruth>().unwrap(), **theirs.get::<GroundTruth>().unwrap());
         let again = ours.get::<Environment>().unwrap();
         if !matches!(environment.source, WorldSource::Asset(_)) {
@@ -165,24 +165,13 @@ fn a_clone_makes_a_world_of_its_own() {
     let environment = Environment::new(IndoorSpec::default(), 4);
     let root = spawn_ready(&mut app, environment).unwrap();
     let before = digest(&app, root);
-    let mut doors = app.world_mut().query::<(Entity, &Door)>();
-    let first: Vec<Entity> = doors.iter(app.world()).map(|(entity, _)| entity).collect();
-    assert!(!first.is_empty());
     for deep in [false, true] {
         let clone = app.world_mut().entity_mut(root).clone_and_spawn_with_opt_out(move |builder| {
             builder.linked_cloning(deep);
         });
-        if deep {
-            // Doors move the leaf that was cloned with them.
-            for (doorway, door) in doors.iter(app.world()) {
-                let above = app.world().get::<ChildOf>(door.leaf).map(ChildOf::parent);
-                assert_eq!(above, Some(doorway));
-            }
-        }
         assert_eq!(app.world().get(clone), Some(&EnvironmentState::Waiting));
         wait_until_ready(&mut app, clone).unwrap();
         assert_eq!((digest(&app, clone), digest(&app, root)), (before, before));
-        assert_eq!(doors.iter(app.world()).count(), 2 * first.len());
         let landmarks = *app.world().get::<EnvironmentLandmarks>(clone).unwrap();
         let start = landmarks.start.unwrap().part.unwrap();
         assert_eq!(app.world().get::<PartOf>(start), Some(&PartOf(clone)));

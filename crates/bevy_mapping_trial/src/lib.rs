@@ -43,8 +43,8 @@
 //! # System sets
 //!
 //! The schedule of rapier, `FixedUpdate` by default, runs robots and trials before and after it:
-//! `DoorSystems` of [`bevy_envgen`], [`TrialSystems::Command`](trial::TrialSystems),
-//! [`RobotSystems::Drive`](robot::RobotSystems), rapier's `PhysicsSet`,
+//! [`TrialSystems::Command`](trial::TrialSystems), [`RobotSystems::Drive`](robot::RobotSystems),
+//! rapier's `PhysicsSet`, [`ScenarioSystems`](bevy_envgen::ScenarioSystems),
 //! [`RobotSystems::Sense`](robot::RobotSystems), [`TrialSystems::Record`](trial::TrialSystems).
 //!
 //! # Features

@@ -10,10 +10,10 @@ use envgen::clearance_index::ClearanceIndex;
 use envgen::geometry::{Pose, Rect, Shape, unit_vector};
 use envgen::glam::DVec2;
 use envgen::indoor::IndoorSpec;
-use envgen::scenario::smoke::{Laser, Reading};
+use envgen::scenario::smoke::{Laser, Reading, SmokePlace};
 use envgen::scenario::{
-    BehindDoor, Body, Door, DoorControl, DoorKinds, PersonState, Reactions, Robot, Scenario,
-    ScenarioSpec, ScenarioState, SmokeKind, Target,
+    BehindDoor, Body, Door, DoorCommand, DoorControl, DoorKinds, PERSON_RADIUS, PersonState,
+    Reactions, Robot, Scenario, ScenarioSpec, ScenarioState, SmokeKind, Target,
 };
 use envgen::world::{Doorway, Room, Wall, WallKind};
 use envgen::{Blueprint, Provenance, Seed, Spec, World, WorldKind};
@@ -247,6 +247,65 @@ fn a_triggered_door_opens_for_a_robot_and_never_closes_on_it() {
         assert!(closing > 0.0 && closing < 1.0, "{closing}");
         assert_eq!(at(7.0, 1.0), 0.0);
     }
+}
+
+#[test]
+fn a_commanded_door_obeys_and_never_closes_on_a_robot() {
+    for kind in ["hinged", "double", "sliding"] {
+        let (world, scenario) = two_rooms(&format!("kind: {kind}, control: commanded"));
+        let mut state = ScenarioState::new(&world, &scenario).unwrap();
+        state.step(100.0, &[]).unwrap();
+        assert_eq!(state.doors()[0].openness, 1.0);
+        for (command, seconds, before) in
+            [(DoorCommand::Close, 1.0, 0.05), (DoorCommand::Open, 1.0, 0.95)]
+        {
+            state.command_door(0, command).unwrap();
+            state.step(seconds - 0.05, &[]).unwrap();
+            assert!((state.doors()[0].openness - before).abs() < 1e-9, "{kind} {command:?}");
+            state.step(0.05, &[]).unwrap();
+            assert!(state.doors()[0].is_still());
+        }
+        let robot = Robot { position: DVec2::new(4.0, 2.0), velocity: DVec2::ZERO, radius: 0.3 };
+        state.command_door(0, DoorCommand::Slam).unwrap();
+        state.step(0.15, &[]).unwrap();
+        assert_eq!(state.doors()[0].openness, 0.0);
+        state.command_door(0, DoorCommand::Open).unwrap();
+        state.step(1.0, &[]).unwrap();
+        for command in [DoorCommand::Close, DoorCommand::Slam] {
+            state.command_door(0, command).unwrap();
+            state.step(3.0, &[robot]).unwrap();
+            assert_eq!(state.doors()[0].openness, 1.0, "{kind} {command:?}");
+        }
+        assert_eq!(state.doors()[0].stopped, 2);
+        let error = state.command_door(1, DoorCommand::Open).unwrap_err();
+        let text = "`door` must be the index of one of the scenario's 1 doors, got 1";
+        assert_eq!(error.to_string(), text);
+    }
+}
+
+#[test]
+fn the_places_of_smoke_are_those_where_it_is() {
+    let (world, mut scenario) = two_rooms("kind: sliding, control: commanded");
+    assert_eq!(ScenarioState::new(&world, &scenario).unwrap().smoke().count(), 0);
+    let room = "(region: room(0), extinction: 2.0, growth: 0.0, kind: regional)";
+    let disc = "(region: disc(center: (6.0, 2.0), radius: 1.0), extinction: 0.5, growth: 0.0, kind: regional)";
+    scenario.smoke = [room, disc].map(|text| ron::from_str(text).unwrap()).to_vec();
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    state.step(60.0, &[]).unwrap();
+    let places: Vec<_> = state.smoke().collect();
+    let known =
+        [SmokePlace::Room(0), SmokePlace::Room(1), SmokePlace::Halls, SmokePlace::Source(1)];
+    assert_eq!(places.iter().map(|(place, _)| *place).collect::<Vec<_>>(), known);
+    for i in 0..80 {
+        let p = DVec2::new(0.05 + 0.1 * f64::from(i), 2.2);
+        let here = places
+            .iter()
+            .filter(|(place, _)| state.smoke_shapes(*place).iter().any(|shape| shape.contains(p)));
+        let sum: f64 = here.map(|(_, extinction)| extinction).sum();
+        assert!((sum - state.extinction(p)).abs() < 1e-12, "{p}");
+    }
+    assert_eq!(state.smoke_shapes(SmokePlace::Room(9)), []);
+    assert_eq!(state.smoke_shapes(SmokePlace::Source(0)), []);
 }
 
 #[test]

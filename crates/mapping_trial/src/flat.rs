@@ -12,10 +12,10 @@ use envgen::surface_index::SurfaceIndex;
 use envgen::{Seed, SpecError, World};
 use glam::DVec2;
 
-use self::moving::{Moving, Rays};
+use self::moving::Moving;
 
 use crate::backend::{Command, Condition, Observation, RobotBackend, Sensors, TICK};
-use crate::lidar::{LaserProfile, UNSEEN};
+use crate::lidar::{LaserProfile, Rays, UNSEEN};
 use crate::odometry::{Increment, OdometryProfile};
 use crate::robot::Robot;
 use crate::water;
@@ -190,8 +190,7 @@ impl FlatSimulator {
             .extend(beams.map(|beam| unit_vector(from.heading + self.laser.angle(beam))));
         let (from, max_range) = (from.position, self.laser.max_range);
         let rays = Rays { from, directions: &self.directions, max_range };
-        moving.shorten(&rays, &mut self.exact);
-        moving.dim((robot, self.ticks), &rays, &mut self.exact)
+        moving.see((robot, self.ticks), &rays, &mut self.exact)
     }
 
     /// Shortens ranges that end at another robot.

@@ -1,10 +1,14 @@
 //! The laser: its profiles, its scans and its errors.
 
+mod in_scenario;
+
 use std::f64::consts::{PI, TAU};
 
 use envgen::raycast::ScanPattern;
 use envgen::scenario::{SmokeProfile, smoke};
 use envgen::{Seed, SpecError, settings};
+
+pub use in_scenario::{Rays, ScenarioSight};
 
 /// Random numbers per beam, used or not, so that a beam's errors do not depend on other beams.
 const DRAWS_A_BEAM: usize = 4;

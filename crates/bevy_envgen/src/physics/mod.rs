@@ -1,31 +1,34 @@
-//! Colliders for the parts of worlds, and moving doors.
+//! Colliders for the parts of worlds, and for the people and doors of scenarios.
 //!
-//! Walls, trees, obstacles and closed doors stop bodies and rays, exactly where [`envgen::raycast`]
-//! does. Surfaces, rooms and doorways are sensors, which report the bodies inside them.
+//! Walls, trees, obstacles and closed doorways stop bodies and rays, exactly where [`envgen::raycast`]
+//! does. Surfaces, rooms and doorways are sensors, which report the bodies inside them. People and leaves of
+//! [`crate::scenario`] are kinematic bodies.
 
 mod collider;
-mod door;
+mod moving;
 mod setup;
 
-use bevy::ecs::intern::Interned;
-use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{
-    ActiveCollisionTypes, ActiveEvents, Collider, CollisionGroups, Friction, Group, PhysicsSet,
+    ActiveCollisionTypes, ActiveEvents, Collider, CollisionEvent, CollisionGroups, Friction, Group,
     Restitution, Sensor,
 };
 
-pub use door::{Door, DoorClock, DoorSchedule, DoorStopped};
+pub use moving::PersonHit;
+pub(crate) use moving::fit_leaves;
 pub use setup::TopDownPhysicsPlugin;
 
 use crate::environment::EnvironmentStats;
-use crate::part::{PartId, PartKind};
+use crate::part::{Doorway, PartId, PartKind};
 use crate::shape::PartShape;
 use crate::spawn::{TileSolids, TileSpawned};
+use crate::{EnvgenSystems, Schedules};
 
+/// The collision group of people.
+pub const PERSON_GROUP: Group = Group::GROUP_29;
 /// The collision group of walls, trees and obstacles.
 pub const SOLID_GROUP: Group = Group::GROUP_30;
-/// The collision group of doors.
+/// The collision group of leaves, and of doorways that are closed for ever.
 pub const DOOR_GROUP: Group = Group::GROUP_31;
 /// The collision group of surfaces, rooms and doorways.
 pub const SENSOR_GROUP: Group = Group::GROUP_32;
@@ -62,16 +65,16 @@ pub struct ColliderSettings {
     pub merge: ColliderMerging,
     /// Whether surfaces, rooms and doorways get sensors.
     pub sensors: bool,
-    /// Whether doors can move; if not, closed doors are fixed like walls.
-    pub doors: bool,
-    /// Coefficient of friction of walls, trees and obstacles.
+    /// Coefficient of friction of walls, trees, obstacles, people and leaves.
     pub friction: f32,
     /// Coefficient of restitution of walls, trees and obstacles, 0 for no bounce.
     pub restitution: f32,
     /// Collision groups of walls, trees and obstacles.
     pub solid_groups: CollisionGroups,
-    /// Collision groups of doors.
+    /// Collision groups of leaves, and of doorways that are closed for ever.
     pub door_groups: CollisionGroups,
+    /// Collision groups of people.
+    pub person_groups: CollisionGroups,
     /// Collision groups of sensors, which by default detect everything but the world's own parts.
     pub sensor_groups: CollisionGroups,
 }
@@ -84,6 +87,10 @@ fn door_groups() -> CollisionGroups {
     CollisionGroups::new(DOOR_GROUP, Group::ALL)
 }
 
+fn person_groups() -> CollisionGroups {
+    CollisionGroups::new(PERSON_GROUP, Group::ALL)
+}
+
 fn sensor_groups() -> CollisionGroups {
     CollisionGroups::new(SENSOR_GROUP, !(SOLID_GROUP | DOOR_GROUP | SENSOR_GROUP))
 }
@@ -93,11 +100,11 @@ impl Default for ColliderSettings {
         ColliderSettings {
             merge: ColliderMerging::default(),
             sensors: true,
-            doors: true,
             friction: 0.5,
             restitution: 0.0,
             solid_groups: solid_groups(),
             door_groups: door_groups(),
+            person_groups: person_groups(),
             sensor_groups: sensor_groups(),
         }
     }
@@ -108,60 +115,46 @@ impl Default for ColliderSettings {
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct EnvironmentColliders(pub ColliderSettings);
 
-/// The systems that move doors, before rapier reads their poses.
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct DoorSystems;
-
-/// Adds colliders to the parts of worlds, and doors to doorways.
+/// Adds colliders to the parts of worlds, and bodies to the people and leaves of scenarios.
 ///
 /// Rapier itself is not added: see [`TopDownPhysicsPlugin`]. Without it the colliders have no
 /// effect.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct EnvgenPhysicsPlugin {
-    schedule: Interned<dyn ScheduleLabel>,
     colliders: ColliderSettings,
 }
 
 impl EnvgenPhysicsPlugin {
-    /// Moves doors in `schedule` instead of `FixedUpdate`; it must be rapier's schedule.
-    pub fn new(schedule: impl ScheduleLabel) -> Self {
-        EnvgenPhysicsPlugin { schedule: schedule.intern(), colliders: default() }
-    }
-
     /// Uses `colliders` instead of the default settings.
     pub fn with_colliders(self, colliders: ColliderSettings) -> Self {
-        EnvgenPhysicsPlugin { colliders, ..self }
-    }
-}
-
-impl Default for EnvgenPhysicsPlugin {
-    fn default() -> Self {
-        EnvgenPhysicsPlugin::new(FixedUpdate)
+        EnvgenPhysicsPlugin { colliders }
     }
 }
 
 impl Plugin for EnvgenPhysicsPlugin {
     fn build(&self, app: &mut App) {
+        let main = Schedules::of(app).main;
         app.register_type::<ColliderSettings>()
             .register_type::<EnvironmentColliders>()
-            .register_type::<Door>()
-            .register_type::<DoorClock>()
-            .register_type::<DoorSchedule>()
             .insert_resource(self.colliders)
-            .add_message::<DoorStopped>()
+            .add_message::<PersonHit>()
             .add_observer(collide)
-            .configure_sets(self.schedule, DoorSystems.before(PhysicsSet::SyncBackend))
+            .add_observer(moving::embody)
+            .add_observer(moving::hang)
             .add_systems(
-                self.schedule,
-                (
-                    door::warn_bad_schedules,
-                    door::run_clocks,
-                    door::follow_schedules,
-                    door::move_doors,
-                )
-                    .chain()
-                    .in_set(DoorSystems),
+                main,
+                moving::report_hits
+                    .after(EnvgenSystems::Notify)
+                    .run_if(resource_exists::<Messages<CollisionEvent>>),
             );
+    }
+}
+
+/// The settings of an environment.
+fn settings_of(world: &World, environment: Entity) -> ColliderSettings {
+    match world.get::<EnvironmentColliders>(environment) {
+        Some(own) => own.0,
+        None => world.get_resource::<ColliderSettings>().copied().unwrap_or_default(),
     }
 }
 
@@ -178,10 +171,7 @@ fn give_colliders(world: &mut World, spawned: &TileSpawned) {
     else {
         return;
     };
-    let settings = match root.get::<EnvironmentColliders>() {
-        Some(own) => own.0,
-        None => world.get_resource::<ColliderSettings>().copied().unwrap_or_default(),
-    };
+    let settings = settings_of(world, spawned.environment);
     let solids = root.get::<EnvironmentStats>().and_then(|stats| stats.solids);
     let merge = tile.contains::<TileSolids>()
         || match settings.merge {
@@ -223,8 +213,20 @@ fn give_colliders(world: &mut World, spawned: &TileSpawned) {
             .insert_batch(colliders.into_iter().map(|(part, collider)| (part, (collider, sensor))));
     }
     for doorway in of_kind(|kind| kind == PartKind::Doorway) {
-        door::add_door(world, doorway, settings.door_groups, settings.doors);
+        close(world, doorway, settings.door_groups);
     }
+}
+
+/// Fills a doorway that is closed for ever. The collider of the doorway itself is a sensor.
+fn close(world: &mut World, doorway: Entity, groups: CollisionGroups) {
+    let entity = world.entity(doorway);
+    let (Some(part), Some(shape)) = (entity.get::<Doorway>(), entity.get::<PartShape>()) else {
+        return;
+    };
+    let Some(collider) = collider::collider(shape).filter(|_| !part.open) else { return };
+    let above = entity.get::<GlobalTransform>().copied().unwrap_or_default();
+    let name = Name::new("closed door");
+    world.spawn((name, ChildOf(doorway), Transform::IDENTITY, above, collider, groups));
 }
 
 /// The colliders of the parts that have an extent.

@@ -70,6 +70,28 @@ fn the_graph_of_rooms_joins_rooms_by_their_doorways() {
 }
 
 #[test]
+fn people_and_leaves_are_outlined() {
+    let (mut app, root) = app();
+    let doors = ScenarioSpec { doors: 1.0, people: 3, waiting: 1.0, ..default() };
+    app.world_mut().entity_mut(root).insert(EnvironmentScenario::new(doors, 1));
+    step(&mut app, 300);
+    let (list, strip) = lines(&mut app, DebugLayers { scenario: true, ..default() });
+    let state = app.world().get::<ScenarioRun>(root).unwrap().state();
+    for leaf in state.all_leaves() {
+        for end in [leaf.hinge, leaf.tip] {
+            assert!(list.iter().any(|p| p.distance(end.as_vec2()) < 0.06), "{leaf:?}");
+        }
+    }
+    for person in state.people() {
+        let near = |p: &&Vec2| (p.distance(person.position.as_vec2()) - 0.25).abs() < 0.01;
+        assert!(strip.iter().filter(near).count() > 10);
+        for corner in person.path() {
+            assert!(strip.iter().any(|p| p.distance(corner.as_vec2()) < 1e-3));
+        }
+    }
+}
+
+#[test]
 fn without_bevys_plugin_for_gizmos_nothing_is_drawn() {
     let mut app = test_app_with((EnvgenPlugins::default(), EnvgenDebugPlugin));
     app.insert_resource(DebugLayers::ALL);
@@ -87,6 +109,8 @@ const PRIVATE: &[&str] = &[
     "bevy_envgen::job::SpawnedTiles",
     "bevy_envgen::streaming::Streaming",
     "bevy_envgen::visuals::Inks",
+    "bevy_envgen::visuals::moving::LeafMesh",
+    "bevy_envgen::visuals::moving::SmokeMesh",
 ];
 
 /// What is made again from an environment, and must not get into scenes.
@@ -96,6 +120,8 @@ const MADE_AGAIN: &[&str] = &[
     "bevy_envgen::environment::EndlessTruth",
     "bevy_envgen::environment::EnvironmentFailure",
     "bevy_envgen::environment::GroundTruth",
+    "bevy_envgen::scenario::request::ScenarioFailure",
+    "bevy_envgen::scenario::run::ScenarioRun",
 ];
 
 #[test]

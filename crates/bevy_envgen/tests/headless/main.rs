@@ -15,6 +15,7 @@ mod inspector;
 mod other_plugins;
 mod physics;
 mod ready;
+mod scenario;
 mod streaming;
 #[cfg(feature = "render")]
 mod visuals;
@@ -68,6 +69,17 @@ fn spawned(app: &mut App) -> usize {
     let children = app.world_mut().query::<&ChildOf>().iter(app.world()).count();
     assert!(children >= tiles + parts);
     children
+}
+
+trait GenerateWorld {
+    fn generate_world(self, seed: u64) -> bevy_envgen::envgen::World;
+}
+
+impl GenerateWorld for IndoorSpec {
+    fn generate_world(self, seed: u64) -> bevy_envgen::envgen::World {
+        use bevy_envgen::envgen::{Blueprint, Seed, Spec};
+        self.generate(Seed(seed)).unwrap().to_world()
+    }
 }
 
 /// The assets of the project.

@@ -29,7 +29,8 @@ fn asset_plugin() -> AssetPlugin {
 fn no_two_of_our_systems_are_ambiguous() {
     let mut app = test_app();
     refuse_ambiguities(&mut app);
-    app.world_mut().spawn((hallway(), DoorSchedule::default()));
+    let moving = ScenarioSpec { people: 2, smoke: 0.1, ..default() };
+    app.world_mut().spawn((hallway(), EnvironmentScenario::new(moving, 1)));
     step(&mut app, 3);
     assert!(walls(&mut app) > 0);
 }
@@ -202,7 +203,11 @@ fn components_can_be_reflected() {
         "Tile",
         "StreamAround",
         "Door",
-        "DoorSchedule",
+        "DoorLeaf",
+        "EnvironmentScenario",
+        "Person",
+        "ScenarioAgent",
+        "Smoke",
         "EnvironmentColliders",
     ] {
         assert!(names.contains(&name), "{name} of {names:?}");

@@ -272,12 +272,14 @@ fn polling_systems_read_what_observers_hear() {
     fn read(
         mut ready: MessageReader<EnvironmentReady>,
         mut failed: MessageReader<EnvironmentFailed>,
-        mut stopped: MessageReader<DoorStopped>,
+        mut started: MessageReader<ScenarioStarted>,
+        mut changed: MessageReader<DoorChanged>,
         mut read: ResMut<Read>,
     ) {
         read.0.extend(ready.read().map(|ready| format!("{ready:?}")));
         read.0.extend(failed.read().map(|failed| format!("{failed:?}")));
-        read.0.extend(stopped.read().map(|stopped| format!("{stopped:?}")));
+        read.0.extend(started.read().map(|started| format!("{started:?}")));
+        read.0.extend(changed.read().map(|changed| format!("{changed:?}")));
     }
     let mut app = test_app();
     app.init_resource::<Heard>().init_resource::<Read>().add_systems(Last, read);
@@ -287,20 +289,27 @@ fn polling_systems_read_what_observers_hear() {
     app.add_observer(|failed: On<EnvironmentFailed>, mut heard: ResMut<Heard>| {
         heard.0.push(format!("{:?}", failed.event()));
     });
-    app.add_observer(|stopped: On<DoorStopped>, mut heard: ResMut<Heard>| {
-        heard.0.push(format!("{:?}", stopped.event()));
+    app.add_observer(|started: On<ScenarioStarted>, mut heard: ResMut<Heard>| {
+        heard.0.push(format!("{:?}", started.event()));
+    });
+    app.add_observer(|changed: On<DoorChanged>, mut heard: ResMut<Heard>| {
+        heard.0.push(format!("{:?}", changed.event()));
     });
     let root = spawn_ready(&mut app, Environment::new(IndoorSpec::default(), 4)).unwrap();
     spawn_ready(&mut app, Environment::new(HallwaySpec { p_st: 9.0, ..default() }, 1)).unwrap_err();
     app.world_mut().trigger(RebuildEnvironment { entity: root });
     step(&mut app, 1);
+    let door_control = DoorControl::Commanded;
+    let doors = ScenarioSpec { doors: 1.0, door_control, ..default() };
+    app.world_mut().entity_mut(root).insert(EnvironmentScenario::new(doors, 1));
+    step(&mut app, 1);
     for mut door in app.world_mut().query::<&mut Door>().iter_mut(app.world_mut()) {
-        if door.opens() { door.slam() } else { door.open() }
+        door.slam();
     }
     step(&mut app, 80);
     let Heard(heard) = app.world().resource();
     assert_eq!(&app.world().resource::<Read>().0, heard);
-    for what in ["EnvironmentReady", "EnvironmentFailed", "DoorStopped"] {
+    for what in ["EnvironmentReady", "EnvironmentFailed", "ScenarioStarted", "DoorChanged"] {
         assert!(heard.iter().any(|said| said.starts_with(what)), "{what} of {heard:?}");
     }
 }

@@ -5,7 +5,8 @@ use bevy::prelude::*;
 use bevy_envgen::EnvgenPlugins;
 use bevy_envgen::envgen::WorldKind;
 use bevy_envgen::prelude::*;
-use bevy_envgen::testing::{spawn_ready, step, test_app_with, truth};
+use bevy_envgen::scenario::DoorKinds;
+use bevy_envgen::testing::{spawn_ready, step, test_app_with, truth, wait_until_ready};
 
 /// An app that could draw, but for the GPU.
 fn app() -> App {
@@ -68,6 +69,62 @@ fn what_is_drawn_has_the_area_of_the_parts() {
             assert!((drawn - exact).abs() <= tolerance * exact, "{kind} {ink}: {drawn} {exact}");
         }
     }
+}
+
+#[test]
+fn people_leaves_and_smoke_are_drawn_as_they_are() {
+    let mut app = app();
+    let kinds = DoorKinds::Sliding;
+    let moving = ScenarioSpec {
+        doors: 1.0,
+        door_kind: kinds,
+        door_open: 1.0,
+        door_closed: 1.0,
+        people: 4,
+        smoke: 0.4,
+        smoke_growth: 5.0,
+        ..default()
+    };
+    let root = app
+        .world_mut()
+        .spawn((
+            Environment::new(WorldKind::Indoor.default_spec(), 4),
+            EnvironmentScenario::new(moving, 1),
+        ))
+        .id();
+    wait_until_ready(&mut app, root).unwrap();
+    let people = area(&mut app, "Person");
+    let exact = 4.0 * std::f32::consts::PI * 0.25 * 0.25;
+    assert!(people < exact && people > 0.9 * exact, "{people} {exact}");
+    let state = app.world().get::<ScenarioRun>(root).unwrap().state();
+    let shapes = state.smoke().flat_map(|(place, _)| state.smoke_shapes(place));
+    let exact: f64 = shapes.map(|shape| shape.area()).sum();
+    let smoke = f64::from(area(&mut app, "Smoke"));
+    assert!((smoke - exact).abs() < 0.01 * exact, "{smoke} {exact}");
+    for _ in 0..20 {
+        step(&mut app, 20);
+        let mut leaves = app.world_mut().query::<(&DoorLeaf, &Children)>();
+        let found: Vec<_> = leaves.iter(app.world()).map(|(leaf, c)| (leaf.length, c[0])).collect();
+        assert!(found.len() > 5);
+        for (length, mesh) in found {
+            assert_eq!(app.world().get::<Transform>(mesh).unwrap().scale.x, length);
+        }
+        let mut smoke = app.world_mut().query::<(&Smoke, &Children)>();
+        let found: Vec<_> = smoke.iter(app.world()).map(|(s, c)| (s.extinction, c[0])).collect();
+        let materials = app.world().resource::<Assets<ColorMaterial>>();
+        for (extinction, mesh) in found {
+            let ink = app.world().get::<MeshMaterial2d<ColorMaterial>>(mesh).unwrap();
+            let alpha = f64::from(materials.get(&ink.0).unwrap().color.alpha());
+            assert!((alpha - (1.0 - (-extinction).exp())).abs() < 1e-6, "{extinction} {alpha}");
+            let hidden = app.world().get::<Visibility>(mesh) == Some(&Visibility::Hidden);
+            assert_eq!(hidden, extinction < 0.005, "{extinction}");
+        }
+    }
+    let before = app.world().resource::<Assets<Mesh>>().len();
+    app.world_mut().entity_mut(root).remove::<EnvironmentScenario>();
+    step(&mut app, 3);
+    assert_eq!(area(&mut app, "Smoke") + area(&mut app, "Person") + area(&mut app, "Leaf"), 0.0);
+    assert!(app.world().resource::<Assets<Mesh>>().len() < before);
 }
 
 #[test]

@@ -4,16 +4,18 @@ use bevy::prelude::*;
 use bevy_rapier2d::prelude::{QueryFilter, ReadRapierContext};
 use envgen::Seed;
 use envgen::geometry::{Pose, unit_vector};
-use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor, UNSEEN};
+use envgen::glam::DVec2;
+use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor, ScenarioSight, UNSEEN};
 
 use super::ground::Terrain;
 use super::model::{RobotModel, TruePose};
+use super::scenarios::Scenarios;
 
 /// A laser at the mounting pose of the robot's model.
 ///
-/// It detects all colliders except sensors and the robot's own: walls, doors as far as they are
-/// closed, other robots and anything else, and dark walls and obstacles only from near. The first scan
-/// is taken in the first step, later ones at the profile's rate; the result is in [`LaserScan`].
+/// It detects all colliders except sensors and the robot's own: walls, other robots and anything else, and dark
+/// walls and obstacles only from near. People, leaves and smoke of scenarios it detects as the flat simulator's laser
+/// does. The first scan is taken in the first step, later ones at the profile's rate; the result is in [`LaserScan`].
 #[derive(Component, Reflect)]
 #[reflect(from_reflect = false)]
 #[reflect(Component)]
@@ -23,6 +25,10 @@ pub struct LaserScanner {
     profile: LaserProfile,
     #[reflect(ignore)]
     sensor: Box<dyn LaserSensor + Send + Sync>,
+    #[reflect(ignore)]
+    sight: ScenarioSight,
+    /// The robot's number: its draws of smoke.
+    robot: u64,
     /// Steps until the next scan.
     wait: u32,
 }
@@ -34,12 +40,21 @@ impl LaserScanner {
     /// If [`LaserProfile::validate`] rejects the profile.
     pub fn new(profile: LaserProfile, seed: u64, robot: u64) -> Self {
         let sensor = Laser::new(profile.clone(), Seed(seed), robot);
-        LaserScanner::with_sensor(profile, Box::new(sensor))
+        LaserScanner::with_sensor(profile, Box::new(sensor)).with_smoke_draws(seed, robot)
     }
 
     /// A laser with the beams and the rate of `profile`, and a custom error model.
     pub fn with_sensor(profile: LaserProfile, sensor: Box<dyn LaserSensor + Send + Sync>) -> Self {
-        LaserScanner { profile, sensor, wait: 0 }
+        let sight = ScenarioSight::new(&profile, Seed(0));
+        LaserScanner { profile, sensor, sight, robot: 0, wait: 0 }
+    }
+
+    /// With draws of echoes from smoke that follow from a seed and the robot's number, instead of 0 and 0.
+    #[must_use]
+    pub fn with_smoke_draws(mut self, seed: u64, robot: u64) -> Self {
+        self.sight = ScenarioSight::new(&self.profile, Seed(seed));
+        self.robot = robot;
+        self
     }
 
     /// The beams, range and rate of the laser.
@@ -69,14 +84,27 @@ pub struct LaserScan {
     pub number: u64,
 }
 
+/// The ranges of a scan, kept to save allocations.
+#[derive(Default)]
+pub(super) struct Ranges {
+    exact: Vec<f64>,
+    directions: Vec<DVec2>,
+    /// The beams that end at something too dark to be seen from there, and where.
+    unseen: Vec<(usize, f64)>,
+}
+
 /// Takes the scans that are due.
 pub(super) fn scan(
     mut robots: Query<(Entity, &RobotModel, &TruePose, &mut LaserScanner, &mut LaserScan)>,
     rapier: ReadRapierContext,
     terrain: Terrain,
-    mut exact: Local<Vec<f64>>,
+    scenarios: Scenarios,
+    mut ranges: Local<Ranges>,
 ) {
     let Ok(rapier) = rapier.single() else { return };
+    // Those are seen where the scenario has them.
+    let is_other = |entity| !scenarios.moves(entity);
+    let Ranges { exact, directions, unseen } = &mut *ranges;
     for (entity, model, pose, mut scanner, mut scan) in &mut robots {
         if !rapier.rigidbody_set.entity2body().contains_key(&entity) {
             continue;
@@ -89,19 +117,42 @@ pub(super) fn scan(
         let from = model.laser_pose(pose.pose());
         let origin = from.position.as_vec2();
         let filter = QueryFilter::new().exclude_rigid_body(entity).exclude_sensors();
+        let filter = filter.predicate(&is_other);
+        let LaserScanner { profile, sensor, sight, robot, .. } = &mut *scanner;
+        let beams = 0..profile.beams as usize;
+        directions.clear();
+        directions.extend(beams.map(|beam| unit_vector(from.heading + profile.angle(beam))));
+        exact.clear();
+        unseen.clear();
         rapier.with_query_pipeline(filter, |rays| {
-            let profile = scanner.profile();
-            exact.clear();
-            exact.extend((0..profile.beams as usize).map(|beam| {
-                let along = unit_vector(from.heading + profile.angle(beam));
+            for (beam, &along) in directions.iter().enumerate() {
                 let hit = rays.cast_ray(origin, along.as_vec2(), profile.max_range as f32, true);
-                let Some((_, range)) = hit else { return profile.max_range };
-                let range = f64::from(range);
-                if terrain.is_unseen(from.position, along, range) { UNSEEN } else { range }
-            }));
+                let range = hit.map_or(profile.max_range, |(_, range)| f64::from(range));
+                if hit.is_some() && terrain.is_unseen(from.position, along, range) {
+                    unseen.push((beam, range));
+                }
+                exact.push(range);
+            }
         });
-        let measured = scanner.sensor.measure(&exact);
-        scan.ranges = measured.ranges;
+        let tick = scan.number * u64::from(profile.ticks_a_scan);
+        let rays = mapping_trial::lidar::Rays {
+            from: from.position,
+            directions,
+            max_range: profile.max_range,
+        };
+        let zero = scenarios.look(sight, (*robot, tick), &rays, exact);
+        for &(beam, range) in &*unseen {
+            if exact[beam] >= range {
+                exact[beam] = UNSEEN;
+            }
+        }
+        scan.ranges = sensor.measure(exact).ranges;
+        for beam in zero {
+            // A sensor of one's own may give fewer ranges.
+            if let Some(range) = scan.ranges.get_mut(beam) {
+                *range = 0.0;
+            }
+        }
         scan.pose = from;
         scan.number += 1;
     }

@@ -30,12 +30,13 @@ mod drive;
 mod ground;
 mod laser;
 mod model;
+mod scenarios;
 mod sense;
 
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
-use bevy_envgen::physics::DoorSystems;
+use bevy_envgen::scenario::ScenarioSystems;
 use bevy_rapier2d::prelude::PhysicsSet;
 
 pub use laser::{LaserScan, LaserScanner};
@@ -92,8 +93,8 @@ impl Plugin for RobotPlugin {
             .configure_sets(
                 self.schedule,
                 (
-                    RobotSystems::Drive.before(PhysicsSet::SyncBackend).after(DoorSystems),
-                    RobotSystems::Sense.after(PhysicsSet::Writeback),
+                    RobotSystems::Drive.before(PhysicsSet::SyncBackend),
+                    RobotSystems::Sense.after(PhysicsSet::Writeback).after(ScenarioSystems),
                 ),
             )
             .add_systems(

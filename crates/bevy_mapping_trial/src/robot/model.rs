@@ -1,6 +1,7 @@
 //! The components of a robot.
 
 use bevy::prelude::*;
+use bevy_envgen::scenario::ScenarioAgent;
 use bevy_rapier2d::prelude::{
     AdditionalMassProperties, Collider, ColliderMassProperties, Friction, RigidBody, Sleeping,
     Velocity,
@@ -14,9 +15,9 @@ use mapping_trial::robot::{Footprint, Robot};
 
 /// Makes an entity a robot with these properties; the default is the Pioneer 3-AT.
 ///
-/// Inserting it adds a dynamic body, a collider of the model's footprint and a [`Chassis`] of the
-/// model. A collider or chassis that the entity already has is kept, and colliders of its children
-/// belong to the robot too. Models of other robots can be read from RON: see [`Robot::from_ron`].
+/// Inserting it adds a dynamic body, a collider of the model's footprint, a [`Chassis`] of the
+/// model, and a [`ScenarioAgent`], which people avoid and doors open for. Those that the entity already
+/// has are kept, and colliders of its children belong to the robot too. Models of other robots can be read from RON: see [`Robot::from_ron`].
 /// An invalid model gets no body and logs a warning.
 #[derive(Component, Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[reflect(opaque)]
@@ -132,14 +133,23 @@ impl From<Pose> for TruePose {
     }
 }
 
+/// What a robot touches: a wall counts where it touches both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Touched {
+    Person,
+    Solid,
+}
+
 /// The state of a robot's bumper.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct Bumper {
-    /// Whether it touches a solid or is stopped by impassable ground.
+    /// Whether it touches a solid or a person, or is stopped by impassable ground.
     pub touching: bool,
-    /// Number of collisions: contacts that begin after at least 10 steps without contact.
+    /// Number of collisions, those with people aside: contacts that begin after at least 10 steps without contact.
     pub hits: u32,
+    /// Number of collisions with people of a scenario.
+    pub person_hits: u32,
     /// Steps since the last contact.
     pub(super) clear: u32,
 }
@@ -148,18 +158,23 @@ impl Bumper {
     /// Steps without contact after which the next contact is a new collision.
     const STEPS_BETWEEN_COLLISIONS: u32 = 10;
 
-    pub(super) fn feel(&mut self, touching: bool) {
-        if touching && self.clear >= Bumper::STEPS_BETWEEN_COLLISIONS {
-            self.hits += 1;
+    pub(super) fn feel(&mut self, touched: Option<Touched>) {
+        if self.clear >= Bumper::STEPS_BETWEEN_COLLISIONS {
+            match touched {
+                Some(Touched::Solid) => self.hits += 1,
+                Some(Touched::Person) => self.person_hits += 1,
+                None => {}
+            }
         }
-        self.clear = if touching { 0 } else { self.clear.saturating_add(1) };
-        self.touching = touching;
+        self.touching = touched.is_some();
+        self.clear = if self.touching { 0 } else { self.clear.saturating_add(1) };
     }
 }
 
 impl Default for Bumper {
     fn default() -> Self {
-        Bumper { touching: false, hits: 0, clear: Bumper::STEPS_BETWEEN_COLLISIONS }
+        let clear = Bumper::STEPS_BETWEEN_COLLISIONS;
+        Bumper { touching: false, hits: 0, person_hits: 0, clear }
     }
 }
 
@@ -226,15 +241,21 @@ impl WheelOdometry {
 pub(super) struct Fitted {
     chassis: bool,
     collider: bool,
+    agent: bool,
 }
 
 /// A model, and the components that its entity already has.
-type Model =
-    (&'static RobotModel, Option<&'static Chassis>, Has<Collider>, Option<&'static Fitted>);
+type Model = (
+    &'static RobotModel,
+    Option<&'static Chassis>,
+    Has<Collider>,
+    Has<ScenarioAgent>,
+    Option<&'static Fitted>,
+);
 
-/// Adds a collider, a chassis and a full battery to a robot.
+/// Adds a collider, a chassis and a full battery to a robot, and lets people and doors notice it.
 pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut commands: Commands) {
-    let Ok((model, chassis, collides, fitted)) = models.get(fit.entity) else { return };
+    let Ok((model, chassis, collides, is_agent, fitted)) = models.get(fit.entity) else { return };
     let fitted = fitted.copied().unwrap_or_default();
     let own_chassis = chassis.filter(|_| !fitted.chassis);
     let mut robot = commands.entity(fit.entity);
@@ -247,7 +268,13 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
     robot.insert_if_new(Battery { left: model.battery });
     let chassis = own_chassis.copied().unwrap_or(model.chassis.into());
     let own_collider = collides && !fitted.collider;
-    robot.insert((chassis, Fitted { chassis: own_chassis.is_none(), collider: !own_collider }));
+    let own_agent = is_agent && !fitted.agent;
+    if !own_agent {
+        robot.insert(ScenarioAgent::new(model.circumscribed_radius));
+    }
+    let fitted =
+        Fitted { chassis: own_chassis.is_none(), collider: !own_collider, agent: !own_agent };
+    robot.insert((chassis, fitted));
     if own_collider {
         robot.insert_if_new(AdditionalMassProperties::Mass(chassis.mass));
         return;

@@ -1,6 +1,7 @@
 //! Sensing after a step: poses, contacts, wheel odometry and batteries.
 
 use bevy::prelude::*;
+use bevy_envgen::scenario::Person;
 use bevy_rapier2d::prelude::ReadRapierContext;
 use bevy_rapier2d::prelude::systemparams::RapierContext;
 use envgen::geometry::{unit_vector, wrap_angle};
@@ -10,7 +11,7 @@ use mapping_trial::odometry::Increment;
 use super::drive::pose_of;
 use super::ground::Terrain;
 use super::model::{
-    Battery, Bumper, Chassis, RobotCondition, RobotModel, TruePose, WheelOdometry, Wheels,
+    Battery, Bumper, Chassis, RobotCondition, RobotModel, Touched, TruePose, WheelOdometry, Wheels,
 };
 
 /// The components of a robot that senses.
@@ -29,6 +30,7 @@ type Sensing = (
 pub(super) fn sense(
     time: Res<Time>,
     mut robots: Query<Sensing, With<RobotModel>>,
+    people: Query<(), With<Person>>,
     rapier: ReadRapierContext,
     terrain: Terrain,
 ) {
@@ -53,9 +55,10 @@ pub(super) fn sense(
             }
             continue;
         }
-        let touching = wheels.bogged || touches(&rapier, entity);
-        bumper.feel(touching);
-        if touching && dt > 0.0 {
+        let bogged = wheels.bogged.then_some(Touched::Solid);
+        let touched = bogged.max(touched(&rapier, entity, &people));
+        bumper.feel(touched);
+        if touched.is_some() && dt > 0.0 {
             // A stopped body stops its wheels.
             let motion = Command { speed: distance / dt, turn_rate: turn / dt };
             wheels.set(motion, chassis.track);
@@ -71,11 +74,24 @@ pub(super) fn sense(
     }
 }
 
-/// Whether any collider of a body touches a solid.
-fn touches(rapier: &RapierContext, body: Entity) -> bool {
+/// What the colliders of a body touch.
+fn touched(
+    rapier: &RapierContext,
+    body: Entity,
+    people: &Query<(), With<Person>>,
+) -> Option<Touched> {
     let RapierContext { simulation, colliders, rigidbody_set, .. } = *rapier;
-    colliders.rigid_body_colliders(body, rigidbody_set).any(|collider| {
-        let mut pairs = simulation.contact_pairs_with(colliders, rigidbody_set, collider);
-        pairs.any(|pair| pair.raw.total_impulse_magnitude() > 0.0)
-    })
+    let own = colliders.rigid_body_colliders(body, rigidbody_set);
+    let touched = own.flat_map(|collider| {
+        let pairs = simulation.contact_pairs_with(colliders, rigidbody_set, collider);
+        pairs.filter(|pair| pair.raw.total_impulse_magnitude() > 0.0).map(|pair| {
+            let mut both = [pair.collider1(), pair.collider2()].into_iter().flatten();
+            if both.any(|entity| people.contains(entity)) {
+                Touched::Person
+            } else {
+                Touched::Solid
+            }
+        })
+    });
+    touched.max()
 }

@@ -2,9 +2,11 @@
 
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
+use envgen::scenario::ScenarioState;
 use mapping_trial::backend::{Command, Condition, Observation, RobotBackend, Sensors, TICK};
 use mapping_trial::lidar::Scan;
 use mapping_trial::odometry::Increment;
+use mapping_trial::trial::Setup;
 
 /// The robots of a trial in rapier. In every tick, systems store here what the robots sensed, and
 /// the trial reads it.
@@ -15,6 +17,8 @@ pub struct RapierRobots {
     /// Operating time of a full battery in seconds.
     battery: f64,
     robots: Vec<TickReport>,
+    /// What moves besides, as it was in the last tick.
+    scenario: Option<ScenarioState>,
 }
 
 /// What a robot sensed in the last tick.
@@ -23,6 +27,7 @@ pub(super) struct TickReport {
     pub(super) pose: Pose,
     pub(super) condition: Condition,
     pub(super) hits: u32,
+    pub(super) person_hits: u32,
     pub(super) touching: bool,
     pub(super) odometry: Increment,
     pub(super) scan: Option<Scan>,
@@ -30,18 +35,20 @@ pub(super) struct TickReport {
 }
 
 impl RapierRobots {
-    pub(super) fn new(starts: &[Pose], battery: f64, sensors: Vec<Sensors>) -> Self {
+    pub(super) fn new(setup: &Setup<'_>, sensors: Vec<Sensors>) -> Self {
         let report = |&pose: &Pose| TickReport {
             pose,
             condition: Condition::Operational,
             hits: 0,
+            person_hits: 0,
             touching: false,
             odometry: Increment::default(),
             scan: None,
             water: None,
         };
-        let robots = starts.iter().map(report).collect();
-        RapierRobots { ticks: 0, sensors, battery, robots }
+        let robots = setup.starts.iter().map(report).collect();
+        let battery = setup.settings.body.battery;
+        RapierRobots { ticks: 0, sensors, battery, robots, scenario: setup.scenario.cloned() }
     }
 
     /// The robots' sensors, for spawning the robots.
@@ -53,6 +60,13 @@ impl RapierRobots {
     pub(super) fn store(&mut self, robot: usize, report: TickReport) {
         if let Some(place) = self.robots.get_mut(robot) {
             *place = report;
+        }
+    }
+
+    /// Stores what moves besides.
+    pub(super) fn store_scenario(&mut self, state: &ScenarioState) {
+        if let Some(scenario) = &mut self.scenario {
+            scenario.clone_from(state);
         }
     }
 
@@ -103,5 +117,13 @@ impl RobotBackend for RapierRobots {
 
     fn hits(&self, robot: usize) -> u32 {
         self.robots[robot].hits
+    }
+
+    fn person_hits(&self, robot: usize) -> u32 {
+        self.robots[robot].person_hits
+    }
+
+    fn scenario(&self) -> Option<&ScenarioState> {
+        self.scenario.as_ref()
     }
 }

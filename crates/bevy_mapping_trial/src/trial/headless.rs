@@ -8,8 +8,10 @@ use bevy::prelude::*;
 use bevy::time::{TimePlugin, TimeUpdateStrategy};
 use bevy_envgen::physics::{ColliderSettings, EnvgenPhysicsPlugin, TopDownPhysicsPlugin};
 use bevy_envgen::{
-    EnvgenCorePlugin, Environment, EnvironmentError, EnvironmentFailure, GenerationMode,
+    EnvgenCorePlugin, EnvgenScenarioPlugin, Environment, EnvironmentError, EnvironmentFailure,
+    EnvironmentScenario, GenerationMode,
 };
+use envgen::scenario::Scenario;
 use mapping_trial::backend::TICK;
 use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
 use thiserror::Error;
@@ -45,21 +47,24 @@ pub fn run_headless(
     settings: TrialSettings,
     progress: impl FnMut(f64),
 ) -> Result<Trial<RapierRobots>, HeadlessError> {
-    run_headless_with(world, settings, TrialParts::default(), progress)
+    run_headless_with(world, settings, TrialParts::default(), None, progress)
 }
 
-/// The same with a custom SLAM, exploration policy or sensors, in place of those of the settings.
+/// The same with a custom SLAM, exploration policy or sensors, in place of those of the settings, and with doors,
+/// people and smoke.
 ///
 /// # Errors
 ///
-/// As [`run_headless`].
+/// As [`run_headless`]; a scenario that does not fit the world.
 pub fn run_headless_with(
     world: &envgen::World,
     settings: TrialSettings,
     parts: TrialParts,
+    scenario: Option<Scenario>,
     progress: impl FnMut(f64),
 ) -> Result<Trial<RapierRobots>, HeadlessError> {
-    drive(world.clone(), MappingTrial::new(settings).with_parts(parts), progress)
+    let trial = MappingTrial::new(settings).with_parts(parts);
+    drive(world.clone(), trial, scenario, progress)
 }
 
 /// Replays a log of engine [`ENGINE`](super::ENGINE) in `world`, which must be the log's world.
@@ -72,7 +77,8 @@ pub fn replay_headless(
     log: TrialLog,
     progress: impl FnMut(f64),
 ) -> Result<Trial<RapierRobots>, HeadlessError> {
-    drive(world.clone(), MappingTrial::replay(log), progress)
+    let scenario = log.scenario.clone();
+    drive(world.clone(), MappingTrial::replay(log), scenario, progress)
 }
 
 /// The last reason why the trial could not begin.
@@ -82,11 +88,16 @@ struct Failure(MappingTrialError);
 fn drive(
     world: envgen::World,
     trial: MappingTrial,
+    scenario: Option<Scenario>,
     mut progress: impl FnMut(f64),
 ) -> Result<Trial<RapierRobots>, HeadlessError> {
     let mut app = app();
     let environment = Environment::prebuilt(world).with_pace(GenerationMode::Blocking);
-    let entity = app.world_mut().spawn((environment, trial)).id();
+    let mut root = app.world_mut().spawn((environment, trial));
+    if let Some(scenario) = scenario {
+        root.insert(EnvironmentScenario::prebuilt(scenario));
+    }
+    let entity = root.id();
     let mut ticks = 0_u64;
     loop {
         app.update();
@@ -122,6 +133,7 @@ fn app() -> App {
         TransformPlugin,
         TopDownPhysicsPlugin::for_trials(),
         EnvgenCorePlugin::default(),
+        EnvgenScenarioPlugin::default(),
         EnvgenPhysicsPlugin::default().with_colliders(ColliderSettings::for_trials()),
         TrialPlugin::default(),
     ));

@@ -20,7 +20,7 @@
 //! # A tick
 //!
 //! [`TrialSystems::Command`], [`RobotSystems::Drive`](crate::robot::RobotSystems), rapier's
-//! `PhysicsSet`, [`RobotSystems::Sense`](crate::robot::RobotSystems), [`TrialSystems::Record`]. The
+//! `PhysicsSet`, [`ScenarioSystems`](bevy_envgen::ScenarioSystems), [`RobotSystems::Sense`](crate::robot::RobotSystems), [`TrialSystems::Record`]. The
 //! schedule's step must be [`TICK`](mapping_trial::backend::TICK), and rapier's with it:
 //! [`TopDownPhysicsPlugin::for_trials`](ForTrials::for_trials) sets both.
 //! In the first tick after the robots were spawned only observations are made: rapier must create
@@ -29,8 +29,14 @@
 //! # Replay
 //!
 //! A log of engine [`ENGINE`] replays to the last bit with the same build of the program, on the
-//! same kind of machine; rapier's floating-point results differ between platforms. Moving doors,
-//! and everything else that an app adds to the world, are not in the log.
+//! same kind of machine; rapier's floating-point results differ between platforms.
+//!
+//! # Scenarios
+//!
+//! A trial meets the doors, people and smoke of the [`EnvironmentScenario`](bevy_envgen::EnvironmentScenario) of its
+//! environment, from their start on: the same as in the flat simulator. The log holds them, and a replay gives
+//! its environment those of the log. Commands of an app to their doors, and everything else that an app adds to the
+//! world, are not in the log. Another scenario in the environment lets the trial begin again, as another world does.
 
 mod bodies;
 mod camera;
@@ -40,10 +46,11 @@ mod run;
 
 use std::sync::Arc;
 
+use bevy::ecs::change_detection::Tick;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
-use bevy_envgen::physics::DoorSystems;
+use bevy_envgen::scenario::ScenarioError;
 use bevy_rapier2d::prelude::PhysicsSet;
 use mapping_trial::backend::Command;
 use mapping_trial::trial::{Trial, TrialError, TrialLog, TrialParts, TrialSettings};
@@ -100,7 +107,7 @@ impl Plugin for TrialPlugin {
             .configure_sets(
                 self.schedule,
                 (
-                    TrialSystems::Command.after(DoorSystems).before(RobotSystems::Drive),
+                    TrialSystems::Command.before(RobotSystems::Drive),
                     TrialSystems::Record.after(RobotSystems::Sense).after(PhysicsSet::Writeback),
                 ),
             )
@@ -149,14 +156,21 @@ enum State {
     Warming(Box<Run>),
     Running(Box<Run>),
     Over(Box<Run>),
-    /// The trial cannot begin in this world.
-    Failed(Arc<envgen::World>),
+    /// The trial cannot begin in this place.
+    Failed(Place),
+}
+
+/// Where a trial is: the world, and the scenario by the tick of its beginning.
+#[derive(Clone)]
+struct Place {
+    world: Arc<envgen::World>,
+    scenario: Option<Tick>,
 }
 
 /// A trial that has begun.
 struct Run {
     trial: Trial<RapierRobots>,
-    world: Arc<envgen::World>,
+    place: Place,
     camera: Camera,
     robots: Vec<Entity>,
     /// Number of scans of each robot that the trial has processed.
@@ -302,6 +316,9 @@ pub enum MappingTrialError {
         /// The log's engine.
         found: String,
     },
+    /// The environment's doors, people or smoke cannot be.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
     /// The environment is scaled.
     #[error("the environment's scale must be 1 for a trial, got {found}")]
     Scale {

@@ -1,7 +1,10 @@
 //! The systems of trials.
 
 use bevy::prelude::*;
-use bevy_envgen::{Environment, EnvironmentState, GroundTruth};
+use bevy_envgen::scenario::RestartScenario;
+use bevy_envgen::{
+    Environment, EnvironmentScenario, EnvironmentState, GroundTruth, ScenarioFailure, ScenarioRun,
+};
 use bevy_rapier2d::prelude::TimestepMode;
 use envgen::geometry::Pose;
 use mapping_trial::backend::{Command, Condition, RobotBackend, Sensors, TICK};
@@ -11,7 +14,7 @@ use mapping_trial::trial::{EndReason, Trial, TrialBuilder, TrialLog};
 use super::bodies::{RapierRobots, TickReport};
 use super::camera::Camera;
 use super::{
-    ENGINE, ManualControl, MappingTrial, MappingTrialError, Request, Run, State, TrialEnded,
+    ENGINE, ManualControl, MappingTrial, MappingTrialError, Place, Request, Run, State, TrialEnded,
     TrialFailed, TrialRobot, TrialStarted,
 };
 use crate::robot::{
@@ -30,22 +33,32 @@ type Asked = (
     &'static EnvironmentState,
     &'static GroundTruth,
     &'static GlobalTransform,
+    (
+        Option<&'static EnvironmentScenario>,
+        Option<&'static mut ScenarioRun>,
+        Option<&'static ScenarioFailure>,
+    ),
 );
 
-/// Begins trials whose worlds are ready, and begins those again whose worlds have changed.
+/// Begins trials whose worlds are ready, and begins those again whose worlds or scenarios have changed.
 pub(super) fn begin(
     mut trials: Query<Asked>,
     fixed: Res<Time<Fixed>>,
     rapier: Option<Res<TimestepMode>>,
     mut commands: Commands,
 ) {
-    for (entity, mut trial, environment, state, truth, transform) in &mut trials {
-        let world = match &trial.state {
-            State::Waiting => None,
-            State::Failed(world) => Some(world),
-            State::Warming(run) | State::Running(run) | State::Over(run) => Some(&run.world),
+    for (entity, mut trial, environment, state, truth, transform, scenario) in &mut trials {
+        let (request, mut moving, failure) = scenario;
+        let place = Place {
+            world: truth.0.clone(),
+            scenario: moving.as_ref().map(|moving| moving.added()),
         };
-        if world.is_some_and(|world| std::sync::Arc::ptr_eq(world, &truth.0)) {
+        let known = match &trial.state {
+            State::Waiting => None,
+            State::Failed(place) => Some(place),
+            State::Warming(run) | State::Running(run) | State::Over(run) => Some(&run.place),
+        };
+        if known.is_some_and(|known| known.is(&place)) {
             continue;
         }
         for &robot in trial.robots() {
@@ -56,9 +69,15 @@ pub(super) fn begin(
         if !matches!(state, EnvironmentState::Ready | EnvironmentState::Failed) {
             continue;
         }
-        let ready = check(&fixed, rapier.as_deref(), transform);
-        match ready.and_then(|()| place(&trial, truth)) {
-            Ok(mut placed) => {
+        let checked = check(&fixed, rapier.as_deref(), transform).and_then(|()| {
+            let root = &mut commands.entity(entity);
+            let is_ready = prepare(&trial.ask, request, moving.as_deref_mut(), failure, root)?;
+            is_ready.then(|| start(&trial, &place.world, moving.as_deref())).transpose()
+        });
+        match checked {
+            // In a later tick.
+            Ok(None) => {}
+            Ok(Some(mut placed)) => {
                 let robots = spawn(&mut commands, entity, environment, transform, &mut placed);
                 let scans = vec![0; robots.len()];
                 let script = match &trial.ask {
@@ -68,17 +87,65 @@ pub(super) fn begin(
                         (0..robots.len()).map(track).collect()
                     }
                 };
-                let world = truth.0.clone();
-                let camera = Camera::new(&world);
-                let run = Run { trial: placed, world, camera, robots, scans, script };
+                let camera = Camera::new(&place.world);
+                let run = Run { trial: placed, place, camera, robots, scans, script };
                 trial.state = State::Warming(Box::new(run));
             }
             Err(error) => {
                 log::warn!("trial in environment {entity}: {error}");
-                trial.state = State::Failed(truth.0.clone());
+                if let Some(moving) = &mut moving {
+                    moving.set_paused(false);
+                }
+                trial.state = State::Failed(place);
                 commands.trigger(TrialFailed { entity, error });
             }
         }
+    }
+}
+
+impl Place {
+    fn is(&self, other: &Place) -> bool {
+        std::sync::Arc::ptr_eq(&self.world, &other.world) && self.scenario == other.scenario
+    }
+}
+
+/// Prepares the scenario of an environment for a trial: that of its log, at its start, waiting for the robots.
+/// Whether the trial can begin.
+fn prepare(
+    ask: &Request,
+    request: Option<&EnvironmentScenario>,
+    moving: Option<&mut ScenarioRun>,
+    failure: Option<&ScenarioFailure>,
+    root: &mut EntityCommands<'_>,
+) -> Result<bool, MappingTrialError> {
+    if let Request::Replay(log) = ask {
+        match &log.scenario {
+            Some(logged) if moving.as_ref().is_none_or(|moving| moving.scenario() != logged) => {
+                let wanted = EnvironmentScenario::prebuilt(logged.clone());
+                if request != Some(&wanted) {
+                    root.insert(wanted).remove::<ScenarioFailure>();
+                    return Ok(false);
+                }
+                return failure.map_or(Ok(false), |failure| Err(failure.0.clone().into()));
+            }
+            None if request.is_some() => {
+                root.remove::<EnvironmentScenario>();
+                return Ok(false);
+            }
+            _ => {}
+        }
+    }
+    match (request, moving, failure) {
+        (None, None, _) => Ok(true),
+        (_, _, Some(failure)) => Err(failure.0.clone().into()),
+        (_, Some(moving), None) if moving.is_paused() && moving.state().tick() == 0 => Ok(true),
+        (_, Some(moving), None) => {
+            // With other entities, so that rapier remembers nothing of them.
+            moving.set_paused(true);
+            root.trigger(|entity| RestartScenario { entity });
+            Ok(false)
+        }
+        (Some(_), None, None) => Ok(false),
     }
 }
 
@@ -108,17 +175,21 @@ fn check(
 }
 
 /// A trial with its robots at their starts.
-fn place(
+fn start(
     trial: &MappingTrial,
     world: &envgen::World,
+    moving: Option<&ScenarioRun>,
 ) -> Result<Trial<RapierRobots>, MappingTrialError> {
-    let bodies = |builder: TrialBuilder<'_>| {
-        builder.parts(trial.parts.clone()).build(|setup, sensors| {
-            RapierRobots::new(setup.starts, setup.settings.body.battery, sensors)
-        })
-    };
+    let bodies =
+        |builder: TrialBuilder<'_>| builder.parts(trial.parts.clone()).build(RapierRobots::new);
     Ok(match &trial.ask {
-        Request::New(settings) => bodies(TrialBuilder::new(world, (**settings).clone()))?,
+        Request::New(settings) => {
+            let builder = TrialBuilder::new(world, (**settings).clone());
+            bodies(match moving {
+                Some(moving) => builder.scenario(moving.scenario().clone()),
+                None => builder,
+            })?
+        }
         Request::Replay(log) if log.engine != ENGINE => {
             return Err(MappingTrialError::Engine { found: log.engine.clone() });
         }
@@ -147,7 +218,8 @@ fn spawn(
                 Name::new(format!("Robot {}", index + 1)),
                 TrialRobot { index },
                 RobotModel(settings.body.clone()),
-                LaserScanner::with_sensor(settings.laser.clone(), laser),
+                LaserScanner::with_sensor(settings.laser.clone(), laser)
+                    .with_smoke_draws(settings.seed.0, index as u64),
                 WheelOdometry::with_sensor(odometry),
                 place,
                 // Bevy updates it once per frame, but rapier reads it in this tick.
@@ -216,13 +288,22 @@ type Sensed = (
     &'static mut Battery,
 );
 
+/// A trial that is recorded.
+type Recorded = (
+    Entity,
+    &'static mut MappingTrial,
+    &'static Environment,
+    &'static GlobalTransform,
+    Option<&'static mut ScenarioRun>,
+);
+
 /// Stores what the robots sensed in their trials.
 pub(super) fn record(
-    mut trials: Query<(Entity, &mut MappingTrial, &Environment, &GlobalTransform)>,
+    mut trials: Query<Recorded>,
     mut robots: Query<Sensed, With<TrialRobot>>,
     mut commands: Commands,
 ) {
-    for (entity, mut trial, environment, transform) in &mut trials {
+    for (entity, mut trial, environment, transform, mut moving) in &mut trials {
         let MappingTrial { time, state, .. } = trial.bypass_change_detection();
         let warming = matches!(state, State::Warming(_));
         let (State::Warming(run) | State::Running(run)) = state else { continue };
@@ -255,6 +336,7 @@ pub(super) fn record(
                 pose,
                 condition: if lost { Condition::Drowned } else { Condition::Operational },
                 hits: bumper.hits,
+                person_hits: bumper.person_hits,
                 touching: bumper.touching,
                 odometry: wheels.last(),
                 scan: fresh.then(|| Scan { ranges: scan.ranges.clone() }),
@@ -262,7 +344,13 @@ pub(super) fn record(
             };
             run.trial.bodies_mut().store(robot, report);
         }
+        if let Some(moving) = &moving {
+            run.trial.bodies_mut().store_scenario(moving.state());
+        }
         if warming {
+            if let Some(moving) = &mut moving {
+                moving.set_paused(false);
+            }
             if let State::Warming(run) = std::mem::replace(state, State::Waiting) {
                 *state = State::Running(run);
             }
@@ -283,13 +371,19 @@ fn in_world(pose: &TruePose, to_world: &bevy::math::DAffine3, environment: &Envi
     Pose { position: position + environment.origin, heading: envgen::geometry::wrap_angle(heading) }
 }
 
-/// Despawns the robots of a removed trial.
+/// Despawns the robots of a removed trial, and lets the scenario go on that waited for it.
 pub(super) fn leave(
     gone: On<Discard, MappingTrial>,
     trials: Query<&MappingTrial>,
+    mut scenarios: Query<&mut ScenarioRun>,
     mut commands: Commands,
 ) {
     let Ok(trial) = trials.get(gone.entity) else { return };
+    if let (Ok(mut moving), State::Waiting | State::Warming(_)) =
+        (scenarios.get_mut(gone.entity), &trial.state)
+    {
+        moving.set_paused(false);
+    }
     for &robot in trial.robots() {
         if let Ok(mut robot) = commands.get_entity(robot) {
             robot.try_despawn();

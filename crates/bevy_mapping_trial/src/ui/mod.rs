@@ -8,6 +8,7 @@
 //! |---|---|---|
 //! | [`SpecForm`] | every setting of every kind of world, and the seed | [`SpecAction`] |
 //! | [`SetupForm`] | the settings of a trial | |
+//! | [`ScenarioForm`] | the doors, people and smoke in it | |
 //! | [`TrialStatus`] | clock, battery, distance and collisions of a running trial | [`TrialAction`] |
 //! | [`scores`] | D, M, N and their components | |
 //! | [`FeedbackForm`] | appendix B of Zwennes (2011), and two further questions | the answers |
@@ -31,6 +32,7 @@
 mod feedback;
 mod manual_control;
 mod reach;
+mod scenario;
 mod scores;
 mod setup;
 mod spec;
@@ -41,6 +43,7 @@ pub use bevy_egui::egui;
 
 pub use feedback::{FeedbackForm, Unanswered};
 pub use manual_control::command_of;
+pub use scenario::ScenarioForm;
 pub use scores::{comparison, scores};
 pub use setup::SetupForm;
 pub use spec::{SpecAction, SpecForm};

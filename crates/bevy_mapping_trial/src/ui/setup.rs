@@ -8,7 +8,7 @@ use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::PolicyKind;
 use mapping_trial::trial::{MAX_TIME_LIMIT, TrialSettings};
 
-use super::{error, row};
+use super::{ScenarioForm, error, row};
 
 /// The entry for a person in the list of exploration policies.
 const PERSON: &str = "a person";
@@ -18,6 +18,8 @@ const PERSON: &str = "a person";
 pub struct SetupForm {
     /// The settings.
     pub settings: TrialSettings,
+    /// What moves in the world.
+    pub scenario: ScenarioForm,
     /// Whether the true world and the true poses are shown, for training.
     pub training: bool,
 }
@@ -61,6 +63,7 @@ impl SetupForm {
             let seconds = DragValue::new(&mut settings.time_limit).range(1.0..=MAX_TIME_LIMIT);
             ui.add(seconds.speed(5.0).suffix(" s"));
         });
+        ui.collapsing("doors, people, smoke", |ui| self.scenario.show(ui));
         row(ui, "training", "shows the true world with the map", |ui| {
             ui.checkbox(&mut self.training, "show the truth");
         });

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use bevy_egui::egui::{self, ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
 use envgen::calibration::Dials;
 use envgen::indoor::{IndoorSpec, Profile};
+use envgen::serde_json::Value;
 use envgen::settings::{Allowed, Setting};
 use envgen::{Seed, SettingsError, SpecError, WorldKind, WorldSpec, whole_file};
 
@@ -50,7 +51,7 @@ pub struct SpecForm {
 
 /// One setting as it is edited.
 #[derive(Clone, Debug)]
-struct Draft {
+pub(super) struct Draft {
     setting: &'static Setting,
     text: String,
     /// Whether the setting may be absent.
@@ -283,8 +284,45 @@ impl SpecForm {
 }
 
 impl Draft {
+    /// A setting of some settings by their names.
+    pub(super) fn new(setting: &'static Setting, values: &Value, optional: bool) -> Self {
+        Draft {
+            setting,
+            text: setting.text_of(&values[setting.name]),
+            optional,
+            reached: None,
+            requested: false,
+            error: None,
+        }
+    }
+
+    /// Whether it is the setting of a name.
+    pub(super) fn is_of(&self, name: &str) -> bool {
+        self.setting.name == name
+    }
+
+    /// Changes its text.
+    pub(super) fn set(&mut self, text: &str) {
+        text.clone_into(&mut self.text);
+    }
+
+    /// Calls `set` with its name and its text.
+    pub(super) fn set_in<E>(&self, set: impl FnOnce(&str, &str) -> Result<(), E>) -> Result<(), E> {
+        set(self.setting.name, &self.text)
+    }
+
+    /// The error that is shown below it.
+    pub(super) fn error(&self) -> Option<&str> {
+        self.error.as_deref()
+    }
+
+    /// Shows an error below it; `None` removes it.
+    pub(super) fn set_error(&mut self, error: Option<String>) {
+        self.error = error;
+    }
+
     /// Draws the setting; true when its text has changed.
-    fn show(&mut self, ui: &mut Ui) -> bool {
+    pub(super) fn show(&mut self, ui: &mut Ui) -> bool {
         let first = self.first_value();
         let Draft { setting, text, optional, .. } = self;
         let before = text.clone();
@@ -393,14 +431,8 @@ fn show_reached(drafts: &mut [Draft], spec: &WorldSpec, reached: Option<Dials<[f
 /// One text per setting.
 fn drafts(spec: &WorldSpec) -> Vec<Draft> {
     let (values, defaults) = (spec.settings_json(), spec.kind().default_spec().settings_json());
-    let draft = |setting: &'static Setting| Draft {
-        setting,
-        text: setting.text_of(&values[setting.name]),
-        optional: defaults[setting.name].is_null(),
-        reached: None,
-        requested: false,
-        error: None,
-    };
+    let draft =
+        |setting: &'static Setting| Draft::new(setting, &values, defaults[setting.name].is_null());
     let mut drafts: Vec<Draft> = spec.kind().settings().iter().map(draft).collect();
     let place = |draft: &Draft| FIRST.iter().position(|name| *name == draft.setting.name);
     drafts.sort_by_key(|draft| place(draft).unwrap_or(FIRST.len()));

@@ -28,6 +28,7 @@ use bevy::camera::CameraUpdateSystems;
 use bevy::camera::visibility::{RenderLayers, VisibilitySystems};
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
+use bevy_envgen::scenario::{Door, Person, Smoke};
 use bevy_envgen::visuals::require_visibility;
 use bevy_envgen::{Environment, Tile};
 use envgen::glam::DVec2;
@@ -49,8 +50,8 @@ pub const MINIMAP_LAYER: usize = 30;
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(TrialSights)]
 pub struct TrialView {
-    /// The world, and the true poses and paths of the robots: for training only, because a trial
-    /// asks for them.
+    /// The world with its people, doors and smoke, and the true poses and paths of the robots: for training only,
+    /// because a trial asks for them.
     pub truth: bool,
     /// The map.
     pub map: bool,
@@ -201,11 +202,11 @@ pub fn minimap_layers() -> RenderLayers {
     RenderLayers::from_layers(&[0, MINIMAP_LAYER])
 }
 
-/// Hides the parts of worlds whose trials are drawn.
-fn hide_worlds(
-    views: Query<(&TrialView, &Children)>,
-    mut tiles: Query<&mut Visibility, With<Tile>>,
-) {
+/// What is hidden of a world: its parts, and what moves in it.
+type OfWorld = Or<(With<Tile>, With<Person>, With<Door>, With<Smoke>)>;
+
+/// Hides the worlds whose trials are drawn.
+fn hide_worlds(views: Query<(&TrialView, &Children)>, mut tiles: Query<&mut Visibility, OfWorld>) {
     for (view, children) in &views {
         let wanted = if view.truth { Visibility::Inherited } else { Visibility::Hidden };
         let mut tiles = tiles.iter_many_mut(children);
@@ -219,7 +220,7 @@ fn hide_worlds(
 fn show_world(
     removed: On<Remove, TrialView>,
     children: Query<&Children>,
-    mut tiles: Query<&mut Visibility, With<Tile>>,
+    mut tiles: Query<&mut Visibility, OfWorld>,
     drawings: Query<&Drawing>,
     mut commands: Commands,
 ) {

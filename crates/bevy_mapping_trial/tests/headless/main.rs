@@ -10,6 +10,7 @@ mod gizmos;
 mod inspector;
 mod other_plugins;
 mod robot;
+mod scenario;
 mod trial;
 #[cfg(feature = "render")]
 mod view;

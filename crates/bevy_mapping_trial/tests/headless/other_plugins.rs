@@ -9,7 +9,8 @@ fn no_two_of_our_systems_are_ambiguous() {
     let mut app = test_app_with((EnvgenPlugins::default(), TrialPlugin::default()));
     refuse_ambiguities(&mut app);
     let hallway = Environment::new(HallwaySpec::default(), 1).with_pace(GenerationMode::Blocking);
-    app.world_mut().spawn((hallway, DoorSchedule::default()));
+    let moving = ScenarioSpec { people: 2, smoke: 0.1, ..Default::default() };
+    app.world_mut().spawn((hallway, EnvironmentScenario::new(moving, 1)));
     step(&mut app, 3);
     assert!(app.world_mut().query::<&Wall>().iter(app.world()).count() > 0);
 }

@@ -342,7 +342,7 @@ fn parts_of_ones_own_drive_robots_in_rapier() {
                 DeadReckoning::new(setup.starts, body, laser)
             },
         );
-    let trial = run_headless_with(&world, short(4.0), parts, |_| ()).unwrap();
+    let trial = run_headless_with(&world, short(4.0), parts, None, |_| ()).unwrap();
     let driven = trial.trajectory(0).distance;
     assert!((0.8..1.2).contains(&driven), "{driven}");
     let estimated = trial.autonomy().slam().trajectory(0);

@@ -206,11 +206,15 @@ fn the_truth_is_hidden_unless_asked_for() {
     let mut app = app();
     // From the first frame on.
     let environment = Environment::prebuilt(world.clone()).with_pace(GenerationMode::Blocking);
-    let root = app.world_mut().spawn((environment, Flat(Some(trial(&world, 1))))).id();
+    let people = ScenarioSpec { people: 1, ..default() };
+    let moving = EnvironmentScenario::new(people, 1);
+    let root = app.world_mut().spawn((environment, moving, Flat(Some(trial(&world, 1))))).id();
     let tell = |app: &mut App| {
-        let walls = named(app, "Wall");
+        let mut walls = named(app, "Wall");
+        let people = named(app, "Person");
         let truths = named(app, "truth");
-        assert!(!walls.is_empty() && truths.len() == 1);
+        assert!(!walls.is_empty() && people.len() == 1 && truths.len() == 1);
+        walls.extend(people);
         let seen: Vec<bool> = walls.iter().map(|&wall| is_seen(app, wall)).collect();
         assert!(seen.iter().all(|&wall| wall == seen[0]));
         (seen[0], is_seen(app, truths[0]))

@@ -40,7 +40,7 @@ mod state;
 mod view;
 
 pub use access::BehindDoor;
-pub use door::{Door, DoorKind, DoorState, Leaf};
+pub use door::{Door, DoorCommand, DoorKind, DoorState, Leaf};
 pub use people::{Person, PersonState, Reaction};
 pub use plan::{Scenario, ScenarioFileError};
 pub use spec::{

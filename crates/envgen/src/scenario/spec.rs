@@ -99,6 +99,8 @@ pub enum DoorControl {
     Timed,
     /// A robot, or a person who walks, nearer than 2 m opens it.
     Triggered,
+    /// [`ScenarioState::command_door`](super::ScenarioState::command_door) alone; it is open at first.
+    Commanded,
 }
 
 /// What a laser sees of a person.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::door::{Bodies, DoorClock, DoorShape, DoorState};
+use super::door::{Bodies, DoorClock, DoorCommand, DoorShape, DoorState};
 use super::people::{
     Crowd, FreeSpace, Neighbourhood, Person, PersonState, Routes, Surroundings, find_places,
     max_speed,
@@ -238,6 +238,43 @@ impl ScenarioState {
         &self.doors
     }
 
+    /// Opens, closes or slams a door, which begins with the next tick and stops at bodies as ever. A log of a trial
+    /// does not hold commands.
+    ///
+    /// ```
+    /// use envgen::scenario::{DoorCommand, DoorControl, Scenario, ScenarioSpec, ScenarioState};
+    /// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+    ///
+    /// let world = IndoorSpec::default().generate(Seed(7))?.to_world();
+    /// let spec = ScenarioSpec {
+    ///     doors: 1.0,
+    ///     door_control: DoorControl::Commanded,
+    ///     ..Default::default()
+    /// };
+    /// let mut state = ScenarioState::new(&world, &Scenario::new(&world, &spec, Seed(1))?)?;
+    /// state.command_door(0, DoorCommand::Close)?;
+    /// state.step(0.5, &[])?;
+    /// assert!((state.doors()[0].openness - 0.5).abs() < 1e-9);
+    /// assert!(state.command_door(1000, DoorCommand::Open).is_err());
+    /// # Ok::<(), envgen::SpecError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When there is no such door.
+    pub fn command_door(&mut self, door: usize, command: DoorCommand) -> Result<(), SpecError> {
+        match self.doors.get_mut(door) {
+            Some(state) => {
+                state.obey(command, &self.scene.doors[door], self.tick);
+                Ok(())
+            }
+            None => {
+                let doors = self.doors.len();
+                let allowed = format!("the index of one of the scenario's {doors} doors");
+                Err(SpecError::new("door", door, allowed))
+            }
+        }
+    }
+
     /// The leaves of a door; none of one that does not exist.
     pub fn leaves(&self, door: usize) -> impl Iterator<Item = Leaf> + use<> {
         let shape = self.scene.shapes.get(door).zip(self.doors.get(door));
@@ -248,6 +285,11 @@ impl ScenarioState {
     pub fn leaves_at(&self, door: usize, openness: f64) -> impl Iterator<Item = Leaf> + use<> {
         let openness = openness.clamp(0.0, 1.0);
         self.scene.shapes.get(door).map(|shape| shape.leaves(openness)).into_iter().flatten()
+    }
+
+    /// The middle of the doorway of a door; the origin for one that does not exist.
+    pub fn doorway_middle(&self, door: usize) -> DVec2 {
+        self.scene.shapes.get(door).map_or(DVec2::ZERO, DoorShape::middle)
     }
 
     /// The leaves of all doors.

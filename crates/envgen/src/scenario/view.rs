@@ -2,9 +2,10 @@
 
 use glam::DVec2;
 
-use super::smoke::{Laser, Reading, Stretch};
+use super::smoke::{Laser, Reading, SmokePlace, Stretch};
 use super::spec::Body;
 use super::{LEG_RADIUS, Leaf, PERSON_RADIUS, ScenarioState};
+use crate::geometry::Shape;
 use crate::raycast::{Hit, Raycaster};
 use crate::seed::Stream;
 use crate::world::PartId;
@@ -153,6 +154,17 @@ impl ScenarioState {
         let mut least = f64::INFINITY;
         self.contacts(p, self.scene.index.reach(), |contact| least = least.min(contact.distance));
         least
+    }
+
+    /// Every place where smoke can be, and its extinction coefficient there in 1/m, in an order that does not
+    /// change. Where places overlap, they add up.
+    pub fn smoke(&self) -> impl Iterator<Item = (SmokePlace, f64)> + '_ {
+        self.has_smoke().then(|| self.scene.smoke.clouds(&self.smoke)).into_iter().flatten()
+    }
+
+    /// The shapes of a place of [`ScenarioState::smoke`].
+    pub fn smoke_shapes(&self, place: SmokePlace) -> Vec<Shape> {
+        self.scene.smoke.shapes(place)
     }
 
     /// The extinction coefficient of the smoke at a point, in 1/m.

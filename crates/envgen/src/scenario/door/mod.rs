@@ -6,8 +6,8 @@ mod place;
 
 pub(super) use leaf::DoorShape;
 pub use leaf::Leaf;
-pub use motion::DoorState;
 pub(super) use motion::{Bodies, DoorClock, LEAF_GAP};
+pub use motion::{DoorCommand, DoorState};
 pub(super) use place::place_doors;
 
 use serde::{Deserialize, Serialize};
@@ -51,6 +51,16 @@ pub enum DoorKind {
     Double,
     /// One leaf slides into the wall.
     Sliding,
+}
+
+impl DoorKind {
+    /// Number of leaves.
+    pub fn leaves(self) -> usize {
+        match self {
+            DoorKind::Double => 2,
+            DoorKind::Hinged | DoorKind::Sliding => 1,
+        }
+    }
 }
 
 impl Door {

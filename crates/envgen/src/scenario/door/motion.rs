@@ -1,4 +1,4 @@
-//! The motion of doors: chance or a robot opens them, and they never close on a body.
+//! The motion of doors: chance, a robot or a command opens them, and they never close on a body.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -16,6 +16,7 @@ const SLAMMING: f64 = 0.15;
 
 /// A door that is triggered stays open for this many seconds after nobody is near.
 const HOLD: f64 = 2.0;
+const HOLD_TICKS: u64 = (HOLD * TICKS_PER_SECOND as f64) as u64;
 
 /// A robot or person nearer than this to the middle of a triggered door opens it, in metres.
 const TRIGGER: f64 = 2.0;
@@ -37,6 +38,18 @@ pub struct DoorState {
     /// Number of the next action, and the tick when it is due.
     action: u64,
     due: u64,
+}
+
+/// What a door is to do at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DoorCommand {
+    /// Open, in at most 1 s.
+    Open,
+    /// Close, in at most 1 s.
+    Close,
+    /// Slam shut, in at most 0.15 s.
+    Slam,
 }
 
 /// What a door needs to know of its schedule.
@@ -81,12 +94,16 @@ impl Bodies<'_> {
 
 impl DoorState {
     /// The state at the start: open or closed with the probabilities of the long run; closed where it is
-    /// triggered.
+    /// triggered, and open where it is commanded.
     pub(crate) fn new(door: &Door, clock: &DoorClock) -> Self {
         let share = door.open / (door.open + door.closed);
         let is_timed = door.control == DoorControl::Timed;
         let mut stream = clock.seed.stream("scenario/doors/first", clock.doorway);
-        let opens = stream.chance(share) && is_timed;
+        let opens = match door.control {
+            DoorControl::Timed => stream.chance(share),
+            DoorControl::Triggered => false,
+            DoorControl::Commanded => true,
+        };
         let mean = if opens { door.open } else { door.closed };
         let due = if is_timed { clock.wait(mean, 0) } else { 0 };
         let openness = f64::from(u8::from(opens));
@@ -96,6 +113,15 @@ impl DoorState {
     /// Whether it neither opens nor closes.
     pub fn is_still(&self) -> bool {
         self.openness == f64::from(u8::from(self.opens))
+    }
+
+    /// Begins what a command says. One that is timed or triggered continues by its own law from there.
+    pub(crate) fn obey(&mut self, command: DoorCommand, door: &Door, tick: u64) {
+        self.opens = command == DoorCommand::Open;
+        self.slams = command == DoorCommand::Slam;
+        if door.control == DoorControl::Triggered {
+            self.due = tick + HOLD_TICKS;
+        }
     }
 
     /// Whether people can walk through, and need not care for its leaves.
@@ -136,7 +162,7 @@ impl DoorState {
                             .is_some_and(|person| person.is_walking() && near(person.position, 0.0))
                     });
                 if is_asked {
-                    self.due = clock.tick + (HOLD * TICKS_PER_SECOND as f64) as u64;
+                    self.due = clock.tick + HOLD_TICKS;
                     self.opens = true;
                     self.slams = false;
                 } else if self.opens && self.due <= clock.tick {
@@ -144,6 +170,7 @@ impl DoorState {
                     self.action += 1;
                 }
             }
+            DoorControl::Commanded => {}
         }
         if !self.is_still() {
             self.advance(door, shape, clock, bodies);

@@ -128,6 +128,11 @@ impl PersonState {
         self.task == Task::Walk
     }
 
+    /// Whether the person reacts to a robot.
+    pub fn is_reacting(&self) -> bool {
+        matches!(self.task, Task::React { .. })
+    }
+
     /// The corners of the path ahead, the last first, in metres; empty for who does not walk.
     pub fn path(&self) -> &[DVec2] {
         &self.path

@@ -4,7 +4,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::chord::{Stretch, chords};
-use super::{SmokeRegion, SmokeSource};
+use super::{SmokePlace, SmokeRegion, SmokeSource};
 use crate::geometry::{Rect, Shape};
 use crate::scenario::spec::SmokeKind;
 use crate::world::{SurfaceKind, World};
@@ -152,6 +152,36 @@ impl SmokeRegions {
             chords(&shape, from, direction, length, |from, to| {
                 visit(Stretch { from, to, extinction, is_particle: is_particle(source) });
             });
+        }
+    }
+
+    /// Every place with smoke of one density, and its extinction coefficient in 1/m.
+    pub(crate) fn clouds(&self, field: &SmokeField) -> impl Iterator<Item = (SmokePlace, f64)> {
+        let rooms = self.floors.len().saturating_sub(1);
+        let place = move |i| if i < rooms { SmokePlace::Room(i as u32) } else { SmokePlace::Halls };
+        let compartments = field.rooms.iter().enumerate().map(move |(i, &c)| (place(i), c));
+        let discs = (0..).zip(self.sources.iter().zip(&field.discs));
+        let discs = discs
+            .filter(|(_, (source, _))| matches!(source.region, SmokeRegion::Disc { .. }))
+            .map(|(i, (_, &extinction))| (SmokePlace::Source(i), extinction));
+        compartments.chain(discs)
+    }
+
+    /// The shapes of a place, which may overlap; none of one that does not exist.
+    pub(crate) fn shapes(&self, place: SmokePlace) -> Vec<Shape> {
+        let of_floor = |floor: Option<&Vec<(Rect, Shape)>>| {
+            floor.into_iter().flatten().map(|(_, shape)| shape.clone()).collect()
+        };
+        let rooms = self.floors.len().saturating_sub(1);
+        match place {
+            SmokePlace::Room(room) => of_floor(self.floors[..rooms].get(room as usize)),
+            SmokePlace::Halls => of_floor(self.floors.last()),
+            SmokePlace::Source(source) => match self.sources.get(source as usize) {
+                Some(&SmokeSource { region: SmokeRegion::Disc { center, radius }, .. }) => {
+                    vec![Shape::Disc { center, radius }]
+                }
+                _ => Vec::new(),
+            },
         }
     }
 

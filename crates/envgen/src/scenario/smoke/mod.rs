@@ -49,6 +49,18 @@ pub enum SmokeRegion {
     },
 }
 
+/// A place with smoke of one density: a source's own, or one to which smoke leaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SmokePlace {
+    /// The room of this index.
+    Room(u32),
+    /// All hallways and open areas.
+    Halls,
+    /// The disc of the source of this index in the scenario.
+    Source(u32),
+}
+
 /// Draws the sources of a world: in rooms where it has some, otherwise around free points.
 pub(super) fn place_smoke(
     world: &World,

@@ -1,0 +1,103 @@
+//! Bodies for the people and leaves of scenarios.
+
+use bevy::prelude::*;
+use bevy_rapier2d::prelude::{
+    ActiveEvents, Collider, ColliderDisabled, CollisionEvent, Friction, RigidBody,
+};
+use envgen::scenario::PERSON_RADIUS;
+
+use super::settings_of;
+use crate::part::PartOf;
+use crate::scenario::{DoorLeaf, Person};
+
+/// Triggered on a [`Person`], and written as a message, when a body of rapier begins to touch the person.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PersonHit {
+    /// The person.
+    pub entity: Entity,
+    /// The entity of the collider that touches the person.
+    pub collider: Entity,
+}
+
+/// Makes a person a body.
+pub(super) fn embody(
+    added: On<Add, Person>,
+    parts: Query<&PartOf>,
+    world: &World,
+    mut commands: Commands,
+) {
+    let Ok(part) = parts.get(added.entity) else { return };
+    let settings = settings_of(world, part.0);
+    commands.entity(added.entity).try_insert((
+        RigidBody::KinematicPositionBased,
+        Collider::ball(PERSON_RADIUS as f32),
+        ActiveEvents::COLLISION_EVENTS,
+        settings.person_groups,
+        Friction::coefficient(settings.friction),
+    ));
+}
+
+/// Makes a leaf a body.
+pub(super) fn hang(
+    added: On<Add, DoorLeaf>,
+    leaves: Query<(&DoorLeaf, &PartOf)>,
+    world: &World,
+    mut commands: Commands,
+) {
+    let Ok((leaf, part)) = leaves.get(added.entity) else { return };
+    let settings = settings_of(world, part.0);
+    let mut entity = commands.entity(added.entity);
+    entity.try_insert((
+        RigidBody::KinematicPositionBased,
+        collider(leaf),
+        settings.door_groups,
+        Friction::coefficient(settings.friction),
+    ));
+    if leaf.length <= 0.0 {
+        entity.try_insert(ColliderDisabled);
+    }
+}
+
+/// A leaf as a line, without thickness as in the scenario.
+fn collider(leaf: &DoorLeaf) -> Collider {
+    // One that is in the wall keeps a length, since rapier refuses to have none.
+    Collider::segment(Vec2::ZERO, Vec2::X * leaf.length.max(0.01))
+}
+
+/// The leaves whose length may have changed.
+type Slid = (Entity, &'static DoorLeaf, &'static mut Collider, Has<ColliderDisabled>);
+
+/// Changes the colliders of sliding leaves.
+pub(crate) fn fit_leaves(mut leaves: Query<Slid, Changed<DoorLeaf>>, mut commands: Commands) {
+    for (entity, leaf, mut shape, is_disabled) in &mut leaves {
+        *shape = collider(leaf);
+        let is_gone = leaf.length <= 0.0;
+        if is_gone && !is_disabled {
+            commands.entity(entity).try_insert(ColliderDisabled);
+        } else if is_disabled && !is_gone {
+            commands.entity(entity).try_remove::<ColliderDisabled>();
+        }
+    }
+}
+
+/// Reports the bodies that touch people.
+pub(super) fn report_hits(
+    mut collisions: MessageReader<CollisionEvent>,
+    people: Query<(), With<Person>>,
+    mut hits: MessageWriter<PersonHit>,
+    mut commands: Commands,
+) {
+    for collision in collisions.read() {
+        let CollisionEvent::Started(first, second, flags) = *collision else { continue };
+        if flags.contains(bevy_rapier2d::rapier::geometry::CollisionEventFlags::SENSOR) {
+            continue;
+        }
+        for (entity, collider) in [(first, second), (second, first)] {
+            if people.contains(entity) {
+                let hit = PersonHit { entity, collider };
+                hits.write(hit);
+                commands.trigger(hit);
+            }
+        }
+    }
+}

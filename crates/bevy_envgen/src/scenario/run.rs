@@ -1,0 +1,233 @@
+//! From a request to the entities of a scenario.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use envgen::glam::DVec2;
+use envgen::scenario::{Scenario, ScenarioState};
+
+use super::part::{Door, Person, Smoke};
+use super::request::{
+    EnvironmentScenario, RestartScenario, ScenarioError, ScenarioFailed, ScenarioFailure,
+    ScenarioStarted,
+};
+use super::step::{leaf_pose, person_pose};
+use crate::environment::{EndlessTruth, Environment, GroundTruth};
+use crate::part::PartOf;
+use crate::place::{check_transform, global_transform};
+use crate::shape::Frame;
+
+/// The running scenario of an environment, on its entity. It is not reflected, so scenes do not hold it: it begins
+/// again.
+#[derive(Component, Debug)]
+#[component(clone_behavior = Ignore)]
+pub struct ScenarioRun {
+    scenario: Arc<Scenario>,
+    pub(super) state: ScenarioState,
+    is_paused: bool,
+    pub(super) people: Vec<Entity>,
+    pub(super) doors: Vec<DoorEntity>,
+    pub(super) smoke: Vec<Entity>,
+}
+
+/// The entities of a door.
+#[derive(Debug)]
+pub(super) struct DoorEntity {
+    pub(super) door: Entity,
+    /// Its pose in the environment's frame.
+    pub(super) at: Transform,
+    pub(super) leaves: Vec<Entity>,
+}
+
+impl ScenarioRun {
+    /// The scenario as it was requested.
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// Where everything is now, in the frame of the world: rays, clearances, contacts and smoke.
+    pub fn state(&self) -> &ScenarioState {
+        &self.state
+    }
+
+    /// The entities of the people, in the order of the scenario.
+    pub fn people(&self) -> &[Entity] {
+        &self.people
+    }
+
+    /// The entities of the doors, in the order of the scenario.
+    pub fn doors(&self) -> impl Iterator<Item = Entity> + '_ {
+        self.doors.iter().map(|door| door.door)
+    }
+
+    /// The entities of the places of smoke, in the order of [`ScenarioState::smoke`].
+    pub fn smoke(&self) -> &[Entity] {
+        &self.smoke
+    }
+
+    /// Whether nothing moves for now.
+    pub fn is_paused(&self) -> bool {
+        self.is_paused
+    }
+
+    /// Stops everything, or lets it go on.
+    pub fn set_paused(&mut self, is_paused: bool) {
+        self.is_paused = is_paused;
+    }
+}
+
+/// The environments whose request or world has changed.
+type Renewed = Or<(Changed<EnvironmentScenario>, Changed<GroundTruth>, Added<EndlessTruth>)>;
+
+/// Begins the scenarios whose worlds are there.
+pub(super) fn start(
+    world: &mut World,
+    renewed: &mut QueryState<
+        (Entity, Has<GroundTruth>, Has<EndlessTruth>),
+        (With<EnvironmentScenario>, Renewed),
+    >,
+) {
+    let renewed: Vec<_> = renewed.iter(world).collect();
+    for (entity, has_world, is_endless) in renewed {
+        // A world that its transform does not allow is not spawned either.
+        if (has_world || is_endless) && check_transform(&global_transform(world, entity)).is_ok() {
+            begin(world, entity, false);
+        }
+    }
+}
+
+/// Begins a scenario again.
+pub(super) fn restart(
+    asked: On<RestartScenario>,
+    runs: Query<&ScenarioRun>,
+    mut commands: Commands,
+) {
+    let entity = asked.entity;
+    let Ok(run) = runs.get(entity) else {
+        log::warn!("{entity} has no scenario that could begin again");
+        return;
+    };
+    let is_paused = run.is_paused;
+    commands.queue(move |world: &mut World| begin(world, entity, is_paused));
+}
+
+/// Removes a scenario that is no longer requested.
+pub(super) fn withdraw(removed: On<Remove, EnvironmentScenario>, mut commands: Commands) {
+    let entity = removed.entity;
+    commands.queue(move |world: &mut World| {
+        // Inserting another one removes nothing here.
+        if world.get_entity(entity).is_ok_and(|root| !root.contains::<EnvironmentScenario>()) {
+            remove(world, entity);
+        }
+    });
+}
+
+/// Despawns everything of the scenario of an environment. This includes what came out of a scene or as a clone
+/// together with the environment.
+pub(crate) fn remove(world: &mut World, environment: Entity) {
+    let children = world.get::<Children>(environment).into_iter().flatten().copied();
+    let children: Vec<Entity> = children.collect();
+    for child in children {
+        let is_ours = |child: &EntityRef<'_>| {
+            child.contains::<Person>() || child.contains::<Door>() || child.contains::<Smoke>()
+        };
+        if world.get_entity(child).is_ok_and(|child| is_ours(&child)) {
+            world.despawn(child);
+        }
+    }
+    if let Ok(mut root) = world.get_entity_mut(environment) {
+        root.remove::<(ScenarioRun, ScenarioFailure)>();
+    }
+}
+
+/// Begins the scenario of an environment in place of the one that it has.
+fn begin(world: &mut World, entity: Entity, is_paused: bool) {
+    let Ok(root) = world.get_entity(entity) else { return };
+    let (Some(request), Some(environment)) =
+        (root.get::<EnvironmentScenario>(), root.get::<Environment>())
+    else {
+        return;
+    };
+    let origin = environment.origin;
+    let known = root.get::<ScenarioRun>().map(|run| Arc::clone(&run.scenario));
+    let made = match root.get::<GroundTruth>() {
+        Some(truth) => request.of(truth).map_err(ScenarioError::from).and_then(|scenario| {
+            let state = ScenarioState::new(truth, &scenario)?;
+            Ok((
+                known.filter(|known| **known == scenario).unwrap_or_else(|| scenario.into()),
+                state,
+            ))
+        }),
+        None => Err(ScenarioError::Endless),
+    };
+    remove(world, entity);
+    match made {
+        Ok((scenario, state)) => {
+            let run = spawn(world, (entity, origin), scenario, state);
+            if let Ok(mut root) = world.get_entity_mut(entity) {
+                root.insert(ScenarioRun { is_paused, ..run });
+            }
+            world.write_message(ScenarioStarted { entity });
+            world.trigger(ScenarioStarted { entity });
+        }
+        Err(error) => {
+            log::warn!("scenario of environment {entity}: {error}");
+            if let Ok(mut root) = world.get_entity_mut(entity) {
+                root.insert(ScenarioFailure(error.clone()));
+            }
+            world.write_message(ScenarioFailed { entity, error: error.clone() });
+            world.trigger(ScenarioFailed { entity, error });
+        }
+    }
+    world.flush();
+}
+
+/// Spawns the entities of a scenario.
+fn spawn(
+    world: &mut World,
+    (environment, origin): (Entity, DVec2),
+    scenario: Arc<Scenario>,
+    state: ScenarioState,
+) -> ScenarioRun {
+    let frame = Frame::new(origin);
+    let global = global_transform(world, environment);
+    let belongs = (ChildOf(environment), PartOf(environment));
+    let people = (0..).zip(state.people()).map(|(index, person)| {
+        let at = person_pose(frame, person);
+        let part = Person { index, velocity: Vec2::ZERO, reacts: false };
+        let name = Name::new(format!("person {index}"));
+        world.spawn((part, name, at, global.mul_transform(at), belongs.clone())).id()
+    });
+    let people = people.collect();
+    let doors = (0..).zip(scenario.doors.iter().zip(state.doors())).map(|(index, (door, now))| {
+        let leaves: Vec<_> = state.leaves(index as usize).collect();
+        // An open sliding leaf is in the wall.
+        let at = frame.pose(state.doorway_middle(index as usize), 0.0);
+        let part = Door {
+            index,
+            doorway: door.doorway,
+            openness: now.openness,
+            opens: now.opens,
+            stopped: now.stopped,
+            command: None,
+        };
+        let name = Name::new(format!("door {index}"));
+        let above = global.mul_transform(at);
+        let entity = world.spawn((part, name, at, above, belongs.clone())).id();
+        let leaves = (0..door.kind.leaves()).map(|i| {
+            let (leaf, at) = leaf_pose(frame, &at, leaves.get(i));
+            let place = (at, above.mul_transform(at), ChildOf(entity), PartOf(environment));
+            world.spawn((leaf, Name::new("leaf"), place)).id()
+        });
+        DoorEntity { door: entity, at, leaves: leaves.collect() }
+    });
+    let doors = doors.collect();
+    let smoke = (0..).zip(state.smoke()).map(|(index, (_, extinction))| {
+        let at = Transform::IDENTITY;
+        let name = Name::new(format!("smoke {index}"));
+        let part = Smoke { index, extinction };
+        world.spawn((part, name, at, global.mul_transform(at), belongs.clone())).id()
+    });
+    let smoke = smoke.collect();
+    ScenarioRun { scenario, state, is_paused: false, people, doors, smoke }
+}

@@ -1,0 +1,147 @@
+//! A step of the scenarios, and where that puts their entities.
+
+use bevy::prelude::*;
+use envgen::scenario::{Leaf, PersonState};
+
+use super::ScenarioAgent;
+use super::part::{Door, DoorChange, DoorChanged, DoorLeaf, Person, PersonReacted, Smoke};
+use super::run::ScenarioRun;
+use crate::environment::Environment;
+use crate::shape::Frame;
+
+/// The pose of a person in the environment's frame.
+pub(super) fn person_pose(frame: Frame, person: &PersonState) -> Transform {
+    frame.pose(person.position, libm::atan2(person.facing.y, person.facing.x))
+}
+
+/// A leaf, and its pose in the frame of its door; without a leaf, it is in the wall.
+pub(super) fn leaf_pose(
+    frame: Frame,
+    door: &Transform,
+    leaf: Option<&Leaf>,
+) -> (DoorLeaf, Transform) {
+    let Some(leaf) = leaf else { return (DoorLeaf { length: 0.0 }, Transform::IDENTITY) };
+    let along = leaf.tip - leaf.hinge;
+    let mut at = frame.pose(leaf.hinge, libm::atan2(along.y, along.x));
+    at.translation -= door.translation;
+    (DoorLeaf { length: along.length() as f32 }, at)
+}
+
+/// A scenario that runs.
+type Running = (Entity, &'static mut ScenarioRun, &'static Environment, &'static GlobalTransform);
+
+/// Moves everything for a step of the schedule.
+pub(super) fn step(
+    time: Res<Time>,
+    mut runs: Query<Running>,
+    agents: Query<&ScenarioAgent>,
+    mut doors: Query<&mut Door>,
+) {
+    for (entity, mut run, environment, global) in &mut runs {
+        if run.is_paused() {
+            continue;
+        }
+        let ScenarioRun { state, doors: known, .. } = run.bypass_change_detection();
+        for (index, known) in known.iter().enumerate() {
+            let command = doors.get(known.door).ok().and_then(|door| door.command);
+            if let (Some(command), Ok(mut door)) = (command, doors.get_mut(known.door)) {
+                door.command = None;
+                // There is such a door.
+                state.command_door(index, command).ok();
+            }
+        }
+        let affine = global.affine().as_daffine3().inverse();
+        let robots = agents.iter().filter_map(|agent| agent.robot(&affine, environment.origin));
+        let mut robots: Vec<_> = robots.collect();
+        // The order of entities depends on what an app did before.
+        robots.sort_by(|a, b| {
+            let (p, q) = (a.position, b.position);
+            p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y))
+        });
+        let before = state.tick();
+        if let Err(error) = state.step(time.delta_secs_f64(), &robots) {
+            log::warn!("scenario of environment {entity}: {error}");
+        }
+        if state.tick() != before {
+            run.set_changed();
+        }
+    }
+}
+
+/// A person that is placed.
+type Placed = (&'static mut Person, &'static mut Transform, &'static mut GlobalTransform);
+
+/// Places people and smoke where the state has them. Physics may have moved them since.
+pub(super) fn place(
+    runs: Query<(&ScenarioRun, &Environment, &GlobalTransform)>,
+    mut people: Query<Placed, Without<Environment>>,
+    mut smoke: Query<&mut Smoke>,
+    mut reacted: MessageWriter<PersonReacted>,
+    mut commands: Commands,
+) {
+    for (run, environment, global) in &runs {
+        let frame = Frame::new(environment.origin);
+        for (&entity, now) in run.people.iter().zip(run.state.people()) {
+            let Ok((mut person, mut at, mut above)) = people.get_mut(entity) else { continue };
+            let place = person_pose(frame, now);
+            at.set_if_neq(place);
+            above.set_if_neq(global.mul_transform(place));
+            let (velocity, reacts) = (now.velocity.as_vec2(), now.is_reacting());
+            if person.reacts != reacts {
+                let event = PersonReacted { entity, begins: reacts };
+                reacted.write(event);
+                commands.trigger(event);
+            }
+            let next = Person { velocity, reacts, ..*person };
+            person.set_if_neq(next);
+        }
+        for (&entity, (_, extinction)) in run.smoke.iter().zip(run.state.smoke()) {
+            if let Ok(mut smoke) = smoke.get_mut(entity) {
+                let next = Smoke { extinction, ..*smoke };
+                smoke.set_if_neq(next);
+            }
+        }
+    }
+}
+
+/// A leaf that is placed.
+type PlacedLeaf = (&'static mut DoorLeaf, &'static mut Transform, &'static mut GlobalTransform);
+
+/// Places leaves where the state has them, and reports what doors did.
+pub(super) fn place_leaves(
+    runs: Query<(&ScenarioRun, &Environment, &GlobalTransform)>,
+    mut doors: Query<&mut Door>,
+    mut leaves: Query<PlacedLeaf, Without<Environment>>,
+    mut changed: MessageWriter<DoorChanged>,
+    mut commands: Commands,
+) {
+    for (run, environment, global) in &runs {
+        let frame = Frame::new(environment.origin);
+        for (index, (known, now)) in run.doors.iter().zip(run.state.doors()).enumerate() {
+            let Ok(mut door) = doors.get_mut(known.door) else { continue };
+            let change = if now.stopped > door.stopped {
+                Some(DoorChange::Blocked)
+            } else if now.is_still() && now.openness != door.openness {
+                Some(if now.opens { DoorChange::Opened } else { DoorChange::Closed })
+            } else {
+                None
+            };
+            if let Some(change) = change {
+                let event = DoorChanged { entity: known.door, change };
+                changed.write(event);
+                commands.trigger(event);
+            }
+            let next =
+                Door { openness: now.openness, opens: now.opens, stopped: now.stopped, ..*door };
+            door.set_if_neq(next);
+            let mut there = run.state.leaves(index);
+            for &entity in &known.leaves {
+                let Ok((mut leaf, mut at, mut above)) = leaves.get_mut(entity) else { continue };
+                let (now, place) = leaf_pose(frame, &known.at, there.next().as_ref());
+                leaf.set_if_neq(now);
+                at.set_if_neq(place);
+                above.set_if_neq(global.mul_transform(known.at).mul_transform(place));
+            }
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Meshes for the people, leaves and smoke of scenarios.
+
+use bevy::prelude::*;
+use bevy::sprite_render::AlphaMode2d;
+use envgen::scenario::PERSON_RADIUS;
+
+use super::{Drawing, Ink, LAYER, Palette, material};
+use crate::environment::Environment;
+use crate::part::PartOf;
+use crate::scenario::{DoorLeaf, Person, ScenarioRun, Smoke};
+use crate::shape::{Frame, PartShape};
+
+/// Thickness in metres of a leaf as it is drawn; in the scenario it has none.
+const THICKNESS: f32 = 0.06;
+
+/// Height of smoke, above everything else of a world.
+const SMOKE_LAYER: f32 = 11.0 * LAYER;
+
+/// Smoke that is thinner is not drawn, in 1/m.
+const THINNEST: f64 = 0.005;
+
+/// The mesh of a leaf, whose length is 1, as a child of the leaf.
+#[derive(Component)]
+pub(super) struct LeafMesh;
+
+/// The mesh of smoke, as a child of it, with a material of its own.
+#[derive(Component)]
+pub(super) struct SmokeMesh;
+
+/// Opacity of smoke: the share of light that it takes over a metre, so that what it hides can be guessed.
+pub(super) fn opacity(extinction: f64) -> f32 {
+    (-libm::expm1(-extinction) as f32).min(0.85)
+}
+
+/// Adds the meshes of a person.
+pub(super) fn draw_person(added: On<Add, Person>, mut commands: Commands) {
+    let person = added.entity;
+    commands.queue(move |world: &mut World| {
+        let radius = PERSON_RADIUS as f32;
+        let mut body = Drawing::default();
+        body.add_shape(&Transform::IDENTITY, &PartShape::Disc { radius });
+        add(world, person, Ink::Person, body);
+        let mut face = Drawing::default();
+        let corners = [Vec2::new(0.1, -0.12), Vec2::new(0.24, 0.0), Vec2::new(0.1, 0.12)];
+        face.add(corners, &[[0, 1, 2]]);
+        add(world, person, Ink::Face, face);
+    });
+}
+
+/// Adds the mesh of a leaf.
+pub(super) fn draw_leaf(added: On<Add, DoorLeaf>, mut commands: Commands) {
+    let leaf = added.entity;
+    commands.queue(move |world: &mut World| {
+        let Some(length) = world.get::<DoorLeaf>(leaf).map(|leaf| leaf.length) else { return };
+        let mut drawing = Drawing::default();
+        let at = Transform::from_xyz(0.5, 0.0, 0.0);
+        let half_size = Vec2::new(0.5, 0.5 * THICKNESS);
+        drawing.add_shape(&at, &PartShape::Box { half_size });
+        if let Some(mesh) = add(world, leaf, Ink::Leaf, drawing) {
+            world.entity_mut(mesh).insert(LeafMesh);
+            if let Some(mut at) = world.get_mut::<Transform>(mesh) {
+                at.scale.x = length;
+            }
+        }
+    });
+}
+
+/// Adds the meshes of the smoke of a scenario.
+pub(super) fn draw_smoke(
+    added: On<Insert, ScenarioRun>,
+    runs: Query<&ScenarioRun>,
+    mut commands: Commands,
+) {
+    let Ok(run) = runs.get(added.entity) else { return };
+    for &smoke in run.smoke() {
+        commands.queue(move |world: &mut World| add_smoke(world, smoke));
+    }
+}
+
+/// Adds the mesh of a place of smoke.
+fn add_smoke(world: &mut World, entity: Entity) {
+    let Ok(smoke) = world.get_entity(entity) else { return };
+    let (Some(&Smoke { index, extinction }), Some(part)) =
+        (smoke.get::<Smoke>(), smoke.get::<PartOf>())
+    else {
+        return;
+    };
+    let run = world.get::<ScenarioRun>(part.0);
+    let (Some(run), Some(environment)) = (run, world.get::<Environment>(part.0)) else { return };
+    let frame = Frame::new(environment.origin);
+    let mut drawing = Drawing::default();
+    let Some((place, _)) = run.state().smoke().nth(index as usize) else { return };
+    for shape in run.state().smoke_shapes(place) {
+        let (at, shape) = frame.place(&shape);
+        drawing.add_shape(&at, &shape);
+    }
+    if drawing.triangles.is_empty() {
+        return;
+    }
+    let palette = world.get_resource::<Palette>().cloned().unwrap_or_default();
+    let color = palette.smoke.with_alpha(opacity(extinction));
+    let Some(mut materials) = world.get_resource_mut::<Assets<ColorMaterial>>() else { return };
+    let ink = ColorMaterial { alpha_mode: AlphaMode2d::Blend, ..ColorMaterial::from(color) };
+    let ink = materials.add(ink);
+    let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() else { return };
+    let mesh = meshes.add(drawing.into_mesh());
+    world.spawn((
+        Name::new("Smoke"),
+        SmokeMesh,
+        Mesh2d(mesh),
+        MeshMaterial2d(ink),
+        Transform::from_xyz(0.0, 0.0, SMOKE_LAYER),
+        shown(extinction),
+        ChildOf(entity),
+    ));
+}
+
+fn shown(extinction: f64) -> Visibility {
+    if extinction < THINNEST { Visibility::Hidden } else { Visibility::Inherited }
+}
+
+/// Spawns a mesh as a child; `None` in apps that do not draw.
+fn add(world: &mut World, parent: Entity, ink: Ink, drawing: Drawing) -> Option<Entity> {
+    world.get_entity(parent).ok()?;
+    let palette = world.get_resource::<Palette>().cloned().unwrap_or_default();
+    if !world.contains_resource::<Assets<ColorMaterial>>() {
+        return None;
+    }
+    let mesh = world.get_resource_mut::<Assets<Mesh>>()?.add(drawing.into_mesh());
+    let material = material(world, ink, ink.color(&palette))?;
+    let at = Transform::from_xyz(0.0, 0.0, ink.layer());
+    let look = (Mesh2d(mesh), MeshMaterial2d(material));
+    Some(world.spawn((Name::new(format!("{ink:?}")), look, at, ChildOf(parent))).id())
+}
+
+/// Draws sliding leaves as long as they are.
+pub(super) fn stretch_leaves(
+    leaves: Query<(&DoorLeaf, &Children), Changed<DoorLeaf>>,
+    mut meshes: Query<&mut Transform, With<LeafMesh>>,
+) {
+    for (leaf, children) in &leaves {
+        let mut meshes = meshes.iter_many_mut(children);
+        while let Some(mut at) = meshes.fetch_next() {
+            let scale = at.scale.with_x(leaf.length);
+            if at.scale != scale {
+                at.scale = scale;
+            }
+        }
+    }
+}
+
+/// Draws smoke as thick as it is.
+pub(super) fn fade_smoke(
+    smoke: Query<(&Smoke, &Children), Changed<Smoke>>,
+    mut meshes: Query<(&MeshMaterial2d<ColorMaterial>, &mut Visibility), With<SmokeMesh>>,
+    materials: Option<ResMut<Assets<ColorMaterial>>>,
+) {
+    let Some(mut materials) = materials else { return };
+    for (smoke, children) in &smoke {
+        let mut meshes = meshes.iter_many_mut(children);
+        while let Some((material, mut visibility)) = meshes.fetch_next() {
+            visibility.set_if_neq(shown(smoke.extinction));
+            if let Some(mut material) = materials.get_mut(&material.0) {
+                material.color.set_alpha(opacity(smoke.extinction));
+            }
+        }
+    }
+}

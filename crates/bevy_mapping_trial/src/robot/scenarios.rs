@@ -1,0 +1,52 @@
+//! What robots see of the scenarios of environments.
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use bevy_envgen::Environment;
+use bevy_envgen::scenario::{DoorLeaf, Person, ScenarioRun};
+use mapping_trial::lidar::{Rays, ScenarioSight};
+
+/// The scenarios of all environments.
+#[derive(SystemParam)]
+pub(super) struct Scenarios<'w, 's> {
+    runs: Query<'w, 's, (&'static ScenarioRun, &'static Environment, &'static GlobalTransform)>,
+    moving: Query<'w, 's, (), Or<(With<Person>, With<DoorLeaf>)>>,
+}
+
+impl Scenarios<'_, '_> {
+    /// Whether an entity is a person or a leaf.
+    pub(super) fn moves(&self, entity: Entity) -> bool {
+        self.moving.contains(entity)
+    }
+
+    /// Changes the exact ranges of a scan, whose rays are in rapier's frame, as [`ScenarioSight::look`] does for each
+    /// scenario. Returns the beams that read 0.
+    pub(super) fn look(
+        &self,
+        sight: &mut ScenarioSight,
+        (robot, tick): (u64, u64),
+        rays: &Rays<'_>,
+        ranges: &mut [f64],
+    ) -> Vec<usize> {
+        let mut zero = Vec::new();
+        for (run, environment, transform) in &self.runs {
+            let affine = transform.affine().as_daffine3().inverse();
+            let scale = affine.matrix3.x_axis.length();
+            let from = affine.transform_point3(rays.from.extend(0.0)).truncate();
+            let directions: Vec<_> = rays
+                .directions
+                .iter()
+                .map(|along| affine.transform_vector3(along.extend(0.0)).truncate() / scale)
+                .collect();
+            let rays = Rays {
+                from: from + environment.origin,
+                directions: &directions,
+                max_range: rays.max_range * scale,
+            };
+            ranges.iter_mut().for_each(|range| *range *= scale);
+            zero.extend(sight.look(run.state(), (robot, tick), &rays, ranges));
+            ranges.iter_mut().for_each(|range| *range /= scale);
+        }
+        zero
+    }
+}

@@ -1,0 +1,80 @@
+//! The panel for what moves in a world: doors, people and smoke.
+
+use bevy_egui::egui::Ui;
+use envgen::SpecError;
+use envgen::scenario::ScenarioSpec;
+
+use super::spec::Draft;
+
+/// The settings of doors, people and smoke as they are edited.
+///
+/// ```
+/// use bevy_mapping_trial::ui::ScenarioForm;
+/// use envgen::scenario::ScenarioSpec;
+///
+/// let mut form = ScenarioForm::new(&ScenarioSpec::default());
+/// form.set("people", "4");
+/// assert_eq!(form.request().map(|spec| spec.people), Ok(4));
+/// form.set("doors", "2");
+/// assert!(form.request().is_err() && form.error_of("doors").is_some());
+/// ```
+#[derive(Clone, Debug)]
+pub struct ScenarioForm {
+    drafts: Vec<Draft>,
+}
+
+impl ScenarioForm {
+    /// A form that holds settings.
+    pub fn new(spec: &ScenarioSpec) -> Self {
+        let values = spec.settings_json();
+        let draft = |setting| Draft::new(setting, &values, false);
+        ScenarioForm { drafts: ScenarioSpec::SETTINGS.iter().map(draft).collect() }
+    }
+
+    /// Sets one setting from text, in the syntax of `--set`. Names that do not exist are ignored.
+    pub fn set(&mut self, name: &str, text: &str) {
+        if let Some(draft) = self.drafts.iter_mut().find(|draft| draft.is_of(name)) {
+            draft.set(text);
+            self.check();
+        }
+    }
+
+    /// The error that is shown below a setting.
+    pub fn error_of(&self, name: &str) -> Option<&str> {
+        self.drafts.iter().find(|draft| draft.is_of(name))?.error()
+    }
+
+    /// The settings in the form.
+    ///
+    /// # Errors
+    /// The first setting that is out of range, with its value and the allowed range.
+    pub fn request(&self) -> Result<ScenarioSpec, SpecError> {
+        let mut spec = ScenarioSpec::default();
+        for draft in &self.drafts {
+            draft.set_in(|name, text| spec.set(name, text))?;
+        }
+        spec.validate()?;
+        Ok(spec)
+    }
+
+    /// Draws the panel.
+    pub fn show(&mut self, ui: &mut Ui) {
+        let mut changed = false;
+        for draft in &mut self.drafts {
+            changed |= draft.show(ui);
+        }
+        if changed {
+            self.check();
+        }
+    }
+
+    /// Shows each error below its setting.
+    fn check(&mut self) {
+        for draft in &mut self.drafts {
+            let mut spec = ScenarioSpec::default();
+            let set =
+                draft.set_in(|name, text| spec.set(name, text)).and_then(|()| spec.validate());
+            draft.set_error(set.err().map(|error| error.to_string()));
+        }
+    }
+}

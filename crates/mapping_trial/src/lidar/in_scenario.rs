@@ -1,0 +1,76 @@
+//! What lasers see of a scenario: leaves, people and smoke.
+
+use envgen::Seed;
+use envgen::scenario::ScenarioState;
+use envgen::scenario::smoke::{Laser, Reading, Stretch};
+use glam::DVec2;
+
+use super::{LaserProfile, UNSEEN};
+
+/// The rays of a scan in the frame of the world.
+#[derive(Clone, Copy, Debug)]
+pub struct Rays<'a> {
+    /// Where they start, in metres.
+    pub from: DVec2,
+    /// Unit vectors, one per beam.
+    pub directions: &'a [DVec2],
+    /// The greatest range in metres.
+    pub max_range: f64,
+}
+
+/// How lasers of one profile see scenarios, for robot backends: the same in all of them.
+#[derive(Clone, Debug)]
+pub struct ScenarioSight {
+    profile: LaserProfile,
+    seed: Seed,
+    stretches: Vec<Stretch>,
+}
+
+impl ScenarioSight {
+    /// For lasers of a profile; draws of smoke follow from the seed.
+    pub fn new(profile: &LaserProfile, seed: Seed) -> Self {
+        ScenarioSight { profile: profile.clone(), seed, stretches: Vec::new() }
+    }
+
+    /// Changes the exact ranges of a robot's scan in a tick, one per ray, which are those of everything else: some
+    /// end at a leaf or a person, those that smoke stops are [`UNSEEN`] or end at a phantom. Returns the beams that
+    /// read 0 instead, in ascending order.
+    pub fn look(
+        &mut self,
+        state: &ScenarioState,
+        (robot, tick): (u64, u64),
+        rays: &Rays<'_>,
+        ranges: &mut [f64],
+    ) -> Vec<usize> {
+        let Rays { from, directions, max_range } = *rays;
+        for (_, shape) in state.visible(from, max_range) {
+            for (range, &direction) in ranges.iter_mut().zip(directions) {
+                let distance = shape.distance_along(from, direction);
+                *range = distance.map_or(*range, |distance| range.min(distance));
+            }
+        }
+        let mut zero = Vec::new();
+        if !state.has_smoke() {
+            return zero;
+        }
+        let laser: Laser = self.profile.in_smoke(state.settings().smoke_profile);
+        let failed = state.settings().failed_beams;
+        let scan = self.seed.attempt("trial/smoke", robot, tick).bits();
+        for (beam, (range, &direction)) in ranges.iter_mut().zip(directions).enumerate() {
+            state.smoke_along(from, direction, *range, &mut self.stretches);
+            if self.stretches.is_empty() {
+                continue;
+            }
+            let mut stream = Seed(scan).stream("trial/smoke/beam", beam as u64);
+            // The end of the ray stands for a surface: what is left of the beam there decides.
+            let end = Some(*range);
+            match laser.read(end, max_range, &self.stretches, failed, &mut stream) {
+                Reading::Echo(_) => {}
+                Reading::NoEcho => *range = UNSEEN,
+                Reading::Phantom(distance) => *range = distance,
+                Reading::Zero => zero.push(beam),
+            }
+        }
+        zero
+    }
+}
