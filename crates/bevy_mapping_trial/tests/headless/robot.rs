@@ -96,6 +96,40 @@ fn a_wall_stops_and_is_one_hit() {
 }
 
 #[test]
+fn what_stops_a_robot_in_a_trial_is_one_hit() {
+    // Steps of trials have several substeps, and in the last one a robot that was stopped may rest.
+    let wall = Collider::segment(Vec2::new(0.0, -2.0), Vec2::new(0.0, 2.0));
+    for (collider, body) in [
+        (Collider::ball(0.25), Some(RigidBody::KinematicPositionBased)),
+        (Collider::ball(0.25), Some(RigidBody::Fixed)),
+        (Collider::ball(0.25), None),
+        (wall, None),
+    ] {
+        for (speed, turn_rate) in [(0.5, 0.0), (0.7, 0.0), (0.5, 0.05)] {
+            let mut app = App::new();
+            let physics = TopDownPhysicsPlugin::for_trials();
+            app.add_plugins((MinimalPlugins, TransformPlugin, physics, RobotPlugin::default()));
+            let tick = std::time::Duration::from_millis(50);
+            app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(tick));
+            app.finish();
+            app.cleanup();
+            let at = Transform::from_xyz(2.0, 0.0, 0.0);
+            let mut solid = app.world_mut().spawn((at, collider.clone()));
+            if let Some(body) = body {
+                solid.insert(body);
+            }
+            let command = DriveCommand { speed, turn_rate };
+            let robot = app.world_mut().spawn((RobotModel::default(), command)).id();
+            step(&mut app, 20);
+            assert_eq!(app.world().get::<Bumper>(robot).unwrap().hits, 0);
+            step(&mut app, 80);
+            let bumper = app.world().get::<Bumper>(robot).unwrap();
+            assert_eq!((bumper.hits, bumper.person_hits), (1, 0), "{speed} {turn_rate} {body:?}");
+        }
+    }
+}
+
+#[test]
 fn no_wall_is_driven_through() {
     let mut app = app(room(3.0, 3.0));
     let robot = robot(&mut app, 1.5, 1.5);

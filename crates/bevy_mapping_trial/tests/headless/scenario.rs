@@ -297,5 +297,5 @@ fn a_scenario_of_another_world_is_refused() {
     let run =
         run_headless_with(&hall(), settings(1.0), TrialParts::default(), Some(scenario), |_| ());
     let error = run.err().expect("no trial").to_string();
-    assert!(error.contains("`doors[0].doorway` must be"), "{error}");
+    assert!(error.contains(".doorway` must be the index of a doorway"), "{error}");
 }
