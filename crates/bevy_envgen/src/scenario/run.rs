@@ -127,7 +127,9 @@ pub(super) fn withdraw(removed: On<Remove, EnvironmentScenario>, mut commands: C
 pub(crate) fn remove(world: &mut World, environment: Entity) {
     let children = world.get::<Children>(environment).into_iter().flatten().copied();
     let children: Vec<Entity> = children.collect();
-    for child in children {
+    // The last first: rapier gives their places to the next bodies, the last place first, so that bodies that are
+    // spawned again have the same order, on which results depend in the last bit.
+    for child in children.into_iter().rev() {
         let is_ours = |child: &EntityRef<'_>| {
             child.contains::<Person>() || child.contains::<Door>() || child.contains::<Smoke>()
         };

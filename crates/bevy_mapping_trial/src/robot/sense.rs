@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_envgen::scenario::Person;
 use bevy_rapier2d::prelude::systemparams::RapierContext;
-use bevy_rapier2d::prelude::{ContactPairView, RapierContextColliders, ReadRapierContext};
+use bevy_rapier2d::prelude::{ContactPairView, ReadRapierContext};
 use envgen::geometry::{unit_vector, wrap_angle};
 use mapping_trial::backend::Command;
 use mapping_trial::odometry::Increment;
@@ -55,15 +55,11 @@ pub(super) fn sense(
             }
             continue;
         }
-        let wanted = wheels.motion(chassis.track);
+        let wanted = ahead * wheels.motion(chassis.track).speed;
         let rate = if dt > 0.0 { 1.0 / dt } else { 0.0 };
-        let lost = LostMotion {
-            center: pose.position.as_vec2(),
-            velocity: (ahead * wanted.speed - (pose.position - from.position) * rate).as_vec2(),
-            turn_rate: (wanted.turn_rate - turn * rate) as f32,
-        };
+        let lost = wanted - (pose.position - from.position) * rate;
         let bogged = wheels.bogged.then_some(Touched::Solid);
-        let touched = bogged.max(touched(&rapier, entity, &lost, &people));
+        let touched = bogged.max(touched(&rapier, entity, lost.as_vec2(), &people));
         bumper.feel(touched);
         if touched.is_some() && dt > 0.0 {
             // A stopped body stops its wheels.
@@ -84,42 +80,21 @@ pub(super) fn sense(
 /// Speed in m/s along the normal of a contact from which on a body counts as stopped by it.
 const STOPPED: f32 = 0.01;
 
-/// What a body did not move although its wheels turned.
-struct LostMotion {
-    center: Vec2,
-    velocity: Vec2,
-    turn_rate: f32,
-}
-
-impl LostMotion {
-    /// Whether the contacts of a pair took motion from a collider of the body. Impulses alone do not show it: they
-    /// are those of the last substep, in which a body that was stopped before may rest.
-    fn is_stopped_by(
-        &self,
-        pair: &ContactPairView<'_>,
-        colliders: &RapierContextColliders,
-        own: Entity,
-    ) -> bool {
-        let Some(first) = colliders.colliders.get(pair.raw.collider1) else { return false };
-        let sign = if pair.collider1() == Some(own) { 1.0 } else { -1.0 };
-        let active = pair.raw.manifolds.iter().filter(|m| !m.data.solver_contacts.is_empty());
-        active.into_iter().any(|manifold| {
-            let of_part = manifold.subshape_pos1();
-            let frame = of_part.map_or(*first.position(), |at| *first.position() * *at);
-            manifold.points.iter().any(|contact| {
-                let arm = frame * contact.local_p1 - self.center;
-                let lost = self.velocity + self.turn_rate * arm.perp();
-                sign * lost.dot(manifold.data.normal) > STOPPED
-            })
-        })
-    }
+/// Whether a contact of a collider of a body took speed from it, of which `lost` is what its wheels were to drive
+/// and it did not move, in m/s. Impulses alone do not show it: they are those of the last substep, in which a body
+/// that was stopped before may rest. Which of the two colliders is the first depends on what an app did before, and
+/// must not count.
+fn is_stopped_by(pair: &ContactPairView<'_>, own: Entity, lost: Vec2) -> bool {
+    let sign = if pair.collider1() == Some(own) { 1.0 } else { -1.0 };
+    let mut active = pair.raw.manifolds.iter().filter(|m| !m.data.solver_contacts.is_empty());
+    active.any(|manifold| sign * lost.dot(manifold.data.normal) > STOPPED)
 }
 
 /// What the colliders of a body touch.
 fn touched(
     rapier: &RapierContext,
     body: Entity,
-    lost: &LostMotion,
+    lost: Vec2,
     people: &Query<(), With<Person>>,
 ) -> Option<Touched> {
     let RapierContext { simulation, colliders, rigidbody_set, .. } = *rapier;
@@ -127,7 +102,7 @@ fn touched(
     let touched = own.flat_map(|collider| {
         let pairs = simulation.contact_pairs_with(colliders, rigidbody_set, collider);
         let is_felt = move |pair: &ContactPairView<'_>| {
-            pair.raw.total_impulse_magnitude() > 0.0 || lost.is_stopped_by(pair, colliders, collider)
+            pair.raw.total_impulse_magnitude() > 0.0 || is_stopped_by(pair, collider, lost)
         };
         pairs.filter(is_felt).map(|pair| {
             let mut both = [pair.collider1(), pair.collider2()].into_iter().flatten();

@@ -61,9 +61,7 @@ pub(super) fn begin(
         if known.is_some_and(|known| known.is(&place)) {
             continue;
         }
-        for &robot in trial.robots() {
-            commands.entity(robot).try_despawn();
-        }
+        dismiss(trial.robots(), &mut commands);
         trial.state = State::Waiting;
         // When another world failed, the previous one is still spawned.
         if !matches!(state, EnvironmentState::Ready | EnvironmentState::Failed) {
@@ -384,7 +382,13 @@ pub(super) fn leave(
     {
         moving.set_paused(false);
     }
-    for &robot in trial.robots() {
+    dismiss(trial.robots(), &mut commands);
+}
+
+/// Despawns robots, the last first: rapier gives their places to the next robots, the last place first, so that these
+/// have the same order, on which results depend in the last bit where robots touch.
+fn dismiss(robots: &[Entity], commands: &mut Commands<'_, '_>) {
+    for &robot in robots.iter().rev() {
         if let Ok(mut robot) = commands.get_entity(robot) {
             robot.try_despawn();
         }
