@@ -26,14 +26,19 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 #[test]
 fn the_same_arguments_write_the_same_bytes_and_so_does_a_replay() {
     for engine in ["flat", "rapier"] {
-        twice_and_replayed(engine);
+        twice_and_replayed(engine, &[]);
+        twice_and_replayed(
+            engine,
+            &["--set", "doors=0.5", "--set", "people=3", "--set", "smoke=0.2"],
+        );
     }
 }
 
-fn twice_and_replayed(engine: &str) {
+fn twice_and_replayed(engine: &str, moving: &[&str]) {
     let folder = tempfile::tempdir().expect("a folder");
     let out = |name: &str| folder.path().join(name);
     let world = ["--difficulty", "3", "--seed", "4", "--size", "6", "--engine", engine];
+    let world = [&world[..], moving].concat();
     let arguments = |policy| {
         let options = [policy, "corridors", "--time-limit", "90", "--robots", "2"];
         [&world[..], &options].concat()
