@@ -76,17 +76,17 @@ impl ScenarioRun {
     }
 }
 
-/// The environments whose request or world has changed.
-type Renewed = Or<(Changed<EnvironmentScenario>, Changed<GroundTruth>, Added<EndlessTruth>)>;
+/// Environments that ask for a scenario, and whether they have a world.
+type Asked = (Entity, Has<GroundTruth>, Has<EndlessTruth>);
+
+/// Either the request or the world has changed.
+type Renewed = (
+    With<EnvironmentScenario>,
+    Or<(Changed<EnvironmentScenario>, Changed<GroundTruth>, Added<EndlessTruth>)>,
+);
 
 /// Begins the scenarios whose worlds are there.
-pub(super) fn start(
-    world: &mut World,
-    renewed: &mut QueryState<
-        (Entity, Has<GroundTruth>, Has<EndlessTruth>),
-        (With<EnvironmentScenario>, Renewed),
-    >,
-) {
+pub(super) fn start(world: &mut World, renewed: &mut QueryState<Asked, Renewed>) {
     let renewed: Vec<_> = renewed.iter(world).collect();
     for (entity, has_world, is_endless) in renewed {
         // A world that its transform does not allow is not spawned either.

@@ -6,11 +6,14 @@ use bevy_envgen::Environment;
 use bevy_envgen::scenario::{DoorLeaf, Person, ScenarioRun};
 use mapping_trial::lidar::{Rays, ScenarioSight};
 
+/// The bodies of people and leaves.
+type Moving = Or<(With<Person>, With<DoorLeaf>)>;
+
 /// The scenarios of all environments.
 #[derive(SystemParam)]
 pub(super) struct Scenarios<'w, 's> {
     runs: Query<'w, 's, (&'static ScenarioRun, &'static Environment, &'static GlobalTransform)>,
-    moving: Query<'w, 's, (), Or<(With<Person>, With<DoorLeaf>)>>,
+    moving: Query<'w, 's, (), Moving>,
 }
 
 impl Scenarios<'_, '_> {

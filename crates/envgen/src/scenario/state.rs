@@ -256,7 +256,7 @@ impl ScenarioState {
     /// state.step(0.5, &[])?;
     /// assert!((state.doors()[0].openness - 0.5).abs() < 1e-9);
     /// assert!(state.command_door(1000, DoorCommand::Open).is_err());
-    /// # Ok::<(), envgen::SpecError>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
