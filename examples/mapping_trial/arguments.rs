@@ -20,6 +20,7 @@ use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::TrialSettings;
 use mapping_trial::truth::MappableArea;
 
+use crate::bag::Bag;
 use crate::{output, robot, start};
 
 /// The greatest `--size`: 192 grid units are 576 m, and a wall.
@@ -121,6 +122,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LOG")]
     pub(crate) replay: Option<PathBuf>,
 
+    /// Writes a bag for ROS 2 too, which Foxglove shows and `ros2 bag play` plays: this file, and beside it
+    /// metadata.yaml, the world, and the true and the estimated trajectory. Each log needs a folder of its own.
+    #[arg(long, value_name = "FILE.mcap")]
+    log: Option<PathBuf>,
+
     /// Sets what moves in the world, such as doors=0.5, people=4 or smoke=0.2; may be given several times.
     #[arg(long = "set", value_name = "NAME=VALUE", conflicts_with = "replay")]
     settings: Vec<String>,
@@ -183,11 +189,21 @@ impl Arguments {
         Ok(Some(Scenario::new(world, &spec, self.scenario_seed.unwrap_or(self.seed))?))
     }
 
-    /// Checks that every output file can be written, and that none is an input.
-    pub(crate) fn check_outputs(&self) -> Result<(), Box<dyn Error>> {
+    /// The files that are read.
+    fn inputs(&self) -> Vec<PathBuf> {
         let image = self.map.as_deref().and_then(image_of);
         let files = [&self.world, &self.map, &image, &self.robot, &self.replay, &self.scenario];
-        let inputs: Vec<_> = files.into_iter().flatten().collect();
+        files.into_iter().flatten().cloned().collect()
+    }
+
+    /// The bag for ROS 2, begun before the trial; `None` if none is asked for.
+    pub(crate) fn bag(&self) -> Result<Option<Bag>, Box<dyn Error>> {
+        self.log.as_deref().map(|path| Bag::begin(path, &self.inputs())).transpose()
+    }
+
+    /// Checks that every output file can be written, and that none is an input.
+    pub(crate) fn check_outputs(&self) -> Result<(), Box<dyn Error>> {
+        let inputs = self.inputs();
         for name in output::FILES {
             let path = self.out.join(name);
             refuse_inputs(&path, &inputs).in_file(&path)?;

@@ -6,13 +6,16 @@
 //! cargo run --release --example mapping_trial -- --engine rapier --set doors=0.5 --set people=4
 //! cargo run --release --example mapping_trial -- --driver "python3 examples/drivers/explorer.py"
 //! cargo run --release --example mapping_trial -- --replay out/log.json --out out/again
+//! cargo run --release --example mapping_trial -- --log out/bag/trial.mcap
 //! ```
 //!
 //! The output folder gets pictures of the robot's map, of the mappable area and of both over each
 //! other, with trajectories; the map for ROS's `map_server`; the log, from which the trial runs again
-//! to the last bit; and the report as JSON. Two runs with the same arguments write the same bytes.
+//! to the last bit; and the report as JSON. `--log` also writes a bag for ROS 2. Two runs with the same arguments
+//! write the same bytes.
 
 mod arguments;
+mod bag;
 mod driver;
 #[path = "../shared/output.rs"]
 mod output;
@@ -28,21 +31,22 @@ use std::io::{BufReader, ErrorKind, IsTerminal, Write};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use bevy_mapping_trial::trial::{replay_headless, run_headless_with};
+use bevy_mapping_trial::trial::{replay_headless_with, run_headless_with};
 use clap::Parser;
 use envgen::World;
 use envgen::located::Locate;
 use envgen::scenario::Scenario;
 use indicatif::{ProgressBar, ProgressStyle};
-use mapping_trial::backend::RobotBackend;
+use mapping_trial::backend::{RobotBackend, TICK};
 use mapping_trial::driver::Driver;
 use mapping_trial::feedback::ask;
 use mapping_trial::flat::FlatSimulator;
 use mapping_trial::trial::{
-    ForeignPart, PartRole, Trial, TrialLog, TrialParts, TrialReport, TrialSettings,
+    ForeignPart, PartRole, Trial, TrialBuilder, TrialLog, TrialParts, TrialReport, TrialSettings,
 };
 
 use crate::arguments::Arguments;
+use crate::bag::Bag;
 
 /// The fast simulator, as logs and reports name it.
 const FLAT: &str = FlatSimulator::ENGINE;
@@ -70,6 +74,7 @@ fn main() -> ExitCode {
 fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     output::folder(&arguments.out)?;
     arguments.check_outputs()?;
+    let bag = arguments.bag()?;
     let clock = now();
     let Some(path) = &arguments.replay else {
         let world = arguments.world()?;
@@ -79,15 +84,16 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let settings = Trial::builder(&world, settings).setup()?.settings.clone();
         let driver = arguments.start_driver(&world, &settings)?;
         let parts = driver.as_ref().map_or_else(TrialParts::default, Driver::parts);
+        let parts = watched(bag.as_ref(), parts);
         let bar = progress(settings.time_limit.min(settings.body.battery));
         let report = if arguments.engine == RAPIER {
             let progress = |time| bar.set_position(time as u64);
             let trial = run_headless_with(&world, settings, parts, scenario, progress)?;
             bar.finish_and_clear();
-            tell(arguments, &world, &trial, clock)?
+            tell(arguments, &world, &trial, bag, clock)?
         } else {
             let trial = run_flat(&world, settings, parts, scenario, &bar)?;
-            tell(arguments, &world, &trial, clock)?
+            tell(arguments, &world, &trial, bag, clock)?
         };
         if let Some(driver) = driver {
             driver.end(Some(&report));
@@ -103,11 +109,21 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     for part in log.foreign.iter().filter(|part| part.role != PartRole::Policy) {
         say(arguments, format_args!("{}\n", missing(part)))?;
     }
+    let parts = watched(bag.as_ref(), TrialParts::default());
+    let bar = progress(log.ticks() as f64 * TICK);
     match log.engine.as_str() {
-        FLAT => tell(arguments, &world, &log.replay().in_file(path)?, clock)?,
+        FLAT => {
+            let build = |builder: TrialBuilder<'_>| builder.parts(parts).build_flat();
+            let mut trial = log.replay_with(&world, build).in_file(path)?;
+            log.run_through_with(&mut trial, |trial| bar.set_position(trial.time() as u64));
+            bar.finish_and_clear();
+            tell(arguments, &world, &trial, bag, clock)?
+        }
         RAPIER => {
-            let trial = replay_headless(&world, log, |_| ()).in_file(path)?;
-            tell(arguments, &world, &trial, clock)?
+            let progress = |time| bar.set_position(time as u64);
+            let trial = replay_headless_with(&world, log, parts, progress).in_file(path)?;
+            bar.finish_and_clear();
+            tell(arguments, &world, &trial, bag, clock)?
         }
         other => {
             let text = format!("unknown engine `{other}`, expected `{FLAT}` or `{RAPIER}`");
@@ -115,6 +131,14 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         }
     };
     Ok(())
+}
+
+/// The parts of a trial, with the recorder of its bag if there is one.
+fn watched(bag: Option<&Bag>, parts: TrialParts) -> TrialParts {
+    match bag {
+        Some(bag) => bag.watch(parts),
+        None => parts,
+    }
 }
 
 /// The notice that a built-in part replaces a part that was plugged in; a policy's commands are in
@@ -132,6 +156,7 @@ fn tell<B: RobotBackend>(
     arguments: &Arguments,
     world: &World,
     trial: &Trial<B>,
+    bag: Option<Bag>,
     clock: Instant,
 ) -> Result<TrialReport, Box<dyn Error>> {
     let seconds = clock.elapsed().as_secs_f64();
@@ -150,7 +175,11 @@ fn tell<B: RobotBackend>(
         let (mut questions, mut answers) = (std::io::stdout(), std::io::stdin().lock());
         report.feedback = Some(ask(&report.session(), &mut answers, &mut questions)?);
     }
-    for path in output::write(&arguments.out, trial, &truth, &report)? {
+    let mut paths = output::write(&arguments.out, trial, &truth, &report)?;
+    if let Some(bag) = bag {
+        paths.extend(bag.finish(trial, world, &report)?);
+    }
+    for path in paths {
         say(arguments, format_args!("wrote {}\n", path.display()))?;
     }
     Ok(report)
@@ -200,7 +229,9 @@ fn progress(limit: f64) -> ProgressBar {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(limit as u64);
-    match ProgressStyle::with_template("{bar:40} {pos}/{len} simulated seconds, {eta} left") {
+    match ProgressStyle::with_template(
+        "{bar:40} {pos}/{len} simulated seconds, {per_sec}, {eta} left",
+    ) {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }

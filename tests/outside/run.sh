@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Judges 3 worlds of each kind (or as many as `--count` says) with programs of others, after the judges
-# have shown that they notice what is wrong. Arguments are those of judge.py. Needs Python 3.10 to 3.12
+# have shown that they notice what is wrong, and then the bags of trials. Arguments are those of judge.py. Needs Python 3.10 to 3.12
 # and libcairo2; what requirements.txt names goes to target/outside, about 1.1 GB.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -22,3 +22,4 @@ export PYTHONPYCACHEPREFIX=$PWD/target/outside/pycache PYTHONDONTWRITEBYTECODE=
 rm -rf target/outside/complaints
 $venv/bin/python $here/self_test.py "$@"
 $venv/bin/python $here/judge.py --keep target/outside/complaints "$@"
+$venv/bin/python $here/bags.py

@@ -2,7 +2,7 @@
 //! force.
 #![expect(clippy::print_stdout, reason = "the result of a benchmark")]
 
-use bench_ratio::{at_most, contest, faster, seconds};
+use bench_ratio::{at_most, contest, faster, growth, seconds};
 use envgen::forest::{EndlessForest, ForestSpec};
 use envgen::geometry::Rect;
 use envgen::glam::DVec2;
@@ -50,6 +50,7 @@ fn trees(spec: &ForestSpec) -> usize {
 }
 
 fn spaced() {
+    let mut costs = Vec::new();
     for (count, rounds) in [(1e4, 5), (1e5, 3), (1e6, 1)] {
         // fast_poisson fills its area as densely as it can: about 0.63 by this measure.
         let side = f64::sqrt(count / 0.63);
@@ -65,10 +66,14 @@ fn spaced() {
             let ours = (0..5).map(|_| seconds(|| trees(&spec))).fold(f64::INFINITY, f64::min);
             let per_tree = (ours / trees(&spec) as f64, peer / made as f64);
             let what = format!("{count:e} trees at intensity x distance^2 = {filling}");
+            if filling == 0.5 {
+                costs.push((count, ours));
+            }
             let target = if count == 1e6 && filling == 0.5 { 50.0 } else { 1.0 };
             faster(&format!("{what}, a tree, against fast_poisson"), per_tree, target);
         }
     }
+    growth("spaced trees at intensity x distance^2 = 0.5, by their number", &costs);
     for filling in [0.2, 0.5, 0.6] {
         let (small, large) = (spec(1e4, filling), spec(1e6, filling));
         let hundred_small = || (0..100).map(|_| trees(&small)).sum::<usize>();

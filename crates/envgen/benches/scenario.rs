@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use bench_ratio::{contest, faster, seconds};
+use bench_ratio::{at_most, contest, faster, growth, seconds};
 use envgen::glam::DVec2;
 use envgen::indoor::IndoorSpec;
 use envgen::scenario::{Scenario, ScenarioSpec, ScenarioState};
@@ -49,14 +49,14 @@ fn main() {
         TIME / ours
     );
     faster("a step of 50 people, against the distances of all pairs", (ours, baseline), 0.5);
-    let mut per_person = Vec::new();
+    let mut costs = Vec::new();
     for (side, people) in [(16, 50), (32, 200), (50, 500), (71, 1000)] {
         let Some(mut state) = scenario(side, people, 1.0) else { continue };
         let all_pairs = naive(&state);
         let ours = (0..5).map(|_| seconds(|| state.step(TIME, &[]))).fold(f64::INFINITY, f64::min);
         let pairs = seconds(all_pairs);
         let one = ours / f64::from(people) / (20.0 * TIME) * 1e9;
-        per_person.push(one);
+        costs.push((f64::from(people), ours));
         println!(
             "{people} people in {} m: {one:.0} ns per person and step, {:.0} times real time, {:.2} of all pairs",
             3 * side,
@@ -64,7 +64,9 @@ fn main() {
             ours / pairs
         );
     }
-    if let (Some(first), Some(last)) = (per_person.first(), per_person.last()) {
-        println!("1000 people against 50, per person: {:.2} x (target: at most 2 x)", last / first);
+    growth("a step, by people", &costs);
+    if let (Some(first), Some(last)) = (costs.first(), costs.last()) {
+        let [first, last] = [first, last].map(|(people, seconds)| seconds / people);
+        at_most("1000 people against 50, per person", (last, first), 2.0);
     }
 }

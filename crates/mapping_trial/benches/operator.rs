@@ -74,7 +74,7 @@ fn renewal(map: &mut OccupancyMap, at: DVec2) {
         costmap.derive_all();
         costmap.frontier_len()
     };
-    faster("a changed room, against the whole map anew", contest(ours, full), 10.0);
+    faster("a changed room, against the whole map again", contest(ours, full), 10.0);
 }
 
 /// The frontiers of a map that is half known, against everything else that policies derive from it.
@@ -95,7 +95,7 @@ fn frontiers(map: &OccupancyMap) {
     };
     let (ours, anew) = contest(gather, full);
     assert!(frontiers.goals() > 0, "a map that is half known has frontiers");
-    at_most("frontiers gathered, against the costmap anew", (ours, anew), 0.5);
+    at_most("frontiers gathered, against the costmap again", (ours, anew), 0.5);
 }
 
 /// A* across the building, against the same by `pathfinding` on the same classes.

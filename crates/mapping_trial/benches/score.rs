@@ -5,7 +5,7 @@
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints its results")]
 
-use bench_ratio::{at_most, contest};
+use bench_ratio::{at_most, contest, growth};
 use envgen::geometry::Pose;
 use envgen::indoor::IndoorSpec;
 use envgen::{Blueprint, Seed, Spec};
@@ -18,6 +18,7 @@ use mapping_trial::score::{Reference, RunSummary, Scores, TrajectoryPair};
 const TICKS: usize = 24_000;
 
 fn main() {
+    let (mut truths, mut scores) = (Vec::new(), Vec::new());
     for (name, cells) in [("48 x 48 m", 16), ("60 x 60 m", 20), ("120 x 120 m", 40)] {
         let spec =
             IndoorSpec { width: cells, height: cells, difficulty: 5.0, ..Default::default() };
@@ -59,5 +60,9 @@ fn main() {
         );
         at_most(&format!("{name}: truth, of the time of a search"), truth_time, 50.0);
         at_most(&format!("{name}: score, of the time of a search"), score_time, 15.0);
+        truths.push((truth.free_area(), truth_time.0));
+        scores.push((truth.free_area(), score_time.0));
     }
+    growth("truth, by m^2 that can be covered", &truths);
+    growth("score, by m^2 that can be covered", &scores);
 }

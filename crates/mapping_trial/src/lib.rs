@@ -28,8 +28,10 @@
 //! | both together: observation in, command out | [`autonomy`] |
 //! | programs in processes of their own in their place | `driver` |
 //! | pictures of maps | `picture` |
+//! | bags of ROS 2 | `ros_bag` |
 //! | the protocol: clock, ends, log and replay | [`trial`] |
 //! | what could be mapped, and how well it was | [`truth`], [`score`] |
+//! | trajectories as text | [`tum`] |
 //! | the operator's rating of it | [`feedback`] |
 //! | many trials at once, and their statistics | `experiment` |
 //! | how difficult a world is, measured by trials | `difficulty` |
@@ -61,12 +63,15 @@ pub mod odometry;
 pub mod picture;
 pub mod policy;
 pub mod robot;
+#[cfg(feature = "mcap")]
+pub mod ros_bag;
 mod ros_map;
 pub mod score;
 mod setting_limits;
 pub mod slam;
 pub mod trial;
 pub mod truth;
+pub mod tum;
 pub mod water;
 
 /// The snippets of the README.

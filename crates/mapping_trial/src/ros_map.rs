@@ -1,11 +1,14 @@
-//! A robot's map in the form that ROS and Nav2 know.
+//! A robot's map in the form that ROS and Nav2 know, and maps of others in the form that is scored.
 
 use envgen::export::ros_map::{MAX_CELLS, RosCell, RosMap};
-use envgen::geometry::Pose;
+use envgen::geometry::{Pose, Rect};
 use envgen::occupancy::OccupancyError;
 use glam::DVec2;
 
-use crate::map::{DECIDED, OccupancyMap, RESOLUTION, TILE};
+use crate::map::{CLAMP, CellIndex, DECIDED, OccupancyMap, RESOLUTION, TILE};
+
+/// How much finer than [`RESOLUTION`] a map counts as equal: files round.
+const AS_FINE: f64 = 1.0 - 1e-6;
 
 impl OccupancyMap {
     /// The map as a file for ROS: the smallest one around all tiles that were ever
@@ -52,12 +55,169 @@ impl OccupancyMap {
         let origin = Pose { position: corner, heading: 0.0 };
         Ok(RosMap { cols, resolution: RESOLUTION, origin, cells })
     }
+
+    /// A map of ROS in the world's frame, where `frame` is the pose of its own frame in the world's.
+    ///
+    /// A cell takes what the map has at its middle; where the map's cells are finer, it is occupied if the middle
+    /// of an occupied one is in it, else free if that of a free one is. Maps that
+    /// [`OccupancyMap::to_ros_map`] gives come back as they were, in the frame [`Pose::default`].
+    ///
+    /// # Errors
+    /// If that is more than [`MAX_CELLS`] cells.
+    pub fn from_ros_map(map: &RosMap, frame: Pose) -> Result<Self, OccupancyError> {
+        let place = frame.compose(map.origin);
+        let size = DVec2::new(map.cols as f64, map.rows() as f64) * map.resolution;
+        let corners =
+            [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|c| place.to_world(c * size));
+        let Some(area) = Rect::around(corners) else { return Ok(OccupancyMap::new()) };
+        let [cols, rows] = (area.size() / RESOLUTION + 1.0).to_array();
+        if !(cols * rows <= MAX_CELLS as f64) {
+            return Err(OccupancyError::Size {
+                resolution: RESOLUTION,
+                cols,
+                rows,
+                most: MAX_CELLS,
+            });
+        }
+        let mut found = OccupancyMap::new();
+        if map.resolution < AS_FINE * RESOLUTION {
+            found.draw_fine(map, place);
+        } else {
+            found.draw_coarse(map, place, area);
+        }
+        found.touch(area);
+        Ok(found)
+    }
+
+    /// Draws a map whose cells are smaller: each of them into the cell that contains its middle.
+    fn draw_fine(&mut self, map: &RosMap, place: Pose) {
+        let to_world = place.local_to_world();
+        // Twice the greatest change makes occupied what was drawn as free.
+        for (wanted, change) in [(RosCell::Free, -CLAMP), (RosCell::Occupied, 2 * CLAMP)] {
+            for (i, _) in map.cells.iter().enumerate().filter(|(_, cell)| **cell == wanted) {
+                let middle = DVec2::new((i % map.cols) as f64, (i / map.cols) as f64) + 0.5;
+                self.add(CellIndex::of(to_world(middle * map.resolution)), change);
+            }
+        }
+    }
+
+    /// Draws a map whose cells are as large or larger: into each cell what the map has at its middle.
+    fn draw_coarse(&mut self, map: &RosMap, place: Pose, area: Rect) {
+        let to_map = place.world_to_local();
+        let (low, high) = (CellIndex::of(area.min), CellIndex::of(area.max));
+        for row in low.row..=high.row {
+            for col in low.col..=high.col {
+                let index = CellIndex { col, row };
+                let at = (to_map(index.centre()) / map.resolution).floor();
+                if at.x < 0.0 || at.y < 0.0 || at.x >= map.cols as f64 {
+                    continue;
+                }
+                match map.cells.get(at.y as usize * map.cols + at.x as usize) {
+                    Some(RosCell::Free) => self.add(index, -CLAMP),
+                    Some(RosCell::Occupied) => self.add(index, CLAMP),
+                    Some(RosCell::Unknown) | None => {}
+                }
+            }
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
-    use crate::map::{CLAMP, CellIndex};
+    use crate::map::Cell;
+
+    fn cell() -> impl Strategy<Value = RosCell> {
+        prop_oneof![Just(RosCell::Unknown), Just(RosCell::Free), Just(RosCell::Occupied)]
+    }
+
+    fn as_cell(cell: RosCell) -> Cell {
+        match cell {
+            RosCell::Unknown => Cell::Unknown,
+            RosCell::Free => Cell::Free,
+            RosCell::Occupied => Cell::Occupied,
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_map_comes_back_as_it_was(
+            changes in proptest::collection::vec((-200..200_i32, -200..200_i32, any::<bool>()), 0..80),
+        ) {
+            let mut map = OccupancyMap::new();
+            for &(col, row, occupied) in &changes {
+                map.add(CellIndex { col, row }, if occupied { CLAMP } else { -CLAMP });
+            }
+            let ros = map.to_ros_map().unwrap();
+            let found = OccupancyMap::from_ros_map(&ros, Pose::default()).unwrap();
+            for (col, row, _) in changes {
+                let index = CellIndex { col, row };
+                prop_assert_eq!(found.cell(index), map.cell(index));
+            }
+            prop_assert_eq!(found.to_ros_map().unwrap().cells.iter().filter(|c| **c != RosCell::Unknown).count(),
+                            ros.cells.iter().filter(|c| **c != RosCell::Unknown).count());
+        }
+
+        /// The middle of every cell of the map shows what the cell has, unless a finer one beside it is occupied.
+        #[test]
+        fn maps_of_any_resolution_and_frame_keep_their_cells(
+            cells in proptest::collection::vec(cell(), 12),
+            resolution in prop_oneof![Just(0.05), Just(0.1), 0.06..0.5_f64],
+            x in -20.0..20.0_f64, y in -20.0..20.0_f64, heading in -3.1..3.1_f64,
+        ) {
+            let frame = Pose::new(x, y, heading);
+            let origin = Pose::new(0.3, -0.7, 0.2);
+            let map = RosMap { cols: 4, resolution, origin, cells };
+            let found = OccupancyMap::from_ros_map(&map, frame).unwrap();
+            let place = frame.compose(origin);
+            for (i, &cell) in map.cells.iter().enumerate() {
+                let middle = DVec2::new((i % 4) as f64 + 0.5, (i / 4) as f64 + 0.5) * resolution;
+                let index = CellIndex::of(place.to_world(middle));
+                // Half a diagonal of a target cell away, a smaller cell's neighbour may begin.
+                let of = (place.to_local(index.centre()) / resolution).floor();
+                let at = (of.y as usize * 4).checked_add(of.x as usize);
+                let inside = of.x >= 0.0 && of.y >= 0.0 && of.x < 4.0 && of.y < 3.0;
+                let expected = at.filter(|_| inside).map_or(Cell::Unknown, |at| as_cell(map.cells[at]));
+                prop_assert_eq!(found.cell(index), expected);
+                if resolution > 0.0708 {
+                    prop_assert_eq!(found.cell(index), as_cell(cell));
+                }
+            }
+        }
+
+        #[test]
+        fn finer_maps_lose_no_wall(
+            cells in proptest::collection::vec(cell(), 100), resolution in 0.005..0.049_f64,
+            heading in -3.1..3.1_f64,
+        ) {
+            let frame = Pose::new(1.0, 2.0, heading);
+            let map = RosMap { cols: 10, resolution, origin: Pose::default(), cells };
+            let found = OccupancyMap::from_ros_map(&map, frame).unwrap();
+            for (i, &cell) in map.cells.iter().enumerate() {
+                let middle = DVec2::new((i % 10) as f64 + 0.5, (i / 10) as f64 + 0.5) * resolution;
+                let at = found.cell(CellIndex::of(frame.to_world(middle)));
+                match cell {
+                    RosCell::Occupied => prop_assert_eq!(at, Cell::Occupied),
+                    RosCell::Free => prop_assert_ne!(at, Cell::Unknown),
+                    RosCell::Unknown => {}
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_map_of_ros_that_is_too_large_is_an_error() {
+        let map = RosMap {
+            cols: 1,
+            resolution: 1000.0,
+            origin: Pose::default(),
+            cells: vec![RosCell::Free],
+        };
+        let error = OccupancyMap::from_ros_map(&map, Pose::default()).unwrap_err();
+        assert!(matches!(error, OccupancyError::Size { .. }), "{error}");
+    }
 
     #[test]
     fn a_map_keeps_its_cells_and_its_place() {

@@ -77,8 +77,22 @@ pub fn replay_headless(
     log: TrialLog,
     progress: impl FnMut(f64),
 ) -> Result<Trial<RapierRobots>, HeadlessError> {
+    replay_headless_with(world, log, TrialParts::default(), progress)
+}
+
+/// The same with an observer, or with the parts that were plugged in when the log was made.
+///
+/// # Errors
+///
+/// As [`replay_headless`].
+pub fn replay_headless_with(
+    world: &envgen::World,
+    log: TrialLog,
+    parts: TrialParts,
+    progress: impl FnMut(f64),
+) -> Result<Trial<RapierRobots>, HeadlessError> {
     let scenario = log.scenario.clone();
-    drive(world.clone(), MappingTrial::replay(log), scenario, progress)
+    drive(world.clone(), MappingTrial::replay(log).with_parts(parts), scenario, progress)
 }
 
 /// The last reason why the trial could not begin.

@@ -58,7 +58,9 @@ use thiserror::Error;
 
 pub use bodies::RapierRobots;
 use camera::Camera;
-pub use headless::{HeadlessError, replay_headless, run_headless, run_headless_with};
+pub use headless::{
+    HeadlessError, replay_headless, replay_headless_with, run_headless, run_headless_with,
+};
 pub use physics::ForTrials;
 
 use crate::robot::{RobotPlugin, RobotSystems};

@@ -2,6 +2,9 @@
 //!
 //! Everything is compared in the start frame, without alignment: robots know where they start.
 
+mod alignment;
+mod fit;
+mod map_scores;
 mod navigability;
 mod parts;
 mod pose;
@@ -18,6 +21,9 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+pub use self::alignment::alignment;
+pub use self::fit::fit;
+pub use self::map_scores::{MapScores, TrajectoryScores};
 pub use self::parts::Parts;
 use self::parts::Quality;
 use self::raster::Raster;
@@ -245,25 +251,22 @@ impl Scores {
         check(run)?;
         let raster = Raster::of(truth, run.map);
         let swept = run.moving.map(|(swept, _)| swept);
-        let walls = walls::compare(truth, truth.runs(), &raster, swept, TOLERANCES);
-        let [f1_30, f1_15] = [0, 1].map(|i| harmonic(walls.precision[i], walls.recall[i]));
-        let coverage = coverage(truth, &raster);
-        let [navigability, with_margin] = navigability::navigability(truth, truth.trips(), run.map);
-        let trajectory_error = pose::absolute(run.tracks);
-        let near = pose::relative(run.tracks, pose::NEAR);
-        let far = pose::relative(run.tracks, pose::FAR);
-        let free_area = truth.free_area();
-        let relative_error_far = far.map(|(position, _)| position);
+        let map = MapScores::of_raster(truth, run.map, &raster, swept);
+        let poses = TrajectoryScores::of_checked(run.tracks);
         let quality = Quality {
-            e_wall: 1.0 - f1_30,
-            coverage,
-            pose_error: relative_error_far.unwrap_or(trajectory_error),
-            free_area,
-            navigability: with_margin,
+            e_wall: map.e_wall,
+            coverage: map.coverage,
+            pose_error: poses.relative_error_far.unwrap_or(poses.trajectory_error),
+            free_area: map.free_area,
+            navigability: 1.0 - map.e_use,
         };
         let parts = Parts::of(run, truth.robot(), &quality);
-        let score_1 =
-            Score1::of(run, &Quality { pose_error: trajectory_error, navigability, ..quality });
+        let as_a_whole = Quality {
+            pose_error: poses.trajectory_error,
+            navigability: map.navigability,
+            ..quality
+        };
+        let score_1 = Score1::of(run, &as_a_whole);
         let Difficulties { mapping, navigation, overall } = Weights::default().difficulties(&parts);
         let Parts { e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn } = parts;
         Ok(Scores {
@@ -277,22 +280,22 @@ impl Scores {
             e_time,
             e_hit,
             e_turn,
-            coverage,
-            precision_30: walls.precision[0],
-            recall_30: walls.recall[0],
-            f1_30,
-            precision_15: walls.precision[1],
-            recall_15: walls.recall[1],
-            f1_15,
-            wall_distance: walls.distance,
-            ghosting: walls.ghosting,
-            navigability,
-            trajectory_error,
-            relative_error_near: near.map(|(position, _)| position),
-            relative_turn_near: near.map(|(_, heading)| heading),
-            relative_error_far,
-            relative_turn_far: far.map(|(_, heading)| heading),
-            free_area,
+            coverage: map.coverage,
+            precision_30: map.precision_30,
+            recall_30: map.recall_30,
+            f1_30: map.f1_30,
+            precision_15: map.precision_15,
+            recall_15: map.recall_15,
+            f1_15: map.f1_15,
+            wall_distance: map.wall_distance,
+            ghosting: map.ghosting,
+            navigability: map.navigability,
+            trajectory_error: poses.trajectory_error,
+            relative_error_near: poses.relative_error_near,
+            relative_turn_near: poses.relative_turn_near,
+            relative_error_far: poses.relative_error_far,
+            relative_turn_far: poses.relative_turn_far,
+            free_area: map.free_area,
             time: run.time,
             distance: run.distance,
             turning: run.turning,
@@ -316,8 +319,8 @@ impl Scores {
     }
 }
 
-fn check(run: &RunSummary<'_>) -> Result<(), ScoreError> {
-    for (robot, track) in run.tracks.iter().enumerate() {
+fn check_tracks(tracks: &[TrajectoryPair<'_>]) -> Result<(), ScoreError> {
+    for (robot, track) in tracks.iter().enumerate() {
         let (truth, estimated) = (track.truth.len(), track.estimated.len());
         if truth != estimated {
             return Err(ScoreError::Lengths { robot, truth, estimated });
@@ -333,6 +336,11 @@ fn check(run: &RunSummary<'_>) -> Result<(), ScoreError> {
             return Err(ScoreError::Pose { robot, tick });
         }
     }
+    Ok(())
+}
+
+fn check(run: &RunSummary<'_>) -> Result<(), ScoreError> {
+    check_tracks(run.tracks)?;
     let numbers = [
         ("time", run.time),
         ("time_limit", run.time_limit),

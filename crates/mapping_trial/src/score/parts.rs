@@ -55,6 +55,11 @@ pub struct Parts {
     pub e_turn: f64,
 }
 
+/// The part of an error of the pose, in metres.
+pub(super) fn e_pose(error: f64) -> f64 {
+    saturating(error - LEAST_DRIFT, HALF_DRIFT)
+}
+
 /// What the map of a run and its poses are worth.
 #[derive(Clone, Copy)]
 pub(super) struct Quality {
@@ -83,7 +88,7 @@ impl Parts {
         Parts {
             e_wall,
             e_use: 1.0 - navigability,
-            e_pose: saturating(pose_error - LEAST_DRIFT, HALF_DRIFT),
+            e_pose: e_pose(pose_error),
             e_cov,
             e_time: saturating(time, HALF_TIME),
             e_hit: 1.0 - libm::exp(-hits / (distance / 100.0) / MANY_HITS),

@@ -231,6 +231,7 @@ impl<'w> TrialBuilder<'w> {
         let setup = Setup { settings, starts, area: world.bounds, scenario: state };
         let slam = parts.make_slam(&setup);
         let policy = parts.make_policy(&setup);
+        let observer = parts.make_observer(&setup);
         let sensors: Vec<Sensors> =
             (0..starts.len()).map(|robot| parts.make_sensors(&setup, robot)).collect();
         let foreign =
@@ -250,6 +251,7 @@ impl<'w> TrialBuilder<'w> {
                 world.bounds,
             ),
             bodies,
+            observer,
             foreign,
             source: source.take().unwrap_or_else(|| WorldSource::of(world)),
             world_digest: world.digest().to_string(),

@@ -284,11 +284,21 @@ impl TrialLog {
 
     /// Gives a trial made by [`TrialLog::replay_with`] all of the log's commands.
     pub fn run_through<B: RobotBackend>(&self, trial: &mut Trial<B>) {
+        self.run_through_with(trial, |_| ());
+    }
+
+    /// The same, with a call of `progress` after every tick.
+    pub fn run_through_with<B: RobotBackend>(
+        &self,
+        trial: &mut Trial<B>,
+        mut progress: impl FnMut(&Trial<B>),
+    ) {
         let mut tracks: Vec<_> = self.commands.iter().map(CommandTrack::iter).collect();
         for _ in 0..self.ticks() {
             let commands: Vec<Command> =
                 tracks.iter_mut().map(|track| track.next().unwrap_or(Command::STOP)).collect();
             trial.step_with(&commands);
+            progress(trial);
         }
         let stopped = |end: &Option<RobotEnd>| end.is_some_and(|e| e.reason == EndReason::Stopped);
         if self.ends.iter().any(stopped) {

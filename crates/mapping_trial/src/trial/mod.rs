@@ -4,6 +4,7 @@ mod builder;
 mod clock;
 mod end;
 mod log;
+mod observer;
 mod parts;
 mod report;
 mod settings;
@@ -18,6 +19,7 @@ use thiserror::Error;
 pub use builder::TrialBuilder;
 pub use end::{EndReason, RobotEnd};
 pub use log::{LOG_VERSION, LogError, TrialLog, WorldSource};
+pub use observer::{Moment, TrialObserver};
 pub use parts::{ForeignPart, PartRole, Setup, TrialParts};
 pub use report::{REPORT_VERSION, RobotReport, TrialReport};
 pub use settings::{MAX_ROBOTS, MIN_TIME_BY_AREA, TrialSettings};
@@ -136,6 +138,7 @@ pub struct Trial<B> {
     settings: TrialSettings,
     bodies: B,
     autonomy: Autonomy,
+    observer: Option<Box<dyn TrialObserver + Send + Sync>>,
     foreign: Vec<ForeignPart>,
     starts: Vec<Pose>,
     source: WorldSource,
@@ -206,6 +209,10 @@ impl<B: RobotBackend> Trial<B> {
                 continue;
             }
             self.autonomy.sense(robot, &seen);
+            if let Some(observer) = &mut self.observer {
+                let (pose, slam) = (self.bodies.pose(robot), self.autonomy.slam());
+                observer.observe(&Moment { robot, seen: &seen, pose, slam });
+            }
             let script =
                 self.script.as_ref().and_then(|script| script.end_at(robot, self.clock.ticks()));
             let end = if let Some(reason) = script {

@@ -6,7 +6,7 @@ use envgen::geometry::{Pose, Rect};
 use envgen::scenario::ScenarioState;
 use serde::{Deserialize, Serialize};
 
-use super::TrialSettings;
+use super::{TrialObserver, TrialSettings};
 use crate::backend::Sensors;
 use crate::lidar::LaserSensor;
 use crate::odometry::WheelSensor;
@@ -70,13 +70,14 @@ type Make<T> = Arc<dyn Fn(&Setup<'_>) -> Box<T> + Send + Sync>;
 /// A maker of one part per robot, from the robot's number.
 type MakeEach<T> = Arc<dyn Fn(&Setup<'_>, usize) -> Box<T> + Send + Sync>;
 
-/// Makers of the parts that replace built-in ones, for any number of trials.
+/// Makers of the parts that replace built-in ones, and of an observer, for any number of trials.
 #[derive(Clone, Default)]
 pub struct TrialParts {
     slam: Option<Make<dyn Slam + Send + Sync>>,
     policy: Option<Make<dyn ExplorationPolicy + Send + Sync>>,
     laser: Option<MakeEach<dyn LaserSensor + Send + Sync>>,
     odometry: Option<MakeEach<dyn WheelSensor + Send + Sync>>,
+    observer: Option<Make<dyn TrialObserver + Send + Sync>>,
 }
 
 impl TrialParts {
@@ -122,6 +123,17 @@ impl TrialParts {
         self
     }
 
+    /// With an observer made by `make`, which watches the trial. It is not a part that logs and reports name,
+    /// since it changes nothing.
+    #[must_use]
+    pub fn observer<O: TrialObserver + Send + Sync + 'static>(
+        mut self,
+        make: impl Fn(&Setup<'_>) -> O + Send + Sync + 'static,
+    ) -> Self {
+        self.observer = Some(Arc::new(move |setup| Box::new(make(setup))));
+        self
+    }
+
     /// Whether a part is plugged in for a role.
     pub fn has(&self, role: PartRole) -> bool {
         match role {
@@ -161,6 +173,13 @@ impl TrialParts {
         let built_in =
             || policy.map(|kind| crate::policy::build(kind, setup.starts.len(), body, laser));
         self.policy.as_ref().map_or_else(built_in, |make| Some(make(setup)))
+    }
+
+    pub(super) fn make_observer(
+        &self,
+        setup: &Setup<'_>,
+    ) -> Option<Box<dyn TrialObserver + Send + Sync>> {
+        self.observer.as_ref().map(|make| make(setup))
     }
 
     /// The names of the plugged-in parts; all robots have equal sensors.

@@ -20,7 +20,11 @@ use clap::{Parser, Subcommand};
 
 /// Random worlds for robots: hallways, forests and more, from a kind, its settings and a seed.
 #[derive(Parser)]
-#[command(version, arg_required_else_help = true)]
+#[command(
+    version,
+    arg_required_else_help = true,
+    after_help = "Trials, measured difficulty, and scores of maps that any SLAM made of a world: envgen-trials"
+)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

@@ -1,4 +1,5 @@
-//! The command `envgen-trials`: measures how difficult worlds are, and makes worlds of a measured difficulty.
+//! The command `envgen-trials`: measures how difficult worlds are, makes worlds of a measured difficulty, and scores
+//! maps that others made.
 //!
 //! Exit codes: 0 done, 1 the work failed, 2 bad arguments.
 
@@ -11,6 +12,7 @@ mod link;
 mod measure;
 mod panel;
 mod progress;
+mod score;
 mod survey;
 
 use std::error::Error;
@@ -39,6 +41,8 @@ enum Command {
     Generate(generate::Arguments),
     /// Measures what each lever of the generator does.
     Levers(levers::Arguments),
+    /// Scores a map that any SLAM made of a world, and its trajectory, as trials are scored.
+    Score(score::Arguments),
     /// Links people's ratings to the scale of measured difficulty, from the reports of their sessions.
     Link(link::Arguments),
     /// Measures the anchors: the scale of a panel.
@@ -68,6 +72,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         Command::Measure(arguments) => measure::run(arguments, threads),
         Command::Generate(arguments) => generate::run(arguments, threads),
         Command::Levers(arguments) => levers::run(arguments, threads),
+        Command::Score(arguments) => score::run(arguments),
         Command::Link(arguments) => link::run(arguments),
         Command::Anchors(arguments) => anchors::run(arguments, threads),
         Command::Atlas(arguments) => atlas::run(arguments, threads),

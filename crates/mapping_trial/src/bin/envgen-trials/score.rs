@@ -1,0 +1,247 @@
+//! `envgen-trials score`.
+
+use std::error::Error;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use envgen::geometry::Pose;
+use envgen::import;
+use envgen::import::ros_map::read_ros_map;
+use envgen::located::Locate;
+use mapping_trial::map::OccupancyMap;
+use mapping_trial::robot::Robot;
+use mapping_trial::score::{
+    MapScores, Reference, TrajectoryPair, TrajectoryScores, alignment, fit,
+};
+use mapping_trial::tum::{self, TimedPose};
+use serde::Serialize;
+
+use crate::progress;
+
+#[derive(Args)]
+#[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
+pub(crate) struct Arguments {
+    /// The map to score: the YAML of a map of ROS, as map_saver_cli of Nav2 writes it.
+    #[arg(long, value_name = "FILE.yaml")]
+    map: PathBuf,
+
+    /// The world that was mapped (.json, .ron, .xml, .asc, .map).
+    #[arg(long, value_name = "FILE")]
+    world: PathBuf,
+
+    /// The frame of the map and of the estimated trajectory: start has its origin at the pose where the robot
+    /// started, as that of SLAM programs; world is the world's own, as that of this project's trials.
+    #[arg(long, value_enum, default_value_t = Frame::Start)]
+    frame: Frame,
+
+    /// Where the robot started, in metres and degrees, if not at the start of the world.
+    #[arg(long, value_name = "X,Y,HEADING", value_parser = pose, allow_hyphen_values = true)]
+    start: Option<Pose>,
+
+    /// Moves the map to where its walls match those of the world best, at most about a metre away.
+    #[arg(long)]
+    fit: bool,
+
+    /// The estimated trajectory, in the format of TUM.
+    #[arg(long, value_name = "FILE.tum", requires = "truth")]
+    trajectory: Option<PathBuf>,
+
+    /// The true trajectory in the world's frame, in the format of TUM, with the same clock.
+    #[arg(long, value_name = "FILE.tum", requires = "trajectory")]
+    truth: Option<PathBuf>,
+
+    /// The robot in RON, such as `(length: 0.4, width: 0.4)`; defaults to the Pioneer 3-AT.
+    #[arg(long, value_name = "FILE.ron")]
+    robot: Option<PathBuf>,
+
+    /// Prints JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// The frame of a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Frame {
+    Start,
+    World,
+}
+
+/// What is printed as JSON.
+#[derive(Serialize)]
+struct Report {
+    /// Where the world comes from, such as `indoor, seed 3`.
+    world: String,
+    /// Digest of the world's geometry.
+    world_digest: String,
+    /// The pose of the map's frame in the world's, in which it is scored.
+    frame: Pose,
+    /// The scores of the map.
+    map: MapScores,
+    /// M, from 0 to 10, 10 being the most difficult; absent without a trajectory.
+    mapping: Option<f64>,
+    /// The scores of the trajectory; absent if none is given.
+    trajectory: Option<Trajectory>,
+}
+
+/// The scores of a trajectory.
+#[derive(Serialize)]
+struct Trajectory {
+    /// Number of poses that are scored.
+    poses: usize,
+    /// Number of poses before the first true one or after the last.
+    outside: usize,
+    /// In the frame of the map.
+    as_is: TrajectoryScores,
+    /// After the motion of the plane with which the errors of the positions are least.
+    aligned: TrajectoryScores,
+    /// The pose of the trajectory's frame in the world's after that motion.
+    alignment: Pose,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let path = &arguments.world;
+    let world = import::read_world(path).in_file(path)?;
+    let robot = match &arguments.robot {
+        None => Robot::default(),
+        Some(path) => {
+            Robot::from_ron(&std::fs::read_to_string(path).in_file(path)?).in_file(path)?
+        }
+    };
+    let start = arguments.start.or(world.start);
+    let start = start.ok_or("the world has no start: use --start X,Y,HEADING").in_file(path)?;
+    let path = &arguments.map;
+    let ros_map = read_ros_map(&mut File::open(path).in_file(path)?, path).in_file(path)?;
+    let trajectories = match (&arguments.trajectory, &arguments.truth) {
+        (Some(estimated), Some(truth)) => Some((read_tum(estimated)?, read_tum(truth)?)),
+        _ => None,
+    };
+
+    let spinner = progress::spinner("scoring");
+    let reference =
+        Reference::from_start(&world, &robot, start.position).in_file(&arguments.world)?;
+    let mut frame = match arguments.frame {
+        Frame::Start => start,
+        Frame::World => Pose::default(),
+    };
+    if arguments.fit {
+        let own = OccupancyMap::from_ros_map(&ros_map, Pose::default()).in_file(path)?;
+        frame = fit(&reference, &own, frame);
+    }
+    let map = OccupancyMap::from_ros_map(&ros_map, frame).in_file(path)?;
+    let map = MapScores::of(&reference, &map);
+    let trajectory = match &trajectories {
+        Some((estimated, truth)) => Some(score(estimated, truth, frame)?),
+        None => None,
+    };
+    spinner.finish_and_clear();
+
+    let report = Report {
+        world: world.provenance.name(),
+        world_digest: world.digest().to_string(),
+        frame,
+        map,
+        mapping: trajectory.as_ref().map(|trajectory| map.mapping(&trajectory.as_is)),
+        trajectory,
+    };
+    if arguments.json {
+        print_json(&report)
+    } else {
+        print(&report);
+        Ok(())
+    }
+}
+
+fn read_tum(path: &Path) -> Result<Vec<TimedPose>, Box<dyn Error>> {
+    Ok(tum::read(&std::fs::read_to_string(path).in_file(path)?).in_file(path)?)
+}
+
+/// Scores an estimated trajectory at its own times.
+fn score(
+    estimated: &[TimedPose],
+    truth: &[TimedPose],
+    frame: Pose,
+) -> Result<Trajectory, Box<dyn Error>> {
+    let times = estimated.iter().map(|pose| pose.time);
+    let (mut true_poses, mut poses) = (Vec::new(), Vec::new());
+    for (truth, estimated) in tum::at_times(truth, times).zip(estimated) {
+        if let Some(truth) = truth {
+            true_poses.push(truth);
+            poses.push(estimated.pose);
+        }
+    }
+    if poses.is_empty() {
+        return Err(
+            "--trajectory and --truth have no time in common: both need the same clock".into()
+        );
+    }
+    let scores = |frame: Pose| {
+        // The world's own frame changes no bit.
+        let moved: Vec<Pose> = match frame {
+            frame if frame == Pose::default() => poses.clone(),
+            frame => poses.iter().map(|pose| frame.compose(*pose)).collect(),
+        };
+        TrajectoryScores::of(&[TrajectoryPair { truth: &true_poses, estimated: &moved }])
+    };
+    let best = alignment(&TrajectoryPair { truth: &true_poses, estimated: &poses });
+    Ok(Trajectory {
+        poses: poses.len(),
+        outside: estimated.len() - poses.len(),
+        as_is: scores(frame)?,
+        aligned: scores(best)?,
+        alignment: best,
+    })
+}
+
+/// A pose such as `1.5,-2,90`.
+fn pose(text: &str) -> Result<Pose, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, degrees]) if [x, y, degrees].iter().all(|v: &f64| v.is_finite()) => {
+            Ok(Pose::new(x, y, degrees.to_radians()))
+        }
+        _ => Err("not of the form x,y,heading with numbers in metres and degrees".to_owned()),
+    }
+}
+
+#[expect(clippy::print_stdout, reason = "what the command is for")]
+fn print_json(report: &Report) -> Result<(), Box<dyn Error>> {
+    println!("{}", serde_json::to_string_pretty(report)?);
+    Ok(())
+}
+
+#[expect(clippy::print_stdout, reason = "what the command is for")]
+fn print(report: &Report) {
+    let Report { world, frame, map, mapping, trajectory, .. } = report;
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let metres = |distance: f64| format!("{distance:.3} m");
+    let some = |distance: Option<f64>| distance.map_or("-".to_owned(), metres);
+    println!(
+        "{world}: {:.0} m^2 to map; the map's frame is at ({:.3}, {:.3}) m, {:.2} degrees\n",
+        map.free_area,
+        frame.position.x,
+        frame.position.y,
+        frame.heading.to_degrees()
+    );
+    let row =
+        |name: &str, value: String, meaning: &str| println!("{name:<22}{value:>9}  {meaning}");
+    if let Some(mapping) = mapping {
+        row("M  of mapping", format!("{mapping:.2}"), "walls, use, pose, coverage, from 0 to 10");
+    }
+    row("coverage", percent(map.coverage), "of the reachable ground shown as free");
+    row("wall precision", percent(map.precision_30), "within 0.30 m");
+    row("wall recall", percent(map.recall_30), "within 0.30 m");
+    row("wall F1", percent(map.f1_30), "within 0.30 m");
+    row("wall F1, strict", percent(map.f1_15), "within 0.15 m");
+    row("wall distance", metres(map.wall_distance), "mean, in both directions, cut at 1 m");
+    row("ghosting", percent(map.ghosting), "of the walls mapped twice");
+    row("navigability", percent(map.navigability), "of 40 paths planned on the map arrive");
+    let Some(trajectory) = trajectory else { return };
+    println!("\n{} poses, {} outside the true trajectory", trajectory.poses, trajectory.outside);
+    for (of, scores) in [("as it is", trajectory.as_is), ("aligned", trajectory.aligned)] {
+        println!("{of}:");
+        row("trajectory error", metres(scores.trajectory_error), "RMSE");
+        row("relative error", some(scores.relative_error_near), "over 1 m");
+        row("relative error, far", some(scores.relative_error_far), "over 20 m");
+    }
+}

@@ -1,0 +1,133 @@
+//! The frame in which a map matches a world best.
+
+use envgen::geometry::{Pose, wrap_angle};
+use glam::DVec2;
+
+use crate::map::{CellIndex, DECIDED, OccupancyMap, TILE};
+use crate::truth::{MappableArea, SCORE_CELL};
+
+/// First and last steps of the search, in metres and radians.
+const FIRST: (f64, f64) = (0.64, 0.16);
+const LAST_SHIFT: f64 = 0.005;
+
+/// Distance in metres to the nearest wall beyond which a wall of the map does not count.
+const REACH: f64 = 1.0;
+
+/// The most walls of the map that are compared, evenly spaced over it.
+const MOST_POINTS: usize = 4000;
+
+/// The most steps at one size.
+const MOST_STEPS: usize = 200;
+
+/// The pose of a map's frame in the world's, near to a first guess, in which its walls are nearest to the world's.
+///
+/// `map` is in its own frame. From the guess the search goes uphill, in steps that become smaller: it finds a
+/// frame that is up to about a metre and ten degrees away, and of those that look alike the first. A map without
+/// walls stays where it is.
+pub fn fit(truth: &MappableArea, map: &OccupancyMap, guess: Pose) -> Pose {
+    let points = walls(map);
+    // Turning about the middle of the walls does not shift them.
+    let middle = points.iter().sum::<DVec2>() / points.len().max(1) as f64;
+    let closeness = |at: Pose| -> f64 {
+        let to_world = at.local_to_world();
+        points.iter().map(|&p| closeness(truth, to_world(p - middle))).sum()
+    };
+    let mut best = Pose { position: guess.to_world(middle), heading: guess.heading };
+    let mut value = closeness(best);
+    let (mut shift, mut turn) = FIRST;
+    while shift > LAST_SHIFT && !points.is_empty() {
+        for _ in 0..MOST_STEPS {
+            let around = neighbours(best, shift, turn).map(|at| (closeness(at), at));
+            let better =
+                around.into_iter().fold((value, best), |a, b| if b.0 > a.0 { b } else { a });
+            if better.0 <= value {
+                break;
+            }
+            (value, best) = better;
+        }
+        (shift, turn) = (0.5 * shift, 0.5 * turn);
+    }
+    let turn = Pose { position: DVec2::ZERO, heading: best.heading };
+    Pose { position: best.position - turn.to_world(middle), heading: best.heading }
+}
+
+/// Middles of the occupied cells, or of some of them if there are many.
+fn walls(map: &OccupancyMap) -> Vec<DVec2> {
+    let mut points = Vec::new();
+    for ((col, row), tile) in map.tiles() {
+        for (i, _) in (0..).zip(tile).filter(|(_, odds)| **odds > DECIDED) {
+            let index = CellIndex { col: col * TILE + i % TILE, row: row * TILE + i / TILE };
+            points.push(index.centre());
+        }
+    }
+    // The order of tiles is that in which they were written.
+    points.sort_by(|a, b| a.y.total_cmp(&b.y).then(a.x.total_cmp(&b.x)));
+    let step = points.len().div_ceil(MOST_POINTS).max(1);
+    points.into_iter().step_by(step).collect()
+}
+
+/// How near a point is to a wall of the world, from 0 to 1.
+fn closeness(truth: &MappableArea, p: DVec2) -> f64 {
+    let Some(cell) = truth.frame().cell_at(p) else { return 0.0 };
+    let distance = f64::from(truth.wall_distance()[cell]).sqrt() * SCORE_CELL;
+    (1.0 - distance / REACH).max(0.0)
+}
+
+/// The poses one step away.
+fn neighbours(at: Pose, shift: f64, turn: f64) -> [Pose; 14] {
+    let steps = [-1.0, 0.0, 1.0];
+    let moved = |x: f64, y: f64, h: f64| Pose {
+        position: at.position + DVec2::new(x, y) * shift,
+        heading: wrap_angle(at.heading + h * turn),
+    };
+    let mut poses = [at; 14];
+    let shifts = steps.into_iter().flat_map(|x| steps.map(|y| (x, y, 0.0)));
+    let turns =
+        [-1.0, 1.0].into_iter().flat_map(|h| [(0.0, 0.0, h), (0.7, 0.0, h), (-0.7, 0.0, h)]);
+    let all = shifts.filter(|(x, y, _)| (*x, *y) != (0.0, 0.0)).chain(turns);
+    for (pose, (x, y, h)) in poses.iter_mut().zip(all) {
+        *pose = moved(x, y, h);
+    }
+    poses
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::RESOLUTION;
+    use crate::robot::Robot;
+    use crate::score::{MapScores, Reference};
+    use crate::truth::tests::{add_wall, room};
+
+    /// A room that looks like itself from one side only.
+    fn truth() -> Reference {
+        let mut world = room(16.0, 8.0);
+        add_wall(&mut world, (5.0, 0.0), (5.1, 3.0));
+        add_wall(&mut world, (11.0, 4.5), (11.1, 8.0));
+        Reference::new(&world, &Robot::default()).expect("a world with free space")
+    }
+
+    #[test]
+    fn a_map_that_is_off_is_brought_back() {
+        let truth = truth();
+        let frame = Pose::new(3.0, 2.0, 0.4);
+        let ros = truth.perfect_map().to_ros_map().expect("small");
+        // The perfect map in the frame of a start.
+        let own = OccupancyMap::from_ros_map(&ros, frame.inverse()).expect("small");
+        for off in [Pose::default(), Pose::new(0.7, -0.5, 0.1), Pose::new(-0.3, 0.6, -0.15)] {
+            let found = fit(&truth, &own, frame.compose(off));
+            let error = frame.between(found);
+            assert!(error.position.length() < RESOLUTION, "{off:?}: {error:?}");
+            assert!(error.heading.abs() < 0.005, "{off:?}: {error:?}");
+            let map = OccupancyMap::from_ros_map(&own.to_ros_map().expect("small"), found);
+            let scores = MapScores::of(&truth, &map.expect("small"));
+            assert!(scores.f1_15 > 0.99 && scores.coverage > 0.97, "{scores:?}");
+        }
+    }
+
+    #[test]
+    fn a_map_without_walls_stays_where_it_is() {
+        let guess = Pose::new(1.0, -2.0, 0.3);
+        assert_eq!(fit(&truth(), &OccupancyMap::new(), guess), guess);
+    }
+}

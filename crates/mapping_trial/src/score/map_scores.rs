@@ -1,0 +1,147 @@
+//! How good a map is, whoever made it, and how good a trajectory.
+
+use serde::{Deserialize, Serialize};
+
+use super::parts::e_pose;
+use super::raster::Raster;
+use super::{
+    Parts, Reference, ScoreError, SweptCells, TOLERANCES, TrajectoryPair, Weights, check_tracks,
+    coverage, harmonic, navigability, pose, walls,
+};
+use crate::map::OccupancyMap;
+
+/// The scores of a map alone; the fields are those of [`Scores`](super::Scores).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapScores {
+    /// 1 - F1 at 0.30 m.
+    pub e_wall: f64,
+    /// 1 - U', with a margin of a cell of the map.
+    pub e_use: f64,
+    /// 1 - C.
+    pub e_cov: f64,
+    /// C: share of F that the map shows as free.
+    pub coverage: f64,
+    /// Share of the map's occupied cells that are within 0.30 m of a wall that can be seen from F.
+    pub precision_30: f64,
+    /// Share of those walls that are within 0.30 m of an occupied cell of the map.
+    pub recall_30: f64,
+    /// Harmonic mean of the two.
+    pub f1_30: f64,
+    /// The same within 0.15 m.
+    pub precision_15: f64,
+    /// The same within 0.15 m.
+    pub recall_15: f64,
+    /// The same within 0.15 m.
+    pub f1_15: f64,
+    /// Mean distance in metres from the map's walls to the true ones and back, each at most 1 m.
+    pub wall_distance: f64,
+    /// Share of the walls that the map shows twice.
+    pub ghosting: f64,
+    /// U: share of 40 paths, planned on the map and driven in the true world, that arrive without a collision.
+    pub navigability: f64,
+    /// Area of F in square metres.
+    pub free_area: f64,
+}
+
+impl MapScores {
+    /// Scores a map in the world's frame.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+    /// use mapping_trial::robot::Robot;
+    /// use mapping_trial::score::{MapScores, Reference};
+    ///
+    /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+    /// let truth = Reference::new(&world, &Robot::default())?;
+    /// let scores = MapScores::of(&truth, &truth.perfect_map());
+    /// assert_eq!((scores.coverage, scores.f1_30, scores.e_use), (1.0, 1.0, 0.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of(truth: &Reference, map: &OccupancyMap) -> Self {
+        MapScores::of_raster(truth, map, &Raster::of(truth, map), None)
+    }
+
+    /// The same of a map whose raster is known; cells in which something moved do not count.
+    pub(super) fn of_raster(
+        truth: &Reference,
+        map: &OccupancyMap,
+        raster: &Raster,
+        swept: Option<&SweptCells>,
+    ) -> Self {
+        let walls = walls::compare(truth, truth.runs(), raster, swept, TOLERANCES);
+        let [f1_30, f1_15] = [0, 1].map(|i| harmonic(walls.precision[i], walls.recall[i]));
+        let coverage = coverage(truth, raster);
+        let [navigability, with_margin] = navigability::navigability(truth, truth.trips(), map);
+        MapScores {
+            e_wall: 1.0 - f1_30,
+            e_use: 1.0 - with_margin,
+            e_cov: 1.0 - coverage,
+            coverage,
+            precision_30: walls.precision[0],
+            recall_30: walls.recall[0],
+            f1_30,
+            precision_15: walls.precision[1],
+            recall_15: walls.recall[1],
+            f1_15,
+            wall_distance: walls.distance,
+            ghosting: walls.ghosting,
+            navigability,
+            free_area: truth.free_area(),
+        }
+    }
+
+    /// M, the difficulty of mapping from 0 to 10, of this map and the trajectory along which it was made.
+    pub fn mapping(&self, trajectory: &TrajectoryScores) -> f64 {
+        let MapScores { e_wall, e_use, e_cov, .. } = *self;
+        let parts = Parts { e_wall, e_use, e_cov, e_pose: trajectory.e_pose, ..Parts::default() };
+        Weights::default().difficulties(&parts).mapping
+    }
+}
+
+/// The scores of estimated trajectories; the fields are those of [`Scores`](super::Scores).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrajectoryScores {
+    /// Drift of the pose, from 0 to 1.
+    pub e_pose: f64,
+    /// ATE: root mean square of the errors of position in metres over all poses.
+    pub trajectory_error: f64,
+    /// Root mean square error in metres of the position relative to that 1 m of path before; absent if no
+    /// robot drove that far.
+    pub relative_error_near: Option<f64>,
+    /// The same of the heading, in radians.
+    pub relative_turn_near: Option<f64>,
+    /// Root mean square error in metres of the position relative to that 20 m of path before; absent if no
+    /// robot drove that far.
+    pub relative_error_far: Option<f64>,
+    /// The same of the heading, in radians.
+    pub relative_turn_far: Option<f64>,
+}
+
+impl TrajectoryScores {
+    /// Scores trajectories, one pair per robot, in the world's frame.
+    ///
+    /// # Errors
+    /// If a pair's lists differ in length, or a pose is not finite.
+    pub fn of(tracks: &[TrajectoryPair<'_>]) -> Result<Self, ScoreError> {
+        check_tracks(tracks)?;
+        Ok(TrajectoryScores::of_checked(tracks))
+    }
+
+    /// The same of trajectories that are checked already.
+    pub(super) fn of_checked(tracks: &[TrajectoryPair<'_>]) -> Self {
+        let trajectory_error = pose::absolute(tracks);
+        let near = pose::relative(tracks, pose::NEAR);
+        let far = pose::relative(tracks, pose::FAR);
+        let relative_error_far = far.map(|(position, _)| position);
+        TrajectoryScores {
+            e_pose: e_pose(relative_error_far.unwrap_or(trajectory_error)),
+            trajectory_error,
+            relative_error_near: near.map(|(position, _)| position),
+            relative_turn_near: near.map(|(_, heading)| heading),
+            relative_error_far,
+            relative_turn_far: far.map(|(_, heading)| heading),
+        }
+    }
+}

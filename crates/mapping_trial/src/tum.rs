@@ -1,0 +1,224 @@
+//! Trajectories as text: the format of the RGB-D benchmark of TU Munich (Sturm et al., A benchmark for the evaluation
+//! of RGB-D SLAM systems, IROS 2012), which SLAM programs write and `evo` reads.
+//!
+//! A line is `t x y z qx qy qz qw`: seconds, metres and a unit quaternion; lines that begin with `#` are comments.
+
+use std::io::{self, Write};
+
+use envgen::geometry::{Pose, wrap_angle};
+use glam::DVec2;
+use thiserror::Error;
+
+/// The greatest coordinate that is read, in metres, and the greatest time, in seconds: dates of this era fit.
+const MOST: f64 = 1e11;
+
+/// The most poses that are read: a day at 100 per second.
+pub const MAX_POSES: usize = 1 << 23;
+
+/// Why a text is not a trajectory.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum TumError {
+    /// A line does not have eight numbers.
+    #[error("line {line} must be `t x y z qx qy qz qw`, eight numbers, got `{text}`")]
+    Line {
+        /// Its number, from 1.
+        line: usize,
+        /// Its beginning.
+        text: String,
+    },
+    /// A number is not finite or too large.
+    #[error("line {line}: every number must be from -{MOST:e} to {MOST:e}, got {value}")]
+    Number {
+        /// The line's number, from 1.
+        line: usize,
+        /// The number.
+        value: f64,
+    },
+    /// A quaternion is zero.
+    #[error("line {line}: the quaternion is 0 0 0 0, expected one of length 1")]
+    Quaternion {
+        /// The line's number, from 1.
+        line: usize,
+    },
+    /// Times do not rise.
+    #[error("line {line}: time {time} s is not after that of the pose before, {before} s")]
+    Order {
+        /// The line's number, from 1.
+        line: usize,
+        /// The time in seconds.
+        time: f64,
+        /// The time of the pose before, in seconds.
+        before: f64,
+    },
+    /// There are no poses.
+    #[error("there are no poses")]
+    Empty,
+    /// There are too many poses.
+    #[error("there are more than {MAX_POSES} poses")]
+    Long,
+}
+
+/// A pose at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimedPose {
+    /// Time in seconds.
+    pub time: f64,
+    /// The pose.
+    pub pose: Pose,
+}
+
+/// Reads a trajectory in the plane: heights are ignored, and of rotations the turn about z counts.
+///
+/// ```
+/// use mapping_trial::tum;
+///
+/// let poses = tum::read("# comment\n0.5 1 2 0 0 0 1 0\n")?;
+/// assert_eq!((poses[0].time, poses[0].pose.position.x), (0.5, 1.0));
+/// assert!((poses[0].pose.heading - std::f64::consts::PI).abs() < 1e-12);
+/// # Ok::<(), tum::TumError>(())
+/// ```
+///
+/// # Errors
+///
+/// The first line that is not a pose, or whose time is not after the one before; no poses, or too many.
+pub fn read(text: &str) -> Result<Vec<TimedPose>, TumError> {
+    let mut poses: Vec<TimedPose> = Vec::new();
+    for (line, text) in text.lines().enumerate() {
+        let (line, text) = (line + 1, text.trim());
+        if text.is_empty() || text.starts_with('#') {
+            continue;
+        }
+        let pose = timed_pose(line, text)?;
+        if let Some(before) = poses.last().filter(|before| before.time >= pose.time) {
+            return Err(TumError::Order { line, time: pose.time, before: before.time });
+        }
+        if poses.len() == MAX_POSES {
+            return Err(TumError::Long);
+        }
+        poses.push(pose);
+    }
+    if poses.is_empty() { Err(TumError::Empty) } else { Ok(poses) }
+}
+
+fn timed_pose(line: usize, text: &str) -> Result<TimedPose, TumError> {
+    let not_a_pose = || TumError::Line { line, text: text.chars().take(60).collect() };
+    let numbers: Vec<f64> = text
+        .split(|c: char| c.is_whitespace() || c == ',')
+        .filter(|part| !part.is_empty())
+        .map(str::parse)
+        .collect::<Result<_, _>>()
+        .map_err(|_| not_a_pose())?;
+    if let Some(&value) = numbers.iter().find(|value| !(value.abs() <= MOST)) {
+        return Err(TumError::Number { line, value });
+    }
+    let [time, x, y, _, qx, qy, qz, qw] = numbers[..] else { return Err(not_a_pose()) };
+    if [qx, qy, qz, qw] == [0.0; 4] {
+        return Err(TumError::Quaternion { line });
+    }
+    // The turn about z of any rotation, also where the quaternion is not quite of length 1.
+    let heading = libm::atan2(2.0 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz);
+    Ok(TimedPose { time, pose: Pose { position: DVec2::new(x, y), heading } })
+}
+
+/// Writes a trajectory; numbers are as exact as the poses.
+///
+/// # Errors
+///
+/// Any error of the writer.
+pub fn write(poses: impl IntoIterator<Item = TimedPose>, out: &mut dyn Write) -> io::Result<()> {
+    for TimedPose { time, pose: Pose { position, heading } } in poses {
+        let (sin, cos) = libm::sincos(0.5 * heading);
+        writeln!(out, "{time:.9} {} {} 0 0 0 {sin} {cos}", position.x, position.y)?;
+    }
+    Ok(())
+}
+
+/// The poses of a trajectory at given times, interpolated between its own; `None` before its first and after its
+/// last.
+pub fn at_times<'a>(
+    trajectory: &'a [TimedPose],
+    times: impl Iterator<Item = f64> + 'a,
+) -> impl Iterator<Item = Option<Pose>> + 'a {
+    times.map(move |time| {
+        let after = trajectory.partition_point(|pose| pose.time < time);
+        let b = trajectory.get(after)?;
+        if b.time == time {
+            return Some(b.pose);
+        }
+        let a = trajectory[..after].last()?;
+        let part = (time - a.time) / (b.time - a.time);
+        let turn = wrap_angle(b.pose.heading - a.pose.heading);
+        Some(Pose {
+            position: a.pose.position.lerp(b.pose.position, part),
+            heading: wrap_angle(a.pose.heading + part * turn),
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn pose() -> impl Strategy<Value = Pose> {
+        (-1e3..1e3_f64, -1e3..1e3_f64, -3.1..3.1_f64).prop_map(|(x, y, h)| Pose::new(x, y, h))
+    }
+
+    #[test]
+    fn what_is_wrong_is_named_with_its_line() {
+        let error = |text: &str| read(text).expect_err("no trajectory").to_string();
+        assert!(error("# nothing\n\n").contains("no poses"));
+        assert!(error("\n0 1 2\n").starts_with("line 2 must be `t x y z qx qy qz qw`"));
+        assert!(error("0 1 2 3 0 0 0 one").contains("`0 1 2 3 0 0 0 one`"));
+        assert!(error("0 1 2 3 0 0 0 1 9").contains("eight numbers"));
+        assert!(error("0 1 NaN 3 0 0 0 1").contains("got NaN"));
+        assert!(error("0 1 inf 3 0 0 0 1").contains("got inf"));
+        assert!(error("0 1 2 3 0 0 0 0").contains("quaternion"));
+        let twice = "1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n";
+        assert!(error(twice).contains("line 2: time 1 s is not after"));
+    }
+
+    #[test]
+    fn a_tilted_robot_has_the_heading_of_its_turn_about_z() {
+        // Turned by a right angle about z, then pitched by 0.2 rad.
+        let (s, c) = libm::sincos(0.1);
+        let h = std::f64::consts::FRAC_1_SQRT_2;
+        let text = format!("0 0 0 0 {} {} {} {}", -h * s, h * s, h * c, h * c);
+        let heading = read(&text).unwrap()[0].pose.heading;
+        assert!((heading - std::f64::consts::FRAC_PI_2).abs() < 1e-12, "{heading}");
+    }
+
+    proptest! {
+        #[test]
+        fn what_was_written_is_read(poses in proptest::collection::vec(pose(), 1..20)) {
+            let timed = poses.iter().enumerate().map(|(i, &pose)| TimedPose { time: 0.05 * i as f64, pose });
+            let mut text = Vec::new();
+            write(timed.clone(), &mut text).unwrap();
+            let found = read(std::str::from_utf8(&text).unwrap()).unwrap();
+            prop_assert_eq!(found.len(), poses.len());
+            for (found, expected) in found.iter().zip(timed) {
+                prop_assert!((found.time - expected.time).abs() < 1e-9);
+                prop_assert_eq!(found.pose.position, expected.pose.position);
+                prop_assert!((found.pose.heading - expected.pose.heading).abs() < 1e-14);
+            }
+        }
+
+        #[test]
+        fn no_text_makes_it_panic(text in "[0-9 .e#naif,\n-]{0,200}") {
+            let _ = read(&text);
+        }
+
+        #[test]
+        fn a_straight_drive_is_interpolated_exactly(speed in 0.1..2.0_f64, at in 0.0..9.0_f64) {
+            let pose = |time: f64| TimedPose { time, pose: Pose::new(speed * time, 1.0, 0.5) };
+            let poses: Vec<TimedPose> = (0..10).map(|i| pose(f64::from(i))).collect();
+            let times = [at, -0.1, 9.1, 9.0];
+            let found: Vec<_> = at_times(&poses, times.into_iter()).collect();
+            let first = found[0].expect("within");
+            prop_assert!(first.position.distance(pose(at).pose.position) < 1e-12);
+            prop_assert_eq!(&found[1..], &[None, None, Some(poses[9].pose)][..]);
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! The bag of a trial for ROS 2, with what scoring another SLAM's map of the same world needs.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use envgen::World;
+use envgen::located::Locate;
+use envgen::whole_file::{WholeFile, commit_all, create_folder, refuse_inputs};
+use mapping_trial::backend::{RobotBackend, TICK};
+use mapping_trial::ros_bag::BagRecorder;
+use mapping_trial::trial::{Trial, TrialParts, TrialReport};
+use mapping_trial::tum::{self, TimedPose};
+
+/// Name of the file that rosbag2 expects beside the bag's.
+const METADATA: &str = "metadata.yaml";
+
+/// The bag that `--log` asks for. An interrupted trial leaves no file.
+pub(crate) struct Bag {
+    path: PathBuf,
+    /// Name of the file without its ending.
+    stem: String,
+    recorder: BagRecorder<WholeFile>,
+    /// The files beside it, begun before the trial so that nothing is lost if they cannot be written.
+    metadata: WholeFile,
+    world: WholeFile,
+}
+
+impl Bag {
+    /// Begins the files.
+    pub(crate) fn begin<P: AsRef<Path>>(path: &Path, inputs: &[P]) -> Result<Self, Box<dyn Error>> {
+        let (Some(stem), Some("mcap")) =
+            (path.file_stem(), path.extension().and_then(|ending| ending.to_str()))
+        else {
+            return Err(format!("--log {}: must end in .mcap", path.display()).into());
+        };
+        let stem = stem.to_string_lossy().into_owned();
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        create_folder(folder.unwrap_or(Path::new("."))).in_option("--log", path.display())?;
+        let metadata = path.with_file_name(METADATA);
+        refuse_other_bag(&metadata, path)?;
+        let begin = |path: &Path| -> Result<WholeFile, Box<dyn Error>> {
+            refuse_inputs(path, inputs).in_file(path)?;
+            Ok(WholeFile::create(path).in_file(path)?)
+        };
+        Ok(Bag {
+            recorder: BagRecorder::new(begin(path)?),
+            metadata: begin(&metadata)?,
+            world: begin(&path.with_file_name(format!("{stem}.world.json")))?,
+            path: path.to_owned(),
+            stem,
+        })
+    }
+
+    /// The parts of a trial with the recorder.
+    pub(crate) fn watch(&self, parts: TrialParts) -> TrialParts {
+        self.recorder.watch(parts)
+    }
+
+    /// Ends the files; returns their paths.
+    pub(crate) fn finish<B: RobotBackend>(
+        mut self,
+        trial: &Trial<B>,
+        world: &World,
+        report: &TrialReport,
+    ) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+        let name = self.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let (file, bag) = self.recorder.finish(trial, world, report).in_file(&self.path)?;
+        self.metadata.write_all(bag.metadata(&name).as_bytes())?;
+        // Those who map the world score their map from where this robot started.
+        let mut world = world.clone();
+        world.start = Some(trial.trajectory(0).poses[0]);
+        self.world.write_all(world.to_json()?.as_bytes())?;
+        let mut files = vec![file, self.metadata, self.world];
+        let beside = |name: String| self.path.with_file_name(name);
+        let mut paths = vec![
+            self.path.clone(),
+            beside(METADATA.to_owned()),
+            beside(format!("{}.world.json", self.stem)),
+        ];
+        for robot in 0..trial.robots() {
+            let number = if robot == 0 { String::new() } else { format!("_{}", robot + 1) };
+            let truth = &trial.trajectory(robot).poses;
+            // The first estimate is from before the first observation.
+            let estimated = trial.autonomy().slam().trajectory(robot);
+            let estimated = estimated.get(1..).unwrap_or_default();
+            for (of, poses) in [("truth", truth.as_slice()), ("estimate", estimated)] {
+                let path = beside(format!("{}.{of}{number}.tum", self.stem));
+                let mut text = Vec::new();
+                let timed = poses.iter().take(truth.len()).enumerate();
+                let timed = timed.map(|(tick, &pose)| TimedPose { time: tick as f64 * TICK, pose });
+                tum::write(timed, &mut text)?;
+                let mut file = WholeFile::create(&path).in_file(&path)?;
+                file.write_all(&text).in_file(&path)?;
+                files.push(file);
+                paths.push(path);
+            }
+        }
+        commit_all(files)?;
+        Ok(paths)
+    }
+}
+
+/// Refuses a folder whose metadata describe another bag, which they would no longer do.
+fn refuse_other_bag(metadata: &Path, path: &Path) -> Result<(), Box<dyn Error>> {
+    let Ok(text) = std::fs::read_to_string(metadata) else { return Ok(()) };
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let lines = || text.lines().map(|line| line.trim().trim_start_matches("- "));
+    if lines().any(|line| line.trim_matches('"') == name) {
+        return Ok(());
+    }
+    let (log, metadata) = (path.display(), metadata.display());
+    Err(format!("--log {log}: {metadata} describes another bag: give each log a folder of its own")
+        .into())
+}
