@@ -279,7 +279,7 @@ fn bar(trials: u64, finished: u64) -> ProgressBar {
     bar.set_position(finished);
     bar.reset_eta();
     bar.enable_steady_tick(std::time::Duration::from_millis(500));
-    match ProgressStyle::with_template("{bar:40} {pos}/{len} trials, {eta} left") {
+    match ProgressStyle::with_template("{bar:40} {pos}/{len} trials, {per_sec}, {eta} left") {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }

@@ -82,6 +82,41 @@ fn twice_and_replayed(engine: &str, moving: &[&str]) {
 }
 
 #[test]
+fn a_bag_and_that_of_the_replay_are_the_same_bytes() {
+    for engine in ["flat", "rapier"] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        let bag = |name: &str| at(name).join("trial.mcap").to_str().expect("a path").to_owned();
+        let (first, again) = (bag("first"), bag("again"));
+        let world = ["--size", "6", "--time-limit", "35", "--robots", "2", "--engine", engine];
+        EXAMPLE.ok(&[&world[..], &["--log", &first]].concat(), &at("out"));
+        let log = at("out").join("log.json");
+        EXAMPLE.ok(&["--replay", log.to_str().expect("a path"), "--log", &again], &at("replay"));
+        let found = files(&at("first"));
+        assert_eq!(found, files(&at("again")), "{engine}");
+        let names: Vec<_> = found.keys().map(|name| name.to_string_lossy().into_owned()).collect();
+        let expected = [
+            "metadata.yaml",
+            "trial.estimate.tum",
+            "trial.estimate_2.tum",
+            "trial.mcap",
+            "trial.truth.tum",
+            "trial.truth_2.tum",
+            "trial.world.json",
+        ];
+        assert_eq!(names, expected);
+        // Another log in the same folder would make its metadata wrong.
+        let other = at("first").join("other.mcap");
+        let other = ["--size", "6", "--log", other.to_str().expect("a path")];
+        assert!(EXAMPLE.error(&other, &at("other")).contains("describes another bag"));
+        assert_eq!(found, files(&at("first")));
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let error = EXAMPLE.error(&["--log", "trial.bag"], folder.path());
+    assert!(error.contains("--log trial.bag: must end in .mcap"), "{error}");
+}
+
+#[test]
 fn a_reader_that_goes_away_loses_no_files() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut command = EXAMPLE.command(&["--size", "4", "--time-limit", "5"], folder.path());

@@ -29,7 +29,7 @@ use std::error::Error;
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, IsTerminal, Write};
 use std::process::ExitCode;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use bevy_mapping_trial::trial::{replay_headless_with, run_headless_with};
 use clap::Parser;
@@ -160,8 +160,10 @@ fn tell<B: RobotBackend>(
     clock: Instant,
 ) -> Result<TrialReport, Box<dyn Error>> {
     let seconds = clock.elapsed().as_secs_f64();
+    let scoring = spinner("scoring");
     let truth = trial.reference(world)?;
     let mut report = trial.report(world, &truth)?;
+    scoring.finish_and_clear();
     say(
         arguments,
         format_args!(
@@ -232,6 +234,19 @@ fn progress(limit: f64) -> ProgressBar {
     match ProgressStyle::with_template(
         "{bar:40} {pos}/{len} simulated seconds, {per_sec}, {eta} left",
     ) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+/// A spinner with the time so far on stderr; nothing if that is not a terminal.
+fn spinner(what: &'static str) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new_spinner().with_message(what);
+    bar.enable_steady_tick(Duration::from_millis(100));
+    match ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }

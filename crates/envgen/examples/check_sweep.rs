@@ -14,12 +14,13 @@ mod random_spec;
 
 use std::collections::BTreeMap;
 use std::fs::OpenOptions;
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, IsTerminal, Write};
 use std::panic::catch_unwind;
 use std::process::ExitCode;
 
 use envgen::certificate::{Claim, Verdict, verify};
 use envgen::{Seed, WorldKind, WorldSpec};
+use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
 fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
@@ -35,7 +36,9 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
         add(&mut totals, &serde_json::from_str(&line?)?);
         done += 1;
     }
+    let bar = bar(count, done);
     for index in done..count {
+        bar.set_position(index);
         let kind = WorldKind::ALL[(index % WorldKind::ALL.len() as u64) as usize];
         let spec = random_spec::random_spec(kind, index);
         let outcome = catch_unwind(|| outcome(&spec, Seed(index)))
@@ -46,6 +49,7 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
         writeln!(file, "{line}")?;
         add(&mut totals, &line);
     }
+    bar.finish_and_clear();
     let mut out = std::io::stdout().lock();
     let mut failed = false;
     for ((kind, outcome), count) in &totals {
@@ -53,6 +57,20 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
         failed |= is_failure(outcome);
     }
     Ok(ExitCode::from(u8::from(failed)))
+}
+
+/// A bar of specs on stderr, of which some were done before; nothing if that is not a terminal.
+fn bar(count: u64, done: u64) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(count);
+    bar.set_position(done);
+    bar.reset_eta();
+    match ProgressStyle::with_template("{bar:40} {pos}/{len} specs, {per_sec}, {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
 }
 
 /// The result of a spec: one entry per promise.

@@ -62,7 +62,7 @@ fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     let survey = read(&arguments.survey)?;
     let mut folder = SurveyFolder::open(&arguments.out, &survey, arguments.shard)?;
     println!("{} trials, {} finished before", folder.trials(), folder.records().len());
-    let bar = progress(folder.trials());
+    let bar = progress(folder.trials(), folder.records().len() as u64);
     let result = folder.run(usize::from(arguments.threads), &|progress| {
         bar.set_position(progress.done);
         ControlFlow::Continue(())
@@ -94,11 +94,13 @@ fn write(path: &Path, summary: &Summary) -> Result<(), ExperimentError> {
         .map_err(|error| ExperimentError::File { path: path.to_owned(), source: error.error })
 }
 
-fn progress(trials: u64) -> ProgressBar {
+fn progress(trials: u64, finished: u64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(trials);
+    bar.set_position(finished);
+    bar.reset_eta();
     bar.enable_steady_tick(std::time::Duration::from_millis(500));
     match ProgressStyle::with_template("{bar:40} {pos}/{len} trials, {per_sec}, {eta} left") {
         Ok(style) => bar.with_style(style),

@@ -6,13 +6,14 @@
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::fs;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, IsTerminal, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
 use clap::{Parser, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
 use reader_fuzz::mutate::mutated;
 use reader_fuzz::{FORMATS, Format, work};
 
@@ -117,6 +118,7 @@ fn format_cases(format: &Format, arguments: &Arguments) -> Result<Progress, Box<
     let file = arguments.out.join(format!("{}.progress.json", format.name));
     let mut progress = Progress::load(&file)?;
     let corpus = (format.corpus)();
+    let bar = bar(format.name, arguments.cases, progress.next);
     while progress.next < arguments.cases {
         let to = (progress.next + BATCH).min(arguments.cases);
         let batch = Batch::run(format, progress.next..to, arguments.memory)?;
@@ -134,8 +136,25 @@ fn format_cases(format: &Format, arguments: &Arguments) -> Result<Progress, Box<
         progress.next = batch.next;
         progress.read += batch.read;
         progress.save(&file)?;
+        bar.set_position(progress.next);
     }
+    bar.finish_and_clear();
     Ok(progress)
+}
+
+/// A bar of files on stderr, of which some were read before; nothing if that is not a terminal.
+fn bar(format: &'static str, cases: u64, done: u64) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(cases).with_message(format);
+    bar.set_position(done);
+    bar.reset_eta();
+    bar.enable_steady_tick(Duration::from_millis(500));
+    match ProgressStyle::with_template("{msg} {bar:40} {pos}/{len} files, {per_sec}, {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
 }
 
 /// The output of one process.

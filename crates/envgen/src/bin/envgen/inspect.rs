@@ -18,6 +18,7 @@ use serde_json::Value;
 
 use crate::failure::Failure;
 use crate::platform::PlatformOptions;
+use crate::progress::spinner;
 use crate::source::{WorldFile, note};
 
 #[derive(Args)]
@@ -136,7 +137,9 @@ struct Checked {
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let platform = arguments.platform.read()?;
     let world = arguments.file.read()?;
+    let working = spinner("inspecting");
     let report = report(&world, &platform);
+    drop(working);
     let mut out = io::stdout().lock();
     if arguments.json {
         serde_json::to_writer_pretty(&mut out, &report)?;

@@ -11,6 +11,7 @@ use envgen::landscape::metrics::{Border, RasterReport};
 use envgen::located::Locate;
 
 use crate::failure::Failure;
+use crate::progress::spinner;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -29,6 +30,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let path = &arguments.file;
+    let working = spinner("counting");
     let mut file = File::open(path).in_file(path)?;
     let read = ImportedRaster::read(path, &mut file).map_err(|error| match error {
         // The error names the file itself.
@@ -40,6 +42,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if let Some(labels) = &read.labels {
         report = report.labelled(labels);
     }
+    drop(working);
     let mut out = io::stdout().lock();
     if arguments.json {
         serde_json::to_writer_pretty(&mut out, &report)?;

@@ -19,11 +19,14 @@ pub(crate) fn bar(count: u64) -> ProgressBar {
     }
 }
 
-/// A spinner on stderr, removed when it is dropped.
+/// A spinner on stderr with the time so far, removed when it is dropped.
 pub(crate) fn spinner(what: &'static str) -> Spinner {
     let bar = ProgressBar::new_spinner().with_message(what);
     bar.enable_steady_tick(Duration::from_millis(100));
-    Spinner(bar)
+    match ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
+        Ok(style) => Spinner(bar.with_style(style)),
+        Err(_) => Spinner(bar),
+    }
 }
 
 /// See [`spinner`].

@@ -12,6 +12,7 @@ use mapping_trial::experiment::Shard;
 use mapping_trial::experiment::survey::{Survey, SurveyFolder};
 
 use crate::atlas::DesignOptions;
+use crate::progress;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -61,6 +62,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         .collect();
     let folders = folders?;
     let records: Vec<_> = folders.iter().flat_map(SurveyFolder::records).collect();
+    let spinner = progress::spinner("fitting");
     let samples = samples(&survey, &records, &scale)?;
     let atlas = Atlas {
         command: format!("envgen-trials atlas --kind {}", design.kind().name()),
@@ -71,6 +73,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         dials: Dials::default(),
     };
     let calibration = calibrate(design.kind(), atlas, scale, &samples);
+    spinner.finish_and_clear();
     let mut text = serde_json::to_vec_pretty(&calibration)?;
     text.push(b'\n');
     write(&arguments.out, &text)?;

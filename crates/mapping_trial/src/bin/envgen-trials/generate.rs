@@ -62,6 +62,7 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     let scale = arguments.panel.scale(&panel, threads)?;
     let bar = progress::trials(
         panel.conditions.len() as u64 * (RACERS as u64 + u64::from(arguments.seeds)),
+        0,
     );
     let found = verified(&spec, arguments.seed, &panel, &scale, arguments.seeds, &mut |trials| {
         bar.set_position(trials as u64);

@@ -63,7 +63,7 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     }
     let panel = arguments.panel.panel()?;
     let scale = arguments.panel.scale(&panel, threads)?;
-    let bar = progress::trials(panel.conditions.len() as u64 * u64::from(arguments.seeds));
+    let bar = progress::trials(panel.conditions.len() as u64 * u64::from(arguments.seeds), 0);
     let mut measuring = Measuring::new(&world, &panel, arguments.noise_seed);
     let all: Vec<usize> = (0..panel.conditions.len()).collect();
     for _ in 0..arguments.seeds {

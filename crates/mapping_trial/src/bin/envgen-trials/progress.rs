@@ -5,12 +5,15 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A bar of trials on stderr, hidden where that is no terminal.
-pub(crate) fn trials(count: u64) -> ProgressBar {
+/// A bar of trials on stderr, of which some were finished before; hidden where that is no terminal.
+pub(crate) fn trials(count: u64, finished: u64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(count);
+    bar.set_position(finished);
+    bar.reset_eta();
+    bar.enable_steady_tick(Duration::from_millis(500));
     match ProgressStyle::with_template("{bar:40} {pos}/{len} trials, {per_sec}, {eta} left") {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,

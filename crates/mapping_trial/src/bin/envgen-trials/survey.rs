@@ -17,7 +17,7 @@ pub(crate) fn run(
     threads: usize,
 ) -> Result<SurveyFolder, Box<dyn Error>> {
     let mut folder = SurveyFolder::open(folder, survey, shard)?;
-    let bar = progress::trials(folder.trials());
+    let bar = progress::trials(folder.trials(), folder.records().len() as u64);
     let result = folder.run(threads, &|progress| {
         bar.set_position(progress.done);
         ControlFlow::Continue(())
