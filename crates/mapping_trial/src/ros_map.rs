@@ -71,7 +71,8 @@ impl OccupancyMap {
             [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|c| place.to_world(c * size));
         let Some(area) = Rect::around(corners) else { return Ok(OccupancyMap::new()) };
         let [cols, rows] = (area.size() / RESOLUTION + 1.0).to_array();
-        if !(cols * rows <= MAX_CELLS as f64) {
+        let fits = cols * rows <= MAX_CELLS as f64;
+        if !fits {
             return Err(OccupancyError::Size {
                 resolution: RESOLUTION,
                 cols,

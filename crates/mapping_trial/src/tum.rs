@@ -109,7 +109,7 @@ fn timed_pose(line: usize, text: &str) -> Result<TimedPose, TumError> {
         .map(str::parse)
         .collect::<Result<_, _>>()
         .map_err(|_| not_a_pose())?;
-    if let Some(&value) = numbers.iter().find(|value| !(value.abs() <= MOST)) {
+    if let Some(&value) = numbers.iter().find(|value| value.is_nan() || value.abs() > MOST) {
         return Err(TumError::Number { line, value });
     }
     let [time, x, y, _, qx, qy, qz, qw] = numbers[..] else { return Err(not_a_pose()) };

@@ -274,7 +274,9 @@ fn a_recorder_watches_exactly_one_trial() {
     assert!(matches!(finish(BagRecorder::new(Vec::new())), Err(BagError::NoTrial)));
     let recorder = BagRecorder::new(Vec::new());
     let parts = recorder.watch(TrialParts::default());
-    (build(parts.clone()), build(parts));
+    for parts in [parts.clone(), parts] {
+        build(parts);
+    }
     assert!(matches!(finish(recorder), Err(BagError::ManyTrials)));
 }
 

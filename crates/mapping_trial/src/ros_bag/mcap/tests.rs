@@ -12,14 +12,23 @@ pub(in crate::ros_bag) struct Found {
     pub(in crate::ros_bag) data: Vec<u8>,
 }
 
+/// A channel as it is read back.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::ros_bag) struct FoundChannel {
+    schema: u16,
+    topic: String,
+    encoding: String,
+    metadata: Vec<(String, String)>,
+}
+
 /// What a file holds.
 #[derive(Debug, Default)]
 pub(in crate::ros_bag) struct Contents {
     pub(in crate::ros_bag) profile: String,
     /// Name, encoding and text, from schema 1.
     pub(in crate::ros_bag) schemas: Vec<[String; 3]>,
-    /// Schema, topic, encoding and metadata, from channel 0.
-    pub(in crate::ros_bag) channels: Vec<(u16, String, String, Vec<(String, String)>)>,
+    /// From channel 0.
+    pub(in crate::ros_bag) channels: Vec<FoundChannel>,
     pub(in crate::ros_bag) messages: Vec<Found>,
     /// Time, name and data.
     pub(in crate::ros_bag) attachments: Vec<(u64, String, Vec<u8>)>,
@@ -121,7 +130,8 @@ pub(in crate::ros_bag) fn read(bytes: &[u8]) -> Contents {
             let metadata = std::iter::from_fn(|| {
                 (!entries.is_empty()).then(|| (entries.text(), entries.text()))
             });
-            contents.channels.push((schema, topic, encoding, metadata.collect()));
+            let metadata = metadata.collect();
+            contents.channels.push(FoundChannel { schema, topic, encoding, metadata });
         } else if op == Op::Chunk as u8 {
             chunk_indexes.push(chunk(&mut contents, parts, start, &mut rest, bytes));
         } else {
@@ -154,7 +164,7 @@ pub(in crate::ros_bag) fn read(bytes: &[u8]) -> Contents {
     let mut statistics = Fields::default();
     let times = || contents.messages.iter().map(|message| message.time);
     let count = |topic: &str| contents.messages.iter().filter(|m| m.topic == topic).count() as u64;
-    let counts = contents.channels.iter().map(|channel| count(&channel.1));
+    let counts = contents.channels.iter().map(|channel| count(&channel.topic));
     statistics.u64(contents.messages.len() as u64).u16(schemas.len() as u16);
     statistics.u32(channels.len() as u32).u32(contents.attachments.len() as u32).u32(0);
     statistics.u32(chunk_indexes.len() as u32);
@@ -202,7 +212,7 @@ fn chunk(
         assert_eq!(op, Op::Message as u8);
         let (channel, number, time, published) =
             (parts.u16(), parts.u32(), parts.u64(), parts.u64());
-        let topic = contents.channels[usize::from(channel)].1.clone();
+        let topic = contents.channels[usize::from(channel)].topic.clone();
         let before = contents.messages.iter().filter(|m| m.topic == topic).count();
         assert_eq!((number as usize, published), (before, time));
         found.push((channel, time, at));
@@ -271,7 +281,8 @@ proptest! {
         let times = || messages.iter().map(|message| message.1);
         prop_assert_eq!(totals.times, times().min().zip(times().max()));
         let metadata = vec![("key".to_owned(), "a value".to_owned())];
-        prop_assert_eq!(&found.channels[1], &(2, "/two".to_owned(), "cdr".to_owned(), metadata));
+        let channel = FoundChannel { schema: 2, topic: "/two".into(), encoding: "cdr".into(), metadata };
+        prop_assert_eq!(&found.channels[1], &channel);
         prop_assert_eq!(&found.schemas[1], &["b", "ros2msg", "int8 x\n"]);
         prop_assert_eq!(found.attachments, [(7, "f".to_owned(), file)]);
     }
