@@ -4,7 +4,7 @@
 //! | topic | type | when |
 //! |---|---|---|
 //! | `/scan` | `sensor_msgs/msg/LaserScan` | each scan; no echo is +Inf (REP 117), a beam to be ignored NaN |
-//! | `/odom` | `nav_msgs/msg/Odometry` | every 0.1 s and at each scan: what the wheels measured |
+//! | `/odom` | `nav_msgs/msg/Odometry` | every 0.2 s and at each scan: what the wheels measured |
 //! | `/tf` | `tf2_msgs/msg/TFMessage` | with `/odom`: `odom` to `base_link` |
 //! | `/tf_static` | `tf2_msgs/msg/TFMessage` | once, latched: `base_link` to `laser` |
 //! | `/tf_map` | `tf2_msgs/msg/TFMessage` | with `/odom`: `map` to `odom`, as the trial's own SLAM estimates it |

@@ -127,7 +127,7 @@ fn each_message_is_what_the_trial_had() {
 
     // The true poses are exact; the last estimates too, since SLAM does not change them later.
     let truths = of(&found, "/ground_truth");
-    assert_eq!(truths.len() as u64, ticks / 2 + 1);
+    assert_eq!(truths.len() as u64, ticks / 4 + 1);
     for truth in &truths {
         let mut reader = Reader::new(truth);
         let (time, frame) = reader.header();
