@@ -5,7 +5,7 @@ use glam::DVec2;
 use crate::error::SpecError;
 use crate::geometry::{Rect, Shape, edges};
 use crate::grid::{Convex, GridFrame, GridIndex, index_area};
-use crate::world::{PartId, World};
+use crate::world::{Extent, PartId, Solid, World};
 
 /// About this many cells of the index per shape, where parts are spread evenly.
 const CELLS_A_SHAPE: f64 = 1.0;
@@ -113,10 +113,28 @@ impl ClearanceIndex {
         Self::with_density(world, reach, CELLS_A_SHAPE, MAX_LISTINGS)
     }
 
+    /// Indexes the solid parts that are partly within an extent, such as that of a robot's body: what is
+    /// wholly above or below is not in its way. As [`ClearanceIndex::new`] where all are.
+    ///
+    /// # Errors
+    /// When `reach` is out of its range.
+    pub fn within(world: &World, reach: f64, extent: Extent) -> Result<Self, SpecError> {
+        Self::of(world.solids_within(extent), reach, CELLS_A_SHAPE, MAX_LISTINGS)
+    }
+
     /// As [`ClearanceIndex::new`] with about `density` cells per shape, in which a shape is listed at most
     /// `listings` times on average: finer cells take longer to fill, and make queries faster.
     pub(crate) fn with_density(
         world: &World,
+        reach: f64,
+        density: f64,
+        listings: usize,
+    ) -> Result<Self, SpecError> {
+        Self::of(world.solids(), reach, density, listings)
+    }
+
+    fn of<'a>(
+        parts: impl Iterator<Item = Solid<'a>>,
         reach: f64,
         density: f64,
         listings: usize,
@@ -126,7 +144,7 @@ impl ClearanceIndex {
             return Err(SpecError::new("reach", reach, allowed));
         }
         let mut shapes = Vec::new();
-        for solid in world.solids() {
+        for solid in parts {
             match &*solid.shape {
                 // Each side is listed on its own, the polygon for its inside.
                 Shape::Polygon { vertices } if vertices.len() > 8 => {
@@ -393,10 +411,8 @@ mod tests {
     #[test]
     fn a_contact_names_its_part() {
         let mut world = world(Vec::new());
-        world.trees = vec![
-            Tree { center: DVec2::new(3.0, 0.0), radius: 1.0 },
-            Tree { center: DVec2::new(-4.0, 0.0), radius: 1.0 },
-        ];
+        world.trees =
+            vec![Tree::new(DVec2::new(3.0, 0.0), 1.0), Tree::new(DVec2::new(-4.0, 0.0), 1.0)];
         let near = ClearanceIndex::new(&world, 5.0).expect("a reach");
         let contact = near.nearest(DVec2::ZERO).expect("a tree");
         assert_eq!((contact.part.index, contact.point, contact.distance), (0, DVec2::X * 2.0, 2.0));

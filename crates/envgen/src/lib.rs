@@ -29,6 +29,7 @@
 //! | queries and checks of a world | [`occupancy`], [`raycast`], [`clearance_index`], [`surface_index`], [`placement`], [`mod@distance`], [`certificate`], [`reproduction`], `picture` |
 //! | doors, people and smoke | [`scenario`] |
 //! | how hard a world is to map | [`difficulty`] |
+//! | bodies in three dimensions | [`pieces`], `mesh` |
 //! | colours of pictures | [`palette`] |
 //! | files | [`export`], [`import`], [`mod@file`], `whole_file` |
 //! | errors with the name of their file or option | [`located`] |
@@ -48,6 +49,10 @@
 //! | feature | default | what it adds |
 //! |---|---|---|
 //! | `formats` | yes | all of the following formats |
+//! | `gltf` | yes | worlds as glTF 2.0, in one binary file |
+//! | `mesh` | yes | worlds as closed meshes of triangles |
+//! | `mjcf` | yes | worlds for MuJoCo |
+//! | `sdf` | yes | worlds for Gazebo |
 //! | `csv` | yes | the waypoints of roads as comma-separated values |
 //! | `opendrive` | yes | roads as OpenDRIVE |
 //! | `paths` | yes | least-cost paths on landscapes, and the maps and scenarios of MovingAI |
@@ -83,10 +88,13 @@ pub mod import;
 pub mod indoor;
 pub mod landscape;
 pub mod located;
+#[cfg(feature = "mesh")]
+pub mod mesh;
 pub mod occupancy;
 pub mod palette;
 #[cfg(feature = "picture")]
 pub mod picture;
+pub mod pieces;
 pub mod placement;
 mod provenance;
 pub mod raycast;

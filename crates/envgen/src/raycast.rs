@@ -7,7 +7,7 @@ use glam::DVec2;
 use crate::error::SpecError;
 use crate::geometry::{Pose, Rect, Shape, edges, polygon_contains, unit_vector};
 use crate::grid::{CellBuckets, Convex, GridFrame, MAX_CELLS, finest_frame, index_area};
-use crate::world::{PartId, World};
+use crate::world::{PartId, Solid, World};
 
 /// About this many cells of the index per shape, where parts are spread evenly.
 const CELLS_A_SHAPE: f64 = 2.0;
@@ -147,21 +147,40 @@ enum Outline {
 impl Raycaster {
     /// Indexes the solid parts of a world.
     pub fn new(world: &World) -> Self {
-        Raycaster::of(world, |_| true)
+        Raycaster::of(world, world.solids())
+    }
+
+    /// Indexes the solid parts that a level plane meets, such as a laser's, at a height in metres above the
+    /// floor: what is lower or higher is not seen. As [`Raycaster::new`] where all are met.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, raycast::Raycaster, road::RoadSpec};
+    ///
+    /// let spec = RoadSpec { kerb_height: 0.15, ..Default::default() };
+    /// let world = spec.generate(Seed(7))?.to_world();
+    /// let start = world.start.expect("roads have a start").position;
+    /// let left = std::f64::consts::FRAC_PI_2;
+    /// assert!(Raycaster::at_height(&world, 0.1).cast(start, left, 8.0).is_some());
+    /// assert!(Raycaster::at_height(&world, 0.45).cast(start, left, 8.0).is_none());
+    /// # Ok::<(), envgen::road::RoadError>(())
+    /// ```
+    pub fn at_height(world: &World, height: f64) -> Self {
+        Raycaster::of(world, world.solids_at(height))
     }
 
     /// Indexes the parts that lasers see only from near; `None` where a world has none.
     pub fn of_dark(world: &World) -> Option<Self> {
         let dark = dark_parts(world);
         let is_dark = |part: PartId| dark.binary_search_by_key(&part, |&(dark, _)| dark).is_ok();
-        (!dark.is_empty()).then(|| Raycaster::of(world, is_dark))
+        let parts = || world.solids().filter(|solid| is_dark(solid.id));
+        (!dark.is_empty()).then(|| Raycaster::of(world, parts()))
     }
 
-    fn of(world: &World, is_listed: impl Fn(PartId) -> bool) -> Self {
+    fn of<'a>(world: &World, parts: impl Iterator<Item = Solid<'a>>) -> Self {
         let mut shapes = Vec::new();
         let mut polygons = Vec::new();
         let mut around: Option<Rect> = None;
-        for solid in world.solids().filter(|solid| is_listed(solid.id)) {
+        for solid in parts {
             let bounds = solid.shape.bounds();
             around = Some(around.map_or(bounds, |rect| rect.union(bounds)));
             let part = solid.id;

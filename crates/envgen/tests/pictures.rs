@@ -245,18 +245,18 @@ fn every_kind_of_part_is_seen() {
     let dark = Obstacle { visible_range, ..Obstacle::new(ObstacleKind::Crate, block()) };
     worlds.push(("obstacles-dark-obstacle".to_owned(), with(|w| w.obstacles.push(dark))));
     for (open, id) in [(true, "doorways-open-doorway"), (false, "doorways-closed-door")] {
-        let door = Doorway { shape: block(), open, rooms: [None, None] };
+        let door = Doorway::new(block(), open, [None, None]);
         worlds.push((id.to_owned(), with(|w| w.doorways.push(door))));
     }
     let room = |difficulty, lit| {
         let (name, shape, contents) = (String::new(), block(), Contents::AsDesigned);
-        Room { name, shape, difficulty, lit, contents }
+        Room { name, shape, difficulty, lit, contents, height: None }
     };
     worlds.push(("rooms-e8eaee".to_owned(), with(|w| w.rooms.push(room(None, true)))));
     worlds.push(("rooms-unlit".to_owned(), with(|w| w.rooms.push(room(None, false)))));
     worlds.push(("rooms-fffbdc".to_owned(), with(|w| w.rooms.push(room(Some(0.0), true)))));
     worlds.push(("rooms-9c2242".to_owned(), with(|w| w.rooms.push(room(Some(10.0), true)))));
-    let tree = Tree { center: v(5.0, 5.0), radius: 1.0 };
+    let tree = Tree::new(v(5.0, 5.0), 1.0);
     worlds.push(("trees".to_owned(), with(|w| w.trees.push(tree))));
     let point = |x, curvature| RoadPoint { pose: Pose::new(x, 5.0, 0.0), curvature };
     let centreline = vec![point(1.0, 0.1), point(5.0, -0.2), point(9.0, 0.0)];
@@ -289,7 +289,7 @@ fn every_kind_of_part_is_seen() {
 #[test]
 fn up_in_the_world_is_up_in_the_picture() {
     let mut world = common::empty(10.0, 10.0);
-    world.trees.push(Tree { center: v(2.0, 9.0), radius: 0.9 });
+    world.trees.push(Tree::new(v(2.0, 9.0), 0.9));
     let bare =
         PictureOptions { title: Some(String::new()), legend: false, margin: 0, ..small(228) };
     let pixels = Pixels::of(&world, &bare);
@@ -372,7 +372,7 @@ fn a_million_trees_stay_small() {
 fn a_lone_tree_of_many_does_not_vanish() {
     let mut world = common::forest(40_000, 4000.0);
     world.trees.retain(|tree| tree.center.x > 500.0);
-    world.trees.push(Tree { center: v(250.0, 2000.0), radius: 0.3 });
+    world.trees.push(Tree::new(v(250.0, 2000.0), 0.3));
     let options = PictureOptions { legend: false, ..small(200) };
     let seen = Pixels::of(&world, &options);
     world.trees.pop();
@@ -403,9 +403,7 @@ fn bounds_of_any_size_are_drawn_or_refused() {
     ] {
         let mut world = common::empty(width, height);
         world.start = Some(Pose::new(0.5 * width, 0.5 * height, 1.0));
-        world
-            .trees
-            .push(Tree { center: v(0.2 * width, 0.2 * height), radius: 1e-3 * width.min(height) });
+        world.trees.push(Tree::new(v(0.2 * width, 0.2 * height), 1e-3 * width.min(height)));
         let options = PictureOptions { grid: true, ..small(200) };
         if world.check().is_ok() {
             parse(&picture::svg(&world, &options).unwrap());
@@ -511,7 +509,7 @@ proptest! {
                     lit: false,
                     contents: Contents::AsDesigned,
                 }),
-                3 => world.doorways.push(Doorway { shape, open: i < 8, rooms: [None, None] }),
+                3 => world.doorways.push(Doorway::new(shape, i < 8, [None, None])),
                 n => world.surfaces.push(Surface::new([SurfaceKind::Stairs, SurfaceKind::Debris, SurfaceKind::Water, SurfaceKind::Class(n as u16)][n - 4], shape)),
             }
         }

@@ -215,7 +215,7 @@ fn two_rooms(door: &str) -> (World, Scenario) {
         });
     }
     let shape = Shape::from_rect(Rect::new(v(3.9, 1.5), v(4.1, 2.5)));
-    world.doorways.push(Doorway { shape, open: true, rooms: [Some(0), Some(1)] });
+    world.doorways.push(Doorway::new(shape, true, [Some(0), Some(1)]));
     let mut scenario = Scenario::new(&world, &ScenarioSpec::default(), Seed(1)).unwrap();
     let door = format!("(doorway: 0, {door}, open: 1e6, closed: 1e6, slam: 0.0)");
     scenario.doors = vec![ron::from_str(&door).unwrap()];

@@ -38,15 +38,17 @@ pub struct FlatWorld {
 }
 
 impl FlatWorld {
-    /// Indexes a world for robots whose bodies are not larger than `robot`'s.
+    /// Indexes a world for robots whose bodies are not larger than `robot`'s, and as high, with their lasers
+    /// at its laser's height: what lies below or above a laser is not seen, and what is above the body stops
+    /// no robot.
     ///
     /// # Errors
     /// If [`Robot::validate`] refuses the robot.
     pub fn new(world: &World, robot: &Robot) -> Result<Self, SpecError> {
         robot.validate()?;
         Ok(FlatWorld {
-            rays: Raycaster::new(world),
-            near: ClearanceIndex::new(world, robot.circumscribed_radius + 0.1)?,
+            rays: Raycaster::at_height(world, robot.laser_mount.height),
+            near: ClearanceIndex::within(world, robot.circumscribed_radius + 0.1, robot.extent()?)?,
             grounds: SurfaceIndex::new(world),
         })
     }
@@ -400,5 +402,7 @@ fn toward(value: f64, wanted: f64, change: f64) -> f64 {
     value + (wanted - value).clamp(-change, change)
 }
 
+#[cfg(test)]
+mod height_tests;
 #[cfg(test)]
 mod tests;

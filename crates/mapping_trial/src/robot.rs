@@ -2,6 +2,7 @@
 
 use envgen::difficulty::Platform;
 use envgen::geometry::Pose;
+use envgen::world::Extent;
 use envgen::{SpecError, settings};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -37,6 +38,9 @@ settings! {
         length: f64 = PIONEER_3AT.length => number("m", 0.01..=2.0 * MAX_RADIUS);
         /// Width of the body.
         width: f64 = PIONEER_3AT.width => number("m", 0.01..=2.0 * MAX_RADIUS);
+        /// Height of the robot with all that is on it: what is higher does not stop it.
+        #[serde(skip_serializing_if = "is_usual_height")]
+        height: f64 = PIONEER_3AT.height => number("m", 0.01..=10.0);
         /// Radius of the circle that the body sweeps when it turns on the spot: the robot's size for
         /// planning, the flat simulator and the scores. Its name in files is `swing_radius`.
         #[serde(rename = "swing_radius", alias = "circumscribed_radius")]
@@ -104,8 +108,7 @@ settings! {
         left: f64 = PIONEER_3AT.laser_mount.left => number("m", -2.0..=MAX_RADIUS);
         /// Its heading, counter-clockwise from straight ahead.
         heading: f64 = PIONEER_3AT.laser_mount.heading => number("rad", -6.3..=6.3);
-        /// Height of its plane above the ground. Worlds are flat: it is kept for logs and drivers, and
-        /// changes nothing.
+        /// Height of its plane above the ground: what ends below it or begins above it is not seen.
         height: f64 = PIONEER_3AT.laser_mount.height => number("m", 0.0..=10.0);
     }
 }
@@ -114,6 +117,8 @@ settings! {
 pub const PIONEER_3AT: Robot = Robot {
     length: 0.508,
     width: 0.497,
+    // The body of 0.277 m with the LMS 200 on top.
+    height: 0.5,
     circumscribed_radius: 0.355,
     footprint: Footprint::Box,
     chassis: Chassis { mass: 12.0, track: 0.588, grip: 0.6 },
@@ -130,6 +135,10 @@ pub const PIONEER_3AT: Robot = Robot {
 /// Whether a value is the Pioneer's, which files may omit.
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
+}
+
+fn is_usual_height(value: &f64) -> bool {
+    *value == PIONEER_3AT.height
 }
 
 /// Why a text does not describe a robot.
@@ -183,6 +192,19 @@ impl Robot {
         let robot: Robot = ron::from_str(text).map_err(Box::new)?;
         robot.validate()?;
         Ok(robot)
+    }
+
+    /// From the ground to the top of the robot or its laser's plane, whichever is higher: what else is within
+    /// it stops the robot.
+    ///
+    /// # Errors
+    /// If a height is not valid, as [`Robot::validate`].
+    pub fn extent(&self) -> Result<Extent, SpecError> {
+        let of_body = |error: SpecError| error.within("body");
+        let top = number("height", self.height, 0.01, 10.0).map(|()| self.height);
+        let laser = self.laser_mount.height;
+        number("laser_mount.height", laser, 0.0, 10.0).map_err(of_body)?;
+        Extent::new(0.0, top.map_err(of_body)?.max(laser)).map_err(of_body)
     }
 
     /// Pose of the laser of a robot at `pose`, in the same frame.

@@ -10,8 +10,8 @@ use envgen::indoor::{Catalogue, IndoorSpec, room_to_ron};
 use envgen::landscape::LandscapeSpec;
 use envgen::road::RoadSpec;
 use envgen::world::{
-    ClassRaster, Contents, Doorway, Obstacle, ObstacleKind, Room, Surface, SurfaceKind, Tree, Wall,
-    WallKind,
+    ClassRaster, Contents, Doorway, Extent, Obstacle, ObstacleKind, Room, Surface, SurfaceKind,
+    Tree, Wall, WallKind,
 };
 use envgen::{Provenance, Seed, World, WorldBlueprint, WorldKind, WorldSpec};
 use mapping_trial::trial::{Trial, TrialSettings};
@@ -63,7 +63,7 @@ fn every_part() -> World {
         let shape = Shape::Segment { a: v(0.2, y), b: v(3.0, y + 0.4) };
         world.walls.push(Wall { visible_range: Some(2.0), ..Wall::new(kind, shape) });
     }
-    world.trees.push(Tree { center: v(9.0, 3.0), radius: 0.7 });
+    world.trees.push(Tree { height: Extent::new(0.5, 7.0).ok(), ..Tree::new(v(9.0, 3.0), 0.7) });
     let polygon = vec![v(7.0, 6.0), v(9.0, 6.2), v(8.4, 7.0), v(9.0, 8.0), v(7.2, 7.8)];
     let box_ = Shape::Box { center: v(4.0, 7.0), half_size: v(0.8, 0.3), heading: 0.7 };
     let shapes = [Shape::Polygon { vertices: polygon }, box_];
@@ -93,9 +93,10 @@ fn every_part() -> World {
             difficulty: Some(2.5).filter(|_| i > 0),
             lit: i != 1,
             contents,
+            height: Extent::new(0.0, 3.0).ok().filter(|_| i == 1),
         });
     }
-    let door = |y, open, rooms| Doorway { shape: rect(2.9, y, 3.1, y + 0.9), open, rooms };
+    let door = |y, open, rooms| Doorway::new(rect(2.9, y, 3.1, y + 0.9), open, rooms);
     world.doorways = vec![door(6.0, true, [Some(0), None]), door(8.0, false, [None, Some(0)])];
     world.victims.push(Pose::new(2.0, 9.0, 3.0));
     world.raster = Some(ClassRaster {

@@ -268,7 +268,7 @@ fn broken_worlds_and_worlds_of_too_many_parts_are_refused() {
     let error = spawn_ready(&mut app, Environment::prebuilt(broken)).unwrap_err();
     assert!(error.to_string().contains("bounds"), "{error}");
     let mut crowded = sound;
-    let tree = bevy_envgen::envgen::world::Tree { center: crowded.bounds.center(), radius: 0.1 };
+    let tree = bevy_envgen::envgen::world::Tree::new(crowded.bounds.center(), 0.1);
     (crowded.start, crowded.goal) = (None, None);
     crowded.trees = vec![tree; MAX_PARTS];
     let error = spawn_ready(&mut app, Environment::prebuilt(crowded)).unwrap_err();

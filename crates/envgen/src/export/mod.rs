@@ -17,10 +17,16 @@
 //! ```
 
 mod asc;
+#[cfg(any(feature = "gltf", feature = "mjcf", feature = "sdf"))]
+mod body;
 #[cfg(feature = "picture")]
 pub mod class_png;
 #[cfg(feature = "csv")]
 mod csv;
+#[cfg(feature = "gltf")]
+mod gltf;
+#[cfg(feature = "mjcf")]
+mod mjcf;
 #[cfg(feature = "paths")]
 pub mod movingai;
 #[cfg(feature = "opendrive")]
@@ -28,6 +34,10 @@ mod opendrive;
 #[cfg(feature = "whole-file")]
 mod output;
 pub mod ros_map;
+#[cfg(feature = "sdf")]
+mod sdf;
+#[cfg(any(feature = "mjcf", feature = "opendrive", feature = "sdf"))]
+mod xml;
 
 use std::fmt;
 use std::io::{self, Write};
@@ -92,6 +102,18 @@ pub enum ExportError {
     /// The scenario cannot be written.
     #[error(transparent)]
     Scenario(#[from] ScenarioFileError),
+    /// A part of the world has no mesh.
+    #[cfg(feature = "mesh")]
+    #[error(transparent)]
+    Mesh(#[from] crate::mesh::MeshError),
+    /// The world is larger than files of the format can be.
+    #[error("the world takes more than the {limit} that a file of {format} can hold")]
+    TooLarge {
+        /// The format.
+        format: &'static str,
+        /// The most that it holds.
+        limit: &'static str,
+    },
     /// No grid of the world could be made.
     #[error(transparent)]
     Occupancy(#[from] OccupancyError),
@@ -241,6 +263,15 @@ formats! {
     #[cfg(feature = "usarsim")]
     WorldGenerator, " An indoor plan as a project of the World Generator for USARSim.",
         ["xml" => write_world_generator];
+    #[cfg(feature = "sdf")]
+    Sdf, " The world in three dimensions for Gazebo, as SDFormat 1.9.",
+        ["sdf" => |job, out| sdf::write(job.world, out)];
+    #[cfg(feature = "mjcf")]
+    Mjcf, " The world in three dimensions for MuJoCo.",
+        ["mjcf.xml" => |job, out| mjcf::write(job.world, out)];
+    #[cfg(feature = "gltf")]
+    Gltf, " The world in three dimensions as meshes in glTF 2.0, in one binary file.",
+        ["glb" => |job, out| gltf::write(job.world, out)];
     #[cfg(feature = "picture")]
     Svg, " A vector picture.",
         ["svg" => |job, out| Ok(crate::picture::write_svg(job.world, &job.picture, out)?)];

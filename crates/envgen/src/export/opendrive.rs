@@ -8,10 +8,8 @@
 
 use std::io::Write;
 
-use quick_xml::Writer;
-use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
-
 use super::ExportError;
+use super::xml::{Attribute, Xml, number};
 use crate::curve::{Curve, Path};
 use crate::world::{RoadStrip, World};
 
@@ -20,8 +18,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
     if world.road_strips.is_empty() {
         return Err(ExportError::Empty { part: "road" });
     }
-    let mut xml = Xml(Writer::new_with_indent(out, b' ', 2));
-    xml.0.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+    let mut xml = Xml::begin(out)?;
     let bounds = world.bounds;
     xml.nest("OpenDRIVE", &[], |xml| {
         xml.leaf(
@@ -40,8 +37,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
         )?;
         world.road_strips.iter().enumerate().try_for_each(|(id, strip)| road(xml, id, strip))
     })?;
-    xml.0.get_mut().write_all(b"\n")?;
-    Ok(())
+    xml.end()
 }
 
 fn road(xml: &mut Xml<'_>, id: usize, strip: &RoadStrip) -> Result<(), ExportError> {
@@ -163,36 +159,4 @@ fn lane_attributes(id: i64, kind: &str) -> [Attribute; 3] {
 fn cubic(from: &'static str, value: f64) -> [Attribute; 5] {
     let zero = || number(0.0);
     [(from, zero()), ("a", number(value)), ("b", zero()), ("c", zero()), ("d", zero())]
-}
-
-type Attribute = (&'static str, String);
-
-/// As many digits as are needed to read the same number back.
-fn number(value: f64) -> String {
-    let plain = value.to_string();
-    if plain.len() <= 24 { plain } else { format!("{value:e}") }
-}
-
-struct Xml<'a>(Writer<&'a mut dyn Write>);
-
-impl Xml<'_> {
-    fn leaf(&mut self, name: &str, attributes: &[Attribute]) -> Result<(), ExportError> {
-        Ok(self.0.write_event(Event::Empty(element(name, attributes)))?)
-    }
-
-    fn nest(
-        &mut self,
-        name: &str,
-        attributes: &[Attribute],
-        inner: impl FnOnce(&mut Self) -> Result<(), ExportError>,
-    ) -> Result<(), ExportError> {
-        self.0.write_event(Event::Start(element(name, attributes)))?;
-        inner(self)?;
-        Ok(self.0.write_event(Event::End(BytesEnd::new(name)))?)
-    }
-}
-
-fn element<'a>(name: &'a str, attributes: &'a [Attribute]) -> BytesStart<'a> {
-    BytesStart::new(name)
-        .with_attributes(attributes.iter().map(|(name, value)| (*name, value.as_str())))
 }

@@ -228,7 +228,7 @@ impl EndlessForest {
             let offset = DVec2::new(places.unit(), places.unit()) * self.tile;
             let mark = if marked { places.bits() } else { 0 };
             let radius = radius::draw(&self.spec, &mut radii);
-            Parent { tree: Tree { center: area.min + offset, radius }, mark }
+            Parent { tree: self.spec.tree(area.min + offset, radius), mark }
         };
         (0..count).map(|_| parent(&mut places)).collect()
     }

@@ -22,7 +22,7 @@ pub(super) fn grow(
             None => draw(spec, &mut stream),
             Some(law) => checked(spec, law(&mut stream))?,
         };
-        trees.push(Tree { center, radius });
+        trees.push(spec.tree(center, radius));
     }
     Ok(trees)
 }

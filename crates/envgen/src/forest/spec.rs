@@ -10,6 +10,7 @@ use super::density::DensityMap;
 use crate::error::SpecError;
 use crate::geometry::Rect;
 use crate::settings;
+use crate::world::{Extent, Tree};
 
 /// The most trees that a forest may be expected to hold.
 pub const MAX_TREES: f64 = 2e7;
@@ -48,6 +49,9 @@ settings! {
         radius_max: f64 = 2.0 => number("m", 1e-4..=1e4);
         /// Standard deviation of the logarithm of a `log_normal` radius.
         radius_sigma: f64 = 0.4 => number("", 1e-3..=5.0);
+        /// Height of the trees; none follows from their radii.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        tree_height: Option<f64> = None => optional_number("m", 0.05..=200.0);
         /// Least distance between two trees' centres; 0 for none.
         min_distance: f64 = 0.0 => number("m", 0.0..=1e5);
         /// How the border limits the trees.
@@ -107,6 +111,12 @@ pub(super) const RULES: &[&str] = &[
 ];
 
 impl ForestSpec {
+    /// A tree of the spec's height.
+    pub(super) fn tree(&self, center: DVec2, radius: f64) -> Tree {
+        let height = self.tree_height.and_then(|top| Extent::new(0.0, top).ok());
+        Tree { height, ..Tree::new(center, radius) }
+    }
+
     /// Checks every field, and the fields together.
     pub(super) fn check(&self) -> Result<(), SpecError> {
         self.check_fields()?;

@@ -6,7 +6,12 @@ use strum::VariantNames;
 use super::state::State;
 use crate::error::SpecError;
 use crate::settings;
-use crate::world::MAX_COORDINATE;
+use crate::world::{MAX_COORDINATE, WALL};
+
+/// Written where it is set, so that the files of other hallways stay as they were before it existed.
+fn is_wall_height(value: &f64) -> bool {
+    *value == WALL.top()
+}
 
 settings! {
     /// A hallway to generate.
@@ -38,6 +43,9 @@ settings! {
         /// Thickness of the walls.
         #[alias = "wall"]
         wall_thickness: f64 = 0.1 => number("m", 0.001..=100.0);
+        /// Height of the walls.
+        #[serde(skip_serializing_if = "is_wall_height")]
+        wall_height: f64 = WALL.top() => number("m", 0.05..=100.0);
         /// How the walls turn.
         corners: Corners = Corners::Square => choice;
         /// Whether walls close the corridor's two ends.

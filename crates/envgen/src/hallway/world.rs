@@ -8,7 +8,7 @@ use super::layout::{Corner, HallwayLayout};
 use super::spec::{Ends, HallwaySpec};
 use crate::generate::Spec;
 use crate::geometry::{Rect, Shape, signed_area};
-use crate::world::{Claim, Obstacle, ObstacleKind, Wall, WallKind, World};
+use crate::world::{Claim, Extent, Obstacle, ObstacleKind, WALL, Wall, WallKind, World};
 
 /// Shorter runs, in metres, are rounding: the walls beside them meet without a run between.
 const SHORTEST_RUN: f64 = 1e-9;
@@ -30,6 +30,8 @@ pub(super) fn world(hallway: &Hallway) -> World {
             walls.push(Wall::new(WallKind::EndCap, cap));
         }
     }
+    let height = Extent::unless_usual(WALL, spec.wall_height);
+    walls.iter_mut().for_each(|wall| wall.height = height);
     let obstacles: Vec<_> = features.iter().flat_map(|feature| obstacles(feature, spec)).collect();
 
     let around = Rect::around(layout.legs.iter().flat_map(|leg| [leg.from, leg.to]))

@@ -12,7 +12,7 @@ use super::dimensions::{Dimensions, STEP};
 use super::levers::LEVERS;
 use crate::error::SpecError;
 use crate::settings;
-use crate::world::is_zero;
+use crate::world::{DOORWAY, WALL, is_zero};
 
 /// Most cells of maps in the profile `calibrated`: beyond, nothing was measured.
 pub(super) const MAX_CALIBRATED_CELLS: u64 = 4096;
@@ -35,6 +35,14 @@ fn is_first(value: &u32) -> bool {
 
 fn is_maze_passage(value: &f64) -> bool {
     *value == MAZE_PASSAGE
+}
+
+fn is_wall_height(value: &f64) -> bool {
+    *value == WALL.top()
+}
+
+fn is_doorway_height(value: &f64) -> bool {
+    *value == DOORWAY.top()
 }
 
 fn is_dark_range(value: &f64) -> bool {
@@ -95,6 +103,12 @@ settings! {
         /// Thickness of the walls.
         #[alias = "wall"]
         wall_thickness: f64 = 0.1 => number("m", 0.01..=0.5);
+        /// Height of the walls and ceilings.
+        #[serde(skip_serializing_if = "is_wall_height")]
+        wall_height: f64 = WALL.top() => number("m", 0.05..=100.0);
+        /// Clear height of the doorways: the walls above them are lintels.
+        #[serde(skip_serializing_if = "is_doorway_height")]
+        doorway_height: f64 = DOORWAY.top() => number("m", 0.05..=100.0);
         /// Width of a doorway, at most a cell less two walls.
         doorway: f64 = 0.94 => number("m", 0.2..=3.0);
         /// Radius of the robot that must reach every place, at most half a doorway less 0.05 m.

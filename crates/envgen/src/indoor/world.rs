@@ -10,7 +10,10 @@ use super::{clutter, materials};
 use crate::generate::Spec;
 use crate::geometry::{Pose, Rect, Shape};
 use crate::provenance::Provenance;
-use crate::world::{Claim, Doorway, Obstacle, Room, Surface, SurfaceKind, Wall, WallKind, World};
+use crate::world::{
+    Claim, DOORWAY, Doorway, Extent, Obstacle, Room, Surface, SurfaceKind, WALL, Wall, WallKind,
+    World,
+};
 
 pub(super) fn world(plan: &FloorPlan) -> World {
     let spec = plan.spec();
@@ -96,10 +99,11 @@ fn runs(
 ) {
     let half_wall = 0.5 * plan.spec.wall_thickness;
     let unit = plan.spec.cell_size;
+    let height = Extent::unless_usual(WALL, plan.spec.wall_height);
     let mut push = |from: f64, to: f64| {
         if to > from {
             let shape = Shape::from_rect(along_line(plan, axis, line, from, to, half_wall));
-            walls.push(Wall::new(WallKind::Wall, shape));
+            walls.push(Wall { height, ..Wall::new(WallKind::Wall, shape) });
         }
     };
     let mut along = 0;
@@ -171,7 +175,8 @@ fn doorway(plan: &FloorPlan, opening: &Opening) -> Doorway {
         Cell::Room(room) => Some(room),
         _ => None,
     });
-    Doorway { shape: Shape::from_rect(rect), open: true, rooms }
+    let height = Extent::unless_usual(DOORWAY, plan.spec.doorway_height);
+    Doorway { height, ..Doorway::new(Shape::from_rect(rect), true, rooms) }
 }
 
 /// The floors of hallways and open areas, in rectangles as large as a scan from the top left finds.
@@ -221,9 +226,14 @@ fn room(plan: &FloorPlan, i: usize, world: &mut World) {
         difficulty: Some(design.difficulty),
         lit: design.lit,
         contents: placed.contents,
+        height: Extent::unless_usual(WALL, plan.spec.wall_height),
     });
     let walls = design.walls.iter();
-    world.walls.extend(walls.map(|wall| Wall { shape: frame.shape(&wall.shape), ..*wall }));
+    let usual = Extent::unless_usual(WALL, plan.spec.wall_height);
+    world.walls.extend(walls.map(|wall| {
+        let usual = usual.filter(|_| wall.kind.extent() == WALL);
+        Wall { shape: frame.shape(&wall.shape), height: wall.height.or(usual), ..*wall }
+    }));
     let obstacles = design.obstacles.iter();
     world.obstacles.extend(
         obstacles.map(|obstacle| Obstacle { shape: frame.shape(&obstacle.shape), ..*obstacle }),

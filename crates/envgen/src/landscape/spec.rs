@@ -5,7 +5,7 @@ use strum::VariantNames;
 
 use crate::error::SpecError;
 use crate::settings;
-use crate::world::MAX_COORDINATE;
+use crate::world::{MAX_COORDINATE, ROCK};
 
 /// The most cells a landscape can have: 8192 x 8192, which take 128 MiB.
 pub const MAX_CELLS: u64 = 1 << 26;
@@ -21,6 +21,11 @@ const DEFAULT_SWAPS: f64 = 4e7;
 
 /// The fewest and most of them per cell, for larger and for smaller landscapes.
 const DEFAULT_MIXING: [f64; 2] = [8.0, 1000.0];
+
+/// Written where it is set, so that the files of other landscapes stay as they were before it existed.
+fn is_rock_height(value: &f64) -> bool {
+    *value == ROCK.top()
+}
 
 settings! {
     /// A landscape to generate.
@@ -66,6 +71,9 @@ settings! {
         cell_size: f64 = 1.0 => number("m", 1e-3..=1e4);
         /// Factor on a robot's greatest speed for each class, 0 where it cannot pass; empty: 1 for all.
         speeds: Vec<f64> = Vec::new() => list("", "numbers from 0 to 10, one per class", "1,0.5,0");
+        /// Height of what stands where robots cannot pass.
+        #[serde(skip_serializing_if = "is_rock_height")]
+        rock_height: f64 = ROCK.top() => number("m", 0.01..=100.0);
     }
 }
 

@@ -6,7 +6,9 @@ use super::region::ends;
 use crate::generate::Spec;
 use crate::geometry::Pose;
 use crate::provenance::Provenance;
-use crate::world::{Claim, ClassRaster, Obstacle, ObstacleKind, Surface, SurfaceKind, World};
+use crate::world::{
+    Claim, ClassRaster, Extent, Obstacle, ObstacleKind, ROCK, Surface, SurfaceKind, World,
+};
 
 /// At most this many surfaces are listed. A landscape with more pieces lists none: its raster holds
 /// the speed of every position all the same.
@@ -15,6 +17,8 @@ pub(super) const MAX_SURFACES: usize = 1 << 16;
 pub(super) fn world(landscape: &Landscape) -> World {
     let raster = landscape.to_raster();
     let mut world = raster_world(raster, landscape.spec().provenance(landscape.seed()));
+    let height = Extent::unless_usual(ROCK, landscape.spec().rock_height);
+    world.obstacles.iter_mut().for_each(|rock| rock.height = height);
     if world.start.is_some() {
         world.certificate = vec![Claim::Connected { radius: 0.4 * landscape.spec().cell_size }];
     }

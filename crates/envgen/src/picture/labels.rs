@@ -265,7 +265,7 @@ mod tests {
     fn label(name: &str, space: Rect) -> Label {
         let shape = Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::ONE));
         let (name, difficulty, contents) = (name.to_owned(), Some(7.25), Contents::Cleared);
-        let room = Room { name, shape, difficulty, lit: true, contents };
+        let room = Room { name, shape, difficulty, lit: true, contents, height: None };
         Label::new(&room, space, None, &Typesetter::new()).unwrap()
     }
 
@@ -300,6 +300,7 @@ mod tests {
                 difficulty: Some(7.25),
                 lit: true,
                 contents: Contents::default(),
+                height: None,
             };
             described(&room)
         };
@@ -322,6 +323,7 @@ mod tests {
             difficulty: Some(7.25),
             lit: true,
             contents: Contents::default(),
+            height: None,
         };
         let long = "single office north destroyed";
         let bounds = Rect::new(DVec2::ZERO, DVec2::new(40.0, 20.0));

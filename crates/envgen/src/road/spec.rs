@@ -9,6 +9,7 @@ use super::turn::{GRAVITY, TurnLaw, TurnLimits};
 use crate::error::SpecError;
 use crate::geometry::Pose;
 use crate::settings;
+use crate::world::KERB;
 
 /// Most waypoints that a road can have.
 pub const MAX_WAYPOINTS: u64 = 2_000_000;
@@ -18,6 +19,11 @@ const LEAST_KERB: f64 = 1e-6;
 
 /// Most segments that a road can have.
 pub const MAX_SEGMENTS: usize = 4096;
+
+/// Written where it is set, so that the files of other roads stay as they were before it existed.
+fn is_kerb_height(value: &f64) -> bool {
+    *value == KERB.top()
+}
 
 settings! {
     /// A road to generate.
@@ -84,6 +90,9 @@ settings! {
         lanes: u64 = 2 => integer("", 1..=16);
         /// Width of the kerbs, at least a micrometre; 0 for none.
         kerb: f64 = 0.15 => number("m", 0.0..=0.9);
+        /// Height of the kerbs: lasers that are higher do not see them. Kerbs of streets have 0.1 to 0.15 m.
+        #[serde(skip_serializing_if = "is_kerb_height")]
+        kerb_height: f64 = KERB.top() => number("m", 0.01..=10.0);
         /// x of the start.
         start_x: f64 = 0.0 => number("m", -1e6..=1e6);
         /// y of the start.

@@ -5,7 +5,7 @@ use crate::curve::Path;
 use crate::curve::overlap::{clear_stretches, strip_overlap};
 use crate::generate::Spec;
 use crate::geometry::{Pose, Rect, Shape};
-use crate::world::{Claim, RoadPoint, RoadStrip, Wall, WallKind, World};
+use crate::world::{Claim, Extent, KERB, RoadPoint, RoadStrip, Wall, WallKind, World};
 
 /// How far the faces of the kerbs stray from the road's edge at most, in metres: on the outer side
 /// of a bend into the road, on the inner side away from it.
@@ -73,6 +73,7 @@ fn kerbs(road: &Road) -> Vec<Wall> {
         return Vec::new();
     }
     let path = road.path();
+    let height = Extent::unless_usual(KERB, spec.kerb_height);
     let free = strip_overlap(path, half + kerb, spec.closed).is_none();
     let mut walls = Vec::new();
     for side in [1.0, -1.0] {
@@ -84,7 +85,7 @@ fn kerbs(road: &Road) -> Vec<Wall> {
         };
         for stretch in stretches {
             let shapes = kerb_along(path, side, half, kerb, stretch);
-            walls.extend(shapes.map(|shape| Wall::new(WallKind::Kerb, shape)));
+            walls.extend(shapes.map(|shape| Wall { height, ..Wall::new(WallKind::Kerb, shape) }));
         }
     }
     walls

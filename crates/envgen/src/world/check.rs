@@ -349,7 +349,7 @@ mod tests {
             Provenance::other("manual", serde_json::Value::Null),
             Rect::new(DVec2::ZERO, DVec2::new(10.0, 5.0)),
         );
-        world.trees.push(Tree { center: DVec2::new(3.0, 3.0), radius: 1.0 });
+        world.trees.push(Tree::new(DVec2::new(3.0, 3.0), 1.0));
         let shape = Shape::thick_segment(DVec2::new(1.0, 1.0), DVec2::new(4.0, 1.0), 0.1, 0.0);
         world.walls.push(Wall::new(WallKind::Wall, shape));
         world.start = Some(Pose::new(0.5, 0.5, 0.0));
@@ -423,7 +423,7 @@ mod tests {
         let mut broken = world();
         let part = PartId { kind: PartKind::Doorway, index: 0 };
         let shape = Shape::from_rect(Rect::new(DVec2::ONE, DVec2::new(2.0, 2.0)));
-        broken.doorways.push(Doorway { shape: shape.clone(), open: true, rooms: [None, Some(3)] });
+        broken.doorways.push(Doorway::new(shape.clone(), true, [None, Some(3)]));
         assert_eq!(broken.check(), Err(Violation::UnknownRoom { part, room: 3 }));
 
         let mut broken = world();

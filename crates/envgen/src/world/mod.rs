@@ -3,6 +3,7 @@
 mod check;
 mod claim;
 mod digest;
+mod extent;
 mod part;
 mod raster;
 mod road;
@@ -16,6 +17,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 pub use check::{MAX_COORDINATE, Violation};
 pub use claim::Claim;
 pub use digest::Digest;
+pub use extent::{Crown, Extent, MAX_HEIGHT};
+pub(crate) use extent::{DOORWAY, FLOOR, KERB, ROCK, WALL};
 pub(crate) use part::is_zero;
 pub use part::{
     Contents, Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind,
@@ -48,7 +51,7 @@ pub const SCHEMA_VERSION: u32 = 1;
 /// let mut world = World::new(Provenance::other("manual", "a yard".into()), bounds);
 /// let shape = Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::new(10.0, 0.2)));
 /// world.walls.push(Wall::new(WallKind::Wall, shape));
-/// world.trees.push(Tree { center: DVec2::new(5.0, 3.0), radius: 0.25 });
+/// world.trees.push(Tree::new(DVec2::new(5.0, 3.0), 0.25));
 /// world.start = Some(Pose::new(1.0, 3.0, 0.0));
 /// world.check()?;
 /// assert_eq!(world.clearance(DVec2::new(4.0, 3.0)), 0.75);
@@ -103,6 +106,21 @@ pub enum PartKind {
     Surface,
 }
 
+impl PartKind {
+    /// The name of the kind, such as `road_strip`.
+    pub fn name(self) -> &'static str {
+        match self {
+            PartKind::Wall => "wall",
+            PartKind::Tree => "tree",
+            PartKind::RoadStrip => "road_strip",
+            PartKind::Room => "room",
+            PartKind::Doorway => "doorway",
+            PartKind::Obstacle => "obstacle",
+            PartKind::Surface => "surface",
+        }
+    }
+}
+
 /// The stable name of a part: its kind and its index in the world's list of that kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct PartId {
@@ -114,16 +132,7 @@ pub struct PartId {
 
 impl fmt::Display for PartId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = match self.kind {
-            PartKind::Wall => "wall",
-            PartKind::Tree => "tree",
-            PartKind::RoadStrip => "road_strip",
-            PartKind::Room => "room",
-            PartKind::Doorway => "doorway",
-            PartKind::Obstacle => "obstacle",
-            PartKind::Surface => "surface",
-        };
-        write!(f, "{name} {}", self.index)
+        write!(f, "{} {}", self.kind.name(), self.index)
     }
 }
 
@@ -159,13 +168,19 @@ impl World {
     }
 
     /// Everything that stops a robot and a ray: walls, trees, closed doors and obstacles, in this
-    /// order. Rooms, roads and surfaces do not.
+    /// order, whatever their heights. Rooms, roads and surfaces do not.
     pub fn solids(&self) -> impl Iterator<Item = Solid<'_>> {
+        let is_open = |id: PartId| self.doorways[id.index as usize].open;
+        self.uprights().filter(move |part| part.id.kind != PartKind::Doorway || !is_open(part.id))
+    }
+
+    /// Walls, trees, doorways and obstacles, in this order.
+    fn uprights(&self) -> impl Iterator<Item = Solid<'_>> {
         let solid =
             |kind, index: usize, shape| Solid { id: PartId { kind, index: index as u32 }, shape };
         let walls = self.walls.iter().enumerate();
         let trees = self.trees.iter().enumerate();
-        let doors = self.doorways.iter().enumerate().filter(|(_, door)| !door.open);
+        let doorways = self.doorways.iter().enumerate();
         let obstacles = self.obstacles.iter().enumerate();
         walls
             .map(move |(i, wall)| solid(PartKind::Wall, i, Cow::Borrowed(&wall.shape)))
@@ -173,12 +188,37 @@ impl World {
                 let shape = Shape::Disc { center: tree.center, radius: tree.radius };
                 solid(PartKind::Tree, i, Cow::Owned(shape))
             }))
-            .chain(
-                doors.map(move |(i, door)| solid(PartKind::Doorway, i, Cow::Borrowed(&door.shape))),
-            )
+            .chain(doorways.map(move |(i, doorway)| {
+                solid(PartKind::Doorway, i, Cow::Borrowed(&doorway.shape))
+            }))
             .chain(obstacles.map(move |(i, obstacle)| {
                 solid(PartKind::Obstacle, i, Cow::Borrowed(&obstacle.shape))
             }))
+    }
+
+    /// The solids that are partly within an extent, such as that of a robot's body: in the order of
+    /// [`World::solids`], with the open doorways whose lintels are.
+    pub fn solids_within(&self, extent: Extent) -> impl Iterator<Item = Solid<'_>> {
+        self.solids_where(move |part| part.overlaps(extent))
+    }
+
+    /// The solids that a level plane meets, such as a laser's, at a height in metres above the floor: in the
+    /// order of [`World::solids`], with the open doorways whose lintels it meets. None for NaN.
+    pub fn solids_at(&self, height: f64) -> impl Iterator<Item = Solid<'_>> {
+        self.solids_where(move |part| part.contains(height))
+    }
+
+    fn solids_where(&self, is_met: impl Fn(Extent) -> bool) -> impl Iterator<Item = Solid<'_>> {
+        let lintels = self.lintels();
+        self.uprights().filter(move |part| {
+            let is_part_met = || self.extent(part.id).is_some_and(&is_met);
+            if part.id.kind != PartKind::Doorway {
+                return is_part_met();
+            }
+            let index = part.id.index as usize;
+            let is_closed = !self.doorways[index].open;
+            (is_closed && is_part_met()) || lintels[index].is_some_and(&is_met)
+        })
     }
 
     /// Distance in metres beyond which a laser has no echo from a part; `None` where it sees the part

@@ -3,6 +3,7 @@
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+use super::Extent;
 use crate::curve::Curve;
 use crate::geometry::{Pose, Shape};
 
@@ -17,12 +18,15 @@ pub struct Wall {
     /// As [`Obstacle::visible_range`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub visible_range: Option<f64>,
+    /// Its bottom and top where they are not those of its kind.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height: Option<Extent>,
 }
 
 impl Wall {
     /// A wall that lasers see at any range.
     pub fn new(kind: WallKind, shape: Shape) -> Self {
-        Wall { kind, shape, visible_range: None }
+        Wall { kind, shape, visible_range: None, height: None }
     }
 
     /// Its longest side in metres.
@@ -61,6 +65,16 @@ pub struct Tree {
     pub center: DVec2,
     /// Radius in metres.
     pub radius: f64,
+    /// Its bottom and top where they do not follow from the radius.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height: Option<Extent>,
+}
+
+impl Tree {
+    /// A tree whose height follows from its radius.
+    pub fn new(center: DVec2, radius: f64) -> Self {
+        Tree { center, radius, height: None }
+    }
 }
 
 /// A road: a strip of constant width along a centreline.
@@ -106,6 +120,9 @@ pub struct Room {
     /// Whether the room still has the contents that its name and difficulty describe.
     #[serde(default, skip_serializing_if = "Contents::is_as_designed")]
     pub contents: Contents,
+    /// Its floor and ceiling where the ceiling is not at the usual height.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height: Option<Extent>,
 }
 
 /// What a generator left of a room's contents: some may be removed so that a robot can enter, or replaced.
@@ -153,6 +170,16 @@ pub struct Doorway {
     /// The indices in [`World::rooms`](crate::World::rooms) of the rooms that it joins; `None` is
     /// a hallway or an open area.
     pub rooms: [Option<u32>; 2],
+    /// The bottom and top of the opening where it is not of the usual height.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height: Option<Extent>,
+}
+
+impl Doorway {
+    /// A doorway of the usual height between two rooms, hallways or open areas.
+    pub fn new(shape: Shape, open: bool, rooms: [Option<u32>; 2]) -> Self {
+        Doorway { shape, open, rooms, height: None }
+    }
 }
 
 /// A solid obstacle.
@@ -171,12 +198,15 @@ pub struct Obstacle {
     /// at a reflectance of 10 % (data sheet) it measures up to 3 m at 0.9 %.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub visible_range: Option<f64>,
+    /// Its bottom and top where they are not those of its kind.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height: Option<Extent>,
 }
 
 impl Obstacle {
     /// An obstacle that lasers see at any range.
     pub fn new(kind: ObstacleKind, shape: Shape) -> Self {
-        Obstacle { kind, shape, visible_range: None }
+        Obstacle { kind, shape, visible_range: None, height: None }
     }
 }
 
@@ -233,12 +263,15 @@ pub struct Surface {
     /// measure 1.2 m for each metre. Loose ground gives under them.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub wheel_bias: f64,
+    /// Its bottom and top where they are not those of its kind.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height: Option<Extent>,
 }
 
 impl Surface {
     /// Ground on which robots drive as on a plain floor.
     pub fn new(kind: SurfaceKind, shape: Shape) -> Self {
-        Surface { kind, shape, speed: 1.0, odometry_noise: 1.0, wheel_bias: 0.0 }
+        Surface { kind, shape, speed: 1.0, odometry_noise: 1.0, wheel_bias: 0.0, height: None }
     }
 }
 

@@ -40,17 +40,15 @@ pub(crate) fn indoor() -> World {
             difficulty: Some(10.0 * i as f64 / 7.0),
             lit: i % 3 != 2,
             contents: Contents::AsDesigned,
+            height: None,
         });
         let edge = if upper { 8.0 } else { 6.0 };
         let (a, b) = (x + 2.4, x + 3.6);
         let wall =
             |from: f64, to: f64| Wall::new(WallKind::Wall, rect(from, edge - 0.1, to, edge + 0.1));
         world.walls.extend([wall(x, a), wall(b, x + 6.0)]);
-        world.doorways.push(Doorway {
-            shape: rect(a, edge - 0.1, b, edge + 0.1),
-            open: i % 4 != 3,
-            rooms: [Some(i as u32), None],
-        });
+        let opening = rect(a, edge - 0.1, b, edge + 0.1);
+        world.doorways.push(Doorway::new(opening, i % 4 != 3, [Some(i as u32), None]));
         if column > 0 {
             let shape = rect(x - 0.1, y0, x + 0.1, y1);
             world.walls.push(Wall::new(WallKind::Partition, shape));
@@ -114,7 +112,7 @@ pub(crate) fn forest(count: u64, side: f64) -> World {
         let clear = |p: DVec2| p.distance(center) > radius + 1.0;
         let inside = center.x + radius <= side && center.y + radius <= side;
         if inside && clear(start) && clear(goal) {
-            world.trees.push(Tree { center, radius });
+            world.trees.push(Tree::new(center, radius));
         }
     }
     world.start = Some(Pose { position: start, heading: 0.7 });
@@ -219,6 +217,6 @@ pub(crate) fn everything() -> World {
     };
     moved(&mut world, road());
     moved(&mut world, landscape());
-    world.trees.push(Tree { center: v(23.5, 7.0), radius: 0.2 });
+    world.trees.push(Tree::new(v(23.5, 7.0), 0.2));
     world
 }

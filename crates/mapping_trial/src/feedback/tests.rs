@@ -94,11 +94,12 @@ fn two_rooms() -> World {
             difficulty: None,
             lit: true,
             contents: Default::default(),
+            height: None,
         });
     }
     let rect = Rect::new(DVec2::new(9.95, 4.5), DVec2::new(10.05, 5.5));
     let rooms = [Some(0), Some(1)];
-    world.doorways.push(Doorway { shape: Shape::from_rect(rect), open: true, rooms });
+    world.doorways.push(Doorway::new(Shape::from_rect(rect), true, rooms));
     world
 }
 

@@ -28,7 +28,7 @@ pub(super) fn starts(
         return Err(TrialError::OutsideStart { start });
     }
     let radius = body.circumscribed_radius;
-    let near = ClearanceIndex::new(world, radius + 0.1)?;
+    let near = ClearanceIndex::within(world, radius + 0.1, body.extent()?)?;
     let grounds = SurfaceIndex::new(world);
     let clearance = near.clearance(start.position);
     if clearance < radius {
@@ -38,7 +38,7 @@ pub(super) fn starts(
         return Err(TrialError::DeepStart { start });
     }
     let mut starts = vec![start];
-    let rays = Raycaster::new(world);
+    let rays = Raycaster::at_height(world, body.laser_mount.height);
     let sees = |p: DVec2| {
         let offset = p - start.position;
         rays.cast_along(start.position, offset.normalize(), offset.length()).is_none()

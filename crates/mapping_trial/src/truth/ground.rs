@@ -5,7 +5,7 @@ use envgen::clearance_index::ClearanceIndex;
 use envgen::geometry::{Shape, edges};
 use envgen::occupancy::{Coverage, OccupancyGrid};
 use envgen::surface_index::SurfaceIndex;
-use envgen::world::SurfaceKind;
+use envgen::world::{Extent, SurfaceKind};
 use glam::DVec2;
 
 use super::frame::{SCORE_CELL, ScoreFrame};
@@ -23,13 +23,18 @@ pub(super) struct DiscGround {
 }
 
 impl DiscGround {
-    /// Indexes a world for distances up to `reach` metres.
+    /// Indexes a world for distances up to `reach` metres to what is within a body's height.
     ///
     /// `None` if there are too many cells, or the reach is not a distance.
-    pub(super) fn new(world: &World, frame: ScoreFrame, reach: f64) -> Option<Self> {
+    pub(super) fn new(
+        world: &World,
+        frame: ScoreFrame,
+        reach: f64,
+        body: Extent,
+    ) -> Option<Self> {
         let empty = OccupancyGrid::empty(frame.area(), SCORE_CELL).ok()?;
         let mut solid = empty.clone();
-        for part in world.solids() {
+        for part in world.solids_within(body) {
             occupy_entered(&mut solid, &part.shape);
         }
         let mut wet = empty;
@@ -42,7 +47,7 @@ impl DiscGround {
             frame,
             open: (0..frame.len()).map(|cell| !solid.cells()[cell] && inside(cell)).collect(),
             dry: wet.cells().iter().map(|wet| !wet).collect(),
-            near: ClearanceIndex::new(world, reach).ok()?,
+            near: ClearanceIndex::within(world, reach, body).ok()?,
             grounds: SurfaceIndex::new(world),
         })
     }

@@ -6,6 +6,7 @@ mod ground;
 mod reach;
 mod walls;
 
+use envgen::SpecError;
 use envgen::geometry::Rect;
 use envgen::world::{Violation, World};
 use glam::DVec2;
@@ -62,6 +63,9 @@ pub enum MappableAreaError {
     /// The robot's size is not one that can be scored.
     #[error("`circumscribed_radius` must be from {min} to {max} m, got {0} m", min = RADII.start(), max = RADII.end())]
     Radius(f64),
+    /// The robot's height is not valid.
+    #[error(transparent)]
+    Height(#[from] SpecError),
     /// The world has no start.
     #[error("`start` must be set: a trial starts there")]
     NoStart,
@@ -118,8 +122,9 @@ impl MappableArea {
 
     /// Computes the mappable area from a start, the world's or another one.
     ///
-    /// The robot is a disc of its circumscribed radius that stays off solid parts and inside the world's
-    /// bounds; its centre stays off water and surfaces of speed 0.
+    /// The robot is a disc of its circumscribed radius and height that stays off solid parts and inside the
+    /// world's bounds; its centre stays off water and surfaces of speed 0. Its laser sees the walls and solids
+    /// that have its height.
     ///
     /// # Errors
     /// If the world is broken or too large, if the robot does not fit at the start, or if it
@@ -138,7 +143,7 @@ impl MappableArea {
         let frame = ScoreFrame::around(around);
 
         let footprint = radius + MARGIN;
-        let ground = DiscGround::new(world, frame, footprint + REACH).ok_or(too_large)?;
+        let ground = DiscGround::new(world, frame, footprint + REACH, robot.extent()?).ok_or(too_large)?;
         let reach = Reach::from_start(&ground, footprint, start);
         let land: Vec<bool> =
             (0..frame.len()).map(|cell| ground.is_open(cell) && ground.is_dry_cell(cell)).collect();
@@ -148,7 +153,7 @@ impl MappableArea {
             return Err(MappableAreaError::Start { x: start.x, y: start.y, radius: footprint });
         }
         let joined = joined(frame, &free, ground.open());
-        let walls = walls::seen(world, frame, &free, &joined);
+        let walls = walls::seen(world, robot.laser_mount.height, frame, &free, &joined);
         let mut truth = MappableArea {
             frame,
             ground,

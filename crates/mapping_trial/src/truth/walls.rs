@@ -30,19 +30,20 @@ pub struct WallPoint {
     pub normal: DVec2,
 }
 
-/// The points of outlines that can be seen from the cells of `free`, in the world's order.
+/// The points of outlines that a laser at a height can see from the cells of `free`, in the world's order.
 /// `joined` are the cells that no solid enters and that are connected to `free`.
 pub(super) fn seen(
     world: &World,
+    laser: f64,
     frame: ScoreFrame,
     free: &[bool],
     joined: &[bool],
 ) -> Vec<WallPoint> {
     let Ok(fan) = ScanPattern::new(PI, LOOKS) else { unreachable!("a half turn of {LOOKS} looks") };
-    let sight = Sight { rays: Raycaster::new(world), fan, frame, free, joined };
+    let sight = Sight { rays: Raycaster::at_height(world, laser), fan, frame, free, joined };
     let mut points = Vec::new();
     let mut ranges = Vec::new();
-    for solid in world.solids() {
+    for solid in world.solids_at(laser) {
         outline(&solid.shape, |candidates| {
             points.extend(candidates.iter().find(|point| sight.has(**point, &mut ranges)));
         });

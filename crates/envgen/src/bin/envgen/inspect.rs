@@ -1,5 +1,6 @@
 //! `envgen inspect`.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::ops::Add;
 use std::process::ExitCode;
@@ -11,7 +12,7 @@ use envgen::difficulty::{DifficultyVector, Platform};
 use envgen::geometry::{Pose, Rect};
 use envgen::indoor::Profile;
 use envgen::reproduction::{Reproduction, reproduce};
-use envgen::world::Surface;
+use envgen::world::{Extent, Surface};
 use envgen::{Provenance, World, WorldMetrics, WorldSpec};
 use serde::Serialize;
 use serde_json::Value;
@@ -45,6 +46,8 @@ struct Report<'a> {
     start: Option<Pose>,
     goal: Option<Pose>,
     parts: Parts,
+    /// Bottoms and tops in metres, by the kind of part.
+    heights: BTreeMap<&'static str, Heights>,
     /// Absent where floors are plain and lasers see everything as far as they reach.
     #[serde(skip_serializing_if = "Materials::is_empty")]
     materials: Materials,
@@ -73,6 +76,38 @@ struct Parts {
     obstacles: usize,
     surfaces: usize,
     raster_cells: usize,
+}
+
+/// How high the parts of a list are.
+#[derive(Serialize)]
+struct Heights {
+    /// The lowest bottom and the highest top in metres above the floor.
+    from_to_m: [f64; 2],
+    /// The lowest top: lasers that are higher do not see every part.
+    lowest_top_m: f64,
+}
+
+impl Heights {
+    /// Those of solids and doorways; lists without parts are absent.
+    fn of(world: &World) -> BTreeMap<&'static str, Self> {
+        let walls = world.walls.iter().map(|wall| wall.extent());
+        let trees = world.trees.iter().map(|tree| tree.extent());
+        let doorways = world.doorways.iter().map(|doorway| doorway.extent());
+        let obstacles = world.obstacles.iter().map(|obstacle| obstacle.extent());
+        let lists = [
+            ("walls", walls.collect::<Vec<_>>()),
+            ("trees", trees.collect()),
+            ("doorways", doorways.collect()),
+            ("obstacles", obstacles.collect()),
+        ];
+        let heights = lists.into_iter().filter_map(|(name, extents)| {
+            let least = |of: fn(Extent) -> f64| extents.iter().map(|e| of(*e)).reduce(f64::min);
+            let most = |of: fn(Extent) -> f64| extents.iter().map(|e| of(*e)).reduce(f64::max);
+            let from_to_m = [least(Extent::bottom)?, most(Extent::top)?];
+            Some((name, Heights { from_to_m, lowest_top_m: least(Extent::top)? }))
+        });
+        heights.collect()
+    }
 }
 
 /// What is slippery, loose or dark in a world.
@@ -183,6 +218,7 @@ fn report<'a>(world: &'a World, platform: &Platform) -> Report<'a> {
             surfaces: world.surfaces.len(),
             raster_cells: world.raster.as_ref().map_or(0, |raster| raster.cells.len()),
         },
+        heights: Heights::of(world),
         materials: Materials::of(world),
         certificate: verify(world).into_iter().map(checked).collect(),
         metrics: again,

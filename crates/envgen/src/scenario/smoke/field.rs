@@ -217,10 +217,11 @@ mod tests {
                 difficulty: None,
                 lit: true,
                 contents: Default::default(),
+                height: None,
             });
         }
         let shape = Shape::from_rect(Rect::new(v(3.95, 1.0), v(4.05, 2.0)));
-        world.doorways.push(Doorway { shape, open: true, rooms: [Some(0), Some(1)] });
+        world.doorways.push(Doorway::new(shape, true, [Some(0), Some(1)]));
         world
     }
 

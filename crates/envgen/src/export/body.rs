@@ -1,0 +1,50 @@
+//! Prisms as the bodies that simulators know: boxes, cylinders, and whatever has corners.
+
+use glam::{DVec2, DVec3};
+
+use crate::geometry::{Pose, Shape};
+use crate::pieces::LINE_THICKNESS;
+use crate::world::Extent;
+
+/// A prism.
+pub(super) enum Body<'a> {
+    /// A box, turned about the vertical.
+    Box { center: DVec3, size: DVec3, heading: f64 },
+    /// An upright cylinder.
+    Cylinder { center: DVec3, radius: f64, length: f64 },
+    /// A polygon, drawn upwards.
+    Polygon { corners: &'a [DVec2] },
+}
+
+impl<'a> Body<'a> {
+    pub(super) fn of(shape: &'a Shape, extent: Extent) -> Self {
+        let middle = 0.5 * (extent.bottom() + extent.top());
+        match shape {
+            Shape::Disc { center, radius } => Body::Cylinder {
+                center: center.extend(middle),
+                radius: *radius,
+                length: extent.height(),
+            },
+            Shape::Box { center, half_size, heading } => Body::Box {
+                center: center.extend(middle),
+                size: (2.0 * *half_size).extend(extent.height()),
+                heading: *heading,
+            },
+            Shape::Segment { a, b } => {
+                let along = *b - *a;
+                Body::Box {
+                    center: (0.5 * (*a + *b)).extend(middle),
+                    size: DVec3::new(along.length(), LINE_THICKNESS, extent.height()),
+                    heading: libm::atan2(along.y, along.x),
+                }
+            }
+            Shape::Polygon { vertices } => Body::Polygon { corners: vertices },
+        }
+    }
+}
+
+/// Start and goal, with their names.
+pub(super) fn places(world: &crate::World) -> impl Iterator<Item = (&'static str, Pose)> {
+    let places = [("start", world.start), ("goal", world.goal)];
+    places.into_iter().filter_map(|(name, pose)| Some((name, pose?)))
+}

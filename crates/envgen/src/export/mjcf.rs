@@ -1,0 +1,172 @@
+//! Worlds for MuJoCo: MJCF.
+//!
+//! Each piece of the world is a geom of the world body, named as the piece, whose material is named as its kind:
+//! boxes, cylinders and ellipsoids. Outlines of other forms are meshes, in convex pieces where they are not
+//! convex, since MuJoCo takes the convex hull of a mesh: `obstacle_3`, `obstacle_3.1` and so on. Floors, surfaces
+//! and crowns collide with nothing; the plane `floor` is driven on. Start and goal are sites; the provenance is a
+//! custom text.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+
+use glam::DVec2;
+
+use super::ExportError;
+use super::body::{Body, places};
+use super::xml::{Attribute, Xml, number, numbers};
+use crate::mesh::convex_pieces;
+use crate::palette::Srgb;
+use crate::pieces::{Form, Piece, pieces};
+use crate::world::{Extent, World};
+
+/// Half the distance between the lines that MuJoCo draws on the floor, in metres.
+const GRID: f64 = 0.5;
+
+/// A geom that is a mesh: its name, where it is, and the corners of the mesh relative to that.
+struct Hull {
+    name: String,
+    place: DVec2,
+    corners: Vec<DVec2>,
+    extent: Extent,
+}
+
+/// Writes a world.
+pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportError> {
+    let provenance = serde_json::to_string(&world.provenance).map_err(std::io::Error::from)?;
+    let pieces = pieces(world);
+    let mut hulls = Vec::with_capacity(pieces.len());
+    for piece in &pieces {
+        hulls.push(hulls_of(piece)?);
+    }
+    let colors: BTreeMap<&str, Srgb> =
+        pieces.iter().map(|piece| (piece.kind.as_str(), piece.color)).collect();
+    let mut xml = Xml::begin(out)?;
+    xml.nest("mujoco", &[("model", world.provenance.kind.clone())], |xml| {
+        xml.leaf("compiler", &[("angle", "radian".into())])?;
+        xml.nest("custom", &[], |xml| {
+            xml.leaf("text", &[("name", "provenance".into()), ("data", provenance)])
+        })?;
+        xml.nest("asset", &[], |xml| {
+            for (name, color) in &colors {
+                let rgba = rgba(*color);
+                xml.leaf("material", &[("name", (*name).to_owned()), ("rgba", rgba)])?;
+            }
+            hulls.iter().flatten().try_for_each(|hull| {
+                let ends = [hull.extent.bottom(), hull.extent.top()];
+                let corners =
+                    ends.into_iter().flat_map(|z| hull.corners.iter().map(move |p| p.extend(z)));
+                let vertex = numbers(corners.flat_map(|corner| corner.to_array()));
+                xml.leaf("mesh", &[("name", hull.name.clone()), ("vertex", vertex)])
+            })
+        })?;
+        xml.nest("worldbody", &[], |xml| {
+            let sun = [
+                ("directional", "true".into()),
+                ("pos", "0 0 10".into()),
+                ("dir", "-0.4 0.2 -0.9".into()),
+            ];
+            xml.leaf("light", &sun)?;
+            floor(xml, world)?;
+            for (name, pose) in places(world) {
+                let pos = numbers(pose.position.extend(0.0).to_array());
+                let euler = numbers([0.0, 0.0, pose.heading]);
+                xml.leaf("site", &[("name", name.into()), ("pos", pos), ("euler", euler)])?;
+            }
+            pieces.iter().zip(&hulls).try_for_each(|(piece, hulls)| geoms(xml, piece, hulls))
+        })
+    })?;
+    xml.end()
+}
+
+/// The meshes that stand for an outline; none for other forms.
+fn hulls_of(piece: &Piece<'_>) -> Result<Vec<Hull>, ExportError> {
+    let Form::Prism { shape, extent } = &piece.form else { return Ok(Vec::new()) };
+    let Body::Polygon { corners } = Body::of(shape, *extent) else { return Ok(Vec::new()) };
+    let place = shape.bounds().center();
+    let around: Vec<DVec2> = corners.iter().map(|corner| *corner - place).collect();
+    let name = piece.to_string();
+    let convex =
+        convex_pieces(&around).ok_or_else(|| crate::mesh::MeshError { piece: name.clone() })?;
+    Ok(convex
+        .into_iter()
+        .enumerate()
+        .map(|(i, corners)| Hull {
+            name: if i == 0 { name.clone() } else { format!("{name}.{i}") },
+            place,
+            corners: corners.into_iter().map(|i| around[i as usize]).collect(),
+            extent: *extent,
+        })
+        .collect())
+}
+
+/// The plane that robots drive on.
+fn floor(xml: &mut Xml<'_>, world: &World) -> Result<(), ExportError> {
+    let half = 0.5 * world.bounds.size();
+    let attributes = [
+        ("name", "floor".into()),
+        ("type", "plane".into()),
+        ("pos", numbers(world.bounds.center().extend(0.0).to_array())),
+        ("size", numbers([half.x, half.y, GRID])),
+        // Floors and surfaces are seen in its place.
+        ("rgba", "0 0 0 0".into()),
+    ];
+    xml.leaf("geom", &attributes)
+}
+
+fn geoms(xml: &mut Xml<'_>, piece: &Piece<'_>, hulls: &[Hull]) -> Result<(), ExportError> {
+    let mut geom = |name: String, form: &[Attribute]| {
+        let mut attributes = vec![("name", name), ("material", piece.kind.clone())];
+        attributes.extend_from_slice(form);
+        if !piece.is_solid {
+            attributes.extend([("contype", "0".into()), ("conaffinity", "0".into())]);
+        }
+        xml.leaf("geom", &attributes)
+    };
+    match &piece.form {
+        Form::Prism { shape, extent } => match Body::of(shape, *extent) {
+            Body::Box { center, size, heading } => geom(
+                piece.to_string(),
+                &[
+                    ("type", "box".into()),
+                    ("pos", numbers(center.to_array())),
+                    ("size", numbers((0.5 * size).to_array())),
+                    ("euler", numbers([0.0, 0.0, heading])),
+                ],
+            ),
+            Body::Cylinder { center, radius, length } => geom(
+                piece.to_string(),
+                &[
+                    ("type", "cylinder".into()),
+                    ("pos", numbers(center.to_array())),
+                    ("size", numbers([radius, 0.5 * length])),
+                ],
+            ),
+            Body::Polygon { .. } => hulls.iter().try_for_each(|hull| {
+                let mesh = [
+                    ("type", "mesh".into()),
+                    ("mesh", hull.name.clone()),
+                    ("pos", numbers(hull.place.extend(0.0).to_array())),
+                ];
+                geom(hull.name.clone(), &mesh)
+            }),
+        },
+        Form::Crown { center, crown } => {
+            let half = 0.5 * crown.extent.height();
+            geom(
+                piece.to_string(),
+                &[
+                    ("type", "ellipsoid".into()),
+                    ("pos", numbers(center.extend(crown.extent.bottom() + half).to_array())),
+                    ("size", numbers([crown.radius, crown.radius, half])),
+                ],
+            )
+        }
+        // The plane is driven on: the kerbs show where the road is.
+        Form::Road { .. } => Ok(()),
+    }
+}
+
+fn rgba(Srgb(rgb): Srgb) -> String {
+    let parts: Vec<String> = rgb.iter().map(|part| number(f64::from(*part) / 255.0)).collect();
+    format!("{} 1", parts.join(" "))
+}

@@ -1,0 +1,72 @@
+//! Writing XML.
+
+use std::io::Write;
+
+use quick_xml::Writer;
+#[cfg(feature = "sdf")]
+use quick_xml::events::BytesText;
+use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
+
+use super::ExportError;
+
+/// A name and its value.
+pub(super) type Attribute = (&'static str, String);
+
+/// As many digits as are needed to read the same number back.
+pub(super) fn number(value: f64) -> String {
+    let plain = value.to_string();
+    if plain.len() <= 24 { plain } else { format!("{value:e}") }
+}
+
+/// Numbers with a space between them.
+#[cfg(any(feature = "sdf", feature = "mjcf"))]
+pub(super) fn numbers(values: impl IntoIterator<Item = f64>) -> String {
+    values.into_iter().map(number).collect::<Vec<_>>().join(" ")
+}
+
+/// A document, written element by element.
+pub(super) struct Xml<'a>(Writer<&'a mut dyn Write>);
+
+impl<'a> Xml<'a> {
+    /// A document without elements.
+    pub(super) fn begin(out: &'a mut dyn Write) -> Result<Self, ExportError> {
+        let mut xml = Xml(Writer::new_with_indent(out, b' ', 2));
+        xml.0.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+        Ok(xml)
+    }
+
+    /// Ends the document's last line.
+    pub(super) fn end(mut self) -> Result<(), ExportError> {
+        Ok(self.0.get_mut().write_all(b"\n")?)
+    }
+
+    /// An element without content.
+    pub(super) fn leaf(&mut self, name: &str, attributes: &[Attribute]) -> Result<(), ExportError> {
+        Ok(self.0.write_event(Event::Empty(element(name, attributes)))?)
+    }
+
+    /// An element that holds a text.
+    #[cfg(feature = "sdf")]
+    pub(super) fn text(&mut self, name: &str, text: &str) -> Result<(), ExportError> {
+        self.0.write_event(Event::Start(element(name, &[])))?;
+        self.0.write_event(Event::Text(BytesText::new(text)))?;
+        Ok(self.0.write_event(Event::End(BytesEnd::new(name)))?)
+    }
+
+    /// An element that holds others.
+    pub(super) fn nest(
+        &mut self,
+        name: &str,
+        attributes: &[Attribute],
+        inner: impl FnOnce(&mut Self) -> Result<(), ExportError>,
+    ) -> Result<(), ExportError> {
+        self.0.write_event(Event::Start(element(name, attributes)))?;
+        inner(self)?;
+        Ok(self.0.write_event(Event::End(BytesEnd::new(name)))?)
+    }
+}
+
+fn element<'a>(name: &'a str, attributes: &'a [Attribute]) -> BytesStart<'a> {
+    BytesStart::new(name)
+        .with_attributes(attributes.iter().map(|(name, value)| (*name, value.as_str())))
+}

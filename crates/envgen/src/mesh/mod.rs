@@ -1,0 +1,146 @@
+//! Worlds as triangles: closed, oriented meshes with normals and texture coordinates.
+//!
+//! Frame: x right, y up on the plan, z up; all lengths in metres. Every mesh is a closed surface: each
+//! edge joins exactly two triangles, which run along it in opposite directions, and no triangle is
+//! degenerate. Seen from outside, triangles run counter-clockwise.
+
+mod convex;
+mod extrude;
+mod revolve;
+mod triangulate;
+
+use glam::{DVec2, DVec3};
+use thiserror::Error;
+
+pub use self::convex::convex_pieces;
+pub use self::triangulate::triangulate;
+use crate::geometry::{Shape, unit_vector};
+use crate::pieces::{Form, LINE_THICKNESS, Piece};
+
+/// How far the sides of a mesh of a disc are inside it at most, in metres.
+pub const ROUNDNESS: f64 = 1e-3;
+
+/// The fewest and most sides of a mesh of a disc.
+const SIDES: std::ops::RangeInclusive<usize> = 12..=256;
+
+/// How far the edges of a mesh of a road stray from the road's at most, in metres.
+const ROAD_TOLERANCE: f64 = 0.02;
+
+/// Ends of a road that are this near join, in metres.
+const JOINED: f64 = 1e-6;
+
+/// Why there is no mesh.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error(
+    "{piece} has no mesh: its outline crosses or touches itself, or its numbers are too large or too small"
+)]
+pub struct MeshError {
+    /// The name of the piece.
+    pub piece: String,
+}
+
+/// A closed surface as triangles.
+///
+/// ```
+/// use envgen::geometry::{Rect, Shape};
+/// use envgen::glam::DVec2;
+/// use envgen::mesh::Mesh;
+/// use envgen::world::Extent;
+///
+/// let shape = Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::new(4.0, 0.5)));
+/// let wall = Mesh::extruded(&shape, Extent::new(0.0, 2.6)?).expect("a box");
+/// // Positions are relative to the middle of the shape.
+/// assert_eq!(wall.pivot, DVec2::new(2.0, 0.25));
+/// assert!((wall.volume() - 4.0 * 0.5 * 2.6).abs() < 1e-12);
+/// # Ok::<(), envgen::SpecError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// What the positions are relative to, on the plan.
+    pub pivot: DVec2,
+    /// The corners of the triangles. Corners of different normals or texture coordinates are
+    /// listed several times, with the same position to the last bit.
+    pub positions: Vec<DVec3>,
+    /// The unit normal at each corner, out of the surface.
+    pub normals: Vec<DVec3>,
+    /// Texture coordinates of each corner, in metres: on sides the distance along the outline and the
+    /// height, on tops and bottoms x and y.
+    pub uvs: Vec<DVec2>,
+    /// Three corners per triangle, counter-clockwise from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    fn empty(pivot: DVec2) -> Self {
+        Mesh {
+            pivot,
+            positions: Vec::new(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            triangles: Vec::new(),
+        }
+    }
+
+    fn push(&mut self, position: DVec3, normal: DVec3, uv: DVec2) -> u32 {
+        self.positions.push(position);
+        self.normals.push(normal);
+        self.uvs.push(uv);
+        self.positions.len() as u32 - 1
+    }
+
+    /// The mesh of a piece of a world.
+    ///
+    /// # Errors
+    /// For outlines that are not simple, and roads whose edge crosses itself in a bend.
+    pub fn of(piece: &Piece<'_>) -> Result<Self, MeshError> {
+        let mesh = match &piece.form {
+            Form::Prism { shape, extent } => Mesh::extruded(shape, *extent),
+            Form::Crown { center, crown } => Some(Mesh::ellipsoid(*center, *crown)),
+            Form::Road { strip, extent } => Mesh::of_road(strip, *extent),
+        };
+        mesh.ok_or_else(|| MeshError { piece: piece.to_string() })
+    }
+
+    /// The volume in cubic metres.
+    pub fn volume(&self) -> f64 {
+        let corner = |i: u32| self.positions[i as usize];
+        let six = |&[a, b, c]: &[u32; 3]| corner(a).dot(corner(b).cross(corner(c)));
+        self.triangles.iter().map(six).sum::<f64>() / 6.0
+    }
+}
+
+/// The outline of a shape, counter-clockwise, relative to a point in its middle: discs have many sides,
+/// lines are [`LINE_THICKNESS`] thick.
+pub fn outline(shape: &Shape) -> (DVec2, Vec<DVec2>) {
+    match shape {
+        Shape::Disc { center, radius } => {
+            let sides = sides(*radius);
+            let corner = |i| unit_vector(std::f64::consts::TAU * i as f64 / sides as f64) * *radius;
+            (*center, (0..sides).map(corner).collect())
+        }
+        Shape::Box { center, half_size, heading } => {
+            let around =
+                Shape::Box { center: DVec2::ZERO, half_size: *half_size, heading: *heading };
+            (*center, around.corners())
+        }
+        Shape::Segment { a, b } => {
+            let middle = 0.5 * (*a + *b);
+            let line = Shape::thick_segment(*a - middle, *b - middle, LINE_THICKNESS, 0.0);
+            (middle, line.corners())
+        }
+        Shape::Polygon { vertices } => {
+            let middle = shape.bounds().center();
+            (middle, vertices.iter().map(|corner| *corner - middle).collect())
+        }
+    }
+}
+
+/// As many sides of a regular polygon as keep it within [`ROUNDNESS`] of its circle.
+fn sides(radius: f64) -> usize {
+    // The middle of a side is radius * (1 - cos(pi / n)) inside, about radius * pi^2 / (2 n^2).
+    let sides = std::f64::consts::PI * (radius / (2.0 * ROUNDNESS)).sqrt();
+    (sides.ceil() as usize).clamp(*SIDES.start(), *SIDES.end())
+}
+
+#[cfg(test)]
+mod tests;
