@@ -14,6 +14,7 @@ from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
 
+import bodies
 import certificates
 import landscapes
 import pictures
@@ -22,7 +23,7 @@ import ros_maps
 import worlds
 
 JUDGES = {
-    kind: [certificates, ros_maps, pictures]
+    kind: [certificates, ros_maps, pictures, bodies]
     + {"road": [roads], "landscape": [landscapes]}.get(kind, [])
     for kind in worlds.KINDS
 }

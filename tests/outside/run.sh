@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Judges 3 worlds of each kind (or as many as `--count` says) with programs of others, after the judges
-# have shown that they notice what is wrong, and then the bags of trials. Arguments are those of judge.py. Needs Python 3.10 to 3.12
-# and libcairo2; what requirements.txt names goes to target/outside, about 1.1 GB.
+# have shown that they notice what is wrong, and then the bags of trials. Arguments are those of judge.py. Needs
+# Python 3.10 to 3.12, libcairo2 and Node with npm; what requirements.txt names goes to target/outside, about 1.7 GB.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -16,6 +16,14 @@ if ! cmp -s $here/requirements.txt $pins; then
   $venv/bin/uv pip install --quiet --python $venv/bin/python --no-deps --only-binary :all: \
     --requirements $here/requirements.txt
   cp $here/requirements.txt $pins
+fi
+validator=gltf-validator@2.0.0-dev.3.10
+node=target/outside/node
+if ! grep -qsx $validator $node/installed; then
+  rm -rf $node
+  mkdir -p $node
+  npm install --silent --no-fund --no-audit --no-package-lock --prefix $node $validator
+  echo $validator > $node/installed
 fi
 # Python's compiled files go beside the installed packages and not into the sources.
 export PYTHONPYCACHEPREFIX=$PWD/target/outside/pycache PYTHONDONTWRITEBYTECODE=

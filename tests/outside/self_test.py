@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+import bodies
 import certificates
 import judge
 import landscapes
@@ -148,6 +149,25 @@ def leak(world):
     pixels[pixels == 205] = 254
     pixels[len(pixels) // 2] = 254
     Image.fromarray(pixels).save(path)
+
+
+def turn_inside_out(world):
+    """Swaps two corners of the first triangle of the last mesh in a GLB file."""
+    path = world.path("glb")
+    content = bytearray(path.read_bytes())
+    length = int.from_bytes(content[12:16], "little")
+    described = json.loads(content[20 : 20 + length])
+    accessor = described["accessors"][-1]
+    view = described["bufferViews"][accessor["bufferView"]]
+    at = 28 + length + view["byteOffset"] + accessor["byteOffset"]
+    content[at : at + 8] = content[at + 4 : at + 8] + content[at : at + 4]
+    path.write_bytes(content)
+
+
+def truncate(world):
+    """Cuts a GLB file short."""
+    path = world.path("glb")
+    path.write_bytes(path.read_bytes()[:-8])
 
 
 def beside_free(pixels):
@@ -461,6 +481,60 @@ CASES = [
         "px, not",
     ),
     (pictures, "indoor", INDOOR, change("svg", "</svg>", ""), "Error"),
+    (
+        bodies,
+        "indoor",
+        INDOOR,
+        edit(lambda d: d["walls"][0].update(height={"bottom": 0.0, "top": 2.61})),
+        "wall_0 is from",
+    ),
+    (bodies, "indoor", INDOOR, edit(lambda d: d["walls"].pop()), "bodies, not"),
+    (
+        bodies,
+        "indoor",
+        INDOOR,
+        edit(lambda d: d["start"]["position"].reverse()),
+        "start is at",
+    ),
+    (
+        bodies,
+        "indoor",
+        INDOOR,
+        edit(lambda d: d["provenance"].update(seed=6)),
+        "glTF: the provenance",
+    ),
+    (
+        bodies,
+        "landscape",
+        LANDSCAPE,
+        change("mjcf.xml", r'( vertex=")([^ ]+)', add(0.2), 3),
+        "MuJoCo: obstacle_",
+    ),
+    (
+        bodies,
+        "forest",
+        FOREST,
+        change("mjcf.xml", r'(name="tree_0" .*size=")([^ ]+)', add(0.05)),
+        "MuJoCo: tree_0 differs",
+    ),
+    (
+        bodies,
+        "indoor",
+        INDOOR,
+        change("mjcf.xml", 'type="box"', 'type="bocks"'),
+        "Error",
+    ),
+    (
+        bodies,
+        "road",
+        ROAD,
+        change("sdf", r"(<point>)([^ ]+)", add(0.1)),
+        "SDF: wall_0 differs",
+    ),
+    (bodies, "road", ROAD, change("sdf", "<static>", "<statik>"), "Error"),
+    (bodies, "indoor", INDOOR, change("sdf", "<radius>|<size>", "<sise>", 3), "Error"),
+    (bodies, "indoor", INDOOR, turn_inside_out, "trimesh:"),
+    (bodies, "indoor", INDOOR, truncate, "gltf-validator"),
 ]
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 KINDS = ["hallway", "forest", "road", "indoor", "landscape"]
 
 # What is written of every kind, and of one kind alone.
-ENDINGS = ["json", "svg", "png"]
+ENDINGS = ["json", "svg", "png", "sdf", "mjcf.xml", "glb"]
 ENDINGS_OF = {"road": ["xodr", "csv"], "landscape": ["asc", "map", "classes.png"]}
 
 # Rules between settings refuse some draws; so many in a row mean that the draw is wrong.
@@ -118,6 +118,8 @@ def hallway(draw):
         )
     if "alcove_rate" in settings:
         settings["alcove_depth"] = draw.uniform(0.1, 0.4) * pitch
+    if draw.random() < 0.5:
+        settings["wall_height"] = draw.uniform(0.1, 5)
     return settings
 
 
@@ -147,6 +149,8 @@ def forest(draw):
         rows = range(draw.randint(1, 4))
         cols = range(draw.randint(1, 4))
         settings["density"] = [[round(draw.random(), 2) for _ in cols] for _ in rows]
+    if draw.random() < 0.5:
+        settings["tree_height"] = draw.uniform(0.1, 30)
     return settings
 
 
@@ -184,6 +188,8 @@ def road(draw):
         settings |= {"closed": "true", "random": draw.randint(4, 8), "p_turn": 0.7}
     elif draw.random() < 0.2:
         settings |= {"aim_x": draw.uniform(50, 900), "aim_y": draw.uniform(-300, 300)}
+    if draw.random() < 0.5:
+        settings["kerb_height"] = draw.uniform(0.05, 1)
     return settings
 
 
@@ -211,6 +217,9 @@ def indoor(draw):
         settings["doorway_probability"] = draw.random()
     if draw.random() < 0.3:
         settings["clearance"] = draw.uniform(0, 1)
+    if draw.random() < 0.5:
+        settings["wall_height"] = draw.uniform(0.5, 5)
+        settings["doorway_height"] = draw.uniform(0.5, 3)
     return settings
 
 
@@ -233,6 +242,8 @@ def landscape(draw):
     if draw.random() < 0.5:
         speeds = [draw.choice([0, 1, round(draw.random(), 2)]) for _ in range(classes)]
         settings["speeds"] = ",".join(map(str, speeds))
+    if draw.random() < 0.5:
+        settings["rock_height"] = draw.uniform(0.05, 20)
     return settings
 
 

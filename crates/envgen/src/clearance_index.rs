@@ -114,7 +114,7 @@ impl ClearanceIndex {
     }
 
     /// Indexes the solid parts that are partly within an extent, such as that of a robot's body: what is
-    /// wholly above or below is not in its way. As [`ClearanceIndex::new`] where all are.
+    /// wholly above or below does not count. As [`ClearanceIndex::new`] where all are.
     ///
     /// # Errors
     /// When `reach` is out of its range.

@@ -49,14 +49,14 @@
 //! | feature | default | what it adds |
 //! |---|---|---|
 //! | `formats` | yes | all of the following formats |
+//! | `csv` | yes | the waypoints of roads as comma-separated values |
 //! | `gltf` | yes | worlds as glTF 2.0, in one binary file |
 //! | `mesh` | yes | worlds as closed meshes of triangles |
 //! | `mjcf` | yes | worlds for MuJoCo |
-//! | `sdf` | yes | worlds for Gazebo |
-//! | `csv` | yes | the waypoints of roads as comma-separated values |
 //! | `opendrive` | yes | roads as OpenDRIVE |
 //! | `paths` | yes | least-cost paths on landscapes, and the maps and scenarios of MovingAI |
 //! | `ros` | yes | reading maps of ROS and Nav2; they can always be written |
+//! | `sdf` | yes | worlds for Gazebo |
 //! | `usarsim` | yes | projects and libraries of the World Generator for `USARSim` |
 //! | `parallel` | yes | large rasters are counted on all cores |
 //! | `picture` | yes | SVG and PNG pictures, drawn on the CPU |

@@ -6,7 +6,7 @@
 //! and crowns collide with nothing; the plane `floor` is driven on. Start and goal are sites; the provenance is a
 //! custom text.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::io::Write;
 
 use glam::DVec2;
@@ -38,8 +38,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
     for piece in &pieces {
         hulls.push(hulls_of(piece)?);
     }
-    let colors: BTreeMap<&str, Srgb> =
-        pieces.iter().map(|piece| (piece.kind.as_str(), piece.color)).collect();
+    let kinds: BTreeSet<&str> = pieces.iter().map(|piece| piece.kind.as_str()).collect();
     let mut xml = Xml::begin(out)?;
     xml.nest("mujoco", &[("model", world.provenance.kind.clone())], |xml| {
         xml.leaf("compiler", &[("angle", "radian".into())])?;
@@ -47,9 +46,8 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
             xml.leaf("text", &[("name", "provenance".into()), ("data", provenance)])
         })?;
         xml.nest("asset", &[], |xml| {
-            for (name, color) in &colors {
-                let rgba = rgba(*color);
-                xml.leaf("material", &[("name", (*name).to_owned()), ("rgba", rgba)])?;
+            for name in kinds {
+                xml.leaf("material", &[("name", name.to_owned())])?;
             }
             hulls.iter().flatten().try_for_each(|hull| {
                 let ends = [hull.extent.bottom(), hull.extent.top()];
@@ -115,7 +113,8 @@ fn floor(xml: &mut Xml<'_>, world: &World) -> Result<(), ExportError> {
 
 fn geoms(xml: &mut Xml<'_>, piece: &Piece<'_>, hulls: &[Hull]) -> Result<(), ExportError> {
     let mut geom = |name: String, form: &[Attribute]| {
-        let mut attributes = vec![("name", name), ("material", piece.kind.clone())];
+        let mut attributes =
+            vec![("name", name), ("material", piece.kind.clone()), ("rgba", rgba(piece.color))];
         attributes.extend_from_slice(form);
         if !piece.is_solid {
             attributes.extend([("contype", "0".into()), ("conaffinity", "0".into())]);

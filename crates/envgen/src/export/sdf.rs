@@ -1,9 +1,9 @@
 //! Worlds for Gazebo: SDFormat 1.9.
 //!
-//! One static model, `parts`, has a link for each piece of the world, named as the piece: boxes, cylinders and
-//! extruded outlines that collide and are seen; floors, surfaces and crowns are only seen. The model `floor` is a
-//! plane to drive on. Start and goal are frames. Kinds and provenance are elements of the namespace `envgen`,
-//! which readers pass over.
+//! One static model, `parts`, has a link for each piece of the world, named as the piece, with a collision and a
+//! visual named as its kind: boxes, cylinders and extruded outlines; floors, surfaces and crowns have no
+//! collision. The model `floor` is a plane to drive on. Start and goal are frames. The provenance is an element of
+//! the namespace `envgen`, which readers pass over.
 
 use std::io::Write;
 
@@ -16,7 +16,7 @@ use crate::palette::Srgb;
 use crate::pieces::{Form, Piece, pieces};
 use crate::world::World;
 
-/// Identifies what SDFormat has no elements for.
+/// Identifies the element that is not SDFormat's.
 const NAMESPACE: &str = "https://docs.rs/envgen";
 
 /// Writes a world.
@@ -92,14 +92,13 @@ fn link(xml: &mut Xml<'_>, piece: &Piece<'_>) -> Result<(), ExportError> {
         // The plane is driven on: the kerbs show where the road is.
         Form::Road { .. } => return Ok(()),
     };
-    let name = || [("name", piece.to_string())];
-    xml.nest("link", &name(), |xml| {
+    let kind = [("name", piece.kind.clone())];
+    xml.nest("link", &[("name", piece.to_string())], |xml| {
         pose(xml, place, height, heading)?;
-        xml.text("envgen:kind", &piece.kind)?;
         if piece.is_solid {
-            xml.nest("collision", &name(), |xml| geometry(xml, &piece.form))?;
+            xml.nest("collision", &kind, |xml| geometry(xml, &piece.form))?;
         }
-        xml.nest("visual", &name(), |xml| {
+        xml.nest("visual", &kind, |xml| {
             geometry(xml, &piece.form)?;
             let color = color(piece.color);
             xml.nest("material", &[], |xml| {

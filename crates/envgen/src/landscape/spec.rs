@@ -71,7 +71,7 @@ settings! {
         cell_size: f64 = 1.0 => number("m", 1e-3..=1e4);
         /// Factor on a robot's greatest speed for each class, 0 where it cannot pass; empty: 1 for all.
         speeds: Vec<f64> = Vec::new() => list("", "numbers from 0 to 10, one per class", "1,0.5,0");
-        /// Height of what stands where robots cannot pass.
+        /// Height of the obstacles where robots cannot pass.
         #[serde(skip_serializing_if = "is_rock_height")]
         rock_height: f64 = ROCK.top() => number("m", 0.01..=100.0);
     }

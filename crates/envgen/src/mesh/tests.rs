@@ -12,10 +12,12 @@ use crate::{Seed, WorldKind, WorldSpec};
 /// Complains of a mesh that is not closed, oriented and free of degenerate triangles, or whose normals do
 /// not point to the side that its triangles are seen from.
 fn fault(mesh: &Mesh) -> Option<String> {
-    let key = |i: u32| mesh.positions[i as usize].to_array().map(|x| (x + 0.0).to_bits());
+    // As files in single precision hold them.
+    let position = |i: u32| mesh.positions[i as usize].as_vec3().as_dvec3();
+    let key = |i: u32| position(i).to_array().map(|x| (x + 0.0).to_bits());
     let mut edges: BTreeMap<_, [u32; 2]> = BTreeMap::new();
     for &[a, b, c] in &mesh.triangles {
-        let [p, q, r] = [a, b, c].map(|i| mesh.positions[i as usize]);
+        let [p, q, r] = [a, b, c].map(position);
         let normal = (q - p).cross(r - p);
         if !(normal.length() > 0.0) {
             return Some(format!("degenerate triangle {p} {q} {r}"));
@@ -55,7 +57,7 @@ fn spec(kind: WorldKind, draw: u64) -> WorldSpec {
         }
         WorldKind::Road => {
             set("length", stream.between(150.0, 400.0).to_string());
-            set("transition", ["0", "0.3"][stream.below(2) as usize].into());
+            set("transition", ["0", "0.3", "0.5"][stream.below(3) as usize].into());
             set("speed", stream.between(0.0, 10.0).to_string());
         }
         WorldKind::Indoor => {

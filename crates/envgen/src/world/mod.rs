@@ -4,6 +4,7 @@ mod check;
 mod claim;
 mod digest;
 mod extent;
+mod heights;
 mod part;
 mod raster;
 mod road;
@@ -17,8 +18,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 pub use check::{MAX_COORDINATE, Violation};
 pub use claim::Claim;
 pub use digest::Digest;
-pub use extent::{Crown, Extent, MAX_HEIGHT};
-pub(crate) use extent::{DOORWAY, FLOOR, KERB, ROCK, WALL};
+pub use extent::{Extent, MAX_HEIGHT, MIN_HEIGHT};
+pub use heights::Crown;
+pub(crate) use heights::{DOORWAY, FLOOR, KERB, ROCK, WALL};
 pub(crate) use part::is_zero;
 pub use part::{
     Contents, Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind,

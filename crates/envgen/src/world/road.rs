@@ -55,6 +55,11 @@ impl RoadStrip {
     pub fn mesh(&self, tolerance: f64) -> RoadMesh {
         let path = self.path();
         let distances = path.stations(0.5 * self.width, tolerance);
+        self.mesh_at(&path, distances)
+    }
+
+    /// The surface as triangles between distances along the road's path.
+    pub(crate) fn mesh_at(&self, path: &Path<'_>, distances: Vec<f64>) -> RoadMesh {
         let left = path.offset_curve(0.5 * self.width, &distances);
         let right = path.offset_curve(-0.5 * self.width, &distances);
         let quads = distances.len().saturating_sub(1) as u32;

@@ -50,7 +50,7 @@ fn what_is_lower_than_the_laser_is_not_seen_but_stops_the_robot() {
         // Below the laser at 0.45 m, which is seen where the laser's plane just touches it.
         (0.0, 0.3, 10.0, 5.0),
         (0.0, 0.45, 5.0, 5.0),
-        // Over the laser, in the way of the top at 0.5 m.
+        // Over the laser, lower than the top at 0.5 m.
         (0.47, 1.0, 10.0, 5.0),
         // Over the robot.
         (0.5, 1.0, 10.0, 10.0),

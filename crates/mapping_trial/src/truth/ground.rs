@@ -26,12 +26,7 @@ impl DiscGround {
     /// Indexes a world for distances up to `reach` metres to what is within a body's height.
     ///
     /// `None` if there are too many cells, or the reach is not a distance.
-    pub(super) fn new(
-        world: &World,
-        frame: ScoreFrame,
-        reach: f64,
-        body: Extent,
-    ) -> Option<Self> {
+    pub(super) fn new(world: &World, frame: ScoreFrame, reach: f64, body: Extent) -> Option<Self> {
         let empty = OccupancyGrid::empty(frame.area(), SCORE_CELL).ok()?;
         let mut solid = empty.clone();
         for part in world.solids_within(body) {

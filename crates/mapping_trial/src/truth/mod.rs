@@ -143,7 +143,8 @@ impl MappableArea {
         let frame = ScoreFrame::around(around);
 
         let footprint = radius + MARGIN;
-        let ground = DiscGround::new(world, frame, footprint + REACH, robot.extent()?).ok_or(too_large)?;
+        let ground =
+            DiscGround::new(world, frame, footprint + REACH, robot.extent()?).ok_or(too_large)?;
         let reach = Reach::from_start(&ground, footprint, start);
         let land: Vec<bool> =
             (0..frame.len()).map(|cell| ground.is_open(cell) && ground.is_dry_cell(cell)).collect();

@@ -1,0 +1,157 @@
+//! SDFormat, MJCF and glTF files, read back by readers of their own.
+
+use std::collections::BTreeMap;
+
+use envgen::export::{Format, Job};
+use envgen::geometry::{Rect, Shape};
+use envgen::glam::DVec2;
+use envgen::pieces::{Form, pieces};
+use envgen::world::{Extent, Obstacle, ObstacleKind};
+use envgen::{Provenance, Seed, World, WorldKind};
+use quick_xml::Reader;
+use quick_xml::events::Event;
+use serde_json::Value;
+
+fn worlds() -> Vec<World> {
+    let worlds = WorldKind::ALL.iter().map(|kind| {
+        let mut spec = kind.default_spec();
+        if *kind == WorldKind::Landscape {
+            for (name, value) in
+                [("rows", "12"), ("cols", "12"), ("classes", "3"), ("entropy", "1")]
+            {
+                spec.set(name, value).unwrap();
+            }
+            spec.set("speeds", "0,1,0.5").unwrap();
+        }
+        spec.generate(Seed(5)).unwrap().to_world()
+    });
+    worlds.collect()
+}
+
+fn write(world: &World, ending: &str) -> Vec<u8> {
+    let format = Format::from_path(format!("world.{ending}").as_ref()).unwrap();
+    let mut file = Vec::new();
+    format.write(&Job::new(world), &mut file).unwrap();
+    file
+}
+
+/// The elements of a document: name, attributes, and the text in it.
+fn elements(file: &[u8]) -> Vec<(String, BTreeMap<String, String>, String)> {
+    let mut reader = Reader::from_str(std::str::from_utf8(file).unwrap());
+    let mut found: Vec<(String, BTreeMap<String, String>, String)> = Vec::new();
+    loop {
+        match reader.read_event().unwrap() {
+            Event::Eof => return found,
+            Event::Start(element) | Event::Empty(element) => {
+                let attributes = element.attributes().map(|attribute| {
+                    let attribute = attribute.unwrap();
+                    (attribute.key.as_ref().to_owned(), attribute.value.into_owned())
+                });
+                let attributes = attributes.collect();
+                found.push((element.name().as_ref().to_owned(), attributes, String::new()));
+            }
+            Event::Text(content) => {
+                if let Some((_, _, text)) = found.last_mut() {
+                    text.push_str(content.trim());
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+fn named(elements: &[(String, BTreeMap<String, String>, String)], name: &str) -> Vec<String> {
+    let named = elements.iter().filter(|(element, ..)| element == name);
+    named.filter_map(|(_, attributes, _)| attributes.get("name").cloned()).collect()
+}
+
+/// The header, the JSON and the buffer of a GLB file.
+fn chunks(file: &[u8]) -> (Value, &[u8]) {
+    let word = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap()) as usize;
+    assert_eq!((&file[..4], word(4), word(8)), (&b"glTF"[..], 2, file.len()));
+    let json = word(12);
+    assert_eq!((&file[16..20], json % 4), (&b"JSON"[..], 0));
+    let buffer = 28 + json;
+    assert_eq!((&file[24 + json..buffer], word(20 + json)), (&b"BIN\0"[..], file.len() - buffer));
+    (serde_json::from_slice(&file[20..20 + json]).unwrap(), &file[buffer..])
+}
+
+#[test]
+fn files_are_the_same_to_the_byte() {
+    for (first, second) in worlds().iter().zip(&worlds()) {
+        for ending in ["sdf", "mjcf.xml", "glb"] {
+            assert_eq!(write(first, ending), write(second, ending), "{ending}");
+        }
+    }
+}
+
+#[test]
+fn every_piece_is_in_every_file() {
+    for world in worlds() {
+        let all = pieces(&world);
+        let is_road = |form: &Form<'_>| matches!(form, Form::Road { .. });
+        let but_roads = all.iter().filter(|piece| !is_road(&piece.form));
+        let names: Vec<String> = but_roads.map(ToString::to_string).collect();
+
+        let sdf = elements(&write(&world, "sdf"));
+        assert_eq!(named(&sdf, "link")[1..], names);
+        assert_eq!(named(&sdf, "frame"), ["start", "goal"]);
+
+        let mjcf = elements(&write(&world, "mjcf.xml"));
+        let mut geoms = named(&mjcf, "geom");
+        geoms.retain(|name| name != "floor" && !name.contains('.'));
+        assert_eq!(geoms, names);
+        assert_eq!(named(&mjcf, "site"), ["start", "goal"]);
+
+        let file = write(&world, "glb");
+        let (json, buffer) = chunks(&file);
+        let nodes = json["nodes"].as_array().unwrap();
+        let found: Vec<&str> = nodes.iter().map(|node| node["name"].as_str().unwrap()).collect();
+        let mut names: Vec<String> = all.iter().map(ToString::to_string).collect();
+        names.extend(["start", "goal", "world"].map(str::to_owned));
+        assert_eq!(found, names);
+        assert_eq!(json["buffers"][0]["byteLength"], buffer.len());
+        let provenance = serde_json::to_value(&world.provenance).unwrap();
+        assert_eq!(json["asset"]["extras"]["provenance"], provenance);
+        for (node, piece) in nodes.iter().zip(&all) {
+            assert_eq!(node["extras"]["kind"], piece.kind);
+            assert_eq!(node["extras"]["solid"], piece.is_solid);
+        }
+    }
+}
+
+fn with_polygon(corners: &[(f64, f64)]) -> World {
+    let bounds = Rect::new(DVec2::ZERO, DVec2::splat(10.0));
+    let mut world = World::new(Provenance::other("a \"yard\" & <more>", Value::Null), bounds);
+    let vertices = corners.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
+    let height = Extent::new(0.5, 2.0).ok();
+    let shape = Shape::Polygon { vertices };
+    world.obstacles.push(Obstacle { height, ..Obstacle::new(ObstacleKind::Other, shape) });
+    world
+}
+
+#[test]
+fn outlines_that_are_not_convex_are_several_meshes_for_mujoco() {
+    let world = with_polygon(&[(1., 1.), (5., 1.), (5., 2.), (2., 2.), (2., 5.), (1., 5.)]);
+    let mjcf = elements(&write(&world, "mjcf.xml"));
+    assert_eq!(named(&mjcf, "mesh"), ["obstacle_0", "obstacle_0.1"]);
+    let sdf = elements(&write(&world, "sdf"));
+    let points: Vec<&str> =
+        sdf.iter().filter(|(name, ..)| name == "point").map(|(.., text)| text.as_str()).collect();
+    // The corners of the collision and those of the visual, relative to the middle.
+    assert_eq!((points.len(), points[0]), (12, "-2 -2"));
+    let poses: Vec<&str> =
+        sdf.iter().filter(|(name, ..)| name == "pose").map(|(.., text)| text.as_str()).collect();
+    assert_eq!(poses.last(), Some(&"3 3 0.5 0 0 0"));
+}
+
+#[test]
+fn worlds_without_start_and_with_wrong_outlines() {
+    let world = with_polygon(&[(1., 1.), (5., 5.), (5., 1.), (1., 5.)]);
+    assert!(named(&elements(&write(&world, "sdf")), "frame").is_empty());
+    for ending in ["glb", "mjcf.xml"] {
+        let format = Format::from_path(format!("world.{ending}").as_ref()).unwrap();
+        let error = format.write(&Job::new(&world), &mut Vec::new()).unwrap_err().to_string();
+        assert!(error.starts_with("obstacle_0 has no mesh"), "{error}");
+    }
+}
