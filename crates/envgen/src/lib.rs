@@ -22,7 +22,7 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | generators, one module per kind | [`hallway`], [`forest`], [`road`], [`indoor`], [`landscape`] |
+//! | generators, one module per kind | [`hallway`], [`forest`], [`road`], [`indoor`], [`landscape`], [`cellular`] |
 //! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`WorldKind`], [`mod@settings`] |
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | what generators make | [`World`], [`world`], [`geometry`], [`GridFrame`] |
@@ -67,6 +67,7 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod calibration;
+pub mod cellular;
 pub mod certificate;
 mod changed_settings;
 pub mod clearance_index;

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
+use crate::cellular::CellularError;
 use crate::error::SpecError;
 use crate::forest::ForestError;
 use crate::generate::{Blueprint, Spec};
@@ -56,6 +57,9 @@ pub enum GenerateError {
     /// The spec asks for something that is not allowed.
     #[error(transparent)]
     Spec(#[from] SpecError),
+    /// A block field could not be generated.
+    #[error(transparent)]
+    Cellular(CellularError),
     /// A forest could not be generated.
     #[error(transparent)]
     Forest(ForestError),
@@ -85,6 +89,7 @@ macro_rules! generate_error_from {
 }
 
 generate_error_from! {
+    CellularError => Cellular;
     ForestError => Forest;
     IndoorError => Indoor;
     LandscapeError => Landscape;
@@ -260,6 +265,8 @@ kinds! {
         crate::indoor::IndoorSpec, crate::indoor::FloorPlan;
     Landscape, "landscape", " A grid of classes with a given entropy and Total Edge.",
         crate::landscape::LandscapeSpec, crate::landscape::Landscape;
+    Cellular, "cellular", " Blocks grown by a cellular automaton, with a path from left to right.",
+        crate::cellular::CellularSpec, crate::cellular::BlockField;
 }
 
 impl fmt::Display for WorldKind {

@@ -41,6 +41,7 @@ pub use edge::{
 };
 pub use error::LandscapeError;
 pub use metrics::LandscapeMetrics;
+pub(crate) use outlines::outlines;
 pub use random_fill::random_fill;
 #[cfg(feature = "paths")]
 pub(crate) use region::largest_region;

@@ -26,7 +26,7 @@ struct Piece {
 /// A run of cells in a row is joined to the one run of the same key below it where neither touches
 /// another, so that a region is divided into pieces of one run per row: these have no holes and their
 /// outlines never touch themselves, whatever the region. O(N).
-pub(super) fn outlines(raster: &ClassRaster, key: impl Fn(u16) -> u16) -> Vec<(u16, Shape)> {
+pub(crate) fn outlines(raster: &ClassRaster, key: impl Fn(u16) -> u16) -> Vec<(u16, Shape)> {
     let mut pieces: Vec<Piece> = Vec::new();
     let mut above: Vec<Run> = Vec::new();
     for (r, row) in raster.cells.chunks_exact((raster.cols as usize).max(1)).enumerate() {

@@ -1,0 +1,103 @@
+//! The field of blocks that is generated from a spec.
+
+use serde::{Serialize, Serializer};
+
+use super::spec::CellularSpec;
+use crate::seed::Seed;
+
+/// A field of filled and free cells, with the spec and seed that it was generated from. Cells are listed row by
+/// row from the top, each row from the left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockField {
+    pub(super) cells: Vec<bool>,
+    pub(super) blocked: Vec<bool>,
+    pub(super) start: Option<u32>,
+    pub(super) goal: Option<u32>,
+    /// Whether the goal can be reached from the start.
+    pub(super) is_crossed: bool,
+    pub(super) drawn_filled: u64,
+    pub(super) rejected: u64,
+    pub(super) spec: CellularSpec,
+    pub(super) seed: Seed,
+}
+
+impl BlockField {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.spec.rows as usize
+    }
+
+    /// Number of columns.
+    pub fn cols(&self) -> usize {
+        self.spec.cols as usize
+    }
+
+    /// Whether each cell is filled.
+    pub fn cells(&self) -> &[bool] {
+        &self.cells
+    }
+
+    /// Whether each cell is one that the robot's middle cannot be in.
+    pub fn c_space(&self) -> &[bool] {
+        &self.blocked
+    }
+
+    /// The cell in which the robot starts, as row and column; `None` where nothing is free at the left side.
+    pub fn start(&self) -> Option<[u32; 2]> {
+        self.start.map(|cell| self.place(cell))
+    }
+
+    /// The cell that the robot should go to, as row and column; `None` where nothing is free at the right side.
+    pub fn goal(&self) -> Option<[u32; 2]> {
+        self.goal.map(|cell| self.place(cell))
+    }
+
+    /// Cells that were filled before smoothing.
+    pub fn drawn_filled(&self) -> u64 {
+        self.drawn_filled
+    }
+
+    /// Fields that were drawn before this one and not accepted.
+    pub fn rejected(&self) -> u64 {
+        self.rejected
+    }
+
+    /// The settings.
+    pub fn spec(&self) -> &CellularSpec {
+        &self.spec
+    }
+
+    /// The seed that it was drawn with.
+    pub fn seed(&self) -> Seed {
+        self.seed
+    }
+
+    fn place(&self, cell: u32) -> [u32; 2] {
+        [cell / self.spec.cols as u32, cell % self.spec.cols as u32]
+    }
+}
+
+impl Serialize for BlockField {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Fields {
+            rows: u64,
+            cols: u64,
+            cell: f64,
+            start: Option<[u32; 2]>,
+            goal: Option<[u32; 2]>,
+            cells: Vec<String>,
+        }
+        let text =
+            |row: &[bool]| row.iter().map(|&filled| if filled { '#' } else { '.' }).collect();
+        Fields {
+            rows: self.spec.rows,
+            cols: self.spec.cols,
+            cell: self.spec.cell_size,
+            start: self.start(),
+            goal: self.goal(),
+            cells: self.cells.chunks_exact(self.cols()).map(text).collect(),
+        }
+        .serialize(serializer)
+    }
+}

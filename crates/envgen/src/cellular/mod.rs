@@ -1,0 +1,68 @@
+//! Block fields: blocks grown by a cellular automaton, to be crossed from left to right.
+//!
+//! Source: the generator of BARN: D. Perille, A. Truong, X. Xiao and P. Stone, Benchmarking Metric Ground
+//! Navigation, SSRR 2020, arXiv:2008.13315. Cells are filled by chance and smoothed; the fields that a robot of
+//! some cells' width can cross are accepted.
+//!
+//! - [`CellularSpec`] and [`BlockField`]: the settings, and the field.
+//! - [`CellularMetrics`]: measures of a field, with BARN's five.
+//! - [`c_space`]: the cells that a robot's middle can be in.
+
+mod blueprint;
+mod c_space;
+mod error;
+mod generate;
+mod metrics;
+mod path;
+mod spec;
+mod world;
+
+pub use blueprint::BlockField;
+pub use c_space::c_space;
+pub use error::CellularError;
+pub use metrics::CellularMetrics;
+pub use spec::{Acceptance, CellularSpec, Ends, MAX_VISITS, OpenSides};
+
+use crate::error::SpecError;
+use crate::generate::{Blueprint, Spec};
+use crate::seed::Seed;
+use crate::settings::Setting;
+use crate::world::World;
+
+impl Spec for CellularSpec {
+    type Blueprint = BlockField;
+    type Error = CellularError;
+
+    const KIND: &'static str = "cellular";
+
+    const VALUE_VERSION: u32 = 1;
+
+    const SETTINGS: &'static [Setting] = CellularSpec::SETTINGS;
+
+    const RULES: &'static [&'static str] = spec::RULES;
+
+    fn validate(&self) -> Result<(), SpecError> {
+        self.check()
+    }
+
+    fn work(&self) -> f64 {
+        self.cells() as f64
+    }
+
+    fn generate(&self, seed: Seed) -> Result<BlockField, CellularError> {
+        self.validate()?;
+        generate::field(self, seed)
+    }
+}
+
+impl Blueprint for BlockField {
+    type Metrics = CellularMetrics;
+
+    fn metrics(&self) -> CellularMetrics {
+        metrics::measure(self)
+    }
+
+    fn to_world(&self) -> World {
+        world::world(self)
+    }
+}
