@@ -64,7 +64,7 @@ fn trees_are_drawn_where_they_stand() {
 
 #[test]
 fn every_kind_leaves_a_mark() {
-    for kind in ["hallway", "forest", "road", "indoor", "landscape"] {
+    for kind in ["hallway", "forest", "road", "indoor", "landscape", "cellular"] {
         let mut studio = studio();
         let (_, camera) = spawn(&mut studio, kind, 1);
         let picture = studio.picture(camera).unwrap();

@@ -18,12 +18,13 @@ import bodies
 import certificates
 import landscapes
 import pictures
+import plans
 import roads
 import ros_maps
 import worlds
 
 JUDGES = {
-    kind: [certificates, ros_maps, pictures, bodies]
+    kind: [certificates, plans, ros_maps, pictures, bodies]
     + {"road": [roads], "landscape": [landscapes]}.get(kind, [])
     for kind in worlds.KINDS
 }

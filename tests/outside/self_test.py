@@ -19,6 +19,7 @@ import certificates
 import judge
 import landscapes
 import pictures
+import plans
 import roads
 import ros_maps
 import worlds
@@ -330,6 +331,48 @@ CASES = [
         ROAD,
         change("csv", r"(\n0,)(10.0)", add(1e-4)),
         "from the reference line",
+    ),
+    (
+        plans,
+        "indoor",
+        INDOOR,
+        change("geojson", r"(\[\[\[)([-0-9.]+)", add(1e-6)),
+        "has another shape",
+    ),
+    (
+        plans,
+        "indoor",
+        INDOOR,
+        change("geojson", '"part":"room"', '"part":"surface"'),
+        "GeoJSON",
+    ),
+    (
+        plans,
+        "indoor",
+        INDOOR,
+        change("house.json", r'("verts":\[\[)([-0-9.]+)', add(1.5)),
+        "house",
+    ),
+    (
+        plans,
+        "indoor",
+        INDOOR,
+        change("building.yaml", r"motion_degrees: \[3, 90\], ", ""),
+        "without motion_degrees",
+    ),
+    (
+        plans,
+        "indoor",
+        INDOOR,
+        change("building.yaml", r"(doors:\n +- \[)([0-9]+)", r"\g<1>0"),
+        "not along its doorway",
+    ),
+    (
+        plans,
+        "forest",
+        FOREST,
+        change("obstacles.csv", r"(tree,0,,disc,)([-0-9.]+)", add(1e-9)),
+        "another tree 0",
     ),
     (
         landscapes,

@@ -7,10 +7,10 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-KINDS = ["hallway", "forest", "road", "indoor", "landscape"]
+KINDS = ["hallway", "forest", "road", "indoor", "landscape", "cellular"]
 
 # What is written of every kind, and of one kind alone.
-ENDINGS = ["json", "svg", "png", "sdf", "mjcf.xml", "glb"]
+ENDINGS = ["json", "svg", "png", "geojson", "building.yaml", "obstacles.csv", "sdf", "mjcf.xml", "glb"]
 ENDINGS_OF = {"road": ["xodr", "csv"], "landscape": ["asc", "map", "classes.png"]}
 
 # Rules between settings refuse some draws; so many in a row mean that the draw is wrong.
@@ -88,7 +88,8 @@ def write(binary, kind, seed, settings, stem):
     low, high = data["bounds"]["min"], data["bounds"]["max"]
     side = max(high[0] - low[0], high[1] - low[1])
     resolution = max(0.05, side / MAP_CELLS)
-    envgen(binary, *words, "--out", f"{stem}.yaml", "--resolution", resolution)
+    gridded = [f"{stem}.yaml", "--out", f"{stem}.house.json"]
+    envgen(binary, *words, "--out", *gridded, "--resolution", resolution)
     return World(kind, stem, settings, data, binary)
 
 
@@ -247,10 +248,28 @@ def landscape(draw):
     return settings
 
 
+def cellular(draw):
+    """Settings of a block field: all rules, with fields that are often accepted."""
+    robot_cells = draw.randint(0, 2)
+    return {
+        "rows": draw.randint(12, 60),
+        "cols": draw.randint(12, 60),
+        "cell_size": draw.choice([0.05, 0.15, 1, draw.uniform(0.05, 5)]),
+        "fill": draw.uniform(0, [0.45, 0.3, 0.22][robot_cells]),
+        "smoothing": draw.randint(0, 6),
+        "open_sides": draw.choice(["none", "left_right", "all"]),
+        "robot_cells": robot_cells,
+        "acceptance": draw.choice(["largest_regions", "crossing", "all"]),
+        "attempts": 1000,
+        "ends": draw.choice(["random", "middle"]),
+    }
+
+
 DRAWS = {
     "hallway": hallway,
     "forest": forest,
     "road": road,
     "indoor": indoor,
     "landscape": landscape,
+    "cellular": cellular,
 }

@@ -168,6 +168,7 @@ pub mod prelude {
         TileSolids, TileSpawned,
     };
     pub use envgen::WorldSpec;
+    pub use envgen::cellular::CellularSpec;
     pub use envgen::forest::ForestSpec;
     pub use envgen::hallway::HallwaySpec;
     pub use envgen::indoor::IndoorSpec;

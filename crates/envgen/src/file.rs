@@ -166,7 +166,7 @@ fn read_at_most(input: &mut dyn Read, limit: u64) -> Result<String, FileError> {
 }
 
 /// Reads a binary file of at most [`MAX_FILE_BYTES`].
-#[cfg(any(feature = "picture", feature = "ros"))]
+#[cfg(any(feature = "barn", feature = "picture", feature = "ros"))]
 pub(crate) fn read_bytes(input: &mut dyn Read) -> Result<Vec<u8>, FileError> {
     let mut bytes = Vec::new();
     let read = input.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes)?;

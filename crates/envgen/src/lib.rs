@@ -49,12 +49,15 @@
 //! | feature | default | what it adds |
 //! |---|---|---|
 //! | `formats` | yes | all of the following formats |
-//! | `csv` | yes | the waypoints of roads as comma-separated values |
+//! | `barn` | yes | reading the worlds of the BARN data set |
+//! | `csv` | yes | the waypoints of roads, and what is solid, as comma-separated values |
+//! | `geojson` | yes | parts of worlds as GeoJSON |
 //! | `gltf` | yes | worlds as glTF 2.0, in one binary file |
 //! | `mesh` | yes | worlds as closed meshes of triangles |
 //! | `mjcf` | yes | worlds for MuJoCo |
 //! | `opendrive` | yes | roads as OpenDRIVE |
 //! | `paths` | yes | least-cost paths on landscapes, and the maps and scenarios of MovingAI |
+//! | `rmf` | yes | buildings of Open-RMF |
 //! | `ros` | yes | reading maps of ROS and Nav2; they can always be written |
 //! | `sdf` | yes | worlds for Gazebo |
 //! | `usarsim` | yes | projects and libraries of the World Generator for `USARSim` |

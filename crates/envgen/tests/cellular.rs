@@ -10,7 +10,7 @@ use proptest::prelude::*;
 
 type Cells = Vec<Vec<bool>>;
 
-/// One field with the first and last row filled, smoothed in the plainest way.
+/// One field with the first and last row filled, smoothed cell by cell.
 fn plain_field(spec: &CellularSpec, mut chance: impl FnMut(f64) -> bool) -> (u64, Cells) {
     let (rows, cols) = (spec.rows as i64, spec.cols as i64);
     let mut map = vec![vec![true; cols as usize]; rows as usize];
@@ -59,7 +59,8 @@ fn plain_c_space(map: &Cells, radius: i64) -> Cells {
 /// The cells that are joined by their sides to one of them.
 fn plain_region(blocked: &Cells, from: (usize, usize)) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
-    if !blocked[from.0][from.1] {
+    let mut seen = blocked.clone();
+    if !std::mem::replace(&mut seen[from.0][from.1], true) {
         found.push(from);
     }
     let mut next = 0;
@@ -68,8 +69,8 @@ fn plain_region(blocked: &Cells, from: (usize, usize)) -> Vec<(usize, usize)> {
         next += 1;
         let beside = [(r.wrapping_sub(1), c), (r + 1, c), (r, c.wrapping_sub(1)), (r, c + 1)];
         for (r, c) in beside {
-            let is_free = r < blocked.len() && c < blocked[0].len() && !blocked[r][c];
-            if is_free && !found.contains(&(r, c)) {
+            let is_inside = r < blocked.len() && c < blocked[0].len();
+            if is_inside && !std::mem::replace(&mut seen[r][c], true) {
                 found.push((r, c));
             }
         }
@@ -101,9 +102,9 @@ fn rows_of(field: &BlockField, cells: &[bool]) -> Cells {
 #[test]
 fn fields_are_those_of_a_plain_implementation() {
     let mut rejected = 0;
-    for (fill, smoothing) in [(0.15, 2), (0.2, 4), (0.25, 3), (0.3, 2), (0.3, 4)] {
+    for (fill, smoothing, seeds) in [(0.15, 2, 8), (0.2, 4, 8), (0.25, 3, 8), (0.3, 4, 1)] {
         let spec = CellularSpec { fill, smoothing, ..Default::default() };
-        for seed in (0..12).map(Seed) {
+        for seed in (0..seeds).map(Seed) {
             let field = spec.generate(seed).unwrap();
             let mut found = None;
             for attempt in 0.. {
@@ -141,9 +142,9 @@ fn other_random(state: &mut u64) -> f64 {
 #[test]
 fn as_many_fields_are_accepted_as_by_a_plain_implementation() {
     const FIELDS: u64 = 600;
-    for (fill, smoothing) in [(0.2, 4), (0.25, 2), (0.3, 3)] {
-        let spec = CellularSpec { fill, smoothing, ..Default::default() };
-        let first = |seed| spec.generate(Seed(seed)).unwrap().rejected() == 0;
+    for (fill, smoothing) in [(0.2, 4), (0.25, 2), (0.25, 4)] {
+        let spec = CellularSpec { fill, smoothing, attempts: 1, ..Default::default() };
+        let first = |seed| spec.generate(Seed(seed)).is_ok();
         let ours = (0..FIELDS).filter(|&seed| first(seed)).count() as f64;
         let mut state = 0x9E37_79B9_7F4A_7C15;
         let plain = (0..FIELDS).filter(|_| {
@@ -229,7 +230,10 @@ fn worlds_are_their_fields_and_keep_their_promise() {
 fn a_field_has_the_same_world_for_ever() {
     let digest =
         |spec: CellularSpec| spec.generate(Seed(7)).unwrap().to_world().digest().to_string();
-    assert_eq!(digest(CellularSpec::default()), "");
+    assert_eq!(
+        digest(CellularSpec::default()),
+        "cfa0296ec1e190569dcd800f98d767947b44a541d21f49c5dad8e831da41474e"
+    );
 }
 
 #[test]

@@ -353,3 +353,33 @@ fn the_size_of_maps_is_said_and_can_be_chosen() {
     assert!(fs::metadata(folder.path("b.pgm")).unwrap().len() <= (1 << 24) + 100);
     assert!(Path::new(&folder.path("b.yaml")).exists());
 }
+
+#[test]
+fn worlds_are_converted() {
+    let folder = Folder::new();
+    folder.notes(&format!("generate {TREES} --seed 3 --out a.json"));
+    let outs = "--out a.ron --out a.geojson --out a.house.json --out a.building.yaml --out a.obstacles.csv";
+    folder.notes(&format!("convert a.json {outs} --resolution 0.1"));
+    let names =
+        ["a.building.yaml", "a.geojson", "a.house.json", "a.json", "a.obstacles.csv", "a.ron"];
+    assert_eq!(folder.names(), names);
+    let world = read_world(&folder.path("a.json")).unwrap();
+    assert_eq!(read_world(&folder.path("a.ron")).unwrap(), world);
+    folder.notes("convert a.geojson --out b.json");
+    let read = read_world(&folder.path("b.json")).unwrap();
+    assert_eq!((read.trees, read.start, read.goal), (world.trees, world.start, world.goal));
+    let house = read_world(&folder.path("a.house.json")).unwrap();
+    assert_eq!((house.start, house.walls.is_empty()), (world.start, false));
+    assert!(folder.run("check b.json").status.success());
+
+    let error = folder.error("convert a.json --out a.json", 2);
+    assert!(error.starts_with("error: --out a.json: "), "{error}");
+    let error = folder.error("convert a.json --out b.svg --resolution 0.1", 2);
+    assert!(error.contains("--resolution 0.1: applies to ROS maps and outlines"), "{error}");
+    folder.write("c.geojson", "{}");
+    let error = folder.error("convert c.geojson --out d.json", 1);
+    assert!(error.starts_with("error: c.geojson: not GeoJSON"), "{error}");
+    let error = folder.error("convert a.json --out a.xml", 1);
+    assert!(error.contains("--out a.xml: a World Generator project holds"), "{error}");
+    assert_eq!(folder.names().len(), names.len() + 2);
+}

@@ -1,5 +1,6 @@
 //! The files that mutations start from, all small and generated here.
 
+use envgen::cellular::CellularSpec;
 use envgen::certificate::Claim;
 use envgen::export::{Format, Job};
 use envgen::forest::ForestSpec;
@@ -23,12 +24,14 @@ pub type Corpus = Vec<Vec<u8>>;
 /// A small spec of every kind.
 pub fn specs() -> Vec<WorldSpec> {
     let landscape = LandscapeSpec { rows: 6, cols: 7, ..Default::default() };
+    let cellular = CellularSpec { rows: 9, cols: 8, robot_cells: 1, ..Default::default() };
     vec![
         HallwaySpec { segments: 5, p_st: 0.5, narrowing_rate: 0.3, ..Default::default() }.into(),
         ForestSpec { width: 10.0, height: 8.0, ..Default::default() }.into(),
         RoadSpec { length: 60.0, ..Default::default() }.into(),
         IndoorSpec { width: 6, height: 6, ..Default::default() }.into(),
         landscape.into(),
+        cellular.into(),
     ]
 }
 
@@ -279,6 +282,94 @@ pub fn library_xml() -> Corpus {
     if written.is_ok() { vec![file] } else { Vec::new() }
 }
 
+/// Worlds as GeoJSON, and one that others could have made.
+pub fn geojson() -> Corpus {
+    let ring = r#"{"type": "FeatureCollection", "bbox": [-1, -1, 0, 12, 12, 0], "features": [
+        {"type": "Feature", "properties": null, "geometry": {"type": "MultiPolygon", "coordinates":
+            [[[[0,0],[0,10],[10,10],[10,0],[0,0]], [[1,1],[9,1],[9,9],[1,9],[1,1]]]]}},
+        {"type": "Feature", "properties": {"radius": 0.5}, "geometry":
+            {"type": "MultiPoint", "coordinates": [[5, 5, 0], [3, 7]]}},
+        {"type": "Feature", "properties": {"kind": "bench"}, "geometry": {"type":
+            "GeometryCollection", "geometries": [{"type": "LineString", "coordinates":
+            [[2,2],[3,2],[3,3]]}, {"type": "MultiLineString", "coordinates": [[[4,4],[5,4]]]}]}}]}"#;
+    let mut files = written(Format::GeoJson, "geojson");
+    files.push(ring.into());
+    files
+}
+
+/// Houses of HouseExpo.
+pub fn house_json() -> Corpus {
+    let house = r#"{"id": "0042", "room_num": 2, "bbox": {"min": [0, 0], "max": [6, 4]},
+        "verts": [[0, 0], [6, 0], [6, 4], [3, 4], [3, 2], [0, 2]],
+        "room_category": {"Bedroom": [[0, 0, 3, 2]], "Kitchen": [[3, 0, 6, 4]]}}"#;
+    let mut files = written(Format::HouseExpo, "house.json");
+    files.push(house.into());
+    files
+}
+
+/// A Gazebo world as in BARN.
+pub fn barn_world() -> Corpus {
+    let models: String = [(-0.075, 0.075), (-0.225, 0.075), (-0.375, 5.325), (-0.525, 5.475)]
+        .iter()
+        .enumerate()
+        .map(|(i, (x, y))| {
+            format!(
+                "<model name='unit_cylinder_{i}'>
+<static>1</static>
+                 <pose frame=''>{x:.6} {y:.6} 0.000000 0.000000 0.000000 0.000000</pose>
+                 <link name='link'><collision name='collision'>
+<geometry><cylinder>
+                 <radius>0.075000</radius>
+<length>1</length></cylinder></geometry>
+                 </collision></link></model>
+"
+            )
+        })
+        .collect();
+    let plane = "<model name='ground_plane'><link name='link'><collision name='collision'>
+                 <geometry><plane><normal>0 0 1</normal></plane></geometry></collision></link></model>
+";
+    let text = format!(
+        "<?xml version='1.0'?>
+<sdf version='1.6'>
+<world name='default'>
+<light name='sun'/>
+         {plane}{models}</world>
+</sdf>
+"
+    );
+    vec![text.into_bytes()]
+}
+
+/// An array of NumPy, of eight-byte and of one-byte numbers.
+fn arrays(rows: usize, cols: usize, values: &[i64]) -> Corpus {
+    let file = |descr: &str, data: Vec<u8>| {
+        let header = format!(
+            "{{'descr': '{descr}', 'fortran_order': False, 'shape': ({rows}, {cols}), }}   \n"
+        );
+        let mut file = b"\x93NUMPY\x01\x00".to_vec();
+        file.extend((header.len() as u16).to_le_bytes());
+        file.extend(header.into_bytes());
+        file.extend(data);
+        file
+    };
+    vec![
+        file("<i8", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
+        file("|u1", values.iter().map(|&value| value as u8).collect()),
+    ]
+}
+
+/// Grids of BARN.
+pub fn barn_grid() -> Corpus {
+    let cells: Vec<i64> = (0..48).map(|i| i64::from(!(6..42).contains(&i) || i == 22)).collect();
+    arrays(8, 6, &cells)
+}
+
+/// Paths of BARN.
+pub fn barn_path() -> Corpus {
+    arrays(4, 2, &[3, 0, 3, 1, 4, 2, 4, 3])
+}
+
 /// Robots as RON.
 pub fn robot_ron() -> Corpus {
     let whole = include_str!("../../../assets/robots/pioneer_3at.ron");
@@ -292,7 +383,7 @@ pub fn robot_ron() -> Corpus {
 pub fn trial_log() -> Corpus {
     let worlds = worlds();
     let mut files = Vec::new();
-    for (i, robots) in [(0, 1), (5, 1), (5, 2)] {
+    for (i, robots) in [(0, 1), (6, 1), (6, 2)] {
         let Some(world) = worlds.get(i) else { continue };
         let settings = TrialSettings { time_limit: 4.0, robots, ..Default::default() };
         let Ok(mut trial) = Trial::flat(world, settings) else { continue };

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use envgen::import::barn::read_path;
 use envgen::import::ros_map::{RosDescription, RosMode, UnknownCells};
 use envgen::import::{
     ImportedRaster, read_class_png, read_scenarios, read_world_generator_library,
@@ -70,6 +71,11 @@ formats! {
     library_xml "xml" |mut file| read_world_generator_library(&mut file).is_ok_and(|rooms| {
         rooms.iter().all(|room| room.to_design().validate().is_ok())
     });
+    geojson "geojson" |file| world("a.geojson", file);
+    house_json "json" |file| world("a.json", file);
+    barn_world "world" |file| world("a.world", file);
+    barn_grid "npy" |file| world("a.npy", file);
+    barn_path "npy" |mut file| read_path(&mut file).is_ok();
     robot_ron "ron" |file| text(file).is_some_and(|text| Robot::from_ron(text).is_ok());
     trial_log "json" |file| log(file);
 }

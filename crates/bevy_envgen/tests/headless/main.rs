@@ -37,6 +37,7 @@ fn specs() -> Vec<WorldSpec> {
         ("forest", &[]),
         ("forest", &[("min_distance", "2.5"), ("intensity", "0.1"), ("radius", "0.4")]),
         ("road", &[]),
+        ("cellular", &[]),
         ("indoor", &[]),
         ("indoor", &[("difficulty", "9"), ("profile", "thesis")]),
         (

@@ -144,3 +144,21 @@ fn end(spec: &CellularSpec, cells: &[u32], stream: &mut Stream) -> Option<u32> {
         }
     }
 }
+
+/// The cells nearest to the middle of the first and of the last column, in the largest regions that reach them,
+/// of a grid with these blocked cells.
+#[cfg(feature = "barn")]
+pub(crate) fn middle_ends(cols: usize, blocked: &[bool], robot_cells: usize) -> [Option<usize>; 2] {
+    let spec = CellularSpec {
+        rows: (blocked.len() / cols) as u64,
+        cols: cols as u64,
+        robot_cells: robot_cells as u64,
+        acceptance: Acceptance::All,
+        ends: Ends::Middle,
+        ..Default::default()
+    };
+    let sides = accepted(&spec, blocked).map_or_else(Default::default, |sides| sides.cells);
+    // Nothing is drawn for the middle.
+    let mut stream = Seed(0).stream("cellular/ends", 0);
+    sides.map(|cells| end(&spec, &cells, &mut stream).map(|cell| cell as usize))
+}

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::blueprint::BlockField;
-use super::path::cheapest_path;
+use super::path::CheapestPaths;
 use crate::difficulty::{BarnMetrics, BarnMode};
 
 /// Numbers that describe a block field.
@@ -39,7 +39,8 @@ pub(super) fn measure(field: &BlockField) -> CellularMetrics {
     let (spec, cols) = (field.spec(), field.cols());
     let share = |count: usize| count as f64 / field.cells().len() as f64;
     let path = field.start.zip(field.goal).and_then(|(start, goal)| {
-        cheapest_path(cols, field.c_space(), spec.cell_size, [start as usize, goal as usize])
+        let (start, goal) = (start as usize, goal as usize);
+        CheapestPaths::new(cols, field.c_space(), spec.cell_size, start, Some(goal)).to(goal)
     });
     let barn = path
         .as_ref()

@@ -20,7 +20,11 @@ mod world;
 pub use blueprint::BlockField;
 pub use c_space::c_space;
 pub use error::CellularError;
+#[cfg(feature = "barn")]
+pub(crate) use generate::middle_ends;
 pub use metrics::CellularMetrics;
+#[cfg(feature = "rmf")]
+pub(crate) use path::CheapestPaths;
 pub use spec::{Acceptance, CellularSpec, Ends, MAX_VISITS, OpenSides};
 
 use crate::error::SpecError;

@@ -13,61 +13,79 @@ const INFLATION: f64 = 0.3;
 /// distance in cells.
 const PENALTY: f64 = 5.0;
 
-/// The cheapest path between two free cells over cells of `side` metres, both included; `None` where there is
-/// none. A step to one of eight neighbours costs its length and the penalty of the cell it goes to; it does
-/// not go between two blocked cells that touch at a corner.
+/// The cheapest paths from one free cell over cells of `side` metres. A step to one of eight neighbours costs
+/// its length and the penalty of the cell it goes to; it does not go between two blocked cells that touch at a
+/// corner.
 ///
 /// BARN's own search adds the penalty to the order in which cells are visited and not to the cost, and turns
-/// by at most 45 degrees a step; this path is the best of the cost that they mean.
-pub(super) fn cheapest_path(
-    cols: usize,
-    blocked: &[bool],
-    side: f64,
-    [start, goal]: [usize; 2],
-) -> Option<Vec<usize>> {
-    let reach = (INFLATION / side).round();
-    let squared = squared_distances(cols, blocked);
-    let penalty = |cell: usize| {
-        let distance = f64::from(squared[cell]).sqrt();
-        if distance <= reach { PENALTY / distance } else { 0.0 }
-    };
-    let rows = blocked.len() / cols;
-    let mut cost = vec![f64::INFINITY; blocked.len()];
-    let mut from = vec![usize::MAX; blocked.len()];
-    cost[start] = 0.0;
-    // Costs are not negative, so that their bits are in their order.
-    let mut queue = BinaryHeap::from([Reverse((0_u64, start))]);
-    while let Some(Reverse((bits, cell))) = queue.pop() {
-        if bits != cost[cell].to_bits() {
-            continue;
-        }
-        if cell == goal {
-            let before = |&cell: &usize| Some(from[cell]).filter(|&cell| cell != usize::MAX);
-            let mut path: Vec<_> = std::iter::successors(Some(goal), before).collect();
-            path.reverse();
-            return Some(path);
-        }
-        let (row, col) = (cell / cols, cell % cols);
-        for (down, right) in STEPS {
-            let place = (row.checked_add_signed(down), col.checked_add_signed(right));
-            let (Some(to_row), Some(to_col)) = place else { continue };
-            if to_row >= rows || to_col >= cols || blocked[to_row * cols + to_col] {
+/// by at most 45 degrees a step; these paths are the best of the cost that they mean.
+pub(crate) struct CheapestPaths {
+    start: usize,
+    /// The cell before each cell; [`NONE`] where it was not reached.
+    before: Vec<usize>,
+}
+
+/// No cell.
+const NONE: usize = usize::MAX;
+
+impl CheapestPaths {
+    /// Paths to all cells, or, where a goal is given, to it.
+    pub(crate) fn new(
+        cols: usize,
+        blocked: &[bool],
+        side: f64,
+        start: usize,
+        goal: Option<usize>,
+    ) -> Self {
+        let reach = (INFLATION / side).round();
+        let squared = squared_distances(cols, blocked);
+        let penalty = |cell: usize| {
+            let distance = f64::from(squared[cell]).sqrt();
+            if distance <= reach { PENALTY / distance } else { 0.0 }
+        };
+        let rows = blocked.len() / cols;
+        let mut cost = vec![f64::INFINITY; blocked.len()];
+        let mut before = vec![NONE; blocked.len()];
+        cost[start] = 0.0;
+        // Costs are not negative, so that their bits are in their order.
+        let mut queue = BinaryHeap::from([Reverse((0_u64, start))]);
+        while let Some(Reverse((bits, cell))) = queue.pop() {
+            if bits != cost[cell].to_bits() {
                 continue;
             }
-            let is_diagonal = down != 0 && right != 0;
-            if is_diagonal && blocked[to_row * cols + col] && blocked[row * cols + to_col] {
-                continue;
+            if goal == Some(cell) {
+                break;
             }
-            let to = to_row * cols + to_col;
-            let step = if is_diagonal { std::f64::consts::SQRT_2 } else { 1.0 };
-            let found = cost[cell] + step + penalty(to);
-            if found < cost[to] {
-                (cost[to], from[to]) = (found, cell);
-                queue.push(Reverse((found.to_bits(), to)));
+            let (row, col) = (cell / cols, cell % cols);
+            for (down, right) in STEPS {
+                let place = (row.checked_add_signed(down), col.checked_add_signed(right));
+                let (Some(to_row), Some(to_col)) = place else { continue };
+                if to_row >= rows || to_col >= cols || blocked[to_row * cols + to_col] {
+                    continue;
+                }
+                let is_diagonal = down != 0 && right != 0;
+                if is_diagonal && blocked[to_row * cols + col] && blocked[row * cols + to_col] {
+                    continue;
+                }
+                let to = to_row * cols + to_col;
+                let step = if is_diagonal { std::f64::consts::SQRT_2 } else { 1.0 };
+                let found = cost[cell] + step + penalty(to);
+                if found < cost[to] {
+                    (cost[to], before[to]) = (found, cell);
+                    queue.push(Reverse((found.to_bits(), to)));
+                }
             }
         }
+        CheapestPaths { start, before }
     }
-    None
+
+    /// The path to a cell, both ends included; `None` where there is none.
+    pub(crate) fn to(&self, goal: usize) -> Option<Vec<usize>> {
+        let before = |&cell: &usize| Some(self.before[cell]).filter(|&cell| cell != NONE);
+        let mut path: Vec<_> = std::iter::successors(Some(goal), before).collect();
+        path.reverse();
+        (path[0] == self.start).then_some(path)
+    }
 }
 
 const STEPS: [(isize, isize); 8] =
@@ -77,6 +95,15 @@ const STEPS: [(isize, isize); 8] =
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    fn cheapest_path(
+        cols: usize,
+        blocked: &[bool],
+        side: f64,
+        [start, goal]: [usize; 2],
+    ) -> Option<Vec<usize>> {
+        CheapestPaths::new(cols, blocked, side, start, Some(goal)).to(goal)
+    }
 
     #[test]
     fn paths_keep_away_from_blocks() {

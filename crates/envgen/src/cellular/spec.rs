@@ -43,8 +43,8 @@ settings! {
         robot_cells: u64 = 2 => integer("", 0..=100);
         /// Which fields are accepted.
         acceptance: Acceptance = Acceptance::LargestRegions => choice;
-        /// Fields that are drawn until one is accepted.
-        attempts: u64 = 1000 => integer("", 1..=100_000);
+        /// Fields that are drawn at most until one is accepted. BARN accepts about one of 1000 where `fill` is 0.3.
+        attempts: u64 = 100_000 => integer("", 1..=1_000_000);
         /// Where start and goal are, at the left and at the right side of the field.
         ends: Ends = Ends::Random => choice;
     }

@@ -39,7 +39,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
     Ok(())
 }
 
-fn io_error(error: csv::Error) -> io::Error {
+pub(super) fn io_error(error: csv::Error) -> io::Error {
     match error.into_kind() {
         csv::ErrorKind::Io(error) => error,
         kind => io::Error::other(format!("{kind:?}")),

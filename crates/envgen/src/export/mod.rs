@@ -19,16 +19,23 @@
 mod asc;
 #[cfg(any(feature = "gltf", feature = "mjcf", feature = "sdf"))]
 mod body;
+#[cfg(feature = "rmf")]
+mod building;
 #[cfg(feature = "picture")]
 pub mod class_png;
 #[cfg(feature = "csv")]
 mod csv;
+#[cfg(feature = "geojson")]
+mod geojson;
 #[cfg(feature = "gltf")]
 mod gltf;
+mod houseexpo;
 #[cfg(feature = "mjcf")]
 mod mjcf;
 #[cfg(feature = "paths")]
 pub mod movingai;
+#[cfg(feature = "csv")]
+mod obstacles_csv;
 #[cfg(feature = "opendrive")]
 mod opendrive;
 #[cfg(feature = "whole-file")]
@@ -260,6 +267,17 @@ formats! {
     #[cfg(feature = "csv")]
     Csv, " The waypoints of the roads as comma-separated values.",
         ["csv" => |job, out| csv::write(job.world, out)];
+    #[cfg(feature = "csv")]
+    ObstaclesCsv, " What is solid, start and goal as comma-separated values.",
+        ["obstacles.csv" => |job, out| obstacles_csv::write(job.world, out)];
+    #[cfg(feature = "geojson")]
+    GeoJson, " All parts, start and goal as GeoJSON, in metres.",
+        ["geojson" => |job, out| geojson::write(job.world, out)];
+    HouseExpo, " The outline of the free ground and the rooms as in the data set HouseExpo.",
+        ["house.json" => |job, out| houseexpo::write(job.world, &job.stem, job.resolution, out)];
+    #[cfg(feature = "rmf")]
+    Building, " Walls, doors and lanes as a building of Open-RMF.",
+        ["building.yaml" => |job, out| building::write(job.world, out)];
     #[cfg(feature = "usarsim")]
     WorldGenerator, " An indoor plan as a project of the World Generator for USARSim.",
         ["xml" => write_world_generator];

@@ -1,15 +1,22 @@
 //! Reading worlds: every format that a world can be read from, by the ending of the file's name.
 
 mod asc;
+#[cfg(feature = "barn")]
+pub mod barn;
 #[cfg(feature = "picture")]
 mod class_png;
+#[cfg(feature = "geojson")]
+mod geojson;
 #[cfg(feature = "ros")]
 mod grey_image;
+mod houseexpo;
 #[cfg(feature = "paths")]
 mod movingai;
+mod plan_error;
 mod raster;
 #[cfg(feature = "ros")]
 pub mod ros_map;
+mod start;
 
 use std::fs::File;
 use std::io::Read;
@@ -20,8 +27,12 @@ use thiserror::Error;
 pub use asc::read_asc;
 #[cfg(feature = "picture")]
 pub use class_png::read_class_png;
+#[cfg(feature = "geojson")]
+pub use geojson::read_geojson;
+pub use houseexpo::read_houseexpo;
 #[cfg(feature = "paths")]
 pub use movingai::{read_map, read_scenarios};
+pub use plan_error::PlanError;
 pub use raster::{ImportedRaster, RasterFileError, read_raster_json};
 #[cfg(feature = "ros")]
 use ros_map::{RosMapError, UnknownCells};
@@ -65,6 +76,9 @@ pub enum ImportError {
     #[cfg(feature = "usarsim")]
     #[error(transparent)]
     WorldGenerator(#[from] WorldGeneratorError),
+    /// The file holds no shapes of its format.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
 }
 
 /// Reads a world and checks it. The path is that of the input, for formats whose files refer to
@@ -73,11 +87,17 @@ pub type Reader = fn(&mut dyn Read, &Path) -> Result<World, ImportError>;
 
 /// The formats: the ending of the file's name and the reader.
 pub const READERS: &[(&str, Reader)] = &[
-    ("json", |input, _| read_json(input)),
+    ("json", |input, _| read_json_or_house(input)),
     ("ron", |input, _| read_ron(input)),
+    #[cfg(feature = "geojson")]
+    ("geojson", |input, _| Ok(read_geojson(input)?)),
     ("asc", |input, _| world_of_raster("esri_ascii_grid", read_asc(input)?)),
     #[cfg(feature = "paths")]
     ("map", |input, _| world_of_raster("movingai_map", read_map(input)?)),
+    #[cfg(feature = "barn")]
+    ("npy", |input, path| Ok(barn::read_grid_world(input, path)?)),
+    #[cfg(feature = "barn")]
+    ("world", |input, _| Ok(barn::read_gazebo_world(input)?)),
     #[cfg(feature = "usarsim")]
     ("xml", |input, _| read_world_generator(input)),
     #[cfg(feature = "ros")]
@@ -115,6 +135,15 @@ pub fn read_world(path: &Path) -> Result<World, ImportError> {
 /// When the file holds no world of this crate's schema, or an invalid one.
 pub fn read_json(input: &mut dyn Read) -> Result<World, ImportError> {
     Ok(World::from_json(&file::read_text(input)?)?)
+}
+
+/// Reads a world from its JSON file, or a house of HouseExpo: files of both end with `.json`.
+fn read_json_or_house(input: &mut dyn Read) -> Result<World, ImportError> {
+    let text = file::read_text(input)?;
+    if houseexpo::is_house(&text) {
+        return Ok(read_houseexpo(&mut text.as_bytes())?);
+    }
+    Ok(World::from_json(&text)?)
 }
 
 /// Reads a world from its RON file.

@@ -151,8 +151,9 @@ impl RosDescription {
                 return Err(SpecError::new(field, value, "from 0 to 1"));
             }
         }
-        if self.free_thresh >= self.occupied_thresh {
-            let allowed = format!("less than `occupied_thresh`, {}", self.occupied_thresh);
+        // In the maps of BARN they are equal.
+        if self.free_thresh > self.occupied_thresh {
+            let allowed = format!("at most `occupied_thresh`, {}", self.occupied_thresh);
             return Err(SpecError::new("free_thresh", self.free_thresh, allowed));
         }
         Ok(())

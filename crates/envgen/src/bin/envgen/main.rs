@@ -1,8 +1,9 @@
-//! The command `envgen`: generates, samples, inspects and checks worlds.
+//! The command `envgen`: generates, converts, samples, inspects and checks worlds.
 //!
 //! Exit codes: 0 done, 1 a check did not hold or generation failed, 2 bad arguments.
 
 mod check;
+mod convert;
 mod failure;
 mod generate;
 mod inspect;
@@ -13,6 +14,7 @@ mod platform;
 mod progress;
 mod sample;
 mod source;
+mod writing;
 
 use std::process::ExitCode;
 
@@ -36,6 +38,8 @@ enum Command {
     Kinds(kinds::Arguments),
     /// Generates one world and writes it to files; the ending of a file selects its format.
     Generate(generate::Arguments),
+    /// Reads a world file and writes it in other formats; the endings of the files select them.
+    Convert(convert::Arguments),
     /// Prints blueprints of consecutive seeds as JSON lines; seeds without a blueprint are listed on
     /// stderr and give exit code 1.
     Sample(sample::Arguments),
@@ -56,6 +60,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Kinds(arguments) => kinds::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         Command::Sample(arguments) => sample::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Metrics(arguments) => metrics::run(&arguments),

@@ -172,8 +172,8 @@ pub(crate) fn read(path: &Path) -> Result<String, Failure> {
 /// A world file.
 #[derive(Args)]
 pub(crate) struct WorldFile {
-    /// A world file: JSON or RON, a landscape's raster, a ROS map (.yaml) or a project of the World
-    /// Generator (.xml).
+    /// A world file: JSON or RON, a landscape's raster, a ROS map (.yaml), GeoJSON in metres (.geojson), a house
+    /// of HouseExpo (.json), a world of BARN (.world, .npy) or a project of the World Generator (.xml).
     file: PathBuf,
 
     #[command(flatten)]
@@ -181,6 +181,13 @@ pub(crate) struct WorldFile {
 }
 
 impl WorldFile {
+    /// The input files.
+    pub(crate) fn inputs(&self) -> Vec<PathBuf> {
+        let mut inputs = self.rooms.files();
+        inputs.push(self.file.clone());
+        inputs
+    }
+
     /// Reads it in the format of its name's ending, and reports on stderr what was left out.
     pub(crate) fn read(&self) -> Result<World, Failure> {
         let path = self.file.as_path();

@@ -1,0 +1,181 @@
+//! The files that a command writes a world to.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use envgen::export::ros_map::{self, RESOLUTIONS, size_in_cells, usual_resolution};
+use envgen::export::{Format, Job, Output};
+use envgen::located::Locate;
+use envgen::picture::{PictureError, PictureOptions};
+use envgen::scenario::Scenario;
+use envgen::settings::Setting;
+use envgen::whole_file::{WholeFile, commit_all};
+use envgen::{World, WorldBlueprint};
+
+use crate::failure::Failure;
+use crate::source::note;
+
+#[derive(Args)]
+pub(crate) struct Writing {
+    /// A file to write; its ending selects the format. May be given several times.
+    #[arg(long, required = true, value_name = "FILE")]
+    out: Vec<PathBuf>,
+
+    /// Cell size of ROS maps (.yaml) and of outlines (.house.json) in metres, from 0.001 to 1000; a grid has at
+    /// most 67,108,864 cells. Default: 0.05, or coarser for a world that would have more than 16,777,216 cells.
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    resolution: Option<f64>,
+
+    #[command(flatten)]
+    picture: Picture,
+}
+
+/// Files that were begun; they appear when they are committed.
+pub(crate) struct Begun {
+    outputs: Vec<Output>,
+    files: Vec<WholeFile>,
+    picture: PictureOptions,
+    resolution: Option<f64>,
+    /// What moves in the world.
+    pub(crate) scenario: Option<Scenario>,
+}
+
+impl Writing {
+    /// Begins the files, after all options were checked; none of them may be an input.
+    pub(crate) fn begin(&self, inputs: &[PathBuf]) -> Result<Begun, Failure> {
+        let picture = self.picture.options()?;
+        let outputs = Output::all(&self.out, inputs)?;
+        let resolution = self.resolution;
+        check_resolution(resolution, &outputs)?;
+        let mut files = Vec::new();
+        for output in &outputs {
+            files.push(output.create()?);
+        }
+        Ok(Begun { outputs, files, picture, resolution, scenario: None })
+    }
+}
+
+impl Begun {
+    /// Writes a world to all of them.
+    pub(crate) fn write(
+        mut self,
+        world: &World,
+        blueprint: Option<&WorldBlueprint>,
+    ) -> Result<(), Failure> {
+        say_sizes(world, self.resolution, &self.outputs)?;
+        self.picture.scenario.clone_from(&self.scenario);
+        for (output, file) in self.outputs.iter().zip(&mut self.files) {
+            let job = Job {
+                blueprint,
+                resolution: self.resolution,
+                scenario: self.scenario.as_ref(),
+                picture: self.picture.clone(),
+                ..Job::for_path(world, &output.asked)
+            };
+            output.write(&job, file)?;
+        }
+        commit_all(self.files).map_err(|error| Failure::from(error).about("--out"))
+    }
+}
+
+/// How pictures are drawn.
+#[derive(Args)]
+#[command(next_help_heading = "Pictures")]
+struct Picture {
+    /// Greatest width of pictures in px.
+    #[arg(long, value_name = "PX", allow_negative_numbers = true,
+          default_value_t = PictureOptions::default().width)]
+    picture_width: u32,
+
+    /// Greatest height of the plan in pictures in px.
+    #[arg(long, value_name = "PX", allow_negative_numbers = true,
+          default_value_t = PictureOptions::default().height)]
+    picture_height: u32,
+
+    /// Title of pictures, instead of kind and seed.
+    #[arg(long, value_name = "TEXT")]
+    title: Option<String>,
+
+    /// Draws a grid of round metres under the world.
+    #[arg(long)]
+    grid: bool,
+
+    /// Draws the curvature of roads over their length, under the world.
+    #[arg(long)]
+    curvature_profile: bool,
+}
+
+impl Picture {
+    fn options(&self) -> Result<PictureOptions, Failure> {
+        let options = PictureOptions {
+            width: self.picture_width,
+            height: self.picture_height,
+            title: self.title.clone(),
+            grid: self.grid,
+            curvature_profile: self.curvature_profile,
+            ..Default::default()
+        };
+        options.validate().map_err(|error| match &error {
+            PictureError::Option { option, value, .. } => {
+                Failure::Usage(error.to_string()).about(format!("--picture-{option} {value}"))
+            }
+            _ => error.into(),
+        })?;
+        Ok(options)
+    }
+}
+
+/// The side of a cell of ROS maps.
+const RESOLUTION: Setting = Setting::number(
+    "resolution",
+    "m",
+    *RESOLUTIONS.start(),
+    *RESOLUTIONS.end(),
+    "side of a cell of maps for ROS",
+);
+
+/// Whether a format uses the resolution.
+fn is_gridded(format: Format) -> bool {
+    matches!(format, Format::RosMap | Format::HouseExpo)
+}
+
+/// Checks the resolution, and that one of the outputs uses it.
+fn check_resolution(resolution: Option<f64>, outputs: &[Output]) -> Result<(), Failure> {
+    let Some(resolution) = resolution else { return Ok(()) };
+    RESOLUTION.check(resolution).in_option("--resolution", resolution)?;
+    if outputs.iter().any(|output| is_gridded(output.format)) {
+        return Ok(());
+    }
+    let text =
+        "applies to ROS maps and outlines, but no --out ends with .yaml or .house.json".to_owned();
+    Err(Failure::Usage(text).about(format!("--resolution {resolution}")))
+}
+
+/// Prints the sizes of the ROS maps.
+fn say_sizes(world: &World, resolution: Option<f64>, outputs: &[Output]) -> Result<(), Failure> {
+    let maps = outputs.iter().filter(|output| output.format == Format::RosMap);
+    for map in maps.filter(|output| output.path == output.asked) {
+        let usual = usual_resolution(world);
+        let side = resolution.unwrap_or(usual);
+        let [cols, rows] = size_in_cells(world, side).map_err(|error| {
+            Failure::from(error).about(format!("{}, --resolution {side}", option(&map.path)))
+        })?;
+        let kilobytes = (cols * rows).div_ceil(1000);
+        let coarse = if resolution.is_none() && usual > ros_map::RESOLUTION {
+            format!(
+                "; coarser than {} m because the world is large: see --resolution",
+                ros_map::RESOLUTION
+            )
+        } else {
+            String::new()
+        };
+        let name = map.path.display();
+        note(&format!("{name}: {cols} x {rows} cells of {side} m, {kilobytes} kB{coarse}"));
+    }
+    Ok(())
+}
+
+/// How errors name an output.
+fn option(path: &Path) -> String {
+    format!("--out {}", path.display())
+}

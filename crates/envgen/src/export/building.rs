@@ -1,0 +1,254 @@
+//! A world as `building.yaml`, the plan of a building that the traffic editor of Open-RMF writes.
+//!
+//! Coordinates are `cartesian_meters`, those of the world. The one level has walls, doors, a floor and the lanes of
+//! the navigation graph 0. RMF's walls are lines that its tools make 0.1 m thick: thin walls become their centre
+//! line, every other solid its outline. Each doorway is a hinged door that turns by 90 degrees about its first
+//! end. Lanes lead from the start to the goal and to the middle of every room, where a robot with a radius of
+//! 0.3 m can go. Values have a type: 1 text, 2 whole number, 3 number, 4 truth value.
+
+use std::collections::BTreeMap;
+use std::io::{self, BufWriter, Write};
+
+use glam::DVec2;
+
+use super::ExportError;
+use crate::cellular::{CheapestPaths, c_space};
+use crate::geometry::{Shape, box_axis, edges, unit_vector};
+use crate::grid::GridFrame;
+use crate::occupancy::{Coverage, OccupancyGrid};
+use crate::world::World;
+
+/// Walls of up to this thickness in metres are drawn as their centre line.
+const THIN: f64 = 0.5;
+
+/// Corners of the outline of a disc.
+const CORNERS: u32 = 16;
+
+/// Radius in metres of the robot for which lanes are free.
+const ROBOT_RADIUS: f64 = 0.3;
+
+/// Side in metres of a cell of the grid on which lanes are looked for, in a world that is not large.
+const CELL: f64 = 0.1;
+
+/// The most cells of that grid, about.
+const MOST_CELLS: f64 = 1e6;
+
+/// Writes the plan of a world.
+pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportError> {
+    let mut out = BufWriter::new(out);
+    let mut plan = Plan::default();
+    plan.add_places(world);
+    plan.add_walls(world);
+    plan.add_doors(world);
+    let floor = plan.ring(&Shape::from_rect(world.bounds).corners());
+    let name = text(&world.provenance.name());
+    let provenance = serde_json::to_string(&world.provenance).map_err(io::Error::from)?;
+    writeln!(out, "coordinate_system: cartesian_meters\ncrowd_sim: {{}}\ngraphs: {{}}")?;
+    writeln!(out, "levels:\n  L1:")?;
+    list(&mut out, "doors", &plan.doors)?;
+    writeln!(out, "    elevation: 0\n    fiducials: []")?;
+    let floor = format!(
+        "{{parameters: {{texture_name: [1, blue_linoleum], texture_rotation: [3, 0], texture_scale: \
+         [3, 1]}}, vertices: {floor:?}}}"
+    );
+    list(&mut out, "floors", &[floor])?;
+    list(&mut out, "lanes", &plan.lanes)?;
+    writeln!(out, "    layers: {{}}\n    measurements: []\n    models: []")?;
+    list(&mut out, "vertices", &plan.vertices)?;
+    list(&mut out, "walls", &plan.walls)?;
+    writeln!(out, "lifts: {{}}\nmap_version: 2\nname: {name}")?;
+    writeln!(out, "parameters:\n  provenance: [1, {}]", text(&provenance))?;
+    Ok(out.flush()?)
+}
+
+/// A text in double quotes, whose escapes are those of JSON.
+fn text(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+fn list(out: &mut dyn Write, name: &str, items: &[String]) -> io::Result<()> {
+    if items.is_empty() {
+        return writeln!(out, "    {name}: []");
+    }
+    writeln!(out, "    {name}:")?;
+    items.iter().try_for_each(|item| writeln!(out, "      - {item}"))
+}
+
+/// The lists of a level, one text per entry.
+#[derive(Default)]
+struct Plan {
+    vertices: Vec<String>,
+    walls: Vec<String>,
+    doors: Vec<String>,
+    lanes: Vec<String>,
+    /// Vertices by the bits of their coordinates.
+    known: BTreeMap<[u64; 2], usize>,
+}
+
+impl Plan {
+    /// The number of the vertex at a point.
+    fn vertex(&mut self, at: DVec2) -> usize {
+        let key = (at + DVec2::ZERO).to_array().map(f64::to_bits);
+        if let Some(&known) = self.known.get(&key) {
+            return known;
+        }
+        self.known.insert(key, self.vertices.len());
+        self.named(at, "", "")
+    }
+
+    /// Adds a vertex of its own.
+    fn named(&mut self, at: DVec2, name: &str, parameters: &str) -> usize {
+        let entry = format!("[{}, {}, 0, {}, {{{parameters}}}]", at.x, at.y, text(name));
+        self.vertices.push(entry);
+        self.vertices.len() - 1
+    }
+
+    fn ring(&mut self, corners: &[DVec2]) -> Vec<usize> {
+        corners.iter().map(|&corner| self.vertex(corner)).collect()
+    }
+
+    fn wall(&mut self, a: DVec2, b: DVec2) {
+        let (from, to) = (self.vertex(a), self.vertex(b));
+        if from != to {
+            self.walls
+                .push(format!("[{from}, {to}, {{alpha: [3, 1], texture_name: [1, default]}}]"));
+        }
+    }
+
+    fn add_walls(&mut self, world: &World) {
+        let thin = world.walls.len();
+        // Closed doors are doors.
+        let solids =
+            world.solids().filter(|solid| solid.id.kind != crate::world::PartKind::Doorway);
+        for (i, solid) in solids.enumerate() {
+            match centre_line(&solid.shape) {
+                Some((a, b, thickness)) if i < thin && thickness <= THIN => self.wall(a, b),
+                _ => {
+                    let corners = match &*solid.shape {
+                        Shape::Disc { center, radius } => circle(*center, *radius),
+                        shape => shape.corners(),
+                    };
+                    edges(&corners).for_each(|(a, b)| self.wall(a, b));
+                }
+            }
+        }
+    }
+
+    fn add_doors(&mut self, world: &World) {
+        for (i, doorway) in world.doorways.iter().enumerate() {
+            let bounds = Shape::from_rect(doorway.shape.bounds());
+            let line = centre_line(&doorway.shape).or_else(|| centre_line(&bounds));
+            let Some((a, b, _)) = line else { continue };
+            let (from, to) = (self.vertex(a), self.vertex(b));
+            self.doors.push(format!(
+                "[{from}, {to}, {{motion_axis: [1, start], motion_degrees: [3, 90], motion_direction: \
+                 [2, 1], name: [1, doorway_{i}], plugin: [1, normal], right_left_ratio: [3, 1], type: \
+                 [1, hinged]}}]"
+            ));
+        }
+    }
+
+    /// Start, goal and the middles of rooms, and lanes between them.
+    fn add_places(&mut self, world: &World) {
+        let spot = "is_parking_spot: [4, true]";
+        let start = world.start.map(|start| self.named(start.position, "start", spot));
+        let goal = world.goal.map(|goal| (goal.position, self.named(goal.position, "goal", "")));
+        let rooms = world.rooms.iter().enumerate();
+        let rooms = rooms.map(|(i, room)| {
+            let middle = room.shape.bounds().center();
+            (middle, self.named(middle, &format!("{} {i}", room.name), ""))
+        });
+        let targets: Vec<_> = goal.into_iter().chain(rooms).collect();
+        let (Some(from), Some(pose)) = (start, world.start) else { return };
+        let Some(ground) = Ground::of(world, pose.position) else { return };
+        let mut lanes = BTreeMap::new();
+        for (at, vertex) in targets {
+            let Some(turns) = ground.turns(pose.position, at) else { continue };
+            let mut before = from;
+            for point in turns {
+                let next = self.vertex(point);
+                lanes.entry([before.min(next), before.max(next)]).or_insert([before, next]);
+                before = next;
+            }
+            lanes.entry([before.min(vertex), before.max(vertex)]).or_insert([before, vertex]);
+        }
+        self.lanes = lanes
+            .values()
+            .filter(|[from, to]| from != to)
+            .map(|[from, to]| {
+                format!(
+                    "[{from}, {to}, {{bidirectional: [4, true], graph_idx: [2, 0], orientation: \
+                     [1, \"\"], speed_limit: [3, 0]}}]"
+                )
+            })
+            .collect();
+    }
+}
+
+/// The cells that a robot's middle can be in, and the cheapest paths from the start through them.
+struct Ground {
+    frame: GridFrame,
+    blocked: Vec<bool>,
+    paths: CheapestPaths,
+}
+
+impl Ground {
+    fn of(world: &World, start: DVec2) -> Option<Self> {
+        let size = world.bounds.size();
+        let least = (size.x * size.y / MOST_CELLS).sqrt().max(size.max_element() / MOST_CELLS);
+        let grid = OccupancyGrid::of(world, CELL.max(least), Coverage::Conservative).ok()?;
+        let frame = grid.frame();
+        let reach = (ROBOT_RADIUS / frame.cell_size).ceil() as usize;
+        let blocked = c_space(frame.cols, grid.cells(), reach);
+        let start = frame.index_at(start).filter(|&cell| !blocked[cell])?;
+        let paths = CheapestPaths::new(frame.cols, &blocked, frame.cell_size, start, None);
+        Some(Ground { frame, blocked, paths })
+    }
+
+    /// The points at which a path turns, without its ends; `None` where there is no path.
+    fn turns(&self, start: DVec2, goal: DVec2) -> Option<Vec<DVec2>> {
+        let cell = self.frame.index_at(goal).filter(|&cell| !self.blocked[cell])?;
+        let cells = self.paths.to(cell)?;
+        let mut points: Vec<DVec2> = cells.iter().map(|&cell| self.frame.center_of(cell)).collect();
+        if let [first, .., last] = points.as_mut_slice() {
+            (*first, *last) = (start, goal);
+        }
+        // From each point to the last one that is seen from it.
+        let (mut turns, mut at) = (Vec::new(), 0);
+        while at + 1 < points.len() {
+            let seen =
+                (at + 2..points.len()).take_while(|&next| self.sees(points[at], points[next]));
+            at = seen.last().unwrap_or(at + 1);
+            turns.push(points[at]);
+        }
+        turns.pop();
+        Some(turns)
+    }
+
+    fn sees(&self, a: DVec2, b: DVec2) -> bool {
+        let steps = (4.0 * a.distance(b) / self.frame.cell_size).ceil().max(1.0);
+        (0..=steps as u32).all(|i| {
+            let p = a.lerp(b, f64::from(i) / steps);
+            self.frame.index_at(p).is_some_and(|cell| !self.blocked[cell])
+        })
+    }
+}
+
+/// The line along the middle of a shape's longer side, and its thickness; `None` for discs and polygons.
+fn centre_line(shape: &Shape) -> Option<(DVec2, DVec2, f64)> {
+    match *shape {
+        Shape::Segment { a, b } => Some((a, b, 0.0)),
+        Shape::Box { center, half_size, heading } => {
+            let axis = box_axis(heading);
+            let is_long = half_size.x >= half_size.y;
+            let along = if is_long { axis * half_size.x } else { axis.perp() * half_size.y };
+            Some((center - along, center + along, 2.0 * half_size.min_element()))
+        }
+        Shape::Disc { .. } | Shape::Polygon { .. } => None,
+    }
+}
+
+fn circle(center: DVec2, radius: f64) -> Vec<DVec2> {
+    let turn = std::f64::consts::TAU / f64::from(CORNERS);
+    (0..CORNERS).map(|i| center + radius * unit_vector(turn * f64::from(i))).collect()
+}

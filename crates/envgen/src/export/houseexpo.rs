@@ -1,0 +1,178 @@
+//! The plan of a world as in the data set HouseExpo: T. Li and others, HouseExpo: A Large-scale 2D Indoor
+//! Layout Dataset for Learning-based Algorithms on Mobile Robots, arXiv:1903.09845.
+//!
+//! The format holds one outline of free ground. It is that of the ground that the start's free cells make on a
+//! grid: solids inside that do not touch it are lost. Start and goal are in fields of their own, which other readers ignore.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+
+use glam::DVec2;
+use serde::Serialize;
+
+use super::ExportError;
+use super::ros_map::usual_resolution;
+use crate::flood::flood;
+use crate::geometry::Pose;
+use crate::occupancy::{Coverage, OccupancyGrid};
+use crate::placement::max_clearance_point;
+use crate::provenance::Provenance;
+use crate::world::World;
+
+/// A house, with the fields of the data set and some more.
+#[derive(Serialize)]
+struct House<'a> {
+    id: &'a str,
+    room_num: usize,
+    bbox: Bounds,
+    verts: Vec<[f64; 2]>,
+    room_category: BTreeMap<&'a str, Vec<[f64; 4]>>,
+    start: Option<[f64; 3]>,
+    goal: Option<[f64; 3]>,
+    provenance: &'a Provenance,
+}
+
+#[derive(Serialize)]
+struct Bounds {
+    min: [f64; 2],
+    max: [f64; 2],
+}
+
+/// Writes the outline of the ground that can be reached from the start, in cells of `resolution` metres.
+pub(super) fn write(
+    world: &World,
+    id: &str,
+    resolution: Option<f64>,
+    out: &mut dyn Write,
+) -> Result<(), ExportError> {
+    let side = resolution.unwrap_or_else(|| usual_resolution(world));
+    let grid = OccupancyGrid::of(world, side, Coverage::Conservative)?;
+    let frame = grid.frame();
+    let from_start = world.start.and_then(|start| grid.cell_at(start.position));
+    let from_start = from_start.filter(|&(col, row)| grid.occupied(col, row) == Some(false));
+    let first = from_start.map(|(col, row)| frame.index(col, row));
+    let most_clear = || frame.index_at(max_clearance_point(&grid)?);
+    let first = first.or_else(most_clear).ok_or(ExportError::Empty { part: "free ground" })?;
+    let mut open: Vec<bool> = grid.cells().iter().map(|occupied| !occupied).collect();
+    let mut region = vec![false; open.len()];
+    flood(frame.cols, &mut open, first, |run| region[run].fill(true));
+    let corners = outline(frame.cols, &region);
+    let verts: Vec<DVec2> = corners.iter().map(|&[col, row]| frame.corner(col, row)).collect();
+    let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for vertex in &verts {
+        (min, max) = (min.min(*vertex), max.max(*vertex));
+    }
+    let mut rooms = BTreeMap::<_, Vec<_>>::new();
+    for room in &world.rooms {
+        let bounds = room.shape.bounds();
+        let [[a, b], [c, d]] = [bounds.min, bounds.max].map(|p| p.to_array());
+        rooms.entry(room.name.as_str()).or_default().push([a, b, c, d]);
+    }
+    let pose = |pose: Pose| [pose.position.x, pose.position.y, pose.heading];
+    let house = House {
+        id,
+        room_num: world.rooms.len(),
+        bbox: Bounds { min: min.to_array(), max: max.to_array() },
+        verts: verts.iter().map(|vertex| vertex.to_array()).collect(),
+        room_category: rooms,
+        start: world.start.map(pose),
+        goal: world.goal.map(pose),
+        provenance: &world.provenance,
+    };
+    let mut out = std::io::BufWriter::new(out);
+    serde_json::to_writer(&mut out, &house).map_err(std::io::Error::from)?;
+    out.write_all(b"\n")?;
+    Ok(out.flush()?)
+}
+
+/// The corners, as columns and rows, of the outer border of a region of cells that are joined by their sides,
+/// counter-clockwise where rows count upwards.
+fn outline(cols: usize, region: &[bool]) -> Vec<[usize; 2]> {
+    let Some(first) = region.iter().position(|&cell| cell) else { return Vec::new() };
+    let (cols, rows) = (cols as isize, (region.len() / cols) as isize);
+    let is_in = |col: isize, row: isize| {
+        (0..cols).contains(&col) && (0..rows).contains(&row) && region[(row * cols + col) as usize]
+    };
+    let start = [first as isize % cols, first as isize / cols];
+    // Along the lower side of the lowest, leftmost cell, with the region to the left.
+    let (mut at, mut along) = (start, [1, 0]);
+    let mut corners = Vec::new();
+    loop {
+        at = [at[0] + along[0], at[1] + along[1]];
+        // The cells ahead, to the left and to the right of the step that would go straight on.
+        let left = [-along[1], along[0]];
+        let cell = |side: [isize; 2]| {
+            let toward = |i: usize| (along[i] + side[i] - 1).div_euclid(2);
+            is_in(at[0] + toward(0), at[1] + toward(1))
+        };
+        let right = [along[1], -along[0]];
+        let turned = match (cell(left), cell(right)) {
+            // A region that touches itself at a corner keeps its cells apart there.
+            (false, _) => left,
+            (true, true) => right,
+            (true, false) => along,
+        };
+        if turned != along {
+            corners.push([at[0] as usize, at[1] as usize]);
+        }
+        along = turned;
+        if at == start && along == [1, 0] {
+            return corners;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::polygon_contains;
+    use proptest::prelude::*;
+
+    #[test]
+    fn outlines_by_hand() {
+        assert_eq!(outline(1, &[true]), [[1, 0], [1, 1], [0, 1], [0, 0]]);
+        assert_eq!(outline(3, &[false, true, true]), [[3, 0], [3, 1], [1, 1], [1, 0]]);
+        // An L of three cells.
+        let corners = outline(2, &[true, true, true, false]);
+        assert_eq!(corners, [[2, 0], [2, 1], [1, 1], [1, 2], [0, 2], [0, 0]]);
+        // A ring: only the outer border.
+        let ring = [true, true, true, true, false, true, true, true, true];
+        assert_eq!(outline(3, &ring), [[3, 0], [3, 3], [0, 3], [0, 0]]);
+    }
+
+    proptest! {
+        #[test]
+        fn an_outline_holds_the_region_and_what_it_encloses(
+            cells in prop::collection::vec(prop::bool::weighted(0.6), 56),
+            first in 0..56_usize,
+        ) {
+            let mut open = cells;
+            open[first] = true;
+            let mut region = vec![false; 56];
+            flood(8, &mut open, first, |run| region[run].fill(true));
+            let corners = outline(8, &region);
+            let polygon: Vec<DVec2> =
+                corners.iter().map(|&[x, y]| DVec2::new(x as f64, y as f64)).collect();
+            // Outside is what is reached from beyond the grid, past corners as well.
+            let mut outside = [false; 90];
+            for _ in 0..90 {
+                for at in 0..90_usize {
+                    let (col, row) = (at % 10, at / 10);
+                    let is_region = (1..9).contains(&col) && (1..8).contains(&row)
+                        && region[(row - 1) * 8 + col - 1];
+                    let is_border = col == 0 || col == 9 || row == 0 || row == 8;
+                    let beside = |c: usize, r: usize| outside[r * 10 + c];
+                    let near = (row.saturating_sub(1)..=(row + 1).min(8)).any(|r| {
+                        (col.saturating_sub(1)..=(col + 1).min(9)).any(|c| beside(c, r))
+                    });
+                    outside[at] |= !is_region && (is_border || near);
+                }
+            }
+            for at in 0..56_usize {
+                let middle = DVec2::new((at % 8) as f64 + 0.5, (at / 8) as f64 + 0.5);
+                let is_outside = outside[(at / 8 + 1) * 10 + at % 8 + 1];
+                prop_assert_eq!(polygon_contains(&polygon, middle), !is_outside, "{}", at);
+            }
+        }
+    }
+}

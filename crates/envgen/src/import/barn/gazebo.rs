@@ -1,0 +1,129 @@
+//! The cylinders of a Gazebo world.
+
+use quick_xml::Reader;
+use quick_xml::events::Event;
+
+use super::{Cylinder, PlanError};
+use crate::world::MAX_COORDINATE;
+
+const FORMAT: &str = "a Gazebo world of cylinders";
+
+/// The most cylinders that are read.
+const MAX_CYLINDERS: usize = 1 << 18;
+
+/// The deepest nesting of elements that is read.
+const MAX_DEPTH: usize = 32;
+
+/// Where the geometry of a model's collision is.
+const GEOMETRY: [&str; 6] = ["sdf", "world", "model", "link", "collision", "geometry"];
+
+/// What is known of a model inside its element.
+#[derive(Default)]
+struct Model {
+    pose: String,
+    radius: String,
+    /// The geometry of its collision.
+    geometry: Option<String>,
+}
+
+/// The cylinders of the models of a world in a file. Models that are planes, and what else a world holds, are
+/// left out.
+///
+/// # Errors
+/// When the text is not the XML of a world, or a model stops a robot and is not one upright
+/// cylinder.
+pub fn read_cylinders(text: &str) -> Result<Vec<Cylinder>, PlanError> {
+    let mut reader = Reader::from_str(text);
+    let mut path: Vec<String> = Vec::new();
+    let (mut cylinders, mut model, mut has_world) = (Vec::new(), Model::default(), false);
+    loop {
+        let event = reader.read_event().map_err(|error| {
+            PlanError::syntax(FORMAT, format!("{error} at byte {}", reader.error_position()))
+        })?;
+        let (start, is_empty) = match event {
+            Event::Start(start) => (start, false),
+            Event::Empty(start) => (start, true),
+            Event::Text(text) => {
+                let names: Vec<&str> = path.iter().map(String::as_str).collect();
+                let into = match *names {
+                    ["sdf", "world", "model", "pose"] => &mut model.pose,
+                    [
+                        "sdf",
+                        "world",
+                        "model",
+                        "link",
+                        "collision",
+                        "geometry",
+                        "cylinder",
+                        "radius",
+                    ] => &mut model.radius,
+                    _ => continue,
+                };
+                into.push_str(&text);
+                continue;
+            }
+            Event::End(_) => {
+                if path == ["sdf", "world", "model"] {
+                    finish(std::mem::take(&mut model), &mut cylinders)?;
+                }
+                path.pop();
+                continue;
+            }
+            Event::Eof if path.is_empty() => break,
+            Event::Eof => {
+                return Err(PlanError::syntax(FORMAT, "it ends inside an element"));
+            }
+            Event::DocType(_) => {
+                return Err(PlanError::syntax(FORMAT, "it has a document type"));
+            }
+            _ => continue,
+        };
+        let name = start.name().as_ref().to_owned();
+        let depth = path.len();
+        has_world |= depth == 1 && path[0] == "sdf" && name == "world";
+        if path == GEOMETRY {
+            if model.geometry.is_some() {
+                return Err(PlanError::value("geometry", name, "one for each model"));
+            }
+            model.geometry = Some(name.clone());
+        }
+        if depth == MAX_DEPTH {
+            let allowed = format!("at most {MAX_DEPTH} elements in each other");
+            return Err(PlanError::value(&name, "one deeper", allowed));
+        }
+        if !is_empty {
+            path.push(name);
+        }
+    }
+    if !has_world {
+        return Err(PlanError::syntax(FORMAT, "it has no `world` in an `sdf`"));
+    }
+    Ok(cylinders)
+}
+
+fn finish(model: Model, cylinders: &mut Vec<Cylinder>) -> Result<(), PlanError> {
+    match model.geometry.as_deref() {
+        None | Some("plane") => return Ok(()),
+        Some("cylinder") => {}
+        Some(other) => return Err(PlanError::value("geometry", other, "`cylinder` or `plane`")),
+    }
+    if cylinders.len() == MAX_CYLINDERS {
+        let allowed = format!("at most {MAX_CYLINDERS}");
+        return Err(PlanError::value("model", "more models", allowed));
+    }
+    let number = |text: &str| text.parse::<f64>().ok().filter(|value| value.is_finite());
+    let pose: Option<Vec<f64>> = model.pose.split_whitespace().map(number).collect();
+    let short = |text: &str| format!("`{}`", text.trim().chars().take(80).collect::<String>());
+    let Some([x, y, _, roll, pitch, _]) = pose.as_deref() else {
+        return Err(PlanError::value("pose", short(&model.pose), "six finite numbers"));
+    };
+    if x.abs().max(y.abs()) > MAX_COORDINATE || *roll != 0.0 || *pitch != 0.0 {
+        let allowed = format!("up to {MAX_COORDINATE:e} m from the axes, and upright");
+        return Err(PlanError::value("pose", short(&model.pose), allowed));
+    }
+    let radius = number(model.radius.trim()).filter(|radius| (1e-3..=1e3).contains(radius));
+    let radius = radius
+        .ok_or_else(|| PlanError::value("radius", short(&model.radius), "from 0.001 to 1000 m"))?;
+    cylinders.push(Cylinder { center: glam::DVec2::new(*x, *y), radius });
+    Ok(())
+}

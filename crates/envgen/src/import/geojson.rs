@@ -1,0 +1,357 @@
+//! Worlds from GeoJSON, in metres; for the format see [`export`](crate::export).
+
+use std::io::Read;
+use std::str::FromStr;
+
+use geojson::{
+    Feature, FeatureCollection, GeoJson, GeometryValue, JsonObject, JsonValue, Position,
+};
+use glam::DVec2;
+use serde::de::DeserializeOwned;
+
+use super::PlanError;
+use super::start::start_of_most_clearance;
+use crate::file::{FileError, read_text};
+use crate::geometry::{Pose, Rect, Shape, signed_area};
+use crate::provenance::Provenance;
+use crate::world::{
+    Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind, Tree, Wall,
+    WallKind, World,
+};
+
+const FORMAT: &str = "GeoJSON";
+
+/// The most positions that are read.
+const MAX_POSITIONS: usize = 1 << 22;
+
+/// The most corners of a polygon with holes, which becomes triangles.
+const MAX_HOLED_CORNERS: usize = 1 << 16;
+
+/// A corner of a disc lies on its circle up to this share of the radius.
+const ON_CIRCLE: f64 = 1e-6;
+
+/// Bounds of a file without width or height are made this much wider on all sides, in metres.
+const LEAST_MARGIN: f64 = 0.5;
+
+/// Reads a world from features in metres.
+///
+/// A property `part` says what a feature is, as in the files that this crate writes. Other polygons are
+/// obstacles, lines are walls without thickness, and points with a `radius` are discs; points without are left
+/// out. A polygon with holes becomes triangles. Without a start one of most clearance is found.
+///
+/// # Errors
+/// When the text is not GeoJSON, a property has a value that is not allowed, or the world breaks an invariant.
+pub fn read_geojson(input: &mut dyn Read) -> Result<World, PlanError> {
+    let text = read_text(input)?;
+    let wrong = |error: geojson::Error| PlanError::syntax(FORMAT, error.to_string());
+    let collection = match GeoJson::from_str(&text).map_err(wrong)? {
+        GeoJson::FeatureCollection(collection) => collection,
+        GeoJson::Feature(feature) => FeatureCollection::new([feature]),
+        GeoJson::Geometry(geometry) => FeatureCollection::new([Feature::from(geometry)]),
+    };
+    let foreign = collection.foreign_members.unwrap_or_default();
+    let made_by = foreign.get("provenance").and_then(|made_by| {
+        let made_by: Provenance = serde_json::from_value(made_by.clone()).ok()?;
+        serde_json::to_value(made_by).ok()
+    });
+    let source = serde_json::json!({ "format": "geojson", "made_by": made_by });
+    let bounds = Rect::new(DVec2::ZERO, DVec2::ONE);
+    let mut world = World::new(Provenance::other("import", source), bounds);
+    let mut positions = MAX_POSITIONS;
+    for (number, feature) in collection.features.iter().enumerate() {
+        let properties = feature.properties.clone().unwrap_or_default();
+        let feature_of = Properties { number, properties };
+        let mut shapes = Vec::new();
+        if let Some(geometry) = &feature.geometry {
+            feature_of.shapes(&geometry.value, &mut positions, &mut shapes)?;
+        }
+        feature_of.add(shapes, &mut world)?;
+    }
+    let bbox = collection.bbox.as_deref().map(|bbox| match *bbox {
+        [a, b, c, d] | [a, b, _, c, d, _] => Ok(Rect::new(DVec2::new(a, b), DVec2::new(c, d))),
+        _ => Err(PlanError::value("bbox", format!("{} numbers", bbox.len()), "4 or 6 numbers")),
+    });
+    world.bounds = bounds_of(&world, bbox.transpose()?);
+    if world.start.is_none() && world.check().is_ok() {
+        world.start = start_of_most_clearance(&world, false);
+    }
+    world.check().map_err(FileError::World)?;
+    Ok(world)
+}
+
+/// A rectangle around everything.
+fn bounds_of(world: &World, bbox: Option<Rect>) -> Rect {
+    let solids = world.walls.iter().map(|wall| wall.shape.bounds());
+    let solids = solids
+        .chain(
+            world.trees.iter().map(|tree| Rect::new(tree.center, tree.center).grown(tree.radius)),
+        )
+        .chain(world.rooms.iter().map(|room| room.shape.bounds()))
+        .chain(world.doorways.iter().map(|doorway| doorway.shape.bounds()))
+        .chain(world.obstacles.iter().map(|obstacle| obstacle.shape.bounds()))
+        .chain(world.surfaces.iter().map(|surface| surface.shape.bounds()));
+    let roads = world.road_strips.iter().flat_map(|road| &road.centreline).map(|point| point.pose);
+    let poses = roads.chain(world.start).chain(world.goal).chain(world.victims.iter().copied());
+    let points = poses.map(|pose| Rect::new(pose.position, pose.position));
+    let around = solids.chain(points).chain(bbox).reduce(Rect::union);
+    let around = around.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ZERO));
+    if around.size().min_element() > 0.0 { around } else { around.grown(LEAST_MARGIN) }
+}
+
+/// What a feature's geometry says.
+enum Outline {
+    Solid(Shape),
+    Line(Vec<DVec2>),
+    Point(DVec2),
+}
+
+/// A feature's properties, and its number from 0 for errors.
+struct Properties {
+    number: usize,
+    properties: JsonObject,
+}
+
+impl Properties {
+    fn field(&self, name: &str) -> String {
+        format!("features[{}].{name}", self.number)
+    }
+
+    /// A property of a type; `None` where it is absent or null.
+    fn get<T: DeserializeOwned>(&self, name: &str, allowed: &str) -> Result<Option<T>, PlanError> {
+        match self.properties.get(name) {
+            None | Some(JsonValue::Null) => Ok(None),
+            Some(value) => serde_json::from_value(value.clone()).map(Some).map_err(|_| {
+                let text: String = value.to_string().chars().take(60).collect();
+                PlanError::value(&self.field(&format!("properties.{name}")), text, allowed)
+            }),
+        }
+    }
+
+    fn number(&self, name: &str) -> Result<Option<f64>, PlanError> {
+        self.get(name, "a number")
+    }
+
+    fn shapes(
+        &self,
+        geometry: &GeometryValue,
+        left: &mut usize,
+        found: &mut Vec<Outline>,
+    ) -> Result<(), PlanError> {
+        let mut points = |line: &[Position]| self.points(line, left);
+        match geometry {
+            GeometryValue::Point { coordinates } => {
+                let at = points(std::slice::from_ref(coordinates))?;
+                found.extend(at.into_iter().map(Outline::Point));
+            }
+            GeometryValue::MultiPoint { coordinates } => {
+                found.extend(points(coordinates)?.into_iter().map(Outline::Point));
+            }
+            GeometryValue::LineString { coordinates } => {
+                found.push(Outline::Line(points(coordinates)?));
+            }
+            GeometryValue::MultiLineString { coordinates } => {
+                for line in coordinates {
+                    found.push(Outline::Line(points(line)?));
+                }
+            }
+            GeometryValue::Polygon { coordinates } => self.polygon(coordinates, left, found)?,
+            GeometryValue::MultiPolygon { coordinates } => {
+                for polygon in coordinates {
+                    self.polygon(polygon, left, found)?;
+                }
+            }
+            GeometryValue::GeometryCollection { geometries } => {
+                for geometry in geometries {
+                    self.shapes(&geometry.value, left, found)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn points(&self, line: &[Position], left: &mut usize) -> Result<Vec<DVec2>, PlanError> {
+        let rest = left.checked_sub(line.len());
+        *left = rest.ok_or_else(|| {
+            let allowed = format!("at most {MAX_POSITIONS} positions in the file");
+            PlanError::value(&self.field("geometry"), "more positions", allowed)
+        })?;
+        let point = |position: &Position| match position.as_slice() {
+            [x, y, ..] if x.is_finite() && y.is_finite() => Ok(DVec2::new(*x, *y)),
+            other => {
+                let value = format!("{other:?}");
+                Err(PlanError::value(&self.field("geometry"), value, "two finite coordinates"))
+            }
+        };
+        line.iter().map(point).collect()
+    }
+
+    fn polygon(
+        &self,
+        rings: &[Vec<Position>],
+        left: &mut usize,
+        found: &mut Vec<Outline>,
+    ) -> Result<(), PlanError> {
+        let mut outlines = Vec::new();
+        for ring in rings {
+            let mut ring = self.points(ring, left)?;
+            ring.dedup();
+            if ring.len() > 1 && ring.first() == ring.last() {
+                ring.pop();
+            }
+            if ring.len() < 3 {
+                let allowed = "three different corners or more";
+                return Err(PlanError::value(&self.field("geometry"), ring.len(), allowed));
+            }
+            outlines.push(ring);
+        }
+        let Some(outer) = outlines.first() else { return Ok(()) };
+        if outlines.len() > 1 {
+            let corners = outlines.iter().map(Vec::len).sum::<usize>();
+            if corners > MAX_HOLED_CORNERS {
+                let allowed = format!("at most {MAX_HOLED_CORNERS} corners with holes");
+                return Err(PlanError::value(&self.field("geometry"), corners, allowed));
+            }
+            found.extend(triangles(&outlines).map(Outline::Solid));
+            return Ok(());
+        }
+        if let Some(disc) = self.disc(outer)? {
+            found.push(Outline::Solid(disc));
+            return Ok(());
+        }
+        let mut vertices = outlines.swap_remove(0);
+        if signed_area(&vertices) < 0.0 {
+            vertices.reverse();
+        }
+        found.push(Outline::Solid(Shape::Polygon { vertices }));
+        Ok(())
+    }
+
+    /// The disc that a polygon represents; none where its corners were moved.
+    fn disc(&self, corners: &[DVec2]) -> Result<Option<Shape>, PlanError> {
+        let center: Option<[f64; 2]> = self.get("center", "two numbers")?;
+        let (Some(center), Some(radius)) = (center, self.number("radius")?) else {
+            return Ok(None);
+        };
+        let center = DVec2::from_array(center);
+        let is_on_circle =
+            |corner: &DVec2| (corner.distance(center) - radius).abs() <= ON_CIRCLE * radius;
+        Ok(corners.iter().all(is_on_circle).then_some(Shape::Disc { center, radius }))
+    }
+
+    fn add(&self, outlines: Vec<Outline>, world: &mut World) -> Result<(), PlanError> {
+        let part: Option<String> = self.get("part", "a text")?;
+        let part = part.as_deref().unwrap_or_default();
+        let heading = self.number("heading")?.unwrap_or(0.0);
+        for outline in outlines {
+            match (part, outline) {
+                ("start", Outline::Point(at)) => world.start = Some(Pose { position: at, heading }),
+                ("goal", Outline::Point(at)) => world.goal = Some(Pose { position: at, heading }),
+                ("victim", Outline::Point(at)) => {
+                    world.victims.push(Pose { position: at, heading })
+                }
+                ("road_strip", Outline::Line(line)) => self.add_road(&line, world)?,
+                (_, Outline::Point(center)) => {
+                    if let Some(radius) = self.number("radius")? {
+                        self.add_shape(part, Shape::Disc { center, radius }, world)?;
+                    }
+                }
+                (_, Outline::Line(line)) => {
+                    for pair in line.windows(2).filter(|pair| pair[0] != pair[1]) {
+                        let shape = Shape::Segment { a: pair[0], b: pair[1] };
+                        match part {
+                            "" => world.walls.push(Wall::new(WallKind::Wall, shape)),
+                            part => self.add_shape(part, shape, world)?,
+                        }
+                    }
+                }
+                (_, Outline::Solid(shape)) => self.add_shape(part, shape, world)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn add_shape(&self, part: &str, shape: Shape, world: &mut World) -> Result<(), PlanError> {
+        let visible_range = self.number("visible_range")?;
+        match (part, shape) {
+            ("wall", shape) => {
+                let kind = self.get("kind", "a kind of wall")?.unwrap_or(WallKind::Wall);
+                world.walls.push(Wall { kind, shape, visible_range });
+            }
+            ("tree", Shape::Disc { center, radius }) => world.trees.push(Tree { center, radius }),
+            ("room", shape) => world.rooms.push(Room {
+                name: self.get("name", "a text")?.unwrap_or_default(),
+                shape,
+                difficulty: self.number("difficulty")?,
+                lit: self.get("lit", "true or false")?.unwrap_or(true),
+                contents: self.get("contents", "what is left of a room")?.unwrap_or_default(),
+            }),
+            ("doorway", shape) => world.doorways.push(Doorway {
+                shape,
+                open: self.get("open", "true or false")?.unwrap_or(true),
+                rooms: self.get("rooms", "two numbers of rooms, or null")?.unwrap_or_default(),
+            }),
+            ("surface", shape) => {
+                let kind = self.get("kind", "a kind of surface")?.unwrap_or(SurfaceKind::Uneven);
+                let plain = Surface::new(kind, shape);
+                world.surfaces.push(Surface {
+                    speed: self.number("speed")?.unwrap_or(plain.speed),
+                    odometry_noise: self.number("odometry_noise")?.unwrap_or(plain.odometry_noise),
+                    wheel_bias: self.number("wheel_bias")?.unwrap_or(plain.wheel_bias),
+                    ..plain
+                });
+            }
+            ("obstacle", shape) => {
+                let kind = self.get("kind", "a kind of obstacle")?.unwrap_or(ObstacleKind::Other);
+                world.obstacles.push(Obstacle { kind, shape, visible_range });
+            }
+            // Files of others have properties of their own, of which nothing is asked.
+            (_, shape) => world.obstacles.push(Obstacle::new(ObstacleKind::Other, shape)),
+        }
+        Ok(())
+    }
+
+    fn add_road(&self, line: &[DVec2], world: &mut World) -> Result<(), PlanError> {
+        let heading = |i: usize| {
+            let pair = if i + 1 < line.len() { [i, i + 1] } else { [i.saturating_sub(1), i] };
+            let along = line[pair[1]] - line[pair[0]];
+            libm::atan2(along.y, along.x)
+        };
+        let point = |i: usize| RoadPoint {
+            pose: Pose { position: line[i], heading: heading(i) },
+            curvature: 0.0,
+        };
+        world.road_strips.push(RoadStrip {
+            centreline: (0..line.len()).map(point).collect(),
+            pieces: Vec::new(),
+            width: self.number("width")?.unwrap_or(1.0),
+            lanes: self.get("lanes", "a whole number from 1 on")?.unwrap_or(1),
+            closed: self.get("closed", "true or false")?.unwrap_or(false),
+        });
+        Ok(())
+    }
+}
+
+/// The triangles of a polygon with holes, counter-clockwise.
+fn triangles(rings: &[Vec<DVec2>]) -> impl Iterator<Item = Shape> {
+    let corners: Vec<DVec2> = rings.concat();
+    let starts = rings.iter().scan(0, |next, ring| {
+        *next += ring.len();
+        Some(*next as u32)
+    });
+    let holes: Vec<u32> = starts.take(rings.len() - 1).collect();
+    let mut indices: Vec<u32> = Vec::new();
+    earcut::Earcut::new().earcut(corners.iter().map(|p| p.to_array()), &holes, &mut indices);
+    let triangles: Vec<Shape> = indices
+        .chunks_exact(3)
+        .map(|triangle| {
+            let mut vertices: Vec<_> = triangle.iter().map(|&i| corners[i as usize]).collect();
+            if signed_area(&vertices) < 0.0 {
+                vertices.swap(1, 2);
+            }
+            vertices
+        })
+        .filter(|vertices| signed_area(vertices) > 0.0)
+        .map(|vertices| Shape::Polygon { vertices })
+        .collect();
+    triangles.into_iter()
+}

@@ -1,0 +1,35 @@
+//! Starts for worlds from files that have none.
+
+use crate::flood::flood;
+use crate::geometry::Pose;
+use crate::occupancy::{Coverage, OccupancyGrid};
+use crate::placement::max_clearance_point;
+use crate::world::World;
+
+/// Side of a cell of the grid on which a start is looked for, in metres, in a world that is not large.
+const CELL: f64 = 0.05;
+
+/// The most cells of that grid, about.
+const MOST_CELLS: f64 = 1e6;
+
+/// The place of most clearance in the largest free region, of those that walls keep from the world's bounds
+/// where it must be `enclosed`; `None` where nothing is free.
+pub(super) fn start_of_most_clearance(world: &World, enclosed: bool) -> Option<Pose> {
+    let size = world.bounds.size();
+    // Along the longer side too there are not more cells than that.
+    let least = (size.x * size.y / MOST_CELLS).sqrt().max(size.max_element() / MOST_CELLS);
+    let grid = OccupancyGrid::of(world, CELL.max(least), Coverage::Conservative).ok()?;
+    let frame = grid.frame();
+    let mut cells = grid.cells().to_vec();
+    if enclosed {
+        let mut open: Vec<bool> = cells.iter().map(|occupied| !occupied).collect();
+        let (rows, cols) = (frame.rows, frame.cols);
+        let ends = (0..rows).flat_map(|row| [row * cols, row * cols + cols - 1]);
+        for cell in ends.chain(0..cols).chain((rows - 1) * cols..rows * cols) {
+            flood(cols, &mut open, cell, |run| cells[run].fill(true));
+        }
+    }
+    let grid = OccupancyGrid::from_cells(frame.origin, frame.cell_size, frame.cols, cells).ok()?;
+    let position = max_clearance_point(&grid)?;
+    Some(Pose { position, heading: 0.0 })
+}

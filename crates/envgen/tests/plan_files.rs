@@ -1,0 +1,404 @@
+//! Worlds as GeoJSON, as houses of HouseExpo, as buildings of Open-RMF and as comma-separated values.
+
+mod common;
+
+use std::path::Path;
+
+use envgen::export::{Format, Job};
+use envgen::geometry::{Pose, Rect, Shape};
+use envgen::glam::DVec2;
+use envgen::import::{read_geojson, read_houseexpo, reader};
+use envgen::world::{Doorway, Obstacle, ObstacleKind, Tree, Wall, WallKind};
+use envgen::{Provenance, Seed, World, WorldKind};
+use proptest::prelude::*;
+use serde_json::Value;
+
+fn written(world: &World, name: &str) -> String {
+    let format = Format::from_path(Path::new(name)).unwrap();
+    let job = Job { stem: "small".to_owned(), ..Job::new(world) };
+    let mut file = Vec::new();
+    format.write(&job, &mut file).unwrap();
+    String::from_utf8(file).unwrap()
+}
+
+/// A room of 4 m by 3 m with a door to the right, a pillar and a crate.
+fn small() -> World {
+    let bounds = Rect::new(DVec2::ZERO, DVec2::new(4.0, 3.0));
+    let mut world = World::new(Provenance::other("manual", "small".into()), bounds);
+    let rect = |x0, y0, x1, y1| Shape::from_rect(Rect::new(DVec2::new(x0, y0), DVec2::new(x1, y1)));
+    for shape in [
+        rect(0.0, 0.0, 4.0, 0.25),
+        rect(0.0, 2.75, 4.0, 3.0),
+        rect(0.0, 0.25, 0.25, 2.75),
+        rect(3.75, 0.25, 4.0, 1.0),
+        rect(3.75, 2.0, 4.0, 2.75),
+    ] {
+        world.walls.push(Wall::new(WallKind::Wall, shape));
+    }
+    world.doorways.push(Doorway {
+        shape: rect(3.75, 1.0, 4.0, 2.0),
+        open: false,
+        rooms: [None; 2],
+    });
+    world.trees.push(Tree { center: DVec2::new(1.0, 2.25), radius: 0.125 });
+    let vertices = vec![DVec2::new(2.0, 2.0), DVec2::new(2.5, 2.0), DVec2::new(2.0, 2.5)];
+    world.obstacles.push(Obstacle::new(ObstacleKind::Crate, Shape::Polygon { vertices }));
+    world.start = Some(Pose::new(1.0, 1.0, 0.5));
+    world.goal = Some(Pose::new(3.0, 1.0, 0.0));
+    assert_eq!(world.check(), Ok(()));
+    world
+}
+
+/// Points all over a world, and beside it.
+fn points(world: &World) -> impl Iterator<Item = DVec2> + '_ {
+    let mut stream = Seed(5).stream("tests/points", 0);
+    let area = world.bounds.grown(0.1);
+    (0..400).map(move |_| {
+        DVec2::new(stream.between(area.min.x, area.max.x), stream.between(area.min.y, area.max.y))
+    })
+}
+
+fn assert_same_free_space(world: &World, other: &World, tolerance: f64) {
+    for p in points(world) {
+        let (a, b) = (world.clearance(p), other.clearance(p));
+        assert!((a - b).abs() <= tolerance || a == b, "{p}: {a} and {b}");
+    }
+}
+
+fn assert_read_back_as_geojson(world: &World) {
+    let text = written(world, "a.geojson");
+    assert_eq!(text, written(world, "a.geojson"));
+    let read = read_geojson(&mut text.as_bytes()).unwrap();
+    assert_same_free_space(world, &read, 1e-9);
+    assert_eq!((read.start.is_some(), read.goal), (true, world.goal));
+    assert!(world.start.is_none() || read.start == world.start);
+    assert_eq!(read.bounds, world.bounds);
+    let counts = |world: &World| {
+        let parts = [world.walls.len(), world.rooms.len(), world.obstacles.len()];
+        (parts, world.trees.clone(), world.doorways.len(), world.victims.clone())
+    };
+    assert_eq!(counts(&read), counts(world));
+    for (room, read) in world.rooms.iter().zip(&read.rooms) {
+        assert_eq!(
+            (&room.name, room.difficulty, room.lit),
+            (&read.name, read.difficulty, read.lit)
+        );
+    }
+    for (surface, read) in world.surfaces.iter().zip(&read.surfaces) {
+        assert_eq!((surface.kind, surface.speed), (read.kind, read.speed));
+    }
+    for (doorway, read) in world.doorways.iter().zip(&read.doorways) {
+        assert_eq!((doorway.open, doorway.rooms), (read.open, read.rooms));
+    }
+    for (road, read) in world.road_strips.iter().zip(&read.road_strips) {
+        let places = |road: &envgen::world::RoadStrip| {
+            road.centreline.iter().map(|point| point.pose.position).collect::<Vec<_>>()
+        };
+        assert_eq!((places(road), road.width, road.lanes), (places(read), read.width, read.lanes));
+    }
+    assert_eq!(read.provenance.spec["made_by"]["kind"], world.provenance.kind.as_str());
+}
+
+#[test]
+fn worlds_of_all_kinds_come_back_from_geojson() {
+    for &kind in WorldKind::ALL {
+        let world = kind.default_spec().generate(Seed(3)).unwrap().to_world();
+        assert_read_back_as_geojson(&world);
+    }
+    assert_read_back_as_geojson(&small());
+    assert_read_back_as_geojson(&common::everything());
+}
+
+#[test]
+fn small_worlds_as_geojson() {
+    let text = written(&small(), "a.geojson");
+    let collection: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(collection["bbox"], serde_json::json!([0.0, 0.0, 4.0, 3.0]));
+    assert!(collection["frame"].as_str().unwrap().contains("metres"));
+    let features = collection["features"].as_array().unwrap();
+    let of = |id: &str| features.iter().find(|feature| feature["id"] == id).unwrap();
+    let doorway = of("doorway 0");
+    assert_eq!(doorway["properties"]["solid"], true);
+    assert_eq!(
+        doorway["geometry"]["coordinates"],
+        serde_json::json!([[[3.75, 1.0], [4.0, 1.0], [4.0, 2.0], [3.75, 2.0], [3.75, 1.0]]])
+    );
+    assert_eq!(of("start")["properties"]["heading"], 0.5);
+    assert_eq!(of("tree 0")["properties"]["radius"], 0.125);
+    assert_eq!(of("tree 0")["geometry"]["coordinates"][0].as_array().unwrap().len(), 65);
+    assert_eq!(of("obstacle 0")["properties"]["kind"], "crate");
+}
+
+#[test]
+fn geojson_of_others_is_read() {
+    let read = |text: &str| read_geojson(&mut text.as_bytes());
+    // A courtyard: a square ring, its outer corners clockwise, and a disc in the middle.
+    let ring = r#"{"type": "FeatureCollection", "features": [
+        {"type": "Feature", "properties": null, "geometry": {"type": "Polygon", "coordinates":
+            [[[0,0],[0,10],[10,10],[10,0],[0,0]], [[1,1],[9,1],[9,9],[1,9],[1,1]]]}},
+        {"type": "Feature", "properties": {"radius": 0.5}, "geometry":
+            {"type": "Point", "coordinates": [5, 5, 0]}},
+        {"type": "Feature", "properties": {"kind": "bench"}, "geometry":
+            {"type": "LineString", "coordinates": [[2,2],[3,2],[3,2],[3,3]]}},
+        {"type": "Feature", "properties": {}, "geometry": null}]}"#;
+    let world = read(ring).unwrap();
+    assert_eq!(world.bounds, Rect::new(DVec2::ZERO, DVec2::splat(10.0)));
+    let area: f64 = world.obstacles.iter().map(|obstacle| obstacle.shape.area()).sum();
+    assert!((area - 36.0 - 0.25 * std::f64::consts::PI).abs() < 1e-12);
+    assert_eq!(world.walls.len(), 2);
+    assert!((world.clearance(DVec2::new(5.0, 6.5)) - 1.0).abs() < 1e-12);
+    assert_eq!(world.clearance(DVec2::new(0.5, 5.0)), 0.0);
+    assert!(world.start.is_some_and(|start| world.clearance(start.position) > 1.0));
+    let square = r#"{"type": "MultiPolygon", "coordinates": [[[[0,0],[1,0],[1,1],[0,0]]]]}"#;
+    assert_eq!(read(square).unwrap().obstacles.len(), 1);
+    let moved = written(&small(), "a.geojson").replacen("1.125,2.25", "1.2,2.25", 2);
+    let moved = read(&moved).unwrap();
+    // A disc with a corner that was moved is the polygon.
+    assert_eq!((moved.trees.len(), moved.obstacles.len()), (0, 2));
+}
+
+#[test]
+fn what_is_wrong_with_geojson_is_named() {
+    let text = written(&small(), "a.geojson");
+    for (from, to, what) in [
+        ("\"features\":[", "\"features\":[7,", "not GeoJSON"),
+        (
+            "[3.75,1.0]",
+            "[3.75]",
+            "`features[5].geometry` must be two finite coordinates, got [3.75]",
+        ),
+        (
+            "\"heading\":0.5",
+            "\"heading\":\"north\"",
+            "`features[0].properties.heading` must be a number",
+        ),
+        ("\"open\":false", "\"open\":7", "properties.open` must be true or false, got 7"),
+        ("\"kind\":\"crate\"", "\"kind\":\"lake\"", "properties.kind` must be a kind of obstacle"),
+        ("\"rooms\":[null,null]", "\"rooms\":[9,null]", "doorway 0 names room 9"),
+        ("[2.0,2.5]", "[2.0,2e9]", "must be from -1e8 to 1e8 m"),
+        ("[1.0,1.0]", "[0.1,0.1]", "the start pose lies inside wall 0"),
+        ("[2.0,2.5]", "[2.25,2.0]", "obstacle 0 is not a simple counter-clockwise polygon"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let error = read_geojson(&mut text.replacen(from, to, 1).as_bytes()).unwrap_err();
+        assert!(error.to_string().contains(what), "{to}: {error}");
+    }
+    let short = r#"{"type": "Polygon", "coordinates": [[[0,0],[1,0],[0,0]]]}"#;
+    let error = read_geojson(&mut short.as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("must be three different corners or more, got 2"), "{error}");
+    assert!(read_geojson(&mut "{}".as_bytes()).is_err());
+    let bbox = r#"{"type": "FeatureCollection", "bbox": [1], "features": []}"#;
+    let error = read_geojson(&mut bbox.as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("`bbox` must be 4 or 6 numbers"), "{error}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn shapes_come_back_from_geojson(
+        discs in prop::collection::vec((0.0..20.0_f64, 0.0..20.0_f64, 0.01..3.0_f64), 1..12),
+        boxes in prop::collection::vec(
+            (0.0..20.0_f64, 0.0..20.0_f64, 0.01..3.0_f64, 0.01..3.0_f64, -3.0..3.0_f64), 0..12,
+        ),
+    ) {
+        let bounds = Rect::new(DVec2::splat(-10.0), DVec2::splat(30.0));
+        let mut world = World::new(Provenance::other("manual", Value::Null), bounds);
+        for (x, y, radius) in discs {
+            world.trees.push(Tree { center: DVec2::new(x, y), radius });
+        }
+        for (x, y, width, height, heading) in boxes {
+            let half_size = DVec2::new(width, height);
+            let shape = Shape::Box { center: DVec2::new(x, y), half_size, heading };
+            world.obstacles.push(Obstacle::new(ObstacleKind::Desk, shape));
+        }
+        world.goal = Some(Pose::new(-5.0, -5.0, 1.0));
+        assert_read_back_as_geojson(&world);
+    }
+}
+
+#[test]
+fn houses_hold_the_outline_of_free_ground() {
+    let world = small();
+    let text = written(&world, "small.house.json");
+    let house: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!((&house["id"], &house["room_num"]), (&"small".into(), &0.into()));
+    // The crate and the pillar are inside and are lost: the four corners of the room remain.
+    assert_eq!(house["verts"].as_array().unwrap().len(), 4, "{}", house["verts"]);
+    assert_eq!(house["start"], serde_json::json!([1.0, 1.0, 0.5]));
+    let read = read_houseexpo(&mut text.as_bytes()).unwrap();
+    assert_eq!((read.start, read.goal), (world.start, world.goal));
+    assert_eq!(read.walls.len(), 4);
+}
+
+/// Whether a polygon's border is crossed an odd number of times on the right of a point.
+fn is_inside(verts: &[DVec2], p: DVec2) -> bool {
+    let sides = verts.iter().zip(verts.iter().cycle().skip(1));
+    let crossed = sides.filter(|(a, b)| {
+        let is_between = (a.y > p.y) != (b.y > p.y);
+        is_between && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
+    });
+    crossed.count() % 2 == 1
+}
+
+#[test]
+fn free_ground_comes_back_from_houses() {
+    for seed in 0..4 {
+        let world = WorldKind::Hallway.default_spec().generate(Seed(seed)).unwrap().to_world();
+        let text = written(&world, "a.house.json");
+        assert_eq!(text, written(&world, "a.house.json"));
+        let read = reader(Path::new("b.JSON")).unwrap()(&mut text.as_bytes(), Path::new("b.JSON"))
+            .unwrap();
+        // Inside, walls are as far as before up to the diagonal of a cell and the cell that the border takes.
+        let house: Value = serde_json::from_str(&text).unwrap();
+        let verts: Vec<DVec2> = serde_json::from_value(house["verts"].clone()).unwrap();
+        let mut inside = 0;
+        for p in points(&world) {
+            let (before, after) = (world.clearance(p), read.clearance(p));
+            if before > 0.3 && is_inside(&verts, p) {
+                inside += 1;
+                assert!(after <= before + 1e-9 && after > before - 0.13, "{p}: {before} {after}");
+            }
+        }
+        assert!(inside > 20, "{inside}");
+    }
+}
+
+#[test]
+fn houses_of_the_data_set_are_read() {
+    let house = r#"{"id": "0042", "room_num": 2, "bbox": {"min": [0, 0], "max": [6, 4]},
+        "verts": [[0, 0], [6, 0], [6, 4], [3, 4], [3, 2], [0, 2], [0, 0]],
+        "room_category": {"Bedroom": [[0, 0, 3, 2]], "Kitchen": [[3, 0, 6, 4], [3.5, 0, 6, 1]]}}"#;
+    let world = read_houseexpo(&mut house.as_bytes()).unwrap();
+    assert_eq!(world.walls.len(), 6);
+    let names: Vec<_> = world.rooms.iter().map(|room| room.name.as_str()).collect();
+    assert_eq!(names, ["Bedroom", "Kitchen", "Kitchen"]);
+    assert_eq!(world.bounds, Rect::new(DVec2::splat(-0.5), DVec2::new(6.5, 4.5)));
+    // The widest place is in the square of the kitchen's lower part.
+    let start = world.start.unwrap().position;
+    assert!(world.clearance(start) > 1.4 && start.x > 3.0, "{start}");
+    for (from, to, what) in [
+        ("[3, 4], ", "[3, 1e300], ", "`verts[3]` must be numbers from -1e8 to 1e8"),
+        ("[3, 4], ", "[3], ", "not the JSON of a house of HouseExpo"),
+        ("[[0, 0, 3, 2]]", "[[0, 0, 0, 2]]", "`room_category.Bedroom[0]` must be x1 < x2"),
+        ("\"verts\"", "\"vert\"", "missing field `verts`"),
+    ] {
+        let error =
+            read_houseexpo(&mut house.replace(from, to).as_bytes()).unwrap_err().to_string();
+        assert!(error.contains(what), "{to}: {error}");
+    }
+    let two = r#"{"verts": [[0, 0], [1, 1]]}"#;
+    let error = read_houseexpo(&mut two.as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("`verts` must be from 3 to 262144 corners, got 2"), "{error}");
+}
+
+#[test]
+fn what_is_solid_comes_back_from_tables() {
+    for world in [small(), common::forest(60, 12.0), common::everything()] {
+        let text = written(&world, "a.obstacles.csv");
+        let mut lines = text.lines();
+        assert_eq!(
+            lines.next(),
+            Some("part,index,kind,shape,x,y,heading,length,width,radius,points")
+        );
+        let mut read = World::new(Provenance::other("manual", Value::Null), world.bounds);
+        for line in lines {
+            let fields: Vec<&str> = line.split(',').collect();
+            let number = |i: usize| fields[i].parse::<f64>().unwrap();
+            let at = || DVec2::new(number(4), number(5));
+            let points = || -> Vec<DVec2> {
+                let pair = |point: &str| {
+                    let (x, y) = point.split_once(' ').unwrap();
+                    DVec2::new(x.parse().unwrap(), y.parse().unwrap())
+                };
+                fields[10].split(';').map(pair).collect()
+            };
+            let shape = match fields[3] {
+                "pose" => {
+                    let pose = Pose { position: at(), heading: number(6) };
+                    let end = if fields[0] == "start" { &mut read.start } else { &mut read.goal };
+                    *end = Some(pose);
+                    continue;
+                }
+                "disc" => Shape::Disc { center: at(), radius: number(9) },
+                "box" => {
+                    let half_size = 0.5 * DVec2::new(number(7), number(8));
+                    Shape::Box { center: at(), half_size, heading: number(6) }
+                }
+                "segment" => Shape::Segment { a: points()[0], b: points()[1] },
+                _ => Shape::Polygon { vertices: points() },
+            };
+            read.obstacles.push(Obstacle::new(ObstacleKind::Other, shape));
+        }
+        assert_eq!((read.start, read.goal), (world.start, world.goal));
+        assert_eq!(read.obstacles.len(), world.solids().count());
+        assert_same_free_space(&world, &read, 1e-12);
+    }
+    let empty =
+        World::new(Provenance::other("manual", Value::Null), Rect::new(DVec2::ZERO, DVec2::ONE));
+    assert_eq!(written(&empty, "a.obstacles.csv").lines().count(), 1);
+}
+
+/// A building that was read, as far as these tests use it.
+struct Building {
+    level: Value,
+    vertices: Vec<DVec2>,
+}
+
+impl Building {
+    fn of(world: &World) -> Self {
+        let text = written(world, "a.building.yaml");
+        assert_eq!(text, written(world, "a.building.yaml"));
+        let building: Value = serde_saphyr::from_str(&text).unwrap();
+        assert_eq!(building["coordinate_system"], "cartesian_meters");
+        let provenance = building["parameters"]["provenance"][1].as_str().unwrap();
+        let provenance: Provenance = serde_json::from_str(provenance).unwrap();
+        assert_eq!(provenance, world.provenance);
+        let level = building["levels"]["L1"].clone();
+        let vertices = level["vertices"].as_array().unwrap().iter();
+        let vertices = vertices.map(|v| DVec2::new(v[0].as_f64().unwrap(), v[1].as_f64().unwrap()));
+        let vertices = vertices.collect();
+        Building { level, vertices }
+    }
+
+    fn edges(&self, name: &str) -> Vec<[DVec2; 2]> {
+        let edges = self.level[name].as_array().unwrap().iter();
+        let end = |edge: &Value, i: usize| self.vertices[edge[i].as_u64().unwrap() as usize];
+        edges.map(|edge| [end(edge, 0), end(edge, 1)]).collect()
+    }
+}
+
+#[test]
+fn buildings_hold_walls_and_doors() {
+    let world = small();
+    let building = Building::of(&world);
+    let walls = building.edges("walls");
+    // Five thin walls, the sides of the pillar and of the crate.
+    assert_eq!(walls.len(), 5 + 16 + 3);
+    assert!(walls.contains(&[DVec2::new(0.0, 0.125), DVec2::new(4.0, 0.125)]));
+    assert_eq!(building.edges("doors"), [[DVec2::new(3.875, 1.0), DVec2::new(3.875, 2.0)]]);
+    let door = &building.level["doors"][0][2];
+    assert_eq!(door["motion_axis"], serde_json::json!([1, "start"]));
+    assert_eq!(door["motion_degrees"], serde_json::json!([3, 90]));
+    assert_eq!(door["name"], serde_json::json!([1, "doorway_0"]));
+    assert_eq!(building.edges("lanes"), [[DVec2::new(1.0, 1.0), DVec2::new(3.0, 1.0)]]);
+    assert_eq!(building.level["vertices"][0][3], "start");
+}
+
+#[test]
+fn lanes_of_buildings_are_free() {
+    for &kind in WorldKind::ALL {
+        let world = kind.default_spec().generate(Seed(3)).unwrap().to_world();
+        let building = Building::of(&world);
+        assert_eq!(building.edges("doors").len(), world.doorways.len());
+        let lanes = building.edges("lanes");
+        for [a, b] in &lanes {
+            for i in 0..=50 {
+                let p = a.lerp(*b, f64::from(i) / 50.0);
+                assert!(world.clearance(p) > 0.2, "{kind}: {} at {p}", world.clearance(p));
+            }
+        }
+        let is_open = world.goal.is_some() && !matches!(kind, WorldKind::Landscape);
+        assert!(!is_open || !lanes.is_empty(), "{kind}");
+    }
+}
