@@ -336,7 +336,7 @@ CASES = [
         plans,
         "indoor",
         INDOOR,
-        change("geojson", r"(\[\[\[)([-0-9.]+)", add(1e-6)),
+        change("geojson", r"(\[\[\[[-0-9.]+,[-0-9.]+\],\[)([-0-9.]+)", add(1e-6)),
         "has another shape",
     ),
     (

@@ -10,7 +10,7 @@ use crate::world::World;
 const CELL: f64 = 0.05;
 
 /// The most cells of that grid, about.
-const MOST_CELLS: f64 = 1e6;
+const MOST_CELLS: f64 = 2.5e5;
 
 /// The place of most clearance in the largest free region, of those that walls keep from the world's bounds
 /// where it must be `enclosed`; `None` where nothing is free.
