@@ -40,6 +40,9 @@ TYPES = {1: str, 2: int, 3: (int, float), 4: bool}
 # RMF's walls are this thick.
 RMF_WALL = 0.1
 
+# Lanes are at least this far from solids: a robot's radius less the diagonal of a cell.
+LANE_ROOM = 0.15
+
 
 def judge(world, report):
     """Compares each file with the shapes of the JSON file."""
@@ -120,14 +123,11 @@ def judge_house(world, report):
     if house["room_num"] != rooms or rooms != len(world.data["rooms"]):
         report.complain(f"the house has {rooms} rooms")
     solids = shapes.grown(shapes.solids(world.data), 0, outside=False)
-    border = outline.exterior
-    for solid in solids:
-        # A solid is all outside, or free of it inside and was left out.
-        if solid.area > 0 and solid.intersects(border):
-            crossing = solid.buffer(-1e-6).intersection(border)
-            if not crossing.is_empty:
-                report.complain("a solid crosses the outline of the house")
-                break
+    # A solid is all outside, or free of the outline inside and was left out.
+    for i in shapely.STRtree(solids).query(outline.exterior, predicate="intersects"):
+        if solids[i].buffer(-1e-6).intersects(outline.exterior):
+            report.complain("a solid crosses the outline of the house")
+            break
     report.count("corners of houses", len(house["verts"]))
 
 
@@ -163,19 +163,24 @@ def judge_building(world, report):
                 continue
             edges[name].append(LineString([points[start], points[end]]))
     judge_doors(world.data, edges["doors"], report)
-    solids = shapely.union_all(
-        shapes.grown(shapes.solids(world.data), 0, outside=False)
-    )
-    for lane in edges["lanes"]:
-        if lane.distance(solids) < 0.15:
-            report.complain(f"a lane is {lane.distance(solids):.3f} m from a solid")
+    solids = shapes.grown(shapes.solids(world.data), 0, outside=False)
+    near, _ = within(edges["lanes"], solids, LANE_ROOM)
+    if near:
+        report.complain(f"{near} lanes are less than {LANE_ROOM} m from a solid")
     # Where closed doors are, RMF has doors and no walls.
-    walls = shapely.union_all(edges["walls"]).buffer(RMF_WALL / 2)
     outlines = [shapes.core(wall["shape"])[0] for wall in world.data["walls"]]
-    far = sum(wall.distance(walls) > EXACT for wall in outlines)
-    if far:
-        report.complain(f"the building lacks {far} walls")
+    near, total = within(outlines, edges["walls"], RMF_WALL / 2 + EXACT)
+    if near < total:
+        report.complain(f"the building lacks {total - near} walls")
     report.count("edges of buildings", sum(len(lines) for lines in edges.values()))
+
+
+def within(some, others, distance):
+    """How many geometries have another one so near, and how many there are."""
+    if len(some) == 0 or len(others) == 0:
+        return 0, len(some)
+    pairs = shapely.STRtree(others).query(some, "dwithin", distance)
+    return len(set(pairs[0])), len(some)
 
 
 def typed(parameters, needed, report):

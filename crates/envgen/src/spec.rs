@@ -464,7 +464,7 @@ mod tests {
 
     #[test]
     fn rules_give_the_limits_that_hold() {
-        use crate::{forest, landscape, road};
+        use crate::{cellular, forest, landscape, road};
         let hold = |kind: WorldKind, limit: u64| {
             let digits = limit.to_string();
             let plain = |rule: &str| rule.replace(',', "").contains(&digits);
@@ -476,6 +476,7 @@ mod tests {
         hold(WorldKind::Road, road::MAX_SEGMENTS as u64);
         hold(WorldKind::Landscape, landscape::MAX_CELLS);
         hold(WorldKind::Landscape, landscape::MAX_SMOOTH_CELLS);
+        hold(WorldKind::Cellular, cellular::MAX_VISITS);
     }
 
     #[test]

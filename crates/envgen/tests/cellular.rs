@@ -251,7 +251,7 @@ fn what_cannot_be_is_named() {
     let reversed = CellularSpec { clear_to: 5, ..Default::default() };
     assert!(text(reversed).starts_with("`clear_to` must be less than fill_from, which is 5"));
     let large = CellularSpec { rows: 1024, cols: 1024, ..Default::default() };
-    assert!(text(large).starts_with("`attempts` must be at most 341 for 1048576 cells"));
+    assert!(text(large).starts_with("`attempts` must be at most 170 for 1048576 cells"));
     let nan = CellularSpec { fill: f64::NAN, ..Default::default() };
     assert!(text(nan).starts_with("`fill` must be a number from 0 to 1, got NaN"));
 }

@@ -7,7 +7,7 @@ use crate::error::SpecError;
 use crate::settings;
 
 /// The most cells that the attempts of one world may visit, over all passes: some seconds.
-pub const MAX_VISITS: u64 = 1 << 31;
+pub const MAX_VISITS: u64 = 1 << 30;
 
 settings! {
     /// A field of blocks to generate. The defaults are those of BARN's first world; its data set has `fill`
@@ -106,7 +106,7 @@ pub(super) const RULES: &[&str] = &[
     "`clear_to` is less than `fill_from`",
     "`rows` is at least 3 + 2 `robot_cells`, unless `open_sides` is all",
     "`cols` is at least 3 + 2 `robot_cells` where `open_sides` is none",
-    "`rows` times `cols` times `attempts` times (2 + `smoothing`) is at most 2,147,483,648",
+    "`rows` times `cols` times `attempts` times (2 + `smoothing`) is at most 1,073,741,824",
 ];
 
 impl CellularSpec {
