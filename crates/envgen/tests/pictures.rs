@@ -508,6 +508,7 @@ proptest! {
                     difficulty: Some(difficulty).filter(|d| d.is_finite()),
                     lit: false,
                     contents: Contents::AsDesigned,
+                    height: None,
                 }),
                 3 => world.doorways.push(Doorway::new(shape, i < 8, [None, None])),
                 n => world.surfaces.push(Surface::new([SurfaceKind::Stairs, SurfaceKind::Debris, SurfaceKind::Water, SurfaceKind::Class(n as u16)][n - 4], shape)),

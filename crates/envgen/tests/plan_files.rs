@@ -8,7 +8,7 @@ use envgen::export::{Format, Job};
 use envgen::geometry::{Pose, Rect, Shape};
 use envgen::glam::DVec2;
 use envgen::import::{read_geojson, read_houseexpo, reader};
-use envgen::world::{Doorway, Obstacle, ObstacleKind, Tree, Wall, WallKind};
+use envgen::world::{Doorway, Extent, Obstacle, ObstacleKind, Tree, Wall, WallKind};
 use envgen::{Provenance, Seed, World, WorldKind};
 use proptest::prelude::*;
 use serde_json::Value;
@@ -36,11 +36,15 @@ fn small() -> World {
         world.walls.push(Wall::new(WallKind::Wall, shape));
     }
     world.doorways.push(Doorway {
+        height: None,
         shape: rect(3.75, 1.0, 4.0, 2.0),
         open: false,
         rooms: [None; 2],
     });
-    world.trees.push(Tree { center: DVec2::new(1.0, 2.25), radius: 0.125 });
+    world.trees.push(Tree {
+        height: Some(Extent::new(0.0, 7.5).unwrap()),
+        ..Tree::new(DVec2::new(1.0, 2.25), 0.125)
+    });
     let vertices = vec![DVec2::new(2.0, 2.0), DVec2::new(2.5, 2.0), DVec2::new(2.0, 2.5)];
     world.obstacles.push(Obstacle::new(ObstacleKind::Crate, Shape::Polygon { vertices }));
     world.start = Some(Pose::new(1.0, 1.0, 0.5));
@@ -205,7 +209,7 @@ proptest! {
         let bounds = Rect::new(DVec2::splat(-10.0), DVec2::splat(30.0));
         let mut world = World::new(Provenance::other("manual", Value::Null), bounds);
         for (x, y, radius) in discs {
-            world.trees.push(Tree { center: DVec2::new(x, y), radius });
+            world.trees.push(Tree::new(DVec2::new(x, y), radius));
         }
         for (x, y, width, height, heading) in boxes {
             let half_size = DVec2::new(width, height);

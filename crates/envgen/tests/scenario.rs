@@ -12,8 +12,8 @@ use envgen::glam::DVec2;
 use envgen::indoor::IndoorSpec;
 use envgen::scenario::smoke::{Laser, Reading, SmokePlace};
 use envgen::scenario::{
-    BehindDoor, Body, Door, DoorCommand, DoorControl, DoorKinds, PERSON_RADIUS, PersonState,
-    Reactions, Robot, Scenario, ScenarioSpec, ScenarioState, SmokeKind, Target,
+    BehindDoor, Body, Door, DoorCommand, DoorControl, DoorKinds, PersonState, Reactions, Robot,
+    Scenario, ScenarioSpec, ScenarioState, SmokeKind, Target,
 };
 use envgen::world::{Doorway, Room, Wall, WallKind};
 use envgen::{Blueprint, Provenance, Seed, Spec, World, WorldKind};
@@ -212,6 +212,7 @@ fn two_rooms(door: &str) -> (World, Scenario) {
             difficulty: None,
             lit: true,
             contents: Default::default(),
+            height: None,
         });
     }
     let shape = Shape::from_rect(Rect::new(v(3.9, 1.5), v(4.1, 2.5)));

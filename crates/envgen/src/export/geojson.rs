@@ -13,7 +13,7 @@ use serde_json::json;
 
 use super::ExportError;
 use crate::geometry::{Pose, Shape, unit_vector};
-use crate::world::{PartKind, World};
+use crate::world::{PartId, PartKind, World};
 
 /// Corners of the polygon that represents a disc.
 const CORNERS: u32 = 64;
@@ -41,16 +41,23 @@ fn features(world: &World) -> impl Iterator<Item = Feature> + '_ {
     let ends = ends.filter_map(|(name, pose)| Some(place(name, name.to_owned(), pose?)));
     let walls = world.walls.iter().enumerate().map(|(i, wall)| {
         let properties = json!({ "kind": value(&wall.kind), "visible_range": wall.visible_range });
-        part(PartKind::Wall, i, &wall.shape, true, properties)
+        part(world, PartKind::Wall, i, &wall.shape, true, properties)
     });
     let trees = world.trees.iter().enumerate().map(|(i, tree)| {
         let shape = Shape::Disc { center: tree.center, radius: tree.radius };
-        part(PartKind::Tree, i, &shape, true, json!({}))
+        part(world, PartKind::Tree, i, &shape, true, json!({}))
     });
     let roads = world.road_strips.iter().enumerate().map(|(i, road)| {
         let line = road.centreline.iter().map(|point| position(point.pose.position));
         let properties = json!({ "closed": road.closed, "lanes": road.lanes, "width": road.width });
-        of_geometry(PartKind::RoadStrip, i, Geometry::new_line_string(line), false, properties)
+        of_geometry(
+            world,
+            PartKind::RoadStrip,
+            i,
+            Geometry::new_line_string(line),
+            false,
+            properties,
+        )
     });
     let rooms = world.rooms.iter().enumerate().map(|(i, room)| {
         let properties = json!({
@@ -59,16 +66,16 @@ fn features(world: &World) -> impl Iterator<Item = Feature> + '_ {
             "lit": room.lit,
             "name": room.name,
         });
-        part(PartKind::Room, i, &room.shape, false, properties)
+        part(world, PartKind::Room, i, &room.shape, false, properties)
     });
     let doorways = world.doorways.iter().enumerate().map(|(i, doorway)| {
         let properties = json!({ "open": doorway.open, "rooms": doorway.rooms });
-        part(PartKind::Doorway, i, &doorway.shape, !doorway.open, properties)
+        part(world, PartKind::Doorway, i, &doorway.shape, !doorway.open, properties)
     });
     let obstacles = world.obstacles.iter().enumerate().map(|(i, obstacle)| {
         let properties =
             json!({ "kind": value(&obstacle.kind), "visible_range": obstacle.visible_range });
-        part(PartKind::Obstacle, i, &obstacle.shape, true, properties)
+        part(world, PartKind::Obstacle, i, &obstacle.shape, true, properties)
     });
     let surfaces = world.surfaces.iter().enumerate().map(|(i, surface)| {
         let properties = json!({
@@ -77,7 +84,7 @@ fn features(world: &World) -> impl Iterator<Item = Feature> + '_ {
             "speed": surface.speed,
             "wheel_bias": surface.wheel_bias,
         });
-        part(PartKind::Surface, i, &surface.shape, false, properties)
+        part(world, PartKind::Surface, i, &surface.shape, false, properties)
     });
     let victims = world.victims.iter().enumerate();
     let victims = victims.map(|(i, &pose)| place("victim", format!("victim {i}"), pose));
@@ -111,6 +118,7 @@ fn place(name: &str, id: String, pose: Pose) -> Feature {
 }
 
 fn part(
+    world: &World,
     kind: PartKind,
     index: usize,
     shape: &Shape,
@@ -132,10 +140,11 @@ fn part(
         }
         Shape::Box { .. } | Shape::Polygon { .. } => ring(&mut shape.corners().into_iter()),
     };
-    of_geometry(kind, index, geometry, is_solid, properties)
+    of_geometry(world, kind, index, geometry, is_solid, properties)
 }
 
 fn of_geometry(
+    world: &World,
     kind: PartKind,
     index: usize,
     geometry: Geometry,
@@ -144,6 +153,7 @@ fn of_geometry(
 ) -> Feature {
     let name = value(&kind);
     let id = format!("{} {index}", name.as_str().unwrap_or_default());
+    properties["height"] = value(&world.extent(PartId { kind, index: index as u32 }));
     properties["part"] = name;
     properties["solid"] = is_solid.into();
     let properties = properties.as_object().cloned();

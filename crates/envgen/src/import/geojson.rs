@@ -15,8 +15,8 @@ use crate::file::{FileError, read_text};
 use crate::geometry::{Pose, Rect, Shape, signed_area};
 use crate::provenance::Provenance;
 use crate::world::{
-    Doorway, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind, Tree, Wall,
-    WallKind, World,
+    Doorway, Extent, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind,
+    Tree, Wall, WallKind, World,
 };
 
 const FORMAT: &str = "GeoJSON";
@@ -272,24 +272,37 @@ impl Properties {
 
     fn add_shape(&self, part: &str, shape: Shape, world: &mut World) -> Result<(), PlanError> {
         let visible_range = self.number("visible_range")?;
+        let height: Option<Extent> = self.get("height", "a bottom and a top in metres")?;
+        // Files state all heights, parts those that are not usual.
+        let unusual = |usual: Extent| height.filter(|height| *height != usual);
         match (part, shape) {
             ("wall", shape) => {
                 let kind = self.get("kind", "a kind of wall")?.unwrap_or(WallKind::Wall);
-                world.walls.push(Wall { kind, shape, visible_range });
+                let plain = Wall::new(kind, shape);
+                let height = unusual(plain.extent());
+                world.walls.push(Wall { visible_range, height, ..plain });
             }
-            ("tree", Shape::Disc { center, radius }) => world.trees.push(Tree { center, radius }),
-            ("room", shape) => world.rooms.push(Room {
-                name: self.get("name", "a text")?.unwrap_or_default(),
-                shape,
-                difficulty: self.number("difficulty")?,
-                lit: self.get("lit", "true or false")?.unwrap_or(true),
-                contents: self.get("contents", "what is left of a room")?.unwrap_or_default(),
-            }),
-            ("doorway", shape) => world.doorways.push(Doorway {
-                shape,
-                open: self.get("open", "true or false")?.unwrap_or(true),
-                rooms: self.get("rooms", "two numbers of rooms, or null")?.unwrap_or_default(),
-            }),
+            ("tree", Shape::Disc { center, radius }) => {
+                let plain = Tree::new(center, radius);
+                world.trees.push(Tree { height: unusual(plain.extent()), ..plain });
+            }
+            ("room", shape) => {
+                let plain = Room {
+                    name: self.get("name", "a text")?.unwrap_or_default(),
+                    shape,
+                    difficulty: self.number("difficulty")?,
+                    lit: self.get("lit", "true or false")?.unwrap_or(true),
+                    contents: self.get("contents", "what is left of a room")?.unwrap_or_default(),
+                    height: None,
+                };
+                world.rooms.push(Room { height: unusual(plain.extent()), ..plain });
+            }
+            ("doorway", shape) => {
+                let open = self.get("open", "true or false")?.unwrap_or(true);
+                let rooms = self.get("rooms", "two numbers of rooms, or null")?.unwrap_or_default();
+                let plain = Doorway::new(shape, open, rooms);
+                world.doorways.push(Doorway { height: unusual(plain.extent()), ..plain });
+            }
             ("surface", shape) => {
                 let kind = self.get("kind", "a kind of surface")?.unwrap_or(SurfaceKind::Uneven);
                 let plain = Surface::new(kind, shape);
@@ -297,12 +310,15 @@ impl Properties {
                     speed: self.number("speed")?.unwrap_or(plain.speed),
                     odometry_noise: self.number("odometry_noise")?.unwrap_or(plain.odometry_noise),
                     wheel_bias: self.number("wheel_bias")?.unwrap_or(plain.wheel_bias),
+                    height: unusual(plain.extent()),
                     ..plain
                 });
             }
             ("obstacle", shape) => {
                 let kind = self.get("kind", "a kind of obstacle")?.unwrap_or(ObstacleKind::Other);
-                world.obstacles.push(Obstacle { kind, shape, visible_range });
+                let plain = Obstacle::new(kind, shape);
+                let height = unusual(plain.extent());
+                world.obstacles.push(Obstacle { visible_range, height, ..plain });
             }
             // Files of others have properties of their own, of which nothing is asked.
             (_, shape) => world.obstacles.push(Obstacle::new(ObstacleKind::Other, shape)),

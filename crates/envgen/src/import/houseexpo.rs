@@ -91,6 +91,7 @@ pub fn read_houseexpo(input: &mut dyn Read) -> Result<World, PlanError> {
                 difficulty: None,
                 lit: true,
                 contents: Contents::AsDesigned,
+                height: None,
             });
         }
     }

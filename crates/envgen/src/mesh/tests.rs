@@ -66,6 +66,10 @@ fn spec(kind: WorldKind, draw: u64) -> WorldSpec {
             set("difficulty", stream.between(0.0, 10.0).to_string());
             set("doorway_height", stream.between(1.0, 3.0).to_string());
         }
+        WorldKind::Cellular => {
+            set("rows", (8 + stream.below(30)).to_string());
+            set("fill", stream.between(0.05, 0.25).to_string());
+        }
         WorldKind::Landscape => {
             set("rows", (2 + stream.below(14)).to_string());
             set("cols", (2 + stream.below(14)).to_string());
