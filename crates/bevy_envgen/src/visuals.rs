@@ -97,10 +97,10 @@ impl Default for Palette {
             start: color(palette::START),
             goal: color(palette::GOAL),
             victim: color(palette::VICTIM.fill),
-            person: color(palette::ORANGE),
+            person: color(palette::PERSON.fill),
             face: color(palette::INK),
-            leaf: color(palette::CLOSED_DOORWAY.fill),
-            smoke: color(palette::QUIET_INK),
+            leaf: color(palette::LEAF.fill),
+            smoke: color(palette::SMOKE.fill),
             classes: (1..=palette::CLASSES).map(|class| color(palette::class(class))).collect(),
         }
     }
