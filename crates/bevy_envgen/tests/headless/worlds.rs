@@ -175,10 +175,12 @@ fn a_hundred_rebuilds_leak_nothing() {
     let indoor = specs().into_iter().find(|spec| spec.kind().name() == "indoor").unwrap();
     let hallway = spawn_ready(&mut app, Environment::new(spec, 0)).unwrap();
     let indoor = spawn_ready(&mut app, Environment::new(indoor, 0)).unwrap();
+    let moving = ScenarioSpec { doors: 1.0, people: 3, smoke: 0.1, ..default() };
+    app.world_mut().entity_mut(indoor).insert(EnvironmentScenario::new(moving, 1));
     step(&mut app, 2);
     let entities = |app: &App| app.world().entities().count_spawned();
     let first = (spawned(&mut app), in_rapier(&mut app), entities(&app));
-    assert!(first.1.1 > 10, "the indoor map has doors");
+    assert!(first.1.1 > 10, "the indoor map has doors and people");
     let mut archetypes = 0;
     for round in 0..100 {
         for root in [hallway, indoor] {
