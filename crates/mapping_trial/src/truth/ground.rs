@@ -5,7 +5,7 @@ use envgen::clearance_index::ClearanceIndex;
 use envgen::geometry::{Shape, edges};
 use envgen::occupancy::{Coverage, OccupancyGrid};
 use envgen::surface_index::SurfaceIndex;
-use envgen::world::{Extent, SurfaceKind};
+use envgen::world::{Extent, Solid, SurfaceKind};
 use glam::DVec2;
 
 use super::frame::{SCORE_CELL, ScoreFrame};
@@ -27,20 +27,14 @@ impl DiscGround {
     ///
     /// `None` if there are too many cells, or the reach is not a distance.
     pub(super) fn new(world: &World, frame: ScoreFrame, reach: f64, body: Extent) -> Option<Self> {
-        let empty = OccupancyGrid::empty(frame.area(), SCORE_CELL).ok()?;
-        let mut solid = empty.clone();
-        for part in world.solids_within(body) {
-            occupy_entered(&mut solid, &part.shape);
-        }
-        let mut wet = empty;
+        let mut wet = OccupancyGrid::empty(frame.area(), SCORE_CELL).ok()?;
         let barred = |shape: &Shape| occupy_entered(&mut wet, shape);
         let surfaces = world.surfaces.iter();
         let surfaces = surfaces.filter(|s| s.kind == SurfaceKind::Water || s.speed == 0.0);
         surfaces.map(|surface| &surface.shape).for_each(barred);
-        let inside = |cell| world.bounds.contains(frame.centre(cell));
         Some(DiscGround {
             frame,
-            open: (0..frame.len()).map(|cell| !solid.cells()[cell] && inside(cell)).collect(),
+            open: open_cells(world, frame, world.solids_within(body))?,
             dry: wet.cells().iter().map(|wet| !wet).collect(),
             near: ClearanceIndex::within(world, reach, body).ok()?,
             grounds: SurfaceIndex::new(world),
@@ -49,11 +43,6 @@ impl DiscGround {
 
     pub(super) fn frame(&self) -> ScoreFrame {
         self.frame
-    }
-
-    /// The cells inside the world's bounds that no solid part enters.
-    pub(super) fn open(&self) -> &[bool] {
-        &self.open
     }
 
     /// Whether a cell lies inside the world's bounds and no solid part enters it.
@@ -92,6 +81,18 @@ impl DiscGround {
             _ => -radius,
         }
     }
+}
+
+/// The cells inside the world's bounds that none of some solid parts enters; `None` if there are too many cells.
+pub(super) fn open_cells<'a>(
+    world: &World,
+    frame: ScoreFrame,
+    solids: impl Iterator<Item = Solid<'a>>,
+) -> Option<Vec<bool>> {
+    let mut grid = OccupancyGrid::empty(frame.area(), SCORE_CELL).ok()?;
+    solids.for_each(|part| occupy_entered(&mut grid, &part.shape));
+    let inside = |cell| world.bounds.contains(frame.centre(cell));
+    Some((0..frame.len()).map(|cell| !grid.cells()[cell] && inside(cell)).collect())
 }
 
 /// How deep a filled shape must reach into a cell to enter it, in metres: a wall along the line

@@ -13,7 +13,7 @@ use glam::DVec2;
 use thiserror::Error;
 
 pub use self::frame::{SCORE_CELL, ScoreFrame};
-use self::ground::DiscGround;
+use self::ground::{DiscGround, open_cells};
 use self::reach::Reach;
 pub use self::walls::WallPoint;
 use crate::map::{CLAMP, CellIndex, OccupancyMap};
@@ -153,8 +153,11 @@ impl MappableArea {
         if free_cells == 0 || ground.room(start, radius) < 0.0 {
             return Err(MappableAreaError::Start { x: start.x, y: start.y, radius: footprint });
         }
-        let joined = joined(frame, &free, ground.open());
-        let walls = walls::seen(world, robot.laser_mount.height, frame, &free, &joined);
+        // What stops the robot, a laser may see over.
+        let laser = robot.laser_mount.height;
+        let seen = open_cells(world, frame, world.solids_at(laser))
+            .ok_or_else(|| self::too_large(world))?;
+        let walls = walls::seen(world, laser, frame, &free, &joined(frame, &free, &seen));
         let mut truth = MappableArea {
             frame,
             ground,
