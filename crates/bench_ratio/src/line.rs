@@ -117,7 +117,7 @@ impl Growth {
     }
 }
 
-/// What stands before the exponent.
+/// The words before the exponent.
 const GROWS: &str = ": grows as size^";
 
 impl fmt::Display for Growth {
