@@ -36,7 +36,7 @@ fn hall() -> EnvWorld {
     let inner = inner.map(|(from, to)| Shape::from_rect(Rect::new(from, to)));
     world.walls = outer.chain(inner).map(|shape| Side::new(WallKind::Wall, shape)).collect();
     let shape = Shape::from_rect(Rect::new(v(7.9, 1.5), v(8.1, 2.5)));
-    world.doorways.push(Doorway { shape, open: true, rooms: [None, None] });
+    world.doorways.push(Doorway::new(shape, true, [None, None]));
     world.start = Some(Pose::new(2.0, 2.0, 0.0));
     world
 }
