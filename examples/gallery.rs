@@ -190,10 +190,11 @@ fn corridor() -> (World, Scenario) {
             difficulty: None,
             lit: true,
             contents: Default::default(),
+            height: None,
         });
     }
     let shape = Shape::from_rect(Rect::new(v(9.95, 1.0), v(10.05, 2.0)));
-    world.doorways.push(Doorway { shape, open: true, rooms: [Some(0), Some(1)] });
+    world.doorways.push(Doorway::new(shape, true, [Some(0), Some(1)]));
     world.start = Some(Pose::new(1.0, 1.5, 0.0));
 
     let seed = Seed(FILM_SEED);

@@ -77,6 +77,7 @@ fn digests_are_frozen() {
         "dc4938931aed060d",
         "62f2a41b5a2c6bf6",
         "ff7135e076b6cd63",
+        "005b2c1996ddbee4",
         "fd5bd8f55df27ab0",
         "5dfa90aaaed50512",
         "67a801cb6d5cc72c",

@@ -31,10 +31,17 @@ pub(crate) fn random_spec(kind: WorldKind, seed: u64) -> WorldSpec {
     for attempt in 0.. {
         let mut stream = Seed(seed).attempt(kind.name(), 0, attempt);
         let mut settings = kind.default_spec().settings_json();
-        for setting in kind.settings() {
+        for setting in plane(kind) {
             let share = if RARE.contains(&setting.name) { 0.05 } else { 0.5 };
             if stream.chance(share) {
                 settings[setting.name] = draw(setting, &settings, &mut stream);
+            }
+        }
+        // Plans do not depend on heights.
+        let mut heights = Seed(seed).attempt("heights", 0, attempt);
+        for setting in kind.settings().iter().filter(|setting| is_height(setting)) {
+            if heights.chance(0.5) {
+                settings[setting.name] = draw(setting, &settings, &mut heights);
             }
         }
         if let Some(spec) = repaired(kind, settings, &mut stream) {
@@ -42,6 +49,16 @@ pub(crate) fn random_spec(kind: WorldKind, seed: u64) -> WorldSpec {
         }
     }
     unreachable!("the defaults are valid, and drawn at times")
+}
+
+/// Whether a setting is a height of parts, which has draws of its own.
+fn is_height(setting: &Setting) -> bool {
+    setting.name.ends_with("_height")
+}
+
+/// The settings that decide the plan.
+fn plane(kind: WorldKind) -> impl Iterator<Item = &'static Setting> {
+    kind.settings().iter().filter(|setting| !is_height(setting))
 }
 
 fn repaired(kind: WorldKind, mut settings: Value, stream: &mut Stream) -> Option<WorldSpec> {
@@ -59,7 +76,8 @@ fn repaired(kind: WorldKind, mut settings: Value, stream: &mut Stream) -> Option
         let named = |setting: &&Setting| wrong.split([' ', '+', '*']).any(|w| w == setting.name);
         let mut to_blame: Vec<_> = kind.settings().iter().filter(named).collect();
         if to_blame.is_empty() || stream.chance(0.3) {
-            to_blame = vec![&kind.settings()[stream.below(kind.settings().len() as u64) as usize]];
+            let settings: Vec<_> = plane(kind).collect();
+            to_blame = vec![settings[stream.below(settings.len() as u64) as usize]];
         }
         for setting in to_blame {
             settings[setting.name] = match stream.chance(0.5) {

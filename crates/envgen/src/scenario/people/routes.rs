@@ -203,7 +203,7 @@ impl Tree {
     }
 
     /// The farthest cell of the path that is found in sight of a point, by doubling and then by halving. The
-    /// cell `first`, with which the path goes on, can be reached.
+    /// cell `first`, with which the path continues, can be reached.
     fn farthest_seen(&self, space: &FreeSpace, from: DVec2, first: usize) -> Option<usize> {
         let is_seen = |cell: usize| space.is_clear(from, space.frame.center_of(cell));
         let mut cells = vec![first];
