@@ -19,7 +19,7 @@ fn fault(mesh: &Mesh) -> Option<String> {
     for &[a, b, c] in &mesh.triangles {
         let [p, q, r] = [a, b, c].map(position);
         let normal = (q - p).cross(r - p);
-        if !(normal.length() > 0.0) {
+        if normal.length() <= 0.0 || normal.is_nan() {
             return Some(format!("degenerate triangle {p} {q} {r}"));
         }
         if [a, b, c].iter().any(|&i| mesh.normals[i as usize].dot(normal) <= 0.0) {
