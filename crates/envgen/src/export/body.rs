@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::geometry::{Pose, Shape};
+use crate::geometry::Shape;
 use crate::pieces::LINE_THICKNESS;
 use crate::world::Extent;
 
@@ -41,10 +41,4 @@ impl<'a> Body<'a> {
             Shape::Polygon { vertices } => Body::Polygon { corners: vertices },
         }
     }
-}
-
-/// Start and goal, with their names.
-pub(super) fn places(world: &crate::World) -> impl Iterator<Item = (&'static str, Pose)> {
-    let places = [("start", world.start), ("goal", world.goal)];
-    places.into_iter().filter_map(|(name, pose)| Some((name, pose?)))
 }

@@ -21,7 +21,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::ExportError;
-use super::body::places;
+use super::places::places;
 use crate::mesh::Mesh;
 use crate::palette::Srgb;
 use crate::pieces::{Piece, Role, pieces};

@@ -12,7 +12,8 @@ use std::io::Write;
 use glam::DVec2;
 
 use super::ExportError;
-use super::body::{Body, places};
+use super::body::Body;
+use super::places::places;
 use super::xml::{Attribute, Xml, number, numbers};
 use crate::mesh::convex_pieces;
 use crate::palette::Srgb;

@@ -17,7 +17,7 @@
 //! ```
 
 mod asc;
-#[cfg(any(feature = "gltf", feature = "mjcf", feature = "sdf"))]
+#[cfg(any(feature = "mjcf", feature = "sdf"))]
 mod body;
 #[cfg(feature = "rmf")]
 mod building;
@@ -40,6 +40,8 @@ mod obstacles_csv;
 mod opendrive;
 #[cfg(feature = "whole-file")]
 mod output;
+#[cfg(any(feature = "gltf", feature = "mjcf", feature = "sdf"))]
+mod places;
 pub mod ros_map;
 #[cfg(feature = "sdf")]
 mod sdf;

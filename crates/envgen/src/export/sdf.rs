@@ -10,7 +10,8 @@ use std::io::Write;
 use glam::DVec2;
 
 use super::ExportError;
-use super::body::{Body, places};
+use super::body::Body;
+use super::places::places;
 use super::xml::{Xml, number, numbers};
 use crate::palette::Srgb;
 use crate::pieces::{Form, Piece, pieces};

@@ -41,6 +41,7 @@ impl<'a> Xml<'a> {
     }
 
     /// An element without content.
+    #[cfg(any(feature = "mjcf", feature = "opendrive"))]
     pub(super) fn leaf(&mut self, name: &str, attributes: &[Attribute]) -> Result<(), ExportError> {
         Ok(self.0.write_event(Event::Empty(element(name, attributes)))?)
     }
