@@ -263,7 +263,7 @@ def numbers(element):
 def judge_glb(file, data, parts, report):
     """The validator finds nothing; trimesh finds closed meshes, oriented outwards, of the right volume."""
     modules = Path(__file__).parents[2] / "target/outside/node"
-    words = ["node", "-e", VALIDATE, str(file)]
+    words = ["node", "-e", VALIDATE, str(file.resolve())]
     done = subprocess.run(words, cwd=modules, capture_output=True, text=True, timeout=300)
     if done.returncode:
         report.complain(f"gltf-validator: {done.stderr}")

@@ -30,7 +30,7 @@ def core(shape):
 def solids(data):
     """The shapes of all that stops a robot."""
     shapes = [wall["shape"] for wall in data["walls"]]
-    shapes += [{"disc": tree} for tree in data["trees"]]
+    shapes += [{"disc": {key: tree[key] for key in ("center", "radius")}} for tree in data["trees"]]
     shapes += [door["shape"] for door in data["doorways"] if not door["open"]]
     return shapes + [obstacle["shape"] for obstacle in data["obstacles"]]
 
