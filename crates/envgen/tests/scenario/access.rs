@@ -1,0 +1,94 @@
+//! What can be reached while doors are open or closed.
+
+use std::collections::BTreeSet;
+
+use envgen::clearance_index::ClearanceIndex;
+use envgen::geometry::Pose;
+use envgen::glam::DVec2;
+use envgen::indoor::IndoorSpec;
+use envgen::scenario::{BehindDoor, Door, Scenario, ScenarioSpec};
+use envgen::world::{Wall, WallKind};
+use envgen::{Blueprint, Seed, Spec, World};
+
+use crate::two_rooms;
+
+#[test]
+fn the_other_room_is_behind_its_door() {
+    let (mut world, scenario) = two_rooms("kind: sliding, control: triggered");
+    world.start = Some(Pose::new(2.0, 2.0, 0.0));
+    world.goal = Some(Pose::new(7.0, 2.0, 0.0));
+    let there = BehindDoor { door: 0, rooms: vec![1], goal: true };
+    assert_eq!(scenario.behind_doors(&world, 0.3).unwrap(), [there]);
+    // A disc that never fits through loses nothing.
+    assert_eq!(scenario.behind_doors(&world, 0.9).unwrap(), []);
+    for radius in [0.0, -1.0, f64::NAN, 11.0] {
+        let error = scenario.behind_doors(&world, radius).unwrap_err().to_string();
+        assert!(error.contains("`radius` must be a number from 0.01 to 10"), "{error}");
+    }
+    // The leaf of a sliding door is in the wall, that of a hinged one in the room.
+    assert_eq!(scenario.with_open_doors(&world).unwrap(), world);
+    let (world, hinged) = two_rooms("kind: hinged, control: triggered");
+    assert_eq!(hinged.with_open_doors(&world).unwrap().walls.len(), world.walls.len() + 1);
+}
+
+#[test]
+fn rooms_behind_doors_are_those_that_a_wall_in_the_doorway_cuts_off() {
+    const RADIUS: f64 = 0.3;
+    let mut behind = 0;
+    for seed in 0..4 {
+        let few = IndoorSpec {
+            width: 7,
+            height: 7,
+            doorway_probability: Some(0.1),
+            ..Default::default()
+        };
+        let world = few.generate(Seed(seed)).unwrap().to_world();
+        let spec = ScenarioSpec { doors: 0.8, ..Default::default() };
+        let scenario = Scenario::new(&world, &spec, Seed(seed)).unwrap();
+        let open = scenario.with_open_doors(&world).unwrap();
+        let all = rooms_reached(&open, RADIUS);
+        let mut expected = Vec::new();
+        for (door, Door { doorway, .. }) in scenario.doors.iter().enumerate() {
+            let mut closed = open.clone();
+            let shape = closed.doorways[*doorway as usize].shape.clone();
+            closed.walls.push(Wall::new(WallKind::Wall, shape));
+            let left = rooms_reached(&closed, RADIUS);
+            let lost: Vec<u32> = (0..world.rooms.len() as u32)
+                .filter(|r| all[*r as usize] && !left[*r as usize])
+                .collect();
+            if !lost.is_empty() {
+                expected.push((door, lost));
+            }
+        }
+        let found = scenario.behind_doors(&world, RADIUS).unwrap();
+        let found: Vec<_> = found.into_iter().map(|door| (door.door, door.rooms)).collect();
+        behind += found.len();
+        // Doors to the goal alone are no rooms.
+        let found: Vec<_> = found.into_iter().filter(|(_, rooms)| !rooms.is_empty()).collect();
+        assert_eq!(found, expected, "seed {seed}");
+    }
+    assert!(behind > 3, "{behind} doors have a room behind them");
+}
+
+/// Which rooms a disc reaches from the start: by steps of 0.1 m from point to point.
+fn rooms_reached(world: &World, radius: f64) -> Vec<bool> {
+    const STEP: f64 = 0.1;
+    let index = ClearanceIndex::new(world, 1.0).unwrap();
+    let start = world.start.unwrap().position;
+    let mut seen = BTreeSet::from([(0, 0)]);
+    let mut queue = vec![(0, 0)];
+    let mut reached = vec![false; world.rooms.len()];
+    while let Some((col, row)) = queue.pop() {
+        let p = start + DVec2::new(f64::from(col), f64::from(row)) * STEP;
+        for (room, is_reached) in world.rooms.iter().zip(&mut reached) {
+            *is_reached |= room.shape.contains(p);
+        }
+        for next in [(col + 1, row), (col - 1, row), (col, row + 1), (col, row - 1)] {
+            let p = start + DVec2::new(f64::from(next.0), f64::from(next.1)) * STEP;
+            if world.bounds.contains(p) && index.clearance(p) >= radius && seen.insert(next) {
+                queue.push(next);
+            }
+        }
+    }
+    reached
+}

@@ -1,0 +1,156 @@
+//! People: whom they avoid, how they react, what a laser sees of them.
+
+use envgen::glam::DVec2;
+use envgen::scenario::{
+    Body, DoorControl, DoorKinds, PersonState, Reactions, Robot, Scenario, ScenarioSpec,
+    ScenarioState, Target,
+};
+use envgen::{Seed, WorldKind};
+
+use crate::watch::Watch;
+use crate::{indoor, room_with_a_person};
+
+fn run(state: &mut ScenarioState, seconds: u32, robots: &[Robot]) -> Watch {
+    let mut watch = Watch::default();
+    for _ in 0..20 * seconds {
+        state.step(0.05, robots).unwrap();
+        watch.look(state, robots);
+    }
+    let (overlap, what) = &watch.overlap;
+    assert!(*overlap < 0.01, "{what} overlap by {overlap} m");
+    watch
+}
+
+#[test]
+fn nobody_is_in_anything_in_random_maps() {
+    let (mut walked, mut waited, mut longest, mut stopped) = (0.0, 0.0, 0.0_f64, 0);
+    for seed in 0..8 {
+        let world = indoor(seed, 6 + (seed % 3) as u32 * 2);
+        let kinds = [DoorKinds::Mixed, DoorKinds::Hinged, DoorKinds::Double, DoorKinds::Sliding];
+        let spec = ScenarioSpec {
+            doors: 0.7,
+            door_kind: kinds[seed as usize % 4],
+            door_control: if seed % 3 == 2 { DoorControl::Triggered } else { DoorControl::Timed },
+            door_open: 15.0,
+            door_closed: 10.0,
+            slam: 0.5,
+            people: 3 + seed as u32,
+            working: 10.0,
+            waiting: 5.0,
+            ..Default::default()
+        };
+        let scenario = Scenario::new(&world, &spec, Seed(seed)).unwrap();
+        let mut state = ScenarioState::new(&world, &scenario).unwrap();
+        let watch = run(&mut state, 300, &[]);
+        walked += watch.walked;
+        waited += watch.waited;
+        longest = longest.max(watch.longest);
+        stopped += state.doors().iter().map(|door| door.stopped).sum::<u64>();
+    }
+    let share = waited / walked;
+    assert!(walked > 2e3, "{walked} s of walking");
+    assert!(longest < 60.0, "someone was stuck for {longest} s");
+    assert!(share < 0.5, "{share} of the walks are waits");
+    assert!(stopped > 0, "no door met a body");
+}
+
+#[test]
+fn a_thousand_people_do_not_jam() {
+    let world = indoor(1, 71);
+    let spec = ScenarioSpec { people: 1000, doors: 0.5, ..Default::default() };
+    let scenario = Scenario::new(&world, &spec, Seed(1)).unwrap();
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    state.step(240.0, &[]).unwrap();
+    let before = state.people().to_vec();
+    state.step(60.0, &[]).unwrap();
+    let walkers = before.iter().zip(state.people());
+    let walkers: Vec<_> =
+        walkers.filter(|(then, now)| then.is_walking() && now.is_walking()).collect();
+    let came_on =
+        |(then, now): &&(&PersonState, &PersonState)| then.position.distance(now.position) > 1.0;
+    let stuck = walkers.len() - walkers.iter().filter(came_on).count();
+    assert!(walkers.len() > 100, "{} walkers", walkers.len());
+    assert!(stuck < walkers.len() / 20, "{stuck} of {} walkers are stuck", walkers.len());
+}
+
+#[test]
+fn nobody_is_in_anything_in_worlds_of_other_kinds() {
+    for kind in [WorldKind::Hallway, WorldKind::Forest, WorldKind::Indoor] {
+        let world = kind.default_spec().generate(Seed(3)).unwrap().to_world();
+        let spec = ScenarioSpec { people: 5, working: 5.0, waiting: 5.0, ..Default::default() };
+        let scenario = Scenario::new(&world, &spec, Seed(1)).unwrap();
+        let mut state = ScenarioState::new(&world, &scenario).unwrap();
+        let starts: Vec<DVec2> = state.people().iter().map(|person| person.position).collect();
+        run(&mut state, 60, &[]);
+        let moved = |(person, start): (&envgen::scenario::PersonState, &DVec2)| {
+            person.position.distance(*start) > 1.0
+        };
+        assert!(state.people().iter().zip(&starts).any(moved), "nobody walks in a {kind}");
+    }
+}
+
+#[test]
+fn a_robot_among_people_is_never_walked_into() {
+    let world = indoor(4, 10);
+    for reaction in [Reactions::Regular, Reactions::Impassive, Reactions::Mixed] {
+        let spec = ScenarioSpec {
+            people: 20,
+            reaction,
+            doors: 0.5,
+            door_control: DoorControl::Triggered,
+            working: 10.0,
+            ..Default::default()
+        };
+        let scenario = Scenario::new(&world, &spec, Seed(2)).unwrap();
+        let mut state = ScenarioState::new(&world, &scenario).unwrap();
+        let position = world.start.unwrap().position;
+        let robot = Robot { position, velocity: DVec2::ZERO, radius: 0.3 };
+        // People who stand where the robot starts are none of its.
+        let is_far = |state: &ScenarioState| {
+            state.people().iter().all(|person| person.position.distance(position) > 0.55)
+        };
+        assert!(is_far(&state), "another seed is needed");
+        run(&mut state, 300, &[robot]);
+    }
+}
+
+/// A room of 8 x 6 m with one person in its middle, who stands for an hour.
+#[test]
+fn people_react_as_their_kind() {
+    let at = |reaction: &str, robot: DVec2, seconds: f64| {
+        let (world, scenario) = room_with_a_person(reaction);
+        let mut state = ScenarioState::new(&world, &scenario).unwrap();
+        let robot = Robot { position: robot, velocity: DVec2::ZERO, radius: 0.3 };
+        state.step(seconds, &[robot]).unwrap();
+        state.people()[0].position.distance(robot.position)
+    };
+    let robot = DVec2::new(1.0, 3.0);
+    // 3 m away: only who is curious moves, and up to 1.5 m.
+    assert_eq!(at("regular", robot, 20.0), 3.0);
+    assert_eq!(at("surprised", robot, 20.0), 3.0);
+    assert_eq!(at("impassive", robot, 20.0), 3.0);
+    let near = at("curious", robot, 20.0);
+    assert!((near - 1.5).abs() < 0.02, "{near}");
+    // dr/dt = -0.18 r.
+    let after = at("curious", robot, 2.0);
+    assert!((after - 3.0 * libm::exp(-0.36)).abs() < 0.03, "{after}");
+    // 2 m away: who is scared goes at 0.6 m/s.
+    let away = at("scared", DVec2::new(2.0, 3.0), 2.0);
+    assert!((away - 3.2).abs() < 0.07, "{away}");
+}
+
+#[test]
+fn a_laser_sees_a_disc_or_two_legs() {
+    let (world, mut scenario) = room_with_a_person("impassive");
+    let hit = |scenario: &Scenario, y: f64| {
+        let state = ScenarioState::new(&world, scenario).unwrap();
+        let hit = state.cast(DVec2::new(7.0, y), DVec2::NEG_X, 10.0).unwrap();
+        (hit.target == Target::Person(0), hit.distance)
+    };
+    assert_eq!(hit(&scenario, 3.0), (true, 2.75));
+    assert!(!hit(&scenario, 3.3).0);
+    scenario.settings.body = Body::Legs;
+    assert!(!hit(&scenario, 3.0).0);
+    assert_eq!(hit(&scenario, 3.15), (true, 3.0 - 0.07));
+    assert_eq!(hit(&scenario, 2.85), (true, 3.0 - 0.07));
+}

@@ -1,0 +1,90 @@
+//! Smoke: where it is, how it spreads, what beams read.
+
+use envgen::Seed;
+use envgen::geometry::{Rect, Shape};
+use envgen::glam::DVec2;
+use envgen::scenario::smoke::{Laser, Reading, SmokePlace};
+use envgen::scenario::{Robot, Scenario, ScenarioState, SmokeKind};
+use envgen::world::{Wall, WallKind};
+
+use crate::two_rooms;
+
+#[test]
+fn the_places_of_smoke_are_those_where_it_is() {
+    let (world, mut scenario) = two_rooms("kind: sliding, control: commanded");
+    assert_eq!(ScenarioState::new(&world, &scenario).unwrap().smoke().count(), 0);
+    let room = "(region: room(0), extinction: 2.0, growth: 0.0, kind: regional)";
+    let disc = "(region: disc(center: (6.0, 2.0), radius: 1.0), extinction: 0.5, growth: 0.0, kind: regional)";
+    scenario.smoke = [room, disc].map(|text| ron::from_str(text).unwrap()).to_vec();
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    state.step(60.0, &[]).unwrap();
+    let places: Vec<_> = state.smoke().collect();
+    let known =
+        [SmokePlace::Room(0), SmokePlace::Room(1), SmokePlace::Halls, SmokePlace::Source(1)];
+    assert_eq!(places.iter().map(|(place, _)| *place).collect::<Vec<_>>(), known);
+    for i in 0..80 {
+        let p = DVec2::new(0.05 + 0.1 * f64::from(i), 2.2);
+        let here = places
+            .iter()
+            .filter(|(place, _)| state.smoke_shapes(*place).iter().any(|shape| shape.contains(p)));
+        let sum: f64 = here.map(|(_, extinction)| extinction).sum();
+        assert!((sum - state.extinction(p)).abs() < 1e-12, "{p}");
+    }
+    assert_eq!(state.smoke_shapes(SmokePlace::Room(9)), []);
+    assert_eq!(state.smoke_shapes(SmokePlace::Source(0)), []);
+}
+
+#[test]
+fn beams_fail_in_smoke_as_their_laser() {
+    let (world, mut scenario) = two_rooms("kind: sliding, control: triggered");
+    let smoke = |kind: SmokeKind| {
+        let kind = if kind == SmokeKind::Particle { "particle" } else { "regional" };
+        let text = format!("(region: room(0), extinction: 2.0, growth: 0.0, kind: {kind})");
+        ron::from_str(&text).unwrap()
+    };
+    scenario.smoke = vec![smoke(SmokeKind::Regional)];
+    let read = |scenario: &Scenario, laser: Laser, y: f64| {
+        let state = ScenarioState::new(&world, scenario).unwrap();
+        let ray = (DVec2::new(3.5, y), DVec2::NEG_X);
+        state.beam(&laser, ray, 8.0, &mut Seed(1).stream("beam", 0)).0
+    };
+    let state = ScenarioState::new(&world, &scenario).unwrap();
+    assert_eq!(state.extinction(DVec2::new(1.0, 1.0)), 2.0);
+    assert_eq!(state.extinction(DVec2::new(5.0, 1.0)), 0.0);
+    // There is no outer wall: nothing to see within 8 m.
+    assert_eq!(read(&scenario, Laser::Sick, 1.0), Reading::NoEcho);
+    let mut closed = world.clone();
+    let outer = Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::new(0.1, 4.0)));
+    closed.walls.push(Wall::new(WallKind::Wall, outer));
+    let read = |scenario: &Scenario, laser: Laser, from: f64| {
+        let state = ScenarioState::new(&closed, scenario).unwrap();
+        let ray = (DVec2::new(from, 1.0), DVec2::NEG_X);
+        state.beam(&laser, ray, 8.0, &mut Seed(1).stream("beam", 0)).0
+    };
+    let physical = Laser::Physical { power_range: 30.0 };
+    // The range in smoke of 2/m is 1.486 m.
+    assert!(matches!(read(&scenario, physical, 1.55), Reading::Echo(d) if (d - 1.45).abs() < 1e-9));
+    assert_eq!(read(&scenario, physical, 1.65), Reading::NoEcho);
+    assert!(matches!(read(&scenario, Laser::Sick, 3.5), Reading::Echo(_)));
+    let hokuyo = Laser::Hokuyo { budget: Laser::HOKUYO_BUDGET };
+    assert_eq!(read(&scenario, hokuyo, 3.5), Reading::NoEcho);
+    scenario.smoke = vec![smoke(SmokeKind::Particle)];
+    assert_eq!(read(&scenario, Laser::Sick, 3.5), Reading::NoEcho);
+}
+
+#[test]
+fn smoke_leaks_through_an_open_door_alone() {
+    let (world, mut scenario) = two_rooms("kind: sliding, control: triggered");
+    let text = "(region: room(0), extinction: 2.0, growth: 0.0, kind: regional)";
+    scenario.smoke = vec![ron::from_str(text).unwrap()];
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    let there = DVec2::new(7.0, 2.0);
+    state.step(60.0, &[]).unwrap();
+    assert_eq!(state.extinction(there), 0.0);
+    let robot = Robot { position: DVec2::new(5.0, 2.0), velocity: DVec2::ZERO, radius: 0.3 };
+    state.step(60.0, &[robot]).unwrap();
+    // dC/dt = 0.1 (2 - C) / 16, for the 59.5 s that it was open on average.
+    let expected = 2.0 * (1.0 - libm::exp(-0.1 * 59.5 / 16.0));
+    let found = state.extinction(there);
+    assert!((found - expected).abs() < 0.02, "{found} {expected}");
+}
