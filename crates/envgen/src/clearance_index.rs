@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use crate::error::SpecError;
-use crate::geometry::{Rect, Shape, edges};
+use crate::geometry::{Rect, Shape, edges, split_segment};
 use crate::grid::{Convex, GridFrame, GridIndex, index_area};
 use crate::world::{Extent, PartId, Solid, World};
 
@@ -210,9 +210,7 @@ impl ClearanceIndex {
     /// from `a` to `b`. Exact, in the time of a query per metre.
     pub(crate) fn is_clear_along(&self, a: DVec2, b: DVec2, distance: f64) -> bool {
         // A cell lists what is within reach of a point in it, and so of the line as far as that from the point.
-        let pieces = (a.distance(b) / (self.reach - distance).min(MAX_PIECE)).ceil().max(1.0);
-        (0..pieces as usize).all(|k| {
-            let [from, to] = [k, k + 1].map(|k| a.lerp(b, k as f64 / pieces));
+        split_segment(a, b, (self.reach - distance).min(MAX_PIECE)).all(|(from, to)| {
             let (middle, half) = (from.midpoint(to), 0.5 * (to - from).abs() + distance);
             self.index.at(middle).iter().all(|&i| {
                 let hull = &self.hulls[i as usize];

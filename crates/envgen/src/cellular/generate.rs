@@ -130,7 +130,7 @@ fn accepted(spec: &CellularSpec, blocked: &[bool]) -> Option<Sides> {
     is_accepted.then(|| Sides { is_crossed, cells: [cells(left, at_left), cells(right, at_right)] })
 }
 
-/// One of the cells of a side, which are in order from the top; `None` where there is none.
+/// One of the cells of a side, which are in order from the top; `None` where the side has no such cell.
 fn end(spec: &CellularSpec, cells: &[u32], stream: &mut Stream) -> Option<u32> {
     match spec.ends {
         Ends::Random if cells.is_empty() => None,

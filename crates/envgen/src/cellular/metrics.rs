@@ -9,7 +9,7 @@ use crate::difficulty::{BarnMetrics, BarnMode};
 /// Numbers that describe a block field.
 ///
 /// The last six describe the path from start to goal through the cells that the robot's middle can be in,
-/// which keeps away from blocks; they are absent where there is none. Five of them are BARN's metrics, as its
+/// which keeps away from blocks; they are absent where no such path exists. Five of them are BARN's metrics, as its
 /// code computes them ([`BarnMode::Reference`]).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CellularMetrics {

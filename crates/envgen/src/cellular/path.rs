@@ -79,7 +79,7 @@ impl CheapestPaths {
         CheapestPaths { start, before }
     }
 
-    /// The path to a cell, both ends included; `None` where there is none.
+    /// The path to a cell, both ends included; `None` where no path exists.
     pub(crate) fn to(&self, goal: usize) -> Option<Vec<usize>> {
         let before = |&cell: &usize| Some(self.before[cell]).filter(|&cell| cell != NONE);
         let mut path: Vec<_> = std::iter::successors(Some(goal), before).collect();
@@ -112,7 +112,7 @@ mod tests {
         let path = cheapest_path(10, &blocked, 0.15, [10, 19]).unwrap();
         assert_eq!((path[0], path[path.len() - 1]), (10, 19));
         assert!(path.iter().any(|cell| cell / 10 > 2), "{path:?}");
-        // In larger cells the distance at which blocks matter is none.
+        // In larger cells blocks matter at no distance.
         let path = cheapest_path(10, &blocked, 1.0, [10, 19]).unwrap();
         assert_eq!(path, (10..20).collect::<Vec<_>>());
     }

@@ -10,6 +10,6 @@ pub(crate) use polygon::polygon_contains;
 pub use polygon::{edges, signed_area};
 pub use pose::{Pose, unit_vector, wrap_angle};
 pub use rect::Rect;
-pub(crate) use segment::distance_between_segments;
+pub(crate) use segment::{distance_between_segments, split_segment};
 pub use segment::{distance_to_segment, nearest_on_segment, segments_cross};
 pub use shape::{Shape, box_axis};

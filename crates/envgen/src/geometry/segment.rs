@@ -17,6 +17,17 @@ pub fn distance_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     p.distance(nearest_on_segment(p, a, b))
 }
 
+/// A line in equal pieces of at most a length.
+pub(crate) fn split_segment(
+    a: DVec2,
+    b: DVec2,
+    longest: f64,
+) -> impl Iterator<Item = (DVec2, DVec2)> {
+    let count = (a.distance(b) / longest).ceil().max(1.0);
+    let at = move |k: usize| a.lerp(b, k as f64 / count);
+    (0..count as usize).map(move |k| (at(k), at(k + 1)))
+}
+
 /// Whether two lines share a point, ends and overlaps included.
 pub fn segments_cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
     let side = |p: DVec2, q: DVec2, r: DVec2| {

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::clearance_index::ClearanceIndex;
 use crate::error::SpecError;
-use crate::geometry::{distance_between_segments, distance_to_segment};
+use crate::geometry::{distance_between_segments, distance_to_segment, split_segment};
 use crate::grid::{CellBuckets, GridFrame};
 use crate::scenario::door::{DoorShape, Leaf};
 use crate::scenario::{PERSON_RADIUS, REACH, ScenarioSpec};
@@ -168,9 +168,7 @@ impl FreeSpace {
             return true;
         }
         // A cell lists the leaves within reach of it, which is more than half a piece and what is needed.
-        let pieces = (a.distance(b) / REACH).ceil().max(1.0);
-        (0..pieces as usize).all(|k| {
-            let [from, to] = [k, k + 1].map(|k| a.lerp(b, k as f64 / pieces));
+        split_segment(a, b, REACH).all(|(from, to)| {
             self.leaves_near(from.midpoint(to)).all(|Leaf { hinge, tip }| {
                 distance_between_segments(from, to, hinge, tip) >= needed
             })

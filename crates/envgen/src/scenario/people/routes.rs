@@ -190,7 +190,7 @@ impl Tree {
         (col < self.cols && row < self.rows).then(|| row * self.cols + col)
     }
 
-    /// The next cell of the path from a cell, which is the last if there is none.
+    /// The next cell of the path from a cell; no cell after the last one.
     #[expect(clippy::option_option, reason = "no path and no next cell are different")]
     fn next(&self, space: &FreeSpace, cell: usize) -> Option<Option<usize>> {
         match self.step(space, cell)? {
