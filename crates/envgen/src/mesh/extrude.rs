@@ -6,10 +6,23 @@ use glam::{DVec2, DVec3};
 
 use super::{JOINED, Mesh, ROAD_TOLERANCE, outline, triangulate};
 use crate::geometry::{Shape, signed_area};
-use crate::world::{Extent, RoadStrip};
+use crate::world::{Extent, RoadMesh, RoadStrip};
 
 /// Least distance in metres between cuts across a road.
 const SHORTEST: f64 = 0.01;
+
+/// The surface of a road as its mesh has it. `None` for a road without length.
+pub(super) fn road_surface(strip: &RoadStrip) -> Option<RoadMesh> {
+    let path = strip.path();
+    let mut distances = path.stations(0.5 * strip.width, ROAD_TOLERANCE);
+    let end = distances.last().copied()?;
+    // Corners that are nearer would be one in files of single precision.
+    distances.dedup_by(|next, kept| *next - *kept < SHORTEST);
+    if let Some(last) = distances.last_mut().filter(|last| end - **last < SHORTEST) {
+        *last = end;
+    }
+    Some(strip.mesh_at(&path, distances))
+}
 
 impl Mesh {
     /// A shape, drawn out from a bottom to a top. A disc has flat sides with the normals of a cylinder, at
@@ -34,15 +47,7 @@ impl Mesh {
 
     /// A road. `None` where its edge crosses itself in a bend.
     pub(super) fn of_road(strip: &RoadStrip, extent: Extent) -> Option<Self> {
-        let path = strip.path();
-        let mut distances = path.stations(0.5 * strip.width, ROAD_TOLERANCE);
-        let end = distances.last().copied()?;
-        // Corners that are nearer would be one in files of single precision.
-        distances.dedup_by(|next, kept| *next - *kept < SHORTEST);
-        if let Some(last) = distances.last_mut().filter(|last| end - **last < SHORTEST) {
-            *last = end;
-        }
-        let flat = strip.mesh_at(&path, distances);
+        let flat = road_surface(strip)?;
         let around = crate::geometry::Rect::around(flat.vertices.iter().copied())?;
         let pivot = around.center();
         let mut corners: Vec<DVec2> = flat.vertices.iter().map(|p| *p - pivot).collect();

@@ -6,6 +6,7 @@
 
 mod convex;
 mod extrude;
+mod raycast;
 mod revolve;
 mod triangulate;
 
@@ -13,6 +14,7 @@ use glam::{DVec2, DVec3};
 use thiserror::Error;
 
 pub use self::convex::convex_pieces;
+pub use self::raycast::{BodyHit, BodyRaycaster};
 pub use self::triangulate::triangulate;
 use crate::geometry::{Shape, unit_vector};
 use crate::pieces::{Form, LINE_THICKNESS, Piece};

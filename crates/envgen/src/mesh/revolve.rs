@@ -9,10 +9,10 @@ use crate::geometry::unit_vector;
 use crate::world::Crown;
 
 /// Corners around the axis.
-const AROUND: u32 = 12;
+pub(super) const AROUND: u32 = 12;
 
 /// Bands from the bottom to the top.
-const BANDS: u32 = 6;
+pub(super) const BANDS: u32 = 6;
 
 impl Mesh {
     /// An ellipsoid about a vertical axis, with smooth normals.

@@ -38,7 +38,7 @@ fn fault(mesh: &Mesh) -> Option<String> {
 }
 
 /// Small worlds of every kind, with settings from a number.
-fn spec(kind: WorldKind, draw: u64) -> WorldSpec {
+pub(super) fn spec(kind: WorldKind, draw: u64) -> WorldSpec {
     let mut spec = kind.default_spec();
     let mut stream = Seed(draw).stream("test", 0);
     let mut set = |name: &str, value: String| spec.set(name, &value).unwrap();
