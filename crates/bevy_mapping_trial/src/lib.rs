@@ -38,6 +38,7 @@
 //! | [`RobotPlugin`](robot::RobotPlugin) | | robots that drive and sense in rapier |
 //! | [`TrialPlugin`](trial::TrialPlugin) | | mapping trials, with `RobotPlugin` |
 //! | `TrialViewPlugin` | `render` | draws mapping trials |
+//! | `RobotCameraPlugin` | `camera` | what robots see: colours, depths and labels |
 //! | `TrialDebugPlugin` | `debug` | lines over rays, frontiers and plans, with `EnvgenDebugPlugin` |
 //!
 //! # System sets
@@ -53,6 +54,7 @@
 //! |---|---|---|
 //! | `render` | no | `view`, the drawing of trials; only this feature and those that include it, and `egui`, need rendering crates |
 //! | `debug` | no | `debug`, lines over rays, frontiers and plans; includes `render` |
+//! | `camera` | no | `camera`, cameras on robots, and trials recorded as pictures; includes `render` |
 //! | `egui` | no | `ui`, panels for specs, trials, scores and the feedback form |
 //! | `serialize` | no | serde for the properties of robots; the feature `serialize` of [`bevy_envgen`] |
 //!
@@ -60,6 +62,8 @@
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+#[cfg(feature = "camera")]
+pub mod camera;
 #[cfg(feature = "debug")]
 pub mod debug;
 pub mod robot;

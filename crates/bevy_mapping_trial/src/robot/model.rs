@@ -103,6 +103,12 @@ impl Wheels {
         Command { speed: 0.5 * (left + right), turn_rate }
     }
 
+    /// Whether the robot's [`TruePose`] is known.
+    #[cfg(feature = "camera")]
+    pub(crate) fn is_placed(&self) -> bool {
+        self.placed
+    }
+
     pub(super) fn set(&mut self, motion: Command, track: f64) {
         let half = 0.5 * motion.turn_rate * track;
         (self.left, self.right) = (motion.speed - half, motion.speed + half);

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use bevy::app::TaskPoolPlugin;
+use bevy::app::{PluginsState, TaskPoolPlugin};
 use bevy::ecs::schedule::SingleThreadedExecutor;
 use bevy::prelude::*;
 use bevy::time::{TimePlugin, TimeUpdateStrategy};
@@ -64,7 +64,7 @@ pub fn run_headless_with(
     progress: impl FnMut(f64),
 ) -> Result<Trial<RapierRobots>, HeadlessError> {
     let trial = MappingTrial::new(settings).with_parts(parts);
-    drive(world.clone(), trial, scenario, progress)
+    drive(&mut app(), world.clone(), trial, scenario, progress)
 }
 
 /// Replays a log of engine [`ENGINE`](super::ENGINE) in `world`, which must be the log's world.
@@ -92,20 +92,22 @@ pub fn replay_headless_with(
     progress: impl FnMut(f64),
 ) -> Result<Trial<RapierRobots>, HeadlessError> {
     let scenario = log.scenario.clone();
-    drive(world.clone(), MappingTrial::replay(log).with_parts(parts), scenario, progress)
+    let trial = MappingTrial::replay(log).with_parts(parts);
+    drive(&mut app(), world.clone(), trial, scenario, progress)
 }
 
 /// The last reason why the trial could not begin.
 #[derive(Resource)]
 struct Failure(MappingTrialError);
 
-fn drive(
+/// Runs a trial to its end in an app of which an update is a tick.
+pub(crate) fn drive(
+    app: &mut App,
     world: envgen::World,
     trial: MappingTrial,
     scenario: Option<Scenario>,
     mut progress: impl FnMut(f64),
 ) -> Result<Trial<RapierRobots>, HeadlessError> {
-    let mut app = app();
     let environment = Environment::prebuilt(world).with_pace(GenerationMode::Blocking);
     let mut root = app.world_mut().spawn((environment, trial));
     if let Some(scenario) = scenario {
@@ -141,10 +143,14 @@ fn drive(
 /// An app in which an update is a tick, with only the plugins that a trial needs.
 fn app() -> App {
     let mut app = App::new();
+    app.add_plugins((TaskPoolPlugin::default(), TimePlugin, TransformPlugin));
+    set_up(&mut app);
+    app
+}
+
+/// Makes an update of an app with clocks and transforms a tick, and adds the plugins that a trial needs.
+pub(crate) fn set_up(app: &mut App) {
     app.add_plugins((
-        TaskPoolPlugin::default(),
-        TimePlugin,
-        TransformPlugin,
         TopDownPhysicsPlugin::for_trials(),
         EnvgenCorePlugin::default(),
         EnvgenScenarioPlugin::default(),
@@ -159,7 +165,9 @@ fn app() -> App {
     for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
         schedule.set_executor(SingleThreadedExecutor::new());
     }
+    while app.plugins_state() == PluginsState::Adding {
+        bevy::tasks::tick_global_task_pools_on_main_thread();
+    }
     app.finish();
     app.cleanup();
-    app
 }

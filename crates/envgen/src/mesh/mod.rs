@@ -95,12 +95,17 @@ impl Mesh {
     /// # Errors
     /// For outlines that are not simple, and roads whose edge crosses itself in a bend.
     pub fn of(piece: &Piece<'_>) -> Result<Self, MeshError> {
-        let mesh = match &piece.form {
+        Mesh::of_form(&piece.form).ok_or_else(|| MeshError { piece: piece.to_string() })
+    }
+
+    /// The mesh of a form; `None` for outlines that are not simple, and roads whose edge crosses itself in a
+    /// bend.
+    pub fn of_form(form: &Form<'_>) -> Option<Self> {
+        match form {
             Form::Prism { shape, extent } => Mesh::extruded(shape, *extent),
             Form::Crown { center, crown } => Some(Mesh::ellipsoid(*center, *crown)),
             Form::Road { strip, extent } => Mesh::of_road(strip, *extent),
-        };
-        mesh.ok_or_else(|| MeshError { piece: piece.to_string() })
+        }
     }
 
     /// The volume in cubic metres.

@@ -30,6 +30,7 @@
 //! - Smoke has one density in each room, and one in all hallways and open areas together.
 
 mod access;
+mod bodies;
 mod door;
 mod people;
 mod plan;
@@ -40,6 +41,7 @@ mod state;
 mod view;
 
 pub use access::BehindDoor;
+pub use bodies::LEAF_THICKNESS;
 pub use door::{Door, DoorCommand, DoorKind, DoorState, Leaf};
 pub use people::{Person, PersonState, Reaction};
 pub use plan::{Scenario, ScenarioFileError};

@@ -66,7 +66,7 @@ pub(super) struct Scene {
     pub(super) settings: ScenarioSpec,
     seed: Seed,
     bounds: Rect,
-    doors: Vec<Door>,
+    pub(super) doors: Vec<Door>,
     pub(super) shapes: Vec<DoorShape>,
     /// The door of each doorway.
     door_of: Vec<Option<usize>>,

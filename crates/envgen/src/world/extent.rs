@@ -79,7 +79,8 @@ impl Extent {
         Extent { bottom: 0.0, top }
     }
 
-    pub(super) const fn between(bottom: f64, top: f64) -> Self {
+    /// From a bottom to a top that are known to be allowed.
+    pub(crate) const fn between(bottom: f64, top: f64) -> Self {
         Extent { bottom, top }
     }
 

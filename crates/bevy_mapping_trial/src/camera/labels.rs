@@ -1,0 +1,68 @@
+//! What the labels of images mean.
+
+use envgen::pieces::Piece;
+use envgen::scenario::Target;
+
+/// What a label means.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Label {
+    /// The kind, as in world files: `wall`, `desk`, `tree`, and `leaf`, `person` and `robot` for what moves.
+    pub kind: String,
+    /// The name, which no other label of the world has: `wall_3`, `doorway_0_lintel`, `person_2`.
+    pub name: String,
+}
+
+/// The labels of a world and of what moves in it, numbered from 1.
+#[derive(Clone, Debug, Default)]
+pub struct Labels {
+    /// Of the pieces of the world, in their order.
+    pieces: Vec<Label>,
+    /// The number of doors and people of the scenario.
+    doors: u32,
+    people: u32,
+}
+
+impl Labels {
+    pub(super) fn new(pieces: &[Piece<'_>], [doors, people]: [usize; 2]) -> Self {
+        let label = |piece: &Piece<'_>| Label { kind: piece.kind.clone(), name: piece.to_string() };
+        let pieces = pieces.iter().map(label).collect();
+        Labels { pieces, doors: doors as u32, people: people as u32 }
+    }
+
+    /// The label of a piece of the world, by its place in [`pieces`](envgen::pieces::pieces).
+    pub fn of_piece(&self, piece: usize) -> u32 {
+        piece as u32 + 1
+    }
+
+    /// The label of what moves; parts of the world have one for each of their pieces instead.
+    pub fn of_moving(&self, target: Target) -> Option<u32> {
+        let still = self.pieces.len() as u32;
+        match target {
+            Target::Part(_) => None,
+            Target::Leaf(door) => Some(still + 1 + door),
+            Target::Person(person) => Some(still + self.doors + 1 + person),
+        }
+    }
+
+    /// The label of a robot of a trial.
+    pub fn of_robot(&self, robot: usize) -> u32 {
+        self.pieces.len() as u32 + self.doors + self.people + 1 + robot as u32
+    }
+
+    /// What a label means; `None` for 0, which is nothing.
+    pub fn get(&self, label: u32) -> Option<Label> {
+        let index = label.checked_sub(1)?;
+        if let Some(label) = self.pieces.get(index as usize) {
+            return Some(label.clone());
+        }
+        let index = index - self.pieces.len() as u32;
+        let named = |kind: &str, index: u32| {
+            Some(Label { kind: kind.to_owned(), name: format!("{kind}_{index}") })
+        };
+        match index {
+            _ if index < self.doors => named("leaf", index),
+            _ if index < self.doors + self.people => named("person", index - self.doors),
+            _ => named("robot", index - self.doors - self.people),
+        }
+    }
+}

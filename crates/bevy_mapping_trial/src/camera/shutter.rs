@@ -1,0 +1,371 @@
+//! When pictures are taken, and the cameras of Bevy for colours.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use bevy::camera::RenderTarget;
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::prelude::*;
+use bevy::render::gpu_readback::{Readback, ReadbackComplete};
+use bevy::render::render_resource::{TextureFormat, TextureUsages};
+use bevy::render::renderer::{RenderDevice, RenderQueue};
+use bevy_envgen::{Environment, GroundTruth, ScenarioRun};
+use envgen::geometry::{Pose, Shape};
+use envgen::pieces::Form;
+use envgen::world::Extent;
+use mapping_trial::robot::{Footprint, Robot};
+
+use super::frame::CameraFrame;
+use super::labels::Labels;
+use super::optics::{CameraOptics, CameraPose, NEAR};
+use super::pass::{NumberPass, SceneBuffer};
+use super::scene::{Scene, Triangles};
+use super::settings::{CameraError, RobotCamera};
+use crate::robot::{RobotModel, TruePose, Wheels};
+use crate::trial::{MappingTrial, TrialRobot, in_world};
+
+/// A picture that is this little early is on time, as a share of the time between two.
+const ROUNDING: f64 = 1e-6;
+
+/// Colours that have not arrived after this many frames are lost.
+const MOST_FRAMES: u32 = 100;
+
+/// Bottom of a robot's body above the floor in metres.
+const CLEARANCE: f64 = 0.05;
+
+/// Triggered on a robot when its camera has taken a picture.
+#[derive(EntityEvent, Clone, Debug)]
+pub struct CameraFrameTaken {
+    /// The robot.
+    pub entity: Entity,
+    /// The images.
+    pub frame: Arc<CameraFrame>,
+}
+
+/// Triggered on a robot when its camera cannot take pictures, once until the [`RobotCamera`] is inserted again.
+#[derive(EntityEvent, Clone, Debug)]
+pub struct CameraFailed {
+    /// The robot.
+    pub entity: Entity,
+    /// Why.
+    pub error: CameraError,
+}
+
+/// What draws the colours of a [`RobotCamera`], on the same entity.
+#[derive(Component, Clone, Debug, Reflect)]
+#[reflect(Component, Debug, Clone)]
+pub struct RobotCameraView {
+    /// The last picture, for panels and sprites.
+    pub image: Handle<Image>,
+    /// The [`Camera3d`], a child of the robot. It is active only while it takes a picture.
+    pub camera: Entity,
+}
+
+/// Whether the camera of a robot took the picture of a time.
+#[derive(Component, Default)]
+pub(super) struct Shutter {
+    last: Option<u64>,
+    taken: u64,
+}
+
+/// A picture whose colours have not arrived.
+#[derive(Component)]
+pub(super) struct Exposure {
+    robot: Entity,
+    frame: CameraFrame,
+    age: u32,
+}
+
+/// The worlds that cameras have seen, and what draws them.
+#[derive(Resource, Default)]
+pub(super) struct Scenes {
+    pass: Option<NumberPass>,
+    known: BTreeMap<Entity, KnownScene>,
+}
+
+/// A world, on the graphics card.
+struct KnownScene {
+    world: Arc<envgen::World>,
+    movers: [usize; 2],
+    scene: Scene,
+    names: Arc<Labels>,
+    buffer: SceneBuffer,
+}
+
+/// Adds what a camera needs.
+pub(super) fn fit(
+    added: On<Insert, RobotCamera>,
+    cameras: Query<&RobotCamera>,
+    images: Option<ResMut<Assets<Image>>>,
+    mut commands: Commands,
+) {
+    let robot = added.entity;
+    let Ok(camera) = cameras.get(robot) else { return };
+    let mut fail = |error: CameraError| {
+        log::warn!("robot {robot}: {error}");
+        commands.trigger(CameraFailed { entity: robot, error });
+    };
+    if let Err(error) = camera.check() {
+        return fail(error);
+    }
+    if !camera.images.color {
+        commands.entity(robot).insert(Shutter::default());
+        return;
+    }
+    let Some(mut images) = images else { return fail(CameraError::NoRenderer) };
+    let format = TextureFormat::Rgba8UnormSrgb;
+    let mut image = Image::new_target_texture(camera.width, camera.height, format, None);
+    image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+    let image = images.add(image);
+    let optics = CameraOptics::new(camera);
+    let perspective = PerspectiveProjection {
+        fov: optics.vertical_field_of_view() as f32,
+        near: NEAR,
+        near_clip_plane: Vec4::new(0.0, 0.0, -1.0, -NEAR),
+        ..default()
+    };
+    let eye = commands.spawn((
+        Name::new("Robot's camera"),
+        Camera3d::default(),
+        Camera { is_active: false, ..default() },
+        RenderTarget::Image(image.clone().into()),
+        Projection::Perspective(perspective),
+        Tonemapping::KhronosPbrNeutral,
+        Msaa::Off,
+        CameraPose::on_robot(camera),
+        ChildOf(robot),
+    ));
+    let view = RobotCameraView { image, camera: eye.id() };
+    commands.entity(robot).insert((view, Shutter::default()));
+}
+
+/// Removes what a camera needed.
+pub(super) fn remove(
+    gone: On<Discard, RobotCamera>,
+    views: Query<&RobotCameraView>,
+    mut commands: Commands,
+) {
+    if let Some(mut camera) =
+        views.get(gone.entity).ok().and_then(|view| commands.get_entity(view.camera).ok())
+    {
+        camera.try_despawn();
+    }
+    if let Ok(mut robot) = commands.get_entity(gone.entity) {
+        robot.try_remove::<(RobotCameraView, Shutter)>();
+    }
+}
+
+/// A robot with a camera.
+type Seeing = (
+    Entity,
+    &'static RobotCamera,
+    &'static mut Shutter,
+    &'static TruePose,
+    &'static Wheels,
+    Option<&'static ChildOf>,
+    Option<&'static RobotCameraView>,
+);
+
+/// A robot that may be seen.
+type Seen = (Entity, &'static TrialRobot, &'static RobotModel, &'static TruePose, &'static ChildOf);
+
+/// The world around robots.
+type Surroundings = (
+    Entity,
+    &'static Environment,
+    &'static GroundTruth,
+    &'static GlobalTransform,
+    Option<&'static ScenarioRun>,
+    Option<&'static MappingTrial>,
+);
+
+/// What the graphics card needs.
+type Card<'w> = (Option<Res<'w, RenderDevice>>, Option<Res<'w, RenderQueue>>);
+
+/// Takes the pictures that are due.
+pub(super) fn shoot(
+    mut robots: Query<Seeing>,
+    others: Query<Seen>,
+    environments: Query<Surroundings>,
+    mut eyes: Query<&mut Camera>,
+    (device, queue): Card<'_>,
+    fixed: Res<Time<Fixed>>,
+    mut scenes: ResMut<Scenes>,
+    mut commands: Commands,
+) {
+    scenes.known.retain(|&environment, _| environments.contains(environment));
+    for (robot, camera, mut shutter, pose, wheels, parent, view) in &mut robots {
+        // Its pose is not known before its first step.
+        if !wheels.is_placed() {
+            continue;
+        }
+        let around = match parent.map(|parent| environments.get(parent.parent())) {
+            Some(Ok(around)) => Some(around),
+            _ => environments.single().ok(),
+        };
+        let mut fail = |error: CameraError| {
+            log::warn!("robot {robot}: {error}");
+            commands.entity(robot).try_remove::<Shutter>();
+            commands.trigger(CameraFailed { entity: robot, error });
+        };
+        let Some((entity, environment, truth, frame, run, trial)) = around else {
+            fail(CameraError::NoEnvironment);
+            continue;
+        };
+        let time = trial.and_then(MappingTrial::trial).map(|trial| trial.time());
+        let time = time.unwrap_or(fixed.elapsed_secs_f64());
+        let due = (time * camera.rate + ROUNDING).floor() as u64;
+        if shutter.last == Some(due) {
+            continue;
+        }
+        let (Some(device), Some(queue)) = (&device, &queue) else {
+            fail(CameraError::NoRenderer);
+            continue;
+        };
+        let to_world = frame.affine().as_daffine3().inverse();
+        let place = |pose: &TruePose| in_world(pose, &to_world, environment);
+        let optics = CameraOptics::new(camera);
+        let state = run.map(ScenarioRun::state);
+        let Scenes { pass, known } = &mut *scenes;
+        let pass = pass.get_or_insert_with(|| NumberPass::new(device, queue));
+        let known = match KnownScene::of(known, entity, truth, state, pass) {
+            Ok(known) => known,
+            Err(error) => {
+                fail(error);
+                continue;
+            }
+        };
+        let mut picture = CameraFrame {
+            number: shutter.taken,
+            time,
+            pose: CameraPose::new(place(pose), camera),
+            optics,
+            color: None,
+            depth: None,
+            labels: None,
+            names: known.names.clone(),
+        };
+        if camera.images.depth || camera.images.labels {
+            let scene = &known.scene;
+            let mut moving = Triangles::default();
+            for (target, form) in state.map(|state| state.bodies(&known.world)).unwrap_or_default() {
+                if let Some(label) = known.names.of_moving(target) {
+                    moving.add_form(&form, scene.origin, label);
+                }
+            }
+            let beside = others.iter().filter(|(other, _, _, _, parent)| {
+                *other != robot && parent.parent() == entity
+            });
+            for (_, number, model, at, _) in beside {
+                let label = known.names.of_robot(number.index);
+                moving.add_form(&body(model, place(at)), scene.origin, label);
+            }
+            let still = (scene, &known.buffer);
+            let numbers = match pass.draw(still, &moving, &picture.pose, &optics) {
+                Ok(numbers) => numbers,
+                Err(error) => {
+                    fail(error);
+                    continue;
+                }
+            };
+            let (depth, labels) = scene.resolve(&moving, &numbers, &picture.pose, &optics);
+            picture.depth = camera.images.depth.then_some(depth);
+            picture.labels = camera.images.labels.then_some(labels);
+        }
+        shutter.last = Some(due);
+        shutter.taken += 1;
+        match view.and_then(|view| Some((view, eyes.get_mut(view.camera).ok()?))) {
+            Some((view, mut eye)) => {
+                eye.is_active = true;
+                let exposure = Exposure { robot, frame: picture, age: 0 };
+                commands.spawn((Readback::texture(view.image.clone()), exposure));
+            }
+            None => {
+                commands.trigger(CameraFrameTaken { entity: robot, frame: Arc::new(picture) });
+            }
+        }
+    }
+}
+
+/// The body of a robot, as a box or a cylinder.
+fn body(robot: &Robot, pose: Pose) -> Form<'static> {
+    let shape = match robot.footprint {
+        Footprint::Box => Shape::Box {
+            center: pose.position,
+            half_size: 0.5 * envgen::glam::DVec2::new(robot.length, robot.width),
+            heading: pose.heading,
+        },
+        Footprint::Disc => {
+            Shape::Disc { center: pose.position, radius: robot.circumscribed_radius }
+        }
+    };
+    let bottom = CLEARANCE.min(0.5 * robot.height);
+    // Heights of robots are at least a centimetre.
+    let extent = Extent::new(bottom, robot.height).unwrap_or(envgen::world::WallKind::Wall.extent());
+    Form::Prism { shape: std::borrow::Cow::Owned(shape), extent }
+}
+
+impl KnownScene {
+    /// The scene of an environment, made if its world or scenario is another.
+    fn of<'a>(
+        known: &'a mut BTreeMap<Entity, KnownScene>,
+        environment: Entity,
+        truth: &GroundTruth,
+        state: Option<&envgen::scenario::ScenarioState>,
+        pass: &NumberPass,
+    ) -> Result<&'a KnownScene, CameraError> {
+        let movers = state.map_or([0, 0], |state| [state.doors().len(), state.people().len()]);
+        let is_same = |scene: &KnownScene| {
+            Arc::ptr_eq(&scene.world, &truth.0) && scene.movers == movers
+        };
+        if !known.get(&environment).is_some_and(is_same) {
+            let scene = Scene::new(&truth.0, state)?;
+            let (names, buffer) = (Arc::new(scene.labels.clone()), pass.load(&scene));
+            let world = truth.0.clone();
+            known.insert(environment, KnownScene { world, movers, scene, names, buffer });
+        }
+        known.get(&environment).ok_or(CameraError::NoEnvironment)
+    }
+}
+
+/// Stops cameras whose picture was drawn in the last frame, and gives up those that do not arrive.
+pub(super) fn close(
+    mut exposures: Query<(Entity, &mut Exposure, Has<Readback>)>,
+    views: Query<&RobotCameraView>,
+    mut eyes: Query<&mut Camera>,
+    mut commands: Commands,
+) {
+    for (entity, mut exposure, is_drawn) in &mut exposures {
+        exposure.age += 1;
+        if is_drawn {
+            commands.entity(entity).remove::<Readback>();
+            let view = views.get(exposure.robot).ok();
+            if let Some(mut eye) = view.and_then(|view| eyes.get_mut(view.camera).ok()) {
+                eye.is_active = false;
+            }
+        }
+        if exposure.age > MOST_FRAMES {
+            let error = CameraError::Driver(format!("no colours within {MOST_FRAMES} frames"));
+            log::warn!("robot {}: {error}", exposure.robot);
+            commands.trigger(CameraFailed { entity: exposure.robot, error });
+            commands.entity(entity).despawn();
+        }
+    }
+}
+
+/// Completes a picture with its colours.
+pub(super) fn develop(
+    read: On<ReadbackComplete>,
+    mut exposures: Query<&mut Exposure>,
+    mut commands: Commands,
+) {
+    let Ok(mut exposure) = exposures.get_mut(read.entity) else { return };
+    let Exposure { robot, ref mut frame, .. } = *exposure;
+    let CameraOptics { width, height, .. } = frame.optics;
+    // Rows of copied images are filled up.
+    let row = read.data.len() / height as usize;
+    let pixels = read.data.chunks_exact(row).flat_map(|row| row.as_chunks::<4>().0.iter().take(width as usize));
+    frame.color = Some(pixels.flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect());
+    commands.trigger(CameraFrameTaken { entity: robot, frame: Arc::new(frame.clone()) });
+    commands.entity(read.entity).despawn();
+}
