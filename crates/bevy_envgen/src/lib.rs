@@ -107,6 +107,8 @@ mod tessellate;
 pub mod testing;
 #[cfg(feature = "render")]
 pub mod visuals;
+#[cfg(feature = "render3d")]
+pub mod visuals3d;
 
 use bevy::app::PluginGroupBuilder;
 use bevy::ecs::intern::Interned;
@@ -159,6 +161,8 @@ pub mod prelude {
     };
     #[cfg(feature = "render")]
     pub use crate::visuals::EnvgenVisualsPlugin;
+    #[cfg(feature = "render3d")]
+    pub use crate::visuals3d::{EnvgenVisuals3dPlugin, Visuals3dSettings};
     pub use crate::{
         ComputeDifficulty, DifficultyComputed, DifficultyFailure, EnvgenCorePlugin,
         EnvgenDiagnosticsPlugin, EnvgenPlugins, EnvgenSystems, Environment, EnvironmentDifficulty,

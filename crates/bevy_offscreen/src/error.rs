@@ -35,6 +35,18 @@ pub enum CaptureError {
         /// Pixels from top to bottom.
         height: u32,
     },
+    /// The field of view is out of range.
+    #[error("the field of view must be between 0 and pi radians, got {found}")]
+    FieldOfView {
+        /// The angle in radians.
+        found: f32,
+    },
+    /// The pose of the camera is not one.
+    #[error("the pose of a camera must be finite, with a rotation of length 1, got {found:?}")]
+    Pose {
+        /// The pose.
+        found: Transform,
+    },
     /// The format of the camera's image has no colours, for instance a depth format.
     #[error("the image must have colours, got the format {format}")]
     Format {

@@ -23,7 +23,8 @@
 //!
 //! | feature | default | what it adds |
 //! |---|---|---|
-//! | `render` | no | `Studio`, `CapturePlugin`, `TakePicture` and `find_renderer`; only this feature needs rendering crates |
+//! | `render` | no | `Studio`, `CapturePlugin`, `TakePicture` and `find_renderer`; only this feature and those that include it need rendering crates |
+//! | `render3d` | no | cameras in three dimensions for `Studio` |
 //!
 //! Without it there are [`Picture`], [`Film`] and [`Frames`], for images that the app has.
 

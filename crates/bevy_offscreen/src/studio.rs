@@ -7,6 +7,8 @@ use bevy::app::PluginsState;
 use bevy::asset::AssetPlugin;
 use bevy::camera::{CameraPlugin, RenderTarget, ScalingMode};
 use bevy::core_pipeline::CorePipelinePlugin;
+#[cfg(feature = "render3d")]
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::diagnostic::FrameCountPlugin;
 use bevy::image::ImagePlugin;
 use bevy::mesh::MeshPlugin;
@@ -27,6 +29,10 @@ use crate::request::CapturePlugin;
 
 /// The number of frames after which a missing picture is an error.
 const MOST_FRAMES: u32 = 100;
+
+/// What is nearer to a camera in perspective is not drawn, in the units of the app.
+#[cfg(feature = "render3d")]
+const NEAR: f32 = 0.02;
 
 /// Margin around an area, as a share of its size.
 const MARGIN: f32 = 0.03;
@@ -55,8 +61,8 @@ pub struct Studio {
 }
 
 impl Studio {
-    /// An app with Bevy's plugins for two-dimensional drawing and [`CapturePlugin`]. More plugins
-    /// can be added before the first frame.
+    /// An app with Bevy's plugins for two-dimensional drawing, with the feature `render3d` also for three
+    /// dimensions, and [`CapturePlugin`]. More plugins can be added before the first frame.
     ///
     /// # Errors
     /// [`CaptureError::NoRenderer`].
@@ -83,6 +89,13 @@ impl Studio {
             CorePipelinePlugin,
             SpritePlugin,
             SpriteRenderPlugin,
+        ));
+        #[cfg(feature = "render3d")]
+        app.add_plugins((
+            // What lights show of themselves to who debugs them needs it.
+            bevy::gizmos::GizmoPlugin,
+            bevy::light::LightPlugin,
+            bevy::pbr::PbrPlugin::default(),
         ));
         app.add_plugins(CapturePlugin);
         let mut studio = Studio { app, begun: false };
@@ -128,17 +141,12 @@ impl Studio {
     /// # Errors
     /// A size that is out of range.
     pub fn camera(&mut self, area: Rect, size: UVec2) -> Result<Entity, CaptureError> {
-        let sides = 1..=MAX_SIDE;
-        if !(sides.contains(&size.x) && sides.contains(&size.y)) {
-            return Err(CaptureError::Size { width: size.x, height: size.y });
-        }
-        let image = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba8UnormSrgb, None);
-        let image = self.app.world_mut().resource_mut::<Assets<Image>>().add(image);
+        let target = self.target(size)?;
         let [width, height] =
             (area.size() * (1.0 + 2.0 * MARGIN)).max(Vec2::splat(1e-3)).to_array();
         let camera = (
             Camera2d,
-            RenderTarget::Image(image.into()),
+            target,
             Projection::Orthographic(OrthographicProjection {
                 scaling_mode: ScalingMode::AutoMin { min_width: width, min_height: height },
                 ..OrthographicProjection::default_2d()
@@ -146,6 +154,60 @@ impl Studio {
             Transform::from_translation(area.center().extend(0.0)),
         );
         Ok(self.app.world_mut().spawn(camera).id())
+    }
+
+    /// A camera in perspective that looks along -z of its pose, with +y up in the picture, as
+    /// [`Transform::looking_at`] makes it. The field of view is the angle from the bottom to the top of the picture in
+    /// radians. Its colours are compressed as [`Tonemapping::KhronosPbrNeutral`] does, which keeps those of materials.
+    ///
+    /// ```no_run
+    /// # use bevy::prelude::*;
+    /// # let mut studio = bevy_offscreen::Studio::new()?;
+    /// let pose = Transform::from_xyz(-4.0, 0.0, 1.6).looking_at(Vec3::ZERO, Vec3::Z);
+    /// let camera = studio.camera_3d(pose, 1.0, UVec2::new(800, 600))?;
+    /// studio.picture(camera)?.write_png("room.png")?;
+    /// # Ok::<(), bevy_offscreen::CaptureError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A size, a field of view or a pose that is out of range.
+    #[cfg(feature = "render3d")]
+    pub fn camera_3d(
+        &mut self,
+        pose: Transform,
+        field_of_view: f32,
+        size: UVec2,
+    ) -> Result<Entity, CaptureError> {
+        if !(field_of_view > 0.0 && field_of_view < std::f32::consts::PI) {
+            return Err(CaptureError::FieldOfView { found: field_of_view });
+        }
+        if !(pose.is_finite() && pose.rotation.is_normalized()) {
+            return Err(CaptureError::Pose { found: pose });
+        }
+        let target = self.target(size)?;
+        let camera = (
+            Camera3d::default(),
+            target,
+            Projection::Perspective(PerspectiveProjection {
+                fov: field_of_view,
+                near: NEAR,
+                ..default()
+            }),
+            Tonemapping::KhronosPbrNeutral,
+            pose,
+        );
+        Ok(self.app.world_mut().spawn(camera).id())
+    }
+
+    /// An image to draw into.
+    fn target(&mut self, size: UVec2) -> Result<RenderTarget, CaptureError> {
+        let sides = 1..=MAX_SIDE;
+        if !(sides.contains(&size.x) && sides.contains(&size.y)) {
+            return Err(CaptureError::Size { width: size.x, height: size.y });
+        }
+        let image = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba8UnormSrgb, None);
+        let image = self.app.world_mut().resource_mut::<Assets<Image>>().add(image);
+        Ok(RenderTarget::Image(image.into()))
     }
 
     /// The current picture of a camera. Extra frames are drawn for it, in which the app's time does

@@ -111,102 +111,109 @@ impl fmt::Display for Piece<'_> {
 /// roads, walls, trees with their crowns, doors and lintels, and obstacles. A landscape's raster is not
 /// among it; its obstacles and surfaces are.
 pub fn pieces(world: &World) -> Vec<Piece<'_>> {
-    let mut all = Vec::new();
-    let prism = |shape, extent| Form::Prism { shape: Cow::Borrowed(shape), extent };
-    let part = |kind, index: usize| Some(PartId { kind, index: index as u32 });
-    let is_floor = |kind| matches!(kind, SurfaceKind::Hallway | SurfaceKind::OpenArea);
-    if world.rooms.is_empty() && !world.surfaces.iter().any(|surface| is_floor(surface.kind)) {
-        all.push(Piece {
-            part: None,
-            role: Role::Ground,
-            kind: "ground".to_owned(),
-            form: Form::Prism {
-                shape: Cow::Owned(Shape::from_rect(world.bounds)),
-                extent: ground(),
-            },
-            is_solid: false,
-            color: palette::ROOM.fill,
-        });
-    }
-    for (i, room) in world.rooms.iter().enumerate() {
-        all.push(Piece {
-            part: part(PartKind::Room, i),
-            role: Role::Floor,
-            kind: "room".to_owned(),
-            form: prism(&room.shape, FLOOR),
-            is_solid: false,
-            color: palette::room_floor(room.difficulty, room.lit),
-        });
-    }
-    for (i, surface) in world.surfaces.iter().enumerate() {
-        all.push(Piece {
-            part: part(PartKind::Surface, i),
-            role: Role::Body,
-            kind: name_of(&surface.kind),
-            form: prism(&surface.shape, surface.extent()),
-            is_solid: false,
-            color: palette::surface(surface.kind).fill,
-        });
-    }
-    for (i, strip) in world.road_strips.iter().enumerate() {
-        all.push(Piece {
-            part: part(PartKind::RoadStrip, i),
-            role: Role::Body,
-            kind: "road".to_owned(),
-            form: Form::Road { strip, extent: strip.extent() },
-            is_solid: false,
-            color: palette::ROAD.fill,
-        });
-    }
-    for (i, wall) in world.walls.iter().enumerate() {
-        all.push(Piece {
-            part: part(PartKind::Wall, i),
-            role: Role::Body,
-            kind: name_of(&wall.kind),
-            form: prism(&wall.shape, wall.extent()),
-            is_solid: true,
-            color: palette::wall(wall.kind).fill,
-        });
-    }
-    for (i, tree) in world.trees.iter().enumerate() {
-        all.extend(tree_pieces(part(PartKind::Tree, i), tree));
-    }
+    let mut all: Vec<_> = ground_of(world).into_iter().collect();
     let lintels = world.lintels();
-    for (i, doorway) in world.doorways.iter().enumerate() {
-        let part = part(PartKind::Doorway, i);
-        if !doorway.open {
-            all.push(Piece {
-                part,
-                role: Role::Body,
-                kind: "door".to_owned(),
-                form: prism(&doorway.shape, doorway.extent()),
-                is_solid: true,
-                color: palette::CLOSED_DOORWAY.fill,
-            });
+    let lists = [
+        (PartKind::Room, world.rooms.len()),
+        (PartKind::Surface, world.surfaces.len()),
+        (PartKind::RoadStrip, world.road_strips.len()),
+        (PartKind::Wall, world.walls.len()),
+        (PartKind::Tree, world.trees.len()),
+        (PartKind::Doorway, world.doorways.len()),
+        (PartKind::Obstacle, world.obstacles.len()),
+    ];
+    for (kind, length) in lists {
+        for i in 0..length {
+            let lintel = if kind == PartKind::Doorway { lintels[i] } else { None };
+            all.extend(pieces_of(world, PartId { kind, index: i as u32 }, lintel));
         }
-        all.extend(lintels[i].map(|lintel| Piece {
-            part,
-            role: Role::Lintel,
-            kind: "lintel".to_owned(),
-            form: prism(&doorway.shape, lintel),
-            is_solid: true,
-            color: palette::wall(WallKind::Wall).fill,
-        }));
-    }
-    for (i, obstacle) in world.obstacles.iter().enumerate() {
-        all.push(Piece {
-            part: part(PartKind::Obstacle, i),
-            role: Role::Body,
-            kind: name_of(&obstacle.kind),
-            form: prism(&obstacle.shape, obstacle.extent()),
-            is_solid: true,
-            color: palette::obstacle(obstacle.kind).fill,
-        });
     }
     all
 }
 
-fn tree_pieces<'a>(part: Option<PartId>, tree: &Tree) -> [Piece<'a>; 2] {
+/// The ground of a world without floors, as large as its bounds.
+pub fn ground_of(world: &World) -> Option<Piece<'_>> {
+    let is_floor = |kind| matches!(kind, SurfaceKind::Hallway | SurfaceKind::OpenArea);
+    let has_floor =
+        !world.rooms.is_empty() || world.surfaces.iter().any(|surface| is_floor(surface.kind));
+    (!has_floor).then(|| Piece {
+        part: None,
+        role: Role::Ground,
+        kind: "ground".to_owned(),
+        form: Form::Prism { shape: Cow::Owned(Shape::from_rect(world.bounds)), extent: ground() },
+        is_solid: false,
+        color: palette::ROOM.fill,
+    })
+}
+
+/// The bodies of one part: two of a tree, none of an open doorway without a lintel, none of a part that
+/// does not exist. `lintel` is the element of [`World::lintels`] for a doorway.
+pub fn pieces_of(world: &World, part: PartId, lintel: Option<Extent>) -> Vec<Piece<'_>> {
+    bodies(world, part, lintel).unwrap_or_default()
+}
+
+fn bodies(world: &World, part: PartId, lintel: Option<Extent>) -> Option<Vec<Piece<'_>>> {
+    let index = part.index as usize;
+    let prism = |shape, extent| Form::Prism { shape: Cow::Borrowed(shape), extent };
+    let body = |kind: String, form, is_solid, color| {
+        vec![Piece { part: Some(part), role: Role::Body, kind, form, is_solid, color }]
+    };
+    Some(match part.kind {
+        PartKind::Room => {
+            let room = world.rooms.get(index)?;
+            vec![Piece {
+                part: Some(part),
+                role: Role::Floor,
+                kind: "room".to_owned(),
+                form: prism(&room.shape, FLOOR),
+                is_solid: false,
+                color: palette::room_floor(room.difficulty, room.lit),
+            }]
+        }
+        PartKind::Surface => {
+            let surface = world.surfaces.get(index)?;
+            let form = prism(&surface.shape, surface.extent());
+            body(name_of(&surface.kind), form, false, palette::surface(surface.kind).fill)
+        }
+        PartKind::RoadStrip => {
+            let strip = world.road_strips.get(index)?;
+            let form = Form::Road { strip, extent: strip.extent() };
+            body("road".to_owned(), form, false, palette::ROAD.fill)
+        }
+        PartKind::Wall => {
+            let wall = world.walls.get(index)?;
+            let form = prism(&wall.shape, wall.extent());
+            body(name_of(&wall.kind), form, true, palette::wall(wall.kind).fill)
+        }
+        PartKind::Tree => tree_pieces(Some(part), world.trees.get(index)?).into(),
+        PartKind::Doorway => {
+            let doorway = world.doorways.get(index)?;
+            let mut pieces = Vec::new();
+            if !doorway.open {
+                let form = prism(&doorway.shape, doorway.extent());
+                let color = palette::CLOSED_DOORWAY.fill;
+                pieces = body("door".to_owned(), form, true, color);
+            }
+            pieces.extend(lintel.map(|lintel| Piece {
+                part: Some(part),
+                role: Role::Lintel,
+                kind: "lintel".to_owned(),
+                form: prism(&doorway.shape, lintel),
+                is_solid: true,
+                color: palette::wall(WallKind::Wall).fill,
+            }));
+            pieces
+        }
+        PartKind::Obstacle => {
+            let obstacle = world.obstacles.get(index)?;
+            let form = prism(&obstacle.shape, obstacle.extent());
+            body(name_of(&obstacle.kind), form, true, palette::obstacle(obstacle.kind).fill)
+        }
+    })
+}
+
+/// The trunk and the crown of a tree, which need not be part of a world.
+pub fn tree_pieces<'a>(part: Option<PartId>, tree: &Tree) -> [Piece<'a>; 2] {
     let shape = Cow::Owned(Shape::Disc { center: tree.center, radius: tree.radius });
     let trunk = Piece {
         part,

@@ -4,6 +4,8 @@
 //!
 //! Needs a graphics card with a Vulkan, Metal or DirectX driver, or Mesa's software Vulkan.
 
+mod height;
+
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -72,6 +74,17 @@ struct Arguments {
     /// The folder to write into.
     #[arg(long, default_value = "docs/gallery")]
     out: PathBuf,
+    /// Names of pictures and films to make, such as `indoor_3d`, in place of all.
+    #[arg(long, num_args = 1.., value_name = "NAME")]
+    only: Vec<String>,
+}
+
+impl Arguments {
+    /// The file of a picture or film, if it is to be made.
+    fn wanted(&self, name: &str, extension: &str) -> Option<PathBuf> {
+        let is_wanted = self.only.is_empty() || self.only.iter().any(|only| only == name);
+        is_wanted.then(|| self.out.join(format!("{name}.{extension}")))
+    }
 }
 
 /// A picture: its name, the kind of world, its settings and a seed.
@@ -120,23 +133,35 @@ fn gallery(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     println!("drawing by {}", find_renderer()?);
     std::fs::create_dir_all(&arguments.out)?;
     for &(name, kind, settings, seed) in WORLDS {
-        let mut spec = kind.parse::<WorldKind>()?.default_spec();
-        for (setting, value) in settings {
-            spec.set(setting, value)?;
-        }
-        let path = arguments.out.join(format!("{name}.png"));
-        draw(spec, seed)?.write_png(&path)?;
+        let Some(path) = arguments.wanted(name, "png") else { continue };
+        draw(spec(kind, settings)?, seed)?.write_png(&path)?;
         println!("wrote {}", path.display());
     }
-    let path = arguments.out.join("trial.gif");
-    let spec = IndoorSpec { width: FILM_MAP, height: FILM_MAP, ..Default::default() };
-    let trial = film(&path, &TRIAL, Environment::new(spec, FILM_SEED), None)?;
-    println!("wrote {}, a trial of {trial:.0} simulated seconds", path.display());
-    let path = arguments.out.join("moving.gif");
-    let (world, moving) = corridor();
-    film(&path, &CORRIDOR, Environment::prebuilt(world), Some(moving))?;
-    println!("wrote {}, people, a door and smoke in a corridor", path.display());
+    for scene in height::SCENES {
+        let Some(path) = arguments.wanted(scene.name, "png") else { continue };
+        height::draw(scene)?.write_png(&path)?;
+        println!("wrote {}", path.display());
+    }
+    if let Some(path) = arguments.wanted("trial", "gif") {
+        let spec = IndoorSpec { width: FILM_MAP, height: FILM_MAP, ..Default::default() };
+        let trial = film(&path, &TRIAL, Environment::new(spec, FILM_SEED), None)?;
+        println!("wrote {}, a trial of {trial:.0} simulated seconds", path.display());
+    }
+    if let Some(path) = arguments.wanted("moving", "gif") {
+        let (world, moving) = corridor();
+        film(&path, &CORRIDOR, Environment::prebuilt(world), Some(moving))?;
+        println!("wrote {}, people, a door and smoke in a corridor", path.display());
+    }
     Ok(())
+}
+
+/// The spec of a kind of world with some settings.
+fn spec(kind: &str, settings: &[(&str, &str)]) -> Result<WorldSpec, Box<dyn std::error::Error>> {
+    let mut spec = kind.parse::<WorldKind>()?.default_spec();
+    for (setting, value) in settings {
+        spec.set(setting, value)?;
+    }
+    Ok(spec)
 }
 
 /// Spawns a world, and a camera that shows all of it.

@@ -1,0 +1,69 @@
+//! The materials that bodies are made of.
+
+use std::collections::BTreeMap;
+
+use bevy::prelude::*;
+
+/// What a surface feels like. Each is one material, whose colours are those of the corners of its meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Reflect)]
+#[reflect(Debug, PartialEq, Clone)]
+#[non_exhaustive]
+pub enum Finish {
+    /// Soil, grass, asphalt, debris.
+    Ground,
+    /// Floors.
+    Floor,
+    /// Plastered and stone walls.
+    Wall,
+    /// Wood, plastics and cloth.
+    Plain,
+    /// Painted or bare metal, glass.
+    Metal,
+    /// Water.
+    Water,
+    /// Ceilings.
+    Ceiling,
+    /// Lamps, which are bright in themselves.
+    Lamp,
+    /// The bark of trees.
+    Bark,
+    /// The leaves of trees.
+    Leaves,
+    /// Marks that are seen whatever the light.
+    Mark,
+}
+
+impl Finish {
+    fn material(self) -> StandardMaterial {
+        let (roughness, reflectance) = match self {
+            Finish::Ground | Finish::Bark | Finish::Leaves => (1.0, 0.1),
+            Finish::Wall | Finish::Ceiling => (0.95, 0.2),
+            Finish::Floor => (0.7, 0.35),
+            Finish::Plain => (0.65, 0.4),
+            Finish::Metal => (0.4, 0.6),
+            Finish::Water => (0.1, 0.6),
+            Finish::Lamp | Finish::Mark => (1.0, 0.0),
+        };
+        StandardMaterial {
+            perceptual_roughness: roughness,
+            reflectance,
+            unlit: matches!(self, Finish::Lamp | Finish::Mark),
+            alpha_mode: if self == Finish::Water { AlphaMode::Blend } else { AlphaMode::Opaque },
+            ..default()
+        }
+    }
+}
+
+/// The materials used so far, shared by all environments.
+#[derive(Resource, Default)]
+pub(super) struct Finishes(BTreeMap<Finish, Handle<StandardMaterial>>);
+
+/// The material of a finish; `None` in apps that do not draw.
+pub(super) fn material(world: &mut World, finish: Finish) -> Option<Handle<StandardMaterial>> {
+    if let Some(known) = world.resource::<Finishes>().0.get(&finish) {
+        return Some(known.clone());
+    }
+    let handle = world.get_resource_mut::<Assets<StandardMaterial>>()?.add(finish.material());
+    world.resource_mut::<Finishes>().0.insert(finish, handle.clone());
+    Some(handle)
+}

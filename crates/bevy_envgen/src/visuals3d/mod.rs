@@ -1,0 +1,132 @@
+//! Meshes with height, materials, light and sky for the worlds of environments, and for the people, doors and smoke
+//! of scenarios.
+//!
+//! The frame is that of the plan, with z up: the floor is at z = 0, and nothing is turned to Bevy's y-up. Meshes are
+//! those of [`envgen::mesh`], exact to single precision. Cameras look with `looking_at(.., Vec3::Z)`.
+//!
+//! ```text
+//! Environment
+//!   Tile              a mesh for each Finish of its parts (Mesh3d, TileMesh); trees share the meshes of trunk
+//!                     and crown
+//!   Stage             ground around the world, the light that fills it, the sun
+//!   Person, DoorLeaf  their meshes
+//!   Smoke             boxes that hide what is in and behind them
+//! ```
+
+mod draft;
+mod finish;
+mod glow;
+mod look;
+mod marks;
+mod moving;
+mod palette;
+mod sky;
+mod stage;
+mod tile;
+mod trees;
+
+use bevy::prelude::*;
+
+pub use finish::Finish;
+pub use palette::Palette3d;
+pub use sky::Sky;
+pub use stage::{Stage, Sun};
+pub use tile::TileMesh;
+
+use crate::visuals::require_visibility;
+use crate::{EnvgenSystems, Schedules};
+
+/// What is drawn in three dimensions, and how bright. A change affects all worlds at once, [`Palette3d`] only tiles
+/// that are spawned later.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Default, Debug, PartialEq, Clone)]
+pub struct Visuals3dSettings {
+    /// Ceilings over rooms and hallways, and lamps under them. Without them one sees into buildings from above, and
+    /// some of the sun falls in.
+    pub ceilings: bool,
+    /// Whether the sun casts shadows.
+    pub shadows: bool,
+    /// Distance between the lamps of a room in metres, at least 1.
+    pub lamp_spacing: f32,
+    /// Brightness of lit rooms and of the open, as a factor. The default suits a camera with Bevy's default
+    /// exposure.
+    pub brightness: f32,
+    /// Light in rooms without lamps, as a share of that of lit rooms.
+    pub darkness: f32,
+    /// Whether cameras get a [`Sky`].
+    pub sky: bool,
+}
+
+impl Default for Visuals3dSettings {
+    fn default() -> Self {
+        Visuals3dSettings {
+            ceilings: false,
+            shadows: true,
+            lamp_spacing: 4.0,
+            brightness: 1.0,
+            darkness: 0.02,
+            sky: true,
+        }
+    }
+}
+
+/// Draws worlds in three dimensions, for [`Camera3d`], with or without the plugin for two. Each tile has at most one
+/// mesh for each [`Finish`].
+///
+/// Adds the resources [`Visuals3dSettings`] and [`Palette3d`], and sets Bevy's `GlobalAmbientLight` almost to none,
+/// since rooms have lamps and the open has a sky. Needs Bevy's plugins for meshes, light and `StandardMaterial`s;
+/// without them it draws nothing.
+#[derive(Clone, Debug, Default)]
+pub struct EnvgenVisuals3dPlugin {
+    settings: Visuals3dSettings,
+    palette: Palette3d,
+}
+
+impl EnvgenVisuals3dPlugin {
+    /// Draws as `settings` say.
+    pub fn new(settings: Visuals3dSettings) -> Self {
+        EnvgenVisuals3dPlugin { settings, ..default() }
+    }
+
+    /// Uses `palette` instead of the default colours.
+    pub fn with_palette(self, palette: Palette3d) -> Self {
+        EnvgenVisuals3dPlugin { palette, ..self }
+    }
+}
+
+/// Light that is everywhere, in cd/m², so that dark rooms are not quite black.
+const AMBIENT: f32 = 4.0;
+
+impl Plugin for EnvgenVisuals3dPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<Visuals3dSettings>()
+            .register_type::<Palette3d>()
+            .register_type::<Finish>()
+            .register_type::<TileMesh>()
+            .register_type::<Sky>()
+            .register_type::<Sun>()
+            .insert_resource(self.settings)
+            .insert_resource(self.palette.clone())
+            .insert_resource(GlobalAmbientLight { brightness: AMBIENT, ..default() })
+            .init_resource::<finish::Finishes>()
+            .init_resource::<trees::TreeMeshes>()
+            .init_resource::<moving::Figures>()
+            .add_observer(tile::draw)
+            .add_observer(moving::draw_person)
+            .add_observer(moving::draw_leaf);
+        let main = Schedules::of(app).main;
+        app.add_systems(
+            main,
+            (stage::set_stage, tile::show_ceilings, moving::stretch_leaves, sky::add_skies)
+                .after(EnvgenSystems::Notify),
+        );
+        require_visibility(app);
+    }
+}
+
+/// Whether the app has what meshes need.
+fn can_draw(world: &World) -> bool {
+    world.contains_resource::<Assets<Mesh>>()
+        && world.contains_resource::<Assets<Image>>()
+        && world.contains_resource::<Assets<StandardMaterial>>()
+}

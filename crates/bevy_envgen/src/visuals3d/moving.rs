@@ -1,0 +1,127 @@
+//! Meshes for the people and doors of scenarios.
+
+use bevy::prelude::*;
+use envgen::world::WallKind;
+
+use super::can_draw;
+use super::draft::Draft;
+use super::finish::{Finish, material};
+use super::palette::Palette3d;
+use crate::environment::GroundTruth;
+use crate::part::PartOf;
+use crate::scenario::{Door, DoorLeaf, Person};
+
+/// Thickness in metres of a leaf as it is drawn; in the scenario it has none.
+const THICKNESS: f32 = 0.05;
+
+/// The mesh of a leaf, whose length is 1, as a child of the leaf.
+#[derive(Component)]
+pub(super) struct LeafMesh;
+
+/// The mesh of a person, shared by all.
+#[derive(Resource, Default)]
+pub(super) struct Figures {
+    person: Option<Handle<Mesh>>,
+}
+
+/// Adds the mesh of a person.
+pub(super) fn draw_person(added: On<Add, Person>, mut commands: Commands) {
+    let person = added.entity;
+    commands.queue(move |world: &mut World| {
+        if !can_draw(world) || world.get_entity(person).is_err() {
+            return;
+        }
+        let Some(material) = material(world, Finish::Plain) else { return };
+        let mesh = match &world.resource::<Figures>().person {
+            Some(known) => known.clone(),
+            None => {
+                let figure = figure(world.resource::<Palette3d>());
+                let mesh = world.resource_mut::<Assets<Mesh>>().add(figure);
+                world.resource_mut::<Figures>().person = Some(mesh.clone());
+                mesh
+            }
+        };
+        let name = Name::new("figure");
+        world.spawn((name, Mesh3d(mesh), MeshMaterial3d(material), ChildOf(person)));
+    });
+}
+
+/// A person 1.75 m high who looks along +x: legs, body, head and face.
+fn figure(palette: &Palette3d) -> Mesh {
+    let mut draft = Draft::default();
+    let upright = Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
+    let mut add = |mesh: Mesh, at: Vec3, color: Color| {
+        draft.add_mesh(&mesh.transformed_by(Transform::from_translation(at)), color);
+    };
+    let capsule = |radius: f32, height: f32| {
+        let mesh = Capsule3d::new(radius, height - 2.0 * radius).mesh().build();
+        mesh.transformed_by(Transform::from_rotation(upright))
+    };
+    let ball = |radius: f32| Sphere::new(radius).mesh().uv(20, 14);
+    let trousers: Color = (palette.person.to_linear() * 0.35).with_alpha(1.0).into();
+    for side in [-0.09, 0.09] {
+        add(capsule(0.085, 0.9), Vec3::new(0.0, side, 0.45), trousers);
+    }
+    let wide = Transform::from_scale(Vec3::new(0.85, 1.25, 1.0));
+    add(capsule(0.17, 0.72).transformed_by(wide), Vec3::new(0.0, 0.0, 1.12), palette.person);
+    for side in [-0.235, 0.235] {
+        add(capsule(0.055, 0.62), Vec3::new(0.0, side, 1.08), palette.person);
+    }
+    add(ball(0.125), Vec3::new(0.0, 0.0, 1.62), palette.head);
+    let hair: Color = (palette.head.to_linear() * 0.12).with_alpha(1.0).into();
+    add(ball(0.128), Vec3::new(-0.022, 0.0, 1.642), hair);
+    draft.into_mesh()
+}
+
+/// Adds the mesh of a leaf.
+pub(super) fn draw_leaf(added: On<Add, DoorLeaf>, mut commands: Commands) {
+    let leaf = added.entity;
+    commands.queue(move |world: &mut World| {
+        if !can_draw(world) {
+            return;
+        }
+        let Some(length) = world.get::<DoorLeaf>(leaf).map(|leaf| leaf.length) else { return };
+        let color = world.resource::<Palette3d>().door;
+        let mut draft = Draft::default();
+        let (half, height) = (0.5 * THICKNESS, door_height(world, leaf));
+        draft.add_box(Vec3::new(0.0, -half, 0.005), Vec3::new(1.0, half, height - 0.005), color);
+        let Some(material) = material(world, Finish::Plain) else { return };
+        let mesh = world.resource_mut::<Assets<Mesh>>().add(draft.into_mesh());
+        world.spawn((
+            Name::new("leaf"),
+            LeafMesh,
+            Mesh3d(mesh),
+            MeshMaterial3d(material),
+            stretched(length),
+            ChildOf(leaf),
+        ));
+    });
+}
+
+/// Height of the doorway of a leaf in metres.
+fn door_height(world: &World, leaf: Entity) -> f32 {
+    let door = world.get::<ChildOf>(leaf).and_then(|above| world.get::<Door>(above.parent()));
+    let truth = world.get::<PartOf>(leaf).and_then(|part| world.get::<GroundTruth>(part.0));
+    let doorway =
+        door.zip(truth).and_then(|(door, truth)| truth.doorways.get(door.doorway() as usize));
+    let top = doorway.map_or(WallKind::Wall.extent().top(), |doorway| doorway.extent().top());
+    top as f32
+}
+
+/// A leaf of a length. What has no length has no direction either: a millimetre is not seen.
+fn stretched(length: f32) -> Transform {
+    Transform::from_scale(Vec3::new(length.max(1e-3), 1.0, 1.0))
+}
+
+/// Draws sliding leaves as long as they are.
+pub(super) fn stretch_leaves(
+    leaves: Query<(&DoorLeaf, &Children), Changed<DoorLeaf>>,
+    mut meshes: Query<&mut Transform, With<LeafMesh>>,
+) {
+    for (leaf, children) in &leaves {
+        let mut meshes = meshes.iter_many_mut(children);
+        while let Some(mut at) = meshes.fetch_next() {
+            at.set_if_neq(stretched(leaf.length));
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! The sky behind everything.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::light::Skybox;
+use bevy::prelude::*;
+use bevy::render::render_resource::{
+    Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
+};
+
+use super::Visuals3dSettings;
+use super::glow::INTENSITY;
+
+/// A sky for a [`Camera3d`], with a haze over the horizon. [`Visuals3dSettings::sky`] adds it to cameras that have
+/// neither it nor Bevy's `Skybox`.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct Sky {
+    /// Its colour at the horizon.
+    pub horizon: Color,
+    /// Its colour overhead.
+    pub zenith: Color,
+    /// Its colour below the horizon.
+    pub ground: Color,
+}
+
+impl Default for Sky {
+    fn default() -> Self {
+        Sky {
+            horizon: Color::srgb_u8(0xd6, 0xe2, 0xec),
+            zenith: Color::srgb_u8(0x5a, 0x93, 0xcc),
+            ground: Color::srgb_u8(0xa2, 0xa6, 0xa4),
+        }
+    }
+}
+
+/// Pixels along the side of a face of the cube.
+const SIDE: u32 = 32;
+
+impl Sky {
+    /// The colour in a direction, of which `up` is the share along +z.
+    fn color(self, up: f32) -> LinearRgba {
+        let [horizon, zenith, ground] =
+            [self.horizon, self.zenith, self.ground].map(|color| color.to_linear());
+        if up < 0.0 {
+            return horizon.mix(&ground, (-12.0 * up).min(1.0));
+        }
+        horizon.mix(&zenith, up.sqrt())
+    }
+
+    /// A cube around the camera.
+    fn image(self) -> Image {
+        let mut data = Vec::new();
+        for face in 0..6 {
+            for row in 0..SIDE {
+                for column in 0..SIDE {
+                    let [u, v] = [column, row].map(|i| 2.0 * (i as f32 + 0.5) / SIDE as f32 - 1.0);
+                    // Faces +x, -x, +y, -y, +z, -z of a left-handed cube, which Bevy samples with -z.
+                    let direction = match face {
+                        0 => Vec3::new(1.0, -v, -u),
+                        1 => Vec3::new(-1.0, -v, u),
+                        2 => Vec3::new(u, 1.0, v),
+                        3 => Vec3::new(u, -1.0, -v),
+                        4 => Vec3::new(u, -v, 1.0),
+                        _ => Vec3::new(-u, -v, -1.0),
+                    };
+                    let up = -direction.normalize().z;
+                    data.extend(Srgba::from(self.color(up)).to_u8_array());
+                }
+            }
+        }
+        let size = Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 6 };
+        let format = TextureFormat::Rgba8UnormSrgb;
+        let usage = RenderAssetUsages::RENDER_WORLD;
+        let mut image = Image::new(size, TextureDimension::D2, data, format, usage);
+        image.texture_view_descriptor = Some(TextureViewDescriptor {
+            dimension: Some(TextureViewDimension::Cube),
+            ..default()
+        });
+        image.sampler = bevy::image::ImageSampler::linear();
+        image
+    }
+}
+
+/// A camera without a sky.
+type Bare = (With<Camera3d>, Without<Sky>, Without<Skybox>);
+
+/// Gives cameras a sky, and draws those that changed.
+pub(super) fn add_skies(
+    settings: Res<Visuals3dSettings>,
+    bare: Query<Entity, Bare>,
+    changed: Query<(Entity, &Sky), (With<Camera3d>, Changed<Sky>)>,
+    images: Option<ResMut<Assets<Image>>>,
+    mut commands: Commands,
+) {
+    let Some(mut images) = images else { return };
+    if settings.sky {
+        for camera in &bare {
+            commands.entity(camera).insert(Sky::default());
+        }
+    }
+    for (camera, sky) in &changed {
+        let skybox = Skybox {
+            image: Some(images.add(sky.image())),
+            brightness: INTENSITY * settings.brightness,
+            ..default()
+        };
+        commands.entity(camera).insert(skybox);
+    }
+}

@@ -1,0 +1,212 @@
+//! What is around the tiles of a world: ground, light, the sun; and the ceilings over its rooms.
+
+use std::collections::BTreeMap;
+
+use bevy::light::{CascadeShadowConfigBuilder, IrradianceVolume};
+use bevy::prelude::*;
+use envgen::World as EnvgenWorld;
+use envgen::geometry::{Rect as WorldRect, Shape};
+use envgen::glam::DVec2;
+use envgen::mesh::Mesh as Solid;
+use envgen::world::{Extent, PartId, PartKind, SurfaceKind};
+
+use super::draft::Draft;
+use super::finish::{Finish, material};
+use super::palette::Palette3d;
+use super::{Visuals3dSettings, can_draw, glow};
+use crate::environment::{EndlessTruth, Environment, GroundTruth};
+
+/// Ground and light of a world, on a child of its [`Environment`]. Its own children are what draws.
+#[derive(Component, Clone, Copy, Debug)]
+#[require(Transform, Visibility)]
+pub struct Stage;
+
+/// The sun over a world, on a `DirectionalLight`.
+#[derive(Component, Clone, Copy, Debug, Default, Reflect)]
+#[reflect(Component, Debug, Default, Clone)]
+pub struct Sun;
+
+/// How deep the ground around a world is below its floors in metres.
+const BELOW: f64 = 0.04;
+
+/// How far the ground reaches beyond the bounds, in metres and as a share of their size.
+const BEYOND: (f64, f64) = (80.0, 1.0);
+
+/// Half the side of the ground of endless worlds in metres.
+const ENDLESS: f64 = 3000.0;
+
+/// Illuminance of the sun in lux in the open, and as a share of it over buildings without ceilings. With the default
+/// exposure of Bevy's cameras.
+const SUN: (f32, f32) = (2200.0, 0.35);
+
+/// The direction to the sun.
+const TO_SUN: Vec3 = Vec3::new(-0.45, -0.6, 1.0);
+
+/// Thickness of ceilings in metres.
+const CEILING: f64 = 0.1;
+
+/// An environment with a world, finite or endless.
+type Grown =
+    (Entity, &'static Environment, Option<&'static GroundTruth>, Option<&'static EndlessTruth>);
+
+/// Builds the stages of worlds that are new or changed, and all when the settings change.
+pub(super) fn set_stage(
+    world: &mut World,
+    environments: &mut QueryState<Grown>,
+    renewed: &mut QueryState<
+        Entity,
+        Or<(Changed<GroundTruth>, Changed<EndlessTruth>, Changed<Environment>)>,
+    >,
+    stages: &mut QueryState<(Entity, &ChildOf), With<Stage>>,
+) {
+    if !can_draw(world) {
+        return;
+    }
+    let all = world.is_resource_changed::<Visuals3dSettings>();
+    let stages: BTreeMap<Entity, Entity> =
+        stages.iter(world).map(|(stage, parent)| (parent.parent(), stage)).collect();
+    let renewed: Vec<Entity> = renewed.iter(world).collect();
+    let mut plans = Vec::new();
+    for (entity, environment, truth, endless) in environments.iter(world) {
+        let is_known = stages.contains_key(&entity);
+        if truth.is_none() && endless.is_none() {
+            if is_known {
+                plans.push((entity, None));
+            }
+        } else if all || !is_known || renewed.contains(&entity) {
+            let truth = truth.map(|truth| truth.0.clone());
+            plans.push((entity, Some((environment.origin, truth))));
+        }
+    }
+    let gone = stages.iter().filter(|(parent, _)| world.get::<Environment>(**parent).is_none());
+    let gone: Vec<Entity> = gone.map(|(_, stage)| *stage).collect();
+    for stage in gone {
+        world.despawn(stage);
+    }
+    for (entity, plan) in plans {
+        if let Some(stage) = stages.get(&entity) {
+            world.despawn(*stage);
+        }
+        let Some((origin, truth)) = plan else { continue };
+        let stage = world.spawn((Name::new("stage"), Stage, ChildOf(entity))).id();
+        spawn_stage(world, stage, origin, truth.as_deref());
+    }
+}
+
+/// Whether a world has rooms or hallways, which have lamps in place of the sky.
+fn is_building(truth: &EnvgenWorld) -> bool {
+    !truth.rooms.is_empty() || truth.surfaces.iter().any(|surface| is_hallway(surface.kind))
+}
+
+pub(super) fn is_hallway(kind: SurfaceKind) -> bool {
+    matches!(kind, SurfaceKind::Hallway | SurfaceKind::OpenArea)
+}
+
+fn spawn_stage(world: &mut World, stage: Entity, origin: DVec2, truth: Option<&EnvgenWorld>) {
+    let settings = *world.resource::<Visuals3dSettings>();
+    let palette = world.resource::<Palette3d>().clone();
+    let building = truth.filter(|truth| is_building(truth));
+    // Ground.
+    let bounds = truth.map_or_else(
+        || WorldRect::new(origin - DVec2::splat(ENDLESS), origin + DVec2::splat(ENDLESS)),
+        |truth| truth.bounds.grown(BEYOND.0 + BEYOND.1 * truth.bounds.size().max_element()),
+    );
+    let is_forest = truth.is_none_or(|truth| !truth.trees.is_empty());
+    let has_floors = truth.is_some_and(|truth| is_building(truth) || truth.raster.is_some());
+    let color = if is_forest { palette.meadow } else { palette.ground };
+    let mut draft = Draft::default();
+    let top = if has_floors { -BELOW } else { 0.0 };
+    let corners = Shape::from_rect(bounds).corners();
+    let corners: Vec<Vec2> = corners.iter().map(|p| (*p - origin).as_vec2()).collect();
+    draft.add_flat(&corners, top as f32, color);
+    // The light of buildings ends at their walls.
+    let finish = if building.is_some() { Finish::Mark } else { Finish::Ground };
+    if let Some(material) = material(world, finish) {
+        let mesh = world.resource_mut::<Assets<Mesh>>().add(draft.into_mesh());
+        let name = Name::new("ground");
+        world.spawn((name, Mesh3d(mesh), MeshMaterial3d(material), ChildOf(stage)));
+    }
+    // Light.
+    let (voxels, at) = match building {
+        Some(truth) => glow::of_building(truth, origin, &settings),
+        None => glow::of_sky(bounds, origin),
+    };
+    let voxels = world.resource_mut::<Assets<Image>>().add(voxels);
+    let intensity = glow::INTENSITY * settings.brightness;
+    let volume = IrradianceVolume { voxels, intensity, ..default() };
+    world.spawn((Name::new("light"), volume, at, ChildOf(stage)));
+    // The sun.
+    let share = match building {
+        Some(_) if settings.ceilings => return,
+        Some(_) => SUN.1,
+        None => 1.0,
+    };
+    let size = truth.map_or(100.0, |truth| truth.bounds.size().max_element());
+    let shadows = CascadeShadowConfigBuilder {
+        num_cascades: 2,
+        first_cascade_far_bound: 15.0,
+        maximum_distance: (2.0 * size).clamp(40.0, 250.0) as f32,
+        ..default()
+    };
+    world.spawn((
+        Name::new("sun"),
+        Sun,
+        DirectionalLight {
+            illuminance: SUN.0 * share * settings.brightness,
+            shadow_maps_enabled: settings.shadows,
+            ..default()
+        },
+        shadows.build(),
+        Transform::from_translation(TO_SUN).looking_at(Vec3::ZERO, Vec3::Z),
+        ChildOf(stage),
+    ));
+}
+
+/// Adds the ceiling of a room or hallway, and the lamps below that of a lit room.
+pub(super) fn add_ceiling(
+    drafts: &mut BTreeMap<Finish, Draft>,
+    truth: &EnvgenWorld,
+    part: PartId,
+    origin: DVec2,
+    palette: &Palette3d,
+    settings: &Visuals3dSettings,
+) {
+    let Some((shape, top, lamps)) = covered(truth, part, settings) else { return };
+    let Ok(extent) = Extent::new(top, top + CEILING) else { return };
+    if let Some(solid) = Solid::extruded(shape, extent) {
+        drafts.entry(Finish::Ceiling).or_default().add(&solid, origin, palette.ceiling);
+    }
+    let draft = drafts.entry(Finish::Lamp).or_default();
+    for lamp in lamps {
+        let middle = (lamp - origin).as_vec2().extend(top as f32);
+        let half = Vec3::new(0.3, 0.15, 0.0);
+        draft.add_box(
+            middle - half - Vec3::Z * 0.05,
+            middle + half - Vec3::Z * 0.001,
+            palette.lamp,
+        );
+    }
+}
+
+/// The shape of a room or hallway, the height of its ceiling, and its lamps.
+fn covered<'a>(
+    truth: &'a EnvgenWorld,
+    part: PartId,
+    settings: &Visuals3dSettings,
+) -> Option<(&'a Shape, f64, Vec<DVec2>)> {
+    let index = part.index as usize;
+    match part.kind {
+        PartKind::Room => {
+            let room = truth.rooms.get(index)?;
+            let lamps = if room.lit { glow::lamps(&room.shape, settings) } else { Vec::new() };
+            Some((&room.shape, room.extent().top(), lamps))
+        }
+        PartKind::Surface => {
+            let surface = truth.surfaces.get(index)?;
+            let shape = &surface.shape;
+            let top = envgen::world::WallKind::Wall.extent().top();
+            is_hallway(surface.kind).then(|| (shape, top, glow::lamps(shape, settings)))
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,142 @@
+//! Trees: every trunk and crown is one of a few meshes, stretched, so that forests are drawn by instancing.
+
+use std::collections::BTreeMap;
+
+use bevy::prelude::*;
+use envgen::glam::DVec2;
+use envgen::mesh::Mesh as Solid;
+use envgen::world::{Crown, Extent, Tree};
+
+use super::draft::Draft;
+use super::finish::Finish;
+use super::palette::Palette3d;
+use super::tile::TileMesh;
+use crate::environment::{Environment, GroundTruth};
+use crate::part::PartKind;
+use crate::shape::PartShape;
+use crate::spawn::TileSpawned;
+
+/// Sides of the trunks of thin, middling and thick trees, and the radius up to which they suffice in metres.
+const SIDES: [(u32, f64); 3] = [(16, 0.15), (28, 0.5), (48, f64::INFINITY)];
+
+/// Crowns differ in lightness by these factors, so that one can tell them apart.
+const SHADES: [f32; 3] = [0.9, 1.0, 1.12];
+
+/// The meshes and materials of trees, shared by all.
+#[derive(Resource, Default)]
+pub(super) struct TreeMeshes {
+    crown: Option<Handle<Mesh>>,
+    trunks: BTreeMap<u32, Handle<Mesh>>,
+    bark: Option<Handle<StandardMaterial>>,
+    leaves: Vec<Handle<StandardMaterial>>,
+}
+
+/// Spawns the trees of a tile.
+pub(super) fn plant(world: &mut World, spawned: &TileSpawned) {
+    let truth = world.get::<GroundTruth>(spawned.environment);
+    let origin =
+        world.get::<Environment>(spawned.environment).map_or(DVec2::ZERO, |root| root.origin);
+    let trees: Vec<(u32, Tree)> = spawned
+        .placed(world)
+        .filter(|(id, ..)| id.kind == PartKind::Tree)
+        .filter_map(|(id, at, shape)| {
+            if let Some(truth) = truth {
+                return Some((id.index, *truth.trees.get(id.index as usize)?));
+            }
+            // Of an endless forest.
+            let PartShape::Disc { radius } = shape else { return None };
+            let center = at.translation.truncate().as_dvec2() + origin;
+            Some((id.index, Tree::new(center, f64::from(*radius))))
+        })
+        .collect();
+    if trees.is_empty() {
+        return;
+    }
+    make_shared(world);
+    let shared = world.resource::<TreeMeshes>();
+    let (Some(crown), Some(bark)) = (shared.crown.clone(), shared.bark.clone()) else { return };
+    let mut parts = Vec::with_capacity(2 * trees.len());
+    for (index, tree) in trees {
+        let sides = SIDES.iter().find(|(_, most)| tree.radius <= *most).unwrap_or(&SIDES[2]).0;
+        let at = (tree.center - origin).as_vec2();
+        let trunk = tree.trunk();
+        let (Some(mesh), Some(leaves)) =
+            (shared.trunks.get(&sides), shared.leaves.get(index as usize % SHADES.len()))
+        else {
+            continue;
+        };
+        let pose = Transform::from_translation(at.extend(trunk.bottom() as f32))
+            .with_scale(Vec3::new(tree.radius as f32, tree.radius as f32, trunk.height() as f32));
+        parts.push((
+            TileMesh { finish: Finish::Bark },
+            Mesh3d(mesh.clone()),
+            MeshMaterial3d(bark.clone()),
+            pose,
+            ChildOf(spawned.tile),
+        ));
+        let Crown { extent, radius } = tree.crown();
+        let middle = (0.5 * (extent.bottom() + extent.top())) as f32;
+        // A trunk that is round about the same axis gives every crown another turn.
+        let turn = Quat::from_rotation_z(0.7 * (index % 9) as f32);
+        let pose = Transform::from_translation(at.extend(middle))
+            .with_rotation(turn)
+            .with_scale(Vec3::new(radius as f32, radius as f32, extent.height() as f32));
+        parts.push((
+            TileMesh { finish: Finish::Leaves },
+            Mesh3d(crown.clone()),
+            MeshMaterial3d(leaves.clone()),
+            pose,
+            ChildOf(spawned.tile),
+        ));
+    }
+    world.spawn_batch(parts);
+}
+
+/// Makes what trees share.
+fn make_shared(world: &mut World) {
+    if world.resource::<TreeMeshes>().crown.is_some() {
+        return;
+    }
+    let palette = world.resource::<Palette3d>().clone();
+    let mut meshes = world.resource_mut::<Assets<Mesh>>();
+    let mut drawn = |solid: Option<Solid>, widen: f64| {
+        let mut solid = solid?;
+        for position in &mut solid.positions {
+            *position *= envgen::glam::DVec3::new(widen, widen, 1.0);
+        }
+        let mut draft = Draft::default();
+        draft.add(&solid, DVec2::ZERO, Color::WHITE);
+        Some(meshes.add(draft.into_mesh()))
+    };
+    let unit = |bottom, top| Extent::new(bottom, top).ok();
+    let crown = unit(-0.5, 0.5).and_then(|extent| {
+        drawn(Some(Solid::ellipsoid(DVec2::ZERO, Crown { extent, radius: 1.0 })), 1.0)
+    });
+    let trunks = SIDES.iter().filter_map(|&(sides, _)| {
+        // The disc that has a mesh of so many sides.
+        let radius = 2.0
+            * envgen::mesh::ROUNDNESS
+            * (f64::from(sides) / std::f64::consts::PI).powi(2)
+            * 0.999;
+        let disc = envgen::geometry::Shape::Disc { center: DVec2::ZERO, radius };
+        let solid = Solid::extruded(&disc, unit(0.0, 1.0)?);
+        Some((sides, drawn(solid, 1.0 / radius)?))
+    });
+    let trunks = trunks.collect();
+    let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
+    let mut plain = |color: Color| {
+        materials.add(StandardMaterial {
+            base_color: color,
+            perceptual_roughness: 1.0,
+            reflectance: 0.1,
+            ..default()
+        })
+    };
+    let leaves = SHADES.iter().map(|&shade| {
+        let color = palette.crown.to_linear() * shade;
+        plain(color.with_alpha(1.0).into())
+    });
+    let leaves = leaves.collect();
+    let bark = plain(palette.trunk);
+    *world.resource_mut::<TreeMeshes>() = TreeMeshes { crown, trunks, bark: Some(bark), leaves };
+}
