@@ -127,6 +127,23 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.mcap")]
     log: Option<PathBuf>,
 
+    /// Writes what the robots' cameras see too, in the simulator rapier: colours, depths in millimetres, labels, and
+    /// frames.json. See docs/guide/bevy.md. Needs a build with --features window.
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) camera: Option<PathBuf>,
+
+    /// Pixels of the cameras.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "320x240", value_parser = pixels, requires = "camera")]
+    pub(crate) camera_size: [u32; 2],
+
+    /// Horizontal field of view of the cameras in degrees.
+    #[arg(long, value_name = "DEGREES", default_value_t = 70.0, allow_negative_numbers = true, requires = "camera")]
+    pub(crate) camera_fov: f64,
+
+    /// Pictures of each camera per simulated second.
+    #[arg(long, value_name = "NUMBER", default_value_t = 2.0, allow_negative_numbers = true, requires = "camera")]
+    pub(crate) camera_rate: f64,
+
     /// Sets what moves in the world, such as doors=0.5, people=4 or smoke=0.2; may be given several times.
     #[arg(long = "set", value_name = "NAME=VALUE", conflicts_with = "replay")]
     settings: Vec<String>,
@@ -238,6 +255,14 @@ impl Arguments {
         settings.validate()?;
         start::with_start(world, settings)
     }
+}
+
+/// A size such as `320x240`.
+fn pixels(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once('x').and_then(|(width, height)| {
+        Some([width.trim().parse().ok()?, height.trim().parse().ok()?])
+    });
+    sides.ok_or_else(|| "not of the form WIDTHxHEIGHT with numbers of pixels".to_owned())
 }
 
 /// A pose such as `1.5,-2,90`.

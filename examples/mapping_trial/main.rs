@@ -7,15 +7,19 @@
 //! cargo run --release --example mapping_trial -- --driver "python3 examples/drivers/explorer.py"
 //! cargo run --release --example mapping_trial -- --replay out/log.json --out out/again
 //! cargo run --release --example mapping_trial -- --log out/bag/trial.mcap
+//! cargo run --release --features window --example mapping_trial -- --engine rapier --camera out/frames
 //! ```
 //!
 //! The output folder gets pictures of the robot's map, of the mappable area and of both over each
 //! other, with trajectories; the map for ROS's `map_server`; the log, from which the trial runs again
-//! to the last bit; and the report as JSON. `--log` also writes a bag for ROS 2. Two runs with the same arguments
+//! to the last bit; and the report as JSON. `--log` also writes a bag for ROS 2, `--camera` what
+//! the robots see. Two runs with the same arguments
 //! write the same bytes.
 
 mod arguments;
 mod bag;
+#[cfg_attr(not(feature = "render"), path = "no_camera.rs")]
+mod camera;
 mod driver;
 #[path = "../shared/output.rs"]
 mod output;
@@ -28,10 +32,10 @@ mod table;
 use std::error::Error;
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, IsTerminal, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use bevy_mapping_trial::trial::{replay_headless_with, run_headless_with};
 use clap::Parser;
 use envgen::World;
 use envgen::located::Locate;
@@ -72,11 +76,13 @@ fn main() -> ExitCode {
 
 /// Runs a trial, or replays a log, and prints the results.
 fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    camera::check(arguments)?;
     output::folder(&arguments.out)?;
     arguments.check_outputs()?;
     let bag = arguments.bag()?;
     let clock = now();
     let Some(path) = &arguments.replay else {
+        refuse_camera_of(arguments, &arguments.engine)?;
         let world = arguments.world()?;
         let settings = arguments.settings(&world)?;
         let scenario = arguments.scenario(&world)?;
@@ -88,12 +94,13 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let bar = progress(settings.time_limit.min(settings.body.battery));
         let report = if arguments.engine == RAPIER {
             let progress = |time| bar.set_position(time as u64);
-            let trial = run_headless_with(&world, settings, parts, scenario, progress)?;
+            let moving = (parts, scenario);
+            let (trial, pictures) = camera::run(arguments, &world, settings, moving, progress)?;
             bar.finish_and_clear();
-            tell(arguments, &world, &trial, bag, clock)?
+            tell(arguments, &world, &trial, (bag, pictures), clock)?
         } else {
             let trial = run_flat(&world, settings, parts, scenario, &bar)?;
-            tell(arguments, &world, &trial, bag, clock)?
+            tell(arguments, &world, &trial, (bag, Vec::new()), clock)?
         };
         if let Some(driver) = driver {
             driver.end(Some(&report));
@@ -105,6 +112,7 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     };
     let file = File::open(path).in_file(path)?;
     let log = TrialLog::read(&mut BufReader::new(file)).in_file(path)?;
+    refuse_camera_of(arguments, &log.engine)?;
     let world = log.world.world().in_file(path)?;
     for part in log.foreign.iter().filter(|part| part.role != PartRole::Policy) {
         say(arguments, format_args!("{}\n", missing(part)))?;
@@ -117,19 +125,28 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             let mut trial = log.replay_with(&world, build).in_file(path)?;
             log.run_through_with(&mut trial, |trial| bar.set_position(trial.time() as u64));
             bar.finish_and_clear();
-            tell(arguments, &world, &trial, bag, clock)?
+            tell(arguments, &world, &trial, (bag, Vec::new()), clock)?
         }
         RAPIER => {
             let progress = |time| bar.set_position(time as u64);
-            let trial = replay_headless_with(&world, log, parts, progress).in_file(path)?;
+            let replayed = camera::replay(arguments, &world, log, parts, progress);
+            let (trial, pictures) = replayed.in_file(path)?;
             bar.finish_and_clear();
-            tell(arguments, &world, &trial, bag, clock)?
+            tell(arguments, &world, &trial, (bag, pictures), clock)?
         }
         other => {
             let text = format!("unknown engine `{other}`, expected `{FLAT}` or `{RAPIER}`");
             return Ok(Err(text).in_file(path)?);
         }
     };
+    Ok(())
+}
+
+/// Refuses cameras of an engine whose robots have none.
+fn refuse_camera_of(arguments: &Arguments, engine: &str) -> Result<(), Box<dyn Error>> {
+    if arguments.camera.is_some() && engine != RAPIER {
+        return Err(format!("--camera needs --engine {RAPIER}, got {engine}").into());
+    }
     Ok(())
 }
 
@@ -156,7 +173,7 @@ fn tell<B: RobotBackend>(
     arguments: &Arguments,
     world: &World,
     trial: &Trial<B>,
-    bag: Option<Bag>,
+    (bag, pictures): (Option<Bag>, Vec<PathBuf>),
     clock: Instant,
 ) -> Result<TrialReport, Box<dyn Error>> {
     let seconds = clock.elapsed().as_secs_f64();
@@ -181,6 +198,7 @@ fn tell<B: RobotBackend>(
     if let Some(bag) = bag {
         paths.extend(bag.finish(trial, world, &report)?);
     }
+    paths.extend(pictures);
     for path in paths {
         say(arguments, format_args!("wrote {}\n", path.display()))?;
     }

@@ -61,6 +61,8 @@ pub enum Role {
     Crown,
     /// The floor of a room.
     Floor,
+    /// The ceiling over a room or hallway.
+    Ceiling,
     /// The ground of worlds without floors.
     Ground,
 }
@@ -102,6 +104,7 @@ impl fmt::Display for Piece<'_> {
             Role::Lintel => "_lintel",
             Role::Crown => "_crown",
             Role::Floor => "_floor",
+            Role::Ceiling => "_ceiling",
             Role::Ground => "ground",
         })
     }
@@ -133,7 +136,6 @@ pub fn pieces(world: &World) -> Vec<Piece<'_>> {
 
 /// The ground of a world without floors, as large as its bounds.
 pub fn ground_of(world: &World) -> Option<Piece<'_>> {
-    let is_floor = |kind| matches!(kind, SurfaceKind::Hallway | SurfaceKind::OpenArea);
     let has_floor =
         !world.rooms.is_empty() || world.surfaces.iter().any(|surface| is_floor(surface.kind));
     (!has_floor).then(|| Piece {
@@ -144,6 +146,37 @@ pub fn ground_of(world: &World) -> Option<Piece<'_>> {
         is_solid: false,
         color: palette::ROOM.fill,
     })
+}
+
+/// The ceilings over rooms, hallways and open areas, which are not among [`pieces`]: worlds are shown without
+/// them, but who is inside sees them.
+pub fn ceilings(world: &World) -> Vec<Piece<'_>> {
+    let part = |kind, index: usize| PartId { kind, index: index as u32 };
+    let rooms = world.rooms.iter().enumerate();
+    let rooms = rooms.map(|(i, room)| (part(PartKind::Room, i), &room.shape, room.extent().top()));
+    let surfaces = world.surfaces.iter().enumerate().filter(|(_, surface)| is_floor(surface.kind));
+    let top = WallKind::Wall.extent().top();
+    let surfaces = surfaces.map(|(i, surface)| (part(PartKind::Surface, i), &surface.shape, top));
+    let ceiling = |(part, shape, top)| Piece {
+        part: Some(part),
+        role: Role::Ceiling,
+        kind: "ceiling".to_owned(),
+        form: Form::Prism {
+            shape: Cow::Borrowed(shape),
+            extent: Extent::between(top, top + CEILING_THICKNESS),
+        },
+        is_solid: false,
+        color: palette::ROOM.fill,
+    };
+    rooms.chain(surfaces).map(ceiling).collect()
+}
+
+/// Thickness of ceilings in metres.
+const CEILING_THICKNESS: f64 = 0.1;
+
+/// Whether a surface is a plain floor.
+fn is_floor(kind: SurfaceKind) -> bool {
+    matches!(kind, SurfaceKind::Hallway | SurfaceKind::OpenArea)
 }
 
 /// The bodies of one part: two of a tree, none of an open doorway without a lintel, none of a part that
@@ -260,8 +293,10 @@ mod tests {
             let blueprint = kind.default_spec().generate(Seed(3)).unwrap();
             let world = blueprint.to_world();
             let pieces = pieces(&world);
-            let names: BTreeSet<String> = pieces.iter().map(ToString::to_string).collect();
-            assert_eq!(names.len(), pieces.len(), "{kind}");
+            let ceilings = ceilings(&world);
+            let all = || pieces.iter().chain(&ceilings);
+            let names: BTreeSet<String> = all().map(ToString::to_string).collect();
+            assert_eq!(names.len(), all().count(), "{kind}");
             let of = |role| pieces.iter().filter(|p| p.role == role && p.is_solid).count();
             assert_eq!(of(Role::Body), world.solids().count(), "{kind}");
             assert_eq!(of(Role::Lintel), world.doorways.len(), "{kind}");

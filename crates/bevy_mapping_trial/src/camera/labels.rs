@@ -29,7 +29,8 @@ impl Labels {
         Labels { pieces, doors: doors as u32, people: people as u32 }
     }
 
-    /// The label of a piece of the world, by its place in [`pieces`](envgen::pieces::pieces).
+    /// The label of a piece of the world, by its place in [`pieces`](envgen::pieces::pieces), after which the
+    /// [`ceilings`](envgen::pieces::ceilings) come where there are any.
     pub fn of_piece(&self, piece: usize) -> u32 {
         piece as u32 + 1
     }

@@ -3,8 +3,8 @@
 //! [`RobotCamera`] on a robot makes it see. For colours a [`Camera3d`] follows the robot and draws into an image that
 //! the app can show, [`RobotCameraView`]; it draws what the app has in three dimensions, such as the worlds of
 //! [`bevy_envgen`] with its `EnvgenVisuals3dPlugin`. Depths and labels need no plugin for drawing: they show the
-//! bodies of the world ([`envgen::pieces`]) as meshes, the doors and people of its scenario, and the other robots
-//! of its trial. Each image that is complete is a [`CameraFrame`], which comes with [`CameraFrameTaken`].
+//! bodies of the world ([`envgen::pieces`]) as meshes, with ceilings where `Visuals3dSettings` has them, the doors and
+//! people of its scenario, and the other robots of its trial. Each image that is complete is a [`CameraFrame`], which comes with [`CameraFrameTaken`].
 //!
 //! ```no_run
 //! use bevy::prelude::*;

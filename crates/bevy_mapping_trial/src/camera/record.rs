@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use bevy::prelude::*;
+use bevy_envgen::visuals3d::{EnvgenVisuals3dPlugin, Visuals3dSettings};
 use bevy_offscreen::{CaptureError, Studio};
 use envgen::scenario::Scenario;
 use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
@@ -128,7 +129,12 @@ fn record(
     let recorder = Arc::new(Mutex::new(Recorder::new(recording, robots)?));
     let mut app = std::mem::replace(Studio::new()?.app(), App::empty());
     let camera = recording.camera;
-    app.add_plugins(RobotCameraPlugin);
+    // Robots are inside.
+    let visuals = Visuals3dSettings { ceilings: true, ..default() };
+    if camera.images.color {
+        app.add_plugins(EnvgenVisuals3dPlugin::new(visuals));
+    }
+    app.insert_resource(visuals).add_plugins(RobotCameraPlugin);
     app.add_observer(move |robot: On<Add, TrialRobot>, mut commands: Commands| {
         commands.entity(robot.entity).insert(camera);
     });

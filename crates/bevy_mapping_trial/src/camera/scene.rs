@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use bevy::prelude::*;
 use envgen::glam::DVec3;
 use envgen::mesh;
-use envgen::pieces::{Form, pieces};
+use envgen::pieces::{Form, ceilings, pieces};
 use envgen::scenario::ScenarioState;
 
 use super::labels::Labels;
@@ -76,9 +76,13 @@ impl Scene {
     pub(super) fn new(
         world: &envgen::World,
         moving: Option<&ScenarioState>,
+        has_ceilings: bool,
     ) -> Result<Self, CameraError> {
         let origin = world.bounds.center().extend(0.0);
-        let pieces = pieces(world);
+        let mut pieces = pieces(world);
+        if has_ceilings {
+            pieces.extend(ceilings(world));
+        }
         let numbers = moving.map_or([0, 0], |state| [state.doors().len(), state.people().len()]);
         let labels = Labels::new(&pieces, numbers);
         let mut tiles: BTreeMap<[i64; 2], Triangles> = BTreeMap::new();

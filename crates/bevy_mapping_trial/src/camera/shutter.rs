@@ -9,6 +9,7 @@ use bevy::prelude::*;
 use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
+use bevy_envgen::visuals3d::Visuals3dSettings;
 use bevy_envgen::{Environment, GroundTruth, ScenarioRun};
 use envgen::geometry::{Pose, Shape};
 use envgen::pieces::Form;
@@ -87,6 +88,7 @@ pub(super) struct Scenes {
 struct KnownScene {
     world: Arc<envgen::World>,
     movers: [usize; 2],
+    has_ceilings: bool,
     scene: Scene,
     names: Arc<Labels>,
     buffer: SceneBuffer,
@@ -190,9 +192,11 @@ pub(super) fn shoot(
     mut eyes: Query<&mut Camera>,
     (device, queue): Card<'_>,
     fixed: Res<Time<Fixed>>,
+    visuals: Option<Res<Visuals3dSettings>>,
     mut scenes: ResMut<Scenes>,
     mut commands: Commands,
 ) {
+    let has_ceilings = visuals.is_some_and(|visuals| visuals.ceilings);
     scenes.known.retain(|&environment, _| environments.contains(environment));
     for (robot, camera, mut shutter, pose, wheels, parent, view) in &mut robots {
         // Its pose is not known before its first step.
@@ -228,7 +232,7 @@ pub(super) fn shoot(
         let state = run.map(ScenarioRun::state);
         let Scenes { pass, known } = &mut *scenes;
         let pass = pass.get_or_insert_with(|| NumberPass::new(device, queue));
-        let known = match KnownScene::of(known, entity, truth, state, pass) {
+        let known = match KnownScene::of(known, (entity, truth), state, has_ceilings, pass) {
             Ok(known) => known,
             Err(error) => {
                 fail(error);
@@ -309,20 +313,23 @@ impl KnownScene {
     /// The scene of an environment, made if its world or scenario is another.
     fn of<'a>(
         known: &'a mut BTreeMap<Entity, KnownScene>,
-        environment: Entity,
-        truth: &GroundTruth,
+        (environment, truth): (Entity, &GroundTruth),
         state: Option<&envgen::scenario::ScenarioState>,
+        has_ceilings: bool,
         pass: &NumberPass,
     ) -> Result<&'a KnownScene, CameraError> {
         let movers = state.map_or([0, 0], |state| [state.doors().len(), state.people().len()]);
         let is_same = |scene: &KnownScene| {
-            Arc::ptr_eq(&scene.world, &truth.0) && scene.movers == movers
+            Arc::ptr_eq(&scene.world, &truth.0)
+                && scene.movers == movers
+                && scene.has_ceilings == has_ceilings
         };
         if !known.get(&environment).is_some_and(is_same) {
-            let scene = Scene::new(&truth.0, state)?;
+            let scene = Scene::new(&truth.0, state, has_ceilings)?;
             let (names, buffer) = (Arc::new(scene.labels.clone()), pass.load(&scene));
             let world = truth.0.clone();
-            known.insert(environment, KnownScene { world, movers, scene, names, buffer });
+            let scene = KnownScene { world, movers, has_ceilings, scene, names, buffer };
+            known.insert(environment, scene);
         }
         known.get(&environment).ok_or(CameraError::NoEnvironment)
     }

@@ -90,6 +90,7 @@ fn described(world: &World, piece: &Piece<'_>) -> serde_json::Value {
         Role::Lintel => "lintel",
         Role::Crown => "crown",
         Role::Floor => "floor",
+        Role::Ceiling => "ceiling",
         Role::Ground => "ground",
     };
     let mut extras = json!({ "kind": piece.kind, "role": role, "solid": piece.is_solid });

@@ -1,0 +1,5 @@
+//! Cameras of robots, drawn without a window. Needs a graphics card, or Mesa's software Vulkan.
+
+mod exact;
+mod recording;
+mod refusals;

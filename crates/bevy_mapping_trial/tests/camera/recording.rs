@@ -1,0 +1,147 @@
+//! Trials whose pictures are written.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use bevy_envgen::envgen::indoor::IndoorSpec;
+use bevy_envgen::envgen::scenario::{Scenario, ScenarioSpec};
+use bevy_envgen::envgen::{Blueprint, Seed, Spec, World};
+use bevy_mapping_trial::camera::{
+    CameraImages, CameraRecording, RecordingError, RobotCamera, record_headless, record_replay,
+};
+use bevy_mapping_trial::trial::run_headless_with;
+use mapping_trial::trial::{TrialLog, TrialParts, TrialSettings};
+use serde_json::Value;
+
+fn world() -> World {
+    IndoorSpec { width: 5, height: 5, ..Default::default() }.generate(Seed(4)).unwrap().to_world()
+}
+
+fn settings(world: &World) -> TrialSettings {
+    TrialSettings { time_limit: 6.0, robots: 2, start: world.start, ..Default::default() }
+}
+
+/// All files below a folder.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let name = path.strip_prefix(folder).unwrap().to_owned();
+                all.insert(name, fs::read(&path).unwrap());
+            }
+        }
+    }
+    all
+}
+
+fn png(data: &[u8]) -> (png::OutputInfo, Vec<u8>) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(data)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    (info, pixels)
+}
+
+#[test]
+fn a_recorded_trial_is_the_same_trial() {
+    let folder = tempfile::tempdir().unwrap();
+    let world = world();
+    let spec = ScenarioSpec { doors: 1.0, people: 3, ..Default::default() };
+    let scenario = Some(Scenario::new(&world, &spec, Seed(4)).unwrap());
+    let parts = TrialParts::default;
+    let plain =
+        run_headless_with(&world, settings(&world), parts(), scenario.clone(), |_| ()).unwrap();
+    let mut log = Vec::new();
+    plain.log().write(&mut log).unwrap();
+
+    let camera = RobotCamera { width: 60, height: 44, ..Default::default() };
+    let recording = |name: &str| CameraRecording { camera, folder: folder.path().join(name) };
+    let first = recording("first");
+    let (trial, descriptions) =
+        record_headless(&world, settings(&world), parts(), scenario, &first, |_| ()).unwrap();
+    let mut recorded = Vec::new();
+    trial.log().write(&mut recorded).unwrap();
+    assert!(log == recorded, "the camera changes the trial");
+    let expected = ["robot_1", "robot_2"].map(|robot| first.folder.join(robot).join("frames.json"));
+    assert_eq!(descriptions, expected);
+
+    let again = recording("again");
+    let log = TrialLog::read(&mut recorded.as_slice()).unwrap();
+    record_replay(&world, log, parts(), &again, |_| ()).unwrap();
+    let (first, again) = (files(&first.folder), files(&again.folder));
+    assert_eq!(first.keys().collect::<Vec<_>>(), again.keys().collect::<Vec<_>>());
+    assert!(first == again, "the pictures of the replay differ");
+
+    let json: Value = serde_json::from_slice(&first[Path::new("robot_1/frames.json")]).unwrap();
+    // At 0, 0.5, .. 5.5 s.
+    let frames = json["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), 12);
+    for (i, frame) in frames.iter().enumerate() {
+        assert!((frame["time"].as_f64().unwrap() - 0.5 * i as f64).abs() < 1e-9);
+        for (key, folder, bytes) in
+            [("file_path", "rgb", 3), ("depth_file_path", "depth", 2), ("label_file_path", "labels", 2)]
+        {
+            let path = frame[key].as_str().unwrap();
+            assert_eq!(path, format!("{folder}/{:06}.png", i + 1));
+            let (info, pixels) = png(&first[&Path::new("robot_1").join(path)]);
+            assert_eq!((info.width, info.height), (60, 44));
+            assert_eq!(pixels.len(), 60 * 44 * bytes);
+        }
+    }
+    // The colours are a picture.
+    let colors = png(&first[Path::new("robot_1/rgb/000012.png")]).1;
+    let different: std::collections::BTreeSet<&[u8]> = colors.chunks_exact(3).collect();
+    assert!(different.len() > 50, "{} colours", different.len());
+    // Every label has a meaning, and the floor is among them.
+    let named: BTreeMap<u64, &str> = json["labels"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|label| (label["id"].as_u64().unwrap(), label["kind"].as_str().unwrap()))
+        .collect();
+    let labels = png(&first[Path::new("robot_1/labels/000012.png")]).1;
+    for label in labels.as_chunks::<2>().0 {
+        assert!(named.contains_key(&u16::from_be_bytes(*label).into()));
+    }
+    assert!(named.values().any(|kind| *kind == "room") && named.values().any(|kind| *kind == "ceiling"));
+    // The pose at the start, 0.55 m up and 0.2 m ahead.
+    let start = trial.trajectory(0).poses[0];
+    let position = frames[0]["position"].as_array().unwrap();
+    let at = start.to_world(bevy_envgen::envgen::glam::DVec2::new(0.2, 0.0));
+    for (found, expected) in position.iter().zip([at.x, at.y, 0.55]) {
+        assert!((found.as_f64().unwrap() - expected).abs() < 1e-4);
+    }
+    assert_eq!(frames[0]["transform_matrix"][2][3].as_f64(), Some(0.55));
+    assert_eq!(json["depth_unit_scale_factor"].as_f64(), Some(1e-3));
+}
+
+#[test]
+fn an_earlier_recording_is_replaced_and_other_files_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let world = world();
+    let images = CameraImages { color: false, ..Default::default() };
+    let camera = RobotCamera { images, width: 8, height: 6, ..Default::default() };
+    let run = |rate: f64| {
+        let settings = TrialSettings { robots: 1, time_limit: 2.0, ..settings(&world) };
+        let camera = RobotCamera { rate, ..camera };
+        let recording = CameraRecording { camera, folder: folder.path().to_owned() };
+        record_headless(&world, settings, TrialParts::default(), None, &recording, |_| ())
+    };
+    run(4.0).unwrap();
+    fs::write(folder.path().join("depth/notes.txt"), "kept").unwrap();
+    run(1.0).unwrap();
+    let names: Vec<String> =
+        files(folder.path()).into_keys().map(|name| name.to_string_lossy().into_owned()).collect();
+    let expected = [
+        "depth/000001.png", "depth/000002.png", "depth/000003.png", "depth/notes.txt",
+        "frames.json", "labels/000001.png", "labels/000002.png", "labels/000003.png",
+    ];
+    assert_eq!(names, expected);
+    let wrong = run(0.0);
+    assert!(matches!(wrong, Err(RecordingError::Camera(_))));
+}

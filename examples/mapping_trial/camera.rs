@@ -1,0 +1,61 @@
+//! The pictures of the robots' cameras.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use bevy_mapping_trial::camera::{CameraRecording, RobotCamera, record_headless, record_replay};
+use bevy_mapping_trial::trial::{RapierRobots, replay_headless_with, run_headless_with};
+use envgen::World;
+use envgen::scenario::Scenario;
+use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
+
+use crate::arguments::Arguments;
+
+/// A trial in rapier, and the descriptions of its pictures.
+type Recorded = (Trial<RapierRobots>, Vec<PathBuf>);
+
+/// Checks the camera, if there is one.
+pub(crate) fn check(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    match recording(arguments) {
+        Some(recording) => Ok(recording.camera.check()?),
+        None => Ok(()),
+    }
+}
+
+/// What to record, if anything.
+fn recording(arguments: &Arguments) -> Option<CameraRecording> {
+    let [width, height] = arguments.camera_size;
+    let (field_of_view, rate) = (arguments.camera_fov, arguments.camera_rate);
+    let camera = RobotCamera { width, height, field_of_view, rate, ..Default::default() };
+    arguments.camera.clone().map(|folder| CameraRecording { camera, folder })
+}
+
+/// Runs a trial in rapier.
+pub(crate) fn run(
+    arguments: &Arguments,
+    world: &World,
+    settings: TrialSettings,
+    (parts, scenario): (TrialParts, Option<Scenario>),
+    progress: impl FnMut(f64),
+) -> Result<Recorded, Box<dyn Error>> {
+    Ok(match recording(arguments) {
+        None => (run_headless_with(world, settings, parts, scenario, progress)?, Vec::new()),
+        Some(recording) => {
+            record_headless(world, settings, parts, scenario, &recording, progress)?
+        }
+    })
+}
+
+/// Replays a trial in rapier.
+pub(crate) fn replay(
+    arguments: &Arguments,
+    world: &World,
+    log: TrialLog,
+    parts: TrialParts,
+    progress: impl FnMut(f64),
+) -> Result<Recorded, Box<dyn Error>> {
+    Ok(match recording(arguments) {
+        None => (replay_headless_with(world, log, parts, progress)?, Vec::new()),
+        Some(recording) => record_replay(world, log, parts, &recording, progress)?,
+    })
+}
