@@ -92,7 +92,12 @@ impl CameraFolder {
         if let Some(labels) = &frame.labels {
             let data: Vec<u8> = labels.iter().flat_map(|&label| short(label).to_be_bytes()).collect();
             write("labels", "label_file_path", sixteen, &data)?;
+            let mut last = None;
             for &label in labels {
+                // Neighbours mostly have the same.
+                if last.replace(label) == Some(label) {
+                    continue;
+                }
                 self.labels.entry(short(label)).or_insert_with(|| describe(label, &frame.names));
             }
         }

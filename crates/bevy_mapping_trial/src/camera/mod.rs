@@ -4,7 +4,8 @@
 //! the app can show, [`RobotCameraView`]; it draws what the app has in three dimensions, such as the worlds of
 //! [`bevy_envgen`] with its `EnvgenVisuals3dPlugin`. Depths and labels need no plugin for drawing: they show the
 //! bodies of the world ([`envgen::pieces`]) as meshes, with ceilings where `Visuals3dSettings` has them, the doors and
-//! people of its scenario, and the other robots of its trial. Each image that is complete is a [`CameraFrame`], which comes with [`CameraFrameTaken`].
+//! people of its scenario, and the robots of its trial: as the app draws them, else as simple bodies. Robots are drawn as
+//! boxes and cylinders. Each image that is complete is a [`CameraFrame`], which comes with [`CameraFrameTaken`].
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -39,6 +40,7 @@
 mod files;
 mod frame;
 mod labels;
+mod moving;
 mod optics;
 mod pass;
 mod record;
@@ -48,6 +50,7 @@ mod shutter;
 
 use bevy::app::PostUpdate;
 use bevy::camera::CameraUpdateSystems;
+use bevy::camera::visibility::VisibilitySystems;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
@@ -64,7 +67,7 @@ pub use shutter::{CameraFailed, CameraFrameTaken, RobotCameraView};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RobotCameraPlugin;
 
-/// When pictures are taken, in [`PostUpdate`], before transforms and cameras are updated.
+/// When pictures are taken, in [`PostUpdate`], after transforms and cameras are updated.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct RobotCameraSystems;
 
@@ -76,13 +79,16 @@ impl Plugin for RobotCameraPlugin {
             .add_observer(shutter::remove)
             .add_observer(shutter::fit)
             .add_observer(shutter::develop)
+            .add_observer(moving::draw_robot)
             .add_systems(First, shutter::close)
             .add_systems(
                 PostUpdate,
                 shutter::shoot
                     .in_set(RobotCameraSystems)
-                    .before(TransformSystems::Propagate)
-                    .before(CameraUpdateSystems),
+                    .after(TransformSystems::Propagate)
+                    .after(CameraUpdateSystems)
+                    .before(VisibilitySystems::UpdateFrusta)
+                    .before(VisibilitySystems::CheckVisibility),
             );
     }
 }

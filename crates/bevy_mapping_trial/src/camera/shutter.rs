@@ -5,34 +5,29 @@ use std::sync::Arc;
 
 use bevy::camera::RenderTarget;
 use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::math::DAffine3;
 use bevy::prelude::*;
 use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy_envgen::visuals3d::Visuals3dSettings;
 use bevy_envgen::{Environment, GroundTruth, ScenarioRun};
-use envgen::geometry::{Pose, Shape};
-use envgen::pieces::Form;
-use envgen::world::Extent;
-use mapping_trial::robot::{Footprint, Robot};
 
 use super::frame::CameraFrame;
 use super::labels::Labels;
+use super::moving::{Movers, SceneFrame};
 use super::optics::{CameraOptics, CameraPose, NEAR};
 use super::pass::{NumberPass, SceneBuffer};
-use super::scene::{Scene, Triangles};
+use super::scene::Scene;
 use super::settings::{CameraError, RobotCamera};
-use crate::robot::{RobotModel, TruePose, Wheels};
-use crate::trial::{MappingTrial, TrialRobot, in_world};
+use crate::robot::{TruePose, Wheels};
+use crate::trial::{MappingTrial, in_world};
 
 /// A picture that is this little early is on time, as a share of the time between two.
 const ROUNDING: f64 = 1e-6;
 
 /// Colours that have not arrived after this many frames are lost.
 const MOST_FRAMES: u32 = 100;
-
-/// Bottom of a robot's body above the floor in metres.
-const CLEARANCE: f64 = 0.05;
 
 /// Triggered on a robot when its camera has taken a picture.
 #[derive(EntityEvent, Clone, Debug)]
@@ -168,9 +163,6 @@ type Seeing = (
     Option<&'static RobotCameraView>,
 );
 
-/// A robot that may be seen.
-type Seen = (Entity, &'static TrialRobot, &'static RobotModel, &'static TruePose, &'static ChildOf);
-
 /// The world around robots.
 type Surroundings = (
     Entity,
@@ -187,7 +179,7 @@ type Card<'w> = (Option<Res<'w, RenderDevice>>, Option<Res<'w, RenderQueue>>);
 /// Takes the pictures that are due.
 pub(super) fn shoot(
     mut robots: Query<Seeing>,
-    others: Query<Seen>,
+    movers: Movers<'_, '_>,
     environments: Query<Surroundings>,
     mut eyes: Query<&mut Camera>,
     (device, queue): Card<'_>,
@@ -226,8 +218,8 @@ pub(super) fn shoot(
             fail(CameraError::NoRenderer);
             continue;
         };
-        let to_world = frame.affine().as_daffine3().inverse();
-        let place = |pose: &TruePose| in_world(pose, &to_world, environment);
+        let to_frame = frame.affine().as_daffine3().inverse();
+        let to_world = DAffine3::from_translation(environment.origin.extend(0.0)) * to_frame;
         let optics = CameraOptics::new(camera);
         let state = run.map(ScenarioRun::state);
         let Scenes { pass, known } = &mut *scenes;
@@ -242,7 +234,7 @@ pub(super) fn shoot(
         let mut picture = CameraFrame {
             number: shutter.taken,
             time,
-            pose: CameraPose::new(place(pose), camera),
+            pose: CameraPose::new(in_world(pose, &to_frame, environment), camera),
             optics,
             color: None,
             depth: None,
@@ -251,19 +243,9 @@ pub(super) fn shoot(
         };
         if camera.images.depth || camera.images.labels {
             let scene = &known.scene;
-            let mut moving = Triangles::default();
-            for (target, form) in state.map(|state| state.bodies(&known.world)).unwrap_or_default() {
-                if let Some(label) = known.names.of_moving(target) {
-                    moving.add_form(&form, scene.origin, label);
-                }
-            }
-            let beside = others.iter().filter(|(other, _, _, _, parent)| {
-                *other != robot && parent.parent() == entity
-            });
-            for (_, number, model, at, _) in beside {
-                let label = known.names.of_robot(number.index);
-                moving.add_form(&body(model, place(at)), scene.origin, label);
-            }
+            let around = (entity, &*known.world, run);
+            let frame = SceneFrame { to_world: to_world, origin: scene.origin };
+            let moving = movers.triangles(around, &known.names, &frame);
             let still = (scene, &known.buffer);
             let numbers = match pass.draw(still, &moving, &picture.pose, &optics) {
                 Ok(numbers) => numbers,
@@ -289,24 +271,6 @@ pub(super) fn shoot(
             }
         }
     }
-}
-
-/// The body of a robot, as a box or a cylinder.
-fn body(robot: &Robot, pose: Pose) -> Form<'static> {
-    let shape = match robot.footprint {
-        Footprint::Box => Shape::Box {
-            center: pose.position,
-            half_size: 0.5 * envgen::glam::DVec2::new(robot.length, robot.width),
-            heading: pose.heading,
-        },
-        Footprint::Disc => {
-            Shape::Disc { center: pose.position, radius: robot.circumscribed_radius }
-        }
-    };
-    let bottom = CLEARANCE.min(0.5 * robot.height);
-    // Heights of robots are at least a centimetre.
-    let extent = Extent::new(bottom, robot.height).unwrap_or(envgen::world::WallKind::Wall.extent());
-    Form::Prism { shape: std::borrow::Cow::Owned(shape), extent }
 }
 
 impl KnownScene {

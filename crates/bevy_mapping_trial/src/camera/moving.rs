@@ -1,0 +1,194 @@
+//! What moves around a camera: doors and people of scenarios, and robots.
+
+use std::borrow::Cow;
+
+use bevy::asset::RenderAssetUsages;
+use bevy::ecs::system::SystemParam;
+use bevy::math::DAffine3;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use bevy_envgen::ScenarioRun;
+use bevy_envgen::scenario::{Door, DoorLeaf, Person};
+use envgen::geometry::{Pose, Shape};
+use envgen::glam::{DVec2, DVec3};
+use envgen::mesh;
+use envgen::pieces::Form;
+use envgen::scenario::Target;
+use envgen::world::{Extent, WallKind};
+use mapping_trial::robot::{Footprint, Robot};
+
+use super::labels::Labels;
+use super::scene::Triangles;
+use crate::robot::RobotModel;
+use crate::trial::TrialRobot;
+
+/// Bottom of a robot's body above the floor in metres.
+const CLEARANCE: f64 = 0.05;
+
+/// A robot that may be seen.
+type Seen = (Entity, &'static TrialRobot, &'static RobotModel, &'static ChildOf, &'static GlobalTransform);
+
+/// The entities that move, and their meshes. Those that the app draws in three dimensions are seen as they are drawn,
+/// others as simple bodies.
+#[derive(SystemParam)]
+pub(super) struct Movers<'w, 's> {
+    people: Query<'w, 's, &'static Person>,
+    leaves: Query<'w, 's, &'static ChildOf, With<DoorLeaf>>,
+    doors: Query<'w, 's, (&'static Door, &'static Children)>,
+    robots: Query<'w, 's, Seen>,
+    children: Query<'w, 's, &'static Children>,
+    drawn: Query<'w, 's, (&'static Mesh3d, &'static GlobalTransform)>,
+    meshes: Option<Res<'w, Assets<Mesh>>>,
+}
+
+/// A frame for what is seen: from the app's space to positions relative to a scene's origin.
+pub(super) struct SceneFrame {
+    /// From the app's space to the world.
+    pub(super) to_world: DAffine3,
+    /// The origin of the scene in the world.
+    pub(super) origin: DVec3,
+}
+
+impl Movers<'_, '_> {
+    /// All that moves in an environment, with the robot whose camera looks: it may see itself.
+    pub(super) fn triangles(
+        &self,
+        (environment, world, run): (Entity, &envgen::World, Option<&ScenarioRun>),
+        names: &Labels,
+        frame: &SceneFrame,
+    ) -> Triangles {
+        let mut all = Triangles::default();
+        if let Some(run) = run {
+            let is_drawn = self.add_drawn_scenario(run, names, frame, &mut all);
+            for (target, form) in run.state().bodies(world) {
+                let is_shown = match target {
+                    Target::Leaf(_) => is_drawn[0],
+                    _ => is_drawn[1],
+                };
+                if let Some(label) = names.of_moving(target).filter(|_| !is_shown) {
+                    all.add_form(&form, frame.origin, label);
+                }
+            }
+        }
+        for (robot, number, model, parent, at) in &self.robots {
+            if parent.parent() != environment {
+                continue;
+            }
+            let label = names.of_robot(number.index);
+            if !self.add_drawn(robot, label, frame, &mut all) {
+                let at = frame.to_world * at.affine().as_daffine3();
+                let heading = libm::atan2(at.matrix3.x_axis.y, at.matrix3.x_axis.x);
+                let pose = Pose { position: at.translation.truncate(), heading };
+                all.add_form(&body(model, pose), frame.origin, label);
+            }
+        }
+        all
+    }
+
+    /// Adds the leaves and people that are drawn; whether there are any of each.
+    fn add_drawn_scenario(
+        &self,
+        run: &ScenarioRun,
+        names: &Labels,
+        frame: &SceneFrame,
+        all: &mut Triangles,
+    ) -> [bool; 2] {
+        let mut is_drawn = [false; 2];
+        for (door, children) in run.doors().filter_map(|door| self.doors.get(door).ok()) {
+            let label = names.of_moving(Target::Leaf(door.index())).unwrap_or_default();
+            for leaf in children.iter().filter(|child| self.leaves.contains(*child)) {
+                is_drawn[0] |= self.add_drawn(leaf, label, frame, all);
+            }
+        }
+        for &entity in run.people() {
+            let Ok(person) = self.people.get(entity) else { continue };
+            let label = names.of_moving(Target::Person(person.index)).unwrap_or_default();
+            is_drawn[1] |= self.add_drawn(entity, label, frame, all);
+        }
+        is_drawn
+    }
+
+    /// Adds the meshes below an entity; whether there are any.
+    fn add_drawn(&self, root: Entity, label: u32, frame: &SceneFrame, all: &mut Triangles) -> bool {
+        let Some(meshes) = &self.meshes else { return false };
+        let below = self.children.iter_descendants(root).chain([root]);
+        let mut is_drawn = false;
+        for (mesh, at) in below.filter_map(|entity| self.drawn.get(entity).ok()) {
+            let Some(mesh) = meshes.get(&mesh.0) else { continue };
+            let shift = DAffine3::from_translation(-frame.origin);
+            let place = shift * frame.to_world * at.affine().as_daffine3();
+            let positions = mesh.attribute(Mesh::ATTRIBUTE_POSITION);
+            let (Some(positions), Some(indices)) =
+                (positions.and_then(|values| values.as_float3()), mesh.indices())
+            else {
+                continue;
+            };
+            let corners: Vec<DVec3> = positions
+                .iter()
+                .map(|&p| place.transform_point3(Vec3::from(p).as_dvec3()))
+                .collect();
+            let indices: Vec<usize> = indices.iter().collect();
+            let triangles = indices.as_chunks::<3>().0;
+            all.corners.extend(triangles.iter().map(|triangle| triangle.map(|i| corners[i])));
+            all.labels.resize(all.corners.len(), label);
+            is_drawn = true;
+        }
+        is_drawn
+    }
+}
+
+/// The body of a robot, as a box or a cylinder.
+fn body(robot: &Robot, pose: Pose) -> Form<'static> {
+    let shape = match robot.footprint {
+        Footprint::Box => Shape::Box {
+            center: pose.position,
+            half_size: 0.5 * DVec2::new(robot.length, robot.width),
+            heading: pose.heading,
+        },
+        Footprint::Disc => {
+            Shape::Disc { center: pose.position, radius: robot.circumscribed_radius }
+        }
+    };
+    let bottom = CLEARANCE.min(0.5 * robot.height);
+    // Heights of robots are at least a centimetre.
+    let extent = Extent::new(bottom, robot.height).unwrap_or(WallKind::Wall.extent());
+    Form::Prism { shape: Cow::Owned(shape), extent }
+}
+
+/// The colour of robots.
+const PAINT: Color = Color::srgb(0.75, 0.1, 0.08);
+
+/// Draws the robots of trials in three dimensions, as simple bodies, in apps that have what that needs.
+pub(super) fn draw_robot(
+    added: On<Add, TrialRobot>,
+    robots: Query<&RobotModel>,
+    meshes: Option<ResMut<Assets<Mesh>>>,
+    materials: Option<ResMut<Assets<StandardMaterial>>>,
+    mut commands: Commands,
+) {
+    let (Ok(model), Some(mut meshes), Some(mut materials)) =
+        (robots.get(added.entity), meshes, materials)
+    else {
+        return;
+    };
+    let solid = mesh::Mesh::of_form(&body(model, Pose::new(0.0, 0.0, 0.0)));
+    let Some(mesh) = solid.map(|solid| mesh_of(&solid)) else { return };
+    let material = StandardMaterial { base_color: PAINT, perceptual_roughness: 0.5, ..default() };
+    commands.entity(added.entity).insert_if_new(Visibility::default());
+    commands.spawn((
+        Name::new("Robot's body"),
+        Mesh3d(meshes.add(mesh)),
+        MeshMaterial3d(materials.add(material)),
+        ChildOf(added.entity),
+    ));
+}
+
+fn mesh_of(solid: &mesh::Mesh) -> Mesh {
+    let floats = |list: &[DVec3]| -> Vec<[f32; 3]> {
+        list.iter().map(|v| v.as_vec3().to_array()).collect()
+    };
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, floats(&solid.positions))
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, floats(&solid.normals))
+        .with_inserted_indices(Indices::U32(solid.triangles.iter().flatten().copied().collect()))
+}
