@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use bevy_mapping_trial::camera::{CameraRecording, RobotCamera, record_headless, record_replay};
+use bevy_mapping_trial::camera::{CameraRecording, CameraTrial, RobotCamera};
 use bevy_mapping_trial::trial::{RapierRobots, replay_headless_with, run_headless_with};
 use envgen::World;
 use envgen::scenario::Scenario;
@@ -41,7 +41,7 @@ pub(crate) fn run(
     Ok(match recording(arguments) {
         None => (run_headless_with(world, settings, parts, scenario, progress)?, Vec::new()),
         Some(recording) => {
-            record_headless(world, settings, parts, scenario, &recording, progress)?
+            CameraTrial::new(world, settings, parts, scenario).record(&recording, progress)?
         }
     })
 }
@@ -56,6 +56,6 @@ pub(crate) fn replay(
 ) -> Result<Recorded, Box<dyn Error>> {
     Ok(match recording(arguments) {
         None => (replay_headless_with(world, log, parts, progress)?, Vec::new()),
-        Some(recording) => record_replay(world, log, parts, &recording, progress)?,
+        Some(recording) => CameraTrial::replay(world, log, parts).record(&recording, progress)?,
     })
 }

@@ -58,7 +58,7 @@ pub use files::{CameraFolder, DEPTH_UNIT, OTHER_LABEL};
 pub use frame::CameraFrame;
 pub use labels::{Label, Labels};
 pub use optics::{CameraOptics, CameraPose};
-pub use record::{CameraRecording, RecordingError, record_headless, record_replay};
+pub use record::{CameraRecording, CameraTrial, RecordingError};
 pub use scene::MAX_TRIANGLES;
 pub use settings::{CameraError, CameraImages, MAX_PIXELS, RobotCamera};
 pub use shutter::{CameraFailed, CameraFrameTaken, RobotCameraView};

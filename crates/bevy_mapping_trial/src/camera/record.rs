@@ -1,8 +1,8 @@
-//! Trials whose robots' pictures are written, in an app without a window.
+//! Trials whose robots have cameras, in an app without a window.
 
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy_envgen::visuals3d::{EnvgenVisuals3dPlugin, Visuals3dSettings};
@@ -11,10 +11,11 @@ use envgen::scenario::Scenario;
 use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
 use thiserror::Error;
 
+use super::RobotCameraPlugin;
 use super::files::CameraFolder;
+use super::frame::CameraFrame;
 use super::settings::{CameraError, RobotCamera};
 use super::shutter::{CameraFailed, CameraFrameTaken, Exposure};
-use super::RobotCameraPlugin;
 use crate::trial::{HeadlessError, MappingTrial, RapierRobots, TrialRobot, drive, set_up};
 
 /// What to record of a trial, and where.
@@ -36,139 +37,156 @@ pub enum RecordingError {
     /// The camera takes no pictures.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// The machine cannot draw.
+    /// The machine cannot draw, or a film cannot be written.
     #[error(transparent)]
     Drawing(#[from] CaptureError),
     /// A file cannot be written.
     #[error("{}: {source}", path.display())]
     File {
-        /// The folder.
+        /// The file or folder.
         path: PathBuf,
         /// The error of the file system.
         source: io::Error,
     },
 }
 
-/// As [`run_headless_with`](crate::trial::run_headless_with), and writes what the robots see. The trial is the same to
-/// the last bit. Also returns the descriptions of the pictures that were written.
-///
-/// # Errors
-/// As [`run_headless_with`](crate::trial::run_headless_with); a camera that is out of range, a machine that cannot
-/// draw, files that cannot be written. The pictures until then are kept.
-pub fn record_headless(
-    world: &envgen::World,
-    settings: TrialSettings,
-    parts: TrialParts,
+/// A trial to be run with cameras.
+pub struct CameraTrial<'a> {
+    world: &'a envgen::World,
+    robots: u32,
+    trial: MappingTrial,
     scenario: Option<Scenario>,
-    recording: &CameraRecording,
-    progress: impl FnMut(f64),
-) -> Result<(Trial<RapierRobots>, Vec<PathBuf>), RecordingError> {
-    let robots = settings.robots;
-    let trial = MappingTrial::new(settings).with_parts(parts);
-    record(world, trial, scenario, (recording, robots), progress)
 }
 
-/// As [`replay_headless_with`](crate::trial::replay_headless_with), and writes what the robots see.
-///
-/// # Errors
-/// As [`record_headless`]; a world or an engine that is not the log's.
-pub fn record_replay(
-    world: &envgen::World,
-    log: TrialLog,
-    parts: TrialParts,
-    recording: &CameraRecording,
-    progress: impl FnMut(f64),
-) -> Result<(Trial<RapierRobots>, Vec<PathBuf>), RecordingError> {
-    let (robots, scenario) = (log.settings.robots, log.scenario.clone());
-    let trial = MappingTrial::replay(log).with_parts(parts);
-    record(world, trial, scenario, (recording, robots), progress)
-}
+impl<'a> CameraTrial<'a> {
+    /// A trial as that of [`run_headless_with`](crate::trial::run_headless_with).
+    pub fn new(
+        world: &'a envgen::World,
+        settings: TrialSettings,
+        parts: TrialParts,
+        scenario: Option<Scenario>,
+    ) -> Self {
+        let robots = settings.robots;
+        let trial = MappingTrial::new(settings).with_parts(parts);
+        CameraTrial { world, robots, trial, scenario }
+    }
 
-/// The folders, and the first error.
-struct Recorder {
-    folders: Vec<CameraFolder>,
-    paths: Vec<PathBuf>,
-    error: Option<RecordingError>,
-}
+    /// The replay of a log as that of [`replay_headless_with`](crate::trial::replay_headless_with).
+    pub fn replay(world: &'a envgen::World, log: TrialLog, parts: TrialParts) -> Self {
+        let (robots, scenario) = (log.settings.robots, log.scenario.clone());
+        let trial = MappingTrial::replay(log).with_parts(parts);
+        CameraTrial { world, robots, trial, scenario }
+    }
 
-impl Recorder {
-    fn new(recording: &CameraRecording, robots: u32) -> Result<Self, RecordingError> {
+    /// Runs the trial, and writes what the robots see into folders. The trial is the same as without cameras, to the
+    /// last bit. Also returns the descriptions of the pictures.
+    ///
+    /// # Errors
+    /// As [`CameraTrial::watch`], and files that cannot be written. The pictures until then are kept.
+    pub fn record(
+        self,
+        recording: &CameraRecording,
+        progress: impl FnMut(f64),
+    ) -> Result<(Trial<RapierRobots>, Vec<PathBuf>), RecordingError> {
         recording.camera.check()?;
         let folder = &recording.folder;
-        let paths: Vec<PathBuf> = match robots {
+        let paths: Vec<PathBuf> = match self.robots {
             0 | 1 => vec![folder.clone()],
-            _ => (1..=robots).map(|robot| folder.join(format!("robot_{robot}"))).collect(),
+            robots => (1..=robots).map(|robot| folder.join(format!("robot_{robot}"))).collect(),
         };
         let begin = |path: &PathBuf| {
             CameraFolder::create(path, recording.camera).map_err(|error| of_file(path, error))
         };
-        let folders = paths.iter().map(begin).collect::<Result<_, _>>()?;
-        Ok(Recorder { folders, paths, error: None })
+        let mut folders = paths.iter().map(begin).collect::<Result<Vec<_>, _>>()?;
+        let trial = self.watch(recording.camera, progress, |robot, frame| {
+            let pushed = folders.get_mut(robot).map_or(Ok(()), |folder| folder.push(frame));
+            pushed.map_err(|error| of_file(&paths[robot], error))
+        });
+        let finish = |(folder, path): (CameraFolder, &PathBuf)| {
+            folder.finish().map_err(|error| of_file(path, error))
+        };
+        let files = folders.into_iter().zip(&paths).map(finish).collect::<Result<_, _>>()?;
+        Ok((trial?, files))
     }
 
-    /// Keeps the first error, and ends the trial.
-    fn fail(&mut self, error: RecordingError, mut trials: Query<&mut MappingTrial>) {
-        self.error.get_or_insert(error);
-        for mut trial in &mut trials {
-            trial.stop();
+    /// Runs the trial with this camera on each robot, drawn with ceilings. `see` gets the number of the robot, from 0,
+    /// and each picture in order; an error of it ends the trial. `progress` is called from time to time with the
+    /// simulated seconds so far.
+    ///
+    /// # Errors
+    /// As [`run_headless_with`](crate::trial::run_headless_with) or
+    /// [`replay_headless_with`](crate::trial::replay_headless_with); a camera that is out of range, a machine that
+    /// cannot draw; the error of `see`.
+    pub fn watch(
+        self,
+        camera: RobotCamera,
+        progress: impl FnMut(f64),
+        mut see: impl FnMut(usize, &CameraFrame) -> Result<(), RecordingError>,
+    ) -> Result<Trial<RapierRobots>, RecordingError> {
+        camera.check()?;
+        let mut app = app(camera)?;
+        let mut error = None;
+        let mut ticked = |app: &mut App| {
+            let mut taken = app.world_mut().resource_mut::<Taken>();
+            let Taken { frames, failure } = std::mem::take(&mut *taken);
+            let mut result = failure.map_or(Ok(()), |failure| Err(failure.into()));
+            for (robot, frame) in frames {
+                result = result.and_then(|()| see(robot, &frame));
+            }
+            if let Err(failure) = result {
+                error.get_or_insert(failure);
+                let mut trials = app.world_mut().query::<&mut MappingTrial>();
+                trials.iter_mut(app.world_mut()).for_each(|mut trial| trial.stop());
+            }
+        };
+        let CameraTrial { world, trial, scenario, .. } = self;
+        let trial = drive(&mut app, world.clone(), trial, scenario, progress, &mut ticked);
+        // The last colours arrive after the trial.
+        let mut exposures = app.world_mut().query::<&Exposure>();
+        while exposures.iter(app.world()).next().is_some() {
+            app.update();
+            ticked(&mut app);
+        }
+        match error {
+            Some(error) => Err(error),
+            None => Ok(trial?),
         }
     }
+}
+
+/// The pictures since the last tick, each with the number of its robot.
+#[derive(Resource, Default)]
+struct Taken {
+    frames: Vec<(usize, Arc<CameraFrame>)>,
+    failure: Option<CameraError>,
 }
 
 fn of_file(path: &Path, source: io::Error) -> RecordingError {
     RecordingError::File { path: path.to_owned(), source }
 }
 
-fn record(
-    world: &envgen::World,
-    trial: MappingTrial,
-    scenario: Option<Scenario>,
-    (recording, robots): (&CameraRecording, u32),
-    progress: impl FnMut(f64),
-) -> Result<(Trial<RapierRobots>, Vec<PathBuf>), RecordingError> {
-    let recorder = Arc::new(Mutex::new(Recorder::new(recording, robots)?));
+/// An app that draws, in which an update is a tick, and robots of trials have cameras.
+fn app(camera: RobotCamera) -> Result<App, CaptureError> {
     let mut app = std::mem::replace(Studio::new()?.app(), App::empty());
-    let camera = recording.camera;
     // Robots are inside.
     let visuals = Visuals3dSettings { ceilings: true, ..default() };
     if camera.images.color {
         app.add_plugins(EnvgenVisuals3dPlugin::new(visuals));
     }
-    app.insert_resource(visuals).add_plugins(RobotCameraPlugin);
+    app.insert_resource(visuals).init_resource::<Taken>().add_plugins(RobotCameraPlugin);
     app.add_observer(move |robot: On<Add, TrialRobot>, mut commands: Commands| {
         commands.entity(robot.entity).insert(camera);
     });
-    let writer = recorder.clone();
     app.add_observer(
-        move |taken: On<CameraFrameTaken>, robots: Query<&TrialRobot>, trials: Query<&mut MappingTrial>| {
-            let mut recorder = writer.lock().unwrap_or_else(PoisonError::into_inner);
-            let Ok(TrialRobot { index }) = robots.get(taken.entity) else { return };
-            let Some(folder) = recorder.folders.get_mut(*index) else { return };
-            if let Err(error) = folder.push(&taken.frame) {
-                let error = of_file(&recorder.paths[*index], error);
-                recorder.fail(error, trials);
+        |taken: On<CameraFrameTaken>, robots: Query<&TrialRobot>, mut all: ResMut<Taken>| {
+            if let Ok(TrialRobot { index }) = robots.get(taken.entity) {
+                all.frames.push((*index, taken.frame.clone()));
             }
         },
     );
-    let writer = recorder.clone();
-    app.add_observer(move |failed: On<CameraFailed>, trials: Query<&mut MappingTrial>| {
-        let mut recorder = writer.lock().unwrap_or_else(PoisonError::into_inner);
-        recorder.fail(failed.error.clone().into(), trials);
+    app.add_observer(|failed: On<CameraFailed>, mut all: ResMut<Taken>| {
+        all.failure.get_or_insert(failed.error.clone());
     });
     set_up(&mut app);
-    let trial = drive(&mut app, world.clone(), trial, scenario, progress);
-    // The last colours arrive after the trial.
-    while app.world_mut().query::<&Exposure>().iter(app.world()).next().is_some() {
-        app.update();
-    }
-    drop(app);
-    let mut recorder = recorder.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut files = Vec::new();
-    for (folder, path) in std::mem::take(&mut recorder.folders).into_iter().zip(&recorder.paths) {
-        files.push(folder.finish().map_err(|error| of_file(path, error))?);
-    }
-    match recorder.error.take() {
-        Some(error) => Err(error),
-        None => Ok((trial?, files)),
-    }
+    Ok(app)
 }

@@ -64,7 +64,7 @@ pub fn run_headless_with(
     progress: impl FnMut(f64),
 ) -> Result<Trial<RapierRobots>, HeadlessError> {
     let trial = MappingTrial::new(settings).with_parts(parts);
-    drive(&mut app(), world.clone(), trial, scenario, progress)
+    drive(&mut app(), world.clone(), trial, scenario, progress, |_| ())
 }
 
 /// Replays a log of engine [`ENGINE`](super::ENGINE) in `world`, which must be the log's world.
@@ -93,20 +93,21 @@ pub fn replay_headless_with(
 ) -> Result<Trial<RapierRobots>, HeadlessError> {
     let scenario = log.scenario.clone();
     let trial = MappingTrial::replay(log).with_parts(parts);
-    drive(&mut app(), world.clone(), trial, scenario, progress)
+    drive(&mut app(), world.clone(), trial, scenario, progress, |_| ())
 }
 
 /// The last reason why the trial could not begin.
 #[derive(Resource)]
 struct Failure(MappingTrialError);
 
-/// Runs a trial to its end in an app of which an update is a tick.
+/// Runs a trial to its end in an app of which an update is a tick, and calls `ticked` after each.
 pub(crate) fn drive(
     app: &mut App,
     world: envgen::World,
     trial: MappingTrial,
     scenario: Option<Scenario>,
     mut progress: impl FnMut(f64),
+    mut ticked: impl FnMut(&mut App),
 ) -> Result<Trial<RapierRobots>, HeadlessError> {
     let environment = Environment::prebuilt(world).with_pace(GenerationMode::Blocking);
     let mut root = app.world_mut().spawn((environment, trial));
@@ -117,6 +118,7 @@ pub(crate) fn drive(
     let mut ticks = 0_u64;
     loop {
         app.update();
+        ticked(app);
         ticks += 1;
         if let Some(Failure(error)) = app.world_mut().remove_resource() {
             return Err(error.into());

@@ -244,3 +244,26 @@ fn doors_and_people_are_seen_where_they_are() {
     agreement.check("doors and people");
     assert!(seen.iter().all(|pixels| *pixels > 50), "{seen:?}");
 }
+
+#[test]
+fn robots_see_each_other() {
+    let camera = RobotCamera { up: 0.3, forward: 0.3, ..default() };
+    let environment = Environment::new(HallwaySpec { width: 4.0, ..default() }, 2);
+    let mut scene = Scene::new(environment, camera, None);
+    let start = scene.truth().start.expect("a start");
+    let (at, heading) = (start.position.as_vec2(), start.heading as f32);
+    let ahead = at + 2.0 * Vec2::from_angle(heading);
+    let other = Transform::from_translation(ahead.extend(0.0))
+        .with_rotation(Quat::from_rotation_z(heading));
+    let environment = scene.environment;
+    let number = TrialRobot { index: 1 };
+    let other = (RobotModel::default(), number, other, GlobalTransform::from(other), ChildOf(environment));
+    scene.studio.app().world_mut().spawn(other);
+    let frame = scene.look(at, heading);
+    let middle = (frame.optics.height / 2 * frame.optics.width + frame.optics.width / 2) as usize;
+    let (depth, labels) = (frame.depth.as_ref().unwrap(), frame.labels.as_ref().unwrap());
+    assert_eq!(frame.names.get(labels[middle]).expect("a label").name, "robot_1");
+    // From 0.3 m ahead of one middle to the back of the other.
+    let back = 0.5 * RobotModel::default().length;
+    assert!((f64::from(depth[middle]) - (1.7 - back)).abs() < 1e-3, "{}", depth[middle]);
+}

@@ -8,7 +8,7 @@ use bevy_envgen::envgen::indoor::IndoorSpec;
 use bevy_envgen::envgen::scenario::{Scenario, ScenarioSpec};
 use bevy_envgen::envgen::{Blueprint, Seed, Spec, World};
 use bevy_mapping_trial::camera::{
-    CameraImages, CameraRecording, RecordingError, RobotCamera, record_headless, record_replay,
+    CameraImages, CameraRecording, CameraTrial, RecordingError, RobotCamera,
 };
 use bevy_mapping_trial::trial::run_headless_with;
 use mapping_trial::trial::{TrialLog, TrialParts, TrialSettings};
@@ -63,7 +63,7 @@ fn a_recorded_trial_is_the_same_trial() {
     let recording = |name: &str| CameraRecording { camera, folder: folder.path().join(name) };
     let first = recording("first");
     let (trial, descriptions) =
-        record_headless(&world, settings(&world), parts(), scenario, &first, |_| ()).unwrap();
+        CameraTrial::new(&world, settings(&world), parts(), scenario).record(&first, |_| ()).unwrap();
     let mut recorded = Vec::new();
     trial.log().write(&mut recorded).unwrap();
     assert!(log == recorded, "the camera changes the trial");
@@ -72,7 +72,7 @@ fn a_recorded_trial_is_the_same_trial() {
 
     let again = recording("again");
     let log = TrialLog::read(&mut recorded.as_slice()).unwrap();
-    record_replay(&world, log, parts(), &again, |_| ()).unwrap();
+    CameraTrial::replay(&world, log, parts()).record(&again, |_| ()).unwrap();
     let (first, again) = (files(&first.folder), files(&again.folder));
     assert_eq!(first.keys().collect::<Vec<_>>(), again.keys().collect::<Vec<_>>());
     assert!(first == again, "the pictures of the replay differ");
@@ -130,7 +130,7 @@ fn an_earlier_recording_is_replaced_and_other_files_stay() {
         let settings = TrialSettings { robots: 1, time_limit: 2.0, ..settings(&world) };
         let camera = RobotCamera { rate, ..camera };
         let recording = CameraRecording { camera, folder: folder.path().to_owned() };
-        record_headless(&world, settings, TrialParts::default(), None, &recording, |_| ())
+        CameraTrial::new(&world, settings, TrialParts::default(), None).record(&recording, |_| ())
     };
     run(4.0).unwrap();
     fs::write(folder.path().join("depth/notes.txt"), "kept").unwrap();
@@ -144,4 +144,23 @@ fn an_earlier_recording_is_replaced_and_other_files_stay() {
     assert_eq!(names, expected);
     let wrong = run(0.0);
     assert!(matches!(wrong, Err(RecordingError::Camera(_))));
+}
+
+#[test]
+fn an_error_ends_the_trial() {
+    let world = world();
+    let images = CameraImages { color: false, ..Default::default() };
+    let camera = RobotCamera { images, width: 8, height: 6, ..Default::default() };
+    let settings = TrialSettings { robots: 1, time_limit: 1000.0, ..settings(&world) };
+    let trial = CameraTrial::new(&world, settings, TrialParts::default(), None);
+    let mut times = Vec::new();
+    let ended = trial.watch(camera, |_| (), |robot, frame| {
+        assert_eq!((robot, frame.number), (0, times.len() as u64));
+        times.push(frame.time);
+        let source = std::io::Error::other("the disk is full");
+        let error = RecordingError::File { path: "frames".into(), source };
+        if times.len() < 3 { Ok(()) } else { Err(error) }
+    });
+    assert_eq!(ended.err().map(|error| error.to_string()).as_deref(), Some("frames: the disk is full"));
+    assert_eq!(times.len(), 3);
 }
