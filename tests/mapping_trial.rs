@@ -225,3 +225,15 @@ fn impossible_arguments_are_reported() {
     fs::write(&file, "").expect("a file");
     assert!(EXAMPLE.error(&[], &file.join("below")).contains("--out"));
 }
+
+#[cfg(not(feature = "render"))]
+#[test]
+fn cameras_need_a_build_that_draws() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let frames = folder.path().join("frames");
+    let arguments = ["--engine", "rapier", "--camera", frames.to_str().expect("a path")];
+    let error = EXAMPLE.error(&arguments, &out);
+    assert!(error.contains("cargo run --release --features window --example mapping_trial"), "{error}");
+    assert!(!frames.exists() && !out.exists());
+}

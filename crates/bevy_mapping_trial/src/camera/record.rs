@@ -4,9 +4,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use bevy::asset::RenderAssetUsages;
 use bevy::prelude::*;
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_envgen::visuals3d::{EnvgenVisuals3dPlugin, Visuals3dSettings};
-use bevy_offscreen::{CaptureError, Studio};
+use bevy_offscreen::{CaptureError, Film, Picture, Studio};
 use envgen::scenario::Scenario;
 use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
 use thiserror::Error;
@@ -14,7 +16,8 @@ use thiserror::Error;
 use super::RobotCameraPlugin;
 use super::files::CameraFolder;
 use super::frame::CameraFrame;
-use super::settings::{CameraError, RobotCamera};
+use super::optics::CameraOptics;
+use super::settings::{CameraError, CameraImages, RobotCamera};
 use super::shutter::{CameraFailed, CameraFrameTaken, Exposure};
 use crate::trial::{HeadlessError, MappingTrial, RapierRobots, TrialRobot, drive, set_up};
 
@@ -51,6 +54,21 @@ pub enum RecordingError {
 }
 
 /// A trial to be run with cameras.
+///
+/// ```no_run
+/// use bevy_mapping_trial::camera::{CameraRecording, CameraTrial, RobotCamera};
+/// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+/// use mapping_trial::trial::{TrialParts, TrialSettings};
+///
+/// let world = IndoorSpec::default().generate(Seed(7))?.to_world();
+/// let settings = TrialSettings { start: world.start, ..Default::default() };
+/// let trial = CameraTrial::new(&world, settings, TrialParts::default(), None);
+/// let camera = RobotCamera { width: 640, height: 480, ..Default::default() };
+/// let recording = CameraRecording { camera, folder: "out/frames".into() };
+/// let (trial, files) = trial.record(&recording, |_| ())?;
+/// println!("{} m, {files:?}", trial.trajectory(0).distance);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct CameraTrial<'a> {
     world: &'a envgen::World,
     robots: u32,
@@ -109,6 +127,31 @@ impl<'a> CameraTrial<'a> {
         Ok((trial?, files))
     }
 
+    /// Runs the trial, and writes what the first robot sees as an animated GIF of `frames_per_second`, from 1 to 50: the
+    /// film is as fast as the trial where that is the camera's rate.
+    ///
+    /// # Errors
+    /// As [`CameraTrial::watch`]; a frame rate that is out of range, and a file that cannot be written.
+    pub fn film(
+        self,
+        camera: RobotCamera,
+        (path, frames_per_second): (&Path, f64),
+        progress: impl FnMut(f64),
+    ) -> Result<Trial<RapierRobots>, RecordingError> {
+        let mut film = Film::create(path, frames_per_second)?;
+        let images = CameraImages { color: true, depth: false, labels: false };
+        let camera = RobotCamera { images, ..camera };
+        let trial = self.watch(camera, progress, |robot, frame| match &frame.color {
+            Some(color) if robot == 0 => {
+                let picture = Picture::of(&image(color, frame.optics))?;
+                Ok(film.push(&picture)?)
+            }
+            _ => Ok(()),
+        })?;
+        film.finish()?;
+        Ok(trial)
+    }
+
     /// Runs the trial with this camera on each robot, drawn with ceilings. `see` gets the number of the robot, from 0,
     /// and each picture in order; an error of it ends the trial. `progress` is called from time to time with the
     /// simulated seconds so far.
@@ -163,6 +206,20 @@ struct Taken {
 
 fn of_file(path: &Path, source: io::Error) -> RecordingError {
     RecordingError::File { path: path.to_owned(), source }
+}
+
+/// Colours as an image of Bevy.
+fn image(color: &[u8], optics: CameraOptics) -> Image {
+    let pixels = color.as_chunks::<3>().0.iter();
+    let size =
+        Extent3d { width: optics.width, height: optics.height, depth_or_array_layers: 1 };
+    Image::new(
+        size,
+        TextureDimension::D2,
+        pixels.flat_map(|[red, green, blue]| [*red, *green, *blue, u8::MAX]).collect(),
+        TextureFormat::Rgba8UnormSrgb,
+        RenderAssetUsages::MAIN_WORLD,
+    )
 }
 
 /// An app that draws, in which an update is a tick, and robots of trials have cameras.

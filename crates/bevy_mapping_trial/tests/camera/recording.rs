@@ -164,3 +164,19 @@ fn an_error_ends_the_trial() {
     assert_eq!(ended.err().map(|error| error.to_string()).as_deref(), Some("frames: the disk is full"));
     assert_eq!(times.len(), 3);
 }
+
+#[test]
+fn films_show_what_the_first_robot_sees() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("eyes.gif");
+    let world = world();
+    let camera = RobotCamera { width: 40, height: 30, rate: 4.0, ..Default::default() };
+    let settings = TrialSettings { time_limit: 3.0, ..settings(&world) };
+    let trial = || CameraTrial::new(&world, settings.clone(), TrialParts::default(), None);
+    trial().film(camera, (&path, 4.0), |_| ()).unwrap();
+    let film = fs::read(&path).unwrap();
+    assert!(film.starts_with(b"GIF89a") && film.len() > 2000, "{} bytes", film.len());
+    assert_eq!(film[6..10], [40, 0, 30, 0]);
+    let wrong = trial().film(camera, (&path, 0.0), |_| ());
+    assert!(matches!(wrong, Err(RecordingError::Drawing(_))));
+}
