@@ -23,10 +23,10 @@ struct Smoke {
 fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
     let camera = view.world_position;
     let direction = normalize(in.world_position.xyz - camera);
-    let from = (smoke.to_box * vec4(camera, 1.0)).xyz;
+    let start = (smoke.to_box * vec4(camera, 1.0)).xyz;
     let along = (smoke.to_box * vec4(direction, 0.0)).xyz;
-    let one = (-0.5 - from) / along;
-    let other = (0.5 - from) / along;
+    let one = (-0.5 - start) / along;
+    let other = (0.5 - start) / along;
     let near = min(one, other);
     let far = max(one, other);
     let enters = max(max(near.x, near.y), max(near.z, 0.0));
