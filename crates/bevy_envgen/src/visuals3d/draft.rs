@@ -6,9 +6,16 @@ use bevy::prelude::*;
 use envgen::glam::{DVec2, DVec3};
 use envgen::mesh::Mesh as Solid;
 
+use super::finish::Finish;
+
+/// Height in metres from which the texture of the tops of walls is.
+const TOP: f64 = 1.0;
+
 /// Corners and triangles of bodies of several colours.
 #[derive(Debug, Default)]
 pub(super) struct Draft {
+    /// Whether textures depend on the height above the floor, so that tops have that of the upper part of sides.
+    is_upright: bool,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
@@ -17,6 +24,11 @@ pub(super) struct Draft {
 }
 
 impl Draft {
+    /// For bodies of a finish.
+    pub(super) fn of(finish: Finish) -> Self {
+        Draft { is_upright: finish == Finish::Wall, ..Draft::default() }
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         self.corners.is_empty()
     }
@@ -31,7 +43,12 @@ impl Draft {
         self.normals.extend(solid.normals.iter().map(|normal| normal.as_vec3().to_array()));
         let texture = |((uv, normal), p): ((&DVec2, &DVec3), &DVec3)| {
             let on_plan = p.truncate() + shift;
-            (if normal.z.abs() > 0.5 { on_plan } else { *uv }).as_vec2().to_array()
+            let texture = match normal.z.abs() > 0.5 {
+                true if self.is_upright => DVec2::new(on_plan.x + on_plan.y, TOP),
+                true => on_plan,
+                false => *uv,
+            };
+            texture.as_vec2().to_array()
         };
         let sides = solid.uvs.iter().zip(&solid.normals).zip(&solid.positions);
         self.uvs.extend(sides.map(texture));

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use bevy::math::Affine2;
 use bevy::prelude::*;
 
 /// What a surface feels like. Each is one material, whose colours are those of the corners of its meshes.
@@ -52,6 +53,17 @@ impl Finish {
             ..default()
         }
     }
+
+    /// Its material with its texture.
+    pub(super) fn textured(self, world: &mut World) -> StandardMaterial {
+        let side = self.texture_side().unwrap_or(1.0);
+        let texture = self.texture().zip(world.get_resource_mut::<Assets<Image>>());
+        StandardMaterial {
+            base_color_texture: texture.map(|(image, mut images)| images.add(image)),
+            uv_transform: Affine2::from_scale(Vec2::splat(1.0 / side)),
+            ..self.material()
+        }
+    }
 }
 
 /// The materials used so far, shared by all environments.
@@ -63,7 +75,8 @@ pub(super) fn material(world: &mut World, finish: Finish) -> Option<Handle<Stand
     if let Some(known) = world.resource::<Finishes>().0.get(&finish) {
         return Some(known.clone());
     }
-    let handle = world.get_resource_mut::<Assets<StandardMaterial>>()?.add(finish.material());
+    let material = finish.textured(world);
+    let handle = world.get_resource_mut::<Assets<StandardMaterial>>()?.add(material);
     world.resource_mut::<Finishes>().0.insert(finish, handle.clone());
     Some(handle)
 }

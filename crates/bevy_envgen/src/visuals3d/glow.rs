@@ -43,7 +43,7 @@ const SKY: [Vec3; 6] = [
 ];
 
 /// Share of the light of lamps that reaches surfaces on each side.
-const LAMPS: [f32; 6] = [0.70, 0.62, 0.58, 0.74, 0.88, 0.55];
+const LAMPS: [f32; 6] = [0.84, 0.76, 0.71, 0.88, 1.0, 0.68];
 
 /// The colour of lamps.
 const WARM: Vec3 = Vec3::new(1.0, 0.965, 0.90);
@@ -90,7 +90,7 @@ impl Region {
         }
         let near = |lamp: &DVec2| ABOVE / (ABOVE + lamp.distance_squared(p));
         let direct: f64 = self.lamps.iter().map(near).sum();
-        WARM * LAMPS[side] * (0.55 + 0.45 * direct.min(1.0) as f32)
+        WARM * LAMPS[side] * (0.62 + 0.38 * direct.min(1.0) as f32)
     }
 }
 

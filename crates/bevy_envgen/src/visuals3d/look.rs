@@ -23,7 +23,7 @@ pub(super) fn look(
     Some(match part.kind {
         PartKind::Wall => match truth.walls.get(index)?.kind {
             WallKind::Partition => (Finish::Plain, palette.partition),
-            WallKind::Kerb => (Finish::Wall, palette.kerb),
+            WallKind::Kerb => (Finish::Ground, palette.kerb),
             _ => (Finish::Wall, palette.wall),
         },
         PartKind::Tree if piece.role == Role::Crown => (Finish::Leaves, palette.crown),
@@ -32,12 +32,15 @@ pub(super) fn look(
         PartKind::Room => (Finish::Floor, palette.room),
         PartKind::Doorway if piece.role == Role::Lintel => (Finish::Wall, palette.wall),
         PartKind::Doorway => (Finish::Plain, palette.door),
-        PartKind::Obstacle => (finish_of(truth.obstacles.get(index)?.kind), own),
+        PartKind::Obstacle => match truth.obstacles.get(index)?.kind {
+            ObstacleKind::Other => (Finish::Ground, palette.rock),
+            kind => (finish_of(kind), own),
+        },
         PartKind::Surface => match truth.surfaces.get(index)?.kind {
             SurfaceKind::Class(_) => return None,
             SurfaceKind::Hallway | SurfaceKind::OpenArea => (Finish::Floor, palette.hallway),
             SurfaceKind::Water => (Finish::Water, palette.water),
-            SurfaceKind::Stairs => (Finish::Wall, own),
+            SurfaceKind::Stairs => (Finish::Ground, own),
             SurfaceKind::Slippery => (Finish::Metal, own),
             _ => (Finish::Ground, own),
         },
@@ -50,7 +53,7 @@ fn finish_of(kind: ObstacleKind) -> Finish {
         | ObstacleKind::Container
         | ObstacleKind::Boiler
         | ObstacleKind::Pipe => Finish::Metal,
-        ObstacleKind::Statue | ObstacleKind::Rubble | ObstacleKind::Stairs => Finish::Wall,
+        ObstacleKind::Statue | ObstacleKind::Rubble | ObstacleKind::Stairs => Finish::Ground,
         _ => Finish::Plain,
     }
 }

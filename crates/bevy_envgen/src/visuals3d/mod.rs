@@ -21,13 +21,17 @@ mod marks;
 mod moving;
 mod palette;
 mod sky;
+mod smoke;
 mod stage;
+mod texture;
 mod tile;
 mod trees;
 
 use bevy::prelude::*;
+use bevy::transform::TransformSystems;
 
 pub use finish::Finish;
+pub use moving::Figure;
 pub use palette::Palette3d;
 pub use sky::Sky;
 pub use stage::{Stage, Sun};
@@ -74,8 +78,8 @@ impl Default for Visuals3dSettings {
 /// mesh for each [`Finish`].
 ///
 /// Adds the resources [`Visuals3dSettings`] and [`Palette3d`], and sets Bevy's `GlobalAmbientLight` almost to none,
-/// since rooms have lamps and the open has a sky. Needs Bevy's plugins for meshes, light and `StandardMaterial`s;
-/// without them it draws nothing.
+/// since rooms have lamps and the open has a sky. Needs Bevy's plugins for meshes, light and `StandardMaterial`s, which
+/// are to be added before; without them it draws nothing.
 #[derive(Clone, Debug, Default)]
 pub struct EnvgenVisuals3dPlugin {
     settings: Visuals3dSettings,
@@ -110,16 +114,28 @@ impl Plugin for EnvgenVisuals3dPlugin {
             .insert_resource(GlobalAmbientLight { brightness: AMBIENT, ..default() })
             .init_resource::<finish::Finishes>()
             .init_resource::<trees::TreeMeshes>()
-            .init_resource::<moving::Figures>()
+            .register_type::<Figure>()
+            .init_resource::<moving::FigureMesh>()
             .add_observer(tile::draw)
             .add_observer(moving::draw_person)
-            .add_observer(moving::draw_leaf);
+            .add_observer(moving::draw_figure)
+            .add_observer(moving::draw_leaf)
+            .add_observer(smoke::draw_smoke);
+        smoke::build(app);
         let main = Schedules::of(app).main;
         app.add_systems(
             main,
-            (stage::set_stage, tile::show_ceilings, moving::stretch_leaves, sky::add_skies)
+            (
+                stage::set_stage,
+                tile::show_ceilings,
+                moving::stretch_leaves,
+                sky::add_skies,
+                smoke::thicken_smoke,
+                smoke::measure_depths,
+            )
                 .after(EnvgenSystems::Notify),
-        );
+        )
+        .add_systems(PostUpdate, smoke::place_smoke.after(TransformSystems::Propagate));
         require_visibility(app);
     }
 }

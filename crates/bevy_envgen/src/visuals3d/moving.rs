@@ -18,31 +18,41 @@ const THICKNESS: f32 = 0.05;
 #[derive(Component)]
 pub(super) struct LeafMesh;
 
-/// The mesh of a person, shared by all.
+/// The mesh of figures, shared by all.
 #[derive(Resource, Default)]
-pub(super) struct Figures {
-    person: Option<Handle<Mesh>>,
+pub(super) struct FigureMesh(Option<Handle<Mesh>>);
+
+/// Looks like a person 1.75 m high who is at the entity and looks along its x axis. People of scenarios have it; others
+/// can get it, such as players.
+#[derive(Component, Clone, Copy, Debug, Default, Reflect)]
+#[reflect(Component, Debug, Default, Clone)]
+#[require(Transform, Visibility)]
+pub struct Figure;
+
+/// Gives people a figure.
+pub(super) fn draw_person(added: On<Add, Person>, mut commands: Commands) {
+    commands.entity(added.entity).try_insert(Figure);
 }
 
-/// Adds the mesh of a person.
-pub(super) fn draw_person(added: On<Add, Person>, mut commands: Commands) {
-    let person = added.entity;
+/// Adds the mesh of a figure.
+pub(super) fn draw_figure(added: On<Add, Figure>, mut commands: Commands) {
+    let entity = added.entity;
     commands.queue(move |world: &mut World| {
-        if !can_draw(world) || world.get_entity(person).is_err() {
+        if !can_draw(world) || world.get_entity(entity).is_err() {
             return;
         }
         let Some(material) = material(world, Finish::Plain) else { return };
-        let mesh = match &world.resource::<Figures>().person {
+        let mesh = match &world.resource::<FigureMesh>().0 {
             Some(known) => known.clone(),
             None => {
                 let figure = figure(world.resource::<Palette3d>());
                 let mesh = world.resource_mut::<Assets<Mesh>>().add(figure);
-                world.resource_mut::<Figures>().person = Some(mesh.clone());
+                world.resource_mut::<FigureMesh>().0 = Some(mesh.clone());
                 mesh
             }
         };
         let name = Name::new("figure");
-        world.spawn((name, Mesh3d(mesh), MeshMaterial3d(material), ChildOf(person)));
+        world.spawn((name, Mesh3d(mesh), MeshMaterial3d(material), ChildOf(entity)));
     });
 }
 

@@ -22,6 +22,8 @@ pub struct Palette3d {
     pub ground: Color,
     /// The ground of forests.
     pub meadow: Color,
+    /// Obstacles of no particular kind: rocks of landscapes, blocks of arenas.
+    pub rock: Color,
     /// Floors of rooms.
     pub room: Color,
     /// Floors of hallways and open areas.
@@ -57,20 +59,21 @@ pub struct Palette3d {
 impl Default for Palette3d {
     fn default() -> Self {
         Palette3d {
-            wall: Color::srgb_u8(0xe3, 0xde, 0xd3),
+            wall: Color::srgb_u8(0xec, 0xe8, 0xe0),
             partition: Color::srgb_u8(0xb4, 0xbb, 0xc6),
             kerb: Color::srgb_u8(0xa9, 0xa5, 0x9c),
             ceiling: Color::srgb_u8(0xee, 0xed, 0xe9),
             lamp: Color::srgb_u8(0xff, 0xf6, 0xe4),
             ground: Color::srgb_u8(0x8f, 0x92, 0x8c),
             meadow: Color::srgb_u8(0x7d, 0x92, 0x5c),
+            rock: Color::srgb_u8(0x9a, 0x93, 0x88),
             room: Color::srgb_u8(0xbf, 0xb9, 0xae),
             hallway: Color::srgb_u8(0xa7, 0xb9, 0xa4),
             road: Color::srgb_u8(0x55, 0x58, 0x5c),
             marking: color(palette::ROAD_MARKING),
             trunk: Color::srgb_u8(0x7a, 0x5c, 0x43),
             crown: Color::srgb_u8(0x4d, 0x8a, 0x55),
-            door: Color::srgb_u8(0xa8, 0x60, 0x38),
+            door: Color::srgb_u8(0xc4, 0x86, 0x56),
             water: Color::srgb_u8(0x3f, 0x83, 0xa8).with_alpha(0.8),
             dark: Color::srgb_u8(0x1a, 0x1c, 0x22),
             start: color(palette::START),

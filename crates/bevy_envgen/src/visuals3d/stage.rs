@@ -162,6 +162,26 @@ fn spawn_stage(world: &mut World, stage: Entity, origin: DVec2, truth: Option<&E
     ));
 }
 
+/// Adds the floor of a doorway: those of rooms end at the walls.
+pub(super) fn add_threshold(
+    drafts: &mut BTreeMap<Finish, Draft>,
+    truth: &EnvgenWorld,
+    part: PartId,
+    origin: DVec2,
+    palette: &Palette3d,
+) {
+    let Some(doorway) = truth.doorways.get(part.index as usize).filter(|_| is_building(truth))
+    else {
+        return;
+    };
+    // Deeper than the floors beside it, which it may overlap.
+    let Ok(extent) = Extent::new(-CEILING, -0.002) else { return };
+    if let Some(solid) = Solid::extruded(&doorway.shape, extent) {
+        let draft = drafts.entry(Finish::Floor).or_insert_with(|| Draft::of(Finish::Floor));
+        draft.add(&solid, origin, palette.room);
+    }
+}
+
 /// Adds the ceiling of a room or hallway, and the lamps below that of a lit room.
 pub(super) fn add_ceiling(
     drafts: &mut BTreeMap<Finish, Draft>,

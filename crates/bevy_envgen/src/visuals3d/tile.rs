@@ -14,7 +14,7 @@ use super::draft::Draft;
 use super::finish::{Finish, material};
 use super::look::look;
 use super::palette::{Palette3d, color};
-use super::{Visuals3dSettings, can_draw, marks, trees};
+use super::{Visuals3dSettings, can_draw, marks, stage, trees};
 use crate::environment::{Environment, GroundTruth};
 use crate::part::{Ground, PartId, PartKind};
 use crate::shape::PartShape;
@@ -124,11 +124,17 @@ fn drafts(world: &World, spawned: &TileSpawned) -> BTreeMap<Finish, Draft> {
         for piece in pieces_of(truth, part, lintel) {
             let Some((finish, color)) = look(truth, &piece, palette) else { continue };
             match Solid::of(&piece) {
-                Ok(solid) => drafts.entry(finish).or_default().add(&solid, origin, color),
+                Ok(solid) => drafts
+                    .entry(finish)
+                    .or_insert_with(|| Draft::of(finish))
+                    .add(&solid, origin, color),
                 Err(error) => log::warn!("{error}"),
             }
         }
-        super::stage::add_ceiling(&mut drafts, truth, part, origin, palette, settings);
+        if id.kind == PartKind::Doorway {
+            stage::add_threshold(&mut drafts, truth, part, origin, palette);
+        }
+        stage::add_ceiling(&mut drafts, truth, part, origin, palette, settings);
         if let Some(strip) = truth.road_strips.get(part.index as usize)
             && id.kind == PartKind::RoadStrip
         {

@@ -123,20 +123,13 @@ fn make_shared(world: &mut World) {
         Some((sides, drawn(solid, 1.0 / radius)?))
     });
     let trunks = trunks.collect();
+    let [bark, leaves] = [Finish::Bark, Finish::Leaves].map(|finish| finish.textured(world));
     let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
-    let mut plain = |color: Color| {
-        materials.add(StandardMaterial {
-            base_color: color,
-            perceptual_roughness: 1.0,
-            reflectance: 0.1,
-            ..default()
-        })
-    };
-    let leaves = SHADES.iter().map(|&shade| {
-        let color = palette.crown.to_linear() * shade;
-        plain(color.with_alpha(1.0).into())
+    let bark = materials.add(StandardMaterial { base_color: palette.trunk, ..bark });
+    let shaded = SHADES.iter().map(|&shade| {
+        let color = (palette.crown.to_linear() * shade).with_alpha(1.0);
+        materials.add(StandardMaterial { base_color: color.into(), ..leaves.clone() })
     });
-    let leaves = leaves.collect();
-    let bark = plain(palette.trunk);
+    let leaves = shaded.collect();
     *world.resource_mut::<TreeMeshes>() = TreeMeshes { crown, trunks, bark: Some(bark), leaves };
 }

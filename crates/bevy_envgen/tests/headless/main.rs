@@ -19,6 +19,8 @@ mod scenario;
 mod streaming;
 #[cfg(feature = "render")]
 mod visuals;
+#[cfg(feature = "render3d")]
+mod visuals3d;
 mod worlds;
 
 use std::path::{Path, PathBuf};

@@ -1,6 +1,8 @@
 //! Worlds as a driver draws them, without a window. Needs a graphics card, or Mesa's software Vulkan:
 //! `cargo test --features render --test drawing`.
 
+mod height;
+
 use bevy::prelude::*;
 use bevy_envgen::envgen::WorldKind;
 use bevy_envgen::prelude::*;

@@ -1,0 +1,244 @@
+//! Smoke: boxes that hide what is in and behind them, the more the thicker the smoke is.
+
+use bevy::asset::{AssetServer, uuid_handle};
+use bevy::core_pipeline::prepass::DepthPrepass;
+use bevy::mesh::MeshVertexBufferLayoutRef;
+use bevy::pbr::{Material, MaterialPipeline, MaterialPipelineKey, MaterialPlugin, PbrPlugin};
+use bevy::prelude::*;
+use bevy::render::render_resource::{
+    AsBindGroup, CompareFunction, Face, RenderPipelineDescriptor, ShaderType,
+    SpecializedMeshPipelineError,
+};
+use bevy::shader::{Shader, ShaderRef};
+use envgen::World as EnvgenWorld;
+use envgen::geometry::Shape;
+use envgen::glam::DVec2;
+use envgen::mesh::{convex_pieces, outline};
+use envgen::world::WallKind;
+
+use super::palette::Palette3d;
+use super::{Visuals3dSettings, can_draw};
+use crate::environment::{Environment, GroundTruth};
+use crate::part::PartOf;
+use crate::scenario::{ScenarioRun, Smoke};
+use crate::shape::{Frame, PartShape};
+
+const SHADER: Handle<Shader> = uuid_handle!("5c9a4a3e-5f0e-4a0c-9a57-1f7f3c9d8b21");
+
+/// Smoke that is thinner is not drawn, in 1/m.
+const THINNEST: f64 = 0.005;
+
+/// Smoke as bright as the lamps that shine on it, as a share of its colour.
+const LIT: f32 = 0.75;
+
+/// A box of smoke as its shader sees it.
+#[derive(Asset, AsBindGroup, TypePath, Clone, Debug)]
+pub(super) struct SmokeMaterial {
+    #[uniform(0)]
+    smoke: SmokeUniform,
+}
+
+#[derive(ShaderType, Clone, Debug)]
+struct SmokeUniform {
+    to_box: Mat4,
+    color: LinearRgba,
+    extinction: f32,
+}
+
+impl Material for SmokeMaterial {
+    fn fragment_shader() -> ShaderRef {
+        SHADER.into()
+    }
+
+    fn alpha_mode(&self) -> AlphaMode {
+        AlphaMode::Blend
+    }
+
+    fn enable_prepass() -> bool {
+        false
+    }
+
+    fn enable_shadows() -> bool {
+        false
+    }
+
+    fn specialize(
+        _: &MaterialPipeline,
+        descriptor: &mut RenderPipelineDescriptor,
+        _: &MeshVertexBufferLayoutRef,
+        _: MaterialPipelineKey<Self>,
+    ) -> Result<(), SpecializedMeshPipelineError> {
+        descriptor.primitive.cull_mode = Some(Face::Front);
+        // Far sides are often in walls; the shader itself ends rays at what is in front.
+        if let Some(depth) = &mut descriptor.depth_stencil {
+            depth.depth_compare = Some(CompareFunction::Always);
+            depth.depth_write_enabled = Some(false);
+        }
+        Ok(())
+    }
+}
+
+/// A box of smoke, a child of [`Smoke`].
+#[derive(Component)]
+pub(super) struct SmokeBox;
+
+pub(super) fn build(app: &mut App) {
+    if !app.world().contains_resource::<AssetServer>() {
+        return;
+    }
+    if !app.is_plugin_added::<PbrPlugin>() {
+        app.init_asset::<SmokeMaterial>();
+        return;
+    }
+    app.add_plugins(MaterialPlugin::<SmokeMaterial>::default());
+    if let Some(mut shaders) = app.world_mut().get_resource_mut::<Assets<Shader>>() {
+        let shader = Shader::from_wgsl(include_str!("smoke.wgsl"), file!());
+        // The place of this handle is free.
+        shaders.insert(&SHADER, shader).ok();
+    }
+}
+
+/// Adds the meshes of the smoke of a scenario.
+pub(super) fn draw_smoke(
+    added: On<Insert, ScenarioRun>,
+    runs: Query<&ScenarioRun>,
+    mut commands: Commands,
+) {
+    let Ok(run) = runs.get(added.entity) else { return };
+    for &smoke in run.smoke() {
+        commands.queue(move |world: &mut World| add_smoke(world, smoke));
+    }
+}
+
+/// Adds the boxes of a place of smoke.
+fn add_smoke(world: &mut World, entity: Entity) {
+    if !can_draw(world) || !world.contains_resource::<Assets<SmokeMaterial>>() {
+        return;
+    }
+    let Ok(smoke) = world.get_entity(entity) else { return };
+    let (Some(&Smoke { index, extinction }), Some(part)) =
+        (smoke.get::<Smoke>(), smoke.get::<PartOf>())
+    else {
+        return;
+    };
+    let root = world.entity(part.0);
+    let (Some(run), Some(environment), Some(truth)) =
+        (root.get::<ScenarioRun>(), root.get::<Environment>(), root.get::<GroundTruth>())
+    else {
+        return;
+    };
+    let frame = Frame::new(environment.origin);
+    let Some((place, _)) = run.state().smoke().nth(index as usize) else { return };
+    let settings = world.resource::<Visuals3dSettings>();
+    let color = world.resource::<Palette3d>().smoke.to_linear();
+    let boxes: Vec<_> = run
+        .state()
+        .smoke_shapes(place)
+        .iter()
+        .flat_map(|shape| {
+            let (height, light) = surroundings(truth, shape, settings);
+            boxes(shape).into_iter().map(move |shape| (shape, height, light))
+        })
+        .filter_map(|(shape, height, light)| {
+            let (at, PartShape::Box { half_size }) = frame.place(&shape) else { return None };
+            let size = (2.0 * half_size).extend(height);
+            let at = at.with_scale(size);
+            let middle = at.translation.with_z(0.5 * height);
+            Some((at.with_translation(middle), color * light))
+        })
+        .collect();
+    for (at, color) in boxes {
+        let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(1.0));
+        let smoke = SmokeUniform { to_box: Mat4::IDENTITY, color, extinction: extinction as f32 };
+        let material = world.resource_mut::<Assets<SmokeMaterial>>().add(SmokeMaterial { smoke });
+        world.spawn((
+            Name::new("smoke"),
+            SmokeBox,
+            Mesh3d(mesh),
+            MeshMaterial3d(material),
+            at,
+            shown(extinction),
+            ChildOf(entity),
+        ));
+    }
+}
+
+fn shown(extinction: f64) -> Visibility {
+    if extinction < THINNEST { Visibility::Hidden } else { Visibility::Inherited }
+}
+
+/// Boxes in place of a shape: exactly, or the boxes around its convex pieces.
+fn boxes(shape: &Shape) -> Vec<Shape> {
+    let around = || vec![Shape::from_rect(shape.bounds())];
+    match shape {
+        Shape::Box { .. } => vec![shape.clone()],
+        Shape::Polygon { .. } => {
+            let (pivot, corners) = outline(shape);
+            let Some(pieces) = convex_pieces(&corners) else { return around() };
+            let bounds = |piece: Vec<u32>| {
+                let corners = piece.iter().map(|&i| corners[i as usize] + pivot);
+                envgen::geometry::Rect::around(corners).map(Shape::from_rect)
+            };
+            pieces.into_iter().filter_map(bounds).collect()
+        }
+        _ => around(),
+    }
+}
+
+/// The height of the room that smoke is in, and the light there, as a share of the brightest.
+fn surroundings(truth: &EnvgenWorld, shape: &Shape, settings: &Visuals3dSettings) -> (f32, f32) {
+    let middle: DVec2 = shape.bounds().center();
+    let room = truth.rooms.iter().find(|room| room.shape.contains(middle));
+    let top = room.map_or(WallKind::Wall.extent(), |room| room.extent()).top();
+    let is_lit = room.is_none_or(|room| room.lit);
+    let light = if is_lit { LIT } else { settings.darkness.clamp(0.0, 1.0) };
+    (top as f32, light * settings.brightness)
+}
+
+/// Draws smoke as thick as it is.
+pub(super) fn thicken_smoke(
+    smoke: Query<(&Smoke, &Children), Changed<Smoke>>,
+    mut meshes: Query<(&MeshMaterial3d<SmokeMaterial>, &mut Visibility), With<SmokeBox>>,
+    materials: Option<ResMut<Assets<SmokeMaterial>>>,
+) {
+    let Some(mut materials) = materials else { return };
+    for (smoke, children) in &smoke {
+        let mut meshes = meshes.iter_many_mut(children);
+        while let Some((material, mut visibility)) = meshes.fetch_next() {
+            visibility.set_if_neq(shown(smoke.extinction));
+            if let Some(mut material) = materials.get_mut(&material.0) {
+                material.smoke.extinction = smoke.extinction as f32;
+            }
+        }
+    }
+}
+
+/// Says to the shader where the boxes are.
+pub(super) fn place_smoke(
+    moved: Query<
+        (&GlobalTransform, &MeshMaterial3d<SmokeMaterial>),
+        (With<SmokeBox>, Changed<GlobalTransform>),
+    >,
+    materials: Option<ResMut<Assets<SmokeMaterial>>>,
+) {
+    let Some(mut materials) = materials else { return };
+    for (at, material) in &moved {
+        if let Some(mut material) = materials.get_mut(&material.0) {
+            material.smoke.to_box = at.to_matrix().inverse();
+        }
+    }
+}
+
+/// Gives cameras the depths that smoke ends at.
+pub(super) fn measure_depths(
+    smoke: Query<(), With<SmokeBox>>,
+    cameras: Query<Entity, (With<Camera3d>, Without<DepthPrepass>)>,
+    mut commands: Commands,
+) {
+    if smoke.is_empty() {
+        return;
+    }
+    for camera in &cameras {
+        commands.entity(camera).insert(DepthPrepass);
+    }
+}

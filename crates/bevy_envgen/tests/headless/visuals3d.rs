@@ -1,0 +1,248 @@
+//! What worlds consist of in three dimensions, without anything that draws.
+
+use bevy::light::IrradianceVolume;
+use bevy::mesh::MeshPlugin;
+use bevy::prelude::*;
+use bevy_envgen::EnvgenPlugins;
+use bevy_envgen::envgen::WorldKind;
+use bevy_envgen::envgen::glam::DVec2;
+use bevy_envgen::prelude::*;
+use bevy_envgen::testing::{spawn_ready, step, test_app_with, truth, wait_until_ready};
+use bevy_envgen::visuals3d::{Finish, Stage, Sun, TileMesh};
+
+use crate::specs;
+
+/// An app that could draw, but for the GPU.
+fn app() -> App {
+    let visuals = EnvgenVisuals3dPlugin::default();
+    let mut app = test_app_with((MeshPlugin, EnvgenPlugins::default(), visuals));
+    app.init_asset::<StandardMaterial>().init_asset::<Image>();
+    app
+}
+
+fn indoor(side: u32) -> Environment {
+    Environment::new(IndoorSpec { width: side, height: side, ..default() }, 4)
+}
+
+/// Number of meshes of tiles.
+fn meshes(app: &mut App) -> usize {
+    app.world_mut().query::<&TileMesh>().iter(app.world()).count()
+}
+
+/// The volume in the meshes of some finishes, in cubic metres, by the theorem of Gauss, and the least and greatest
+/// corner.
+fn volume(app: &mut App, is_counted: impl Fn(Finish) -> bool) -> (f64, Vec3, Vec3) {
+    let mut drawn = app.world_mut().query::<(&TileMesh, &Mesh3d, &Transform)>();
+    let meshes = app.world().resource::<Assets<Mesh>>();
+    let (mut whole, mut low, mut high) = (0.0, Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for (_, mesh, at) in drawn.iter(app.world()).filter(|(mesh, ..)| is_counted(mesh.finish)) {
+        let mesh = meshes.get(&mesh.0).unwrap();
+        let corners = mesh.attribute(Mesh::ATTRIBUTE_POSITION).unwrap().as_float3().unwrap();
+        let corner = |i: usize| at.transform_point(Vec3::from(corners[i]));
+        let indices: Vec<usize> = mesh.indices().unwrap().iter().collect();
+        // About a corner near by, so that rounding stays small.
+        let pivot = corner(indices[0]);
+        for t in indices.chunks(3) {
+            let [a, b, c] = [t[0], t[1], t[2]].map(|i| {
+                (low, high) = (low.min(corner(i)), high.max(corner(i)));
+                (corner(i) - pivot).as_dvec3()
+            });
+            whole += a.dot(b.cross(c)) / 6.0;
+        }
+    }
+    (whole, low, high)
+}
+
+#[test]
+fn walls_have_the_volume_of_their_area_by_their_height() {
+    let both = WorldKind::ALL.iter().flat_map(|kind| {
+        [SolidStorage::Entities, SolidStorage::TileData].map(|solids| (kind, solids))
+    });
+    for (kind, solids) in both {
+        let mut app = app();
+        let origin = DVec2::new(3.0, -2.0);
+        let environment = Environment::new(kind.default_spec(), 2).with_solids(solids);
+        let root = spawn_ready(&mut app, environment.with_origin(origin)).unwrap();
+        let truth = truth(&app, root);
+        if truth.walls.is_empty() || *kind == WorldKind::Road {
+            continue;
+        }
+        let is_plain = |kind| kind != bevy_envgen::envgen::world::WallKind::Partition;
+        let walls = truth.walls.iter();
+        let walls = walls.filter(|wall| is_plain(wall.kind) && wall.visible_range.is_none());
+        let walls: f64 = walls.map(|wall| wall.shape.area() * wall.extent().height()).sum();
+        let lintels = truth.doorways.iter().zip(truth.lintels());
+        let lintels: f64 = lintels
+            .map(|(door, lintel)| door.shape.area() * lintel.map_or(0.0, |l| l.height()))
+            .sum();
+        let is_wall = |finish| finish == Finish::Wall;
+        let (found, low, high) = volume(&mut app, is_wall);
+        let exact = walls + lintels;
+        assert!((found - exact).abs() < 1e-3 * exact, "{kind}: {found} {exact}");
+        let bounds = (truth.bounds.min - origin, truth.bounds.max - origin);
+        assert!(low.truncate().as_dvec2().cmpge(bounds.0 - 0.3).all(), "{kind} {low}");
+        assert!(high.truncate().as_dvec2().cmple(bounds.1 + 0.3).all(), "{kind} {high}");
+        assert!(low.z == 0.0 && (high.z - 2.6).abs() < 1e-6, "{kind} {low} {high}");
+    }
+}
+
+#[test]
+fn a_large_building_needs_few_draws() {
+    let mut app = app();
+    spawn_ready(&mut app, indoor(16)).unwrap();
+    let count = meshes(&mut app);
+    assert!((5..=60).contains(&count), "{count} meshes");
+    // Every mesh has one of few materials, and belongs to a tile.
+    let mut drawn = app.world_mut().query_filtered::<&ChildOf, With<TileMesh>>();
+    let tiles: Vec<Entity> = drawn.iter(app.world()).map(ChildOf::parent).collect();
+    assert!(tiles.iter().all(|tile| app.world().entity(*tile).contains::<bevy_envgen::Tile>()));
+    let materials = app.world().resource::<Assets<StandardMaterial>>().len();
+    assert!(materials <= 12, "{materials}");
+}
+
+#[test]
+fn trees_share_their_meshes() {
+    for solids in [SolidStorage::Entities, SolidStorage::TileData] {
+        let mut app = app();
+        let spec = ForestSpec { width: 100.0, height: 100.0, intensity: 0.1, ..default() };
+        let environment = Environment::new(spec, 1).with_solids(solids);
+        let root = spawn_ready(&mut app, environment).unwrap();
+        let trees = truth(&app, root).trees.clone();
+        let mut crowns: Vec<(Vec3, Vec3)> = Vec::new();
+        let mut handles = std::collections::BTreeSet::new();
+        let mut drawn = app.world_mut().query::<(&TileMesh, &Mesh3d, &Transform)>();
+        for (mesh, handle, at) in drawn.iter(app.world()) {
+            handles.insert(handle.0.id());
+            if mesh.finish == Finish::Leaves {
+                crowns.push((at.translation, at.scale));
+            }
+        }
+        assert!(trees.len() > 500 && handles.len() <= 4, "{} {}", trees.len(), handles.len());
+        assert_eq!(crowns.len(), trees.len());
+        for tree in &trees {
+            let crown = tree.crown();
+            let middle = 0.5 * (crown.extent.bottom() + crown.extent.top());
+            let at = tree.center.extend(middle).as_vec3();
+            let (radius, height) = (crown.radius as f32, crown.extent.height() as f32);
+            let scale = Vec3::new(radius, radius, height);
+            assert!(crowns.iter().any(|(p, s)| p.distance(at) < 1e-4 && s.distance(scale) < 1e-4));
+        }
+    }
+}
+
+#[test]
+fn ceilings_are_shown_on_demand() {
+    let mut app = app();
+    spawn_ready(&mut app, indoor(8)).unwrap();
+    let shown = |app: &mut App| {
+        let mut drawn = app.world_mut().query::<(&TileMesh, &Visibility)>();
+        let ceilings = drawn.iter(app.world()).filter(|(mesh, _)| mesh.finish == Finish::Ceiling);
+        let shown: Vec<bool> = ceilings.map(|(_, shown)| *shown != Visibility::Hidden).collect();
+        assert!(!shown.is_empty());
+        assert!(shown.iter().all(|now| *now == shown[0]));
+        shown[0]
+    };
+    let suns = |app: &mut App| app.world_mut().query::<&Sun>().iter(app.world()).count();
+    assert!(!shown(&mut app));
+    step(&mut app, 1);
+    assert_eq!(suns(&mut app), 1);
+    app.world_mut().resource_mut::<Visuals3dSettings>().ceilings = true;
+    step(&mut app, 2);
+    assert!(shown(&mut app));
+    // The sun does not come in.
+    assert_eq!(suns(&mut app), 0);
+}
+
+#[test]
+fn each_world_has_one_stage_that_goes_with_it() {
+    let mut app = app();
+    let stages = |app: &mut App| {
+        let stages = app.world_mut().query::<&Stage>().iter(app.world()).count();
+        let lights = app.world_mut().query::<&IrradianceVolume>().iter(app.world()).count();
+        assert_eq!(stages, lights);
+        stages
+    };
+    let roots: Vec<Entity> = specs()
+        .into_iter()
+        .map(|spec| spawn_ready(&mut app, Environment::new(spec, 1)).unwrap())
+        .collect();
+    step(&mut app, 2);
+    assert_eq!(stages(&mut app), roots.len());
+    // Another seed is another world.
+    app.world_mut().get_mut::<Environment>(roots[0]).unwrap().seed = 9;
+    step(&mut app, 3);
+    assert_eq!(stages(&mut app), roots.len());
+    app.world_mut().entity_mut(roots[0]).remove::<Environment>();
+    step(&mut app, 2);
+    assert_eq!(stages(&mut app), roots.len() - 1);
+    for root in &roots[1..] {
+        app.world_mut().entity_mut(*root).despawn();
+    }
+    step(&mut app, 3);
+    assert_eq!((stages(&mut app), meshes(&mut app)), (0, 0));
+}
+
+#[test]
+fn people_doors_and_smoke_have_bodies() {
+    let mut app = app();
+    let moving = ScenarioSpec { doors: 1.0, people: 4, smoke: 0.4, smoke_growth: 5.0, ..default() };
+    let request = EnvironmentScenario::new(moving, 1);
+    let root = app.world_mut().spawn((indoor(8), request)).id();
+    wait_until_ready(&mut app, root).unwrap();
+    step(&mut app, 70);
+    let world = app.world_mut();
+    for entity in world.query_filtered::<Entity, With<Person>>().iter(world).collect::<Vec<_>>() {
+        let children = world.get::<Children>(entity).unwrap();
+        assert_eq!(
+            children.iter().filter(|child| world.entity(*child).contains::<Mesh3d>()).count(),
+            1
+        );
+    }
+    let mut leaves = world.query::<(&DoorLeaf, &Children)>();
+    let leaves: Vec<_> = leaves.iter(world).map(|(leaf, c)| (leaf.length, c[0])).collect();
+    assert!(leaves.len() > 5);
+    for (length, mesh) in leaves {
+        let scale = world.get::<Transform>(mesh).unwrap().scale;
+        assert_eq!(scale, Vec3::new(length.max(1e-3), 1.0, 1.0));
+    }
+    let state = world.get::<ScenarioRun>(root).unwrap().state();
+    let shapes = state.smoke().flat_map(|(place, _)| state.smoke_shapes(place));
+    let exact: f64 = shapes.map(|shape| 2.6 * shape.area()).sum();
+    let mut boxes = world.query::<(&Name, &Transform, &Mesh3d)>();
+    let boxes = boxes.iter(world).filter(|(name, ..)| name.as_str() == "smoke");
+    let found: f64 = boxes.map(|(_, at, _)| f64::from(at.scale.element_product())).sum();
+    assert!(exact > 10.0 && (found - exact).abs() < 0.01 * exact, "{found} {exact}");
+    let before = world.query::<&Mesh3d>().iter(world).count();
+    world.entity_mut(root).remove::<EnvironmentScenario>();
+    step(&mut app, 2);
+    assert!(app.world_mut().query::<&Mesh3d>().iter(app.world()).count() < before);
+}
+
+#[test]
+fn streamed_worlds_have_the_meshes_of_their_tiles() {
+    let mut app = app();
+    app.insert_resource(StreamingBudget::Parts(100_000));
+    let anchor = app.world_mut().spawn(Transform::default()).id();
+    let environment = Environment::new(ForestSpec::default(), 1).endless(10.0);
+    let stream = StreamAround::new(anchor, 30.0);
+    let root = app.world_mut().spawn((environment, stream)).id();
+    wait_until_ready(&mut app, root).unwrap();
+    let trees = |app: &mut App| app.world_mut().query::<&Tree>().iter(app.world()).count();
+    for x in [0.0, 200.0] {
+        app.world_mut().get_mut::<Transform>(anchor).unwrap().translation.x = x;
+        for _ in 0..20 {
+            step(&mut app, 1);
+            bevy_envgen::testing::wait_until_ready(&mut app, root).unwrap();
+        }
+        let count = trees(&mut app);
+        assert!(count > 20 && meshes(&mut app) == 2 * count, "{count}");
+    }
+}
+
+#[test]
+fn without_plugins_for_meshes_nothing_is_drawn() {
+    let mut app = test_app_with((EnvgenPlugins::default(), EnvgenVisuals3dPlugin::default()));
+    spawn_ready(&mut app, Environment::new(WorldKind::Indoor.default_spec(), 2)).unwrap();
+    step(&mut app, 3);
+    assert_eq!(app.world_mut().query::<&Mesh3d>().iter(app.world()).count(), 0);
+}

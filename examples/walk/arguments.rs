@@ -1,0 +1,76 @@
+//! The command line.
+
+use std::error::Error;
+use std::path::Path;
+
+use clap::Parser;
+use envgen::located::Locate;
+use envgen::scenario::{Scenario, ScenarioSpec};
+use envgen::{Seed, World, WorldKind, WorldSpec, import};
+
+/// Walk through a world.
+#[derive(Parser)]
+#[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
+pub(crate) struct Arguments {
+    /// A kind of world (hallway, forest, road, indoor, landscape, cellular), a world file (.ron, .json, .xml,
+    /// .asc, .map), or a spec (.envgen.ron).
+    #[arg(default_value = "indoor", value_name = "KIND|FILE")]
+    world: String,
+
+    /// The seed of the world and of what moves in it.
+    #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true)]
+    seed: Seed,
+
+    /// Sets what moves in the world, such as doors=0.5, people=4 or smoke=0.2, or a setting of the kind of world;
+    /// may be given several times.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    settings: Vec<String>,
+}
+
+impl Arguments {
+    /// The world, and what moves in it.
+    pub(crate) fn world(&self) -> Result<(World, Option<Scenario>), Box<dyn Error>> {
+        let mut moving = ScenarioSpec::default();
+        let mut own = Vec::new();
+        for setting in &self.settings {
+            let (name, value) = setting
+                .split_once('=')
+                .ok_or_else(|| format!("--set {setting}: not of the form NAME=VALUE"))?;
+            if ScenarioSpec::SETTINGS.iter().any(|known| known.name == name) {
+                moving.set(name, value).map_err(|error| format!("--set {setting}: {error}"))?;
+            } else {
+                own.push((setting, name, value));
+            }
+        }
+        let world = match self.spec()? {
+            Some(mut spec) => {
+                for (setting, name, value) in own {
+                    spec.set(name, value).map_err(|error| format!("--set {setting}: {error}"))?;
+                }
+                spec.generate(self.seed)?.to_world()
+            }
+            None => {
+                if let Some((setting, ..)) = own.first() {
+                    return Err(format!("--set {setting}: the file holds a finished world").into());
+                }
+                import::read_world(Path::new(&self.world)).in_file(Path::new(&self.world))?
+            }
+        };
+        let moving =
+            if moving.is_still() { None } else { Some(Scenario::new(&world, &moving, self.seed)?) };
+        Ok((world, moving))
+    }
+
+    /// The spec; `None` for the file of a finished world.
+    fn spec(&self) -> Result<Option<WorldSpec>, Box<dyn Error>> {
+        let path = Path::new(&self.world);
+        if self.world.ends_with(".envgen.ron") {
+            let text = std::fs::read_to_string(path).in_file(path)?;
+            return Ok(Some(WorldSpec::from_ron(&text).in_file(path)?));
+        }
+        if path.exists() || path.extension().is_some() {
+            return Ok(None);
+        }
+        Ok(Some(self.world.parse::<WorldKind>()?.default_spec()))
+    }
+}

@@ -1,0 +1,177 @@
+//! Who walks: a body that rapier keeps out of walls, and the camera that goes with it.
+
+use std::error::Error;
+use std::f32::consts::FRAC_PI_2;
+
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::input::mouse::AccumulatedMouseMotion;
+use bevy::prelude::*;
+use bevy::window::{CursorGrabMode, CursorOptions, PrimaryWindow};
+use bevy_envgen::bevy_rapier2d::prelude::{
+    Collider, Friction, LockedAxes, QueryFilter, ReadRapierContext, RigidBody, Velocity,
+};
+use bevy_envgen::prelude::ScenarioAgent;
+use bevy_envgen::visuals3d::Figure;
+use envgen::World;
+use envgen::geometry::Pose;
+use envgen::placement::pose_of_most_clearance;
+
+/// Radius of the body in metres.
+const RADIUS: f32 = 0.25;
+
+/// Speeds of walking and of running in m/s.
+const SPEEDS: (f32, f32) = (1.6, 4.0);
+
+/// Height of the eyes in metres, and of what the camera looks at from behind.
+const EYES: f32 = 1.6;
+const SHOULDERS: f32 = 1.4;
+
+/// How far behind the camera is at most in metres, and its least distance to walls.
+const BEHIND: f32 = 2.8;
+const MARGIN: f32 = 0.15;
+
+/// The greatest height of the camera in metres, below ceilings.
+const CEILING: f32 = 2.35;
+
+/// Radians per pixel of the mouse, and per second of the arrows.
+const TURNING: (f32, f32) = (0.0025, 2.0);
+
+/// The greatest angle up and down in radians.
+const PITCH: f32 = 1.4;
+
+/// Who walks, and where they look.
+#[derive(Component)]
+pub(crate) struct Walker {
+    /// Counter-clockwise from the x axis, in radians.
+    heading: f32,
+    /// Above the horizon, in radians.
+    pitch: f32,
+    is_first_person: bool,
+}
+
+/// Where to start: where the world says, or in the largest free region.
+pub(crate) fn start(world: &World) -> Result<Pose, Box<dyn Error>> {
+    if let Some(start) = world.start {
+        return Ok(start);
+    }
+    Ok(pose_of_most_clearance(world)?.ok_or("the world has no free space to start in")?)
+}
+
+/// The body at a pose.
+pub(crate) fn body(start: Pose) -> impl Bundle {
+    let heading = start.heading as f32;
+    (
+        Walker { heading, pitch: 0.0, is_first_person: true },
+        Figure,
+        Transform::from_translation(start.position.as_vec2().extend(0.0)),
+        Visibility::Hidden,
+        RigidBody::Dynamic,
+        LockedAxes::ROTATION_LOCKED,
+        Collider::ball(RADIUS),
+        Friction::coefficient(0.0),
+        Velocity::default(),
+        ScenarioAgent::new(f64::from(RADIUS)),
+    )
+}
+
+pub(crate) fn camera() -> impl Bundle {
+    (
+        Camera3d::default(),
+        Projection::Perspective(PerspectiveProjection { fov: 1.1, near: 0.03, ..default() }),
+        Tonemapping::KhronosPbrNeutral,
+    )
+}
+
+/// A click holds the mouse, Esc frees it.
+pub(crate) fn hold_mouse(
+    mut cursor: Single<&mut CursorOptions, With<PrimaryWindow>>,
+    buttons: Res<ButtonInput<MouseButton>>,
+    keys: Res<ButtonInput<KeyCode>>,
+) {
+    if buttons.just_pressed(MouseButton::Left) {
+        cursor.grab_mode = CursorGrabMode::Locked;
+        cursor.visible = false;
+    } else if keys.just_pressed(KeyCode::Escape) {
+        cursor.grab_mode = CursorGrabMode::None;
+        cursor.visible = true;
+    }
+}
+
+/// Turns with the mouse and the arrows, and switches between the views.
+pub(crate) fn look(
+    mut walker: Single<(&mut Walker, &mut Visibility)>,
+    cursor: Single<&CursorOptions, With<PrimaryWindow>>,
+    mouse: Res<AccumulatedMouseMotion>,
+    keys: Res<ButtonInput<KeyCode>>,
+    time: Res<Time>,
+) {
+    let (walker, visibility) = &mut *walker;
+    if keys.just_pressed(KeyCode::KeyV) {
+        walker.is_first_person = !walker.is_first_person;
+        // One does not see one's own head from inside.
+        let shown = if walker.is_first_person { Visibility::Hidden } else { Visibility::Inherited };
+        visibility.set_if_neq(shown);
+    }
+    let mut turn = Vec2::ZERO;
+    if !cursor.visible {
+        turn -= mouse.delta * TURNING.0;
+    }
+    let arrows = axis(&keys, [KeyCode::ArrowRight], [KeyCode::ArrowLeft]);
+    turn.x += arrows * TURNING.1 * time.delta_secs();
+    walker.heading = (walker.heading + turn.x).rem_euclid(std::f32::consts::TAU);
+    walker.pitch = (walker.pitch + turn.y).clamp(-PITCH, PITCH);
+}
+
+/// -1, 0 or 1 for two sets of keys.
+fn axis<const N: usize>(
+    keys: &ButtonInput<KeyCode>,
+    back: [KeyCode; N],
+    forth: [KeyCode; N],
+) -> f32 {
+    f32::from(u8::from(keys.any_pressed(forth))) - f32::from(u8::from(keys.any_pressed(back)))
+}
+
+/// Walks with the keys.
+pub(crate) fn walk(
+    walker: Single<(&Walker, &mut Velocity, &mut Transform)>,
+    keys: Res<ButtonInput<KeyCode>>,
+) {
+    let (walker, mut velocity, mut at) = walker.into_inner();
+    let ahead = axis(&keys, [KeyCode::KeyS, KeyCode::ArrowDown], [KeyCode::KeyW, KeyCode::ArrowUp]);
+    let left = axis(&keys, [KeyCode::KeyD], [KeyCode::KeyA]);
+    let runs = keys.any_pressed([KeyCode::ShiftLeft, KeyCode::ShiftRight]);
+    let speed = if runs { SPEEDS.1 } else { SPEEDS.0 };
+    let direction = Vec2::new(ahead, left).normalize_or_zero();
+    velocity.linear = Vec2::from_angle(walker.heading).rotate(direction) * speed;
+    // Rapier does not turn the body.
+    at.rotation = Quat::from_rotation_z(walker.heading);
+}
+
+/// Puts the camera where the eyes are, or behind.
+pub(crate) fn follow(
+    walker: Single<(Entity, &Walker, &Transform), Without<Camera3d>>,
+    mut camera: Single<&mut Transform, With<Camera3d>>,
+    physics: ReadRapierContext,
+) {
+    let (entity, walker, at) = *walker;
+    let turn = Quat::from_rotation_z(walker.heading) * Quat::from_rotation_y(-walker.pitch);
+    let ahead = turn * Vec3::X;
+    let here = at.translation.truncate();
+    if walker.is_first_person {
+        let eyes = here.extend(EYES);
+        **camera = Transform::from_translation(eyes).looking_to(ahead, Vec3::Z);
+        return;
+    }
+    let shoulders = here.extend(SHOULDERS);
+    let back = -Vec2::from_angle(walker.heading);
+    let wanted = BEHIND * walker.pitch.cos().max(FRAC_PI_2.cos() + 0.2);
+    let filter = QueryFilter::default().exclude_sensors().exclude_rigid_body(entity);
+    let wall = physics
+        .single()
+        .ok()
+        .and_then(|physics| physics.cast_ray(here, back, wanted + MARGIN, true, filter));
+    let distance = wall.map_or(wanted, |(_, distance)| (distance - MARGIN).max(0.05));
+    let height = (SHOULDERS + 0.45 - BEHIND * walker.pitch.sin()).clamp(0.2, CEILING);
+    let eyes = (here + back * distance).extend(height);
+    **camera = Transform::from_translation(eyes).looking_at(shoulders, Vec3::Z);
+}

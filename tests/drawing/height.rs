@@ -1,0 +1,161 @@
+//! Worlds in three dimensions.
+
+use bevy::prelude::*;
+use bevy_envgen::envgen::geometry::{Rect, Shape};
+use bevy_envgen::envgen::glam::DVec2;
+use bevy_envgen::envgen::scenario::smoke::{SmokeRegion, SmokeSource};
+use bevy_envgen::envgen::scenario::{Scenario, ScenarioSpec, SmokeKind};
+use bevy_envgen::envgen::world::{Obstacle, ObstacleKind, Room, Wall, WallKind};
+use bevy_envgen::envgen::{Provenance, Seed, World};
+use bevy_envgen::prelude::*;
+use bevy_offscreen::{CaptureError, Studio};
+
+use super::SIZE;
+
+/// Height of the camera.
+const EYES: f32 = 1.3;
+
+/// Two rooms of 6 x 6 m side by side, the right one without light, with a pipe in each.
+fn rooms() -> World {
+    let v = DVec2::new;
+    let bounds = Rect::new(DVec2::ZERO, v(12.0, 6.0));
+    let mut world = World::new(Provenance::other("rooms", serde_json::Value::Null), bounds);
+    for (from, to) in [
+        (v(0.0, 0.0), v(12.0, 0.2)),
+        (v(0.0, 5.8), v(12.0, 6.0)),
+        (v(0.0, 0.2), v(0.2, 5.8)),
+        (v(11.8, 0.2), v(12.0, 5.8)),
+        (v(5.9, 0.2), v(6.1, 5.8)),
+    ] {
+        let shape = Shape::from_rect(Rect::new(from, to));
+        world.walls.push(Wall::new(WallKind::Wall, shape));
+    }
+    for (left, right, lit) in [(0.2, 5.9, true), (6.1, 11.8, false)] {
+        world.rooms.push(Room {
+            name: "room".to_owned(),
+            shape: Shape::from_rect(Rect::new(v(left, 0.2), v(right, 5.8))),
+            difficulty: None,
+            lit,
+            contents: Default::default(),
+            height: None,
+        });
+        let pipe = Shape::Disc { center: v(0.5 * (left + right), 3.0), radius: 0.4 };
+        world.obstacles.push(Obstacle::new(ObstacleKind::Pipe, pipe));
+    }
+    world
+}
+
+/// A studio with a world.
+fn studio(world: World, scenario: Option<Scenario>) -> Studio {
+    let mut studio = Studio::new().unwrap();
+    let settings = Visuals3dSettings { ceilings: true, ..default() };
+    studio.app().add_plugins((EnvgenPlugins::default(), EnvgenVisuals3dPlugin::new(settings)));
+    let environment = Environment::prebuilt(world).with_pace(GenerationMode::Blocking);
+    let root = studio.app().world_mut().spawn(environment).id();
+    if let Some(scenario) = scenario {
+        let request = EnvironmentScenario::prebuilt(scenario);
+        studio.app().world_mut().entity_mut(root).insert(request);
+    }
+    studio.step().unwrap();
+    studio
+}
+
+/// The middle of what one sees from a point that looks at another one.
+fn seen(studio: &mut Studio, from: Vec3, to: Vec3) -> [u8; 3] {
+    let pose = Transform::from_translation(from).looking_at(to, Vec3::Z);
+    let camera = studio.camera_3d(pose, 1.0, SIZE).unwrap();
+    let picture = studio.picture(camera).unwrap();
+    studio.app().world_mut().despawn(camera);
+    picture.pixel(SIZE.x / 2, SIZE.y / 2).unwrap()
+}
+
+fn lightness([red, green, blue]: [u8; 3]) -> u32 {
+    (u32::from(red) + u32::from(green) + u32::from(blue)) / 3
+}
+
+#[test]
+fn walls_are_light_where_there_is_light_and_the_sky_is_blue() {
+    let mut studio = studio(rooms(), None);
+    let x = |x: f32| Vec3::new(x, 1.5, EYES);
+    let wall = seen(&mut studio, x(3.0), x(0.2));
+    let [red, green, blue] = wall;
+    // Plaster under warm lamps.
+    assert!(red >= green && green >= blue && red - blue < 60, "{wall:?}");
+    assert!(lightness(wall) > 130, "{wall:?}");
+    // The other side of a wall of a lit room.
+    let dark = seen(&mut studio, x(9.0), x(6.1));
+    assert!(lightness(dark) < 70 && lightness(dark) + 80 < lightness(wall), "{dark:?} {wall:?}");
+    let lit = seen(&mut studio, x(3.0), x(5.9));
+    assert!(lightness(lit) > 130, "{lit:?}");
+    let sky = seen(&mut studio, Vec3::new(-20.0, 3.0, EYES), Vec3::new(-30.0, 3.0, 8.0));
+    assert!(sky[2] > sky[0] + 20 && lightness(sky) > 120, "{sky:?}");
+    // Through the opening above the walls, a ceiling; from below, its panels.
+    let ceiling = seen(&mut studio, Vec3::new(1.0, 1.0, 1.0), Vec3::new(1.8, 1.8, 2.6));
+    assert!(lightness(ceiling) > 100 && ceiling[2] <= ceiling[0], "{ceiling:?}");
+}
+
+#[test]
+fn things_hide_what_is_behind_them() {
+    let mut studio = studio(rooms(), None);
+    // The pipe is 1.2 m high.
+    let from = |z: f32| Vec3::new(1.0, 3.0, z);
+    let pipe = seen(&mut studio, from(1.0), Vec3::new(3.05, 3.0, 1.0));
+    let wall = seen(&mut studio, from(1.5), Vec3::new(5.9, 3.0, 1.5));
+    assert!(lightness(pipe) + 20 < lightness(wall), "{pipe:?} {wall:?}");
+}
+
+#[test]
+fn smoke_hides_more_the_thicker_it_is() {
+    let seed = Seed(1);
+    let seen_in = |extinction: f64| {
+        let smoke = SmokeSource {
+            region: SmokeRegion::Room(0),
+            extinction,
+            growth: 0.0,
+            kind: SmokeKind::Regional,
+        };
+        let settings = ScenarioSpec::default();
+        let (doors, people, smoke) = (vec![], vec![], vec![smoke]);
+        let mut studio = studio(rooms(), Some(Scenario { seed, settings, doors, people, smoke }));
+        for _ in 0..20 {
+            studio.step().unwrap();
+        }
+        let world = studio.app().world_mut();
+        let failures: Vec<_> = world.query::<&ScenarioFailure>().iter(world).cloned().collect();
+        assert!(failures.is_empty(), "{failures:?}");
+        let mut smoke = world.query::<&Smoke>();
+        let thickness = smoke.iter(world).map(|smoke| smoke.extinction).fold(0.0, f64::max);
+        assert!((thickness - extinction).abs() < 0.05 * extinction, "{thickness}");
+        let eyes = |x: f32| Vec3::new(x, 1.5, EYES);
+        let near = seen(&mut studio, eyes(1.2), eyes(0.2));
+        let far = seen(&mut studio, eyes(5.2), eyes(0.2));
+        (f64::from(lightness(near)), f64::from(lightness(far)))
+    };
+    let clear = seen_in(1e-3);
+    let thick = seen_in(20.0);
+    // Thick smoke is all that one sees.
+    assert!((thick.0 - thick.1).abs() < 4.0 && clear.0 - thick.0 > 20.0, "{clear:?} {thick:?}");
+    let some = seen_in(0.3);
+    // Over 1 m a wall keeps 74 % of its contrast to smoke, over 5 m 22 %: roughly, in the curve of sRGB.
+    let kept = |of: f64, whole: f64| (of - thick.0) / (whole - thick.0);
+    let (near, far) = (kept(some.0, clear.0), kept(some.1, clear.1));
+    assert!((0.6..0.9).contains(&near) && (0.1..0.4).contains(&far), "{near} {far}");
+}
+
+#[test]
+fn cameras_that_cannot_be_are_refused() {
+    let mut studio = Studio::new().unwrap();
+    let pose = Transform::default();
+    for size in [UVec2::ZERO, UVec2::new(0, 10), UVec2::new(10, 100_000)] {
+        let error = studio.camera_3d(pose, 1.0, size).unwrap_err();
+        assert!(matches!(error, CaptureError::Size { .. }), "{error}");
+    }
+    for angle in [0.0, -1.0, std::f32::consts::PI, f32::NAN, f32::INFINITY] {
+        let error = studio.camera_3d(pose, angle, SIZE).unwrap_err();
+        assert!(matches!(error, CaptureError::FieldOfView { .. }), "{error}");
+    }
+    for pose in [Transform::from_xyz(f32::NAN, 0.0, 0.0), Transform::from_scale(Vec3::INFINITY)] {
+        let error = studio.camera_3d(pose, 1.0, SIZE).unwrap_err();
+        assert!(matches!(error, CaptureError::Pose { .. }), "{error}");
+    }
+}
