@@ -234,6 +234,9 @@ fn cameras_need_a_build_that_draws() {
     let frames = folder.path().join("frames");
     let arguments = ["--engine", "rapier", "--camera", frames.to_str().expect("a path")];
     let error = EXAMPLE.error(&arguments, &out);
-    assert!(error.contains("cargo run --release --features window --example mapping_trial"), "{error}");
+    assert!(
+        error.contains("cargo run --release --features window --example mapping_trial"),
+        "{error}"
+    );
     assert!(!frames.exists() && !out.exists());
 }

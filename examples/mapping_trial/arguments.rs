@@ -137,11 +137,23 @@ pub(crate) struct Arguments {
     pub(crate) camera_size: [u32; 2],
 
     /// Horizontal field of view of the cameras in degrees.
-    #[arg(long, value_name = "DEGREES", default_value_t = 70.0, allow_negative_numbers = true, requires = "camera")]
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        default_value_t = 70.0,
+        allow_negative_numbers = true,
+        requires = "camera"
+    )]
     pub(crate) camera_fov: f64,
 
     /// Pictures of each camera per simulated second.
-    #[arg(long, value_name = "NUMBER", default_value_t = 2.0, allow_negative_numbers = true, requires = "camera")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = 2.0,
+        allow_negative_numbers = true,
+        requires = "camera"
+    )]
     pub(crate) camera_rate: f64,
 
     /// Sets what moves in the world, such as doors=0.5, people=4 or smoke=0.2; may be given several times.

@@ -86,11 +86,13 @@ impl CameraFolder {
             write("rgb", "file_path", eight, color)?;
         }
         if let Some(depth) = &frame.depth {
-            let data: Vec<u8> = depth.iter().flat_map(|&depth| units(depth).to_be_bytes()).collect();
+            let data: Vec<u8> =
+                depth.iter().flat_map(|&depth| units(depth).to_be_bytes()).collect();
             write("depth", "depth_file_path", sixteen, &data)?;
         }
         if let Some(labels) = &frame.labels {
-            let data: Vec<u8> = labels.iter().flat_map(|&label| short(label).to_be_bytes()).collect();
+            let data: Vec<u8> =
+                labels.iter().flat_map(|&label| short(label).to_be_bytes()).collect();
             write("labels", "label_file_path", sixteen, &data)?;
             let mut last = None;
             for &label in labels {

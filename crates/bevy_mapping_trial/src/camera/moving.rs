@@ -26,7 +26,8 @@ use crate::trial::TrialRobot;
 const CLEARANCE: f64 = 0.05;
 
 /// A robot that may be seen.
-type Seen = (Entity, &'static TrialRobot, &'static RobotModel, &'static ChildOf, &'static GlobalTransform);
+type Seen =
+    (Entity, &'static TrialRobot, &'static RobotModel, &'static ChildOf, &'static GlobalTransform);
 
 /// The entities that move, and their meshes. Those that the app draws in three dimensions are seen as they are drawn,
 /// others as simple bodies.
@@ -184,9 +185,8 @@ pub(super) fn draw_robot(
 }
 
 fn mesh_of(solid: &mesh::Mesh) -> Mesh {
-    let floats = |list: &[DVec3]| -> Vec<[f32; 3]> {
-        list.iter().map(|v| v.as_vec3().to_array()).collect()
-    };
+    let floats =
+        |list: &[DVec3]| -> Vec<[f32; 3]> { list.iter().map(|v| v.as_vec3().to_array()).collect() };
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, floats(&solid.positions))
         .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, floats(&solid.normals))

@@ -211,8 +211,7 @@ fn of_file(path: &Path, source: io::Error) -> RecordingError {
 /// Colours as an image of Bevy.
 fn image(color: &[u8], optics: CameraOptics) -> Image {
     let pixels = color.as_chunks::<3>().0.iter();
-    let size =
-        Extent3d { width: optics.width, height: optics.height, depth_or_array_layers: 1 };
+    let size = Extent3d { width: optics.width, height: optics.height, depth_or_array_layers: 1 };
     Image::new(
         size,
         TextureDimension::D2,

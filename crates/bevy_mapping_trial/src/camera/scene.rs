@@ -179,8 +179,7 @@ impl SceneTile {
         let mut outside = [true; 5];
         for at in corners {
             let edge = slopes * -at.z;
-            let beyond =
-                [at.x > edge.x, at.x < -edge.x, at.y > edge.y, at.y < -edge.y, at.z > 0.0];
+            let beyond = [at.x > edge.x, at.x < -edge.x, at.y > edge.y, at.y < -edge.y, at.z > 0.0];
             for (all, beyond) in outside.iter_mut().zip(beyond) {
                 *all &= beyond;
             }

@@ -110,7 +110,9 @@ pub enum CameraError {
         allowed: String,
     },
     /// The app has no renderer.
-    #[error("a camera needs an app with Bevy's `RenderPlugin` and a Vulkan, Metal or DirectX driver")]
+    #[error(
+        "a camera needs an app with Bevy's `RenderPlugin` and a Vulkan, Metal or DirectX driver"
+    )]
     NoRenderer,
     /// The robot is not in an environment.
     #[error(

@@ -335,7 +335,10 @@ pub(super) fn develop(
     let CameraOptics { width, height, .. } = frame.optics;
     // Rows of copied images are filled up.
     let row = read.data.len() / height as usize;
-    let pixels = read.data.chunks_exact(row).flat_map(|row| row.as_chunks::<4>().0.iter().take(width as usize));
+    let pixels = read
+        .data
+        .chunks_exact(row)
+        .flat_map(|row| row.as_chunks::<4>().0.iter().take(width as usize));
     frame.color = Some(pixels.flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect());
     commands.trigger(CameraFrameTaken { entity: robot, frame: Arc::new(frame.clone()) });
     commands.entity(read.entity).despawn();

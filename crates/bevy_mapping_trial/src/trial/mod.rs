@@ -58,11 +58,11 @@ use thiserror::Error;
 
 pub use bodies::RapierRobots;
 use camera::Camera;
-#[cfg(feature = "camera")]
-pub(crate) use headless::{drive, set_up};
 pub use headless::{
     HeadlessError, replay_headless, replay_headless_with, run_headless, run_headless_with,
 };
+#[cfg(feature = "camera")]
+pub(crate) use headless::{drive, set_up};
 pub use physics::ForTrials;
 #[cfg(feature = "camera")]
 pub(crate) use run::in_world;

@@ -362,7 +362,11 @@ pub(super) fn record(
 }
 
 /// A pose of rapier's frame in the frame of the world.
-pub(crate) fn in_world(pose: &TruePose, to_world: &bevy::math::DAffine3, environment: &Environment) -> Pose {
+pub(crate) fn in_world(
+    pose: &TruePose,
+    to_world: &bevy::math::DAffine3,
+    environment: &Environment,
+) -> Pose {
     let position = to_world.transform_point3(pose.position.extend(0.0)).truncate();
     let turn = to_world.matrix3.x_axis;
     let heading = pose.heading + libm::atan2(turn.y, turn.x);

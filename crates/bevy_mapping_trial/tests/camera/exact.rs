@@ -32,7 +32,11 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(environment: Environment, camera: RobotCamera, scenario: Option<EnvironmentScenario>) -> Self {
+    fn new(
+        environment: Environment,
+        camera: RobotCamera,
+        scenario: Option<EnvironmentScenario>,
+    ) -> Self {
         let mut studio = Studio::new().unwrap();
         let taken = Taken::default();
         let app = studio.app();
@@ -119,17 +123,18 @@ fn compare(frame: &CameraFrame, bodies: &[(u32, &Form<'_>)], agreement: &mut Agr
             };
             // A fiftieth of a pixel beside it, is there the same body?
             let shift = 0.02 / frame.optics.focal_length;
-            let is_clear = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].iter().all(|(x, y)| {
-                let beside = ray + frame.pose.axes * DVec3::new(x * shift, y * shift, 0.0);
-                let other = rays.cast(from, beside, 1e4);
-                match (hit, other) {
-                    (None, None) => true,
-                    (Some(a), Some(b)) => {
-                        a.body == b.body && (a.distance - b.distance).abs() < 0.1 * a.distance
+            let is_clear =
+                [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].iter().all(|(x, y)| {
+                    let beside = ray + frame.pose.axes * DVec3::new(x * shift, y * shift, 0.0);
+                    let other = rays.cast(from, beside, 1e4);
+                    match (hit, other) {
+                        (None, None) => true,
+                        (Some(a), Some(b)) => {
+                            a.body == b.body && (a.distance - b.distance).abs() < 0.1 * a.distance
+                        }
+                        _ => false,
                     }
-                    _ => false,
-                }
-            });
+                });
             agreement.pixels += 1;
             agreement.depths += usize::from(has_depth);
             agreement.labels += usize::from(has_label);
@@ -159,7 +164,8 @@ impl Agreement {
 fn pose(world: &envgen::World, stream: &mut Stream) -> (Vec2, f32) {
     for _ in 0..200 {
         let (min, max) = (world.bounds.min, world.bounds.max);
-        let at = envgen::glam::DVec2::new(stream.between(min.x, max.x), stream.between(min.y, max.y));
+        let at =
+            envgen::glam::DVec2::new(stream.between(min.x, max.x), stream.between(min.y, max.y));
         if world.clearance(at) > 0.5 {
             return (at.as_vec2(), stream.between(-3.1, 3.1) as f32);
         }
@@ -257,7 +263,8 @@ fn robots_see_each_other() {
         .with_rotation(Quat::from_rotation_z(heading));
     let environment = scene.environment;
     let number = TrialRobot { index: 1 };
-    let other = (RobotModel::default(), number, other, GlobalTransform::from(other), ChildOf(environment));
+    let other =
+        (RobotModel::default(), number, other, GlobalTransform::from(other), ChildOf(environment));
     scene.studio.app().world_mut().spawn(other);
     let frame = scene.look(at, heading);
     let middle = (frame.optics.height / 2 * frame.optics.width + frame.optics.width / 2) as usize;

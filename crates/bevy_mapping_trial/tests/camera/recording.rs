@@ -62,8 +62,9 @@ fn a_recorded_trial_is_the_same_trial() {
     let camera = RobotCamera { width: 60, height: 44, ..Default::default() };
     let recording = |name: &str| CameraRecording { camera, folder: folder.path().join(name) };
     let first = recording("first");
-    let (trial, descriptions) =
-        CameraTrial::new(&world, settings(&world), parts(), scenario).record(&first, |_| ()).unwrap();
+    let (trial, descriptions) = CameraTrial::new(&world, settings(&world), parts(), scenario)
+        .record(&first, |_| ())
+        .unwrap();
     let mut recorded = Vec::new();
     trial.log().write(&mut recorded).unwrap();
     assert!(log == recorded, "the camera changes the trial");
@@ -83,9 +84,11 @@ fn a_recorded_trial_is_the_same_trial() {
     assert_eq!(frames.len(), 12);
     for (i, frame) in frames.iter().enumerate() {
         assert!((frame["time"].as_f64().unwrap() - 0.5 * i as f64).abs() < 1e-9);
-        for (key, folder, bytes) in
-            [("file_path", "rgb", 3), ("depth_file_path", "depth", 2), ("label_file_path", "labels", 2)]
-        {
+        for (key, folder, bytes) in [
+            ("file_path", "rgb", 3),
+            ("depth_file_path", "depth", 2),
+            ("label_file_path", "labels", 2),
+        ] {
             let path = frame[key].as_str().unwrap();
             assert_eq!(path, format!("{folder}/{:06}.png", i + 1));
             let (info, pixels) = png(&first[&Path::new("robot_1").join(path)]);
@@ -108,7 +111,9 @@ fn a_recorded_trial_is_the_same_trial() {
     for label in labels.as_chunks::<2>().0 {
         assert!(named.contains_key(&u16::from_be_bytes(*label).into()));
     }
-    assert!(named.values().any(|kind| *kind == "room") && named.values().any(|kind| *kind == "ceiling"));
+    assert!(
+        named.values().any(|kind| *kind == "room") && named.values().any(|kind| *kind == "ceiling")
+    );
     // The pose at the start, 0.55 m up and 0.2 m ahead.
     let start = trial.trajectory(0).poses[0];
     let position = frames[0]["position"].as_array().unwrap();
@@ -138,8 +143,14 @@ fn an_earlier_recording_is_replaced_and_other_files_stay() {
     let names: Vec<String> =
         files(folder.path()).into_keys().map(|name| name.to_string_lossy().into_owned()).collect();
     let expected = [
-        "depth/000001.png", "depth/000002.png", "depth/000003.png", "depth/notes.txt",
-        "frames.json", "labels/000001.png", "labels/000002.png", "labels/000003.png",
+        "depth/000001.png",
+        "depth/000002.png",
+        "depth/000003.png",
+        "depth/notes.txt",
+        "frames.json",
+        "labels/000001.png",
+        "labels/000002.png",
+        "labels/000003.png",
     ];
     assert_eq!(names, expected);
     let wrong = run(0.0);
@@ -154,14 +165,21 @@ fn an_error_ends_the_trial() {
     let settings = TrialSettings { robots: 1, time_limit: 1000.0, ..settings(&world) };
     let trial = CameraTrial::new(&world, settings, TrialParts::default(), None);
     let mut times = Vec::new();
-    let ended = trial.watch(camera, |_| (), |robot, frame| {
-        assert_eq!((robot, frame.number), (0, times.len() as u64));
-        times.push(frame.time);
-        let source = std::io::Error::other("the disk is full");
-        let error = RecordingError::File { path: "frames".into(), source };
-        if times.len() < 3 { Ok(()) } else { Err(error) }
-    });
-    assert_eq!(ended.err().map(|error| error.to_string()).as_deref(), Some("frames: the disk is full"));
+    let ended = trial.watch(
+        camera,
+        |_| (),
+        |robot, frame| {
+            assert_eq!((robot, frame.number), (0, times.len() as u64));
+            times.push(frame.time);
+            let source = std::io::Error::other("the disk is full");
+            let error = RecordingError::File { path: "frames".into(), source };
+            if times.len() < 3 { Ok(()) } else { Err(error) }
+        },
+    );
+    assert_eq!(
+        ended.err().map(|error| error.to_string()).as_deref(),
+        Some("frames: the disk is full")
+    );
     assert_eq!(times.len(), 3);
 }
 

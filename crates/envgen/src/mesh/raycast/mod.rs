@@ -101,8 +101,14 @@ impl BodyRaycaster {
         if !(enter <= end) || !direction.is_finite() || direction == DVec3::ZERO {
             return None;
         }
-        let mut search =
-            Search { solids: &self.solids, from, direction, best: range, body: None, met: VecDeque::new() };
+        let mut search = Search {
+            solids: &self.solids,
+            from,
+            direction,
+            best: range,
+            body: None,
+            met: VecDeque::new(),
+        };
         // Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, 1987.
         let start = (plan + along * enter - frame.origin) / frame.cell_size;
         let mut cell = [start.x, start.y].map(|cell| cell.floor());

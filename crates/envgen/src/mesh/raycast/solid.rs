@@ -35,8 +35,10 @@ impl Solid {
             Form::Road { strip, extent } => {
                 let Some(flat) = road_surface(strip) else { return Vec::new() };
                 let corner = |i: u32| flat.vertices[i as usize];
-                let prism =
-                    |t: &[u32; 3]| Solid::Prism { corners: t.map(corner).to_vec(), extent: *extent };
+                let prism = |t: &[u32; 3]| Solid::Prism {
+                    corners: t.map(corner).to_vec(),
+                    extent: *extent,
+                };
                 flat.triangles.iter().map(prism).collect()
             }
         }
@@ -98,7 +100,8 @@ fn to_prism(from: DVec3, direction: DVec3, corners: &[DVec2], extent: Extent) ->
     let [bottom, top] = [extent.bottom(), extent.top()];
     let cap = if direction.z < 0.0 { top } else { bottom };
     let to_cap = (cap - from.z) / direction.z;
-    let is_met = to_cap >= 0.0 && to_cap.is_finite() && polygon_contains(corners, plan + along * to_cap);
+    let is_met =
+        to_cap >= 0.0 && to_cap.is_finite() && polygon_contains(corners, plan + along * to_cap);
     let sides = edges(corners).filter_map(|(a, b)| {
         let side = b - a;
         let facing = along.perp_dot(side);
@@ -108,7 +111,8 @@ fn to_prism(from: DVec3, direction: DVec3, corners: &[DVec2], extent: Extent) ->
         let distance = (a - plan).perp_dot(side) / facing;
         let at = (a - plan).perp_dot(along) / facing;
         let height = from.z + distance * direction.z;
-        let is_met = distance >= 0.0 && (0.0..=1.0).contains(&at) && (bottom..=top).contains(&height);
+        let is_met =
+            distance >= 0.0 && (0.0..=1.0).contains(&at) && (bottom..=top).contains(&height);
         is_met.then_some(distance)
     });
     sides.chain(is_met.then_some(to_cap)).reduce(f64::min)
