@@ -31,6 +31,8 @@ pub struct Setting {
     pub help: &'static str,
     /// An example of a value, as after `--set name=`, where the form is not obvious.
     pub example: Option<&'static str>,
+    /// The group that it is listed in: see [`groups`]. None for the settings that people change first.
+    pub group: Option<&'static str>,
 }
 
 /// The values that a setting can take.
@@ -75,17 +77,19 @@ impl fmt::Display for Allowed {
 }
 
 impl Setting {
+    const fn new(
+        name: &'static str,
+        unit: &'static str,
+        allowed: Allowed,
+        help: &'static str,
+    ) -> Self {
+        let (alias, optional, example, group) = (None, false, None, None);
+        Setting { name, alias, unit, allowed, optional, help, example, group }
+    }
+
     /// A whole number from `min` to `max`.
     pub const fn integer(name: &'static str, min: u64, max: u64, help: &'static str) -> Self {
-        Setting {
-            alias: None,
-            name,
-            unit: "",
-            allowed: Allowed::Integer { min, max },
-            optional: false,
-            help,
-            example: None,
-        }
+        Self::new(name, "", Allowed::Integer { min, max }, help)
     }
 
     /// A finite number from `min` to `max`.
@@ -96,15 +100,7 @@ impl Setting {
         max: f64,
         help: &'static str,
     ) -> Self {
-        Setting {
-            alias: None,
-            name,
-            unit,
-            allowed: Allowed::Number { min, max },
-            optional: false,
-            help,
-            example: None,
-        }
+        Self::new(name, unit, Allowed::Number { min, max }, help)
     }
 
     /// One of several names.
@@ -113,28 +109,12 @@ impl Setting {
         names: &'static [&'static str],
         help: &'static str,
     ) -> Self {
-        Setting {
-            alias: None,
-            name,
-            unit: "",
-            allowed: Allowed::Choice(names),
-            optional: false,
-            help,
-            example: None,
-        }
+        Self::new(name, "", Allowed::Choice(names), help)
     }
 
     /// True or false.
     pub const fn flag(name: &'static str, help: &'static str) -> Self {
-        Setting {
-            name,
-            alias: None,
-            unit: "",
-            allowed: Allowed::Flag,
-            optional: false,
-            help,
-            example: None,
-        }
+        Self::new(name, "", Allowed::Flag, help)
     }
 
     /// A list; `of` names its items.
@@ -144,15 +124,7 @@ impl Setting {
         of: &'static str,
         help: &'static str,
     ) -> Self {
-        Setting {
-            name,
-            alias: None,
-            unit,
-            allowed: Allowed::List(of),
-            optional: false,
-            help,
-            example: None,
-        }
+        Self::new(name, unit, Allowed::List(of), help)
     }
 
     /// A value of another form, which `form` describes.
@@ -162,15 +134,7 @@ impl Setting {
         form: &'static str,
         help: &'static str,
     ) -> Self {
-        Setting {
-            name,
-            alias: None,
-            unit,
-            allowed: Allowed::Other(form),
-            optional: false,
-            help,
-            example: None,
-        }
+        Self::new(name, unit, Allowed::Other(form), help)
     }
 
     /// The setting with a former name.
@@ -191,6 +155,11 @@ impl Setting {
     /// The setting with an example of its values.
     pub const fn such_as(self, example: &'static str) -> Self {
         Setting { example: Some(example), ..self }
+    }
+
+    /// The setting in a group.
+    pub const fn in_group(self, group: &'static str) -> Self {
+        Setting { group: Some(group), ..self }
     }
 
     /// The values that are allowed, in words.
@@ -320,6 +289,44 @@ impl<T: Limited> Limited for Option<T> {
     }
 }
 
+/// Settings by their groups: first those without one, then each group where its first setting is.
+///
+/// ```
+/// use envgen::settings::groups;
+/// use envgen::hallway::HallwaySpec;
+///
+/// let groups = groups(HallwaySpec::SETTINGS);
+/// assert_eq!(groups[0].0, None);
+/// assert_eq!(groups[0].1[0].name, "segments");
+/// assert_eq!(groups[1].0, Some("corridor"));
+/// ```
+pub fn groups(settings: &'static [Setting]) -> Vec<(Option<&'static str>, Vec<&'static Setting>)> {
+    let mut groups = vec![(None, Vec::new())];
+    for setting in settings {
+        match groups.iter_mut().find(|(group, _)| *group == setting.group) {
+            Some((_, settings)) => settings.push(setting),
+            None => groups.push((setting.group, vec![setting])),
+        }
+    }
+    groups
+}
+
+/// Settings with their groups, where each of them has the last group that begins before it; the empty name
+/// ends a group.
+#[doc(hidden)]
+pub const fn grouped<const N: usize>(mut settings: [Setting; N]) -> [Setting; N] {
+    let mut group: Option<&'static str> = None;
+    let mut i = 0;
+    while i < N {
+        if let Some(name) = settings[i].group {
+            group = if name.is_empty() { None } else { Some(name) };
+        }
+        settings[i].group = group;
+        i += 1;
+    }
+    settings
+}
+
 /// The setting of a name; in constants an unknown name stops the compiler.
 ///
 /// # Panics
@@ -369,7 +376,9 @@ pub const fn sentence(doc: &'static str) -> &'static str {
 /// - `nested` for another struct of settings, whose errors name `field.setting`;
 /// - `list(unit, items, example)`, `other(unit, form)` and `other(unit, form, example)`, with texts.
 ///
-/// `#[alias = "name"]` before a field names a former name of it, which is read as well.
+/// `#[alias = "name"]` before a field names a former name of it, which is read as well. `#[group = "name"]` before a
+/// field begins a group of settings, which holds the fields up to the next `#[group]`; the empty name goes back to
+/// the settings without a group, those that people change first.
 ///
 /// ```
 /// envgen::settings! {
@@ -395,6 +404,7 @@ macro_rules! settings {
             $(
                 $(#[doc = $doc:literal])+
                 $(#[alias = $alias:literal])?
+                $(#[group = $group:literal])?
                 $(#[serde($($serde:tt)*)])*
                 $field:ident: $type:ty = $default:expr => $form:ident $(($($args:tt)*))?;
             )+
@@ -422,15 +432,16 @@ macro_rules! settings {
 
         impl $Spec {
             /// Every setting, in order.
-            pub const SETTINGS: &'static [$crate::settings::Setting] = &[$(
-                $crate::setting_form!(
-                    @table
-                    stringify!($field),
-                    $crate::settings::sentence(concat!($($doc),+)),
-                    $type,
-                    $form $(($($args)*))?
-                )$(.also_called($alias))?,
-            )+];
+            pub const SETTINGS: &'static [$crate::settings::Setting] =
+                &$crate::settings::grouped([$(
+                    $crate::setting_form!(
+                        @table
+                        stringify!($field),
+                        $crate::settings::sentence(concat!($($doc),+)),
+                        $type,
+                        $form $(($($args)*))?
+                    )$(.also_called($alias))?$(.in_group($group))?,
+                )+]);
 
             /// The setting of a name; in a constant an unknown name stops the compiler.
             ///
@@ -551,6 +562,38 @@ mod tests {
         }
         assert!(WIDTH.check(f64::NAN).is_err());
         assert_eq!(WIDTH.parse(" 2 ").unwrap(), Value::from(2.0));
+    }
+
+    #[test]
+    fn groups_hold_the_fields_up_to_the_next_group() {
+        settings! {
+            /// Some settings.
+            struct Some {
+                /// First.
+                a: u32 = 0 => integer("", 0..=1);
+                /// Second.
+                #[alias = "bb"]
+                #[group = "rails"]
+                b: u32 = 0 => integer("", 0..=1);
+                /// Third.
+                c: u32 = 0 => integer("", 0..=1);
+                /// Fourth.
+                #[group = ""]
+                d: u32 = 0 => integer("", 0..=1);
+                /// Fifth.
+                #[group = "posts"]
+                e: u32 = 0 => integer("", 0..=1);
+                /// Sixth.
+                #[group = "rails"]
+                f: u32 = 0 => integer("", 0..=1);
+            }
+        }
+        let names = |(group, settings): (_, Vec<&Setting>)| {
+            (group, settings.iter().map(|setting| setting.name).collect::<String>())
+        };
+        let groups: Vec<_> = groups(Some::SETTINGS).into_iter().map(names).collect();
+        let expected = [(None, "ad"), (Option::Some("rails"), "bcf"), (Option::Some("posts"), "e")];
+        assert_eq!(groups, expected.map(|(group, names)| (group, names.to_owned())));
     }
 
     #[test]

@@ -41,6 +41,9 @@ fn every_kind_is_listed_with_its_settings() {
         for setting in kind["settings"].as_array().unwrap() {
             assert!(text.contains(setting["name"].as_str().unwrap()));
             assert!(text.contains(setting["help"].as_str().unwrap()));
+            if let Some(group) = setting["group"].as_str() {
+                assert!(text.contains(&format!("  [{group}]\n")), "{group}");
+            }
         }
     }
 }

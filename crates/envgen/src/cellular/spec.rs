@@ -34,12 +34,14 @@ settings! {
         /// Number of smoothing passes.
         smoothing: u64 = 4 => integer("", 0..=100);
         /// Smoothing fills a cell that has at least this many filled neighbours, of eight.
+        #[group = "rules"]
         fill_from: u64 = 5 => integer("", 1..=9);
         /// Smoothing clears a cell that has at most this many filled neighbours, of eight.
         clear_to: u64 = 1 => integer("", 0..=8);
         /// Sides of the field that are open; the others are filled.
         open_sides: OpenSides = OpenSides::LeftRight => choice;
         /// A robot's middle can be in a cell if this many cells on each side of it are free as well.
+        #[group = "acceptance"]
         robot_cells: u64 = 2 => integer("", 0..=100);
         /// Which fields are accepted.
         acceptance: Acceptance = Acceptance::LargestRegions => choice;

@@ -42,6 +42,7 @@ settings! {
         /// Radius of the trunks; the median of `log_normal`, unused by `uniform`.
         radius: f64 = 1.0 => number("m", 1e-4..=1e4);
         /// The law of the radii.
+        #[group = "trees"]
         radius_law: RadiusLaw = RadiusLaw::Fixed => choice;
         /// Least radius of a varying law.
         radius_min: f64 = 0.5 => number("m", 1e-4..=1e4);
@@ -53,8 +54,10 @@ settings! {
         #[serde(skip_serializing_if = "Option::is_none")]
         tree_height: Option<f64> = None => optional_number("m", 0.05..=200.0);
         /// Least distance between two trees' centres; 0 for none.
+        #[group = ""]
         min_distance: f64 = 0.0 => number("m", 0.0..=1e5);
         /// How the border limits the trees.
+        #[group = "placement"]
         border: Border = Border::Open => choice;
         /// Radius around start and goal that no trunk reaches into; 0 clears nothing.
         clearing: f64 = 0.0 => number("m", 0.0..=1e5);

@@ -35,13 +35,16 @@ settings! {
         /// Probability that a turn follows a turn; 0 prevents U-turns.
         p_tt: f64 = 0.0 => number("", 0.0..=1.0);
         /// The first state.
+        #[group = "corridor"]
         start: Start = Start::State(State::UP) => other("", "a state 1 to 8 or stationary");
         /// Side of the lattice cell that each segment owns.
         pitch: f64 = 2.5 => number("m", 0.1..=1000.0);
         /// Clear width of the corridor.
+        #[group = ""]
         width: f64 = 2.0 => number("m", 0.05..=1000.0);
         /// Thickness of the walls.
         #[alias = "wall"]
+        #[group = "walls"]
         wall_thickness: f64 = 0.1 => number("m", 0.001..=100.0);
         /// Height of the walls.
         #[serde(skip_serializing_if = "is_wall_height")]
@@ -51,6 +54,7 @@ settings! {
         /// Whether walls close the corridor's two ends.
         ends: Ends = Ends::Closed => choice;
         /// Alcoves per metre of straight corridor.
+        #[group = "alcoves, frames and crates"]
         alcove_rate: f64 = 0.0 => number("1/m", 0.0..=10.0);
         /// Width of an alcove along the corridor.
         alcove_width: f64 = 1.2 => number("m", 0.01..=1000.0);

@@ -70,10 +70,13 @@ settings! {
         height: u32 = 16 => integer("", 4..=1024);
         /// Side of a cell.
         #[alias = "unit"]
+        #[group = "layout"]
         cell_size: f64 = 3.0 => number("m", 1.2..=12.0);
         /// Exactly as in the paper, or with every place reachable.
+        #[group = ""]
         profile: Profile = Profile::Guaranteed => choice;
         /// How the hallways are laid out.
+        #[group = "layout"]
         layout: Layout = Layout::Grid => choice;
         /// Probability of a branch at each end of an L-system's hallway, and of a loop where it meets
         /// another.
@@ -102,6 +105,7 @@ settings! {
         open_areas: bool = true => flag;
         /// Thickness of the walls.
         #[alias = "wall"]
+        #[group = "walls and doorways"]
         wall_thickness: f64 = 0.1 => number("m", 0.01..=0.5);
         /// Height of the walls and ceilings.
         #[serde(skip_serializing_if = "is_wall_height")]
@@ -116,6 +120,7 @@ settings! {
         robot_radius: f64 = 0.36 => number("m", 0.01..=1.4);
         /// Width that the narrowest passage through each room should have: contents are moved, turned,
         /// removed or doubled; none leaves rooms as designed.
+        #[group = "contents of rooms"]
         clearance: Option<f64> = None => optional_number("m", 0.0..=2.0);
         /// Crates at random places of the floors, as far as they fit: robots pass on every side of them, with
         /// the `clearance` where it is larger than a robot.
@@ -134,9 +139,11 @@ settings! {
         maze_braid: f64 = 0.0 => number("", 0.0..=1.0);
         /// Width of the narrowest doorways, from which widths up to `doorway` are drawn; none for all of
         /// one width.
+        #[group = "walls and doorways"]
         #[serde(skip_serializing_if = "Option::is_none")]
         doorway_narrowest: Option<f64> = None => optional_number("m", 0.2..=3.0);
         /// Factor on the variances of wheel odometry on slippery floor; 1 for none.
+        #[group = "floors and materials"]
         #[serde(skip_serializing_if = "is_one")]
         floor_slip: f64 = 1.0 => number("", 1.0..=25.0);
         /// Share of the floor that is slippery, where `floor_slip` says how much.
@@ -158,6 +165,7 @@ settings! {
         #[serde(skip_serializing_if = "is_dark_range")]
         dark_range: f64 = DARK_RANGE => number("m", 1.0..=10.0);
         /// How hard mapping should be in the profile `calibrated`, in place of `difficulty`.
+        #[group = ""]
         #[serde(skip_serializing_if = "Option::is_none")]
         mapping: Option<f64> = None => optional_number("", 0.0..=10.0);
         /// How hard navigation should be in the profile `calibrated`, in place of `difficulty`.
@@ -165,6 +173,7 @@ settings! {
         navigation: Option<f64> = None => optional_number("", 0.0..=10.0);
         /// The settings that the profile `calibrated` leaves at their defaults; it draws others that are at
         /// theirs.
+        #[group = "choice of the map"]
         #[serde(skip_serializing_if = "Vec::is_empty")]
         fixed: Vec<String> = Vec::new() => list("", "names of settings", "floor_slip,doorway");
         /// Which map the profile `calibrated` takes: 0 for the one that is predicted nearest, 1 for the next.

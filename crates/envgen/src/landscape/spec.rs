@@ -49,25 +49,31 @@ settings! {
         /// Shannon entropy of the classes' shares.
         entropy: f64 = 1.9 => number("nats", 0.0..=12.0);
         /// Whether every class has a cell.
+        #[group = "arrangement"]
         keep_classes: bool = false => flag;
         /// Which class gets which number of cells.
         order: ClassOrder = ClassOrder::Shuffled => choice;
         /// How the classes are arranged.
+        #[group = ""]
         algorithm: Algorithm = Algorithm::Random => choice;
         /// Probability of an extra change of class in the automaton; none: the one that the Total Edge
         /// needs, or 0.1 where none is requested.
+        #[group = "arrangement"]
         epsilon: Option<f64> = None => optional_number("", 0.0..=1.0);
         /// Standard deviation of the smoothing; none: the one that the Total Edge needs, or 3 where none is
         /// requested.
         sigma: Option<f64> = None => optional_number("cells", 0.0..=1e6);
         /// Total Edge to reach exactly, the number of sides between cells of different class; none accepts
         /// what the arrangement gives.
+        #[group = ""]
         total_edge: Option<u64> = None => optional_integer("", 0..=2 * MAX_CELLS);
         /// Swaps tried per cell at the requested Total Edge, so that a mixed landscape does not depend on
         /// how it was built; none: 1000, fewer for landscapes of more than 40,000 cells, and at least 8.
+        #[group = "arrangement"]
         mixing: Option<f64> = None => optional_number("1/cell", 0.0..=1000.0);
         /// Side of a cell.
         #[alias = "cell"]
+        #[group = "cells"]
         cell_size: f64 = 1.0 => number("m", 1e-3..=1e4);
         /// Factor on a robot's greatest speed for each class, 0 where it cannot pass; empty: 1 for all.
         speeds: Vec<f64> = Vec::new() => list("", "numbers from 0 to 10, one per class", "1,0.5,0");

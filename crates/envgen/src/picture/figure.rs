@@ -138,7 +138,7 @@ impl Figure {
     /// Those of [`Figure::svg`], and when writing fails.
     pub fn write_png(&self, out: &mut dyn Write) -> Result<(), PictureError> {
         let longest = u64::from(self.width).max(self.height()?) as f64;
-        pixels::write(&self.svg()?, (longest / SIDES[1]).max(1.0), out)
+        pixels::render(&self.svg()?, (longest / SIDES[1]).max(1.0))?.write(out)
     }
 
     fn notes_width(&self, typesetter: &Typesetter) -> f64 {

@@ -41,6 +41,7 @@ mod title;
 mod view;
 
 pub use figure::Figure;
+pub use pixels::Pixels;
 
 use std::io::{self, Write};
 
@@ -217,5 +218,13 @@ pub fn write_png(
     options: &PictureOptions,
     out: &mut dyn Write,
 ) -> Result<(), PictureError> {
-    pixels::write(&svg(world, options)?, options.pixel_ratio, out)
+    pixels(world, options)?.write(out)
+}
+
+/// The pixels of the picture of a world, for windows and programs that show it.
+///
+/// # Errors
+/// Those of [`png()`].
+pub fn pixels(world: &World, options: &PictureOptions) -> Result<Pixels, PictureError> {
+    pixels::render(&svg(world, options)?, options.pixel_ratio)
 }

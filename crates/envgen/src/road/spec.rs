@@ -49,6 +49,7 @@ settings! {
         length: f64 = 1000.0 => number("m", 0.1..=1e6);
         /// Distance between waypoints, at most the length; the road's own is the nearest that divides the
         /// length.
+        #[group = "segments"]
         step: f64 = 1.0 => number("m", 1e-3..=1e5);
         /// The segments in travel order.
         prefabs: Vec<Prefab> = {
@@ -58,8 +59,10 @@ settings! {
         /// Number of segments drawn at random in place of `prefabs`, 0 takes `prefabs`; the length must
         /// suffice for all of them being turns.
         #[alias = "random"]
+        #[group = ""]
         segment_count: u64 = 0 => integer("", 0..=MAX_SEGMENTS as u64);
         /// Probability that a segment drawn at random is a turn.
+        #[group = "segments"]
         p_turn: f64 = 0.5 => number("", 0.0..=1.0);
         /// Concentration of the Dirichlet law of the lengths: one for all segments or a list.
         alpha: Concentration = Concentration::Same(1.0) => other("", dirichlet::ALLOWED, "1,2,1,2,1");
@@ -70,8 +73,10 @@ settings! {
         #[alias = "shortest"]
         min_segment_length: f64 = 1.0 => number("m", 1e-3..=1e5);
         /// Speed at which the turns must be driveable; 0 for no such limit.
+        #[group = ""]
         speed: f64 = 50.0 / 3.6 => number("m/s", 0.0..=1000.0);
         /// Coefficient of friction.
+        #[group = "turns"]
         friction: f64 = 0.7 => number("", 0.01..=10.0);
         /// Least angle of a turn.
         theta_min: f64 = 30.0 => number("degrees", 0.1..=350.0);
@@ -85,15 +90,18 @@ settings! {
         /// Share of a turn's length that each of its two clothoids takes; 0 for arcs alone.
         transition: f64 = 0.0 => number("", 0.0..=0.5);
         /// Full width.
+        #[group = ""]
         width: f64 = 7.0 => number("m", 0.1..=100.0);
         /// Number of lanes.
         lanes: u64 = 2 => integer("", 1..=16);
         /// Width of the kerbs, at least a micrometre; 0 for none.
+        #[group = "kerbs"]
         kerb: f64 = 0.15 => number("m", 0.0..=0.9);
         /// Height of the kerbs: lasers that are higher do not see them. Kerbs of streets have 0.1 to 0.15 m.
         #[serde(skip_serializing_if = "is_kerb_height")]
         kerb_height: f64 = KERB.top() => number("m", 0.01..=10.0);
         /// x of the start.
+        #[group = "course"]
         start_x: f64 = 0.0 => number("m", -1e6..=1e6);
         /// y of the start.
         start_y: f64 = 0.0 => number("m", -1e6..=1e6);

@@ -24,6 +24,7 @@ settings! {
         /// Probability that an open doorway has a door.
         doors: f64 = 0.0 => number("", 0.0..=1.0);
         /// How the doors move; one whose leaf has no room to swing slides.
+        #[group = "doors"]
         door_kind: DoorKinds = DoorKinds::Mixed => choice;
         /// What opens and closes the doors.
         door_control: DoorControl = DoorControl::Timed => choice;
@@ -34,8 +35,10 @@ settings! {
         /// Probability that a closing door slams.
         slam: f64 = 0.2 => number("", 0.0..=1.0);
         /// Number of people.
+        #[group = ""]
         people: u32 = 0 => integer("", 0..=MAX_PEOPLE as u64);
         /// What a laser sees of a person.
+        #[group = "people"]
         body: Body = Body::Disc => choice;
         /// How people react to a robot.
         reaction: Reactions = Reactions::Regular => choice;
@@ -46,8 +49,10 @@ settings! {
         /// Mean of the exponentially distributed time that a person works after every second walk.
         working: f64 = 60.0 => number("s", 0.5..=1e6);
         /// Extinction coefficient of the smoke at its sources, 0 for no smoke.
+        #[group = ""]
         smoke: f64 = 0.0 => number("1/m", 0.0..=100.0);
         /// Number of sources of smoke.
+        #[group = "smoke"]
         smoke_sources: u32 = 1 => integer("", 1..=1000);
         /// Radius of the smoke of a source outside of rooms.
         smoke_radius: f64 = 3.0 => number("m", 0.1..=1000.0);

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use envgen::WorldKind;
 use envgen::scenario::ScenarioSpec;
-use envgen::settings::Setting;
+use envgen::settings::{Setting, groups};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -50,19 +50,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Prints settings with their limits and defaults.
-fn list(settings: &[Setting], defaults: &Value, out: &mut impl Write) -> io::Result<()> {
+/// Prints settings with their limits and defaults, those of a group below its name.
+fn list(settings: &'static [Setting], defaults: &Value, out: &mut impl Write) -> io::Result<()> {
     let column = settings.iter().map(|setting| setting.name.len()).max().unwrap_or(0);
-    for setting in settings {
-        let default = setting.text_of(&defaults[setting.name]);
-        let unit = if setting.unit.is_empty() { "" } else { " " };
-        let or_none = if setting.optional { ", or none" } else { "" };
-        let example = setting.example.map_or(String::new(), |text| format!(", such as {text}"));
-        writeln!(
-            out,
-            "  {:column$}  {}\n  {:column$}  {}{unit}{}{or_none}{example}; default {default}",
-            setting.name, setting.help, "", setting.allowed, setting.unit
-        )?;
+    for (group, settings) in groups(settings) {
+        if let Some(group) = group {
+            writeln!(out, "  [{group}]")?;
+        }
+        for setting in settings {
+            let default = setting.text_of(&defaults[setting.name]);
+            let unit = if setting.unit.is_empty() { "" } else { " " };
+            let or_none = if setting.optional { ", or none" } else { "" };
+            let example = setting.example.map_or(String::new(), |text| format!(", such as {text}"));
+            writeln!(
+                out,
+                "  {:column$}  {}\n  {:column$}  {}{unit}{}{or_none}{example}; default {default}",
+                setting.name, setting.help, "", setting.allowed, setting.unit
+            )?;
+        }
     }
     Ok(())
 }
@@ -81,6 +86,7 @@ fn describe(kind: WorldKind) -> Value {
                 "default": defaults[setting.name],
                 "help": setting.help,
                 "example": setting.example,
+                "group": setting.group,
             })
         })
         .collect();
