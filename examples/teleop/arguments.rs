@@ -1,7 +1,7 @@
 //! The command line.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy_mapping_trial::ui::{ScenarioForm, SpecForm};
@@ -109,6 +109,12 @@ impl Arguments {
         }
         let world = import::read_world(path).in_file(path)?;
         Ok(Beginning::World(Arc::new(world)))
+    }
+
+    /// What the robot is called: as its file is.
+    pub(crate) fn robot_name(&self) -> String {
+        let file = self.robot.as_deref().and_then(Path::file_stem);
+        file.map_or_else(|| "Pioneer 3-AT".to_owned(), |name| name.to_string_lossy().into_owned())
     }
 
     /// What moves in the world at first.

@@ -54,10 +54,8 @@ pub(crate) fn act(
     };
     let begin = pressed(&[KeyCode::Enter, KeyCode::NumpadEnter], GamepadButton::Start);
     if begin && session.phase == Phase::Setup {
-        let world = session.world;
-        if let Ok(truth) = worlds.get(world) {
-            session.start(truth, &mut commands);
-        }
+        let spawned = worlds.get(session.world).ok();
+        session.begin(spawned, &mut commands);
         return;
     }
     let nearer = keys.any_just_pressed([KeyCode::Equal, KeyCode::NumpadAdd]);

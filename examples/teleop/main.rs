@@ -90,7 +90,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
         TrialViewPlugin::default(),
         TrialDebugPlugin,
     ));
-    let session = Session::begin(arguments, beginning, settings, app.world_mut());
+    let session = Session::new(arguments, beginning, settings, app.world_mut());
     app.insert_resource(session)
         .add_observer(session::world_is_ready)
         .add_observer(session::world_has_failed)
@@ -114,7 +114,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
                 keys::act.run_if(not(egui_wants_any_keyboard_input)),
                 cameras::follow_driven,
                 cameras::fit,
-                session::poll_comparison,
+                session::poll,
                 session::hide_lines,
             )
                 .chain(),

@@ -6,9 +6,9 @@ use bevy_envgen::prelude::*;
 use bevy_mapping_trial::debug::TrialDebugLayers;
 use bevy_mapping_trial::prelude::*;
 use bevy_mapping_trial::ui::bevy_egui::EguiContexts;
-use bevy_mapping_trial::ui::{SpecAction, TrialStatus, comparison, egui, scores};
+use bevy_mapping_trial::ui::{TrialStatus, comparison, egui, robot_preview, scores};
 use bevy_mapping_trial::view::TrialView;
-use egui::{Align2, ComboBox, Panel, RichText, ScrollArea, Ui, UiBuilder};
+use egui::{Align2, CentralPanel, ComboBox, Panel, RichText, ScrollArea, Ui, UiBuilder};
 use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
 
@@ -58,6 +58,7 @@ pub(crate) fn panels(
     let mut screen = Ui::new(context.clone(), "screen".into(), area);
     let session = &mut *session;
     let mut trial = trials.get_mut(session.world).ok();
+    let choosing = matches!(session.phase, Phase::Setup | Phase::Spawning);
     Panel::left("panel").exact_size(WIDTH).resizable(false).show(&mut screen, |ui| {
         match (session.phase, &mut trial) {
             (Phase::Running, Some((holder, view, truth))) => {
@@ -84,11 +85,14 @@ pub(crate) fn panels(
             (Phase::Done, Some((trial, _, truth))) => done(ui, session, trial, truth),
             _ => setup(ui, session, worlds.get(session.world).ok(), &mut commands),
         }
-        if !session.message.is_empty() {
+        if !session.message.is_empty() && !choosing {
             ui.separator();
-            ui.label(RichText::new(&session.message));
+            ui.label(&session.message);
         }
     });
+    if choosing {
+        CentralPanel::no_frame().show(&mut screen, |ui| preview(ui, session));
+    }
     windows(context, session);
     if session.phase == Phase::Running {
         let scale = zoom(window.height()) * window.scale_factor();
@@ -103,29 +107,56 @@ pub(crate) fn panels(
 }
 
 /// The choice of a world and the settings of a trial.
-fn setup(ui: &mut Ui, session: &mut Session, truth: Option<&GroundTruth>, commands: &mut Commands) {
-    ui.heading("Trial");
-    session.setup.show(ui);
-    ui.horizontal(|ui| {
-        let ready = session.phase == Phase::Setup && truth.is_some();
-        let begin = egui::Button::new(RichText::new("Begin (Enter)").strong());
-        if ui.add_enabled(ready, begin).clicked()
-            && let Some(truth) = truth
-        {
-            session.start(truth, commands);
+fn setup(
+    ui: &mut Ui,
+    session: &mut Session,
+    spawned: Option<&GroundTruth>,
+    commands: &mut Commands,
+) {
+    Panel::bottom("begin").show(ui, |ui| {
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            let possible = session.phase == Phase::Setup && session.preview.error().is_none();
+            let begin = egui::Button::new(RichText::new("Begin (Enter)").strong());
+            if ui.add_enabled(possible, begin).clicked() {
+                session.begin(spawned, commands);
+            }
+            if session.preview.is_pending() || session.phase == Phase::Spawning {
+                ui.spinner();
+                ui.label(if session.begins || session.phase == Phase::Spawning {
+                    "the trial begins when the world is ready"
+                } else {
+                    "the world is being generated"
+                });
+            } else if session.preview.world().is_some() {
+                ui.weak("the world is ready");
+            }
+        });
+        if let Some(action) = session.spec.show_file(ui) {
+            session.edit(action);
         }
-        if session.phase == Phase::Generating {
-            ui.spinner();
-            ui.label("the world is being generated");
+        for text in [session.preview.error(), Some(&session.message)].into_iter().flatten() {
+            if !text.is_empty() {
+                ui.label(text);
+            }
         }
     });
-    ui.separator();
-    ui.heading("World");
-    match session.spec.show(ui) {
-        Some(SpecAction::Regenerate { spec, seed }) => session.regenerate(*spec, seed, commands),
-        Some(SpecAction::Saved(path)) => session.message = format!("saved {}", path.display()),
-        None => {}
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        if let Some(action) = session.setup.show(ui, &mut session.spec) {
+            session.edit(action);
+        }
+    });
+}
+
+/// What the settings describe: in training the world, otherwise the robot, since whoever drives must not know the
+/// world.
+fn preview(ui: &mut Ui, session: &mut Session) {
+    if !session.setup.training {
+        return robot_preview(ui, &session.robot, &session.setup.settings);
     }
+    let seed = session.preview.world().map_or(session.spec.seed(), |world| session.seed_in(world));
+    let scenario = session.setup.scenario.request().ok();
+    session.preview.show(ui, scenario.as_ref().map(|spec| (spec, seed)));
 }
 
 /// Switches for lines over the world, for training.

@@ -8,10 +8,12 @@ use bevy_envgen::debug::DebugLayers;
 use bevy_envgen::prelude::*;
 use bevy_mapping_trial::debug::TrialDebugLayers;
 use bevy_mapping_trial::prelude::*;
-use bevy_mapping_trial::ui::{FeedbackForm, ScenarioForm, SetupForm, SpecForm, TrialAction};
+use bevy_mapping_trial::ui::{
+    FeedbackForm, ScenarioForm, SetupForm, SpecAction, SpecForm, TrialAction, WorldPreview,
+};
 use bevy_mapping_trial::view::TrialView;
 use envgen::located::Locate;
-use envgen::{Seed, WorldKind, WorldSpec, whole_file};
+use envgen::{Seed, WorldKind, whole_file};
 use mapping_trial::feedback::Feedback;
 use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
@@ -29,10 +31,10 @@ const TICKS_PER_LOG: u64 = 200;
 /// The step of the session that the person is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Phase {
-    /// The world is being generated.
-    Generating,
-    /// The world is ready, and the person chooses the trial.
+    /// The person chooses the world and the trial.
     Setup,
+    /// The parts of the chosen world are being spawned for a trial.
+    Spawning,
     /// The robots drive.
     Running,
     /// The form is to be filled in.
@@ -47,7 +49,11 @@ pub(crate) struct Session {
     pub(crate) phase: Phase,
     pub(crate) spec: SpecForm,
     pub(crate) setup: SetupForm,
-    /// The environment.
+    /// The world that the settings describe.
+    pub(crate) preview: WorldPreview,
+    /// What the robot is called.
+    pub(crate) robot: String,
+    /// The environment of the trials.
     pub(crate) world: Entity,
     /// Index of the driven robot.
     pub(crate) driven: usize,
@@ -71,13 +77,13 @@ pub(crate) struct Session {
     saving: Saving,
     /// Whether the world was read from a file, not generated from a spec.
     from_file: bool,
-    /// Whether a program from the command line still has to begin.
-    pub(crate) at_once: bool,
+    /// Whether a trial begins as soon as the world is ready.
+    pub(crate) begins: bool,
 }
 
 impl Session {
     /// The session of the command line, which requests its world.
-    pub(crate) fn begin(
+    pub(crate) fn new(
         arguments: &Arguments,
         beginning: Beginning,
         (settings, scenario): (TrialSettings, ScenarioForm),
@@ -85,20 +91,22 @@ impl Session {
     ) -> Self {
         let seed = arguments.seed;
         let from_file = matches!(beginning, Beginning::World(_));
-        let (spec, environment) = match beginning {
-            Beginning::Spec(spec) => (SpecForm::new(&spec, seed), Environment::new(*spec, seed.0)),
-            Beginning::World(given) => (
-                SpecForm::new(&SpecForm::initial(WorldKind::Indoor), seed),
-                Environment::prebuilt(given),
-            ),
+        let spec = match &beginning {
+            Beginning::Spec(spec) => SpecForm::new(spec, seed),
+            Beginning::World(_) => SpecForm::new(&SpecForm::initial(WorldKind::Indoor), seed),
+        };
+        let preview = match beginning {
+            Beginning::Spec(_) => WorldPreview::new(spec.request()),
+            Beginning::World(given) => WorldPreview::given(given),
         };
         let training = arguments.training;
-        let view = TrialView { truth: training, ..default() };
         Session {
-            phase: Phase::Generating,
+            phase: Phase::Setup,
             spec,
             setup: SetupForm { settings, scenario, training },
-            world: world.spawn((environment, view)).id(),
+            preview,
+            robot: arguments.robot_name(),
+            world: world.spawn_empty().id(),
             driven: 0,
             paused: false,
             ticks: 0,
@@ -113,26 +121,50 @@ impl Session {
             truth_seen: training,
             saving: Saving::default(),
             from_file,
-            at_once: arguments.policy.is_some(),
+            begins: arguments.policy.is_some(),
         }
     }
 
-    /// Requests another world.
-    pub(crate) fn regenerate(&mut self, spec: WorldSpec, seed: Seed, commands: &mut Commands) {
-        commands.entity(self.world).remove::<MappingTrial>();
-        let view = TrialView { truth: self.setup.training, ..default() };
-        commands.entity(self.world).insert((Environment::new(spec, seed.0), view));
-        // Also if the spec is unchanged: the person asked for it.
-        commands.trigger(RebuildEnvironment { entity: self.world });
-        self.phase = Phase::Generating;
-        self.from_file = false;
+    /// Carries out what a person did in the panel of the world.
+    pub(crate) fn edit(&mut self, action: SpecAction) {
+        match action {
+            SpecAction::Changed => {
+                self.preview.request(self.spec.request());
+                self.from_file = false;
+                self.begins = false;
+            }
+            SpecAction::Saved(path) => self.message = format!("saved {}", path.display()),
+        }
     }
 
-    /// Begins a trial in the current world, from its start.
-    pub(crate) fn start(&mut self, truth: &GroundTruth, commands: &mut Commands) {
-        // For a world from a file, the panel's seed is used.
-        let made = truth.provenance.seed.filter(|_| !self.from_file);
-        let seed = made.unwrap_or(self.spec.seed());
+    /// Begins a trial in the chosen world: spawns it first, unless it is that of the last trial. While the world is
+    /// being generated, the trial begins later.
+    pub(crate) fn begin(&mut self, spawned: Option<&GroundTruth>, commands: &mut Commands) {
+        let Some(world) = self.preview.world() else {
+            self.begins = self.preview.is_pending();
+            return;
+        };
+        self.begins = false;
+        if let Some(spawned) = spawned.filter(|spawned| Arc::ptr_eq(&spawned.0, world)) {
+            self.start(spawned, commands);
+            return;
+        }
+        let view = TrialView { truth: self.setup.training, ..default() };
+        let mut environment = commands.entity(self.world);
+        environment.remove::<MappingTrial>();
+        environment.insert((Environment::prebuilt(Arc::clone(world)), view));
+        self.phase = Phase::Spawning;
+    }
+
+    /// The seed of the sensor noise and of what moves in a world: its own, or for a world from a file the panel's.
+    pub(crate) fn seed_in(&self, world: &envgen::World) -> Seed {
+        let made = world.provenance.seed.filter(|_| !self.from_file);
+        made.unwrap_or(self.spec.seed())
+    }
+
+    /// Begins a trial in the spawned world, from its start.
+    fn start(&mut self, truth: &GroundTruth, commands: &mut Commands) {
+        let seed = self.seed_in(truth);
         let begun = || -> Result<_, Box<dyn std::error::Error>> {
             let settings = start::with_start(truth, self.setup.request(seed)?)?;
             Ok((settings, self.setup.scenario.request()?))
@@ -314,29 +346,23 @@ pub(crate) fn hide_lines(
     }
 }
 
-/// The world is ready: a trial can begin.
+/// The world is spawned: the trial begins.
 pub(crate) fn world_is_ready(
     ready: On<EnvironmentReady>,
     mut session: ResMut<Session>,
     truths: Query<&GroundTruth>,
     mut commands: Commands,
 ) {
-    if session.phase != Phase::Generating {
-        return;
-    }
-    session.phase = Phase::Setup;
-    session.spec.set_failure(None);
-    if session.at_once
+    if session.phase == Phase::Spawning
         && let Ok(truth) = truths.get(ready.entity)
     {
-        session.at_once = false;
         session.start(truth, &mut commands);
     }
 }
 
-/// The world cannot be generated: the panel shows the error.
+/// The world cannot be spawned: the panel shows the error.
 pub(crate) fn world_has_failed(failed: On<EnvironmentFailed>, mut session: ResMut<Session>) {
-    session.spec.set_failure(Some(failed.error.to_string()));
+    session.message = failed.error.to_string();
     session.phase = Phase::Setup;
 }
 
@@ -382,10 +408,19 @@ pub(crate) fn count(mut session: ResMut<Session>, trials: Query<&MappingTrial>) 
     }
 }
 
-/// Takes a finished comparison.
-pub(crate) fn poll_comparison(mut session: ResMut<Session>) {
-    if let Some(comparison) = &mut session.bypass_change_detection().comparison {
+/// Takes what was computed in the background: a comparison, and the world that the settings describe.
+pub(crate) fn poll(
+    mut session: ResMut<Session>,
+    truths: Query<&GroundTruth>,
+    mut commands: Commands,
+) {
+    let session = session.bypass_change_detection();
+    if let Some(comparison) = &mut session.comparison {
         comparison.poll();
+    }
+    session.preview.advance();
+    if session.begins && session.phase == Phase::Setup {
+        session.begin(truths.get(session.world).ok(), &mut commands);
     }
 }
 

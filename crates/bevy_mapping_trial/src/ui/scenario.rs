@@ -4,7 +4,7 @@ use bevy_egui::egui::Ui;
 use envgen::SpecError;
 use envgen::scenario::ScenarioSpec;
 
-use super::spec::Draft;
+use super::draft::{Draft, has_error, show_group, show_groups};
 
 /// The settings of doors, people and smoke as they are edited.
 ///
@@ -34,14 +34,14 @@ impl ScenarioForm {
     /// Sets one setting from text, in the syntax of `--set`. Names that do not exist are ignored.
     pub fn set(&mut self, name: &str, text: &str) {
         if let Some(draft) = self.drafts.iter_mut().find(|draft| draft.is_of(name)) {
-            draft.set(text);
+            text.clone_into(&mut draft.text);
             self.check();
         }
     }
 
     /// The error that is shown below a setting.
     pub fn error_of(&self, name: &str) -> Option<&str> {
-        self.drafts.iter().find(|draft| draft.is_of(name))?.error()
+        self.drafts.iter().find(|draft| draft.is_of(name))?.error.as_deref()
     }
 
     /// The settings in the form.
@@ -51,30 +51,37 @@ impl ScenarioForm {
     pub fn request(&self) -> Result<ScenarioSpec, SpecError> {
         let mut spec = ScenarioSpec::default();
         for draft in &self.drafts {
-            draft.set_in(|name, text| spec.set(name, text))?;
+            spec.set(draft.setting.name, &draft.text)?;
         }
         spec.validate()?;
         Ok(spec)
     }
 
-    /// Draws the panel.
+    /// Draws the settings that people change first: how many doors, people and how much smoke.
     pub fn show(&mut self, ui: &mut Ui) {
-        let mut changed = false;
-        for draft in &mut self.drafts {
-            changed |= draft.show(ui);
-        }
-        if changed {
+        if show_group(ui, &mut self.drafts, None) {
             self.check();
         }
+    }
+
+    /// Draws the other settings, by groups.
+    pub fn show_groups(&mut self, ui: &mut Ui) {
+        if show_groups(ui, &mut self.drafts) {
+            self.check();
+        }
+    }
+
+    /// Whether one of the settings that are in a group has an error.
+    pub(super) fn has_error_in_groups(&self) -> bool {
+        has_error(self.drafts.iter().filter(|draft| draft.setting.group.is_some()))
     }
 
     /// Shows each error below its setting.
     fn check(&mut self) {
         for draft in &mut self.drafts {
             let mut spec = ScenarioSpec::default();
-            let set =
-                draft.set_in(|name, text| spec.set(name, text)).and_then(|()| spec.validate());
-            draft.set_error(set.err().map(|error| error.to_string()));
+            let set = spec.set(draft.setting.name, &draft.text).and_then(|()| spec.validate());
+            draft.error = set.err().map(|error| error.to_string());
         }
     }
 }

@@ -1,14 +1,13 @@
 //! The panel for the settings of a trial.
 
-use bevy_egui::egui::{ComboBox, DragValue, Slider, Ui};
+use bevy_egui::egui::{Color32, ComboBox, DragValue, RichText, Slider, Ui};
 use envgen::{Seed, SpecError};
-use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
-use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::PolicyKind;
 use mapping_trial::trial::{MAX_TIME_LIMIT, TrialSettings};
 
-use super::{ScenarioForm, error, row};
+use super::draft::help;
+use super::{ScenarioForm, SpecAction, SpecForm, error, group, row};
 
 /// The entry for a person in the list of exploration policies.
 const PERSON: &str = "a person";
@@ -35,11 +34,38 @@ impl SetupForm {
         Ok(settings)
     }
 
-    /// Draws the panel.
-    pub fn show(&mut self, ui: &mut Ui) {
+    /// Draws the settings of a trial and of its world by groups; those that people seldom change are in a group that
+    /// is closed at first.
+    pub fn show(&mut self, ui: &mut Ui, world: &mut SpecForm) -> Option<SpecAction> {
+        let mut action = None;
+        group(ui, section("World"), true, false, |ui| action = world.show(ui));
+        group(ui, section("Robot and laser"), true, false, |ui| self.show_robots(ui));
+        group(ui, section("Trial"), true, false, |ui| self.show_trial(ui));
+        group(ui, section("Things that move"), true, false, |ui| self.scenario.show(ui));
+        let fails = world.has_error_in_groups() || self.scenario.has_error_in_groups();
+        group(ui, section("Advanced"), false, fails, |ui| {
+            action = action.take().or(world.show_groups(ui));
+            self.scenario.show_groups(ui);
+        });
+        action
+    }
+
+    /// Draws the settings of the robots and of what they measure.
+    fn show_robots(&mut self, ui: &mut Ui) {
+        let settings = &mut self.settings;
+        row(ui, "robots", &help(&TrialSettings::setting("robots")), |ui| {
+            ui.spacing_mut().slider_width = 80.0;
+            ui.add(Slider::new(&mut settings.robots, 1..=4));
+        });
+        choose(ui, "laser", &mut settings.laser);
+        choose(ui, "odometry", &mut settings.odometry);
+    }
+
+    /// Draws the settings of the trial itself.
+    fn show_trial(&mut self, ui: &mut Ui) {
         let settings = &mut self.settings;
         let driver = settings.policy.as_ref().and_then(Named::name).unwrap_or(PERSON);
-        row(ui, "operator", "who drives: you, or a program to watch", |ui| {
+        row(ui, "operator", "Who drives: you, or a program to watch", |ui| {
             ComboBox::from_id_salt("operator").selected_text(driver).show_ui(ui, |ui| {
                 ui.selectable_value(&mut settings.policy, None, PERSON);
                 for (name, kind) in PolicyKind::NAMES {
@@ -47,24 +73,12 @@ impl SetupForm {
                 }
             });
         });
-        choose(ui, "slam", "how poses and map are estimated", &mut settings.slam);
-        choose::<LaserProfile>(ui, "laser", "what the laser measures", &mut settings.laser);
-        choose::<OdometryProfile>(
-            ui,
-            "odometry",
-            "how exactly the wheels measure",
-            &mut settings.odometry,
-        );
-        row(ui, "robots", "they share one map; Tab switches between them", |ui| {
-            ui.spacing_mut().slider_width = 80.0;
-            ui.add(Slider::new(&mut settings.robots, 1..=4));
-        });
-        row(ui, "time limit", "simulated seconds after which the trial ends", |ui| {
+        choose(ui, "slam", &mut settings.slam);
+        row(ui, "time limit", &help(&TrialSettings::setting("time_limit")), |ui| {
             let seconds = DragValue::new(&mut settings.time_limit).range(1.0..=MAX_TIME_LIMIT);
             ui.add(seconds.speed(5.0).suffix(" s"));
         });
-        ui.collapsing("doors, people, smoke", |ui| self.scenario.show(ui));
-        row(ui, "training", "shows the true world with the map", |ui| {
+        row(ui, "training", "Shows the true world, before the trial and with the map", |ui| {
             ui.checkbox(&mut self.training, "show the truth");
         });
         if let Err(problem) = self.settings.validate() {
@@ -73,10 +87,15 @@ impl SetupForm {
     }
 }
 
-/// A choice among named values.
-fn choose<T: Named>(ui: &mut Ui, name: &str, help: &str, value: &mut T) {
-    row(ui, name, help, |ui| {
-        let shown = value.name().unwrap_or("custom");
+/// The name of a group, larger than those of the groups in it.
+fn section(name: &str) -> RichText {
+    RichText::new(name).size(15.0).color(Color32::WHITE)
+}
+
+/// A choice among the named values of a setting of trials.
+fn choose<T: Named>(ui: &mut Ui, name: &'static str, value: &mut T) {
+    let shown = value.name().unwrap_or("custom");
+    row(ui, name, TrialSettings::setting(name).help, |ui| {
         ComboBox::from_id_salt(name).selected_text(shown).show_ui(ui, |ui| {
             for (name, other) in T::NAMES {
                 ui.selectable_value(value, other.clone(), *name);

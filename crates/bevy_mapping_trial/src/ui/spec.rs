@@ -6,32 +6,21 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use bevy_egui::egui::{self, ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
+use bevy_egui::egui::{ComboBox, DragValue, TextEdit, Ui};
 use envgen::calibration::Dials;
 use envgen::indoor::{IndoorSpec, Profile};
-use envgen::serde_json::Value;
-use envgen::settings::{Allowed, Setting};
+use envgen::settings::Setting;
 use envgen::{Seed, SettingsError, SpecError, WorldKind, WorldSpec, whole_file};
 
+use super::draft::{Draft, has_error, show_group, show_groups};
 use super::reach::Reach;
 use super::{error, row};
 
-/// The widest range for which a slider is precise enough.
-const SLIDER_RANGE: f64 = 20.0;
-
-/// Settings that are shown first: what a map is asked for.
-const FIRST: [&str; 4] = ["profile", "difficulty", "mapping", "navigation"];
-
-/// What the person asks the app for.
-#[derive(Clone, Debug, PartialEq)]
+/// What a person did in the panel.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SpecAction {
-    /// Generate the world of this spec and seed.
-    Regenerate {
-        /// The spec, validated.
-        spec: Box<WorldSpec>,
-        /// The seed.
-        seed: Seed,
-    },
+    /// The kind, the seed or a setting is another one: [`SpecForm::request`] has the new spec or its error.
+    Changed,
     /// The spec was written to this file.
     Saved(PathBuf),
 }
@@ -44,23 +33,9 @@ pub struct SpecForm {
     texts: BTreeMap<WorldKind, Vec<Draft>>,
     seed: u64,
     file: String,
-    /// The last error of the app or the disk.
+    /// The last error of the disk, or one that no setting is named in.
     failure: Option<String>,
     reach: Reach,
-}
-
-/// One setting as it is edited.
-#[derive(Clone, Debug)]
-pub(super) struct Draft {
-    setting: &'static Setting,
-    text: String,
-    /// Whether the setting may be absent.
-    optional: bool,
-    /// What is reached of the setting, if it is a dial of measured difficulty.
-    reached: Option<[f64; 2]>,
-    /// Whether that is shown: the dial is requested.
-    requested: bool,
-    error: Option<String>,
 }
 
 impl SpecForm {
@@ -124,7 +99,7 @@ impl SpecForm {
     /// not have are ignored.
     pub fn set(&mut self, name: &str, text: &str) {
         let drafts = self.texts.get_mut(&self.kind);
-        let draft = drafts.and_then(|drafts| drafts.iter_mut().find(|d| d.setting.name == name));
+        let draft = drafts.and_then(|drafts| drafts.iter_mut().find(|d| d.is_of(name)));
         if let Some(draft) = draft {
             text.clone_into(&mut draft.text);
             self.check();
@@ -133,14 +108,14 @@ impl SpecForm {
 
     /// The error that is shown below a setting.
     pub fn error_of(&self, name: &str) -> Option<&str> {
-        let draft = self.texts.get(&self.kind)?.iter().find(|d| d.setting.name == name)?;
+        let draft = self.texts.get(&self.kind)?.iter().find(|d| d.is_of(name))?;
         draft.error.as_deref()
     }
 
     /// What maps reach of a dial of measured difficulty, which is shown below its setting; `None` for other settings,
     /// in other profiles, and where the dial is not requested.
     pub fn reached(&self, name: &str) -> Option<[f64; 2]> {
-        let draft = self.texts.get(&self.kind)?.iter().find(|d| d.setting.name == name)?;
+        let draft = self.texts.get(&self.kind)?.iter().find(|d| d.is_of(name))?;
         draft.reached.filter(|_| draft.requested)
     }
 
@@ -158,11 +133,6 @@ impl SpecForm {
         Ok((spec, Seed(self.seed)))
     }
 
-    /// Shows an error of the requested world; `None` removes it.
-    pub fn set_failure(&mut self, failure: Option<String>) {
-        self.failure = failure;
-    }
-
     /// Writes the spec as RON, completely or not at all.
     ///
     /// # Errors
@@ -173,39 +143,51 @@ impl SpecForm {
         whole_file::write(path, text.as_bytes()).map_err(|error| error.to_string())
     }
 
-    /// Draws the panel.
+    /// Draws the kind, the seed and the settings that people change first.
     pub fn show(&mut self, ui: &mut Ui) -> Option<SpecAction> {
-        let mut action = None;
-        let mut kind = self.kind;
-        row(ui, "kind", "", |ui| {
+        let (kind, seed) = (self.kind, self.seed);
+        let mut chosen = kind;
+        row(ui, "kind", kind.summary(), |ui| {
             ComboBox::from_id_salt("kind").selected_text(kind.name()).show_ui(ui, |ui| {
                 for &other in WorldKind::ALL {
-                    ui.selectable_value(&mut kind, other, other.name())
+                    ui.selectable_value(&mut chosen, other, other.name())
                         .on_hover_text(other.summary());
                 }
             });
         });
-        if kind != self.kind {
-            self.set_kind(kind);
+        if chosen != kind {
+            self.set_kind(chosen);
         }
-        row(ui, "seed", "determines everything random in the world", |ui| {
+        row(ui, "seed", "Determines everything random in the world", |ui| {
             ui.add(DragValue::new(&mut self.seed).speed(0.1));
-            if ui.button("Next").on_hover_text("the next seed, and its world").clicked() {
+            if ui.button("Next").on_hover_text("the next seed").clicked() {
                 self.seed = self.seed.wrapping_add(1);
-                action = self.regenerate();
             }
         });
+        let edited = self.edit(|drafts| show_group(ui, drafts, None));
+        if let Some(failure) = &self.failure {
+            error(ui, failure);
+        }
+        (edited || chosen != kind || self.seed != seed).then_some(SpecAction::Changed)
+    }
+
+    /// Draws the other settings of the kind, by groups.
+    pub fn show_groups(&mut self, ui: &mut Ui) -> Option<SpecAction> {
+        self.edit(|drafts| show_groups(ui, drafts)).then_some(SpecAction::Changed)
+    }
+
+    /// Draws what concerns the spec as a whole: back to the defaults, and into a file.
+    pub fn show_file(&mut self, ui: &mut Ui) -> Option<SpecAction> {
+        let mut action = None;
         ui.horizontal(|ui| {
-            if ui.button("Regenerate").clicked() {
-                action = self.regenerate();
-            }
-            if ui.button("Defaults").clicked() {
+            let defaults = ui.button("Defaults");
+            if defaults.on_hover_text("of all settings of this kind of world").clicked() {
                 self.texts.insert(self.kind, drafts(&Self::initial(self.kind)));
                 self.check();
+                action = Some(SpecAction::Changed);
             }
-        });
-        row(ui, "file", "where Save writes the spec", |ui| {
-            let save = ui.button("Save");
+            let save =
+                ui.button("Save").on_hover_text("writes the settings of the world to this file");
             ui.add(TextEdit::singleline(&mut self.file).desired_width(f32::INFINITY));
             if save.clicked() {
                 let path = PathBuf::from(&self.file);
@@ -218,33 +200,22 @@ impl SpecForm {
                 }
             }
         });
-        if let Some(failure) = &self.failure {
-            error(ui, failure);
-        }
-        ui.separator();
-        egui::ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
-            let mut changed = false;
-            for draft in self.texts.get_mut(&self.kind).into_iter().flatten() {
-                changed |= draft.show(ui);
-            }
-            if changed {
-                self.check();
-            }
-        });
         action
     }
 
-    fn regenerate(&mut self) -> Option<SpecAction> {
-        match self.request() {
-            Ok((spec, seed)) => {
-                self.failure = None;
-                Some(SpecAction::Regenerate { spec: Box::new(spec), seed })
-            }
-            Err(error) => {
-                self.failure = Some(error.to_string());
-                None
-            }
+    /// Whether one of the settings that are in a group has an error.
+    pub(super) fn has_error_in_groups(&self) -> bool {
+        let drafts = self.texts.get(&self.kind).into_iter().flatten();
+        has_error(drafts.filter(|draft| draft.setting.group.is_some()))
+    }
+
+    /// Lets a panel edit the settings of the kind, and checks them when it has changed any.
+    fn edit(&mut self, show: impl FnOnce(&mut [Draft]) -> bool) -> bool {
+        let changed = self.texts.get_mut(&self.kind).is_some_and(|drafts| show(drafts));
+        if changed {
+            self.check();
         }
+        changed
     }
 
     /// Shows each error below the setting that it names, and what is reached.
@@ -283,144 +254,11 @@ impl SpecForm {
     }
 }
 
-impl Draft {
-    /// A setting of some settings by their names.
-    pub(super) fn new(setting: &'static Setting, values: &Value, optional: bool) -> Self {
-        Draft {
-            setting,
-            text: setting.text_of(&values[setting.name]),
-            optional,
-            reached: None,
-            requested: false,
-            error: None,
-        }
-    }
-
-    /// Whether it is the setting of a name.
-    pub(super) fn is_of(&self, name: &str) -> bool {
-        self.setting.name == name
-    }
-
-    /// Changes its text.
-    pub(super) fn set(&mut self, text: &str) {
-        text.clone_into(&mut self.text);
-    }
-
-    /// Calls `set` with its name and its text.
-    pub(super) fn set_in<E>(&self, set: impl FnOnce(&str, &str) -> Result<(), E>) -> Result<(), E> {
-        set(self.setting.name, &self.text)
-    }
-
-    /// The error that is shown below it.
-    pub(super) fn error(&self) -> Option<&str> {
-        self.error.as_deref()
-    }
-
-    /// Shows an error below it; `None` removes it.
-    pub(super) fn set_error(&mut self, error: Option<String>) {
-        self.error = error;
-    }
-
-    /// Draws the setting; true when its text has changed.
-    pub(super) fn show(&mut self, ui: &mut Ui) -> bool {
-        let first = self.first_value();
-        let Draft { setting, text, optional, .. } = self;
-        let before = text.clone();
-        let unit = if setting.unit.is_empty() { "" } else { " " };
-        let help = format!("{}\n{}{unit}{}", setting.help, setting.allowed, setting.unit);
-        row(ui, setting.name, &help, |ui| {
-            if *optional && !matches!(setting.allowed, Allowed::List(_)) {
-                let mut set = text != "none";
-                if ui.checkbox(&mut set, "").on_hover_text("absent when not ticked").changed() {
-                    *text = if set { first } else { "none".to_owned() };
-                }
-                if !set {
-                    ui.weak("none");
-                    return;
-                }
-            }
-            edit(ui, setting, text);
-        });
-        if let (Some([least, most]), true) = (self.reached, self.requested) {
-            ui.weak(format!("within reach: {least:.1} to {most:.1}, as trials measure it"));
-        }
-        if let Some(text) = &self.error {
-            error(ui, text);
-        }
-        before != self.text
-    }
-
-    /// The value of an absent setting when it is ticked: of a dial, the middle of what is reached.
-    fn first_value(&self) -> String {
-        match (self.setting.allowed, self.reached) {
-            (Allowed::Number { min, max }, Some([least, most])) => {
-                format!("{:.1}", (0.5 * (least + most)).clamp(min, max))
-            }
-            (Allowed::Number { min, max }, None) => 0.1_f64.clamp(min, max).to_string(),
-            (Allowed::Integer { min, .. }, _) => min.to_string(),
-            (Allowed::Choice(names), _) => names.first().copied().unwrap_or_default().to_owned(),
-            (Allowed::Flag, _) => "false".to_owned(),
-            (Allowed::List(_) | Allowed::Other(_), _) => String::new(),
-        }
-    }
-}
-
-/// Edits a value with a widget that suits its type.
-fn edit(ui: &mut Ui, setting: &Setting, text: &mut String) {
-    let unit = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
-    match setting.allowed {
-        Allowed::Integer { min, max } => {
-            edit_number(ui, text, (min as f64, max as f64), &unit, true);
-        }
-        Allowed::Number { min, max } => edit_number(ui, text, (min, max), &unit, false),
-        Allowed::Choice(names) => {
-            let shown = text.clone();
-            ComboBox::from_id_salt(setting.name).selected_text(shown).show_ui(ui, |ui| {
-                for name in names {
-                    ui.selectable_value(text, (*name).to_owned(), *name);
-                }
-            });
-        }
-        Allowed::Flag => {
-            let mut set = text == "true";
-            if ui.checkbox(&mut set, "").changed() {
-                *text = set.to_string();
-            }
-        }
-        Allowed::List(hint) | Allowed::Other(hint) => {
-            ui.add(TextEdit::singleline(text).hint_text(hint).desired_width(f32::INFINITY));
-        }
-    }
-}
-
-/// A slider for narrow ranges and a drag value for wide ones. Both accept any typed number; errors
-/// are shown below.
-fn edit_number(ui: &mut Ui, text: &mut String, (min, max): (f64, f64), unit: &str, whole: bool) {
-    let Ok(mut value) = text.parse::<f64>() else {
-        ui.add(TextEdit::singleline(text).desired_width(f32::INFINITY));
-        return;
-    };
-    let response = if max - min <= SLIDER_RANGE {
-        let slider = Slider::new(&mut value, min..=max).clamping(SliderClamping::Never);
-        let slider = slider.suffix(unit).max_decimals(if whole { 0 } else { 6 });
-        let slider = if whole { slider.step_by(1.0) } else { slider };
-        ui.spacing_mut().slider_width = 80.0;
-        ui.add(slider)
-    } else {
-        let speed = if whole { 0.1 } else { (0.01 * value.abs()).max(1e-4) };
-        let decimals = if whole { 0 } else { 6 };
-        ui.add(DragValue::new(&mut value).speed(speed).max_decimals(decimals).suffix(unit))
-    };
-    if response.changed() {
-        *text = value.to_string();
-    }
-}
-
 /// Notes what is reached of each dial.
 fn show_reached(drafts: &mut [Draft], spec: &WorldSpec, reached: Option<Dials<[f64; 2]>>) {
     let (WorldSpec::Indoor(spec), Some(reached)) = (spec, reached) else { return };
     for (name, (wanted, interval)) in spec.request().0.zip(reached).named() {
-        let draft = drafts.iter_mut().find(|draft| draft.setting.name == name);
+        let draft = drafts.iter_mut().find(|draft| draft.is_of(name));
         if let Some(draft) = draft {
             draft.reached = Some(interval);
             draft.requested = wanted.is_some();
@@ -433,10 +271,7 @@ fn drafts(spec: &WorldSpec) -> Vec<Draft> {
     let (values, defaults) = (spec.settings_json(), spec.kind().default_spec().settings_json());
     let draft =
         |setting: &'static Setting| Draft::new(setting, &values, defaults[setting.name].is_null());
-    let mut drafts: Vec<Draft> = spec.kind().settings().iter().map(draft).collect();
-    let place = |draft: &Draft| FIRST.iter().position(|name| *name == draft.setting.name);
-    drafts.sort_by_key(|draft| place(draft).unwrap_or(FIRST.len()));
-    drafts
+    spec.kind().settings().iter().map(draft).collect()
 }
 
 #[cfg(test)]
@@ -451,7 +286,7 @@ mod tests {
                 form.set(name, size);
             }
             for name in ["mapping", "navigation"] {
-                let draft = form.texts[&WorldKind::Indoor].iter().find(|d| d.setting.name == name);
+                let draft = form.texts[&WorldKind::Indoor].iter().find(|d| d.is_of(name));
                 let first = draft.expect("a setting").first_value();
                 form.set(name, &first);
                 assert_eq!(form.error_of(name), None, "{size} {name}");

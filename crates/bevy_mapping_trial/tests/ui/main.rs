@@ -2,6 +2,7 @@
 
 mod feedback;
 mod hands;
+mod preview;
 mod scores;
 mod screen;
 mod setup;

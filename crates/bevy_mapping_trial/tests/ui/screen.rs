@@ -2,13 +2,21 @@
 
 use bevy_mapping_trial::ui::egui::epaint::{ClippedShape, Shape};
 use bevy_mapping_trial::ui::egui::{
-    CentralPanel, Context, Event, FullOutput, Modifiers, PointerButton, Pos2, RawInput, Rect, Ui,
-    Vec2,
+    CentralPanel, Color32, Context, Event, FullOutput, Modifiers, PointerButton, Pos2, RawInput,
+    Rect, Ui, Vec2,
 };
 
-/// The texts of a frame: each with its place and the area that it is cut to.
+/// The texts of a frame.
 pub(crate) struct Shown {
-    texts: Vec<(String, Rect, Rect)>,
+    texts: Vec<Text>,
+}
+
+/// A text with its place, the area that it is cut to, and its colour.
+struct Text {
+    text: String,
+    at: Rect,
+    clip: Rect,
+    color: Color32,
 }
 
 impl Shown {
@@ -22,75 +30,147 @@ impl Shown {
 
     /// Whether a text is among them, across the lines that it is wrapped to.
     pub(crate) fn has(&self, text: &str) -> bool {
-        self.texts.iter().any(|(shown, ..)| shown.contains(text))
+        self.texts.iter().any(|shown| shown.text.contains(text))
     }
 
     /// The texts that are cut at their left or right.
     pub(crate) fn clipped(&self) -> Vec<String> {
-        let cut = |(_, at, clip): &&(String, Rect, Rect)| {
+        let cut = |Text { at, clip, .. }: &&Text| {
             at.right() > clip.right() + 1.0 || at.left() < clip.left() - 1.0
         };
-        self.texts.iter().filter(cut).map(|(text, ..)| text.clone()).collect()
+        self.texts.iter().filter(cut).map(|shown| shown.text.clone()).collect()
+    }
+
+    /// The texts that are cut at any side.
+    pub(crate) fn cut(&self) -> Vec<String> {
+        let cut = |shown: &&Text| !shown.clip.expand(1.0).contains_rect(shown.at);
+        self.texts.iter().filter(cut).map(|shown| shown.text.clone()).collect()
+    }
+
+    /// The pairs of texts of which one covers the other in part.
+    pub(crate) fn overlapping(&self) -> Vec<(String, String)> {
+        let mut pairs = Vec::new();
+        for (i, shown) in self.texts.iter().enumerate() {
+            for other in &self.texts[..i] {
+                if shown.at.shrink(2.0).intersects(other.at.shrink(2.0)) {
+                    pairs.push((other.text.clone(), shown.text.clone()));
+                }
+            }
+        }
+        pairs
+    }
+
+    /// The colour of a text.
+    pub(crate) fn colour_of(&self, text: &str) -> Color32 {
+        let found = self.texts.iter().find(|shown| shown.text == text);
+        found.unwrap_or_else(|| panic!("`{text}` is shown")).color
+    }
+
+    fn places_of(&self, text: &str) -> Vec<Pos2> {
+        let found = self.texts.iter().filter(|shown| shown.text == text);
+        found.map(|shown| shown.at.center()).collect()
     }
 
     fn place_of(&self, text: &str) -> Pos2 {
-        let found = self.texts.iter().find(|(shown, ..)| shown == text);
-        found.unwrap_or_else(|| panic!("`{text}` is shown")).1.center()
+        *self.places_of(text).first().unwrap_or_else(|| panic!("`{text}` is shown"))
     }
 }
 
-fn collect(shape: &Shape, clip: Rect, texts: &mut Vec<(String, Rect, Rect)>) {
+fn collect(shape: &Shape, clip: Rect, texts: &mut Vec<Text>) {
     match shape {
         Shape::Text(text) => {
             let at = text.galley.rect.translate(text.pos.to_vec2());
-            texts.push((text.galley.job.text.to_string(), at, clip));
+            // A section may have a colour of its own, which replaces that of the whole.
+            let of_section = text.galley.job.sections.first().map(|section| section.format.color);
+            let own = of_section.filter(|color| *color != Color32::PLACEHOLDER);
+            let color = text.override_text_color.or(own).unwrap_or(text.fallback_color);
+            texts.push(Text { text: text.galley.job.text.to_string(), at, clip, color });
         }
         Shape::Vec(shapes) => shapes.iter().for_each(|shape| collect(shape, clip, texts)),
         _ => {}
     }
 }
 
-fn frame(
-    context: &Context,
+/// A panel of a size, which remembers what was clicked.
+pub(crate) struct Screen {
+    context: Context,
     size: Vec2,
-    events: Vec<Event>,
-    mut show: impl FnMut(&mut Ui),
-) -> Shown {
-    let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, size));
-    let input = RawInput { screen_rect, events, ..Default::default() };
-    let output = context.run_ui(input, |ui| {
-        CentralPanel::default().show(ui, |ui| show(ui));
-    });
-    let shown = Shown::of(&output);
-    output.drop_without_applying_deltas();
-    shown
+}
+
+impl Screen {
+    pub(crate) fn new(size: Vec2) -> Self {
+        let context = Context::default();
+        // What opens is open in the next frame.
+        context.all_styles_mut(|style| style.animation_time = 0.0);
+        Screen { context, size }
+    }
+
+    fn frame(&self, events: Vec<Event>, mut show: impl FnMut(&mut Ui)) -> Shown {
+        let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, self.size));
+        let input = RawInput { screen_rect, events, ..Default::default() };
+        let output = self.context.run_ui(input, |ui| {
+            CentralPanel::default().show(ui, |ui| show(ui));
+        });
+        let shown = Shown::of(&output);
+        output.drop_without_applying_deltas();
+        shown
+    }
+
+    /// What a panel shows, once it has measured itself.
+    pub(crate) fn show(&self, mut show: impl FnMut(&mut Ui)) -> Shown {
+        self.frame(Vec::new(), &mut show);
+        self.frame(Vec::new(), show)
+    }
+
+    /// What a panel returns for a click on a text.
+    pub(crate) fn click<T>(
+        &self,
+        text: &str,
+        mut show: impl FnMut(&mut Ui) -> Option<T>,
+    ) -> Option<T> {
+        let at = self.show(|ui| drop(show(ui))).place_of(text);
+        self.click_at(at, show)
+    }
+
+    fn click_at<T>(&self, at: Pos2, mut show: impl FnMut(&mut Ui) -> Option<T>) -> Option<T> {
+        let mut said = None;
+        let button = |pressed| Event::PointerButton {
+            pos: at,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        for events in [vec![Event::PointerMoved(at)], vec![button(true)], vec![button(false)]] {
+            self.frame(events, |ui| said = said.take().or(show(ui)));
+        }
+        said
+    }
+
+    /// Clicks on the last of the texts that are equal.
+    pub(crate) fn click_last<T>(&self, text: &str, mut show: impl FnMut(&mut Ui) -> Option<T>) {
+        let at = self.show(|ui| drop(show(ui))).places_of(text).last().copied();
+        self.click_at(at.unwrap_or_else(|| panic!("`{text}` is shown")), show);
+    }
+
+    /// What a panel shows while the pointer rests on a text.
+    pub(crate) fn hover(&self, text: &str, mut show: impl FnMut(&mut Ui)) -> Shown {
+        self.context.all_styles_mut(|style| style.interaction.tooltip_delay = 0.0);
+        let at = self.show(&mut show).place_of(text);
+        self.frame(vec![Event::PointerMoved(at)], &mut show);
+        self.show(show)
+    }
 }
 
 /// What a panel of a size shows, once it has measured itself.
-pub(crate) fn show_in(size: Vec2, mut show: impl FnMut(&mut Ui)) -> Shown {
-    let context = Context::default();
-    frame(&context, size, Vec::new(), &mut show);
-    frame(&context, size, Vec::new(), show)
+pub(crate) fn show_in(size: Vec2, show: impl FnMut(&mut Ui)) -> Shown {
+    Screen::new(size).show(show)
 }
 
-/// What a panel says to a click on a text.
+/// What a panel returns for a click on a text.
 pub(crate) fn click<T>(
     size: Vec2,
     text: &str,
-    mut show: impl FnMut(&mut Ui) -> Option<T>,
+    show: impl FnMut(&mut Ui) -> Option<T>,
 ) -> Option<T> {
-    let context = Context::default();
-    frame(&context, size, Vec::new(), |ui| drop(show(ui)));
-    let at = frame(&context, size, Vec::new(), |ui| drop(show(ui))).place_of(text);
-    let mut said = None;
-    let button = |pressed| Event::PointerButton {
-        pos: at,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
-    for events in [vec![Event::PointerMoved(at)], vec![button(true)], vec![button(false)]] {
-        frame(&context, size, events, |ui| said = said.take().or(show(ui)));
-    }
-    said
+    Screen::new(size).click(text, show)
 }

@@ -1,4 +1,4 @@
-use crate::screen::{click, show_in};
+use crate::screen::{Screen, show_in};
 use bevy_mapping_trial::ui::*;
 use envgen::{Seed, WorldKind, WorldSpec};
 
@@ -15,24 +15,7 @@ fn what_is_not_touched_comes_back_as_it_was() {
 }
 
 #[test]
-fn every_setting_of_every_kind_is_shown() {
-    for &kind in WorldKind::ALL {
-        let mut form = form(kind);
-        let shown = show_in(egui::vec2(340.0, 4000.0), |ui| {
-            assert_eq!(form.show(ui), None);
-        });
-        for setting in kind.settings() {
-            assert!(shown.has(setting.name), "{kind} {}", setting.name);
-        }
-        // Long lists scroll in their field.
-        let mut clipped = shown.clipped();
-        clipped.retain(|text| !text.contains(','));
-        assert_eq!(clipped, Vec::<String>::new(), "{kind}");
-    }
-}
-
-#[test]
-fn errors_stand_below_the_setting_they_name() {
+fn errors_are_below_the_setting_they_name() {
     let mut form = form(WorldKind::Indoor);
     form.set("difficulty", "11");
     let text = "`difficulty` must be a number from 0 to 10, got 11";
@@ -58,13 +41,27 @@ fn other_kinds_keep_what_was_typed() {
 }
 
 #[test]
-fn the_button_asks_for_the_world() {
+fn what_is_changed_is_reported() {
     let mut form = form(WorldKind::Forest);
+    let screen = Screen::new(egui::vec2(340.0, 900.0));
+    assert_eq!(screen.click("kind", |ui| form.show(ui)), None);
+    assert_eq!(screen.click("Next", |ui| form.show(ui)), Some(SpecAction::Changed));
+    assert_eq!(form.seed(), Seed(4));
     form.set("intensity", "0.2");
-    let action = click(egui::vec2(340.0, 900.0), "Regenerate", |ui| form.show(ui));
-    let Some(SpecAction::Regenerate { spec, seed }) = action else { panic!("{action:?}") };
-    assert_eq!(spec.settings_json()["intensity"], 0.2);
-    assert_eq!(seed, Seed(3));
+    assert_eq!(screen.click("Defaults", |ui| form.show_file(ui)), Some(SpecAction::Changed));
+    assert_eq!(form.request(), Ok((WorldKind::Forest.default_spec(), Seed(4))));
+}
+
+#[test]
+fn groups_with_errors_have_another_colour() {
+    let mut form = form(WorldKind::Indoor);
+    let colour = |form: &mut SpecForm| {
+        show_in(egui::vec2(340.0, 900.0), |ui| drop(form.show_groups(ui))).colour_of("layout")
+    };
+    let before = colour(&mut form);
+    form.set("spacing_h", "20");
+    assert!(form.error_of("spacing_h").is_some());
+    assert_ne!(colour(&mut form), before);
 }
 
 #[test]
@@ -160,8 +157,4 @@ fn indoor_maps_begin_calibrated() {
     form.set_kind(WorldKind::Indoor);
     let (spec, _) = form.request().expect("allowed");
     assert_eq!(spec.settings_json()["profile"], "calibrated");
-    let Some(action) = click(egui::vec2(340.0, 900.0), "Regenerate", |ui| form.show(ui)) else {
-        panic!("no action");
-    };
-    assert!(matches!(action, SpecAction::Regenerate { .. }));
 }
