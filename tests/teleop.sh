@@ -66,6 +66,9 @@ picture() {
 
 field() { grep -m 1 -o "\"$2\": *[0-9.]*" "$1" | grep -o '[0-9.]*$'; }
 
+# Where the panels have what is clicked on.
+seed=59 training=428 advanced=545 lines=276
+
 number=90
 for size in 1280x720 1920x1080; do
   number=$((number + 1))
@@ -76,30 +79,54 @@ for size in 1280x720 1920x1080; do
   export DISPLAY=":$number"
   sleep 2
 
-  # A person drives two robots, pauses, looks at the truth, ends the trial.
+  # The settings: what a setting does, under the pointer; all groups; in training the world that they make.
+  open --seed 3 --set doors=0.5 --set people=4 --set smoke=0.3 --out "$scratch/$size-settings" --no-camera
+  picture setup
+  xdotool mousemove "$((40 * scale / 100))" "$((125 * scale / 100))"
+  sleep 2
+  picture help
+  click 60 "$advanced"
+  picture advanced
+  click 60 "$advanced"
+  click 152 "$training"
+  sleep 4
+  picture preview
+  # Another world, and one that is not allowed.
+  click 212 "$seed"
+  sleep 4
+  picture next
+  shut
+
+  # A person drives two robots by the camera and by the map, pauses, looks at the truth, ends the trial.
   session=$scratch/$size-person
   open --seed 3 --out "$session" --frame-log "$scratch/$size.csv"
-  picture setup
   xdotool key Return
-  sleep 2
+  sleep 4
   hold w 4
   hold Left 1
+  sleep 1
+  picture camera
+  xdotool key c
+  hold w 2
+  sleep 2
   picture drive
   xdotool key Tab
   hold Up 2
   xdotool key t
-  sleep 1
+  sleep 3
   picture training
   # All lines over the world.
-  for x in 14 87 136 214 266; do click "$x" 253; done
+  for x in 14 87 136 214 266; do click "$x" "$lines"; sleep 1; done
+  sleep 2
   picture lines
   # Without the training view there is none of them.
   xdotool key t
-  sleep 1
+  sleep 3
   picture blind
   xdotool key t
-  xdotool key p
   sleep 1
+  xdotool key p
+  sleep 3
   picture paused
   xdotool key p
   hold w 1
@@ -136,10 +163,9 @@ for size in 1280x720 1920x1080; do
   click 143 100
   sleep 4
   picture compared
-  # Another trial, in the same world asked for again.
+  # Another trial, in the same world.
   click 45 42
-  click 45 304
-  sleep 3
+  sleep 1
   xdotool key Return
   sleep 3
   picture again

@@ -23,6 +23,9 @@ use crate::robot;
 /// Side of the indoor map in grid units: about the size that one robot explores in 20 minutes.
 const SIZE: u32 = 10;
 
+/// The most robots of a trial.
+pub(crate) const MAX_ROBOTS: u32 = 4;
+
 /// Drive a simulated robot through a world that you do not know, and see how well you map it.
 #[derive(Parser, Clone)]
 #[expect(clippy::doc_markdown, reason = "these texts are for the terminal, not Markdown")]
@@ -40,7 +43,7 @@ pub(crate) struct Arguments {
     world: Option<PathBuf>,
 
     /// Number of robots, which share one map; Tab switches between them.
-    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4))]
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_ROBOTS)))]
     robots: u32,
 
     /// Watch a program drive: nearest, info_gain, cautious, wall_follow or corridors.
@@ -74,6 +77,15 @@ pub(crate) struct Arguments {
     /// Show the true world from the start, for training.
     #[arg(long)]
     pub(crate) training: bool,
+
+    /// Draw no pictures of the robots' cameras, for slow machines.
+    #[arg(long)]
+    no_camera: bool,
+
+    /// Rows of the picture of a robot's camera: more look better and take longer [default: 720, or 240 without a
+    /// graphics card].
+    #[arg(long, value_name = "ROWS", conflicts_with = "no_camera", value_parser = clap::value_parser!(u32).range(60..=2160))]
+    pub(crate) camera_rows: Option<u32>,
 
     /// The folder to write into.
     #[arg(long, default_value = "out/teleop", value_name = "FOLDER")]
@@ -109,6 +121,11 @@ impl Arguments {
         }
         let world = import::read_world(path).in_file(path)?;
         Ok(Beginning::World(Arc::new(world)))
+    }
+
+    /// Whether the robots' cameras are drawn.
+    pub(crate) fn has_cameras(&self) -> bool {
+        !self.no_camera
     }
 
     /// What the robot is called: as its file is.

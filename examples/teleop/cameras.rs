@@ -88,8 +88,9 @@ pub(crate) fn fit(
     let beside = beside(&window);
     let map = minimap(window.physical_size(), beside);
     let shown = !map.is_empty();
+    let hidden = session.phase == Phase::Running && session.camera_is_large;
     for mut camera in &mut main {
-        put(&mut camera, beside, shown);
+        put(&mut camera, beside, shown && !hidden);
     }
     for mut camera in &mut maps {
         put(&mut camera, map, shown && session.phase == Phase::Running);

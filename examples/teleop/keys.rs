@@ -10,6 +10,7 @@ use bevy_mapping_trial::ui::{TrialAction, command_of, egui};
 use bevy_mapping_trial::view::{FollowRobot, TrialView};
 use mapping_trial::backend::Command;
 
+use crate::robot_cameras::RobotPictures;
 use crate::session::{Phase, Session};
 
 /// Minimum and maximum height of the visible area in metres.
@@ -46,8 +47,10 @@ pub(crate) fn act(
     mut trials: Query<(&mut MappingTrial, &mut TrialView, &GroundTruth)>,
     worlds: Query<&GroundTruth>,
     mut cameras: Query<&mut FollowRobot>,
+    pictures: Option<Res<RobotPictures>>,
     mut commands: Commands,
 ) {
+    let has_cameras = pictures.is_some();
     let pressed = |codes: &[KeyCode], button| {
         keys.any_just_pressed(codes.iter().copied())
             || pads.iter().any(|pad| pad.just_pressed(button))
@@ -68,6 +71,9 @@ pub(crate) fn act(
     }
     if session.phase != Phase::Running {
         return;
+    }
+    if pressed(&[KeyCode::KeyC], GamepadButton::East) && has_cameras {
+        session.camera_is_large = !session.camera_is_large;
     }
     let action = if pressed(&[KeyCode::KeyP, KeyCode::Escape], GamepadButton::Start) {
         TrialAction::Pause

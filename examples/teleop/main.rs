@@ -10,7 +10,8 @@
 //! ```
 //!
 //! W, A, S, D, the arrows or a gamepad (feature `gamepad`) drive, Tab switches to the next robot, P
-//! or Esc pauses, R restarts, T shows the true world, + and - zoom, End ends the trial. The folder
+//! or Esc pauses, R restarts, C shows the robot's camera large and the map small or the other way round, T shows the
+//! true world, + and - zoom, End ends the trial. `--no-camera` is for machines that are too slow for the cameras. The folder
 //! `--out` then holds a folder for every trial, with the files of `mapping_trial`: log, report with
 //! the form, pictures, the map for ROS.
 
@@ -22,8 +23,10 @@ mod keys;
 #[path = "../shared/output.rs"]
 mod output;
 mod panels;
+mod pictures;
 #[path = "../shared/robot.rs"]
 mod robot;
+mod robot_cameras;
 mod saving;
 mod session;
 #[path = "../shared/start.rs"]
@@ -35,6 +38,7 @@ use std::process::ExitCode;
 use bevy::prelude::*;
 use bevy_envgen::physics::{ColliderSettings, EnvgenPhysicsPlugin, TopDownPhysicsPlugin};
 use bevy_envgen::visuals::EnvgenVisualsPlugin;
+use bevy_envgen::visuals3d::{EnvgenVisuals3dPlugin, Visuals3dSettings};
 use bevy_envgen::{EnvgenCorePlugin, EnvgenScenarioPlugin};
 use bevy_mapping_trial::debug::TrialDebugPlugin;
 use bevy_mapping_trial::trial::{ForTrials, TrialPlugin, TrialSystems};
@@ -90,6 +94,15 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
         TrialViewPlugin::default(),
         TrialDebugPlugin,
     ));
+    if arguments.has_cameras() {
+        let rooms = Visuals3dSettings { ceilings: true, shadows: false, ..default() };
+        let rows = arguments.camera_rows;
+        app.add_plugins(EnvgenVisuals3dPlugin::new(rooms))
+            .add_observer(robot_cameras::equip)
+            .add_systems(Startup, (move || rows).pipe(robot_cameras::spawn_pictures))
+            .add_systems(FixedUpdate, robot_cameras::note_poses.after(TrialSystems::Record))
+            .add_systems(Update, robot_cameras::look);
+    }
     let session = Session::new(arguments, beginning, settings, app.world_mut());
     app.insert_resource(session)
         .add_observer(session::world_is_ready)

@@ -7,13 +7,14 @@ use bevy_mapping_trial::debug::TrialDebugLayers;
 use bevy_mapping_trial::prelude::*;
 use bevy_mapping_trial::ui::bevy_egui::EguiContexts;
 use bevy_mapping_trial::ui::{TrialStatus, comparison, egui, robot_preview, scores};
-use bevy_mapping_trial::view::TrialView;
+use bevy_mapping_trial::view::{TrialPalette, TrialView};
 use egui::{Align2, CentralPanel, ComboBox, Panel, RichText, ScrollArea, Ui, UiBuilder};
 use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
 
-use crate::cameras;
 use crate::compare::Comparison;
+use crate::pictures;
+use crate::robot_cameras::RobotPictures;
 use crate::session::{Phase, Session};
 
 /// Width of the panel at the left, in points.
@@ -48,6 +49,8 @@ pub(crate) fn panels(
     mut trials: Query<(&mut MappingTrial, &mut TrialView, &GroundTruth)>,
     worlds: Query<&GroundTruth>,
     mut layers: (ResMut<DebugLayers>, ResMut<TrialDebugLayers>),
+    pictures: Option<Res<RobotPictures>>,
+    palette: Res<TrialPalette>,
     mut commands: Commands,
 ) -> Result {
     let context = contexts.ctx_mut()?;
@@ -73,6 +76,11 @@ pub(crate) fn panels(
                 if let Some(action) = status.show(ui) {
                     session.act(action, holder, view, truth, &mut commands);
                 }
+                let name =
+                    if session.camera_is_large { "Map large (C)" } else { "Camera large (C)" };
+                if pictures.is_some() && ui.button(name).clicked() {
+                    session.camera_is_large = !session.camera_is_large;
+                }
                 if session.setup.training {
                     ui.separator();
                     debug_layers(ui, &mut layers.0, &mut layers.1);
@@ -95,13 +103,8 @@ pub(crate) fn panels(
     }
     windows(context, session);
     if session.phase == Phase::Running {
-        let scale = zoom(window.height()) * window.scale_factor();
-        let map = cameras::minimap(window.physical_size(), cameras::beside(&window));
-        let corner = |p: UVec2| egui::pos2(p.x as f32, p.y as f32) / scale;
-        let frame = egui::Rect::from_min_max(corner(map.min), corner(map.max));
-        let stroke = egui::Stroke::new(1.5, egui::Color32::from_gray(40));
         let painter = context.layer_painter(egui::LayerId::background());
-        painter.rect_stroke(frame, 0.0, stroke, egui::StrokeKind::Outside);
+        pictures::draw(&painter, &window, session, pictures.as_deref(), &palette);
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use bevy_mapping_trial::prelude::*;
 use bevy_mapping_trial::ui::{
     FeedbackForm, ScenarioForm, SetupForm, SpecAction, SpecForm, TrialAction, WorldPreview,
 };
-use bevy_mapping_trial::view::TrialView;
+use bevy_mapping_trial::view::{ShowIn3d, TrialView};
 use envgen::located::Locate;
 use envgen::{Seed, WorldKind, whole_file};
 use mapping_trial::feedback::Feedback;
@@ -58,6 +58,8 @@ pub(crate) struct Session {
     /// Index of the driven robot.
     pub(crate) driven: usize,
     pub(crate) paused: bool,
+    /// Whether the picture of the driven robot's camera is large and the map small.
+    pub(crate) camera_is_large: bool,
     /// Number of ticks since the program started.
     pub(crate) ticks: u64,
     pub(crate) form: Option<FeedbackForm>,
@@ -109,6 +111,7 @@ impl Session {
             world: world.spawn_empty().id(),
             driven: 0,
             paused: false,
+            camera_is_large: arguments.has_cameras(),
             ticks: 0,
             form: None,
             report: None,
@@ -152,7 +155,7 @@ impl Session {
         let view = TrialView { truth: self.setup.training, ..default() };
         let mut environment = commands.entity(self.world);
         environment.remove::<MappingTrial>();
-        environment.insert((Environment::prebuilt(Arc::clone(world)), view));
+        environment.insert((Environment::prebuilt(Arc::clone(world)), view, ShowIn3d));
         self.phase = Phase::Spawning;
     }
 

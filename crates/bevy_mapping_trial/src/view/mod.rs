@@ -1,7 +1,8 @@
 //! The view of a mapping trial: the growing map, the current scans, the robots and their paths, at
 //! the poses that the robots estimate.
 //!
-//! The world itself is hidden from the first frame on, unless [`TrialView::truth`] is set.
+//! The world itself is hidden from the first frame on, unless [`TrialView::truth`] is set; [`ShowIn3d`] shows
+//! it to cameras in three dimensions alone.
 //!
 //! ```text
 //! Environment          TrialView (what is shown), TrialSights (positions)
@@ -26,6 +27,7 @@ mod trail;
 use bevy::asset::AssetEventSystems;
 use bevy::camera::CameraUpdateSystems;
 use bevy::camera::visibility::{RenderLayers, VisibilitySystems};
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 use bevy_envgen::scenario::{Door, Person, Smoke};
@@ -66,6 +68,12 @@ impl Default for TrialView {
         TrialView { truth: false, map: true, scan: true, path: true }
     }
 }
+
+/// Beside a [`TrialView`]: `Camera3d`s, such as cameras on robots, see the world although it is hidden from
+/// `Camera2d`s.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct ShowIn3d;
 
 /// The colours of a trial.
 #[derive(Resource, Clone, Debug, PartialEq, Reflect)]
@@ -169,6 +177,7 @@ impl TrialViewPlugin {
 impl Plugin for TrialViewPlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<TrialView>()
+            .register_type::<ShowIn3d>()
             .register_type::<TrialPalette>()
             .register_type::<TrialSights>()
             .register_type::<FollowRobot>()
@@ -205,14 +214,52 @@ pub fn minimap_layers() -> RenderLayers {
 /// What is hidden of a world: its parts, and what moves in it.
 type OfWorld = Or<(With<Tile>, With<Person>, With<Door>, With<Smoke>)>;
 
-/// Hides the worlds whose trials are drawn.
-fn hide_worlds(views: Query<(&TrialView, &Children)>, mut tiles: Query<&mut Visibility, OfWorld>) {
-    for (view, children) in &views {
-        let wanted = if view.truth { Visibility::Inherited } else { Visibility::Hidden };
-        let mut tiles = tiles.iter_many_mut(children);
-        while let Some(mut visibility) = tiles.fetch_next() {
+/// On what is drawn from above of a hidden world, which cameras in three dimensions may see.
+#[derive(Component)]
+struct HiddenFromAbove;
+
+/// What is drawn from above.
+type Flat<'a> = (Entity, Has<HiddenFromAbove>);
+
+/// Shows worlds and hides them.
+#[derive(SystemParam)]
+struct Curtain<'w, 's> {
+    commands: Commands<'w, 's>,
+    parts: Query<'w, 's, &'static mut Visibility, OfWorld>,
+    below: Query<'w, 's, &'static Children>,
+    flat: Query<'w, 's, Flat<'static>, With<Mesh2d>>,
+}
+
+impl Curtain<'_, '_> {
+    /// Shows the parts of a world to all cameras, to those in three dimensions, or to none.
+    fn set(&mut self, children: &Children, from_above: bool, in_3d: bool) {
+        let wanted = if from_above || in_3d { Visibility::Inherited } else { Visibility::Hidden };
+        for &child in children {
+            let Ok(mut visibility) = self.parts.get_mut(child) else { continue };
             visibility.set_if_neq(wanted);
+            for below in self.below.iter_descendants(child) {
+                match self.flat.get(below) {
+                    Ok((entity, false)) if !from_above => {
+                        self.commands
+                            .entity(entity)
+                            .try_insert((HiddenFromAbove, RenderLayers::none()));
+                    }
+                    Ok((entity, true)) if from_above => {
+                        self.commands
+                            .entity(entity)
+                            .try_remove::<(HiddenFromAbove, RenderLayers)>();
+                    }
+                    _ => {}
+                }
+            }
         }
+    }
+}
+
+/// Hides the worlds whose trials are drawn.
+fn hide_worlds(views: Query<(&TrialView, Has<ShowIn3d>, &Children)>, mut curtain: Curtain<'_, '_>) {
+    for (view, in_3d, children) in &views {
+        curtain.set(children, view.truth, in_3d);
     }
 }
 
@@ -220,15 +267,12 @@ fn hide_worlds(views: Query<(&TrialView, &Children)>, mut tiles: Query<&mut Visi
 fn show_world(
     removed: On<Remove, TrialView>,
     children: Query<&Children>,
-    mut tiles: Query<&mut Visibility, OfWorld>,
+    mut curtain: Curtain<'_, '_>,
     drawings: Query<&Drawing>,
     mut commands: Commands,
 ) {
     if let Ok(children) = children.get(removed.entity) {
-        let mut tiles = tiles.iter_many_mut(children);
-        while let Some(mut visibility) = tiles.fetch_next() {
-            visibility.set_if_neq(Visibility::Inherited);
-        }
+        curtain.set(children, true, true);
     }
     if let Ok(drawing) = drawings.get(removed.entity) {
         // Everything is despawned with the environment.

@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use bevy::asset::AssetEvent;
 use bevy::camera::ScalingMode;
-use bevy::camera::visibility::VisibilityPlugin;
+use bevy::camera::visibility::{RenderLayers, VisibilityPlugin};
 use bevy::image::Image;
 use bevy::mesh::{Mesh2d, MeshPlugin, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{step, test_app_with, wait_until_ready};
 use bevy_mapping_trial::view::{
-    FollowRobot, ShowWholeMap, TrialPalette, TrialSights, TrialView, TrialViewPlugin, WatchTrial,
-    WatchTrials,
+    FollowRobot, ShowIn3d, ShowWholeMap, TrialPalette, TrialSights, TrialView, TrialViewPlugin,
+    WatchTrial, WatchTrials,
 };
 use envgen::hallway::HallwaySpec;
 use envgen::{Blueprint, Seed, Spec, World as EnvgenWorld};
@@ -248,6 +248,49 @@ fn the_truth_is_hidden_unless_asked_for() {
     let walls = named(&mut app, "Wall");
     assert!(walls.iter().all(|&wall| is_seen(&app, wall)));
     assert!(named(&mut app, "trial view").is_empty());
+}
+
+#[test]
+fn cameras_in_three_dimensions_may_see_what_is_hidden_from_above() {
+    let world = hallway();
+    let mut app = app();
+    let people = EnvironmentScenario::new(ScenarioSpec { people: 1, ..default() }, 1);
+    let environment = Environment::prebuilt(world.clone()).with_pace(GenerationMode::Blocking);
+    let parts = (environment, people, ShowIn3d, Flat(Some(trial(&world, 1))));
+    let root = app.world_mut().spawn(parts).id();
+    // What is drawn of walls and people from above, and whether cameras from above see it.
+    let flat = |app: &mut App| {
+        let mut drawn = named(app, "Wall");
+        drawn.extend(named(app, "Person"));
+        drawn.retain(|&entity| app.world().get::<Mesh2d>(entity).is_some());
+        assert!(drawn.len() >= 2, "{drawn:?}");
+        let seen = |&entity: &Entity| {
+            let layers = app.world().get::<RenderLayers>(entity).cloned().unwrap_or_default();
+            is_seen(app, entity) && layers.intersects(&RenderLayers::default())
+        };
+        let seen: Vec<bool> = drawn.iter().map(seen).collect();
+        assert!(seen.iter().all(|&one| one == seen[0]), "{seen:?}");
+        seen[0]
+    };
+    let tiles = |app: &mut App| {
+        let mut tiles =
+            app.world_mut().query_filtered::<&InheritedVisibility, With<bevy_envgen::Tile>>();
+        tiles.iter(app.world()).all(|visibility| visibility.get())
+    };
+    for _ in 0..3 {
+        step(&mut app, 1);
+        assert!(!flat(&mut app) && tiles(&mut app));
+    }
+    app.world_mut().get_mut::<TrialView>(root).unwrap().truth = true;
+    step(&mut app, 1);
+    assert!(flat(&mut app) && tiles(&mut app));
+    app.world_mut().get_mut::<TrialView>(root).unwrap().truth = false;
+    app.world_mut().entity_mut(root).remove::<ShowIn3d>();
+    step(&mut app, 1);
+    assert!(!flat(&mut app) && !tiles(&mut app));
+    app.world_mut().entity_mut(root).remove::<Flat>();
+    step(&mut app, 1);
+    assert!(flat(&mut app) && tiles(&mut app));
 }
 
 #[test]

@@ -1,0 +1,100 @@
+//! The pictures of the robots' cameras beside the panel, and the frame of the small map.
+
+use bevy::prelude::*;
+use bevy_mapping_trial::ui::egui::{
+    Align2, Color32, FontId, Painter, Pos2, Rect as Area, Stroke, StrokeKind, TextureId, pos2, vec2,
+};
+use bevy_mapping_trial::view::TrialPalette;
+
+use crate::cameras;
+use crate::panels::zoom;
+use crate::robot_cameras::{ASPECT, RobotPictures};
+use crate::session::Session;
+
+/// Width of a small picture as a share of the space beside the panel, and its distance from the edges in points.
+const SMALL: f32 = 0.26;
+const MARGIN: f32 = 12.0;
+
+/// Draws the pictures: the driven robot's large, around the small map, or small at the left; those of the others
+/// small at the right.
+pub(crate) fn draw(
+    painter: &Painter,
+    window: &Window,
+    session: &Session,
+    pictures: Option<&RobotPictures>,
+    palette: &TrialPalette,
+) {
+    let scale = zoom(window.height()) * window.scale_factor();
+    let in_points = |area: URect| {
+        let corner = |p: UVec2| pos2(p.x as f32, p.y as f32) / scale;
+        Area::from_min_max(corner(area.min), corner(area.max))
+    };
+    let beside = cameras::beside(window);
+    let map = in_points(cameras::minimap(window.physical_size(), beside));
+    let beside = in_points(beside);
+    if let Some(pictures) = pictures {
+        let of = |robot: usize| Some((robot, pictures.texture(robot, session)?));
+        let small = vec2(SMALL * beside.width(), SMALL * beside.width() / ASPECT);
+        let frame = |at: Pos2, (robot, texture): (usize, TextureId)| {
+            let area = Area::from_min_size(at, small);
+            paint(painter, area, area, texture);
+            let [red, green, blue, _] = palette.robot(robot).to_srgba().to_u8_array();
+            let color = Color32::from_rgb(red, green, blue);
+            painter.rect_stroke(area, 0.0, Stroke::new(2.0, color), StrokeKind::Outside);
+            label(painter, area, robot);
+        };
+        if let Some((robot, texture)) = of(session.driven) {
+            if session.camera_is_large {
+                for part in around(beside, map) {
+                    paint(painter, part, beside, texture);
+                }
+                label(painter, beside, robot);
+            } else {
+                let at = beside.left_bottom() + vec2(MARGIN, -MARGIN - small.y);
+                frame(at, (robot, texture));
+            }
+        }
+        let robots = session.setup.settings.robots as usize;
+        let others = (0..robots).filter(|robot| *robot != session.driven).filter_map(of);
+        let mut at = beside.right_top() + vec2(-MARGIN - small.x, MARGIN);
+        for other in others {
+            frame(at, other);
+            at.y += small.y + MARGIN;
+        }
+    }
+    let stroke = Stroke::new(1.5, Color32::from_gray(40));
+    painter.rect_stroke(map, 0.0, stroke, StrokeKind::Outside);
+}
+
+/// Draws the part of a picture that is in an area, where the picture fills `whole` and is cut to its shape.
+fn paint(painter: &Painter, area: Area, whole: Area, texture: TextureId) {
+    // The share of the picture that is seen.
+    let shape = whole.width() / whole.height() / ASPECT;
+    let seen = vec2(shape.min(1.0), (1.0 / shape).min(1.0));
+    let place = |p: Pos2| {
+        let share = (p - whole.min) / whole.size();
+        (vec2(0.5, 0.5) + (share - vec2(0.5, 0.5)) * seen).to_pos2()
+    };
+    let part = Area::from_min_max(place(area.min), place(area.max));
+    painter.image(texture, area, part, Color32::WHITE);
+}
+
+/// What is left of an area without a hole in it.
+fn around(area: Area, hole: Area) -> [Area; 4] {
+    let part = |min: Pos2, max: Pos2| Area::from_min_max(min, max);
+    [
+        part(area.min, pos2(area.right(), hole.top())),
+        part(pos2(area.left(), hole.bottom()), area.max),
+        part(pos2(area.left(), hole.top()), hole.left_bottom()),
+        part(hole.right_top(), pos2(area.right(), hole.bottom())),
+    ]
+}
+
+/// Which robot a picture is from, in its upper left corner.
+fn label(painter: &Painter, area: Area, robot: usize) {
+    let font = FontId::proportional(14.0);
+    let text = painter.layout_no_wrap(format!("robot {}", robot + 1), font, Color32::WHITE);
+    let place = Align2::LEFT_TOP.anchor_size(area.min + vec2(6.0, 4.0), text.size());
+    painter.rect_filled(place.expand2(vec2(4.0, 1.0)), 2.0, Color32::from_black_alpha(140));
+    painter.galley(place.min, text, Color32::WHITE);
+}

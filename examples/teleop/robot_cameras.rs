@@ -1,0 +1,264 @@
+//! The cameras on the robots, and the robots as the cameras see each other.
+//!
+//! Each robot has a camera that draws into an image: that of the driven robot into a large one while it is asked for,
+//! all others into small ones. The panels show the images.
+
+use std::f32::consts::FRAC_PI_2;
+
+use bevy::camera::{PerspectiveProjection, RenderTarget};
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::prelude::*;
+use bevy::render::render_resource::TextureFormat;
+use bevy::render::renderer::RenderAdapterInfo;
+use bevy_mapping_trial::prelude::*;
+use bevy_mapping_trial::ui::bevy_egui::{EguiTextureHandle, EguiUserTextures};
+use bevy_mapping_trial::ui::egui;
+use bevy_mapping_trial::view::TrialPalette;
+use mapping_trial::robot::{Footprint, Robot};
+use wgpu_types::DeviceType;
+
+use crate::arguments::MAX_ROBOTS;
+use crate::session::{Phase, Session};
+
+/// Width of a picture per height: the panel leaves about that much of a window.
+pub(crate) const ASPECT: f32 = 4.0 / 3.0;
+
+/// Field of view from left to right in degrees.
+const FIELD_OF_VIEW: f32 = 80.0;
+
+/// Height of a small picture as a share of the large one's.
+const SMALL: f32 = 0.5;
+
+/// Height of the camera above the robot in metres, how far it is behind the front, and what is too near to be seen:
+/// a robot at a wall does not see through it.
+const ABOVE: f32 = 0.08;
+const BEHIND: f32 = 0.05;
+const NEAR: f32 = 0.03;
+
+/// Rows of the large picture with a graphics card and without.
+const ROWS: [u32; 2] = [720, 240];
+
+/// Frames from one small picture to the next.
+const FRAMES_PER_SMALL: u32 = 3;
+
+/// Duration of frames in seconds from which on every other frame has no picture of the driven robot either.
+const SLOW: f32 = 0.1;
+
+/// The images that the cameras draw into.
+#[derive(Resource)]
+pub(crate) struct RobotPictures {
+    large: Picture,
+    small: Vec<Picture>,
+    samples: Msaa,
+    frame: u32,
+}
+
+struct Picture {
+    image: Handle<Image>,
+    texture: egui::TextureId,
+}
+
+/// The camera of a robot.
+#[derive(Component)]
+pub(crate) struct RobotEye {
+    /// Index of the robot, from 0.
+    robot: usize,
+    /// The pose on the robot.
+    mount: Transform,
+    /// The robot's poses at the last two ticks.
+    poses: [Transform; 2],
+}
+
+/// Spawns the images: of `rows` rows, or as many as the graphics driver is fast enough for.
+pub(crate) fn spawn_pictures(
+    In(rows): In<Option<u32>>,
+    adapter: Res<RenderAdapterInfo>,
+    mut images: ResMut<Assets<Image>>,
+    mut textures: ResMut<EguiUserTextures>,
+    mut commands: Commands,
+) {
+    let is_software = adapter.device_type == DeviceType::Cpu;
+    let rows = rows.unwrap_or(if is_software { ROWS[1] } else { ROWS[0] }) as f32;
+    let mut picture = |rows: f32| {
+        let [width, height] = [ASPECT * rows, rows].map(|side| side.round().max(1.0) as u32);
+        let format = TextureFormat::Bgra8UnormSrgb;
+        let image = images.add(Image::new_target_texture(width, height, format, None));
+        let texture = textures.add_image(EguiTextureHandle::Strong(image.clone()));
+        Picture { image, texture }
+    };
+    commands.insert_resource(RobotPictures {
+        large: picture(rows),
+        small: (0..MAX_ROBOTS).map(|_| picture(SMALL * rows)).collect(),
+        samples: if is_software { Msaa::Off } else { Msaa::default() },
+        frame: 0,
+    });
+}
+
+impl RobotPictures {
+    /// The picture of a robot: the large one for the driven robot while that is asked for.
+    fn of(&self, robot: usize, session: &Session) -> Option<&Picture> {
+        if robot == session.driven && session.camera_is_large {
+            return Some(&self.large);
+        }
+        self.small.get(robot)
+    }
+
+    /// The texture of a robot's picture.
+    pub(crate) fn texture(&self, robot: usize, session: &Session) -> Option<egui::TextureId> {
+        self.of(robot, session).map(|picture| picture.texture)
+    }
+}
+
+/// Gives a robot of a trial a body and a camera.
+pub(crate) fn equip(
+    added: On<Add, TrialRobot>,
+    robots: Query<(&TrialRobot, &RobotModel)>,
+    palette: Res<TrialPalette>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    pictures: Res<RobotPictures>,
+    mut commands: Commands,
+) {
+    let Ok((&TrialRobot { index: robot }, model)) = robots.get(added.entity) else { return };
+    let Some(picture) = pictures.small.get(robot) else { return };
+    let paint = |color: Color| StandardMaterial {
+        base_color: color,
+        perceptual_roughness: 0.6,
+        ..default()
+    };
+    let body = materials.add(paint(palette.robot(robot)));
+    let dark = materials.add(paint(Color::srgb_u8(0x20, 0x22, 0x26)));
+    commands.entity(added.entity).insert(Visibility::default());
+    for (part, mesh, at) in parts(model) {
+        let material = if part == Part::Body { body.clone() } else { dark.clone() };
+        commands.spawn((
+            Name::new(format!("{part:?} of robot {robot}")),
+            Mesh3d(meshes.add(mesh)),
+            MeshMaterial3d(material),
+            at,
+            ChildOf(added.entity),
+        ));
+    }
+    let top = model.height.max(model.laser_mount.height) as f32;
+    let place = Vec3::new(0.5 * model.length as f32 - BEHIND, 0.0, top + ABOVE);
+    let mount = Transform::from_translation(place).looking_to(Vec3::X, Vec3::Z);
+    let across = (0.5 * FIELD_OF_VIEW).to_radians().tan();
+    commands.spawn((
+        Name::new(format!("camera of robot {robot}")),
+        RobotEye { robot, mount, poses: [Transform::IDENTITY; 2] },
+        Camera3d::default(),
+        Camera { order: -1 - robot as isize, ..default() },
+        Projection::from(PerspectiveProjection {
+            fov: 2.0 * (across / ASPECT).atan(),
+            near: NEAR,
+            ..default()
+        }),
+        RenderTarget::from(picture.image.clone()),
+        Tonemapping::KhronosPbrNeutral,
+        pictures.samples,
+        mount,
+        ChildOf(added.entity),
+    ));
+}
+
+/// Remembers where the robots were at the last two ticks.
+pub(crate) fn note_poses(
+    mut eyes: Query<(&mut RobotEye, &ChildOf)>,
+    robots: Query<&Transform, With<TrialRobot>>,
+) {
+    for (mut eye, parent) in &mut eyes {
+        if let Ok(pose) = robots.get(parent.parent()) {
+            eye.poses = [eye.poses[1], *pose];
+        }
+    }
+}
+
+/// Draws what is shown: what the driven robot sees in each frame, or in every other one where drawing is slow, and what
+/// the others see in turns. Between two ticks the cameras glide.
+pub(crate) fn look(
+    mut pictures: ResMut<RobotPictures>,
+    session: Res<Session>,
+    (time, clock): (Res<Time<Fixed>>, Res<Time<Real>>),
+    mut eyes: Query<(&RobotEye, &ChildOf, &mut Transform, &mut Camera, &mut RenderTarget)>,
+    robots: Query<&Transform, (With<TrialRobot>, Without<RobotEye>)>,
+) {
+    pictures.frame = pictures.frame.wrapping_add(1);
+    let running = session.phase == Phase::Running;
+    let frames_per_driven = if clock.delta_secs() > SLOW { 2 } else { 1 };
+    for (eye, parent, mut place, mut camera, mut target) in &mut eyes {
+        let is_driven = eye.robot == session.driven;
+        let period = if is_driven { frames_per_driven } else { FRAMES_PER_SMALL };
+        let wanted =
+            running && pictures.frame.wrapping_add(eye.robot as u32).is_multiple_of(period);
+        if camera.is_active != wanted {
+            camera.is_active = wanted;
+        }
+        if let Some(picture) = pictures.of(eye.robot, &session)
+            && target.as_image() != Some(&picture.image)
+        {
+            *target = picture.image.clone().into();
+        }
+        if let Ok(robot) = robots.get(parent.parent()) {
+            place.set_if_neq(between(eye, *robot, time.overstep_fraction()) * eye.mount);
+        }
+    }
+}
+
+/// The pose between the last two ticks, relative to the robot as it is now.
+fn between(eye: &RobotEye, robot: Transform, share: f32) -> Transform {
+    let [from, to] = eye.poses;
+    // Robots that were just spawned come from nowhere, and those that were moved do not drive there.
+    if from.translation.distance(to.translation) > 1.0 {
+        return Transform::IDENTITY;
+    }
+    let at = Transform {
+        translation: from.translation.lerp(to.translation, share),
+        rotation: from.rotation.slerp(to.rotation, share),
+        scale: Vec3::ONE,
+    };
+    Transform::from_matrix(robot.to_matrix().inverse() * at.to_matrix())
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    Body,
+    Laser,
+    Wheel,
+}
+
+/// The body, the laser and the wheels of a robot that is on the floor with its centre at the origin.
+fn parts(robot: &Robot) -> Vec<(Part, Mesh, Transform)> {
+    let (length, width) = (robot.length as f32, robot.width as f32);
+    let (height, plane) = (robot.height as f32, robot.laser_mount.height as f32);
+    let radius = robot.circumscribed_radius as f32;
+    let wheel = (0.22 * length).min(0.45 * height);
+    let tread = 0.14 * width;
+    let (bottom, top) = (0.4 * wheel, (plane - 0.08).clamp(0.5 * height, height));
+    let body = match robot.footprint {
+        Footprint::Box => Cuboid::new(length, width - 2.0 * tread, top - bottom).mesh().build(),
+        Footprint::Disc => {
+            let disc = Cylinder::new(radius, top - bottom).mesh().build();
+            disc.rotated_by(Quat::from_rotation_x(FRAC_PI_2))
+        }
+    };
+    let middle = 0.5 * (top + bottom);
+    let mut parts = vec![(Part::Body, body, Transform::from_xyz(0.0, 0.0, middle))];
+    let above = height.max(plane + 0.03) - top;
+    if above > 0.01 {
+        let laser = Cylinder::new((0.16 * length).min(0.08), above).mesh().build();
+        let place =
+            Vec3::new(robot.laser_offset as f32, robot.laser_mount.left as f32, top + 0.5 * above);
+        let laser = laser.rotated_by(Quat::from_rotation_x(FRAC_PI_2));
+        parts.push((Part::Laser, laser, Transform::from_translation(place)));
+    }
+    if robot.footprint == Footprint::Box {
+        for (ahead, side) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+            let place =
+                Vec3::new(ahead * (0.5 * length - wheel), side * 0.5 * (width - tread), wheel);
+            // A cylinder's axis is y, as that of a wheel.
+            let mesh = Cylinder::new(wheel, tread).mesh().build();
+            parts.push((Part::Wheel, mesh, Transform::from_translation(place)));
+        }
+    }
+    parts
+}
