@@ -86,6 +86,7 @@ for size in 1280x720 1920x1080; do
   sleep 2
   picture help
   click 60 "$advanced"
+  sleep 2
   picture advanced
   click 60 "$advanced"
   click 152 "$training"
@@ -99,7 +100,7 @@ for size in 1280x720 1920x1080; do
 
   # A person drives two robots by the camera and by the map, pauses, looks at the truth, ends the trial.
   session=$scratch/$size-person
-  open --seed 3 --out "$session" --frame-log "$scratch/$size.csv"
+  open --seed 11 --set doors=0.5 --set people=3 --out "$session" --frame-log "$scratch/$size.csv"
   xdotool key Return
   sleep 4
   hold w 4

@@ -10,7 +10,6 @@ use bevy_mapping_trial::ui::{TrialAction, command_of, egui};
 use bevy_mapping_trial::view::{FollowRobot, TrialView};
 use mapping_trial::backend::Command;
 
-use crate::robot_cameras::RobotPictures;
 use crate::session::{Phase, Session};
 
 /// Minimum and maximum height of the visible area in metres.
@@ -47,10 +46,8 @@ pub(crate) fn act(
     mut trials: Query<(&mut MappingTrial, &mut TrialView, &GroundTruth)>,
     worlds: Query<&GroundTruth>,
     mut cameras: Query<&mut FollowRobot>,
-    pictures: Option<Res<RobotPictures>>,
     mut commands: Commands,
 ) {
-    let has_cameras = pictures.is_some();
     let pressed = |codes: &[KeyCode], button| {
         keys.any_just_pressed(codes.iter().copied())
             || pads.iter().any(|pad| pad.just_pressed(button))
@@ -72,7 +69,7 @@ pub(crate) fn act(
     if session.phase != Phase::Running {
         return;
     }
-    if pressed(&[KeyCode::KeyC], GamepadButton::East) && has_cameras {
+    if pressed(&[KeyCode::KeyC], GamepadButton::East) && session.has_cameras {
         session.camera_is_large = !session.camera_is_large;
     }
     let action = if pressed(&[KeyCode::KeyP, KeyCode::Escape], GamepadButton::Start) {

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! W, A, S, D, the arrows or a gamepad (feature `gamepad`) drive, Tab switches to the next robot, P
-//! or Esc pauses, R restarts, C shows the robot's camera large and the map small or the other way round, T shows the
+//! or Esc pauses, R restarts, C makes the robot's camera or the map large, T shows the
 //! true world, + and - zoom, End ends the trial. `--no-camera` is for machines that are too slow for the cameras. The folder
 //! `--out` then holds a folder for every trial, with the files of `mapping_trial`: log, report with
 //! the form, pictures, the map for ROS.
@@ -45,6 +45,7 @@ use bevy_mapping_trial::trial::{ForTrials, TrialPlugin, TrialSystems};
 use bevy_mapping_trial::ui::bevy_egui::input::egui_wants_any_keyboard_input;
 use bevy_mapping_trial::ui::bevy_egui::{EguiPlugin, EguiPreUpdateSet, EguiPrimaryContextPass};
 use bevy_mapping_trial::view::TrialViewPlugin;
+use bevy_mapping_trial::view3d::RobotVisuals3dPlugin;
 use bevy_offscreen::find_renderer;
 use clap::Parser;
 use envgen::located::Locate;
@@ -97,7 +98,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     if arguments.has_cameras() {
         let rooms = Visuals3dSettings { ceilings: true, shadows: false, ..default() };
         let rows = arguments.camera_rows;
-        app.add_plugins(EnvgenVisuals3dPlugin::new(rooms))
+        app.add_plugins((EnvgenVisuals3dPlugin::new(rooms), RobotVisuals3dPlugin))
             .add_observer(robot_cameras::equip)
             .add_systems(Startup, (move || rows).pipe(robot_cameras::spawn_pictures))
             .add_systems(FixedUpdate, robot_cameras::note_poses.after(TrialSystems::Record))
@@ -132,7 +133,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
             )
                 .chain(),
         )
-        .add_systems(EguiPrimaryContextPass, panels::panels)
+        .add_systems(EguiPrimaryContextPass, (panels::panels, pictures::show).chain())
         .add_systems(
             Last,
             (session::save_at_exit, frame_log::write.run_if(resource_exists::<FrameLog>)).chain(),

@@ -7,14 +7,12 @@ use bevy_mapping_trial::debug::TrialDebugLayers;
 use bevy_mapping_trial::prelude::*;
 use bevy_mapping_trial::ui::bevy_egui::EguiContexts;
 use bevy_mapping_trial::ui::{TrialStatus, comparison, egui, robot_preview, scores};
-use bevy_mapping_trial::view::{TrialPalette, TrialView};
+use bevy_mapping_trial::view::TrialView;
 use egui::{Align2, CentralPanel, ComboBox, Panel, RichText, ScrollArea, Ui, UiBuilder};
 use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
 
 use crate::compare::Comparison;
-use crate::pictures;
-use crate::robot_cameras::RobotPictures;
 use crate::session::{Phase, Session};
 
 /// Width of the panel at the left, in points.
@@ -49,8 +47,6 @@ pub(crate) fn panels(
     mut trials: Query<(&mut MappingTrial, &mut TrialView, &GroundTruth)>,
     worlds: Query<&GroundTruth>,
     mut layers: (ResMut<DebugLayers>, ResMut<TrialDebugLayers>),
-    pictures: Option<Res<RobotPictures>>,
-    palette: Res<TrialPalette>,
     mut commands: Commands,
 ) -> Result {
     let context = contexts.ctx_mut()?;
@@ -78,7 +74,7 @@ pub(crate) fn panels(
                 }
                 let name =
                     if session.camera_is_large { "Map large (C)" } else { "Camera large (C)" };
-                if pictures.is_some() && ui.button(name).clicked() {
+                if session.has_cameras && ui.button(name).clicked() {
                     session.camera_is_large = !session.camera_is_large;
                 }
                 if session.setup.training {
@@ -102,10 +98,6 @@ pub(crate) fn panels(
         CentralPanel::no_frame().show(&mut screen, |ui| preview(ui, session));
     }
     windows(context, session);
-    if session.phase == Phase::Running {
-        let painter = context.layer_painter(egui::LayerId::background());
-        pictures::draw(&painter, &window, session, pictures.as_deref(), &palette);
-    }
     Ok(())
 }
 

@@ -1,15 +1,17 @@
 //! The pictures of the robots' cameras beside the panel, and the frame of the small map.
 
 use bevy::prelude::*;
+use bevy_mapping_trial::ui::bevy_egui::EguiContexts;
 use bevy_mapping_trial::ui::egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect as Area, Stroke, StrokeKind, TextureId, pos2, vec2,
+    Align2, Color32, FontId, LayerId, Painter, Pos2, Rect as Area, Stroke, StrokeKind, TextureId,
+    pos2, vec2,
 };
 use bevy_mapping_trial::view::TrialPalette;
 
 use crate::cameras;
 use crate::panels::zoom;
 use crate::robot_cameras::{ASPECT, RobotPictures};
-use crate::session::Session;
+use crate::session::{Phase, Session};
 
 /// Width of a small picture as a share of the space beside the panel, and its distance from the edges in points.
 const SMALL: f32 = 0.26;
@@ -17,38 +19,42 @@ const MARGIN: f32 = 12.0;
 
 /// Draws the pictures: the driven robot's large, around the small map, or small at the left; those of the others
 /// small at the right.
-pub(crate) fn draw(
-    painter: &Painter,
-    window: &Window,
-    session: &Session,
-    pictures: Option<&RobotPictures>,
-    palette: &TrialPalette,
-) {
+pub(crate) fn show(
+    mut contexts: EguiContexts,
+    window: Single<&Window>,
+    session: Res<Session>,
+    pictures: Option<Res<RobotPictures>>,
+    palette: Res<TrialPalette>,
+) -> Result {
+    if session.phase != Phase::Running {
+        return Ok(());
+    }
+    let painter = contexts.ctx_mut()?.layer_painter(LayerId::background());
     let scale = zoom(window.height()) * window.scale_factor();
     let in_points = |area: URect| {
         let corner = |p: UVec2| pos2(p.x as f32, p.y as f32) / scale;
         Area::from_min_max(corner(area.min), corner(area.max))
     };
-    let beside = cameras::beside(window);
+    let beside = cameras::beside(&window);
     let map = in_points(cameras::minimap(window.physical_size(), beside));
     let beside = in_points(beside);
     if let Some(pictures) = pictures {
-        let of = |robot: usize| Some((robot, pictures.texture(robot, session)?));
+        let of = |robot: usize| Some((robot, pictures.texture(robot, &session)?));
         let small = vec2(SMALL * beside.width(), SMALL * beside.width() / ASPECT);
         let frame = |at: Pos2, (robot, texture): (usize, TextureId)| {
             let area = Area::from_min_size(at, small);
-            paint(painter, area, area, texture);
+            paint(&painter, area, area, texture);
             let [red, green, blue, _] = palette.robot(robot).to_srgba().to_u8_array();
             let color = Color32::from_rgb(red, green, blue);
             painter.rect_stroke(area, 0.0, Stroke::new(2.0, color), StrokeKind::Outside);
-            label(painter, area, robot);
+            label(&painter, area, robot);
         };
         if let Some((robot, texture)) = of(session.driven) {
             if session.camera_is_large {
                 for part in around(beside, map) {
-                    paint(painter, part, beside, texture);
+                    paint(&painter, part, beside, texture);
                 }
-                label(painter, beside, robot);
+                label(&painter, beside, robot);
             } else {
                 let at = beside.left_bottom() + vec2(MARGIN, -MARGIN - small.y);
                 frame(at, (robot, texture));
@@ -64,6 +70,7 @@ pub(crate) fn draw(
     }
     let stroke = Stroke::new(1.5, Color32::from_gray(40));
     painter.rect_stroke(map, 0.0, stroke, StrokeKind::Outside);
+    Ok(())
 }
 
 /// Draws the part of a picture that is in an area, where the picture fills `whole` and is cut to its shape.

@@ -1,20 +1,17 @@
-//! The cameras on the robots, and the robots as the cameras see each other.
+//! The cameras on the robots.
 //!
 //! Each robot has a camera that draws into an image: that of the driven robot into a large one while it is asked for,
 //! all others into small ones. The panels show the images.
 
-use std::f32::consts::FRAC_PI_2;
-
 use bevy::camera::{PerspectiveProjection, RenderTarget};
 use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::math::ops;
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
 use bevy::render::renderer::RenderAdapterInfo;
 use bevy_mapping_trial::prelude::*;
 use bevy_mapping_trial::ui::bevy_egui::{EguiTextureHandle, EguiUserTextures};
 use bevy_mapping_trial::ui::egui;
-use bevy_mapping_trial::view::TrialPalette;
-use mapping_trial::robot::{Footprint, Robot};
 use wgpu_types::DeviceType;
 
 use crate::arguments::MAX_ROBOTS;
@@ -109,47 +106,27 @@ impl RobotPictures {
     }
 }
 
-/// Gives a robot of a trial a body and a camera.
+/// Gives a robot of a trial a camera.
 pub(crate) fn equip(
     added: On<Add, TrialRobot>,
     robots: Query<(&TrialRobot, &RobotModel)>,
-    palette: Res<TrialPalette>,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
     pictures: Res<RobotPictures>,
     mut commands: Commands,
 ) {
     let Ok((&TrialRobot { index: robot }, model)) = robots.get(added.entity) else { return };
     let Some(picture) = pictures.small.get(robot) else { return };
-    let paint = |color: Color| StandardMaterial {
-        base_color: color,
-        perceptual_roughness: 0.6,
-        ..default()
-    };
-    let body = materials.add(paint(palette.robot(robot)));
-    let dark = materials.add(paint(Color::srgb_u8(0x20, 0x22, 0x26)));
     commands.entity(added.entity).insert(Visibility::default());
-    for (part, mesh, at) in parts(model) {
-        let material = if part == Part::Body { body.clone() } else { dark.clone() };
-        commands.spawn((
-            Name::new(format!("{part:?} of robot {robot}")),
-            Mesh3d(meshes.add(mesh)),
-            MeshMaterial3d(material),
-            at,
-            ChildOf(added.entity),
-        ));
-    }
     let top = model.height.max(model.laser_mount.height) as f32;
     let place = Vec3::new(0.5 * model.length as f32 - BEHIND, 0.0, top + ABOVE);
     let mount = Transform::from_translation(place).looking_to(Vec3::X, Vec3::Z);
-    let across = (0.5 * FIELD_OF_VIEW).to_radians().tan();
+    let across = ops::tan((0.5 * FIELD_OF_VIEW).to_radians());
     commands.spawn((
         Name::new(format!("camera of robot {robot}")),
         RobotEye { robot, mount, poses: [Transform::IDENTITY; 2] },
         Camera3d::default(),
         Camera { order: -1 - robot as isize, ..default() },
         Projection::from(PerspectiveProjection {
-            fov: 2.0 * (across / ASPECT).atan(),
+            fov: 2.0 * ops::atan(across / ASPECT),
             near: NEAR,
             ..default()
         }),
@@ -217,48 +194,4 @@ fn between(eye: &RobotEye, robot: Transform, share: f32) -> Transform {
         scale: Vec3::ONE,
     };
     Transform::from_matrix(robot.to_matrix().inverse() * at.to_matrix())
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
-    Body,
-    Laser,
-    Wheel,
-}
-
-/// The body, the laser and the wheels of a robot that is on the floor with its centre at the origin.
-fn parts(robot: &Robot) -> Vec<(Part, Mesh, Transform)> {
-    let (length, width) = (robot.length as f32, robot.width as f32);
-    let (height, plane) = (robot.height as f32, robot.laser_mount.height as f32);
-    let radius = robot.circumscribed_radius as f32;
-    let wheel = (0.22 * length).min(0.45 * height);
-    let tread = 0.14 * width;
-    let (bottom, top) = (0.4 * wheel, (plane - 0.08).clamp(0.5 * height, height));
-    let body = match robot.footprint {
-        Footprint::Box => Cuboid::new(length, width - 2.0 * tread, top - bottom).mesh().build(),
-        Footprint::Disc => {
-            let disc = Cylinder::new(radius, top - bottom).mesh().build();
-            disc.rotated_by(Quat::from_rotation_x(FRAC_PI_2))
-        }
-    };
-    let middle = 0.5 * (top + bottom);
-    let mut parts = vec![(Part::Body, body, Transform::from_xyz(0.0, 0.0, middle))];
-    let above = height.max(plane + 0.03) - top;
-    if above > 0.01 {
-        let laser = Cylinder::new((0.16 * length).min(0.08), above).mesh().build();
-        let place =
-            Vec3::new(robot.laser_offset as f32, robot.laser_mount.left as f32, top + 0.5 * above);
-        let laser = laser.rotated_by(Quat::from_rotation_x(FRAC_PI_2));
-        parts.push((Part::Laser, laser, Transform::from_translation(place)));
-    }
-    if robot.footprint == Footprint::Box {
-        for (ahead, side) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
-            let place =
-                Vec3::new(ahead * (0.5 * length - wheel), side * 0.5 * (width - tread), wheel);
-            // A cylinder's axis is y, as that of a wheel.
-            let mesh = Cylinder::new(wheel, tread).mesh().build();
-            parts.push((Part::Wheel, mesh, Transform::from_translation(place)));
-        }
-    }
-    parts
 }

@@ -58,6 +58,8 @@ pub(crate) struct Session {
     /// Index of the driven robot.
     pub(crate) driven: usize,
     pub(crate) paused: bool,
+    /// Whether the robots' cameras are drawn.
+    pub(crate) has_cameras: bool,
     /// Whether the picture of the driven robot's camera is large and the map small.
     pub(crate) camera_is_large: bool,
     /// Number of ticks since the program started.
@@ -111,6 +113,7 @@ impl Session {
             world: world.spawn_empty().id(),
             driven: 0,
             paused: false,
+            has_cameras: arguments.has_cameras(),
             camera_is_large: arguments.has_cameras(),
             ticks: 0,
             form: None,

@@ -39,6 +39,7 @@
 //! | [`TrialPlugin`](trial::TrialPlugin) | | mapping trials, with `RobotPlugin` |
 //! | `TrialViewPlugin` | `render` | draws mapping trials |
 //! | `RobotCameraPlugin` | `camera` | what robots see: colours, depths and labels |
+//! | `RobotVisuals3dPlugin` | `render3d` | draws robots in three dimensions |
 //! | `TrialDebugPlugin` | `debug` | lines over rays, frontiers and plans, with `EnvgenDebugPlugin` |
 //!
 //! # System sets
@@ -53,8 +54,9 @@
 //! | feature | default | what it adds |
 //! |---|---|---|
 //! | `render` | no | `view`, the drawing of trials; only this feature and those that include it, and `egui`, need rendering crates |
+//! | `render3d` | no | `view3d`, robots in three dimensions; includes `render` and the feature `render3d` of [`bevy_envgen`] |
 //! | `debug` | no | `debug`, lines over rays, frontiers and plans; includes `render` |
-//! | `camera` | no | `camera`, cameras on robots, and trials recorded as pictures; includes `render` |
+//! | `camera` | no | `camera`, cameras on robots, and trials recorded as pictures; includes `render3d` |
 //! | `egui` | no | `ui`, panels for specs, trials, scores and the feedback form |
 //! | `serialize` | no | serde for the properties of robots; the feature `serialize` of [`bevy_envgen`] |
 //!
@@ -72,6 +74,8 @@ pub mod trial;
 pub mod ui;
 #[cfg(feature = "render")]
 pub mod view;
+#[cfg(feature = "render3d")]
+pub mod view3d;
 
 pub use bevy_envgen;
 pub use bevy_rapier2d;

@@ -105,8 +105,8 @@ fn draw_sight(painter: &Painter, area: Rect, robot: &Robot, laser: &LaserProfile
     let plan = Plan { centre: room.center() + scale * vec2(middle.y, middle.x), scale };
     let laser_at = plan.at(from.x, from.y);
     let toward = |angle: f32, radius: f32| {
-        let (sin, cos) = (heading + angle).sin_cos();
-        laser_at - scale * radius * vec2(sin, cos)
+        let direction = Vec2::angled(heading + angle);
+        laser_at - scale * radius * vec2(direction.y, direction.x)
     };
 
     // A fan of triangles, since fields of view of more than 180 degrees are not convex.

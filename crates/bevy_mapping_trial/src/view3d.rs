@@ -1,0 +1,190 @@
+//! Robots in three dimensions, as cameras on other robots see them.
+
+use std::f32::consts::FRAC_PI_2;
+
+use bevy::prelude::*;
+use bevy_envgen::visuals::require_visibility;
+use mapping_trial::robot::{Footprint, Robot};
+
+use crate::robot::RobotModel;
+use crate::trial::TrialRobot;
+use crate::view::TrialPalette;
+
+/// Clearance between a body and the floor as a share of the wheels' radius.
+const CLEARANCE: f32 = 0.4;
+
+/// Height of a laser's housing below and above its plane in metres.
+const HOUSING: [f32; 2] = [0.08, 0.03];
+
+/// Draws robots in three dimensions, for `Camera3d`: body, laser and wheels, in the colours of [`TrialPalette`]. Their
+/// sizes are those of the model; the wheels, and where the body ends below the laser, are guessed.
+///
+/// Needs Bevy's plugins for meshes and `StandardMaterial`s; without them it draws nothing.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_mapping_trial::prelude::*;
+/// use bevy_mapping_trial::view3d::{RobotPart, RobotVisuals3dPlugin};
+///
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, AssetPlugin::default(), RobotVisuals3dPlugin));
+/// app.init_asset::<Mesh>().init_asset::<StandardMaterial>();
+/// app.world_mut().spawn(RobotModel::default());
+/// app.update();
+/// let mut parts = app.world_mut().query::<&RobotPart>();
+/// assert_eq!(parts.iter(app.world()).filter(|part| **part == RobotPart::Wheel).count(), 4);
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RobotVisuals3dPlugin;
+
+impl Plugin for RobotVisuals3dPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<RobotPart>().add_observer(draw);
+        require_visibility(app);
+    }
+}
+
+/// What a mesh below a robot is.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Component, Debug, PartialEq, Clone)]
+pub enum RobotPart {
+    /// The body.
+    Body,
+    /// The housing of the laser.
+    Laser,
+    /// A wheel.
+    Wheel,
+}
+
+/// Draws a robot, again when its model is replaced.
+fn draw(
+    inserted: On<Insert, RobotModel>,
+    robots: Query<(&RobotModel, Option<&TrialRobot>, Option<&Children>)>,
+    parts: Query<(), With<RobotPart>>,
+    palette: Option<Res<TrialPalette>>,
+    meshes: Option<ResMut<Assets<Mesh>>>,
+    materials: Option<ResMut<Assets<StandardMaterial>>>,
+    mut commands: Commands,
+) {
+    let (Some(mut meshes), Some(mut materials)) = (meshes, materials) else { return };
+    let Ok((model, number, children)) = robots.get(inserted.entity) else { return };
+    for &child in children.into_iter().flatten().filter(|child| parts.contains(**child)) {
+        commands.entity(child).despawn();
+    }
+    if model.validate().is_err() {
+        return;
+    }
+    let palette = palette.map(|palette| palette.clone()).unwrap_or_default();
+    let color = palette.robot(number.map_or(0, |robot| robot.index));
+    let mut paint = |color: Color| {
+        materials.add(StandardMaterial {
+            base_color: color,
+            perceptual_roughness: 0.6,
+            ..default()
+        })
+    };
+    let (body, dark) = (paint(color), paint(Color::srgb_u8(0x20, 0x22, 0x26)));
+    commands.entity(inserted.entity).insert_if_new(Visibility::default());
+    for (part, mesh, at) in bodies(model) {
+        let material = if part == RobotPart::Body { &body } else { &dark };
+        commands.spawn((
+            Name::new(format!("{part:?}")),
+            part,
+            Mesh3d(meshes.add(mesh)),
+            MeshMaterial3d(material.clone()),
+            at,
+            ChildOf(inserted.entity),
+        ));
+    }
+}
+
+/// The bodies of a robot that is on the floor, with its centre at the origin and ahead along x.
+fn bodies(robot: &Robot) -> Vec<(RobotPart, Mesh, Transform)> {
+    let (length, width) = (robot.length as f32, robot.width as f32);
+    let (height, plane) = (robot.height as f32, robot.laser_mount.height as f32);
+    // The axis of Bevy's cylinders is y.
+    let upright = Quat::from_rotation_x(FRAC_PI_2);
+    let wheel = (0.22 * length).min(0.4 * height);
+    let tread = 0.14 * width;
+    let (bottom, top) = (CLEARANCE * wheel, (plane - HOUSING[0]).clamp(0.5 * height, height));
+    let body = match robot.footprint {
+        Footprint::Box => Cuboid::new(length, width - 2.0 * tread, top - bottom).mesh().build(),
+        Footprint::Disc => {
+            let radius = robot.circumscribed_radius as f32;
+            Cylinder::new(radius, top - bottom).mesh().build().rotated_by(upright)
+        }
+    };
+    let at = Transform::from_xyz(0.0, 0.0, 0.5 * (bottom + top));
+    let mut bodies = vec![(RobotPart::Body, body, at)];
+    let housing = height.max(plane + HOUSING[1]) - top;
+    if housing > 0.01 {
+        let mesh = Cylinder::new((0.16 * length).min(0.08), housing).mesh().build();
+        let place = [robot.laser_offset, robot.laser_mount.left].map(|metres| metres as f32);
+        let at = Transform::from_xyz(place[0], place[1], top + 0.5 * housing);
+        bodies.push((RobotPart::Laser, mesh.rotated_by(upright), at));
+    }
+    if robot.footprint == Footprint::Box {
+        for (ahead, side) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+            let mesh = Cylinder::new(wheel, tread).mesh().build();
+            let (x, y) = (ahead * (0.5 * length - wheel), side * 0.5 * (width - tread));
+            bodies.push((RobotPart::Wheel, mesh, Transform::from_xyz(x, y, wheel)));
+        }
+    }
+    bodies
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::mesh::VertexAttributeValues;
+    use mapping_trial::robot::LaserMount;
+
+    use super::*;
+
+    fn corners(mesh: &Mesh, at: Transform) -> Vec<Vec3> {
+        let Some(VertexAttributeValues::Float32x3(corners)) =
+            mesh.attribute(Mesh::ATTRIBUTE_POSITION)
+        else {
+            panic!("a mesh has positions");
+        };
+        corners.iter().map(|corner| at.transform_point(Vec3::from(*corner))).collect()
+    }
+
+    #[test]
+    fn robots_are_as_large_as_their_models() {
+        let disc = Robot {
+            length: 0.28,
+            width: 0.28,
+            height: 0.2,
+            circumscribed_radius: 0.14,
+            footprint: Footprint::Disc,
+            laser_offset: -0.03,
+            laser_mount: LaserMount { height: 0.17, ..LaserMount::default() },
+            ..Robot::default()
+        };
+        // A laser on a mast.
+        let mast = LaserMount { height: 1.2, ..LaserMount::default() };
+        let mast = Robot { laser_mount: mast, ..Robot::default() };
+        for robot in [Robot::default(), disc, mast] {
+            assert_eq!(robot.validate(), Ok(()));
+            let radius = robot.circumscribed_radius as f32 + 1e-3;
+            let half = 0.5 * Vec2::new(robot.length as f32, robot.width as f32);
+            let mut highest = 0.0_f32;
+            let (mut least, mut most) = (Vec2::MAX, Vec2::MIN);
+            for (part, mesh, at) in bodies(&robot) {
+                for corner in corners(&mesh, at) {
+                    assert!(corner.z > -1e-5, "{part:?} {corner}");
+                    highest = highest.max(corner.z);
+                    if part != RobotPart::Laser {
+                        assert!(corner.truncate().length() < radius, "{part:?} {corner}");
+                        least = least.min(corner.truncate());
+                        most = most.max(corner.truncate());
+                    }
+                }
+            }
+            assert!((most - half).abs().max_element() < 1e-3, "{most} {half}");
+            assert!((least + half).abs().max_element() < 1e-3, "{least} {half}");
+            let top = robot.height.max(robot.laser_mount.height + f64::from(HOUSING[1])) as f32;
+            assert!((highest - top).abs() < 1e-4, "{highest} {top}");
+        }
+    }
+}
