@@ -11,7 +11,7 @@ use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy_envgen::visuals3d::Visuals3dSettings;
-use bevy_envgen::{Environment, GroundTruth, ScenarioRun};
+use bevy_envgen::{EndlessTruth, Environment, GroundTruth, ScenarioRun};
 
 use super::frame::CameraFrame;
 use super::labels::Labels;
@@ -167,7 +167,8 @@ type Seeing = (
 type Surroundings = (
     Entity,
     &'static Environment,
-    &'static GroundTruth,
+    Option<&'static GroundTruth>,
+    Has<EndlessTruth>,
     &'static GlobalTransform,
     Option<&'static ScenarioRun>,
     Option<&'static MappingTrial>,
@@ -204,10 +205,16 @@ pub(super) fn shoot(
             commands.entity(robot).try_remove::<Shutter>();
             commands.trigger(CameraFailed { entity: robot, error });
         };
-        let Some((entity, environment, truth, frame, run, trial)) = around else {
+        let Some((entity, environment, truth, is_endless, frame, run, trial)) = around else {
             fail(CameraError::NoEnvironment);
             continue;
         };
+        if is_endless {
+            fail(CameraError::Endless);
+            continue;
+        }
+        // A world that is not ready is waited for.
+        let Some(truth) = truth else { continue };
         let time = trial.and_then(MappingTrial::trial).map(|trial| trial.time());
         let time = time.unwrap_or(fixed.elapsed_secs_f64());
         let due = (time * camera.rate + ROUNDING).floor() as u64;
@@ -244,7 +251,7 @@ pub(super) fn shoot(
         if camera.images.depth || camera.images.labels {
             let scene = &known.scene;
             let around = (entity, &*known.world, run);
-            let frame = SceneFrame { to_world: to_world, origin: scene.origin };
+            let frame = SceneFrame { to_world, origin: scene.origin };
             let moving = movers.triangles(around, &known.names, &frame);
             let still = (scene, &known.buffer);
             let numbers = match pass.draw(still, &moving, &picture.pose, &optics) {
