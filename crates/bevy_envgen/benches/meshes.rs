@@ -57,8 +57,8 @@ fn app(draws: bool) -> App {
 fn spawning(world: &Arc<EnvgenWorld>, draws: bool) -> (f64, usize) {
     let mut app = app(draws);
     // What worlds share is made before.
-    let hallway = HallwaySpec::default();
-    let small = Environment::new(hallway, 1).with_pace(GenerationMode::Blocking);
+    let rooms = IndoorSpec { width: 6, height: 6, ..default() };
+    let small = Environment::new(rooms, 1).with_pace(GenerationMode::Blocking);
     let small = app.world_mut().spawn(small).id();
     app.update();
     app.world_mut().despawn(small);
