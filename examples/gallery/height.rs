@@ -1,5 +1,6 @@
 //! Pictures of worlds in three dimensions.
 
+use bevy::math::ops;
 use bevy::prelude::*;
 use bevy_envgen::prelude::{
     EnvgenPlugins, EnvgenVisuals3dPlugin, Environment, EnvironmentFailure, EnvironmentScenario,
@@ -7,7 +8,7 @@ use bevy_envgen::prelude::{
 };
 use bevy_offscreen::{Picture, Studio};
 
-use crate::{SIZE, corridor, spec};
+use crate::{corridor, spec};
 
 /// A world, and from where it is seen.
 pub(crate) struct Scene {
@@ -71,7 +72,7 @@ impl View {
                 let (heading, elevation) = (heading.to_radians(), elevation.to_radians());
                 let outward =
                     Quat::from_rotation_z(heading) * Quat::from_rotation_y(-elevation) * Vec3::X;
-                let distance = bounds.half_size().length() / (0.5 * FIELD_OF_VIEW).sin();
+                let distance = bounds.half_size().length() / ops::sin(0.5 * FIELD_OF_VIEW);
                 let middle = bounds.center().extend(0.0);
                 Transform::from_translation(middle + outward * distance / nearness)
                     .looking_at(middle, Vec3::Z)
@@ -79,6 +80,9 @@ impl View {
         }
     }
 }
+
+/// Width and height of the pictures in pixels.
+const SIZE: UVec2 = UVec2::new(720, 540);
 
 /// Field of view from bottom to top in radians.
 const FIELD_OF_VIEW: f32 = 0.8;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use bevy::prelude::*;
 use envgen::glam::DVec2;
-use envgen::mesh::Mesh as Solid;
+use envgen::mesh::{Mesh as Solid, ROUNDNESS};
 use envgen::world::{Crown, Extent, Tree};
 
 use super::draft::Draft;
@@ -118,11 +118,9 @@ fn make_shared(world: &mut World) {
         drawn(Some(solid), 1.0, Finish::Leaves)
     });
     let trunks = SIDES.iter().filter_map(|&(sides, _)| {
-        // The disc that has a mesh of so many sides.
-        let radius = 2.0
-            * envgen::mesh::ROUNDNESS
-            * (f64::from(sides) / std::f64::consts::PI).powi(2)
-            * 0.999;
+        // Just within the discs whose meshes have so many sides.
+        let turns = f64::from(sides) / std::f64::consts::PI;
+        let radius = 1.998 * ROUNDNESS * turns * turns;
         let disc = envgen::geometry::Shape::Disc { center: DVec2::ZERO, radius };
         let solid = Solid::extruded(&disc, unit(0.0, 1.0)?);
         Some((sides, drawn(solid, 1.0 / radius, Finish::Bark)?))
