@@ -27,8 +27,7 @@ fn errors(camera: RobotCamera, world: Option<Environment>) -> Vec<CameraError> {
     let robot = app.world_mut().spawn((RobotModel::default(), camera)).id();
     step(&mut app, 4);
     assert!(app.world().get::<RobotCameraView>(robot).is_none_or(|_| camera.images.color));
-    let errors = errors.lock().unwrap().clone();
-    errors
+    errors.lock().unwrap().clone()
 }
 
 #[test]
