@@ -134,7 +134,6 @@ pub(crate) struct Arguments {
 
     /// Pixels of the cameras.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "320x240", value_parser = pixels, requires = "camera")]
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "cameras need rendering"))]
     pub(crate) camera_size: [u32; 2],
 
     /// Horizontal field of view of the cameras in degrees.
@@ -145,7 +144,6 @@ pub(crate) struct Arguments {
         allow_negative_numbers = true,
         requires = "camera"
     )]
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "cameras need rendering"))]
     pub(crate) camera_fov: f64,
 
     /// Pictures of each camera per simulated second.
@@ -156,7 +154,6 @@ pub(crate) struct Arguments {
         allow_negative_numbers = true,
         requires = "camera"
     )]
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "cameras need rendering"))]
     pub(crate) camera_rate: f64,
 
     /// Sets what moves in the world, such as doors=0.5, people=4 or smoke=0.2; may be given several times.
