@@ -1,10 +1,10 @@
 //! Who walks: a body that rapier keeps out of walls, and the camera that goes with it.
 
 use std::error::Error;
-use std::f32::consts::FRAC_PI_2;
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::input::mouse::AccumulatedMouseMotion;
+use bevy::math::ops;
 use bevy::prelude::*;
 use bevy::window::{CursorGrabMode, CursorOptions, PrimaryWindow};
 use bevy_envgen::bevy_rapier2d::prelude::{
@@ -164,14 +164,14 @@ pub(crate) fn follow(
     }
     let shoulders = here.extend(SHOULDERS);
     let back = -Vec2::from_angle(walker.heading);
-    let wanted = BEHIND * walker.pitch.cos().max(FRAC_PI_2.cos() + 0.2);
+    let wanted = BEHIND * ops::cos(walker.pitch).max(0.2);
     let filter = QueryFilter::default().exclude_sensors().exclude_rigid_body(entity);
     let wall = physics
         .single()
         .ok()
         .and_then(|physics| physics.cast_ray(here, back, wanted + MARGIN, true, filter));
     let distance = wall.map_or(wanted, |(_, distance)| (distance - MARGIN).max(0.05));
-    let height = (SHOULDERS + 0.45 - BEHIND * walker.pitch.sin()).clamp(0.2, CEILING);
+    let height = (SHOULDERS + 0.45 - BEHIND * ops::sin(walker.pitch)).clamp(0.2, CEILING);
     let eyes = (here + back * distance).extend(height);
     **camera = Transform::from_translation(eyes).looking_at(shoulders, Vec3::Z);
 }

@@ -56,6 +56,7 @@
 //! | [`EnvgenScenarioPlugin`] | | doors, people and smoke that move |
 //! | `EnvgenPhysicsPlugin` | `physics` | rapier colliders |
 //! | `EnvgenVisualsPlugin` | `render` | meshes and colours |
+//! | `EnvgenVisuals3dPlugin` | `render3d` | not in the group: worlds in three dimensions, with light and sky |
 //! | [`EnvgenDiagnosticsPlugin`] | | not in the group: counts of parts and tiles, times of generation and streaming, as Bevy's diagnostics |
 //! | `EnvgenDebugPlugin` | `debug` | not in the group: lines over colliders and the graph of rooms |
 //! | `TopDownPhysicsPlugin` | `physics` | not in the group: rapier itself, without gravity, in fixed steps |
@@ -76,6 +77,7 @@
 //! | `physics` | yes | colliders, with `bevy_rapier2d` |
 //! | `file_watcher` | no | reloads files that change |
 //! | `render` | no | meshes; only this feature and those that include it need rendering crates |
+//! | `render3d` | no | meshes with height, materials, light, smoke |
 //! | `debug` | no | lines over colliders and the graph of rooms |
 //! | `serialize` | no | environments in Bevy's scenes; serde for the components of parts |
 //! | `testing` | no | `testing`, helpers for testing apps |

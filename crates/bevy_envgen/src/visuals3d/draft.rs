@@ -14,8 +14,8 @@ const TOP: f64 = 1.0;
 /// Corners and triangles of bodies of several colours.
 #[derive(Debug, Default)]
 pub(super) struct Draft {
-    /// Whether textures depend on the height above the floor, so that tops have that of the upper part of sides.
-    is_upright: bool,
+    /// What the bodies are made of, for their textures.
+    finish: Option<Finish>,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
@@ -26,7 +26,7 @@ pub(super) struct Draft {
 impl Draft {
     /// For bodies of a finish.
     pub(super) fn of(finish: Finish) -> Self {
-        Draft { is_upright: finish == Finish::Wall, ..Draft::default() }
+        Draft { finish: Some(finish), ..Draft::default() }
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -43,10 +43,13 @@ impl Draft {
         self.normals.extend(solid.normals.iter().map(|normal| normal.as_vec3().to_array()));
         let texture = |((uv, normal), p): ((&DVec2, &DVec3), &DVec3)| {
             let on_plan = p.truncate() + shift;
-            let texture = match normal.z.abs() > 0.5 {
-                true if self.is_upright => DVec2::new(on_plan.x + on_plan.y, TOP),
-                true => on_plan,
-                false => *uv,
+            let is_flat = normal.z.abs() > 0.5;
+            let texture = match self.finish {
+                // The texture of sides depends on the height above the floor.
+                Some(Finish::Wall) if is_flat => DVec2::new(on_plan.x + on_plan.y, TOP),
+                Some(Finish::Leaves) => *uv,
+                _ if is_flat => on_plan,
+                _ => *uv,
             };
             texture.as_vec2().to_array()
         };

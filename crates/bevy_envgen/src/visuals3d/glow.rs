@@ -51,46 +51,66 @@ const WARM: Vec3 = Vec3::new(1.0, 0.965, 0.90);
 /// Light of what is no room, such as the tops of walls: as a share of the brightest.
 const OUTSIDE: f32 = 0.75;
 
+/// Lamps in rows under a ceiling.
+struct Lamps {
+    low: DVec2,
+    step: DVec2,
+    count: IVec2,
+}
+
+impl Lamps {
+    fn under(shape: &Shape, settings: &Visuals3dSettings) -> Self {
+        let bounds = shape.bounds();
+        let spacing = f64::from(settings.lamp_spacing.max(1.0));
+        // More could not be told apart.
+        let count = (bounds.size() / spacing).round().clamp(DVec2::ONE, DVec2::splat(64.0));
+        Lamps { low: bounds.min, step: bounds.size() / count, count: count.as_ivec2() }
+    }
+
+    fn at(&self, place: IVec2) -> DVec2 {
+        self.low + self.step * (place.as_dvec2() + 0.5)
+    }
+
+    /// Light of the lamps around a point, at most 1.
+    fn light(&self, p: DVec2) -> f32 {
+        /// Height of lamps above the middle of a room in metres, squared.
+        const ABOVE: f64 = 2.25;
+        let under = ((p - self.low) / self.step).floor().as_ivec2();
+        let mut sum = 0.0;
+        for place in (-1..=1).flat_map(|i| (-1..=1).map(move |j| under + IVec2::new(i, j))) {
+            if place.cmpge(IVec2::ZERO).all() && place.cmplt(self.count).all() {
+                sum += ABOVE / (ABOVE + self.at(place).distance_squared(p));
+            }
+        }
+        sum.min(1.0) as f32
+    }
+}
+
 /// The lamps under the ceiling of a shape, in rows.
 pub(super) fn lamps(shape: &Shape, settings: &Visuals3dSettings) -> Vec<DVec2> {
-    let bounds = shape.bounds();
-    let spacing = f64::from(settings.lamp_spacing.max(1.0));
-    // More would hardly be brighter.
-    let count = (bounds.size() / spacing).round().clamp(DVec2::ONE, DVec2::splat(64.0));
-    let step = bounds.size() / count;
-    let rows = (0..count.y as u32).flat_map(|j| (0..count.x as u32).map(move |i| (i, j)));
-    let lamp =
-        |(i, j): (u32, u32)| bounds.min + step * DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
-    rows.map(lamp).filter(|lamp| shape.contains(*lamp)).collect()
+    let lamps = Lamps::under(shape, settings);
+    let rows = (0..lamps.count.y).flat_map(|j| (0..lamps.count.x).map(move |i| IVec2::new(i, j)));
+    rows.map(|place| lamps.at(place)).filter(|lamp| shape.contains(*lamp)).collect()
 }
 
 /// The light under the sky over an area.
 pub(super) fn of_sky(bounds: WorldRect, origin: DVec2) -> (Image, Transform) {
     /// From below everything to above it, in metres.
     const HEIGHT: f32 = 400.0;
-    let image = image([1, 1, 1], |_, side| SKY[side]);
+    let image = image([1, 1, 1], |_, side| SKY[side], None);
     let at = Transform::from_translation((bounds.center() - origin).as_vec2().extend(0.0))
         .with_scale(bounds.size().as_vec2().extend(HEIGHT));
     (image, at)
 }
 
-/// A part of a building that is lit in one way.
-struct Region {
-    is_lit: bool,
-    lamps: Vec<DVec2>,
-}
+/// The lamps of a part of a building; `None` where it is dark.
+type Region = Option<Lamps>;
 
-impl Region {
-    /// Light at a point for a side.
-    fn light(&self, p: DVec2, side: usize, settings: &Visuals3dSettings) -> Vec3 {
-        /// Height of lamps above the middle of a room in metres, squared.
-        const ABOVE: f64 = 2.25;
-        if !self.is_lit {
-            return Vec3::splat(settings.darkness.clamp(0.0, 1.0) * LAMPS[side]);
-        }
-        let near = |lamp: &DVec2| ABOVE / (ABOVE + lamp.distance_squared(p));
-        let direct: f64 = self.lamps.iter().map(near).sum();
-        WARM * LAMPS[side] * (0.62 + 0.38 * direct.min(1.0) as f32)
+/// Light in a part of a building at a point for a side.
+fn light_in(region: &Region, p: DVec2, side: usize, settings: &Visuals3dSettings) -> Vec3 {
+    match region {
+        Some(lamps) => WARM * LAMPS[side] * (0.62 + 0.38 * lamps.light(p)),
+        None => Vec3::splat(settings.darkness.clamp(0.0, 1.0) * LAMPS[side]),
     }
 }
 
@@ -107,51 +127,44 @@ pub(super) fn of_building(
     let (regions, map) = regions(truth, bounds.min, voxel, [width, depth], settings);
     let walls = truth.walls.iter().map(|wall| wall.extent().top());
     let top = walls.fold(2.6, f64::max) + 0.3;
-    let height = (top - BOTTOM) / LAYERS as f64;
     let across = FINE * width;
     // In steps of a third of a voxel.
     let region = |i: i64, j: i64| {
         let inside = (0..across as i64).contains(&i) && (0..(FINE * depth) as i64).contains(&j);
         if inside { map[j as usize * across + i as usize] } else { 0 }
     };
-    let light = |[x, y, z]: [usize; 3], side: usize| {
+    let outside = |side: usize| Vec3::splat(OUTSIDE * LAMPS[side]);
+    let light = |[x, y]: [usize; 2], side: usize| {
         let middle = [x, y].map(|i| (FINE * i + FINE / 2) as i64);
         let p = bounds.min + voxel * DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
         let toward = SIDES[side];
-        let above_walls = BOTTOM + height * (z as f64 + 0.5) > top - 0.7;
-        if toward[2] != 0 {
-            // Floors reach to the walls: what is in a wall takes the light of what is beside it.
-            if above_walls && toward[2] > 0 {
-                return Vec3::splat(OUTSIDE);
-            }
-            let here = region(middle[0], middle[1]);
-            if here > 0 {
-                return regions[usize::from(here) - 1].light(p, side, settings);
-            }
-            let beside =
-                SIDES[..4].iter().flat_map(|side| [2, 3].map(|n| (side, n))).map(|(side, n)| {
-                    region(middle[0] + n * i64::from(side[0]), middle[1] + n * i64::from(side[1]))
-                });
-            let beside: Vec<u16> = beside.filter(|&region| region > 0).collect();
-            let sum: Vec3 = beside
-                .iter()
-                .map(|&region| regions[usize::from(region) - 1].light(p, side, settings))
-                .sum();
-            return match beside.len() {
-                0 => Vec3::splat(OUTSIDE * LAMPS[side]),
-                n => sum / n as f32,
-            };
-        }
-        // A wall is lit by what it looks at, although its voxel is partly behind it.
-        let ahead = [3, 2, 4, 1, 0].map(|n| {
+        let ahead = |n: i64, toward: [i32; 3]| {
             region(middle[0] + n * i64::from(toward[0]), middle[1] + n * i64::from(toward[1]))
-        });
-        match ahead.into_iter().find(|&region| region > 0) {
-            Some(region) => regions[usize::from(region) - 1].light(p, side, settings),
-            None => Vec3::splat(OUTSIDE * LAMPS[side]),
+        };
+        let light_in = |number: u16| light_in(&regions[usize::from(number) - 1], p, side, settings);
+        if toward[2] == 0 {
+            // A wall is lit by what it looks at, although its voxel is partly behind it.
+            let seen = [3, 2, 4, 1, 0].into_iter().map(|n| ahead(n, toward)).find(|&seen| seen > 0);
+            return seen.map_or_else(|| outside(side), light_in);
         }
+        let here = region(middle[0], middle[1]);
+        if here > 0 {
+            return light_in(here);
+        }
+        // Floors reach to the walls: what is in a wall takes the light of what is beside it.
+        let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+        for (toward, n) in SIDES[..4].iter().flat_map(|side| [(side, 2), (side, 3)]) {
+            let beside = ahead(n, *toward);
+            if beside > 0 {
+                sum += light_in(beside);
+                count += 1.0;
+            }
+        }
+        if count > 0.0 { sum / count } else { outside(side) }
     };
-    let image = image([width, depth, LAYERS], light);
+    // The highest layer is that of the tops of walls, which are seen where there are no ceilings.
+    let above = (!settings.ceilings).then_some(Vec3::splat(OUTSIDE));
+    let image = image([width, depth, LAYERS], light, above);
     let size = DVec2::new(width as f64, depth as f64) * voxel;
     let middle = (bounds.min + 0.5 * size - origin).as_vec2();
     let at = Transform::from_translation(middle.extend(0.5 * (BOTTOM + top) as f32))
@@ -178,8 +191,7 @@ fn regions(
         .take(usize::from(u16::MAX));
     let mut regions = Vec::new();
     for (shape, is_lit) in shapes {
-        let lamps = if is_lit { lamps(shape, settings) } else { Vec::new() };
-        regions.push(Region { is_lit, lamps });
+        regions.push(is_lit.then(|| Lamps::under(shape, settings)));
         let number = regions.len() as u16;
         let bounds = shape.bounds();
         let cell = |p: DVec2| ((p - low) / step).floor().max(DVec2::ZERO);
@@ -197,20 +209,26 @@ fn regions(
 }
 
 /// Packs ambient cubes as Bevy's shader reads them: the three axes one after the other along the last axis of the
-/// texture, the sides that look to the positive of an axis before the others along the second.
-fn image([width, depth, height]: [usize; 3], light: impl Fn([usize; 3], usize) -> Vec3) -> Image {
-    let mut data = vec![0_u8; 4 * width * 2 * depth * 3 * height];
-    for side in 0..6 {
+/// texture, the sides that look to the positive of an axis before the others along the second. `light` is the same in
+/// all layers, but for what looks up in the highest one, where it is `above` if that is given.
+fn image(
+    [width, depth, height]: [usize; 3],
+    light: impl Fn([usize; 2], usize) -> Vec3,
+    above: Option<Vec3>,
+) -> Image {
+    let codes = srgb_codes();
+    let code = |light: f32| codes[(light.clamp(0.0, 1.0) * (codes.len() - 1) as f32) as usize];
+    let mut data = vec![255_u8; 4 * width * 2 * depth * 3 * height];
+    for (side, toward) in SIDES.iter().enumerate() {
         let (axis, half) = (side / 2, side % 2);
-        for z in 0..height {
-            for y in 0..depth {
-                for x in 0..width {
-                    let [red, green, blue] = light([x, y, z], side).to_array();
-                    let color = Srgba::from(LinearRgba::rgb(red, green, blue)).to_u8_array();
-                    let (row, layer) = (y + half * depth, z + axis * height);
-                    let at = 4 * (x + width * (row + 2 * depth * layer));
-                    data[at..at + 4].copy_from_slice(&color);
-                }
+        for (x, y) in (0..depth).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let color = light([x, y], side).to_array().map(code);
+            for z in 0..height {
+                let (row, layer) = (y + half * depth, z + axis * height);
+                let at = 4 * (x + width * (row + 2 * depth * layer));
+                let above = above.filter(|_| z + 1 == height && toward[2] > 0);
+                let color = above.map_or(color, |above| above.to_array().map(code));
+                data[at..at + 3].copy_from_slice(&color);
             }
         }
     }
@@ -228,4 +246,82 @@ fn image([width, depth, height]: [usize; 3], light: impl Fn([usize; 3], usize) -
         ..default()
     });
     image
+}
+
+/// The sRGB codes of light from 0 to 1, in even steps that are finer than codes.
+pub(super) fn srgb_codes() -> Vec<u8> {
+    const STEPS: u16 = 8192;
+    let light = |step: u16| LinearRgba::gray(f32::from(step) / f32::from(STEPS));
+    (0..=STEPS).map(|step| Srgba::from(light(step)).to_u8_array()[0]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::world::{Room, Wall, WallKind};
+    use envgen::{Provenance, World as EnvgenWorld};
+
+    use super::*;
+
+    fn room(from: DVec2, to: DVec2, lit: bool) -> Room {
+        let shape = Shape::from_rect(WorldRect::new(from, to));
+        let name = String::new();
+        Room { name, shape, difficulty: None, lit, contents: Default::default(), height: None }
+    }
+
+    /// The red of a voxel for a side, as Bevy's shader reads it.
+    fn red(image: &Image, [x, y, z]: [usize; 3], side: usize) -> u8 {
+        let size = image.texture_descriptor.size;
+        let (width, rows, layers) =
+            (size.width as usize, size.height as usize, size.depth_or_array_layers as usize);
+        let row = y + if side % 2 == 1 { rows / 2 } else { 0 };
+        let layer = z + side / 2 * (layers / 3);
+        image.data.as_ref().unwrap()[4 * (x + width * (row + rows * layer))]
+    }
+
+    #[test]
+    fn walls_have_the_light_of_the_room_that_they_look_into() {
+        let v = DVec2::new;
+        let bounds = WorldRect::new(DVec2::ZERO, v(12.0, 6.0));
+        let mut world = EnvgenWorld::new(Provenance::other("test", "rooms".into()), bounds);
+        let between = Shape::from_rect(WorldRect::new(v(5.9, 0.0), v(6.1, 6.0)));
+        world.walls.push(Wall::new(WallKind::Wall, between));
+        world.rooms.push(room(DVec2::ZERO, v(5.9, 6.0), true));
+        world.rooms.push(room(v(6.1, 0.0), v(12.0, 6.0), false));
+        let settings = Visuals3dSettings { ceilings: true, ..Default::default() };
+        let (image, at) = of_building(&world, DVec2::ZERO, &settings);
+        let size = image.texture_descriptor.size;
+        let count = [size.width, size.height / 2, size.depth_or_array_layers / 3];
+        // The voxel that holds a point.
+        let voxel = |p: Vec3| {
+            let unit = at.to_matrix().inverse().transform_point3(p) + 0.5;
+            std::array::from_fn(|i| (unit[i] * count[i] as f32) as usize)
+        };
+        for x in [5.8, 6.2] {
+            let beside = voxel(Vec3::new(x, 3.0, 1.0));
+            // What looks back to the left is lit, what looks to the right is dark, on both sides of the wall.
+            assert!(red(&image, beside, 1) > 180 && red(&image, beside, 0) < 60, "{x}");
+        }
+        for (x, is_lit) in [(3.0, true), (9.0, false)] {
+            for z in [0.0, 2.5] {
+                for side in 0..6 {
+                    let light = red(&image, voxel(Vec3::new(x, 3.0, z)), side);
+                    assert_eq!(light > 120, is_lit, "{x} {z} {side}: {light}");
+                }
+            }
+        }
+        // Without ceilings the tops of walls are lit from above.
+        let (image, _) = of_building(&world, DVec2::ZERO, &Visuals3dSettings::default());
+        assert!(red(&image, voxel(Vec3::new(9.0, 3.0, 2.5)), 4) > 180);
+        assert!(red(&image, voxel(Vec3::new(9.0, 3.0, 0.0)), 4) < 60);
+    }
+
+    #[test]
+    fn codes_are_those_of_srgb() {
+        let codes = srgb_codes();
+        for light in [0.0, 0.002, 0.02, 0.2, 0.5, 1.0_f32] {
+            let exact = Srgba::from(LinearRgba::gray(light)).to_u8_array()[0];
+            let found = codes[(light * (codes.len() - 1) as f32) as usize];
+            assert!(exact.abs_diff(found) <= 1, "{light}");
+        }
+    }
 }

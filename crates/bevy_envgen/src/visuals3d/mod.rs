@@ -40,8 +40,8 @@ pub use tile::TileMesh;
 use crate::visuals::require_visibility;
 use crate::{EnvgenSystems, Schedules};
 
-/// What is drawn in three dimensions, and how bright. A change affects all worlds at once, [`Palette3d`] only tiles
-/// that are spawned later.
+/// What is drawn in three dimensions, and how bright. A change affects all worlds at once, except that lamps which are
+/// seen, and [`Palette3d`], are those of the time when a tile is spawned.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct Visuals3dSettings {

@@ -20,7 +20,7 @@ pub struct Palette3d {
     pub lamp: Color,
     /// The ground around worlds, and of worlds without floors.
     pub ground: Color,
-    /// The ground of forests.
+    /// The ground of forests, and beside roads and landscapes.
     pub meadow: Color,
     /// Obstacles of no particular kind: rocks of landscapes, blocks of arenas.
     pub rock: Color,
@@ -64,7 +64,7 @@ impl Default for Palette3d {
             kerb: Color::srgb_u8(0xa9, 0xa5, 0x9c),
             ceiling: Color::srgb_u8(0xee, 0xed, 0xe9),
             lamp: Color::srgb_u8(0xff, 0xf6, 0xe4),
-            ground: Color::srgb_u8(0x8f, 0x92, 0x8c),
+            ground: Color::srgb_u8(0xb2, 0xad, 0xa2),
             meadow: Color::srgb_u8(0x7d, 0x92, 0x5c),
             rock: Color::srgb_u8(0x9a, 0x93, 0x88),
             room: Color::srgb_u8(0xbf, 0xb9, 0xae),
@@ -73,7 +73,7 @@ impl Default for Palette3d {
             marking: color(palette::ROAD_MARKING),
             trunk: Color::srgb_u8(0x7a, 0x5c, 0x43),
             crown: Color::srgb_u8(0x4d, 0x8a, 0x55),
-            door: Color::srgb_u8(0xc4, 0x86, 0x56),
+            door: Color::srgb_u8(0xb9, 0x8d, 0x6a),
             water: Color::srgb_u8(0x3f, 0x83, 0xa8).with_alpha(0.8),
             dark: Color::srgb_u8(0x1a, 0x1c, 0x22),
             start: color(palette::START),

@@ -111,9 +111,11 @@ fn spawn_stage(world: &mut World, stage: Entity, origin: DVec2, truth: Option<&E
         || WorldRect::new(origin - DVec2::splat(ENDLESS), origin + DVec2::splat(ENDLESS)),
         |truth| truth.bounds.grown(BEYOND.0 + BEYOND.1 * truth.bounds.size().max_element()),
     );
-    let is_forest = truth.is_none_or(|truth| !truth.trees.is_empty());
+    let is_green = truth.is_none_or(|truth| {
+        !truth.trees.is_empty() || !truth.road_strips.is_empty() || truth.raster.is_some()
+    });
     let has_floors = truth.is_some_and(|truth| is_building(truth) || truth.raster.is_some());
-    let color = if is_forest { palette.meadow } else { palette.ground };
+    let color = if is_green { palette.meadow } else { palette.ground };
     let mut draft = Draft::default();
     let top = if has_floors { -BELOW } else { 0.0 };
     let corners = Shape::from_rect(bounds).corners();

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 
 use super::finish::Finish;
+use super::glow::srgb_codes;
 
 /// Pixels along the side of a texture.
 const SIDE: u32 = 256;
@@ -61,13 +62,16 @@ impl Finish {
             .flat_map(|y| (0..SIDE).map(move |x| (x, y)))
             .map(|(x, y)| pixel(x, y))
             .collect();
+        let codes = srgb_codes();
         let mut data = Vec::new();
         let mut size = SIDE as usize;
         let mut levels = 0;
         loop {
-            data.extend(
-                level.iter().flat_map(|&light| Srgba::from(LinearRgba::gray(light)).to_u8_array()),
-            );
+            let code = |light: f32| codes[(light * (codes.len() - 1) as f32) as usize];
+            data.extend(level.iter().flat_map(|&light| {
+                let code = code(light);
+                [code, code, code, 255]
+            }));
             levels += 1;
             if size == 1 {
                 break;

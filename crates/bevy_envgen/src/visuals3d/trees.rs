@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use bevy::prelude::*;
 use envgen::glam::DVec2;
-use envgen::mesh::Mesh as Solid;
+use envgen::mesh::{Mesh as Solid, ROUNDNESS};
 use envgen::world::{Crown, Extent, Tree};
 
 use super::draft::Draft;
@@ -99,28 +99,31 @@ fn make_shared(world: &mut World) {
     }
     let palette = world.resource::<Palette3d>().clone();
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
-    let mut drawn = |solid: Option<Solid>, widen: f64| {
+    let mut drawn = |solid: Option<Solid>, widen: f64, finish| {
         let mut solid = solid?;
+        for uv in &mut solid.uvs {
+            // A crown is about four times as high as its unit.
+            uv.y *= 4.0;
+        }
         for position in &mut solid.positions {
             *position *= envgen::glam::DVec3::new(widen, widen, 1.0);
         }
-        let mut draft = Draft::default();
+        let mut draft = Draft::of(finish);
         draft.add(&solid, DVec2::ZERO, Color::WHITE);
         Some(meshes.add(draft.into_mesh()))
     };
     let unit = |bottom, top| Extent::new(bottom, top).ok();
     let crown = unit(-0.5, 0.5).and_then(|extent| {
-        drawn(Some(Solid::ellipsoid(DVec2::ZERO, Crown { extent, radius: 1.0 })), 1.0)
+        let solid = Solid::ellipsoid(DVec2::ZERO, Crown { extent, radius: 1.0 });
+        drawn(Some(solid), 1.0, Finish::Leaves)
     });
     let trunks = SIDES.iter().filter_map(|&(sides, _)| {
-        // The disc that has a mesh of so many sides.
-        let radius = 2.0
-            * envgen::mesh::ROUNDNESS
-            * (f64::from(sides) / std::f64::consts::PI).powi(2)
-            * 0.999;
+        // Just within the discs whose meshes have so many sides.
+        let turns = f64::from(sides) / std::f64::consts::PI;
+        let radius = 1.998 * ROUNDNESS * turns * turns;
         let disc = envgen::geometry::Shape::Disc { center: DVec2::ZERO, radius };
         let solid = Solid::extruded(&disc, unit(0.0, 1.0)?);
-        Some((sides, drawn(solid, 1.0 / radius)?))
+        Some((sides, drawn(solid, 1.0 / radius, Finish::Bark)?))
     });
     let trunks = trunks.collect();
     let [bark, leaves] = [Finish::Bark, Finish::Leaves].map(|finish| finish.textured(world));

@@ -179,7 +179,7 @@ fn remove_pictures(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// The optics, as programs for NeRF name them, and the unit of depth.
+/// The optics, as programs for radiance fields name them, and the unit of depth.
 fn head(frame: &CameraFrame) -> serde_json::Map<String, Value> {
     let optics = frame.optics;
     let (center, focal) = (optics.center(), optics.focal_length);

@@ -61,7 +61,7 @@ pub struct CameraPose {
     /// The pinhole.
     pub position: DVec3,
     /// The camera's axes as columns: to the right, up in the image, and back along the optical axis, as in
-    /// `OpenGL` and NeRF.
+    /// `OpenGL` and in files of radiance fields (`NeRF`).
     pub axes: DMat3,
 }
 

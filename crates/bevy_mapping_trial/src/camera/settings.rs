@@ -15,7 +15,8 @@ const MAX_OFFSET: f64 = 10.0;
 /// The most and the fewest pictures per simulated second.
 const RATES: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 
-/// A camera on a robot: put it on an entity with a [`RobotModel`](crate::robot::RobotModel).
+/// A camera on a robot: put it on an entity with a [`RobotModel`](crate::robot::RobotModel). To change it, insert
+/// another.
 ///
 /// Lengths are in metres and angles in degrees. The defaults are a small camera on the front of a Pioneer 3-AT,
 /// looking ahead.
@@ -33,6 +34,7 @@ const RATES: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 /// ```
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
+#[component(immutable)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", serde(default, deny_unknown_fields))]
 pub struct RobotCamera {
@@ -119,6 +121,9 @@ pub enum CameraError {
         "a robot with a camera must be a child of an `Environment`, or there must be exactly one in the app"
     )]
     NoEnvironment,
+    /// The world is endless.
+    #[error("a camera sees finite worlds alone, not endless ones")]
+    Endless,
     /// The world has more bodies than fit.
     #[error("the world has {found} triangles, but a camera can see at most {limit}")]
     TooManyTriangles {

@@ -5,13 +5,14 @@ use std::sync::Arc;
 
 use bevy::camera::RenderTarget;
 use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::ecs::system::SystemParam;
 use bevy::math::DAffine3;
 use bevy::prelude::*;
 use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy_envgen::visuals3d::Visuals3dSettings;
-use bevy_envgen::{Environment, GroundTruth, ScenarioRun};
+use bevy_envgen::{EndlessTruth, Environment, GroundTruth, ScenarioRun};
 
 use super::frame::CameraFrame;
 use super::labels::Labels;
@@ -167,99 +168,49 @@ type Seeing = (
 type Surroundings = (
     Entity,
     &'static Environment,
-    &'static GroundTruth,
+    Option<&'static GroundTruth>,
+    Has<EndlessTruth>,
     &'static GlobalTransform,
     Option<&'static ScenarioRun>,
     Option<&'static MappingTrial>,
 );
 
-/// What the graphics card needs.
-type Card<'w> = (Option<Res<'w, RenderDevice>>, Option<Res<'w, RenderQueue>>);
+/// Everything around robots that a picture is made of.
+#[derive(SystemParam)]
+pub(super) struct Site<'w, 's> {
+    environments: Query<'w, 's, Surroundings>,
+    movers: Movers<'w, 's>,
+    fixed: Res<'w, Time<Fixed>>,
+    visuals: Option<Res<'w, Visuals3dSettings>>,
+    device: Option<Res<'w, RenderDevice>>,
+    queue: Option<Res<'w, RenderQueue>>,
+    scenes: ResMut<'w, Scenes>,
+}
 
 /// Takes the pictures that are due.
 pub(super) fn shoot(
     mut robots: Query<Seeing>,
-    movers: Movers<'_, '_>,
-    environments: Query<Surroundings>,
     mut eyes: Query<&mut Camera>,
-    (device, queue): Card<'_>,
-    fixed: Res<Time<Fixed>>,
-    visuals: Option<Res<Visuals3dSettings>>,
-    mut scenes: ResMut<Scenes>,
+    mut site: Site<'_, '_>,
     mut commands: Commands,
 ) {
-    let has_ceilings = visuals.is_some_and(|visuals| visuals.ceilings);
+    let Site { environments, scenes, .. } = &mut site;
     scenes.known.retain(|&environment, _| environments.contains(environment));
     for (robot, camera, mut shutter, pose, wheels, parent, view) in &mut robots {
         // Its pose is not known before its first step.
         if !wheels.is_placed() {
             continue;
         }
-        let around = match parent.map(|parent| environments.get(parent.parent())) {
-            Some(Ok(around)) => Some(around),
-            _ => environments.single().ok(),
-        };
-        let mut fail = |error: CameraError| {
-            log::warn!("robot {robot}: {error}");
-            commands.entity(robot).try_remove::<Shutter>();
-            commands.trigger(CameraFailed { entity: robot, error });
-        };
-        let Some((entity, environment, truth, frame, run, trial)) = around else {
-            fail(CameraError::NoEnvironment);
-            continue;
-        };
-        let time = trial.and_then(MappingTrial::trial).map(|trial| trial.time());
-        let time = time.unwrap_or(fixed.elapsed_secs_f64());
-        let due = (time * camera.rate + ROUNDING).floor() as u64;
-        if shutter.last == Some(due) {
-            continue;
-        }
-        let (Some(device), Some(queue)) = (&device, &queue) else {
-            fail(CameraError::NoRenderer);
-            continue;
-        };
-        let to_frame = frame.affine().as_daffine3().inverse();
-        let to_world = DAffine3::from_translation(environment.origin.extend(0.0)) * to_frame;
-        let optics = CameraOptics::new(camera);
-        let state = run.map(ScenarioRun::state);
-        let Scenes { pass, known } = &mut *scenes;
-        let pass = pass.get_or_insert_with(|| NumberPass::new(device, queue));
-        let known = match KnownScene::of(known, (entity, truth), state, has_ceilings, pass) {
-            Ok(known) => known,
+        let picture = match site.take(camera, pose, parent, &mut shutter) {
+            Ok(Some(picture)) => picture,
+            Ok(None) => continue,
             Err(error) => {
-                fail(error);
+                log::warn!("robot {robot}: {error}");
+                commands.entity(robot).try_remove::<Shutter>();
+                commands.trigger(CameraFailed { entity: robot, error });
                 continue;
             }
         };
-        let mut picture = CameraFrame {
-            number: shutter.taken,
-            time,
-            pose: CameraPose::new(in_world(pose, &to_frame, environment), camera),
-            optics,
-            color: None,
-            depth: None,
-            labels: None,
-            names: known.names.clone(),
-        };
-        if camera.images.depth || camera.images.labels {
-            let scene = &known.scene;
-            let around = (entity, &*known.world, run);
-            let frame = SceneFrame { to_world: to_world, origin: scene.origin };
-            let moving = movers.triangles(around, &known.names, &frame);
-            let still = (scene, &known.buffer);
-            let numbers = match pass.draw(still, &moving, &picture.pose, &optics) {
-                Ok(numbers) => numbers,
-                Err(error) => {
-                    fail(error);
-                    continue;
-                }
-            };
-            let (depth, labels) = scene.resolve(&moving, &numbers, &picture.pose, &optics);
-            picture.depth = camera.images.depth.then_some(depth);
-            picture.labels = camera.images.labels.then_some(labels);
-        }
-        shutter.last = Some(due);
-        shutter.taken += 1;
         match view.and_then(|view| Some((view, eyes.get_mut(view.camera).ok()?))) {
             Some((view, mut eye)) => {
                 eye.is_active = true;
@@ -270,6 +221,67 @@ pub(super) fn shoot(
                 commands.trigger(CameraFrameTaken { entity: robot, frame: Arc::new(picture) });
             }
         }
+    }
+}
+
+impl Site<'_, '_> {
+    /// The picture of a camera but for its colours; `None` where none is due.
+    fn take(
+        &mut self,
+        camera: &RobotCamera,
+        pose: &TruePose,
+        parent: Option<&ChildOf>,
+        shutter: &mut Shutter,
+    ) -> Result<Option<CameraFrame>, CameraError> {
+        let own = parent.and_then(|parent| self.environments.get(parent.parent()).ok());
+        let around = own.or_else(|| self.environments.single().ok());
+        let (entity, environment, truth, is_endless, frame, run, trial) =
+            around.ok_or(CameraError::NoEnvironment)?;
+        if is_endless {
+            return Err(CameraError::Endless);
+        }
+        // A world that is not ready is waited for.
+        let Some(truth) = truth else { return Ok(None) };
+        let time = trial.and_then(MappingTrial::trial).map(|trial| trial.time());
+        let time = time.unwrap_or(self.fixed.elapsed_secs_f64());
+        let due = (time * camera.rate + ROUNDING).floor() as u64;
+        if shutter.last == Some(due) {
+            return Ok(None);
+        }
+        let (Some(device), Some(queue)) = (&self.device, &self.queue) else {
+            return Err(CameraError::NoRenderer);
+        };
+        let Scenes { pass, known } = &mut *self.scenes;
+        let pass = pass.get_or_insert_with(|| NumberPass::new(device, queue));
+        let has_ceilings = self.visuals.as_ref().is_some_and(|visuals| visuals.ceilings);
+        let state = run.map(ScenarioRun::state);
+        let known = KnownScene::of(known, (entity, truth), state, has_ceilings, pass)?;
+        let to_frame = frame.affine().as_daffine3().inverse();
+        let mut picture = CameraFrame {
+            number: shutter.taken,
+            time,
+            pose: CameraPose::new(in_world(pose, &to_frame, environment), camera),
+            optics: CameraOptics::new(camera),
+            color: None,
+            depth: None,
+            labels: None,
+            names: known.names.clone(),
+        };
+        if camera.images.depth || camera.images.labels {
+            let scene = &known.scene;
+            let to_world = DAffine3::from_translation(environment.origin.extend(0.0)) * to_frame;
+            let frame = SceneFrame { to_world, origin: scene.origin };
+            let around = (entity, &*known.world, run);
+            let moving = self.movers.triangles(around, &known.names, &frame);
+            let CameraFrame { pose, optics, .. } = &picture;
+            let numbers = pass.draw((scene, &known.buffer), &moving, pose, optics)?;
+            let (depth, labels) = scene.resolve(&moving, &numbers, pose, optics);
+            picture.depth = camera.images.depth.then_some(depth);
+            picture.labels = camera.images.labels.then_some(labels);
+        }
+        shutter.last = Some(due);
+        shutter.taken += 1;
+        Ok(Some(picture))
     }
 }
 

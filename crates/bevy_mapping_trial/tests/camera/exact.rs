@@ -200,7 +200,6 @@ fn depths_and_labels_are_those_of_rays() {
                 compare(&frame, &bodies, &mut agreement);
                 total += frame.labels.iter().flatten().filter(|label| **label > 0).count();
             }
-            println!("{kind} {seed}: {agreement:?}");
             agreement.check(&format!("{kind}, seed {seed}"));
         }
     }
@@ -246,7 +245,6 @@ fn doors_and_people_are_seen_where_they_are() {
             }
         }
     }
-    println!("{agreement:?}, {seen:?}");
     agreement.check("doors and people");
     assert!(seen.iter().all(|pixels| *pixels > 50), "{seen:?}");
 }

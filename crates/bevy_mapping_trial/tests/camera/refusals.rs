@@ -4,14 +4,14 @@ use std::sync::{Arc, Mutex};
 
 use bevy::prelude::*;
 use bevy_envgen::prelude::*;
-use bevy_envgen::testing::{spawn_ready, step, test_app_with};
+use bevy_envgen::testing::{step, test_app_with, wait_until_ready};
 use bevy_mapping_trial::camera::{
     CameraError, CameraFailed, CameraImages, RobotCamera, RobotCameraPlugin, RobotCameraView,
 };
 use bevy_mapping_trial::prelude::*;
 
 /// Spawns a robot with a camera in an app without a renderer; returns what its camera complained of.
-fn errors(camera: RobotCamera, has_world: bool) -> Vec<CameraError> {
+fn errors(camera: RobotCamera, world: Option<Environment>) -> Vec<CameraError> {
     let plugins = (EnvgenPlugins::default(), RobotPlugin::default(), RobotCameraPlugin);
     let mut app = test_app_with(plugins);
     let errors = Arc::new(Mutex::new(Vec::new()));
@@ -19,22 +19,26 @@ fn errors(camera: RobotCamera, has_world: bool) -> Vec<CameraError> {
     app.add_observer(move |failed: On<CameraFailed>| {
         kept.lock().unwrap().push(failed.error.clone());
     });
-    if has_world {
-        spawn_ready(&mut app, Environment::new(HallwaySpec::default(), 1)).unwrap();
+    if let Some(world) = world {
+        let anchor = app.world_mut().spawn(Transform::default()).id();
+        let environment = app.world_mut().spawn((world, StreamAround::new(anchor, 20.0))).id();
+        wait_until_ready(&mut app, environment).unwrap();
     }
     let robot = app.world_mut().spawn((RobotModel::default(), camera)).id();
     step(&mut app, 4);
     assert!(app.world().get::<RobotCameraView>(robot).is_none_or(|_| camera.images.color));
-    let errors = errors.lock().unwrap().clone();
-    errors
+    errors.lock().unwrap().clone()
 }
 
 #[test]
 fn errors_say_what_is_missing() {
     let images = CameraImages { color: false, ..default() };
     let blind = RobotCamera { images, ..default() };
-    assert_eq!(errors(blind, false), [CameraError::NoEnvironment]);
-    assert_eq!(errors(blind, true), [CameraError::NoRenderer]);
-    let wrong = errors(RobotCamera { width: 0, ..blind }, true);
+    let hallway = || Some(Environment::new(HallwaySpec::default(), 1));
+    assert_eq!(errors(blind, None), [CameraError::NoEnvironment]);
+    assert_eq!(errors(blind, hallway()), [CameraError::NoRenderer]);
+    let endless = Environment::new(ForestSpec::default(), 1).endless(20.0);
+    assert_eq!(errors(blind, Some(endless)), [CameraError::Endless]);
+    let wrong = errors(RobotCamera { width: 0, ..blind }, hallway());
     assert!(matches!(wrong[..], [CameraError::Setting { field: "width", .. }]), "{wrong:?}");
 }

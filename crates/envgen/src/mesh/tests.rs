@@ -81,8 +81,13 @@ pub(super) fn spec(kind: WorldKind, draw: u64) -> WorldSpec {
     spec
 }
 
+/// Number of random worlds: 40, or what the environment variable `MESH_WORLDS` says.
+fn worlds() -> u32 {
+    std::env::var("MESH_WORLDS").ok().and_then(|number| number.parse().ok()).unwrap_or(40)
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(40))]
+    #![proptest_config(ProptestConfig::with_cases(worlds()))]
 
     /// Bodies are closed and oriented, without degenerate triangles, and prisms have the volume of their
     /// outline by their height.

@@ -98,7 +98,8 @@ impl BodyRaycaster {
         let (min, max) = (area.min.extend(low), area.max.extend(high));
         let (enter, leave) = slab(from, direction, min, max);
         let (enter, end) = (enter.max(0.0), leave.min(range));
-        if !(enter <= end) || !direction.is_finite() || direction == DVec3::ZERO {
+        let is_ray = from.is_finite() && direction.is_finite() && direction != DVec3::ZERO;
+        if !is_ray || range.is_nan() || enter > end {
             return None;
         }
         let mut search = Search {
@@ -127,7 +128,7 @@ impl BodyRaycaster {
             let axis = usize::from(border[1] < border[0]);
             cell[axis] += along[axis].signum();
             let is_inside = (0.0..=last[axis]).contains(&cell[axis]);
-            if !is_inside || !(border[axis] <= end.min(search.best)) {
+            if !is_inside || border[axis] > end.min(search.best) {
                 break;
             }
         }
