@@ -2,7 +2,7 @@
 //! that look to each of the six sides. It costs the same for any number of lamps, and dark rooms stay dark without
 //! shadow maps.
 //!
-//! J. Mitchell, G. McTaggart, C. Green, "Shading in Valve's Source Engine" (2006).
+//! J. Mitchell and others, "Shading in Valve's Source Engine" (2006).
 
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
