@@ -127,7 +127,7 @@ pub fn pieces(world: &World) -> Vec<Piece<'_>> {
     ];
     for (kind, length) in lists {
         for i in 0..length {
-            let lintel = if kind == PartKind::Doorway { lintels[i] } else { None };
+            let lintel = lintels.get(i).filter(|_| kind == PartKind::Doorway).copied().flatten();
             all.extend(pieces_of(world, PartId { kind, index: i as u32 }, lintel));
         }
     }

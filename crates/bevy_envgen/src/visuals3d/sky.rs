@@ -84,11 +84,14 @@ impl Sky {
 /// A camera without a sky.
 type Bare = (With<Camera3d>, Without<Sky>, Without<Skybox>);
 
+/// A camera whose sky is new.
+type Renewed = (With<Camera3d>, Changed<Sky>);
+
 /// Gives cameras a sky, and draws those that changed.
 pub(super) fn add_skies(
     settings: Res<Visuals3dSettings>,
     bare: Query<Entity, Bare>,
-    changed: Query<(Entity, &Sky), (With<Camera3d>, Changed<Sky>)>,
+    changed: Query<(Entity, &Sky), Renewed>,
     images: Option<ResMut<Assets<Image>>>,
     mut commands: Commands,
 ) {

@@ -213,12 +213,15 @@ pub(super) fn thicken_smoke(
     }
 }
 
+/// A box of smoke in the app's space.
+type Placed = (&'static GlobalTransform, &'static MeshMaterial3d<SmokeMaterial>);
+
+/// A box that is new or moved.
+type Moved = (With<SmokeBox>, Changed<GlobalTransform>);
+
 /// Says to the shader where the boxes are.
 pub(super) fn place_smoke(
-    moved: Query<
-        (&GlobalTransform, &MeshMaterial3d<SmokeMaterial>),
-        (With<SmokeBox>, Changed<GlobalTransform>),
-    >,
+    moved: Query<Placed, Moved>,
     materials: Option<ResMut<Assets<SmokeMaterial>>>,
 ) {
     let Some(mut materials) = materials else { return };

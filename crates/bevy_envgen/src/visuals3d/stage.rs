@@ -49,14 +49,14 @@ const CEILING: f64 = 0.1;
 type Grown =
     (Entity, &'static Environment, Option<&'static GroundTruth>, Option<&'static EndlessTruth>);
 
+/// Another world, or another place of it.
+type Renewed = Or<(Changed<GroundTruth>, Changed<EndlessTruth>, Changed<Environment>)>;
+
 /// Builds the stages of worlds that are new or changed, and all when the settings change.
 pub(super) fn set_stage(
     world: &mut World,
     environments: &mut QueryState<Grown>,
-    renewed: &mut QueryState<
-        Entity,
-        Or<(Changed<GroundTruth>, Changed<EndlessTruth>, Changed<Environment>)>,
-    >,
+    renewed: &mut QueryState<Entity, Renewed>,
     stages: &mut QueryState<(Entity, &ChildOf), With<Stage>>,
 ) {
     if !can_draw(world) {
