@@ -10,6 +10,8 @@ use envgen::indoor::{Catalogue, IndoorSpec};
 use envgen::located::Locate;
 use envgen::{Seed, WorldKind, WorldSpec, import};
 
+use crate::saving::FOLDER;
+
 /// Change a world by hand: rooms, hallways and doorways of indoor maps, and the parts of any other world.
 #[derive(Parser, Clone)]
 #[expect(clippy::doc_markdown, reason = "these texts are for the terminal, not Markdown")]
@@ -141,5 +143,5 @@ impl Arguments {
 }
 
 fn usual(stem: &str) -> PathBuf {
-    PathBuf::from(format!("out/edit/{stem}.ron"))
+    Path::new(FOLDER).join(format!("{stem}.ron"))
 }

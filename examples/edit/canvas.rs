@@ -49,7 +49,11 @@ pub(crate) fn show(ui: &mut Ui, session: &mut Session) {
     session.hovered =
         at.filter(|_| session.drag.is_none()).and_then(|p| session.document.target_at(p, reach));
     session.pointer = at;
-    let ghost = at.and_then(|at| ghost(session, at));
+    let leave = 2.0 * reach;
+    session.done_at =
+        session.done_at.filter(|done| at.is_some_and(|at| at.distance(*done) < leave));
+    let shows = session.drag.is_some() || session.done_at.is_none();
+    let ghost = at.filter(|_| shows).and_then(|at| ghost(session, at));
     painting::paint(ui, session, ghost.as_ref());
 }
 

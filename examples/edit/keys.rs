@@ -1,58 +1,77 @@
 //! Keys, which do nothing while a text is typed.
 
-use bevy_mapping_trial::ui::egui;
-use egui::{Context, Key, Modifiers};
+use bevy::input::keyboard::{Key, KeyboardFocusLost, KeyboardInput};
+use bevy::prelude::*;
+use bevy_mapping_trial::ui::bevy_egui::input::EguiWantsInput;
 
 use crate::session::{Session, TURN};
 use crate::tools::Tool;
 
-/// Carries out the keys that were pressed.
-pub(crate) fn act(context: &Context, session: &mut Session) {
-    let pressed = |modifiers, key| context.input_mut(|input| input.consume_key(modifiers, key));
-    // The longer ones first: a key without Shift is found in one with it.
-    let redo = pressed(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
-        | pressed(Modifiers::COMMAND, Key::Y);
-    let undo = pressed(Modifiers::COMMAND, Key::Z);
-    let save = pressed(Modifiers::COMMAND, Key::S);
-    let close = pressed(Modifiers::COMMAND, Key::Q);
-    if save {
-        session.save();
-    }
-    if close {
-        session.close();
-    }
-    if session.asks || context.egui_wants_keyboard_input() {
-        return;
-    }
-    if redo {
-        session.redo();
-    } else if undo {
-        session.undo();
-    }
-    if pressed(Modifiers::SHIFT, Key::R) {
-        session.turn(-TURN);
-    } else if pressed(Modifiers::NONE, Key::R) {
-        session.turn(TURN);
-    }
-    if pressed(Modifiers::NONE, Key::Delete) | pressed(Modifiers::NONE, Key::Backspace) {
-        session.remove();
-    }
-    if pressed(Modifiers::NONE, Key::Escape) {
-        session.cancel();
-    }
-    if pressed(Modifiers::NONE, Key::G) {
-        session.grid = !session.grid;
-    }
-    if pressed(Modifiers::NONE, Key::F) {
-        session.view.fit(session.document.world().bounds);
-    }
-    if pressed(Modifiers::NONE, Key::T) {
-        session.open_trial();
-    }
-    let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5];
-    for (key, (tool, ..)) in keys.into_iter().zip(Tool::ALL) {
-        if pressed(Modifiers::NONE, key) {
-            session.choose(tool);
+/// The modifiers that are held down.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Held {
+    control: bool,
+    shift: bool,
+}
+
+/// Carries out the keys in the order in which they were pressed: in a long frame, a modifier may be down for one of
+/// them and up again at its end.
+pub(crate) fn act(
+    mut session: ResMut<Session>,
+    mut inputs: MessageReader<KeyboardInput>,
+    mut focus: MessageReader<KeyboardFocusLost>,
+    panels: Res<EguiWantsInput>,
+    mut held: Local<Held>,
+) {
+    let session = session.bypass_change_detection();
+    for input in inputs.read() {
+        let is_down = input.state.is_pressed();
+        match &input.logical_key {
+            Key::Control | Key::Super => held.control = is_down,
+            Key::Shift => held.shift = is_down,
+            key if is_down && held.control => {
+                with_control(session, key, held.shift, panels.wants_any_keyboard_input());
+            }
+            key if is_down && !session.asks && !panels.wants_any_keyboard_input() => {
+                plain(session, key, held.shift, input.repeat);
+            }
+            _ => {}
         }
+    }
+    if focus.read().next().is_some() {
+        *held = Held::default();
+    }
+}
+
+fn with_control(session: &mut Session, key: &Key, shift: bool, is_typing: bool) {
+    let Key::Character(letter) = key else { return };
+    match (letter.to_lowercase().as_str(), shift) {
+        _ if session.asks => {}
+        ("s", _) => _ = session.save(),
+        ("q", _) => session.close(),
+        _ if is_typing => {}
+        ("z", false) => session.undo(),
+        ("z", true) | ("y", _) => session.redo(),
+        _ => {}
+    }
+}
+
+fn plain(session: &mut Session, key: &Key, shift: bool, is_repeated: bool) {
+    match key {
+        Key::Delete | Key::Backspace if !is_repeated => session.remove(),
+        Key::Escape => session.cancel(),
+        Key::Character(letter) => match letter.to_lowercase().as_str() {
+            "r" => session.turn(if shift { -TURN } else { TURN }),
+            "g" => session.grid = !session.grid,
+            "f" => session.view.fit(session.document.world().bounds),
+            "t" if !is_repeated => session.open_trial(),
+            digit => {
+                let number = digit.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+                if let Some((tool, ..)) = number.and_then(|number| Tool::ALL.get(number)) {
+                    session.choose(*tool);
+                }
+            }
+        },
+        _ => {}
     }
 }

@@ -31,8 +31,8 @@ use bevy::camera::{CameraOutputMode, ClearColorConfig};
 use bevy::prelude::*;
 use bevy::render::render_resource::BlendState;
 use bevy::winit::{UpdateMode, WinitSettings};
-use bevy_envgen::EnvgenCorePlugin;
 use bevy_envgen::visuals::EnvgenVisualsPlugin;
+use bevy_envgen::{EnvgenCorePlugin, EnvgenSystems};
 use bevy_mapping_trial::ui::bevy_egui::{
     EguiGlobalSettings, EguiPlugin, EguiPrimaryContextPass, PrimaryEguiContext,
 };
@@ -83,7 +83,18 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     .insert_resource(WinitSettings { focused_mode: update, unfocused_mode: update })
     .insert_resource(Session::new(opened))
     .add_systems(Startup, spawn_cameras)
-    .add_systems(Update, (session::poll, session::show, view::follow, session::close).chain())
+    .add_systems(
+        Update,
+        // The world is drawn in the frame of its change.
+        (
+            keys::act,
+            session::poll,
+            session::show.before(EnvgenSystems::Request),
+            view::follow,
+            session::close,
+        )
+            .chain(),
+    )
     .add_systems(EguiPrimaryContextPass, panels::panels);
     Ok(app.run())
 }
@@ -103,7 +114,8 @@ fn spawn_cameras(mut settings: ResMut<EguiGlobalSettings>, mut commands: Command
         Camera {
             order: 1,
             output_mode: CameraOutputMode::Write {
-                blend_state: Some(BlendState::ALPHA_BLENDING),
+                // What egui draws has its opacity multiplied in.
+                blend_state: Some(BlendState::PREMULTIPLIED_ALPHA_BLENDING),
                 clear_color: ClearColorConfig::None,
             },
             clear_color: ClearColorConfig::Custom(Color::NONE),

@@ -10,11 +10,11 @@ use crate::session::Session;
 
 /// Text on the plan.
 pub(crate) const INK: Color32 = Color32::from_rgb(0x22, 0x26, 0x2e);
-const GRID: Color32 = Color32::from_rgba_premultiplied(20, 22, 28, 40);
-const UNREACHED: Color32 = Color32::from_rgba_premultiplied(150, 52, 6, 150);
+const GRID: Color32 = Color32::from_black_alpha(36);
+const UNREACHED: Color32 = Color32::from_rgba_unmultiplied_const(255, 100, 0, 225);
 pub(crate) const ERROR: Color32 = Color32::from_rgb(0xb0, 0x1e, 0x1e);
-const REFUSED: Color32 = Color32::from_rgba_premultiplied(130, 16, 16, 130);
-const ALLOWED: Color32 = Color32::from_rgba_premultiplied(16, 84, 50, 110);
+const REFUSED: Color32 = Color32::from_rgba_unmultiplied_const(220, 30, 30, 120);
+const ALLOWED: Color32 = Color32::from_rgba_unmultiplied_const(20, 150, 80, 110);
 const ALLOWED_EDGE: Color32 = Color32::from_rgb(0x0c, 0x6b, 0x3c);
 const SELECTED: Color32 = Color32::from_rgb(0x0b, 0x5c, 0xc4);
 
@@ -39,8 +39,7 @@ pub(crate) fn paint(ui: &Ui, session: &Session, ghost: Option<&Ghost>) {
         draw(&painter, session, &shape, Color32::TRANSPARENT, Stroke::new(1.5, SELECTED));
     }
     if let Some(shape) = session.selected.and_then(outline) {
-        let fill = SELECTED.gamma_multiply(0.18);
-        draw(&painter, session, &shape, fill, Stroke::new(2.5, SELECTED));
+        draw(&painter, session, &shape, Color32::TRANSPARENT, Stroke::new(2.5, SELECTED));
     }
     if let Some(Ghost { outline: Some(shape), refused }) = ghost {
         let (fill, edge) =
@@ -87,7 +86,7 @@ fn grid(painter: &Painter, session: &Session) {
 
 /// Places that cannot be reached light up.
 fn unreached(painter: &Painter, session: &Session) {
-    let Some(audit) = &session.auditing.last else { return };
+    let Some(audit) = session.auditing.audit.get() else { return };
     let Ok(Some(places)) = &audit.unreached else { return };
     let mut mesh = egui::Mesh::default();
     for square in &places.squares {
@@ -116,7 +115,7 @@ fn names(painter: &Painter, session: &Session) {
         let middle = session.view.to_canvas(bounds.center());
         let corner = middle - 0.5 * galley.size();
         let back = egui::Rect::from_min_size(corner, galley.size()).expand(1.5);
-        painter.rect_filled(back, 2.0, Color32::from_rgba_unmultiplied(255, 255, 255, 215));
+        painter.rect_filled(back, 2.0, Color32::from_white_alpha(190));
         painter.galley(corner, galley, INK);
     }
 }

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_mapping_trial::ui::bevy_egui::EguiContexts;
 use bevy_mapping_trial::ui::egui;
+use egui::text::{CCursor, CCursorRange};
 use egui::{
     Button, CentralPanel, Color32, ComboBox, DragValue, Frame, Key, Modal, Panel, RichText,
     ScrollArea, Sense, TextEdit, Ui, UiBuilder,
@@ -13,7 +14,7 @@ use envgen::world::PartKind;
 
 use crate::session::{Answer, Session, TURN};
 use crate::tools::{Piece, Tool};
-use crate::{canvas, keys, painting};
+use crate::{canvas, painting};
 
 /// Widths of the panels in points.
 const LEFT: f32 = 268.0;
@@ -47,7 +48,6 @@ pub(crate) fn panels(
         UiBuilder::new().layer_id(egui::LayerId::background()).max_rect(context.viewport_rect());
     let mut screen = Ui::new(context.clone(), "screen".into(), area);
     let session = session.bypass_change_detection();
-    keys::act(context, session);
     Panel::left("tools").exact_size(LEFT).resizable(false).show(&mut screen, |ui| {
         file(ui, session);
         ui.separator();
@@ -56,7 +56,11 @@ pub(crate) fn panels(
     Panel::right("findings").exact_size(RIGHT).resizable(false).show(&mut screen, |ui| {
         selection(ui, session);
         ui.separator();
-        ScrollArea::vertical().show(ui, |ui| findings(ui, session));
+        ScrollArea::vertical().show(ui, |ui| {
+            findings(ui, session);
+            ui.separator();
+            difficulty(ui, session);
+        });
     });
     Panel::bottom("status").exact_size(24.0).resizable(false).show(&mut screen, |ui| {
         status(ui, session);
@@ -95,8 +99,17 @@ fn file(ui: &mut Ui, session: &mut Session) {
         }
     });
     ui.horizontal(|ui| {
+        let letters = session.out.chars().count();
         let edit = TextEdit::singleline(&mut session.out).desired_width(LEFT - 78.0);
-        let response = ui.add(edit).on_hover_text(
+        let mut shown = edit.show(ui);
+        let response = shown.response.response;
+        if response.gained_focus() {
+            // All of it, to be typed over.
+            let all = CCursorRange::two(CCursor::new(0), CCursor::new(letters));
+            shown.state.cursor.set_char_range(Some(all));
+            shown.state.store(ui.ctx(), response.id);
+        }
+        let response = response.on_hover_text(
             "The ending selects the format: .ron, .json, .xml (World Generator), .svg, .png, .yaml (ROS), .geojson, \
              .glb, .sdf and others",
         );
@@ -225,15 +238,15 @@ fn selection(ui: &mut Ui, session: &mut Session) {
     });
 }
 
-/// What holds of the world, what is out of reach, and how difficult it is.
+/// What holds of the world, and what is out of reach.
 fn findings(ui: &mut Ui, session: &Session) {
     ui.horizontal(|ui| {
         ui.strong("Certificate");
-        if session.auditing.is_running() {
+        if session.auditing.audit.is_running() {
             ui.spinner();
         }
     });
-    let Some(audit) = &session.auditing.last else {
+    let Some(audit) = session.auditing.audit.get() else {
         ui.weak("is being checked");
         return;
     };
@@ -261,7 +274,11 @@ fn findings(ui: &mut Ui, session: &Session) {
         Ok(Some(places)) => {
             let squares = places.squares.iter();
             let area: f64 = squares.map(|square| square.size().element_product()).sum();
-            let text = format!("{area:.1} m², {} rooms", places.rooms.len());
+            let rooms = match places.rooms.len() {
+                1 => "1 room".to_owned(),
+                count => format!("{count} rooms"),
+            };
+            let text = format!("{area:.1} m², {rooms}");
             ui.label(RichText::new(text).color(painting::ERROR));
             for &room in places.rooms.iter().take(6) {
                 if let Some(room) = session.document.world().rooms.get(room as usize) {
@@ -282,10 +299,19 @@ fn findings(ui: &mut Ui, session: &Session) {
         Err(doubt) => _ = ui.label(RichText::new(format!("undecided: {doubt}")).color(WARNING)),
     }
     ui.weak(format!("for a robot of radius {} m, from the start", audit.radius));
-    ui.separator();
-    ui.strong("Predicted difficulty");
-    let Some(prediction) = &audit.prediction else {
-        ui.weak("none for this world");
+}
+
+/// The difficulty that trials are predicted to measure.
+fn difficulty(ui: &mut Ui, session: &Session) {
+    let prediction = &session.auditing.prediction;
+    ui.horizontal(|ui| {
+        ui.strong("Predicted difficulty");
+        if prediction.is_running() {
+            ui.spinner();
+        }
+    });
+    let Some(Some(prediction)) = prediction.get() else {
+        ui.weak(if prediction.is_running() { "is being computed" } else { "none for this world" });
         return;
     };
     egui::Grid::new("difficulty").show(ui, |ui| {

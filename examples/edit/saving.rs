@@ -10,12 +10,16 @@ use envgen::located::Locate;
 use envgen::whole_file::create_folder;
 use envgen::world::Contents;
 
+/// The folder of files for which no name was given.
+pub(crate) const FOLDER: &str = "out/edit";
+
 /// Writes a document in the format that the ending of the file's name gives, whole or not at all, and says what was
 /// written.
 pub(crate) fn save(document: &Document, path: &Path) -> Result<String, Box<dyn Error>> {
     let format = Format::from_path(path)?;
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        create_folder(folder).in_file(folder)?;
+    // Others must exist: a mistyped name makes no folders.
+    if path.parent() == Some(Path::new(FOLDER)) {
+        create_folder(FOLDER.as_ref()).in_file(FOLDER.as_ref())?;
     }
     let (world, blueprint) = (document.certified_world(), document.blueprint());
     let job = Job { blueprint: blueprint.as_ref(), ..Job::for_path(&world, path) };

@@ -61,6 +61,8 @@ pub(crate) struct Session {
     /// The point of the world at the pointer.
     pub(crate) pointer: Option<DVec2>,
     pub(crate) drag: Option<Drag>,
+    /// Where the last click changed something: until the pointer leaves, the next change is not shown.
+    pub(crate) done_at: Option<DVec2>,
     pub(crate) refusal: Option<Refusal>,
     pub(crate) auditing: Auditing,
     pub(crate) trials: Trials,
@@ -90,6 +92,7 @@ impl Session {
             hovered: None,
             pointer: None,
             drag: None,
+            done_at: None,
             refusal: None,
             auditing: Auditing::default(),
             trials: Trials::default(),
@@ -113,6 +116,7 @@ impl Session {
             Ok(target) => {
                 self.selected = target;
                 self.changed();
+                self.done_at = Some(at);
                 true
             }
             Err(error) => {
@@ -243,6 +247,7 @@ pub(crate) fn show(
 ) {
     let environment = || {
         Environment::prebuilt(Arc::clone(session.document.world()))
+            .with_pace(GenerationMode::Blocking)
             .with_solids(SolidStorage::TileData)
             .with_origin(session.view.origin())
     };

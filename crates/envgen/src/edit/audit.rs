@@ -1,12 +1,11 @@
-//! What an editor shows of a world.
+//! What an editor shows of a world after each change.
 
 use crate::calibration::{Calibration, Prediction};
 use crate::certificate::{Claim, Doubt, Unreached, Verdict, unreached, verify_claims};
 use crate::difficulty::{DifficultyVector, Platform};
 use crate::world::World;
 
-/// What holds of a world: its promises, its places, its difficulty. Computing it takes milliseconds for small worlds
-/// and seconds for the largest.
+/// What holds of a world: its promises, and its places.
 ///
 /// ```
 /// use envgen::edit::Audit;
@@ -31,28 +30,20 @@ pub struct Audit {
     pub radius: f64,
     /// The places that it cannot reach; `None` where the world has no start, or it does not fit there.
     pub unreached: Result<Option<Unreached>, Doubt>,
-    /// The difficulty that trials are predicted to measure; `None` for kinds that are not calibrated, and where the
-    /// robot does not fit.
-    pub prediction: Option<Prediction>,
 }
 
 impl Audit {
     /// Checks a world and promises, which may be others than those of its certificate.
     pub fn of(world: &World, promises: &[Claim]) -> Self {
-        let platform = Platform::default();
         let radius = promises.iter().find_map(|claim| match claim {
             Claim::Connected { radius } | Claim::EveryPlaceReachable { radius } => Some(*radius),
             _ => None,
         });
-        let radius = radius.unwrap_or(platform.circumscribed_radius);
-        let vector = || DifficultyVector::of(world, &platform).ok();
-        let prediction = Calibration::of(&world.provenance.kind)
-            .and_then(|calibration| vector().map(|vector| calibration.predict(&vector)));
+        let radius = radius.unwrap_or(Platform::default().circumscribed_radius);
         Audit {
             promises: verify_claims(world, promises),
             radius,
             unreached: unreached(world, radius),
-            prediction,
         }
     }
 
@@ -61,4 +52,12 @@ impl Audit {
         let broken = self.promises.iter().filter(|(_, verdict)| *verdict == Verdict::Broken);
         broken.map(|(claim, _)| *claim).collect()
     }
+}
+
+/// The difficulty that trials are predicted to measure in a world, for the usual robot; `None` for kinds that are not
+/// calibrated, and where the robot does not fit. It takes several times as long as an [`Audit`].
+pub fn predict(world: &World) -> Option<Prediction> {
+    let calibration = Calibration::of(&world.provenance.kind)?;
+    let vector = DifficultyVector::of(world, &Platform::default()).ok()?;
+    Some(calibration.predict(&vector))
 }
