@@ -13,6 +13,7 @@
 mod arguments;
 mod auditing;
 mod canvas;
+mod floors;
 mod keys;
 mod painting;
 mod panels;
@@ -90,6 +91,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
             keys::act,
             session::poll,
             session::show.before(EnvgenSystems::Request),
+            floors::lay,
             view::follow,
             session::close,
         )

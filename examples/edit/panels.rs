@@ -118,6 +118,9 @@ fn file(ui: &mut Ui, session: &mut Session) {
             session.save();
         }
     });
+    if let Some(failure) = &session.failure {
+        ui.label(RichText::new(failure).color(painting::ERROR));
+    }
 }
 
 fn tools(ui: &mut Ui, session: &mut Session) {
@@ -331,11 +334,9 @@ fn difficulty(ui: &mut Ui, session: &Session) {
 
 /// The last event, or what is at the pointer.
 fn status(ui: &mut Ui, session: &Session) {
-    let (message, is_error) = &session.message;
     ui.horizontal_centered(|ui| {
-        if !message.is_empty() {
-            let color = if *is_error { painting::ERROR } else { ui.visuals().text_color() };
-            ui.add(egui::Label::new(RichText::new(message).color(color)).truncate());
+        if !session.message.is_empty() {
+            ui.add(egui::Label::new(&session.message).truncate());
             return;
         }
         if let Some(at) = session.pointer {

@@ -1,7 +1,8 @@
 //! What is edited, and the person's actions.
 
+use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::Arc;
 
 use bevy::prelude::*;
@@ -70,8 +71,10 @@ pub(crate) struct Session {
     /// Whether the window is to be closed, and changes are not saved.
     pub(crate) asks: bool,
     pub(crate) closes: bool,
-    /// The last event, in one line, and whether it is an error.
-    pub(crate) message: (String, bool),
+    /// The last event, in one line.
+    pub(crate) message: String,
+    /// Why the last file could not be written, or the last trial not be opened.
+    pub(crate) failure: Option<String>,
     /// Number of states so far: what is drawn and audited is of one of them.
     pub(crate) revision: u64,
     now: f64,
@@ -99,7 +102,8 @@ impl Session {
             grid: true,
             asks: false,
             closes: false,
-            message: (note.unwrap_or_default(), false),
+            message: note.unwrap_or_default(),
+            failure: None,
             revision: 1,
             now: 0.0,
         }
@@ -127,7 +131,6 @@ impl Session {
     }
 
     pub(crate) fn refuse(&mut self, text: String, at: DVec2) {
-        self.message = (text.clone(), true);
         self.refusal = Some(Refusal { text, at, until: self.now + REFUSAL });
     }
 
@@ -148,7 +151,7 @@ impl Session {
     fn changed(&mut self) {
         self.revision += 1;
         self.refusal = None;
-        self.message = Default::default();
+        self.message.clear();
     }
 
     /// Turns what is selected, or the room or object that is to be added.
@@ -197,25 +200,25 @@ impl Session {
 
     /// Writes the document to its file; whether that was possible.
     pub(crate) fn save(&mut self) -> bool {
-        let path = PathBuf::from(self.out.trim());
-        match saving::save(&self.document, &path) {
-            Ok(text) => {
-                self.document.mark_saved();
-                self.message = (text, false);
-                true
-            }
-            Err(error) => {
-                self.message = (error.to_string(), true);
-                false
-            }
+        let saved = saving::save(&self.document, Path::new(self.out.trim()));
+        let is_saved = saved.is_ok();
+        if is_saved {
+            self.document.mark_saved();
         }
+        self.report(saved);
+        is_saved
+    }
+
+    fn report(&mut self, result: Result<String, Box<dyn Error>>) {
+        (self.message, self.failure) = match result {
+            Ok(text) => (text, None),
+            Err(error) => (String::new(), Some(error.to_string())),
+        };
     }
 
     pub(crate) fn open_trial(&mut self) {
-        self.message = match self.trials.open(&self.document) {
-            Ok(text) => (text, false),
-            Err(error) => (error.to_string(), true),
-        };
+        let opened = self.trials.open(&self.document);
+        self.report(opened);
     }
 
     /// Closes the window, after a question if changes are not saved.
@@ -270,7 +273,7 @@ pub(crate) fn poll(mut session: ResMut<Session>, time: Res<Time<Real>>) {
     }
     session.auditing.poll(&session.document, session.revision);
     if let Some(failure) = session.trials.poll() {
-        session.message = (failure, true);
+        session.failure = Some(failure);
     }
 }
 
