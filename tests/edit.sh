@@ -10,6 +10,7 @@ cd "$(dirname "$0")/.."
 pictures=${1:-out/edit_pictures}
 scratch=$(mktemp -d)
 mkdir -p "$pictures"
+pictures=$(realpath "$pictures")
 started=()
 finish() {
   for process in "${started[@]}"; do kill "$process" 2>/dev/null || true; done
@@ -22,29 +23,31 @@ fail() { echo "edit: $*" >&2; exit 1; }
 # shellcheck disable=SC2086  # each word is an argument
 cargo build ${CARGO_FLAGS:-} --features window --example edit --example teleop --bin envgen
 case " ${CARGO_FLAGS:-} " in *" --release "*) built=release ;; *) built=debug ;; esac
-programs=${CARGO_TARGET_DIR:-target}/$built
+programs=$(realpath "${CARGO_TARGET_DIR:-target}/$built")
 export XDG_RUNTIME_DIR=$scratch
+cd "$scratch"
 
 # Mistakes are reported without a window: refused TEXT ARGUMENTS..
 refused() {
   local text=$1
   shift
-  if timeout 20 "$programs/examples/edit" "$@" >"$scratch/said" 2>&1; then fail "$*: not refused"; fi
-  grep -qF -- "$text" "$scratch/said" || { cat "$scratch/said" >&2; fail "$*: not refused with '$text'"; }
+  if timeout 20 "$programs/examples/edit" "$@" >said 2>&1; then fail "$*: not refused"; fi
+  grep -qF -- "$text" said || { cat said >&2; fail "$*: not refused with '$text'"; }
 }
-echo 'World(schema: 1' >"$scratch/broken.ron"
-echo '<world depth="2"/>' >"$scratch/broken.xml"
+echo 'World(schema: 1' >broken.ron
+echo '<world depth="2"/>' >broken.xml
 refused 'nonsense: no such file' nonsense
-refused "$scratch/missing.ron: No such file" "$scratch/missing.ron"
-refused "$scratch/broken.ron: not the RON of a world" "$scratch/broken.ron"
-refused "$scratch/broken.xml: \`world\` 1: \`width\`" "$scratch/broken.xml"
-refused 'README.md: unknown file ending' README.md
+refused "missing.ron: No such file" missing.ron
+refused "broken.ron: not the RON of a world" broken.ron
+refused "broken.xml: \`world\` 1: \`width\`" broken.xml
+touch notes.md
+refused 'notes.md: unknown file ending' notes.md
 refused '--set width=-3' indoor --set width=-3
 refused '--set wdth=3' indoor --set wdth=3
 refused '--rooms nowhere' indoor --rooms nowhere
 VK_DRIVER_FILES=/nowhere VK_ICD_FILENAMES=/nowhere refused 'error: ' indoor
 
-Xvfb :93 -screen 0 1280x720x24 -nolisten tcp >"$scratch/xvfb" 2>&1 &
+Xvfb :93 -screen 0 1280x720x24 -nolisten tcp >xvfb 2>&1 &
 started+=("$!")
 export DISPLAY=:93
 sleep 2
@@ -52,12 +55,12 @@ sleep 2
 # Starts the window and waits for it: open ARGUMENTS..
 open() {
   # Bash starts what runs in the background deaf to Ctrl+C.
-  env --default-signal=INT "$programs/examples/edit" "$@" >"$scratch/said" 2>&1 &
+  env --default-signal=INT "$programs/examples/edit" "$@" >said 2>&1 &
   program=$!
   started+=("$program")
   for _ in $(seq 120); do
     window=$(xdotool search --onlyvisible --name '^envgen: edit$' 2>/dev/null | head -n 1) && [ -n "$window" ] && break
-    kill -0 "$program" 2>/dev/null || { cat "$scratch/said" >&2; fail "the program has ended"; }
+    kill -0 "$program" 2>/dev/null || { cat said >&2; fail "the program has ended"; }
     sleep 0.3
   done
   [ -n "${window:-}" ] || fail "no window after half a minute"
@@ -117,18 +120,18 @@ save() {
   click 1150 600
 }
 
-checked() { "$programs/envgen" check "$1" >"$scratch/check" || { cat "$scratch/check" >&2; fail "$1 does not hold"; }; }
+checked() { "$programs/envgen" check "$1" >check || { cat check >&2; fail "$1 does not hold"; }; }
 # The number of parts of a list in a saved world, one per line: parts FILE.ron LIST
 parts() { awk -v list="$2:" '$1 == list && $2 == "[" { on = 1; next } /^  \],/ { on = 0 } on { n++ } END { print n + 0 }' "$1"; }
 same() { [ "$1" = "$2" ] || fail "$3: $1, not $2"; }
 
 # A plan: a room is added, moved and turned.
-open indoor --seed 3 --out "$scratch/first.ron"
+open indoor --seed 3 --out first.ron
 picture plan
 press ctrl+s
-written "$scratch/first.ron" || fail "Ctrl+S does not save"
-checked "$scratch/first.ron"
-rooms=$(parts "$scratch/first.ron" rooms)
+written first.ron || fail "Ctrl+S does not save"
+checked first.ron
+rooms=$(parts first.ron rooms)
 press 2
 click 100 215
 # shellcheck disable=SC2046  # two words
@@ -143,32 +146,32 @@ click 100 215
   press 1
   drag $(cell 4 2) $(cell 4 5) moving
 }
-save "$scratch/moved.ron"
-same "$(parts "$scratch/moved.ron" rooms)" $((rooms + 1)) "rooms after one was added"
-grep -q 'edited: *true' "$scratch/moved.ron" || fail "an edited world does not say so"
+save moved.ron
+same "$(parts moved.ron rooms)" $((rooms + 1)) "rooms after one was added"
+grep -q 'edited: *true' moved.ron || fail "an edited world does not say so"
 # A promise that an edit has broken is not saved.
-checked "$scratch/moved.ron"
-! grep -q every_place_reachable "$scratch/moved.ron" || fail "a room without doorways can be reached"
+checked moved.ron
+! grep -q every_place_reachable moved.ron || fail "a room without doorways can be reached"
 picture unreached
 # With a doorway it can be reached.
 press 4
 # The wall to the left of column 4 in row 5.
 click 488 248
 press 1
-save "$scratch/open.ron"
-grep -q every_place_reachable "$scratch/open.ron" || fail "a room with a doorway cannot be reached"
-checked "$scratch/open.ron"
+save open.ron
+grep -q every_place_reachable open.ron || fail "a room with a doorway cannot be reached"
+checked open.ron
 # The selected doorway is removed, which is undone and done again.
 click 488 248
 press Delete
 sleep 1
 picture closed
 press ctrl+z
-save "$scratch/again.ron"
-cmp "$scratch/open.ron" "$scratch/again.ron" || fail "undo leads to another world"
+save again.ron
+cmp open.ron again.ron || fail "undo leads to another world"
 press ctrl+shift+z
-save "$scratch/closed.ron"
-cmp "$scratch/moved.ron" "$scratch/closed.ron" || fail "redo leads to another world"
+save closed.ron
+cmp moved.ron closed.ron || fail "redo leads to another world"
 press ctrl+z
 # A room of 2 by 1 cells is turned in place.
 press 2
@@ -177,6 +180,7 @@ click 468 148
 press 1
 click 468 148
 press r
+sleep 0.7
 picture turned
 # An object in the room.
 press 5
@@ -184,21 +188,21 @@ press 5
 { click $(cell 4 5); }
 press r
 picture object
-save "$scratch/plan.ron"
-checked "$scratch/plan.ron"
-same "$(parts "$scratch/plan.ron" rooms)" $((rooms + 2)) "rooms after two were added"
-same "$(parts "$scratch/plan.ron" obstacles)" $(($(parts "$scratch/open.ron" obstacles) + 1)) "obstacles after one was added"
-for ending in xml svg png yaml geojson; do save "$scratch/plan.$ending"; done
-checked "$scratch/plan.xml"
-same "$(grep '<room ' "$scratch/plan.xml" | grep -vc hallway)" $((rooms + 2)) "rooms in the project"
-checked "$scratch/plan.yaml"
-checked "$scratch/plan.geojson"
-[ -s "$scratch/plan.pgm" ] || fail "no image of the map"
-cp "$scratch/plan.png" "$pictures/saved.png"
+save plan.ron
+checked plan.ron
+same "$(parts plan.ron rooms)" $((rooms + 2)) "rooms after two were added"
+same "$(parts plan.ron obstacles)" $(($(parts open.ron obstacles) + 1)) "obstacles after one was added"
+for ending in xml svg png yaml geojson; do save "plan.$ending"; done
+checked plan.xml
+same "$(grep '<room ' plan.xml | grep -vc hallway)" $((rooms + 2)) "rooms in the project"
+checked plan.yaml
+checked plan.geojson
+[ -s plan.pgm ] || fail "no image of the map"
+cp plan.png "$pictures/saved.png"
 # What cannot be saved is said, and leaves no file.
-name "$scratch/plan.doc"
+name plan.doc
 picture wrong_ending
-[ ! -e "$scratch/plan.doc" ] || fail "a file of no format"
+[ ! -e plan.doc ] || fail "a file of no format"
 # A trial on the edited world.
 click 1150 600
 press t
@@ -223,27 +227,27 @@ click 525 396
 ended
 
 # The project is edited as a plan again.
-open "$scratch/plan.xml" --out "$scratch/second.xml"
+open plan.xml --out second.xml
 press ctrl+s
-written "$scratch/second.xml" || fail "Ctrl+S does not save a project"
-sed 's/name="second"/name="plan"/' "$scratch/second.xml" | cmp - "$scratch/plan.xml" || fail "the project has changed"
+written second.xml || fail "Ctrl+S does not save a project"
+sed 's/name="second"/name="plan"/' second.xml | cmp - plan.xml || fail "the project has changed"
 press ctrl+q
 ended
 
 # The parts of another world.
-open forest --seed 2 --set width=20 --set height=20 --out "$scratch/forest.ron"
+open forest --seed 2 --set width=20 --set height=20 --out forest.ron
 press 5
 click 560 300
 press 1
 drag 560 300 620 330
 picture world
 press ctrl+s
-written "$scratch/forest.ron" || fail "Ctrl+S does not save a forest"
-checked "$scratch/forest.ron"
-same "$(parts "$scratch/forest.ron" obstacles)" 1 "obstacles in the forest"
+written forest.ron || fail "Ctrl+S does not save a forest"
+checked forest.ron
+same "$(parts forest.ron obstacles)" 1 "obstacles in the forest"
 press Delete ctrl+s
 sleep 1
-same "$(parts "$scratch/forest.ron" obstacles)" 0 "obstacles after it was removed"
+same "$(parts forest.ron obstacles)" 0 "obstacles after it was removed"
 press ctrl+q
 ended
 echo "edit: pictures in $pictures, $SECONDS s"

@@ -10,6 +10,9 @@ use crate::session::Session;
 /// Above the floors of `EnvgenVisualsPlugin`, and below everything that is on them.
 const LAYER: f32 = 0.0155;
 
+/// Share of white in them, so that what is marked on them is seen.
+const PALE: f32 = 0.45;
+
 /// The floor of a room.
 #[derive(Component)]
 pub(crate) struct Floor;
@@ -37,7 +40,9 @@ pub(crate) fn lay(
         commands.spawn((
             Floor,
             Mesh2d(unit.clone()),
-            MeshMaterial2d(materials.add(Color::srgb_u8(red, green, blue))),
+            MeshMaterial2d(
+                materials.add(Color::srgb_u8(red, green, blue).mix(&Color::WHITE, PALE)),
+            ),
             Transform::from_translation(place(center))
                 .with_rotation(Quat::from_rotation_z(heading as f32))
                 .with_scale((2.0 * half_size).as_vec2().extend(1.0)),

@@ -1,7 +1,7 @@
 //! What is drawn over the world: the grid, names, what is out of reach, and what is being done.
 
 use bevy_mapping_trial::ui::egui;
-use egui::{Color32, FontId, Painter, Pos2, Stroke, StrokeKind, Ui};
+use egui::{Color32, FontId, Painter, Pos2, Rgba, Stroke, StrokeKind, Ui};
 use envgen::geometry::Shape;
 use envgen::glam::DVec2;
 
@@ -11,11 +11,9 @@ use crate::session::Session;
 /// Text on the plan.
 pub(crate) const INK: Color32 = Color32::from_rgb(0x22, 0x26, 0x2e);
 const GRID: Color32 = Color32::from_black_alpha(36);
-const UNREACHED: Color32 = Color32::from_rgba_unmultiplied_const(255, 100, 0, 225);
+pub(crate) const UNREACHED: Color32 = Color32::from_rgb(0xc4, 0x00, 0x94);
 pub(crate) const ERROR: Color32 = Color32::from_rgb(0xb0, 0x1e, 0x1e);
-const REFUSED: Color32 = Color32::from_rgba_unmultiplied_const(220, 30, 30, 120);
-const ALLOWED: Color32 = Color32::from_rgba_unmultiplied_const(20, 150, 80, 110);
-const ALLOWED_EDGE: Color32 = Color32::from_rgb(0x0c, 0x6b, 0x3c);
+const ALLOWED: Color32 = Color32::from_rgb(0x0c, 0x6b, 0x3c);
 const SELECTED: Color32 = Color32::from_rgb(0x0b, 0x5c, 0xc4);
 
 /// Lines of the grid nearer than this, in points, are left out.
@@ -26,6 +24,11 @@ const LEAST_NAMED: f64 = 46.0;
 
 /// Width of texts at the pointer in points.
 const NOTE_WIDTH: f32 = 300.0;
+
+/// A color that lets through what is below it: light is what the window mixes.
+fn clear(color: Color32, opacity: f32) -> Color32 {
+    (Rgba::from(color) * opacity).into()
+}
 
 pub(crate) fn paint(ui: &Ui, session: &Session, ghost: Option<&Ghost>) {
     let painter = ui.painter_at(session.canvas());
@@ -42,9 +45,8 @@ pub(crate) fn paint(ui: &Ui, session: &Session, ghost: Option<&Ghost>) {
         draw(&painter, session, &shape, Color32::TRANSPARENT, Stroke::new(2.5, SELECTED));
     }
     if let Some(Ghost { outline: Some(shape), refused }) = ghost {
-        let (fill, edge) =
-            if refused.is_some() { (REFUSED, ERROR) } else { (ALLOWED, ALLOWED_EDGE) };
-        draw(&painter, session, shape, fill, Stroke::new(2.0, edge));
+        let color = if refused.is_some() { ERROR } else { ALLOWED };
+        draw(&painter, session, shape, clear(color, 0.4), Stroke::new(2.0, color));
     }
     let refused = ghost.and_then(|ghost| ghost.refused.as_deref()).zip(session.pointer);
     let refusal = session.refusal.as_ref().map(|refusal| (refusal.text.as_str(), refusal.at));
@@ -88,15 +90,15 @@ fn grid(painter: &Painter, session: &Session) {
 fn unreached(painter: &Painter, session: &Session) {
     let Some(audit) = session.auditing.audit.get() else { return };
     let Ok(Some(places)) = &audit.unreached else { return };
-    let mut mesh = egui::Mesh::default();
+    let (mut mesh, color) = (egui::Mesh::default(), clear(UNREACHED, 0.6));
     for square in &places.squares {
         let corners = [square.min, square.max].map(|p| session.view.to_canvas(p));
-        mesh.add_colored_rect(egui::Rect::from_two_pos(corners[0], corners[1]), UNREACHED);
+        mesh.add_colored_rect(egui::Rect::from_two_pos(corners[0], corners[1]), color);
     }
     painter.add(mesh);
     for &room in &places.rooms {
         if let Some(room) = session.document.world().rooms.get(room as usize) {
-            draw(painter, session, &room.shape, Color32::TRANSPARENT, Stroke::new(2.5, ERROR));
+            draw(painter, session, &room.shape, Color32::TRANSPARENT, Stroke::new(2.5, UNREACHED));
         }
     }
 }
@@ -115,7 +117,7 @@ fn names(painter: &Painter, session: &Session) {
         let middle = session.view.to_canvas(bounds.center());
         let corner = middle - 0.5 * galley.size();
         let back = egui::Rect::from_min_size(corner, galley.size()).expand(1.5);
-        painter.rect_filled(back, 2.0, Color32::from_white_alpha(190));
+        painter.rect_filled(back, 2.0, clear(Color32::WHITE, 0.7));
         painter.galley(corner, galley, INK);
     }
 }

@@ -282,7 +282,7 @@ fn findings(ui: &mut Ui, session: &Session) {
                 count => format!("{count} rooms"),
             };
             let text = format!("{area:.1} m², {rooms}");
-            ui.label(RichText::new(text).color(painting::ERROR));
+            ui.label(RichText::new(text).color(painting::UNREACHED).strong());
             for &room in places.rooms.iter().take(6) {
                 if let Some(room) = session.document.world().rooms.get(room as usize) {
                     ui.label(format!("room `{}`", room.name));
