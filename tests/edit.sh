@@ -45,7 +45,8 @@ refused 'notes.md: unknown file ending' notes.md
 refused '--set width=-3' indoor --set width=-3
 refused '--set wdth=3' indoor --set wdth=3
 refused '--rooms nowhere' indoor --rooms nowhere
-VK_DRIVER_FILES=/nowhere VK_ICD_FILENAMES=/nowhere refused 'error: ' indoor
+VK_DRIVER_FILES=/nowhere VK_ICD_FILENAMES=/nowhere refused 'no Vulkan' indoor
+DISPLAY='' refused 'no display' indoor
 
 Xvfb :93 -screen 0 1280x720x24 -nolisten tcp >xvfb 2>&1 &
 started+=("$!")

@@ -14,7 +14,6 @@ use crate::saving::FOLDER;
 
 /// Change a world by hand: rooms, hallways and doorways of indoor maps, and the parts of any other world.
 #[derive(Parser, Clone)]
-#[expect(clippy::doc_markdown, reason = "these texts are for the terminal, not Markdown")]
 pub(crate) struct Arguments {
     /// A kind of world (see `envgen kinds`), or a file: a world (.ron, .json, .yaml, .geojson, .map and others), a
     /// plan of the World Generator (.xml) or a spec (.envgen.ron).

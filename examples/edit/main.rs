@@ -13,6 +13,8 @@
 mod arguments;
 mod auditing;
 mod canvas;
+#[path = "../shared/display.rs"]
+mod display;
 mod floors;
 mod keys;
 mod painting;
@@ -69,6 +71,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let opened = arguments.open()?;
     // Without a graphics driver Bevy would panic.
     find_renderer()?;
+    display::find()?;
     let window = Window { title: "envgen: edit".to_owned(), ..default() };
     // The session closes the window, once changes are saved or given up.
     let window =
@@ -83,6 +86,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     ))
     .insert_resource(WinitSettings { focused_mode: update, unfocused_mode: update })
     .insert_resource(Session::new(opened))
+    .add_observer(session::show_failure)
     .add_systems(Startup, spawn_cameras)
     .add_systems(
         Update,

@@ -2,7 +2,7 @@
 
 use bevy_mapping_trial::ui::egui;
 use egui::{Color32, FontId, Painter, Pos2, Rgba, Stroke, StrokeKind, Ui};
-use envgen::geometry::Shape;
+use envgen::geometry::{Rect as WorldRect, Shape};
 use envgen::glam::DVec2;
 
 use crate::canvas::Ghost;
@@ -18,6 +18,9 @@ const SELECTED: Color32 = Color32::from_rgb(0x0b, 0x5c, 0xc4);
 
 /// Lines of the grid nearer than this, in points, are left out.
 const LEAST_CELL: f64 = 6.0;
+
+/// Squares that are out of reach and narrower than this, in points, are left out: they are many.
+const LEAST_SQUARE: f64 = 0.5;
 
 /// Rooms narrower than this, in points, have no name.
 const LEAST_NAMED: f64 = 46.0;
@@ -62,7 +65,7 @@ fn grid(painter: &Painter, session: &Session) {
         Some(plan) => {
             let (columns, rows) = (plan.grid().width(), plan.grid().height());
             let size = DVec2::new(f64::from(columns), f64::from(rows)) * plan.spec().cell_size;
-            (plan.spec().cell_size, envgen::geometry::Rect::new(DVec2::ZERO, size))
+            (plan.spec().cell_size, WorldRect::new(DVec2::ZERO, size))
         }
         None => {
             let steps = [0.1, 0.5, 1.0, 5.0, 10.0, 50.0, 100.0, 500.0, 1000.0];
@@ -91,7 +94,9 @@ fn unreached(painter: &Painter, session: &Session) {
     let Some(audit) = session.auditing.audit.get() else { return };
     let Ok(Some(places)) = &audit.unreached else { return };
     let (mut mesh, color) = (egui::Mesh::default(), clear(UNREACHED, 0.6));
-    for square in &places.squares {
+    let (area, least) = (session.view.area(), LEAST_SQUARE * session.view.scale());
+    let seen = |square: &&WorldRect| area.overlaps(**square) && square.size().x >= least;
+    for square in places.squares.iter().filter(seen) {
         let corners = [square.min, square.max].map(|p| session.view.to_canvas(p));
         mesh.add_colored_rect(egui::Rect::from_two_pos(corners[0], corners[1]), color);
     }

@@ -264,6 +264,11 @@ pub(crate) fn show(
     }
 }
 
+/// The world cannot be shown: the panel says why.
+pub(crate) fn show_failure(failed: On<EnvironmentFailed>, mut session: ResMut<Session>) {
+    session.failure = Some(failed.error.to_string());
+}
+
 /// Counts time, forgets old refusals, takes the results of other threads and programs.
 pub(crate) fn poll(mut session: ResMut<Session>, time: Res<Time<Real>>) {
     let session = session.bypass_change_detection();

@@ -1,5 +1,6 @@
 //! What is at a point of a world.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use glam::DVec2;
@@ -50,27 +51,18 @@ impl World {
         let is_laid = |kind| {
             !matches!(kind, SurfaceKind::Hallway | SurfaceKind::OpenArea | SurfaceKind::Class(_))
         };
-        let found = |list: &mut dyn Iterator<Item = (WorldTarget, Shape)>| {
-            let ranked = list.filter_map(|(target, shape)| {
-                let distance = shape.distance(p);
-                (distance <= reach).then(|| (distance, shape.area(), target))
-            });
-            let nearest = ranked.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-            nearest.map(|(_, _, target)| target)
-        };
         let victims = (0..self.victims.len() as u32).map(WorldTarget::Victim);
         let poses = [WorldTarget::Start, WorldTarget::Goal].into_iter().chain(victims);
-        let mut poses = poses.filter_map(|target| Some((target, self.outline(target)?)));
-        let mut uprights =
-            self.uprights().map(|solid| (WorldTarget::Part(solid.id), solid.shape.into_owned()));
+        let poses = poses.filter_map(|target| Some((target, Cow::Owned(self.outline(target)?))));
+        let uprights = self.uprights().map(|solid| (WorldTarget::Part(solid.id), solid.shape));
         let surfaces = self.surfaces.iter().enumerate().filter(|(_, s)| is_laid(s.kind));
-        let mut surfaces = surfaces.map(|(i, s)| (part(PartKind::Surface, i), s.shape.clone()));
+        let surfaces = surfaces.map(|(i, s)| (part(PartKind::Surface, i), Cow::Borrowed(&s.shape)));
         let rooms = self.rooms.iter().enumerate();
-        let mut rooms = rooms.map(|(i, room)| (part(PartKind::Room, i), room.shape.clone()));
-        found(&mut poses)
-            .or_else(|| found(&mut uprights))
-            .or_else(|| found(&mut surfaces))
-            .or_else(|| found(&mut rooms))
+        let rooms = rooms.map(|(i, room)| (part(PartKind::Room, i), Cow::Borrowed(&room.shape)));
+        nearest(p, reach, poses)
+            .or_else(|| nearest(p, reach, uprights))
+            .or_else(|| nearest(p, reach, surfaces))
+            .or_else(|| nearest(p, reach, rooms))
     }
 
     /// The outline of a part, in metres, or a disc around a pose; `None` if there is no such part, and for roads.
@@ -95,4 +87,18 @@ impl World {
             PartKind::RoadStrip => None,
         }
     }
+}
+
+/// The nearest shape that is not farther from a point than `reach`; the smallest of those at the same distance.
+fn nearest<'a>(
+    p: DVec2,
+    reach: f64,
+    shapes: impl Iterator<Item = (WorldTarget, Cow<'a, Shape>)>,
+) -> Option<WorldTarget> {
+    let near = shapes.filter_map(|(target, shape)| {
+        let distance = shape.distance(p);
+        (distance <= reach).then(|| (distance, shape.area(), target))
+    });
+    let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    nearest.map(|(_, _, target)| target)
 }
