@@ -49,7 +49,7 @@ pub(crate) fn paint(ui: &Ui, session: &Session, ghost: Option<&Ghost>) {
     }
     if let Some(Ghost { outline: Some(shape), refused }) = ghost {
         let color = if refused.is_some() { ERROR } else { ALLOWED };
-        draw(&painter, session, shape, clear(color, 0.4), Stroke::new(2.0, color));
+        draw(&painter, session, shape, clear(color, 0.55), Stroke::new(2.0, color));
     }
     let refused = ghost.and_then(|ghost| ghost.refused.as_deref()).zip(session.pointer);
     let refusal = session.refusal.as_ref().map(|refusal| (refusal.text.as_str(), refusal.at));
@@ -93,7 +93,7 @@ fn grid(painter: &Painter, session: &Session) {
 fn unreached(painter: &Painter, session: &Session) {
     let Some(audit) = session.auditing.audit.get() else { return };
     let Ok(Some(places)) = &audit.unreached else { return };
-    let (mut mesh, color) = (egui::Mesh::default(), clear(UNREACHED, 0.6));
+    let (mut mesh, color) = (egui::Mesh::default(), clear(UNREACHED, 0.85));
     let (area, least) = (session.view.area(), LEAST_SQUARE * session.view.scale());
     let seen = |square: &&WorldRect| area.overlaps(**square) && square.size().x >= least;
     for square in places.squares.iter().filter(seen) {
