@@ -17,7 +17,7 @@ use crate::world::World;
 /// assert!(Audit::of(&world, &promises).broken().is_empty());
 /// world.doorways.iter_mut().for_each(|door| door.open = false);
 /// let audit = Audit::of(&world, &promises);
-/// assert_eq!(audit.broken().len(), promises.len());
+/// assert!(!audit.broken().is_empty());
 /// assert!(audit.unreached?.is_some_and(|places| places.rooms.len() > 5));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
