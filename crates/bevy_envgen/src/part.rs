@@ -272,6 +272,8 @@ data! {
         Emptied,
         /// A maze in place of them.
         Maze,
+        /// Those that were added, moved or removed by hand.
+        Edited,
     }
 }
 
@@ -282,6 +284,7 @@ impl From<world::Contents> for Contents {
             world::Contents::Cleared => Contents::Cleared,
             world::Contents::Emptied => Contents::Emptied,
             world::Contents::Maze => Contents::Maze,
+            world::Contents::Edited => Contents::Edited,
         }
     }
 }

@@ -27,6 +27,7 @@
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | what generators make | [`World`], [`world`], [`geometry`], [`GridFrame`] |
 //! | queries and checks of a world | [`occupancy`], [`raycast`], [`clearance_index`], [`surface_index`], [`placement`], [`mod@distance`], [`certificate`], [`reproduction`], `picture` |
+//! | changes by hand, with undo and redo | [`edit`] |
 //! | doors, people and smoke | [`scenario`] |
 //! | how hard a world is to map | [`difficulty`] |
 //! | bodies in three dimensions | [`pieces`], `mesh` |
@@ -79,6 +80,7 @@ mod dials;
 pub mod difficulty;
 pub mod distance;
 pub mod distribution;
+pub mod edit;
 mod error;
 pub mod export;
 pub mod file;

@@ -1,5 +1,6 @@
 //! The limits of a check's cost, and why a claim is undecided.
 
+use std::error::Error;
 use std::fmt;
 
 /// The most convex pieces (trees, boxes, segments, sides of polygons) of which a check keeps track:
@@ -48,6 +49,8 @@ impl fmt::Display for Doubt {
         }
     }
 }
+
+impl Error for Doubt {}
 
 /// Comparisons that are left.
 pub(super) struct Budget(u64);

@@ -23,7 +23,7 @@ use serde::{Serialize, Serializer};
 
 pub use crate::world::Claim;
 pub use budget::{Doubt, MAX_BEND_POINTS, MAX_COMPARISONS, MAX_PIECES, MAX_SQUARES};
-pub use reachability::PLACE_MARGIN;
+pub use reachability::{PLACE_MARGIN, Unreached, unreached};
 
 use crate::calibration::{Calibration, Prediction};
 use crate::difficulty::{DifficultyVector, Platform};
@@ -73,7 +73,12 @@ impl Serialize for Verdict {
 
 /// Checks every claim of a world's certificate, in order.
 pub fn verify(world: &World) -> Vec<(Claim, Verdict)> {
-    world.certificate.iter().map(|claim| (*claim, verdict(world, claim))).collect()
+    verify_claims(world, &world.certificate)
+}
+
+/// Checks claims of a world, in order, whether its certificate holds them or not.
+pub fn verify_claims(world: &World, claims: &[Claim]) -> Vec<(Claim, Verdict)> {
+    claims.iter().map(|claim| (*claim, verdict(world, claim))).collect()
 }
 
 fn verdict(world: &World, claim: &Claim) -> Verdict {

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 use glam::DVec2;
 
-use super::budget::{Budget, Doubt};
+use super::budget::{Budget, Doubt, MAX_COMPARISONS};
 use super::disc_path::{Barriers, Nearer};
 use super::outlines::Outlines;
 use super::piece_index::Pieces;
@@ -31,23 +31,9 @@ pub(super) fn every_place_reachable(
     radius: f64,
     budget: &mut Budget,
 ) -> Result<bool, Doubt> {
-    let Some(start) = world.start.map(|start| start.position) else { return Ok(false) };
-    let area = world.bounds.union(Rect::new(start, start));
-    let pieces = Pieces::new(barriers(world), radius + PLACE_MARGIN)?;
-    let outlines = Outlines::new(barriers(world));
-    let space = Space { pieces: &pieces, outlines: &outlines, area, radius };
-    let barriers = Barriers::new(&pieces, area, radius);
-    match barriers.nearer(space.clearance(start, budget)?, radius) {
-        Nearer::Yes => return Ok(false),
-        Nearer::Perhaps => return Err(Doubt::TooClose),
-        Nearer::No => {}
-    }
-    // Connections through other ground are left to the barriers.
-    let around = floors(world).map(Shape::bounds).fold(Rect::new(start, start), Rect::union);
-    let around = around.grown(PLACE_MARGIN);
-    let around = Rect::new(around.min.max(area.min), around.max.min(area.max));
-    let squares = Squares::new(pieces.list(), around, radius, PLACE_MARGIN, budget)?;
-    let mut survey = Survey::new(&space, &squares, start);
+    let Some(ground) = Ground::new(world, radius, budget)? else { return Ok(false) };
+    let space = ground.space();
+    let mut survey = Survey::new(&space, &ground.squares, ground.start);
     for floor in floors(world) {
         survey.find_places(floor, budget)?;
     }
@@ -56,7 +42,130 @@ pub(super) fn every_place_reachable(
             return Ok(false);
         }
     }
-    barriers.join(&survey.lines, budget)
+    ground.barriers().join(&survey.lines, budget)
+}
+
+/// The places that a disc cannot reach from a world's start.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Unreached {
+    /// Squares, which touch but do not overlap, of floor where the disc's middle could be with [`PLACE_MARGIN`] to
+    /// spare; in worlds without floors, of all free ground.
+    pub squares: Vec<Rect>,
+    /// The indices of the rooms of which it reaches no place.
+    pub rooms: Vec<u32>,
+}
+
+/// Which places a disc cannot reach from the start: what breaks [`Claim::EveryPlaceReachable`](crate::world::Claim),
+/// place by place. `None` where the world has no start, or the disc does not fit there. The cost is at most a few
+/// times that of verifying the claim while few places are out of reach.
+///
+/// ```
+/// use envgen::certificate::unreached;
+/// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+///
+/// let spec = IndoorSpec { width: 8, height: 8, ..Default::default() };
+/// let mut world = spec.generate(Seed(2))?.to_world();
+/// assert!(unreached(&world, 0.36)?.is_some_and(|places| places.squares.is_empty()));
+/// for door in world.doorways.iter_mut().filter(|door| door.rooms.contains(&Some(3))) {
+///     door.open = false;
+/// }
+/// assert_eq!(unreached(&world, 0.36)?.map(|places| places.rooms), Some(vec![3]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// When it cannot be decided.
+pub fn unreached(world: &World, radius: f64) -> Result<Option<Unreached>, Doubt> {
+    let budget = &mut Budget::new(MAX_COMPARISONS);
+    let Some(ground) = Ground::new(world, radius, budget)? else { return Ok(None) };
+    let (space, squares, barriers) = (ground.space(), &ground.squares, ground.barriers());
+    let everything = [Shape::from_rect(world.bounds)];
+    let has_floors = floors(world).next().is_some();
+    let all: Vec<&Shape> =
+        if has_floors { floors(world).collect() } else { everything.iter().collect() };
+    let mut survey = Survey::new(&space, squares, ground.start);
+    // Squares by region and node: floors may overlap.
+    let mut others: BTreeMap<usize, BTreeMap<usize, Square>> = BTreeMap::new();
+    for floor in all {
+        squares.over(floor, |square| {
+            let region = squares.region(square);
+            if square.is_wide && Some(region) != survey.home {
+                others.entry(region).or_default().insert(square.node, square);
+            }
+            budget.spend(1)
+        })?;
+    }
+    let mut found = Unreached::default();
+    for (region, parts) in others {
+        let mut place = None;
+        for &Square { middle, half, .. } in parts.values() {
+            let shape = Shape::from_rect(Rect::new(middle, middle).grown(half));
+            place = space.find(&shape, middle, half, radius + PLACE_MARGIN, budget)?;
+            if place.is_some() {
+                break;
+            }
+        }
+        let Some(place) = place else { continue };
+        if barriers.join(&[[ground.start, place]], budget)? {
+            survey.reached.insert(region);
+        } else {
+            let square = |part: &Square| Rect::new(part.middle, part.middle).grown(part.half);
+            found.squares.extend(parts.values().map(square));
+        }
+    }
+    for (i, room) in world.rooms.iter().enumerate() {
+        if survey.has_place(&room.shape)? {
+            continue;
+        }
+        survey.lines.clear();
+        let is_roomy = survey.find_any(&room.shape, budget)?;
+        if !(is_roomy && barriers.join(&survey.lines, budget)?) {
+            found.rooms.push(i as u32);
+        }
+    }
+    Ok(Some(found))
+}
+
+/// The ground around a disc at the start of a world.
+struct Ground<'a> {
+    pieces: Pieces,
+    outlines: Outlines<'a>,
+    squares: Squares,
+    area: Rect,
+    start: DVec2,
+    radius: f64,
+}
+
+impl<'a> Ground<'a> {
+    /// `None` where there is no start, or the disc does not fit there.
+    fn new(world: &'a World, radius: f64, budget: &mut Budget) -> Result<Option<Self>, Doubt> {
+        let Some(start) = world.start.map(|start| start.position) else { return Ok(None) };
+        let area = world.bounds.union(Rect::new(start, start));
+        let pieces = Pieces::new(barriers(world), radius + PLACE_MARGIN)?;
+        let outlines = Outlines::new(barriers(world));
+        let space = Space { pieces: &pieces, outlines: &outlines, area, radius };
+        let clearance = space.clearance(start, budget)?;
+        match Barriers::new(&pieces, area, radius).nearer(clearance, radius) {
+            Nearer::Yes => return Ok(None),
+            Nearer::Perhaps => return Err(Doubt::TooClose),
+            Nearer::No => {}
+        }
+        // Connections through other ground are left to the barriers.
+        let around = floors(world).map(Shape::bounds).reduce(Rect::union).unwrap_or(area);
+        let around = around.union(Rect::new(start, start)).grown(PLACE_MARGIN);
+        let around = Rect::new(around.min.max(area.min), around.max.min(area.max));
+        let squares = Squares::new(pieces.list(), around, radius, PLACE_MARGIN, budget)?;
+        Ok(Some(Ground { pieces, outlines, squares, area, start, radius }))
+    }
+
+    fn space(&self) -> Space<'_> {
+        let (pieces, outlines) = (&self.pieces, &self.outlines);
+        Space { pieces, outlines, area: self.area, radius: self.radius }
+    }
+
+    fn barriers(&self) -> Barriers<'_> {
+        Barriers::new(&self.pieces, self.area, self.radius)
+    }
 }
 
 fn barriers(world: &World) -> impl Iterator<Item = Cow<'_, Shape>> {
@@ -200,10 +309,14 @@ impl<'a> Survey<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::certificate::{Claim, Verdict, verify};
     use crate::generate::{Blueprint, Spec};
-    use crate::indoor::{IndoorSpec, Layout, Profile};
+    use crate::geometry::Pose;
+    use crate::indoor::{Edit, IndoorSpec, Layout, PlaceKind, PlanEditor, Profile};
+    use crate::provenance::Provenance;
     use crate::seed::Seed;
+    use crate::world::{Wall, WallKind};
 
     #[test]
     fn indoor_maps_keep_their_promises() {
@@ -239,6 +352,67 @@ mod tests {
             door.open = false;
         }
         assert_eq!(verify(&world), [(claim, Verdict::Broken)]);
+    }
+
+    #[test]
+    fn what_is_out_of_reach_is_found_place_by_place() {
+        // The plan's own graph knows which rooms are behind closed doorways.
+        let (mut apart, mut whole) = (0, 0);
+        for seed in 0..12 {
+            let spec = IndoorSpec { width: 9, height: 9, difficulty: 4.0, ..Default::default() };
+            let mut editor = PlanEditor::new(spec.generate(Seed(seed)).unwrap());
+            let gates: Vec<_> = editor.plan().openings().iter().map(|o| o.gate).collect();
+            for gate in gates.into_iter().step_by(2 + seed as usize % 3) {
+                editor.apply(Edit::CloseDoorway(gate)).unwrap();
+            }
+            let (plan, world) = (editor.plan(), editor.plan().to_world());
+            let found = unreached(&world, spec.robot_radius).unwrap().unwrap();
+            let claim = Claim::EveryPlaceReachable { radius: spec.robot_radius };
+            assert_eq!(world.certificate.contains(&claim), found.squares.is_empty(), "{seed}");
+            if found.squares.is_empty() {
+                whole += 1
+            } else {
+                apart += 1
+            }
+            let access = plan.access();
+            let start = world.start.unwrap().position;
+            let from = access.places().iter().position(|place| place.at == start).unwrap();
+            let distances = access.distances(from as u32);
+            for room in 0..plan.rooms().len() as u32 {
+                let is_in =
+                    |kind| matches!(kind, PlaceKind::Room { room: other, .. } if other == room);
+                let places = access.places().iter().zip(&distances);
+                let mut of_room = places.filter(|(place, _)| is_in(place.kind));
+                let is_reached = of_room.any(|(_, distance)| distance.is_finite());
+                assert_eq!(found.rooms.contains(&room), !is_reached, "{seed}, room {room}");
+            }
+            for (place, distance) in access.places().iter().zip(&distances) {
+                let lit = found.squares.iter().any(|square| square.contains(place.at));
+                assert!(!lit || distance.is_infinite(), "{seed}: {place:?} is lit");
+                let is_hall = !matches!(place.kind, PlaceKind::Room { .. });
+                assert!(!is_hall || lit == distance.is_infinite(), "{seed}: {place:?}");
+            }
+        }
+        assert!(apart > 2 && whole + apart == 12, "{whole} whole, {apart} apart");
+    }
+
+    #[test]
+    fn worlds_without_floors_have_places_out_of_reach_too() {
+        let bounds = Rect::new(DVec2::ZERO, DVec2::new(10.0, 4.0));
+        let mut world = World::new(Provenance::other("manual", serde_json::Value::Null), bounds);
+        assert_eq!(unreached(&world, 0.3), Ok(None));
+        world.start = Some(Pose::new(1.0, 2.0, 0.0));
+        assert_eq!(unreached(&world, 0.3), Ok(Some(Unreached::default())));
+        let wall = Shape::from_rect(Rect::new(DVec2::new(5.0, 0.0), DVec2::new(5.2, 4.0)));
+        world.walls.push(Wall::new(WallKind::Wall, wall));
+        let found = unreached(&world, 0.3).unwrap().unwrap();
+        let area: f64 = found.squares.iter().map(|square| square.size().element_product()).sum();
+        // All that is right of the wall by the radius, less the margin: the disc's middle may be at the sides.
+        assert!(area <= 4.5 * 4.0 && area > 4.3 * 3.8, "{area}");
+        assert!(found.squares.iter().all(|square| square.min.x >= 5.5));
+        // Where the disc does not fit at the start, nothing is known.
+        world.start = Some(Pose::new(4.8, 2.0, 0.0));
+        assert_eq!(unreached(&world, 0.3), Ok(None));
     }
 
     #[test]

@@ -54,7 +54,7 @@ use std::path::{Path, PathBuf};
 
 pub use asc::write_asc;
 #[cfg(feature = "whole-file")]
-pub use output::{Output, OutputError};
+pub use output::{Output, OutputError, write_whole};
 use thiserror::Error;
 
 use self::ros_map::RosMap;

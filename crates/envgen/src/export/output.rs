@@ -1,13 +1,13 @@
 //! The files that a command is asked to write: none before all are complete, none over another.
 
 use std::io::{self, BufWriter, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
 use super::{ExportError, Format, Job, Writer};
 use crate::located::{Locate, Located};
-use crate::whole_file::{WholeFile, is_same, refuse_inputs};
+use crate::whole_file::{WholeFile, commit_all, is_same, refuse_inputs};
 
 /// The option that names outputs.
 const OPTION: &str = "--out";
@@ -47,21 +47,30 @@ impl Output {
     pub fn all(asked: &[PathBuf], inputs: &[PathBuf]) -> Result<Vec<Output>, Located<OutputError>> {
         let mut outputs: Vec<Output> = Vec::new();
         for asked in asked {
-            let format = Format::from_path(asked).map_err(OutputError::Format);
-            let format = format.in_option(OPTION, asked.display())?;
-            for (i, &(ending, write)) in format.files().iter().enumerate() {
-                // The first file keeps the name as it was given, capitals and all.
-                let path = if i == 0 { asked.clone() } else { asked.with_extension(ending) };
-                let same = outputs.iter().find(|other| is_same(&other.path, &path));
+            let files = Output::of(asked).map_err(OutputError::Format);
+            for output in files.in_option(OPTION, asked.display())? {
+                let path = &output.path;
+                let same = outputs.iter().find(|other| is_same(&other.path, path));
                 let checked = match same {
                     Some(other) => Err(OutputError::Same(other.path.clone())),
-                    None => refuse_inputs(&path, inputs).map_err(OutputError::File),
+                    None => refuse_inputs(path, inputs).map_err(OutputError::File),
                 };
                 checked.in_option(OPTION, path.display())?;
-                outputs.push(Output { asked: asked.clone(), format, path, write });
+                outputs.push(output);
             }
         }
         Ok(outputs)
+    }
+
+    /// The files of the format that a name's ending gives.
+    fn of(asked: &Path) -> Result<Vec<Output>, ExportError> {
+        let format = Format::from_path(asked)?;
+        let files = format.files().iter().enumerate().map(|(i, &(ending, write))| {
+            // The first file keeps the name as it was given, capitals and all.
+            let path = if i == 0 { asked.to_owned() } else { asked.with_extension(ending) };
+            Output { asked: asked.to_owned(), format, path, write }
+        });
+        Ok(files.collect())
     }
 
     /// Begins the file, which appears when it is committed.
@@ -77,8 +86,41 @@ impl Output {
     /// # Errors
     /// The format cannot hold the world, or the file cannot be written.
     pub fn write(&self, job: &Job<'_>, file: &mut WholeFile) -> Result<(), Located<ExportError>> {
-        let mut out = BufWriter::with_capacity(1 << 16, file);
-        let written = (self.write)(job, &mut out).and_then(|()| Ok(out.flush()?));
-        written.in_option(OPTION, self.path.display())
+        self.fill(job, file).in_option(OPTION, self.path.display())
     }
+
+    fn fill(&self, job: &Job<'_>, file: &mut WholeFile) -> Result<(), ExportError> {
+        let mut out = BufWriter::with_capacity(1 << 16, file);
+        (self.write)(job, &mut out).and_then(|()| Ok(out.flush()?))
+    }
+}
+
+/// Writes a world to a file, in the format that the ending of its name gives, and to the other files of this format.
+/// None appears before all are complete; files that exist are replaced.
+///
+/// ```
+/// use envgen::export::{Job, write_whole};
+/// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
+///
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("forest.yaml");
+/// let world = ForestSpec::default().generate(Seed(7))?.to_world();
+/// let written = write_whole(&Job::for_path(&world, &path), &path)?;
+/// assert_eq!(written, [path.clone(), path.with_extension("pgm")]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Names the file: its ending is of no format, the format cannot hold the world, or it cannot be written.
+pub fn write_whole(job: &Job<'_>, path: &Path) -> Result<Vec<PathBuf>, Located<OutputError>> {
+    let outputs = Output::of(path).map_err(OutputError::Format).in_file(path)?;
+    let mut files = Vec::new();
+    for output in &outputs {
+        let begun = WholeFile::create(&output.path).map_err(OutputError::File);
+        let mut file = begun.in_file(&output.path)?;
+        output.fill(job, &mut file).map_err(OutputError::Format).in_file(&output.path)?;
+        files.push(file);
+    }
+    commit_all(files).map_err(|Located { place, error }| Located { place, error: error.into() })?;
+    Ok(outputs.into_iter().map(|output| output.path).collect())
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Rect, distance_between_segments, distance_to_segment, edges, nearest_on_segment,
-    polygon_contains, signed_area, unit_vector,
+    polygon_contains, signed_area, unit_vector, wrap_angle,
 };
 
 /// A shape in world coordinates: what colliders, rays, rasters and pictures are made of.
@@ -171,6 +171,38 @@ impl Shape {
         }
     }
 
+    /// The shape `by` metres farther.
+    pub fn moved(&self, by: DVec2) -> Shape {
+        match self {
+            Shape::Segment { a, b } => Shape::Segment { a: *a + by, b: *b + by },
+            Shape::Disc { center, radius } => Shape::Disc { center: *center + by, radius: *radius },
+            Shape::Box { center, half_size, heading } => {
+                Shape::Box { center: *center + by, half_size: *half_size, heading: *heading }
+            }
+            Shape::Polygon { vertices } => {
+                Shape::Polygon { vertices: vertices.iter().map(|&v| v + by).collect() }
+            }
+        }
+    }
+
+    /// The shape turned about the middle of its bounds, counter-clockwise by an angle in radians. Quarter turns
+    /// of a box along the axes keep it along them.
+    pub fn turned(&self, angle: f64) -> Shape {
+        let (middle, axis) = (self.bounds().center(), box_axis(wrap_angle(angle)));
+        let turn = |p: DVec2| middle + axis.rotate(p - middle);
+        match self {
+            Shape::Segment { a, b } => Shape::Segment { a: turn(*a), b: turn(*b) },
+            Shape::Disc { .. } => self.clone(),
+            Shape::Box { center, half_size, heading } => {
+                let heading = wrap_angle(heading + angle);
+                Shape::Box { center: *center, half_size: *half_size, heading }
+            }
+            Shape::Polygon { vertices } => {
+                Shape::Polygon { vertices: vertices.iter().map(|&v| turn(v)).collect() }
+            }
+        }
+    }
+
     /// Area in square metres, 0 for a segment.
     pub fn area(&self) -> f64 {
         match self {
@@ -247,6 +279,28 @@ mod tests {
             let sampled = points.map(|p| shape.distance(p)).fold(f64::INFINITY, f64::min);
             prop_assert!(found <= sampled + 1e-9, "{found} {sampled}");
             prop_assert!(sampled <= found + 0.0005 * a.distance(b) + 1e-9, "{found} {sampled}");
+        }
+
+        #[test]
+        fn moved_and_turned_shapes_keep_what_they_are(
+            x in -5.0..5.0_f64, y in -5.0..5.0_f64, angle in -9.0..9.0_f64, which in 0..4,
+        ) {
+            let by = DVec2::new(x, y);
+            let shape = match which {
+                0 => unit_box(0.4),
+                1 => Shape::Polygon { vertices: vec![DVec2::ZERO, DVec2::X, DVec2::new(3.0, 2.0)] },
+                2 => Shape::Disc { center: DVec2::new(1.0, 2.0), radius: 1.5 },
+                _ => Shape::Segment { a: DVec2::new(1.0, 2.0), b: DVec2::new(-2.0, 1.0) },
+            };
+            let moved = shape.moved(by);
+            prop_assert!(moved.bounds().center().distance(shape.bounds().center() + by) < 1e-12);
+            let turned = shape.turned(angle);
+            prop_assert!((turned.area() - shape.area()).abs() < 1e-9);
+            // Every point keeps its distance to the shape when it turns with it.
+            let middle = shape.bounds().center();
+            let p = middle + by;
+            let there = middle + unit_vector(angle).rotate(by);
+            prop_assert!((turned.distance(there) - shape.distance(p)).abs() < 1e-9);
         }
 
         #[test]

@@ -1,12 +1,18 @@
 //! Changing a plan by hand, with undo and redo.
 
+mod objects;
+mod target;
+
+use glam::DVec2;
 use thiserror::Error;
 
+pub use target::PlanTarget;
+
 use super::blueprint::FloorPlan;
-use super::catalogue::SharedRoom;
+use super::catalogue::{RoomError, SharedRoom};
 use super::grid::{Axis, Cell, Gate, Opening, Origin, Side, Sides, is_whole};
 use super::placed_room::PlacedRoom;
-use crate::world::Contents;
+use crate::world::{Contents, Obstacle};
 
 /// A change of a plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,10 +68,42 @@ pub enum Edit {
     OpenDoorway(Gate),
     /// Closes an opening.
     CloseDoorway(Gate),
+    /// Puts an object into a room. It may be turned, and touch other objects, but not reach outside of the room.
+    AddObject {
+        /// Index of the room in [`FloorPlan::rooms`].
+        room: usize,
+        /// The object, with its shape in metres in the frame of the world.
+        object: Obstacle,
+    },
+    /// Moves an object inside its room.
+    MoveObject {
+        /// Index of the room in [`FloorPlan::rooms`].
+        room: usize,
+        /// Its index in the room's obstacles.
+        object: usize,
+        /// How far in metres, in the frame of the world.
+        by: DVec2,
+    },
+    /// Turns an object about its middle.
+    TurnObject {
+        /// Index of the room in [`FloorPlan::rooms`].
+        room: usize,
+        /// Its index in the room's obstacles.
+        object: usize,
+        /// The angle in radians, counter-clockwise.
+        angle: f64,
+    },
+    /// Removes an object. Those behind it in the list of the room's obstacles move up.
+    RemoveObject {
+        /// Index of the room in [`FloorPlan::rooms`].
+        room: usize,
+        /// Its index in the room's obstacles.
+        object: usize,
+    },
 }
 
 /// Why an edit is refused.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum EditError {
     /// There is no such room.
@@ -111,14 +149,27 @@ pub enum EditError {
         y: u32,
     },
     /// There is no wall of a room, or not one single space behind the whole width of the doorway.
-    #[error("a doorway at {0:?} would not lead from a room to one other space")]
+    #[error("a doorway at {0} would not lead from a room to one other space")]
     NoWall(Gate),
     /// The doorway is open already.
-    #[error("the doorway at {0:?} is open already")]
+    #[error("the doorway at {0} is open already")]
     AlreadyOpen(Gate),
     /// There is no opening to close.
-    #[error("there is no doorway at {0:?}")]
+    #[error("there is no doorway at {0}")]
     NotOpen(Gate),
+    /// The room has no such object.
+    #[error("the room `{room}` has no object {object}; it has {count}")]
+    NoObject {
+        /// The room's name.
+        room: String,
+        /// The requested index.
+        object: usize,
+        /// Number of objects in the room.
+        count: usize,
+    },
+    /// The room's contents would not be allowed.
+    #[error(transparent)]
+    Contents(#[from] RoomError),
 }
 
 /// A plan that is being edited. Every edit can be undone and redone; a refused one changes nothing.
@@ -199,6 +250,27 @@ impl PlanEditor {
         Ok(())
     }
 
+    /// Whether an edit is allowed now. Nothing changes.
+    ///
+    /// # Errors
+    /// As [`PlanEditor::apply`].
+    pub fn test(&mut self, edit: Edit) -> Result<(), EditError> {
+        let mut step = Vec::new();
+        let result = self.perform(edit, &mut step);
+        self.revert(&step);
+        result
+    }
+
+    /// Whether there is a change to undo.
+    pub fn can_undo(&self) -> bool {
+        !self.done.is_empty()
+    }
+
+    /// Whether there is a change to redo.
+    pub fn can_redo(&self) -> bool {
+        !self.undone.is_empty()
+    }
+
     /// Undoes the last change; returns whether there was one.
     pub fn undo(&mut self) -> bool {
         let Some(step) = self.done.pop() else { return false };
@@ -274,6 +346,12 @@ impl PlanEditor {
                 let at = self.find(gate).map_err(|_| EditError::NotOpen(gate))?;
                 self.record(Change::Closed(self.plan.openings[at]), step);
             }
+            Edit::AddObject { room, object } => self.add_object(room, object, step)?,
+            Edit::MoveObject { room, object, by } => self.move_object(room, object, by, step)?,
+            Edit::TurnObject { room, object, angle } => {
+                self.turn_object(room, object, angle, step)?;
+            }
+            Edit::RemoveObject { room, object } => self.remove_object(room, object, step)?,
         }
         self.close_what_leads_nowhere(step);
         Ok(())

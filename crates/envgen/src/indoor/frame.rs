@@ -32,6 +32,16 @@ impl Frame {
         self.corner + turned * self.scale
     }
 
+    /// The transform from the map to the design.
+    pub(super) fn inverse(&self) -> Frame {
+        let odd = self.quarters % 2 == 1;
+        let size = if odd { self.size.yx() } else { self.size } * self.scale;
+        let quarters = (4 - self.quarters % 4) % 4;
+        let back = Frame { corner: DVec2::ZERO, scale: 1.0 / self.scale, quarters, size };
+        // The corner must come to lie at the design's origin once it is turned.
+        Frame { corner: back.point(DVec2::ZERO) - back.point(self.corner), ..back }
+    }
+
     /// A heading of the design in the map.
     pub(super) fn heading(&self, heading: f64) -> f64 {
         let quarter = std::f64::consts::FRAC_PI_2;
@@ -80,6 +90,18 @@ mod tests {
             }
             prop_assert!(p.distance(DVec2::new(x, y)) < 1e-12);
             prop_assert!((heading - h).abs() < 1e-12);
+        }
+
+        #[test]
+        fn the_inverse_leads_back(
+            x in 0.0..6.0_f64, y in 0.0..9.0_f64, h in -3.0..3.0_f64, quarters in 0..4_u8,
+            scale in 0.3..3.0_f64,
+        ) {
+            let corner = DVec2::new(7.0, -3.0);
+            let frame = Frame { corner, scale, quarters, size: DVec2::new(6.0, 9.0) };
+            let (there, back) = (frame.point(DVec2::new(x, y)), frame.inverse());
+            prop_assert!(back.point(there).distance(DVec2::new(x, y)) < 1e-12);
+            prop_assert!(wrap_angle(back.heading(frame.heading(h)) - h).abs() < 1e-12);
         }
 
         #[test]

@@ -1,5 +1,7 @@
 //! The grid of a plan: cells, sides of rooms, and openings in the walls between cells.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 /// What a cell of the grid is.
@@ -254,6 +256,14 @@ impl Gate {
                 Axis::Vertical => (line, along),
             })
         })
+    }
+}
+
+/// Its middle in columns and rows from the upper left corner of the grid.
+impl fmt::Display for Gate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (x, y) = self.middle();
+        write!(f, "column {x}, row {y}")
     }
 }
 

@@ -51,7 +51,7 @@ pub use catalogue::{
 #[cfg(feature = "rand")]
 pub use custom_laws::IndoorLaws;
 pub use dimensions::{Dimensions, STEP};
-pub use edit::{Edit, EditError, PlanEditor};
+pub use edit::{Edit, EditError, PlanEditor, PlanTarget};
 pub use error::IndoorError;
 pub use frame::DESIGN_UNIT;
 pub use generate::Stage;

@@ -159,18 +159,17 @@ fn doorway_width(plan: &FloorPlan, gate: Gate) -> f64 {
     narrowest + (widest - narrowest) * drawn
 }
 
-fn doorway(plan: &FloorPlan, opening: &Opening) -> Doorway {
-    let gate = opening.gate;
+/// The rectangle of an opening, as thick as the wall.
+pub(super) fn doorway_rect(plan: &FloorPlan, gate: Gate) -> Rect {
     let middle = 0.5 * f64::from(gate.at) * plan.spec.cell_size;
     let half = 0.5 * doorway_width(plan, gate);
-    let rect = along_line(
-        plan,
-        gate.wall,
-        gate.line,
-        middle - half,
-        middle + half,
-        0.5 * plan.spec.wall_thickness,
-    );
+    let half_wall = 0.5 * plan.spec.wall_thickness;
+    along_line(plan, gate.wall, gate.line, middle - half, middle + half, half_wall)
+}
+
+fn doorway(plan: &FloorPlan, opening: &Opening) -> Doorway {
+    let gate = opening.gate;
+    let rect = doorway_rect(plan, gate);
     let rooms = gate.cells(&plan.grid).map(|[cell, _]| match cell {
         Cell::Room(room) => Some(room),
         _ => None,

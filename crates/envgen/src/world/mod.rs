@@ -177,7 +177,7 @@ impl World {
     }
 
     /// Walls, trees, doorways and obstacles, in this order.
-    fn uprights(&self) -> impl Iterator<Item = Solid<'_>> {
+    pub(crate) fn uprights(&self) -> impl Iterator<Item = Solid<'_>> {
         let solid =
             |kind, index: usize, shape| Solid { id: PartId { kind, index: index as u32 }, shape };
         let walls = self.walls.iter().enumerate();

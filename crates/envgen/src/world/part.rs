@@ -125,7 +125,8 @@ pub struct Room {
     pub height: Option<Extent>,
 }
 
-/// What a generator left of a room's contents: some may be removed so that a robot can enter, or replaced.
+/// What is left of a room's contents: a generator may remove some so that a robot can enter, or replace them, and
+/// a person may change them.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
@@ -140,6 +141,8 @@ pub enum Contents {
     Emptied,
     /// A maze in place of them.
     Maze,
+    /// Those that were added, moved or removed by hand.
+    Edited,
 }
 
 impl Contents {
@@ -155,6 +158,7 @@ impl Contents {
             Contents::Cleared => "cleared",
             Contents::Emptied => "emptied",
             Contents::Maze => "maze",
+            Contents::Edited => "edited",
         }
     }
 }

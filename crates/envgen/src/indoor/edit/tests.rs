@@ -1,8 +1,9 @@
 use super::*;
 use crate::generate::{Blueprint, Spec};
+use crate::geometry::Shape;
 use crate::indoor::{Catalogue, IndoorSpec};
 use crate::seed::Seed;
-use crate::world::Claim;
+use crate::world::{Claim, ObstacleKind, PartId, PartKind};
 use proptest::prelude::*;
 
 fn room(name: &str) -> SharedRoom {
@@ -122,6 +123,79 @@ fn the_certificate_follows_the_edit() {
     assert!(!editor.plan().is_edited());
 }
 
+#[test]
+fn objects_are_added_moved_turned_and_removed() {
+    let mut editor = bare();
+    editor.apply(Edit::AddRoom { room: room("dark"), x: 2, y: 1, quarters: 1 }).unwrap();
+    let before = editor.plan().clone();
+    let design = editor.plan().rooms()[0].room.clone();
+    let outline = editor.plan().outline(PlanTarget::Room(0)).unwrap();
+    let (center, half_size) = (outline.bounds().center(), DVec2::new(0.4, 0.2));
+    let shape = Shape::Box { center, half_size, heading: 0.0 };
+    let object = Obstacle::new(ObstacleKind::Crate, shape);
+    editor.apply(Edit::AddObject { room: 0, object: object.clone() }).unwrap();
+    let index = design.obstacles.len();
+    let found = editor.plan().object(0, index).unwrap();
+    assert!(found.shape.bounds().center().distance(center) < 1e-9);
+    // It is in the world, and the catalogue's room is as it was.
+    let world = editor.plan().to_world();
+    assert_eq!(world.check(), Ok(()));
+    let part = PartId { kind: PartKind::Obstacle, index: index as u32 };
+    assert_eq!(editor.plan().object_of(part), Some((0, index)));
+    assert_eq!(world.obstacles[index].shape, found.shape);
+    assert_eq!(world.rooms[0].contents, Contents::Edited);
+    assert_eq!(editor.plan().object_of(PartId { index: index as u32 + 1, ..part }), None);
+    assert_eq!(room("dark"), design);
+    let by = DVec2::new(0.3, -0.2);
+    editor.apply(Edit::MoveObject { room: 0, object: index, by }).unwrap();
+    let moved = editor.plan().object(0, index).unwrap().shape.bounds().center();
+    assert!(moved.distance(center + by) < 1e-9);
+    let quarter = std::f64::consts::FRAC_PI_2;
+    editor.apply(Edit::TurnObject { room: 0, object: index, angle: quarter }).unwrap();
+    let turned = editor.plan().object(0, index).unwrap().shape.bounds().size();
+    assert!(turned.distance(DVec2::new(0.4, 0.8)) < 1e-9, "{turned}");
+    let target = PlanTarget::Object { room: 0, object: index };
+    assert_eq!(editor.plan().target_at(center + by, 0.0), Some(target));
+    // Outside of the room there are no objects.
+    let far = Edit::MoveObject { room: 0, object: index, by: DVec2::new(9.0, 0.0) };
+    let error = editor.apply(far).unwrap_err();
+    assert!(error.to_string().contains("reaches outside the room"), "{error}");
+    assert!(editor.apply(Edit::MoveObject { room: 0, object: index, by: DVec2::NAN }).is_err());
+    editor.apply(Edit::RemoveObject { room: 0, object: index }).unwrap();
+    let error = editor.apply(Edit::RemoveObject { room: 0, object: index }).unwrap_err();
+    let expected = format!("the room `dark` has no object {index}; it has {index}");
+    assert_eq!(error.to_string(), expected);
+    (0..4).for_each(|_| assert!(editor.undo()));
+    assert_eq!(editor.plan(), &before);
+}
+
+#[test]
+fn points_have_what_is_there() {
+    let mut editor = bare();
+    editor.apply(Edit::AddRoom { room: room("bisquare"), x: 3, y: 1, quarters: 0 }).unwrap();
+    let gate = Gate { wall: Axis::Horizontal, line: 1, at: 7 };
+    editor.apply(Edit::OpenDoorway(gate)).unwrap();
+    let (plan, cell) = (editor.plan(), editor.plan().spec().cell_size);
+    let at = |x: f64, y: f64| DVec2::new(x, 9.0 - y) * cell;
+    assert_eq!(plan.cell_at(at(3.5, 1.5)), Some((3, 1)));
+    assert_eq!(plan.target_at(at(0.5, 0.5), 0.1), Some(PlanTarget::Hallway { x: 0, y: 0 }));
+    assert_eq!(plan.target_at(at(3.5, 1.01), 0.1), Some(PlanTarget::Doorway(gate)));
+    assert_eq!(plan.target_at(at(3.1, 1.1), 0.1), Some(PlanTarget::Room(0)));
+    assert_eq!(plan.target_at(at(8.5, 5.5), 0.1), None);
+    for p in [at(-0.1, 2.0), at(2.0, 9.1), DVec2::NAN, DVec2::INFINITY] {
+        assert_eq!(
+            (plan.cell_at(p), plan.target_at(p, 1.0), editor.gate_at(p)),
+            (None, None, None)
+        );
+    }
+    assert_eq!(editor.gate_at(at(3.6, 1.2)), Some(gate));
+    let west = Gate { wall: Axis::Vertical, line: 3, at: 3 };
+    assert_eq!(editor.gate_at(at(3.1, 1.4)), Some(west));
+    assert_eq!(editor.test(Edit::OpenDoorway(west)), Ok(()));
+    assert_eq!(editor.test(Edit::OpenDoorway(gate)), Err(EditError::AlreadyOpen(gate)));
+    assert_eq!(editor.plan().outline(PlanTarget::Doorway(west)), None);
+}
+
 fn edits() -> impl Strategy<Value = Edit> {
     let cell = || (0..11_u32, 0..10_u32);
     let name = prop::sample::select(vec!["dark", "victims", "multi office", "water room"]);
@@ -142,6 +216,19 @@ fn edits() -> impl Strategy<Value = Edit> {
         cell().prop_map(|(x, y)| Edit::AddHallway { x, y }),
         cell().prop_map(|(x, y)| Edit::RemoveHallway { x, y }),
         gate.clone().prop_map(Edit::OpenDoorway),
+        (0..20_usize, 0.0..30.0_f64, 0.0..27.0_f64, 0.1..1.0_f64, -4.0..4.0_f64).prop_map(
+            |(room, x, y, half, heading)| {
+                let half_size = DVec2::new(half, 0.3);
+                let shape = Shape::Box { center: DVec2::new(x, y), half_size, heading };
+                Edit::AddObject { room, object: Obstacle::new(ObstacleKind::Other, shape) }
+            }
+        ),
+        (0..20_usize, 0..6_usize, -3.0..3.0_f64, -3.0..3.0_f64).prop_map(|(room, object, x, y)| {
+            Edit::MoveObject { room, object, by: DVec2::new(x, y) }
+        }),
+        (0..20_usize, 0..6_usize, -4.0..4.0_f64)
+            .prop_map(|(room, object, angle)| Edit::TurnObject { room, object, angle }),
+        (0..20_usize, 0..6_usize).prop_map(|(room, object)| Edit::RemoveObject { room, object }),
         gate.prop_map(Edit::CloseDoorway),
     ]
 }
@@ -155,7 +242,11 @@ proptest! {
         let mut editor = editor(seed);
         let mut plans = vec![editor.plan().clone()];
         for edit in edits {
-            match editor.apply(edit) {
+            let tested = editor.test(edit.clone());
+            prop_assert_eq!(editor.plan(), plans.last().unwrap());
+            let applied = editor.apply(edit);
+            prop_assert_eq!(&tested, &applied);
+            match applied {
                 Ok(()) => plans.push(editor.plan().clone()),
                 Err(_) => prop_assert_eq!(editor.plan(), plans.last().unwrap()),
             }

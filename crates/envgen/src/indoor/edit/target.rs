@@ -1,0 +1,131 @@
+//! What is at a point of a plan.
+
+use glam::DVec2;
+
+use super::PlanEditor;
+use crate::geometry::{Rect, Shape};
+use crate::indoor::blueprint::FloorPlan;
+use crate::indoor::grid::{Axis, Cell, Gate};
+use crate::indoor::world;
+
+/// A part of a plan that can be edited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlanTarget {
+    /// A room, by its index in [`FloorPlan::rooms`].
+    Room(usize),
+    /// A cell of a hallway.
+    Hallway {
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+    },
+    /// An opening in a wall.
+    Doorway(Gate),
+    /// An object in a room.
+    Object {
+        /// Index of the room in [`FloorPlan::rooms`].
+        room: usize,
+        /// Its index in the room's obstacles.
+        object: usize,
+    },
+}
+
+impl FloorPlan {
+    /// The column and row of the cell at a point in metres in the frame of the world; `None` outside of the grid.
+    pub fn cell_at(&self, p: DVec2) -> Option<(u32, u32)> {
+        let cells = self.in_cells(p);
+        let size = DVec2::new(f64::from(self.grid.width()), f64::from(self.grid.height()));
+        let is_inside = cells.cmpge(DVec2::ZERO).all() && cells.cmplt(size).all();
+        is_inside.then_some((cells.x as u32, cells.y as u32))
+    }
+
+    /// The columns and rows from the upper left corner of the grid to a point.
+    fn in_cells(&self, p: DVec2) -> DVec2 {
+        let cells = p / self.spec.cell_size;
+        DVec2::new(cells.x, f64::from(self.grid.height()) - cells.y)
+    }
+
+    /// What can be edited at a point in metres in the frame of the world: an object, an opening of which it is not
+    /// farther than `reach`, or what its cell is. `None` on open areas, on solid ground and outside.
+    pub fn target_at(&self, p: DVec2, reach: f64) -> Option<PlanTarget> {
+        let (x, y) = self.cell_at(p)?;
+        let cell = self.grid.at(x, y);
+        let objects = |room: usize| {
+            let count = self.rooms[room].room.obstacles.len();
+            let at_p = (0..count).filter_map(move |object| {
+                let shape = self.object(room, object)?.shape;
+                shape.contains(p).then_some((shape.area(), PlanTarget::Object { room, object }))
+            });
+            // The smallest: what is on or below another one is not hidden by it.
+            at_p.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, object)| object)
+        };
+        let doorways = self.openings.iter().map(|opening| opening.gate);
+        let near = doorways
+            .map(|gate| (self.doorway_outline(gate).distance(p), gate))
+            .filter(|(distance, _)| *distance <= reach)
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let object = if let Cell::Room(room) = cell { objects(room as usize) } else { None };
+        object.or(near.map(|(_, gate)| PlanTarget::Doorway(gate))).or(match cell {
+            Cell::Room(room) => Some(PlanTarget::Room(room as usize)),
+            Cell::Hallway => Some(PlanTarget::Hallway { x, y }),
+            Cell::Open | Cell::Solid => None,
+        })
+    }
+
+    /// The outline of a part in metres in the frame of the world; `None` if there is no such part.
+    pub fn outline(&self, target: PlanTarget) -> Option<Shape> {
+        match target {
+            PlanTarget::Room(room) => {
+                let room = self.rooms.get(room)?;
+                Some(self.cells_outline(room.x, room.y, room.size()))
+            }
+            PlanTarget::Hallway { x, y } => {
+                (self.grid.get(x, y)? == Cell::Hallway).then(|| self.cells_outline(x, y, (1, 1)))
+            }
+            PlanTarget::Doorway(gate) => {
+                let found = self.openings.binary_search_by_key(&gate, |opening| opening.gate);
+                found.ok().map(|_| self.doorway_outline(gate))
+            }
+            PlanTarget::Object { room, object } => Some(self.object(room, object)?.shape),
+        }
+    }
+
+    /// The outline of a rectangle of cells, in the grid or outside of it.
+    pub fn cells_outline(&self, x: u32, y: u32, (width, height): (u32, u32)) -> Shape {
+        let right = f64::from(x) + f64::from(width);
+        let bottom = f64::from(y) + f64::from(height);
+        let (min, max) = (self.point(f64::from(x), bottom), self.point(right, f64::from(y)));
+        Shape::from_rect(Rect::new(min, max))
+    }
+
+    /// The outline that an opening has, or would have if it were open.
+    pub fn doorway_outline(&self, gate: Gate) -> Shape {
+        Shape::from_rect(world::doorway_rect(self, gate))
+    }
+}
+
+impl PlanEditor {
+    /// The position of a doorway that is nearest to a point in metres in the frame of the world. Positions where a
+    /// doorway can be come before others. `None` outside of the grid.
+    pub fn gate_at(&self, p: DVec2) -> Option<Gate> {
+        self.plan.cell_at(p)?;
+        let cells = self.plan.in_cells(p);
+        let mut best: Option<((bool, f64), Gate)> = None;
+        for wall in [Axis::Horizontal, Axis::Vertical] {
+            let (across, along) = match wall {
+                Axis::Horizontal => (cells.y, cells.x),
+                Axis::Vertical => (cells.x, cells.y),
+            };
+            for at in [(2.0 * along).floor(), (2.0 * along).ceil()] {
+                let gate = Gate { wall, line: across.round() as u32, at: (at as u32).max(1) };
+                let (x, y) = gate.middle();
+                let rank = (!self.takes_doorway(gate), DVec2::new(x, y).distance(cells));
+                if best.is_none_or(|(least, _)| rank < least) {
+                    best = Some((rank, gate));
+                }
+            }
+        }
+        best.map(|(_, gate)| gate)
+    }
+}

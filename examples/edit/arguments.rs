@@ -1,0 +1,146 @@
+//! The command line, and what it opens.
+
+use std::error::Error;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use clap::Parser;
+use envgen::edit::Document;
+use envgen::indoor::{Catalogue, IndoorSpec};
+use envgen::located::Locate;
+use envgen::{Seed, WorldKind, WorldSpec, import};
+
+use crate::saving::FOLDER;
+
+/// Change a world by hand: rooms, hallways and doorways of indoor maps, and the parts of any other world.
+#[derive(Parser, Clone)]
+pub(crate) struct Arguments {
+    /// A kind of world (see `envgen kinds`), or a file: a world (.ron, .json, .yaml, .geojson, .map and others), a
+    /// plan of the World Generator (.xml) or a spec (.envgen.ron).
+    #[arg(value_name = "KIND|FILE", default_value = WorldKind::Indoor.name())]
+    what: String,
+
+    /// The seed of a world of a kind or spec.
+    #[arg(long, default_value_t = Seed(0), value_name = "N", allow_negative_numbers = true)]
+    seed: Seed,
+
+    /// Sets a setting of a kind or spec (see `envgen kinds`); may be given several times.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    settings: Vec<String>,
+
+    /// A folder of *.room.ron files for indoor maps, in addition to the built-in rooms.
+    #[arg(long, value_name = "FOLDER")]
+    rooms: Option<PathBuf>,
+
+    /// The file that Ctrl+S writes; its ending selects the format [default: a file that can be written again, else
+    /// out/edit/NAME.ron].
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// What the window starts with.
+pub(crate) struct Opened {
+    pub(crate) document: Document,
+    /// The rooms that can be added.
+    pub(crate) catalogue: Catalogue,
+    /// Kind and seed, or the file's name.
+    pub(crate) name: String,
+    /// The file to save to.
+    pub(crate) out: PathBuf,
+    /// What was left out, for the person.
+    pub(crate) note: Option<String>,
+}
+
+impl Arguments {
+    /// Opens the world. All mistakes name the option or the file.
+    pub(crate) fn open(&self) -> Result<Opened, Box<dyn Error>> {
+        let path = Path::new(&self.what);
+        let kind = self.what.parse::<WorldKind>();
+        let is_spec = self.what.ends_with(".envgen.ron");
+        if let (Err(error), false) = (&kind, path.exists() || path.extension().is_some()) {
+            return Err(format!("{}: no such file, and {error}", self.what).into());
+        }
+        if kind.is_err() && !is_spec {
+            if let Some(setting) = self.settings.first() {
+                return Err(format!("--set {setting}: applies to kinds and specs only").into());
+            }
+            return self.open_world(path);
+        }
+        let mut spec = match kind {
+            Ok(kind) => kind.default_spec(),
+            Err(_) => {
+                let text = std::fs::read_to_string(path).in_file(path)?;
+                WorldSpec::from_ron(&text).in_file(path)?
+            }
+        };
+        self.set(&mut spec)?;
+        let mut rooms = Catalogue::builtin().clone();
+        if let WorldSpec::Indoor(indoor) = &mut spec {
+            rooms = self.catalogue(indoor.catalogue())?;
+            indoor.catalogue =
+                self.rooms.is_some().then(|| rooms.clone()).or(indoor.catalogue.take());
+        } else if let Some(folder) = &self.rooms {
+            let folder = folder.display();
+            return Err(format!("--rooms {folder}: applies to the kind indoor only").into());
+        }
+        let place = if is_spec { self.what.clone() } else { "--set".to_owned() };
+        spec.validate().map_err(|error| format!("{place}: {error}"))?;
+        let document =
+            Document::from_blueprint(spec.generate(self.seed).in_option("--seed", self.seed)?);
+        let name = format!("{}_{}", spec.kind(), self.seed);
+        let out = self.out.clone().unwrap_or_else(|| usual(&name));
+        let name = format!("{}, seed {}", spec.kind(), self.seed);
+        Ok(Opened { document, catalogue: rooms, name, out, note: None })
+    }
+
+    fn open_world(&self, path: &Path) -> Result<Opened, Box<dyn Error>> {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+        let catalogue = self.catalogue(Catalogue::builtin())?;
+        let (document, note) = if ending.as_deref() == Some("xml") {
+            let mut file = File::open(path).in_file(path)?;
+            let project = import::read_world_generator_project(&mut file, &catalogue, &[]);
+            let project = project.in_file(path)?;
+            let ignored = project.doors_ignored + project.elements_ignored;
+            let note = format!("{ignored} doors or other elements of the file lead nowhere");
+            (Document::from_plan(project.plan), (ignored > 0).then_some(note))
+        } else {
+            (Document::from_world(import::read_world(path).in_file(path)?), None)
+        };
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let is_written_again =
+            matches!(ending.as_deref(), Some("ron" | "json" | "xml" | "geojson"));
+        let again = if is_written_again { path.to_owned() } else { usual(&stem) };
+        let catalogue = match (&self.rooms, document.plan()) {
+            (None, Some(plan)) => IndoorSpec::catalogue(plan.spec()).clone(),
+            _ => catalogue,
+        };
+        let (name, out) = (self.what.clone(), self.out.clone().unwrap_or(again));
+        Ok(Opened { document, catalogue, name, out, note })
+    }
+
+    fn set(&self, spec: &mut WorldSpec) -> Result<(), Box<dyn Error>> {
+        for setting in &self.settings {
+            let (name, value) = setting
+                .split_once('=')
+                .ok_or_else(|| format!("--set {setting}: not of the form NAME=VALUE"))?;
+            spec.set(name.trim(), value).in_option("--set", setting)?;
+            if let WorldSpec::Indoor(indoor) = spec {
+                indoor.fix(name.trim());
+            }
+        }
+        Ok(())
+    }
+
+    fn catalogue(&self, beside: &Catalogue) -> Result<Catalogue, Box<dyn Error>> {
+        match &self.rooms {
+            Some(folder) => {
+                Ok(beside.with_folder(folder).in_option("--rooms", folder.display())?)
+            }
+            None => Ok(beside.clone()),
+        }
+    }
+}
+
+fn usual(stem: &str) -> PathBuf {
+    Path::new(FOLDER).join(format!("{stem}.ron"))
+}

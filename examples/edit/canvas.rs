@@ -1,0 +1,176 @@
+//! The plan: what the pointer does on it.
+
+use bevy_mapping_trial::ui::egui;
+use egui::{PointerButton, Sense, Ui};
+use envgen::edit::{Change, Target};
+use envgen::geometry::Shape;
+use envgen::glam::DVec2;
+use envgen::indoor::{Edit, PlanTarget};
+
+use crate::painting;
+use crate::session::{Drag, Session};
+use crate::tools::Tool;
+
+/// How far from a thing the pointer may be, in points.
+const REACH: f64 = 4.0;
+
+/// Objects are moved by multiples of this, in metres.
+const STEP: f64 = 0.05;
+
+/// How much a step of the wheel changes the zoom.
+const ZOOM_A_POINT: f64 = 0.002;
+
+/// What a click or the end of a drag would do.
+pub(crate) struct Ghost {
+    pub(crate) outline: Option<Shape>,
+    /// Why it is not allowed.
+    pub(crate) refused: Option<String>,
+}
+
+/// Shows the canvas, and carries out what the person does on it.
+pub(crate) fn show(ui: &mut Ui, session: &mut Session) {
+    let area = ui.available_rect_before_wrap();
+    session.view.set_canvas(area, ui.pixels_per_point());
+    let response = ui.interact(area, ui.id().with("canvas"), Sense::click_and_drag());
+    navigate(ui, &response, session);
+    let pointer = response.hover_pos().or(response.interact_pointer_pos());
+    let at = pointer.map(|p| session.view.to_world(p));
+    let reach = REACH * session.view.scale();
+    match session.tools.tool {
+        Tool::Select => select(ui, &response, session, reach),
+        Tool::Hallway => paint(ui, &response, session),
+        _ if response.clicked_by(PointerButton::Primary) => {
+            if let Some(at) = at {
+                click(session, at);
+            }
+        }
+        _ => {}
+    }
+    session.hovered =
+        at.filter(|_| session.drag.is_none()).and_then(|p| session.document.target_at(p, reach));
+    session.pointer = at;
+    let leave = 2.0 * reach;
+    session.done_at =
+        session.done_at.filter(|done| at.is_some_and(|at| at.distance(*done) < leave));
+    let shows = session.drag.is_some() || session.done_at.is_none();
+    let ghost = at.filter(|_| shows).and_then(|at| ghost(session, at));
+    painting::paint(ui, session, ghost.as_ref());
+}
+
+/// The middle and the right button move the plan, the wheel zooms.
+fn navigate(ui: &Ui, response: &egui::Response, session: &mut Session) {
+    for button in [PointerButton::Middle, PointerButton::Secondary] {
+        if response.dragged_by(button) {
+            session.view.pan(response.drag_delta());
+        }
+    }
+    if let Some(pointer) = response.hover_pos() {
+        let (scrolled, pinched) =
+            ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
+        let factor =
+            (1.0 - ZOOM_A_POINT * f64::from(scrolled.y)).clamp(0.5, 2.0) / f64::from(pinched);
+        if factor != 1.0 {
+            session.view.zoom(factor, pointer);
+        }
+    }
+}
+
+fn select(ui: &Ui, response: &egui::Response, session: &mut Session, reach: f64) {
+    let pressed = ui.input(|input| input.pointer.press_origin());
+    if response.drag_started_by(PointerButton::Primary)
+        && let Some(from) = pressed.map(|p| session.view.to_world(p))
+    {
+        // What is selected is moved even where something else lies on it.
+        let selected = session.selected.filter(|&target| {
+            session.document.outline(target).is_some_and(|shape| shape.distance(from) <= reach)
+        });
+        let target = selected.or_else(|| session.document.target_at(from, reach));
+        session.selected = target;
+        session.drag = target.map(|target| Drag { target, from });
+    }
+    let at = response.interact_pointer_pos().map(|p| session.view.to_world(p));
+    if response.drag_stopped_by(PointerButton::Primary)
+        && let (Some(drag), Some(at)) = (session.drag.take(), at)
+    {
+        match moved(session, drag, at) {
+            Some(change) if is_move(session, &change) => _ = session.change(change, at),
+            Some(_) => {}
+            None => session.refuse("this cannot be moved".to_owned(), at),
+        }
+    } else if response.clicked_by(PointerButton::Primary)
+        && let Some(at) = at
+    {
+        session.selected = session.document.target_at(at, reach);
+        session.refusal = None;
+    }
+}
+
+/// The change that the end of a drag makes.
+fn moved(session: &Session, drag: Drag, to: DVec2) -> Option<Change> {
+    let by = to - drag.from;
+    let is_room = matches!(drag.target, Target::Plan(PlanTarget::Room(_)));
+    let by = if is_room { by } else { (by / STEP).round() * STEP };
+    session.document.moved(drag.target, by)
+}
+
+/// Whether a room or part gets to another place.
+fn is_move(session: &Session, change: &Change) -> bool {
+    let Change::Plan(edit) = change else { return true };
+    match **edit {
+        Edit::MoveRoom { room, x, y } => session
+            .document
+            .plan()
+            .and_then(|plan| plan.rooms().get(room))
+            .is_none_or(|room| (room.x, room.y) != (x, y)),
+        Edit::MoveObject { by, .. } => by != DVec2::ZERO,
+        _ => true,
+    }
+}
+
+/// Adds cells of hallway along the pointer, or removes them if the first is one.
+fn paint(ui: &Ui, response: &egui::Response, session: &mut Session) {
+    let Some(at) = response.interact_pointer_pos() else {
+        session.tools.paints = None;
+        return;
+    };
+    let is_down = ui.input(|input| input.pointer.primary_down());
+    let (is_clicked, at) = (response.clicked_by(PointerButton::Primary), session.view.to_world(at));
+    if !is_down && !is_clicked {
+        session.tools.paints = None;
+        return;
+    }
+    let Some(change) = session.tools.paint(&session.document, at, session.tools.paints) else {
+        return;
+    };
+    let adds = matches!(&change, Change::Plan(edit) if matches!(**edit, Edit::AddHallway { .. }));
+    // Along a drag, what is in its path stays without complaint.
+    if session.tools.paints.is_none() || session.document.test(change.clone()).is_ok() {
+        session.change(change, at);
+    }
+    session.tools.paints = Some(adds).filter(|_| is_down);
+}
+
+fn click(session: &mut Session, at: DVec2) {
+    match session.tools.change_at(&session.document, &session.catalogue, at) {
+        Some(Ok(change)) => _ = session.change(change, at),
+        Some(Err(reason)) => session.refuse(reason, at),
+        None => {}
+    }
+}
+
+/// What a click at a point, or the end of the drag there, would do.
+fn ghost(session: &mut Session, at: DVec2) -> Option<Ghost> {
+    let change = match session.drag {
+        Some(drag) => Ok(moved(session, drag, at)?),
+        None => session.tools.change_at(&session.document, &session.catalogue, at)?,
+    };
+    Some(match change {
+        Ok(change) => {
+            let outline = session.document.preview(&change);
+            let is_moved = session.drag.is_none() || is_move(session, &change);
+            let tested = if is_moved { session.document.test(change) } else { Ok(()) };
+            Ghost { outline, refused: tested.err().map(|error| error.to_string()) }
+        }
+        Err(reason) => Ghost { outline: None, refused: Some(reason) },
+    })
+}

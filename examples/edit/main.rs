@@ -1,0 +1,131 @@
+//! A window to change worlds by hand: rooms, hallways and doorways of indoor maps, and the parts of any other world.
+//!
+//! ```text
+//! cargo run --release --features window --example edit -- indoor --seed 3
+//! cargo run --release --features window --example edit -- out/edit/indoor_3.xml
+//! cargo run --release --features window --example edit -- forest --seed 2 --set width=20
+//! ```
+//!
+//! The keys 1 to 5 choose a tool: select and move, room, hallway, doorway, object. R turns, Delete removes, Ctrl+Z
+//! undoes, Ctrl+Shift+Z and Ctrl+Y redo, Ctrl+S saves, T opens the world in a trial, G shows the grid, F everything,
+//! Esc stops, Ctrl+Q closes. The wheel zooms; dragging with the middle or right button moves the plan.
+
+mod arguments;
+mod auditing;
+mod canvas;
+#[path = "../shared/display.rs"]
+mod display;
+mod floors;
+mod keys;
+mod painting;
+mod panels;
+mod saving;
+mod session;
+mod tools;
+mod trial;
+mod view;
+
+use std::error::Error;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use bevy::camera::visibility::RenderLayers;
+use bevy::camera::{CameraOutputMode, ClearColorConfig};
+use bevy::prelude::*;
+use bevy::render::render_resource::BlendState;
+use bevy::winit::{UpdateMode, WinitSettings};
+use bevy_envgen::visuals::EnvgenVisualsPlugin;
+use bevy_envgen::{EnvgenCorePlugin, EnvgenSystems};
+use bevy_mapping_trial::ui::bevy_egui::{
+    EguiGlobalSettings, EguiPlugin, EguiPrimaryContextPass, PrimaryEguiContext,
+};
+use bevy_offscreen::find_renderer;
+use clap::Parser;
+
+use crate::arguments::Arguments;
+use crate::session::Session;
+use crate::view::WorldCamera;
+
+/// What is drawn where the world is solid ground, or ends.
+const GROUND: Color = Color::srgb(0.80, 0.81, 0.83);
+
+/// The longest time between two frames: results of other threads and old notes are seen then.
+const FRAME: Duration = Duration::from_millis(100);
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(AppExit::Success) => ExitCode::SUCCESS,
+        Ok(AppExit::Error(code)) => ExitCode::from(code.get()),
+        Err(error) => {
+            #[expect(clippy::print_stderr, reason = "errors belong on stderr")]
+            {
+                eprintln!("error: {error}");
+            }
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Opens the window. Mistakes in the command line are reported before.
+fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
+    let opened = arguments.open()?;
+    // Without a graphics driver Bevy would panic.
+    find_renderer()?;
+    display::find()?;
+    let window = Window { title: "envgen: edit".to_owned(), ..default() };
+    // The session closes the window, once changes are saved or given up.
+    let window =
+        WindowPlugin { primary_window: Some(window), close_when_requested: false, ..default() };
+    let update = UpdateMode::reactive(FRAME);
+    let mut app = App::new();
+    app.add_plugins((
+        DefaultPlugins.set(window),
+        EguiPlugin::default(),
+        EnvgenCorePlugin::default(),
+        EnvgenVisualsPlugin::default(),
+    ))
+    .insert_resource(WinitSettings { focused_mode: update, unfocused_mode: update })
+    .insert_resource(Session::new(opened))
+    .add_observer(session::show_failure)
+    .add_systems(Startup, spawn_cameras)
+    .add_systems(
+        Update,
+        // The world is drawn in the frame of its change.
+        (
+            keys::act,
+            session::poll,
+            session::show.before(EnvgenSystems::Request),
+            floors::lay,
+            view::follow,
+            session::close,
+        )
+            .chain(),
+    )
+    .add_systems(EguiPrimaryContextPass, panels::panels);
+    Ok(app.run())
+}
+
+/// The camera of the world, and that of the panels over it.
+fn spawn_cameras(mut settings: ResMut<EguiGlobalSettings>, mut commands: Commands) {
+    settings.auto_create_primary_context = false;
+    commands.spawn((
+        Camera2d,
+        WorldCamera,
+        Camera { clear_color: ClearColorConfig::Custom(GROUND), ..default() },
+    ));
+    commands.spawn((
+        PrimaryEguiContext,
+        Camera2d,
+        RenderLayers::none(),
+        Camera {
+            order: 1,
+            output_mode: CameraOutputMode::Write {
+                // What egui draws has its opacity multiplied in.
+                blend_state: Some(BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                clear_color: ClearColorConfig::None,
+            },
+            clear_color: ClearColorConfig::Custom(Color::NONE),
+            ..default()
+        },
+    ));
+}

@@ -1,0 +1,297 @@
+//! What is edited, and the person's actions.
+
+use std::error::Error;
+use std::f64::consts::FRAC_PI_2;
+use std::path::Path;
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use bevy_envgen::prelude::*;
+use bevy_mapping_trial::ui::egui;
+use envgen::edit::{Change, Document, Target};
+use envgen::glam::DVec2;
+use envgen::indoor::Catalogue;
+
+use crate::arguments::Opened;
+use crate::auditing::Auditing;
+use crate::tools::{Tool, Tools};
+use crate::trial::Trials;
+use crate::{saving, view::View};
+
+/// Seconds for which a refusal is shown where it happened.
+const REFUSAL: f64 = 4.0;
+
+/// Angle by which everything but rooms is turned.
+pub(crate) const TURN: f64 = FRAC_PI_2 / 6.0;
+
+/// What was refused, and where.
+pub(crate) struct Refusal {
+    pub(crate) text: String,
+    pub(crate) at: DVec2,
+    until: f64,
+}
+
+/// Something that is being dragged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Drag {
+    pub(crate) target: Target,
+    pub(crate) from: DVec2,
+}
+
+/// What a question before the window closes is answered with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Answer {
+    Save,
+    Discard,
+    Stay,
+}
+
+/// Everything that the window shows and changes.
+#[derive(Resource)]
+pub(crate) struct Session {
+    pub(crate) document: Document,
+    pub(crate) catalogue: Catalogue,
+    pub(crate) name: String,
+    /// The file to save to, as it is typed.
+    pub(crate) out: String,
+    pub(crate) tools: Tools,
+    pub(crate) view: View,
+    pub(crate) selected: Option<Target>,
+    /// What is at the pointer.
+    pub(crate) hovered: Option<Target>,
+    /// The point of the world at the pointer.
+    pub(crate) pointer: Option<DVec2>,
+    pub(crate) drag: Option<Drag>,
+    /// Where the last click changed something: until the pointer leaves, the next change is not shown.
+    pub(crate) done_at: Option<DVec2>,
+    pub(crate) refusal: Option<Refusal>,
+    pub(crate) auditing: Auditing,
+    pub(crate) trials: Trials,
+    pub(crate) grid: bool,
+    /// Whether the window is to be closed, and changes are not saved.
+    pub(crate) asks: bool,
+    pub(crate) closes: bool,
+    /// The last event, in one line.
+    pub(crate) message: String,
+    /// Why the last file could not be written, or the last trial not be opened.
+    pub(crate) failure: Option<String>,
+    /// Number of states so far: what is drawn and audited is of one of them.
+    pub(crate) revision: u64,
+    now: f64,
+}
+
+impl Session {
+    pub(crate) fn new(opened: Opened) -> Self {
+        let Opened { document, catalogue, name, out, note } = opened;
+        let view = View::of(document.world().bounds);
+        Session {
+            tools: Tools::for_document(&document),
+            document,
+            catalogue,
+            name,
+            out: out.display().to_string(),
+            view,
+            selected: None,
+            hovered: None,
+            pointer: None,
+            drag: None,
+            done_at: None,
+            refusal: None,
+            auditing: Auditing::default(),
+            trials: Trials::default(),
+            grid: true,
+            asks: false,
+            closes: false,
+            message: note.unwrap_or_default(),
+            failure: None,
+            revision: 1,
+            now: 0.0,
+        }
+    }
+
+    /// The canvas in points of the window.
+    pub(crate) fn canvas(&self) -> egui::Rect {
+        self.view.canvas()
+    }
+
+    /// Makes a change; a refusal is shown at a point.
+    pub(crate) fn change(&mut self, change: Change, at: DVec2) -> bool {
+        match self.document.apply(change) {
+            Ok(target) => {
+                self.selected = target;
+                self.changed();
+                self.done_at = Some(at);
+                true
+            }
+            Err(error) => {
+                self.refuse(error.to_string(), at);
+                false
+            }
+        }
+    }
+
+    pub(crate) fn refuse(&mut self, text: String, at: DVec2) {
+        self.refusal = Some(Refusal { text, at, until: self.now + REFUSAL });
+    }
+
+    pub(crate) fn undo(&mut self) {
+        if self.document.undo() {
+            self.selected = None;
+            self.changed();
+        }
+    }
+
+    pub(crate) fn redo(&mut self) {
+        if self.document.redo() {
+            self.selected = None;
+            self.changed();
+        }
+    }
+
+    fn changed(&mut self) {
+        self.revision += 1;
+        self.refusal = None;
+        self.message.clear();
+    }
+
+    /// Turns what is selected, or the room or object that is to be added.
+    pub(crate) fn turn(&mut self, angle: f64) {
+        if self.tools.tool.adds() {
+            self.tools.turn(angle);
+            return;
+        }
+        let Some(target) = self.selected else { return };
+        let at = self.place_of(target);
+        match self.document.turned(target, angle) {
+            Some(change) => _ = self.change(change, at),
+            None => self.refuse("this cannot be turned".to_owned(), at),
+        }
+    }
+
+    /// Removes what is selected.
+    pub(crate) fn remove(&mut self) {
+        let Some(target) = self.selected else { return };
+        let at = self.place_of(target);
+        if let Some(change) = self.document.remove(target) {
+            self.change(change, at);
+        }
+    }
+
+    fn place_of(&self, target: Target) -> DVec2 {
+        self.document.outline(target).map_or(DVec2::ZERO, |shape| shape.bounds().center())
+    }
+
+    pub(crate) fn choose(&mut self, tool: Tool) {
+        if self.tools.has(tool) {
+            self.tools.tool = tool;
+            self.drag = None;
+            self.selected = None;
+        }
+    }
+
+    /// Stops what is being done.
+    pub(crate) fn cancel(&mut self) {
+        if self.drag.take().is_none() {
+            self.choose(Tool::Select);
+        }
+        self.selected = None;
+        self.refusal = None;
+    }
+
+    /// Writes the document to its file; whether that was possible.
+    pub(crate) fn save(&mut self) -> bool {
+        let saved = saving::save(&self.document, Path::new(self.out.trim()));
+        let is_saved = saved.is_ok();
+        if is_saved {
+            self.document.mark_saved();
+        }
+        self.report(saved);
+        is_saved
+    }
+
+    fn report(&mut self, result: Result<String, Box<dyn Error>>) {
+        (self.message, self.failure) = match result {
+            Ok(text) => (text, None),
+            Err(error) => (String::new(), Some(error.to_string())),
+        };
+    }
+
+    pub(crate) fn open_trial(&mut self) {
+        let opened = self.trials.open(&self.document);
+        self.report(opened);
+    }
+
+    /// Closes the window, after a question if changes are not saved.
+    pub(crate) fn close(&mut self) {
+        if self.document.is_changed() { self.asks = true } else { self.closes = true }
+    }
+
+    pub(crate) fn answer(&mut self, answer: Answer) {
+        self.asks = false;
+        self.closes = match answer {
+            Answer::Save => self.save(),
+            Answer::Discard => true,
+            Answer::Stay => false,
+        };
+    }
+}
+
+/// The environment that shows the world.
+#[derive(Component)]
+pub(crate) struct Shown {
+    revision: u64,
+}
+
+/// Shows the world as it is now.
+pub(crate) fn show(
+    session: Res<Session>,
+    mut shown: Query<(Entity, &mut Shown)>,
+    mut commands: Commands,
+) {
+    let environment = || {
+        Environment::prebuilt(Arc::clone(session.document.world()))
+            .with_pace(GenerationMode::Blocking)
+            .with_solids(SolidStorage::TileData)
+            .with_origin(session.view.origin())
+    };
+    let Ok((entity, mut state)) = shown.single_mut() else {
+        commands.spawn((environment(), Shown { revision: session.revision }));
+        return;
+    };
+    if state.revision != session.revision {
+        state.revision = session.revision;
+        commands.entity(entity).insert(environment());
+    }
+}
+
+/// The world cannot be shown: the panel says why.
+pub(crate) fn show_failure(failed: On<EnvironmentFailed>, mut session: ResMut<Session>) {
+    session.failure = Some(failed.error.to_string());
+}
+
+/// Counts time, forgets old refusals, takes the results of other threads and programs.
+pub(crate) fn poll(mut session: ResMut<Session>, time: Res<Time<Real>>) {
+    let session = session.bypass_change_detection();
+    session.now = time.elapsed_secs_f64();
+    if session.refusal.as_ref().is_some_and(|refusal| refusal.until < session.now) {
+        session.refusal = None;
+    }
+    session.auditing.poll(&session.document, session.revision);
+    if let Some(failure) = session.trials.poll() {
+        session.failure = Some(failure);
+    }
+}
+
+/// Closes the window when it is to be closed.
+pub(crate) fn close(
+    mut session: ResMut<Session>,
+    mut requests: MessageReader<bevy::window::WindowCloseRequested>,
+    mut exits: MessageWriter<AppExit>,
+) {
+    if requests.read().next().is_some() {
+        session.close();
+    }
+    if session.closes {
+        exits.write(AppExit::Success);
+    }
+}

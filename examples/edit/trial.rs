@@ -1,0 +1,69 @@
+//! Trials on the edited world, in the program `teleop`.
+
+use std::env::consts::EXE_SUFFIX;
+use std::error::Error;
+use std::io;
+use std::path::Path;
+use std::process::{Child, Command};
+
+use envgen::edit::Document;
+use tempfile::TempDir;
+
+use crate::saving;
+
+/// The program that runs trials, beside this one.
+const PROGRAM: &str = "teleop";
+
+/// The trials that were opened; their worlds are files that are removed at the end.
+#[derive(Default)]
+pub(crate) struct Trials {
+    folder: Option<TempDir>,
+    count: u32,
+    running: Vec<Child>,
+}
+
+impl Trials {
+    /// Saves the world to a file of its own and opens a trial on it, if the program is there; says which command does
+    /// it otherwise.
+    pub(crate) fn open(&mut self, document: &Document) -> Result<String, Box<dyn Error>> {
+        if self.folder.is_none() {
+            self.folder = Some(tempfile::Builder::new().prefix("envgen-edit-").tempdir()?);
+        }
+        let folder = self.folder.as_ref().map_or(Path::new("."), TempDir::path);
+        self.count += 1;
+        let world = folder.join(format!("world_{}.ron", self.count));
+        saving::save(document, &world)?;
+        let program = std::env::current_exe()?.with_file_name(format!("{PROGRAM}{EXE_SUFFIX}"));
+        let command = format!("{PROGRAM} --world {}", world.display());
+        match Command::new(&program).arg("--world").arg(&world).spawn() {
+            Ok(child) => {
+                self.running.push(child);
+                Ok(format!("opened a trial: {command}"))
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(format!(
+                "run: cargo run --release --features window --example {PROGRAM} -- --world {}",
+                world.display()
+            )),
+            Err(error) => Err(format!("{}: {error}", program.display()).into()),
+        }
+    }
+
+    /// A trial that has failed, if one has.
+    pub(crate) fn poll(&mut self) -> Option<String> {
+        let mut failure = None;
+        self.running.retain_mut(|child| match child.try_wait() {
+            Ok(None) => true,
+            Ok(Some(status)) => {
+                if !status.success() {
+                    failure = Some(format!("the trial has failed ({status}): see the terminal"));
+                }
+                false
+            }
+            Err(error) => {
+                failure = Some(format!("the trial: {error}"));
+                false
+            }
+        });
+        failure
+    }
+}

@@ -1,0 +1,254 @@
+#!/usr/bin/env bash
+# Drives the window `edit` with mouse and keys under Xvfb, on any Vulkan driver: pictures of every state go to the
+# folder of the first argument, and what was saved is checked.
+#
+# Needs, of Debian or Ubuntu: imagemagick libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 libxrandr2
+# mesa-vulkan-drivers xdotool xvfb. CARGO_FLAGS may hold `--release`.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+pictures=${1:-out/edit_pictures}
+scratch=$(mktemp -d)
+mkdir -p "$pictures"
+pictures=$(realpath "$pictures")
+started=()
+finish() {
+  for process in "${started[@]}"; do kill "$process" 2>/dev/null || true; done
+  rm -rf "$scratch"
+}
+trap finish EXIT
+
+fail() { echo "edit: $*" >&2; exit 1; }
+
+# shellcheck disable=SC2086  # each word is an argument
+cargo build ${CARGO_FLAGS:-} --features window --example edit --example teleop --bin envgen
+case " ${CARGO_FLAGS:-} " in *" --release "*) built=release ;; *) built=debug ;; esac
+programs=$(realpath "${CARGO_TARGET_DIR:-target}/$built")
+export XDG_RUNTIME_DIR=$scratch
+cd "$scratch"
+
+# Mistakes are reported without a window: refused TEXT ARGUMENTS..
+refused() {
+  local text=$1
+  shift
+  if timeout 20 "$programs/examples/edit" "$@" >said 2>&1; then fail "$*: not refused"; fi
+  grep -qF -- "$text" said || { cat said >&2; fail "$*: not refused with '$text'"; }
+}
+echo 'World(schema: 1' >broken.ron
+echo '<world depth="2"/>' >broken.xml
+refused 'nonsense: no such file' nonsense
+refused "missing.ron: No such file" missing.ron
+refused "broken.ron: not the RON of a world" broken.ron
+refused "broken.xml: \`world\` 1: \`width\`" broken.xml
+touch notes.md
+refused 'notes.md: unknown file ending' notes.md
+refused '--set width=-3' indoor --set width=-3
+refused '--set wdth=3' indoor --set wdth=3
+refused '--rooms nowhere' indoor --rooms nowhere
+VK_DRIVER_FILES=/nowhere VK_ICD_FILENAMES=/nowhere refused 'no Vulkan' indoor
+DISPLAY='' refused 'no display' indoor
+
+Xvfb :93 -screen 0 1280x720x24 -nolisten tcp >xvfb 2>&1 &
+started+=("$!")
+export DISPLAY=:93
+sleep 2
+
+# Starts the window and waits for it: open ARGUMENTS..
+open() {
+  # Bash starts what runs in the background deaf to Ctrl+C.
+  env --default-signal=INT "$programs/examples/edit" "$@" >said 2>&1 &
+  program=$!
+  started+=("$program")
+  for _ in $(seq 120); do
+    window=$(xdotool search --onlyvisible --name '^envgen: edit$' 2>/dev/null | head -n 1) && [ -n "$window" ] && break
+    kill -0 "$program" 2>/dev/null || { cat said >&2; fail "the program has ended"; }
+    sleep 0.3
+  done
+  [ -n "${window:-}" ] || fail "no window after half a minute"
+  # Without a window manager nobody else gives it its size and the keys.
+  xdotool windowmove "$window" 0 0 windowsize --sync "$window" 1280 720
+  xdotool windowfocus --sync "$window"
+  sleep 2
+}
+
+ended() {
+  for _ in $(seq 40); do kill -0 "$program" 2>/dev/null || return 0; sleep 0.25; done
+  fail "the program continues"
+}
+
+at() { xdotool mousemove "$1" "$2"; sleep 0.15; }
+click() { at "$1" "$2"; xdotool click 1; sleep 0.4; }
+press() { for key in "$@"; do xdotool key "$key"; sleep 0.3; done; }
+
+# Drags with the left button: drag X Y X Y
+drag() {
+  at "$1" "$2"
+  xdotool mousedown 1
+  for part in 1 2 3 4; do at $(($1 + ($3 - $1) * part / 4)) $(($2 + ($4 - $2) * part / 4)); done
+  [ -z "${5:-}" ] || picture "$5"
+  xdotool mouseup 1
+  sleep 0.4
+}
+
+# A point in a cell of the plan: cell COLUMN ROW prints x and y of its middle in the window.
+cell() { echo "$((348 + 40 * $1)) $((48 + 40 * $2))"; }
+
+picture() {
+  sleep 0.5
+  import -window root "$pictures/$1.png"
+  # A picture of one colour shows nothing.
+  [ "$(identify -format '%k' "$pictures/$1.png")" -gt 20 ] || fail "$1.png shows nothing"
+}
+
+# Waits for a file.
+written() { for _ in $(seq 12); do [ -s "$1" ] && return 0; sleep 0.25; done; return 1; }
+
+# Types the name of the file to save to: name FILE
+name() {
+  click 100 61
+  xdotool type --delay 12 "$1"
+  sleep 0.3
+  press Return
+}
+
+# Saves to a file, once more where the window was too slow for the keys: save FILE
+save() {
+  for _ in 1 2 3; do
+    name "$1"
+    written "$1" && break
+  done
+  [ -s "$1" ] || { picture failed; fail "$1 is not written"; }
+  click 1150 600
+}
+
+checked() { "$programs/envgen" check "$1" >check || { cat check >&2; fail "$1 does not hold"; }; }
+# The number of parts of a list in a saved world, one per line: parts FILE.ron LIST
+parts() { awk -v list="$2:" '$1 == list && $2 == "[" { on = 1; next } /^  \],/ { on = 0 } on { n++ } END { print n + 0 }' "$1"; }
+same() { [ "$1" = "$2" ] || fail "$3: $1, not $2"; }
+
+# A plan: a room is added, moved and turned.
+open indoor --seed 3 --out first.ron
+picture plan
+press ctrl+s
+written first.ron || fail "Ctrl+S does not save"
+checked first.ron
+rooms=$(parts first.ron rooms)
+press 2
+click 100 215
+# shellcheck disable=SC2046  # two words
+{
+  at $(cell 4 2)
+  picture room
+  click $(cell 4 2)
+  at $(cell 3 6)
+  sleep 0.3
+  at $(cell 4 2)
+  picture refused
+  press 1
+  drag $(cell 4 2) $(cell 4 5) moving
+}
+save moved.ron
+same "$(parts moved.ron rooms)" $((rooms + 1)) "rooms after one was added"
+grep -q 'edited: *true' moved.ron || fail "an edited world does not say so"
+# A promise that an edit has broken is not saved.
+checked moved.ron
+! grep -q every_place_reachable moved.ron || fail "a room without doorways can be reached"
+picture unreached
+# With a doorway it can be reached.
+press 4
+# The wall to the left of column 4 in row 5.
+click 488 248
+press 1
+save open.ron
+grep -q every_place_reachable open.ron || fail "a room with a doorway cannot be reached"
+checked open.ron
+# The selected doorway is removed, which is undone and done again.
+click 488 248
+press Delete
+sleep 1
+picture closed
+press ctrl+z
+save again.ron
+cmp open.ron again.ron || fail "undo leads to another world"
+press ctrl+shift+z
+save closed.ron
+cmp moved.ron closed.ron || fail "redo leads to another world"
+press ctrl+z
+# A room of 2 by 1 cells is turned in place.
+press 2
+click 100 310
+click 468 148
+press 1
+click 468 148
+press r
+sleep 0.7
+picture turned
+# An object in the room.
+press 5
+# shellcheck disable=SC2046  # two words
+{ click $(cell 4 5); }
+press r
+picture object
+save plan.ron
+checked plan.ron
+same "$(parts plan.ron rooms)" $((rooms + 2)) "rooms after two were added"
+same "$(parts plan.ron obstacles)" $(($(parts open.ron obstacles) + 1)) "obstacles after one was added"
+for ending in xml svg png yaml geojson; do save "plan.$ending"; done
+checked plan.xml
+same "$(grep '<room ' plan.xml | grep -vc hallway)" $((rooms + 2)) "rooms in the project"
+checked plan.yaml
+checked plan.geojson
+[ -s plan.pgm ] || fail "no image of the map"
+cp plan.png "$pictures/saved.png"
+# What cannot be saved is said, and leaves no file.
+name plan.doc
+picture wrong_ending
+[ ! -e plan.doc ] || fail "a file of no format"
+# A trial on the edited world.
+click 1150 600
+press t
+for _ in $(seq 60); do xdotool search --onlyvisible --name '^envgen: drive$' >/dev/null 2>&1 && break; sleep 0.25; done
+xdotool search --onlyvisible --name '^envgen: drive$' >/dev/null || fail "no trial"
+trial=$(pgrep -P "$program")
+kill "$trial"
+# Without a window manager nobody gives the keys back.
+xdotool windowfocus --sync "$window"
+sleep 0.5
+# A change that is not saved keeps the window.
+press 1
+click 468 148
+press Delete ctrl+q
+sleep 0.5
+picture question
+press Escape
+kill -0 "$program" || fail "the window is closed without an answer"
+press ctrl+q
+# Discards them.
+click 525 396
+ended
+
+# The project is edited as a plan again.
+open plan.xml --out second.xml
+press ctrl+s
+written second.xml || fail "Ctrl+S does not save a project"
+sed 's/name="second"/name="plan"/' second.xml | cmp - plan.xml || fail "the project has changed"
+press ctrl+q
+ended
+
+# The parts of another world.
+open forest --seed 2 --set width=20 --set height=20 --out forest.ron
+press 5
+click 560 300
+press 1
+drag 560 300 620 330
+picture world
+press ctrl+s
+written forest.ron || fail "Ctrl+S does not save a forest"
+checked forest.ron
+same "$(parts forest.ron obstacles)" 1 "obstacles in the forest"
+press Delete ctrl+s
+sleep 1
+same "$(parts forest.ron obstacles)" 0 "obstacles after it was removed"
+press ctrl+q
+ended
+echo "edit: pictures in $pictures, $SECONDS s"
