@@ -26,7 +26,8 @@
 //!                        EnvironmentLandmarks (its start and goal), EnvironmentFailure,
 //!                        EnvironmentDifficulty (where ComputeDifficulty requests it)
 //!   Tile                 with merged colliders and meshes, where asked; TileSolids
-//!     Wall, Tree, ..     PartId, PartOf (its environment), Name, Transform, PartShape
+//!     Wall, Tree, ..     PartId, PartOf (its environment), Name, Transform, PartShape,
+//!                        HeightRange
 //! ```
 //!
 //! Every part has a [`PartId`] that is the same for the same spec and seed. Its [`Transform`] is
@@ -92,6 +93,7 @@ mod diagnostics;
 mod difficulty;
 mod environment;
 mod generate;
+mod height;
 mod job;
 mod landmarks;
 pub mod part;
@@ -132,6 +134,7 @@ pub use environment::{
     RebuildEnvironment, SolidStorage, SourceSpec, SourceWorld, WorldSource,
 };
 pub use generate::MAX_PARTS;
+pub use height::HeightRange;
 pub use landmarks::{EnvironmentLandmarks, Landmark};
 pub use part::{PartId, PartKind, PartOf};
 pub use scenario::{
@@ -170,8 +173,8 @@ pub mod prelude {
         EnvgenDiagnosticsPlugin, EnvgenPlugins, EnvgenSystems, Environment, EnvironmentDifficulty,
         EnvironmentError, EnvironmentFailed, EnvironmentFailure, EnvironmentLandmarks,
         EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GenerationMode, GroundTruth,
-        Landmark, PartShape, RebuildEnvironment, SolidStorage, StreamAround, StreamingBudget,
-        TileSolids, TileSpawned,
+        HeightRange, Landmark, PartShape, RebuildEnvironment, SolidStorage, StreamAround,
+        StreamingBudget, TileSolids, TileSpawned,
     };
     pub use envgen::WorldSpec;
     pub use envgen::cellular::CellularSpec;

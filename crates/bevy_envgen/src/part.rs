@@ -412,6 +412,7 @@ pub(crate) fn register(app: &mut App) {
     app.register_type::<PartId>()
         .register_type::<PartOf>()
         .register_type::<crate::PartShape>()
+        .register_type::<crate::HeightRange>()
         .register_type::<Wall>()
         .register_type::<Tree>()
         .register_type::<RoadStrip>()

@@ -7,6 +7,7 @@ use envgen::geometry::Pose;
 use envgen::glam::DVec2;
 
 use crate::environment::{Layout, SolidStorage};
+use crate::height::HeightRange;
 use crate::part::{
     Doorway, Goal, Ground, Obstacle, PartId, PartKind, PartOf, RoadStrip, Room, Start, Surface,
     Tree, Victim, Wall,
@@ -51,6 +52,8 @@ pub struct SolidPart {
     pub transform: Transform,
     /// Its shape.
     pub shape: PartShape,
+    /// Its bottom and top; every solid part has them.
+    pub height: Option<HeightRange>,
 }
 
 /// Triggered on an environment for every [`Tile`] when it is spawned, before the environment is
@@ -103,6 +106,21 @@ impl TileSpawned {
         });
         let data = world.get::<TileSolids>(self.tile).map_or(&[][..], |solids| &solids.0);
         entities.chain(data.iter().map(|part| (part.id, &part.transform, &part.shape)))
+    }
+
+    /// The solid parts of the tile, entities and data, with their heights.
+    pub(crate) fn solids<'w>(
+        &'w self,
+        world: &'w World,
+    ) -> impl Iterator<Item = (&'w Transform, &'w PartShape, Option<HeightRange>)> {
+        let entities = self.parts.iter().filter_map(|&part| {
+            let part = world.get_entity(part).ok()?;
+            let is_solid = part.get::<PartId>()?.kind.is_solid();
+            let height = part.get::<HeightRange>().copied();
+            is_solid.then_some((part.get::<Transform>()?, part.get::<PartShape>()?, height))
+        });
+        let data = world.get::<TileSolids>(self.tile).map_or(&[][..], |solids| &solids.0);
+        entities.chain(data.iter().map(|part| (&part.transform, &part.shape, part.height)))
     }
 }
 
@@ -157,13 +175,20 @@ pub(crate) fn spawn_trees(
     let parts = match layout.solids {
         SolidStorage::Entities => world
             .spawn_batch(trees.map(|(id, tree)| {
-                part(ancestors, id, place_tree(frame, tree), Tree { radius: tree.radius as f32 })
+                let component = Tree { radius: tree.radius as f32 };
+                part(
+                    ancestors,
+                    id,
+                    place_tree(frame, tree),
+                    (component, HeightRange::from(tree.extent())),
+                )
             }))
             .collect(),
         SolidStorage::TileData => {
             let solids = trees.map(|(id, tree)| {
                 let (transform, shape) = place_tree(frame, tree);
-                SolidPart { id, transform, shape }
+                let height = Some(tree.extent().into());
+                SolidPart { id, transform, shape, height }
             });
             store_solids(world, ancestors.tile, solids.collect());
             Vec::new()
@@ -200,13 +225,14 @@ fn store_solids(world: &mut World, tile: Entity, solids: Vec<SolidPart>) {
 /// A solid part as data; `None` for parts of other kinds.
 fn solid(frame: Frame, truth: &EnvgenWorld, part: PartRef) -> Option<SolidPart> {
     let i = part.index as usize;
-    let (transform, shape) = match part.kind {
-        PartKind::Wall => frame.place(&truth.walls[i].shape),
-        PartKind::Obstacle => frame.place(&truth.obstacles[i].shape),
-        PartKind::Tree => place_tree(frame, &truth.trees[i]),
+    let ((transform, shape), extent) = match part.kind {
+        PartKind::Wall => (frame.place(&truth.walls[i].shape), truth.walls[i].extent()),
+        PartKind::Obstacle => (frame.place(&truth.obstacles[i].shape), truth.obstacles[i].extent()),
+        PartKind::Tree => (place_tree(frame, &truth.trees[i]), truth.trees[i].extent()),
         _ => return None,
     };
-    Some(SolidPart { id: PartId::new(part.kind, part.index), transform, shape })
+    let id = PartId::new(part.kind, part.index);
+    Some(SolidPart { id, transform, shape, height: Some(extent.into()) })
 }
 
 /// Triggers [`TileSpawned`], so that observers can add to the new parts.
@@ -216,8 +242,8 @@ fn trigger_spawned(world: &mut World, ancestors: Ancestors, parts: Vec<Entity>) 
     world.flush();
 }
 
-/// The components of a part: the common ones and that of its kind.
-fn part<P: Component>(
+/// The components of a part: the common ones and those of its kind.
+fn part<P: Bundle<Effect: NoBundleEffect>>(
     ancestors: Ancestors,
     id: PartId,
     (transform, shape): (Transform, PartShape),
@@ -281,28 +307,36 @@ fn spawn_run(
         PartKind::Wall => spawn!(i => {
             let wall = &truth.walls[i];
             let visible_range = wall.visible_range.map(|range| range as f32);
-            (frame.place(&wall.shape), Wall { kind: wall.kind.into(), visible_range })
+            let part = Wall { kind: wall.kind.into(), visible_range };
+            (frame.place(&wall.shape), (part, HeightRange::from(wall.extent())))
         }),
         PartKind::Tree => spawn!(i => {
             let tree = &truth.trees[i];
-            (place_tree(frame, tree), Tree { radius: tree.radius as f32 })
+            let part = Tree { radius: tree.radius as f32 };
+            (place_tree(frame, tree), (part, HeightRange::from(tree.extent())))
         }),
-        PartKind::RoadStrip => spawn!(i => road(frame, &truth.road_strips[i])),
+        PartKind::RoadStrip => spawn!(i => {
+            let strip = &truth.road_strips[i];
+            let (place, part) = road(frame, strip);
+            (place, (part, HeightRange::from(strip.extent())))
+        }),
         PartKind::Room => spawn!(i => {
             let room = &truth.rooms[i];
             let difficulty = room.difficulty.map(|difficulty| difficulty as f32);
             let (name, contents) = (room.name.clone(), room.contents.into());
-            (frame.place(&room.shape), Room { name, difficulty, lit: room.lit, contents })
+            let part = Room { name, difficulty, lit: room.lit, contents };
+            (frame.place(&room.shape), (part, HeightRange::from(room.extent())))
         }),
         PartKind::Doorway => spawn!(i => {
             let doorway = &truth.doorways[i];
             let part = Doorway { open: doorway.open, rooms: doorway.rooms };
-            (frame.place(&doorway.shape), part)
+            (frame.place(&doorway.shape), (part, HeightRange::from(doorway.extent())))
         }),
         PartKind::Obstacle => spawn!(i => {
             let obstacle = &truth.obstacles[i];
             let visible_range = obstacle.visible_range.map(|range| range as f32);
-            (frame.place(&obstacle.shape), Obstacle { kind: obstacle.kind.into(), visible_range })
+            let part = Obstacle { kind: obstacle.kind.into(), visible_range };
+            (frame.place(&obstacle.shape), (part, HeightRange::from(obstacle.extent())))
         }),
         PartKind::Surface => spawn!(i => {
             let surface = &truth.surfaces[i];
@@ -312,7 +346,7 @@ fn spawn_run(
                 odometry_noise: surface.odometry_noise as f32,
                 wheel_bias: surface.wheel_bias as f32,
             };
-            (frame.place(&surface.shape), part)
+            (frame.place(&surface.shape), (part, HeightRange::from(surface.extent())))
         }),
         PartKind::Start => spawn!(i => (pose(&truth.start.unwrap_or_default()), Start)),
         PartKind::Goal => spawn!(i => (pose(&truth.goal.unwrap_or_default()), Goal)),

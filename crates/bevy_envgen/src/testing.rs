@@ -22,7 +22,7 @@ use crate::environment::{
     Environment, EnvironmentError, EnvironmentFailure, EnvironmentState, GroundTruth,
 };
 use crate::generate::finish_tasks;
-use crate::{EnvgenPlugins, PartId, PartShape, SolidPart, TileSolids};
+use crate::{EnvgenPlugins, HeightRange, PartId, PartShape, SolidPart, TileSolids};
 
 /// Fixed steps per second of [`test_app`].
 pub const STEPS_A_SECOND: f64 = 64.0;
@@ -123,7 +123,8 @@ pub fn parts(app: &App, environment: Entity) -> Vec<SolidPart> {
         if let (Some(id), Some(transform), Some(shape)) =
             (entity.get::<PartId>(), entity.get::<Transform>(), entity.get::<PartShape>())
         {
-            parts.push(SolidPart { id: *id, transform: *transform, shape: shape.clone() });
+            let height = entity.get::<HeightRange>().copied();
+            parts.push(SolidPart { id: *id, transform: *transform, shape: shape.clone(), height });
         }
         parts
             .extend(entity.get::<TileSolids>().into_iter().flat_map(|data| data.0.iter().cloned()));

@@ -67,6 +67,20 @@ pub enum Role {
     Ground,
 }
 
+impl Role {
+    /// Its name in files: `body`, `lintel`, `crown`, `floor`, `ceiling` or `ground`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Role::Body => "body",
+            Role::Lintel => "lintel",
+            Role::Crown => "crown",
+            Role::Floor => "floor",
+            Role::Ceiling => "ceiling",
+            Role::Ground => "ground",
+        }
+    }
+}
+
 /// The form of a piece.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Form<'a> {

@@ -168,11 +168,11 @@ impl Raycaster {
         Raycaster::of(world, world.solids_at(height))
     }
 
-    /// Indexes the parts that lasers see only from near; `None` where a world has none.
-    pub fn of_dark(world: &World) -> Option<Self> {
+    /// Indexes the parts that a laser of a height in metres sees only from near; `None` where a world has none.
+    pub fn of_dark(world: &World, height: f64) -> Option<Self> {
         let dark = dark_parts(world);
         let is_dark = |part: PartId| dark.binary_search_by_key(&part, |&(dark, _)| dark).is_ok();
-        let parts = || world.solids().filter(|solid| is_dark(solid.id));
+        let parts = || world.solids_at(height).filter(|solid| is_dark(solid.id));
         (!dark.is_empty()).then(|| Raycaster::of(world, parts()))
     }
 

@@ -227,10 +227,10 @@ fn a_scan_runs_from_right_to_left() {
 fn dark_parts_are_met_but_not_seen_from_afar() {
     let slab = |x: f64| Shape::from_rect(Rect::new(DVec2::new(x, -5.0), DVec2::new(x + 0.5, 5.0)));
     let mut world = world_of(vec![slab(2.0), slab(-7.0), slab(6.0)]);
-    assert!(Raycaster::of_dark(&world).is_none());
+    assert!(Raycaster::of_dark(&world, 0.45).is_none());
     world.obstacles[1].visible_range = Some(4.0);
     world.obstacles[2].visible_range = Some(1.0);
-    let (rays, dark) = (Raycaster::new(&world), Raycaster::of_dark(&world).unwrap());
+    let (rays, dark) = (Raycaster::new(&world), Raycaster::of_dark(&world, 0.45).unwrap());
     let meet = |rays: &Raycaster, x: f64, heading: f64| {
         let hit = rays.cast(DVec2::new(x, 0.0), heading, 20.0).unwrap();
         (hit.part.index, hit.distance, rays.is_unseen(hit))

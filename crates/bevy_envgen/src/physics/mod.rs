@@ -3,8 +3,12 @@
 //! Walls, trees, obstacles and closed doorways stop bodies and rays, exactly where [`envgen::raycast`]
 //! does. Surfaces, rooms and doorways are sensors, which report the bodies inside them. People and leaves of
 //! [`crate::scenario`] are kinematic bodies.
+//!
+//! Rapier is flat. The colliders of parts have a [`HeightRange`](crate::HeightRange), which decides what they stop:
+//! see [`HeightHooks`].
 
 mod collider;
+mod height;
 mod moving;
 mod setup;
 
@@ -14,14 +18,16 @@ use bevy_rapier2d::prelude::{
     Restitution, Sensor,
 };
 
+pub use height::HeightHooks;
 pub use moving::PersonHit;
 pub(crate) use moving::fit_leaves;
 pub use setup::TopDownPhysicsPlugin;
 
-use crate::environment::EnvironmentStats;
+use crate::environment::{EnvironmentStats, GroundTruth};
+use crate::height::HeightRange;
 use crate::part::{Doorway, PartId, PartKind};
 use crate::shape::PartShape;
-use crate::spawn::{TileSolids, TileSpawned};
+use crate::spawn::{Tile, TileSolids, TileSpawned};
 use crate::{EnvgenSystems, Schedules};
 
 /// The collision group of people.
@@ -56,13 +62,20 @@ impl Default for ColliderMerging {
 
 /// How the parts of an environment become colliders.
 ///
-/// A resource for all environments; [`EnvironmentColliders`] is the same for one. Both are read when
-/// parts are spawned.
+/// A resource for all environments; [`EnvironmentColliders`] is the same for one. It is read when parts are
+/// spawned.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct ColliderSettings {
     /// Whether the solid parts of a tile share one collider.
     pub merge: ColliderMerging,
+    /// Solids of a merged tile that are on the floor and at least this many metres high count as high as
+    /// everything. Lower ones, and those above the floor, share a collider with others of their
+    /// [`HeightRange`](crate::HeightRange) alone. At least as high as the highest laser, so that it sees what it should.
+    pub full_height: f64,
+    /// Whether there are colliders over doorways, which only robots that are higher than a door need. A ray
+    /// whose filter does not ask for their [`HeightRange`](crate::HeightRange) does not pass the doorway.
+    pub lintels: bool,
     /// Whether surfaces, rooms and doorways get sensors.
     pub sensors: bool,
     /// Coefficient of friction of walls, trees, obstacles, people and leaves.
@@ -99,6 +112,8 @@ impl Default for ColliderSettings {
     fn default() -> Self {
         ColliderSettings {
             merge: ColliderMerging::default(),
+            full_height: 0.5,
+            lintels: false,
             sensors: true,
             friction: 0.5,
             restitution: 0.0,
@@ -110,7 +125,8 @@ impl Default for ColliderSettings {
     }
 }
 
-/// The [`ColliderSettings`] of one environment, on its entity.
+/// The [`ColliderSettings`] of one environment, on its entity. Inserting it replaces the colliders of the parts that
+/// are there, and all that is of colliders on their entities.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct EnvironmentColliders(pub ColliderSettings);
@@ -139,6 +155,8 @@ impl Plugin for EnvgenPhysicsPlugin {
             .insert_resource(self.colliders)
             .add_message::<PersonHit>()
             .add_observer(collide)
+            .add_observer(collide_again)
+            .add_observer(height::filter_contacts)
             .add_observer(moving::embody)
             .add_observer(moving::hang)
             .add_systems(
@@ -163,6 +181,50 @@ fn collide(spawned: On<TileSpawned>, mut commands: Commands) {
     let spawned = spawned.event().clone();
     commands.queue(move |world: &mut World| give_colliders(world, &spawned));
 }
+
+/// A collider of parts that has an entity of its own.
+#[derive(Component)]
+struct PartCollider;
+
+/// Replaces the colliders of an environment.
+fn collide_again(inserted: On<Insert, EnvironmentColliders>, mut commands: Commands) {
+    let environment = inserted.entity;
+    commands.queue(move |world: &mut World| {
+        let children = |world: &World, parent: Entity| -> Vec<Entity> {
+            world.get::<Children>(parent).map_or_else(Vec::new, |children| children.to_vec())
+        };
+        let tiles = children(world, environment).into_iter();
+        let tiles: Vec<_> = tiles.filter(|&tile| world.get::<Tile>(tile).is_some()).collect();
+        for tile in tiles {
+            let below = children(world, tile);
+            let parts: Vec<_> =
+                below.iter().copied().filter(|&part| world.get::<PartId>(part).is_some()).collect();
+            let own: Vec<_> = parts.iter().flat_map(|&part| children(world, part)).collect();
+            for entity in below.into_iter().chain(own) {
+                if world.get::<PartCollider>(entity).is_some() {
+                    world.despawn(entity);
+                }
+            }
+            // Rapier does not notice a collider that goes and comes at once: those that stay are overwritten.
+            let had = parts.iter().copied().chain([tile]);
+            let had: Vec<_> = had.filter(|&e| world.get::<Collider>(e).is_some()).collect();
+            let before = world.increment_change_tick();
+            give_colliders(world, &TileSpawned { environment, tile, parts });
+            let now = world.increment_change_tick();
+            for entity in had {
+                let collider = world.entity(entity).get_ref::<Collider>();
+                let is_new = |new: Ref<'_, Collider>| new.last_changed().is_newer_than(before, now);
+                if !collider.is_some_and(is_new) {
+                    world.entity_mut(entity).remove::<OfCollider>();
+                }
+            }
+        }
+    });
+}
+
+/// What the entity of a collider has because of it.
+type OfCollider =
+    (Collider, CollisionGroups, Friction, Restitution, Sensor, ActiveEvents, ActiveCollisionTypes);
 
 fn give_colliders(world: &mut World, spawned: &TileSpawned) {
     // Entities that other observers of the tile have despawned are skipped.
@@ -193,9 +255,13 @@ fn give_colliders(world: &mut World, spawned: &TileSpawned) {
         Restitution::coefficient(settings.restitution),
     );
     if merge {
-        let solid = spawned.placed(world).filter(|(id, ..)| id.kind.is_solid());
-        if let Some(collider) = collider::merged(solid.map(|(_, at, shape)| (at, shape))) {
+        let height::Merged { full, others } =
+            height::merge(spawned.solids(world), settings.full_height);
+        if let Some(collider) = full {
             world.entity_mut(spawned.tile).insert((collider, physical));
+        }
+        for (height, collider) in others {
+            add_below(world, spawned.tile, "solids", (collider, height, physical));
         }
     } else {
         let colliders = colliders(world, &of_kind(PartKind::is_solid));
@@ -212,8 +278,15 @@ fn give_colliders(world: &mut World, spawned: &TileSpawned) {
         world
             .insert_batch(colliders.into_iter().map(|(part, collider)| (part, (collider, sensor))));
     }
+    let lintels = lintels(world, spawned.environment, settings);
     for doorway in of_kind(|kind| kind == PartKind::Doorway) {
         close(world, doorway, settings.door_groups);
+        let index = world.get::<PartId>(doorway).map_or(0, |part| part.index as usize);
+        let shape = world.get::<PartShape>(doorway).and_then(collider::collider);
+        if let (Some(Some(lintel)), Some(collider)) = (lintels.get(index), shape) {
+            let height = HeightRange::from(*lintel);
+            add_below(world, doorway, "lintel", (collider, height, settings.solid_groups));
+        }
     }
 }
 
@@ -224,9 +297,33 @@ fn close(world: &mut World, doorway: Entity, groups: CollisionGroups) {
         return;
     };
     let Some(collider) = collider::collider(shape).filter(|_| !part.open) else { return };
-    let above = entity.get::<GlobalTransform>().copied().unwrap_or_default();
-    let name = Name::new("closed door");
-    world.spawn((name, ChildOf(doorway), Transform::IDENTITY, above, collider, groups));
+    match entity.get::<HeightRange>().copied() {
+        Some(height) => add_below(world, doorway, "closed door", (collider, height, groups)),
+        None => add_below(world, doorway, "closed door", (collider, groups)),
+    }
+}
+
+/// Adds a collider of its own, at the pose of `parent`.
+fn add_below(world: &mut World, parent: Entity, name: &'static str, collider: impl Bundle) {
+    let above = world.get::<GlobalTransform>(parent).copied().unwrap_or_default();
+    world.spawn((
+        Name::new(name),
+        PartCollider,
+        ChildOf(parent),
+        Transform::IDENTITY,
+        above,
+        collider,
+    ));
+}
+
+/// The lintels of the doorways of an environment, where asked.
+fn lintels(
+    world: &World,
+    environment: Entity,
+    settings: ColliderSettings,
+) -> Vec<Option<envgen::world::Extent>> {
+    let truth = world.get::<GroundTruth>(environment).filter(|_| settings.lintels);
+    truth.map_or_else(Vec::new, |truth| truth.lintels())
 }
 
 /// The colliders of the parts that have an extent.

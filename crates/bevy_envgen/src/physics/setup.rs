@@ -9,8 +9,10 @@ use bevy_rapier2d::prelude::{
 use bevy_rapier2d::rapier::dynamics::IntegrationParameters;
 use envgen::SpecError;
 
+use super::HeightHooks;
+
 /// Adds rapier for worlds seen from above: no gravity, metres, and steps of fixed length in
-/// `FixedUpdate`.
+/// `FixedUpdate`. Contacts are filtered by [`HeightHooks`].
 ///
 /// By default rapier has gravity along -y and steps of varying length, so that no two runs are the
 /// same. Apps that add `RapierPhysicsPlugin` themselves do not need this plugin; it then warns and
@@ -59,7 +61,9 @@ impl Default for TopDownPhysicsPlugin {
 
 impl Plugin for TopDownPhysicsPlugin {
     fn build(&self, app: &mut App) {
-        if app.is_plugin_added::<RapierPhysicsPlugin<NoUserData>>() {
+        if app.is_plugin_added::<RapierPhysicsPlugin<NoUserData>>()
+            || app.is_plugin_added::<RapierPhysicsPlugin<HeightHooks<'static, 'static>>>()
+        {
             log::warn!(
                 "`RapierPhysicsPlugin` is already added: `TopDownPhysicsPlugin` does nothing"
             );
@@ -72,7 +76,7 @@ impl Plugin for TopDownPhysicsPlugin {
         app.insert_resource(Time::<Fixed>::from_hz(self.steps_per_second))
             .insert_resource(TimestepMode::Fixed { dt, substeps: self.substeps })
             .add_plugins(
-                RapierPhysicsPlugin::<NoUserData>::default()
+                RapierPhysicsPlugin::<HeightHooks<'static, 'static>>::default()
                     .with_custom_initialization(
                         RapierContextInitialization::InitializeDefaultRapierContext {
                             integration_parameters,

@@ -7,6 +7,9 @@ use envgen::glam::DVec2;
 use envgen::raycast::Raycaster;
 use envgen::surface_index::{Ground, SurfaceIndex};
 
+use super::laser::LaserScanner;
+use super::model::RobotModel;
+
 /// Difference in metres between the ranges of rapier's colliders, in single precision, and the parts.
 const SAME_HIT: f64 = 0.01;
 
@@ -14,18 +17,43 @@ const SAME_HIT: f64 = 0.01;
 #[derive(Component)]
 pub(super) struct GroundIndex {
     surfaces: SurfaceIndex,
-    dark: Option<Raycaster>,
+    /// The dark parts that a laser's plane meets, for each height of a laser.
+    dark: Vec<(f64, Option<Raycaster>)>,
+}
+
+impl GroundIndex {
+    /// Indexes the dark parts that the lasers of robots meet.
+    fn add_lasers(&mut self, truth: &GroundTruth, robots: &Query<&RobotModel, With<LaserScanner>>) {
+        for robot in robots {
+            let height = robot.laser_mount.height;
+            if self.dark_at(height).is_none() {
+                self.dark.push((height, Raycaster::of_dark(truth, height)));
+            }
+        }
+    }
+
+    /// The dark parts that a laser of a height meets; `None` where they are not indexed.
+    fn dark_at(&self, height: f64) -> Option<&Option<Raycaster>> {
+        let mut at = self.dark.iter().filter(|(known, _)| known.to_bits() == height.to_bits());
+        at.next().map(|(_, dark)| dark)
+    }
 }
 
 /// Indexes the surfaces and dark parts of new worlds.
 pub(super) fn index(
     worlds: Query<(Entity, &GroundTruth), Changed<GroundTruth>>,
     gone: Query<Entity, (With<GroundIndex>, Without<GroundTruth>)>,
+    mut known: Query<(&GroundTruth, &mut GroundIndex)>,
+    robots: Query<&RobotModel, With<LaserScanner>>,
     mut commands: Commands,
 ) {
     for (entity, truth) in &worlds {
-        let (surfaces, dark) = (SurfaceIndex::new(truth), Raycaster::of_dark(truth));
-        commands.entity(entity).try_insert(GroundIndex { surfaces, dark });
+        let mut index = GroundIndex { surfaces: SurfaceIndex::new(truth), dark: Vec::new() };
+        index.add_lasers(truth, &robots);
+        commands.entity(entity).try_insert(index);
+    }
+    for (truth, mut index) in &mut known {
+        index.add_lasers(truth, &robots);
     }
     for entity in &gone {
         commands.entity(entity).try_remove::<GroundIndex>();
@@ -49,12 +77,12 @@ impl Terrain<'_, '_> {
         })
     }
 
-    /// Whether a laser at a point of rapier's world has no echo in the direction of a unit vector from
-    /// what rapier's ray meets after `range` metres, since it is too dark to be seen from there. The
+    /// Whether a laser at a height and a point of rapier's world has no echo in the direction of a unit vector
+    /// from what rapier's ray meets after `range` metres, since it is too dark to be seen from there. The
     /// parts of a tile may share a collider, which cannot tell.
-    pub(super) fn is_unseen(&self, p: DVec2, direction: DVec2, range: f64) -> bool {
+    pub(super) fn is_unseen(&self, height: f64, p: DVec2, direction: DVec2, range: f64) -> bool {
         self.worlds.iter().any(|(index, environment, transform)| {
-            let Some(dark) = &index.dark else { return false };
+            let Some(Some(dark)) = index.dark_at(height) else { return false };
             let affine = transform.affine().as_daffine3().inverse();
             let from = affine.transform_point3(p.extend(0.0)).truncate() + environment.origin;
             let along = affine.transform_vector3(direction.extend(0.0)).truncate();

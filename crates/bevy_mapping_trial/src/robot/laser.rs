@@ -1,6 +1,7 @@
 //! Laser scanners with rapier's rays.
 
 use bevy::prelude::*;
+use bevy_envgen::HeightRange;
 use bevy_rapier2d::prelude::{QueryFilter, ReadRapierContext};
 use envgen::Seed;
 use envgen::geometry::{Pose, unit_vector};
@@ -13,8 +14,8 @@ use super::scenarios::Scenarios;
 
 /// A laser at the mounting pose of the robot's model.
 ///
-/// It detects all colliders except sensors and the robot's own: walls, other robots and anything else, and dark
-/// walls and obstacles only from near. People, leaves and smoke of scenarios it detects as the flat simulator's laser
+/// It detects all colliders except sensors and the robot's own: walls, other robots and anything else, where their
+/// [`HeightRange`] has the laser's height, and dark walls and obstacles only from near. People, leaves and smoke of scenarios it detects as the flat simulator's laser
 /// does. The first scan is taken in the first step, later ones at the profile's rate; the result is in [`LaserScan`].
 #[derive(Component, Reflect)]
 #[reflect(from_reflect = false)]
@@ -99,11 +100,11 @@ pub(super) fn scan(
     rapier: ReadRapierContext,
     terrain: Terrain,
     scenarios: Scenarios,
+    // Robots are seen whatever their height, as in the flat simulator.
+    heights: Query<&HeightRange, Without<RobotModel>>,
     mut ranges: Local<Ranges>,
 ) {
     let Ok(rapier) = rapier.single() else { return };
-    // Those are seen where the scenario has them.
-    let is_other = |entity| !scenarios.moves(entity);
     let Ranges { exact, directions, unseen } = &mut *ranges;
     for (entity, model, pose, mut scanner, mut scan) in &mut robots {
         if !rapier.rigidbody_set.entity2body().contains_key(&entity) {
@@ -117,7 +118,13 @@ pub(super) fn scan(
         let from = model.laser_pose(pose.pose());
         let origin = from.position.as_vec2();
         let filter = QueryFilter::new().exclude_rigid_body(entity).exclude_sensors();
-        let filter = filter.predicate(&is_other);
+        let height = model.laser_mount.height;
+        let is_met = |entity| {
+            // People and leaves are seen where the scenario has them.
+            let is_missed = heights.get(entity).is_ok_and(|range| !range.contains(height));
+            !is_missed && !scenarios.moves(entity)
+        };
+        let filter = filter.predicate(&is_met);
         let LaserScanner { profile, sensor, sight, robot, .. } = &mut *scanner;
         let beams = 0..profile.beams as usize;
         directions.clear();
@@ -128,7 +135,7 @@ pub(super) fn scan(
             for (beam, &along) in directions.iter().enumerate() {
                 let hit = rays.cast_ray(origin, along.as_vec2(), profile.max_range as f32, true);
                 let range = hit.map_or(profile.max_range, |(_, range)| f64::from(range));
-                if hit.is_some() && terrain.is_unseen(from.position, along, range) {
+                if hit.is_some() && terrain.is_unseen(height, from.position, along, range) {
                     unseen.push((beam, range));
                 }
                 exact.push(range);

@@ -1,6 +1,7 @@
 //! The components of a robot.
 
 use bevy::prelude::*;
+use bevy_envgen::HeightRange;
 use bevy_envgen::scenario::ScenarioAgent;
 use bevy_rapier2d::prelude::{
     AdditionalMassProperties, Collider, ColliderMassProperties, Friction, RigidBody, Sleeping,
@@ -16,8 +17,8 @@ use mapping_trial::robot::{Footprint, Robot};
 /// Makes an entity a robot with these properties; the default is the Pioneer 3-AT.
 ///
 /// Inserting it adds a dynamic body, a collider of the model's footprint, a [`Chassis`] of the
-/// model, and a [`ScenarioAgent`], which people avoid and doors open for. Those that the entity already
-/// has are kept, and colliders of its children belong to the robot too. Models of other robots can be read from RON: see [`Robot::from_ron`].
+/// model, its [`HeightRange`], and a [`ScenarioAgent`], which people avoid and doors open for. Those that
+/// the entity already has are kept, and colliders of its children belong to the robot too. Models of other robots can be read from RON: see [`Robot::from_ron`].
 /// An invalid model gets no body and logs a warning.
 #[derive(Component, Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[reflect(opaque)]
@@ -248,6 +249,7 @@ pub(super) struct Fitted {
     chassis: bool,
     collider: bool,
     agent: bool,
+    height: bool,
 }
 
 /// A model, and the components that its entity already has.
@@ -256,12 +258,15 @@ type Model = (
     Option<&'static Chassis>,
     Has<Collider>,
     Has<ScenarioAgent>,
+    Has<HeightRange>,
     Option<&'static Fitted>,
 );
 
 /// Adds a collider, a chassis and a full battery to a robot, and lets people and doors notice it.
 pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut commands: Commands) {
-    let Ok((model, chassis, collides, is_agent, fitted)) = models.get(fit.entity) else { return };
+    let Ok((model, chassis, collides, is_agent, is_high, fitted)) = models.get(fit.entity) else {
+        return;
+    };
     let fitted = fitted.copied().unwrap_or_default();
     let own_chassis = chassis.filter(|_| !fitted.chassis);
     let mut robot = commands.entity(fit.entity);
@@ -278,8 +283,16 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
     if !own_agent {
         robot.insert(ScenarioAgent::new(model.circumscribed_radius));
     }
-    let fitted =
-        Fitted { chassis: own_chassis.is_none(), collider: !own_collider, agent: !own_agent };
+    let own_height = is_high && !fitted.height;
+    if let (false, Ok(extent)) = (own_height, model.extent()) {
+        robot.insert(HeightRange::from(extent));
+    }
+    let fitted = Fitted {
+        chassis: own_chassis.is_none(),
+        collider: !own_collider,
+        agent: !own_agent,
+        height: !own_height,
+    };
     robot.insert((chassis, fitted));
     if own_collider {
         robot.insert_if_new(AdditionalMassProperties::Mass(chassis.mass));

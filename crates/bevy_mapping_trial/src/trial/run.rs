@@ -1,14 +1,17 @@
 //! The systems of trials.
 
 use bevy::prelude::*;
+use bevy_envgen::physics::{ColliderSettings, EnvironmentColliders};
 use bevy_envgen::scenario::RestartScenario;
 use bevy_envgen::{
     Environment, EnvironmentScenario, EnvironmentState, GroundTruth, ScenarioFailure, ScenarioRun,
 };
 use bevy_rapier2d::prelude::TimestepMode;
 use envgen::geometry::Pose;
+use envgen::world::Extent;
 use mapping_trial::backend::{Command, Condition, RobotBackend, Sensors, TICK};
 use mapping_trial::lidar::Scan;
+use mapping_trial::robot::Robot;
 use mapping_trial::trial::{EndReason, Trial, TrialBuilder, TrialLog};
 
 use super::bodies::{RapierRobots, TickReport};
@@ -38,6 +41,7 @@ type Asked = (
         Option<&'static mut ScenarioRun>,
         Option<&'static ScenarioFailure>,
     ),
+    Option<&'static EnvironmentColliders>,
 );
 
 /// Begins trials whose worlds are ready, and begins those again whose worlds or scenarios have changed.
@@ -45,9 +49,10 @@ pub(super) fn begin(
     mut trials: Query<Asked>,
     fixed: Res<Time<Fixed>>,
     rapier: Option<Res<TimestepMode>>,
+    colliders: Option<Res<ColliderSettings>>,
     mut commands: Commands,
 ) {
-    for (entity, mut trial, environment, state, truth, transform, scenario) in &mut trials {
+    for (entity, mut trial, environment, state, truth, transform, scenario, own) in &mut trials {
         let (request, mut moving, failure) = scenario;
         let place = Place {
             world: truth.0.clone(),
@@ -76,6 +81,11 @@ pub(super) fn begin(
             // In a later tick.
             Ok(None) => {}
             Ok(Some(mut placed)) => {
+                let settings = own.map(|own| own.0).or(colliders.as_deref().copied());
+                let body = &placed.settings().body;
+                if let Some(wanted) = colliders_for(settings.unwrap_or_default(), body, truth) {
+                    commands.entity(entity).insert(EnvironmentColliders(wanted));
+                }
                 let robots = spawn(&mut commands, entity, environment, transform, &mut placed);
                 let scans = vec![0; robots.len()];
                 let script = match &trial.ask {
@@ -193,6 +203,25 @@ fn start(
         }
         Request::Replay(log) => log.replay_with(world, bodies)?,
     })
+}
+
+/// The colliders that stop a robot, and that its laser sees, exactly where the parts of the world do; `None` where
+/// `settings` are such already.
+fn colliders_for(
+    settings: ColliderSettings,
+    body: &Robot,
+    world: &envgen::World,
+) -> Option<ColliderSettings> {
+    let laser = body.laser_mount.height;
+    let is_met = |lintel: Extent| {
+        lintel.contains(laser) || body.extent().is_ok_and(|body| body.overlaps(lintel))
+    };
+    let wanted = ColliderSettings {
+        full_height: settings.full_height.max(laser),
+        lintels: settings.lintels || world.lintels().into_iter().flatten().any(is_met),
+        ..settings
+    };
+    (wanted != settings).then_some(wanted)
 }
 
 /// Spawns the robots of a trial as children of its environment.

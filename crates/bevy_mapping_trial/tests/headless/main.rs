@@ -5,6 +5,7 @@ mod debug;
 #[cfg(feature = "debug")]
 #[path = "../../../bevy_envgen/tests/shared/gizmos.rs"]
 mod gizmos;
+mod heights;
 #[cfg(feature = "debug")]
 #[path = "../../../bevy_envgen/tests/shared/inspector.rs"]
 mod inspector;

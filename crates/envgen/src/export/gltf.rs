@@ -24,7 +24,7 @@ use super::ExportError;
 use super::places::places;
 use crate::mesh::Mesh;
 use crate::palette::Srgb;
-use crate::pieces::{Piece, Role, pieces};
+use crate::pieces::{Piece, pieces};
 use crate::world::{PartKind, World};
 
 /// The views of the buffer, in the order of its parts.
@@ -85,15 +85,8 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
 
 /// What a piece is.
 fn described(world: &World, piece: &Piece<'_>) -> serde_json::Value {
-    let role = match piece.role {
-        Role::Body => "body",
-        Role::Lintel => "lintel",
-        Role::Crown => "crown",
-        Role::Floor => "floor",
-        Role::Ceiling => "ceiling",
-        Role::Ground => "ground",
-    };
-    let mut extras = json!({ "kind": piece.kind, "role": role, "solid": piece.is_solid });
+    let mut extras =
+        json!({ "kind": piece.kind, "role": piece.role.name(), "solid": piece.is_solid });
     if let Some(id) = piece.part {
         extras["part"] = json!(id.kind.name());
         extras["index"] = json!(id.index);
@@ -208,7 +201,7 @@ impl File {
         if let Some(known) = self.materials.get(&name) {
             return *known;
         }
-        let [r, g, b] = [r, g, b].map(linear);
+        let [r, g, b] = piece.color.linear();
         let mut material = Material { name: Some(name.clone()), ..Material::default() };
         material.pbr_metallic_roughness.base_color_factor = PbrBaseColorFactor([r, g, b, 1.0]);
         material.pbr_metallic_roughness.metallic_factor = StrengthFactor(0.0);
@@ -268,12 +261,4 @@ impl File {
 
 fn bytes(words: impl Iterator<Item = [u8; 4]>) -> Vec<u8> {
     words.flatten().collect()
-}
-
-/// From sRGB to linear light (IEC 61966-2-1).
-fn linear(part: u8) -> f32 {
-    let part = f64::from(part) / 255.0;
-    let light =
-        if part <= 0.040_45 { part / 12.92 } else { libm::pow((part + 0.055) / 1.055, 2.4) };
-    light as f32
 }

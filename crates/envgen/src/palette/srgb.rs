@@ -22,6 +22,26 @@ impl Srgb {
         Srgb([mixed(0), mixed(1), mixed(2)])
     }
 
+    /// Red, green and blue in linear light from 0 to 1 (IEC 61966-2-1), as renderers calculate with.
+    ///
+    /// ```
+    /// use envgen::palette::Srgb;
+    ///
+    /// let [red, green, blue] = Srgb([255, 188, 0]).linear();
+    /// assert!(red == 1.0 && (green - 0.5).abs() < 0.003 && blue == 0.0);
+    /// ```
+    pub fn linear(self) -> [f32; 3] {
+        self.0.map(|part| {
+            let part = f64::from(part) / 255.0;
+            let light = if part <= 0.040_45 {
+                part / 12.92
+            } else {
+                libm::pow((part + 0.055) / 1.055, 2.4)
+            };
+            light as f32
+        })
+    }
+
     /// Perceived lightness from 0 to 1 (the luma of ITU-R BT.601).
     pub fn lightness(self) -> f64 {
         let [r, g, b] = self.0.map(f64::from);

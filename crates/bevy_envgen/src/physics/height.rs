@@ -1,0 +1,87 @@
+//! Heights of colliders: what passes below and above each other.
+
+use std::collections::BTreeMap;
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use bevy_rapier2d::pipeline::{BevyPhysicsHooks, PairFilterContextView};
+use bevy_rapier2d::prelude::{ActiveHooks, Collider};
+use bevy_rapier2d::rapier::prelude::SolverFlags;
+
+use super::collider;
+use crate::height::HeightRange;
+use crate::shape::PartShape;
+
+/// Rapier's hooks of [`TopDownPhysicsPlugin`](super::TopDownPhysicsPlugin): colliders whose [`HeightRange`]s do not
+/// overlap do not collide.
+///
+/// An app that adds `RapierPhysicsPlugin` itself can use them as its type parameter, or ask them from hooks of
+/// its own. Without them all colliders are as high as everything.
+#[derive(SystemParam)]
+pub struct HeightHooks<'w, 's> {
+    heights: Query<'w, 's, &'static HeightRange>,
+}
+
+impl BevyPhysicsHooks for HeightHooks<'_, '_> {
+    /// As rapier without hooks, two bodies of which none is dynamic do not collide.
+    fn filter_contact_pair(&self, pair: PairFilterContextView<'_>) -> Option<SolverFlags> {
+        let dynamic = [pair.raw.rigid_body1, pair.raw.rigid_body2].into_iter().flatten();
+        if !dynamic.into_iter().any(|body| pair.raw.bodies[body].is_dynamic()) {
+            return None;
+        }
+        // A body's height is on its own entity, or on that of one of its colliders.
+        let height = |collider: Entity, body: Option<Entity>| {
+            self.heights.get(collider).or_else(|_| self.heights.get(body.unwrap_or(collider))).ok()
+        };
+        let first = height(pair.collider1(), pair.rigid_body1());
+        let second = height(pair.collider2(), pair.rigid_body2());
+        let meet = first.zip(second).is_none_or(|(first, second)| first.overlaps(*second));
+        meet.then_some(SolverFlags::COMPUTE_IMPULSES)
+    }
+}
+
+/// Lets rapier ask [`HeightHooks`] about what does not reach down to the floor: everything on the floor meets.
+pub(super) fn filter_contacts(
+    inserted: On<Insert, HeightRange>,
+    heights: Query<(&HeightRange, Option<&ActiveHooks>)>,
+    mut commands: Commands,
+) {
+    let Ok((height, hooks)) = heights.get(inserted.entity) else { return };
+    if height.bottom > 0.0 {
+        let hooks = hooks.copied().unwrap_or_default() | ActiveHooks::FILTER_CONTACT_PAIRS;
+        commands.entity(inserted.entity).try_insert(hooks);
+    }
+}
+
+/// The colliders of a merged tile.
+pub(super) struct Merged {
+    /// Of the parts that count as high as everything.
+    pub(super) full: Option<Collider>,
+    /// Of all others: one for each height.
+    pub(super) others: Vec<(HeightRange, Collider)>,
+}
+
+/// Merges parts, those apart that are not on the floor or not `full` metres high.
+pub(super) fn merge<'a>(
+    parts: impl Iterator<Item = (&'a Transform, &'a PartShape, Option<HeightRange>)>,
+    full: f64,
+) -> Merged {
+    let mut whole = Vec::new();
+    let mut others: BTreeMap<[u64; 2], (HeightRange, Vec<_>)> = BTreeMap::new();
+    for (at, shape, height) in parts {
+        match height {
+            Some(height) if height.bottom > 0.0 || height.top < full => {
+                let key = [height.bottom, height.top].map(f64::to_bits);
+                others.entry(key).or_insert((height, Vec::new())).1.push((at, shape));
+            }
+            _ => whole.push((at, shape)),
+        }
+    }
+    let merged = |(height, parts): (HeightRange, Vec<_>)| {
+        Some((height, collider::merged(parts.into_iter())?))
+    };
+    Merged {
+        full: collider::merged(whole.into_iter()),
+        others: others.into_values().filter_map(merged).collect(),
+    }
+}
