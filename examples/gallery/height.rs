@@ -100,7 +100,7 @@ pub(crate) const SCENES: &[Scene] = &[
             seed: 4,
             moving: &[],
         },
-        view: View::Tilted { heading: -105.0, elevation: 46.0, nearness: 1.45 },
+        view: View::Tilted { heading: -105.0, elevation: 46.0, nearness: 1.32 },
     },
     Scene {
         name: "room_3d",
@@ -115,7 +115,7 @@ pub(crate) const SCENES: &[Scene] = &[
     Scene {
         name: "smoke_3d",
         world: Source::Corridor,
-        view: View::Inside { from: Vec3::new(2.0, 1.2, 1.6), to: Vec3::new(10.0, 1.6, 1.2) },
+        view: View::Inside { from: Vec3::new(1.2, 2.3, 1.7), to: Vec3::new(10.0, 1.5, 1.2) },
     },
     Scene {
         name: "hallway_3d",

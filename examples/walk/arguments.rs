@@ -10,7 +10,6 @@ use envgen::{Seed, World, WorldKind, WorldSpec, import};
 
 /// Walk through a world.
 #[derive(Parser)]
-#[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
 pub(crate) struct Arguments {
     /// A kind of world (hallway, forest, road, indoor, landscape, cellular), a world file (.ron, .json, .xml,
     /// .asc, .map), or a spec (.envgen.ron).
