@@ -166,23 +166,34 @@ pub fn ground_of(world: &World) -> Option<Piece<'_>> {
 /// them, but who is inside sees them.
 pub fn ceilings(world: &World) -> Vec<Piece<'_>> {
     let part = |kind, index: usize| PartId { kind, index: index as u32 };
-    let rooms = world.rooms.iter().enumerate();
-    let rooms = rooms.map(|(i, room)| (part(PartKind::Room, i), &room.shape, room.extent().top()));
-    let surfaces = world.surfaces.iter().enumerate().filter(|(_, surface)| is_floor(surface.kind));
-    let top = WallKind::Wall.extent().top();
-    let surfaces = surfaces.map(|(i, surface)| (part(PartKind::Surface, i), &surface.shape, top));
-    let ceiling = |(part, shape, top)| Piece {
+    let rooms = (0..world.rooms.len()).map(|i| part(PartKind::Room, i));
+    let surfaces = (0..world.surfaces.len()).map(|i| part(PartKind::Surface, i));
+    rooms.chain(surfaces).filter_map(|part| ceiling_of(world, part)).collect()
+}
+
+/// The ceiling over a room, hallway or open area; `None` for other parts.
+pub fn ceiling_of(world: &World, part: PartId) -> Option<Piece<'_>> {
+    let index = part.index as usize;
+    let (shape, bottom) = match part.kind {
+        PartKind::Room => {
+            let room = world.rooms.get(index)?;
+            (&room.shape, room.extent().top())
+        }
+        PartKind::Surface => {
+            let surface = world.surfaces.get(index).filter(|surface| is_floor(surface.kind))?;
+            (&surface.shape, WallKind::Wall.extent().top())
+        }
+        _ => return None,
+    };
+    let extent = Extent::between(bottom, bottom + CEILING_THICKNESS);
+    Some(Piece {
         part: Some(part),
         role: Role::Ceiling,
         kind: "ceiling".to_owned(),
-        form: Form::Prism {
-            shape: Cow::Borrowed(shape),
-            extent: Extent::between(top, top + CEILING_THICKNESS),
-        },
+        form: Form::Prism { shape: Cow::Borrowed(shape), extent },
         is_solid: false,
         color: palette::ROOM.fill,
-    };
-    rooms.chain(surfaces).map(ceiling).collect()
+    })
 }
 
 /// Thickness of ceilings in metres.

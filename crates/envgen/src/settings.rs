@@ -566,33 +566,36 @@ mod tests {
 
     #[test]
     fn groups_hold_the_fields_up_to_the_next_group() {
-        settings! {
-            /// Some settings.
-            struct Some {
-                /// First.
-                a: u32 = 0 => integer("", 0..=1);
-                /// Second.
-                #[alias = "bb"]
-                #[group = "rails"]
-                b: u32 = 0 => integer("", 0..=1);
-                /// Third.
-                c: u32 = 0 => integer("", 0..=1);
-                /// Fourth.
-                #[group = ""]
-                d: u32 = 0 => integer("", 0..=1);
-                /// Fifth.
-                #[group = "posts"]
-                e: u32 = 0 => integer("", 0..=1);
-                /// Sixth.
-                #[group = "rails"]
-                f: u32 = 0 => integer("", 0..=1);
+        #[expect(dead_code, unreachable_pub, reason = "only the list of settings is read")]
+        mod fence {
+            settings! {
+                /// A fence.
+                pub struct Fence {
+                    /// First.
+                    a: u32 = 0 => integer("", 0..=1);
+                    /// Second.
+                    #[alias = "bb"]
+                    #[group = "rails"]
+                    b: u32 = 0 => integer("", 0..=1);
+                    /// Third.
+                    c: u32 = 0 => integer("", 0..=1);
+                    /// Fourth.
+                    #[group = ""]
+                    d: u32 = 0 => integer("", 0..=1);
+                    /// Fifth.
+                    #[group = "posts"]
+                    e: u32 = 0 => integer("", 0..=1);
+                    /// Sixth.
+                    #[group = "rails"]
+                    f: u32 = 0 => integer("", 0..=1);
+                }
             }
         }
         let names = |(group, settings): (_, Vec<&Setting>)| {
             (group, settings.iter().map(|setting| setting.name).collect::<String>())
         };
-        let groups: Vec<_> = groups(Some::SETTINGS).into_iter().map(names).collect();
-        let expected = [(None, "ad"), (Option::Some("rails"), "bcf"), (Option::Some("posts"), "e")];
+        let groups: Vec<_> = groups(fence::Fence::SETTINGS).into_iter().map(names).collect();
+        let expected = [(None, "ad"), (Some("rails"), "bcf"), (Some("posts"), "e")];
         assert_eq!(groups, expected.map(|(group, names)| (group, names.to_owned())));
     }
 

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use bevy::light::{CascadeShadowConfigBuilder, IrradianceVolume};
 use bevy::prelude::*;
 use envgen::World as EnvgenWorld;
-use envgen::geometry::{Rect as WorldRect, Shape};
+use envgen::geometry::Rect as WorldRect;
 use envgen::glam::DVec2;
 use envgen::mesh::Mesh as Solid;
+use envgen::pieces::{Form, ceiling_of};
 use envgen::world::{Extent, PartId, PartKind, SurfaceKind};
 
 use super::draft::Draft;
@@ -42,8 +43,8 @@ const SUN: (f32, f32) = (2200.0, 0.35);
 /// The direction to the sun.
 const TO_SUN: Vec3 = Vec3::new(-0.45, -0.6, 1.0);
 
-/// Thickness of ceilings in metres.
-const CEILING: f64 = 0.1;
+/// Thickness of thresholds in metres.
+const THRESHOLD: f64 = 0.1;
 
 /// An environment with a world, finite or endless.
 type Grown =
@@ -118,7 +119,7 @@ fn spawn_stage(world: &mut World, stage: Entity, origin: DVec2, truth: Option<&E
     let color = if is_green { palette.meadow } else { palette.ground };
     let mut draft = Draft::default();
     let top = if has_floors { -BELOW } else { 0.0 };
-    let corners = Shape::from_rect(bounds).corners();
+    let corners = envgen::geometry::Shape::from_rect(bounds).corners();
     let corners: Vec<Vec2> = corners.iter().map(|p| (*p - origin).as_vec2()).collect();
     draft.add_flat(&corners, top as f32, color);
     // The light of buildings ends at their walls.
@@ -177,7 +178,7 @@ pub(super) fn add_threshold(
         return;
     };
     // Deeper than the floors beside it, which it may overlap.
-    let Ok(extent) = Extent::new(-CEILING, -0.002) else { return };
+    let Ok(extent) = Extent::new(-THRESHOLD, -0.002) else { return };
     if let Some(solid) = Solid::extruded(&doorway.shape, extent) {
         let draft = drafts.entry(Finish::Floor).or_insert_with(|| Draft::of(Finish::Floor));
         draft.add(&solid, origin, palette.room);
@@ -193,11 +194,15 @@ pub(super) fn add_ceiling(
     palette: &Palette3d,
     settings: &Visuals3dSettings,
 ) {
-    let Some((shape, top, lamps)) = covered(truth, part, settings) else { return };
-    let Ok(extent) = Extent::new(top, top + CEILING) else { return };
-    if let Some(solid) = Solid::extruded(shape, extent) {
+    let Some(ceiling) = ceiling_of(truth, part) else { return };
+    if let Ok(solid) = Solid::of(&ceiling) {
         drafts.entry(Finish::Ceiling).or_default().add(&solid, origin, palette.ceiling);
     }
+    let is_room = part.kind == PartKind::Room;
+    let is_lit = !is_room || truth.rooms.get(part.index as usize).is_some_and(|room| room.lit);
+    let (Form::Prism { shape, extent }, true) = (&ceiling.form, is_lit) else { return };
+    let top = extent.bottom();
+    let lamps = glow::lamps(shape, settings);
     let draft = drafts.entry(Finish::Lamp).or_default();
     for lamp in lamps {
         let middle = (lamp - origin).as_vec2().extend(top as f32);
@@ -207,28 +212,5 @@ pub(super) fn add_ceiling(
             middle + half - Vec3::Z * 0.001,
             palette.lamp,
         );
-    }
-}
-
-/// The shape of a room or hallway, the height of its ceiling, and its lamps.
-fn covered<'a>(
-    truth: &'a EnvgenWorld,
-    part: PartId,
-    settings: &Visuals3dSettings,
-) -> Option<(&'a Shape, f64, Vec<DVec2>)> {
-    let index = part.index as usize;
-    match part.kind {
-        PartKind::Room => {
-            let room = truth.rooms.get(index)?;
-            let lamps = if room.lit { glow::lamps(&room.shape, settings) } else { Vec::new() };
-            Some((&room.shape, room.extent().top(), lamps))
-        }
-        PartKind::Surface => {
-            let surface = truth.surfaces.get(index)?;
-            let shape = &surface.shape;
-            let top = envgen::world::WallKind::Wall.extent().top();
-            is_hallway(surface.kind).then(|| (shape, top, glow::lamps(shape, settings)))
-        }
-        _ => None,
     }
 }

@@ -4,8 +4,7 @@
 //! the app can show, [`RobotCameraView`]; it draws what the app has in three dimensions, such as the worlds of
 //! [`bevy_envgen`] with its `EnvgenVisuals3dPlugin`. Depths and labels need no plugin for drawing: they show the
 //! bodies of the world ([`envgen::pieces`]) as meshes, with ceilings where `Visuals3dSettings` has them, the doors and
-//! people of its scenario, and the robots of its trial: as the app draws them, else as simple bodies. Robots are drawn as
-//! boxes and cylinders. Each image that is complete is a [`CameraFrame`], which comes with [`CameraFrameTaken`].
+//! people of its scenario, and the robots of its trial: as the app draws them, else as simple bodies. Each image that is complete is a [`CameraFrame`], which comes with [`CameraFrameTaken`].
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -79,7 +78,6 @@ impl Plugin for RobotCameraPlugin {
             .add_observer(shutter::remove)
             .add_observer(shutter::fit)
             .add_observer(shutter::develop)
-            .add_observer(moving::draw_robot)
             .add_systems(First, shutter::close)
             .add_systems(
                 PostUpdate,

@@ -2,16 +2,13 @@
 
 use std::borrow::Cow;
 
-use bevy::asset::RenderAssetUsages;
 use bevy::ecs::system::SystemParam;
 use bevy::math::DAffine3;
-use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_envgen::ScenarioRun;
 use bevy_envgen::scenario::{Door, DoorLeaf, Person};
 use envgen::geometry::{Pose, Shape};
 use envgen::glam::{DVec2, DVec3};
-use envgen::mesh;
 use envgen::pieces::Form;
 use envgen::scenario::Target;
 use envgen::world::{Extent, WallKind};
@@ -154,41 +151,4 @@ fn body(robot: &Robot, pose: Pose) -> Form<'static> {
     // Heights of robots are at least a centimetre.
     let extent = Extent::new(bottom, robot.height).unwrap_or(WallKind::Wall.extent());
     Form::Prism { shape: Cow::Owned(shape), extent }
-}
-
-/// The colour of robots.
-const PAINT: Color = Color::srgb(0.75, 0.1, 0.08);
-
-/// Draws the robots of trials in three dimensions, as simple bodies, in apps that have what that needs.
-pub(super) fn draw_robot(
-    added: On<Add, TrialRobot>,
-    robots: Query<&RobotModel>,
-    meshes: Option<ResMut<Assets<Mesh>>>,
-    materials: Option<ResMut<Assets<StandardMaterial>>>,
-    mut commands: Commands,
-) {
-    let (Ok(model), Some(mut meshes), Some(mut materials)) =
-        (robots.get(added.entity), meshes, materials)
-    else {
-        return;
-    };
-    let solid = mesh::Mesh::of_form(&body(model, Pose::new(0.0, 0.0, 0.0)));
-    let Some(mesh) = solid.map(|solid| mesh_of(&solid)) else { return };
-    let material = StandardMaterial { base_color: PAINT, perceptual_roughness: 0.5, ..default() };
-    commands.entity(added.entity).insert_if_new(Visibility::default());
-    commands.spawn((
-        Name::new("Robot's body"),
-        Mesh3d(meshes.add(mesh)),
-        MeshMaterial3d(materials.add(material)),
-        ChildOf(added.entity),
-    ));
-}
-
-fn mesh_of(solid: &mesh::Mesh) -> Mesh {
-    let floats =
-        |list: &[DVec3]| -> Vec<[f32; 3]> { list.iter().map(|v| v.as_vec3().to_array()).collect() };
-    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, floats(&solid.positions))
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, floats(&solid.normals))
-        .with_inserted_indices(Indices::U32(solid.triangles.iter().flatten().copied().collect()))
 }

@@ -20,6 +20,7 @@ use super::optics::CameraOptics;
 use super::settings::{CameraError, CameraImages, RobotCamera};
 use super::shutter::{CameraFailed, CameraFrameTaken, Exposure};
 use crate::trial::{HeadlessError, MappingTrial, RapierRobots, TrialRobot, drive, set_up};
+use crate::view3d::RobotVisuals3dPlugin;
 
 /// What to record of a trial, and where.
 #[derive(Clone, Debug, PartialEq)]
@@ -227,7 +228,7 @@ fn app(camera: RobotCamera) -> Result<App, CaptureError> {
     // Robots are inside.
     let visuals = Visuals3dSettings { ceilings: true, ..default() };
     if camera.images.color {
-        app.add_plugins(EnvgenVisuals3dPlugin::new(visuals));
+        app.add_plugins((EnvgenVisuals3dPlugin::new(visuals), RobotVisuals3dPlugin));
     }
     app.insert_resource(visuals).init_resource::<Taken>().add_plugins(RobotCameraPlugin);
     app.add_observer(move |robot: On<Add, TrialRobot>, mut commands: Commands| {

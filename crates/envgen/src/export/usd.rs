@@ -1,7 +1,7 @@
 //! Worlds as Universal Scene Description in text (USDA), for Isaac Sim, Omniverse, Blender and usdview.
 //!
 //! Each piece of the world is a prim under `/World`, named as the piece, in metres with z up: a cube, a cylinder or
-//! a sphere, and for other outlines a closed mesh. Solids have the `PhysicsCollisionAPI` of UsdPhysics; meshes collide
+//! a sphere, and for other outlines a closed mesh. Solids have the `PhysicsCollisionAPI` of USD; meshes collide
 //! with their triangles. Kind, role, list and index of a part are `userProperties`. Start and goal are prims without a
 //! form, whose x axis is the heading. The provenance is `userProperties:provenance` of `/World`.
 
