@@ -21,11 +21,10 @@ import pictures
 import plans
 import roads
 import ros_maps
-import stages
 import worlds
 
 JUDGES = {
-    kind: [certificates, plans, ros_maps, pictures, bodies, stages]
+    kind: [certificates, plans, ros_maps, pictures, bodies]
     + {"road": [roads], "landscape": [landscapes]}.get(kind, [])
     for kind in worlds.KINDS
 }

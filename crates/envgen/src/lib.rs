@@ -62,7 +62,6 @@
 //! | `ros` | yes | reading maps of ROS and Nav2; they can always be written |
 //! | `sdf` | yes | worlds for Gazebo |
 //! | `usarsim` | yes | projects and libraries of the World Generator for `USARSim` |
-//! | `usd` | yes | worlds as Universal Scene Description |
 //! | `parallel` | yes | large rasters are counted on all cores |
 //! | `picture` | yes | SVG and PNG pictures, drawn on the CPU |
 //! | `rand` | no | worlds drawn from any distribution of `rand` and `rand_distr`, see [`distribution`] |

@@ -1,4 +1,4 @@
-//! SDFormat, MJCF, glTF and USD files, read back by readers of their own.
+//! SDFormat, MJCF and glTF files, read back by readers of their own.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,6 @@ use envgen::glam::DVec2;
 use envgen::pieces::{Form, pieces};
 use envgen::world::{Extent, Obstacle, ObstacleKind};
 use envgen::{Provenance, Seed, World, WorldKind};
-use openusd::sdf::Value as Sdf;
 use quick_xml::Reader;
 use quick_xml::events::Event;
 use serde_json::Value;
@@ -80,7 +79,7 @@ fn chunks(file: &[u8]) -> (Value, &[u8]) {
 #[test]
 fn files_are_the_same_to_the_byte() {
     for (first, second) in worlds().iter().zip(&worlds()) {
-        for ending in ["sdf", "mjcf.xml", "glb", "usda"] {
+        for ending in ["sdf", "mjcf.xml", "glb"] {
             assert_eq!(write(first, ending), write(second, ending), "{ending}");
         }
     }
@@ -121,42 +120,6 @@ fn every_piece_is_in_every_file() {
     }
 }
 
-#[test]
-fn every_piece_is_a_prim_of_usd() {
-    for world in worlds() {
-        let text = String::from_utf8(write(&world, "usda")).unwrap();
-        let layer = openusd::usda::parse(&text).unwrap();
-        let field = |path: &str, name: &str| {
-            let spec = layer.spec(&openusd::sdf::path(path).unwrap());
-            spec.and_then(|spec| spec.get(name).cloned())
-        };
-        let Some(Sdf::TokenVec(found)) = field("/World", "primChildren") else { panic!("{text}") };
-        let found: Vec<&str> = found.iter().map(|name| name.as_str()).collect();
-        let all = pieces(&world);
-        let names = ["start", "goal"].map(str::to_owned).into_iter();
-        let names: Vec<String> = names.chain(all.iter().map(ToString::to_string)).collect();
-        assert_eq!(found, names);
-        let provenance = serde_json::to_string(&world.provenance).unwrap();
-        let stated = field("/World.userProperties:provenance", "default");
-        assert_eq!(stated, Some(Sdf::String(provenance)));
-        assert_eq!(field("/", "upAxis"), Some(Sdf::Token("Z".into())));
-        for piece in &all {
-            let path = format!("/World/{piece}");
-            assert_eq!(field(&path, "apiSchemas").is_some(), piece.is_solid, "{piece}");
-            let expected = match &piece.form {
-                Form::Road { .. } => "Mesh",
-                Form::Crown { .. } => "Sphere",
-                Form::Prism { shape, .. } => match shape.as_ref() {
-                    Shape::Disc { .. } => "Cylinder",
-                    Shape::Polygon { .. } => "Mesh",
-                    _ => "Cube",
-                },
-            };
-            assert_eq!(field(&path, "typeName"), Some(Sdf::Token(expected.into())), "{piece}");
-        }
-    }
-}
-
 fn with_polygon(corners: &[(f64, f64)]) -> World {
     let bounds = Rect::new(DVec2::ZERO, DVec2::splat(10.0));
     let mut world = World::new(Provenance::other("a \"yard\" & <more>", Value::Null), bounds);
@@ -186,7 +149,7 @@ fn outlines_that_are_not_convex_are_several_meshes_for_mujoco() {
 fn worlds_without_start_and_with_wrong_outlines() {
     let world = with_polygon(&[(1., 1.), (5., 5.), (5., 1.), (1., 5.)]);
     assert!(named(&elements(&write(&world, "sdf")), "frame").is_empty());
-    for ending in ["glb", "mjcf.xml", "usda"] {
+    for ending in ["glb", "mjcf.xml"] {
         let format = Format::from_path(format!("world.{ending}").as_ref()).unwrap();
         let error = format.write(&Job::new(&world), &mut Vec::new()).unwrap_err().to_string();
         assert!(error.starts_with("obstacle_0 has no mesh"), "{error}");

@@ -17,7 +17,7 @@
 //! ```
 
 mod asc;
-#[cfg(any(feature = "mjcf", feature = "sdf", feature = "usd"))]
+#[cfg(any(feature = "mjcf", feature = "sdf"))]
 mod body;
 #[cfg(feature = "rmf")]
 mod building;
@@ -40,13 +40,11 @@ mod obstacles_csv;
 mod opendrive;
 #[cfg(feature = "whole-file")]
 mod output;
-#[cfg(any(feature = "gltf", feature = "mjcf", feature = "sdf", feature = "usd"))]
+#[cfg(any(feature = "gltf", feature = "mjcf", feature = "sdf"))]
 mod places;
 pub mod ros_map;
 #[cfg(feature = "sdf")]
 mod sdf;
-#[cfg(feature = "usd")]
-mod usd;
 #[cfg(any(feature = "mjcf", feature = "opendrive", feature = "sdf"))]
 mod xml;
 
@@ -294,9 +292,6 @@ formats! {
     #[cfg(feature = "gltf")]
     Gltf, " The world in three dimensions as meshes in glTF 2.0, in one binary file.",
         ["glb" => |job, out| gltf::write(job.world, out)];
-    #[cfg(feature = "usd")]
-    Usd, " The world in three dimensions as Universal Scene Description, in text.",
-        ["usda" => |job, out| usd::write(job.world, out)];
     #[cfg(feature = "picture")]
     Svg, " A vector picture.",
         ["svg" => |job, out| Ok(crate::picture::write_svg(job.world, &job.picture, out)?)];
