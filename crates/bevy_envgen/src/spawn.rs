@@ -109,6 +109,7 @@ impl TileSpawned {
     }
 
     /// The solid parts of the tile, entities and data, with their heights.
+    #[cfg(feature = "physics")]
     pub(crate) fn solids<'w>(
         &'w self,
         world: &'w World,
