@@ -89,7 +89,7 @@ fn every_part() -> World {
         });
     }
     for (contents, i) in every::<Contents>().into_iter().zip(0..) {
-        let y = 5.5 + f64::from(i);
+        let y = 4.5 + f64::from(i);
         world.rooms.push(Room {
             name: format!("office \"{i}\""),
             shape: rect(0.0, y, 3.0, y + 1.0),

@@ -51,7 +51,7 @@ pub struct BodyHit {
 /// // The corridor's walls are 1 m to the left and right of its start.
 /// let hit = rays.cast(eye, DVec3::NEG_X, 8.0).expect("a wall");
 /// assert!((hit.distance - 1.0).abs() < 1e-12);
-/// assert_eq!(pieces[hit.body].to_string(), "wall_1");
+/// assert_eq!(pieces[hit.body].to_string(), "wall_0");
 /// let below = rays.cast(eye, DVec3::NEG_Z, 8.0).expect("a floor");
 /// assert!((below.distance - 0.4).abs() < 1e-12);
 /// # Ok::<(), envgen::GenerateError>(())
