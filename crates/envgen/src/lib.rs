@@ -90,6 +90,7 @@ mod generate;
 pub mod geometry;
 mod grid;
 pub mod hallway;
+mod history;
 pub mod import;
 pub mod indoor;
 pub mod landscape;

@@ -186,7 +186,7 @@ impl Document {
         }
     }
 
-    /// The outline of a target in metres; `None` if there is none, and for roads.
+    /// The outline of a target in metres; `None` if it does not exist, and for roads.
     pub fn outline(&self, target: Target) -> Option<Shape> {
         match (&self.editor, target) {
             (Editor::Plan(editor), Target::Plan(target)) => editor.plan().outline(target),

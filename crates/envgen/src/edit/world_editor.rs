@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use super::target::WorldTarget;
 use crate::geometry::{Pose, wrap_angle};
+use crate::history::History;
 use crate::provenance::Provenance;
 use crate::world::{
     Claim, Doorway, Obstacle, PartId, PartKind, Surface, Tree, Violation, Wall, World,
@@ -94,8 +95,7 @@ pub struct WorldEditor {
     world: World,
     /// As it was before the first edit.
     provenance: Provenance,
-    done: Vec<Vec<Change>>,
-    undone: Vec<Vec<Change>>,
+    history: History<Change>,
 }
 
 /// One reversible change: the state before and the state after.
@@ -117,7 +117,7 @@ impl WorldEditor {
     /// An editor of a world.
     pub fn new(world: World) -> Self {
         let provenance = world.provenance.clone();
-        WorldEditor { world, provenance, done: Vec::new(), undone: Vec::new() }
+        WorldEditor { world, provenance, history: History::default() }
     }
 
     /// The world as it is now.
@@ -141,8 +141,7 @@ impl WorldEditor {
             self.revert(&step);
             return Err(error);
         }
-        self.done.push(step);
-        self.undone.clear();
+        self.history.push(step);
         self.mark();
         Ok(())
     }
@@ -160,36 +159,37 @@ impl WorldEditor {
 
     /// Undoes the last change; returns whether there was one.
     pub fn undo(&mut self) -> bool {
-        let Some(step) = self.done.pop() else { return false };
-        self.revert(&step);
-        self.undone.push(step);
+        let mut history = std::mem::take(&mut self.history);
+        let is_undone = history.undo(|step| self.revert(step));
+        self.history = history;
         self.mark();
-        true
+        is_undone
     }
 
     /// Makes the last undone change again; returns whether there was one.
     pub fn redo(&mut self) -> bool {
-        let Some(step) = self.undone.pop() else { return false };
-        step.iter().for_each(|change| self.change(change, true));
-        self.done.push(step);
+        let mut history = std::mem::take(&mut self.history);
+        let is_redone =
+            history.redo(|step| step.iter().for_each(|change| self.change(change, true)));
+        self.history = history;
         self.mark();
-        true
+        is_redone
     }
 
     /// Whether there is a change to undo.
     pub fn can_undo(&self) -> bool {
-        !self.done.is_empty()
+        self.history.can_undo()
     }
 
     /// Whether there is a change to redo.
     pub fn can_redo(&self) -> bool {
-        !self.undone.is_empty()
+        self.history.can_redo()
     }
 
     /// Says in the provenance whether the world was edited.
     fn mark(&mut self) {
         self.world.provenance = self.provenance.clone();
-        if !self.done.is_empty() {
+        if self.history.can_undo() {
             self.world.provenance.edited = true;
             self.world.provenance.measured = None;
         }

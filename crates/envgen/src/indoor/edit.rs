@@ -12,6 +12,7 @@ use super::blueprint::FloorPlan;
 use super::catalogue::{RoomError, SharedRoom};
 use super::grid::{Axis, Cell, Gate, Opening, Origin, Side, Sides, is_whole};
 use super::placed_room::PlacedRoom;
+use crate::history::History;
 use crate::world::{Contents, Obstacle};
 
 /// A change of a plan.
@@ -194,8 +195,7 @@ pub enum EditError {
 pub struct PlanEditor {
     plan: FloorPlan,
     was_edited: bool,
-    done: Vec<Vec<Change>>,
-    undone: Vec<Vec<Change>>,
+    history: History<Change>,
 }
 
 /// One reversible change: the state before and the state after.
@@ -220,7 +220,7 @@ impl PlanEditor {
     /// An editor of a plan.
     pub fn new(plan: FloorPlan) -> Self {
         let was_edited = plan.edited;
-        PlanEditor { plan, was_edited, done: Vec::new(), undone: Vec::new() }
+        PlanEditor { plan, was_edited, history: History::default() }
     }
 
     /// The plan as it is now.
@@ -244,9 +244,8 @@ impl PlanEditor {
             self.revert(&step);
             return Err(error);
         }
-        self.done.push(step);
-        self.undone.clear();
-        self.plan.edited = true;
+        self.history.push(step);
+        self.mark();
         Ok(())
     }
 
@@ -263,30 +262,35 @@ impl PlanEditor {
 
     /// Whether there is a change to undo.
     pub fn can_undo(&self) -> bool {
-        !self.done.is_empty()
+        self.history.can_undo()
     }
 
     /// Whether there is a change to redo.
     pub fn can_redo(&self) -> bool {
-        !self.undone.is_empty()
+        self.history.can_redo()
     }
 
     /// Undoes the last change; returns whether there was one.
     pub fn undo(&mut self) -> bool {
-        let Some(step) = self.done.pop() else { return false };
-        self.revert(&step);
-        self.undone.push(step);
-        self.plan.edited = self.was_edited || !self.done.is_empty();
-        true
+        let mut history = std::mem::take(&mut self.history);
+        let is_undone = history.undo(|step| self.revert(step));
+        self.history = history;
+        self.mark();
+        is_undone
     }
 
     /// Makes the last undone change again; returns whether there was one.
     pub fn redo(&mut self) -> bool {
-        let Some(step) = self.undone.pop() else { return false };
-        step.iter().for_each(|change| self.change(change));
-        self.done.push(step);
-        self.plan.edited = true;
-        true
+        let mut history = std::mem::take(&mut self.history);
+        let is_redone = history.redo(|step| step.iter().for_each(|change| self.change(change)));
+        self.history = history;
+        self.mark();
+        is_redone
+    }
+
+    /// Says in the plan whether it was edited.
+    fn mark(&mut self) {
+        self.plan.edited = self.was_edited || self.history.can_undo();
     }
 
     fn perform(&mut self, edit: Edit, step: &mut Vec<Change>) -> Result<(), EditError> {
