@@ -1,0 +1,64 @@
+//! Tests of settings.
+
+use super::*;
+
+const WIDTH: Setting = Setting::number("width", "m", 0.5, 10.0, "how wide");
+
+#[test]
+fn errors_name_field_value_and_limits() {
+    for text in ["NaN", "inf", "-1", "0.4", "1e300", "wide", ""] {
+        let error = WIDTH.parse(text).unwrap_err();
+        assert_eq!(error.field, "width");
+        assert_eq!(error.value.to_lowercase(), text.to_lowercase());
+        assert_eq!(error.allowed, "a number from 0.5 to 10");
+    }
+    assert!(WIDTH.check(f64::NAN).is_err());
+    assert_eq!(WIDTH.parse(" 2 ").unwrap(), Value::from(2.0));
+}
+
+#[test]
+fn groups_hold_the_fields_up_to_the_next_group() {
+    #[expect(dead_code, unreachable_pub, reason = "only the list of settings is read")]
+    mod fence {
+        settings! {
+            /// A fence.
+            pub struct Fence {
+                /// First.
+                a: u32 = 0 => integer("", 0..=1);
+                /// Second.
+                #[alias = "bb"]
+                #[group = "rails"]
+                b: u32 = 0 => integer("", 0..=1);
+                /// Third.
+                c: u32 = 0 => integer("", 0..=1);
+                /// Fourth.
+                #[group = ""]
+                d: u32 = 0 => integer("", 0..=1);
+                /// Fifth.
+                #[group = "posts"]
+                e: u32 = 0 => integer("", 0..=1);
+                /// Sixth.
+                #[group = "rails"]
+                f: u32 = 0 => integer("", 0..=1);
+            }
+        }
+    }
+    let names = |(group, settings): (_, Vec<&Setting>)| {
+        (group, settings.iter().map(|setting| setting.name).collect::<String>())
+    };
+    let groups: Vec<_> = groups(fence::Fence::SETTINGS).into_iter().map(names).collect();
+    let expected = [(None, "ad"), (Some("rails"), "bcf"), (Some("posts"), "e")];
+    assert_eq!(groups, expected.map(|(group, names)| (group, names.to_owned())));
+}
+
+#[test]
+fn lists_split_at_commas() {
+    let list = Setting::list("prefabs", "", "names", "what follows what");
+    for text in ["a, b,3", "[a,b,3]", " [ \"a\", b, 3 ] "] {
+        assert_eq!(list.parse(text).unwrap(), serde_json::json!(["a", "b", 3]), "{text}");
+    }
+    for text in ["", "[]", "[ ]"] {
+        assert_eq!(list.parse(text).unwrap(), serde_json::json!([]), "{text}");
+    }
+    assert_eq!(list.parse("[a").unwrap(), serde_json::json!(["[a"]));
+}
