@@ -2,29 +2,13 @@
 # Drives the window `edit` with mouse and keys under Xvfb, on any Vulkan driver: pictures of every state go to the
 # folder of the first argument, and what was saved is checked.
 #
-# Needs, of Debian or Ubuntu: imagemagick libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 libxrandr2
-# mesa-vulkan-drivers xdotool xvfb. CARGO_FLAGS may hold `--release`.
+# Needs what windows.sh needs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+# shellcheck source=tests/windows.sh
+source tests/windows.sh
 
-pictures=${1:-out/edit_pictures}
-scratch=$(mktemp -d)
-mkdir -p "$pictures"
-pictures=$(realpath "$pictures")
-started=()
-finish() {
-  for process in "${started[@]}"; do kill "$process" 2>/dev/null || true; done
-  rm -rf "$scratch"
-}
-trap finish EXIT
-
-fail() { echo "edit: $*" >&2; exit 1; }
-
-# shellcheck disable=SC2086  # each word is an argument
-cargo build ${CARGO_FLAGS:-} --features window --example edit --example teleop --bin envgen
-case " ${CARGO_FLAGS:-} " in *" --release "*) built=release ;; *) built=debug ;; esac
-programs=$(realpath "${CARGO_TARGET_DIR:-target}/$built")
-export XDG_RUNTIME_DIR=$scratch
+build --example edit --example teleop --bin envgen
 cd "$scratch"
 
 # Mistakes are reported without a window: refused TEXT ARGUMENTS..
@@ -48,28 +32,9 @@ refused '--rooms nowhere' indoor --rooms nowhere
 VK_DRIVER_FILES=/nowhere VK_ICD_FILENAMES=/nowhere refused 'no Vulkan' indoor
 DISPLAY='' refused 'no display' indoor
 
-Xvfb :93 -screen 0 1280x720x24 -nolisten tcp >xvfb 2>&1 &
-started+=("$!")
-export DISPLAY=:93
-sleep 2
+display 93 1280x720
 
-# Starts the window and waits for it: open ARGUMENTS..
-open() {
-  # Bash starts what runs in the background deaf to Ctrl+C.
-  env --default-signal=INT "$programs/examples/edit" "$@" >said 2>&1 &
-  program=$!
-  started+=("$program")
-  for _ in $(seq 120); do
-    window=$(xdotool search --onlyvisible --name '^envgen: edit$' 2>/dev/null | head -n 1) && [ -n "$window" ] && break
-    kill -0 "$program" 2>/dev/null || { cat said >&2; fail "the program has ended"; }
-    sleep 0.3
-  done
-  [ -n "${window:-}" ] || fail "no window after half a minute"
-  # Without a window manager nobody else gives it its size and the keys.
-  xdotool windowmove "$window" 0 0 windowsize --sync "$window" 1280 720
-  xdotool windowfocus --sync "$window"
-  sleep 2
-}
+open() { open_window 'envgen: edit' 1280x720 "$programs/examples/edit" "$@"; sleep 2; }
 
 ended() {
   for _ in $(seq 40); do kill -0 "$program" 2>/dev/null || return 0; sleep 0.25; done
@@ -92,13 +57,6 @@ drag() {
 
 # A point in a cell of the plan: cell COLUMN ROW prints x and y of its middle in the window.
 cell() { echo "$((348 + 40 * $1)) $((48 + 40 * $2))"; }
-
-picture() {
-  sleep 0.5
-  import -window root "$pictures/$1.png"
-  # A picture of one colour shows nothing.
-  [ "$(identify -format '%k' "$pictures/$1.png")" -gt 20 ] || fail "$1.png shows nothing"
-}
 
 # Waits for a file.
 written() { for _ in $(seq 12); do [ -s "$1" ] && return 0; sleep 0.25; done; return 1; }

@@ -2,46 +2,15 @@
 # Drives the window `teleop` with keys under Xvfb, on any Vulkan driver, at two sizes: pictures of every
 # panel go to the folder of the first argument, and the sessions that were saved are run again.
 #
-# Needs, of Debian or Ubuntu: imagemagick libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 libxrandr2
-# mesa-vulkan-drivers xdotool xvfb. CARGO_FLAGS may hold `--release`.
+# Needs what windows.sh needs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+# shellcheck source=tests/windows.sh
+source tests/windows.sh
 
-pictures=${1:-out/teleop_pictures}
-scratch=$(mktemp -d)
-mkdir -p "$pictures"
-started=()
-finish() {
-  for process in "${started[@]}"; do kill "$process" 2>/dev/null || true; done
-  rm -rf "$scratch"
-}
-trap finish EXIT
+build --example teleop --example mapping_trial
 
-fail() { echo "teleop: $*" >&2; exit 1; }
-
-# shellcheck disable=SC2086  # each word is an argument
-cargo build ${CARGO_FLAGS:-} --features window --example teleop --example mapping_trial
-case " ${CARGO_FLAGS:-} " in *" --release "*) built=release ;; *) built=debug ;; esac
-programs=${CARGO_TARGET_DIR:-target}/$built/examples
-export XDG_RUNTIME_DIR=$scratch
-
-# Starts the window on the display and waits for it: open ARGUMENTS..
-open() {
-  # Bash starts what runs in the background deaf to Ctrl+C.
-  env --default-signal=INT "$programs/teleop" "$@" >"$scratch/said" 2>&1 &
-  program=$!
-  started+=("$program")
-  for _ in $(seq 120); do
-    window=$(xdotool search --onlyvisible --name '^envgen: drive$' 2>/dev/null | head -n 1) && [ -n "$window" ] && break
-    kill -0 "$program" 2>/dev/null || { cat "$scratch/said" >&2; fail "the program has ended"; }
-    sleep 0.5
-  done
-  [ -n "${window:-}" ] || fail "no window after a minute"
-  # Without a window manager nobody else gives it its size and the keys.
-  xdotool windowmove "$window" 0 0 windowsize --sync "$window" "${size%x*}" "${size#*x}"
-  xdotool windowfocus --sync "$window"
-  sleep 4
-}
+open() { open_window 'envgen: drive' "$size" "$programs/examples/teleop" "$@"; sleep 4; }
 
 # Interrupts the program, as Ctrl+C and the window's close button do, and waits for it.
 shut() {
@@ -56,14 +25,6 @@ click() {
   sleep 0.3
 }
 
-hold() { xdotool keydown "$1"; sleep "$2"; xdotool keyup "$1"; }
-
-picture() {
-  import -window root "$pictures/$size-$1.png"
-  # A picture of one colour shows nothing.
-  [ "$(identify -format '%k' "$pictures/$size-$1.png")" -gt 20 ] || fail "$size-$1.png shows nothing"
-}
-
 field() { grep -m 1 -o "\"$2\": *[0-9.]*" "$1" | grep -o '[0-9.]*$'; }
 
 # Where the panels have what is clicked on.
@@ -73,29 +34,25 @@ number=90
 for size in 1280x720 1920x1080; do
   number=$((number + 1))
   scale=$((${size#*x} > 800 ? ${size#*x} / 8 : 100))
-  Xvfb ":$number" -screen 0 "${size}x24" -nolisten tcp >"$scratch/xvfb" 2>&1 &
-  server=$!
-  started+=("$server")
-  export DISPLAY=":$number"
-  sleep 2
+  display "$number" "$size"
 
   # The settings: what a setting does, under the pointer; all groups; in training the world that they make.
   open --seed 3 --set doors=0.5 --set people=4 --set smoke=0.3 --out "$scratch/$size-settings" --no-camera
-  picture setup
+  picture "$size-setup"
   xdotool mousemove "$((40 * scale / 100))" "$((125 * scale / 100))"
   sleep 2
-  picture help
+  picture "$size-help"
   click 60 "$advanced"
   sleep 2
-  picture advanced
+  picture "$size-advanced"
   click 60 "$advanced"
   click 152 "$training"
   sleep 4
-  picture preview
+  picture "$size-preview"
   # Another world, and one that is not allowed.
   click 212 "$seed"
   sleep 4
-  picture next
+  picture "$size-next"
   shut
 
   # A person drives two robots by the camera and by the map, pauses, looks at the truth, ends the trial.
@@ -106,34 +63,34 @@ for size in 1280x720 1920x1080; do
   hold w 4
   hold Left 1
   sleep 1
-  picture camera
+  picture "$size-camera"
   xdotool key c
   hold w 2
   sleep 2
-  picture drive
+  picture "$size-drive"
   xdotool key Tab
   hold Up 2
   xdotool key t
   sleep 3
-  picture training
+  picture "$size-training"
   # All lines over the world.
   for x in 14 87 136 214 266; do click "$x" "$lines"; sleep 1; done
   sleep 2
-  picture lines
+  picture "$size-lines"
   # Without the training view there is none of them.
   xdotool key t
   sleep 3
-  picture blind
+  picture "$size-blind"
   xdotool key t
   sleep 1
   xdotool key p
   sleep 3
-  picture paused
+  picture "$size-paused"
   xdotool key p
   hold w 1
   xdotool key End
   sleep 3
-  picture form
+  picture "$size-form"
   shut
   # The truth was seen.
   session=$session/001_training
@@ -142,7 +99,7 @@ for size in 1280x720 1920x1080; do
   done
   awk -v way="$(field "$session/report.json" distance)" 'BEGIN { exit !(way > 1) }' ||
     fail "$size: the robot has not moved"
-  "$programs/mapping_trial" --replay "$session/log.json" --out "$scratch/again" >/dev/null
+  "$programs/examples/mapping_trial" --replay "$session/log.json" --out "$scratch/again" >/dev/null
   cmp "$session/report.json" "$scratch/again/report.json" || fail "$size: the replay is another trial"
 
   # What is interrupted while the robot drives loses nothing.
@@ -153,23 +110,23 @@ for size in 1280x720 1920x1080; do
   hold w 2
   shut
   session=$session/001
-  "$programs/mapping_trial" --replay "$session/log.json" --out "$scratch/again" >/dev/null
+  "$programs/examples/mapping_trial" --replay "$session/log.json" --out "$scratch/again" >/dev/null
   cmp "$session/report.json" "$scratch/again/report.json" || fail "$size: interrupted, and another trial"
 
   # A program drives, and another one is compared with it.
   open --robots 1 --policy nearest --time-limit 12 --out "$scratch/$size-program"
   for _ in $(seq 120); do [ -s "$scratch/$size-program/001/report.json" ] && break; sleep 0.5; done
   sleep 2
-  picture scores
+  picture "$size-scores"
   click 143 100
   sleep 4
-  picture compared
+  picture "$size-compared"
   # Another trial, in the same world.
   click 45 42
   sleep 1
   xdotool key Return
   sleep 3
-  picture again
+  picture "$size-again"
   shut
   [ -s "$scratch/$size-program/002/report.json" ] || fail "$size: the second trial is not kept"
 
@@ -189,6 +146,6 @@ for size in 1280x720 1920x1080; do
       printf "%s: %d frames of %.1f ms, at most %.0f ms; %d ticks, %.3f of those due\n", size, frames, sum / frames, most, ticks, kept
       exit !(ticks > 60 && kept > 0.95 && kept < 1.05)
     }' "$scratch/$size.csv" || fail "$size: the simulation did not keep its step"
-  kill "$server"
+  kill "$xvfb"
 done
 echo "teleop: pictures in $pictures"

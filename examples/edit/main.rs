@@ -13,8 +13,6 @@
 mod arguments;
 mod auditing;
 mod canvas;
-#[path = "../shared/display.rs"]
-mod display;
 mod floors;
 mod keys;
 mod painting;
@@ -24,6 +22,8 @@ mod session;
 mod tools;
 mod trial;
 mod view;
+#[path = "../shared/window.rs"]
+mod window;
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -39,7 +39,6 @@ use bevy_envgen::{EnvgenCorePlugin, EnvgenSystems};
 use bevy_mapping_trial::ui::bevy_egui::{
     EguiGlobalSettings, EguiPlugin, EguiPrimaryContextPass, PrimaryEguiContext,
 };
-use bevy_offscreen::find_renderer;
 use clap::Parser;
 
 use crate::arguments::Arguments;
@@ -53,29 +52,15 @@ const GROUND: Color = Color::srgb(0.80, 0.81, 0.83);
 const FRAME: Duration = Duration::from_millis(100);
 
 fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(AppExit::Success) => ExitCode::SUCCESS,
-        Ok(AppExit::Error(code)) => ExitCode::from(code.get()),
-        Err(error) => {
-            #[expect(clippy::print_stderr, reason = "errors belong on stderr")]
-            {
-                eprintln!("error: {error}");
-            }
-            ExitCode::FAILURE
-        }
-    }
+    window::exit_code(run(&Arguments::parse()))
 }
 
 /// Opens the window. Mistakes in the command line are reported before.
 fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let opened = arguments.open()?;
-    // Without a graphics driver Bevy would panic.
-    find_renderer()?;
-    display::find()?;
-    let window = Window { title: "envgen: edit".to_owned(), ..default() };
+    window::check()?;
     // The session closes the window, once changes are saved or given up.
-    let window =
-        WindowPlugin { primary_window: Some(window), close_when_requested: false, ..default() };
+    let window = WindowPlugin { close_when_requested: false, ..window::titled("envgen: edit") };
     let update = UpdateMode::reactive(FRAME);
     let mut app = App::new();
     app.add_plugins((

@@ -31,6 +31,8 @@ mod saving;
 mod session;
 #[path = "../shared/start.rs"]
 mod start;
+#[path = "../shared/window.rs"]
+mod window;
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -46,7 +48,6 @@ use bevy_mapping_trial::ui::bevy_egui::input::egui_wants_any_keyboard_input;
 use bevy_mapping_trial::ui::bevy_egui::{EguiPlugin, EguiPreUpdateSet, EguiPrimaryContextPass};
 use bevy_mapping_trial::view::TrialViewPlugin;
 use bevy_mapping_trial::view3d::RobotVisuals3dPlugin;
-use bevy_offscreen::find_renderer;
 use clap::Parser;
 use envgen::located::Locate;
 
@@ -55,17 +56,7 @@ use crate::frame_log::FrameLog;
 use crate::session::Session;
 
 fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(AppExit::Success) => ExitCode::SUCCESS,
-        Ok(AppExit::Error(code)) => ExitCode::from(code.get()),
-        Err(error) => {
-            #[expect(clippy::print_stderr, reason = "errors belong on stderr")]
-            {
-                eprintln!("error: {error}");
-            }
-            ExitCode::FAILURE
-        }
-    }
+    window::exit_code(run(&Arguments::parse()))
 }
 
 /// Opens the window. Mistakes in the command line are reported before.
@@ -73,18 +64,15 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let beginning = arguments.beginning()?;
     let settings = (arguments.settings()?, arguments.scenario()?);
     output::folder(&arguments.out)?;
-    // Without a graphics driver Bevy would panic.
-    find_renderer()?;
+    window::check()?;
     let frame_log = arguments
         .frame_log
         .as_deref()
         .map(|path| FrameLog::create(path).in_option("--frame-log", path.display()));
 
-    let window = Window { title: "envgen: drive".to_owned(), ..default() };
-    let window = WindowPlugin { primary_window: Some(window), ..default() };
     let mut app = App::new();
     app.add_plugins((
-        DefaultPlugins.set(window),
+        DefaultPlugins.set(window::titled("envgen: drive")),
         EguiPlugin::default(),
         EnvgenCorePlugin::default(),
         EnvgenScenarioPlugin::default(),

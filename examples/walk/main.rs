@@ -12,6 +12,8 @@
 
 mod arguments;
 mod walker;
+#[path = "../shared/window.rs"]
+mod window;
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -22,37 +24,23 @@ use bevy_envgen::prelude::{
     EnvgenCorePlugin, EnvgenPhysicsPlugin, EnvgenScenarioPlugin, EnvgenVisuals3dPlugin,
     Environment, EnvironmentScenario, GenerationMode, Visuals3dSettings,
 };
-use bevy_offscreen::find_renderer;
 use clap::Parser;
 
 use crate::arguments::Arguments;
 
 fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(AppExit::Success) => ExitCode::SUCCESS,
-        Ok(AppExit::Error(code)) => ExitCode::from(code.get()),
-        Err(error) => {
-            #[expect(clippy::print_stderr, reason = "errors belong on stderr")]
-            {
-                eprintln!("error: {error}");
-            }
-            ExitCode::FAILURE
-        }
-    }
+    window::exit_code(run(&Arguments::parse()))
 }
 
 /// Opens the window. Mistakes in the command line are reported before.
 fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let (world, moving) = arguments.world()?;
     let start = walker::start(&world)?;
-    // Without a graphics driver Bevy would panic.
-    find_renderer()?;
-    let window = Window { title: "envgen: walk".to_owned(), ..default() };
-    let window = WindowPlugin { primary_window: Some(window), ..default() };
+    window::check()?;
     let settings = Visuals3dSettings { ceilings: true, ..default() };
     let mut app = App::new();
     app.add_plugins((
-        DefaultPlugins.set(window),
+        DefaultPlugins.set(window::titled("envgen: walk")),
         EnvgenCorePlugin::default(),
         EnvgenScenarioPlugin::default(),
         TopDownPhysicsPlugin::default(),
