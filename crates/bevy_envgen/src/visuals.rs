@@ -1,6 +1,7 @@
 //! Meshes and colours for the parts of worlds, and for the people, doors and smoke of scenarios.
 
-mod moving;
+pub(crate) mod ground;
+pub(crate) mod moving;
 
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;
@@ -10,6 +11,7 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use envgen::palette::{self, Srgb};
 
+use self::ground::class_rectangles;
 use crate::environment::{Environment, GroundTruth};
 use crate::part::{Ground, PartId, PartKind, Room, Surface, SurfaceKind};
 use crate::scenario::{Door, DoorLeaf, Person, Smoke};
@@ -341,7 +343,10 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<Ink, Drawing> {
         let ink = match id.kind {
             PartKind::Ground => {
                 if let Some(ground) = part.get::<Ground>() {
-                    add_ground(&mut drawings, at, shape, ground);
+                    for (class, corners) in class_rectangles(at, shape, ground) {
+                        let drawing = drawings.entry(Ink::Class(class)).or_default();
+                        drawing.add(corners, &[[0, 1, 2], [0, 2, 3]]);
+                    }
                 }
                 continue;
             }
@@ -387,37 +392,6 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<Ink, Drawing> {
     }
     drawings.retain(|_, drawing| !drawing.triangles.is_empty());
     drawings
-}
-
-/// Adds a block of ground. Neighbouring cells of one class in a row become one rectangle.
-fn add_ground(
-    drawings: &mut BTreeMap<Ink, Drawing>,
-    at: &Transform,
-    shape: &PartShape,
-    ground: &Ground,
-) {
-    let PartShape::Box { half_size } = shape else { return };
-    let corner = |row: usize, col: usize| {
-        let local = Vec2::new(col as f32, -(row as f32)) * ground.cell;
-        at.translation.truncate() + Vec2::new(-half_size.x, half_size.y) + local
-    };
-    for (row, classes) in ground.classes.chunks(ground.cols.max(1) as usize).enumerate() {
-        let mut from = 0;
-        for run in classes.chunk_by(|a, b| a == b) {
-            let to = from + run.len();
-            if run[0] > 0 {
-                let corners = [
-                    corner(row + 1, from),
-                    corner(row + 1, to),
-                    corner(row, to),
-                    corner(row, from),
-                ];
-                let drawing = drawings.entry(Ink::Class(run[0])).or_default();
-                drawing.add(corners, &[[0, 1, 2], [0, 2, 3]]);
-            }
-            from = to;
-        }
-    }
 }
 
 /// Adds the exact surface of a road, from the world itself.

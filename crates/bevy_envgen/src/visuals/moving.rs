@@ -72,33 +72,56 @@ pub(super) fn draw_smoke(
     mut commands: Commands,
 ) {
     let Ok(run) = runs.get(added.entity) else { return };
+    draw_each_smoke(run, &mut commands, add_smoke);
+}
+
+/// Draws each place of the smoke of a scenario by `add`.
+pub(crate) fn draw_each_smoke(
+    run: &ScenarioRun,
+    commands: &mut Commands,
+    add: fn(&mut World, Entity, &SmokeOutline),
+) {
     for &smoke in run.smoke() {
-        commands.queue(move |world: &mut World| add_smoke(world, smoke));
+        commands.queue(move |world: &mut World| {
+            if let Some(place) = smoke_place(world, smoke) {
+                add(world, smoke, &place);
+            }
+        });
     }
 }
 
+/// Where smoke is.
+pub(crate) struct SmokeOutline {
+    pub(crate) environment: Entity,
+    pub(crate) extinction: f64,
+    /// In the frame of the world.
+    pub(crate) shapes: Vec<envgen::geometry::Shape>,
+    pub(crate) frame: Frame,
+}
+
+fn smoke_place(world: &World, smoke: Entity) -> Option<SmokeOutline> {
+    let smoke = world.get_entity(smoke).ok()?;
+    let (&Smoke { index, extinction }, part) = (smoke.get::<Smoke>()?, smoke.get::<PartOf>()?);
+    let run = world.get::<ScenarioRun>(part.0)?;
+    let frame = Frame::new(world.get::<Environment>(part.0)?.origin);
+    let (place, _) = run.state().smoke().nth(index as usize)?;
+    let shapes = run.state().smoke_shapes(place);
+    Some(SmokeOutline { environment: part.0, extinction, shapes, frame })
+}
+
 /// Adds the mesh of a place of smoke.
-fn add_smoke(world: &mut World, entity: Entity) {
-    let Ok(smoke) = world.get_entity(entity) else { return };
-    let (Some(&Smoke { index, extinction }), Some(part)) =
-        (smoke.get::<Smoke>(), smoke.get::<PartOf>())
-    else {
-        return;
-    };
-    let run = world.get::<ScenarioRun>(part.0);
-    let (Some(run), Some(environment)) = (run, world.get::<Environment>(part.0)) else { return };
-    let frame = Frame::new(environment.origin);
+fn add_smoke(world: &mut World, entity: Entity, place: &SmokeOutline) {
+    let SmokeOutline { extinction, shapes, frame, .. } = place;
     let mut drawing = Drawing::default();
-    let Some((place, _)) = run.state().smoke().nth(index as usize) else { return };
-    for shape in run.state().smoke_shapes(place) {
-        let (at, shape) = frame.place(&shape);
+    for shape in shapes {
+        let (at, shape) = frame.place(shape);
         drawing.add_shape(&at, &shape);
     }
     if drawing.triangles.is_empty() {
         return;
     }
     let palette = world.get_resource::<Palette>().cloned().unwrap_or_default();
-    let color = palette.smoke.with_alpha(opacity(extinction));
+    let color = palette.smoke.with_alpha(opacity(*extinction));
     let Some(mut materials) = world.get_resource_mut::<Assets<ColorMaterial>>() else { return };
     let ink = ColorMaterial { alpha_mode: AlphaMode2d::Blend, ..ColorMaterial::from(color) };
     let ink = materials.add(ink);
@@ -110,12 +133,13 @@ fn add_smoke(world: &mut World, entity: Entity) {
         Mesh2d(mesh),
         MeshMaterial2d(ink),
         Transform::from_xyz(0.0, 0.0, SMOKE_LAYER),
-        shown(extinction),
+        shown(*extinction),
         ChildOf(entity),
     ));
 }
 
-fn shown(extinction: f64) -> Visibility {
+/// Whether smoke is thick enough to be seen.
+pub(crate) fn shown(extinction: f64) -> Visibility {
     if extinction < THINNEST { Visibility::Hidden } else { Visibility::Inherited }
 }
 

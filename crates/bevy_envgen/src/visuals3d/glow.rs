@@ -172,7 +172,7 @@ pub(super) fn of_building(
     (image, at)
 }
 
-/// The regions of a building, and the number of the one at each point of a map, from 1; 0 is none. Rooms are over
+/// The regions of a building, and the number of the one at each point of a map, from 1; 0 outside of all. Rooms are over
 /// hallways.
 fn regions(
     truth: &EnvgenWorld,

@@ -18,15 +18,12 @@ use envgen::world::WallKind;
 
 use super::palette::Palette3d;
 use super::{Visuals3dSettings, can_draw};
-use crate::environment::{Environment, GroundTruth};
-use crate::part::PartOf;
+use crate::environment::GroundTruth;
 use crate::scenario::{ScenarioRun, Smoke};
-use crate::shape::{Frame, PartShape};
+use crate::shape::PartShape;
+use crate::visuals::moving::{SmokeOutline, draw_each_smoke, shown};
 
 const SHADER: Handle<Shader> = uuid_handle!("5c9a4a3e-5f0e-4a0c-9a57-1f7f3c9d8b21");
-
-/// Smoke that is thinner is not drawn, in 1/m.
-const THINNEST: f64 = 0.005;
 
 /// Smoke as bright as the lamps that shine on it, as a share of its colour.
 const LIT: f32 = 0.75;
@@ -105,35 +102,19 @@ pub(super) fn draw_smoke(
     mut commands: Commands,
 ) {
     let Ok(run) = runs.get(added.entity) else { return };
-    for &smoke in run.smoke() {
-        commands.queue(move |world: &mut World| add_smoke(world, smoke));
-    }
+    draw_each_smoke(run, &mut commands, add_smoke);
 }
 
 /// Adds the boxes of a place of smoke.
-fn add_smoke(world: &mut World, entity: Entity) {
+fn add_smoke(world: &mut World, entity: Entity, place: &SmokeOutline) {
     if !can_draw(world) || !world.contains_resource::<Assets<SmokeMaterial>>() {
         return;
     }
-    let Ok(smoke) = world.get_entity(entity) else { return };
-    let (Some(&Smoke { index, extinction }), Some(part)) =
-        (smoke.get::<Smoke>(), smoke.get::<PartOf>())
-    else {
-        return;
-    };
-    let root = world.entity(part.0);
-    let (Some(run), Some(environment), Some(truth)) =
-        (root.get::<ScenarioRun>(), root.get::<Environment>(), root.get::<GroundTruth>())
-    else {
-        return;
-    };
-    let frame = Frame::new(environment.origin);
-    let Some((place, _)) = run.state().smoke().nth(index as usize) else { return };
+    let SmokeOutline { extinction, shapes, frame, .. } = place;
+    let Some(truth) = world.get::<GroundTruth>(place.environment) else { return };
     let settings = world.resource::<Visuals3dSettings>();
     let color = world.resource::<Palette3d>().smoke.to_linear();
-    let boxes: Vec<_> = run
-        .state()
-        .smoke_shapes(place)
+    let boxes: Vec<_> = shapes
         .iter()
         .flat_map(|shape| {
             let (height, light) = surroundings(truth, shape, settings);
@@ -149,7 +130,7 @@ fn add_smoke(world: &mut World, entity: Entity) {
         .collect();
     for (at, color) in boxes {
         let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(1.0));
-        let smoke = SmokeUniform { to_box: Mat4::IDENTITY, color, extinction: extinction as f32 };
+        let smoke = SmokeUniform { to_box: Mat4::IDENTITY, color, extinction: *extinction as f32 };
         let material = world.resource_mut::<Assets<SmokeMaterial>>().add(SmokeMaterial { smoke });
         world.spawn((
             Name::new("smoke"),
@@ -157,14 +138,10 @@ fn add_smoke(world: &mut World, entity: Entity) {
             Mesh3d(mesh),
             MeshMaterial3d(material),
             at,
-            shown(extinction),
+            shown(*extinction),
             ChildOf(entity),
         ));
     }
-}
-
-fn shown(extinction: f64) -> Visibility {
-    if extinction < THINNEST { Visibility::Hidden } else { Visibility::Inherited }
 }
 
 /// Boxes in place of a shape: exactly, or the boxes around its convex pieces.

@@ -19,6 +19,7 @@ use crate::environment::{Environment, GroundTruth};
 use crate::part::{Ground, PartId, PartKind};
 use crate::shape::PartShape;
 use crate::spawn::TileSpawned;
+use crate::visuals::ground::class_rectangles;
 
 /// A mesh of a tile, on a child of the [`Tile`](crate::Tile): all its bodies of one finish, or a tree's trunk or
 /// crown.
@@ -146,34 +147,12 @@ fn drafts(world: &World, spawned: &TileSpawned) -> BTreeMap<Finish, Draft> {
         if let (Some(at), Some(shape), Some(ground)) =
             (part.get::<Transform>(), part.get::<PartShape>(), part.get::<Ground>())
         {
-            add_ground(drafts.entry(Finish::Ground).or_default(), at, shape, ground);
+            let draft = drafts.entry(Finish::Ground).or_default();
+            for (class, corners) in class_rectangles(at, shape, ground) {
+                draft.add_flat(&corners, 0.0, color(envgen::palette::class(class)));
+            }
         }
     }
     drafts.retain(|_, draft| !draft.is_empty());
     drafts
-}
-
-/// Adds a block of ground. Neighbouring cells of one class in a row become one rectangle.
-fn add_ground(draft: &mut Draft, at: &Transform, shape: &PartShape, ground: &Ground) {
-    let PartShape::Box { half_size } = shape else { return };
-    let corner = |row: usize, col: usize| {
-        let local = Vec2::new(col as f32, -(row as f32)) * ground.cell;
-        at.translation.truncate() + Vec2::new(-half_size.x, half_size.y) + local
-    };
-    for (row, classes) in ground.classes.chunks(ground.cols.max(1) as usize).enumerate() {
-        let mut from = 0;
-        for run in classes.chunk_by(|a, b| a == b) {
-            let to = from + run.len();
-            if run[0] > 0 {
-                let corners = [
-                    corner(row + 1, from),
-                    corner(row + 1, to),
-                    corner(row, to),
-                    corner(row, from),
-                ];
-                draft.add_flat(&corners, 0.0, color(envgen::palette::class(run[0])));
-            }
-            from = to;
-        }
-    }
 }
