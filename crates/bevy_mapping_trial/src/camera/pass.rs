@@ -174,7 +174,7 @@ impl NumberPass {
         })
     }
 
-    /// Draws a scene and what moves in it; returns the number of the triangle at each pixel, 0 where there is none.
+    /// Draws a scene and what moves in it; returns the number of the triangle at each pixel, 0 where nothing is.
     /// Waits for the graphics card.
     pub(super) fn draw(
         &mut self,

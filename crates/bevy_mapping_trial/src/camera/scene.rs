@@ -133,7 +133,7 @@ impl Scene {
         runs
     }
 
-    /// Depths and labels of the pixels, from the numbers of their triangles: 0 where there is none, and those of
+    /// Depths and labels of the pixels, from the numbers of their triangles: 0 where nothing is, and those of
     /// `moving` after those of the world.
     pub(super) fn resolve(
         &self,

@@ -147,7 +147,7 @@ impl WorldPreview {
     }
 
     /// Draws the world, and what moves in it, into all of the space that is left: the last picture under a spinner
-    /// while there is none of the last request.
+    /// until that of the last request is ready.
     pub fn show(&mut self, ui: &mut Ui, scenario: Option<(&ScenarioSpec, Seed)>) {
         let area = ui.available_rect_before_wrap();
         ui.allocate_rect(area, Sense::hover());
