@@ -4,7 +4,7 @@
 //! does. Surfaces, rooms and doorways are sensors, which report the bodies inside them. People and leaves of
 //! [`crate::scenario`] are kinematic bodies.
 //!
-//! Rapier is flat. The colliders of parts have a [`HeightRange`](crate::HeightRange), which decides what they stop:
+//! Rapier is flat. The colliders of parts have a [`HeightRange`], which decides what they stop:
 //! see [`HeightHooks`].
 
 mod collider;
@@ -45,7 +45,7 @@ pub const SENSOR_GROUP: Group = Group::GROUP_32;
 pub enum ColliderMerging {
     /// Merged in worlds with more solid parts than this, and in endless ones.
     Above(usize),
-    /// Merged: one compound on the entity of the [`Tile`](crate::Tile). In a large world it costs
+    /// Merged: one compound on the entity of the [`Tile`]. In a large world it costs
     /// rapier a fraction of single colliders.
     Always,
     /// Every part has a collider of its own, so that a ray or a contact identifies the part. Parts
@@ -71,10 +71,10 @@ pub struct ColliderSettings {
     pub merge: ColliderMerging,
     /// Solids of a merged tile that are on the floor and at least this many metres high count as high as
     /// everything. Lower ones, and those above the floor, share a collider with others of their
-    /// [`HeightRange`](crate::HeightRange) alone. At least as high as the highest laser, so that it sees what it should.
+    /// [`HeightRange`] alone. At least as high as the highest laser, so that it sees what it should.
     pub full_height: f64,
     /// Whether there are colliders over doorways, which only robots that are higher than a door need. A ray
-    /// whose filter does not ask for their [`HeightRange`](crate::HeightRange) does not pass the doorway.
+    /// whose filter does not ask for their [`HeightRange`] does not pass the doorway.
     pub lintels: bool,
     /// Whether surfaces, rooms and doorways get sensors.
     pub sensors: bool,
