@@ -92,7 +92,6 @@ pub(crate) fn draw_each_smoke(
 
 /// Where smoke is.
 pub(crate) struct SmokeOutline {
-    pub(crate) environment: Entity,
     pub(crate) extinction: f64,
     /// In the frame of the world.
     pub(crate) shapes: Vec<envgen::geometry::Shape>,
@@ -106,12 +105,12 @@ fn smoke_place(world: &World, smoke: Entity) -> Option<SmokeOutline> {
     let frame = Frame::new(world.get::<Environment>(part.0)?.origin);
     let (place, _) = run.state().smoke().nth(index as usize)?;
     let shapes = run.state().smoke_shapes(place);
-    Some(SmokeOutline { environment: part.0, extinction, shapes, frame })
+    Some(SmokeOutline { extinction, shapes, frame })
 }
 
 /// Adds the mesh of a place of smoke.
 fn add_smoke(world: &mut World, entity: Entity, place: &SmokeOutline) {
-    let SmokeOutline { extinction, shapes, frame, .. } = place;
+    let SmokeOutline { extinction, shapes, frame } = place;
     let mut drawing = Drawing::default();
     for shape in shapes {
         let (at, shape) = frame.place(shape);

@@ -19,6 +19,7 @@ use envgen::world::WallKind;
 use super::palette::Palette3d;
 use super::{Visuals3dSettings, can_draw};
 use crate::environment::GroundTruth;
+use crate::part::PartOf;
 use crate::scenario::{ScenarioRun, Smoke};
 use crate::shape::PartShape;
 use crate::visuals::moving::{SmokeOutline, draw_each_smoke, shown};
@@ -110,8 +111,11 @@ fn add_smoke(world: &mut World, entity: Entity, place: &SmokeOutline) {
     if !can_draw(world) || !world.contains_resource::<Assets<SmokeMaterial>>() {
         return;
     }
-    let SmokeOutline { extinction, shapes, frame, .. } = place;
-    let Some(truth) = world.get::<GroundTruth>(place.environment) else { return };
+    let SmokeOutline { extinction, shapes, frame } = place;
+    let environment = world.get::<PartOf>(entity).map(|part| part.0);
+    let Some(truth) = environment.and_then(|entity| world.get::<GroundTruth>(entity)) else {
+        return;
+    };
     let settings = world.resource::<Visuals3dSettings>();
     let color = world.resource::<Palette3d>().smoke.to_linear();
     let boxes: Vec<_> = shapes
