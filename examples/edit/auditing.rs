@@ -16,6 +16,11 @@ pub(crate) struct Auditing {
 }
 
 impl Auditing {
+    /// Whether something is being computed.
+    pub(crate) fn is_running(&self) -> bool {
+        self.audit.is_running() || self.prediction.is_running()
+    }
+
     /// Takes what is finished, and starts what is to be found of the present state.
     pub(crate) fn poll(&mut self, document: &Document, revision: u64) {
         let promises = || document.promises();

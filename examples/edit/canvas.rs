@@ -35,6 +35,7 @@ pub(crate) fn show(ui: &mut Ui, session: &mut Session) {
     navigate(ui, &response, session);
     let pointer = response.hover_pos().or(response.interact_pointer_pos());
     let at = pointer.map(|p| session.view.to_world(p));
+    let seen = at.map(|p| session.seen_at(p));
     let reach = REACH * session.view.scale();
     match session.tools.tool {
         Tool::Select => select(ui, &response, session, reach),
@@ -47,7 +48,7 @@ pub(crate) fn show(ui: &mut Ui, session: &mut Session) {
         _ => {}
     }
     session.hovered =
-        at.filter(|_| session.drag.is_none()).and_then(|p| session.document.target_at(p, reach));
+        seen.filter(|_| session.drag.is_none()).and_then(|p| session.document.target_at(p, reach));
     session.pointer = at;
     let leave = 2.0 * reach;
     session.done_at =
@@ -80,11 +81,12 @@ fn select(ui: &Ui, response: &egui::Response, session: &mut Session, reach: f64)
     if response.drag_started_by(PointerButton::Primary)
         && let Some(from) = pressed.map(|p| session.view.to_world(p))
     {
+        let seen = session.seen_at(from);
         // What is selected is moved even where something else lies on it.
         let selected = session.selected.filter(|&target| {
-            session.document.outline(target).is_some_and(|shape| shape.distance(from) <= reach)
+            session.document.outline(target).is_some_and(|shape| shape.distance(seen) <= reach)
         });
-        let target = selected.or_else(|| session.document.target_at(from, reach));
+        let target = selected.or_else(|| session.document.target_at(seen, reach));
         session.selected = target;
         session.drag = target.map(|target| Drag { target, from });
     }
@@ -100,7 +102,8 @@ fn select(ui: &Ui, response: &egui::Response, session: &mut Session, reach: f64)
     } else if response.clicked_by(PointerButton::Primary)
         && let Some(at) = at
     {
-        session.selected = session.document.target_at(at, reach);
+        let seen = session.seen_at(at);
+        session.selected = session.document.target_at(seen, reach);
         session.refusal = None;
     }
 }
@@ -151,18 +154,25 @@ fn paint(ui: &Ui, response: &egui::Response, session: &mut Session) {
 }
 
 fn click(session: &mut Session, at: DVec2) {
-    match session.tools.change_at(&session.document, &session.catalogue, at) {
+    match change_at(session, at) {
         Some(Ok(change)) => _ = session.change(change, at),
         Some(Err(reason)) => session.refuse(reason, at),
         None => {}
     }
 }
 
+/// The change that a click makes at a point of the floor. Doorways are opened and closed where a wall is seen, all else
+/// is put onto the floor.
+fn change_at(session: &mut Session, at: DVec2) -> Option<Result<Change, String>> {
+    let at = if session.tools.tool == Tool::Doorway { session.seen_at(at) } else { at };
+    session.tools.change_at(&session.document, &session.catalogue, at)
+}
+
 /// What a click at a point, or the end of the drag there, would do.
 fn ghost(session: &mut Session, at: DVec2) -> Option<Ghost> {
     let change = match session.drag {
         Some(drag) => Ok(moved(session, drag, at)?),
-        None => session.tools.change_at(&session.document, &session.catalogue, at)?,
+        None => change_at(session, at)?,
     };
     Some(match change {
         Ok(change) => {

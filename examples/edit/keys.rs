@@ -64,6 +64,9 @@ fn plain(session: &mut Session, key: &Key, shift: bool, is_repeated: bool) {
             "r" => session.turn(if shift { -TURN } else { TURN }),
             "g" => session.grid = !session.grid,
             "f" => session.view.fit(session.document.world().bounds),
+            "v" if !is_repeated => session.view.tilt(),
+            "q" => session.view.turn(1),
+            "e" => session.view.turn(-1),
             "t" if !is_repeated => session.open_trial(),
             digit => {
                 let number = digit.parse::<usize>().ok().and_then(|number| number.checked_sub(1));

@@ -7,8 +7,9 @@
 //! ```
 //!
 //! The keys 1 to 5 choose a tool: select and move, room, hallway, doorway, object. R turns, Delete removes, Ctrl+Z
-//! undoes, Ctrl+Shift+Z and Ctrl+Y redo, Ctrl+S saves, T opens the world in a trial, G shows the grid, F everything,
-//! Esc stops, Ctrl+Q closes. The wheel zooms; dragging with the middle or right button moves the plan.
+//! undoes, Ctrl+Shift+Z and Ctrl+Y redo, Ctrl+S saves, T opens the world in a trial, V tilts the plan, which Q and E
+//! turn, G shows the grid, F everything, Esc stops, Ctrl+Q closes. The wheel zooms; dragging with the middle or right
+//! button moves the plan.
 
 mod arguments;
 mod auditing;
@@ -31,9 +32,11 @@ use std::time::Duration;
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{CameraOutputMode, ClearColorConfig};
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::render_resource::BlendState;
 use bevy::winit::{UpdateMode, WinitSettings};
+use bevy_envgen::prelude::{EnvgenVisuals3dPlugin, Visuals3dSettings};
 use bevy_envgen::visuals::EnvgenVisualsPlugin;
 use bevy_envgen::{EnvgenCorePlugin, EnvgenSystems};
 use bevy_mapping_trial::ui::bevy_egui::{
@@ -48,8 +51,11 @@ use crate::view::WorldCamera;
 /// What is drawn where the world is solid ground, or ends.
 const GROUND: Color = Color::srgb(0.80, 0.81, 0.83);
 
-/// The longest time between two frames: results of other threads and old notes are seen then.
+/// The longest time between two frames while other threads compute: their results are seen then.
 const FRAME: Duration = Duration::from_millis(100);
+
+/// The longest time between two frames otherwise: old notes disappear then.
+const IDLE: Duration = Duration::from_secs(1);
 
 fn main() -> ExitCode {
     window::exit_code(run(&Arguments::parse()))
@@ -58,18 +64,17 @@ fn main() -> ExitCode {
 /// Opens the window. Mistakes in the command line are reported before.
 fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let opened = arguments.open()?;
-    window::check()?;
+    let _display = window::find_display()?;
     // The session closes the window, once changes are saved or given up.
     let window = WindowPlugin { close_when_requested: false, ..window::titled("envgen: edit") };
-    let update = UpdateMode::reactive(FRAME);
     let mut app = App::new();
     app.add_plugins((
         DefaultPlugins.set(window),
         EguiPlugin::default(),
         EnvgenCorePlugin::default(),
         EnvgenVisualsPlugin::default(),
+        EnvgenVisuals3dPlugin::new(Visuals3dSettings { sky: false, ..default() }),
     ))
-    .insert_resource(WinitSettings { focused_mode: update, unfocused_mode: update })
     .insert_resource(Session::new(opened))
     .add_observer(session::show_failure)
     .add_systems(Startup, spawn_cameras)
@@ -82,6 +87,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
             session::show.before(EnvgenSystems::Request),
             floors::lay,
             view::follow,
+            pace,
             session::close,
         )
             .chain(),
@@ -90,13 +96,23 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     Ok(app.run())
 }
 
+/// Draws what nobody has touched as rarely as can be.
+fn pace(session: Res<Session>, mut settings: ResMut<WinitSettings>) {
+    let mode = UpdateMode::reactive(if session.auditing.is_running() { FRAME } else { IDLE });
+    *settings = WinitSettings { focused_mode: mode, unfocused_mode: mode };
+}
+
 /// The camera of the world, and that of the panels over it.
 fn spawn_cameras(mut settings: ResMut<EguiGlobalSettings>, mut commands: Commands) {
     settings.auto_create_primary_context = false;
+    let around = || Camera { clear_color: ClearColorConfig::Custom(GROUND), ..default() };
+    commands.spawn((Camera2d, WorldCamera::Plan, around()));
     commands.spawn((
-        Camera2d,
-        WorldCamera,
-        Camera { clear_color: ClearColorConfig::Custom(GROUND), ..default() },
+        Camera3d::default(),
+        WorldCamera::Tilted,
+        Camera { is_active: false, ..around() },
+        Projection::Orthographic(OrthographicProjection::default_3d()),
+        Tonemapping::KhronosPbrNeutral,
     ));
     commands.spawn((
         PrimaryEguiContext,

@@ -97,8 +97,12 @@ fn unreached(painter: &Painter, session: &Session) {
     let (area, least) = (session.view.area(), LEAST_SQUARE * session.view.scale());
     let seen = |square: &&WorldRect| area.overlaps(**square) && square.size().x >= least;
     for square in places.squares.iter().filter(seen) {
-        let corners = [square.min, square.max].map(|p| session.view.to_canvas(p));
-        mesh.add_colored_rect(egui::Rect::from_two_pos(corners[0], corners[1]), color);
+        let first = mesh.vertices.len() as u32;
+        for corner in Shape::from_rect(*square).corners() {
+            mesh.colored_vertex(session.view.to_canvas(corner), color);
+        }
+        mesh.add_triangle(first, first + 1, first + 2);
+        mesh.add_triangle(first, first + 2, first + 3);
     }
     painter.add(mesh);
     for &room in &places.rooms {
@@ -131,8 +135,9 @@ fn draw(painter: &Painter, session: &Session, shape: &Shape, fill: Color32, stro
     let place = |p: DVec2| session.view.to_canvas(p);
     match shape {
         Shape::Disc { center, radius } => {
-            let radius = (radius / session.view.scale()).max(3.0) as f32;
-            painter.circle(place(*center), radius, fill, stroke);
+            let (center, radius) = (place(*center), session.view.radii(*radius));
+            let angle = 0.0;
+            painter.add(egui::epaint::EllipseShape { center, radius, fill, stroke, angle });
         }
         Shape::Segment { a, b } => _ = painter.line_segment([place(*a), place(*b)], stroke),
         Shape::Box { .. } => {

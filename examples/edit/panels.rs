@@ -94,6 +94,10 @@ fn file(ui: &mut Ui, session: &mut Session) {
         if button(true, "Fit", "Show everything (F)") {
             session.view.fit(session.document.world().bounds);
         }
+        let tilt = "Show the plan or the world tilted (V), which Q and E turn";
+        if button(true, if session.view.is_tilted() { "Plan" } else { "Tilt" }, tilt) {
+            session.view.tilt();
+        }
         if button(true, "Trial", "Open the world in a trial, in the program teleop (T)") {
             session.open_trial();
         }

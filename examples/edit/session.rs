@@ -11,6 +11,8 @@ use bevy_mapping_trial::ui::egui;
 use envgen::edit::{Change, Document, Target};
 use envgen::glam::DVec2;
 use envgen::indoor::Catalogue;
+use envgen::mesh::BodyRaycaster;
+use envgen::pieces::pieces;
 
 use crate::arguments::Opened;
 use crate::auditing::Auditing;
@@ -57,6 +59,8 @@ pub(crate) struct Session {
     pub(crate) tools: Tools,
     pub(crate) view: View,
     pub(crate) selected: Option<Target>,
+    /// The bodies that the tilted view shows, of a revision.
+    bodies: Option<(u64, BodyRaycaster)>,
     /// What is at the pointer.
     pub(crate) hovered: Option<Target>,
     /// The point of the world at the pointer.
@@ -92,6 +96,7 @@ impl Session {
             out: out.display().to_string(),
             view,
             selected: None,
+            bodies: None,
             hovered: None,
             pointer: None,
             drag: None,
@@ -112,6 +117,23 @@ impl Session {
     /// The canvas in points of the window.
     pub(crate) fn canvas(&self) -> egui::Rect {
         self.view.canvas()
+    }
+
+    /// The point of the plan that is seen where a point of the floor would be: in the tilted view, what stands before it
+    /// may hide it.
+    pub(crate) fn seen_at(&mut self, floor: DVec2) -> DVec2 {
+        if !self.view.is_tilted() {
+            return floor;
+        }
+        let (revision, world) = (self.revision, self.document.world());
+        let bodies = match self.bodies.take() {
+            Some((of, bodies)) if of == revision => bodies,
+            _ => BodyRaycaster::new(pieces(world).iter().map(|piece| &piece.form)),
+        };
+        let (_, bodies) = self.bodies.insert((revision, bodies));
+        let (from, direction) = self.view.ray(floor);
+        let hit = bodies.cast(from, direction, 1.0);
+        hit.map_or(floor, |hit| (from + direction * hit.distance).truncate())
     }
 
     /// Makes a change; a refusal is shown at a point.

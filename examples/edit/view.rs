@@ -1,10 +1,13 @@
-//! What part of the plan the window shows.
+//! What part of the world the window shows, and from where: the plan from above, or the world tilted, as seen in the
+//! direction of a slope from far away. In both, a point of the floor is at one point of the window.
+
+use std::f64::consts::FRAC_PI_4;
 
 use bevy::camera::{ScalingMode, Viewport};
 use bevy::prelude::*;
 use bevy_mapping_trial::ui::egui;
 use envgen::geometry::Rect as WorldRect;
-use envgen::glam::DVec2;
+use envgen::glam::{DVec2, DVec3};
 
 use crate::session::Session;
 
@@ -14,9 +17,23 @@ const ZOOM: (f64, f64) = (1e-3, 1e3);
 /// Share of the canvas that a whole world fills.
 const FILLED: f64 = 0.92;
 
+/// Height of the tilted view's eye above the floor in radians.
+const ELEVATION: f64 = 0.9;
+
+/// Angle between the directions from which the tilted view shows the world.
+const TURN: f64 = FRAC_PI_4;
+
+/// How high above the floor the tilted view begins in metres: above everything.
+const CEILING: f64 = 60.0;
+
 /// The part of the world in the window's canvas.
 pub(crate) struct View {
+    /// The point of the floor in the middle of the canvas.
     center: DVec2,
+    /// Whether the world is seen tilted, else from above.
+    tilted: bool,
+    /// By how many steps the tilted view is turned counter-clockwise.
+    turns: i32,
     /// Metres of the world per point of the canvas.
     scale: f64,
     /// The canvas in points of the window, y down.
@@ -35,6 +52,8 @@ impl View {
         let center = area.center();
         View {
             center,
+            tilted: false,
+            turns: 0,
             scale: 0.05,
             canvas: egui::Rect::ZERO,
             density: 1.0,
@@ -53,7 +72,9 @@ impl View {
         (self.canvas, self.density) = (canvas, density);
         let is_seen = canvas.width() > 1.0 && canvas.height() > 1.0;
         if let Some(area) = self.fit.take_if(|_| is_seen) {
-            let size = area.size();
+            let half = 0.5 * area.size();
+            let corners = [half, DVec2::new(half.x, -half.y)].map(|p| self.on_screen(p).abs());
+            let size = 2.0 * corners[0].max(corners[1]);
             let scale =
                 (size.x / f64::from(canvas.width())).max(size.y / f64::from(canvas.height()));
             self.center = area.center();
@@ -76,28 +97,90 @@ impl View {
         self.scale
     }
 
-    /// The point of the world at a point of the window.
-    pub(crate) fn to_world(&self, p: egui::Pos2) -> DVec2 {
-        let offset = p - self.canvas.center();
-        self.center + DVec2::new(f64::from(offset.x), -f64::from(offset.y)) * self.scale
+    /// Whether the world is seen tilted.
+    pub(crate) fn is_tilted(&self) -> bool {
+        self.tilted
     }
 
-    /// The point of the window at a point of the world.
+    /// Changes between the plan and the tilted view, around the middle of the canvas.
+    pub(crate) fn tilt(&mut self) {
+        self.tilted = !self.tilted;
+    }
+
+    /// Turns the tilted view by so many steps counter-clockwise around the middle of the canvas.
+    pub(crate) fn turn(&mut self, steps: i32) {
+        if self.tilted {
+            self.turns = (self.turns + steps).rem_euclid(8);
+        }
+    }
+
+    /// The direction on the floor that is to the right of the canvas.
+    fn right(&self) -> DVec2 {
+        if self.tilted { DVec2::from_angle(f64::from(self.turns) * TURN) } else { DVec2::X }
+    }
+
+    /// How long a metre of the floor is in the canvas, in the direction away from the eye.
+    fn foreshortening(&self) -> f64 {
+        if self.tilted { ELEVATION.sin() } else { 1.0 }
+    }
+
+    /// The unit vector in which the view looks, x and y in the plan, z up.
+    fn direction(&self) -> DVec3 {
+        let level = if self.tilted { ELEVATION.cos() } else { 0.0 };
+        (self.right().perp() * level).extend(-self.foreshortening())
+    }
+
+    /// A vector of the floor as metres to the right and up in the canvas.
+    fn on_screen(&self, by: DVec2) -> DVec2 {
+        let right = self.right();
+        DVec2::new(by.dot(right), by.dot(right.perp()) * self.foreshortening())
+    }
+
+    /// The vector of the floor for points to the right and down in the canvas.
+    fn on_floor(&self, by: egui::Vec2) -> DVec2 {
+        let by = DVec2::new(f64::from(by.x), -f64::from(by.y)) * self.scale;
+        let right = self.right();
+        right * by.x + right.perp() * (by.y / self.foreshortening())
+    }
+
+    /// The point of the floor at a point of the window.
+    pub(crate) fn to_world(&self, p: egui::Pos2) -> DVec2 {
+        self.center + self.on_floor(p - self.canvas.center())
+    }
+
+    /// The point of the window at a point of the floor.
     pub(crate) fn to_canvas(&self, p: DVec2) -> egui::Pos2 {
-        let offset = (p - self.center) / self.scale;
+        let offset = self.on_screen(p - self.center) / self.scale;
         self.canvas.center() + egui::vec2(offset.x as f32, -offset.y as f32)
     }
 
-    /// The area of the world in the canvas.
+    /// The radii in points of a disc on the floor.
+    pub(crate) fn radii(&self, radius: f64) -> egui::Vec2 {
+        let radius = (radius / self.scale).max(3.0) as f32;
+        egui::vec2(radius, radius * self.foreshortening() as f32)
+    }
+
+    /// The ray that meets the floor at a point: where it begins, above everything, and its direction, whose length is
+    /// that of the ray to the floor.
+    pub(crate) fn ray(&self, floor: DVec2) -> (DVec3, DVec3) {
+        let direction = self.direction() * (CEILING / self.foreshortening());
+        (floor.extend(0.0) - direction, direction)
+    }
+
+    /// A rectangle of the world around the floor in the canvas.
     pub(crate) fn area(&self) -> WorldRect {
-        let corners = [self.canvas.left_bottom(), self.canvas.right_top()];
-        let [min, max] = corners.map(|corner| self.to_world(corner));
-        WorldRect::new(min, max)
+        let canvas = self.canvas;
+        let corners =
+            [canvas.left_bottom(), canvas.right_bottom(), canvas.left_top(), canvas.right_top()];
+        let corners = corners.map(|corner| self.to_world(corner));
+        let [first, ..] = corners;
+        let around = corners.iter().fold((first, first), |(a, b), &p| (a.min(p), b.max(p)));
+        WorldRect::new(around.0, around.1)
     }
 
     /// Moves the world with the pointer.
     pub(crate) fn pan(&mut self, by: egui::Vec2) {
-        self.center -= DVec2::new(f64::from(by.x), -f64::from(by.y)) * self.scale;
+        self.center -= self.on_floor(by);
     }
 
     /// Shows less (factor below 1) or more around a point of the window, which stays where it is.
@@ -108,33 +191,56 @@ impl View {
     }
 }
 
-/// The camera that shows the world.
-#[derive(Component)]
-pub(crate) struct WorldCamera;
+/// A camera that shows the world.
+#[derive(Component, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum WorldCamera {
+    Plan,
+    Tilted,
+}
 
-/// Moves the camera to what the view shows.
+/// Moves the cameras to what the view shows; one of them is active.
 pub(crate) fn follow(
     session: Res<Session>,
     window: Single<&Window>,
-    mut cameras: Query<(&mut Camera, &mut Projection, &mut Transform), With<WorldCamera>>,
+    mut cameras: Query<(&WorldCamera, &mut Camera, &mut Projection, &mut Transform)>,
 ) {
-    let Ok((mut camera, mut projection, mut transform)) = cameras.single_mut() else { return };
-    let dense = session.view.density;
     let view = &session.view;
+    let dense = view.density;
     let pixels = |p: egui::Pos2| {
         UVec2::new((p.x * dense).round().max(0.0) as u32, (p.y * dense).round().max(0.0) as u32)
             .min(window.physical_size())
     };
     let (min, max) = (pixels(view.canvas.min), pixels(view.canvas.max));
     let size = max.saturating_sub(min);
-    camera.is_active = size.min_element() > 0;
-    if !camera.is_active {
-        return;
-    }
-    camera.viewport = Some(Viewport { physical_position: min, physical_size: size, ..default() });
-    transform.translation = (view.center - view.origin).as_vec2().extend(transform.translation.z);
-    if let Projection::Orthographic(orthographic) = &mut *projection {
-        let height = size.y as f32 / dense * view.scale as f32;
-        orthographic.scaling_mode = ScalingMode::FixedVertical { viewport_height: height };
+    let height = f64::from(size.y) / f64::from(dense) * view.scale;
+    let center = (view.center - view.origin).as_vec2().extend(0.0);
+    for (kind, mut camera, mut projection, mut transform) in &mut cameras {
+        let is_active =
+            size.min_element() > 0 && (*kind == WorldCamera::Tilted) == view.is_tilted();
+        camera.is_active = is_active;
+        if !is_active {
+            continue;
+        }
+        camera.viewport =
+            Some(Viewport { physical_position: min, physical_size: size, ..default() });
+        let mut far = None;
+        match kind {
+            WorldCamera::Plan => {
+                transform.translation = center.with_z(transform.translation.z);
+            }
+            WorldCamera::Tilted => {
+                // From the nearest point of the floor in the canvas to the farthest one, and what is above.
+                let away = (0.5 * height * ELEVATION.cos() + CEILING) / ELEVATION.sin();
+                let direction = view.direction().as_vec3();
+                *transform = Transform::from_translation(center - direction * away as f32)
+                    .looking_to(direction, Vec3::Z);
+                far = Some(2.0 * away as f32);
+            }
+        }
+        if let Projection::Orthographic(orthographic) = &mut *projection {
+            orthographic.scaling_mode =
+                ScalingMode::FixedVertical { viewport_height: height as f32 };
+            orthographic.far = far.unwrap_or(orthographic.far);
+        }
     }
 }

@@ -1,9 +1,11 @@
-//! Draws every kind of world, films a mapping trial, and films people, doors and smoke, without a window.
+//! Draws every kind of world, films mapping trials from above and through the eyes of a robot, and films people, doors
+//! and smoke, without a window.
 //!
 //! `cargo run --release --features render --example gallery`
 //!
 //! Needs a graphics card with a Vulkan, Metal or DirectX driver, or Mesa's software Vulkan.
 
+mod eyes;
 mod height;
 
 use std::path::{Path, PathBuf};
@@ -68,7 +70,8 @@ const CORRIDOR: Take = Take {
     frames_per_second: 10.0,
 };
 
-/// Draws every kind of world, films a mapping trial, and films people, doors and smoke, without a window.
+/// Draws every kind of world, films mapping trials from above and through the eyes of a robot, and films people, doors
+/// and smoke, without a window.
 #[derive(Parser)]
 struct Arguments {
     /// The folder to write into.
@@ -151,6 +154,10 @@ fn gallery(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         let (world, moving) = corridor();
         film(&path, &CORRIDOR, Environment::prebuilt(world), Some(moving))?;
         println!("wrote {}, people, a door and smoke in a corridor", path.display());
+    }
+    if let Some(path) = arguments.wanted("robot_camera", "gif") {
+        let seconds = eyes::film(&path)?;
+        println!("wrote {}, {seconds:.0} simulated seconds through a robot's eyes", path.display());
     }
     Ok(())
 }

@@ -6,23 +6,53 @@ use std::process::ExitCode;
 use bevy::prelude::*;
 use bevy_offscreen::find_renderer;
 
+/// How often a server is asked that does not answer, and the time between.
+#[cfg(target_os = "linux")]
+const TRIES: u32 = 5;
+#[cfg(target_os = "linux")]
+const PAUSE: std::time::Duration = std::time::Duration::from_millis(100);
+
 /// A window with a title.
 pub(crate) fn titled(title: &str) -> WindowPlugin {
     let window = Window { title: title.to_owned(), ..default() };
     WindowPlugin { primary_window: Some(window), ..default() }
 }
 
-/// Whether there is what a window needs: Bevy would panic without it.
+/// A connection to the display, to be held while the window is open: some servers without clients begin anew, and
+/// refuse others meanwhile.
+pub(crate) struct Display {
+    #[cfg(target_os = "linux")]
+    _connection: x11rb::rust_connection::RustConnection,
+}
+
+/// Finds what a window needs: Bevy would panic without it.
 ///
 /// # Errors
-/// Without a graphics driver and, on Linux, when no server of X11 is named.
-pub(crate) fn check() -> Result<(), Box<dyn Error>> {
+/// Without a graphics driver and, on Linux, when no server of X11 is named, or the one that is does not answer.
+pub(crate) fn find_display() -> Result<Display, Box<dyn Error>> {
     find_renderer()?;
-    let is_named = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    if cfg!(target_os = "linux") && !is_named("DISPLAY") {
+    Ok(Display {
+        #[cfg(target_os = "linux")]
+        _connection: connect()?,
+    })
+}
+
+#[cfg(target_os = "linux")]
+fn connect() -> Result<x11rb::rust_connection::RustConnection, Box<dyn Error>> {
+    let Some(name) = std::env::var_os("DISPLAY").filter(|name| !name.is_empty()) else {
         return Err("no display: `DISPLAY` names no server of X11".into());
+    };
+    let mut left = TRIES;
+    loop {
+        left -= 1;
+        match x11rb::connect(None) {
+            Ok((connection, _)) => return Ok(connection),
+            Err(_) if left > 0 => std::thread::sleep(PAUSE),
+            Err(error) => {
+                return Err(format!("no display: `DISPLAY` is {}: {error}", name.display()).into());
+            }
+        }
     }
-    Ok(())
 }
 
 /// The exit status of a program, whose error is reported.

@@ -64,7 +64,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let beginning = arguments.beginning()?;
     let settings = (arguments.settings()?, arguments.scenario()?);
     output::folder(&arguments.out)?;
-    window::check()?;
+    let _display = window::find_display()?;
     let frame_log = arguments
         .frame_log
         .as_deref()

@@ -36,7 +36,7 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let (world, moving) = arguments.world()?;
     let start = walker::start(&world)?;
-    window::check()?;
+    let _display = window::find_display()?;
     let settings = Visuals3dSettings { ceilings: true, ..default() };
     let mut app = App::new();
     app.add_plugins((
