@@ -14,6 +14,9 @@ from shapes import Freedom
 # Distance by which a disc must have room to spare for a place of a floor to count.
 PLACE_MARGIN = 0.0625
 
+# Height of doorways that state none.
+DOORWAY_TOP = 2.1
+
 
 def judge(world, report):
     """Judges bounds, shapes and each claim of the certificate, and that `envgen check` agrees."""
@@ -133,6 +136,15 @@ def added_doorway(data, promise, report):
     report.count("added doorway: proved")
 
 
+def headroom(data, promise, report):
+    """No doorway is lower than the height, where the wall over it is higher."""
+    for doorway in data["doorways"]:
+        top = (doorway.get("height") or {}).get("top", DOORWAY_TOP)
+        if top < promise["height"]:
+            report.complain(f"broken: a doorway is {top} m high")
+    report.count("headroom: proved")
+
+
 def tree_distance(data, promise, report):
     """No two trees are nearer than a distance, across the sides of a torus neither."""
     distance, torus = promise["distance"], promise["torus"]
@@ -170,6 +182,7 @@ CLAIMS = {
     "crosses_west_east": crosses_west_east,
     "every_place_reachable": every_place_reachable,
     "added_doorway": added_doorway,
+    "headroom": headroom,
     "tree_distance": tree_distance,
     "bend_radius": bend_radius,
 }

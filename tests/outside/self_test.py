@@ -228,6 +228,13 @@ CASES = [
     (certificates, "forest", FOREST, edit(move_tree), "pairs of trees"),
     (certificates, "indoor", INDOOR, edit(close_rooms), "broken: every place"),
     (certificates, "indoor", INDOOR, edit(close_added), "was added"),
+    (
+        certificates,
+        "indoor",
+        INDOOR | {"doorway_height": 1.9},
+        edit(lambda d: d["doorways"][2]["height"].update(top=1.8)),
+        "a doorway is 1.8 m high",
+    ),
     (certificates, "road", ROAD, edit(tighten), "no bend is tighter"),
     (
         certificates,

@@ -119,6 +119,7 @@ fn name(claim: &Claim) -> &'static str {
         Claim::EveryPlaceReachable { .. } => "every place reachable",
         Claim::TreeDistance { .. } => "tree distance",
         Claim::BendRadius { .. } => "bend radius",
+        Claim::Headroom { .. } => "headroom",
         Claim::AddedDoorway { .. } => "added doorway",
         _ => "other",
     }

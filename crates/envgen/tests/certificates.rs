@@ -6,6 +6,7 @@ mod random_spec;
 use envgen::certificate::{Claim, Verdict, verify};
 use envgen::geometry::Shape;
 use envgen::indoor::IndoorSpec;
+use envgen::world::Extent;
 use envgen::{Blueprint, Seed, Spec, World, WorldKind};
 
 /// The example `check_sweep` does the same for thousands.
@@ -50,6 +51,31 @@ fn indoor(footprint: f64) -> World {
         ..Default::default()
     };
     spec.generate(Seed(1)).unwrap().to_world()
+}
+
+#[test]
+fn doorways_of_another_height_are_promised() {
+    let promised = |height: f64| {
+        let spec = IndoorSpec { width: 4, height: 4, doorway_height: height, ..Default::default() };
+        let world = spec.generate(Seed(1)).unwrap().to_world();
+        let is_headroom = |claim: &&Claim| matches!(claim, Claim::Headroom { .. });
+        let claim = world.certificate.iter().find(is_headroom).copied();
+        (world, claim)
+    };
+    assert_eq!(promised(2.1).1, None);
+    let (mut world, claim) = promised(1.9);
+    assert_eq!(claim, Some(Claim::Headroom { height: 1.9 }));
+    let verdict = |world: &World| {
+        let mut checked = verify(world).into_iter();
+        checked.find_map(|(found, verdict)| (Some(found) == claim).then_some(verdict))
+    };
+    assert_eq!(verdict(&world), Some(Verdict::Holds));
+    world.doorways[2].height = Some(Extent::new(0.0, 1.8).unwrap());
+    assert_eq!(verdict(&world), Some(Verdict::Broken));
+    // Nothing is above a doorway as high as the walls.
+    let (world, claim) = promised(2.6);
+    assert_eq!(claim, Some(Claim::Headroom { height: 2.6 }));
+    assert_eq!(verify(&world).last().map(|(_, verdict)| *verdict), Some(Verdict::Holds));
 }
 
 #[test]

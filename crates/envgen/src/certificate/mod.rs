@@ -110,6 +110,9 @@ fn holds(world: &World, claim: &Claim) -> Result<bool, Doubt> {
         Claim::EveryPlaceReachable { radius } => {
             reachability::every_place_reachable(world, radius, budget)
         }
+        Claim::Headroom { height } => {
+            Ok(world.lintels().iter().flatten().all(|lintel| lintel.bottom() >= height))
+        }
         Claim::PredictedDifficulty { prediction } => predicts(world, &prediction),
         Claim::AddedDoorway { doorway } => {
             Ok(world.doorways.get(doorway as usize).is_some_and(|doorway| doorway.open))

@@ -45,6 +45,9 @@ pub(super) fn world(plan: &FloorPlan) -> World {
             }
         }
     }
+    if spec.doorway_height != DOORWAY.top() && !plan.openings.is_empty() {
+        world.certificate.push(Claim::Headroom { height: spec.doorway_height });
+    }
     world
         .certificate
         .extend(plan.prediction().map(|&prediction| Claim::PredictedDifficulty { prediction }));

@@ -48,6 +48,11 @@ pub enum Claim {
         /// Radius of the disc in metres.
         radius: f64,
     },
+    /// No lintel over a doorway is lower than this, so that robots up to this height pass below.
+    Headroom {
+        /// Height in metres.
+        height: f64,
+    },
     /// Trials are predicted to measure this difficulty.
     PredictedDifficulty {
         /// The prediction of the crate's calibration.
@@ -76,6 +81,7 @@ impl Claim {
             }
             Claim::BendRadius { radius } => distance(radius),
             Claim::EveryPlaceReachable { radius } => distance(radius),
+            Claim::Headroom { height } => distance(height),
             Claim::PredictedDifficulty { prediction } => prediction
                 .dials
                 .named()
@@ -109,6 +115,9 @@ impl fmt::Display for Claim {
             }
             Claim::EveryPlaceReachable { radius } => {
                 write!(f, "a disc of radius {radius} m can reach every room and hallway")
+            }
+            Claim::Headroom { height } => {
+                write!(f, "no doorway is lower than {height} m")
             }
             Claim::PredictedDifficulty { prediction } => {
                 let [d, m, n] = prediction
