@@ -185,6 +185,7 @@ picture question
 press Escape
 kill -0 "$program" || fail "the window is closed without an answer"
 press ctrl+q
+sleep 1
 # Discards them.
 click 525 396
 ended

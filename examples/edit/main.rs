@@ -35,6 +35,7 @@ use bevy::camera::{CameraOutputMode, ClearColorConfig};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::render_resource::BlendState;
+use bevy::window::WindowEvent;
 use bevy::winit::{UpdateMode, WinitSettings};
 use bevy_envgen::prelude::{EnvgenVisuals3dPlugin, Visuals3dSettings};
 use bevy_envgen::visuals::EnvgenVisualsPlugin;
@@ -51,8 +52,12 @@ use crate::view::WorldCamera;
 /// What is drawn where the world is solid ground, or ends.
 const GROUND: Color = Color::srgb(0.80, 0.81, 0.83);
 
-/// The longest time between two frames while other threads compute: their results are seen then.
+/// The longest time between two frames while other threads compute, whose results are seen then, and after inputs:
+/// letters that are drawn for the first time are seen in the next frame.
 const FRAME: Duration = Duration::from_millis(100);
+
+/// Frames after an input.
+const AFTER: u32 = 3;
 
 /// The longest time between two frames otherwise: old notes disappear then.
 const IDLE: Duration = Duration::from_secs(1);
@@ -97,8 +102,15 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
 }
 
 /// Draws what nobody has touched as rarely as can be.
-fn pace(session: Res<Session>, mut settings: ResMut<WinitSettings>) {
-    let mode = UpdateMode::reactive(if session.auditing.is_running() { FRAME } else { IDLE });
+fn pace(
+    session: Res<Session>,
+    mut inputs: MessageReader<WindowEvent>,
+    mut quiet: Local<u32>,
+    mut settings: ResMut<WinitSettings>,
+) {
+    *quiet = if inputs.read().next().is_some() { 0 } else { quiet.saturating_add(1) };
+    let is_busy = session.auditing.is_running() || *quiet < AFTER;
+    let mode = UpdateMode::reactive(if is_busy { FRAME } else { IDLE });
     *settings = WinitSettings { focused_mode: mode, unfocused_mode: mode };
 }
 
