@@ -88,7 +88,7 @@ impl Session {
     pub(crate) fn new(opened: Opened) -> Self {
         let Opened { document, catalogue, name, out, note } = opened;
         let view = View::of(document.world().bounds);
-        Session {
+        let mut session = Session {
             tools: Tools::for_document(&document),
             document,
             catalogue,
@@ -111,7 +111,15 @@ impl Session {
             failure: None,
             revision: 1,
             now: 0.0,
-        }
+        };
+        session.measure_height();
+        session
+    }
+
+    /// Has the tilted view show the highest part.
+    fn measure_height(&mut self) {
+        let tops = pieces(self.document.world()).into_iter().map(|piece| piece.form.extent().top());
+        self.view.set_height(tops.fold(0.0, f64::max));
     }
 
     /// The canvas in points of the window.
@@ -172,6 +180,7 @@ impl Session {
 
     fn changed(&mut self) {
         self.revision += 1;
+        self.measure_height();
         self.refusal = None;
         self.message.clear();
     }

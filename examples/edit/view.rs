@@ -23,8 +23,8 @@ const ELEVATION: f64 = 0.9;
 /// Angle between the directions from which the tilted view shows the world.
 const TURN: f64 = FRAC_PI_4;
 
-/// How high above the floor the tilted view begins in metres: above everything.
-const CEILING: f64 = 60.0;
+/// How far above everything the tilted view begins, in metres.
+const ABOVE: f64 = 1.0;
 
 /// The part of the world in the window's canvas.
 pub(crate) struct View {
@@ -34,6 +34,8 @@ pub(crate) struct View {
     tilted: bool,
     /// By how many steps the tilted view is turned counter-clockwise.
     turns: i32,
+    /// The height above the floor at which the tilted view begins, in metres.
+    ceiling: f64,
     /// Metres of the world per point of the canvas.
     scale: f64,
     /// The canvas in points of the window, y down.
@@ -54,6 +56,7 @@ impl View {
             center,
             tilted: false,
             turns: 0,
+            ceiling: ABOVE,
             scale: 0.05,
             canvas: egui::Rect::ZERO,
             density: 1.0,
@@ -100,6 +103,11 @@ impl View {
     /// Whether the world is seen tilted.
     pub(crate) fn is_tilted(&self) -> bool {
         self.tilted
+    }
+
+    /// Shows everything up to this height in metres.
+    pub(crate) fn set_height(&mut self, height: f64) {
+        self.ceiling = height.max(0.0) + ABOVE;
     }
 
     /// Changes between the plan and the tilted view, around the middle of the canvas.
@@ -163,7 +171,7 @@ impl View {
     /// The ray that meets the floor at a point: where it begins, above everything, and its direction, whose length is
     /// that of the ray to the floor.
     pub(crate) fn ray(&self, floor: DVec2) -> (DVec3, DVec3) {
-        let direction = self.direction() * (CEILING / self.foreshortening());
+        let direction = self.direction() * (self.ceiling / self.foreshortening());
         (floor.extend(0.0) - direction, direction)
     }
 
@@ -230,7 +238,7 @@ pub(crate) fn follow(
             }
             WorldCamera::Tilted => {
                 // From the nearest point of the floor in the canvas to the farthest one, and what is above.
-                let away = (0.5 * height * ELEVATION.cos() + CEILING) / ELEVATION.sin();
+                let away = (0.5 * height * ELEVATION.cos() + view.ceiling) / ELEVATION.sin();
                 let direction = view.direction().as_vec3();
                 *transform = Transform::from_translation(center - direction * away as f32)
                     .looking_to(direction, Vec3::Z);

@@ -107,6 +107,16 @@ pub enum Form<'a> {
     },
 }
 
+impl Form<'_> {
+    /// Its bottom and top.
+    pub fn extent(&self) -> Extent {
+        match self {
+            Form::Prism { extent, .. } | Form::Road { extent, .. } => *extent,
+            Form::Crown { crown, .. } => crown.extent,
+        }
+    }
+}
+
 impl fmt::Display for Piece<'_> {
     /// A name that no other piece of its world has: `wall_3`, `doorway_0_lintel`, `ground`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
