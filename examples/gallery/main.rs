@@ -5,6 +5,8 @@
 //! Needs a graphics card with a Vulkan, Metal or DirectX driver, or Mesa's software Vulkan.
 
 mod height;
+#[path = "../shared/progress.rs"]
+mod progress;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -134,12 +136,16 @@ fn gallery(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     std::fs::create_dir_all(&arguments.out)?;
     for &(name, kind, settings, seed) in WORLDS {
         let Some(path) = arguments.wanted(name, "png") else { continue };
+        let drawing = progress::spinner(name);
         draw(spec(kind, settings)?, seed)?.write_png(&path)?;
+        drawing.finish_and_clear();
         println!("wrote {}", path.display());
     }
     for scene in height::SCENES {
         let Some(path) = arguments.wanted(scene.name, "png") else { continue };
+        let drawing = progress::spinner(scene.name);
         height::draw(scene)?.write_png(&path)?;
+        drawing.finish_and_clear();
         println!("wrote {}", path.display());
     }
     if let Some(path) = arguments.wanted("trial", "gif") {
@@ -283,6 +289,7 @@ fn film(
     }
     root.insert((MappingTrial::new(settings), take.view));
 
+    let bar = progress::trial(take.time_limit);
     let mut film = Film::create(path, take.frames_per_second)?;
     loop {
         for _ in 0..take.ticks_per_frame {
@@ -291,9 +298,11 @@ fn film(
         film.push(&studio.picture(camera)?)?;
         let trial = studio.app().world().get::<MappingTrial>(world);
         let trial = trial.filter(|trial| !trial.has_failed()).ok_or("the trial cannot begin")?;
+        let seconds = trial.trial().map_or(0.0, Trial::time);
+        bar.set_position(seconds as u64);
         if trial.is_over() {
-            let seconds = trial.trial().map_or(0.0, Trial::time);
             film.finish()?;
+            bar.finish_and_clear();
             return Ok(seconds);
         }
     }
