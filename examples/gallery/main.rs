@@ -5,8 +5,10 @@
 //! Needs a graphics card with a Vulkan, Metal or DirectX driver, or Mesa's software Vulkan.
 
 mod height;
-#[path = "../shared/progress.rs"]
-mod progress;
+#[path = "../shared/spinner.rs"]
+mod spinner;
+#[path = "../shared/trial_bar.rs"]
+mod trial_bar;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -31,6 +33,9 @@ use envgen::world::{Doorway, Room, Wall, WallKind};
 use envgen::{Provenance, Seed, World, WorldKind, WorldSpec};
 use mapping_trial::backend::TICK;
 use mapping_trial::trial::{Trial, TrialSettings};
+
+use crate::spinner::spinner;
+use crate::trial_bar::trial_bar;
 
 /// Width and height of the pictures in pixels.
 const SIZE: UVec2 = UVec2::new(800, 600);
@@ -136,14 +141,14 @@ fn gallery(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     std::fs::create_dir_all(&arguments.out)?;
     for &(name, kind, settings, seed) in WORLDS {
         let Some(path) = arguments.wanted(name, "png") else { continue };
-        let drawing = progress::spinner(name);
+        let drawing = spinner(name);
         draw(spec(kind, settings)?, seed)?.write_png(&path)?;
         drawing.finish_and_clear();
         println!("wrote {}", path.display());
     }
     for scene in height::SCENES {
         let Some(path) = arguments.wanted(scene.name, "png") else { continue };
-        let drawing = progress::spinner(scene.name);
+        let drawing = spinner(scene.name);
         height::draw(scene)?.write_png(&path)?;
         drawing.finish_and_clear();
         println!("wrote {}", path.display());
@@ -289,7 +294,7 @@ fn film(
     }
     root.insert((MappingTrial::new(settings), take.view));
 
-    let bar = progress::trial(take.time_limit);
+    let bar = trial_bar(take.time_limit);
     let mut film = Film::create(path, take.frames_per_second)?;
     loop {
         for _ in 0..take.ticks_per_frame {

@@ -23,13 +23,15 @@ mod camera;
 mod driver;
 #[path = "../shared/output.rs"]
 mod output;
-#[path = "../shared/progress.rs"]
-mod progress;
 #[path = "../shared/robot.rs"]
 mod robot;
+#[path = "../shared/spinner.rs"]
+mod spinner;
 #[path = "../shared/start.rs"]
 mod start;
 mod table;
+#[path = "../shared/trial_bar.rs"]
+mod trial_bar;
 
 use std::error::Error;
 use std::fs::File;
@@ -53,7 +55,8 @@ use mapping_trial::trial::{
 
 use crate::arguments::Arguments;
 use crate::bag::Bag;
-use crate::progress::spinner;
+use crate::spinner::spinner;
+use crate::trial_bar::trial_bar;
 
 /// The fast simulator, as logs and reports name it.
 const FLAT: &str = FlatSimulator::ENGINE;
@@ -96,7 +99,7 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let parts = driver.as_ref().map_or_else(TrialParts::default, Driver::parts);
         let parts = watched(bag.as_ref(), parts);
         preparing.finish_and_clear();
-        let bar = progress::trial(settings.time_limit.min(settings.body.battery));
+        let bar = trial_bar(settings.time_limit.min(settings.body.battery));
         let report = if arguments.engine == RAPIER {
             let progress = |time| bar.set_position(time as u64);
             let moving = (parts, scenario);
@@ -123,7 +126,7 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         say(arguments, format_args!("{}\n", missing(part)))?;
     }
     let parts = watched(bag.as_ref(), TrialParts::default());
-    let bar = progress::trial(log.ticks() as f64 * TICK);
+    let bar = trial_bar(log.ticks() as f64 * TICK);
     match log.engine.as_str() {
         FLAT => {
             let build = |builder: TrialBuilder<'_>| builder.parts(parts).build_flat();

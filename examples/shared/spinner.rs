@@ -1,23 +1,9 @@
-//! What a terminal shows while a program works.
+//! What a terminal shows while a program works for a time that it does not know.
 
 use std::io::IsTerminal;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-
-/// A bar of simulated seconds on stderr; nothing if that is not a terminal.
-pub(crate) fn trial(limit: f64) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(limit as u64);
-    match ProgressStyle::with_template(
-        "{bar:40} {pos}/{len} simulated seconds, {per_sec}, {eta} left",
-    ) {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
-}
 
 /// A spinner with the time so far on stderr; nothing if that is not a terminal.
 pub(crate) fn spinner(what: &'static str) -> ProgressBar {
