@@ -104,20 +104,25 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Builds and runs benchmarks, and keeps what each printed as soon as it ends.
+/// Builds and runs benchmarks, and keeps what each printed as soon as it ends. Those that fail are an error after all
+/// have run.
 fn measure(benches: &[&Bench], folder: &Folder) -> Result<(), Box<dyn Error>> {
     let programs = build(benches)?;
     let bar = progress(benches.len() as u64);
+    let mut failures = Vec::new();
     for bench in benches {
         bar.set_message(bench.name());
         let machine = Machine::here();
         let mut printed = Ok(String::new());
         let seconds = seconds(|| printed = bench.run(&programs));
-        folder.write(&bench.name(), &Saved { machine, seconds, printed: printed? })?;
+        match printed {
+            Ok(printed) => folder.write(&bench.name(), &Saved { machine, seconds, printed })?,
+            Err(error) => failures.push(error.to_string()),
+        }
         bar.inc(1);
     }
     bar.finish_and_clear();
-    Ok(())
+    if failures.is_empty() { Ok(()) } else { Err(failures.join("\n").into()) }
 }
 
 /// A bar of benchmarks on stderr; nothing if that is not a terminal.

@@ -18,13 +18,13 @@ const ROUNDS: usize = 7;
 
 /// Seconds of each stage and of the whole.
 struct Times {
-    stages: [f64; 7],
+    stages: [f64; Stage::ALL.len()],
     all: f64,
 }
 
 /// The times of `count` plans.
 fn stages(spec: &IndoorSpec, count: u64) -> Times {
-    let mut times = [0.0; 7];
+    let mut times = [0.0; Stage::ALL.len()];
     let begin = Instant::now();
     for seed in 0..count {
         let mut last = Instant::now();
@@ -81,7 +81,7 @@ fn main() {
         let least = |time: &dyn Fn(&Times) -> f64| {
             1e6 / count as f64 * rounds.iter().map(time).fold(f64::INFINITY, f64::min)
         };
-        for stage in 0..7 {
+        for stage in 0..Stage::ALL.len() {
             print!("{:>10.2}", least(&|round| round.stages[stage]));
         }
         println!("{:>10.2}", least(&|round| round.all));
