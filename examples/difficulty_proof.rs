@@ -9,6 +9,9 @@
 //! Every finished trial is on disk at once: the same command continues an interrupted run. The output folder
 //! gets `report.html` and `summary.json`.
 
+#[path = "shared/spinner.rs"]
+mod spinner;
+
 use std::error::Error;
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
@@ -23,6 +26,8 @@ use envgen::whole_file;
 use indicatif::{ProgressBar, ProgressStyle};
 use mapping_trial::difficulty::proof::{Analysis, Part, ProofDesign, analyse, page, run};
 use mapping_trial::difficulty::reference_scale;
+
+use crate::spinner::spinner;
 
 /// Are maps as difficult as requested? Maps of fixed sizes are generated for requests over all that their size
 /// reaches, and measured by trials.
@@ -123,6 +128,7 @@ fn prove(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         }
     }
     bar.finish_and_clear();
+    let analysing = spinner("analysing");
     let scale = reference_scale();
     let analysis = analyse(&design, scale, &results);
     let report = page(&analysis, scale, &results)?;
@@ -132,6 +138,7 @@ fn prove(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         whole_file::write(&path, bytes)
             .map_err(|error| format!("{}: {}", path.display(), error.error))?;
     }
+    analysing.finish_and_clear();
     print(&analysis);
     Ok(())
 }

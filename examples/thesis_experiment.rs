@@ -29,6 +29,9 @@
 //! thesis_experiment --shard $((JOB_COMPLETION_INDEX + 1))/100 --out /parts/$JOB_COMPLETION_INDEX
 //! ```
 
+#[path = "shared/spinner.rs"]
+mod spinner;
+
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -46,6 +49,8 @@ use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
 use mapping_trial::slam::SlamKind;
+
+use crate::spinner::spinner;
 
 /// Do the rules of Zwennes (2011) order indoor maps by difficulty? Policies map them, the maps are
 /// scored, and a report shows the results.
@@ -287,7 +292,10 @@ fn bar(trials: u64, finished: u64) -> ProgressBar {
 
 #[expect(clippy::print_stdout, reason = "what an example is for")]
 fn write_report(experiment: &Experiment, threads: usize) -> Result<(), ExperimentError> {
-    for path in report::write(experiment, threads)? {
+    let writing = spinner("writing the report");
+    let paths = report::write(experiment, threads)?;
+    writing.finish_and_clear();
+    for path in paths {
         println!("wrote {}", path.display());
     }
     Ok(())

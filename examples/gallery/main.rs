@@ -7,6 +7,10 @@
 
 mod eyes;
 mod height;
+#[path = "../shared/spinner.rs"]
+mod spinner;
+#[path = "../shared/trial_bar.rs"]
+mod trial_bar;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -31,6 +35,9 @@ use envgen::world::{Doorway, Room, Wall, WallKind};
 use envgen::{Provenance, Seed, World, WorldKind, WorldSpec};
 use mapping_trial::backend::TICK;
 use mapping_trial::trial::{Trial, TrialSettings};
+
+use crate::spinner::spinner;
+use crate::trial_bar::trial_bar;
 
 /// Width and height of the pictures in pixels.
 const SIZE: UVec2 = UVec2::new(800, 600);
@@ -137,12 +144,16 @@ fn gallery(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     std::fs::create_dir_all(&arguments.out)?;
     for &(name, kind, settings, seed) in WORLDS {
         let Some(path) = arguments.wanted(name, "png") else { continue };
+        let drawing = spinner(name);
         draw(spec(kind, settings)?, seed)?.write_png(&path)?;
+        drawing.finish_and_clear();
         println!("wrote {}", path.display());
     }
     for scene in height::SCENES {
         let Some(path) = arguments.wanted(scene.name, "png") else { continue };
+        let drawing = spinner(scene.name);
         height::draw(scene)?.write_png(&path)?;
+        drawing.finish_and_clear();
         println!("wrote {}", path.display());
     }
     if let Some(path) = arguments.wanted("trial", "gif") {
@@ -290,6 +301,7 @@ fn film(
     }
     root.insert((MappingTrial::new(settings), take.view));
 
+    let bar = trial_bar(take.time_limit);
     let mut film = Film::create(path, take.frames_per_second)?;
     loop {
         for _ in 0..take.ticks_per_frame {
@@ -298,9 +310,11 @@ fn film(
         film.push(&studio.picture(camera)?)?;
         let trial = studio.app().world().get::<MappingTrial>(world);
         let trial = trial.filter(|trial| !trial.has_failed()).ok_or("the trial cannot begin")?;
+        let seconds = trial.trial().map_or(0.0, Trial::time);
+        bar.set_position(seconds as u64);
         if trial.is_over() {
-            let seconds = trial.trial().map_or(0.0, Trial::time);
             film.finish()?;
+            bar.finish_and_clear();
             return Ok(seconds);
         }
     }

@@ -25,22 +25,26 @@ mod driver;
 mod output;
 #[path = "../shared/robot.rs"]
 mod robot;
+#[path = "../shared/spinner.rs"]
+mod spinner;
 #[path = "../shared/start.rs"]
 mod start;
 mod table;
+#[path = "../shared/trial_bar.rs"]
+mod trial_bar;
 
 use std::error::Error;
 use std::fs::File;
-use std::io::{BufReader, ErrorKind, IsTerminal, Write};
+use std::io::{BufReader, ErrorKind, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use clap::Parser;
 use envgen::World;
 use envgen::located::Locate;
 use envgen::scenario::Scenario;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use mapping_trial::backend::{RobotBackend, TICK};
 use mapping_trial::driver::Driver;
 use mapping_trial::feedback::ask;
@@ -51,6 +55,8 @@ use mapping_trial::trial::{
 
 use crate::arguments::Arguments;
 use crate::bag::Bag;
+use crate::spinner::spinner;
+use crate::trial_bar::trial_bar;
 
 /// The fast simulator, as logs and reports name it.
 const FLAT: &str = FlatSimulator::ENGINE;
@@ -83,6 +89,7 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let clock = now();
     let Some(path) = &arguments.replay else {
         refuse_camera_of(arguments, &arguments.engine)?;
+        let preparing = spinner("preparing");
         let world = arguments.world()?;
         let settings = arguments.settings(&world)?;
         let scenario = arguments.scenario(&world)?;
@@ -91,7 +98,8 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let driver = arguments.start_driver(&world, &settings)?;
         let parts = driver.as_ref().map_or_else(TrialParts::default, Driver::parts);
         let parts = watched(bag.as_ref(), parts);
-        let bar = progress(settings.time_limit.min(settings.body.battery));
+        preparing.finish_and_clear();
+        let bar = trial_bar(settings.time_limit.min(settings.body.battery));
         let report = if arguments.engine == RAPIER {
             let progress = |time| bar.set_position(time as u64);
             let moving = (parts, scenario);
@@ -118,7 +126,7 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         say(arguments, format_args!("{}\n", missing(part)))?;
     }
     let parts = watched(bag.as_ref(), TrialParts::default());
-    let bar = progress(log.ticks() as f64 * TICK);
+    let bar = trial_bar(log.ticks() as f64 * TICK);
     match log.engine.as_str() {
         FLAT => {
             let build = |builder: TrialBuilder<'_>| builder.parts(parts).build_flat();
@@ -194,11 +202,13 @@ fn tell<B: RobotBackend>(
         let (mut questions, mut answers) = (std::io::stdout(), std::io::stdin().lock());
         report.feedback = Some(ask(&report.session(), &mut answers, &mut questions)?);
     }
+    let writing = spinner("writing");
     let mut paths = output::write(&arguments.out, trial, &truth, &report)?;
     if let Some(bag) = bag {
         paths.extend(bag.finish(trial, world, &report)?);
     }
     paths.extend(pictures);
+    writing.finish_and_clear();
     for path in paths {
         say(arguments, format_args!("wrote {}\n", path.display()))?;
     }
@@ -241,33 +251,6 @@ fn run_flat(
     }
     bar.finish_and_clear();
     Ok(trial)
-}
-
-/// A bar of simulated seconds on stderr; nothing if that is not a terminal.
-fn progress(limit: f64) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(limit as u64);
-    match ProgressStyle::with_template(
-        "{bar:40} {pos}/{len} simulated seconds, {per_sec}, {eta} left",
-    ) {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
-}
-
-/// A spinner with the time so far on stderr; nothing if that is not a terminal.
-fn spinner(what: &'static str) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new_spinner().with_message(what);
-    bar.enable_steady_tick(Duration::from_millis(100));
-    match ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }
 
 #[expect(clippy::disallowed_methods, reason = "how long a trial took is only printed")]

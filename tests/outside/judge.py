@@ -21,10 +21,11 @@ import pictures
 import plans
 import roads
 import ros_maps
+import stages
 import worlds
 
 JUDGES = {
-    kind: [certificates, plans, ros_maps, pictures, bodies]
+    kind: [certificates, plans, ros_maps, pictures, bodies, stages]
     + {"road": [roads], "landscape": [landscapes]}.get(kind, [])
     for kind in worlds.KINDS
 }

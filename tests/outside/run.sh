@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Judges 3 worlds of each kind (or as many as `--count` says) with programs of others, after the judges
-# have shown that they notice what is wrong, and then the bags of trials. Arguments are those of judge.py. Needs
+# have shown that they notice what is wrong, and then the bags of trials. Arguments are those of judge.py. Needs what
+# `cargo build --release -p envgen --features cli,usd` and `cargo build --release --example mapping_trial` build,
 # Python 3.10 to 3.12, libcairo2 and Node with npm; what requirements.txt names goes to target/outside, about 1.7 GB.
 set -euo pipefail
 cd "$(dirname "$0")/../.."

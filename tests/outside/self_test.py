@@ -22,6 +22,7 @@ import pictures
 import plans
 import roads
 import ros_maps
+import stages
 import worlds
 
 HALLWAY = {"segments": 6, "start": 3, "p_st": 0.2}
@@ -585,6 +586,45 @@ CASES = [
     (bodies, "indoor", INDOOR, change("sdf", "<radius>|<size>", "<sise>", 3), "Error"),
     (bodies, "indoor", INDOOR, turn_inside_out, "trimesh:"),
     (bodies, "indoor", INDOOR, truncate, "gltf-validator"),
+    (stages, "indoor", INDOOR, edit(lambda d: d["walls"].pop()), "bodies, not"),
+    (
+        stages,
+        "indoor",
+        INDOOR,
+        edit(lambda d: d["start"]["position"].reverse()),
+        "start is at",
+    ),
+    (
+        stages,
+        "indoor",
+        INDOOR,
+        edit(lambda d: d["provenance"].update(seed=6)),
+        "USD: the provenance",
+    ),
+    (
+        stages,
+        "forest",
+        FOREST,
+        change("usda", r"(double radius = )(\S+)", add(0.05)),
+        "USD: tree_0 differs",
+    ),
+    (
+        stages,
+        "road",
+        ROAD,
+        change("usda", r"(int\[\] faceVertexIndices = \[)(\d+), (\d+)", r"\1\3, \2"),
+        "closed surface",
+    ),
+    (
+        stages,
+        "indoor",
+        INDOOR,
+        change("usda", r"(extent = \[\()([^,]+)", add(0.1)),
+        "states the extent",
+    ),
+    (stages, "indoor", INDOOR, change("usda", 'upAxis = "Z"', 'upAxis = "Y"'), "z up"),
+    (stages, "indoor", INDOOR, change("usda", "def Cube", "def Cubo"), "is a Cubo"),
+    (stages, "indoor", INDOOR, change("usda", "double", "dubble"), "Error"),
 ]
 
 

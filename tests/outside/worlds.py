@@ -10,7 +10,9 @@ from pathlib import Path
 KINDS = ["hallway", "forest", "road", "indoor", "landscape", "cellular"]
 
 # What is written of every kind, and of one kind alone.
-ENDINGS = ["json", "svg", "png", "geojson", "building.yaml", "obstacles.csv", "sdf", "mjcf.xml", "glb"]
+ENDINGS = [
+    "json", "svg", "png", "geojson", "building.yaml", "obstacles.csv", "sdf", "mjcf.xml", "glb", "usda",
+]
 ENDINGS_OF = {"road": ["xodr", "csv"], "landscape": ["asc", "map", "classes.png"]}
 
 # Rules between settings refuse some draws; so many in a row mean that the draw is wrong.

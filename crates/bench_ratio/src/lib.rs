@@ -4,20 +4,29 @@
 //! Results are lines that [`Ratio`] and [`Growth`] read back; `bench_report` makes a page of those of all benchmarks.
 
 mod line;
+mod times;
 
 use std::hint::black_box;
 use std::time::Instant;
 
 pub use line::{Bound, Growth, Ratio};
+pub use times::Times;
 
-/// Number of rounds; the best of each side counts.
+/// Number of rounds of [`contest`].
 const ROUNDS: usize = 15;
 
-/// Seconds per call of each side: the best of many alternating rounds.
-pub fn contest<A, B>(mut ours: impl FnMut() -> A, mut baseline: impl FnMut() -> B) -> (f64, f64) {
-    (0..ROUNDS).fold((f64::INFINITY, f64::INFINITY), |best, _| {
-        (best.0.min(seconds(&mut ours)), best.1.min(seconds(&mut baseline)))
-    })
+/// Seconds per call of each side, in many alternating rounds.
+pub fn contest<A, B>(ours: impl FnMut() -> A, baseline: impl FnMut() -> B) -> Times {
+    rounds(ROUNDS, ours, baseline)
+}
+
+/// Seconds per call of each side, in alternating rounds.
+pub fn rounds<A, B>(
+    count: usize,
+    mut ours: impl FnMut() -> A,
+    mut baseline: impl FnMut() -> B,
+) -> Times {
+    (0..count).map(|_| (seconds(&mut ours), seconds(&mut baseline))).collect()
 }
 
 /// Seconds per call.
@@ -28,18 +37,19 @@ pub fn seconds<T>(mut work: impl FnMut() -> T) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
-/// Prints the ratio of our time to the baseline's, and whether it is at most `limit`.
-#[expect(clippy::print_stdout, reason = "the result of a benchmark")]
-pub fn at_most(what: &str, (ours, baseline): (f64, f64), limit: f64) {
-    let what = what.to_owned();
-    println!("{}", Ratio { what, ratio: ours / baseline, bound: Bound::AtMost(limit) });
+/// Prints the ratio of our time to the baseline's, its spread, and whether it is at most `limit`.
+pub fn at_most(what: &str, times: impl Into<Times>, limit: f64) {
+    say(what, &times.into(), Bound::AtMost(limit));
 }
 
-/// Prints how many times faster than the baseline ours is, and whether that is at least `limit`.
+/// Prints how many times faster than the baseline ours is, the spread, and whether that is at least `limit`.
+pub fn faster(what: &str, times: impl Into<Times>, limit: f64) {
+    say(what, &times.into(), Bound::AtLeast(limit));
+}
+
 #[expect(clippy::print_stdout, reason = "the result of a benchmark")]
-pub fn faster(what: &str, (ours, baseline): (f64, f64), limit: f64) {
-    let what = what.to_owned();
-    println!("{}", Ratio { what, ratio: baseline / ours, bound: Bound::AtLeast(limit) });
+fn say(what: &str, times: &Times, bound: Bound) {
+    println!("{}", Ratio::new(what, times, bound));
 }
 
 /// Prints how the cost grows with the size: the exponent of the power of the size that fits `(size, seconds)` best.

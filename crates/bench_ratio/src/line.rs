@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::Times;
+
 /// What a ratio is to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
@@ -17,8 +19,10 @@ pub enum Bound {
 /// ```
 /// use bench_ratio::{Bound, Ratio};
 ///
-/// let ratio = Ratio { what: "a ray: long".to_owned(), ratio: 1.5, bound: Bound::AtMost(2.0) };
-/// assert_eq!(ratio.to_string(), "a ray: long: 1.50 x (target: at most 2 x, met)");
+/// let times = [(1.6, 1.0), (1.5, 1.0)].into_iter().collect();
+/// let ratio = Ratio::new("a ray: long", &times, Bound::AtMost(2.0));
+/// let line = "a ray: long: 1.50 x (rounds: 1.50 to 1.60) (target: at most 2 x, met)";
+/// assert_eq!(ratio.to_string(), line);
 /// assert_eq!(ratio.to_string().parse(), Ok(ratio));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -27,11 +31,28 @@ pub struct Ratio {
     pub what: String,
     /// The ratio.
     pub ratio: f64,
+    /// The least and greatest ratio of a round, without the lowest and the highest quarter of the rounds; none where each
+    /// side was measured for itself.
+    pub spread: Option<(f64, f64)>,
     /// Its bound.
     pub bound: Bound,
 }
 
 impl Ratio {
+    /// The ratio of the best times of each side.
+    pub fn new(what: &str, times: &Times, bound: Bound) -> Self {
+        let value = |ours: f64, baseline: f64| match bound {
+            Bound::AtMost(_) => ours / baseline,
+            Bound::AtLeast(_) => baseline / ours,
+        };
+        Ratio {
+            what: what.to_owned(),
+            ratio: value(times.ours(), times.baseline()),
+            spread: times.middle_half(value),
+            bound,
+        }
+    }
+
     /// Whether the ratio is what it is to be.
     pub fn is_met(&self) -> bool {
         match self.bound {
@@ -41,17 +62,24 @@ impl Ratio {
     }
 }
 
+/// The words before the spread and the bound.
+const ROUNDS: &str = " (rounds: ";
+const TARGET: &str = " (target: ";
+
 impl fmt::Display for Ratio {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Ratio { what, ratio, bound } = self;
+        let Ratio { what, ratio, spread, bound } = self;
+        match bound {
+            Bound::AtMost(_) => write!(f, "{what}: {ratio:.2} x")?,
+            Bound::AtLeast(_) => write!(f, "{what}: {ratio:.1} x as fast")?,
+        }
+        if let Some((low, high)) = spread {
+            write!(f, "{ROUNDS}{low:.2} to {high:.2})")?;
+        }
         let met = if self.is_met() { "met" } else { "MISSED" };
         match bound {
-            Bound::AtMost(limit) => {
-                write!(f, "{what}: {ratio:.2} x (target: at most {limit} x, {met})")
-            }
-            Bound::AtLeast(limit) => {
-                write!(f, "{what}: {ratio:.1} x as fast (target: at least {limit} x, {met})")
-            }
+            Bound::AtMost(limit) => write!(f, "{TARGET}at most {limit} x, {met})"),
+            Bound::AtLeast(limit) => write!(f, "{TARGET}at least {limit} x, {met})"),
         }
     }
 }
@@ -64,9 +92,17 @@ impl FromStr for Ratio {
     type Err = NotALine;
 
     fn from_str(line: &str) -> Result<Self, NotALine> {
-        let (start, target) = line.trim().rsplit_once(" (target: ").ok_or(NotALine)?;
-        let (what, ratio) = start.rsplit_once(": ").ok_or(NotALine)?;
+        let (start, target) = line.trim().rsplit_once(TARGET).ok_or(NotALine)?;
         let number = |text: &str| text.parse::<f64>().map_err(|_| NotALine);
+        let (start, spread) = match start.rsplit_once(ROUNDS) {
+            None => (start, None),
+            Some((start, rounds)) => {
+                let rounds = rounds.strip_suffix(')').and_then(|text| text.split_once(" to "));
+                let (low, high) = rounds.ok_or(NotALine)?;
+                (start, Some((number(low)?, number(high)?)))
+            }
+        };
+        let (what, ratio) = start.rsplit_once(": ").ok_or(NotALine)?;
         let limit = |text: &str| number(text.split(' ').next().unwrap_or_default());
         let (ratio, bound) = if let Some(rest) = target.strip_prefix("at most ") {
             (ratio.strip_suffix(" x").ok_or(NotALine)?, Bound::AtMost(limit(rest)?))
@@ -74,7 +110,7 @@ impl FromStr for Ratio {
             let rest = target.strip_prefix("at least ").ok_or(NotALine)?;
             (ratio.strip_suffix(" x as fast").ok_or(NotALine)?, Bound::AtLeast(limit(rest)?))
         };
-        Ok(Ratio { what: what.to_owned(), ratio: number(ratio)?, bound })
+        Ok(Ratio { what: what.to_owned(), ratio: number(ratio)?, spread, bound })
     }
 }
 
@@ -164,9 +200,9 @@ mod tests {
 
     #[test]
     fn a_bound_is_met_where_it_is_reached() {
-        let met = |ratio, bound| Ratio { what: String::new(), ratio, bound }.is_met();
-        assert!(met(2.0, Bound::AtMost(2.0)) && met(2.0, Bound::AtLeast(2.0)));
-        assert!(!met(2.1, Bound::AtMost(2.0)) && !met(1.9, Bound::AtLeast(2.0)));
+        let met = |ratio, bound| Ratio::new("", &(ratio, 1.0).into(), bound).is_met();
+        assert!(met(2.0, Bound::AtMost(2.0)) && met(0.5, Bound::AtLeast(2.0)));
+        assert!(!met(2.1, Bound::AtMost(2.0)) && !met(0.6, Bound::AtLeast(2.0)));
         assert!(!met(f64::NAN, Bound::AtMost(2.0)) && !met(f64::NAN, Bound::AtLeast(2.0)));
     }
 
@@ -181,13 +217,17 @@ mod tests {
         #[test]
         fn what_was_printed_is_read(
             what in "[a-z0-9:(), ^]{0,30}", ratio in 0.0..1e4_f64, limit in 0.0..1e4_f64, is_most: bool,
+            spread in proptest::option::of((0.0..1e4_f64, 0.0..1e4_f64)),
         ) {
             let bound = if is_most { Bound::AtMost(limit) } else { Bound::AtLeast(limit) };
             let what = what.trim().to_owned();
-            let printed = Ratio { what, ratio, bound };
+            let printed = Ratio { what, ratio, spread, bound };
             let read: Ratio = printed.to_string().parse().expect("a ratio");
             prop_assert_eq!((read.what, read.bound), (printed.what, bound));
             prop_assert!((read.ratio - ratio).abs() <= 0.051);
+            let near = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).abs().max((a.1 - b.1).abs()) < 0.01;
+            prop_assert!(read.spread.is_none() == spread.is_none());
+            prop_assert!(read.spread.zip(spread).is_none_or(|(read, spread)| near(read, spread)));
         }
 
         #[test]

@@ -1,41 +1,51 @@
 //! The benchmarks of the workspace, and their runs.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
-use std::process::{Command, Output};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
 
 use bench_ratio::{Growth, Ratio};
 use serde::Deserialize;
+
+/// The workspace: its benchmarks in alphabetical order, and where builds go.
+pub(crate) struct Workspace {
+    pub(crate) benches: Vec<Bench>,
+    pub(crate) target: PathBuf,
+}
 
 /// A benchmark.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Bench {
     package: String,
+    /// The folder of its package.
+    folder: PathBuf,
     target: String,
+    /// Its source.
+    source: PathBuf,
     features: Vec<String>,
 }
 
-/// What a benchmark printed.
+/// The lines that a benchmark printed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Results {
-    /// Its name.
-    pub(crate) name: String,
     pub(crate) ratios: Vec<Ratio>,
     pub(crate) growths: Vec<Growth>,
     /// All other lines.
     pub(crate) others: Vec<String>,
-    /// Whether it ended with an error, as some do where a bound is not met.
-    pub(crate) failed: bool,
 }
 
 /// The part of `cargo metadata` that is read.
 #[derive(Deserialize)]
 struct Metadata {
     packages: Vec<Package>,
+    target_directory: PathBuf,
 }
 
 #[derive(Deserialize)]
 struct Package {
     name: String,
+    manifest_path: PathBuf,
     targets: Vec<Target>,
 }
 
@@ -43,29 +53,70 @@ struct Package {
 struct Target {
     name: String,
     kind: Vec<String>,
+    src_path: PathBuf,
     #[serde(default, rename = "required-features")]
     required_features: Vec<String>,
 }
 
-/// The benchmarks of all packages, in alphabetical order.
-pub(crate) fn all() -> Result<Vec<Bench>, Box<dyn Error>> {
-    let output = cargo().args(["metadata", "--no-deps", "--format-version", "1"]).output()?;
-    succeeded("cargo metadata", &output)?;
-    let metadata: Metadata = serde_json::from_slice(&output.stdout)?;
-    Ok(of(metadata))
+/// The part of cargo's messages of a build that is read.
+#[derive(Deserialize)]
+struct Message {
+    target: Option<Target>,
+    executable: Option<PathBuf>,
 }
 
-fn of(metadata: Metadata) -> Vec<Bench> {
-    let mut benches = Vec::new();
-    for Package { name: package, targets } in metadata.packages {
-        for target in targets.into_iter().filter(|target| target.kind.iter().any(|k| k == "bench"))
-        {
-            let Target { name, required_features: features, .. } = target;
-            benches.push(Bench { package: package.clone(), target: name, features });
+impl Workspace {
+    /// The workspace of the current folder.
+    pub(crate) fn here() -> Result<Self, Box<dyn Error>> {
+        let output = cargo().args(["metadata", "--no-deps", "--format-version", "1"]).output()?;
+        succeeded("cargo metadata", &output)?;
+        Ok(Workspace::of(serde_json::from_slice(&output.stdout)?))
+    }
+
+    fn of(metadata: Metadata) -> Self {
+        let mut benches = Vec::new();
+        for Package { name: package, manifest_path, targets } in metadata.packages {
+            let is_bench = |target: &Target| target.kind.iter().any(|kind| kind == "bench");
+            for target in targets.into_iter().filter(is_bench) {
+                benches.push(Bench {
+                    package: package.clone(),
+                    folder: manifest_path.parent().unwrap_or(Path::new(".")).to_owned(),
+                    target: target.name,
+                    source: target.src_path,
+                    features: target.required_features,
+                });
+            }
+        }
+        benches.sort_by_key(Bench::name);
+        Workspace { benches, target: metadata.target_directory }
+    }
+}
+
+/// Builds benchmarks, so that nothing is built while one runs; the program of each, by its source. Those that need the
+/// same features are one build, with the features of the whole workspace: dependencies are built once. Names are unique, so that
+/// nothing else is built.
+pub(crate) fn build(benches: &[&Bench]) -> Result<BTreeMap<PathBuf, PathBuf>, Box<dyn Error>> {
+    let mut programs = BTreeMap::new();
+    let groups: BTreeSet<Vec<String>> = benches.iter().map(|bench| bench.all_features()).collect();
+    for features in groups {
+        let own = benches.iter().filter(|bench| bench.all_features() == features);
+        let mut command = cargo();
+        command.args(["bench", "--no-run", "--message-format", "json-render-diagnostics"]);
+        command.args(own.flat_map(|bench| ["--bench", &bench.target]));
+        if !features.is_empty() {
+            command.args(["--features", &features.join(",")]);
+        }
+        // Cargo shows how far it is.
+        let output = command.stderr(Stdio::inherit()).output()?;
+        succeeded("building the benchmarks", &output)?;
+        for line in String::from_utf8_lossy(&output.stdout).lines() {
+            let message: Message = serde_json::from_str(line)?;
+            if let (Some(target), Some(program)) = (message.target, message.executable) {
+                programs.insert(target.src_path, program);
+            }
         }
     }
-    benches.sort_by_key(Bench::name);
-    benches
+    Ok(programs)
 }
 
 impl Bench {
@@ -74,36 +125,40 @@ impl Bench {
         format!("{}/{}", self.package, self.target)
     }
 
-    fn cargo_bench(&self) -> Command {
-        let mut command = cargo();
-        command.args(["bench", "--quiet", "-p", &self.package, "--bench", &self.target]);
-        if !self.features.is_empty() {
-            command.args(["--features", &self.features.join(",")]);
-        }
-        command
+    /// Whether its name, or that of its target, begins with a text.
+    pub(crate) fn is_called(&self, text: &str) -> bool {
+        self.name().starts_with(text) || self.target.starts_with(text)
     }
 
-    /// Builds it, so that nothing is built while it runs.
-    pub(crate) fn build(&self) -> Result<(), Box<dyn Error>> {
-        let output = self.cargo_bench().arg("--no-run").output()?;
-        succeeded(&format!("building {}", self.name()), &output)
+    /// The features that it needs, with the package.
+    fn all_features(&self) -> Vec<String> {
+        self.features.iter().map(|feature| format!("{}/{feature}", self.package)).collect()
     }
 
-    /// Runs it to its end.
-    pub(crate) fn run(&self) -> Result<Results, Box<dyn Error>> {
-        let output = self.cargo_bench().output()?;
-        let results = Results::read(self.name(), &String::from_utf8_lossy(&output.stdout));
-        // Some end with an error where a bound is not met; without results something else is wrong.
-        if results.is_empty() {
-            succeeded(&results.name, &output)?;
-        }
-        Ok(Results { failed: !output.status.success(), ..results })
+    /// The first paragraph of its documentation.
+    pub(crate) fn summary(&self) -> Result<String, Box<dyn Error>> {
+        let lines = std::fs::read_to_string(&self.source)?;
+        let documentation = lines.lines().map_while(|line| line.strip_prefix("//!"));
+        let paragraph = documentation.map(str::trim).take_while(|line| !line.is_empty());
+        Ok(paragraph.collect::<Vec<_>>().join(" "))
+    }
+
+    /// Runs it to its end, and gives what it printed.
+    pub(crate) fn run(
+        &self,
+        programs: &BTreeMap<PathBuf, PathBuf>,
+    ) -> Result<String, Box<dyn Error>> {
+        let program = programs.get(&self.source);
+        let program = program.ok_or_else(|| format!("{} was not built", self.name()))?;
+        let output = Command::new(program).arg("--bench").current_dir(&self.folder).output()?;
+        succeeded(&self.name(), &output)?;
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
     }
 }
 
 impl Results {
-    fn read(name: String, text: &str) -> Results {
-        let mut results = Results { name, ..Results::default() };
+    pub(crate) fn read(text: &str) -> Results {
+        let mut results = Results::default();
         for line in text.lines() {
             if let Ok(ratio) = line.parse() {
                 results.ratios.push(ratio);
@@ -114,10 +169,6 @@ impl Results {
             }
         }
         results
-    }
-
-    fn is_empty(&self) -> bool {
-        self.ratios.is_empty() && self.growths.is_empty() && self.others.is_empty()
     }
 }
 
@@ -140,24 +191,32 @@ mod tests {
 
     #[test]
     fn benchmarks_are_found_with_their_features() {
-        let text = r#"{"packages": [
-            {"name": "b", "targets": [{"name": "b", "kind": ["lib"]}, {"name": "z", "kind": ["bench"]}]},
-            {"name": "a", "targets": [{"name": "y", "kind": ["bench"], "required-features": ["f", "g"]}]}
+        let text = r#"{"target_directory": "/t", "packages": [
+            {"name": "b", "manifest_path": "/b/Cargo.toml", "targets": [
+                {"name": "b", "kind": ["lib"], "src_path": "/b/lib.rs"},
+                {"name": "z", "kind": ["bench"], "src_path": "/b/z.rs"}]},
+            {"name": "a", "manifest_path": "/a/Cargo.toml", "targets": [
+                {"name": "y", "kind": ["bench"], "src_path": "/a/y.rs", "required-features": ["f", "g"]}]}
         ]}"#;
-        let benches = of(serde_json::from_str(text).expect("metadata"));
-        let names: Vec<String> = benches.iter().map(Bench::name).collect();
-        assert_eq!(names, ["a/y", "b/z"]);
-        let command = benches[0].cargo_bench();
-        let arguments: Vec<_> = command.get_args().filter_map(|part| part.to_str()).collect();
-        assert_eq!(arguments[1..], ["--quiet", "-p", "a", "--bench", "y", "--features", "f,g"]);
+        let workspace = Workspace::of(serde_json::from_str(text).expect("metadata"));
+        let [y, z] = &workspace.benches[..] else { panic!("two benchmarks") };
+        assert_eq!([y.name(), z.name()], ["a/y", "b/z"]);
+        assert_eq!(
+            ["y", "a/", "a/y", "", "b", "x"].map(|text| y.is_called(text)),
+            [true, true, true, true, false, false]
+        );
+        assert_eq!(
+            (y.all_features(), y.folder.as_path()),
+            (vec!["a/f".into(), "a/g".into()], "/a".as_ref())
+        );
     }
 
     #[test]
-    fn lines_are_told_apart() {
+    fn kinds_of_lines_are_recognised() {
         let text = "sizes\n\nray: 1.50 x (target: at most 2 x, met)\n  3 ms\nray: grows as size^1 from 1 to 9\n";
-        let results = Results::read("a/y".to_owned(), text);
+        let results = Results::read(text);
         assert_eq!((results.ratios.len(), results.growths.len()), (1, 1));
         assert_eq!(results.others, ["sizes", "  3 ms"]);
-        assert!(!results.is_empty() && Results::read(String::new(), "\n").is_empty());
+        assert_eq!(Results::read("\n"), Results::default());
     }
 }

@@ -3,16 +3,18 @@
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use serde::{Deserialize, Serialize};
+
 /// Where and when benchmarks ran.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Machine {
     pub(crate) processor: String,
     pub(crate) cores: usize,
     /// Operating system and architecture.
     pub(crate) system: String,
     pub(crate) rustc: String,
-    /// Number of running processes when the benchmarks began, where the system states it.
-    pub(crate) load: Option<String>,
+    /// Mean number of running processes in the minute before the benchmark, where the system states it.
+    pub(crate) load: Option<f64>,
     /// Day in UTC, as in 2026-11-23.
     pub(crate) date: String,
 }
@@ -29,9 +31,20 @@ impl Machine {
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             system: format!("{}, {}", std::env::consts::OS, std::env::consts::ARCH),
             rustc: rustc.unwrap_or_else(unknown),
-            load: load.and_then(|text| text.split(' ').next().map(str::to_owned)),
+            load: load.and_then(|text| text.split(' ').next()?.parse().ok()),
             date: date(seconds_since_1970() / 86_400),
         }
+    }
+}
+
+impl Machine {
+    /// Whether results of both can be on one page.
+    pub(crate) fn is_like(&self, other: &Machine) -> bool {
+        let all = |machine: &Machine| {
+            let Machine { processor, cores, system, rustc, .. } = machine.clone();
+            (processor, cores, system, rustc)
+        };
+        all(self) == all(other)
     }
 }
 

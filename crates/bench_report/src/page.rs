@@ -6,35 +6,69 @@ use bench_ratio::{Bound, Ratio};
 
 use crate::benches::Results;
 use crate::machine::Machine;
+use crate::saved::Saved;
+
+/// The word before the baseline in the name of a ratio.
+const AGAINST: &str = ", against ";
+
+/// The results of a benchmark.
+pub(crate) struct Section {
+    name: String,
+    /// What it measures.
+    summary: String,
+    saved: Saved,
+    results: Results,
+}
+
+impl Section {
+    pub(crate) fn new(name: String, summary: String, saved: Saved) -> Self {
+        let results = Results::read(&saved.printed);
+        Section { name, summary, saved, results }
+    }
+
+    fn met(&self) -> (usize, usize) {
+        let ratios = &self.results.ratios;
+        (ratios.iter().filter(|ratio| ratio.is_met()).count(), ratios.len())
+    }
+}
 
 /// Number of bounds that are met, and of all.
-pub(crate) fn met(results: &[Results]) -> (usize, usize) {
-    let ratios = || results.iter().flat_map(|results| &results.ratios);
-    (ratios().filter(|ratio| ratio.is_met()).count(), ratios().count())
+pub(crate) fn met(sections: &[Section]) -> (usize, usize) {
+    let each = sections.iter().map(Section::met);
+    each.fold((0, 0), |(met, all), (own_met, own)| (met + own_met, all + own))
 }
 
 /// The page in Markdown. `all` is the number of benchmarks of the workspace.
-pub(crate) fn page(machine: &Machine, results: &[Results], all: usize) -> String {
-    let Machine { processor, cores, system, rustc, load, date } = machine;
-    let load = load.as_ref().map_or_else(String::new, |load| {
-        format!(" When they began, {load} processes were running on it.")
-    });
-    let (met, ratios) = met(results);
+pub(crate) fn page(machine: &Machine, sections: &[Section], all: usize) -> String {
+    let Machine { processor, cores, system, rustc, .. } = machine;
+    let (met, ratios) = met(sections);
     let mut page = format!(
-        "# Benchmarks\n\nWritten by `cargo run --release -p bench_report`: {} of {all} benchmarks, on {date}, by \
-         {rustc}, on {cores} cores of {processor} ({system}).{load}\n\nEach number is a ratio to a bound or a peer that \
-         was measured in the same run, so that it means the same on other machines; the best of several rounds of each \
-         counts. {met} of {ratios} bounds are met.\n",
-        results.len()
+        "# Benchmarks\n\nWritten by `cargo run --release -p bench_report`: {} of {all} benchmarks, with {rustc} on \
+         {cores} cores of {processor} ({system}). {met} of {ratios} bounds are met.\n\nEach number is a ratio to a bound \
+         or a peer that was measured in the same run, so that it means the same on other machines: the best of several \
+         alternating rounds of each side, or the sum where each round is another task. The spread is the ratio in single \
+         rounds, without the lowest and the highest quarter of them; there is none where the sides were measured apart. \
+         The load is the mean number of processes that ran in the minute before: where it is more than there are cores, \
+         spreads are wide, and a ratio can be outside of its spread.\n",
+        sections.len()
     );
+    page += "\n| benchmark | date | load | time | bounds met |\n|---|---|---|---|---|\n";
     // Writing to a string does not fail.
-    for Results { name, ratios, growths, others, failed } in results {
-        let _ = write!(page, "\n## `{name}`\n");
-        if *failed {
-            page += "\nIt ended with an error.\n";
-        }
+    for section in sections {
+        let Section { name, saved, .. } = section;
+        let load = saved.machine.load.map_or_else(String::new, |load| format!("{load:.1}"));
+        let (met, ratios) = section.met();
+        let (date, seconds) = (&saved.machine.date, saved.seconds);
+        let anchor = name.replace('/', "");
+        let _ = writeln!(
+            page,
+            "| [`{name}`](#{anchor}) | {date} | {load} | {seconds:.0} s | {met} of {ratios} |"
+        );
+    }
+    for Section { name, summary, results: Results { ratios, growths, others }, .. } in sections {
+        let _ = write!(page, "\n## `{name}`\n\n{summary}\n");
         if !ratios.is_empty() {
-            page += "\n| what | ratio | bound | |\n|---|---|---|---|\n";
+            page += "\n| what | against | ratio | spread | bound | |\n|---|---|---|---|---|---|\n";
             for ratio in ratios {
                 page += &row(ratio);
             }
@@ -44,7 +78,7 @@ pub(crate) fn page(machine: &Machine, results: &[Results], all: usize) -> String
             for growth in growths {
                 let (from, to) = growth.sizes;
                 let what = cell(&growth.what);
-                let _ = writeln!(page, "| {what} | {:.2} | {from} | {to} |", growth.exponent);
+                let _ = writeln!(page, "| {what} | {:.2} | {from:.0} | {to:.0} |", growth.exponent);
             }
         }
         if !others.is_empty() {
@@ -55,14 +89,19 @@ pub(crate) fn page(machine: &Machine, results: &[Results], all: usize) -> String
 }
 
 fn row(ratio: &Ratio) -> String {
+    let (what, against) = ratio.what.rsplit_once(AGAINST).unwrap_or((&ratio.what, ""));
     let (value, bound) = match ratio.bound {
         Bound::AtMost(limit) => (format!("{:.2}", ratio.ratio), format!("at most {limit}")),
         Bound::AtLeast(limit) => {
             (format!("{:.1} times as fast", ratio.ratio), format!("at least {limit}"))
         }
     };
+    let spread = ratio.spread.map_or_else(String::new, |(low, high)| match ratio.bound {
+        Bound::AtMost(_) => format!("{low:.2} to {high:.2}"),
+        Bound::AtLeast(_) => format!("{low:.1} to {high:.1}"),
+    });
     let met = if ratio.is_met() { "met" } else { "**missed**" };
-    format!("| {} | {value} | {bound} | {met} |\n", cell(&ratio.what))
+    format!("| {} | {} | {value} | {spread} | {bound} | {met} |\n", cell(what), cell(against))
 }
 
 /// A text that is no Markdown in a table.
@@ -79,8 +118,6 @@ fn cell(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use bench_ratio::Growth;
-
     use super::*;
 
     #[test]
@@ -90,26 +127,20 @@ mod tests {
             cores: 1,
             system: "cp_m, z80".to_owned(),
             rustc: "rustc 1.95.0".to_owned(),
-            load: Some("0.5".to_owned()),
+            load: Some(0.52),
             date: "1976-07-01".to_owned(),
         };
-        let ratio = |what: &str, ratio, bound| Ratio { what: what.to_owned(), ratio, bound };
-        let results = Results {
-            name: "envgen/forest".to_owned(),
-            ratios: vec![
-                ratio("a | b", 1.5, Bound::AtMost(2.0)),
-                ratio("c", 10.0, Bound::AtLeast(20.0)),
-            ],
-            growths: vec![Growth { what: "trees".to_owned(), exponent: 1.0, sizes: (10.0, 1e4) }],
-            others: vec!["  3 ms".to_owned()],
-            failed: true,
-        };
-        let page = page(&machine, &[results], 16);
+        let printed = "a | b, c, against d: 1.50 x (rounds: 1.50 to 1.75) (target: at most 2 x, met)\n  3 ms\n\
+            e: 10.0 x as fast (target: at least 20 x, MISSED)\ntrees: grows as size^1.00 from 10 to 1e4\n";
+        let saved = Saved { machine: machine.clone(), seconds: 12.3, printed: printed.to_owned() };
+        let section = Section::new("envgen/forest".to_owned(), "Trees.".to_owned(), saved);
+        let page = page(&machine, &[section], 16);
         for expected in [
-            "1 of 16 benchmarks, on 1976-07-01, by rustc 1.95.0, on 1 cores of Z80",
-            "1 of 2 bounds are met.",
-            "## `envgen/forest`\n\nIt ended with an error.\n\n| what |",
-            "| a \\| b | 1.50 | at most 2 | met |\n| c | 10.0 times as fast | at least 20 | **missed** |\n",
+            "1 of 16 benchmarks, with rustc 1.95.0 on 1 cores of Z80 (cp_m, z80). 1 of 2 bounds are met.",
+            "| [`envgen/forest`](#envgenforest) | 1976-07-01 | 0.5 | 12 s | 1 of 2 |\n",
+            "## `envgen/forest`\n\nTrees.\n\n| what | against |",
+            "| a \\| b, c | d | 1.50 | 1.50 to 1.75 | at most 2 | met |\n",
+            "| e |  | 10.0 times as fast |  | at least 20 | **missed** |\n",
             "| trees | 1.00 | 10 | 10000 |\n",
             "```text\n  3 ms\n```\n",
         ] {

@@ -91,7 +91,7 @@ fn building(name: &str, spec: &WorldSpec, limit: f64) {
     let ours = drawn - bare;
     let text = format!("{:.1} ms for {count} meshes, {:.1} ms pure", 1e3 * ours, 1e3 * pure);
     say(&format!("{name}: {text}"));
-    at_most("from parts to meshes and light, in milliseconds", (1e3 * ours, 1.0), limit);
+    at_most("from parts to meshes and light, against a millisecond", (1e3 * ours, 1.0), limit);
 }
 
 /// Trees, which share their meshes.
@@ -101,5 +101,5 @@ fn planting(name: &str, spec: &WorldSpec) {
     let [drawn, bare] = [drawn, bare].map(|time| 1e3 * time);
     let trees = world.trees.len();
     say(&format!("{name} of {trees} trees: {count} meshes, {drawn:.0} ms, without {bare:.0} ms"));
-    at_most("trees with meshes against trees without", (drawn, bare), 4.0);
+    at_most("trees with meshes, against trees without", (drawn, bare), 4.0);
 }

@@ -87,6 +87,6 @@ fn race(name: &str, spec: WorldSpec) {
         } else {
             "merged colliders"
         };
-        faster(&format!("rays in {name}, {how}"), contest(ours, rapier), TARGET);
+        faster(&format!("rays in {name}, {how}, against rapier"), contest(ours, rapier), TARGET);
     }
 }

@@ -4,7 +4,8 @@ use bevy::math::Vec2;
 use earcut::Earcut;
 
 /// The corners of counter-clockwise triangles that fill a simple polygon. Triangles without area,
-/// which collinear corners cause, are left out.
+/// which collinear corners cause, are left out. Not by `envgen::mesh::triangulate`, which refuses outlines that touch
+/// themselves, as narrow ones do once they are in single precision.
 pub(crate) fn triangles(polygon: &[Vec2]) -> Vec<[u32; 3]> {
     let mut corners: Vec<u32> = Vec::new();
     Earcut::new().earcut(polygon.iter().map(|p| p.as_dvec2().to_array()), &[], &mut corners);

@@ -74,14 +74,14 @@ fn rays(name: &str, world: &World, poses: &[Pose]) {
         }
         sum
     };
-    let (ours, baseline) = contest(&mut all, brute);
+    let times = contest(&mut all, brute);
     let count = (poses.len() * BEAMS) as f64;
-    faster(&format!("rays in a {name}, against brute force"), (ours, baseline), 20.0);
+    faster(&format!("rays in a {name}, against brute force"), times, 20.0);
     // A bound that no caster can pass: reading one uniform number per ray.
     let mut stream = Seed(1).stream("uniform", 0);
-    let (ours, bound) =
-        contest(all, || (0..poses.len() * BEAMS).map(|_| stream.unit()).sum::<f64>());
-    at_most(&format!("a ray in a {name}, against a uniform number"), (ours, bound), 50.0);
+    let times = contest(all, || (0..poses.len() * BEAMS).map(|_| stream.unit()).sum::<f64>());
+    let ours = times.ours();
+    at_most(&format!("a ray in a {name}, against a uniform number"), times, 50.0);
     #[expect(clippy::print_stdout, reason = "the result of a benchmark")]
     {
         println!("  {:.1} million rays per second in a {name}", count / ours / 1e6);
@@ -122,12 +122,13 @@ fn raster(name: &str, world: &World) {
         }
         occupied
     };
-    let (ours, sixteenth) = contest(ours, brute);
+    // Brute force tests a sixteenth of the cells.
+    let times = contest(ours, brute).scaled(1.0, 16.0);
     let what = format!("raster of a {name} at {cell} m, against brute force");
-    faster(&what, (ours, 16.0 * sixteenth), 20.0);
-    let (ours, bound) = contest(
+    faster(&what, times, 20.0);
+    let times = contest(
         || OccupancyGrid::of(world, cell, Coverage::Centre),
         || black_box(vec![true; grid.cols() * grid.rows()]),
     );
-    at_most(&format!("raster of a {name}, against filling its memory once"), (ours, bound), 60.0);
+    at_most(&format!("raster of a {name}, against filling its memory once"), times, 60.0);
 }

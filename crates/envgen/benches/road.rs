@@ -60,7 +60,6 @@ fn locate(name: &str, road: &Road) {
             .enumerate()
             .fold((0, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
     };
-    let (ours, baseline) = contest(indexed, scanned);
-    let ours = ours / points.len() as f64;
-    faster(&format!("locating a point on {name}, against a scan"), (ours, baseline), 1000.0);
+    let times = contest(indexed, scanned).scaled(1.0 / points.len() as f64, 1.0);
+    faster(&format!("locating a point on {name}, against a scan"), times, 1000.0);
 }

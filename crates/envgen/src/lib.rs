@@ -64,6 +64,7 @@
 //! | `usarsim` | yes | projects and libraries of the World Generator for `USARSim` |
 //! | `parallel` | yes | large rasters are counted on all cores |
 //! | `picture` | yes | SVG and PNG pictures, drawn on the CPU |
+//! | `usd` | no | worlds as Universal Scene Description; its crate changes how PNG files are compressed in the whole build |
 //! | `rand` | no | worlds drawn from any distribution of `rand` and `rand_distr`, see [`distribution`] |
 //! | `whole-file` | no | files that are written completely or not at all |
 //! | `cli` | no | the command `envgen` |

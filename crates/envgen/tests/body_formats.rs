@@ -1,39 +1,16 @@
 //! SDFormat, MJCF and glTF files, read back by readers of their own.
 
+#[path = "common/samples.rs"]
+mod samples;
+
 use std::collections::BTreeMap;
 
 use envgen::export::{Format, Job};
-use envgen::geometry::{Rect, Shape};
-use envgen::glam::DVec2;
 use envgen::pieces::{Form, pieces};
-use envgen::world::{Extent, Obstacle, ObstacleKind};
-use envgen::{Provenance, Seed, World, WorldKind};
 use quick_xml::Reader;
 use quick_xml::events::Event;
+use samples::{with_polygon, worlds, write};
 use serde_json::Value;
-
-fn worlds() -> Vec<World> {
-    let worlds = WorldKind::ALL.iter().map(|kind| {
-        let mut spec = kind.default_spec();
-        if *kind == WorldKind::Landscape {
-            for (name, value) in
-                [("rows", "12"), ("cols", "12"), ("classes", "3"), ("entropy", "1")]
-            {
-                spec.set(name, value).unwrap();
-            }
-            spec.set("speeds", "0,1,0.5").unwrap();
-        }
-        spec.generate(Seed(5)).unwrap().to_world()
-    });
-    worlds.collect()
-}
-
-fn write(world: &World, ending: &str) -> Vec<u8> {
-    let format = Format::from_path(format!("world.{ending}").as_ref()).unwrap();
-    let mut file = Vec::new();
-    format.write(&Job::new(world), &mut file).unwrap();
-    file
-}
 
 /// The elements of a document: name, attributes, and the text in it.
 fn elements(file: &[u8]) -> Vec<(String, BTreeMap<String, String>, String)> {
@@ -118,16 +95,6 @@ fn every_piece_is_in_every_file() {
             assert_eq!(node["extras"]["solid"], piece.is_solid);
         }
     }
-}
-
-fn with_polygon(corners: &[(f64, f64)]) -> World {
-    let bounds = Rect::new(DVec2::ZERO, DVec2::splat(10.0));
-    let mut world = World::new(Provenance::other("a \"yard\" & <more>", Value::Null), bounds);
-    let vertices = corners.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
-    let height = Extent::new(0.5, 2.0).ok();
-    let shape = Shape::Polygon { vertices };
-    world.obstacles.push(Obstacle { height, ..Obstacle::new(ObstacleKind::Other, shape) });
-    world
 }
 
 #[test]

@@ -93,9 +93,9 @@ fn frontiers(map: &OccupancyMap) {
         costmap.derive_all();
         costmap.frontier_len()
     };
-    let (ours, rebuilt) = contest(gather, full);
+    let times = contest(gather, full);
     assert!(frontiers.goals() > 0, "a map that is half known has frontiers");
-    at_most("frontiers gathered, against the costmap again", (ours, rebuilt), 0.5);
+    at_most("frontiers gathered, against the costmap again", times, 0.5);
 }
 
 /// A* across the building, against the same by `pathfinding` on the same classes.

@@ -3,7 +3,7 @@
 #[path = "../tests/trials/drive.rs"]
 mod drive;
 
-use bench_ratio::{at_most, contest, faster, seconds};
+use bench_ratio::{Times, at_most, contest, faster, seconds};
 use drive::{Drive, frame, rect};
 use envgen::Seed;
 use envgen::geometry::{Pose, unit_vector};
@@ -47,13 +47,14 @@ fn main() {
         let drive = Drive::new(&world, &way, &laser);
         let recording = drive.record(&OdometryProfile::SKID, 1);
         let simulated = recording.steps.len() as f64 * mapping_trial::backend::TICK;
-        let wheels = best(|| recording.replay(SlamKind::DeadReckoning));
+        let wheels = times(|| recording.replay(SlamKind::DeadReckoning));
         let kinds = [(SlamKind::ScanToMap, 2400.0, 30.0), (SlamKind::PoseGraph, 500.0, 80.0)];
         for (kind, limit, most) in kinds {
-            let ours = best(|| recording.replay(kind));
+            let ours = times(|| recording.replay(kind));
             let what = format!("{kind:?}, {name}, against the time it simulates");
-            faster(&what, (ours, simulated), limit);
-            at_most(&format!("{kind:?}, {name}, against drawing alone"), (ours, wheels), most);
+            faster(&what, ours.iter().map(|&time| (time, simulated)).collect::<Times>(), limit);
+            let sides: Times = ours.into_iter().zip(wheels.iter().copied()).collect();
+            at_most(&format!("{kind:?}, {name}, against drawing alone"), sides, most);
         }
         let scan = recording.steps[0].scan.as_ref().expect("the first step has a scan");
         let sweep = Sweeper::new(&Robot::default(), &laser).sweep(scan);
@@ -62,9 +63,9 @@ fn main() {
     }
 }
 
-/// The least seconds of five calls.
-fn best<T>(mut work: impl FnMut() -> T) -> f64 {
-    (0..5).map(|_| seconds(&mut work)).fold(f64::INFINITY, f64::min)
+/// Seconds of five calls.
+fn times<T>(mut work: impl FnMut() -> T) -> Vec<f64> {
+    (0..5).map(|_| seconds(&mut work)).collect()
 }
 
 /// Branch and bound against a look at each place of the same lattice.

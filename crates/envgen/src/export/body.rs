@@ -13,7 +13,13 @@ pub(super) enum Body<'a> {
     /// An upright cylinder.
     Cylinder { center: DVec3, radius: f64, length: f64 },
     /// A polygon, drawn upwards.
-    Polygon { corners: &'a [DVec2] },
+    Polygon {
+        #[cfg_attr(
+            not(any(feature = "mjcf", feature = "sdf")),
+            expect(dead_code, reason = "USD writes its mesh")
+        )]
+        corners: &'a [DVec2],
+    },
 }
 
 impl<'a> Body<'a> {

@@ -17,7 +17,7 @@
 //! ```
 
 mod asc;
-#[cfg(any(feature = "mjcf", feature = "sdf"))]
+#[cfg(any(feature = "mjcf", feature = "sdf", feature = "usd"))]
 mod body;
 #[cfg(feature = "rmf")]
 mod building;
@@ -40,11 +40,13 @@ mod obstacles_csv;
 mod opendrive;
 #[cfg(feature = "whole-file")]
 mod output;
-#[cfg(any(feature = "gltf", feature = "mjcf", feature = "sdf"))]
+#[cfg(any(feature = "gltf", feature = "mjcf", feature = "sdf", feature = "usd"))]
 mod places;
 pub mod ros_map;
 #[cfg(feature = "sdf")]
 mod sdf;
+#[cfg(feature = "usd")]
+mod usd;
 #[cfg(any(feature = "mjcf", feature = "opendrive", feature = "sdf"))]
 mod xml;
 
@@ -84,6 +86,17 @@ pub enum ExportError {
         path: PathBuf,
         /// The endings that exist.
         known: String,
+    },
+    /// The format is in another build of the crate.
+    #[error(
+        "`{path}` needs the feature `{feature}`, which this build of envgen does not have: \
+         `cargo install --path crates/envgen --features cli,{feature}`"
+    )]
+    Feature {
+        /// The file's name.
+        path: PathBuf,
+        /// The feature of the crate.
+        feature: &'static str,
     },
     /// Writing failed.
     #[error(transparent)]
@@ -224,24 +237,28 @@ impl<'a> Job<'a> {
 /// Writes one file of a format.
 pub type Writer = fn(&Job<'_>, &mut dyn Write) -> Result<(), ExportError>;
 
-/// One line per format: variant, what it is, and its files, each an ending and a writer.
+/// One line per format: feature that it needs, variant, what it is, and its files, each an ending and a writer.
 macro_rules! formats {
-    ($($(#[$when:meta])? $variant:ident, $doc:literal, [$($ending:literal => $writer:expr),+];)+) => {
+    ($($(#[cfg(feature = $feature:literal)])? $variant:ident, $doc:literal,
+        [$($ending:literal => $writer:expr),+];)+) => {
         /// A file format that worlds can be written in.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[non_exhaustive]
         pub enum Format {
-            $($(#[$when])? #[doc = $doc] $variant,)+
+            $($(#[cfg(feature = $feature)])? #[doc = $doc] $variant,)+
         }
+
+        /// The endings of each format and the feature that it needs, also of those that this build does not have.
+        const NEEDED: &[(&[&str], &[&str])] = &[$((&[$($ending),+], &[$($feature)?])),+];
 
         impl Format {
             /// Every format of this build.
-            pub const ALL: &'static [Format] = &[$($(#[$when])? Format::$variant),+];
+            pub const ALL: &'static [Format] = &[$($(#[cfg(feature = $feature)])? Format::$variant),+];
 
             /// What the format is, in one sentence.
             pub fn summary(self) -> &'static str {
                 match self {
-                    $($(#[$when])? Format::$variant => $doc.trim_ascii(),)+
+                    $($(#[cfg(feature = $feature)])? Format::$variant => $doc.trim_ascii(),)+
                 }
             }
 
@@ -249,7 +266,7 @@ macro_rules! formats {
             /// [`Format::from_path`] knows the format by.
             pub fn files(self) -> &'static [(&'static str, Writer)] {
                 match self {
-                    $($(#[$when])? Format::$variant => &[$(($ending, $writer as Writer)),+],)+
+                    $($(#[cfg(feature = $feature)])? Format::$variant => &[$(($ending, $writer as Writer)),+],)+
                 }
             }
         }
@@ -292,6 +309,9 @@ formats! {
     #[cfg(feature = "gltf")]
     Gltf, " The world in three dimensions as meshes in glTF 2.0, in one binary file.",
         ["glb" => |job, out| gltf::write(job.world, out)];
+    #[cfg(feature = "usd")]
+    Usd, " The world in three dimensions as Universal Scene Description, in text.",
+        ["usda" => |job, out| usd::write(job.world, out)];
     #[cfg(feature = "picture")]
     Svg, " A vector picture.",
         ["svg" => |job, out| Ok(crate::picture::write_svg(job.world, &job.picture, out)?)];
@@ -334,19 +354,25 @@ impl Format {
     /// The format selected by the ending of a file's name, in upper or lower case.
     ///
     /// # Errors
-    /// Lists the endings that exist.
+    /// Lists the endings that exist, or names the feature of the crate that the format needs.
     pub fn from_path(path: &Path) -> Result<Format, ExportError> {
         let name = path.file_name().map(|name| name.to_string_lossy().to_ascii_lowercase());
-        let known = || Format::ALL.iter().copied();
-        let ends = |format: &Format| {
-            let stem = name.as_ref()?.strip_suffix(format.ending())?.strip_suffix('.')?;
+        let ends = |ending: &str| {
+            let stem = name.as_ref()?.strip_suffix(ending)?.strip_suffix('.')?;
             (!stem.is_empty()).then_some(())
         };
         // Of two endings that match, such as `classes.png` and `png`, the longer one is meant.
-        let fitting = known().filter(|format| ends(format).is_some());
-        fitting.max_by_key(|format| format.ending().len()).ok_or_else(|| {
-            let known: Vec<_> = known().map(|format| format!(".{}", format.ending())).collect();
-            ExportError::UnknownEnding { path: path.to_owned(), known: known.join(", ") }
+        let fitting = NEEDED.iter().map(|(endings, features)| (endings[0], features));
+        let meant = fitting.filter(|(ending, _)| ends(ending).is_some());
+        let Some((ending, features)) = meant.max_by_key(|(ending, _)| ending.len()) else {
+            let known: Vec<_> = Format::ALL.iter().map(|format| format!(".{format}")).collect();
+            let known = known.join(", ");
+            return Err(ExportError::UnknownEnding { path: path.to_owned(), known });
+        };
+        let format = Format::ALL.iter().copied().find(|format| format.ending() == ending);
+        format.ok_or_else(|| ExportError::Feature {
+            path: path.to_owned(),
+            feature: features.first().copied().unwrap_or_default(),
         })
     }
 
@@ -379,6 +405,24 @@ mod tests {
                 assert_eq!(Format::from_path(Path::new(&name)).unwrap(), format);
             }
         }
+    }
+
+    #[test]
+    fn formats_of_other_builds_name_their_feature() {
+        for (endings, features) in NEEDED {
+            let name = format!("a.{}", endings[0]);
+            match Format::from_path(Path::new(&name)) {
+                Ok(format) => assert_eq!(format.ending(), endings[0]),
+                Err(error) => {
+                    let (error, feature) = (error.to_string(), features[0]);
+                    let expected = format!("`{name}` needs the feature `{feature}`");
+                    assert!(error.starts_with(&expected), "{error}");
+                    assert!(error.contains(&format!("--features cli,{feature}`")), "{error}");
+                }
+            }
+        }
+        let has_usd = Format::from_path(Path::new("a.usda")).is_ok();
+        assert_eq!(has_usd, cfg!(feature = "usd"));
     }
 
     #[test]

@@ -347,7 +347,8 @@ impl Properties {
     }
 }
 
-/// The triangles of a polygon with holes, counter-clockwise.
+/// The triangles of a polygon with holes, counter-clockwise. Not by `mesh::triangulate`: holes
+/// may touch the outline and each other, which it refuses.
 fn triangles(rings: &[Vec<DVec2>]) -> impl Iterator<Item = Shape> {
     let corners: Vec<DVec2> = rings.concat();
     let starts = rings.iter().scan(0, |next, ring| {

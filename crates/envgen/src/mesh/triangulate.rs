@@ -1,4 +1,8 @@
 //! Polygons into triangles.
+//!
+//! By `spade`, which keeps every corner and refuses outlines that touch themselves, since solids are to be closed. The
+//! reader of GeoJSON and the colliders of `bevy_envgen` use `earcut`, which leaves corners out and fills whatever it
+//! gets: rings may touch each other there, and outlines in single precision touch themselves.
 
 use glam::DVec2;
 use spade::handles::FixedVertexHandle;

@@ -1,3 +1,5 @@
+use proptest::prelude::*;
+
 use super::npy::tests::file;
 use super::*;
 use crate::import::{read_world, reader};
@@ -80,6 +82,9 @@ fn grid_file() -> Vec<u8> {
     array(12, 9, grid.filled().iter().map(|&filled| i64::from(filled)))
 }
 
+const COMPASS: [(i64, i64); 8] =
+    [(-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)];
+
 /// BARN's five metrics from their definition, step by step, as its code counts them.
 fn plain_metrics(grid: &BarnGrid, path: &[[u32; 2]]) -> [f64; 5] {
     let (rows, cols) = (grid.rows() as i64, grid.cols() as i64);
@@ -87,7 +92,6 @@ fn plain_metrics(grid: &BarnGrid, path: &[[u32; 2]]) -> [f64; 5] {
     let is_filled = |r: i64, c: i64| is_inside(r, c) && grid.filled()[(r * cols + c) as usize];
     let blocked =
         |r: i64, c: i64| (r - 2..=r + 2).any(|i| (c - 2..=c + 2).any(|j| is_filled(i, j)));
-    let compass = [(-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)];
     let length = |(dr, dc): (i64, i64)| ((dr * dr + dc * dc) as f64).sqrt();
     // The order in which the published code lists its rays.
     let rays = [
@@ -121,7 +125,7 @@ fn plain_metrics(grid: &BarnGrid, path: &[[u32; 2]]) -> [f64; 5] {
                 })
                 .count() as f64
         };
-        sums[1] += compass.iter().map(|&ray| free(ray, 0) * length(ray)).sum::<f64>() / 8.0;
+        sums[1] += COMPASS.iter().map(|&ray| free(ray, 0) * length(ray)).sum::<f64>() / 8.0;
         let meets = rays.map(|(dr, dc)| {
             let (mut i, mut j, mut count) = (r, c, 0);
             while count < 3 {
@@ -149,19 +153,67 @@ fn plain_metrics(grid: &BarnGrid, path: &[[u32; 2]]) -> [f64; 5] {
     [closest, visibility, dispersion, dimension, along / step(path[0], path[path.len() - 1])]
 }
 
-#[test]
-fn metrics_are_those_of_the_published_definition() {
-    let grid = grid();
-    let found = grid.metrics(&PATH, BarnMode::Reference).unwrap();
-    let found = [
+/// The five metrics in the order of the published code.
+fn metrics(grid: &BarnGrid, path: &[[u32; 2]]) -> [f64; 5] {
+    let found = grid.metrics(path, BarnMode::Reference).unwrap();
+    [
         found.closest_obstacle_cells.unwrap(),
         found.visibility_cells,
         found.dispersion,
         found.characteristic_dimension_cells,
         found.tortuosity.unwrap(),
+    ]
+}
+
+#[test]
+fn metrics_are_those_that_the_published_code_prints() {
+    // `DifficultyMetrics(c_space, path, 3).avg_all_metrics()` of BARN's difficulty_quant.py.
+    let published = [
+        1.7126903958192328,
+        3.631261020678228,
+        4.444444444444445,
+        2.7015231665538626,
+        1.1464084845302598,
     ];
-    for (found, expected) in found.into_iter().zip(plain_metrics(&grid, &PATH)) {
-        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    for found in [metrics(&grid(), &PATH), plain_metrics(&grid(), &PATH)] {
+        for (found, published) in found.into_iter().zip(published) {
+            assert!((found - published).abs() < 1e-12, "{found} {published}");
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn metrics_are_those_of_the_published_definition(
+        cols in 6_usize..31,
+        filled in proptest::collection::vec(0..100_u32, 36..900),
+        share in 1..8_u32,
+        steps in proptest::collection::vec(0..8_usize, 1..40),
+    ) {
+        let whole = filled.len() / cols * cols;
+        let grid = BarnGrid::new(cols, filled[..whole].iter().map(|&at| at < share).collect());
+        let Ok(grid) = grid else { return Ok(()) };
+        let blocked = grid.c_space();
+        let Some(first) = blocked.iter().position(|blocked| !blocked) else { return Ok(()) };
+        if !blocked.contains(&true) {
+            return Ok(());
+        }
+        // A walk over free cells.
+        let mut path = vec![[(first / cols) as u32, (first % cols) as u32]];
+        for step in steps {
+            let (dr, dc) = COMPASS[step];
+            let [r, c] = path[path.len() - 1].map(i64::from);
+            let (r, c) = (r + dr, c + dc);
+            let is_inside = r >= 0 && c >= 0 && r < grid.rows() as i64 && c < cols as i64;
+            if is_inside && !blocked[(r * cols as i64 + c) as usize] {
+                path.push([r as u32, c as u32]);
+            }
+        }
+        if path[0] != path[path.len() - 1] {
+            for (found, plain) in metrics(&grid, &path).into_iter().zip(plain_metrics(&grid, &path)) {
+                prop_assert!((found - plain).abs() < 1e-12, "{} {}", found, plain);
+            }
+        }
     }
 }
 
