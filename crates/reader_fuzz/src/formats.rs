@@ -292,7 +292,7 @@ fn survey_folder(file: &[u8]) -> Option<()> {
     SurveyFolder::open(folder.path(), SURVEY.as_ref()?, Shard::WHOLE).ok().map(drop)
 }
 
-/// A trial with a driver that writes the file, whatever it reads; whether the driver did not fail.
+/// A trial with a driver that writes the file, whatever it reads; whether its hello is accepted.
 fn driver(file: &[u8]) -> bool {
     static WORLD: LazyLock<World> = LazyLock::new(corpus::scenario_world);
     let settings = TrialSettings { time_limit: 1.0, ..Default::default() };
@@ -300,11 +300,12 @@ fn driver(file: &[u8]) -> bool {
     let driver = Driver::connect(std::io::sink(), output, Limits::default());
     let mut builder = Trial::builder(&WORLD, settings);
     let Ok(setup) = builder.setup() else { return false };
-    driver.greet(&Hello::new(&setup));
+    let is_greeted = driver.greet(&Hello::new(&setup)).is_some();
     let Ok(mut trial) = builder.parts(driver.parts()).build_flat() else { return false };
     while trial.step() {}
     driver.end(None);
-    driver.failure().is_none()
+    let _ = driver.failure();
+    is_greeted
 }
 
 fn log(mut file: &[u8]) -> bool {

@@ -15,7 +15,7 @@ use crate::geometry::{Rect, Shape};
 /// The greatest radius of a bubble, as a share of the disc's.
 const MOST: f64 = 0.5;
 
-/// The least radius of a bubble on the way up from an end, and of all others, as shares of the disc's. The
+/// The least radius of the bubbles that begin at an end, and of all others, as shares of the disc's. The
 /// claims of generators leave a fifth of half the width of hallways and roads.
 const LEAST: f64 = 1e-3;
 const SPARE: f64 = 0.05;
