@@ -3,8 +3,8 @@
 //! A generator writes its promises into [`World::certificate`]. [`verify`] checks them on the world
 //! alone: on the shapes of its solid parts, whatever the generator's own plan says. What a disc can
 //! reach is decided exactly, at a cost that depends on the world's parts and not on the disc's
-//! radius. Time and memory have limits: [`MAX_PIECES`], [`MAX_COMPARISONS`], [`MAX_SQUARES`] and
-//! [`MAX_BEND_POINTS`].
+//! radius. Time and memory have limits: [`MAX_PIECES`], [`MAX_COMPARISONS`],
+//! [`MAX_COMPARISONS_PER_PIECE`], [`MAX_BUBBLES`], [`MAX_SQUARES`] and [`MAX_BEND_POINTS`].
 
 mod bubbles;
 mod budget;
