@@ -30,6 +30,10 @@ use crate::exercise;
 /// Specs of more work than this are checked but not generated.
 const MOST_WORK: f64 = 3e4;
 
+/// Specs that may draw more cells than this in all their attempts, which takes seconds, are checked but not
+/// generated.
+const MOST_DRAWN: f64 = 2e7;
+
 /// Logs of more ticks than this are read but not replayed.
 const MOST_TICKS: u64 = 400;
 
@@ -123,7 +127,11 @@ fn generated(spec: &WorldSpec, file: &[u8]) -> bool {
     if spec.validate().is_err() {
         return false;
     }
-    if spec.work() > MOST_WORK {
+    let drawn = match spec {
+        WorldSpec::Cellular(field) => (field.rows * field.cols * field.attempts) as f64,
+        _ => 0.0,
+    };
+    if spec.work() > MOST_WORK || drawn > MOST_DRAWN {
         return true;
     }
     if let Ok(plan) = spec.generate(Seed(1)) {
