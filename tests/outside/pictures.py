@@ -1,6 +1,10 @@
-"""Judges pictures: an SVG looks the same in cairosvg as in envgen's own PNG."""
+"""Judges pictures: an SVG looks the same in cairosvg, and in Chromium where that is installed, as in envgen's
+own PNG."""
 
 import io
+import shutil
+import subprocess
+import tempfile
 from xml.etree import ElementTree
 
 import cairosvg
@@ -17,14 +21,24 @@ MEAN = 2
 SHARE, CLEAR = 0.005, 24
 
 
+CHROMIUM = shutil.which("chromium")
+
+
 def judge(world, report):
-    """Compares the two pictures of a world."""
+    """Compares the pictures of a world."""
     size = ElementTree.parse(world.path("svg")).getroot().attrib
+    size = round(float(size["width"])), round(float(size["height"]))
     ours = picture(world.path("png").read_bytes())
-    theirs = picture(cairosvg.svg2png(url=str(world.path("svg"))))
-    stated = round(float(size["width"])), round(float(size["height"]))
-    if not ours.size == theirs.size == stated:
-        report.complain(f"pictures of {ours.size} and {theirs.size} px, not {stated}")
+    compare("cairosvg", ours, cairosvg.svg2png(url=str(world.path("svg"))), size, report)
+    if CHROMIUM:
+        compare("Chromium", ours, in_chromium(world.path("svg"), size), size, report)
+
+
+def compare(renderer, ours, theirs, size, report):
+    """Compares a renderer's picture with envgen's own."""
+    theirs = picture(theirs)
+    if not ours.size == theirs.size == size:
+        report.complain(f"pictures of {ours.size} and {theirs.size} px, not {size}")
         return
     moves = [(x, y) for x in (0, -1, 1) for y in (0, -1, 1)]
     moved = (ImageChops.offset(theirs, *move) for move in moves)
@@ -32,9 +46,21 @@ def judge(world, report):
     mean, share = differences[0].mean(), (np.minimum.reduce(differences) > CLEAR).mean()
     if mean > MEAN or share > SHARE:
         report.complain(
-            f"pictures differ by {mean:.2f} greys, {100 * share:.2f} % clearly"
+            f"pictures differ in {renderer} by {mean:.2f} greys, {100 * share:.2f} % clearly"
         )
-    report.count("pictures in cairosvg and resvg")
+    report.count(f"pictures in {renderer} and resvg")
+
+
+def in_chromium(svg, size):
+    """A picture of a window of that size."""
+    with tempfile.TemporaryDirectory() as folder:
+        drawn = f"{folder}/drawn.png"
+        command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
+        command += [f"--user-data-dir={folder}/profile", f"--screenshot={drawn}"]
+        command += ["--window-size={},{}".format(*size), svg.resolve().as_uri()]
+        subprocess.run(command, check=True, capture_output=True, timeout=120)
+        with open(drawn, "rb") as file:
+            return file.read()
 
 
 def picture(png):

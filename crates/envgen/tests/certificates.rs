@@ -15,7 +15,7 @@ fn random_specs_make_worlds_whose_promises_hold() {
     let (mut worlds, mut promises) = (0, 0);
     for index in 0..75 {
         let kind = WorldKind::ALL[index as usize % WorldKind::ALL.len()];
-        let spec = random_spec::random_spec(kind, index);
+        let spec = random_spec::random_spec(kind, index, random_spec::MAX_COST);
         let Ok(blueprint) = spec.generate(Seed(index)) else { continue };
         let world = blueprint.to_world();
         assert_eq!(world.check(), Ok(()), "{index}: {spec:?}");
@@ -34,7 +34,7 @@ fn worlds_of_many_small_pieces_are_decided() {
     for (kind, index) in
         [(WorldKind::Road, 6582), (WorldKind::Road, 7952), (WorldKind::Hallway, 7185)]
     {
-        let spec = random_spec::random_spec(kind, index);
+        let spec = random_spec::random_spec(kind, index, random_spec::MAX_COST);
         let world = spec.generate(Seed(index)).unwrap().to_world();
         for (claim, verdict) in verify(&world) {
             assert_eq!(verdict, Verdict::Holds, "{index}: {claim}");

@@ -66,7 +66,7 @@ proptest! {
         field_of_view in prop_oneof![Just(std::f64::consts::TAU), 0.05..6.2_f64],
         max_range in 0.5..30.0_f64,
     ) {
-        let spec = random_spec::random_spec(kind, seed);
+        let spec = random_spec::random_spec(kind, seed, random_spec::MAX_COST);
         let Ok(blueprint) = spec.generate(Seed(seed)) else { return Ok(()) };
         let world = blueprint.to_world();
         let platform = Platform {

@@ -245,6 +245,13 @@ mod tests {
     }
 
     #[test]
+    fn no_two_meanings_have_one_colour() {
+        for (i, (color, name)) in LEGEND.iter().enumerate() {
+            assert!(LEGEND[..i].iter().all(|(other, _)| other != color), "{name}");
+        }
+    }
+
+    #[test]
     fn the_perfect_map_has_no_errors_and_the_empty_one_nothing_right() {
         let truth = truth();
         let area = truth.frame().area();

@@ -1,5 +1,8 @@
 //! The files that mutations start from, all small and generated here.
 
+use std::ops::ControlFlow;
+use std::path::Path;
+
 use envgen::cellular::CellularSpec;
 use envgen::certificate::Claim;
 use envgen::export::{Format, Job};
@@ -10,13 +13,23 @@ use envgen::hallway::HallwaySpec;
 use envgen::indoor::{Catalogue, IndoorSpec, room_to_ron};
 use envgen::landscape::LandscapeSpec;
 use envgen::road::RoadSpec;
+use envgen::scenario::{Scenario, ScenarioSpec};
 use envgen::world::{
     ClassRaster, Contents, Doorway, Extent, Obstacle, ObstacleKind, Room, Surface, SurfaceKind,
     Tree, Wall, WallKind,
 };
-use envgen::{Provenance, Seed, World, WorldBlueprint, WorldKind, WorldSpec};
+use envgen::{Blueprint, Provenance, Seed, Spec, World, WorldBlueprint, WorldKind, WorldSpec};
+use mapping_trial::difficulty::levers::LeverDesign;
+use mapping_trial::difficulty::{Anchors, AtlasDesign, Panel};
+use mapping_trial::driver::PROTOCOL;
+use mapping_trial::experiment::Shard;
+use mapping_trial::experiment::survey::{Survey, SurveyFolder};
 use mapping_trial::trial::{Trial, TrialSettings};
+use mapping_trial::tum;
 use serde::de::DeserializeOwned;
+
+/// The description and the trials in the folder of a survey.
+pub const SURVEY_FILES: [&str; 2] = ["survey.json", "trials.jsonl"];
 
 /// Files of a format.
 pub type Corpus = Vec<Vec<u8>>;
@@ -394,4 +407,107 @@ pub fn trial_log() -> Corpus {
         }
     }
     files
+}
+
+/// The world that scenarios are for.
+pub fn scenario_world() -> World {
+    let spec = IndoorSpec { width: 6, height: 6, ..Default::default() };
+    spec.generate(Seed(3)).map_or_else(|_| every_part(), |plan| plan.to_world())
+}
+
+/// Scenarios as RON.
+pub fn scenario_ron() -> Corpus {
+    let world = scenario_world();
+    let spec = ScenarioSpec { doors: 0.7, people: 3, smoke: 0.3, ..Default::default() };
+    let drawn = (0..2).filter_map(|seed| Scenario::new(&world, &spec, Seed(seed)).ok());
+    drawn.filter_map(|scenario| scenario.to_ron().ok()).map(String::into_bytes).collect()
+}
+
+/// Trajectories in the format of TUM.
+pub fn tum() -> Corpus {
+    let poses = (0..20).map(|i| {
+        let time = 0.5 * f64::from(i);
+        tum::TimedPose { time, pose: Pose::new(0.2 * time, 1.0 - 0.1 * time, 0.3 * time) }
+    });
+    let mut file = Vec::new();
+    let written = tum::write(poses, &mut file);
+    let by_hand = "# time x y z qx qy qz qw\n1,0,0,0,0,0,0,1\n2.5 1e1 -3 0.5 0.1 0.2 0.3 0.9\n";
+    written.map(|()| file).into_iter().chain([by_hand.into()]).collect()
+}
+
+/// Surveys as RON.
+pub fn survey_ron() -> Corpus {
+    let short = "(families: [(name: \"a\", spec: Hallway(segments: 9), maps: 3, first_seed: 7), \
+                 (name: \"b\", spec: Forest(), maps: 2)], conditions: [(name: \"c\", \
+                 time_per_area: 2, odometry: \"poor\"), (name: \"d\", slam: pose_graph)], \
+                 noise_seeds: 3)";
+    vec![short.into(), include_bytes!("../../../assets/surveys/lost.survey.ron").to_vec()]
+}
+
+/// As the readers of surveys expect it.
+fn as_ron(value: &impl serde::Serialize) -> Option<Vec<u8>> {
+    use ron::extensions::Extensions;
+    let extensions = Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME;
+    let options = ron::Options::default().with_default_extension(extensions);
+    options.to_string(value).map(String::into_bytes).ok()
+}
+
+/// Panels, anchors, levers and designs of atlases as RON.
+pub fn difficulty_ron() -> Corpus {
+    let (panel, anchors) = (Panel::reference(), Anchors::first());
+    let designs = WorldKind::ALL.iter().filter_map(|&kind| AtlasDesign::of(kind));
+    let designs = designs.map(|design| as_ron(&design));
+    let others = [as_ron(&panel), as_ron(&anchors), as_ron(&LeverDesign::first())];
+    designs.chain(others).flatten().collect()
+}
+
+/// Two files in one, apart by an empty line.
+fn joined(folder: &Path, names: [&str; 2]) -> std::io::Result<Vec<u8>> {
+    let [head, lines] = names.map(|name| std::fs::read(folder.join(name)));
+    Ok([head?.trim_ascii_end(), b"\n\n", &lines?].concat())
+}
+
+/// The survey of which [`survey_folder`] holds the trials.
+pub fn short_survey() -> Option<Survey> {
+    let text = "(families: [(name: \"a\", spec: Hallway(segments: 3), maps: 2)], \
+                conditions: [(name: \"c\", time_limit: 1)], noise_seeds: 2)";
+    Survey::from_ron(text).ok()
+}
+
+/// Folders of surveys: the description and the trials.
+pub fn survey_folder() -> Corpus {
+    let (Some(survey), Ok(folder)) = (short_survey(), tempfile::tempdir()) else {
+        return Vec::new();
+    };
+    let Ok(mut open) = SurveyFolder::open(folder.path(), &survey, Shard::WHOLE) else {
+        return Vec::new();
+    };
+    let ended = open.run(1, &|_| ControlFlow::Continue(()));
+    ended.ok().and_then(|_| joined(folder.path(), SURVEY_FILES).ok()).into_iter().collect()
+}
+
+/// Reports of trials.
+pub fn report_json() -> Corpus {
+    let mut files = Vec::new();
+    for world in worlds().iter().take(2) {
+        let settings = TrialSettings { time_limit: 2.0, ..Default::default() };
+        let Ok(mut trial) = Trial::flat(world, settings) else { continue };
+        while trial.step() {}
+        let Ok(truth) = trial.reference(world) else { continue };
+        let report = trial.report(world, &truth).ok();
+        files.extend(report.and_then(|report| serde_json::to_vec_pretty(&report).ok()));
+    }
+    files
+}
+
+/// What a driver that estimates no poses writes, and what one that does.
+pub fn driver() -> Corpus {
+    let hello =
+        |slam| format!("{{\"protocol\": \"{PROTOCOL}\", \"name\": \"a\", \"slam\": {slam}}}\n");
+    let drive = "{\"speed\": 0.3, \"turn_rate\": -0.1}\n".repeat(60);
+    let without = hello(false) + &drive + "{\"speed\": 0, \"turn_rate\": 0, \"want\": [\"map\"]}\n";
+    let map = "{\"speed\": 0.1, \"turn_rate\": 0, \"pose\": [1, 2, 0.5], \"map\": {\"resolution\": 0.1, \
+               \"origin\": [0, 0], \"cols\": 3, \"rows\": 2, \"cells\": \"AGQBZAAB\"}}\n";
+    let with = hello(true) + map + "{\"finished\": true}\n";
+    vec![without.into_bytes(), with.into_bytes()]
 }

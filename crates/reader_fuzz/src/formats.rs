@@ -1,7 +1,9 @@
 //! The formats: each with a corpus and a function that reads a file and uses what it holds.
 
 use std::path::Path;
+use std::sync::LazyLock;
 
+use envgen::geometry::Pose;
 use envgen::import::barn::read_path;
 use envgen::import::ros_map::{RosDescription, RosMode, UnknownCells};
 use envgen::import::{
@@ -9,15 +11,28 @@ use envgen::import::{
     read_world_generator_project, reader,
 };
 use envgen::indoor::{Catalogue, IndoorSpec, room_from_ron};
+use envgen::scenario::{Scenario, ScenarioState};
 use envgen::{Blueprint, Seed, World, WorldKind, WorldSpec};
+use mapping_trial::difficulty::levers::LeverDesign;
+use mapping_trial::difficulty::{Anchors, AtlasDesign, Panel};
+use mapping_trial::driver::{Driver, Hello, Limits};
+use mapping_trial::experiment::Shard;
+use mapping_trial::experiment::survey::{MAX_SURVEY_TRIALS, Survey, SurveyFolder};
+use mapping_trial::map::OccupancyMap;
 use mapping_trial::robot::Robot;
-use mapping_trial::trial::TrialLog;
+use mapping_trial::score::{TrajectoryPair, alignment};
+use mapping_trial::trial::{Trial, TrialLog, TrialReport, TrialSettings};
+use mapping_trial::tum;
 
 use crate::corpus::{self, Corpus};
 use crate::exercise;
 
 /// Specs of more work than this are checked but not generated.
 const MOST_WORK: f64 = 3e4;
+
+/// Specs that may draw more cells than this in all their attempts, which takes seconds, are checked but not
+/// generated.
+const MOST_DRAWN: f64 = 2e7;
 
 /// Logs of more ticks than this are read but not replayed.
 const MOST_TICKS: u64 = 400;
@@ -76,6 +91,13 @@ formats! {
     barn_world "world" |file| world("a.world", file);
     barn_grid "npy" |file| world("a.npy", file);
     barn_path "npy" |mut file| read_path(&mut file).is_ok();
+    scenario_ron "ron" |file| text(file).is_some_and(scenario);
+    tum "tum" |file| text(file).is_some_and(trajectory);
+    survey_ron "ron" |file| text(file).is_some_and(survey);
+    difficulty_ron "ron" |file| text(file).is_some_and(difficulty);
+    survey_folder "txt" |file| survey_folder(file).is_some();
+    report_json "json" |file| serde_json::from_slice::<TrialReport>(file).is_ok();
+    driver "txt" |file| driver(file);
     robot_ron "ron" |file| text(file).is_some_and(|text| Robot::from_ron(text).is_ok());
     trial_log "json" |file| log(file);
 }
@@ -105,7 +127,11 @@ fn generated(spec: &WorldSpec, file: &[u8]) -> bool {
     if spec.validate().is_err() {
         return false;
     }
-    if spec.work() > MOST_WORK {
+    let drawn = match spec {
+        WorldSpec::Cellular(field) => (field.rows * field.cols * field.attempts) as f64,
+        _ => 0.0,
+    };
+    if spec.work() > MOST_WORK || drawn > MOST_DRAWN {
         return true;
     }
     if let Ok(plan) = spec.generate(Seed(1)) {
@@ -156,6 +182,7 @@ fn grey_image(file: &[u8]) -> bool {
         };
         if let Ok(map) = description.map(file) {
             read = true;
+            let _ = OccupancyMap::from_ros_map(&map, Pose::new(1.0, -2.0, 0.7));
             let world = map.to_world(UnknownCells::Solid);
             if world.check().is_ok() {
                 used(&world, file);
@@ -170,6 +197,7 @@ fn description(text: &str, file: &[u8]) -> bool {
     for image in corpus::pgm() {
         for unknown in [UnknownCells::Solid, UnknownCells::Free] {
             let Ok(map) = description.map(&image) else { continue };
+            let _ = OccupancyMap::from_ros_map(&map, Pose::default());
             let world = map.to_world(unknown);
             if world.check().is_ok() {
                 used(&world, file);
@@ -187,6 +215,105 @@ fn project(mut file: &[u8]) -> bool {
         assert_eq!(world.check(), Ok(()), "the world of a project is whole");
         used(&world, bytes)
     })
+}
+
+/// Ticks of 0.1 s in which the doors, people and smoke of a scenario move.
+const SCENARIO_TICKS: usize = 20;
+
+fn scenario(text: &str) -> bool {
+    static WORLD: LazyLock<World> = LazyLock::new(corpus::scenario_world);
+    let Ok(scenario) = Scenario::from_ron(text) else { return false };
+    let Ok(mut state) = ScenarioState::new(&WORLD, &scenario) else { return false };
+    let _ = scenario.with_open_doors(&WORLD);
+    let digest = state.digest();
+    for _ in 0..SCENARIO_TICKS {
+        if state.step(0.1, &[]).is_err() {
+            break;
+        }
+    }
+    let _ = (state.bodies(&WORLD), state.digest());
+    assert!(state.restarted().digest() == digest, "a restarted scenario is as it was");
+    true
+}
+
+fn trajectory(text: &str) -> bool {
+    let Ok(poses) = tum::read(text) else { return false };
+    let times = poses.iter().map(|pose| pose.time + 0.05);
+    let pairs = poses.iter().zip(tum::at_times(&poses, times));
+    let (truth, estimated): (Vec<_>, Vec<_>) =
+        pairs.filter_map(|(pose, at)| Some((pose.pose, at?))).unzip();
+    let _ = alignment(&TrajectoryPair { truth: &truth, estimated: &estimated });
+    let _ = tum::write(poses.iter().copied(), &mut std::io::sink());
+    true
+}
+
+/// Families of more worlds than this are checked but not listed.
+const MOST_MAPS: u64 = 10_000;
+
+fn survey(text: &str) -> bool {
+    Survey::from_ron(text).is_ok_and(|survey| listed(&survey))
+}
+
+fn listed(survey: &Survey) -> bool {
+    if survey.validate().is_ok() && survey.trials() < MOST_MAPS {
+        let _ = survey.maps().count();
+    }
+    true
+}
+
+fn difficulty(text: &str) -> bool {
+    let panel = Panel::reference();
+    if let Ok(mut panel) = Panel::from_ron(text) {
+        panel.drop_repeated();
+        return true;
+    }
+    if let Ok(anchors) = Anchors::from_ron(text) {
+        let _ = anchors.scale(&panel, &[]);
+        return listed(&anchors.survey(&panel, 2));
+    }
+    if let Ok(levers) = LeverDesign::from_ron(text) {
+        return levers.survey().is_ok_and(|survey| listed(&survey));
+    }
+    let Ok(design) = AtlasDesign::from_ron(text) else { return false };
+    let maps: u64 = match &design {
+        AtlasDesign::Indoor { sizes, .. } => sizes.iter().map(|size| u64::from(size.maps)).sum(),
+        AtlasDesign::Drawn { maps, .. } => u64::from(*maps),
+    };
+    // More than a survey may have are refused at once; below that each is drawn.
+    let is_quick = maps <= MOST_MAPS || maps > MAX_SURVEY_TRIALS;
+    !is_quick || design.survey(&panel).is_ok_and(|survey| listed(&survey))
+}
+
+/// A folder with two files; `None` where they cannot be written.
+fn folder(file: &[u8], names: [&str; 2]) -> Option<tempfile::TempDir> {
+    let folder = tempfile::tempdir().ok()?;
+    let end = file.windows(2).position(|pair| pair == b"\n\n").unwrap_or(file.len());
+    let (head, lines) = file.split_at(end);
+    std::fs::write(folder.path().join(names[0]), head).ok()?;
+    std::fs::write(folder.path().join(names[1]), lines.get(2..).unwrap_or_default()).ok()?;
+    Some(folder)
+}
+
+fn survey_folder(file: &[u8]) -> Option<()> {
+    static SURVEY: LazyLock<Option<Survey>> = LazyLock::new(corpus::short_survey);
+    let folder = folder(file, corpus::SURVEY_FILES)?;
+    SurveyFolder::open(folder.path(), SURVEY.as_ref()?, Shard::WHOLE).ok().map(drop)
+}
+
+/// A trial with a driver that writes the file, whatever it reads; whether its hello is accepted.
+fn driver(file: &[u8]) -> bool {
+    static WORLD: LazyLock<World> = LazyLock::new(corpus::scenario_world);
+    let settings = TrialSettings { time_limit: 1.0, ..Default::default() };
+    let output = std::io::Cursor::new(file.to_vec());
+    let driver = Driver::connect(std::io::sink(), output, Limits::default());
+    let mut builder = Trial::builder(&WORLD, settings);
+    let Ok(setup) = builder.setup() else { return false };
+    let is_greeted = driver.greet(&Hello::new(&setup)).is_some();
+    let Ok(mut trial) = builder.parts(driver.parts()).build_flat() else { return false };
+    while trial.step() {}
+    driver.end(None);
+    let _ = driver.failure();
+    is_greeted
 }
 
 fn log(mut file: &[u8]) -> bool {

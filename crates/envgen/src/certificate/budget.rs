@@ -11,8 +11,15 @@ pub const MAX_PIECES: usize = 1 << 23;
 /// a few seconds.
 pub const MAX_COMPARISONS: u64 = 1 << 29;
 
+/// The most comparisons per piece where this is more in all, as in long hallways and large buildings: a minute
+/// per million pieces.
+pub const MAX_COMPARISONS_PER_PIECE: u64 = 1 << 14;
+
 /// The most squares into which free space is divided to find its places: 8 bytes each.
 pub const MAX_SQUARES: usize = 1 << 25;
+
+/// The most discs of free space that are joined to a path: about 200 bytes each.
+pub const MAX_BUBBLES: usize = 1 << 21;
 
 /// The most points of its roads at which a world's bends are measured.
 pub const MAX_BEND_POINTS: u64 = 1 << 23;
@@ -40,7 +47,10 @@ impl fmt::Display for Doubt {
         match self {
             Doubt::TooClose => f.write_str("a gap is as wide as the robot, up to rounding"),
             Doubt::Pieces => write!(f, "the world has more than {MAX_PIECES} convex pieces"),
-            Doubt::Comparisons => write!(f, "the budget of {MAX_COMPARISONS} comparisons is spent"),
+            Doubt::Comparisons => write!(
+                f,
+                "the budget of {MAX_COMPARISONS} comparisons, or {MAX_COMPARISONS_PER_PIECE} per piece, is spent"
+            ),
             Doubt::Squares => {
                 write!(f, "the budget of {MAX_SQUARES} squares of free space is spent")
             }
@@ -58,6 +68,12 @@ pub(super) struct Budget(u64);
 impl Budget {
     pub(super) fn new(comparisons: u64) -> Self {
         Budget(comparisons)
+    }
+
+    /// Adds what a claim about a world of so many pieces may cost more than [`MAX_COMPARISONS`].
+    pub(super) fn grow(&mut self, pieces: usize) {
+        let all = MAX_COMPARISONS_PER_PIECE * pieces as u64;
+        self.0 += all.saturating_sub(MAX_COMPARISONS);
     }
 
     /// Splits off half of what is left.

@@ -71,6 +71,28 @@ impl Pieces {
         Ok(if least <= self.wanted { least } else { f64::INFINITY })
     }
 
+    /// The pieces within reach of a rectangle, and some more.
+    pub(super) fn near(&self, around: Rect, budget: &mut Budget) -> Result<Vec<Piece>, Doubt> {
+        if self.wanted > self.reach {
+            budget.spend(self.list.len() as u64)?;
+            return Ok(self.list.clone());
+        }
+        let mut numbers = Vec::new();
+        let frame = self.index.frame;
+        frame.touched_runs(
+            &Convex::Polygon(&Shape::from_rect(around).corners()),
+            |row, from, to| {
+                for cell in frame.index(from, row)..=frame.index(to, row) {
+                    numbers.extend_from_slice(self.index.of(cell));
+                }
+            },
+        );
+        numbers.sort_unstable();
+        numbers.dedup();
+        budget.spend(numbers.len() as u64)?;
+        Ok(numbers.into_iter().map(|i| self.list[i as usize]).collect())
+    }
+
     /// Calls `visit` for every pair of pieces at most `distance` apart, which is twice the reach or
     /// less, until `visit` returns true.
     pub(super) fn pairs(

@@ -8,10 +8,12 @@ use glam::DVec2;
 use super::budget::{Budget, Doubt, MAX_COMPARISONS};
 use super::disc_path::{Barriers, Nearer};
 use super::outlines::Outlines;
+use super::piece::Piece;
 use super::piece_index::Pieces;
 use super::squares::{Square, Squares};
 use crate::geometry::{Rect, Shape};
-use crate::world::{SurfaceKind, World};
+use crate::grid::{GridFrame, index_area};
+use crate::world::{Surface, SurfaceKind, World};
 
 /// A place on a floor counts where a disc has this much clearance to spare on every side, in metres.
 /// Narrower places, such as the gap between two chairs, are not part of a room.
@@ -24,25 +26,40 @@ const ALIKE: f64 = 1e-4;
 /// hallways and open areas where it has [`PLACE_MARGIN`] to spare, and into every room. It does not
 /// drive on surfaces of speed 0.
 ///
-/// Squares of free space show all places, and for nearly every one of them that it can be reached. For
-/// the others [`Barriers`] decide.
+/// Squares of free space on one floor after the other show all places; [`Barriers`] decide whether those of
+/// one floor, and of floors beside each other, are joined.
 pub(super) fn every_place_reachable(
     world: &World,
     radius: f64,
     budget: &mut Budget,
 ) -> Result<bool, Doubt> {
     let Some(ground) = Ground::new(world, radius, budget)? else { return Ok(false) };
+    budget.grow(ground.pieces.list().len());
     let space = ground.space();
-    let mut survey = Survey::new(&space, &ground.squares, ground.start);
-    for floor in floors(world) {
-        survey.find_places(floor, budget)?;
-    }
-    for room in &world.rooms {
-        if !survey.has_place(&room.shape)? && !survey.find_any(&room.shape, budget)? {
+    let mut places = Places::new(&space, ground.start);
+    let rooms = world.rooms.iter().map(|room| (&room.shape, true));
+    for (floor, is_room) in along(rooms.chain(halls(world).map(|hall| (hall, false))).collect()) {
+        let is_found = places.find(floor, budget)?;
+        // Into a room too narrow for places with the margin the disc has to get all the same.
+        if is_room && !is_found && !places.find_any(floor, budget)? {
             return Ok(false);
         }
     }
-    ground.barriers().join(&survey.lines, budget)
+    ground.barriers().join(&places.lines, budget)
+}
+
+/// Floors in such an order that most are near the one before: in rows, to the east and to the west in turn.
+fn along(mut floors: Vec<(&Shape, bool)>) -> Vec<(&Shape, bool)> {
+    let middle = |floor: &Shape| floor.bounds().center();
+    let Some(around) = Rect::around(floors.iter().map(|(floor, _)| middle(floor))) else {
+        return floors;
+    };
+    let frame = GridFrame::over(index_area(Some(around), 0.0), floors.len() as f64);
+    floors.sort_by_cached_key(|(floor, _)| {
+        let (col, row) = frame.cell_at(middle(floor)).unwrap_or_default();
+        (row, if row % 2 == 0 { col } else { frame.cols - col })
+    });
+    floors
 }
 
 /// The places that a disc cannot reach from a world's start.
@@ -78,18 +95,24 @@ pub struct Unreached {
 pub fn unreached(world: &World, radius: f64) -> Result<Option<Unreached>, Doubt> {
     let budget = &mut Budget::new(MAX_COMPARISONS);
     let Some(ground) = Ground::new(world, radius, budget)? else { return Ok(None) };
-    let (space, squares, barriers) = (ground.space(), &ground.squares, ground.barriers());
+    let (space, barriers) = (ground.space(), ground.barriers());
+    // Connections through other ground are left to the barriers.
+    let around = floors(world).map(Shape::bounds).reduce(Rect::union).unwrap_or(ground.area);
+    let around = around.union(Rect::new(ground.start, ground.start));
+    let squares = &space.squares(around, ground.pieces.list(), budget)?;
     let everything = [Shape::from_rect(world.bounds)];
     let has_floors = floors(world).next().is_some();
     let all: Vec<&Shape> =
         if has_floors { floors(world).collect() } else { everything.iter().collect() };
-    let mut survey = Survey::new(&space, squares, ground.start);
+    let home = squares.at(ground.start).map(|square| squares.region(square));
+    // Regions that the start reaches.
+    let mut reached: BTreeSet<usize> = home.into_iter().collect();
     // Squares by region and node: floors may overlap.
     let mut others: BTreeMap<usize, BTreeMap<usize, Square>> = BTreeMap::new();
     for floor in all {
         squares.over(floor, |square| {
             let region = squares.region(square);
-            if square.is_wide && Some(region) != survey.home {
+            if square.is_wide && Some(region) != home {
                 others.entry(region).or_default().insert(square.node, square);
             }
             budget.spend(1)
@@ -107,19 +130,25 @@ pub fn unreached(world: &World, radius: f64) -> Result<Option<Unreached>, Doubt>
         }
         let Some(place) = place else { continue };
         if barriers.join(&[[ground.start, place]], budget)? {
-            survey.reached.insert(region);
+            reached.insert(region);
         } else {
             let square = |part: &Square| Rect::new(part.middle, part.middle).grown(part.half);
             found.squares.extend(parts.values().map(square));
         }
     }
     for (i, room) in world.rooms.iter().enumerate() {
-        if survey.has_place(&room.shape)? {
+        let mut has_place = false;
+        squares.over(&room.shape, |square| {
+            has_place |= room.shape.distance(square.middle) <= square.half
+                && reached.contains(&squares.region(square));
+            Ok(())
+        })?;
+        if has_place {
             continue;
         }
-        survey.lines.clear();
-        let is_roomy = survey.find_any(&room.shape, budget)?;
-        if !(is_roomy && barriers.join(&survey.lines, budget)?) {
+        let place = space.find_any(&room.shape, budget)?;
+        let is_reached = |place| barriers.join(&[[ground.start, place]], budget);
+        if !place.map_or(Ok(false), is_reached)? {
             found.rooms.push(i as u32);
         }
     }
@@ -130,7 +159,6 @@ pub fn unreached(world: &World, radius: f64) -> Result<Option<Unreached>, Doubt>
 struct Ground<'a> {
     pieces: Pieces,
     outlines: Outlines<'a>,
-    squares: Squares,
     area: Rect,
     start: DVec2,
     radius: f64,
@@ -150,12 +178,7 @@ impl<'a> Ground<'a> {
             Nearer::Perhaps => return Err(Doubt::TooClose),
             Nearer::No => {}
         }
-        // Connections through other ground are left to the barriers.
-        let around = floors(world).map(Shape::bounds).reduce(Rect::union).unwrap_or(area);
-        let around = around.union(Rect::new(start, start)).grown(PLACE_MARGIN);
-        let around = Rect::new(around.min.max(area.min), around.max.min(area.max));
-        let squares = Squares::new(pieces.list(), around, radius, PLACE_MARGIN, budget)?;
-        Ok(Some(Ground { pieces, outlines, squares, area, start, radius }))
+        Ok(Some(Ground { pieces, outlines, area, start, radius }))
     }
 
     fn space(&self) -> Space<'_> {
@@ -174,11 +197,12 @@ fn barriers(world: &World) -> impl Iterator<Item = Cow<'_, Shape>> {
 }
 
 fn floors(world: &World) -> impl Iterator<Item = &Shape> {
-    let halls = world
-        .surfaces
-        .iter()
-        .filter(|s| matches!(s.kind, SurfaceKind::Hallway | SurfaceKind::OpenArea));
-    world.rooms.iter().map(|room| &room.shape).chain(halls.map(|surface| &surface.shape))
+    world.rooms.iter().map(|room| &room.shape).chain(halls(world))
+}
+
+fn halls(world: &World) -> impl Iterator<Item = &Shape> {
+    let is_hall = |s: &&Surface| matches!(s.kind, SurfaceKind::Hallway | SurfaceKind::OpenArea);
+    world.surfaces.iter().filter(is_hall).map(|surface| &surface.shape)
 }
 
 /// Where a disc can be.
@@ -190,6 +214,18 @@ struct Space<'a> {
 }
 
 impl Space<'_> {
+    /// The free space in a rectangle and [`PLACE_MARGIN`] around it, where only `pieces` are near.
+    fn squares(
+        &self,
+        around: Rect,
+        pieces: &[Piece],
+        budget: &mut Budget,
+    ) -> Result<Squares, Doubt> {
+        let around = around.grown(PLACE_MARGIN);
+        let around = Rect::new(around.min.max(self.area.min), around.max.min(self.area.max));
+        Squares::new(pieces, around, self.radius, PLACE_MARGIN, budget)
+    }
+
     /// Distance to what blocks the disc's middle, as far as the pieces are indexed; the outside of the
     /// area counts as a piece one radius beyond its sides.
     fn clearance(&self, p: DVec2, budget: &mut Budget) -> Result<f64, Doubt> {
@@ -198,6 +234,13 @@ impl Space<'_> {
         }
         let sides = (p - self.area.min).min(self.area.max - p).min_element();
         Ok(self.pieces.clearance(p, budget)?.min(sides + self.radius))
+    }
+
+    /// Some point of a room where the disc just fits.
+    fn find_any(&self, room: &Shape, budget: &mut Budget) -> Result<Option<DVec2>, Doubt> {
+        let bounds = room.bounds();
+        let (middle, half) = (bounds.center(), 0.5 * bounds.size().max_element());
+        self.find(room, middle, half, self.radius + ALIKE, budget)
     }
 
     /// A point of a floor inside a square with a clearance of `least`, searched in the order of falling
@@ -239,71 +282,59 @@ impl Space<'_> {
     }
 }
 
-/// The places found, and which of them are known to be reachable.
-struct Survey<'a> {
+/// The places found, in the order of the floors.
+struct Places<'a> {
     space: &'a Space<'a>,
-    squares: &'a Squares,
-    start: DVec2,
-    /// Regions of squares that the start reaches: its own, and those of the lines.
-    reached: BTreeSet<usize>,
-    /// The start's region.
-    home: Option<usize>,
-    /// From reached places to places that are still to be shown reachable.
+    /// The place found last.
+    last: DVec2,
+    /// From every place to the next, the start first.
     lines: Vec<[DVec2; 2]>,
 }
 
-impl<'a> Survey<'a> {
-    fn new(space: &'a Space<'a>, squares: &'a Squares, start: DVec2) -> Self {
-        let home = squares.at(start).map(|square| squares.region(square));
-        let reached = home.into_iter().collect();
-        Survey { space, squares, start, reached, home, lines: Vec::new() }
+impl<'a> Places<'a> {
+    fn new(space: &'a Space<'a>, start: DVec2) -> Self {
+        Places { space, last: start, lines: Vec::new() }
     }
 
-    /// Adds a line to each place on a floor that no region of the start's holds.
-    fn find_places(&mut self, floor: &Shape, budget: &mut Budget) -> Result<(), Doubt> {
-        let (squares, mut near) = (self.squares, self.start);
-        let mut others: BTreeMap<usize, Vec<Square>> = BTreeMap::new();
+    /// Adds a place of a floor in every region of its squares that has one; whether there is any.
+    fn find(&mut self, floor: &Shape, budget: &mut Budget) -> Result<bool, Doubt> {
+        let Space { pieces, area, radius, .. } = *self.space;
+        let around = floor.bounds();
+        let near = pieces.near(around.grown(PLACE_MARGIN), budget)?;
+        if !around.overlaps(area) {
+            return Ok(false);
+        }
+        let squares = self.space.squares(around, &near, budget)?;
+        let mut regions: BTreeMap<usize, Vec<Square>> = BTreeMap::new();
         squares.over(floor, |square| {
-            let region = squares.region(square);
-            if Some(region) == self.home {
-                near = square.middle;
-            } else if square.is_wide && !self.reached.contains(&region) {
-                others.entry(region).or_default().push(square);
+            if square.is_wide {
+                regions.entry(squares.region(square)).or_default().push(square);
             }
             budget.spend(1)
         })?;
-        for (region, parts) in others {
-            for Square { middle, half, .. } in parts {
-                let least = self.space.radius + PLACE_MARGIN;
+        let before = self.lines.len();
+        for parts in regions.values() {
+            for &Square { middle, half, .. } in parts {
+                let least = radius + PLACE_MARGIN;
                 if let Some(place) = self.space.find(floor, middle, half, least, budget)? {
-                    self.lines.push([near, place]);
-                    self.reached.insert(region);
+                    self.add(place);
                     break;
                 }
             }
         }
-        Ok(())
+        Ok(self.lines.len() > before)
     }
 
-    /// Whether some region that is reached has a part of a room.
-    fn has_place(&self, room: &Shape) -> Result<bool, Doubt> {
-        let mut found = false;
-        self.squares.over(room, |square| {
-            found |= room.distance(square.middle) <= square.half
-                && self.reached.contains(&self.squares.region(square));
-            Ok(())
-        })?;
-        Ok(found)
-    }
-
-    /// Adds a line to some point of a room where the disc just fits; false where there is no such point.
+    /// Adds some point of a room where the disc just fits; false where there is no such point.
     fn find_any(&mut self, room: &Shape, budget: &mut Budget) -> Result<bool, Doubt> {
-        let bounds = room.bounds();
-        let (middle, half) = (bounds.center(), 0.5 * bounds.size().max_element());
-        let least = self.space.radius + ALIKE;
-        let place = self.space.find(room, middle, half, least, budget)?;
-        self.lines.extend(place.map(|place| [self.start, place]));
+        let place = self.space.find_any(room, budget)?;
+        place.into_iter().for_each(|place| self.add(place));
         Ok(place.is_some())
+    }
+
+    fn add(&mut self, place: DVec2) {
+        self.lines.push([self.last, place]);
+        self.last = place;
     }
 }
 

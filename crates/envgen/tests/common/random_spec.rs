@@ -5,7 +5,7 @@ use envgen::{Seed, Stream, WorldKind, WorldSpec};
 use serde_json::{Value, json};
 
 /// The most that making and checking a world may cost, so that it takes a fraction of a second.
-const MAX_COST: f64 = 3000.0;
+pub(crate) const MAX_COST: f64 = 3000.0;
 
 /// Settings of roads that are rarely drawn: hardly any seed has a road that meets them.
 const RARE: [&str; 4] = ["end_x", "end_y", "area", "closed"];
@@ -22,12 +22,12 @@ fn cost(spec: &WorldSpec) -> f64 {
     }
 }
 
-/// A valid spec of a kind: half of its settings drawn, the others at their defaults.
+/// A valid spec of a kind of at most a [cost](MAX_COST): half of its settings drawn, the others at their defaults.
 ///
 /// Numbers are uniform in their logarithm over the whole range that their setting allows, so that a
 /// millimetre is as common as a kilometre. Where settings do not go together, the one that the error
 /// names is drawn again or set to its default.
-pub(crate) fn random_spec(kind: WorldKind, seed: u64) -> WorldSpec {
+pub(crate) fn random_spec(kind: WorldKind, seed: u64, max_cost: f64) -> WorldSpec {
     for attempt in 0.. {
         let mut stream = Seed(seed).attempt(kind.name(), 0, attempt);
         let mut settings = kind.default_spec().settings_json();
@@ -44,7 +44,7 @@ pub(crate) fn random_spec(kind: WorldKind, seed: u64) -> WorldSpec {
                 settings[setting.name] = draw(setting, &settings, &mut heights);
             }
         }
-        if let Some(spec) = repaired(kind, settings, &mut stream) {
+        if let Some(spec) = repaired(kind, settings, max_cost, &mut stream) {
             return spec;
         }
     }
@@ -61,12 +61,17 @@ fn plane(kind: WorldKind) -> impl Iterator<Item = &'static Setting> {
     kind.settings().iter().filter(|setting| !is_height(setting))
 }
 
-fn repaired(kind: WorldKind, mut settings: Value, stream: &mut Stream) -> Option<WorldSpec> {
+fn repaired(
+    kind: WorldKind,
+    mut settings: Value,
+    max_cost: f64,
+    stream: &mut Stream,
+) -> Option<WorldSpec> {
     let defaults = kind.default_spec().settings_json();
     for _ in 0..60 {
         // What is too large is not worth the checks.
         let wrong = match spec_of(kind, &settings) {
-            Ok(spec) if cost(&spec) <= MAX_COST => match spec.validate() {
+            Ok(spec) if cost(&spec) <= max_cost => match spec.validate() {
                 Ok(()) => return Some(spec),
                 Err(error) => error.field,
             },

@@ -34,9 +34,11 @@ impl Anchors {
     /// Reads anchors from RON.
     ///
     /// # Errors
-    /// Line and column of a mistake.
+    /// Line and column of a mistake, or the first value that is not allowed.
     pub fn from_ron(text: &str) -> Result<Self, SurveyError> {
-        Ok(ron_options().from_str(text).map_err(Box::new)?)
+        let anchors: Anchors = ron_options().from_str(text).map_err(Box::new)?;
+        anchors.survey(&Panel::reference(), 1).validate()?;
+        Ok(anchors)
     }
 
     /// The survey of the anchors under a panel; the easy worlds come first.
@@ -54,10 +56,10 @@ impl Anchors {
         panel: &Panel,
         records: impl IntoIterator<Item = &'a Record>,
     ) -> Result<Scale, MeasureError> {
-        let easy: u32 = self.easy.iter().map(|family| family.maps).sum();
+        let easy: u64 = self.easy.iter().map(|family| u64::from(family.maps)).sum();
         let (mut zero, mut ten) = (Vec::new(), Vec::new());
         for record in records {
-            let to = if record.map < easy { &mut zero } else { &mut ten };
+            let to = if u64::from(record.map) < easy { &mut zero } else { &mut ten };
             to.extend(record.scores.as_ref().map(scores));
         }
         let (zero, ten) = (mean(zero.into_iter()), mean(ten.into_iter()));
@@ -116,6 +118,22 @@ mod tests {
             "the hard anchors must score more than the easy ones, got 4 and 5 of difficulty"
         );
         Ok(())
+    }
+
+    #[test]
+    fn anchors_that_cannot_be_measured_are_refused() {
+        let family =
+            |name: &str, maps: u32| format!("(name: \"{name}\", spec: Hallway(), maps: {maps})");
+        let read = |easy: [u32; 2]| {
+            let [a, b] = easy.map(|maps| family(&format!("{maps} a"), maps));
+            let text = format!("(version: 1, easy: [{a}, {b}], hard: [{}])", family("hard", 1));
+            Anchors::from_ron(&text).map_err(|error| error.to_string())
+        };
+        assert!(read([1, 2]).is_ok());
+        let error = read([u32::MAX, 2]).expect_err("too many");
+        assert!(error.contains("`maps` must be"), "{error}");
+        let error = read([900_000, 900_001]).expect_err("too many");
+        assert!(error.contains("at most 1000000 trials"), "{error}");
     }
 
     #[test]

@@ -5,14 +5,16 @@ use std::collections::BTreeMap;
 use envgen::calibration::{Dials, Scale};
 use envgen::indoor::IndoorSpec;
 use envgen::settings::Allowed;
-use envgen::{Seed, SettingsError, WorldKind, WorldSpec};
+use envgen::{Seed, SettingsError, Spec, SpecError, WorldKind, WorldSpec};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};
 
 use super::fit::Sample;
 use super::measure::{mean, scores};
 use super::panel::Panel;
-use crate::experiment::survey::{Family, Record, Survey, SurveyError, SurveyMap, ron_options};
+use crate::experiment::survey::{
+    Family, MAX_SURVEY_TRIALS, Record, Survey, SurveyError, SurveyMap, ron_options,
+};
 use crate::experiment::{ExperimentError, table};
 
 const INDOOR: &str = include_str!("atlas/indoor.ron");
@@ -89,8 +91,10 @@ impl AtlasDesign {
     /// The survey of the atlas: every world under every condition once.
     ///
     /// # Errors
-    /// A setting that is not there, or not a number, or a range of it that is not allowed.
+    /// A setting that is not there, or not a number, or a range of it that is not allowed; a size that maps cannot
+    /// have; more worlds than a survey may have trials.
     pub fn survey(&self, panel: &Panel) -> Result<Survey, SettingsError> {
+        self.check()?;
         let families = match self {
             AtlasDesign::Indoor { sizes, first_seed } => indoor(sizes, *first_seed),
             AtlasDesign::Drawn { spec, drawn, maps, first_seed } => {
@@ -102,6 +106,34 @@ impl AtlasDesign {
     }
 }
 
+impl AtlasDesign {
+    /// Checks what is not checked world by world.
+    fn check(&self) -> Result<(), SpecError> {
+        let maps: u64 = match self {
+            AtlasDesign::Indoor { sizes, .. } => {
+                for &AtlasSize { width, height, .. } in sizes {
+                    IndoorSpec { width, height, ..Default::default() }.validate()?;
+                }
+                sizes.iter().map(|size| u64::from(size.maps)).sum()
+            }
+            AtlasDesign::Drawn { drawn, maps, .. } => {
+                for (name, &[least, most]) in drawn {
+                    let is_range = least <= most && (most - least).is_finite();
+                    if !is_range {
+                        let allowed = "two finite numbers, the smaller one first";
+                        return Err(SpecError::new(name, format!("({least}, {most})"), allowed));
+                    }
+                }
+                u64::from(*maps)
+            }
+        };
+        if maps > MAX_SURVEY_TRIALS {
+            return Err(SpecError::new("maps", maps, format!("at most {MAX_SURVEY_TRIALS}")));
+        }
+        Ok(())
+    }
+}
+
 /// Sizes take turns, so that a part of the survey has worlds of all sizes.
 fn indoor(sizes: &[AtlasSize], first_seed: Seed) -> Vec<Family> {
     let most = sizes.iter().map(|size| size.maps).max().unwrap_or(0);
@@ -109,7 +141,8 @@ fn indoor(sizes: &[AtlasSize], first_seed: Seed) -> Vec<Family> {
     for round in 0..most {
         for size in sizes {
             // Evenly spread over the rounds.
-            let (before, after) = (size.maps * round / most, size.maps * (round + 1) / most);
+            let share = |rounds: u32| u64::from(size.maps) * u64::from(rounds) / u64::from(most);
+            let (before, after) = (share(round), share(round + 1));
             if after == before {
                 continue;
             }
@@ -255,5 +288,28 @@ mod tests {
         let error = |drawn: &str| design(drawn).expect_err("no survey").to_string();
         assert!(error("{\"segment\": (5, 9)}").contains("segment"));
         assert!(error("{\"p_st\": (2, 3)}").starts_with("`p_st` must be"));
+        for range in ["(0.3, 0.2)", "(NaN, 1)", "(-inf, 1)", "(-1e308, 1.7e308)"] {
+            let error = error(&format!("{{\"p_st\": {range}}}"));
+            assert!(error.starts_with("`p_st` must be two finite numbers"), "{error}");
+        }
+    }
+
+    #[test]
+    fn atlases_that_cannot_be_generated_are_refused() {
+        let error = |text: &str| {
+            let design = AtlasDesign::from_ron(text).expect("a design");
+            design.survey(&Panel::reference()).expect_err("no survey").to_string()
+        };
+        let sizes = |width: u32, maps: u32| {
+            format!("Indoor(sizes: [(width: {width}, height: 9, maps: {maps})], first_seed: 1)")
+        };
+        assert!(error(&sizes(0, 1)).starts_with("`width` must be"));
+        assert!(error(&sizes(9, u32::MAX)).starts_with("`maps` must be at most 1000000"));
+        let drawn = "Drawn(spec: Hallway(), drawn: {}, maps: 4294967295, first_seed: 1)";
+        assert!(error(drawn).starts_with("`maps` must be at most 1000000"));
+        // Products of 32 bits would overflow.
+        let text = sizes(9, 70_000);
+        let design = AtlasDesign::from_ron(&text).expect("a design");
+        assert_eq!(design.survey(&Panel::reference()).expect("a survey").families.len(), 70_000);
     }
 }

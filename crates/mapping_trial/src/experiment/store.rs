@@ -126,6 +126,10 @@ impl Experiment {
                 reason: "this file does not exist: the folder holds no share".to_owned(),
             };
             let head = read_head(&path)?.ok_or_else(missing)?;
+            // Before its trials are listed: they may be more than the memory holds.
+            head.design.validate().and_then(|()| head.shard.validate()).map_err(|error| {
+                ExperimentError::Content { path: path.clone(), reason: error.to_string() }
+            })?;
             let joined = Head { shard: Shard::WHOLE, ..head.clone() };
             match &whole {
                 Some(first) if *first != joined => {

@@ -298,6 +298,23 @@ fn folders_that_cannot_be_written_are_reported() {
     assert!(told.contains("no folders to merge"), "{told}");
 }
 
+#[test]
+fn shares_of_designs_that_are_not_allowed_are_refused() {
+    let (folder, merged) = (TempDir::new().unwrap(), TempDir::new().unwrap());
+    drop(Experiment::open(folder.path(), &tiny(), Shard::WHOLE).unwrap());
+    let head = folder.path().join("experiment.json");
+    let text = fs::read_to_string(&head).unwrap();
+    let maps = format!("\"maps\": {}", tiny().maps);
+    for (field, other) in [(maps.as_str(), "\"maps\": 4294967295"), ("\"of\": 1", "\"of\": 0")] {
+        assert!(text.contains(field), "{text}");
+        fs::write(&head, text.replacen(field, other, 1)).unwrap();
+        let error = Experiment::merge(merged.path(), &[folder.path().to_owned()]);
+        let error = error.expect_err("not allowed").to_string();
+        let name = field.split('"').nth(1).unwrap().replace("of", "shard");
+        assert!(error.contains("experiment.json") && error.contains(&name), "{error}");
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_device_in_a_files_place_is_not_read() {

@@ -7,6 +7,7 @@ mod golden;
 mod navigation;
 mod operators;
 mod robots;
+mod ros_maps;
 mod scenario;
 mod slam;
 mod slam_bands;
