@@ -127,7 +127,7 @@ impl Session {
         self.view.canvas()
     }
 
-    /// The point of the plan that is seen where a point of the floor would be: in the tilted view, what stands before it
+    /// The point of the plan that is seen where a point of the floor would be: in the tilted view, what is before it
     /// may hide it.
     pub(crate) fn seen_at(&mut self, floor: DVec2) -> DVec2 {
         if !self.view.is_tilted() {

@@ -127,7 +127,7 @@ impl View {
         if self.tilted { DVec2::from_angle(f64::from(self.turns) * TURN) } else { DVec2::X }
     }
 
-    /// How long a metre of the floor is in the canvas, in the direction away from the eye.
+    /// Length in the canvas of one metre on the floor, in the direction away from the eye.
     fn foreshortening(&self) -> f64 {
         if self.tilted { ELEVATION.sin() } else { 1.0 }
     }

@@ -18,7 +18,7 @@ pub(crate) fn titled(title: &str) -> WindowPlugin {
     WindowPlugin { primary_window: Some(window), ..default() }
 }
 
-/// A connection to the display, to be held while the window is open: some servers without clients begin anew, and
+/// A connection to the display, to be held while the window is open: some servers restart when no client is left, and
 /// refuse others meanwhile.
 pub(crate) struct Display {
     #[cfg(target_os = "linux")]
