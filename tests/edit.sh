@@ -60,7 +60,7 @@ drag() {
 cell() { echo "$((348 + 40 * $1)) $((48 + 40 * $2))"; }
 
 # Where a point of the plan is in the tilted view: tilted X Y
-tilted() { echo "$1 $((348 + ($2 - 348) * 783 / 1000))"; }
+tilted() { echo "$1 $((348 + ($2 - 348) * 8 / 10))"; }
 
 # Waits for a file.
 written() { for _ in $(seq 12); do [ -s "$1" ] && return 0; sleep 0.25; done; return 1; }

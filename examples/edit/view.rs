@@ -6,7 +6,7 @@ use std::f64::consts::FRAC_PI_4;
 use bevy::camera::{ScalingMode, Viewport};
 use bevy::prelude::*;
 use bevy_mapping_trial::ui::egui;
-use envgen::geometry::Rect as WorldRect;
+use envgen::geometry::{Rect as WorldRect, unit_vector};
 use envgen::glam::{DVec2, DVec3};
 
 use crate::session::Session;
@@ -17,8 +17,9 @@ const ZOOM: (f64, f64) = (1e-3, 1e3);
 /// Share of the canvas that a whole world fills.
 const FILLED: f64 = 0.92;
 
-/// Height of the tilted view's eye above the floor in radians.
-const ELEVATION: f64 = 0.9;
+/// The direction of the tilted view: along the floor and down, 53 degrees.
+const ALONG: f64 = 0.6;
+const DOWN: f64 = 0.8;
 
 /// Angle between the directions from which the tilted view shows the world.
 const TURN: f64 = FRAC_PI_4;
@@ -124,17 +125,17 @@ impl View {
 
     /// The direction on the floor that is to the right of the canvas.
     fn right(&self) -> DVec2 {
-        if self.tilted { DVec2::from_angle(f64::from(self.turns) * TURN) } else { DVec2::X }
+        if self.tilted { unit_vector(f64::from(self.turns) * TURN) } else { DVec2::X }
     }
 
     /// Length in the canvas of one metre on the floor, in the direction away from the eye.
     fn foreshortening(&self) -> f64 {
-        if self.tilted { ELEVATION.sin() } else { 1.0 }
+        if self.tilted { DOWN } else { 1.0 }
     }
 
     /// The unit vector in which the view looks, x and y in the plan, z up.
     fn direction(&self) -> DVec3 {
-        let level = if self.tilted { ELEVATION.cos() } else { 0.0 };
+        let level = if self.tilted { ALONG } else { 0.0 };
         (self.right().perp() * level).extend(-self.foreshortening())
     }
 
@@ -238,7 +239,7 @@ pub(crate) fn follow(
             }
             WorldCamera::Tilted => {
                 // From the nearest point of the floor in the canvas to the farthest one, and what is above.
-                let away = (0.5 * height * ELEVATION.cos() + view.ceiling) / ELEVATION.sin();
+                let away = (0.5 * height * ALONG + view.ceiling) / DOWN;
                 let direction = view.direction().as_vec3();
                 *transform = Transform::from_translation(center - direction * away as f32)
                     .looking_to(direction, Vec3::Z);
