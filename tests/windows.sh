@@ -61,9 +61,12 @@ is_running() { kill -0 "$program" 2>/dev/null || { cat "$scratch/said" >&2; fail
 
 hold() { xdotool keydown "$1"; sleep "$2"; xdotool keyup "$1"; }
 
-# Takes a picture of the display: picture NAME. One of one colour shows nothing.
+# Takes a picture of the display: picture NAME. One of one colour shows nothing: a slow driver has not drawn yet.
 picture() {
-  sleep 0.5
-  import -window root "$pictures/$1.png"
-  [ "$(identify -format '%k' "$pictures/$1.png")" -gt 20 ] || fail "$1.png shows nothing"
+  for _ in $(seq 20); do
+    sleep 0.5
+    import -window root "$pictures/$1.png"
+    [ "$(identify -format '%k' "$pictures/$1.png")" -le 20 ] || return 0
+  done
+  fail "$1.png shows nothing"
 }

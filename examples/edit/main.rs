@@ -60,7 +60,7 @@ const FRAME: Duration = Duration::from_millis(100);
 const AFTER: u32 = 3;
 
 /// The longest time between two frames otherwise: old notes disappear then.
-const IDLE: Duration = Duration::from_secs(1);
+const IDLE: Duration = Duration::from_millis(250);
 
 fn main() -> ExitCode {
     window::exit_code(run(&Arguments::parse()))
