@@ -16,7 +16,7 @@ const MOVING: &[(&str, &str)] = &[("doors", "0.8"), ("people", "12")];
 const SEED: u64 = 4;
 
 /// Simulated seconds.
-const TIME_LIMIT: f64 = 40.0;
+const TIME_LIMIT: f64 = 30.0;
 
 /// The film is this many times as fast as the trial.
 const SPEED: f64 = 4.0;
@@ -37,9 +37,9 @@ pub(crate) fn film(path: &Path) -> Result<f64, Box<dyn Error>> {
     };
     let camera = RobotCamera {
         field_of_view: 80.0,
-        width: 240,
-        height: 180,
-        rate: 2.5,
+        width: 192,
+        height: 144,
+        rate: 2.0,
         ..Default::default()
     };
     let frames_per_second = SPEED * camera.rate;
