@@ -31,8 +31,8 @@ pub struct Ratio {
     pub what: String,
     /// The ratio.
     pub ratio: f64,
-    /// The least and greatest ratio of a round, without the lowest and the highest quarter of the rounds; none where each
-    /// side was measured for itself.
+    /// The least and greatest ratio of a round, without the lowest and the highest quarter of the rounds; `None` if each
+    /// side was measured separately.
     pub spread: Option<(f64, f64)>,
     /// Its bound.
     pub bound: Bound,

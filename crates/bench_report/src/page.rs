@@ -47,7 +47,7 @@ pub(crate) fn page(machine: &Machine, sections: &[Section], all: usize) -> Strin
          {cores} cores of {processor} ({system}). {met} of {ratios} bounds are met.\n\nEach number is a ratio to a bound \
          or a peer that was measured in the same run, so that it means the same on other machines: the best of several \
          alternating rounds of each side, or the sum where each round is another task. The spread is the ratio in single \
-         rounds, without the lowest and the highest quarter of them; there is none where the sides were measured apart. \
+         rounds, without the lowest and the highest quarter of them; sides that were measured apart have no spread. \
          The load is the mean number of processes that ran in the minute before: where it is more than there are cores, \
          spreads are wide, and a ratio can be outside of its spread.\n",
         sections.len()

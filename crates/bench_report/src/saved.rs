@@ -22,7 +22,7 @@ pub(crate) struct Saved {
 pub(crate) struct Folder(PathBuf);
 
 impl Folder {
-    /// The folder in that of the builds; it is made where there is none.
+    /// The folder in that of the builds; it is created if it does not exist.
     pub(crate) fn within(target: &Path) -> Result<Self, Box<dyn Error>> {
         let folder = target.join("bench_report");
         std::fs::create_dir_all(&folder)?;
