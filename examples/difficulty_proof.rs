@@ -9,7 +9,7 @@
 //! Every finished trial is on disk at once: the same command continues an interrupted run. The output folder
 //! gets `report.html` and `summary.json`.
 
-#[path = "shared/spinner.rs"]
+#[path = "../crates/mapping_trial/src/bin/envgen-trials/spinner.rs"]
 mod spinner;
 
 use std::error::Error;

@@ -29,7 +29,7 @@
 //! thesis_experiment --shard $((JOB_COMPLETION_INDEX + 1))/100 --out /parts/$JOB_COMPLETION_INDEX
 //! ```
 
-#[path = "shared/spinner.rs"]
+#[path = "../crates/mapping_trial/src/bin/envgen-trials/spinner.rs"]
 mod spinner;
 
 use std::io::IsTerminal;

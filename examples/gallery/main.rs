@@ -7,7 +7,7 @@
 
 mod eyes;
 mod height;
-#[path = "../shared/spinner.rs"]
+#[path = "../../crates/mapping_trial/src/bin/envgen-trials/spinner.rs"]
 mod spinner;
 #[path = "../shared/trial_bar.rs"]
 mod trial_bar;

@@ -25,7 +25,7 @@ mod driver;
 mod output;
 #[path = "../shared/robot.rs"]
 mod robot;
-#[path = "../shared/spinner.rs"]
+#[path = "../../crates/mapping_trial/src/bin/envgen-trials/spinner.rs"]
 mod spinner;
 #[path = "../shared/start.rs"]
 mod start;

@@ -12,7 +12,7 @@ use mapping_trial::experiment::Shard;
 use mapping_trial::experiment::survey::{Survey, SurveyFolder};
 
 use crate::atlas::DesignOptions;
-use crate::progress;
+use crate::spinner::spinner;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -62,7 +62,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         .collect();
     let folders = folders?;
     let records: Vec<_> = folders.iter().flat_map(SurveyFolder::records).collect();
-    let spinner = progress::spinner("fitting");
+    let spinner = spinner("fitting");
     let samples = samples(&survey, &records, &scale)?;
     let atlas = Atlas {
         command: format!("envgen-trials atlas --kind {}", design.kind().name()),

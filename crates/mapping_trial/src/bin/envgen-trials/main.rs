@@ -13,6 +13,7 @@ mod measure;
 mod panel;
 mod progress;
 mod score;
+mod spinner;
 mod survey;
 
 use std::error::Error;

@@ -17,7 +17,7 @@ use mapping_trial::score::{
 use mapping_trial::tum::{self, TimedPose};
 use serde::Serialize;
 
-use crate::progress;
+use crate::spinner::spinner;
 
 #[derive(Args)]
 #[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
@@ -117,7 +117,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         _ => None,
     };
 
-    let spinner = progress::spinner("scoring");
+    let spinner = spinner("scoring");
     let reference =
         Reference::from_start(&world, &robot, start.position).in_file(&arguments.world)?;
     let mut frame = match arguments.frame {

@@ -1,11 +1,11 @@
-//! What a terminal shows while a program works for a time that it does not know.
+//! Progress of work whose length is not known. The examples of the workspace show it as well.
 
 use std::io::IsTerminal;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A spinner with the time so far on stderr; nothing if that is not a terminal.
+/// A spinner with the time so far on stderr; hidden where that is no terminal.
 pub(crate) fn spinner(what: &'static str) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
