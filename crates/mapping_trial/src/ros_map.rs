@@ -105,22 +105,38 @@ impl OccupancyMap {
     /// Draws a map whose cells are as large or larger: into each cell what the map has at its middle.
     fn draw_coarse(&mut self, map: &RosMap, place: Pose, area: Rect) {
         let to_map = place.world_to_local();
+        let step = (to_map(DVec2::X) - to_map(DVec2::ZERO)) * (RESOLUTION / map.resolution);
+        let size = DVec2::new(map.cols as f64, map.rows() as f64);
         let (low, high) = (CellIndex::of(area.min), CellIndex::of(area.max));
         for row in low.row..=high.row {
-            for col in low.col..=high.col {
-                let index = CellIndex { col, row };
-                let at = (to_map(index.centre()) / map.resolution).floor();
-                if at.x < 0.0 || at.y < 0.0 || at.x >= map.cols as f64 {
-                    continue;
+            let mut col = low.col;
+            while col <= high.col {
+                let within = to_map(CellIndex { col, row }.centre()) / map.resolution;
+                let at = within.floor();
+                let end = high.col.min(col.saturating_add(steps_inside(within - at, step)));
+                let inside = at.cmpge(DVec2::ZERO).all() && at.cmplt(size).all();
+                let change =
+                    match inside.then(|| map.cells[at.y as usize * map.cols + at.x as usize]) {
+                        Some(RosCell::Free) => -CLAMP,
+                        Some(RosCell::Occupied) => CLAMP,
+                        Some(RosCell::Unknown) | None => 0,
+                    };
+                if change != 0 {
+                    (col..=end).for_each(|col| self.add(CellIndex { col, row }, change));
                 }
-                match map.cells.get(at.y as usize * map.cols + at.x as usize) {
-                    Some(RosCell::Free) => self.add(index, -CLAMP),
-                    Some(RosCell::Occupied) => self.add(index, CLAMP),
-                    Some(RosCell::Unknown) | None => {}
-                }
+                let Some(next) = end.checked_add(1) else { break };
+                col = next;
             }
         }
     }
+}
+
+/// The number of steps that certainly stay inside the unit square, from a point in it: one less than exact numbers
+/// would allow, for what is rounded.
+fn steps_inside(at: DVec2, step: DVec2) -> i32 {
+    let along = |at: f64, step: f64| if step < 0.0 { at / -step } else { (1.0 - at) / step };
+    let most = along(at.x, step.x).min(along(at.y, step.y));
+    (most - 1.0).max(0.0) as i32
 }
 
 #[cfg(test)]
@@ -184,6 +200,30 @@ mod tests {
                 prop_assert_eq!(found.cell(index), expected);
                 if resolution > 0.0708 {
                     prop_assert_eq!(found.cell(index), as_cell(cell));
+                }
+            }
+        }
+
+        /// A row is drawn in runs of cells that one cell of the map covers.
+        #[test]
+        fn coarse_maps_are_drawn_as_cell_by_cell(
+            cells in proptest::collection::vec(cell(), 12), resolution in 0.05..4.0_f64,
+            heading in prop_oneof![Just(0.0), Just(std::f64::consts::FRAC_PI_2), -3.1..3.1_f64],
+            x in -20.0..20.0_f64,
+        ) {
+            let map = RosMap { cols: 4, resolution, origin: Pose::new(0.3, x, heading), cells };
+            let found = OccupancyMap::from_ros_map(&map, Pose::default()).unwrap();
+            let size = DVec2::new(4.0, 3.0);
+            let corners = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
+            let area = Rect::around(corners.map(|c| map.origin.to_world(c * size * resolution))).unwrap();
+            let (low, high) = (CellIndex::of(area.min), CellIndex::of(area.max));
+            for row in low.row..=high.row {
+                for col in low.col..=high.col {
+                    let index = CellIndex { col, row };
+                    let at = (map.origin.to_local(index.centre()) / resolution).floor();
+                    let inside = at.cmpge(DVec2::ZERO).all() && at.cmplt(size).all();
+                    let wanted = inside.then(|| map.cells[at.y as usize * 4 + at.x as usize]);
+                    prop_assert_eq!(found.cell(index), wanted.map_or(Cell::Unknown, as_cell));
                 }
             }
         }
