@@ -107,11 +107,6 @@ fn text(file: &[u8]) -> Option<&str> {
     std::str::from_utf8(file).ok()
 }
 
-/// Whether this file gets the expensive steps: one file in 32.
-fn thorough(file: &[u8]) -> bool {
-    crc32fast::hash(file).is_multiple_of(32)
-}
-
 fn world(name: &str, mut file: &[u8]) -> bool {
     let path = Path::new(name);
     let read = reader(path).and_then(|read| read(&mut file, path));
@@ -119,7 +114,7 @@ fn world(name: &str, mut file: &[u8]) -> bool {
 }
 
 fn used(world: &World, file: &[u8]) -> bool {
-    exercise::world(world, thorough(file));
+    exercise::world(world, file);
     true
 }
 
@@ -138,7 +133,7 @@ fn generated(spec: &WorldSpec, file: &[u8]) -> bool {
         let world = plan.to_world();
         assert_eq!(world.check(), Ok(()), "a generated world is whole");
         used(&world, file);
-        if thorough(file) {
+        if exercise::thorough(file) {
             plan.metrics();
         }
     }
