@@ -2,8 +2,8 @@
 //! every promise holds and is decided:
 //!
 //! ```sh
-//! cargo run --release -p envgen --example check_sweep -- sweep.jsonl 10000
-//! cargo run --release -p envgen --example check_sweep -- large.jsonl 500 100000
+//! cargo run --release --example check_sweep -- sweep.jsonl 10000
+//! cargo run --release --example check_sweep -- large.jsonl 500 100000
 //! ```
 //!
 //! The last number is the most that a world may cost to make and check, in trees, segments, cells or points, 3000

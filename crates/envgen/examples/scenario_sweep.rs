@@ -2,7 +2,7 @@
 //! something:
 //!
 //! ```sh
-//! cargo run --release -p envgen --example scenario_sweep -- sweep.jsonl 100
+//! cargo run --release --example scenario_sweep -- sweep.jsonl 100
 //! ```
 //!
 //! runs 100 maps for an hour each. Each map is one line of the file, so that a stopped run can be resumed. It
