@@ -38,6 +38,7 @@ mod agent;
 #[cfg(feature = "physics")]
 mod leaf_collider;
 mod part;
+mod pose;
 mod request;
 mod run;
 mod step;
