@@ -3,11 +3,10 @@
 use bevy_mapping_trial::ui::egui;
 use egui::{PointerButton, Sense, Ui};
 use envgen::edit::{Change, Target};
-use envgen::geometry::Shape;
 use envgen::glam::DVec2;
 use envgen::indoor::{Edit, PlanTarget};
 
-use crate::painting;
+use crate::painting::{self, Ghost};
 use crate::session::{Drag, Session};
 use crate::tools::Tool;
 
@@ -19,13 +18,6 @@ const STEP: f64 = 0.05;
 
 /// How much a step of the wheel changes the zoom.
 const ZOOM_A_POINT: f64 = 0.002;
-
-/// What a click or the end of a drag would do.
-pub(crate) struct Ghost {
-    pub(crate) outline: Option<Shape>,
-    /// Why it is not allowed.
-    pub(crate) refused: Option<String>,
-}
 
 /// Shows the canvas, and carries out what the person does on it.
 pub(crate) fn show(ui: &mut Ui, session: &mut Session) {

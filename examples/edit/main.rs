@@ -91,7 +91,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
             session::poll,
             session::show.before(EnvgenSystems::Request),
             floors::lay,
-            view::follow,
+            session::follow,
             pace,
             session::close,
         )

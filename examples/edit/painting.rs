@@ -5,7 +5,6 @@ use egui::{Color32, FontId, Painter, Pos2, Rgba, Stroke, StrokeKind, Ui};
 use envgen::geometry::{Rect as WorldRect, Shape};
 use envgen::glam::DVec2;
 
-use crate::canvas::Ghost;
 use crate::session::Session;
 
 /// Text on the plan.
@@ -31,6 +30,13 @@ const NOTE_WIDTH: f32 = 300.0;
 /// A color that lets through what is below it: light is what the window mixes.
 fn clear(color: Color32, opacity: f32) -> Color32 {
     (Rgba::from(color) * opacity).into()
+}
+
+/// What a click or the end of a drag would do.
+pub(crate) struct Ghost {
+    pub(crate) outline: Option<Shape>,
+    /// Why it is not allowed.
+    pub(crate) refused: Option<String>,
 }
 
 pub(crate) fn paint(ui: &Ui, session: &Session, ghost: Option<&Ghost>) {

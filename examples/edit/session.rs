@@ -16,9 +16,10 @@ use envgen::pieces::pieces;
 
 use crate::arguments::Opened;
 use crate::auditing::Auditing;
+use crate::saving;
 use crate::tools::{Tool, Tools};
 use crate::trial::Trials;
-use crate::{saving, view::View};
+use crate::view::{Placed, View};
 
 /// Seconds for which a refusal is shown where it happened.
 const REFUSAL: f64 = 4.0;
@@ -293,6 +294,11 @@ pub(crate) fn show(
         state.revision = session.revision;
         commands.entity(entity).insert(environment());
     }
+}
+
+/// Moves the cameras to what the view shows.
+pub(crate) fn follow(session: Res<Session>, window: Single<&Window>, mut cameras: Query<Placed>) {
+    session.view.place(&window, &mut cameras);
 }
 
 /// The world cannot be shown: the panel says why.

@@ -9,8 +9,6 @@ use bevy_mapping_trial::ui::egui;
 use envgen::geometry::{Rect as WorldRect, unit_vector};
 use envgen::glam::{DVec2, DVec3};
 
-use crate::session::Session;
-
 /// Metres per point, from nearest to farthest.
 const ZOOM: (f64, f64) = (1e-3, 1e3);
 
@@ -207,49 +205,50 @@ pub(crate) enum WorldCamera {
     Tilted,
 }
 
-/// Moves the cameras to what the view shows; one of them is active.
-pub(crate) fn follow(
-    session: Res<Session>,
-    window: Single<&Window>,
-    mut cameras: Query<(&WorldCamera, &mut Camera, &mut Projection, &mut Transform)>,
-) {
-    let view = &session.view;
-    let dense = view.density;
-    let pixels = |p: egui::Pos2| {
-        UVec2::new((p.x * dense).round().max(0.0) as u32, (p.y * dense).round().max(0.0) as u32)
-            .min(window.physical_size())
-    };
-    let (min, max) = (pixels(view.canvas.min), pixels(view.canvas.max));
-    let size = max.saturating_sub(min);
-    let height = f64::from(size.y) / f64::from(dense) * view.scale;
-    let center = (view.center - view.origin).as_vec2().extend(0.0);
-    for (kind, mut camera, mut projection, mut transform) in &mut cameras {
-        let is_active =
-            size.min_element() > 0 && (*kind == WorldCamera::Tilted) == view.is_tilted();
-        camera.is_active = is_active;
-        if !is_active {
-            continue;
-        }
-        camera.viewport =
-            Some(Viewport { physical_position: min, physical_size: size, ..default() });
-        let mut far = None;
-        match kind {
-            WorldCamera::Plan => {
-                transform.translation = center.with_z(transform.translation.z);
+/// What a view changes of a camera.
+pub(crate) type Placed =
+    (&'static WorldCamera, &'static mut Camera, &'static mut Projection, &'static mut Transform);
+
+impl View {
+    /// Moves the cameras of a window to what it shows; one of them is active.
+    pub(crate) fn place(&self, window: &Window, cameras: &mut Query<Placed>) {
+        let dense = self.density;
+        let pixels = |p: egui::Pos2| {
+            UVec2::new((p.x * dense).round().max(0.0) as u32, (p.y * dense).round().max(0.0) as u32)
+                .min(window.physical_size())
+        };
+        let (min, max) = (pixels(self.canvas.min), pixels(self.canvas.max));
+        let size = max.saturating_sub(min);
+        let height = f64::from(size.y) / f64::from(dense) * self.scale;
+        let center = (self.center - self.origin).as_vec2().extend(0.0);
+        for (kind, mut camera, mut projection, mut transform) in cameras {
+            let is_active =
+                size.min_element() > 0 && (*kind == WorldCamera::Tilted) == self.is_tilted();
+            camera.is_active = is_active;
+            if !is_active {
+                continue;
             }
-            WorldCamera::Tilted => {
-                // From the nearest point of the floor in the canvas to the farthest one, and what is above.
-                let away = (0.5 * height * ALONG + view.ceiling) / DOWN;
-                let direction = view.direction().as_vec3();
-                *transform = Transform::from_translation(center - direction * away as f32)
-                    .looking_to(direction, Vec3::Z);
-                far = Some(2.0 * away as f32);
+            camera.viewport =
+                Some(Viewport { physical_position: min, physical_size: size, ..default() });
+            let mut far = None;
+            match kind {
+                WorldCamera::Plan => {
+                    transform.translation = center.with_z(transform.translation.z);
+                }
+                WorldCamera::Tilted => {
+                    // From the nearest point of the floor in the canvas to the farthest one, and what is above.
+                    let away = (0.5 * height * ALONG + self.ceiling) / DOWN;
+                    let direction = self.direction().as_vec3();
+                    *transform = Transform::from_translation(center - direction * away as f32)
+                        .looking_to(direction, Vec3::Z);
+                    far = Some(2.0 * away as f32);
+                }
             }
-        }
-        if let Projection::Orthographic(orthographic) = &mut *projection {
-            orthographic.scaling_mode =
-                ScalingMode::FixedVertical { viewport_height: height as f32 };
-            orthographic.far = far.unwrap_or(orthographic.far);
+            if let Projection::Orthographic(orthographic) = &mut *projection {
+                orthographic.scaling_mode =
+                    ScalingMode::FixedVertical { viewport_height: height as f32 };
+                orthographic.far = far.unwrap_or(orthographic.far);
+            }
         }
     }
 }

@@ -94,6 +94,7 @@ pub mod hallway;
 mod history;
 pub mod import;
 pub mod indoor;
+mod kind;
 pub mod landscape;
 pub mod located;
 #[cfg(feature = "mesh")]

@@ -1,6 +1,5 @@
 //! [`WorldSpec`]: any kind of spec, as a RON file holds it, and any kind of blueprint.
 
-use std::fmt;
 use std::str::FromStr;
 
 use ron::extensions::Extensions;
@@ -13,6 +12,7 @@ use crate::error::SpecError;
 use crate::forest::ForestError;
 use crate::generate::{Blueprint, Spec};
 use crate::indoor::IndoorError;
+pub use crate::kind::WorldKind;
 use crate::landscape::LandscapeError;
 use crate::provenance::Provenance;
 use crate::road::RoadError;
@@ -96,34 +96,17 @@ generate_error_from! {
     RoadError => Road;
 }
 
-/// One line per kind: variant, name on the command line, spec and blueprint.
-macro_rules! kinds {
-    ($($variant:ident, $name:literal, $doc:literal, $spec:ty, $blueprint:ty;)+) => {
-        /// The kinds of world.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-        #[non_exhaustive]
-        pub enum WorldKind {
-            $(#[doc = $doc] $variant,)+
-        }
+/// A sentence about a variant that stands for a kind.
+macro_rules! of_kind {
+    ($variant:ident, $name:literal) => {
+        concat!(" Of the kind [`", $name, "`](WorldKind::", stringify!($variant), ").")
+    };
+}
 
+/// One line per kind: variant and name as in [`WorldKind`], spec and blueprint.
+macro_rules! specs {
+    ($($variant:ident, $name:literal, $spec:ty, $blueprint:ty;)+) => {
         impl WorldKind {
-            /// Every kind, in the order of the documentation.
-            pub const ALL: &'static [WorldKind] = &[$(WorldKind::$variant),+];
-
-            /// The name on the command line.
-            pub fn name(self) -> &'static str {
-                match self {
-                    $(WorldKind::$variant => $name,)+
-                }
-            }
-
-            /// What the kind is, in one sentence.
-            pub fn summary(self) -> &'static str {
-                match self {
-                    $(WorldKind::$variant => $doc.trim_ascii(),)+
-                }
-            }
-
             /// The settings of its specs.
             pub fn settings(self) -> &'static [Setting] {
                 match self {
@@ -164,7 +147,7 @@ macro_rules! kinds {
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         #[non_exhaustive]
         pub enum WorldSpec {
-            $(#[doc = $doc] #[serde(alias = $name)] $variant($spec),)+
+            $(#[doc = of_kind!($variant, $name)] #[serde(alias = $name)] $variant($spec),)+
         }
 
         impl WorldSpec {
@@ -217,7 +200,7 @@ macro_rules! kinds {
         #[serde(untagged)]
         #[non_exhaustive]
         pub enum WorldBlueprint {
-            $(#[doc = $doc] $variant($blueprint),)+
+            $(#[doc = of_kind!($variant, $name)] $variant($blueprint),)+
         }
 
         /// The metrics of any kind; serialises to the metrics alone.
@@ -225,7 +208,7 @@ macro_rules! kinds {
         #[serde(untagged)]
         #[non_exhaustive]
         pub enum WorldMetrics {
-            $(#[doc = $doc] $variant(<$blueprint as Blueprint>::Metrics),)+
+            $(#[doc = of_kind!($variant, $name)] $variant(<$blueprint as Blueprint>::Metrics),)+
         }
 
         impl WorldBlueprint {
@@ -254,42 +237,24 @@ macro_rules! kinds {
     };
 }
 
-kinds! {
-    Hallway, "hallway", " A corridor whose turns follow a Markov chain.",
-        crate::hallway::HallwaySpec, crate::hallway::Hallway;
-    Forest, "forest", " Trees scattered by a Poisson law.",
-        crate::forest::ForestSpec, crate::forest::Forest;
-    Road, "road", " A road of straights and turns, whose lengths follow a Dirichlet law.",
-        crate::road::RoadSpec, crate::road::Road;
-    Indoor, "indoor", " Hallways, rooms and doorways that adapt to a difficulty.",
-        crate::indoor::IndoorSpec, crate::indoor::FloorPlan;
-    Landscape, "landscape", " A grid of classes with a given entropy and Total Edge.",
-        crate::landscape::LandscapeSpec, crate::landscape::Landscape;
-    Cellular, "cellular", " Blocks grown by a cellular automaton, with a path from left to right.",
-        crate::cellular::CellularSpec, crate::cellular::BlockField;
-}
-
-impl fmt::Display for WorldKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
+specs! {
+    Hallway, "hallway", crate::hallway::HallwaySpec, crate::hallway::Hallway;
+    Forest, "forest", crate::forest::ForestSpec, crate::forest::Forest;
+    Road, "road", crate::road::RoadSpec, crate::road::Road;
+    Indoor, "indoor", crate::indoor::IndoorSpec, crate::indoor::FloorPlan;
+    Landscape, "landscape", crate::landscape::LandscapeSpec, crate::landscape::Landscape;
+    Cellular, "cellular", crate::cellular::CellularSpec, crate::cellular::BlockField;
 }
 
 impl FromStr for WorldKind {
     type Err = SettingsError;
 
     fn from_str(name: &str) -> Result<Self, SettingsError> {
-        WorldKind::ALL.iter().copied().find(|kind| kind.name() == name).ok_or_else(|| {
+        WorldKind::named(name).ok_or_else(|| {
             let known =
                 WorldKind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
             SettingsError::UnknownKind { name: name.to_owned(), known }
         })
-    }
-}
-
-impl Serialize for WorldKind {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
     }
 }
 
@@ -519,8 +484,11 @@ mod tests {
 
     #[test]
     fn either_spelling_of_the_kind_is_read() {
-        let spec = WorldSpec::from_ron("Hallway(segments: 80)").unwrap();
-        assert_eq!(WorldSpec::from_ron("hallway(segments: 80)"), Ok(spec));
+        for &kind in WorldKind::ALL {
+            for name in [format!("{kind:?}"), kind.to_string()] {
+                assert_eq!(WorldSpec::from_ron(&format!("{name}()")), Ok(kind.default_spec()));
+            }
+        }
     }
 
     #[test]

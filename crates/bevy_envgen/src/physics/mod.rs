@@ -20,7 +20,6 @@ use bevy_rapier2d::prelude::{
 
 pub use height::HeightHooks;
 pub use moving::PersonHit;
-pub(crate) use moving::fit_leaves;
 pub use setup::TopDownPhysicsPlugin;
 
 use crate::environment::{EnvironmentStats, GroundTruth};

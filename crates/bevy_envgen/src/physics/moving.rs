@@ -8,7 +8,7 @@ use envgen::scenario::PERSON_RADIUS;
 
 use super::settings_of;
 use crate::part::PartOf;
-use crate::scenario::{DoorLeaf, Person};
+use crate::scenario::{DoorLeaf, Person, leaf_collider};
 
 /// Triggered on a [`Person`], and written as a message, when a body of rapier begins to touch the person.
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,34 +49,12 @@ pub(super) fn hang(
     let mut entity = commands.entity(added.entity);
     entity.try_insert((
         RigidBody::KinematicPositionBased,
-        collider(leaf),
+        leaf_collider(leaf),
         settings.door_groups,
         Friction::coefficient(settings.friction),
     ));
     if leaf.length <= 0.0 {
         entity.try_insert(ColliderDisabled);
-    }
-}
-
-/// A leaf as a line, without thickness as in the scenario.
-fn collider(leaf: &DoorLeaf) -> Collider {
-    // One that is in the wall keeps a length, since rapier refuses to have none.
-    Collider::segment(Vec2::ZERO, Vec2::X * leaf.length.max(0.01))
-}
-
-/// The leaves whose length may have changed.
-type Slid = (Entity, &'static DoorLeaf, &'static mut Collider, Has<ColliderDisabled>);
-
-/// Changes the colliders of sliding leaves.
-pub(crate) fn fit_leaves(mut leaves: Query<Slid, Changed<DoorLeaf>>, mut commands: Commands) {
-    for (entity, leaf, mut shape, is_disabled) in &mut leaves {
-        *shape = collider(leaf);
-        let is_gone = leaf.length <= 0.0;
-        if is_gone && !is_disabled {
-            commands.entity(entity).try_insert(ColliderDisabled);
-        } else if is_disabled && !is_gone {
-            commands.entity(entity).try_remove::<ColliderDisabled>();
-        }
     }
 }
 

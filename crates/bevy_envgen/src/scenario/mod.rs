@@ -35,7 +35,10 @@
 //! step before: rapier moves them while it moves the others. A leaf stops at an agent, and pushes other bodies.
 
 mod agent;
+#[cfg(feature = "physics")]
+mod leaf_collider;
 mod part;
+mod pose;
 mod request;
 mod run;
 mod step;
@@ -48,6 +51,8 @@ pub use agent::ScenarioAgent;
 pub use envgen::scenario::{
     DoorCommand, DoorControl, DoorKind, DoorKinds, Reactions, Scenario, ScenarioSpec, ScenarioState,
 };
+#[cfg(feature = "physics")]
+pub(crate) use leaf_collider::leaf_collider;
 pub use part::{Door, DoorChange, DoorChanged, DoorLeaf, Person, PersonReacted, Smoke};
 pub use request::{
     EnvironmentScenario, RestartScenario, ScenarioError, ScenarioFailed, ScenarioFailure,
@@ -114,7 +119,7 @@ impl Plugin for EnvgenScenarioPlugin {
         )
         .add_systems(
             self.schedule,
-            crate::physics::fit_leaves.in_set(ScenarioSystems).after(step::place_leaves),
+            leaf_collider::fit_leaves.in_set(ScenarioSystems).after(step::place_leaves),
         );
     }
 }

@@ -7,11 +7,11 @@ use envgen::glam::DVec2;
 use envgen::scenario::{Scenario, ScenarioState};
 
 use super::part::{Door, Person, Smoke};
+use super::pose::{leaf_pose, person_pose};
 use super::request::{
     EnvironmentScenario, RestartScenario, ScenarioError, ScenarioFailed, ScenarioFailure,
     ScenarioStarted,
 };
-use super::step::{leaf_pose, person_pose};
 use crate::environment::{EndlessTruth, Environment, GroundTruth};
 use crate::part::PartOf;
 use crate::place::{check_transform, global_transform};

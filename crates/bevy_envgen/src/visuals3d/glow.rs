@@ -11,9 +11,9 @@ use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use envgen::World as EnvgenWorld;
 use envgen::geometry::{Rect as WorldRect, Shape};
 use envgen::glam::DVec2;
+use envgen::world::SurfaceKind;
 
 use super::Visuals3dSettings;
-use super::stage::is_hallway;
 
 /// Luminance of the brightest light in cd/m², which Bevy's default exposure shows as white.
 pub(super) const INTENSITY: f32 = 1000.0;
@@ -91,6 +91,15 @@ pub(super) fn lamps(shape: &Shape, settings: &Visuals3dSettings) -> Vec<DVec2> {
     let lamps = Lamps::under(shape, settings);
     let rows = (0..lamps.count.y).flat_map(|j| (0..lamps.count.x).map(move |i| IVec2::new(i, j)));
     rows.map(|place| lamps.at(place)).filter(|lamp| shape.contains(*lamp)).collect()
+}
+
+/// Whether a world has rooms or hallways, which have lamps in place of the sky.
+pub(super) fn is_building(truth: &EnvgenWorld) -> bool {
+    !truth.rooms.is_empty() || truth.surfaces.iter().any(|surface| is_hallway(surface.kind))
+}
+
+fn is_hallway(kind: SurfaceKind) -> bool {
+    matches!(kind, SurfaceKind::Hallway | SurfaceKind::OpenArea)
 }
 
 /// The light under the sky over an area.

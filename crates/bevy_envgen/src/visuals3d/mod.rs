@@ -14,6 +14,7 @@
 //! ```
 
 mod draft;
+mod draw;
 mod finish;
 mod glow;
 mod look;
@@ -116,7 +117,7 @@ impl Plugin for EnvgenVisuals3dPlugin {
             .init_resource::<trees::TreeMeshes>()
             .register_type::<Figure>()
             .init_resource::<moving::FigureMesh>()
-            .add_observer(tile::draw)
+            .add_observer(draw::draw)
             .add_observer(moving::draw_person)
             .add_observer(moving::draw_figure)
             .add_observer(moving::draw_leaf)

@@ -9,10 +9,11 @@ use envgen::geometry::Rect as WorldRect;
 use envgen::glam::DVec2;
 use envgen::mesh::Mesh as Solid;
 use envgen::pieces::{Form, ceiling_of};
-use envgen::world::{Extent, PartId, PartKind, SurfaceKind};
+use envgen::world::{Extent, PartId, PartKind};
 
 use super::draft::Draft;
 use super::finish::{Finish, material};
+use super::glow::is_building;
 use super::palette::Palette3d;
 use super::{Visuals3dSettings, can_draw, glow};
 use crate::environment::{EndlessTruth, Environment, GroundTruth};
@@ -92,15 +93,6 @@ pub(super) fn set_stage(
         let stage = world.spawn((Name::new("stage"), Stage, ChildOf(entity))).id();
         spawn_stage(world, stage, origin, truth.as_deref());
     }
-}
-
-/// Whether a world has rooms or hallways, which have lamps in place of the sky.
-fn is_building(truth: &EnvgenWorld) -> bool {
-    !truth.rooms.is_empty() || truth.surfaces.iter().any(|surface| is_hallway(surface.kind))
-}
-
-pub(super) fn is_hallway(kind: SurfaceKind) -> bool {
-    matches!(kind, SurfaceKind::Hallway | SurfaceKind::OpenArea)
 }
 
 fn spawn_stage(world: &mut World, stage: Entity, origin: DVec2, truth: Option<&EnvgenWorld>) {

@@ -1,37 +1,31 @@
-//! Laser scanners with rapier's rays.
+//! Laser scanners of robots, and their scans.
 
 use bevy::prelude::*;
-use bevy_envgen::HeightRange;
-use bevy_rapier2d::prelude::{QueryFilter, ReadRapierContext};
 use envgen::Seed;
-use envgen::geometry::{Pose, unit_vector};
-use envgen::glam::DVec2;
-use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor, ScenarioSight, UNSEEN};
-
-use super::ground::Terrain;
-use super::model::{RobotModel, TruePose};
-use super::scenarios::Scenarios;
+use envgen::geometry::Pose;
+use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor, ScenarioSight};
 
 /// A laser at the mounting pose of the robot's model.
 ///
 /// It detects all colliders except sensors and the robot's own: walls, other robots and anything else, where their
-/// [`HeightRange`] has the laser's height, and dark walls and obstacles only from near. People, leaves and smoke of scenarios it detects as the flat simulator's laser
-/// does. The first scan is taken in the first step, later ones at the profile's rate; the result is in [`LaserScan`].
+/// [`HeightRange`](bevy_envgen::HeightRange) has the laser's height, and dark walls and obstacles only from near.
+/// People, leaves and smoke of scenarios it detects as the flat simulator's laser does. The first scan is taken in the
+/// first step, later ones at the profile's rate; the result is in [`LaserScan`].
 #[derive(Component, Reflect)]
 #[reflect(from_reflect = false)]
 #[reflect(Component)]
 #[require(LaserScan)]
 pub struct LaserScanner {
     #[reflect(ignore)]
-    profile: LaserProfile,
+    pub(super) profile: LaserProfile,
     #[reflect(ignore)]
-    sensor: Box<dyn LaserSensor + Send + Sync>,
+    pub(super) sensor: Box<dyn LaserSensor + Send + Sync>,
     #[reflect(ignore)]
-    sight: ScenarioSight,
+    pub(super) sight: ScenarioSight,
     /// The robot's number: its draws of smoke.
-    robot: u64,
+    pub(super) robot: u64,
     /// Steps until the next scan.
-    wait: u32,
+    pub(super) wait: u32,
 }
 
 impl LaserScanner {
@@ -83,84 +77,4 @@ pub struct LaserScan {
     pub pose: Pose,
     /// Number of scans so far, 0 before the first.
     pub number: u64,
-}
-
-/// The ranges of a scan, kept to save allocations.
-#[derive(Default)]
-pub(super) struct Ranges {
-    exact: Vec<f64>,
-    directions: Vec<DVec2>,
-    /// The beams that end at something too dark to be seen from there, and where.
-    unseen: Vec<(usize, f64)>,
-}
-
-/// Takes the scans that are due.
-pub(super) fn scan(
-    mut robots: Query<(Entity, &RobotModel, &TruePose, &mut LaserScanner, &mut LaserScan)>,
-    rapier: ReadRapierContext,
-    terrain: Terrain,
-    scenarios: Scenarios,
-    // Robots are seen whatever their height, as in the flat simulator.
-    heights: Query<&HeightRange, Without<RobotModel>>,
-    mut ranges: Local<Ranges>,
-) {
-    let Ok(rapier) = rapier.single() else { return };
-    let Ranges { exact, directions, unseen } = &mut *ranges;
-    for (entity, model, pose, mut scanner, mut scan) in &mut robots {
-        if !rapier.rigidbody_set.entity2body().contains_key(&entity) {
-            continue;
-        }
-        if scanner.wait > 0 {
-            scanner.wait -= 1;
-            continue;
-        }
-        scanner.wait = scanner.profile().ticks_a_scan.max(1) - 1;
-        let from = model.laser_pose(pose.pose());
-        let origin = from.position.as_vec2();
-        let filter = QueryFilter::new().exclude_rigid_body(entity).exclude_sensors();
-        let height = model.laser_mount.height;
-        let is_met = |entity| {
-            // People and leaves are seen where the scenario has them.
-            let is_missed = heights.get(entity).is_ok_and(|range| !range.contains(height));
-            !is_missed && !scenarios.moves(entity)
-        };
-        let filter = filter.predicate(&is_met);
-        let LaserScanner { profile, sensor, sight, robot, .. } = &mut *scanner;
-        let beams = 0..profile.beams as usize;
-        directions.clear();
-        directions.extend(beams.map(|beam| unit_vector(from.heading + profile.angle(beam))));
-        exact.clear();
-        unseen.clear();
-        rapier.with_query_pipeline(filter, |rays| {
-            for (beam, &along) in directions.iter().enumerate() {
-                let hit = rays.cast_ray(origin, along.as_vec2(), profile.max_range as f32, true);
-                let range = hit.map_or(profile.max_range, |(_, range)| f64::from(range));
-                if hit.is_some() && terrain.is_unseen(height, from.position, along, range) {
-                    unseen.push((beam, range));
-                }
-                exact.push(range);
-            }
-        });
-        let tick = scan.number * u64::from(profile.ticks_a_scan);
-        let rays = mapping_trial::lidar::Rays {
-            from: from.position,
-            directions,
-            max_range: profile.max_range,
-        };
-        let zero = scenarios.look(sight, (*robot, tick), &rays, exact);
-        for &(beam, range) in &*unseen {
-            if exact[beam] >= range {
-                exact[beam] = UNSEEN;
-            }
-        }
-        scan.ranges = sensor.measure(exact).ranges;
-        for beam in zero {
-            // A sensor of one's own may give fewer ranges.
-            if let Some(range) = scan.ranges.get_mut(beam) {
-                *range = 0.0;
-            }
-        }
-        scan.pose = from;
-        scan.number += 1;
-    }
 }

@@ -30,6 +30,7 @@ mod drive;
 mod ground;
 mod laser;
 mod model;
+mod scan;
 mod scenarios;
 mod sense;
 
@@ -101,7 +102,7 @@ impl Plugin for RobotPlugin {
                 self.schedule,
                 (
                     (ground::index, drive::drive).chain().in_set(RobotSystems::Drive),
-                    (sense::sense, laser::scan).chain().in_set(RobotSystems::Sense),
+                    (sense::sense, scan::scan).chain().in_set(RobotSystems::Sense),
                 ),
             );
     }

@@ -33,7 +33,7 @@ pub use scale::Scale;
 pub use crate::dials::{Dials, Estimate, Prediction};
 
 use crate::difficulty::DifficultyVector;
-use crate::spec::WorldKind;
+use crate::kind::WorldKind;
 
 /// The calibrations of this crate.
 static INDOOR: LazyLock<Calibration> = LazyLock::new(|| parse(include_str!("indoor.json")));
@@ -104,11 +104,11 @@ impl Calibration {
     /// The calibration of a kind of world, by its [name](WorldKind::name): `None` for kinds that have none, that of
     /// indoor maps for worlds of other tools, which mostly are of buildings.
     pub fn of(kind: &str) -> Option<&'static Calibration> {
-        match kind.parse() {
-            Ok(WorldKind::Indoor) | Err(_) => Some(&INDOOR),
-            Ok(WorldKind::Hallway) => Some(&HALLWAY),
-            Ok(WorldKind::Forest) => Some(&FOREST),
-            Ok(_) => None,
+        match WorldKind::named(kind) {
+            Some(WorldKind::Indoor) | None => Some(&INDOOR),
+            Some(WorldKind::Hallway) => Some(&HALLWAY),
+            Some(WorldKind::Forest) => Some(&FOREST),
+            Some(_) => None,
         }
     }
 

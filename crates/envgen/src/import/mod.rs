@@ -195,6 +195,26 @@ fn world_of_ros_map(input: &mut dyn Read, path: &Path) -> Result<World, ImportEr
     Ok(world)
 }
 
+impl ImportedRaster {
+    /// Reads a raster in the format that the ending of a file's name gives.
+    ///
+    /// # Errors
+    /// When the ending is unknown (the error lists the known ones), or the file holds no
+    /// raster of that format.
+    pub fn read(name: &Path, input: &mut dyn Read) -> Result<Self, RasterFileError> {
+        let ending = name.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+        match ending.as_deref() {
+            Some("asc") => read_asc(input),
+            Some("json") => read_raster_json(input),
+            #[cfg(feature = "paths")]
+            Some("map") => read_map(input),
+            #[cfg(feature = "picture")]
+            Some("png") => read_class_png(input),
+            _ => Err(RasterFileError::UnknownEnding(name.display().to_string())),
+        }
+    }
+}
+
 /// The world of a raster that was read: all ground can be passed where the format has no speeds.
 fn world_of_raster(format: &str, read: ImportedRaster) -> Result<World, ImportError> {
     let source = serde_json::json!({ "format": format, "labels": read.labels });

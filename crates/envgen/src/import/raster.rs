@@ -114,24 +114,6 @@ impl ImportedRaster {
             labels,
         })
     }
-
-    /// Reads a raster in the format that the ending of a file's name gives.
-    ///
-    /// # Errors
-    /// When the ending is unknown (the error lists the known ones), or the file holds no
-    /// raster of that format.
-    pub fn read(name: &std::path::Path, input: &mut dyn Read) -> Result<Self, RasterFileError> {
-        let ending = name.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-        match ending.as_deref() {
-            Some("asc") => super::read_asc(input),
-            Some("json") => read_raster_json(input),
-            #[cfg(feature = "paths")]
-            Some("map") => super::read_map(input),
-            #[cfg(feature = "picture")]
-            Some("png") => super::read_class_png(input),
-            _ => Err(RasterFileError::UnknownEnding(name.display().to_string())),
-        }
-    }
 }
 
 pub(super) fn check_size(rows: u64, cols: u64) -> Result<(), RasterFileError> {

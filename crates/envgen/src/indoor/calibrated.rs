@@ -7,16 +7,15 @@
 use super::blueprint::{Choice, FloorPlan};
 use super::custom_laws::IndoorLaws;
 use super::error::IndoorError;
-use super::generate::{Stage, plan_as_set};
-use super::levers::{LEVERS, Levers};
+use super::levers::Levers;
 use super::request::Request;
-use super::spec::{IndoorSpec, MAX_CALIBRATED_CELLS, Profile};
+use super::spec::{IndoorSpec, LEVERS, Profile};
+use super::stages::{Stage, plan_as_set};
 use super::world::world;
 use crate::calibration::Calibration;
 use crate::dials::{Dials, Estimate, Prediction};
 use crate::difficulty::{DifficultyVector, Platform};
 use crate::error::SpecError;
-use crate::generate::Spec;
 use crate::seed::Seed;
 
 /// Number of draws of the levers.
@@ -104,7 +103,7 @@ impl IndoorSpec {
     /// # Errors
     /// As [`Spec::generate`](crate::Spec::generate), and for another profile.
     pub fn candidates(&self, seed: Seed) -> Result<Vec<FloorPlan>, IndoorError> {
-        self.validate()?;
+        self.check()?;
         if self.profile != Profile::Calibrated {
             let name = serde_json::to_string(&self.profile).unwrap_or_default();
             return Err(SpecError::new("profile", name, "calibrated, to have candidates").into());
@@ -191,31 +190,10 @@ impl Request {
     }
 }
 
-/// Whether the profile can be calibrated for the spec's size and robot.
-pub(super) fn check(spec: &IndoorSpec) -> Result<(), SpecError> {
-    let cells = u64::from(spec.width) * u64::from(spec.height);
-    if cells > MAX_CALIBRATED_CELLS {
-        let allowed = format!(
-            "at most {} where the height is {}: the profile calibrated has maps of up to \
-             {MAX_CALIBRATED_CELLS} cells",
-            MAX_CALIBRATED_CELLS / u64::from(spec.height),
-            spec.height
-        );
-        return Err(SpecError::new("width", spec.width, allowed));
-    }
-    let least = Platform::default().footprint();
-    if spec.robot_radius < least {
-        let allowed =
-            format!("at least {least} m, the robot for which the profile calibrated predicts");
-        return Err(SpecError::new("robot_radius", spec.robot_radius, allowed));
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::generate::Blueprint;
+    use crate::generate::{Blueprint, Spec};
     use crate::world::Claim;
 
     fn base(size: u32) -> IndoorSpec {

@@ -9,8 +9,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 use super::dimensions::STEP;
-use super::spec::{Cycles, IndoorSpec, Layout, Profile, RoomChoice};
-use crate::generate::Spec;
+use super::spec::{Cycles, IndoorSpec, LEVERS, Layout, Profile, RoomChoice};
 use crate::seed::{Seed, Stream};
 
 /// Greatest factor on the variances of wheel odometry that is drawn.
@@ -45,32 +44,6 @@ const THEME: usize = 8;
 
 /// Greatest distance between hallways in cells that is drawn.
 const FARTHEST: u32 = 10;
-
-/// The settings that the levers set.
-pub(super) const LEVERS: [&str; 22] = [
-    "difficulty",
-    "layout",
-    "branching",
-    "rooms",
-    "room_choice",
-    "spacing_h",
-    "spacing_v",
-    "doorway_probability",
-    "cycles",
-    "doorway",
-    "doorway_narrowest",
-    "mazes",
-    "maze_passage",
-    "maze_braid",
-    "clutter",
-    "floor_slip",
-    "floor_slip_share",
-    "wheel_bias",
-    "wheel_bias_share",
-    "dark_walls",
-    "dark_objects",
-    "dark_range",
-];
 
 /// The levers of a spec, and those that keep their values.
 pub(super) struct Levers<'a> {
@@ -114,7 +87,7 @@ impl<'a> Levers<'a> {
             spec.clutter = MOST_CLUTTER * strength(navigation, stream);
         });
         self.materials(&mut spec, seed);
-        if spec.validate().is_err() {
+        if spec.check().is_err() {
             // Rooms of the caller may all be too large.
             spec.rooms.clone_from(&base.rooms);
         }
@@ -298,8 +271,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::Blueprint;
     use crate::indoor::Turn;
+    use crate::{Blueprint, Spec};
 
     #[test]
     fn every_lever_is_a_setting_and_moves() {

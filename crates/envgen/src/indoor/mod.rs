@@ -34,6 +34,7 @@ mod placed_room;
 mod request;
 mod rules;
 mod spec;
+mod stages;
 mod variation;
 mod world;
 #[cfg(feature = "usarsim")]
@@ -54,13 +55,13 @@ pub use dimensions::{Dimensions, STEP};
 pub use edit::{Edit, EditError, PlanEditor, PlanTarget};
 pub use error::IndoorError;
 pub use frame::DESIGN_UNIT;
-pub use generate::Stage;
 pub use grid::{Axis, Cell, Gate, Grid, Opening, Origin, Side, Sides};
 pub use interior::{DOORWAY_DEPTH, Interior, Part, Port, narrowest_way};
 pub use metrics::{CellCounts, IndoorMetrics};
 pub use placed_room::PlacedRoom;
 pub use request::Request;
 pub use spec::{Cycles, IndoorSpec, Layout, Profile, RoomChoice, Turn};
+pub use stages::Stage;
 
 use crate::error::SpecError;
 use crate::generate::{Blueprint, Spec};

@@ -6,16 +6,41 @@ use serde::{Deserialize, Serialize};
 use strum::VariantNames;
 
 use super::adaptation::{self, LEAST_SPACING};
-use super::calibrated;
 use super::catalogue::{Catalogue, SharedRoom};
 use super::dimensions::{Dimensions, STEP};
-use super::levers::LEVERS;
+use crate::difficulty::Platform;
 use crate::error::SpecError;
 use crate::settings;
 use crate::world::{DOORWAY, WALL, is_zero};
 
 /// Most cells of maps in the profile `calibrated`: beyond, nothing was measured.
-pub(super) const MAX_CALIBRATED_CELLS: u64 = 4096;
+const MAX_CALIBRATED_CELLS: u64 = 4096;
+
+/// The settings that the profile `calibrated` draws.
+pub(super) const LEVERS: [&str; 22] = [
+    "difficulty",
+    "layout",
+    "branching",
+    "rooms",
+    "room_choice",
+    "spacing_h",
+    "spacing_v",
+    "doorway_probability",
+    "cycles",
+    "doorway",
+    "doorway_narrowest",
+    "mazes",
+    "maze_passage",
+    "maze_braid",
+    "clutter",
+    "floor_slip",
+    "floor_slip_share",
+    "wheel_bias",
+    "wheel_bias_share",
+    "dark_walls",
+    "dark_objects",
+    "dark_range",
+];
 
 /// The default of [`IndoorSpec::dark_range`] in metres.
 const DARK_RANGE: f64 = 3.0;
@@ -330,7 +355,7 @@ impl IndoorSpec {
             }
         }
         if self.profile == Profile::Calibrated {
-            return calibrated::check(self);
+            return self.check_calibrated();
         }
         let set = [
             ("mapping", self.mapping.is_some()),
@@ -345,6 +370,27 @@ impl IndoorSpec {
                 Err(SpecError::new(name, value, "absent, except in the profile calibrated"))
             }
         }
+    }
+
+    /// Whether the profile can be calibrated for the spec's size and robot.
+    fn check_calibrated(&self) -> Result<(), SpecError> {
+        let cells = u64::from(self.width) * u64::from(self.height);
+        if cells > MAX_CALIBRATED_CELLS {
+            let allowed = format!(
+                "at most {} where the height is {}: the profile calibrated has maps of up to \
+                 {MAX_CALIBRATED_CELLS} cells",
+                MAX_CALIBRATED_CELLS / u64::from(self.height),
+                self.height
+            );
+            return Err(SpecError::new("width", self.width, allowed));
+        }
+        let least = Platform::default().footprint();
+        if self.robot_radius < least {
+            let allowed =
+                format!("at least {least} m, the robot for which the profile calibrated predicts");
+            return Err(SpecError::new("robot_radius", self.robot_radius, allowed));
+        }
+        Ok(())
     }
 
     fn check_metres(&self) -> Result<(), SpecError> {

@@ -32,8 +32,11 @@
 mod access;
 mod bodies;
 mod door;
+mod neighbourhood;
 mod people;
+mod person;
 mod plan;
+mod robot;
 mod rooms;
 pub mod smoke;
 mod spec;
@@ -43,12 +46,13 @@ mod view;
 pub use access::BehindDoor;
 pub use bodies::LEAF_THICKNESS;
 pub use door::{Door, DoorCommand, DoorKind, DoorState, Leaf};
-pub use people::{Person, PersonState, Reaction};
+pub use person::{Person, PersonState, Reaction};
 pub use plan::{Scenario, ScenarioFileError};
+pub use robot::Robot;
 pub use spec::{
     Body, DoorControl, DoorKinds, FailedBeams, Reactions, ScenarioSpec, SmokeKind, SmokeProfile,
 };
-pub use state::{Robot, ScenarioState};
+pub use state::ScenarioState;
 pub use view::{MovingContact, MovingHit, MovingShape, Target};
 
 /// Steps of a scenario per second.

@@ -4,8 +4,6 @@ use serde::{Deserialize, Serialize};
 use strum::VariantNames;
 
 use super::MAX_PEOPLE;
-use super::door::DoorKind;
-use super::people::Reaction;
 use crate::error::SpecError;
 use crate::settings;
 
@@ -84,17 +82,6 @@ pub enum DoorKinds {
     Sliding,
 }
 
-impl DoorKinds {
-    /// The kind of a door by a draw from 0 to 2.
-    pub(super) fn kind(self, draw: u64) -> DoorKind {
-        match (self, draw) {
-            (DoorKinds::Hinged, _) | (DoorKinds::Mixed, 0) => DoorKind::Hinged,
-            (DoorKinds::Double, _) | (DoorKinds::Mixed, 1) => DoorKind::Double,
-            _ => DoorKind::Sliding,
-        }
-    }
-}
-
 /// What opens and closes a door.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
@@ -124,39 +111,18 @@ pub enum Body {
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum Reactions {
-    /// [`Reaction::Regular`].
+    /// [`Reaction::Regular`](super::Reaction::Regular).
     Regular,
-    /// [`Reaction::Surprised`].
+    /// [`Reaction::Surprised`](super::Reaction::Surprised).
     Surprised,
-    /// [`Reaction::Curious`].
+    /// [`Reaction::Curious`](super::Reaction::Curious).
     Curious,
-    /// [`Reaction::Scared`].
+    /// [`Reaction::Scared`](super::Reaction::Scared).
     Scared,
-    /// [`Reaction::Impassive`].
+    /// [`Reaction::Impassive`](super::Reaction::Impassive).
     Impassive,
     /// Each with the same probability.
     Mixed,
-}
-
-impl Reactions {
-    /// The reaction of a person by a draw from 0 to 4.
-    pub(super) fn reaction(self, draw: u64) -> Reaction {
-        const ALL: [Reaction; 5] = [
-            Reaction::Regular,
-            Reaction::Surprised,
-            Reaction::Curious,
-            Reaction::Scared,
-            Reaction::Impassive,
-        ];
-        match self {
-            Reactions::Regular => Reaction::Regular,
-            Reactions::Surprised => Reaction::Surprised,
-            Reactions::Curious => Reaction::Curious,
-            Reactions::Scared => Reaction::Scared,
-            Reactions::Impassive => Reaction::Impassive,
-            Reactions::Mixed => ALL[draw as usize % ALL.len()],
-        }
-    }
 }
 
 /// What the smoke of `USARSim` is; the physical profile makes no difference between them.

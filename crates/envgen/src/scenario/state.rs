@@ -5,11 +5,11 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use super::door::{Bodies, DoorClock, DoorCommand, DoorShape, DoorState};
-use super::people::{
-    Crowd, FreeSpace, Neighbourhood, Person, PersonState, Routes, Surroundings, find_places,
-    max_speed,
-};
+use super::neighbourhood::Neighbourhood;
+use super::people::{Crowd, FreeSpace, Routes, Surroundings, find_places};
+use super::person::{Person, PersonState, max_speed};
 use super::plan::shapes;
+use super::robot::Robot;
 use super::smoke::{SmokeField, SmokeRegions};
 use super::{Door, Leaf, PERSON_RADIUS, REACH, Scenario, ScenarioSpec, TICK};
 use crate::clearance_index::ClearanceIndex;
@@ -35,17 +35,6 @@ const MAX_PLACES: usize = 1 << 14;
 
 /// Doors concern people this far beyond the reach of their leaves, in metres.
 const ZONE: f64 = 0.5;
-
-/// A robot, as people see it and doors feel it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Robot {
-    /// True position in metres.
-    pub position: DVec2,
-    /// True velocity in m/s.
-    pub velocity: DVec2,
-    /// Radius in metres of a disc that holds it.
-    pub radius: f64,
-}
 
 /// A scenario at a time.
 ///
@@ -311,19 +300,5 @@ impl ScenarioState {
 impl Scene {
     fn clock(&self, door: &Door, tick: u64) -> DoorClock {
         DoorClock { seed: self.seed, doorway: u64::from(door.doorway), tick }
-    }
-}
-
-impl Robot {
-    fn check(&self) -> Result<(), SpecError> {
-        for (name, value) in [("position", self.position), ("velocity", self.velocity)] {
-            if !value.is_finite() {
-                return Err(SpecError::new(name, value, "finite numbers"));
-            }
-        }
-        if !(0.0..1e6).contains(&self.radius) {
-            return Err(SpecError::new("radius", self.radius, "a number from 0 to 1e6"));
-        }
-        Ok(())
     }
 }

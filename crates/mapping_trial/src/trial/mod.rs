@@ -6,6 +6,7 @@ mod end;
 mod log;
 mod observer;
 mod parts;
+mod replay;
 mod report;
 mod settings;
 mod start;
@@ -150,7 +151,7 @@ pub struct Trial<B> {
     tracks: Vec<Trajectory>,
     commands: Vec<log::CommandTrack>,
     /// What a replayed log knows of its policy.
-    script: Option<log::Script>,
+    script: Option<replay::Script>,
     over: bool,
     /// What moves in the world, and where it was.
     scenario: Option<Box<(Scenario, SweptCells)>>,

@@ -9,6 +9,9 @@ use super::WorldGeneratorError;
 use super::xml::Flat;
 use crate::indoor::catalogue::{Catalogue, MAX_ROOM_SIZE, MAX_ROOMS, RoomDesign};
 
+/// The name of a piece of hallway.
+pub const HALLWAY: &str = "hallway";
+
 /// A room of a library: its size is known, its contents are in another file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LibraryRoom {
@@ -92,7 +95,7 @@ pub fn write_library(catalogue: &Catalogue, out: &mut impl io::Write) -> io::Res
     writer
         .create_element("roomList")
         .write_inner_content(|writer| {
-            let hallway = (super::HALLWAY, 1, 1);
+            let hallway = (HALLWAY, 1, 1);
             let rooms = catalogue.rooms().iter().map(|r| (r.name.as_str(), r.height, r.width));
             for (name, depth, width) in std::iter::once(hallway).chain(rooms) {
                 let src = format!("{}.room.ron", name.replace(' ', "_"));

@@ -16,8 +16,8 @@ mod xml;
 
 use thiserror::Error;
 
-pub use library::{LibraryRoom, read_library, write_library};
-pub use project::{HALLWAY, Project, read_project, write_project};
+pub use library::{HALLWAY, LibraryRoom, read_library, write_library};
+pub use project::{Project, read_project, write_project};
 
 /// Unreal units per metre.
 pub const UNITS_A_METRE: f64 = 250.0;

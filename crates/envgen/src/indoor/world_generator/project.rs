@@ -6,7 +6,7 @@ use std::io;
 use quick_xml::Writer;
 
 use super::WorldGeneratorError;
-use super::library::LibraryRoom;
+use super::library::{HALLWAY, LibraryRoom};
 use super::xml::{Element, Flat};
 use crate::indoor::blueprint::FloorPlan;
 use crate::indoor::catalogue::{Catalogue, SharedRoom};
@@ -16,9 +16,6 @@ use crate::indoor::grid::{
 use crate::indoor::placed_room::PlacedRoom;
 use crate::indoor::spec::{IndoorSpec, Profile};
 use crate::world::Contents;
-
-/// The name of a piece of hallway.
-pub const HALLWAY: &str = "hallway";
 
 /// Greatest depth and width of a world that is read, in cells.
 const MAX_SIZE: u32 = 1024;

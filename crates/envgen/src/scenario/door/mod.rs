@@ -12,7 +12,7 @@ pub(super) use place::place_doors;
 
 use serde::{Deserialize, Serialize};
 
-use super::spec::DoorControl;
+use super::spec::{DoorControl, ScenarioSpec};
 use crate::error::SpecError;
 use crate::world::World;
 
@@ -84,10 +84,10 @@ impl Door {
             Some(_) => {}
         }
         for (name, value) in [("open", self.open), ("closed", self.closed)] {
-            super::ScenarioSpec::setting("door_open")
+            ScenarioSpec::setting("door_open")
                 .check(value)
                 .map_err(|error| SpecError { field: name.to_owned(), ..error })?;
         }
-        super::ScenarioSpec::setting("slam").check(self.slam)
+        ScenarioSpec::setting("slam").check(self.slam)
     }
 }

@@ -5,9 +5,11 @@ use serde::{Deserialize, Serialize};
 
 use super::leaf::DoorShape;
 use super::{Door, Leaf};
-use crate::scenario::people::Neighbourhood;
+use crate::scenario::neighbourhood::Neighbourhood;
+use crate::scenario::person::PersonState;
+use crate::scenario::robot::Robot;
 use crate::scenario::spec::DoorControl;
-use crate::scenario::{PERSON_RADIUS, PersonState, Robot, TICKS_PER_SECOND};
+use crate::scenario::{PERSON_RADIUS, TICKS_PER_SECOND};
 use crate::seed::Seed;
 
 /// Seconds that a door takes to open or close, and to slam shut.

@@ -6,7 +6,8 @@ use super::leaf::{DoorShape, Leaf};
 use super::{Door, DoorKind};
 use crate::error::SpecError;
 use crate::geometry::{Rect, Shape, edges, polygon_contains, segments_cross};
-use crate::scenario::{PERSON_RADIUS, ScenarioSpec};
+use crate::scenario::PERSON_RADIUS;
+use crate::scenario::spec::{DoorKinds, ScenarioSpec};
 use crate::seed::Seed;
 use crate::world::{Doorway, World};
 
@@ -74,6 +75,17 @@ pub(crate) fn place_doors(
         doors.push(door);
     }
     Ok(doors)
+}
+
+impl DoorKinds {
+    /// The kind of a door by a draw from 0 to 2.
+    fn kind(self, draw: u64) -> DoorKind {
+        match (self, draw) {
+            (DoorKinds::Hinged, _) | (DoorKinds::Mixed, 0) => DoorKind::Hinged,
+            (DoorKinds::Double, _) | (DoorKinds::Mixed, 1) => DoorKind::Double,
+            _ => DoorKind::Sliding,
+        }
+    }
 }
 
 /// What must be free beyond the open leaves so that someone can walk past them.

@@ -3,15 +3,16 @@
 use glam::DVec2;
 
 use super::free_space::FreeSpace;
-use super::neighbourhood::{Neighbourhood, RANGE, REBUILD};
 use super::orca::{Disc, HalfPlane, WALL_HORIZON, avoid, keep_off, solve};
-use super::person::{MAX_CURIOUS, Person, PersonState, Reaction, Task};
 use super::routes::Routes;
 use crate::geometry::segments_cross;
 use crate::grid::CellBuckets;
 use crate::raycast::Raycaster;
 use crate::scenario::door::{DoorShape, DoorState, LEAF_GAP};
-use crate::scenario::{PERSON_RADIUS, Robot, ScenarioSpec, TICK, TICKS_PER_SECOND};
+use crate::scenario::neighbourhood::{Neighbourhood, RANGE, REBUILD};
+use crate::scenario::person::{MAX_CURIOUS, Person, PersonState, Reaction, Task};
+use crate::scenario::robot::Robot;
+use crate::scenario::{PERSON_RADIUS, ScenarioSpec, TICK, TICKS_PER_SECOND};
 use crate::seed::Seed;
 
 /// The most neighbours that a person avoids: the nearest.

@@ -5,28 +5,22 @@ use std::sync::Arc;
 
 mod crowd;
 mod free_space;
-mod neighbourhood;
 mod orca;
-mod person;
 mod places;
 mod routes;
 
 pub(super) use crowd::{Crowd, Surroundings};
 pub(super) use free_space::FreeSpace;
-pub(super) use neighbourhood::Neighbourhood;
-pub(super) use person::max_speed;
-pub use person::{Person, PersonState, Reaction};
 pub(super) use places::find_places;
 pub(super) use routes::Routes;
-
-/// Half the distance between the middles of a person's legs, in metres.
-const LEG_OFFSET: f64 = 0.15;
 
 use crate::clearance_index::ClearanceIndex;
 use crate::distribution::standard_normal;
 use crate::error::SpecError;
 use crate::scenario::door::DoorShape;
-use crate::scenario::{MAX_SPEED, REACH, ScenarioSpec};
+use crate::scenario::person::{Person, Reaction};
+use crate::scenario::spec::{Reactions, ScenarioSpec};
+use crate::scenario::{MAX_SPEED, REACH};
 use crate::seed::Seed;
 use crate::world::World;
 
@@ -58,6 +52,27 @@ pub(super) fn place_people(
         }
     };
     Ok((0_u64..).zip(&places).map(person).collect())
+}
+
+impl Reactions {
+    /// The reaction of a person by a draw from 0 to 4.
+    fn reaction(self, draw: u64) -> Reaction {
+        const ALL: [Reaction; 5] = [
+            Reaction::Regular,
+            Reaction::Surprised,
+            Reaction::Curious,
+            Reaction::Scared,
+            Reaction::Impassive,
+        ];
+        match self {
+            Reactions::Regular => Reaction::Regular,
+            Reactions::Surprised => Reaction::Surprised,
+            Reactions::Curious => Reaction::Curious,
+            Reactions::Scared => Reaction::Scared,
+            Reactions::Impassive => Reaction::Impassive,
+            Reactions::Mixed => ALL[draw as usize % ALL.len()],
+        }
+    }
 }
 
 impl Person {

@@ -62,6 +62,9 @@ impl Reaction {
     }
 }
 
+/// Half the distance between the middles of a person's legs, in metres.
+const LEG_OFFSET: f64 = 0.15;
+
 /// The greatest speed of a curious person, in m/s.
 pub(super) const MAX_CURIOUS: f64 = 1.8;
 
@@ -140,7 +143,7 @@ impl PersonState {
 
     /// The middles of the legs, in metres: beside each other, across the direction in which the person looks.
     pub fn legs(&self) -> [DVec2; 2] {
-        let aside = self.facing.perp() * super::LEG_OFFSET;
+        let aside = self.facing.perp() * LEG_OFFSET;
         [self.position + aside, self.position - aside]
     }
 }

@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-use super::PersonState;
+use super::TICK;
+use super::person::PersonState;
 use crate::geometry::Rect;
 use crate::grid::GridFrame;
 
@@ -37,7 +38,7 @@ impl Neighbourhood {
         let (cols, rows) = (count.x as usize, count.y as usize);
         Neighbourhood {
             frame: GridFrame { origin: bounds.min, cell_size: side, cols, rows },
-            drift: max_speed * REBUILD as f64 * super::super::TICK,
+            drift: max_speed * REBUILD as f64 * TICK,
             starts: vec![0; cols * rows + 1],
             ids: vec![0; people],
             list_starts: vec![0; people + 1],

@@ -1,0 +1,104 @@
+//! Running a trial again from its log, to the last bit.
+
+use envgen::World;
+
+use super::builder::TrialBuilder;
+use super::log::{CommandTrack, TrialLog};
+use super::{EndReason, RobotEnd, Trial, TrialError, TrialSettings};
+use crate::backend::{Command, RobotBackend};
+use crate::flat::FlatSimulator;
+
+impl TrialLog {
+    /// Runs a trial of the flat simulator again, to the last bit. If [`TrialLog::foreign`] names
+    /// SLAM or sensors, the settings' own make poses and map instead.
+    ///
+    /// # Errors
+    ///
+    /// As [`WorldSource::world`](super::WorldSource::world) and [`Trial::flat`]; or if the log's backend is not the
+    /// flat simulator.
+    pub fn replay(&self) -> Result<Trial<FlatSimulator>, TrialError> {
+        if self.engine != FlatSimulator::ENGINE {
+            return Err(TrialError::OtherEngine { found: self.engine.clone() });
+        }
+        let world = self.world.world()?;
+        let mut trial = self.replay_with(&world, TrialBuilder::build_flat)?;
+        self.run_through(&mut trial);
+        Ok(trial)
+    }
+
+    /// Builds a trial that is ready to run the log again, in the log's world. `build` may plug in the
+    /// parts that [`TrialLog::foreign`] names, and builds the trial.
+    ///
+    /// # Errors
+    ///
+    /// Any error of `build`; a world that is not the log's.
+    pub fn replay_with<'w, B: RobotBackend>(
+        &self,
+        world: &'w World,
+        build: impl FnOnce(TrialBuilder<'w>) -> Result<Trial<B>, TrialError>,
+    ) -> Result<Trial<B>, TrialError> {
+        let found = world.digest().to_string();
+        if found != self.world_digest {
+            return Err(TrialError::OtherWorld { logged: self.world_digest.clone(), found });
+        }
+        // The log replaces the policy, but the settings still name it.
+        let settings = TrialSettings { policy: None, ..self.settings.clone() };
+        let mut builder = TrialBuilder::new(world, settings);
+        if let Some(scenario) = &self.scenario {
+            builder = builder.scenario(scenario.clone());
+        }
+        let mut trial = build(builder)?;
+        trial.settings.policy = self.settings.policy;
+        trial.foreign = self.foreign.clone();
+        trial.source = self.world.clone();
+        trial.script =
+            Some(Script { ends: self.ends.clone(), recoveries: self.recoveries.clone() });
+        Ok(trial)
+    }
+
+    /// Gives a trial made by [`TrialLog::replay_with`] all of the log's commands.
+    pub fn run_through<B: RobotBackend>(&self, trial: &mut Trial<B>) {
+        self.run_through_with(trial, |_| ());
+    }
+
+    /// The same, with a call of `progress` after every tick.
+    pub fn run_through_with<B: RobotBackend>(
+        &self,
+        trial: &mut Trial<B>,
+        mut progress: impl FnMut(&Trial<B>),
+    ) {
+        let mut tracks: Vec<_> = self.commands.iter().map(CommandTrack::iter).collect();
+        for _ in 0..self.ticks() {
+            let commands: Vec<Command> =
+                tracks.iter_mut().map(|track| track.next().unwrap_or(Command::STOP)).collect();
+            trial.step_with(&commands);
+            progress(trial);
+        }
+        let stopped = |end: &Option<RobotEnd>| end.is_some_and(|e| e.reason == EndReason::Stopped);
+        if self.ends.iter().any(stopped) {
+            trial.stop();
+        } else if self.ends.iter().all(Option::is_some) {
+            // The last observation, after which there was no decision any more.
+            trial.step_with(&[]);
+        }
+    }
+}
+
+/// What a log knows of a policy that is not asked again.
+#[derive(Clone, Debug)]
+pub(super) struct Script {
+    ends: Vec<Option<RobotEnd>>,
+    recoveries: Vec<u32>,
+}
+
+impl Script {
+    /// Why a robot's part ends at a tick; a stop by a person is not in the script.
+    pub(super) fn end_at(&self, robot: usize, tick: u64) -> Option<EndReason> {
+        let end = (*self.ends.get(robot)?)?;
+        (end.tick == tick && end.reason != EndReason::Stopped).then_some(end.reason)
+    }
+
+    pub(super) fn recoveries(&self, robot: usize) -> u32 {
+        self.recoveries.get(robot).copied().unwrap_or(0)
+    }
+}
