@@ -61,12 +61,27 @@ pub fn strip_overlap(path: &Path<'_>, half: f64, closed: bool) -> Option<(f64, f
     found
 }
 
+/// Whether half circles of radius `half` around both ends of a path that does not cover itself keep off its strip of
+/// half width `reach`.
+pub(crate) fn round_ends_are_clear(path: &Path<'_>, half: f64, reach: f64) -> bool {
+    let mut border = Border::new(path, reach, true);
+    let sides = border.edges.len();
+    border.round_ends(path, half);
+    border.edges[sides..].iter().all(|end| {
+        !border.tree.any_overlap(end.bounds(), |i| {
+            let mut is_met = false;
+            end.meets(&border.edges[i], |_, _| is_met = i < sides);
+            is_met
+        })
+    })
+}
+
 /// The stretches, as distances along the path, where the lines at the given offsets to the left of
 /// it all keep at least `half` metres from the whole path.
 pub(crate) fn clear_stretches(
     path: &Path<'_>,
     index: &super::PathIndex,
-    offsets: [f64; 2],
+    offsets: impl IntoIterator<Item = f64>,
     half: f64,
     closed: bool,
 ) -> Vec<(f64, f64)> {
@@ -453,6 +468,17 @@ mod tests {
                 path(&[(30.0, 1.5), (length, 0.0), (30.0, 1.0), (length, 0.0), (40.0, -1.0)]);
             assert!(strip_overlap(&bends, 5.0, false).is_none(), "{length}");
         }
+    }
+
+    #[test]
+    fn an_end_near_the_path_sticks_out() {
+        // Around three corners, and then towards the first side: it ends 3 m from it.
+        let corner = (1.5 * PI, 0.5 * PI);
+        let sides = [(10.0, 0.0), corner, (10.0, 0.0), corner, (2.0, 0.0), corner, (10.0, 0.0)];
+        let path = path(&sides);
+        assert!(strip_overlap(&path, 2.0, false).is_none());
+        assert!(round_ends_are_clear(&path, 0.9, 2.0));
+        assert!(!round_ends_are_clear(&path, 1.1, 2.0));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::blueprint::Road;
 use crate::curve::Path;
-use crate::curve::overlap::{clear_stretches, strip_overlap};
+use crate::curve::overlap::{clear_stretches, round_ends_are_clear, strip_overlap};
 use crate::generate::Spec;
 use crate::geometry::{Pose, Rect, Shape};
 use crate::world::{Claim, Extent, KERB, RoadPoint, RoadStrip, Wall, WallKind, World};
@@ -74,14 +74,17 @@ fn kerbs(road: &Road) -> Vec<Wall> {
     }
     let path = road.path();
     let height = Extent::unless_usual(KERB, spec.kerb_height);
-    let free = strip_overlap(path, half + kerb, spec.closed).is_none();
+    let free = strip_overlap(path, half + kerb, spec.closed).is_none()
+        && (spec.closed || round_ends_are_clear(path, half, half + kerb));
     let mut walls = Vec::new();
     for side in [1.0, -1.0] {
         let stretches = if free {
             vec![(0.0, path.length())]
         } else {
-            let offsets = [side * half, side * (half + kerb)];
-            clear_stretches(path, road.index(), offsets, half, spec.closed)
+            // Of a road or its round end that passes between two of these lines, hardly anything is there.
+            let gaps = (4.0 * kerb / spec.width).ceil();
+            let lines = (0..=gaps as u32).map(|i| side * (half + kerb * (f64::from(i) / gaps)));
+            clear_stretches(path, road.index(), lines, half, spec.closed)
         };
         for stretch in stretches {
             let shapes = kerb_along(path, side, half, kerb, stretch);

@@ -1,5 +1,6 @@
 //! Worlds, files, settings and frozen digests.
 
+use envgen::certificate::{Verdict, verify};
 use envgen::road::{Concentration, Crossing, GRAVITY, Lengths, RoadError, RoadSpec, TurnLaw};
 use envgen::world::Digest;
 use envgen::{Blueprint, Seed, Spec};
@@ -134,6 +135,30 @@ fn kerbs_leave_the_road_free_even_where_it_crosses_itself() {
         }
     }
     assert!((5..40).contains(&crossing), "{crossing}");
+}
+
+#[test]
+fn kerbs_wider_than_the_road_leave_it_free_where_it_crosses_itself() {
+    let spec = RoadSpec {
+        length: 80.0,
+        segment_count: 12,
+        p_turn: 0.6,
+        speed: 0.0,
+        theta_min: 120.0,
+        theta_max: 340.0,
+        width: 0.1,
+        kerb: 0.9,
+        ..Default::default()
+    };
+    let mut crossing = 0;
+    for seed in 0..60 {
+        let road = generate(&spec, seed);
+        crossing += u32::from(road.metrics().crosses_itself);
+        for (claim, verdict) in verify(&road.to_world()) {
+            assert_eq!(verdict, Verdict::Holds, "seed {seed}: {claim}");
+        }
+    }
+    assert!(crossing > 20, "{crossing}");
 }
 
 #[test]
