@@ -183,6 +183,41 @@ fn snippets_of_the_guide_are_compiled() {
 }
 
 /// The names of a JSON value's fields, with those of the objects in it.
+/// The features that a crate's manifest declares, without `default`.
+fn features(manifest: &str) -> Vec<&str> {
+    let lines = manifest.lines().skip_while(|line| *line != "[features]").skip(1);
+    let lines = lines.take_while(|line| !line.starts_with('['));
+    let names = lines.filter_map(|line| line.split_once(" = [")).map(|(name, _)| name);
+    names.filter(|name| *name != "default").collect()
+}
+
+#[test]
+fn the_guide_names_every_feature() {
+    for (krate, page) in [
+        ("envgen", "installation.md"),
+        ("mapping_trial", "installation.md"),
+        ("bevy_envgen", "bevy.md"),
+        ("bevy_mapping_trial", "bevy.md"),
+        ("bevy_offscreen", "bevy.md"),
+    ] {
+        let manifest = root().join("crates").join(krate).join("Cargo.toml");
+        let manifest = fs::read_to_string(manifest).unwrap();
+        let page = fs::read_to_string(root().join("docs/guide").join(page)).unwrap();
+        let sentence = format!("Features of `{krate}`");
+        let mut paragraphs = page.split("\n\n").skip_while(|found| !found.starts_with(&sentence));
+        let mut named = paragraphs.next().unwrap_or_default().to_owned();
+        // A table is a paragraph of its own.
+        if named.ends_with(':') {
+            named.push_str(paragraphs.next().unwrap_or_default());
+        }
+        let features = features(&manifest);
+        assert!(!features.is_empty(), "{krate}");
+        for feature in features {
+            assert!(named.contains(&format!("`{feature}`")), "{krate}: `{feature}` is not named");
+        }
+    }
+}
+
 fn fields(value: &Value) -> BTreeSet<String> {
     let Some(object) = value.as_object() else { return BTreeSet::new() };
     let below = |(name, value): (&String, &Value)| {
