@@ -96,7 +96,7 @@ generate_error_from! {
     RoadError => Road;
 }
 
-/// A sentence about a variant that stands for a kind.
+/// The sentence that names the kind of a variant.
 macro_rules! of_kind {
     ($variant:ident, $name:literal) => {
         concat!(" Of the kind [`", $name, "`](WorldKind::", stringify!($variant), ").")
