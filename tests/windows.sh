@@ -65,6 +65,7 @@ hold() { xdotool keydown "$1"; sleep "$2"; xdotool keyup "$1"; }
 picture() {
   for _ in $(seq 20); do
     sleep 0.5
+    is_running
     import -window root "$pictures/$1.png"
     [ "$(identify -format '%k' "$pictures/$1.png")" -le 20 ] || return 0
   done
