@@ -45,7 +45,7 @@ kinds! {
 }
 
 impl WorldKind {
-    /// The kind of a name; `None` if there is none.
+    /// The kind that has this name, if any.
     pub(crate) fn named(name: &str) -> Option<Self> {
         WorldKind::ALL.iter().copied().find(|kind| kind.name() == name)
     }
