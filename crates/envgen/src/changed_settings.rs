@@ -13,7 +13,7 @@ impl Provenance {
     /// `difficulty 7, profile thesis`; at the end `edited` for an edited world. Empty for kinds that are
     /// not generated.
     pub fn changed_settings(&self) -> String {
-        let Some(kind) = WorldKind::ALL.iter().find(|kind| kind.name() == self.kind) else {
+        let Some(kind) = WorldKind::named(&self.kind) else {
             return String::new();
         };
         let defaults = kind.default_spec().settings_json();
