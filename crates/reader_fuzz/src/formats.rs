@@ -26,6 +26,7 @@ use mapping_trial::tum;
 
 use crate::corpus::{self, Corpus};
 use crate::exercise;
+use crate::script::script;
 
 /// Specs of more work than this are checked but not generated.
 const MOST_WORK: f64 = 3e4;
@@ -295,12 +296,12 @@ fn survey_folder(file: &[u8]) -> Option<()> {
     SurveyFolder::open(folder.path(), SURVEY.as_ref()?, Shard::WHOLE).ok().map(drop)
 }
 
-/// A trial with a driver that writes the file, whatever it reads; whether its hello is accepted.
+/// A trial with a driver that writes the file's lines, whatever it is sent; whether its hello is accepted.
 fn driver(file: &[u8]) -> bool {
     static WORLD: LazyLock<World> = LazyLock::new(corpus::scenario_world);
     let settings = TrialSettings { time_limit: 1.0, ..Default::default() };
-    let output = std::io::Cursor::new(file.to_vec());
-    let driver = Driver::connect(std::io::sink(), output, Limits::default());
+    let (input, output) = script(file);
+    let driver = Driver::connect(input, output, Limits::default());
     let mut builder = Trial::builder(&WORLD, settings);
     let Ok(setup) = builder.setup() else { return false };
     let is_greeted = driver.greet(&Hello::new(&setup)).is_some();

@@ -13,6 +13,7 @@ pub mod corpus;
 pub mod exercise;
 pub mod formats;
 pub mod mutate;
+mod script;
 pub mod work;
 
 pub use formats::{FORMATS, Format};
