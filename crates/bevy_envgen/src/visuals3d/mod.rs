@@ -7,7 +7,7 @@
 //! ```text
 //! Environment
 //!   Tile              a mesh for each Finish of its parts (Mesh3d, TileMesh); trees share the meshes of trunk
-//!                     and crown
+//!                     and crown, coarser ones far away
 //!   Stage             ground around the world, the light that fills it, the sun
 //!   Person, DoorLeaf  their meshes
 //!   Smoke             boxes that hide what is in and behind them
@@ -26,8 +26,10 @@ mod smoke;
 mod stage;
 mod texture;
 mod tile;
+mod tree_levels;
 mod trees;
 
+use bevy::camera::visibility::VisibilitySystems;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
@@ -60,6 +62,9 @@ pub struct Visuals3dSettings {
     pub darkness: f32,
     /// Whether cameras get a [`Sky`].
     pub sky: bool,
+    /// Distance in metres to the nearest camera up to which trees are drawn with all their triangles. Beyond it they
+    /// have half, and beyond 2.5 times as far a quarter of them; infinity draws all.
+    pub detail_distance: f32,
 }
 
 impl Default for Visuals3dSettings {
@@ -71,6 +76,7 @@ impl Default for Visuals3dSettings {
             brightness: 1.0,
             darkness: 0.02,
             sky: true,
+            detail_distance: 60.0,
         }
     }
 }
@@ -136,7 +142,14 @@ impl Plugin for EnvgenVisuals3dPlugin {
             )
                 .after(EnvgenSystems::Notify),
         )
-        .add_systems(PostUpdate, smoke::place_smoke.after(TransformSystems::Propagate));
+        .add_systems(
+            PostUpdate,
+            (
+                smoke::place_smoke,
+                tree_levels::choose_levels.before(VisibilitySystems::CheckVisibility),
+            )
+                .after(TransformSystems::Propagate),
+        );
         require_visibility(app);
     }
 }

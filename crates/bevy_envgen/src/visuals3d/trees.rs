@@ -1,23 +1,29 @@
 //! Trees: every trunk and crown is one of a few meshes, stretched, so that forests are drawn by instancing.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use bevy::prelude::*;
-use envgen::glam::DVec2;
-use envgen::mesh::{Mesh as Solid, ROUNDNESS};
+use envgen::glam::{DVec2, DVec3};
+use envgen::mesh::Mesh as Solid;
 use envgen::world::{Crown, Extent, Tree};
 
 use super::draft::Draft;
 use super::finish::Finish;
 use super::palette::Palette3d;
 use super::tile::TileMesh;
+use super::tree_levels::{LEVELS, TreeLevels};
 use crate::environment::{Environment, GroundTruth};
 use crate::part::PartKind;
 use crate::shape::PartShape;
 use crate::spawn::TileSpawned;
 
-/// Sides of the trunks of thin, middling and thick trees, and the radius up to which they suffice in metres.
-const SIDES: [(u32, f64); 3] = [(16, 0.15), (28, 0.5), (48, f64::INFINITY)];
+/// Sides of the trunks of thin, middling and thick trees, the radius for which their bark is, and the radius up to
+/// which they suffice, in metres. Far away they have half and a quarter as many.
+const SIDES: [(u32, f64, f64); 3] = [(16, 0.05, 0.15), (28, 0.16, 0.5), (48, 0.47, f64::INFINITY)];
+
+/// Corners around a crown and bands from its bottom to its top, from near to far.
+const CROWN: [(u32, u32); LEVELS] = [(12, 6), (8, 4), (6, 3)];
 
 /// Crowns differ in lightness by these factors, so that one can tell them apart.
 const SHADES: [f32; 3] = [0.9, 1.0, 1.12];
@@ -25,8 +31,8 @@ const SHADES: [f32; 3] = [0.9, 1.0, 1.12];
 /// The meshes and materials of trees, shared by all.
 #[derive(Resource, Default)]
 pub(super) struct TreeMeshes {
-    crown: Option<Handle<Mesh>>,
-    trunks: BTreeMap<u32, Handle<Mesh>>,
+    crown: Option<Arc<[Handle<Mesh>; LEVELS]>>,
+    trunks: BTreeMap<u32, Arc<[Handle<Mesh>; LEVELS]>>,
     bark: Option<Handle<StandardMaterial>>,
     leaves: Vec<Handle<StandardMaterial>>,
 }
@@ -57,7 +63,7 @@ pub(super) fn plant(world: &mut World, spawned: &TileSpawned) {
     let (Some(crown), Some(bark)) = (shared.crown.clone(), shared.bark.clone()) else { return };
     let mut parts = Vec::with_capacity(2 * trees.len());
     for (index, tree) in trees {
-        let sides = SIDES.iter().find(|(_, most)| tree.radius <= *most).unwrap_or(&SIDES[2]).0;
+        let sides = SIDES.iter().find(|(_, _, most)| tree.radius <= *most).unwrap_or(&SIDES[2]).0;
         let at = (tree.center - origin).as_vec2();
         let trunk = tree.trunk();
         let (Some(mesh), Some(leaves)) =
@@ -69,7 +75,8 @@ pub(super) fn plant(world: &mut World, spawned: &TileSpawned) {
             .with_scale(Vec3::new(tree.radius as f32, tree.radius as f32, trunk.height() as f32));
         parts.push((
             TileMesh { finish: Finish::Bark },
-            Mesh3d(mesh.clone()),
+            Mesh3d(mesh[0].clone()),
+            TreeLevels(mesh.clone()),
             MeshMaterial3d(bark.clone()),
             pose,
             ChildOf(spawned.tile),
@@ -83,7 +90,8 @@ pub(super) fn plant(world: &mut World, spawned: &TileSpawned) {
             .with_scale(Vec3::new(radius as f32, radius as f32, extent.height() as f32));
         parts.push((
             TileMesh { finish: Finish::Leaves },
-            Mesh3d(crown.clone()),
+            Mesh3d(crown[0].clone()),
+            TreeLevels(crown.clone()),
             MeshMaterial3d(leaves.clone()),
             pose,
             ChildOf(spawned.tile),
@@ -99,31 +107,33 @@ fn make_shared(world: &mut World) {
     }
     let palette = world.resource::<Palette3d>().clone();
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
-    let mut drawn = |solid: Option<Solid>, widen: f64, finish| {
-        let mut solid = solid?;
-        for uv in &mut solid.uvs {
-            // A crown is about four times as high as its unit.
-            uv.y *= 4.0;
-        }
-        for position in &mut solid.positions {
-            *position *= envgen::glam::DVec3::new(widen, widen, 1.0);
-        }
-        let mut draft = Draft::of(finish);
-        draft.add(&solid, DVec2::ZERO, Color::WHITE);
-        Some(meshes.add(draft.into_mesh()))
+    // All levels are as wide on average: of the same volume.
+    let mut drawn = |solids: [Solid; LEVELS], radius: f64, finish| {
+        let volume = solids[0].volume();
+        Arc::new(solids.map(|mut solid| {
+            let widen = (volume / solid.volume()).sqrt();
+            for position in &mut solid.positions {
+                *position *= DVec3::new(widen, widen, 1.0);
+            }
+            for uv in &mut solid.uvs {
+                // Trees are about four times as high as their unit.
+                *uv *= DVec2::new(radius, 4.0);
+            }
+            let mut draft = Draft::of(finish);
+            draft.add(&solid, DVec2::ZERO, Color::WHITE);
+            meshes.add(draft.into_mesh())
+        }))
     };
     let unit = |bottom, top| Extent::new(bottom, top).ok();
-    let crown = unit(-0.5, 0.5).and_then(|extent| {
-        let solid = Solid::ellipsoid(DVec2::ZERO, Crown { extent, radius: 1.0 });
-        drawn(Some(solid), 1.0, Finish::Leaves)
+    let crown = unit(-0.5, 0.5).map(|extent| {
+        let crown = Crown { extent, radius: 1.0 };
+        let solid = |(around, bands)| Solid::coarse_ellipsoid(DVec2::ZERO, crown, around, bands);
+        drawn(CROWN.map(solid), 1.0, Finish::Leaves)
     });
-    let trunks = SIDES.iter().filter_map(|&(sides, _)| {
-        // Just within the discs whose meshes have so many sides.
-        let turns = f64::from(sides) / std::f64::consts::PI;
-        let radius = 1.998 * ROUNDNESS * turns * turns;
-        let disc = envgen::geometry::Shape::Disc { center: DVec2::ZERO, radius };
-        let solid = Solid::extruded(&disc, unit(0.0, 1.0)?);
-        Some((sides, drawn(solid, 1.0 / radius, Finish::Bark)?))
+    let trunks = SIDES.iter().filter_map(|&(sides, radius, _)| {
+        let extent = unit(0.0, 1.0)?;
+        let solid = |part| Solid::cylinder(DVec2::ZERO, 1.0, extent, sides / part);
+        Some((sides, drawn([1, 2, 4].map(solid), radius, Finish::Bark)))
     });
     let trunks = trunks.collect();
     let [bark, leaves] = [Finish::Bark, Finish::Leaves].map(|finish| finish.textured(world));

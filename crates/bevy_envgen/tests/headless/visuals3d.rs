@@ -131,6 +131,54 @@ fn trees_share_their_meshes() {
 }
 
 #[test]
+fn trees_far_from_every_camera_have_fewer_triangles() {
+    let mut app = app();
+    let spec = ForestSpec { width: 400.0, height: 20.0, intensity: 0.1, ..default() };
+    spawn_ready(&mut app, Environment::new(spec, 1)).unwrap();
+    let eye = |x| (Camera3d::default(), Transform::from_xyz(x, 10.0, 1.0));
+    // Triangles of trees, and their least distance to these places.
+    let triangles = |app: &mut App, eyes: &[f32]| {
+        step(app, 1);
+        let mut drawn = app.world_mut().query::<(&TileMesh, &Mesh3d, &Transform)>();
+        let meshes = app.world().resource::<Assets<Mesh>>();
+        let trees = drawn.iter(app.world()).filter(|(mesh, ..)| mesh.finish == Finish::Leaves);
+        let mut found: Vec<(f32, usize)> = trees
+            .map(|(_, mesh, at)| {
+                let eyes = eyes.iter().map(|x| at.translation.distance(Vec3::new(*x, 10.0, 1.0)));
+                let count = meshes.get(&mesh.0).unwrap().indices().unwrap().len() / 3;
+                (eyes.fold(f32::INFINITY, f32::min), count)
+            })
+            .collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found
+    };
+    let expected = |distance: f32| match distance {
+        ..=60.0 => 120,
+        ..=150.0 => 48,
+        _ => 24,
+    };
+    assert!(triangles(&mut app, &[0.0]).iter().all(|(_, count)| *count == 120), "without cameras");
+    let first = app.world_mut().spawn(eye(0.0)).id();
+    for (distance, count) in triangles(&mut app, &[0.0]) {
+        assert_eq!(count, expected(distance), "{distance}");
+    }
+    // Another camera, and one that moves.
+    app.world_mut().spawn(eye(390.0));
+    for (distance, count) in triangles(&mut app, &[0.0, 390.0]) {
+        assert_eq!(count, expected(distance), "{distance}");
+    }
+    app.world_mut().entity_mut(first).insert(Transform::from_xyz(200.0, 10.0, 1.0));
+    let found = triangles(&mut app, &[200.0, 390.0]);
+    assert!(found.iter().any(|(distance, _)| *distance > 150.0));
+    for (distance, count) in found {
+        assert_eq!(count, expected(distance), "{distance}");
+    }
+    // All the triangles, if that is asked for.
+    app.world_mut().resource_mut::<Visuals3dSettings>().detail_distance = f32::INFINITY;
+    assert!(triangles(&mut app, &[0.0]).iter().all(|(_, count)| *count == 120));
+}
+
+#[test]
 fn ceilings_are_shown_on_demand() {
     let mut app = app();
     spawn_ready(&mut app, indoor(8)).unwrap();

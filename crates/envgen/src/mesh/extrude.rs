@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 
-use super::{JOINED, Mesh, ROAD_TOLERANCE, outline, triangulate};
+use super::{JOINED, Mesh, ROAD_TOLERANCE, outline, regular_polygon, triangulate};
 use crate::geometry::{Shape, signed_area};
 use crate::world::{Extent, RoadMesh, RoadStrip};
 
@@ -43,6 +43,18 @@ impl Mesh {
         mesh.add_caps(&outline, &cover, extent);
         mesh.add_sides(&outline, sides, extent, matches!(shape, Shape::Disc { .. }));
         Some(mesh)
+    }
+
+    /// A disc, drawn out from a bottom to a top, with so many flat sides that have the normals of a
+    /// cylinder. Fewer than 3 sides are raised to 3.
+    pub fn cylinder(center: DVec2, radius: f64, extent: Extent, sides: u32) -> Self {
+        let sides = sides.max(3);
+        let outline = regular_polygon(radius, sides as usize);
+        let cover: Vec<[u32; 3]> = (2..sides).map(|i| [0, i - 1, i]).collect();
+        let mut mesh = Mesh::empty(center);
+        mesh.add_caps(&outline, &cover, extent);
+        mesh.add_sides(&outline, (0..sides).map(|i| [i, (i + 1) % sides]), extent, true);
+        mesh
     }
 
     /// A road. `None` where its edge crosses itself in a bend.

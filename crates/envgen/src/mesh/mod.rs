@@ -120,11 +120,7 @@ impl Mesh {
 /// lines are [`LINE_THICKNESS`] thick.
 pub fn outline(shape: &Shape) -> (DVec2, Vec<DVec2>) {
     match shape {
-        Shape::Disc { center, radius } => {
-            let sides = sides(*radius);
-            let corner = |i| unit_vector(std::f64::consts::TAU * i as f64 / sides as f64) * *radius;
-            (*center, (0..sides).map(corner).collect())
-        }
+        Shape::Disc { center, radius } => (*center, regular_polygon(*radius, sides(*radius))),
         Shape::Box { center, half_size, heading } => {
             let around =
                 Shape::Box { center: DVec2::ZERO, half_size: *half_size, heading: *heading };
@@ -140,6 +136,12 @@ pub fn outline(shape: &Shape) -> (DVec2, Vec<DVec2>) {
             (middle, vertices.iter().map(|corner| *corner - middle).collect())
         }
     }
+}
+
+/// The corners of a regular polygon about the origin, counter-clockwise.
+fn regular_polygon(radius: f64, sides: usize) -> Vec<DVec2> {
+    let corner = |i| unit_vector(std::f64::consts::TAU * i as f64 / sides as f64) * radius;
+    (0..sides).map(corner).collect()
 }
 
 /// As many sides of a regular polygon as keep it within [`ROUNDNESS`] of its circle.

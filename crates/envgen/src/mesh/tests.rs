@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::geometry::signed_area;
 use crate::pieces::{Role, pieces};
+use crate::world::{Crown, Extent};
 use crate::{Seed, WorldKind, WorldSpec};
 
 /// Complains of a mesh that is not closed, oriented and free of degenerate triangles, or whose normals do
@@ -129,6 +130,24 @@ proptest! {
             let inside = radius - (0.5 * (a + b)).length();
             prop_assert!((0.0..=ROUNDNESS).contains(&inside), "{}", inside);
         }
+    }
+}
+
+proptest! {
+    #[test]
+    fn coarse_bodies_are_closed(around in 0..20_u32, bands in 0..9_u32, radius in 0.01..9.0_f64, height in 0.1..20.0_f64) {
+        let extent = Extent::new(1.0, 1.0 + height).unwrap();
+        let center = DVec2::new(3.0, -2.0);
+        let crown = Mesh::coarse_ellipsoid(center, Crown { extent, radius }, around, bands);
+        prop_assert_eq!(fault(&crown), None);
+        let whole: f64 = 4.0 / 3.0 * std::f64::consts::PI * radius * radius * 0.5 * height;
+        prop_assert!(crown.volume() > 0.1 * whole && crown.volume() < whole);
+        let trunk = Mesh::cylinder(center, radius, extent, around);
+        prop_assert_eq!(fault(&trunk), None);
+        let sides = f64::from(around.max(3));
+        let area: f64 = 0.5 * sides * radius * radius * libm::sin(std::f64::consts::TAU / sides);
+        prop_assert!((trunk.volume() / (area * height) - 1.0).abs() < 1e-9);
+        prop_assert_eq!(trunk.triangles.len() as u32, 4 * around.max(3) - 4);
     }
 }
 

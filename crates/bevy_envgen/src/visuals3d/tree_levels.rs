@@ -1,0 +1,68 @@
+//! Levels of detail: trees far from every camera are drawn with fewer triangles.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use super::Visuals3dSettings;
+
+/// Number of levels.
+pub(super) const LEVELS: usize = 3;
+
+/// Where the coarsest level begins, as a multiple of where the finest one ends.
+const COARSEST: f32 = 2.5;
+
+/// How far in metres a camera moves before levels are chosen again.
+const MOVED: f32 = 1.0;
+
+/// The meshes of a trunk or crown, from the finest to the coarsest.
+#[derive(Component)]
+pub(super) struct TreeLevels(pub(super) Arc<[Handle<Mesh>; LEVELS]>);
+
+/// The level at a distance in metres from the nearest camera.
+fn level(distance: f32, detail_distance: f32) -> usize {
+    [1.0, COARSEST].iter().filter(|&&factor| distance > factor * detail_distance).count()
+}
+
+/// Gives each trunk and crown the mesh for its distance to the nearest camera.
+pub(super) fn choose_levels(
+    settings: Res<Visuals3dSettings>,
+    cameras: Query<(&GlobalTransform, &Camera), With<Camera3d>>,
+    planted: Query<(), Added<TreeLevels>>,
+    mut bodies: Query<(&GlobalTransform, &TreeLevels, &mut Mesh3d)>,
+    mut chosen_from: Local<Vec<Vec3>>,
+) {
+    let eyes = cameras.iter().filter(|(_, camera)| camera.is_active);
+    let eyes: Vec<Vec3> = eyes.map(|(at, _)| at.translation()).collect();
+    let has_moved = eyes.len() != chosen_from.len()
+        || eyes.iter().zip(&*chosen_from).any(|(now, then)| now.distance(*then) > MOVED);
+    if eyes.is_empty() || !(has_moved || settings.is_changed() || !planted.is_empty()) {
+        return;
+    }
+    bodies.par_iter_mut().for_each(|(at, levels, mut mesh)| {
+        let at = at.translation();
+        let distances = eyes.iter().map(|eye| eye.distance_squared(at));
+        let nearest = distances.fold(f32::INFINITY, f32::min).sqrt();
+        let wanted = &levels.0[level(nearest, settings.detail_distance)];
+        if mesh.0 != *wanted {
+            mesh.0 = wanted.clone();
+        }
+    });
+    *chosen_from = eyes;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_coarser_farther_away() {
+        assert_eq!(
+            [0.0, 59.0, 61.0, 149.0, 151.0, 1e9].map(|d| level(d, 60.0)),
+            [0, 0, 1, 1, 2, 2]
+        );
+        assert_eq!(level(1e9, f32::INFINITY), 0);
+        assert_eq!(level(1e9, f32::NAN), 0);
+        assert_eq!(level(1.0, 0.0), 2);
+    }
+}
