@@ -6,14 +6,14 @@ use std::process::ExitCode;
 
 use clap::Args;
 use envgen::World;
-use envgen::certificate::{Claim, Verdict, verify};
+use envgen::certificate::{Claim, Verdict, verify_claims};
 use envgen::difficulty::Platform;
 use envgen::reproduction::{Reproduction, reproduce};
 use envgen::scenario::{BehindDoor, Scenario};
 
 use crate::failure::Failure;
 use crate::moving::read_scenario;
-use crate::progress::spinner;
+use crate::progress::steps;
 use crate::source::WorldFile;
 
 #[derive(Args)]
@@ -34,10 +34,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         None => None,
     };
     let (checked, reproduction, behind) = {
-        let _spinner = spinner("checking");
-        let doors = scenario.as_ref().map(|scenario| doors(&world, scenario)).transpose()?;
-        let (open, behind) = doors.unzip();
-        let checked = verify(open.as_ref().unwrap_or(&world));
+        let steps = steps(world.certificate.len() + 1 + usize::from(scenario.is_some()));
+        let doors = scenario.as_ref().map(|scenario| {
+            steps.begin("what depends on doors");
+            doors(&world, scenario)
+        });
+        let (open, behind) = doors.transpose()?.unzip();
+        let open = open.as_ref().unwrap_or(&world);
+        let checked = open.certificate.iter().flat_map(|claim| {
+            steps.begin(claim.to_string());
+            verify_claims(open, &[*claim])
+        });
+        let checked: Vec<_> = checked.collect();
+        steps.begin("the world of its spec and seed");
         (checked, reproduce(&world), behind.unwrap_or_default())
     };
     let all_hold = checked.iter().all(|(_, verdict)| *verdict == Verdict::Holds);

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use crate::failure::Failure;
-use crate::progress::spinner;
+use crate::progress::steps;
 use crate::source::WorldFile;
 use crate::writing::Writing;
 
@@ -20,8 +20,9 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let files = arguments.writing.begin(&arguments.file.inputs())?;
+    let steps = steps(1 + files.count());
+    steps.begin("reading");
     let world = arguments.file.read()?;
-    let _spinner = spinner("writing");
-    files.write(&world, None)?;
+    files.write(&world, None, &steps)?;
     Ok(ExitCode::SUCCESS)
 }

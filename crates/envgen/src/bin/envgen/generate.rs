@@ -7,7 +7,7 @@ use envgen::WorldMetrics;
 
 use crate::failure::Failure;
 use crate::moving::Moving;
-use crate::progress::spinner;
+use crate::progress::steps;
 use crate::source::{Source, note};
 use crate::writing::Writing;
 
@@ -29,11 +29,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let (spec, moving) = source.spec_and_scenario()?;
     let mut files =
         arguments.writing.begin(&[source.inputs(), arguments.moving.inputs()].concat())?;
-    let _spinner = spinner("generating");
+    let steps = steps(1 + files.count());
+    steps.begin(format!("generating a world of the kind {}", spec.kind()));
     let blueprint = spec.generate(source.seed).map_err(|error| source.name(error.into()))?;
     let world = blueprint.to_world();
     files.scenario = arguments.moving.scenario(&world, moving, source.seed)?;
-    files.write(&world, Some(&blueprint))?;
+    files.write(&world, Some(&blueprint), &steps)?;
     if let WorldMetrics::Landscape(metrics) = blueprint.metrics()
         && let Some(error) = metrics.total_edge_error.filter(|error| *error != 0)
     {

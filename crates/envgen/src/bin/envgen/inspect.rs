@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use envgen::calibration::{Calibration, Dials, Prediction};
-use envgen::certificate::{Claim, Verdict, verify};
+use envgen::certificate::{Claim, Verdict, verify_claims};
 use envgen::difficulty::{DifficultyVector, Platform};
 use envgen::geometry::{Pose, Rect};
 use envgen::indoor::Profile;
@@ -19,7 +19,7 @@ use serde_json::Value;
 
 use crate::failure::Failure;
 use crate::platform::PlatformOptions;
-use crate::progress::spinner;
+use crate::progress::{Steps, steps};
 use crate::source::{WorldFile, note};
 
 #[derive(Args)]
@@ -172,8 +172,8 @@ struct Checked {
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let platform = arguments.platform.read()?;
     let world = arguments.file.read()?;
-    let working = spinner("inspecting");
-    let report = report(&world, &platform);
+    let working = steps(world.certificate.len() + 3);
+    let report = report(&world, &platform, &working);
     drop(working);
     let mut out = io::stdout().lock();
     if arguments.json {
@@ -186,11 +186,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn report<'a>(world: &'a World, platform: &Platform) -> Report<'a> {
+fn report<'a>(world: &'a World, platform: &Platform, steps: &Steps) -> Report<'a> {
+    steps.begin("the world of its spec and seed");
     let again = match reproduce(world) {
         Reproduction::Same(blueprint) => Some(blueprint.metrics()),
         _ => None,
     };
+    steps.begin("features of its difficulty");
     let difficulty = DifficultyVector::of(world, platform);
     if let Err(error) = &difficulty {
         note(&format!("no difficulty: {error}"));
@@ -201,6 +203,12 @@ fn report<'a>(world: &'a World, platform: &Platform) -> Report<'a> {
         verdict,
         doubt: verdict.doubt().map(|doubt| doubt.to_string()),
     };
+    let certificate = world.certificate.iter().flat_map(|claim| {
+        steps.begin(claim.to_string());
+        verify_claims(world, &[*claim])
+    });
+    let certificate = certificate.map(checked).collect();
+    steps.begin("its prediction");
     Report {
         provenance: &world.provenance,
         digest: world.digest().to_string(),
@@ -220,7 +228,7 @@ fn report<'a>(world: &'a World, platform: &Platform) -> Report<'a> {
         },
         heights: Heights::of(world),
         materials: Materials::of(world),
-        certificate: verify(world).into_iter().map(checked).collect(),
+        certificate,
         metrics: again,
         predicted: predicted(world, platform, difficulty.as_ref().ok()),
         difficulty: difficulty.ok(),

@@ -11,7 +11,7 @@ use envgen::landscape::metrics::{Border, RasterReport};
 use envgen::located::Locate;
 
 use crate::failure::Failure;
-use crate::progress::spinner;
+use crate::progress::steps;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -30,13 +30,15 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let path = &arguments.file;
-    let working = spinner("counting");
+    let working = steps(2);
+    working.begin("reading");
     let mut file = File::open(path).in_file(path)?;
     let read = ImportedRaster::read(path, &mut file).map_err(|error| match error {
         // The error names the file itself.
         RasterFileError::UnknownEnding(_) => error.into(),
         other => Failure::from(other).about(path.display()),
     })?;
+    working.begin("counting");
     let border = if arguments.border { Border::Counted } else { Border::Free };
     let mut report = RasterReport::new(&read.raster, border).in_file(path)?;
     if let Some(labels) = &read.labels {

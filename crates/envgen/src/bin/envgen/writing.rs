@@ -13,6 +13,7 @@ use envgen::whole_file::{WholeFile, commit_all};
 use envgen::{World, WorldBlueprint};
 
 use crate::failure::Failure;
+use crate::progress::Steps;
 use crate::source::note;
 
 #[derive(Args)]
@@ -56,15 +57,22 @@ impl Writing {
 }
 
 impl Begun {
-    /// Writes a world to all of them.
+    /// How many steps it takes to write them.
+    pub(crate) fn count(&self) -> usize {
+        self.outputs.len()
+    }
+
+    /// Writes a world to all of them, a step for each.
     pub(crate) fn write(
         mut self,
         world: &World,
         blueprint: Option<&WorldBlueprint>,
+        steps: &Steps,
     ) -> Result<(), Failure> {
         say_sizes(world, self.resolution, &self.outputs)?;
         self.picture.scenario.clone_from(&self.scenario);
         for (output, file) in self.outputs.iter().zip(&mut self.files) {
+            steps.begin(format!("writing {}", output.asked.display()));
             let job = Job {
                 blueprint,
                 resolution: self.resolution,
