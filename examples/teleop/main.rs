@@ -27,6 +27,8 @@ mod pictures;
 #[path = "../shared/robot.rs"]
 mod robot;
 mod robot_cameras;
+#[path = "../shared/samples.rs"]
+mod samples;
 mod saving;
 mod session;
 #[path = "../shared/start.rs"]

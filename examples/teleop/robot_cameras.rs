@@ -12,9 +12,9 @@ use bevy::render::renderer::RenderAdapterInfo;
 use bevy_mapping_trial::prelude::*;
 use bevy_mapping_trial::ui::bevy_egui::{EguiTextureHandle, EguiUserTextures};
 use bevy_mapping_trial::ui::egui;
-use wgpu_types::DeviceType;
 
 use crate::arguments::MAX_ROBOTS;
+use crate::samples::{is_software, samples};
 use crate::session::{Phase, Session};
 
 /// Width of a picture per height: the panel leaves about that much of a window.
@@ -74,8 +74,7 @@ pub(crate) fn spawn_pictures(
     mut textures: ResMut<EguiUserTextures>,
     mut commands: Commands,
 ) {
-    let is_software = adapter.device_type == DeviceType::Cpu;
-    let rows = rows.unwrap_or(if is_software { ROWS[1] } else { ROWS[0] }) as f32;
+    let rows = rows.unwrap_or(if is_software(&adapter) { ROWS[1] } else { ROWS[0] }) as f32;
     let mut picture = |rows: f32| {
         let [width, height] = [ASPECT * rows, rows].map(|side| side.round().max(1.0) as u32);
         let format = TextureFormat::Bgra8UnormSrgb;
@@ -86,7 +85,7 @@ pub(crate) fn spawn_pictures(
     commands.insert_resource(RobotPictures {
         large: picture(rows),
         small: (0..MAX_ROBOTS).map(|_| picture(SMALL * rows)).collect(),
-        samples: if is_software { Msaa::Off } else { Msaa::default() },
+        samples: samples(&adapter),
         frame: 0,
     });
 }

@@ -11,6 +11,8 @@
 //! switches between the views, Esc frees the mouse.
 
 mod arguments;
+#[path = "../shared/samples.rs"]
+mod samples;
 mod walker;
 #[path = "../shared/window.rs"]
 mod window;
@@ -53,7 +55,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
         root.insert(EnvironmentScenario::prebuilt(moving));
     }
     app.world_mut().spawn(walker::body(start));
-    app.world_mut().spawn(walker::camera());
+    app.add_systems(Startup, walker::spawn_camera);
     app.add_systems(
         Update,
         (walker::hold_mouse, walker::look, walker::walk, walker::follow).chain(),

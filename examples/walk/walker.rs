@@ -6,6 +6,7 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::input::mouse::AccumulatedMouseMotion;
 use bevy::math::ops;
 use bevy::prelude::*;
+use bevy::render::renderer::RenderAdapterInfo;
 use bevy::window::{CursorGrabMode, CursorOptions, PrimaryWindow};
 use bevy_envgen::bevy_rapier2d::prelude::{
     Collider, Friction, LockedAxes, QueryFilter, ReadRapierContext, RigidBody, Velocity,
@@ -15,6 +16,8 @@ use bevy_envgen::visuals3d::Figure;
 use envgen::World;
 use envgen::geometry::Pose;
 use envgen::placement::pose_of_most_clearance;
+
+use crate::samples::samples;
 
 /// Radius of the body in metres.
 const RADIUS: f32 = 0.25;
@@ -74,12 +77,14 @@ pub(crate) fn body(start: Pose) -> impl Bundle {
     )
 }
 
-pub(crate) fn camera() -> impl Bundle {
-    (
+/// The camera, for any graphics driver.
+pub(crate) fn spawn_camera(adapter: Res<RenderAdapterInfo>, mut commands: Commands) {
+    commands.spawn((
         Camera3d::default(),
         Projection::Perspective(PerspectiveProjection { fov: 1.1, near: 0.03, ..default() }),
         Tonemapping::KhronosPbrNeutral,
-    )
+        samples(&adapter),
+    ));
 }
 
 /// A click holds the mouse, Esc frees it.
