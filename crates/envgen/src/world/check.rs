@@ -11,6 +11,9 @@ use crate::geometry::{Pose, Rect, Shape, edges, segments_cross, signed_area, wra
 /// grid of the Earth, and near enough that coordinates are exact to a hundredth of a micrometre.
 pub const MAX_COORDINATE: f64 = 1e8;
 
+/// The most lanes of a road: files of roads hold several elements for each.
+pub const MAX_LANES: u32 = 64;
+
 /// Parts may reach this far beyond the bounds, in metres, which allows for rounding only.
 const TOLERANCE: f64 = 1e-6;
 
@@ -41,6 +44,14 @@ pub enum Violation {
     /// A size of a part is not positive, or a factor is negative.
     #[error("{0} holds a size that is not positive")]
     Size(PartId),
+    /// A road has no lanes, or too many: files of roads describe each.
+    #[error("`lanes` of {part} must be from 1 to {MAX_LANES}, got {lanes}")]
+    Lanes {
+        /// The road strip.
+        part: PartId,
+        /// Its lanes.
+        lanes: u32,
+    },
     /// A property of a part's material is not allowed.
     #[error("`{field}` of {part} must be {allowed}, got {value}")]
     Material {
@@ -136,8 +147,11 @@ impl World {
             for (name, length) in lengths.chain([("width", strip.width)]) {
                 within_length(length, || format!("{name} of {id}"))?;
             }
-            if strip.width <= 0.0 || strip.centreline.len() < 2 || strip.lanes == 0 {
+            if strip.width <= 0.0 || strip.centreline.len() < 2 {
                 return Err(Violation::Size(id));
+            }
+            if !(1..=MAX_LANES).contains(&strip.lanes) {
+                return Err(Violation::Lanes { part: id, lanes: strip.lanes });
             }
             check_pieces(id, &strip.pieces)?;
             let around = Rect::around(strip.centreline.iter().map(|point| point.pose.position));
@@ -371,6 +385,29 @@ mod tests {
     fn a_whole_world_passes() {
         assert_eq!(world().check(), Ok(()));
         assert_eq!(with_obstacle(polygon(&[(5., 1.), (6., 1.), (6., 2.)])), Ok(()));
+    }
+
+    #[test]
+    fn roads_have_a_bounded_number_of_lanes() {
+        use crate::world::{RoadPoint, RoadStrip};
+
+        let point = |x| RoadPoint { pose: Pose::new(x, 4.0, 0.0), curvature: 0.0 };
+        let check = |lanes| {
+            let mut world = world();
+            world.road_strips.push(RoadStrip {
+                centreline: vec![point(5.0), point(9.0)],
+                pieces: Vec::new(),
+                width: 1.0,
+                lanes,
+                closed: false,
+            });
+            world.check()
+        };
+        assert_eq!((check(1), check(MAX_LANES)), (Ok(()), Ok(())));
+        for lanes in [0, MAX_LANES + 1, 1_999_988] {
+            let error = check(lanes).unwrap_err().to_string();
+            assert_eq!(error, format!("`lanes` of road_strip 0 must be from 1 to 64, got {lanes}"));
+        }
     }
 
     #[test]

@@ -15,7 +15,7 @@ use std::fmt;
 use glam::DVec2;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-pub use check::{MAX_COORDINATE, Violation};
+pub use check::{MAX_COORDINATE, MAX_LANES, Violation};
 pub use claim::Claim;
 pub use digest::Digest;
 pub use extent::{Extent, MAX_HEIGHT, MIN_HEIGHT};
