@@ -63,7 +63,8 @@ pub struct Visuals3dSettings {
     /// Whether cameras get a [`Sky`].
     pub sky: bool,
     /// Distance in metres to the nearest camera up to which trees are drawn with all their triangles. Beyond it they
-    /// have half, and beyond 2.5 times as far a quarter of them; infinity draws all.
+    /// have less than half of them, and beyond 2.5 times as far a fifth. With infinity, and while a camera is
+    /// orthographic, all are drawn.
     pub detail_distance: f32,
 }
 

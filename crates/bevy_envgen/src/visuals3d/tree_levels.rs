@@ -27,28 +27,33 @@ fn level(distance: f32, detail_distance: f32) -> usize {
 /// Gives each trunk and crown the mesh for its distance to the nearest camera.
 pub(super) fn choose_levels(
     settings: Res<Visuals3dSettings>,
-    cameras: Query<(&GlobalTransform, &Camera), With<Camera3d>>,
+    cameras: Query<(&GlobalTransform, &Camera, &Projection), With<Camera3d>>,
     planted: Query<(), Added<TreeLevels>>,
     mut bodies: Query<(&GlobalTransform, &TreeLevels, &mut Mesh3d)>,
-    mut chosen_from: Local<Vec<Vec3>>,
+    mut chosen_for: Local<(Vec<Vec3>, f32)>,
 ) {
-    let eyes = cameras.iter().filter(|(_, camera)| camera.is_active);
-    let eyes: Vec<Vec3> = eyes.map(|(at, _)| at.translation()).collect();
-    let has_moved = eyes.len() != chosen_from.len()
-        || eyes.iter().zip(&*chosen_from).any(|(now, then)| now.distance(*then) > MOVED);
-    if eyes.is_empty() || !(has_moved || settings.is_changed() || !planted.is_empty()) {
+    let cameras = || cameras.iter().filter(|(_, camera, _)| camera.is_active);
+    let eyes: Vec<Vec3> = cameras().map(|(at, ..)| at.translation()).collect();
+    // Distance makes nothing smaller there.
+    let is_flat = cameras().any(|(.., how)| matches!(how, Projection::Orthographic(_)));
+    let detail_distance = if is_flat { f32::INFINITY } else { settings.detail_distance };
+    let (then, distance_then) = &*chosen_for;
+    let has_moved = eyes.len() != then.len()
+        || eyes.iter().zip(then).any(|(now, then)| now.distance(*then) > MOVED);
+    let is_other = has_moved || detail_distance != *distance_then;
+    if eyes.is_empty() || !(is_other || !planted.is_empty()) {
         return;
     }
     bodies.par_iter_mut().for_each(|(at, levels, mut mesh)| {
         let at = at.translation();
         let distances = eyes.iter().map(|eye| eye.distance_squared(at));
         let nearest = distances.fold(f32::INFINITY, f32::min).sqrt();
-        let wanted = &levels.0[level(nearest, settings.detail_distance)];
+        let wanted = &levels.0[level(nearest, detail_distance)];
         if mesh.0 != *wanted {
             mesh.0 = wanted.clone();
         }
     });
-    *chosen_from = eyes;
+    *chosen_for = (eyes, detail_distance);
 }
 
 #[cfg(test)]

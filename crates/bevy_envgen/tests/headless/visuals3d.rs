@@ -173,7 +173,12 @@ fn trees_far_from_every_camera_have_fewer_triangles() {
     for (distance, count) in found {
         assert_eq!(count, expected(distance), "{distance}");
     }
-    // All the triangles, if that is asked for.
+    // All the triangles, where distance makes nothing smaller, and if that is asked for.
+    let flat = Projection::Orthographic(OrthographicProjection::default_3d());
+    app.world_mut().entity_mut(first).insert(flat);
+    assert!(triangles(&mut app, &[0.0]).iter().all(|(_, count)| *count == 120));
+    app.world_mut().entity_mut(first).insert(Projection::default());
+    assert!(triangles(&mut app, &[0.0]).iter().any(|(_, count)| *count < 120));
     app.world_mut().resource_mut::<Visuals3dSettings>().detail_distance = f32::INFINITY;
     assert!(triangles(&mut app, &[0.0]).iter().all(|(_, count)| *count == 120));
 }
