@@ -40,8 +40,8 @@ pub(super) fn choose_levels(
     let (then, distance_then) = &*chosen_for;
     let has_moved = eyes.len() != then.len()
         || eyes.iter().zip(then).any(|(now, then)| now.distance(*then) > MOVED);
-    let is_other = has_moved || detail_distance != *distance_then;
-    if eyes.is_empty() || !(is_other || !planted.is_empty()) {
+    let is_due = has_moved || detail_distance != *distance_then || !planted.is_empty();
+    if eyes.is_empty() || !is_due {
         return;
     }
     bodies.par_iter_mut().for_each(|(at, levels, mut mesh)| {
