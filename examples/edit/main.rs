@@ -18,6 +18,8 @@ mod floors;
 mod keys;
 mod painting;
 mod panels;
+#[path = "../shared/samples.rs"]
+mod samples;
 mod saving;
 mod session;
 mod tools;
@@ -35,6 +37,7 @@ use bevy::camera::{CameraOutputMode, ClearColorConfig};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::render_resource::BlendState;
+use bevy::render::renderer::RenderAdapterInfo;
 use bevy::window::WindowEvent;
 use bevy::winit::{UpdateMode, WinitSettings};
 use bevy_envgen::prelude::{EnvgenVisuals3dPlugin, Visuals3dSettings};
@@ -46,6 +49,7 @@ use bevy_mapping_trial::ui::bevy_egui::{
 use clap::Parser;
 
 use crate::arguments::Arguments;
+use crate::samples::samples;
 use crate::session::Session;
 use crate::view::WorldCamera;
 
@@ -115,7 +119,11 @@ fn pace(
 }
 
 /// The camera of the world, and that of the panels over it.
-fn spawn_cameras(mut settings: ResMut<EguiGlobalSettings>, mut commands: Commands) {
+fn spawn_cameras(
+    adapter: Res<RenderAdapterInfo>,
+    mut settings: ResMut<EguiGlobalSettings>,
+    mut commands: Commands,
+) {
     settings.auto_create_primary_context = false;
     let around = || Camera { clear_color: ClearColorConfig::Custom(GROUND), ..default() };
     commands.spawn((Camera2d, WorldCamera::Plan, around()));
@@ -123,6 +131,7 @@ fn spawn_cameras(mut settings: ResMut<EguiGlobalSettings>, mut commands: Command
         Camera3d::default(),
         WorldCamera::Tilted,
         Camera { is_active: false, ..around() },
+        samples(&adapter),
         Projection::Orthographic(OrthographicProjection::default_3d()),
         Tonemapping::KhronosPbrNeutral,
     ));

@@ -1,5 +1,7 @@
 //! Pictures of worlds in three dimensions.
 
+use std::time::Duration;
+
 use bevy::math::ops;
 use bevy::prelude::*;
 use bevy_envgen::prelude::{
@@ -87,8 +89,8 @@ const SIZE: UVec2 = UVec2::new(720, 540);
 /// Field of view from bottom to top in radians.
 const FIELD_OF_VIEW: f32 = 0.8;
 
-/// Steps of 1/64 s after which the picture is taken where something moves.
-const STEPS: u32 = 12 * 64;
+/// Simulated time after which the picture is taken where something moves.
+const TIME: Duration = Duration::from_secs(12);
 
 /// Every kind of world.
 pub(crate) const SCENES: &[Scene] = &[
@@ -180,6 +182,7 @@ pub(crate) fn draw(scene: &Scene) -> Result<Picture, Box<dyn std::error::Error>>
     let environment = environment.with_pace(GenerationMode::Blocking);
     let world = studio.app().world_mut().spawn(environment.clone()).id();
     let moves = moving.is_some();
+    studio.set_frame_time(Duration::ZERO);
     if let Some(moving) = moving {
         studio.app().world_mut().entity_mut(world).insert(moving);
     }
@@ -190,7 +193,9 @@ pub(crate) fn draw(scene: &Scene) -> Result<Picture, Box<dyn std::error::Error>>
     }
     let truth = root.get::<GroundTruth>().ok_or("the world is not ready")?;
     let area = environment.area_in_app(&GlobalTransform::IDENTITY, truth.bounds);
-    for _ in 0..if moves { STEPS } else { 0 } {
+    if moves {
+        studio.app().world_mut().resource_mut::<Time<Virtual>>().set_max_delta(TIME);
+        studio.set_frame_time(TIME);
         studio.step()?;
     }
     let camera = studio.camera_3d(scene.view.pose(area), FIELD_OF_VIEW, SIZE)?;

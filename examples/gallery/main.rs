@@ -277,7 +277,9 @@ fn film(
     moving: Option<Scenario>,
 ) -> Result<f64, Box<dyn std::error::Error>> {
     let mut studio = Studio::new()?;
-    studio.set_frame_time(Duration::from_secs_f64(TICK));
+    // All ticks of a frame in one step.
+    let frame_time = Duration::from_secs_f64(TICK) * take.ticks_per_frame;
+    studio.set_frame_time(frame_time);
     let colliders = ColliderSettings::for_trials();
     studio
         .app()
@@ -289,6 +291,7 @@ fn film(
         ))
         .insert_resource(ClearColor(TrialPalette::default().unknown));
     let (world, camera) = spawn(&mut studio, environment, take.size)?;
+    studio.app().world_mut().resource_mut::<Time<Virtual>>().set_max_delta(frame_time);
     // Nothing needs to be drawn between pictures.
     if let Some(mut camera) = studio.app().world_mut().get_mut::<Camera>(camera) {
         camera.is_active = false;
@@ -304,9 +307,7 @@ fn film(
     let bar = trial_bar(take.time_limit);
     let mut film = Film::create(path, take.frames_per_second)?;
     loop {
-        for _ in 0..take.ticks_per_frame {
-            studio.step()?;
-        }
+        studio.step()?;
         film.push(&studio.picture(camera)?)?;
         let trial = studio.app().world().get::<MappingTrial>(world);
         let trial = trial.filter(|trial| !trial.has_failed()).ok_or("the trial cannot begin")?;

@@ -146,7 +146,7 @@ fn smoke_hides_more_the_thicker_it_is() {
 fn cameras_that_cannot_be_are_refused() {
     let mut studio = Studio::new().unwrap();
     let pose = Transform::default();
-    for size in [UVec2::ZERO, UVec2::new(0, 10), UVec2::new(10, 100_000)] {
+    for size in [UVec2::ZERO, UVec2::new(0, 10), UVec2::new(10, 4097)] {
         let error = studio.camera_3d(pose, 1.0, size).unwrap_err();
         assert!(matches!(error, CaptureError::Size { .. }), "{error}");
     }

@@ -28,12 +28,14 @@ pub enum CaptureError {
         camera: Entity,
     },
     /// The size of the picture is out of range.
-    #[error("the sides of a picture must be 1 to {MAX_SIDE} pixels, got {width} x {height}")]
+    #[error("the sides of a picture must be 1 to {largest} pixels, got {width} x {height}")]
     Size {
         /// Pixels from left to right.
         width: u32,
         /// Pixels from top to bottom.
         height: u32,
+        /// The largest side in pixels.
+        largest: u32,
     },
     /// The field of view is out of range.
     #[error("the field of view must be between 0 and pi radians, got {found}")]

@@ -66,7 +66,11 @@ impl Film {
         let size = picture.size();
         let sides = u16::try_from(size.x).ok().zip(u16::try_from(size.y).ok());
         let Some((width, height)) = sides else {
-            return Err(CaptureError::Size { width: size.x, height: size.y });
+            return Err(CaptureError::Size {
+                width: size.x,
+                height: size.y,
+                largest: u16::MAX.into(),
+            });
         };
         if let Some(file) = self.file.take() {
             let mut encoder = Encoder::new(file, width, height, &[])

@@ -21,11 +21,20 @@ impl Picture {
     /// # Errors
     /// A format without colours.
     pub fn of(image: &Image) -> Result<Self, CaptureError> {
+        Self::averaged(image, 1)
+    }
+
+    /// The means of squares of pixels, `side` wide.
+    pub(crate) fn averaged(image: &Image, side: u32) -> Result<Self, CaptureError> {
         let format =
             || CaptureError::Format { format: format!("{:?}", image.texture_descriptor.format) };
-        let pixels = image.clone().try_into_dynamic().map_err(|_| format())?.to_rgb8();
+        let drawn = image.clone().try_into_dynamic().map_err(|_| format())?;
+        let pixels = match side {
+            1 => drawn,
+            side => drawn.thumbnail_exact(drawn.width() / side, drawn.height() / side),
+        };
         let size = UVec2::new(pixels.width(), pixels.height());
-        Ok(Picture { size, rgb: pixels.into_raw() })
+        Ok(Picture { size, rgb: pixels.into_rgb8().into_raw() })
     }
 
     /// Width and height in pixels.

@@ -38,6 +38,11 @@ pub struct PictureFailed {
     pub error: Arc<CaptureError>,
 }
 
+/// How many pixels of a camera's image, from left to right and from top to bottom, make one of its pictures; 1 for a
+/// camera without it.
+#[derive(Component, Clone, Copy, Debug)]
+pub(crate) struct Supersampling(pub(crate) u32);
+
 /// Takes pictures of cameras when [`TakePicture`] is triggered. Needs Bevy's `RenderPlugin`;
 /// without it, requests are not answered.
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,19 +56,21 @@ impl Plugin for CapturePlugin {
 
 fn take(
     request: On<TakePicture>,
-    cameras: Query<&RenderTarget, With<Camera>>,
+    cameras: Query<(&RenderTarget, Option<&Supersampling>), With<Camera>>,
     mut commands: Commands,
 ) {
     let TakePicture { entity: camera, path } = request.event().clone();
-    let Ok(target) = cameras.get(camera) else {
+    let Ok((target, samples)) = cameras.get(camera) else {
         let error = Arc::new(CaptureError::NoCamera { camera });
         commands.trigger(PictureFailed { entity: camera, error });
         return;
     };
+    let side = samples.map_or(1, |samples| samples.0);
     commands.spawn(Screenshot(target.clone())).observe(
         move |captured: On<ScreenshotCaptured>, mut commands: Commands| {
             let path = path.clone();
-            let written = Picture::of(&captured.image).and_then(|picture| picture.write_png(&path));
+            let picture = Picture::averaged(&captured.image, side);
+            let written = picture.and_then(|picture| picture.write_png(&path));
             match written {
                 Ok(()) => commands.trigger(PictureTaken { entity: camera, path }),
                 Err(error) => {
