@@ -35,7 +35,7 @@ const MOST_FRAMES: u32 = 100;
 const NEAR: f32 = 0.02;
 
 /// Pixels from side to side that are drawn per pixel of a picture in three dimensions: as smooth as a driver's four
-/// samples, which take software up to fifty times as long.
+/// samples, which take software many times as long.
 #[cfg(feature = "render3d")]
 const SAMPLES: u32 = 2;
 
