@@ -8,7 +8,7 @@ use bevy_envgen::envgen::scenario::{Scenario, ScenarioSpec, SmokeKind};
 use bevy_envgen::envgen::world::{Obstacle, ObstacleKind, Room, Wall, WallKind};
 use bevy_envgen::envgen::{Provenance, Seed, World};
 use bevy_envgen::prelude::*;
-use bevy_offscreen::{CaptureError, Studio};
+use bevy_offscreen::{CaptureError, Studio, TakePicture};
 
 use super::SIZE;
 
@@ -65,6 +65,7 @@ fn seen(studio: &mut Studio, from: Vec3, to: Vec3) -> [u8; 3] {
     let pose = Transform::from_translation(from).looking_at(to, Vec3::Z);
     let camera = studio.camera_3d(pose, 1.0, SIZE).unwrap();
     let picture = studio.picture(camera).unwrap();
+    assert_eq!(picture.size(), SIZE);
     studio.app().world_mut().despawn(camera);
     picture.pixel(SIZE.x / 2, SIZE.y / 2).unwrap()
 }
@@ -158,4 +159,22 @@ fn cameras_that_cannot_be_are_refused() {
         let error = studio.camera_3d(pose, 1.0, SIZE).unwrap_err();
         assert!(matches!(error, CaptureError::Pose { .. }), "{error}");
     }
+}
+
+#[test]
+fn pictures_that_an_app_asks_for_have_the_size_of_the_camera() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rooms.png");
+    let mut studio = studio(rooms(), None);
+    let pose = Transform::from_xyz(3.0, 1.5, EYES).looking_at(Vec3::new(0.2, 1.5, EYES), Vec3::Z);
+    let camera = studio.camera_3d(pose, 1.0, SIZE).unwrap();
+    studio.step().unwrap();
+    studio.app().world_mut().trigger(TakePicture { entity: camera, path: path.clone() });
+    for _ in 0..10 {
+        studio.step().unwrap();
+    }
+    let header = std::fs::read(path).unwrap();
+    // Width and height in a PNG's first chunk.
+    let side = |at: usize| u32::from_be_bytes(header[at..at + 4].try_into().unwrap());
+    assert_eq!(UVec2::new(side(16), side(20)), SIZE);
 }

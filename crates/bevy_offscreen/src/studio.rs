@@ -163,8 +163,11 @@ impl Studio {
 
     /// A camera in perspective that looks along -z of its pose, with +y up in the picture, as
     /// [`Transform::looking_at`] makes it. The field of view is the angle from the bottom to the top of the picture in
-    /// radians. Its colours are compressed as [`Tonemapping::KhronosPbrNeutral`] does, which keeps those of materials. Four
-    /// pixels are drawn per pixel of a picture, so its sides must be at most half of [`MAX_SIDE`].
+    /// radians. Its colours are compressed as [`Tonemapping::KhronosPbrNeutral`] does, which keeps those of materials.
+    ///
+    /// Four pixels are drawn per pixel of a picture, so its sides must be at most half of [`MAX_SIDE`]. That is how
+    /// [`Studio::picture`] and [`TakePicture`](crate::TakePicture) see the camera's image; other users of the image get
+    /// all pixels.
     ///
     /// ```no_run
     /// # use bevy::prelude::*;
