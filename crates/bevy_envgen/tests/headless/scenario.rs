@@ -113,11 +113,11 @@ fn frames_of_any_length_give_the_same_scenario() {
         let start = Transform::from_xyz(5.0, 5.0, 0.0);
         app.world_mut().spawn((start, ScenarioAgent::new(0.3), Collider::ball(0.3), body));
         app.world_mut().trigger(RestartScenario { entity: root });
-        while state(&app, root).tick() < 400 {
+        while state(&app, root).tick() < 240 {
             app.update();
         }
         let state = state(&app, root);
-        (state.tick() == 400).then(|| state.digest().to_string())
+        (state.tick() == 240).then(|| state.digest().to_string())
     };
     let first = end(1.0 / 64.0).unwrap();
     // A long frame may end after the tick.
