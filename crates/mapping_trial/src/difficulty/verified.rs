@@ -10,10 +10,13 @@ use super::measure::{MeasureError, Measurement, Measuring, measure};
 use super::panel::Panel;
 
 /// Number of candidates that race.
-pub const RACERS: usize = 5;
+const RACERS: usize = 5;
 
-/// Number of conditions of the first round, spread over the panel.
-const FIRST_ROUND: usize = 4;
+/// Number of candidates of the second round.
+const FINALISTS: usize = 2;
+
+/// Number of conditions of a round, spread over the panel.
+const ROUND: usize = 4;
 
 /// A candidate is dropped that is farther from the request than the nearest by more than this many standard
 /// errors of the difference.
@@ -52,10 +55,11 @@ struct Racer<'a> {
     is_dropped: bool,
 }
 
-/// Generates the candidates of a spec of the profile `calibrated`, lets the nearest [`RACERS`] race on the panel
-/// and returns the one whose measured difficulty is nearest to the request, measured once more with `seeds`
-/// fresh trials under each condition. `step` is called with the number of trials so far, which are at most those of
-/// all [`RACERS`] under all conditions and the last ones.
+/// Generates the candidates of a spec of the profile `calibrated`, lets those race that are predicted nearest to the
+/// request (sequential halving: five in four conditions of the panel, the best two of them in four more) and returns
+/// the one whose measured difficulty is nearest, measured once more with `seeds` fresh trials under each condition.
+/// `step` is called with the number of trials in the race so far; with those of the measurement they are at most
+/// [`most_trials`].
 ///
 /// # Errors
 /// The request is not allowed or out of reach; the panel cannot drive in a candidate.
@@ -72,7 +76,6 @@ pub fn verified(
     let mut worlds: Vec<World> = plans.iter().take(RACERS).map(FloorPlan::to_world).collect();
     // Noise of the race and of the measurement, and of no other map.
     let noise = |stage: u64| Seed(seed.stream("difficulty/noise", stage).bits());
-    let (first, rest) = rounds(panel.conditions.len());
     let mut racers: Vec<Racer<'_>> = worlds
         .iter()
         .map(|world| Racer {
@@ -81,7 +84,7 @@ pub fn verified(
             is_dropped: false,
         })
         .collect();
-    for conditions in [first, rest] {
+    for conditions in rounds(panel.conditions.len()) {
         for i in 0..racers.len() {
             if racers[i].is_dropped {
                 continue;
@@ -104,21 +107,31 @@ pub fn verified(
     Ok(Verified { plan, candidate: nearest as u32, world, measurement, race })
 }
 
-/// The conditions of the first round, spread over the panel, and the others.
-fn rounds(conditions: usize) -> (Vec<usize>, Vec<usize>) {
-    let first = FIRST_ROUND.min(conditions);
+/// The greatest number of trials of [`verified`](fn@verified) with a panel and `seeds` trials under each condition.
+pub fn most_trials(panel: &Panel, seeds: u32) -> usize {
+    let conditions = panel.conditions.len();
+    let [first, second] = rounds(conditions).map(|round| round.len());
+    RACERS * first + FINALISTS * second + conditions * seeds.max(1) as usize
+}
+
+/// The conditions of each round, spread over the panel.
+fn rounds(conditions: usize) -> [Vec<usize>; 2] {
+    let count = ROUND.min(conditions);
     // Operators and lasers both change from one to the next where operators are the inner loop.
-    let chosen: Vec<usize> =
-        (0..first).map(|i| i * (conditions + 1) / first % conditions).collect();
-    let rest = (0..conditions).filter(|i| !chosen.contains(i)).collect();
-    (chosen, rest)
+    let spread = |from: usize| {
+        (0..count).map(move |i| (from + i * (conditions + 1) / count) % conditions.max(1))
+    };
+    let first: Vec<usize> = spread(0).collect();
+    let second = spread(1).filter(|i| !first.contains(i)).collect();
+    [first, second]
 }
 
 fn distance(request: Request, dials: &Dials<Estimate>) -> f64 {
     request.distance(dials.map(|dial| dial.value))
 }
 
-/// Drops the racers that are clearly farther from the request than the nearest.
+/// Drops the racers that are clearly farther from the request than the nearest, and all but the nearest
+/// [`FINALISTS`].
 fn drop_far(racers: &mut [Racer<'_>], request: Request) {
     let error = |dials: &Dials<Estimate>| {
         let squares = request.0.zip(*dials).named().map(|(_, (wanted, dial))| {
@@ -126,13 +139,15 @@ fn drop_far(racers: &mut [Racer<'_>], request: Request) {
         });
         squares.iter().sum::<f64>()
     };
-    let running = racers.iter().filter(|racer| !racer.is_dropped).map(|racer| racer.dials);
-    let nearest = running.min_by(|a, b| distance(request, a).total_cmp(&distance(request, b)));
-    let Some(nearest) = nearest else { return };
-    for racer in racers {
-        let farther = distance(request, &racer.dials) - distance(request, &nearest);
-        let deviation = (error(&racer.dials) + error(&nearest)).sqrt();
-        racer.is_dropped |= farther > DROPPED * deviation;
+    let off = |racer: &Racer<'_>| distance(request, &racer.dials);
+    let mut running: Vec<usize> = (0..racers.len()).filter(|&i| !racers[i].is_dropped).collect();
+    running.sort_by(|&a, &b| off(&racers[a]).total_cmp(&off(&racers[b])));
+    let Some(&nearest) = running.first() else { return };
+    let nearest = racers[nearest].dials;
+    for (place, &i) in running.iter().enumerate() {
+        let farther = off(&racers[i]) - distance(request, &nearest);
+        let deviation = (error(&racers[i].dials) + error(&nearest)).sqrt();
+        racers[i].is_dropped = place >= FINALISTS || farther > DROPPED * deviation;
     }
 }
 
@@ -146,22 +161,49 @@ mod tests {
     use crate::difficulty::reference_scale;
 
     #[test]
-    fn the_first_round_has_all_operators_and_lasers() {
-        let (first, rest) = rounds(12);
-        assert_eq!((first.len(), rest.len()), (4, 8));
+    fn every_round_has_all_operators_and_lasers() {
         let panel = Panel::reference();
-        let operators: Vec<_> = first.iter().map(|&i| panel.conditions[i].operator).collect();
-        let lasers: Vec<_> = first.iter().map(|&i| panel.conditions[i].laser.clone()).collect();
-        for i in 0..4 {
-            assert!(operators[..i].iter().all(|one| *one != operators[i]), "{operators:?}");
+        let [first, second] = rounds(12);
+        assert!(first.iter().all(|i| !second.contains(i)));
+        for round in [first, second] {
+            let operators: Vec<_> = round.iter().map(|&i| panel.conditions[i].operator).collect();
+            let lasers: Vec<_> = round.iter().map(|&i| &panel.conditions[i].laser).collect();
+            for i in 0..4 {
+                assert!(operators[..i].iter().all(|one| *one != operators[i]), "{operators:?}");
+            }
+            for laser in panel.conditions.iter().map(|condition| &condition.laser) {
+                assert!(lasers.contains(&laser), "{lasers:?}");
+            }
         }
-        for laser in panel.conditions.iter().map(|condition| &condition.laser) {
-            assert!(lasers.contains(laser), "{lasers:?}");
+        assert_eq!(most_trials(&panel, 1), 5 * 4 + 2 * 4 + 12);
+        for few in 0..40 {
+            let [first, second] = rounds(few);
+            assert_eq!(first.len(), few.min(4));
+            let mut all = [first, second].concat();
+            all.sort_unstable();
+            assert!(all.windows(2).all(|pair| pair[0] < pair[1]), "{all:?}");
+            assert!(all.iter().all(|&i| i < few));
         }
-        for few in 1..4 {
-            let (first, rest) = rounds(few);
-            assert_eq!((first.len(), rest.len()), (few, 0));
-        }
+    }
+
+    #[test]
+    fn two_at_most_reach_the_second_round() {
+        let panel = Panel::reference();
+        let world = IndoorSpec { width: 5, height: 5, ..Default::default() };
+        let world = world.generate(Seed(1)).expect("a map").to_world();
+        let request = Request(Dials { difficulty: Some(5.0), mapping: None, navigation: None });
+        let racing = |values: [f64; 5], standard_error| {
+            let mut racers = values.map(|value| Racer {
+                measuring: Measuring::new(&world, &panel, Seed(1)),
+                dials: Dials { difficulty: Estimate { value, standard_error }, ..Dials::default() },
+                is_dropped: false,
+            });
+            drop_far(&mut racers, request);
+            racers.map(|racer| !racer.is_dropped)
+        };
+        assert_eq!(racing([9.0, 5.1, 4.8, 5.3, 1.0], 0.3), [false, true, true, false, false]);
+        assert_eq!(racing([9.0, 5.1, 6.8, 7.3, 1.0], 0.3), [false, true, false, false, false]);
+        assert_eq!(racing([5.0; 5], 0.3), [true, true, false, false, false]);
     }
 
     #[test]

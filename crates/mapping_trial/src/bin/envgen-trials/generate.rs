@@ -9,7 +9,7 @@ use envgen::indoor::{IndoorSpec, Profile};
 use envgen::located::Locate;
 use envgen::whole_file::commit_all;
 use envgen::{Seed, WorldBlueprint, WorldSpec};
-use mapping_trial::difficulty::{RACERS, Verified, verified};
+use mapping_trial::difficulty::{Verified, most_trials, verified};
 
 use crate::panel::PanelOptions;
 use crate::progress;
@@ -60,10 +60,7 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     let mut files = outputs.iter().map(Output::create).collect::<Result<Vec<_>, _>>()?;
     let panel = arguments.panel.panel()?;
     let scale = arguments.panel.scale(&panel, threads)?;
-    let bar = progress::trials(
-        panel.conditions.len() as u64 * (RACERS as u64 + u64::from(arguments.seeds)),
-        0,
-    );
+    let bar = progress::trials(most_trials(&panel, arguments.seeds) as u64, 0);
     let found = verified(&spec, arguments.seed, &panel, &scale, arguments.seeds, &mut |trials| {
         bar.set_position(trials as u64);
     });
