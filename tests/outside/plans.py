@@ -227,6 +227,9 @@ def judge_table(world, report):
         if table_shape(row) != shape:
             report.complain(f"the table has another {row['part']} {row['index']}")
             break
+        if not float(row["bottom"]) < float(row["top"]):
+            report.complain(f"{row['part']} {row['index']} of the table has no height")
+            break
     report.count("lines of tables", len(rows))
 
 

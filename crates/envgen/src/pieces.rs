@@ -178,11 +178,12 @@ pub fn ceilings(world: &World) -> Vec<Piece<'_>> {
     let part = |kind, index: usize| PartId { kind, index: index as u32 };
     let rooms = (0..world.rooms.len()).map(|i| part(PartKind::Room, i));
     let surfaces = (0..world.surfaces.len()).map(|i| part(PartKind::Surface, i));
-    rooms.chain(surfaces).filter_map(|part| ceiling_of(world, part)).collect()
+    let wall_top = world.wall_top();
+    rooms.chain(surfaces).filter_map(|part| ceiling_of(world, part, wall_top)).collect()
 }
 
-/// The ceiling over a room, hallway or open area; `None` for other parts.
-pub fn ceiling_of(world: &World, part: PartId) -> Option<Piece<'_>> {
+/// The ceiling over a room, hallway or open area; `None` for other parts. `wall_top` is [`World::wall_top`].
+pub fn ceiling_of(world: &World, part: PartId, wall_top: f64) -> Option<Piece<'_>> {
     let index = part.index as usize;
     let (shape, bottom) = match part.kind {
         PartKind::Room => {
@@ -191,7 +192,7 @@ pub fn ceiling_of(world: &World, part: PartId) -> Option<Piece<'_>> {
         }
         PartKind::Surface => {
             let surface = world.surfaces.get(index).filter(|surface| is_floor(surface.kind))?;
-            (&surface.shape, WallKind::Wall.extent().top())
+            (&surface.shape, wall_top)
         }
         _ => return None,
     };
@@ -320,7 +321,8 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::{Seed, WorldKind};
+    use crate::indoor::IndoorSpec;
+    use crate::{Blueprint, Seed, Spec, WorldKind};
 
     #[test]
     fn names_are_unique_and_solids_are_those_of_the_world() {
@@ -335,6 +337,26 @@ mod tests {
             let of = |role| pieces.iter().filter(|p| p.role == role && p.is_solid).count();
             assert_eq!(of(Role::Body), world.solids().count(), "{kind}");
             assert_eq!(of(Role::Lintel), world.doorways.len(), "{kind}");
+        }
+    }
+
+    #[test]
+    fn ceilings_rest_on_the_walls() {
+        for wall_height in [2.0, 2.6, 4.0] {
+            let spec = IndoorSpec {
+                wall_height,
+                doorway_height: 1.9,
+                width: 8,
+                height: 8,
+                ..Default::default()
+            };
+            let world = spec.generate(Seed(3)).unwrap().to_world();
+            let ceilings = ceilings(&world);
+            assert!(ceilings.len() > world.rooms.len());
+            for piece in ceilings {
+                let Form::Prism { extent, .. } = piece.form else { panic!("{}", piece.kind) };
+                assert_eq!(extent.bottom(), wall_height, "{:?}", piece.part);
+            }
         }
     }
 

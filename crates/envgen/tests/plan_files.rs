@@ -303,7 +303,7 @@ fn what_is_solid_comes_back_from_tables() {
         let mut lines = text.lines();
         assert_eq!(
             lines.next(),
-            Some("part,index,kind,shape,x,y,heading,length,width,radius,points")
+            Some("part,index,kind,shape,x,y,heading,length,width,radius,points,bottom,top")
         );
         let mut read = World::new(Provenance::other("manual", Value::Null), world.bounds);
         for line in lines {
@@ -332,8 +332,14 @@ fn what_is_solid_comes_back_from_tables() {
                 "segment" => Shape::Segment { a: points()[0], b: points()[1] },
                 _ => Shape::Polygon { vertices: points() },
             };
-            read.obstacles.push(Obstacle::new(ObstacleKind::Other, shape));
+            let height = Extent::new(number(11), number(12)).ok();
+            let obstacle = Obstacle::new(ObstacleKind::Other, shape);
+            read.obstacles.push(Obstacle { height, ..obstacle });
         }
+        let heights = |world: &World| -> Vec<_> {
+            world.solids().map(|solid| world.extent(solid.id)).collect()
+        };
+        assert_eq!(heights(&read), heights(&world));
         assert_eq!((read.start, read.goal), (world.start, world.goal));
         assert_eq!(read.obstacles.len(), world.solids().count());
         assert_same_free_space(&world, &read, 1e-12);

@@ -84,6 +84,7 @@ fn drafts(world: &World, spawned: &TileSpawned) -> BTreeMap<Finish, Draft> {
         world.get::<Environment>(spawned.environment).map_or(DVec2::ZERO, |root| root.origin);
     let truth = world.get::<GroundTruth>(spawned.environment);
     let lintels = world.get::<Lintels>(spawned.environment);
+    let wall_top = truth.map_or(0.0, |truth| truth.wall_top());
     for (id, at, _) in spawned.placed(world) {
         match id.kind {
             // Below, and in `trees`.
@@ -110,7 +111,7 @@ fn drafts(world: &World, spawned: &TileSpawned) -> BTreeMap<Finish, Draft> {
         if id.kind == PartKind::Doorway {
             stage::add_threshold(&mut drafts, truth, part, origin, palette);
         }
-        stage::add_ceiling(&mut drafts, truth, part, origin, palette, settings);
+        stage::add_ceiling(&mut drafts, truth, part, origin, wall_top, palette, settings);
         if let Some(strip) = truth.road_strips.get(part.index as usize)
             && id.kind == PartKind::RoadStrip
         {

@@ -124,6 +124,7 @@ impl Plugin for EnvgenVisuals3dPlugin {
             .init_resource::<trees::TreeMeshes>()
             .register_type::<Figure>()
             .init_resource::<moving::FigureMesh>()
+            .init_resource::<moving::SharedLeafMesh>()
             .add_observer(draw::draw)
             .add_observer(moving::draw_person)
             .add_observer(moving::draw_figure)

@@ -14,9 +14,16 @@ use crate::scenario::{Door, DoorLeaf, Person};
 /// Thickness in metres of a leaf as it is drawn; in the scenario it has none.
 const THICKNESS: f32 = 0.05;
 
-/// The mesh of a leaf, whose length is 1, as a child of the leaf.
+/// Gap in metres below a leaf, and above it.
+const CLEARANCE: f32 = 0.005;
+
+/// The mesh of a leaf, as a child of the leaf.
 #[derive(Component)]
 pub(super) struct LeafMesh;
+
+/// The mesh of leaves, of length and height 1, shared by all.
+#[derive(Resource, Default)]
+pub(super) struct SharedLeafMesh(Option<Handle<Mesh>>);
 
 /// The mesh of figures, shared by all.
 #[derive(Resource, Default)]
@@ -91,18 +98,28 @@ pub(super) fn draw_leaf(added: On<Add, DoorLeaf>, mut commands: Commands) {
             return;
         }
         let Some(length) = world.get::<DoorLeaf>(leaf).map(|leaf| leaf.length) else { return };
-        let color = world.resource::<Palette3d>().door;
-        let mut draft = Draft::default();
-        let (half, height) = (0.5 * THICKNESS, door_height(world, leaf));
-        draft.add_box(Vec3::new(0.0, -half, 0.005), Vec3::new(1.0, half, height - 0.005), color);
+        let height = door_height(world, leaf);
         let Some(material) = material(world, Finish::Plain) else { return };
-        let mesh = world.resource_mut::<Assets<Mesh>>().add(draft.into_mesh());
+        let mesh = match &world.resource::<SharedLeafMesh>().0 {
+            Some(known) => known.clone(),
+            None => {
+                let mut draft = Draft::default();
+                let half = 0.5 * THICKNESS;
+                let color = world.resource::<Palette3d>().door;
+                draft.add_box(Vec3::new(0.0, -half, 0.0), Vec3::new(1.0, half, 1.0), color);
+                let mesh = world.resource_mut::<Assets<Mesh>>().add(draft.into_mesh());
+                world.resource_mut::<SharedLeafMesh>().0 = Some(mesh.clone());
+                mesh
+            }
+        };
+        let bottom = Transform::from_xyz(0.0, 0.0, CLEARANCE);
+        let at = bottom.with_scale(Vec3::new(shown_length(length), 1.0, height - 2.0 * CLEARANCE));
         world.spawn((
             Name::new("leaf"),
             LeafMesh,
             Mesh3d(mesh),
             MeshMaterial3d(material),
-            stretched(length),
+            at,
             ChildOf(leaf),
         ));
     });
@@ -118,9 +135,9 @@ fn door_height(world: &World, leaf: Entity) -> f32 {
     top as f32
 }
 
-/// A leaf of a length. What has no length has no direction either: a millimetre is not seen.
-fn stretched(length: f32) -> Transform {
-    Transform::from_scale(Vec3::new(length.max(1e-3), 1.0, 1.0))
+/// The length of a leaf's mesh. What has no length has no direction either: a millimetre is not seen.
+fn shown_length(length: f32) -> f32 {
+    length.max(1e-3)
 }
 
 /// Draws sliding leaves as long as they are.
@@ -131,7 +148,9 @@ pub(super) fn stretch_leaves(
     for (leaf, children) in &leaves {
         let mut meshes = meshes.iter_many_mut(children);
         while let Some(mut at) = meshes.fetch_next() {
-            at.set_if_neq(stretched(leaf.length));
+            if at.scale.x != shown_length(leaf.length) {
+                at.scale.x = shown_length(leaf.length);
+            }
         }
     }
 }

@@ -14,7 +14,6 @@ use envgen::World as EnvgenWorld;
 use envgen::geometry::Shape;
 use envgen::glam::DVec2;
 use envgen::mesh::{convex_pieces, outline};
-use envgen::world::WallKind;
 
 use super::palette::Palette3d;
 use super::{Visuals3dSettings, can_draw};
@@ -170,7 +169,7 @@ fn boxes(shape: &Shape) -> Vec<Shape> {
 fn surroundings(truth: &EnvgenWorld, shape: &Shape, settings: &Visuals3dSettings) -> (f32, f32) {
     let middle: DVec2 = shape.bounds().center();
     let room = truth.rooms.iter().find(|room| room.shape.contains(middle));
-    let top = room.map_or(WallKind::Wall.extent(), |room| room.extent()).top();
+    let top = room.map_or_else(|| truth.wall_top(), |room| room.extent().top());
     let is_lit = room.is_none_or(|room| room.lit);
     let light = if is_lit { LIT } else { settings.darkness.clamp(0.0, 1.0) };
     (top as f32, light * settings.brightness)

@@ -183,10 +183,11 @@ pub(super) fn add_ceiling(
     truth: &EnvgenWorld,
     part: PartId,
     origin: DVec2,
+    wall_top: f64,
     palette: &Palette3d,
     settings: &Visuals3dSettings,
 ) {
-    let Some(ceiling) = ceiling_of(truth, part) else { return };
+    let Some(ceiling) = ceiling_of(truth, part, wall_top) else { return };
     if let Ok(solid) = Solid::of(&ceiling) {
         drafts.entry(Finish::Ceiling).or_default().add(&solid, origin, palette.ceiling);
     }

@@ -254,9 +254,12 @@ fn people_doors_and_smoke_have_bodies() {
     let mut leaves = world.query::<(&DoorLeaf, &Children)>();
     let leaves: Vec<_> = leaves.iter(world).map(|(leaf, c)| (leaf.length, c[0])).collect();
     assert!(leaves.len() > 5);
+    let shared = world.get::<Mesh3d>(leaves[0].1).unwrap().0.clone();
     for (length, mesh) in leaves {
         let scale = world.get::<Transform>(mesh).unwrap().scale;
-        assert_eq!(scale, Vec3::new(length.max(1e-3), 1.0, 1.0));
+        assert_eq!((scale.x, scale.y), (length.max(1e-3), 1.0));
+        assert!((scale.z - 2.1).abs() < 0.02, "{scale}");
+        assert_eq!(world.get::<Mesh3d>(mesh).unwrap().0, shared);
     }
     let state = world.get::<ScenarioRun>(root).unwrap().state();
     let shapes = state.smoke().flat_map(|(place, _)| state.smoke_shapes(place));

@@ -1,7 +1,8 @@
 //! What stops a robot, and start and goal, as comma-separated values.
 //!
-//! One line per part under the header `part,index,kind,shape,x,y,heading,length,width,radius,points`: the part's
-//! list and its place in it, what it is, and its shape in metres and radians. A `box` has a middle, a heading,
+//! One line per part under the header `part,index,kind,shape,x,y,heading,length,width,radius,points,bottom,top`: the
+//! part's list and its place in it, what it is, its shape in metres and radians, and the heights in metres of its
+//! bottom and its top. A `box` has a middle, a heading,
 //! and its size along and across it; a `disc` a middle and a radius; a `segment` and a `polygon` their points, as
 //! `x y` with semicolons between them. A `pose` is the start or the goal. Numbers have as many digits as are
 //! needed to read the same ones back.
@@ -14,10 +15,12 @@ use serde::Serialize;
 use super::ExportError;
 use super::csv::io_error;
 use crate::geometry::{Pose, Shape};
-use crate::world::{PartKind, World};
+use crate::world::{Extent, PartKind, World};
 
-const HEADER: [&str; 11] =
-    ["part", "index", "kind", "shape", "x", "y", "heading", "length", "width", "radius", "points"];
+const HEADER: [&str; 13] = [
+    "part", "index", "kind", "shape", "x", "y", "heading", "length", "width", "radius", "points",
+    "bottom", "top",
+];
 
 /// A line, in the order of the header.
 #[derive(Default, Serialize)]
@@ -33,6 +36,8 @@ struct Row<'a> {
     width: Option<f64>,
     radius: Option<f64>,
     points: String,
+    bottom: Option<f64>,
+    top: Option<f64>,
 }
 
 /// Writes start, goal and every solid part of a world.
@@ -60,7 +65,15 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
             PartKind::Doorway => ("doorway", String::new()),
             PartKind::RoadStrip | PartKind::Room | PartKind::Surface => continue,
         };
-        let row = Row { part, index: Some(solid.id.index), kind, ..row(&solid.shape) };
+        let extent = world.extent(solid.id);
+        let row = Row {
+            part,
+            index: Some(solid.id.index),
+            kind,
+            bottom: extent.map(Extent::bottom),
+            top: extent.map(Extent::top),
+            ..row(&solid.shape)
+        };
         table.serialize(row).map_err(io_error)?;
     }
     Ok(table.flush()?)

@@ -167,6 +167,13 @@ impl World {
         })
     }
 
+    /// The top in metres of the highest wall, which ceilings over hallways and open areas rest on; 2.6 without
+    /// walls. Partitions and kerbs are no walls here.
+    pub fn wall_top(&self) -> f64 {
+        let walls = self.walls.iter().filter(|wall| wall.kind == WallKind::Wall);
+        walls.map(|wall| wall.extent().top()).reduce(f64::max).unwrap_or(WALL.top())
+    }
+
     /// The bottom and top of the lintel over each doorway: from its opening to the top of the highest wall
     /// that it touches. `None` where there is no wall, or none that is [`MIN_HEIGHT`] higher than the opening.
     pub fn lintels(&self) -> Vec<Option<Extent>> {
