@@ -187,11 +187,11 @@ def rosbags_reads(path, expected, said):
 
 
 def maps(path, found, said, counts):
-    """Maps every 30 s, the last of which is the one that the trial wrote as a file."""
+    """Maps every 60 s, the last of which is the one that the trial wrote as a file."""
     times = [time for time, _ in found]
     said.must(times[0] == 0, "there is no first map")
     gaps = np.diff(times)
-    said.must((gaps[:-1] == 30 * SECOND).all() and gaps[-1] <= 30 * SECOND, "maps are not every 30 s")
+    said.must((gaps[:-1] == 60 * SECOND).all() and gaps[-1] <= 60 * SECOND, "maps are not every 60 s")
     for _, grid in found:
         cells = np.array(grid.data)
         said.must(cells.size == grid.info.width * grid.info.height, "a map has another size")

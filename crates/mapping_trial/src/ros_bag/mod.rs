@@ -8,7 +8,7 @@
 //! | `/tf` | `tf2_msgs/msg/TFMessage` | with `/odom`: `odom` to `base_link` |
 //! | `/tf_static` | `tf2_msgs/msg/TFMessage` | once, latched: `base_link` to `laser` |
 //! | `/tf_map` | `tf2_msgs/msg/TFMessage` | with `/odom`: `map` to `odom`, as the trial's own SLAM estimates it |
-//! | `/map` | `nav_msgs/msg/OccupancyGrid` | every 30 s and at the end, latched: the map of the trial's own SLAM |
+//! | `/map` | `nav_msgs/msg/OccupancyGrid` | every 60 s and at the end, latched: the map of the trial's own SLAM |
 //! | `/ground_truth` | `geometry_msgs/msg/PoseStamped` | with `/odom`: the true pose, in the frame `map` |
 //! | `/clock` | `rosgraph_msgs/msg/Clock` | with `/odom`: simulated time, 0 at the start |
 //!

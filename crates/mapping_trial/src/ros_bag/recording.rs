@@ -22,7 +22,7 @@ use crate::trial::{Moment, Setup};
 const TICKS_A_MESSAGE: u64 = 4;
 
 /// Nanoseconds between two maps.
-const MAP_PERIOD: u64 = 30_000_000_000;
+const MAP_PERIOD: u64 = 60_000_000_000;
 
 /// The frame of maps and true poses: the world's.
 const MAP_FRAME: &str = "map";
