@@ -53,7 +53,7 @@ pub(crate) struct Arguments {
     #[arg(long, allow_negative_numbers = true, conflicts_with = "replay")]
     noise_seed: Option<Seed>,
 
-    /// A world file (.ron, .json, .xml, .asc, .map), or a spec (.envgen.ron) for any kind of world.
+    /// A world file in any format that `envgen convert` reads, or a spec (.envgen.ron) for any kind of world.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["map", "replay"])]
     world: Option<PathBuf>,
 

@@ -38,7 +38,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true)]
     pub(crate) seed: Seed,
 
-    /// A world file (.ron, .json, .xml, .asc, .map), or a spec (.envgen.ron) for any kind of world.
+    /// A world file in any format that `envgen convert` reads, or a spec (.envgen.ron) for any kind of world.
     #[arg(long, value_name = "FILE")]
     world: Option<PathBuf>,
 

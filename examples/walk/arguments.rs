@@ -11,8 +11,8 @@ use envgen::{Seed, World, WorldKind, WorldSpec, import};
 /// Walk through a world.
 #[derive(Parser)]
 pub(crate) struct Arguments {
-    /// A kind of world (hallway, forest, road, indoor, landscape, cellular), a world file (.ron, .json, .xml,
-    /// .asc, .map), or a spec (.envgen.ron).
+    /// A kind of world (hallway, forest, road, indoor, landscape, cellular), a world file in any
+    /// format that `envgen convert` reads, or a spec (.envgen.ron).
     #[arg(default_value = "indoor", value_name = "KIND|FILE")]
     world: String,
 

@@ -12,10 +12,11 @@ use std::path::PathBuf;
 use envgen::difficulty::{DifficultyVector, Feature, Platform};
 use envgen::indoor::IndoorSpec;
 use envgen::{Blueprint, Seed, Spec, World};
+use indicatif::ProgressIterator;
 use sheet::{Image, Result};
 
 /// Number of maps, and their side in cells: of one size, since nearly every feature grows with the size.
-const MAPS: u64 = 200;
+const MAPS: u32 = 200;
 const SIDE: u32 = 8;
 
 /// What is drawn if the arguments name no features.
@@ -57,7 +58,10 @@ fn main() -> Result {
     } else {
         features(named.iter().map(String::as_str))?
     };
-    let samples = (0..MAPS).map(|i| sample(Seed(i))).collect::<Result<Vec<Sample>>>()?;
+    let samples = (0..MAPS)
+        .progress()
+        .map(|i| sample(Seed(u64::from(i))))
+        .collect::<Result<Vec<Sample>>>()?;
     let mut tiles = Vec::new();
     for (index, feature) in features {
         let (least, greatest) = ends(&samples, index)

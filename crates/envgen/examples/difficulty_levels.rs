@@ -8,6 +8,7 @@ use std::path::PathBuf;
 
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::{Blueprint, Seed, Spec};
+use indicatif::ProgressIterator;
 use sheet::Result;
 
 /// Number of difficulties, of maps of each, and the side of the maps in cells.
@@ -21,17 +22,15 @@ fn main() -> Result {
     let base = IndoorSpec { width: SIDE, height: SIDE, profile, ..Default::default() };
     let [least, most] = base.reachable().difficulty;
     let mut pictures = Vec::new();
-    for level in 0..LEVELS {
-        let share = (f64::from(level) + 0.5) / f64::from(LEVELS);
+    for map in (0..LEVELS * MAPS).progress() {
+        let share = (f64::from(map / MAPS) + 0.5) / f64::from(LEVELS);
         let difficulty = (10.0 * (least + (most - least) * share)).round() / 10.0;
         let spec = IndoorSpec { difficulty, ..base.clone() };
-        for map in 0..MAPS {
-            let plan = spec.generate(Seed(u64::from(MAPS * level + map)))?;
-            let predicted = plan.prediction().ok_or("a calibrated plan has a prediction")?;
-            let value = predicted.dials.difficulty.value;
-            let title = format!("requested {difficulty:.1}, predicted {value:.1}");
-            pictures.push(sheet::picture(&plan.to_world(), title)?);
-        }
+        let plan = spec.generate(Seed(u64::from(map)))?;
+        let predicted = plan.prediction().ok_or("a calibrated plan has a prediction")?;
+        let value = predicted.dials.difficulty.value;
+        let title = format!("requested {difficulty:.1}, predicted {value:.1}");
+        pictures.push(sheet::picture(&plan.to_world(), title)?);
     }
     sheet::write(&PathBuf::from(file), &pictures, MAPS as usize)
 }

@@ -165,7 +165,7 @@ pub struct Scores {
     pub difficulty: f64,
     /// M: difficulty of mapping, `10 (0.20 e_wall + 0.20 e_use + 0.50 e_pose + 0.10 e_cov)`.
     pub mapping: f64,
-    /// N: difficulty of getting around,
+    /// N: difficulty of navigation,
     /// `10 (0.40 e_time + 0.10 e_cov + 0.15 e_hit + 0.35 e_turn)`.
     pub navigation: f64,
     /// 1 - F1 at 0.30 m.

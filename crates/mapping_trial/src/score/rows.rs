@@ -23,11 +23,7 @@ impl Scores {
         let rows = [
             ("D  difficulty", number(self.difficulty), "0.6 M + 0.4 N, from 0 to 10"),
             ("M  of mapping", number(self.mapping), "walls, use, pose, coverage"),
-            (
-                "N  of getting around",
-                number(self.navigation),
-                "time, coverage, collisions, turning",
-            ),
+            ("N  of navigation", number(self.navigation), "time, coverage, collisions, turning"),
             (
                 "D, M, N by score 1",
                 [self.score_1.difficulty, self.score_1.mapping, self.score_1.navigation]

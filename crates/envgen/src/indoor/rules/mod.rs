@@ -1,4 +1,13 @@
-//! The rules that fill the grid, one file per rule, in the order in which they run.
+//! The rules that fill the grid, one file per rule.
+//!
+//! | in this order | rule, and the thesis's adaptation of it |
+//! |---|---|
+//! | `hallways`, or `l_system` | hallways a distance apart; first adaptation: the distance, in [`super::adaptation`] |
+//! | `cycles` | fifth adaptation: fewer cycles |
+//! | `rooms` | fourth adaptation: rooms by their difficulty |
+//! | `open_areas` | second adaptation: what stays empty is open |
+//! | `doorways` | third adaptation: doorways by probability |
+//! | `access` | not in the thesis: every place can be reached |
 
 pub(super) mod access;
 pub(super) mod cycles;

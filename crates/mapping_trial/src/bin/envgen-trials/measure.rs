@@ -18,7 +18,7 @@ use crate::progress;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// A world file (.ron, .json, .xml, .asc, .map), or the YAML of a map of ROS. Where it has no start, robots
+    /// A world file in any format that `envgen convert` reads, also a map of ROS. Where it has no start, robots
     /// start in the largest free region, away from walls.
     #[arg(value_name = "FILE")]
     world: PathBuf,

@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.yaml")]
     map: PathBuf,
 
-    /// The world that was mapped (.json, .ron, .xml, .asc, .map).
+    /// The world that was mapped, in any format that `envgen convert` reads.
     #[arg(long, value_name = "FILE")]
     world: PathBuf,
 

@@ -89,7 +89,7 @@ pub(super) fn key(others: &Markup) -> Markup {
         div.key {
             span { i.d {} "D, overall" }
             span { i.m {} "M, mapping" }
-            span { i.n {} "N, getting around" }
+            span { i.n {} "N, navigation" }
             (others)
         }
     }

@@ -20,7 +20,7 @@ pub struct Measure {
 pub const MEASURES: [Measure; 18] = [
     Measure { symbol: "D", name: "difficulty", most: 10.0, of: |s| s.difficulty },
     Measure { symbol: "M", name: "difficulty of mapping", most: 10.0, of: |s| s.mapping },
-    Measure { symbol: "N", name: "difficulty of getting around", most: 10.0, of: |s| s.navigation },
+    Measure { symbol: "N", name: "difficulty of navigation", most: 10.0, of: |s| s.navigation },
     Measure { symbol: "e_wall", name: "walls wrong or missing", most: 1.0, of: |s| s.e_wall },
     Measure { symbol: "e_use", name: "paths that fail on the map", most: 1.0, of: |s| s.e_use },
     Measure { symbol: "e_pose", name: "drift of the pose", most: 1.0, of: |s| s.e_pose },
@@ -32,7 +32,7 @@ pub const MEASURES: [Measure; 18] = [
     Measure { symbol: "M1", name: "difficulty of mapping", most: 10.0, of: |s| s.score_1.mapping },
     Measure {
         symbol: "N1",
-        name: "difficulty of getting around",
+        name: "difficulty of navigation",
         most: 10.0,
         of: |s| s.score_1.navigation,
     },
