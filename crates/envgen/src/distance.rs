@@ -11,7 +11,8 @@ pub const FAR_SQUARED: u16 = u16::MAX;
 ///
 /// Distances along columns first, then the lower envelope of the parabolas that they make in each
 /// row: Felzenszwalb and Huttenlocher, Distance Transforms of Sampled Functions, Theory of
-/// Computing 8 (2012), in whole numbers as in Meijster, Roerdink and Hesselink (2000). O(cells).
+/// Computing 8 (2012), <https://doi.org/10.4086/toc.2012.v008a019>, in whole numbers as in Meijster, Roerdink and Hesselink
+/// (2000), <https://doi.org/10.1007/0-306-47025-X_36>. O(cells).
 ///
 /// # Panics
 /// When the number of cells is not a multiple of `cols`.

@@ -1,7 +1,8 @@
 //! MovingAI maps and scenarios.
 //!
 //! Format: N. R. Sturtevant, Benchmarks for grid-based pathfinding, IEEE Transactions on
-//! Computational Intelligence and AI in Games 4 (2), 2012, and movingai.com/benchmarks/formats.
+//! Computational Intelligence and AI in Games 4 (2), 2012, <https://doi.org/10.1109/TCIAIG.2012.2197681>, and
+//! <https://movingai.com/benchmarks/formats.html>.
 
 use std::io::{self, Write};
 

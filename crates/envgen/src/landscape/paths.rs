@@ -3,7 +3,8 @@
 //! Kuznetsov's classes are the greatest speeds at which cells can be crossed. A step between the
 //! middles of two cells costs its length times the mean of their slowness, 1 / speed. A diagonal
 //! step needs both cells beside it to be passable, as in the MovingAI benchmarks
-//! (N. R. Sturtevant, Benchmarks for grid-based pathfinding, IEEE TCIAIG 4, 2012).
+//! (N. R. Sturtevant, Benchmarks for grid-based pathfinding, IEEE TCIAIG 4, 2012,
+//! <https://doi.org/10.1109/TCIAIG.2012.2197681>).
 
 use std::cmp::Ordering;
 use std::f64::consts::SQRT_2;

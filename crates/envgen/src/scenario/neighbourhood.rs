@@ -17,7 +17,8 @@ pub(super) const REBUILD: u64 = 10;
 const CELL: f64 = 4.0;
 
 /// The people around each point and each person. The lists hold everyone who can come within range before they
-/// are rebuilt (L. Verlet, Physical Review 159, 1967), so that a step costs as much as there are neighbours.
+/// are rebuilt (L. Verlet, Physical Review 159, 1967,
+/// <https://doi.org/10.1103/PhysRev.159.98>), so that a step costs as much as there are neighbours.
 #[derive(Clone, Debug)]
 pub(crate) struct Neighbourhood {
     frame: GridFrame,

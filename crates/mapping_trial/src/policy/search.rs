@@ -1,5 +1,5 @@
-//! Cheapest paths on the costmap, exactly: Dijkstra (1959), and A* (Hart, Nilsson and Raphael, 1968)
-//! if there is one goal.
+//! Cheapest paths on the costmap, exactly: Dijkstra (1959), and A* (Hart, Nilsson and Raphael, 1968,
+//! <https://doi.org/10.1109/TSSC.1968.300136>) if there is one goal.
 
 use glam::{DVec2, IVec2};
 

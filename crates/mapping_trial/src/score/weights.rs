@@ -168,8 +168,8 @@ pub fn sensitivity(trials: &[Parts], weights: Weights) -> Vec<Sensitivity> {
     found
 }
 
-/// Kendall's rank correlation tau-b (Kendall, Biometrika 33, 1945), which allows for ties; `None`
-/// for lists of different lengths, or if all values of one are equal. O(n^2).
+/// Kendall's rank correlation tau-b (Kendall, Biometrika 33, 1945, <https://doi.org/10.1093/biomet/33.3.239>), which
+/// allows for ties; `None` for lists of different lengths, or if all values of one are equal. O(n^2).
 pub fn kendall_tau(a: &[f64], b: &[f64]) -> Option<f64> {
     if a.len() != b.len() {
         return None;

@@ -59,7 +59,8 @@ impl Drift {
 /// along them: it follows their roughness, and is pulled back over every new wall, by some percent
 /// of the path. Each echo on a known wall gives information on one direction, the wall's normal, and on
 /// the turn by its lever; the match counts as far as that reaches, the wheels for the rest (a weighted
-/// least-squares solution, as in Censi, Lecture Notes on ICP's covariance, ICRA 2007).
+/// least-squares solution, as in Censi, An accurate closed-form estimate of ICP's covariance, ICRA 2007,
+/// <https://doi.org/10.1109/ROBOT.2007.363961>).
 pub(super) fn fuse(walls: &[WallPiece], expected: Pose, matched: Pose, drift: Drift) -> Pose {
     let known = information(walls, matched);
     let shift = matched.position - expected.position;

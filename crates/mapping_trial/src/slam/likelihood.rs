@@ -20,7 +20,8 @@ const MOST_CELLS: i32 = 4096;
 const SPARE: i32 = 256;
 
 /// The likelihood of an echo, cell by cell, with max-pooled levels that bound it from above over
-/// blocks of cells (Olson, Real-Time Correlative Scan Matching, ICRA 2009).
+/// blocks of cells (Olson, Real-Time Correlative Scan Matching, ICRA 2009,
+/// <https://doi.org/10.1109/ROBOT.2009.5152375>).
 ///
 /// Each echo stamps a Gaussian of [`SIGMA`]; where several overlap the greatest counts. The level of
 /// block b holds at each cell the greatest likelihood within the b x b cells from it upwards and

@@ -1,5 +1,6 @@
-//! Correlative scan matching (Olson, Real-Time Correlative Scan Matching, ICRA 2009): the pose near
-//! an expected one at which a scan fits a likelihood field best.
+//! Correlative scan matching (Olson, Real-Time Correlative Scan Matching, ICRA 2009,
+//! <https://doi.org/10.1109/ROBOT.2009.5152375>): the pose near an expected one at which a scan fits a likelihood field
+//! best.
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::{DVec2, IVec2, Vec2};

@@ -1,8 +1,8 @@
 //! Pose graphs: poses that satisfy measured relations between them best.
 //!
 //! Least squares by Levenberg and Marquardt's method, with Huber's loss for relations that may be
-//! wrong (Grisetti, Kummerle, Stachniss, Burgard, A Tutorial on Graph-Based SLAM, 2010). The linear
-//! systems are solved directly: block by block, in the order of least degree, which leaves the long
+//! wrong (Grisetti, Kummerle, Stachniss, Burgard, A Tutorial on Graph-Based SLAM, 2010,
+//! <https://doi.org/10.1109/MITS.2010.939925>). The linear systems are solved directly: block by block, in the order of least degree, which leaves the long
 //! chains of a robot's path without fill.
 
 use std::collections::BTreeSet;

@@ -141,7 +141,8 @@ impl SurfelMap {
     }
 
     /// Moves a pose to where the walls of a scan lie on the surfels (Gauss-Newton on the distances of
-    /// points to lines, with weights that fall with the distance; Censi, ICRA 2008).
+    /// points to lines, with weights that fall with the distance; Censi, An ICP variant using a point-to-line metric,
+    /// ICRA 2008, <https://doi.org/10.1109/ROBOT.2008.4543181>).
     pub(crate) fn refine(
         &self,
         expected: Pose,

@@ -3,7 +3,7 @@
 //! A skid-steered robot measures every turn too large or too small by the same share. Where nothing
 //! is in sight the wheels alone carry the heading. Where walls hold it, the same turn is known twice,
 //! and the ratio of both is the error (Martinelli et al., Simultaneous localization and odometry
-//! self calibration for mobile robot, Autonomous Robots, 2007).
+//! self calibration for mobile robot, Autonomous Robots 22, 2007, <https://doi.org/10.1007/s10514-006-9006-7>).
 
 use envgen::geometry::wrap_angle;
 

@@ -2,7 +2,7 @@
 //!
 //! Zwennes' conclusion is that "the generator could only generate one type of hallway layout", and
 //! his future work names L-systems, as Parish and Müller (Procedural modeling of cities, SIGGRAPH
-//! 2001) use them for streets. The system here is theirs in small. Its alphabet is F(n), a hallway
+//! 2001, <https://doi.org/10.1145/383259.383292>) use them for streets. The system here is theirs in small. Its alphabet is F(n), a hallway
 //! of n cells, A, a tip that grows, and the turtle's + - [ ]; a straight hallway through the map is
 //! the axiom, and a tip is rewritten as
 //!

@@ -5,7 +5,7 @@ use crate::scenario::spec::FailedBeams;
 use crate::seed::Stream;
 
 /// Distances in metres between which the fields of view of emitter and detector begin to overlap and are one
-/// (M. Hahner et al., Fog Simulation on Real `LiDAR` Point Clouds, ICCV 2021).
+/// (M. Hahner et al., Fog Simulation on Real `LiDAR` Point Clouds, ICCV 2021, <https://arxiv.org/abs/2108.05249>).
 const OVERLAP: [f64; 2] = [0.9, 1.0];
 
 /// Parts into which the path of a beam is divided for the law of its phantom echoes.
