@@ -22,11 +22,12 @@ use crate::shape::PartShape;
 use crate::spawn::TileSpawned;
 use crate::visuals::ground::class_rectangles;
 
-/// The lintels of the world of an environment, which cost more than those of a tile.
+/// The lintels and the ceilings' height of the world of an environment, for which all its walls are looked at.
 #[derive(Component)]
-struct Lintels {
+struct Overhead {
     of: Arc<EnvgenWorld>,
     lintels: Vec<Option<Extent>>,
+    wall_top: f64,
 }
 
 /// Draws the parts of a tile.
@@ -40,7 +41,7 @@ fn add_meshes(world: &mut World, spawned: &TileSpawned) {
     if !can_draw(world) || world.get_entity(spawned.tile).is_err() {
         return;
     }
-    find_lintels(world, spawned);
+    find_overhead(world, spawned);
     for (finish, draft) in drafts(world, spawned) {
         let Some(material) = material(world, finish) else { return };
         let mesh = world.resource_mut::<Assets<Mesh>>().add(draft.into_mesh());
@@ -57,22 +58,25 @@ fn add_meshes(world: &mut World, spawned: &TileSpawned) {
     trees::plant(world, spawned);
 }
 
-/// Finds the lintels of the world, if the tile has doorways.
-fn find_lintels(world: &mut World, spawned: &TileSpawned) {
-    let is_doorway =
-        |&part: &Entity| world.get::<PartId>(part).is_some_and(|id| id.kind == PartKind::Doorway);
+/// Finds what is overhead in the world, if the tile has doorways or floors.
+fn find_overhead(world: &mut World, spawned: &TileSpawned) {
+    let is_below = |&part: &Entity| {
+        world.get::<PartId>(part).is_some_and(|id| {
+            matches!(id.kind, PartKind::Doorway | PartKind::Room | PartKind::Surface)
+        })
+    };
     let Some(truth) = world.get::<GroundTruth>(spawned.environment).map(|truth| truth.0.clone())
     else {
         return;
     };
-    let known = world.get::<Lintels>(spawned.environment);
+    let known = world.get::<Overhead>(spawned.environment);
     if known.is_some_and(|known| Arc::ptr_eq(&known.of, &truth))
-        || !spawned.parts.iter().any(is_doorway)
+        || !spawned.parts.iter().any(is_below)
     {
         return;
     }
-    let lintels = truth.lintels();
-    world.entity_mut(spawned.environment).insert(Lintels { of: truth, lintels });
+    let (lintels, wall_top) = (truth.lintels(), truth.wall_top());
+    world.entity_mut(spawned.environment).insert(Overhead { of: truth, lintels, wall_top });
 }
 
 /// The bodies of a tile by finish, without trees.
@@ -83,8 +87,7 @@ fn drafts(world: &World, spawned: &TileSpawned) -> BTreeMap<Finish, Draft> {
     let origin =
         world.get::<Environment>(spawned.environment).map_or(DVec2::ZERO, |root| root.origin);
     let truth = world.get::<GroundTruth>(spawned.environment);
-    let lintels = world.get::<Lintels>(spawned.environment);
-    let wall_top = truth.map_or(0.0, |truth| truth.wall_top());
+    let overhead = world.get::<Overhead>(spawned.environment);
     for (id, at, _) in spawned.placed(world) {
         match id.kind {
             // Below, and in `trees`.
@@ -96,7 +99,7 @@ fn drafts(world: &World, spawned: &TileSpawned) -> BTreeMap<Finish, Draft> {
             _ => {}
         }
         let Some((truth, part)) = truth.zip(id.in_world()) else { continue };
-        let lintel = lintels.filter(|_| id.kind == PartKind::Doorway);
+        let lintel = overhead.filter(|_| id.kind == PartKind::Doorway);
         let lintel = lintel.and_then(|known| *known.lintels.get(part.index as usize)?);
         for piece in pieces_of(truth, part, lintel) {
             let Some((finish, color)) = look(truth, &piece, palette) else { continue };
@@ -111,7 +114,9 @@ fn drafts(world: &World, spawned: &TileSpawned) -> BTreeMap<Finish, Draft> {
         if id.kind == PartKind::Doorway {
             stage::add_threshold(&mut drafts, truth, part, origin, palette);
         }
-        stage::add_ceiling(&mut drafts, truth, part, origin, wall_top, palette, settings);
+        if let Some(Overhead { wall_top, .. }) = overhead {
+            stage::add_ceiling(&mut drafts, truth, part, origin, *wall_top, palette, settings);
+        }
         if let Some(strip) = truth.road_strips.get(part.index as usize)
             && id.kind == PartKind::RoadStrip
         {
