@@ -94,6 +94,9 @@ pub fn verified(
             step(racers.iter().map(|racer| racer.measuring.trials()).sum());
         }
         drop_far(&mut racers, request);
+        if racers.iter().filter(|racer| !racer.is_dropped).count() == 1 {
+            break;
+        }
     }
     let running = (0..racers.len()).filter(|&i| !racers[i].is_dropped);
     let off = |i: &usize| distance(request, &racers[*i].dials);
