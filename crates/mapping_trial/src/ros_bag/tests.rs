@@ -56,8 +56,13 @@ fn twenty_minutes_fit_into_8_mb() {
         while trial.step() {}
         assert_eq!(trial.time(), 1200.0);
         let report = trial.report(&world, &trial.reference(&world).unwrap()).unwrap();
-        let bytes = recorder.finish(&trial, &world, &report).unwrap().0.len();
-        assert!(bytes < 8_000_000, "seed {seed}: {bytes} bytes");
+        let bytes = recorder.finish(&trial, &world, &report).unwrap().0;
+        assert!(bytes.len() < 8_000_000, "seed {seed}: {} bytes", bytes.len());
+        // A map every minute, the last one at the end.
+        let found = read(&bytes).messages;
+        let minutes: Vec<u64> =
+            of(&found, "/map").iter().map(|map| map.time / 60_000_000_000).collect();
+        assert_eq!(minutes, (0..=20).collect::<Vec<_>>());
     }
 }
 
