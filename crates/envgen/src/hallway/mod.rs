@@ -11,6 +11,7 @@
 mod blueprint;
 mod chain;
 mod feature;
+mod generate;
 mod layout;
 mod metrics;
 mod spec;
@@ -57,17 +58,7 @@ impl Spec for HallwaySpec {
 
     fn generate(&self, seed: Seed) -> Result<Hallway, SpecError> {
         self.validate()?;
-        let chain = HallwayChain::new(self.p_st, self.p_tt)?;
-        let start = match self.start {
-            Start::State(state) => state,
-            Start::Stationary => {
-                let drawn = seed.stream("hallway/start", 0).weighted(&chain.stationary()?);
-                State::ALL[drawn.unwrap_or(0)]
-            }
-        };
-        let mut stream = seed.stream("hallway/chain", 0);
-        let states = chain.sample(start, self.segments as usize, &mut stream);
-        Ok(Hallway { states, spec: self.clone(), seed })
+        generate::hallway(self, seed)
     }
 }
 
