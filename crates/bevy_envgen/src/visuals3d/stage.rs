@@ -44,8 +44,9 @@ const SUN: (f32, f32) = (2200.0, 0.35);
 /// The direction to the sun.
 const TO_SUN: Vec3 = Vec3::new(-0.45, -0.6, 1.0);
 
-/// Thickness of thresholds in metres.
-const THRESHOLD: f64 = 0.1;
+/// Bottom and top of thresholds in metres. They are a little deeper than the floors beside them, which they may overlap;
+/// much deeper, the sides of those floors would be seen as lines of dots.
+const THRESHOLD: (f64, f64) = (-0.1, -0.0003);
 
 /// An environment with a world, finite or endless.
 type Grown =
@@ -169,8 +170,7 @@ pub(super) fn add_threshold(
     else {
         return;
     };
-    // Deeper than the floors beside it, which it may overlap.
-    let Ok(extent) = Extent::new(-THRESHOLD, -0.002) else { return };
+    let Ok(extent) = Extent::new(THRESHOLD.0, THRESHOLD.1) else { return };
     if let Some(solid) = Solid::extruded(&doorway.shape, extent) {
         let draft = drafts.entry(Finish::Floor).or_insert_with(|| Draft::of(Finish::Floor));
         draft.add(&solid, origin, palette.room);
