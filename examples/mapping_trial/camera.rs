@@ -7,6 +7,7 @@ use bevy_mapping_trial::camera::{CameraRecording, CameraTrial, RobotCamera};
 use bevy_mapping_trial::trial::{RapierRobots, replay_headless_with, run_headless_with};
 use envgen::World;
 use envgen::scenario::Scenario;
+use mapping_trial::robot::Robot;
 use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
 
 use crate::arguments::Arguments;
@@ -16,17 +17,17 @@ type Recorded = (Trial<RapierRobots>, Vec<PathBuf>);
 
 /// Checks the camera, if there is one.
 pub(crate) fn check(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    match recording(arguments) {
+    match recording(arguments, &Robot::default()) {
         Some(recording) => Ok(recording.camera.check()?),
         None => Ok(()),
     }
 }
 
-/// What to record, if anything.
-fn recording(arguments: &Arguments) -> Option<CameraRecording> {
+/// What to record from a robot, if anything.
+fn recording(arguments: &Arguments, robot: &Robot) -> Option<CameraRecording> {
     let [width, height] = arguments.camera_size;
     let (field_of_view, rate) = (arguments.camera_fov, arguments.camera_rate);
-    let camera = RobotCamera { width, height, field_of_view, rate, ..Default::default() };
+    let camera = RobotCamera { width, height, field_of_view, rate, ..RobotCamera::on(robot) };
     arguments.camera.clone().map(|folder| CameraRecording { camera, folder })
 }
 
@@ -38,7 +39,7 @@ pub(crate) fn run(
     (parts, scenario): (TrialParts, Option<Scenario>),
     progress: impl FnMut(f64),
 ) -> Result<Recorded, Box<dyn Error>> {
-    Ok(match recording(arguments) {
+    Ok(match recording(arguments, &settings.body) {
         None => (run_headless_with(world, settings, parts, scenario, progress)?, Vec::new()),
         Some(recording) => {
             CameraTrial::new(world, settings, parts, scenario).record(&recording, progress)?
@@ -54,7 +55,7 @@ pub(crate) fn replay(
     parts: TrialParts,
     progress: impl FnMut(f64),
 ) -> Result<Recorded, Box<dyn Error>> {
-    Ok(match recording(arguments) {
+    Ok(match recording(arguments, &log.settings.body) {
         None => (replay_headless_with(world, log, parts, progress)?, Vec::new()),
         Some(recording) => CameraTrial::replay(world, log, parts).record(&recording, progress)?,
     })

@@ -9,6 +9,7 @@ use bevy::math::ops;
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
 use bevy::render::renderer::RenderAdapterInfo;
+use bevy_mapping_trial::camera::RobotCamera;
 use bevy_mapping_trial::prelude::*;
 use bevy_mapping_trial::ui::bevy_egui::{EguiTextureHandle, EguiUserTextures};
 use bevy_mapping_trial::ui::egui;
@@ -26,10 +27,7 @@ const FIELD_OF_VIEW: f32 = 80.0;
 /// Height of a small picture as a share of the large one's.
 const SMALL: f32 = 0.5;
 
-/// Height of the camera above the robot in metres, how far it is behind the front, and what is too near to be seen:
-/// a robot at a wall does not see through it.
-const ABOVE: f32 = 0.08;
-const BEHIND: f32 = 0.05;
+/// What is too near to be seen, in metres: a robot at a wall does not see through it.
 const NEAR: f32 = 0.03;
 
 /// Rows of the large picture with a graphics card and without.
@@ -115,8 +113,8 @@ pub(crate) fn equip(
     let Ok((&TrialRobot { index: robot }, model)) = robots.get(added.entity) else { return };
     let Some(picture) = pictures.small.get(robot) else { return };
     commands.entity(added.entity).insert(Visibility::default());
-    let top = model.height.max(model.laser_mount.height) as f32;
-    let place = Vec3::new(0.5 * model.length as f32 - BEHIND, 0.0, top + ABOVE);
+    let RobotCamera { forward, up, .. } = RobotCamera::on(model);
+    let place = Vec3::new(forward as f32, 0.0, up as f32);
     let mount = Transform::from_translation(place).looking_to(Vec3::X, Vec3::Z);
     let across = ops::tan((0.5 * FIELD_OF_VIEW).to_radians());
     commands.spawn((

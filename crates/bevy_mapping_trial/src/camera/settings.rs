@@ -1,10 +1,15 @@
 //! The camera of a robot, as users set it up.
 
 use bevy::prelude::*;
+use mapping_trial::robot::Robot;
 use thiserror::Error;
 
 /// The most pixels along a side of a picture.
 pub const MAX_PIXELS: u32 = 4096;
+
+/// How far [`RobotCamera::on`] puts a camera behind the front of a robot, and above its top, in metres.
+const BEHIND_FRONT: f64 = 0.05;
+const ABOVE_TOP: f64 = 0.08;
 
 /// The widest and the narrowest horizontal field of view in degrees.
 const FIELDS_OF_VIEW: std::ops::RangeInclusive<f64> = 1.0..=170.0;
@@ -73,6 +78,25 @@ impl Default for RobotCamera {
             height: 240,
             rate: 2.0,
             images: CameraImages::default(),
+        }
+    }
+}
+
+impl RobotCamera {
+    /// The default camera at the front of a robot, above its body and its laser.
+    ///
+    /// ```
+    /// use bevy_mapping_trial::camera::RobotCamera;
+    /// use mapping_trial::robot::Robot;
+    ///
+    /// let low = Robot { height: 0.2, ..Robot::default() };
+    /// assert!(RobotCamera::on(&low).up < RobotCamera::on(&Robot { height: 0.9, ..low }).up);
+    /// ```
+    pub fn on(robot: &Robot) -> Self {
+        RobotCamera {
+            forward: 0.5 * robot.length - BEHIND_FRONT,
+            up: robot.height.max(robot.laser_mount.height) + ABOVE_TOP,
+            ..RobotCamera::default()
         }
     }
 }
