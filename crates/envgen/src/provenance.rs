@@ -27,6 +27,10 @@ pub struct Provenance {
     /// Whether the world was changed after it was generated, so that it may no longer be what the
     /// spec asked for.
     pub edited: bool,
+    /// The changes by hand of an indoor map, in order: each an [`indoor::Edit`](crate::indoor::Edit). Spec, seed and
+    /// these give the world again. Empty for worlds that were changed otherwise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub edits: Vec<Value>,
     /// The requested difficulty, recorded when an edit makes it invalid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub difficulty_requested: Option<f64>,
@@ -67,6 +71,7 @@ impl Provenance {
             crate_version: env!("CARGO_PKG_VERSION").to_owned(),
             value_version,
             edited: false,
+            edits: Vec::new(),
             difficulty_requested: None,
             measured: None,
         }
@@ -83,6 +88,7 @@ impl Provenance {
             crate_version: env!("CARGO_PKG_VERSION").to_owned(),
             value_version: 0,
             edited: false,
+            edits: Vec::new(),
             difficulty_requested: None,
             measured: None,
         }

@@ -2,6 +2,10 @@
 
 use std::fmt;
 
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::indoor::{Edit, PlanEditor};
 use crate::landscape::LandscapeSpec;
 use crate::provenance::Provenance;
 use crate::spec::{WorldBlueprint, WorldKind, WorldSpec};
@@ -13,11 +17,14 @@ const MOST_WORK: f64 = 1e6;
 /// ...and for more than this many times the parts that the world has.
 const MOST_WORK_A_PART: f64 = 1e3;
 
+/// Changes by hand that are made again at most.
+const MOST_EDITS: usize = 10_000;
+
 /// How a world compares with the one that its provenance gives.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Reproduction {
-    /// Its spec and seed give this world, to the last bit, from this blueprint.
+    /// Its spec and seed, and the changes by hand of a plan, give this world to the last bit, from this blueprint.
     Same(Box<WorldBlueprint>),
     /// Its spec and seed give another world.
     Different,
@@ -37,7 +44,7 @@ pub enum Reproduction {
         /// The value version of this crate.
         makes: u32,
     },
-    /// It is marked as edited, and was not compared.
+    /// It is marked as edited, does not say how, and was not compared.
     Edited,
     /// It has no spec and seed: it was imported or put together by hand.
     NoSpec,
@@ -61,8 +68,12 @@ impl Reproduction {
 impl fmt::Display for Reproduction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Reproduction::Same(_) => {
-                f.write_str("reproducible: its spec and seed make this world to the last bit")
+            Reproduction::Same(blueprint) => {
+                let edits = match &**blueprint {
+                    WorldBlueprint::Indoor(plan) if plan.is_edited() => ", with its edits,",
+                    _ => "",
+                };
+                write!(f, "reproducible: its spec and seed{edits} make this world to the last bit")
             }
             Reproduction::Different => {
                 f.write_str("not reproducible: its spec and seed make another world")
@@ -96,7 +107,7 @@ pub fn reproduce(world: &World) -> Reproduction {
     let (Ok(kind), Some(seed)) = (provenance.kind.parse::<WorldKind>(), provenance.seed) else {
         return Reproduction::NoSpec;
     };
-    if provenance.edited {
+    if provenance.edited && provenance.edits.is_empty() {
         return Reproduction::Edited;
     }
     if provenance.value_version != kind.value_version() {
@@ -118,11 +129,32 @@ pub fn reproduce(world: &World) -> Reproduction {
     }
     match spec.generate(seed) {
         Err(error) => Reproduction::NoWorld(error.to_string()),
-        Ok(blueprint) if blueprint.to_world().digest() == world.digest() => {
-            Reproduction::Same(Box::new(blueprint))
-        }
-        Ok(_) => Reproduction::Different,
+        Ok(blueprint) => match edited(blueprint, &provenance.edits) {
+            Err(reason) => Reproduction::NoWorld(reason),
+            Ok(blueprint) if blueprint.to_world().digest() == world.digest() => {
+                Reproduction::Same(Box::new(blueprint))
+            }
+            Ok(_) => Reproduction::Different,
+        },
     }
+}
+
+/// A plan with changes by hand.
+fn edited(blueprint: WorldBlueprint, edits: &[Value]) -> Result<WorldBlueprint, String> {
+    let plan = match blueprint {
+        _ if edits.is_empty() => return Ok(blueprint),
+        WorldBlueprint::Indoor(plan) => plan,
+        _ => return Err("only indoor maps have edits".to_owned()),
+    };
+    if edits.len() > MOST_EDITS {
+        return Err(format!("there are {} edits, at most {MOST_EDITS} are made", edits.len()));
+    }
+    let mut editor = PlanEditor::new(plan);
+    for (i, edit) in edits.iter().enumerate() {
+        let edit = Edit::deserialize(edit).map_err(|error| format!("edit {i}: {error}"))?;
+        editor.apply(edit).map_err(|error| format!("edit {i}: {error}"))?;
+    }
+    Ok(WorldBlueprint::Indoor(editor.into_plan()))
 }
 
 fn spec(provenance: &Provenance) -> Result<WorldSpec, String> {
@@ -149,6 +181,7 @@ fn parts(world: &World) -> u64 {
 mod tests {
     use super::*;
     use crate::generate::{Blueprint, Spec};
+    use crate::indoor::{Catalogue, IndoorSpec};
     use crate::seed::Seed;
     use serde_json::json;
 
@@ -164,6 +197,76 @@ mod tests {
             assert_eq!(found, Reproduction::Same(Box::new(blueprint)), "{kind}");
             assert!(found.is_credible());
         }
+    }
+
+    /// A small map with a room less, a hallway and a room more, and an object turned.
+    fn edited_map() -> World {
+        let spec = IndoorSpec { width: 8, height: 8, ..Default::default() };
+        let plan = spec.generate(Seed(2)).unwrap();
+        let mut editor = PlanEditor::new(plan);
+        editor.apply(Edit::RemoveRoom { room: 0 }).unwrap();
+        let open = (0..64)
+            .map(|i| (i % 8, i / 8))
+            .find(|&(x, y)| editor.test(Edit::AddHallway { x, y }).is_ok());
+        let (x, y) = open.unwrap();
+        editor.apply(Edit::AddHallway { x, y }).unwrap();
+        let room = Catalogue::builtin().rooms()[0].clone();
+        let free = (0..64).find_map(|i| {
+            let add = Edit::AddRoom { room: room.clone(), x: i % 8, y: i / 8, quarters: 1 };
+            editor.test(add.clone()).is_ok().then_some(add)
+        });
+        editor.apply(free.unwrap()).unwrap();
+        let turn = (0..editor.plan().rooms().len())
+            .map(|room| Edit::TurnObject { room, object: 0, angle: 0.1 })
+            .find(|turn| editor.test(turn.clone()).is_ok());
+        editor.apply(turn.unwrap()).unwrap();
+        editor.into_plan().to_world()
+    }
+
+    #[test]
+    fn a_plan_is_edited_again() {
+        let world = edited_map();
+        assert_eq!(world.provenance.edits.len(), 4);
+        let (mut json, mut ron) = (Vec::new(), Vec::new());
+        world.write_json(&mut json).unwrap();
+        world.write_ron(&mut ron).unwrap();
+        let from_json = crate::import::read_json(&mut json.as_slice()).unwrap();
+        let from_ron = crate::import::read_ron(&mut ron.as_slice()).unwrap();
+        for world in [&world, &from_json, &from_ron] {
+            let found = reproduce(world);
+            assert!(found.to_string().contains("with its edits"), "{found}");
+            let Reproduction::Same(blueprint) = found else { panic!("{found}") };
+            assert_eq!(blueprint.to_world(), *world);
+        }
+        let mut fewer = world.clone();
+        fewer.provenance.edits.pop();
+        assert_eq!(reproduce(&fewer), Reproduction::Different);
+        fewer.provenance.edits.clear();
+        assert_eq!(reproduce(&fewer), Reproduction::Edited);
+    }
+
+    #[test]
+    fn edits_that_cannot_be_made_are_named() {
+        let known = edited_map();
+        for (edit, why) in [
+            (json!({"remove_room": {"room": 999}}), "edit 4: there is no room 999"),
+            (json!({"paint": {}}), "edit 4: unknown variant `paint`"),
+            (json!({"add_hallway": {"x": 1, "y": 2, "z": 3}}), "edit 4: unknown field `z`"),
+            (json!(7), "edit 4: "),
+        ] {
+            let mut world = known.clone();
+            world.provenance.edits.push(edit);
+            let found = reproduce(&world);
+            let Reproduction::NoWorld(reason) = &found else { panic!("{found}") };
+            assert!(reason.contains(why), "{reason}");
+        }
+        let mut world = known;
+        world.provenance.edits = vec![json!(null); MOST_EDITS + 1];
+        assert!(reproduce(&world).to_string().contains("10001 edits, at most 10000"));
+        let mut other = forest();
+        other.provenance.edited = true;
+        other.provenance.edits = vec![json!({"add_hallway": {"x": 1, "y": 2}})];
+        assert!(reproduce(&other).to_string().contains("only indoor maps have edits"));
     }
 
     #[test]

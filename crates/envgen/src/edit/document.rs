@@ -112,7 +112,7 @@ impl Document {
         Document::of(Editor::Plan(Box::new(PlanEditor::new(plan))))
     }
 
-    /// A document of a world; of its plan, if it is an indoor map as its spec and seed give it.
+    /// A document of a world; of its plan, if it is an indoor map as its spec and seed give it, with its edits.
     pub fn from_world(world: World) -> Self {
         if world.provenance.kind == WorldKind::Indoor.name()
             && let Reproduction::Same(blueprint) = reproduce(&world)

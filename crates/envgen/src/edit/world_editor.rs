@@ -191,6 +191,7 @@ impl WorldEditor {
         self.world.provenance = self.provenance.clone();
         if self.history.can_undo() {
             self.world.provenance.edited = true;
+            self.world.provenance.edits.clear();
             self.world.provenance.measured = None;
         }
     }

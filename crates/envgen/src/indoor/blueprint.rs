@@ -7,6 +7,7 @@ use serde::{Serialize, Serializer};
 use super::frame::{DESIGN_UNIT, Frame};
 use super::grid::{Axis, Gate, Grid, Opening, Origin, Side};
 use super::placed_room::PlacedRoom;
+use super::plan_edit::Edit;
 use super::spec::IndoorSpec;
 use crate::dials::Prediction;
 use crate::seed::Seed;
@@ -23,6 +24,8 @@ pub struct FloorPlan {
     pub(super) openings: Vec<Opening>,
     pub(super) draws: Option<Draws>,
     pub(super) edited: bool,
+    /// The changes by hand since it was generated, in order; empty where it differs otherwise, too.
+    pub(super) edits: Vec<Edit>,
     /// Set in the profile `calibrated`.
     pub(super) choice: Option<Box<Choice>>,
 }

@@ -3,105 +3,18 @@
 mod objects;
 mod target;
 
-use glam::DVec2;
 use thiserror::Error;
 
 pub use target::PlanTarget;
 
+pub use super::plan_edit::Edit;
+
 use super::blueprint::FloorPlan;
-use super::catalogue::{RoomError, SharedRoom};
+use super::catalogue::RoomError;
 use super::grid::{Axis, Cell, Gate, Opening, Origin, Side, Sides, is_whole};
 use super::placed_room::PlacedRoom;
 use crate::history::History;
-use crate::world::{Contents, Obstacle};
-
-/// A change of a plan.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Edit {
-    /// Puts a room with its upper left corner at a cell. It may take solid cells and open areas.
-    AddRoom {
-        /// The room.
-        room: SharedRoom,
-        /// Column of its leftmost cells.
-        x: u32,
-        /// Row of its uppermost cells.
-        y: u32,
-        /// Quarter turns counter-clockwise.
-        quarters: u8,
-    },
-    /// Moves a room, with those of its doorways that lead somewhere at the new position.
-    MoveRoom {
-        /// Its index in [`FloorPlan::rooms`].
-        room: usize,
-        /// Column of its leftmost cells.
-        x: u32,
-        /// Row of its uppermost cells.
-        y: u32,
-    },
-    /// Turns a room about its upper left corner, with its doorways.
-    TurnRoom {
-        /// Its index in [`FloorPlan::rooms`].
-        room: usize,
-        /// Quarter turns counter-clockwise.
-        quarters: u8,
-    },
-    /// Removes a room; its cells become open area, or solid where the spec has no open areas.
-    /// The last room takes its index in [`FloorPlan::rooms`].
-    RemoveRoom {
-        /// Its index in [`FloorPlan::rooms`].
-        room: usize,
-    },
-    /// Makes a solid cell or a piece of open area a hallway.
-    AddHallway {
-        /// Column.
-        x: u32,
-        /// Row.
-        y: u32,
-    },
-    /// Makes a hallway cell solid.
-    RemoveHallway {
-        /// Column.
-        x: u32,
-        /// Row.
-        y: u32,
-    },
-    /// Opens a room's wall.
-    OpenDoorway(Gate),
-    /// Closes an opening.
-    CloseDoorway(Gate),
-    /// Puts an object into a room. It may be turned, and touch other objects, but not reach outside of the room.
-    AddObject {
-        /// Index of the room in [`FloorPlan::rooms`].
-        room: usize,
-        /// The object, with its shape in metres in the frame of the world.
-        object: Obstacle,
-    },
-    /// Moves an object inside its room.
-    MoveObject {
-        /// Index of the room in [`FloorPlan::rooms`].
-        room: usize,
-        /// Its index in the room's obstacles.
-        object: usize,
-        /// How far in metres, in the frame of the world.
-        by: DVec2,
-    },
-    /// Turns an object about its middle.
-    TurnObject {
-        /// Index of the room in [`FloorPlan::rooms`].
-        room: usize,
-        /// Its index in the room's obstacles.
-        object: usize,
-        /// The angle in radians, counter-clockwise.
-        angle: f64,
-    },
-    /// Removes an object. Those behind it in the list of the room's obstacles move up.
-    RemoveObject {
-        /// Index of the room in [`FloorPlan::rooms`].
-        room: usize,
-        /// Its index in the room's obstacles.
-        object: usize,
-    },
-}
+use crate::world::Contents;
 
 /// Why an edit is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -195,7 +108,11 @@ pub enum EditError {
 pub struct PlanEditor {
     plan: FloorPlan,
     was_edited: bool,
+    /// Whether the plan's edits are all that it differs by from what its spec and seed give.
+    is_complete: bool,
     history: History<Change>,
+    /// What was undone, the last first.
+    undone: Vec<Edit>,
 }
 
 /// One reversible change: the state before and the state after.
@@ -220,7 +137,14 @@ impl PlanEditor {
     /// An editor of a plan.
     pub fn new(plan: FloorPlan) -> Self {
         let was_edited = plan.edited;
-        PlanEditor { plan, was_edited, history: History::default() }
+        let is_complete = !plan.edited || !plan.edits.is_empty();
+        PlanEditor {
+            plan,
+            was_edited,
+            is_complete,
+            history: History::default(),
+            undone: Vec::new(),
+        }
     }
 
     /// The plan as it is now.
@@ -240,12 +164,13 @@ impl PlanEditor {
     /// then.
     pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
         let mut step = Vec::new();
-        if let Err(error) = self.perform(edit, &mut step) {
+        if let Err(error) = self.perform(edit.clone(), &mut step) {
             self.revert(&step);
             return Err(error);
         }
         self.history.push(step);
-        self.mark();
+        self.undone.clear();
+        self.note(edit);
         Ok(())
     }
 
@@ -275,6 +200,9 @@ impl PlanEditor {
         let mut history = std::mem::take(&mut self.history);
         let is_undone = history.undo(|step| self.revert(step));
         self.history = history;
+        if is_undone {
+            self.undone.extend(self.plan.edits.pop());
+        }
         self.mark();
         is_undone
     }
@@ -284,8 +212,19 @@ impl PlanEditor {
         let mut history = std::mem::take(&mut self.history);
         let is_redone = history.redo(|step| step.iter().for_each(|change| self.change(change)));
         self.history = history;
+        if is_redone && let Some(edit) = self.undone.pop() {
+            self.note(edit);
+        }
         self.mark();
         is_redone
+    }
+
+    /// Says in the plan that it was edited, and how.
+    fn note(&mut self, edit: Edit) {
+        if self.is_complete {
+            self.plan.edits.push(edit);
+        }
+        self.mark();
     }
 
     /// Says in the plan whether it was edited.

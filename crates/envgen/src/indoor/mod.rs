@@ -31,6 +31,7 @@ mod materials;
 mod maze;
 mod metrics;
 mod placed_room;
+mod plan_edit;
 mod request;
 mod rules;
 mod spec;

@@ -146,6 +146,7 @@ pub(super) fn plan_as_set(
             variations,
         }),
         edited: laws.any(),
+        edits: Vec::new(),
         choice: None,
     })
 }

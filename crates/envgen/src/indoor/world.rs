@@ -70,6 +70,7 @@ fn provenance(plan: &FloorPlan) -> Provenance {
     provenance.edited = plan.edited;
     if plan.edited && seed.is_some() {
         provenance.difficulty_requested = Some(spec.difficulty);
+        provenance.edits = plan.edits.iter().map(|edit| json!(edit)).collect();
     }
     provenance
 }

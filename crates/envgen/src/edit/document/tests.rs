@@ -32,6 +32,33 @@ fn worlds_of_plans_are_edited_as_plans() {
 }
 
 #[test]
+fn an_edited_plan_that_was_saved_is_a_plan_again() {
+    let mut document = plan(3);
+    let room = Target::Plan(PlanTarget::Room(0));
+    let remove = |document: &mut Document| {
+        let change = document.remove(room).unwrap();
+        document.apply(change).unwrap();
+    };
+    remove(&mut document);
+    remove(&mut document);
+    document.undo();
+    let mut file = Vec::new();
+    document.certified_world().write_json(&mut file).unwrap();
+    let world = crate::import::read_json(&mut file.as_slice()).unwrap();
+    assert_eq!(world.provenance.edits.len(), 1);
+    let mut again = Document::from_world(world);
+    assert_eq!(again.plan(), document.plan());
+    assert!(!again.is_changed() && !again.can_undo());
+    // Further changes are added to those of the file.
+    document.redo();
+    remove(&mut again);
+    assert_eq!(again.world(), document.world());
+    assert_eq!(again.world().provenance.edits.len(), 2);
+    again.undo();
+    assert_eq!(again.world().provenance.edits.len(), 1);
+}
+
+#[test]
 fn changes_since_the_last_save_are_known() {
     let mut document = plan(1);
     let room = |index| Target::Plan(PlanTarget::Room(index));

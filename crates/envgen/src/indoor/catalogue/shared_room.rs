@@ -4,6 +4,8 @@ use std::fmt;
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
 use super::design::{RoomDesign, RoomError};
 use crate::indoor::dimensions::Dimensions;
 use crate::indoor::grid::Side;
@@ -34,6 +36,19 @@ type Places = Vec<(Side, u32)>;
 
 /// The positions, and the dimensions that apply there.
 type Doorways = (Places, Dimensions);
+
+/// As its design.
+impl Serialize for SharedRoom {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.0.design.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for SharedRoom {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        SharedRoom::new(RoomDesign::deserialize(deserializer)?).map_err(de::Error::custom)
+    }
+}
 
 impl SharedRoom {
     /// Checks a room.

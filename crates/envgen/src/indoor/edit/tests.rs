@@ -1,9 +1,10 @@
 use super::*;
 use crate::generate::{Blueprint, Spec};
 use crate::geometry::Shape;
-use crate::indoor::{Catalogue, IndoorSpec};
+use crate::indoor::{Catalogue, IndoorSpec, SharedRoom};
 use crate::seed::Seed;
-use crate::world::{Claim, ObstacleKind, PartId, PartKind};
+use crate::world::{Claim, Obstacle, ObstacleKind, PartId, PartKind};
+use glam::DVec2;
 use proptest::prelude::*;
 
 fn room(name: &str) -> SharedRoom {

@@ -88,6 +88,7 @@ pub fn read_project(
         openings,
         draws: None,
         edited: false,
+        edits: Vec::new(),
         choice: None,
     };
     Ok(Project { name, plan, doors_ignored, elements_ignored })
