@@ -1,7 +1,8 @@
 //! Landscapes: grids of classes with a given entropy and Total Edge.
 //!
 //! Source: A. V. Kuznetsov, Generation of a random landscape by given configuration entropy and
-//! Total Edge, Computational Technologies 22 (4), 2017. Entropy is the Shannon entropy of the
+//! Total Edge, Computational Technologies 22 (4), 2017,
+//! <http://ict.nsc.ru/jct/annotation/1808?l=eng>. Entropy is the Shannon entropy of the
 //! classes' shares in nats (what ecology calls SHDI), Total Edge the number of sides between cells
 //! of different class. The paper reaches the first and approximates the second; here both are exact.
 //!
