@@ -78,6 +78,15 @@ impl Scene {
         moving: Option<&ScenarioState>,
         has_ceilings: bool,
     ) -> Result<Self, CameraError> {
+        Scene::of_at_most(MAX_TRIANGLES, world, moving, has_ceilings)
+    }
+
+    fn of_at_most(
+        limit: usize,
+        world: &envgen::World,
+        moving: Option<&ScenarioState>,
+        has_ceilings: bool,
+    ) -> Result<Self, CameraError> {
         let origin = world.bounds.center().extend(0.0);
         let mut pieces = pieces(world);
         if has_ceilings {
@@ -98,12 +107,12 @@ impl Scene {
             count += solid.triangles.len();
             let cell = (solid.pivot / TILE).floor();
             let tile = tiles.entry([cell.x as i64, cell.y as i64]).or_default();
-            if count <= MAX_TRIANGLES {
+            if count <= limit {
                 tile.add(&solid, origin, labels.of_piece(i));
             }
         }
-        if count > MAX_TRIANGLES {
-            return Err(CameraError::TooManyTriangles { found: count, limit: MAX_TRIANGLES });
+        if count > limit {
+            return Err(CameraError::TooManyTriangles { found: count, limit });
         }
         let mut all = Triangles::default();
         let mut ranges = Vec::new();
@@ -185,5 +194,26 @@ impl SceneTile {
             }
         }
         !outside.contains(&true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use envgen::{Seed, WorldKind};
+
+    #[test]
+    fn worlds_of_too_many_triangles_are_refused() {
+        let spec = WorldKind::Forest.default_spec();
+        let world = spec.generate(Seed(1)).unwrap().to_world();
+        let scene = Scene::new(&world, None, false).unwrap();
+        let count = scene.triangles.corners.len();
+        assert_eq!(
+            Scene::of_at_most(count, &world, None, false).unwrap().tiles.len(),
+            scene.tiles.len()
+        );
+        let error = Scene::of_at_most(count - 1, &world, None, false).unwrap_err();
+        assert_eq!(error, CameraError::TooManyTriangles { found: count, limit: count - 1 });
+        assert!(error.to_string().contains(&count.to_string()));
     }
 }
