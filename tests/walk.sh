@@ -18,7 +18,7 @@ for wrong in "nowhere" "indoor --set width=-3" "indoor --set nothing=1" "no.json
 done
 
 display 95 640x360
-open_window 'envgen: walk' 640x360 "$programs/examples/walk" \
+open_window 'envgen: walk .*' 640x360 "$programs/examples/walk" \
   indoor --seed 3 --set width=8 --set height=8 --set doors=0.5 --set people=4
 sleep 4
 

@@ -38,6 +38,9 @@ pub(crate) struct Arguments {
     out: Option<PathBuf>,
 }
 
+/// The most parts of a world that the window edits: each change draws and checks them again.
+const MOST_PARTS: usize = 200_000;
+
 /// What the window starts with.
 pub(crate) struct Opened {
     pub(crate) document: Document,
@@ -87,6 +90,7 @@ impl Arguments {
         spec.validate().map_err(|error| format!("{place}: {error}"))?;
         let document =
             Document::from_blueprint(spec.generate(self.seed).in_option("--seed", self.seed)?);
+        check_size(&document, &self.what)?;
         let name = format!("{}_{}", spec.kind(), self.seed);
         let out = self.out.clone().unwrap_or_else(|| usual(&name));
         let name = format!("{}, seed {}", spec.kind(), self.seed);
@@ -106,6 +110,7 @@ impl Arguments {
         } else {
             (Document::from_world(import::read_world(path).in_file(path)?), None)
         };
+        check_size(&document, &self.what)?;
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let is_written_again =
             matches!(ending.as_deref(), Some("ron" | "json" | "xml" | "geojson"));
@@ -139,6 +144,17 @@ impl Arguments {
             None => Ok(beside.clone()),
         }
     }
+}
+
+fn check_size(document: &Document, what: &str) -> Result<(), Box<dyn Error>> {
+    let parts = document.world().part_count();
+    if parts > MOST_PARTS {
+        return Err(format!(
+            "{what}: the world has {parts} parts; at most {MOST_PARTS} can be edited in a window"
+        )
+        .into());
+    }
+    Ok(())
 }
 
 fn usual(stem: &str) -> PathBuf {

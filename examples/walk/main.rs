@@ -24,11 +24,20 @@ use bevy::prelude::*;
 use bevy_envgen::physics::TopDownPhysicsPlugin;
 use bevy_envgen::prelude::{
     EnvgenCorePlugin, EnvgenPhysicsPlugin, EnvgenScenarioPlugin, EnvgenVisuals3dPlugin,
-    Environment, EnvironmentScenario, GenerationMode, Visuals3dSettings,
+    Environment, EnvironmentScenario, GenerationMode, StreamAround, Visuals3dSettings,
 };
 use clap::Parser;
 
 use crate::arguments::Arguments;
+
+/// Of worlds with more parts, what is near is drawn...
+const MANY_PARTS: usize = 50_000;
+
+/// ...up to this distance in metres.
+const SIGHT: f64 = 100.0;
+
+/// The title of the window, with the keys.
+const TITLE: &str = "envgen: walk (W A S D, Shift, mouse or arrows; V: view, Esc: free the mouse)";
 
 fn main() -> ExitCode {
     window::exit_code(run(&Arguments::parse()))
@@ -42,19 +51,23 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let settings = Visuals3dSettings { ceilings: true, ..default() };
     let mut app = App::new();
     app.add_plugins((
-        DefaultPlugins.set(window::titled("envgen: walk")),
+        DefaultPlugins.set(window::titled(TITLE)),
         EnvgenCorePlugin::default(),
         EnvgenScenarioPlugin::default(),
         TopDownPhysicsPlugin::default(),
         EnvgenPhysicsPlugin::default(),
         EnvgenVisuals3dPlugin::new(settings),
     ));
+    let is_large = world.part_count() > MANY_PARTS;
+    let walker = app.world_mut().spawn(walker::body(start)).id();
     let environment = Environment::prebuilt(world).with_pace(GenerationMode::Blocking);
     let mut root = app.world_mut().spawn(environment);
+    if is_large {
+        root.insert(StreamAround::new(walker, SIGHT));
+    }
     if let Some(moving) = moving {
         root.insert(EnvironmentScenario::prebuilt(moving));
     }
-    app.world_mut().spawn(walker::body(start));
     app.add_systems(Startup, walker::spawn_camera);
     app.add_systems(
         Update,

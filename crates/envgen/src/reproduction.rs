@@ -118,7 +118,7 @@ pub fn reproduce(world: &World) -> Reproduction {
         Ok(spec) => spec,
         Err(reason) => return Reproduction::NoWorld(reason),
     };
-    let (work, parts) = (spec.work(), parts(world));
+    let (work, parts) = (spec.work(), world.part_count() as u64);
     if let WorldSpec::Landscape(spec) = &spec
         && !has_size(world, spec)
     {
@@ -168,13 +168,6 @@ fn has_size(world: &World, spec: &LandscapeSpec) -> bool {
     world.raster.as_ref().is_some_and(|raster| {
         u64::from(raster.rows) == spec.rows && u64::from(raster.cols) == spec.cols
     })
-}
-
-/// The size of a world: its parts, and the points and cells of parts.
-fn parts(world: &World) -> u64 {
-    let points: usize = world.road_strips.iter().map(|strip| strip.centreline.len()).sum();
-    let cells = world.raster.as_ref().map_or(0, |raster| raster.cells.len());
-    (points + cells + world.solids().count() + world.rooms.len() + world.surfaces.len()) as u64
 }
 
 #[cfg(test)]

@@ -234,6 +234,13 @@ impl World {
         }
     }
 
+    /// How many parts there are, and points and cells of parts: what the time to draw or check a world grows with.
+    pub fn part_count(&self) -> usize {
+        let points: usize = self.road_strips.iter().map(|strip| strip.centreline.len()).sum();
+        let cells = self.raster.as_ref().map_or(0, |raster| raster.cells.len());
+        points + cells + self.solids().count() + self.rooms.len() + self.surfaces.len()
+    }
+
     /// Distance in metres from a point to the nearest solid part, infinite when there is none.
     /// Costs one step per part.
     pub fn clearance(&self, p: DVec2) -> f64 {
