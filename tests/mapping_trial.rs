@@ -155,8 +155,8 @@ fn other_robots_are_read_from_files() {
             serde_json::from_slice(&fs::read(out.join("report.json")).expect("a file"))
                 .expect("JSON");
         assert_eq!(report["settings"]["body"]["max_speed"].as_f64(), Some(0.26));
-        let way = report["scores"]["distance"].as_f64().expect("a way");
-        assert!((1.0..0.26 * 30.0).contains(&way), "{way}");
+        let distance = report["scores"]["distance"].as_f64().expect("a distance");
+        assert!((1.0..0.26 * 30.0).contains(&distance), "{distance}");
     }
 }
 

@@ -25,14 +25,14 @@ const EXAMPLE: Example = Example("thesis_experiment");
 fn shards_join_into_the_report_of_one_run() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = |name: &str| folder.path().join(name);
-    let told = EXAMPLE.ok(&SMALL, &out("whole"));
+    let reported = EXAMPLE.ok(&SMALL, &out("whole"));
     assert!(
-        told.starts_with("20 trials: 2 levels x 2 maps x 1 noise seeds x 1 operators"),
-        "{told}"
+        reported.starts_with("20 trials: 2 levels x 2 maps x 1 noise seeds x 1 operators"),
+        "{reported}"
     );
     for shard in ["1/2", "2/2"] {
-        let told = EXAMPLE.ok(&[&SMALL[..], &["--shard", shard]].concat(), &out(&shard[..1]));
-        assert!(told.starts_with("10 trials of share"), "{told}");
+        let reported = EXAMPLE.ok(&[&SMALL[..], &["--shard", shard]].concat(), &out(&shard[..1]));
+        assert!(reported.starts_with("10 trials of share"), "{reported}");
     }
     let (one, two) = (out("1"), out("2"));
     let merge = ["--merge", one.to_str().expect("a path"), two.to_str().expect("a path")];
@@ -42,10 +42,10 @@ fn shards_join_into_the_report_of_one_run() {
         assert!(read("whole") == read("merged"), "{name} differs");
     }
     // What is finished is not run again; another design has no place in the folder.
-    let told = EXAMPLE.ok(&SMALL, &out("whole"));
-    assert!(told.contains("20 of them were finished before"), "{told}");
-    let told = EXAMPLE.error(&[&SMALL[..], &["--seed=1"]].concat(), &out("whole"));
-    assert!(told.contains("`seed` is 0, expected 1"), "{told}");
+    let reported = EXAMPLE.ok(&SMALL, &out("whole"));
+    assert!(reported.contains("20 of them were finished before"), "{reported}");
+    let reported = EXAMPLE.error(&[&SMALL[..], &["--seed=1"]].concat(), &out("whole"));
+    assert!(reported.contains("`seed` is 0, expected 1"), "{reported}");
     EXAMPLE.ok(&[&SMALL[..], &["--seed=1", "--fresh"]].concat(), &out("whole"));
 }
 
@@ -66,7 +66,7 @@ fn bad_arguments_are_reported() {
     let file = folder.path().join("file");
     fs::write(&file, "").expect("a file");
     assert!(EXAMPLE.error(&SMALL, &file).contains(file.to_str().expect("a path")));
-    let told =
+    let reported =
         EXAMPLE.error(&["--merge", out.to_str().expect("a path")], &folder.path().join("merged"));
-    assert!(told.contains("holds no share"), "{told}");
+    assert!(reported.contains("holds no share"), "{reported}");
 }

@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut strips = [0; 6];
     for tree in &world.trees {
         if tree.center.distance(lake) < LAKE {
-            return Err(format!("a tree stands in the lake, at {}", tree.center).into());
+            return Err(format!("a tree is in the lake, at {}", tree.center).into());
         }
         strips[((tree.center.x / 10.0) as usize).min(5)] += 1;
     }

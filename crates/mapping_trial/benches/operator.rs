@@ -155,7 +155,7 @@ fn search(map: &OccupancyMap, start: DVec2) {
     };
     let mut baseline = baseline;
     let mut ours = ours;
-    assert_eq!(ours(), baseline(), "both find the cheapest way");
+    assert_eq!(ours(), baseline(), "both find the cheapest path");
     faster(
         "A* across a building, against pathfinding",
         contest(ours, || black_box(baseline())),

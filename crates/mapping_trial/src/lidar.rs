@@ -266,7 +266,7 @@ mod tests {
         others[42..].fill(0.5);
         let (a, b) = (alone.measure(&ranges), among.measure(&others));
         assert_eq!(a.ranges[40].to_bits(), b.ranges[40].to_bits());
-        assert_ne!(a, alone.measure(&ranges), "every scan draws anew");
+        assert_ne!(a, alone.measure(&ranges), "every scan has draws of its own");
     }
 
     #[test]

@@ -70,11 +70,11 @@ fn a_driver_in_sh_drives_and_its_trial_runs_again() {
     let again = trial.log().replay().expect("its own log");
     assert_eq!(again.trajectory(0), trial.trajectory(0));
     driver.end(Some(&report));
-    let told: serde_json::Value =
+    let reported: serde_json::Value =
         serde_json::from_slice(&std::fs::read(last).expect("the last line")).expect("JSON");
-    assert_eq!(told["ends"][0]["reason"], "time_limit");
-    assert_eq!(told["scores"]["coverage"].as_f64(), Some(report.scores.coverage));
-    assert!(told["failure"].is_null());
+    assert_eq!(reported["ends"][0]["reason"], "time_limit");
+    assert_eq!(reported["scores"]["coverage"].as_f64(), Some(report.scores.coverage));
+    assert!(reported["failure"].is_null());
 }
 
 #[test]

@@ -62,7 +62,7 @@ impl Lamps {
     fn under(shape: &Shape, settings: &Visuals3dSettings) -> Self {
         let bounds = shape.bounds();
         let spacing = f64::from(settings.lamp_spacing.max(1.0));
-        // More could not be told apart.
+        // More could not be distinguished.
         let count = (bounds.size() / spacing).round().clamp(DVec2::ONE, DVec2::splat(64.0));
         Lamps { low: bounds.min, step: bounds.size() / count, count: count.as_ivec2() }
     }

@@ -1,4 +1,4 @@
-//! What cannot be is reported with a name, and the app goes on.
+//! What cannot be is reported with a name, and the app continues.
 
 use bevy::prelude::*;
 use bevy_envgen::envgen::forest::ForestSpec;
@@ -189,7 +189,7 @@ fn transforms_that_cannot_carry_a_world_are_named_and_mended() {
         step(&mut app, 3);
         assert_eq!(app.world().get(root), Some(&EnvironmentState::Ready), "{what}");
         let sound = parts(&app, root).len();
-        // while the world stands,
+        // while the world is there,
         *app.world_mut().get_mut::<Transform>(root).unwrap() = transform;
         step(&mut app, 4);
         assert_eq!(app.world().get(root), Some(&EnvironmentState::Failed), "{what}");

@@ -25,8 +25,8 @@ fn ranges(app: &mut App, rays: Vec<(Vec2, Vec2)>) -> Vec<f64> {
         let filter = QueryFilter::default().exclude_sensors();
         let range = RANGE as f32;
         rays.iter()
-            .map(|&(from, way)| {
-                let hit = context.cast_ray(from, way, range, true, filter);
+            .map(|&(from, direction)| {
+                let hit = context.cast_ray(from, direction, range, true, filter);
                 hit.map_or(RANGE, |(_, distance)| f64::from(distance))
             })
             .collect::<Vec<_>>()
@@ -53,9 +53,10 @@ fn agrees(caster: &Raycaster, (from, heading): (DVec2, f64), range: f64) -> (boo
     let exact = |from| caster.cast(from, heading, RANGE).map_or(RANGE, |hit| hit.distance);
     let close = |a: f64| (a - range).abs() <= MILLIMETRE;
     let side = unit_vector(heading).perp() * (0.5 * MILLIMETRE);
-    let way = unit_vector(heading) * (0.5 * MILLIMETRE);
+    let direction = unit_vector(heading) * (0.5 * MILLIMETRE);
     let direct = close(exact(from));
-    let beside: Vec<f64> = [side, -side, way, -way].map(|shift| exact(from + shift)).to_vec();
+    let beside: Vec<f64> =
+        [side, -side, direction, -direction].map(|shift| exact(from + shift)).to_vec();
     let (low, high) = beside.iter().fold((RANGE, 0.0_f64), |(l, h), &r| (l.min(r), h.max(r)));
     (direct, direct || (low - MILLIMETRE..=high + MILLIMETRE).contains(&range))
 }
@@ -113,8 +114,8 @@ fn rays_agree_in_an_environment_that_was_moved_and_turned() {
         let rays = rays(&world, 1000);
         let turned = |&(from, heading): &(DVec2, f64)| {
             let from = at.transform_point(from.as_vec2().extend(0.0)).truncate();
-            let way = at.rotation * unit_vector(heading).as_vec2().extend(0.0);
-            (from, way.truncate())
+            let direction = at.rotation * unit_vector(heading).as_vec2().extend(0.0);
+            (from, direction.truncate())
         };
         let found = ranges(&mut app, rays.iter().map(turned).collect());
         for (&ray, &range) in rays.iter().zip(&found) {

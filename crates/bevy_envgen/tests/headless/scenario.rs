@@ -210,8 +210,8 @@ fn another_world_or_scenario_begins_anew() {
     assert_eq!(state(&app, root).people().len(), 5);
 
     app.world_mut().entity_mut(root).insert(people(10_000));
-    let told = heard(&mut app, 2);
-    assert!(told.len() == 1 && told[0].contains("`people` must be"), "{told:?}");
+    let reported = heard(&mut app, 2);
+    assert!(reported.len() == 1 && reported[0].contains("`people` must be"), "{reported:?}");
     assert!(app.world().get::<ScenarioFailure>(root).is_some());
     assert!(!app.world().entity(root).contains::<ScenarioRun>());
     assert_eq!(count(&mut app), [0; 4]);
@@ -221,8 +221,11 @@ fn another_world_or_scenario_begins_anew() {
     let doors = ScenarioSpec { doors: 1.0, ..default() };
     let listed = Scenario::new(&other, &doors, Seed(1)).unwrap();
     app.world_mut().entity_mut(root).insert(EnvironmentScenario::prebuilt(listed));
-    let told = heard(&mut app, 2);
-    assert!(told.len() == 1 && told[0].contains("`doors[0].doorway` must be"), "{told:?}");
+    let reported = heard(&mut app, 2);
+    assert!(
+        reported.len() == 1 && reported[0].contains("`doors[0].doorway` must be"),
+        "{reported:?}"
+    );
     app.world_mut().entity_mut(root).insert(people(1));
     assert_eq!(heard(&mut app, 2), ["started"]);
     assert!(app.world().get::<ScenarioFailure>(root).is_none());
@@ -253,7 +256,7 @@ fn an_environment_that_is_moved_turned_and_resized_takes_them_along() {
         let expected = environment.point_in_app(&frame, person.position);
         assert!(there.distance(expected) < 1e-3, "{there} {expected}");
     }
-    // People keep off an agent that is in their way there.
+    // People keep off an agent that is in front of them there.
     let person = run.people()[0];
     let before = *app.world().get::<GlobalTransform>(person).unwrap();
     let body = Transform::from_translation(before.translation());

@@ -20,7 +20,7 @@ fn endless(min_distance: f64) -> Environment {
     Environment::new(spec, 7).endless(12.0)
 }
 
-/// An environment streamed around an anchor that stands at a place.
+/// An environment streamed around an anchor that does not move.
 fn streamed(app: &mut App, environment: Environment, at: Vec2, radius: f64) -> (Entity, Entity) {
     let anchor = app.world_mut().spawn(Transform::from_translation(at.extend(0.0))).id();
     let around = StreamAround::new(anchor, radius);
@@ -39,8 +39,8 @@ fn settle(app: &mut App) -> usize {
     panic!("the window does not settle: {:?}", app.world().resource::<StreamingReport>());
 }
 
-fn travel(app: &mut App, anchor: Entity, way: &[Vec2]) {
-    for at in way {
+fn travel(app: &mut App, anchor: Entity, path: &[Vec2]) {
+    for at in path {
         app.world_mut().get_mut::<Transform>(anchor).unwrap().translation = at.extend(0.0);
         step(app, 1);
     }
@@ -101,7 +101,7 @@ fn what_stands_does_not_depend_on_the_way_travelled() {
         Environment::new(ForestSpec { width: 150.0, height: 150.0, ..default() }, 3),
     ] {
         let mut found = Vec::new();
-        for way in [&zigzag[..], &jump, &[]] {
+        for path in [&zigzag[..], &jump, &[]] {
             for (budget, solids) in [
                 (StreamingBudget::Parts(150), SolidStorage::Entities),
                 (StreamingBudget::Parts(150), SolidStorage::TileData),
@@ -112,7 +112,7 @@ fn what_stands_does_not_depend_on_the_way_travelled() {
                 let environment = environment.clone().with_solids(solids);
                 let (root, anchor) = streamed(&mut app, environment, Vec2::ZERO, 40.0);
                 wait_until_ready(&mut app, root).unwrap();
-                travel(&mut app, anchor, way);
+                travel(&mut app, anchor, path);
                 travel(&mut app, anchor, &[goal]);
                 found.push(parts(&app, root));
             }

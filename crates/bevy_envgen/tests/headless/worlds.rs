@@ -138,7 +138,7 @@ fn changing_the_component_rebuilds_and_keeps_what_is_not_ours() {
     let mut now = app.world_mut().query_filtered::<Entity, With<Tile>>();
     assert_eq!(now.iter(app.world()).collect::<Vec<_>>(), tiles);
 
-    // Asked for, it is made anew all the same.
+    // On request, it is generated again all the same.
     app.world_mut().trigger(RebuildEnvironment { entity: root });
     step(&mut app, 2);
     assert_eq!(digest(&app, root), first);

@@ -77,7 +77,7 @@ mod tests {
         }
         assert_eq!(background.last(), Some(&(100, 10_000)));
         let computed = COMPUTED.lock().expect("no panic");
-        // The first is under way before the others are requested; some may be begun between two requests.
+        // The first is being made before the others are requested; some may be begun between two requests.
         assert!(computed.len() < 10 && computed.last() == Some(&100), "{computed:?}");
     }
 }

@@ -45,7 +45,7 @@ fn robot(app: &mut App, x: f32, y: f32) -> Entity {
     robot
 }
 
-/// Drives for so many seconds; the way that the wheels measured.
+/// Drives for so many seconds; the distance that the wheels measured.
 fn drive(app: &mut App, robot: Entity, speed: f64, turn_rate: f64, seconds: f64) -> (f64, f64) {
     *app.world_mut().get_mut::<DriveCommand>(robot).unwrap() = DriveCommand { speed, turn_rate };
     let mut total = (0.0, 0.0);
@@ -69,10 +69,10 @@ fn ahead(app: &App, robot: Entity) -> f64 {
 fn a_robot_drives_as_its_wheels_say() {
     let mut app = app(room(20.0, 20.0));
     let robot = robot(&mut app, 5.0, 10.0);
-    let (way, turn) = drive(&mut app, robot, 0.5, 0.0, 10.0);
+    let (distance, turn) = drive(&mut app, robot, 0.5, 0.0, 10.0);
     // A second to reach 0.5 m/s at 0.5 m/s^2.
-    assert!((way - 4.75).abs() < 0.03 && turn.abs() < 1e-4, "{way} {turn}");
-    assert!((position(&app, robot).x - 5.0 - way).abs() < 1e-4);
+    assert!((distance - 4.75).abs() < 0.03 && turn.abs() < 1e-4, "{distance} {turn}");
+    assert!((position(&app, robot).x - 5.0 - distance).abs() < 1e-4);
     let (_, turned) = drive(&mut app, robot, 0.0, 9.0, 5.0);
     assert!(turned < 1.4 * 5.0 && turned > 1.4 * 4.0, "{turned}");
     assert_eq!(app.world().get::<Bumper>(robot).unwrap().hits, 0);
@@ -188,9 +188,9 @@ fn wheels_measure_too_far_on_loose_ground() {
     let mut app = app(world);
     let robot = robot(&mut app, 5.0, 5.0);
     let from = position(&app, robot);
-    let (told, _) = drive(&mut app, robot, 0.5, 0.0, 6.0);
+    let (reported, _) = drive(&mut app, robot, 0.5, 0.0, 6.0);
     let driven = position(&app, robot).x - from.x;
-    assert!((told / driven - 1.2).abs() < 1e-3, "{told} m for {driven} m");
+    assert!((reported / driven - 1.2).abs() < 1e-3, "{reported} m for {driven} m");
 }
 
 #[test]

@@ -83,10 +83,14 @@ struct Told(Vec<String>);
 
 fn listen(app: &mut App) {
     app.init_resource::<Told>();
-    app.add_observer(|_: On<TrialStarted>, mut told: ResMut<Told>| told.0.push("started".into()));
-    app.add_observer(|_: On<TrialEnded>, mut told: ResMut<Told>| told.0.push("ended".into()));
-    app.add_observer(|failed: On<TrialFailed>, mut told: ResMut<Told>| {
-        told.0.push(failed.error.to_string());
+    app.add_observer(|_: On<TrialStarted>, mut reported: ResMut<Told>| {
+        reported.0.push("started".into())
+    });
+    app.add_observer(|_: On<TrialEnded>, mut reported: ResMut<Told>| {
+        reported.0.push("ended".into())
+    });
+    app.add_observer(|failed: On<TrialFailed>, mut reported: ResMut<Told>| {
+        reported.0.push(failed.error.to_string());
     });
 }
 
@@ -155,7 +159,7 @@ fn another_world_begins_the_trial_anew_and_despawn_leaves_nothing() {
 
 #[test]
 fn what_cannot_be_is_told() {
-    let told = |steps: f64, settings: TrialSettings| {
+    let reported = |steps: f64, settings: TrialSettings| {
         let mut app = app(steps);
         listen(&mut app);
         app.world_mut().spawn((environment(), MappingTrial::new(settings)));
@@ -163,9 +167,9 @@ fn what_cannot_be_is_told() {
         assert_eq!(robots(&mut app), 0);
         app.world().resource::<Told>().0.join("; ")
     };
-    let text = told(64.0, short(9.0));
+    let text = reported(64.0, short(9.0));
     assert!(text.starts_with("the fixed step is 0.015625 s"), "{text}");
-    let text = told(20.0, TrialSettings { robots: 0, ..short(9.0) });
+    let text = reported(20.0, TrialSettings { robots: 0, ..short(9.0) });
     assert_eq!(text, "`robots` must be a whole number from 1 to 8, got 0");
     let error = run_headless(&hallway(), short(f64::NAN), |_| ()).err().unwrap().to_string();
     assert!(error.contains("`time_limit` must be"), "{error}");

@@ -183,7 +183,7 @@ fn only_what_changes_is_written() {
     assert_eq!((changes::<Image>(&mut app), changes::<Mesh>(&mut app)), (0, 0));
     assert_eq!(app.world().entities().count_spawned(), entities);
 
-    // One that goes on is written where the robot looks: in the scan, in the ends of two paths, and
+    // One that continues is written where the robot looks: in the scan, in the ends of two paths, and
     // in the sheets around it.
     let revision = |app: &App| {
         let trial = app.world().get::<Flat>(root).unwrap().watched().unwrap();
@@ -396,7 +396,7 @@ fn everything_goes_with_the_trial() {
     step(&mut app, 2);
     assert_eq!(named(&mut app, "robot 1").len(), 1);
 
-    // Another trial begins anew.
+    // Another trial begins without it.
     app.world_mut().get_mut::<Flat>(root).unwrap().0 = Some(trial(&world, 1));
     step(&mut app, 2);
     assert_eq!((named(&mut app, "robot 0").len(), named(&mut app, "robot 1").len()), (1, 0));

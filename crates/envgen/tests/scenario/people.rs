@@ -114,7 +114,7 @@ fn a_robot_among_people_is_never_walked_into() {
     }
 }
 
-/// A room of 8 x 6 m with one person in its middle, who stands for an hour.
+/// A room of 8 x 6 m with one person in its middle, who does not move for an hour.
 #[test]
 fn people_react_as_their_kind() {
     let at = |reaction: &str, robot: DVec2, seconds: f64| {

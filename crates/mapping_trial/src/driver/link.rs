@@ -253,12 +253,12 @@ mod tests {
 
     #[test]
     fn who_reads_nothing_does_not_hold_up_the_trial() {
-        let (tells, told) = sync_channel(1);
+        let (sender, receiver) = sync_channel(1);
         let (release, held) = sync_channel(1);
         let (silence, _writer) = std::io::pipe().unwrap();
-        let mut link = Link::new(Full(tells, held), silence, limits(10, 60_000));
+        let mut link = Link::new(Full(sender, held), silence, limits(10, 60_000));
         assert!(matches!(link.ask(b"first".to_vec()), Err(LinkError::Late)));
-        told.recv().unwrap();
+        receiver.recv().unwrap();
         assert!(matches!(link.ask(b"second".to_vec()), Err(LinkError::Late)));
         assert!(matches!(link.ask(b"third".to_vec()), Err(LinkError::Deaf)));
         link.close(Some(b"end".to_vec()));

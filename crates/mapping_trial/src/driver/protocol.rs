@@ -455,11 +455,11 @@ mod tests {
             // Most doubles are huge or tiny.
             let near = |x: f64| if x.is_finite() { x % libm::pow(10.0, f64::from(scale)) } else { x };
             let text = json!({"speed": near(speed), "turn_rate": near(turn_rate), "pose": pose.map(near)});
-            let told = |field: &str| text[field].as_f64();
+            let reported = |field: &str| text[field].as_f64();
             match Reply::parse(text.to_string().as_bytes(), 0, true) {
                 Ok(Reply { wish: Wish::Drive(command), .. }) => {
-                    prop_assert_eq!(Some(command.speed), told("speed"));
-                    prop_assert_eq!(Some(command.turn_rate), told("turn_rate"));
+                    prop_assert_eq!(Some(command.speed), reported("speed"));
+                    prop_assert_eq!(Some(command.turn_rate), reported("turn_rate"));
                     prop_assert!(command.speed.abs().max(command.turn_rate.abs()) <= FASTEST);
                 }
                 Ok(other) => prop_assert!(false, "{other:?}"),

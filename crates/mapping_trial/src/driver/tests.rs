@@ -28,12 +28,12 @@ fn driver(
 ) -> (Driver, JoinHandle<Vec<Value>>) {
     let (questions, input) = std::io::pipe().expect("a pipe");
     let (output, mut answers) = std::io::pipe().expect("a pipe");
-    let told = thread::spawn(move || {
-        let mut told = Vec::new();
+    let reported = thread::spawn(move || {
+        let mut reported = Vec::new();
         for line in BufReader::new(questions).lines() {
             let line: Value = serde_json::from_str(&line.expect("text")).expect("JSON");
-            told.push(line);
-            match answer(&told[told.len() - 1]) {
+            reported.push(line);
+            match answer(&reported[reported.len() - 1]) {
                 Some(text) => {
                     answers.write_all(text.as_bytes()).expect("the trial reads");
                     if !text.ends_with('\n') {
@@ -43,9 +43,9 @@ fn driver(
                 None => break,
             }
         }
-        told
+        reported
     });
-    (Driver::connect(input, output, limits), told)
+    (Driver::connect(input, output, limits), reported)
 }
 
 fn area() -> Rect {
@@ -122,7 +122,7 @@ fn failure(text: &'static str) -> String {
 
 #[test]
 fn what_was_measured_between_lines_is_sent_with_the_next() {
-    let (driver, told) = driver(PATIENCE, |line| {
+    let (driver, reported) = driver(PATIENCE, |line| {
         let command = json!({"speed": 0.1, "turn_rate": 0.2, "id": line["id"]});
         greeting(line, ", \"rate\": 3").or_else(|| Some(format!("{command}\n")))
     });
@@ -138,27 +138,30 @@ fn what_was_measured_between_lines_is_sent_with_the_next() {
     }
     driver.end(None);
     drop((driver, operator));
-    let told = told.join().expect("it ends");
-    assert_eq!(told[0]["protocol"], PROTOCOL);
-    assert_eq!(told[0]["starts"], json!([[1.0, 2.0, 0.5], [1.0, 2.0, 0.5]]));
-    assert_eq!(told[0]["laser"]["beams"], 181);
-    let second: Vec<&Value> = told.iter().filter(|line| line["robot"] == 1).collect();
+    let reported = reported.join().expect("it ends");
+    assert_eq!(reported[0]["protocol"], PROTOCOL);
+    assert_eq!(reported[0]["starts"], json!([[1.0, 2.0, 0.5], [1.0, 2.0, 0.5]]));
+    assert_eq!(reported[0]["laser"]["beams"], 181);
+    let second: Vec<&Value> = reported.iter().filter(|line| line["robot"] == 1).collect();
     let field = |name: &str| second.iter().map(|line| line[name].clone()).collect::<Vec<_>>();
     assert_eq!(field("time"), [0.0, 3.0 * 0.05, 6.0 * 0.05]);
     assert_eq!(field("id"), [1, 3, 5]);
-    let way = |distance: f64, turn: f64| json!({"distance": distance, "turn": turn});
-    assert_eq!(field("odometry"), [way(0.5, 0.25), way(1.5, 0.75), way(1.5, 0.75)]);
+    let increment = |distance: f64, turn: f64| json!({"distance": distance, "turn": turn});
+    assert_eq!(
+        field("odometry"),
+        [increment(0.5, 0.25), increment(1.5, 0.75), increment(1.5, 0.75)]
+    );
     assert_eq!(field("scan"), [json!([1.0, 8.19, null]), Value::Null, json!([5.0, 8.19, null])]);
     assert_eq!(field("water")[2], json!([[1.0, 4.0]]));
     assert_eq!(field("bumped"), [false, true, false]);
     assert_eq!(field("pose")[0], json!([3.0, 4.0, 5.0]));
-    let last = &told[told.len() - 1];
+    let last = &reported[reported.len() - 1];
     assert_eq!(last["type"], "end");
 }
 
 #[test]
 fn the_map_comes_when_it_is_wanted() {
-    let (driver, told) = driver(PATIENCE, |line| {
+    let (driver, reported) = driver(PATIENCE, |line| {
         let want = if line["id"] == 0 { "[\"map\"]" } else { "[]" };
         let reply = format!("{{\"speed\": 0, \"turn_rate\": 0, \"want\": {want}}}\n");
         greeting(line, "").or(Some(reply))
@@ -172,8 +175,8 @@ fn the_map_comes_when_it_is_wanted() {
     }
     driver.end(None);
     drop((driver, operator));
-    let told = told.join().expect("it ends");
-    let maps: Vec<&Value> = told[1..4].iter().map(|line| &line["map"]).collect();
+    let reported = reported.join().expect("it ends");
+    let maps: Vec<&Value> = reported[1..4].iter().map(|line| &line["map"]).collect();
     assert!(maps[0].is_null() && maps[2].is_null());
     assert_eq!((&maps[1]["cols"], &maps[1]["rows"]), (&json!(32), &json!(32)));
     assert_eq!(maps[1]["origin"], json!([0.0, 0.0]));
@@ -237,7 +240,7 @@ fn bad_answers_fail_the_driver() {
         ("garbage\n", "a line that is not an answer: expected value at character 1, in `garbage`"),
         ("{\"speed\": 1, \"turn_rate\": NaN}\n", "`turn_rate`: expected value"),
         ("{\"speed\": 1e9, \"turn_rate\": 0}\n", "`speed` must be from -1000 to"),
-        ("{\"failed\": \"no way\"}\n", "it gave up: no way (observation 0, at 0.00 s)"),
+        ("{\"failed\": \"no route\"}\n", "it gave up: no route (observation 0, at 0.00 s)"),
         ("", "it closed its output (observation 0"),
         ("{\"speed\": ", "it closed its output after 10 bytes of a line without its end"),
     ] {

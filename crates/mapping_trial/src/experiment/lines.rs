@@ -33,7 +33,7 @@ impl Lines {
             let reason = "this is not a file".to_owned();
             return Err(ExperimentError::Content { path, reason });
         }
-        // Where files cannot be locked there is no way to detect another process.
+        // Where files cannot be locked another process cannot be detected.
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(ExperimentError::Busy(folder.to_owned()));
         }
@@ -103,8 +103,8 @@ mod tests {
         let path = PathBuf::from("/dev/full");
         let file = OpenOptions::new().write(true).open(&path).unwrap();
         let mut lines = Lines { path, file, len: 0 };
-        let told = lines.append(&record(0, 0, 0, 1.0)).expect_err("full");
-        assert!(told.to_string().starts_with("/dev/full: No space left"), "{told}");
+        let reported = lines.append(&record(0, 0, 0, 1.0)).expect_err("full");
+        assert!(reported.to_string().starts_with("/dev/full: No space left"), "{reported}");
         assert_eq!(lines.len, 0);
     }
 }

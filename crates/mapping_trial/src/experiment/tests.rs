@@ -121,8 +121,8 @@ fn threads_interrupts_and_shards_leave_no_trace() {
         }
     });
     assert!(!complete.expect("trials"));
-    let told = report::write(&experiment, 1).expect_err("not complete").to_string();
-    assert!(told.contains("trials are missing"), "{told}");
+    let reported = report::write(&experiment, 1).expect_err("not complete").to_string();
+    assert!(reported.contains("trials are missing"), "{reported}");
     drop(experiment);
     let lines = interrupted.path().join("trials.jsonl");
     let mut text = fs::read(&lines).unwrap();
@@ -147,14 +147,14 @@ fn threads_interrupts_and_shards_leave_no_trace() {
         .map(|index| {
             let folder = shares.path().join(index.to_string());
             let share = run(&folder, &design, Shard { index, of: 3 }, 1);
-            let told = report::write(&share, 1).expect_err("a share").to_string();
-            assert!(told.contains("merge"), "{told}");
+            let reported = report::write(&share, 1).expect_err("a share").to_string();
+            assert!(reported.contains("merge"), "{reported}");
             folder
         })
         .into();
     let merged = TempDir::new().unwrap();
-    let told = Experiment::merge(merged.path(), &folders[..2]).expect_err("one is missing");
-    assert!(matches!(told, ExperimentError::Incomplete { .. }), "{told}");
+    let reported = Experiment::merge(merged.path(), &folders[..2]).expect_err("one is missing");
+    assert!(matches!(reported, ExperimentError::Incomplete { .. }), "{reported}");
     let experiment = Experiment::merge(merged.path(), &folders).expect("all shares");
     report::write(&experiment, 1).expect("a report");
     assert_same(straight.path(), merged.path());
@@ -230,18 +230,18 @@ fn folders_of_other_experiments_are_refused() {
     let open = |design: &Design, shard| {
         Experiment::open(folder.path(), design, shard).expect_err("another").to_string()
     };
-    let told = open(&Design { maps: 3, ..design.clone() }, Shard::WHOLE);
-    assert!(told.contains("`maps` is 2, expected 3"), "{told}");
-    let told = open(&design, Shard { index: 1, of: 2 });
-    assert!(told.contains("share 1/1, expected 1/2"), "{told}");
-    let told = open(&Design { maps: 0, ..design.clone() }, Shard::WHOLE);
-    assert!(told.contains("`maps` must be a whole number from 2 to 1000, got 0"), "{told}");
+    let reported = open(&Design { maps: 3, ..design.clone() }, Shard::WHOLE);
+    assert!(reported.contains("`maps` is 2, expected 3"), "{reported}");
+    let reported = open(&design, Shard { index: 1, of: 2 });
+    assert!(reported.contains("share 1/1, expected 1/2"), "{reported}");
+    let reported = open(&Design { maps: 0, ..design.clone() }, Shard::WHOLE);
+    assert!(reported.contains("`maps` must be a whole number from 2 to 1000, got 0"), "{reported}");
 
     let head = folder.path().join("experiment.json");
     let text = fs::read_to_string(&head).unwrap();
     fs::write(&head, text.replacen("\"version\": 3", "\"version\": 9", 1)).unwrap();
-    let told = open(&design, Shard::WHOLE);
-    assert!(told.contains("version 9, expected 3"), "{told}");
+    let reported = open(&design, Shard::WHOLE);
+    assert!(reported.contains("version 9, expected 3"), "{reported}");
     fs::write(&head, "no json").unwrap();
     assert!(open(&design, Shard::WHOLE).contains("this is not an experiment"));
     fs::remove_file(&head).unwrap();
@@ -268,19 +268,22 @@ fn bad_lines_and_other_code_are_reported() {
     let other = first.replacen("\"map\":0", "\"map\":77", 1);
     assert!(open(&format!("{other}\n")).contains("a trial of another design"));
     let changed = first.replacen("\"log_digest\":\"", "\"log_digest\":\"0", 1);
-    let told = open(&format!("{changed}\n"));
-    assert!(told.contains("the trial of map 0 of level 1 with noise 0 by nearest"), "{told}");
+    let reported = open(&format!("{changed}\n"));
+    assert!(
+        reported.contains("the trial of map 0 of level 1 with noise 0 by nearest"),
+        "{reported}"
+    );
     fs::write(&lines, [0xff, 0xfe, b'\n']).unwrap();
-    let told = Experiment::open(folder.path(), &design, Shard::WHOLE).expect_err("bad");
-    assert!(told.to_string().contains("not text"), "{told}");
+    let reported = Experiment::open(folder.path(), &design, Shard::WHOLE).expect_err("bad");
+    assert!(reported.to_string().contains("not text"), "{reported}");
 }
 
 #[test]
 fn a_folder_is_one_process_at_a_time() {
     let folder = TempDir::new().unwrap();
     let first = Experiment::open(folder.path(), &tiny(), Shard::WHOLE).unwrap();
-    let told = Experiment::open(folder.path(), &tiny(), Shard::WHOLE).expect_err("busy");
-    assert!(matches!(told, ExperimentError::Busy(_)), "{told}");
+    let reported = Experiment::open(folder.path(), &tiny(), Shard::WHOLE).expect_err("busy");
+    assert!(matches!(reported, ExperimentError::Busy(_)), "{reported}");
     drop(first);
     drop(Experiment::open(folder.path(), &tiny(), Shard::WHOLE).expect("free again"));
 }
@@ -290,12 +293,12 @@ fn folders_that_cannot_be_written_are_reported() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("file");
     fs::write(&file, "").unwrap();
-    let told = Experiment::open(&file, &tiny(), Shard::WHOLE).expect_err("a file").to_string();
-    assert!(told.contains(&file.display().to_string()), "{told}");
-    let told = Experiment::merge(folder.path(), &[folder.path().join("none")]);
-    assert!(told.expect_err("no share").to_string().contains("holds no share"));
-    let told = Experiment::merge(folder.path(), &[]).expect_err("none").to_string();
-    assert!(told.contains("no folders to merge"), "{told}");
+    let reported = Experiment::open(&file, &tiny(), Shard::WHOLE).expect_err("a file").to_string();
+    assert!(reported.contains(&file.display().to_string()), "{reported}");
+    let reported = Experiment::merge(folder.path(), &[folder.path().join("none")]);
+    assert!(reported.expect_err("no share").to_string().contains("holds no share"));
+    let reported = Experiment::merge(folder.path(), &[]).expect_err("none").to_string();
+    assert!(reported.contains("no folders to merge"), "{reported}");
 }
 
 #[test]
@@ -323,8 +326,8 @@ fn a_device_in_a_files_place_is_not_read() {
     let lines = folder.path().join("trials.jsonl");
     fs::remove_file(&lines).unwrap();
     std::os::unix::fs::symlink("/dev/zero", &lines).unwrap();
-    let told = Experiment::open(folder.path(), &tiny(), Shard::WHOLE).expect_err("a device");
-    assert!(told.to_string().contains("this is not a file"), "{told}");
+    let reported = Experiment::open(folder.path(), &tiny(), Shard::WHOLE).expect_err("a device");
+    assert!(reported.to_string().contains("this is not a file"), "{reported}");
 }
 
 #[test]

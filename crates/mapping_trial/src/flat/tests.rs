@@ -109,9 +109,9 @@ fn wheels_measure_too_far_on_loose_ground() {
         let loose = Surface::new(SurfaceKind::Loose, Shape::from_rect(world.bounds));
         world.surfaces.push(Surface { wheel_bias, ..loose });
         let mut bodies = simulator(&world, &[Pose::new(5.0, 5.0, 0.0)]);
-        let told = drive(&mut bodies, Command { speed: 0.5, turn_rate: 0.0 }, 10.0);
+        let reported = drive(&mut bodies, Command { speed: 0.5, turn_rate: 0.0 }, 10.0);
         let driven = bodies.pose(0).position.x - 5.0;
-        assert!((told.distance / driven - 1.0 - wheel_bias).abs() < 1e-9, "{told:?}");
+        assert!((reported.distance / driven - 1.0 - wheel_bias).abs() < 1e-9, "{reported:?}");
         let turned = drive(&mut bodies, Command { speed: 0.0, turn_rate: 1.0 }, 2.0);
         assert!((turned.turn - bodies.pose(0).heading).abs() < 1e-9, "turns are not biased");
     }
@@ -144,7 +144,7 @@ fn dark_walls_are_seen_only_from_near() {
     let other = Pose::new(far.position.x - 4.0, 5.0, 0.0);
     let seen = ahead(&mut simulator(&world, &[other, far]));
     assert!((seen - (4.0 - offset - robot.circumscribed_radius)).abs() < 0.011, "{seen}");
-    // The map takes no cell on the way for free.
+    // The map takes no cell in between for free.
     let mut bodies = simulator(&world, &[far]);
     let scan = bodies.observe(0).scan.expect("a scan");
     let sweep = crate::slam::sweep::Sweeper::new(&robot, &LaserProfile::USARSIM).sweep(&scan);

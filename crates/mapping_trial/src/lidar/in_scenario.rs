@@ -62,7 +62,7 @@ impl ScenarioSight {
                 continue;
             }
             let mut stream = Seed(scan).stream("trial/smoke/beam", beam as u64);
-            // The end of the ray stands for a surface: what is left of the beam there decides.
+            // The end of the ray is as a surface: what is left of the beam there decides.
             let end = Some(*range);
             match laser.read(end, max_range, &self.stretches, failed, &mut stream) {
                 Reading::Echo(_) => {}

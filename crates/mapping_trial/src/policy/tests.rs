@@ -209,7 +209,7 @@ fn plain_costs(costmap: &mut Costmap, start: DVec2) -> BTreeMap<(i32, i32), u32>
         if best[&at] < cost {
             continue;
         }
-        for (way, step) in STEPS.into_iter().enumerate() {
+        for (direction, step) in STEPS.into_iter().enumerate() {
             let next = IVec2::new(at.0, at.1) + step;
             let class = costmap.class_at((next.as_dvec2() + 0.5) * SIDE);
             let steps = match class {
@@ -219,7 +219,7 @@ fn plain_costs(costmap: &mut Costmap, start: DVec2) -> BTreeMap<(i32, i32), u32>
                 CellCost::Tight => [36, 51],
                 _ => continue,
             };
-            let (next, through) = ((next.x, next.y), cost + steps[way % 2]);
+            let (next, through) = ((next.x, next.y), cost + steps[direction % 2]);
             if best.get(&next).is_none_or(|&known| through < known) {
                 best.insert(next, through);
                 open.push(Reverse((through, next)));

@@ -31,7 +31,7 @@ impl RobotReport {
     pub fn summary(&self) -> String {
         let mut text = format!(
             "{} after {:.0} s, {:.0} m, {:.0} rad, {} collisions, {} recoveries",
-            self.end.map_or("under way", |end| end.text()),
+            self.end.map_or("in progress", |end| end.text()),
             self.time,
             self.distance,
             self.turning,

@@ -166,19 +166,19 @@ fn bad_logs_are_reported() {
     let written = |log: &TrialLog| serde_json::to_string(log).expect("a log");
     let mut timeless = log.clone();
     timeless.settings.time_limit = -1.0;
-    let told = error(&written(&timeless));
-    assert!(told.starts_with("the log's settings: `time_limit` must be"), "{told}");
+    let reported = error(&written(&timeless));
+    assert!(reported.starts_with("the log's settings: `time_limit` must be"), "{reported}");
     let mut world = hallway();
     world.bounds.max = world.bounds.min;
     let mut broken = log.clone();
     broken.world = WorldSource::Given(Box::new(world));
-    let told = error(&written(&broken));
-    assert!(told.starts_with("the log's world is broken: the bounds"), "{told}");
+    let reported = error(&written(&broken));
+    assert!(reported.starts_with("the log's world is broken: the bounds"), "{reported}");
 
     let mut moved = log.clone();
     moved.world_digest = "0".repeat(64);
-    let told = moved.replay().map(|_| ()).expect_err("another world").to_string();
-    assert!(told.contains("digest 000"), "{told}");
+    let reported = moved.replay().map(|_| ()).expect_err("another world").to_string();
+    assert!(reported.contains("digest 000"), "{reported}");
 }
 
 /// A world's provenance may be of another version, or claim a spec that is dear to generate.

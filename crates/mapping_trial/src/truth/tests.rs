@@ -226,14 +226,14 @@ proptest! {
     #[test]
     fn no_robot_that_stays_clear_leaves_free_ground(
         seed in 0_u64..1000,
-        way in prop::collection::vec((-3.2..3.2_f64, 0.1..4.0_f64), 1..60),
+        legs in prop::collection::vec((-3.2..3.2_f64, 0.1..4.0_f64), 1..60),
     ) {
         let spec = IndoorSpec { difficulty: 6.0, ..Default::default() };
         let world = spec.generate(Seed(seed)).expect("a map").to_world();
         let truth = truth(&world);
         let mut at = world.start.expect("a start").position;
         let robot = Robot::default();
-        for (heading, length) in way {
+        for (heading, length) in legs {
             for _ in 0..(length / 0.02) as u32 {
                 let next = at + envgen::geometry::unit_vector(heading) * 0.02;
                 if world.clearance(next) < robot.circumscribed_radius + 0.03 || !truth.is_clear(next) {

@@ -47,9 +47,9 @@ fn digest(slam: &dyn Slam) -> u64 {
 fn golden() {
     let mut walls = frame(0.0, 0.0, 30.0, 20.0);
     walls.push(rect(2.0, 2.0, 28.0, 18.0));
-    let way = [(4.0, 1.0), (29.0, 1.0), (29.0, 19.0), (1.0, 19.0), (1.0, 1.0), (20.0, 1.0)];
-    let way = way.map(|(x, y)| DVec2::new(x, y));
-    let drive = Drive::new(&world_of(&walls), &way, &LaserProfile::LMS200_MM_ROUGH);
+    let path = [(4.0, 1.0), (29.0, 1.0), (29.0, 19.0), (1.0, 19.0), (1.0, 1.0), (20.0, 1.0)];
+    let path = path.map(|(x, y)| DVec2::new(x, y));
+    let drive = Drive::new(&world_of(&walls), &path, &LaserProfile::LMS200_MM_ROUGH);
     let recording = drive.record(&OdometryProfile::SKID, 7);
     let found = SlamKind::ALL.map(|kind| digest(&*recording.replay(kind)));
     // A change here changes every trial: it has to be meant.
@@ -135,13 +135,13 @@ fn robots_share_one_map() {
 #[test]
 fn walls_are_found_again_after_a_path_on_the_wheels() {
     let world = world_of(&frame(0.0, 0.0, 30.0, 30.0));
-    let way = [(4.0, 4.0), (14.0, 14.0), (16.0, 12.0), (4.0, 4.0)];
-    let way: Vec<DVec2> = way.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
-    let drive = Drive::new(&world, &way, &LaserProfile::LMS200_MM);
+    let path = [(4.0, 4.0), (14.0, 14.0), (16.0, 12.0), (4.0, 4.0)];
+    let path: Vec<DVec2> = path.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
+    let drive = Drive::new(&world, &path, &LaserProfile::LMS200_MM);
     let median = |kind: SlamKind| {
         let end = |seed| {
             let slam = drive.record(&OdometryProfile::SKID, seed).replay(kind);
-            slam.estimate(0).pose.position.distance(way[0])
+            slam.estimate(0).pose.position.distance(path[0])
         };
         let mut off: Vec<f64> = (0..15).map(end).collect();
         off.sort_by(f64::total_cmp);

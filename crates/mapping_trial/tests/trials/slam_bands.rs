@@ -71,26 +71,27 @@ fn hall() -> (Vec<Rect>, Vec<DVec2>) {
             walls.push(rect(x - 0.5, y - 0.5, x + 0.5, y + 0.5));
         }
     }
-    let way = points(&[(3.0, 2.0), (28.0, 2.0), (28.0, 18.0), (2.0, 18.0), (2.0, 2.0), (9.0, 2.0)]);
-    (walls, way)
+    let path =
+        points(&[(3.0, 2.0), (28.0, 2.0), (28.0, 18.0), (2.0, 18.0), (2.0, 2.0), (9.0, 2.0)]);
+    (walls, path)
 }
 
 /// A corridor of 42 m with six dead ends of 8 m on one side, each of which is driven in and out.
 fn dead_ends() -> (Vec<Rect>, Vec<DVec2>) {
     let mut walls =
         vec![rect(-0.2, -0.2, 42.2, 0.0), rect(-0.2, 0.0, 0.0, 2.0), rect(42.0, 0.0, 42.2, 2.0)];
-    let mut way = vec![(1.0, 1.0)];
+    let mut path = vec![(1.0, 1.0)];
     let mut last = -0.2;
     for i in 0..6 {
         let x = 4.0 + 6.5 * f64::from(i);
         walls.push(rect(last, 2.0, x, 10.0));
         walls.push(rect(x - 0.1, 10.0, x + 2.1, 10.2));
         last = x + 2.0;
-        way.extend([(x + 1.0, 1.0), (x + 1.0, 9.0), (x + 1.0, 1.0)]);
+        path.extend([(x + 1.0, 1.0), (x + 1.0, 9.0), (x + 1.0, 1.0)]);
     }
     walls.push(rect(last, 2.0, 42.2, 10.0));
-    way.extend([(41.0, 1.0), (1.0, 1.0)]);
-    (walls, points(&way))
+    path.extend([(41.0, 1.0), (1.0, 1.0)]);
+    (walls, points(&path))
 }
 
 /// Root mean square of the distances between the estimated and the true positions, in metres,
@@ -110,7 +111,7 @@ fn gap(recording: &Recording, slam: &dyn Slam) -> f64 {
     let truth = &recording.drive.truth;
     let last = truth.len() - 1;
     let to_end = |i: &usize| truth[*i].position.distance(truth[last].position);
-    let half = (0..last / 2).min_by(|i, j| to_end(i).total_cmp(&to_end(j))).expect("a way");
+    let half = (0..last / 2).min_by(|i, j| to_end(i).total_cmp(&to_end(j))).expect("a path");
     let seen = |poses: &[Pose]| poses[half].to_local(poses[last].position);
     seen(&estimated).distance(seen(truth))
 }
@@ -131,8 +132,8 @@ struct Errors {
     gaps: Vec<f64>,
 }
 
-fn errors(walls: &[Rect], way: &[DVec2], laser: &LaserProfile, kinds: &[SlamKind]) -> Vec<Errors> {
-    let drive = Drive::new(&world_of(walls), way, laser);
+fn errors(walls: &[Rect], path: &[DVec2], laser: &LaserProfile, kinds: &[SlamKind]) -> Vec<Errors> {
+    let drive = Drive::new(&world_of(walls), path, laser);
     let mut all: Vec<_> = kinds.iter().map(|_| Errors::default()).collect();
     for seed in 0..SEEDS {
         let recording = drive.record(&OdometryProfile::SKID, seed);
@@ -146,8 +147,8 @@ fn errors(walls: &[Rect], way: &[DVec2], laser: &LaserProfile, kinds: &[SlamKind
 }
 
 /// The error of [`SlamKind::ScanToMap`].
-fn scan_to_map(walls: &[Rect], way: &[DVec2], laser: &LaserProfile) -> f64 {
-    median(&errors(walls, way, laser, &[SlamKind::ScanToMap])[0].errors)
+fn scan_to_map(walls: &[Rect], path: &[DVec2], laser: &LaserProfile) -> f64 {
+    median(&errors(walls, path, laser, &[SlamKind::ScanToMap])[0].errors)
 }
 
 /// At most half as much again as the table above says is reached.
@@ -164,9 +165,9 @@ fn bare_corridors_let_the_position_along_them_drift() {
 
 #[test]
 fn door_frames_hold_it() {
-    let (walls, way) = (corridor_loop(30.0, 20.0, true), around(30.0, 20.0, 5.0));
-    let near = scan_to_map(&walls, &way, &LaserProfile::LMS200_MM);
-    let far = scan_to_map(&walls, &way, &long_range());
+    let (walls, path) = (corridor_loop(30.0, 20.0, true), around(30.0, 20.0, 5.0));
+    let near = scan_to_map(&walls, &path, &LaserProfile::LMS200_MM);
+    let far = scan_to_map(&walls, &path, &long_range());
     assert_band(near, 0.10);
     assert_band(far, 0.06);
     assert!(far < near, "{far} m of {near} m");
@@ -174,9 +175,9 @@ fn door_frames_hold_it() {
 
 #[test]
 fn halls_show_more_to_a_long_range() {
-    let (walls, way) = hall();
-    let near = scan_to_map(&walls, &way, &LaserProfile::LMS200_MM);
-    let far = scan_to_map(&walls, &way, &long_range());
+    let (walls, path) = hall();
+    let near = scan_to_map(&walls, &path, &LaserProfile::LMS200_MM);
+    let far = scan_to_map(&walls, &path, &long_range());
     assert_band(near, 0.05);
     assert_band(far, 0.03);
     assert!(far < near, "{far} m of {near} m");
@@ -184,9 +185,9 @@ fn halls_show_more_to_a_long_range() {
 
 #[test]
 fn dead_ends_are_mapped_on_wheels_that_are_far_off() {
-    let (walls, way) = dead_ends();
+    let (walls, path) = dead_ends();
     let kinds = [SlamKind::DeadReckoning, SlamKind::ScanToMap];
-    let found = errors(&walls, &way, &LaserProfile::LMS200_MM, &kinds);
+    let found = errors(&walls, &path, &LaserProfile::LMS200_MM, &kinds);
     let [wheels, matched] = [0, 1].map(|kind| median(&found[kind].errors));
     assert_band(matched, 0.04);
     assert!(wheels > 50.0 * matched, "{wheels} m, {matched} m");
@@ -196,9 +197,9 @@ fn dead_ends_are_mapped_on_wheels_that_are_far_off() {
 /// always; closing loops also mends the others, and is no worse where there is nothing to mend.
 #[test]
 fn loops_that_are_closed_always_come_back_to_the_old_walls() {
-    let (walls, way) = (corridor_loop(120.0, 80.0, true), around(120.0, 80.0, 20.0));
+    let (walls, path) = (corridor_loop(120.0, 80.0, true), around(120.0, 80.0, 20.0));
     let kinds = [SlamKind::ScanToMap, SlamKind::PoseGraph];
-    let found = errors(&walls, &way, &LaserProfile::LMS200_MM, &kinds);
+    let found = errors(&walls, &path, &LaserProfile::LMS200_MM, &kinds);
     let [open, closed] = [0, 1].map(|kind| median(&found[kind].errors));
     let [gap, mended] = [0, 1].map(|kind| found[kind].gaps.iter().copied().fold(0.0_f64, f64::max));
     assert!(mended < 0.15 && mended < 0.5 * gap, "the worst gap of {gap} m became {mended} m");

@@ -103,7 +103,7 @@ fn the_reception_has_plenty_of_space_around_it() {
 #[test]
 fn ways_are_as_wide_as_the_paper_says() {
     // Plenty of room to move; some space to move left; tricky, but not impossible; walkways of
-    // reasonable size; slightly in the way.
+    // reasonable size; a slight hindrance.
     assert!(width_of("warehouse") >= 1.2);
     assert!(room("warehouse").obstacles.iter().all(|o| o.kind == ObstacleKind::Container));
     assert!((0.8..1.2).contains(&width_of("dragon room")));

@@ -246,7 +246,7 @@ mod tests {
     use crate::experiment::stats::analyse;
     use crate::experiment::tests::{made_records, small};
 
-    fn told(of: impl Fn(usize, u32) -> f64) -> String {
+    fn sentence(of: impl Fn(usize, u32) -> f64) -> String {
         let design = small();
         let records = made_records(&design, of);
         let records: Vec<&Record> = records.iter().collect();
@@ -256,16 +256,17 @@ mod tests {
 
     #[test]
     fn words_follow_the_numbers() {
-        let rising = told(|level, map| level as f64 + 0.01 * f64::from(map));
+        let rising = sentence(|level, map| level as f64 + 0.01 * f64::from(map));
         assert!(rising.contains("In D (difficulty) the <code>thesis</code> rules order the maps."));
         assert!(rising.contains("4 of 4 neighbouring levels are in order"), "{rising}");
-        let falling = told(|level, map| 9.0 - level as f64 + 0.01 * f64::from(map));
+        let falling = sentence(|level, map| 9.0 - level as f64 + 0.01 * f64::from(map));
         assert!(falling.contains("order the maps in reverse"), "{falling}");
         assert!(falling.contains("0 of 4 neighbouring levels"), "{falling}");
-        let dented = told(|level, map| [2.0, 1.0, 3.0, 4.0, 5.0][level] + 0.01 * f64::from(map));
+        let dented =
+            sentence(|level, map| [2.0, 1.0, 3.0, 4.0, 5.0][level] + 0.01 * f64::from(map));
         assert!(dented.contains("on the whole, but not level by level"), "{dented}");
         assert!(dented.contains("level 1, higher than the"), "{dented}");
-        let flat = told(|_, map| f64::from(map));
+        let flat = sentence(|_, map| f64::from(map));
         assert!(flat.contains("no order of the maps"), "{flat}");
     }
 }
