@@ -116,6 +116,20 @@ impl ClearanceIndex {
     /// Indexes the solid parts that are partly within an extent, such as that of a robot's body: what is
     /// wholly above or below does not count. As [`ClearanceIndex::new`] where all are.
     ///
+    /// ```
+    /// use envgen::world::Extent;
+    /// use envgen::{Blueprint, Seed, Spec, clearance_index::ClearanceIndex, road::RoadSpec};
+    ///
+    /// let spec = RoadSpec { kerb_height: 0.15, ..Default::default() };
+    /// let world = spec.generate(Seed(7))?.to_world();
+    /// let start = world.start.expect("roads have a start").position;
+    /// // A robot whose body begins at 0.2 m passes over the kerbs.
+    /// let high = ClearanceIndex::within(&world, 5.0, Extent::new(0.2, 0.6)?)?;
+    /// assert_eq!(high.clearance(start), f64::INFINITY);
+    /// assert!(ClearanceIndex::new(&world, 5.0)?.clearance(start) < 5.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// When `reach` is out of its range.
     pub fn within(world: &World, reach: f64, extent: Extent) -> Result<Self, SpecError> {
@@ -172,6 +186,18 @@ impl ClearanceIndex {
     /// Calls `visit` for every part within `radius` metres of a point, or within
     /// [`ClearanceIndex::reach`] where that is less. A part with a long outline may be visited several
     /// times.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, clearance_index::ClearanceIndex, hallway::HallwaySpec};
+    ///
+    /// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+    /// let near = ClearanceIndex::new(&world, 2.0)?;
+    /// let start = world.start.expect("hallways have a start").position;
+    /// let mut distances = Vec::new();
+    /// near.contacts(start, 1.2, |contact| distances.push(contact.distance));
+    /// assert!(!distances.is_empty() && distances.iter().all(|&distance| distance <= 1.2));
+    /// # Ok::<(), envgen::GenerateError>(())
+    /// ```
     pub fn contacts(&self, p: DVec2, radius: f64, mut visit: impl FnMut(Contact)) {
         let radius = radius.min(self.reach);
         let beyond = radius + ROUNDING;
@@ -190,6 +216,19 @@ impl ClearanceIndex {
 
     /// The nearest part within [`ClearanceIndex::reach`]; of several equally near ones always the
     /// same.
+    ///
+    /// ```
+    /// use envgen::world::PartKind;
+    /// use envgen::{Blueprint, Seed, Spec, clearance_index::ClearanceIndex, hallway::HallwaySpec};
+    ///
+    /// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+    /// let near = ClearanceIndex::new(&world, 1.5)?;
+    /// let start = world.start.expect("hallways have a start").position;
+    /// let contact = near.nearest(start).expect("a wall within 1.5 m");
+    /// assert_eq!(contact.part.kind, PartKind::Wall);
+    /// assert!((contact.point.distance(start) - contact.distance).abs() < 1e-12);
+    /// # Ok::<(), envgen::GenerateError>(())
+    /// ```
     pub fn nearest(&self, p: DVec2) -> Option<Contact> {
         let mut nearest: Option<Contact> = None;
         self.contacts(p, self.reach, |contact| {

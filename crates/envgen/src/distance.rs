@@ -14,6 +14,14 @@ pub const FAR_SQUARED: u16 = u16::MAX;
 /// Computing 8 (2012), <https://doi.org/10.4086/toc.2012.v008a019>, in whole numbers as in Meijster, Roerdink and Hesselink
 /// (2000), <https://doi.org/10.1007/0-306-47025-X_36>. O(cells).
 ///
+/// ```
+/// use envgen::distance::squared_distances;
+///
+/// // Two rows of three cells; the first is marked.
+/// let marked = [true, false, false, false, false, false];
+/// assert_eq!(squared_distances(3, &marked), [0, 1, 4, 1, 2, 5]);
+/// ```
+///
 /// # Panics
 /// When the number of cells is not a multiple of `cols`.
 #[track_caller]

@@ -43,6 +43,16 @@ pub use truncated::Truncated;
 use crate::seed::Stream;
 
 /// A standard normal number (Marsaglia's polar method).
+///
+/// ```
+/// use envgen::{Seed, distribution::standard_normal};
+///
+/// // Heights of mean 1.7 m with a standard deviation of 0.1 m.
+/// let mut stream = Seed(7).stream("people", 0);
+/// let heights: Vec<f64> = (0..10_000).map(|_| 1.7 + 0.1 * standard_normal(&mut stream)).collect();
+/// let mean = heights.iter().sum::<f64>() / 1e4;
+/// assert!((mean - 1.7).abs() < 0.005);
+/// ```
 pub fn standard_normal(stream: &mut Stream) -> f64 {
     loop {
         let x = 2.0 * stream.unit() - 1.0;
@@ -59,6 +69,17 @@ pub fn standard_normal(stream: &mut Stream) -> f64 {
 ///
 /// G. Marsaglia and W. W. Tsang, A simple method for generating gamma variables, ACM Transactions
 /// on Mathematical Software 26, 2000, <https://doi.org/10.1145/358407.358414>; below a shape of 1 with the factor of their section 6.
+///
+/// ```
+/// use envgen::{Seed, distribution::ln_gamma_variate};
+///
+/// // The mean of the law is its shape.
+/// let mut stream = Seed(7).stream("example", 0);
+/// let sum: f64 = (0..10_000).map(|_| libm::exp(ln_gamma_variate(&mut stream, 4.0))).sum();
+/// assert!((sum / 1e4 - 4.0).abs() < 0.1);
+/// // Tiny shapes give variates that no `f64` holds; their logarithms stay finite.
+/// assert!(ln_gamma_variate(&mut stream, 1e-6).is_finite());
+/// ```
 ///
 /// # Panics
 /// When the shape is not positive and finite.
@@ -92,6 +113,16 @@ pub fn ln_gamma_variate(stream: &mut Stream, shape: f64) -> f64 {
 /// (W. Hörmann, The transformed rejection method for generating Poisson random variables,
 /// Insurance: Mathematics and Economics 12, 1993,
 /// <https://doi.org/10.1016/0167-6687(93)90997-4>).
+///
+/// ```
+/// use envgen::{Seed, distribution::poisson};
+///
+/// let mut stream = Seed(7).stream("trees per hectare", 0);
+/// let counts: Vec<u64> = (0..10_000).map(|_| poisson(&mut stream, 40.0)).collect();
+/// let mean = counts.iter().sum::<u64>() as f64 / 1e4;
+/// assert!((mean - 40.0).abs() < 0.3);
+/// assert_eq!(poisson(&mut stream, 0.0), 0);
+/// ```
 ///
 /// # Panics
 /// When the mean is negative, NaN or above 1e15.

@@ -40,6 +40,14 @@ impl SpecError {
     }
 
     /// The error of a part of larger settings: its field becomes `part.field`.
+    ///
+    /// ```
+    /// use envgen::SpecError;
+    ///
+    /// let error = SpecError::new("length", -1.0, "a number from 0.01 to 4");
+    /// assert_eq!(error.to_string(), "`length` must be a number from 0.01 to 4, got -1");
+    /// assert_eq!(error.within("body").field, "body.length");
+    /// ```
     pub fn within(self, part: &str) -> Self {
         SpecError { field: format!("{part}.{}", self.field), ..self }
     }

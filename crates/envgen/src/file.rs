@@ -90,6 +90,17 @@ impl World {
 
     /// Reads a world from JSON and checks it.
     ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, World, hallway::HallwaySpec};
+    ///
+    /// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+    /// let text = world.to_json()?;
+    /// assert_eq!(World::from_json(&text)?, world);
+    /// // What is read is checked.
+    /// assert!(World::from_json(&text.replace("\"schema\":1", "\"schema\":999")).is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// When the text is not the JSON of a world, has another schema version, or holds a world that
     /// breaks an invariant.
@@ -106,6 +117,16 @@ impl World {
     }
 
     /// The world as RON, one line per part.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, World, forest::ForestSpec};
+    ///
+    /// let world = ForestSpec::default().generate(Seed(7))?.to_world();
+    /// let text = world.to_ron()?;
+    /// assert!(text.lines().count() > world.trees.len());
+    /// assert_eq!(World::from_ron(&text)?, world);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// When the world breaks an invariant, or its provenance is nested too deeply.

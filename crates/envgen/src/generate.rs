@@ -35,6 +35,16 @@ pub trait Spec: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwn
 
     /// Checks every field, and the fields together.
     ///
+    /// ```
+    /// use envgen::{Spec, hallway::HallwaySpec};
+    ///
+    /// let error = HallwaySpec { p_st: 1.5, ..Default::default() }.validate().unwrap_err();
+    /// assert_eq!(error.to_string(), "`p_st` must be a number from 0 to 1, got 1.5");
+    /// // Fields are checked together too: the arms of a corridor must not share space.
+    /// let wide = HallwaySpec { pitch: 2.5, width: 5.0, ..Default::default() };
+    /// assert_eq!(wide.validate().unwrap_err().field, "width");
+    /// ```
+    ///
     /// # Errors
     /// Names the first setting that is not allowed, its value and the allowed values.
     fn validate(&self) -> Result<(), SpecError>;
@@ -49,6 +59,17 @@ pub trait Spec: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwn
     fn generate(&self, seed: Seed) -> Result<Self::Blueprint, Self::Error>;
 
     /// The provenance of the world that this spec and `seed` give.
+    ///
+    /// ```
+    /// use envgen::{Seed, Spec, WorldSpec, forest::ForestSpec};
+    ///
+    /// // It is enough to generate the world again.
+    /// let spec = ForestSpec { robot_radius: 0.5, ..Default::default() };
+    /// let provenance = spec.provenance(Seed(7));
+    /// assert_eq!(WorldSpec::from_provenance(&provenance)?, spec.into());
+    /// assert_eq!(provenance.seed, Some(Seed(7)));
+    /// # Ok::<(), envgen::SettingsError>(())
+    /// ```
     fn provenance(&self, seed: Seed) -> Provenance {
         let spec = serde_json::to_value(self).unwrap_or(Value::Null);
         Provenance::generated(Self::KIND, spec, seed, Self::VALUE_VERSION)
@@ -62,6 +83,15 @@ pub trait Blueprint: Clone + Debug + PartialEq + Serialize {
     type Metrics: Clone + Debug + PartialEq + Serialize;
 
     /// Measures the blueprint.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+    ///
+    /// let hallway = HallwaySpec { segments: 80, ..Default::default() }.generate(Seed(7))?;
+    /// let turns = hallway.states().iter().filter(|state| state.is_turn()).count();
+    /// assert_eq!(hallway.metrics().turns, turns as u64);
+    /// # Ok::<(), envgen::SpecError>(())
+    /// ```
     fn metrics(&self) -> Self::Metrics;
 
     /// Builds the world in metres.

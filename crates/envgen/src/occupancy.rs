@@ -11,6 +11,22 @@ use crate::world::World;
 pub const MAX_CELLS: u64 = 1 << 28;
 
 /// When a solid part occupies a cell.
+///
+/// ```
+/// use envgen::geometry::{Rect, Shape};
+/// use envgen::glam::DVec2;
+/// use envgen::occupancy::{Coverage, OccupancyGrid};
+///
+/// // A thin pole where four cells meet covers the middle of none.
+/// let pole = Shape::Disc { center: DVec2::new(0.5, 0.5), radius: 0.02 };
+/// let area = Rect::new(DVec2::ZERO, DVec2::ONE);
+/// for (coverage, expected) in [(Coverage::Conservative, 4), (Coverage::Centre, 0)] {
+///     let mut grid = OccupancyGrid::empty(area, 0.25)?;
+///     grid.occupy(&pole, coverage);
+///     assert_eq!(grid.cells().iter().filter(|occupied| **occupied).count(), expected);
+/// }
+/// # Ok::<(), envgen::occupancy::OccupancyError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coverage {
     /// When it touches the cell anywhere: no free cell holds a solid point.
@@ -117,6 +133,19 @@ impl OccupancyGrid {
     }
 
     /// A grid of given cells, row by row from the lowest, `cols` per row.
+    ///
+    /// ```
+    /// use envgen::glam::DVec2;
+    /// use envgen::occupancy::OccupancyGrid;
+    ///
+    /// // Two rows of three cells of 0.5 m, the lower row first.
+    /// let cells = vec![false, false, true, false, false, false];
+    /// let grid = OccupancyGrid::from_cells(DVec2::new(10.0, 20.0), 0.5, 3, cells)?;
+    /// assert_eq!(grid.occupied_at(DVec2::new(11.25, 20.25)), Some(true));
+    /// assert_eq!(grid.occupied_at(DVec2::new(11.25, 20.75)), Some(false));
+    /// assert_eq!(grid.occupied_at(DVec2::new(11.75, 20.25)), None);
+    /// # Ok::<(), envgen::occupancy::OccupancyError>(())
+    /// ```
     ///
     /// # Errors
     /// As [`OccupancyGrid::of`], and when the cells are not one or more whole rows.

@@ -50,6 +50,19 @@ pub struct Piece<'a> {
 }
 
 /// What a piece is of its part.
+///
+/// ```
+/// use envgen::pieces::{Role, pieces};
+/// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
+///
+/// // Each tree has a trunk that is solid, and a crown that is not.
+/// let world = ForestSpec::default().generate(Seed(7))?.to_world();
+/// let pieces = pieces(&world);
+/// let crowns: Vec<_> = pieces.iter().filter(|piece| piece.role == Role::Crown).collect();
+/// assert_eq!(crowns.len(), world.trees.len());
+/// assert!(crowns.iter().all(|crown| !crown.is_solid));
+/// # Ok::<(), envgen::GenerateError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Role {

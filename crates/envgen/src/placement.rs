@@ -43,6 +43,17 @@ pub fn max_clearance_point(grid: &OccupancyGrid) -> Option<DVec2> {
 
 /// A pose in the largest free region of a world, away from walls, on a grid of 0.1 m. `None` when nothing is free.
 ///
+/// ```
+/// use envgen::placement::pose_of_most_clearance;
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+///
+/// // The middle of a corridor 2 m wide, on a grid of 0.1 m.
+/// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+/// let pose = pose_of_most_clearance(&world)?.expect("there is free ground");
+/// assert!(world.clearance(pose.position) > 0.8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When the world is too large for that grid.
 pub fn pose_of_most_clearance(world: &World) -> Result<Option<Pose>, OccupancyError> {

@@ -57,6 +57,14 @@ pub struct MeasuredDifficulty {
 
 impl Provenance {
     /// Kind and seed, such as `indoor, seed 3`.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+    ///
+    /// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+    /// assert_eq!(world.provenance.name(), "hallway, seed 7");
+    /// # Ok::<(), envgen::GenerateError>(())
+    /// ```
     pub fn name(&self) -> String {
         self.seed.map_or(self.kind.clone(), |seed| format!("{}, seed {seed}", self.kind))
     }

@@ -82,6 +82,19 @@ impl ScanPattern {
     }
 
     /// The unit vectors of the rays, from right to left, relative to the scanner's heading.
+    ///
+    /// ```
+    /// use envgen::glam::DVec2;
+    /// use envgen::raycast::ScanPattern;
+    ///
+    /// // Three beams over half a turn: right, ahead, left.
+    /// let pattern = ScanPattern::new(std::f64::consts::PI, 3)?;
+    /// let expected = [DVec2::NEG_Y, DVec2::X, DVec2::Y];
+    /// for (direction, expected) in pattern.directions().iter().zip(expected) {
+    ///     assert!(direction.distance(expected) < 1e-12);
+    /// }
+    /// # Ok::<(), envgen::SpecError>(())
+    /// ```
     pub fn directions(&self) -> &[DVec2] {
         &self.directions
     }
@@ -222,6 +235,19 @@ impl Raycaster {
     }
 
     /// Whether lasers have no echo from what a ray met, since it is too dark to be seen from there.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec, raycast::Raycaster};
+    ///
+    /// // Walls so dark that lasers see them from half a metre.
+    /// let mut world = HallwaySpec::default().generate(Seed(7))?.to_world();
+    /// world.walls.iter_mut().for_each(|wall| wall.visible_range = Some(0.5));
+    /// let rays = Raycaster::new(&world);
+    /// let start = world.start.expect("hallways have a start").position;
+    /// let hit = rays.cast(start, std::f64::consts::PI, 8.0).expect("a wall 1 m away");
+    /// assert!(rays.is_unseen(hit) && rays.visible_range(hit.part) == 0.5);
+    /// # Ok::<(), envgen::GenerateError>(())
+    /// ```
     pub fn is_unseen(&self, hit: Hit) -> bool {
         !self.dark.is_empty() && hit.distance > self.visible_range(hit.part)
     }
@@ -238,6 +264,18 @@ impl Raycaster {
     }
 
     /// As [`Raycaster::cast_along`], with the normal of the surface that the ray meets.
+    ///
+    /// ```
+    /// use envgen::glam::DVec2;
+    /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec, raycast::Raycaster};
+    ///
+    /// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+    /// let start = world.start.expect("hallways have a start").position;
+    /// // The normal of the wall on the left points back to the robot.
+    /// let surface = Raycaster::new(&world).cast_surface(start, DVec2::NEG_X, 8.0).expect("a wall");
+    /// assert_eq!(surface.normal, DVec2::X);
+    /// # Ok::<(), envgen::GenerateError>(())
+    /// ```
     pub fn cast_surface(
         &self,
         from: DVec2,
@@ -370,6 +408,21 @@ impl Raycaster {
     }
 
     /// What each ray of `fan` from a pose meets within `max_range` metres.
+    ///
+    /// ```
+    /// use envgen::raycast::{Raycaster, ScanPattern};
+    /// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
+    ///
+    /// let world = ForestSpec::default().generate(Seed(7))?.to_world();
+    /// let (rays, all_around) = (Raycaster::new(&world), ScanPattern::new(6.28, 360)?);
+    /// let start = world.start.expect("a forest with a free place");
+    /// for hit in rays.hits(start, &all_around, 20.0).flatten() {
+    ///     let tree = &world.trees[hit.part.index as usize];
+    ///     let distance = tree.center.distance(start.position);
+    ///     assert!(hit.distance >= distance - tree.radius - 1e-9 && hit.distance < distance);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn hits(
         &self,
         pose: Pose,

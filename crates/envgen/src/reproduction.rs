@@ -102,6 +102,19 @@ impl fmt::Display for Reproduction {
 /// Generates a world again from the spec and the seed in its provenance, and compares the two by
 /// their [digests](World::digest). Whatever the provenance claims, the cost is at most a fixed amount
 /// and a fixed multiple of the world's size.
+///
+/// ```
+/// use envgen::reproduction::{Reproduction, reproduce};
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+///
+/// let mut world = HallwaySpec::default().generate(Seed(7))?.to_world();
+/// assert!(matches!(reproduce(&world), Reproduction::Same(_)));
+/// // A world that was changed and does not say so.
+/// world.walls.pop();
+/// assert_eq!(reproduce(&world), Reproduction::Different);
+/// assert!(!reproduce(&world).is_credible());
+/// # Ok::<(), envgen::GenerateError>(())
+/// ```
 pub fn reproduce(world: &World) -> Reproduction {
     let provenance = &world.provenance;
     let (Ok(kind), Some(seed)) = (provenance.kind.parse::<WorldKind>(), provenance.seed) else {

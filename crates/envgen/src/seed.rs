@@ -34,11 +34,30 @@ impl Seed {
     ///
     /// Streams of different seeds, stages or indices are independent, so that a stage added to a
     /// generator, or another order of the stages, changes nothing in the others.
+    ///
+    /// ```
+    /// use envgen::Seed;
+    ///
+    /// let mut trees = Seed(7).stream("trees", 0);
+    /// let (first, second) = (trees.bits(), trees.bits());
+    /// assert_ne!(first, second);
+    /// // The same stream again, and that of another stage.
+    /// assert_eq!(Seed(7).stream("trees", 0).bits(), first);
+    /// assert_ne!(Seed(7).stream("rocks", 0).bits(), first);
+    /// ```
     pub fn stream(self, stage: &str, index: u64) -> Stream {
         self.attempt(stage, index, 0)
     }
 
     /// The stream of a retry: attempt 0 is [`Seed::stream`] itself.
+    ///
+    /// ```
+    /// use envgen::Seed;
+    ///
+    /// let first = Seed(7).stream("road", 0).bits();
+    /// assert_eq!(Seed(7).attempt("road", 0, 0).bits(), first);
+    /// assert_ne!(Seed(7).attempt("road", 0, 1).bits(), first);
+    /// ```
     pub fn attempt(self, stage: &str, index: u64, attempt: u64) -> Stream {
         // ChaCha's key is 256 bits wide: the four numbers are the key, nothing is mixed or lost.
         let mut key = [0; 32];
@@ -56,6 +75,14 @@ impl Seed {
     }
 
     /// The `n`-th seed after this one; `None` past the greatest.
+    ///
+    /// ```
+    /// use envgen::Seed;
+    ///
+    /// assert_eq!(Seed(7).checked_offset(3), Some(Seed(10)));
+    /// assert_eq!(Seed(u64::MAX).checked_offset(1), None);
+    /// assert_eq!(Seed(u64::MAX).offset(1), Seed(0));
+    /// ```
     pub fn checked_offset(self, n: u64) -> Option<Seed> {
         self.0.checked_add(n).map(Seed)
     }
@@ -140,6 +167,15 @@ impl Stream {
 
     /// Uniform in [`low`, `high`), or `low` when the two are equal.
     ///
+    /// ```
+    /// use envgen::Seed;
+    ///
+    /// let mut stream = Seed(7).stream("example", 0);
+    /// let width = stream.between(0.8, 1.2);
+    /// assert!((0.8..1.2).contains(&width));
+    /// assert_eq!(stream.between(1.0, 1.0), 1.0);
+    /// ```
+    ///
     /// # Panics
     /// When `low` is greater than `high`, or their difference is not finite.
     #[inline]
@@ -159,6 +195,17 @@ impl Stream {
     /// Uniform in 0..`n`, without bias (Lemire, Fast Random Integer Generation in an Interval,
     /// ACM TOMACS 29, 2019).
     ///
+    /// ```
+    /// use envgen::Seed;
+    ///
+    /// let mut stream = Seed(7).stream("dice", 0);
+    /// let mut counts = [0; 6];
+    /// for _ in 0..6000 {
+    ///     counts[stream.below(6) as usize] += 1;
+    /// }
+    /// assert!(counts.iter().all(|count| (800..1200).contains(count)));
+    /// ```
+    ///
     /// # Panics
     /// When `n` is 0: there is nothing to draw from.
     #[inline]
@@ -176,6 +223,16 @@ impl Stream {
     }
 
     /// The index of a weight, drawn in proportion to it; `None` when no weight is positive.
+    ///
+    /// ```
+    /// use envgen::Seed;
+    ///
+    /// let mut stream = Seed(7).stream("example", 0);
+    /// let draws: Vec<_> = (0..4000).filter_map(|_| stream.weighted(&[1.0, 0.0, 3.0])).collect();
+    /// let last = draws.iter().filter(|&&i| i == 2).count();
+    /// assert!((2800..3200).contains(&last) && !draws.contains(&1));
+    /// assert_eq!(stream.weighted(&[0.0, 0.0]), None);
+    /// ```
     ///
     /// # Panics
     /// When a weight is negative or NaN, or their sum is not finite.
@@ -199,6 +256,16 @@ impl Stream {
     }
 
     /// Puts a slice into uniformly random order (Fisher-Yates, from the end).
+    ///
+    /// ```
+    /// use envgen::Seed;
+    ///
+    /// let mut order: Vec<u32> = (0..100).collect();
+    /// Seed(7).stream("order", 0).shuffle(&mut order);
+    /// assert!(!order.is_sorted());
+    /// order.sort();
+    /// assert_eq!(order, (0..100).collect::<Vec<_>>());
+    /// ```
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for i in (1..items.len()).rev() {
             items.swap(i, self.below(i as u64 + 1) as usize);

@@ -206,6 +206,21 @@ impl Setting {
 
     /// Reads a value from the text that follows `--set name=`.
     ///
+    /// ```
+    /// use envgen::settings::Setting;
+    ///
+    /// let kinds = Setting::choice("corners", &["square", "rounded"], "How walls turn");
+    /// assert_eq!(kinds.parse(" rounded ")?, "rounded");
+    /// let width = Setting::number("width", "m", 0.1, 10.0, "Clear width").or_none();
+    /// assert_eq!(width.parse("2.5")?, 2.5);
+    /// assert!(width.parse("none")?.is_null());
+    /// assert_eq!(
+    ///     width.parse("20").unwrap_err().to_string(),
+    ///     "`width` must be a number from 0.1 to 10, or none, got 20"
+    /// );
+    /// # Ok::<(), envgen::SpecError>(())
+    /// ```
+    ///
     /// # Errors
     /// Names the setting, the text and what is allowed.
     pub fn parse(&self, text: &str) -> Result<Value, SpecError> {

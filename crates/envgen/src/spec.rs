@@ -129,6 +129,15 @@ macro_rules! specs {
             }
 
             /// The spec with every setting at its default.
+            ///
+            /// ```
+            /// use envgen::{Seed, WorldKind};
+            ///
+            /// let kind: WorldKind = "forest".parse()?;
+            /// let world = kind.default_spec().generate(Seed(7))?.to_world();
+            /// assert!(!world.trees.is_empty());
+            /// # Ok::<(), Box<dyn std::error::Error>>(())
+            /// ```
             pub fn default_spec(self) -> WorldSpec {
                 match self {
                     $(WorldKind::$variant => WorldSpec::$variant(Default::default()),)+
@@ -144,6 +153,16 @@ macro_rules! specs {
 
         /// A spec of any kind. In a RON file it is the kind's name with the settings that differ
         /// from the default, such as `Hallway(segments: 80, p_st: 0.2)`.
+        ///
+        /// ```
+        /// use envgen::{Seed, WorldKind, WorldSpec};
+        ///
+        /// let spec = WorldSpec::from_ron("Hallway(segments: 80, p_st: 0.2)")?;
+        /// assert_eq!(spec.kind(), WorldKind::Hallway);
+        /// let world = spec.generate(Seed(7))?.to_world();
+        /// assert_eq!(world.provenance.name(), "hallway, seed 7");
+        /// # Ok::<(), Box<dyn std::error::Error>>(())
+        /// ```
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         #[non_exhaustive]
         pub enum WorldSpec {
@@ -261,6 +280,17 @@ impl FromStr for WorldKind {
 impl WorldKind {
     /// The setting of a name.
     ///
+    /// ```
+    /// use envgen::WorldKind;
+    ///
+    /// let setting = WorldKind::Hallway.setting("width")?;
+    /// assert_eq!((setting.unit, setting.allowed_text().as_str()), ("m", "a number from 0.05 to 1000"));
+    /// // Former names are understood.
+    /// assert_eq!(WorldKind::Hallway.setting("wall")?.name, "wall_thickness");
+    /// assert!(WorldKind::Hallway.setting("colour").is_err());
+    /// # Ok::<(), envgen::SettingsError>(())
+    /// ```
+    ///
     /// # Errors
     /// Lists the settings that exist.
     pub fn setting(self, name: &str) -> Result<&'static Setting, SettingsError> {
@@ -280,6 +310,17 @@ impl WorldKind {
 
 impl WorldSpec {
     /// Sets one setting from text, as `--set name=value` does. On an error the spec is unchanged.
+    ///
+    /// ```
+    /// use envgen::{WorldKind, WorldSpec, hallway::HallwaySpec};
+    ///
+    /// let mut spec = WorldKind::Hallway.default_spec();
+    /// spec.set("segments", "80")?;
+    /// let expected = HallwaySpec { segments: 80, ..Default::default() };
+    /// assert_eq!(spec, WorldSpec::from(expected));
+    /// assert!(spec.set("p_st", "2").is_err() && spec.set("colour", "red").is_err());
+    /// # Ok::<(), envgen::SettingsError>(())
+    /// ```
     ///
     /// # Errors
     /// When the setting does not exist (the error lists those that do) or the text is not one of
@@ -302,6 +343,16 @@ impl WorldSpec {
 
     /// Writes a spec as RON, with every setting; those of indoor materials, clutter and doorway widths only
     /// where they are set.
+    ///
+    /// ```
+    /// use envgen::{WorldSpec, road::RoadSpec};
+    ///
+    /// let spec = WorldSpec::from(RoadSpec { length: 500.0, ..Default::default() });
+    /// let text = spec.to_ron();
+    /// assert!(text.contains("length: 500.0"));
+    /// assert_eq!(WorldSpec::from_ron(&text)?, spec);
+    /// # Ok::<(), envgen::SettingsError>(())
+    /// ```
     pub fn to_ron(&self) -> String {
         let config = ron::ser::PrettyConfig::default();
         ron_options().to_string_pretty(self, config).unwrap_or_default()

@@ -14,6 +14,27 @@ use glam::DVec2;
 ///
 /// Without a policy, for a person who drives, it makes the map and estimates the poses, and leaves the
 /// commands to the caller.
+///
+/// ```
+/// use envgen::geometry::{Pose, Rect};
+/// use envgen::glam::DVec2;
+/// use mapping_trial::backend::{Command, Observation};
+/// use mapping_trial::odometry::Increment;
+/// use mapping_trial::policy::Decision;
+/// use mapping_trial::{autonomy::Autonomy, lidar::LaserProfile, robot::Robot, slam::SlamKind};
+///
+/// let (robot, laser) = (Robot::default(), LaserProfile::default());
+/// let slam = SlamKind::DeadReckoning.build(&[Pose::default()], &robot, &laser);
+/// let area = Rect::new(DVec2::splat(-5.0), DVec2::splat(5.0));
+/// let mut autonomy = Autonomy::new(slam, None, 1, &robot, &laser, area);
+/// // Ten ticks of 3 cm ahead, without a scan.
+/// let odometry = Increment { distance: 0.03, turn: 0.0 };
+/// let seen = Observation { odometry, ..Default::default() };
+/// (0..10).for_each(|_| autonomy.sense(0, &seen));
+/// assert!((autonomy.slam().estimate(0).pose.position.x - 0.3).abs() < 1e-9);
+/// // Without a policy the caller drives.
+/// assert_eq!(autonomy.decide(0, &seen), Decision::Drive(Command::STOP));
+/// ```
 pub struct Autonomy {
     slam: Box<dyn Slam + Send + Sync>,
     policy: Option<Box<dyn ExplorationPolicy + Send + Sync>>,

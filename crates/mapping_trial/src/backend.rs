@@ -13,6 +13,16 @@ use crate::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
 pub const TICK: f64 = 0.05;
 
 /// A command to a robot for one tick. NaN and infinite values count as 0.
+///
+/// ```
+/// use mapping_trial::backend::{Command, TICK};
+///
+/// // An arc to the left with a radius of 1 m, for one tick.
+/// let command = Command { speed: 0.5, turn_rate: 0.5 };
+/// assert_eq!(command.speed / command.turn_rate, 1.0);
+/// assert!((command.speed * TICK - 0.025).abs() < 1e-12);
+/// assert_eq!(Command::default(), Command::STOP);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Command {
     /// Speed ahead in m/s, negative backwards.

@@ -59,6 +59,30 @@ impl FlatWorld {
 /// A disc that touches a solid slides along it; its wheels are stalled by the contact, so
 /// that odometry measures the path that was really driven. Robots are solid to each other and seen by
 /// each other's lasers. Ground of speed 0 stops a disc's centre, water drowns it.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::backend::{Command, RobotBackend};
+/// use mapping_trial::flat::{FlatSimulator, FlatWorld};
+/// use mapping_trial::{lidar::LaserProfile, odometry::OdometryProfile, robot::Robot};
+///
+/// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+/// let (robot, start) = (Robot::default(), world.start.expect("hallways have a start"));
+/// let flat = Arc::new(FlatWorld::new(&world, &robot)?);
+/// let (laser, wheels) = (LaserProfile::default(), OdometryProfile::EXACT);
+/// let mut simulator = FlatSimulator::new(flat, &robot, &[start], &laser, &wheels, Seed(1));
+/// // A second ahead: the Pioneer accelerates by 0.5 m/s^2.
+/// for _ in 0..20 {
+///     simulator.observe(0);
+///     simulator.advance(&[Command { speed: 0.7, turn_rate: 0.0 }]);
+/// }
+/// let driven = start.to_local(simulator.pose(0).position);
+/// assert!((0.2..0.3).contains(&driven.x) && driven.y.abs() < 1e-9);
+/// assert_eq!(simulator.hits(0), 0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct FlatSimulator {
     world: Arc<FlatWorld>,
     robot: Robot,

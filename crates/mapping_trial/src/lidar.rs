@@ -34,6 +34,18 @@ const MIXED_PIXEL_JUMP: f64 = 0.3;
 
 settings! {
     /// What a laser measures and how well.
+    ///
+    /// ```
+    /// use mapping_trial::lidar::LaserProfile;
+    ///
+    /// // The default is SICK's LMS 200: 181 beams over 180 degrees, 5 scans per second.
+    /// let laser = LaserProfile::default();
+    /// assert_eq!((laser.beams, laser.ticks_a_scan), (181, 4));
+    /// assert_eq!(laser.fan()?.len(), 181);
+    /// let blind = LaserProfile { max_range: 0.0, ..laser };
+    /// assert_eq!(blind.validate().unwrap_err().field, "laser.max_range");
+    /// # Ok::<(), envgen::SpecError>(())
+    /// ```
     pub struct LaserProfile {
         /// Number of beams, spread evenly over the field of view, both ends included.
         beams: u32 = LaserProfile::LMS200_MM.beams => integer("", 1..=4096);
@@ -92,6 +104,17 @@ impl LaserProfile {
 
     /// How it measures in smoke. Lasers of at most 180 degrees are taken for a SICK, which would see 30 m or its
     /// `max_range` without smoke, others for a Hokuyo, which would see its `max_range`.
+    ///
+    /// ```
+    /// use envgen::scenario::{SmokeProfile, smoke};
+    /// use mapping_trial::lidar::LaserProfile;
+    ///
+    /// let physical = LaserProfile::LMS200_MM.in_smoke(SmokeProfile::Physical);
+    /// assert_eq!(physical, smoke::Laser::Physical { power_range: 30.0 });
+    /// // 240 degrees: a Hokuyo.
+    /// let hokuyo = LaserProfile::URG_04LX.in_smoke(SmokeProfile::Usarsim);
+    /// assert!(matches!(hokuyo, smoke::Laser::Hokuyo { .. }));
+    /// ```
     pub fn in_smoke(&self, profile: SmokeProfile) -> smoke::Laser {
         let is_sick = self.field_of_view <= PI;
         match profile {
@@ -114,6 +137,18 @@ impl LaserProfile {
     }
 
     /// Angle of a beam relative to the laser's heading, in radians, from right to left.
+    ///
+    /// ```
+    /// use std::f64::consts::FRAC_PI_2;
+    ///
+    /// use mapping_trial::lidar::LaserProfile;
+    ///
+    /// // From 90 degrees on the right to 90 degrees on the left.
+    /// let laser = LaserProfile::LMS200_MM;
+    /// assert_eq!(laser.angle(0), -FRAC_PI_2);
+    /// assert!(laser.angle(90).abs() < 1e-12);
+    /// assert!((laser.angle(180) - FRAC_PI_2).abs() < 1e-12);
+    /// ```
     pub fn angle(&self, beam: usize) -> f64 {
         let step = self.field_of_view / f64::from(self.beams.saturating_sub(1).max(1));
         let first = if self.beams > 1 { -0.5 * self.field_of_view } else { 0.0 };
@@ -145,6 +180,30 @@ pub struct Scan {
 /// Beams, field of view, greatest range and rate are those of the trial's [`LaserProfile`], whatever
 /// the sensor makes of them. One of your own is plugged in by
 /// [`TrialBuilder::laser`](crate::trial::TrialBuilder::laser).
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::lidar::{LaserSensor, NO_ECHO, Scan};
+/// use mapping_trial::trial::{Trial, TrialSettings};
+///
+/// /// A laser that sees 2 m.
+/// struct Short;
+///
+/// impl LaserSensor for Short {
+///     fn measure(&mut self, exact: &[f64]) -> Scan {
+///         let range = |&exact: &f64| if exact <= 2.0 { exact } else { NO_ECHO };
+///         Scan { ranges: exact.iter().map(range).collect() }
+///     }
+/// }
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let settings = TrialSettings { time_limit: 1.0, ..Default::default() };
+/// let mut trial = Trial::builder(&world, settings).laser(|_, _| Short).build_flat()?;
+/// while trial.step() {}
+/// let ranges = &trial.autonomy().scan(0).ranges;
+/// assert!(ranges.iter().all(|&range| range <= 2.0 || range == NO_ECHO));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait LaserSensor {
     /// Its name in logs and reports of trials that it is plugged into; the type's path by
     /// default.

@@ -37,6 +37,16 @@ pub enum Cell {
 }
 
 /// Column and row of a cell; cell (0, 0) has its lower left corner at the frame's origin.
+///
+/// ```
+/// use envgen::glam::DVec2;
+/// use mapping_trial::map::CellIndex;
+///
+/// // Cells of 5 cm, also on the other side of the origin.
+/// assert_eq!(CellIndex::of(DVec2::new(0.12, -0.01)), CellIndex { col: 2, row: -1 });
+/// let centre = CellIndex { col: 2, row: -1 }.centre();
+/// assert!(centre.distance(DVec2::new(0.125, -0.025)) < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CellIndex {
     /// Column, to the right.
@@ -142,6 +152,17 @@ impl OccupancyMap {
 
     /// Adds hundredths of log odds to a cell, within [`CLAMP`]. Cells farther out than the map can
     /// grow stay unknown.
+    ///
+    /// ```
+    /// use mapping_trial::map::{CLAMP, CellIndex, HIT, OccupancyMap};
+    ///
+    /// let (mut map, cell) = (OccupancyMap::new(), CellIndex { col: 3, row: 4 });
+    /// map.add(cell, HIT);
+    /// assert_eq!(map.log_odds(cell), HIT);
+    /// // What is seen often does not become more certain than this.
+    /// (0..10).for_each(|_| map.add(cell, HIT));
+    /// assert_eq!(map.log_odds(cell), CLAMP);
+    /// ```
     pub fn add(&mut self, index: CellIndex, change: i16) {
         let (col, row) = index.tile();
         let Some(slot) = self.slot(col, row).or_else(|| self.grow(col, row)) else { return };
@@ -151,6 +172,18 @@ impl OccupancyMap {
 
     /// Announces that cells in a rectangle (in metres) have changed: the revision of the map and of
     /// the tiles there rises.
+    ///
+    /// ```
+    /// use mapping_trial::map::{CellIndex, MISS, OccupancyMap};
+    ///
+    /// let (mut map, cell) = (OccupancyMap::new(), CellIndex { col: 0, row: 0 });
+    /// map.add(cell, -MISS);
+    /// let before = map.revision();
+    /// map.touch(envgen::geometry::Rect::new(cell.centre(), cell.centre()));
+    /// // What is derived from the map is now updated around the cell.
+    /// assert!(map.revision() > before);
+    /// assert_eq!(map.changed_since(before).collect::<Vec<_>>(), [(0, 0)]);
+    /// ```
     pub fn touch(&mut self, area: Rect) {
         self.revision += 1;
         let (low, high) = (CellIndex::of(area.min).tile(), CellIndex::of(area.max).tile());

@@ -16,6 +16,21 @@ pub struct Increment {
 settings! {
     /// Errors of wheel odometry: variances linear in the distance, so that they do not depend on how
     /// often it is read, and systematic errors drawn once per run.
+    ///
+    /// ```
+    /// use envgen::Seed;
+    /// use mapping_trial::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
+    ///
+    /// // Over 100 m in steps of 2 cm, the errors of the default wheels add up to some metres at most.
+    /// let drive = |profile| {
+    ///     let mut wheels = Odometry::new(profile, Seed(7), 0);
+    ///     let tick = Increment { distance: 0.02, turn: 0.0 };
+    ///     (0..5000).map(|_| wheels.measure(tick, 1.0).distance).sum::<f64>()
+    /// };
+    /// assert!((drive(OdometryProfile::EXACT) - 100.0).abs() < 1e-9);
+    /// let error = (drive(OdometryProfile::default()) - 100.0).abs();
+    /// assert!(error > 1e-6 && error < 6.0);
+    /// ```
     pub struct OdometryProfile {
         /// Variance of the distance per distance.
         k_ss: f64 = OdometryProfile::SKID.k_ss => number("m^2/m", 0.0..=1.0);

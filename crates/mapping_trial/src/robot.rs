@@ -185,6 +185,16 @@ impl Robot {
     /// Reads a robot from RON, such as `(length: 0.4, width: 0.4, max_speed: 1.2)`; omitted fields
     /// are the Pioneer's.
     ///
+    /// ```
+    /// use mapping_trial::robot::{PIONEER_3AT, Robot};
+    ///
+    /// let robot = Robot::from_ron("(max_speed: 0.3, battery: 600)")?;
+    /// assert_eq!(robot, Robot { max_speed: 0.3, battery: 600.0, ..PIONEER_3AT });
+    /// let error = Robot::from_ron("(width: -1)").unwrap_err();
+    /// assert_eq!(error.to_string(), "`body.width` must be a number from 0.01 to 4, got -1");
+    /// # Ok::<(), mapping_trial::robot::RobotError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// A syntax error, or the first field whose value is not allowed.
@@ -197,6 +207,17 @@ impl Robot {
     /// From the ground to the top of the robot or its laser's plane, whichever is higher: what else is within
     /// it stops the robot.
     ///
+    /// ```
+    /// use mapping_trial::robot::{LaserMount, Robot};
+    ///
+    /// // A low robot with a laser on a mast: what is as high as the laser stops it.
+    /// let laser_mount = LaserMount { height: 0.8, ..Default::default() };
+    /// let robot = Robot { height: 0.3, laser_mount, ..Default::default() };
+    /// let extent = robot.extent()?;
+    /// assert_eq!((extent.bottom(), extent.top()), (0.0, 0.8));
+    /// # Ok::<(), envgen::SpecError>(())
+    /// ```
+    ///
     /// # Errors
     /// If a height is not valid, as [`Robot::validate`].
     pub fn extent(&self) -> Result<Extent, SpecError> {
@@ -208,6 +229,18 @@ impl Robot {
     }
 
     /// Pose of the laser of a robot at `pose`, in the same frame.
+    ///
+    /// ```
+    /// use std::f64::consts::FRAC_PI_2;
+    ///
+    /// use envgen::geometry::Pose;
+    /// use envgen::glam::DVec2;
+    /// use mapping_trial::robot::Robot;
+    ///
+    /// // The Pioneer's laser is 0.21 m ahead of its centre; this one looks along +y.
+    /// let laser = Robot::default().laser_pose(Pose::new(1.0, 2.0, FRAC_PI_2));
+    /// assert!(laser.position.distance(DVec2::new(1.0, 2.21)) < 1e-12);
+    /// ```
     pub fn laser_pose(&self, pose: Pose) -> Pose {
         let LaserMount { left, heading, .. } = self.laser_mount;
         let at = DVec2::new(self.laser_offset, left);

@@ -14,6 +14,20 @@ impl OccupancyMap {
     /// The map as a file for ROS: the smallest one around all tiles that were ever
     /// written; one unknown cell if there are no tiles.
     ///
+    /// ```
+    /// use envgen::geometry::Pose;
+    /// use mapping_trial::map::{Cell, CellIndex, HIT, OccupancyMap};
+    ///
+    /// let (mut map, wall) = (OccupancyMap::new(), CellIndex { col: 3, row: -4 });
+    /// map.add(wall, HIT);
+    /// let file = map.to_ros_map()?;
+    /// // Whole tiles of 32 x 32 cells of 5 cm.
+    /// assert_eq!((file.cols, file.rows(), file.resolution), (32, 32, 0.05));
+    /// let read = OccupancyMap::from_ros_map(&file, Pose::default())?;
+    /// assert_eq!(read.cell(wall), Cell::Occupied);
+    /// # Ok::<(), envgen::occupancy::OccupancyError>(())
+    /// ```
+    ///
     /// # Errors
     /// If that is more than [`MAX_CELLS`] cells.
     pub fn to_ros_map(&self) -> Result<RosMap, OccupancyError> {

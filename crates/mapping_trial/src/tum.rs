@@ -123,6 +123,20 @@ fn timed_pose(line: usize, text: &str) -> Result<TimedPose, TumError> {
 
 /// Writes a trajectory; numbers are as exact as the poses.
 ///
+/// ```
+/// use envgen::geometry::Pose;
+/// use mapping_trial::tum::{self, TimedPose};
+///
+/// let poses = [(0.0, 0.0), (0.5, 1.0)]
+///     .map(|(time, x)| TimedPose { time, pose: Pose::new(x, 2.0, 0.0) });
+/// let mut text = Vec::new();
+/// tum::write(poses, &mut text)?;
+/// let text = String::from_utf8(text)?;
+/// assert_eq!(text.lines().nth(1), Some("0.500000000 1 2 0 0 0 0 1"));
+/// assert_eq!(tum::read(&text)?, poses);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 ///
 /// Any error of the writer.
@@ -136,6 +150,16 @@ pub fn write(poses: impl IntoIterator<Item = TimedPose>, out: &mut dyn Write) ->
 
 /// The poses of a trajectory at given times, interpolated between its own; `None` before its first and after its
 /// last.
+///
+/// ```
+/// use envgen::geometry::Pose;
+/// use mapping_trial::tum::{TimedPose, at_times};
+///
+/// let track = [(0.0, 0.0), (2.0, 4.0)]
+///     .map(|(time, x)| TimedPose { time, pose: Pose::new(x, 0.0, 0.0) });
+/// let poses: Vec<_> = at_times(&track, [0.5, 2.0, 2.5].into_iter()).collect();
+/// assert_eq!(poses, [Some(Pose::new(1.0, 0.0, 0.0)), Some(Pose::new(4.0, 0.0, 0.0)), None]);
+/// ```
 pub fn at_times<'a>(
     trajectory: &'a [TimedPose],
     times: impl Iterator<Item = f64> + 'a,

@@ -18,6 +18,24 @@ const STEP: f64 = 0.1;
 /// The points where a robot sees water, in its own frame in metres (x ahead, y to the left):
 /// in front of it, at most [`Robot::water_sight`] away and not behind anything solid. For any robot
 /// backend that knows the robot's true pose; the same pose gives the same points.
+///
+/// ```
+/// use envgen::geometry::{Pose, Rect, Shape};
+/// use envgen::raycast::Raycaster;
+/// use envgen::world::{Surface, SurfaceKind};
+/// use envgen::{Provenance, World, glam::DVec2, surface_index::SurfaceIndex};
+/// use mapping_trial::{robot::Robot, water};
+///
+/// // A pool that begins 1 m ahead of the robot, which sees 1.5 m.
+/// let area = Rect::new(DVec2::splat(-5.0), DVec2::splat(5.0));
+/// let mut world = World::new(Provenance::other("manual", serde_json::json!({})), area);
+/// let pool = Shape::from_rect(Rect::new(DVec2::new(1.0, -5.0), area.max));
+/// world.surfaces.push(Surface::new(SurfaceKind::Water, pool));
+/// let (grounds, rays) = (SurfaceIndex::new(&world), Raycaster::new(&world));
+/// let points = water::seen(&grounds, &rays, &Robot::default(), Pose::default());
+/// assert!(!points.is_empty());
+/// assert!(points.iter().all(|p| p.x >= 1.0 - 1e-9 && p.length() <= 1.5 + 1e-9));
+/// ```
 pub fn seen(grounds: &SurfaceIndex, rays: &Raycaster, robot: &Robot, pose: Pose) -> Vec<DVec2> {
     let mut points = Vec::new();
     if !grounds.has_water() || robot.water_sight < NEAREST {

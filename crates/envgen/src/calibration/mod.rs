@@ -113,6 +113,21 @@ impl Calibration {
     }
 
     /// Predicts the difficulty of a world from its difficulty vector.
+    ///
+    /// ```
+    /// use envgen::calibration::Calibration;
+    /// use envgen::difficulty::{DifficultyVector, Platform};
+    /// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+    ///
+    /// let spec = IndoorSpec { width: 6, height: 6, ..Default::default() };
+    /// let world = spec.generate(Seed(7))?.to_world();
+    /// let vector = DifficultyVector::of(&world, &Platform::default())?;
+    /// let prediction = Calibration::indoor().predict(&vector);
+    /// // The dials have standard errors.
+    /// let [low, high] = prediction.dials.difficulty.interval();
+    /// assert!(low < prediction.dials.difficulty.value && prediction.dials.difficulty.value < high);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn predict(&self, vector: &DifficultyVector) -> Prediction {
         self.prediction(&self.world, &|name| vector.get(name))
     }

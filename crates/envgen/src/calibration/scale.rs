@@ -22,6 +22,17 @@ pub struct Scale {
 
 impl Scale {
     /// The dials of mean scores D, M and N.
+    ///
+    /// ```
+    /// use envgen::calibration::{Calibration, Dials};
+    ///
+    /// // Scores as those of the easy anchors are 0 on each dial, as those of the hard ones 10.
+    /// let scale = &Calibration::indoor().scale;
+    /// assert_eq!(scale.dials(scale.zero), Dials::default());
+    /// for (_, dial) in scale.dials(scale.ten).named() {
+    ///     assert!((dial - 10.0).abs() < 1e-12);
+    /// }
+    /// ```
     pub fn dials(&self, scores: Dials<f64>) -> Dials<f64> {
         scores
             .zip(self.zero.zip(self.ten))

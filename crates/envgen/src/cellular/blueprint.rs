@@ -7,6 +7,17 @@ use crate::seed::Seed;
 
 /// A field of filled and free cells, with the spec and seed that it was generated from. Cells are listed row by
 /// row from the top, each row from the left.
+///
+/// ```
+/// use envgen::{Seed, Spec, cellular::CellularSpec};
+///
+/// let field = CellularSpec { rows: 20, cols: 40, ..Default::default() }.generate(Seed(7))?;
+/// assert_eq!(field.cells().len(), field.rows() * field.cols());
+/// // The start is a row, from the top, and a column; the robot's middle can be there.
+/// let [row, col] = field.start().expect("an accepted field has a start");
+/// assert!(!field.c_space()[row as usize * field.cols() + col as usize]);
+/// # Ok::<(), envgen::cellular::CellularError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockField {
     pub(super) cells: Vec<bool>,

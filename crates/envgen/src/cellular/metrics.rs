@@ -11,6 +11,17 @@ use crate::difficulty::{BarnMetrics, BarnMode};
 /// The last six describe the path from start to goal through the cells that the robot's middle can be in,
 /// which keeps away from blocks; they are absent where no such path exists. Five of them are BARN's metrics, as its
 /// code computes them ([`BarnMode::Reference`]).
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, cellular::CellularSpec};
+///
+/// let field = CellularSpec::default().generate(Seed(7))?;
+/// let metrics = field.metrics();
+/// let filled = field.cells().iter().filter(|filled| **filled).count() as f64;
+/// assert!((metrics.filled - filled / field.cells().len() as f64).abs() < 1e-12);
+/// assert!(metrics.tortuosity.is_some_and(|tortuosity| tortuosity >= 1.0));
+/// # Ok::<(), envgen::cellular::CellularError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CellularMetrics {
     /// Share of cells that were filled before smoothing, closed sides included.

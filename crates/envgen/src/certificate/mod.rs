@@ -75,6 +75,20 @@ impl Serialize for Verdict {
 }
 
 /// Checks every claim of a world's certificate, in order.
+///
+/// ```
+/// use envgen::certificate::{Claim, Verdict, verify, verify_claims};
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+///
+/// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+/// let checked = verify(&world);
+/// assert!(!checked.is_empty());
+/// assert!(checked.iter().all(|(_, verdict)| *verdict == Verdict::Holds));
+/// // A disc of 5 m does not fit into a corridor of 2 m.
+/// let wide = [Claim::Connected { radius: 5.0 }];
+/// assert_eq!(verify_claims(&world, &wide)[0].1, Verdict::Broken);
+/// # Ok::<(), envgen::GenerateError>(())
+/// ```
 pub fn verify(world: &World) -> Vec<(Claim, Verdict)> {
     verify_claims(world, &world.certificate)
 }

@@ -50,6 +50,17 @@ impl Path<'_> {
 
     /// The points at `offset` metres to the left of the path at given distances along it, which
     /// must not decrease.
+    ///
+    /// ```
+    /// use envgen::curve::{Curve, Path};
+    /// use envgen::geometry::Pose;
+    /// use envgen::glam::DVec2;
+    ///
+    /// let path = Path::new(vec![Curve::line(Pose::new(0.0, 0.0, 0.0), 10.0)]);
+    /// // The left edge of a road 6 m wide.
+    /// let edge = path.offset_curve(3.0, &[0.0, 10.0]);
+    /// assert_eq!(edge, [DVec2::new(0.0, 3.0), DVec2::new(10.0, 3.0)]);
+    /// ```
     pub fn offset_curve(&self, offset: f64, stations: &[f64]) -> Vec<DVec2> {
         let mut walk = self.walk();
         stations

@@ -24,6 +24,19 @@ pub use path::{Path, Walk};
 use crate::geometry::{Pose, unit_vector};
 
 /// A piece of a curve whose curvature changes linearly with the distance along it.
+///
+/// ```
+/// use envgen::curve::Curve;
+/// use envgen::geometry::Pose;
+///
+/// // A clothoid: straight ahead at first, and at its end 10 m later on a circle of radius 20 m.
+/// let start = Pose::new(0.0, 0.0, 0.0);
+/// let curve = Curve { start, length: 10.0, start_curvature: 0.0, end_curvature: 0.05 };
+/// assert_eq!(curve.curvature_at(5.0), 0.025);
+/// assert!((curve.turn() - 0.25).abs() < 1e-12);
+/// // Positive curvature turns to the left.
+/// assert!(curve.end().position.y > 0.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Curve {
@@ -44,6 +57,19 @@ impl Curve {
     }
 
     /// An arc of constant curvature in 1/m, positive to the left.
+    ///
+    /// ```
+    /// use std::f64::consts::FRAC_PI_2;
+    ///
+    /// use envgen::curve::Curve;
+    /// use envgen::geometry::Pose;
+    /// use envgen::glam::DVec2;
+    ///
+    /// // A quarter turn to the right with a radius of 2 m.
+    /// let arc = Curve::arc(Pose::new(0.0, 0.0, 0.0), 2.0 * FRAC_PI_2, -0.5);
+    /// assert!(arc.end().position.distance(DVec2::new(2.0, -2.0)) < 1e-12);
+    /// assert!((arc.end().heading + FRAC_PI_2).abs() < 1e-12);
+    /// ```
     pub fn arc(start: Pose, length: f64, curvature: f64) -> Curve {
         Curve { start, length, start_curvature: curvature, end_curvature: curvature }
     }

@@ -236,6 +236,18 @@ impl DifficultyVector {
     }
 
     /// The value of a feature; `None` where it does not exist in this world, and for an unknown name.
+    ///
+    /// ```
+    /// use envgen::difficulty::{DifficultyVector, Platform};
+    /// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+    ///
+    /// let spec = IndoorSpec { width: 6, height: 6, ..Default::default() };
+    /// let world = spec.generate(Seed(7))?.to_world();
+    /// let vector = DifficultyVector::of(&world, &Platform::default())?;
+    /// assert_eq!(vector.get("reachable_area_m2"), Some(vector.clearance.reachable_area_m2));
+    /// assert_eq!(vector.get("no such feature"), None);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn get(&self, name: &str) -> Option<f64> {
         let place = Self::features().iter().position(|feature| feature.name == name)?;
         self.values()[place]

@@ -59,6 +59,17 @@ impl Platform {
     /// Sets a number from text, as `--platform name=value` of the command does. The numbers together are
     /// checked by [`Platform::validate`].
     ///
+    /// ```
+    /// use envgen::difficulty::Platform;
+    ///
+    /// let mut platform = Platform::default();
+    /// platform.set("max_range", "5.5")?;
+    /// assert_eq!(platform.max_range, 5.5);
+    /// let error = platform.set("beams", "1").unwrap_err();
+    /// assert_eq!(error.field, "platform.beams");
+    /// # Ok::<(), envgen::SpecError>(())
+    /// ```
+    ///
     /// # Errors
     /// When there is no such number (the error lists those that there are), or the text is not one of its
     /// values.

@@ -43,6 +43,19 @@ pub(super) fn mark(pose: &Pose) -> Shape {
 impl World {
     /// What is at a point in metres, or not farther from it than `reach`: a pose, else the nearest and smallest solid
     /// part or doorway, else a surface that is not a plain floor, else a room. Costs one step per part.
+    ///
+    /// ```
+    /// use envgen::edit::WorldTarget;
+    /// use envgen::world::PartKind;
+    /// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
+    ///
+    /// let world = ForestSpec::default().generate(Seed(7))?.to_world();
+    /// let start = world.start.expect("a forest with a free place").position;
+    /// assert_eq!(world.target_at(start, 0.0), Some(WorldTarget::Start));
+    /// let tree = world.target_at(world.trees[3].center, 0.0).expect("a tree");
+    /// assert!(matches!(tree, WorldTarget::Part(part) if part.kind == PartKind::Tree));
+    /// # Ok::<(), envgen::forest::ForestError>(())
+    /// ```
     pub fn target_at(&self, p: DVec2, reach: f64) -> Option<WorldTarget> {
         if !p.is_finite() {
             return None;

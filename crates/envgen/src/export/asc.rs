@@ -8,6 +8,19 @@ use crate::world::ClassRaster;
 /// Writes the classes of a raster as an ESRI ASCII grid, the top row first, 0 as no data. Reading
 /// it back with [`read_asc`](crate::import::read_asc) gives the same cells, cell side and place.
 ///
+/// ```
+/// use envgen::export::write_asc;
+/// use envgen::import::read_asc;
+/// use envgen::{Seed, Spec, landscape::LandscapeSpec};
+///
+/// let raster = LandscapeSpec { cell_size: 2.0, ..Default::default() }.generate(Seed(7))?.to_raster();
+/// let mut file = Vec::new();
+/// write_asc(&raster, &mut file)?;
+/// let read = read_asc(&mut file.as_slice())?.raster;
+/// assert_eq!((read.cells, read.cell), (raster.cells, 2.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When the raster's sizes do not fit together, or writing fails.
 pub fn write_asc(raster: &ClassRaster, out: &mut dyn Write) -> io::Result<()> {

@@ -15,6 +15,19 @@ pub const CELL_KEY: &str = "envgen cell m";
 /// more. No data is transparent. Reading it back with
 /// [`read_class_png`](crate::import::read_class_png) gives the same cells and cell side.
 ///
+/// ```
+/// use envgen::export::class_png::write_class_png;
+/// use envgen::import::read_class_png;
+/// use envgen::{Seed, Spec, landscape::LandscapeSpec};
+///
+/// let raster = LandscapeSpec { cell_size: 2.0, ..Default::default() }.generate(Seed(7))?.to_raster();
+/// let mut file = Vec::new();
+/// write_class_png(&raster, &mut file)?;
+/// let read = read_class_png(&mut file.as_slice())?.raster;
+/// assert_eq!((read.cells, read.cell), (raster.cells, 2.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When writing fails.
 pub fn write_class_png(raster: &ClassRaster, out: &mut dyn Write) -> io::Result<()> {

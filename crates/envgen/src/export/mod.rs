@@ -353,6 +353,18 @@ impl Format {
 
     /// The format selected by the ending of a file's name, in upper or lower case.
     ///
+    /// ```
+    /// use envgen::export::Format;
+    ///
+    /// let format = Format::from_path("maps/Office.JSON".as_ref())?;
+    /// assert_eq!(format.ending(), "json");
+    /// // Of two endings that match, the longer one is meant.
+    /// let scenario = Format::from_path("office.scenario.ron".as_ref())?;
+    /// assert_eq!(scenario.ending(), "scenario.ron");
+    /// assert!(Format::from_path("office.doc".as_ref()).is_err());
+    /// # Ok::<(), envgen::export::ExportError>(())
+    /// ```
+    ///
     /// # Errors
     /// Lists the endings that exist, or names the feature of the crate that the format needs.
     pub fn from_path(path: &Path) -> Result<Format, ExportError> {

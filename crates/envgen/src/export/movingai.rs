@@ -58,6 +58,20 @@ pub struct Scenario {
 /// Draws tasks between uniformly random cells of the largest region that can be passed, in order
 /// of length; none where there are less than two such cells.
 ///
+/// ```
+/// use envgen::export::movingai::{scenarios, write_scenarios};
+/// use envgen::import::read_scenarios;
+/// use envgen::{Seed, Spec, landscape::LandscapeSpec};
+///
+/// let raster = LandscapeSpec::default().generate(Seed(7))?.to_raster();
+/// let tasks = scenarios(&raster, "plain.map", 10, Seed(1))?;
+/// assert!(tasks.is_sorted_by(|a, b| a.length <= b.length));
+/// let mut file = Vec::new();
+/// write_scenarios(&tasks, &mut file)?;
+/// assert_eq!(read_scenarios(&mut file.as_slice())?.len(), 10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When the raster's sizes do not fit together.
 pub fn scenarios(

@@ -176,6 +176,20 @@ pub(super) fn origin(world: &World) -> Pose {
 
 /// The resolution in metres of the map of a world where none is given: [`RESOLUTION`], or coarser by
 /// the power of two that gives at most [`USUAL_CELLS`].
+///
+/// ```
+/// use envgen::export::ros_map::{size_in_cells, usual_resolution};
+/// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
+///
+/// let small = ForestSpec::default().generate(Seed(7))?.to_world();
+/// assert_eq!(usual_resolution(&small), 0.05);
+/// // A square kilometre gets cells of 0.4 m, since 16 million are the most.
+/// let large = ForestSpec { width: 1000.0, height: 1000.0, intensity: 0.0, ..Default::default() };
+/// let large = large.generate(Seed(7))?.to_world();
+/// assert_eq!(usual_resolution(&large), 0.4);
+/// assert_eq!(size_in_cells(&large, 0.4)?, [2500, 2500]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn usual_resolution(world: &World) -> f64 {
     let size = world.bounds.size() + RESOLUTION;
     let mut resolution = RESOLUTION;

@@ -8,6 +8,18 @@ use crate::seed::Seed;
 use crate::world::Tree;
 
 /// The trees of a forest, with the spec and seed that they were drawn for.
+///
+/// ```
+/// use envgen::{Seed, Spec, forest::ForestSpec};
+///
+/// let spec = ForestSpec { clearing: 5.0, ..Default::default() };
+/// let forest = spec.generate(Seed(7))?;
+/// assert_eq!((forest.seed(), forest.spec()), (Seed(7), &spec));
+/// // Trees that stood around start and goal are counted.
+/// let all = ForestSpec { clearing: 0.0, ..spec }.generate(Seed(7))?.trees().len();
+/// assert_eq!(forest.trees().len() + forest.cleared() as usize, all);
+/// # Ok::<(), envgen::forest::ForestError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forest {
     pub(super) trees: Vec<Tree>,

@@ -31,6 +31,18 @@ impl ForestSpec {
     /// Generates a forest of varying density: `density` replaces `intensity` and the spec's own raster.
     /// The provenance cannot hold it and is therefore marked as edited.
     ///
+    /// ```
+    /// use envgen::{Seed, forest::ForestSpec, glam::DVec2};
+    ///
+    /// // A forest that becomes denser to the east: its greatest density, and the density at a point.
+    /// let density = (0.1, |p: DVec2| 0.1 * p.x / 50.0);
+    /// let forest = ForestSpec::default().generate_with(Seed(7), &density)?;
+    /// let east = forest.trees().iter().filter(|tree| tree.center.x > 25.0).count();
+    /// assert!(2 * east > forest.trees().len());
+    /// assert!(forest.edited());
+    /// # Ok::<(), envgen::forest::ForestError>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`Spec::generate`], and when the density gives a value outside its own limits.
     pub fn generate_with(&self, seed: Seed, density: &dyn Density) -> Result<Forest, ForestError> {

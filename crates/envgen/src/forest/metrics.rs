@@ -30,6 +30,18 @@ const COVER_CELLS: f64 = 256.0;
 /// They predict the mean over many forests, and account for the border: trees there miss neighbours
 /// beyond it, and the ground there misses trunks. The formulas of an endless forest are given beside
 /// them.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
+///
+/// // 0.05 trees per square metre on 50 m by 50 m.
+/// let forest = ForestSpec::default().generate(Seed(7))?;
+/// let metrics = forest.metrics();
+/// assert_eq!(metrics.count, forest.trees().len() as u64);
+/// assert_eq!(metrics.count_predicted, Some(125.0));
+/// assert!((0.0..1.0).contains(&metrics.cover));
+/// # Ok::<(), envgen::forest::ForestError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ForestMetrics {
     /// Number of trees.

@@ -74,6 +74,17 @@ settings! {
 }
 
 /// The law of the radii.
+///
+/// ```
+/// use envgen::forest::{ForestSpec, RadiusLaw};
+/// use envgen::{Seed, Spec};
+///
+/// let radius_law = RadiusLaw::Uniform;
+/// let spec = ForestSpec { radius_law, radius_min: 0.2, radius_max: 0.4, ..Default::default() };
+/// let forest = spec.generate(Seed(7))?;
+/// assert!(forest.trees().iter().all(|tree| (0.2..=0.4).contains(&tree.radius)));
+/// # Ok::<(), envgen::forest::ForestError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]

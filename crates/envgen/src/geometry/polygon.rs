@@ -3,11 +3,31 @@
 use glam::DVec2;
 
 /// The sides of a closed polygon.
+///
+/// ```
+/// use envgen::geometry::edges;
+/// use envgen::glam::DVec2;
+///
+/// let sides: Vec<_> = edges(&[DVec2::ZERO, DVec2::X, DVec2::Y]).collect();
+/// assert_eq!(sides.len(), 3);
+/// // The last side leads back to the first corner.
+/// assert_eq!(sides[2], (DVec2::Y, DVec2::ZERO));
+/// ```
 pub fn edges(vertices: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
     vertices.iter().copied().zip(vertices.iter().copied().cycle().skip(1))
 }
 
 /// The area of a polygon in square metres, positive when it runs counter-clockwise.
+///
+/// ```
+/// use envgen::geometry::signed_area;
+/// use envgen::glam::DVec2;
+///
+/// let square = [DVec2::ZERO, DVec2::new(2.0, 0.0), DVec2::new(2.0, 2.0), DVec2::new(0.0, 2.0)];
+/// assert_eq!(signed_area(&square), 4.0);
+/// let clockwise: Vec<DVec2> = square.into_iter().rev().collect();
+/// assert_eq!(signed_area(&clockwise), -4.0);
+/// ```
 pub fn signed_area(vertices: &[DVec2]) -> f64 {
     let Some(&origin) = vertices.first() else { return 0.0 };
     0.5 * edges(vertices).map(|(a, b)| (a - origin).perp_dot(b - origin)).sum::<f64>()

@@ -6,12 +6,33 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 /// The unit vector of a heading in radians, the same bits on every platform.
+///
+/// ```
+/// use std::f64::consts::FRAC_PI_2;
+///
+/// use envgen::geometry::unit_vector;
+/// use envgen::glam::DVec2;
+///
+/// // Headings are counter-clockwise from +x: a quarter turn looks along +y.
+/// assert_eq!(unit_vector(0.0), DVec2::X);
+/// assert!(unit_vector(FRAC_PI_2).distance(DVec2::Y) < 1e-15);
+/// ```
 pub fn unit_vector(heading: f64) -> DVec2 {
     let (sin, cos) = libm::sincos(heading);
     DVec2::new(cos, sin)
 }
 
 /// The same direction as a heading in (-pi, pi].
+///
+/// ```
+/// use std::f64::consts::PI;
+///
+/// use envgen::geometry::wrap_angle;
+///
+/// assert!((wrap_angle(1.5 * PI) + 0.5 * PI).abs() < 1e-12);
+/// // Of the two ends of the range, pi belongs to it.
+/// assert_eq!((wrap_angle(PI), wrap_angle(-PI)), (PI, PI));
+/// ```
 pub fn wrap_angle(heading: f64) -> f64 {
     let wrapped = libm::fmod(heading, TAU);
     if wrapped > PI {
@@ -71,6 +92,19 @@ impl Pose {
 
     /// The pose `to` in this pose's frame, where both are given in the world's frame: the inverse
     /// composed with `to`.
+    ///
+    /// ```
+    /// use std::f64::consts::FRAC_PI_2;
+    ///
+    /// use envgen::geometry::Pose;
+    ///
+    /// // Both look along +y; the second is 2 m ahead of the first, and 1 m to its left.
+    /// let (a, b) = (Pose::new(3.0, 1.0, FRAC_PI_2), Pose::new(2.0, 3.0, FRAC_PI_2));
+    /// let seen = a.between(b);
+    /// assert!(seen.position.distance(envgen::glam::DVec2::new(2.0, 1.0)) < 1e-12);
+    /// assert_eq!(seen.heading, 0.0);
+    /// assert!(a.compose(seen).position.distance(b.position) < 1e-12);
+    /// ```
     pub fn between(self, to: Pose) -> Pose {
         Pose {
             position: self.to_local(to.position),

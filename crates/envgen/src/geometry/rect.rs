@@ -30,6 +30,16 @@ impl Rect {
     }
 
     /// The smallest rectangle that holds all points; `None` without points.
+    ///
+    /// ```
+    /// use envgen::geometry::Rect;
+    /// use envgen::glam::DVec2;
+    ///
+    /// let points = [DVec2::new(1.0, 5.0), DVec2::new(3.0, 2.0), DVec2::new(2.0, 4.0)];
+    /// let rect = Rect::around(points).expect("there are points");
+    /// assert_eq!((rect.min, rect.max), (DVec2::new(1.0, 2.0), DVec2::new(3.0, 5.0)));
+    /// assert_eq!(Rect::around([]), None);
+    /// ```
     pub fn around(points: impl IntoIterator<Item = DVec2>) -> Option<Self> {
         points.into_iter().fold(None, |rect, p| {
             Some(rect.map_or(Rect::new(p, p), |r: Rect| Rect::new(r.min.min(p), r.max.max(p))))
@@ -42,6 +52,16 @@ impl Rect {
     }
 
     /// The rectangle grown by `margin` on every side.
+    ///
+    /// ```
+    /// use envgen::geometry::Rect;
+    /// use envgen::glam::DVec2;
+    ///
+    /// let area = Rect::new(DVec2::ZERO, DVec2::new(4.0, 3.0));
+    /// assert_eq!(area.grown(0.5).size(), DVec2::new(5.0, 4.0));
+    /// // A negative margin leaves a border free.
+    /// assert_eq!(area.grown(-1.0).size(), DVec2::new(2.0, 1.0));
+    /// ```
     pub fn grown(self, margin: f64) -> Rect {
         Rect::new(self.min - DVec2::splat(margin), self.max + DVec2::splat(margin))
     }

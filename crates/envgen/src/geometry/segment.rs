@@ -5,6 +5,16 @@ use glam::DVec2;
 use super::Rect;
 
 /// The point of the line from `a` to `b` that is nearest to a point.
+///
+/// ```
+/// use envgen::geometry::nearest_on_segment;
+/// use envgen::glam::DVec2;
+///
+/// let (a, b) = (DVec2::ZERO, DVec2::new(4.0, 0.0));
+/// assert_eq!(nearest_on_segment(DVec2::new(1.0, 2.0), a, b), DVec2::new(1.0, 0.0));
+/// // Beyond an end, the end is nearest.
+/// assert_eq!(nearest_on_segment(DVec2::new(7.0, 2.0), a, b), b);
+/// ```
 pub fn nearest_on_segment(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
     let along = b - a;
     let length2 = along.length_squared();
@@ -13,6 +23,15 @@ pub fn nearest_on_segment(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
 }
 
 /// Distance from a point to the line from `a` to `b`.
+///
+/// ```
+/// use envgen::geometry::distance_to_segment;
+/// use envgen::glam::DVec2;
+///
+/// let (a, b) = (DVec2::ZERO, DVec2::new(4.0, 0.0));
+/// assert_eq!(distance_to_segment(DVec2::new(1.0, 2.0), a, b), 2.0);
+/// assert_eq!(distance_to_segment(DVec2::new(7.0, 4.0), a, b), 5.0);
+/// ```
 pub fn distance_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     p.distance(nearest_on_segment(p, a, b))
 }
@@ -29,6 +48,17 @@ pub(crate) fn split_segment(
 }
 
 /// Whether two lines share a point, ends and overlaps included.
+///
+/// ```
+/// use envgen::geometry::segments_cross;
+/// use envgen::glam::DVec2;
+///
+/// let (a, b) = (DVec2::ZERO, DVec2::new(2.0, 2.0));
+/// assert!(segments_cross(a, b, DVec2::new(0.0, 2.0), DVec2::new(2.0, 0.0)));
+/// // Lines that only touch at an end share a point too; parallel ones beside each other do not.
+/// assert!(segments_cross(a, b, b, DVec2::new(5.0, 0.0)));
+/// assert!(!segments_cross(a, b, DVec2::X, DVec2::new(3.0, 2.0)));
+/// ```
 pub fn segments_cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
     let side = |p: DVec2, q: DVec2, r: DVec2| {
         let s = (q - p).perp_dot(r - p);

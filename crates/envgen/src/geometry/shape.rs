@@ -63,6 +63,17 @@ impl Shape {
 
     /// A box of the given thickness around the line from `a` to `b`, lengthened at both ends by
     /// `extension` metres.
+    ///
+    /// ```
+    /// use envgen::geometry::Shape;
+    /// use envgen::glam::DVec2;
+    ///
+    /// // Two walls meet in a corner without a notch where each is longer by half its thickness.
+    /// let (corner, end) = (DVec2::ZERO, DVec2::new(3.0, 0.0));
+    /// let wall = Shape::thick_segment(corner, end, 0.2, 0.1);
+    /// assert!(wall.contains(DVec2::new(-0.05, 0.05)));
+    /// assert!((wall.bounds().size() - DVec2::new(3.2, 0.2)).length() < 1e-12);
+    /// ```
     pub fn thick_segment(a: DVec2, b: DVec2, thickness: f64, extension: f64) -> Shape {
         let along = b - a;
         Shape::Box {
@@ -86,6 +97,19 @@ impl Shape {
     }
 
     /// The smallest axis-aligned rectangle around the shape.
+    ///
+    /// ```
+    /// use std::f64::consts::FRAC_PI_2;
+    ///
+    /// use envgen::geometry::Shape;
+    /// use envgen::glam::DVec2;
+    ///
+    /// // A box of 4 m by 2 m whose width lies along +y.
+    /// let half_size = DVec2::new(2.0, 1.0);
+    /// let shape = Shape::Box { center: DVec2::new(5.0, 5.0), half_size, heading: FRAC_PI_2 };
+    /// assert_eq!(shape.bounds().min, DVec2::new(4.0, 3.0));
+    /// assert_eq!(shape.bounds().size(), DVec2::new(2.0, 4.0));
+    /// ```
     pub fn bounds(&self) -> Rect {
         match self {
             Shape::Disc { center, radius } => Rect::new(*center, *center).grown(*radius),
@@ -154,6 +178,16 @@ impl Shape {
     }
 
     /// The point of the shape that is nearest to a point: the point itself when it lies inside.
+    ///
+    /// ```
+    /// use envgen::geometry::Shape;
+    /// use envgen::glam::DVec2;
+    ///
+    /// let trunk = Shape::Disc { center: DVec2::new(3.0, 0.0), radius: 0.5 };
+    /// assert_eq!(trunk.nearest_point(DVec2::ZERO), DVec2::new(2.5, 0.0));
+    /// let inside = DVec2::new(3.2, 0.1);
+    /// assert_eq!(trunk.nearest_point(inside), inside);
+    /// ```
     pub fn nearest_point(&self, p: DVec2) -> DVec2 {
         match self {
             Shape::Segment { a, b } => nearest_on_segment(p, *a, *b),
@@ -187,6 +221,19 @@ impl Shape {
 
     /// The shape turned about the middle of its bounds, counter-clockwise by an angle in radians. Quarter turns
     /// of a box along the axes keep it along them.
+    ///
+    /// ```
+    /// use std::f64::consts::FRAC_PI_2;
+    ///
+    /// use envgen::geometry::{Rect, Shape};
+    /// use envgen::glam::DVec2;
+    ///
+    /// let desk = Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::new(2.0, 1.0)));
+    /// let turned = desk.turned(FRAC_PI_2);
+    /// // The middle stays where it was.
+    /// assert_eq!(turned.bounds().center(), desk.bounds().center());
+    /// assert_eq!(turned.bounds().size(), DVec2::new(1.0, 2.0));
+    /// ```
     pub fn turned(&self, angle: f64) -> Shape {
         let (middle, axis) = (self.bounds().center(), box_axis(wrap_angle(angle)));
         let turn = |p: DVec2| middle + axis.rotate(p - middle);

@@ -124,6 +124,17 @@ impl GridFrame {
 
     /// The cells that share a side with a cell: left, right, below, above, as far as there are any.
     ///
+    /// ```
+    /// use envgen::GridFrame;
+    /// use envgen::glam::DVec2;
+    ///
+    /// let frame = GridFrame { origin: DVec2::ZERO, cell_size: 1.0, cols: 3, rows: 2 };
+    /// // The lower left corner has neighbours to the right and above.
+    /// assert_eq!(frame.neighbours(0).collect::<Vec<_>>(), [1, 3]);
+    /// assert_eq!(frame.neighbour(0, 1, 1), Some(4));
+    /// assert_eq!(frame.neighbour(0, -1, 0), None);
+    /// ```
+    ///
     /// # Panics
     /// When the grid has no columns.
     #[inline]

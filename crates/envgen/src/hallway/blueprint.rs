@@ -8,6 +8,17 @@ use super::state::State;
 use crate::seed::Seed;
 
 /// The states of a hallway, with the spec and seed that they were drawn for.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+///
+/// let hallway = HallwaySpec { segments: 20, ..Default::default() }.generate(Seed(7))?;
+/// let layout = hallway.layout();
+/// // Each segment owns a cell of the lattice; the first one's middle is the origin.
+/// assert_eq!((layout.cells().len(), layout.cells()[0].length()), (20, 0.0));
+/// assert_eq!(hallway.to_world().start, Some(layout.start()));
+/// # Ok::<(), envgen::SpecError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Hallway {
     pub(super) states: Vec<State>,

@@ -62,6 +62,16 @@ impl HallwayChain {
     /// With `p_st` = 0 and `p_tt` < 1 a straight segment is never followed by a turn, and the result is
     /// the limit for `p_st` to 0: a quarter each.
     ///
+    /// ```
+    /// use envgen::hallway::HallwayChain;
+    ///
+    /// let law = HallwayChain::new(0.4, 0.0)?.stationary()?;
+    /// assert!((law.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    /// // Turns are states 5 to 8: their share is p_st / (p_st + 1 - p_tt).
+    /// assert!((law[4..].iter().sum::<f64>() - 0.4 / 1.4).abs() < 1e-12);
+    /// # Ok::<(), envgen::SpecError>(())
+    /// ```
+    ///
     /// # Errors
     /// With `p_st` = 0 and `p_tt` = 1, where straights follow straights and turns follow turns forever,
     /// so that the stationary law is not unique.
@@ -80,6 +90,16 @@ impl HallwayChain {
     }
 
     /// The expected number of turns among `n` states, the start state included.
+    ///
+    /// ```
+    /// use envgen::hallway::{HallwayChain, State};
+    ///
+    /// let chain = HallwayChain::new(0.4, 0.0)?;
+    /// // Of two states the second is a turn with probability 0.4.
+    /// assert!((chain.expected_turns(State::UP, 2) - 0.4).abs() < 1e-12);
+    /// assert!((chain.expected_turns(State::UP, 1000) / 1000.0 - 0.4 / 1.4).abs() < 1e-3);
+    /// # Ok::<(), envgen::SpecError>(())
+    /// ```
     pub fn expected_turns(&self, start: State, n: usize) -> f64 {
         let p_ts = 1.0 - self.p_tt;
         let leave = self.p_st + p_ts;
@@ -110,6 +130,20 @@ impl HallwayChain {
     }
 
     /// Estimates both probabilities from a history of states by maximum likelihood.
+    ///
+    /// ```
+    /// use envgen::hallway::{HallwayChain, State};
+    ///
+    /// let state = |number| State::new(number).expect("from 1 to 8");
+    /// // Up, up, left turn, left: one of two straight segments is followed by a turn.
+    /// let history = [state(3), state(3), state(5), state(1)];
+    /// let estimate = HallwayChain::estimate(&history)?;
+    /// assert_eq!((estimate.p_st.hits, estimate.p_st.trials), (1, 2));
+    /// assert_eq!(estimate.p_tt.value(), Some(0.0));
+    /// // A hallway cannot turn around at once.
+    /// assert!(HallwayChain::estimate(&[state(1), state(4)]).is_err());
+    /// # Ok::<(), envgen::hallway::HistoryError>(())
+    /// ```
     ///
     /// # Errors
     /// The first transition that the chain does not have.
@@ -166,6 +200,14 @@ impl Proportion {
 
     /// Wilson's score interval for a standard normal quantile `z` (1.96 for 95 %): E. B. Wilson,
     /// Probable Inference, JASA 22, 1927, <https://doi.org/10.1080/01621459.1927.10502953>. Without trials it is [0, 1].
+    ///
+    /// ```
+    /// use envgen::hallway::Proportion;
+    ///
+    /// let (low, high) = Proportion { hits: 5, trials: 10 }.wilson(1.96);
+    /// assert!((low - 0.2366).abs() < 1e-4 && (high - 0.7634).abs() < 1e-4);
+    /// assert_eq!(Proportion::default().wilson(1.96), (0.0, 1.0));
+    /// ```
     ///
     /// # Panics
     /// When `z` is negative or not finite.

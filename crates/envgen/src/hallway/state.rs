@@ -17,6 +17,18 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 /// | 6 | left turn, right to up | straight 4 | 3 | 5 |
 /// | 7 | right turn, left to up | straight 1 | 2 | 8 |
 /// | 8 | right turn, up to right | straight 2 | 4 | 6 |
+///
+/// ```
+/// use envgen::glam::DVec2;
+/// use envgen::hallway::State;
+///
+/// // After a straight segment up, a left turn (state 5) leads to the left.
+/// let turn = State::UP.turn();
+/// assert_eq!((turn.number(), turn.is_turn()), (5, true));
+/// assert_eq!((turn.entry(), turn.exit()), (DVec2::Y, DVec2::NEG_X));
+/// assert_eq!(turn.straight(), State::new(1).expect("from 1 to 8"));
+/// assert_eq!(State::new(9), None);
+/// ```
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct State(u8);
 

@@ -14,6 +14,18 @@ const NO_DATA: f64 = -9999.0;
 /// `yllcorner` or `yllcenter`, `cellsize` and, optionally, `NODATA_value`, then the values, the
 /// top row first. Source: ESRI ASCII raster format, `ArcGIS` documentation.
 ///
+/// ```
+/// use envgen::glam::DVec2;
+/// use envgen::import::read_asc;
+///
+/// let text = "ncols 2\nnrows 2\nxllcorner 100\nyllcorner 200\ncellsize 10\n1 2\n-9999 1\n";
+/// let raster = read_asc(&mut text.as_bytes())?.raster;
+/// assert_eq!((raster.origin, raster.cell), (DVec2::new(100.0, 200.0), 10.0));
+/// // The top row comes first; no data is class 0.
+/// assert_eq!(raster.cells, [1, 2, 0, 1]);
+/// # Ok::<(), envgen::import::RasterFileError>(())
+/// ```
+///
 /// # Errors
 /// Names the line with the mistake.
 pub fn read_asc(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError> {

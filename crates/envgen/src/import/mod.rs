@@ -108,6 +108,21 @@ pub const READERS: &[(&str, Reader)] = &[
 
 /// The reader of a file, selected by the ending of its name, in upper or lower case.
 ///
+/// ```
+/// use std::path::Path;
+///
+/// use envgen::import::reader;
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+///
+/// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+/// let path = Path::new("hallway.RON");
+/// let read = reader(path)?(&mut world.to_ron()?.as_bytes(), path)?;
+/// assert_eq!(read, world);
+/// let error = reader(Path::new("hallway.doc")).err().expect("no such format");
+/// assert!(error.to_string().contains(".json, .ron"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// Lists the endings that exist.
 pub fn reader(path: &Path) -> Result<Reader, ImportError> {

@@ -17,6 +17,17 @@ const TERRAIN: [(&str, f64); 5] = [(".G", 1.0), ("S", 0.5), ("W", 0.0), ("T", 0.
 /// (`T`), 5 out of bounds (`@`, `O`). Ground has the speed 1, swamp 0.5, the others 0; a cell has
 /// a side of 1 m.
 ///
+/// ```
+/// use envgen::import::read_map;
+///
+/// let text = "type octile\nheight 2\nwidth 3\nmap\n..@\n.S.\n";
+/// let raster = read_map(&mut text.as_bytes())?.raster;
+/// assert_eq!(raster.cells, [1, 1, 5, 1, 2, 1]);
+/// let speeds = [1, 2, 5].map(|class| raster.speed_of(class));
+/// assert_eq!(speeds, [1.0, 0.5, 0.0]);
+/// # Ok::<(), envgen::import::RasterFileError>(())
+/// ```
+///
 /// # Errors
 /// Names the line with the mistake.
 pub fn read_map(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError> {
@@ -69,6 +80,16 @@ pub fn read_map(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
 }
 
 /// Reads a MovingAI scenario file.
+///
+/// ```
+/// use envgen::import::read_scenarios;
+///
+/// let text = "version 1\n0\tarena.map\t49\t49\t1\t11\t1\t12\t1\n";
+/// let tasks = read_scenarios(&mut text.as_bytes())?;
+/// assert_eq!((tasks[0].start, tasks[0].goal, tasks[0].length), ([1, 11], [1, 12], 1.0));
+/// assert!(read_scenarios(&mut "0 arena.map\n".as_bytes()).is_err());
+/// # Ok::<(), envgen::import::RasterFileError>(())
+/// ```
 ///
 /// # Errors
 /// Names the line with the mistake.

@@ -76,6 +76,22 @@ pub enum RosMode {
 }
 
 /// A map's description: the YAML file.
+///
+/// ```
+/// use envgen::export::ros_map::RosCell;
+/// use envgen::import::ros_map::{RosDescription, UnknownCells};
+///
+/// let description = RosDescription::from_yaml(
+///     "image: map.pgm\nresolution: 0.5\norigin: [1.0, 2.0, 0.0]\nnegate: 0\n\
+///      occupied_thresh: 0.65\nfree_thresh: 0.196\n",
+/// )?;
+/// // A grey image of 2 x 1 pixels: black is occupied, white is free.
+/// let map = description.map(b"P5\n2 1\n255\n\x00\xff")?;
+/// assert_eq!(map.cells, [RosCell::Occupied, RosCell::Free]);
+/// let world = map.to_world(UnknownCells::Solid);
+/// assert_eq!(world.walls[0].shape.bounds().min, envgen::glam::DVec2::new(1.0, 2.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct RosDescription {
     /// The image's file; a relative name starts at the description's folder.

@@ -14,6 +14,17 @@ use crate::seed::Seed;
 use crate::world::Contents;
 
 /// A plan on a grid, with the spec and seed that it was drawn for.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+///
+/// let plan = IndoorSpec { difficulty: 3.0, ..Default::default() }.generate(Seed(3))?;
+/// assert_eq!((plan.seed(), plan.is_edited()), (Some(Seed(3)), false));
+/// let world = plan.to_world();
+/// assert_eq!(world.rooms.len(), plan.rooms().len());
+/// assert_eq!(world.doorways.len(), plan.openings().len());
+/// # Ok::<(), envgen::indoor::IndoorError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloorPlan {
     pub(super) spec: Box<IndoorSpec>,

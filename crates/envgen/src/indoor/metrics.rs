@@ -10,6 +10,18 @@ use super::grid::{Cell, Origin};
 use crate::world::Contents;
 
 /// Numbers that describe a plan. Draws are null or empty for plans that were not generated.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+///
+/// let plan = IndoorSpec { width: 12, height: 10, ..Default::default() }.generate(Seed(3))?;
+/// let metrics = plan.metrics();
+/// let cells = &metrics.cells;
+/// assert_eq!(cells.hallway + cells.open + cells.room + cells.solid, 12 * 10);
+/// // Everything is connected.
+/// assert_eq!((metrics.parts, metrics.rooms_closed), (1, 0));
+/// # Ok::<(), envgen::indoor::IndoorError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct IndoorMetrics {
     /// Distance between vertical and between horizontal hallways before the clamp, in cells.

@@ -317,6 +317,18 @@ impl IndoorSpec {
     }
 
     /// The probability of each of [`IndoorSpec::allowed_rooms`] to be drawn.
+    ///
+    /// ```
+    /// use envgen::indoor::IndoorSpec;
+    ///
+    /// // The more difficult the map, the more difficult the rooms that are likely.
+    /// let mean = |difficulty: f64| {
+    ///     let spec = IndoorSpec { difficulty, ..Default::default() };
+    ///     let rooms = spec.allowed_rooms().into_iter().zip(spec.room_probabilities());
+    ///     rooms.map(|(room, p)| p * room.difficulty).sum::<f64>()
+    /// };
+    /// assert!(mean(9.0) > mean(1.0) + 1.0);
+    /// ```
     pub fn room_probabilities(&self) -> Vec<f64> {
         let rooms = self.allowed_rooms();
         match self.room_choice {

@@ -10,6 +10,17 @@ use crate::seed::Seed;
 use crate::world::ClassRaster;
 
 /// A landscape: the class of each cell, with the spec and seed that it was generated from.
+///
+/// ```
+/// use envgen::landscape::{LandscapeSpec, edge_count};
+/// use envgen::{Seed, Spec};
+///
+/// let landscape = LandscapeSpec { rows: 20, cols: 30, ..Default::default() }.generate(Seed(7))?;
+/// assert_eq!(landscape.counts().iter().sum::<u32>(), 20 * 30);
+/// assert_eq!(landscape.total_edge(), edge_count(landscape.cells(), landscape.cols()));
+/// assert!((landscape.ted() - landscape.total_edge() as f64 / 600.0).abs() < 1e-12);
+/// # Ok::<(), envgen::landscape::LandscapeError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Landscape {
     beta: f64,

@@ -107,6 +107,16 @@ impl Composition {
 
 /// The entropy of class counts in nats: Kuznetsov's definition 2, the Shannon diversity index of
 /// ecology. 0 when there are no cells; the same to the last bit in any order of the classes.
+///
+/// ```
+/// use std::f64::consts::LN_2;
+///
+/// use envgen::landscape::entropy_of;
+///
+/// // Four classes of the same size have ln 4 = 2 ln 2 nats; empty classes do not count.
+/// assert!((entropy_of(&[5, 5, 0, 5, 5]) - 2.0 * LN_2).abs() < 1e-12);
+/// assert_eq!(entropy_of(&[20]), 0.0);
+/// ```
 pub fn entropy_of(counts: &[u32]) -> f64 {
     let mut counts: Vec<u32> = counts.iter().copied().filter(|&n| n > 0).collect();
     counts.sort_unstable();
@@ -122,6 +132,14 @@ pub fn entropy_of(counts: &[u32]) -> f64 {
 }
 
 /// The largest entropy, in nats, that `cells` cells in `classes` classes reach; 0 without either.
+///
+/// ```
+/// use envgen::landscape::{entropy_of, largest_entropy};
+///
+/// // Ten cells in three classes are at best 4, 3 and 3: a little less even than 9 cells can be.
+/// assert_eq!(largest_entropy(10, 3), entropy_of(&[4, 3, 3]));
+/// assert!(largest_entropy(10, 3) < largest_entropy(9, 3));
+/// ```
 pub fn largest_entropy(cells: u64, classes: u64) -> f64 {
     if cells <= MAX_CELLS && classes <= 65_535 {
         let counts = even_counts(cells as u32, classes as usize);

@@ -9,6 +9,15 @@ const LANE: usize = 1 << 12;
 /// Kuznetsov's Total Edge. Every cell counts as a cell of a class; see
 /// [`Adjacency`](super::metrics::Adjacency) for rasters with no-data cells. O(N), in one vectorised pass.
 ///
+/// ```
+/// use envgen::landscape::edge_count;
+///
+/// // 1 1 2
+/// // 1 2 2
+/// assert_eq!(edge_count(&[1, 1, 2, 1, 2, 2], 3), 3);
+/// assert_eq!(edge_count(&[7; 6], 3), 0);
+/// ```
+///
 /// # Panics
 /// When the number of cells is not a multiple of `cols`.
 #[track_caller]
@@ -42,6 +51,13 @@ pub fn edge_count(cells: &[u16], cols: usize) -> u64 {
 }
 
 /// The number of inner cell sides of a grid: the Total Edge if all neighbours differ.
+///
+/// ```
+/// use envgen::landscape::inner_sides;
+///
+/// // Two rows of three cells: four sides within rows, three between them.
+/// assert_eq!(inner_sides(2, 3), 7);
+/// ```
 pub fn inner_sides(rows: u64, cols: u64) -> u64 {
     rows * cols.saturating_sub(1) + cols * rows.saturating_sub(1)
 }
@@ -51,6 +67,16 @@ pub fn inner_sides(rows: u64, cols: u64) -> u64 {
 ///
 /// It replaces the fit in Kuznetsov (2017), section 4; see
 /// [`published::random_ted`](super::published::random_ted).
+///
+/// ```
+/// use envgen::Seed;
+/// use envgen::landscape::{edge_count, mean_edge_count, random_fill};
+///
+/// let counts = [200, 120, 80];
+/// let edges = |seed| edge_count(&random_fill(&counts, Seed(seed)), 20);
+/// let mean = (0..100).map(edges).sum::<u64>() as f64 / 100.0;
+/// assert!((mean / mean_edge_count(20, 20, &counts) - 1.0).abs() < 0.02);
+/// ```
 pub fn mean_edge_count(rows: u64, cols: u64, counts: &[u32]) -> f64 {
     let cells = (rows * cols) as f64;
     if cells < 2.0 {
@@ -84,6 +110,16 @@ pub fn least_cut(rows: u64, cols: u64, k: u64) -> u64 {
 
 /// A lower bound over all arrangements of the counts: every class has at least its least cut, and each
 /// side counts for two classes.
+///
+/// ```
+/// use envgen::landscape::{edge_count, edge_lower_bound, edge_upper_bound};
+///
+/// // Two classes of eight cells on 4 x 4: two halves are best, a checkerboard is worst.
+/// let halves: Vec<u16> = (0..16).map(|i| 1 + u16::from(i >= 8)).collect();
+/// assert_eq!(edge_lower_bound(4, 4, &[8, 8]), edge_count(&halves, 4));
+/// let checkerboard: Vec<u16> = (0..16).map(|i| 1 + (i + i / 4) % 2).collect();
+/// assert_eq!(edge_upper_bound(4, 4, &[8, 8]), edge_count(&checkerboard, 4));
+/// ```
 pub fn edge_lower_bound(rows: u64, cols: u64, counts: &[u32]) -> u64 {
     counts.iter().map(|&n| least_cut(rows, cols, u64::from(n))).sum::<u64>().div_ceil(2)
 }

@@ -105,6 +105,22 @@ impl<'a> TravelMap<'a> {
 
     /// A least-cost path between two cells (A* with the straight distance over the fastest
     /// ground); `None` when there is no path, or a cell cannot be passed.
+    ///
+    /// ```
+    /// use envgen::glam::DVec2;
+    /// use envgen::landscape::{metrics::Neighbourhood, paths::TravelMap};
+    /// use envgen::world::ClassRaster;
+    ///
+    /// // A wall of class 2 in the middle column leaves a gap in the lower row.
+    /// let cells = vec![1, 2, 1, 1, 2, 1, 1, 1, 1];
+    /// let speeds = vec![0.0, 1.0, 0.0];
+    /// let raster = ClassRaster { rows: 3, cols: 3, cell: 1.0, origin: DVec2::ZERO, cells, speeds };
+    /// let map = TravelMap::new(&raster, Neighbourhood::Four)?;
+    /// let path = map.path(0, 2).expect("a path around the wall");
+    /// assert_eq!((path.cells, path.cost), (vec![0, 3, 6, 7, 8, 5, 2], 6.0));
+    /// assert_eq!(map.path(0, 1), None);
+    /// # Ok::<(), envgen::landscape::metrics::RasterError>(())
+    /// ```
     pub fn path(&self, from: usize, to: usize) -> Option<TravelPath> {
         if !(self.is_passable(from) && self.is_passable(to)) {
             return None;

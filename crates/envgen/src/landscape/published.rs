@@ -52,6 +52,18 @@ pub fn published_ted(fit: &TedFit, epsilon: f64) -> Option<f64> {
 /// edge; and its a1 has a power of l - 10.9641, which is not a number for fewer classes and far too
 /// large just above: 12 classes get twice the exact density, from 20 on the fit is good to 0.12.
 /// `None` for up to 10 classes, and where `entropy` is outside [0, ln l].
+///
+/// ```
+/// use envgen::landscape::{Composition, mean_edge_count, published::random_ted};
+///
+/// // The fit of the paper is within 0.12 of the exact mean from 20 classes on.
+/// let counts = Composition::closest(48 * 48, 30, 2.0, false)?;
+/// let exact = mean_edge_count(48, 48, counts.counts()) / (48.0 * 48.0);
+/// let fitted = random_ted(30, 2.0).expect("more than 10 classes");
+/// assert!((fitted - exact).abs() < 0.12);
+/// assert_eq!(random_ted(9, 1.0), None);
+/// # Ok::<(), envgen::SpecError>(())
+/// ```
 pub fn random_ted(classes: u32, entropy: f64) -> Option<f64> {
     let l = f64::from(classes);
     let most = libm::log(l);

@@ -17,6 +17,15 @@ const PART: usize = 1 << 16;
 /// Sankhya A 23, 1961). The dealing is drawn twice from the same stream, once to learn the parts'
 /// sizes and once to place the cells, so that no copy is needed.
 ///
+/// ```
+/// use envgen::{Seed, landscape::random_fill};
+///
+/// // Classes count from 1.
+/// let cells = random_fill(&[50, 30, 20], Seed(7));
+/// let count = |class: u16| cells.iter().filter(|&&cell| cell == class).count();
+/// assert_eq!([1, 2, 3].map(count), [50, 30, 20]);
+/// ```
+///
 /// # Panics
 /// When there are more than 65535 classes.
 #[track_caller]

@@ -13,6 +13,13 @@ const DIFFICULTIES: [Srgb; 6] = [
 ];
 
 /// The colour of a difficulty from 0 to 10, darker the more difficult; values outside are clamped.
+///
+/// ```
+/// use envgen::palette;
+///
+/// assert!(palette::difficulty(0.0).lightness() > palette::difficulty(10.0).lightness());
+/// assert_eq!(palette::difficulty(12.0), palette::difficulty(10.0));
+/// ```
 pub fn difficulty(difficulty: f64) -> Srgb {
     let at = (difficulty.clamp(0.0, 10.0) / 10.0) * (DIFFICULTIES.len() - 1) as f64;
     let i = (at as usize).min(DIFFICULTIES.len() - 2);

@@ -14,6 +14,14 @@ impl Srgb {
     }
 
     /// The colour between this one (share 0) and another (share 1), channel by channel.
+    ///
+    /// ```
+    /// use envgen::palette::Srgb;
+    ///
+    /// let (red, blue) = (Srgb([200, 0, 0]), Srgb([0, 0, 100]));
+    /// assert_eq!(red.mix(blue, 0.25), Srgb([150, 0, 25]));
+    /// assert_eq!(red.mix(blue, 1.0), blue);
+    /// ```
     pub fn mix(self, other: Srgb, share: f64) -> Srgb {
         let mixed = |i: usize| {
             let (a, b) = (f64::from(self.0[i]), f64::from(other.0[i]));

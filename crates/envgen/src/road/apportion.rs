@@ -6,6 +6,13 @@ const VANISHING: f64 = 1e-9;
 /// Lengths of the segments: each its minimum and its proportion of what is left of `length`. They
 /// are multiples of the [`quantum`] and sum to `length` exactly, in any order; a length of
 /// under a nanometre becomes 0.
+///
+/// ```
+/// use envgen::road::lengths;
+///
+/// // 100 m: 10 m at least for each, and the remaining 80 m by proportion.
+/// assert_eq!(lengths(100.0, &[10.0, 10.0], &[0.25, 0.75]), [30.0, 70.0]);
+/// ```
 pub fn lengths(length: f64, minima: &[f64], proportions: &[f64]) -> Vec<f64> {
     let free = length - minima.iter().sum::<f64>();
     let mut lengths: Vec<f64> =
@@ -36,6 +43,13 @@ pub fn quantum(length: f64) -> f64 {
 
 /// Divides `count` in proportion to `lengths` by largest remainder: each gets the whole part of
 /// its quota, and what is left goes to the largest fractions, to the lower index among equals.
+///
+/// ```
+/// use envgen::road::largest_remainder;
+///
+/// // Quotas of 1.5, 1.5 and 3: the point that is left goes to the first of equals.
+/// assert_eq!(largest_remainder(&[1.0, 1.0, 2.0], 6), [2, 1, 3]);
+/// ```
 pub fn largest_remainder(lengths: &[f64], count: u64) -> Vec<u64> {
     let total: f64 = lengths.iter().sum();
     let quotas: Vec<f64> = lengths.iter().map(|l| l / total * count as f64).collect();

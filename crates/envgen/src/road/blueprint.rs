@@ -155,6 +155,17 @@ impl Road {
     /// Where a point lies relative to the road: the nearest point of the exact centreline. `None`
     /// for a point that is not finite. Time: about the logarithm of the number of segments; the
     /// first call also builds the index.
+    ///
+    /// ```
+    /// use envgen::{Seed, Spec, road::RoadSpec, glam::DVec2};
+    ///
+    /// let road = RoadSpec::default().generate(Seed(7))?;
+    /// // A point 1 m to the left of the road's 100th metre.
+    /// let point = road.pose_at(100.0).to_world(DVec2::new(0.0, 1.0));
+    /// let located = road.locate(point).expect("a finite point");
+    /// assert!((located.s - 100.0).abs() < 1e-6 && (located.offset - 1.0).abs() < 1e-6);
+    /// # Ok::<(), envgen::road::RoadError>(())
+    /// ```
     pub fn locate(&self, point: DVec2) -> Option<Located> {
         self.index().locate(point)
     }

@@ -58,6 +58,18 @@ impl Concentration {
 ///
 /// Gamma variates are drawn and normalised as logarithms, so that very small concentrations such as
 /// 1e-6 work too: one proportion is then 1 and the others are 0, as the law requires.
+///
+/// ```
+/// use envgen::Seed;
+/// use envgen::road::{Concentration, dirichlet};
+///
+/// let mut stream = Seed(7).stream("example", 0);
+/// // The greater the concentration, the more similar the proportions.
+/// let even = dirichlet(&Concentration::Same(1e6), 4, &mut stream);
+/// assert!(even.iter().all(|share| (share - 0.25).abs() < 0.01));
+/// let uneven = dirichlet(&Concentration::Each(vec![8.0, 1.0]), 2, &mut stream);
+/// assert!((uneven.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+/// ```
 pub fn dirichlet(alpha: &Concentration, count: usize, stream: &mut Stream) -> Vec<f64> {
     if count == 1 {
         return vec![1.0];

@@ -7,6 +7,19 @@ use super::turn::GRAVITY;
 use crate::curve::overlap::strip_overlap;
 
 /// Numbers that describe a road.
+///
+/// ```
+/// use envgen::road::{Prefab, RoadSpec};
+/// use envgen::{Blueprint, Seed, Spec};
+///
+/// let prefabs = vec![Prefab::Straight, Prefab::Left, Prefab::Straight];
+/// let metrics = RoadSpec { prefabs, ..Default::default() }.generate(Seed(7))?.metrics();
+/// // The one turn has 30 to 90 degrees.
+/// assert_eq!((metrics.turns, metrics.length), (1, 1000.0));
+/// assert!((30.0 - 1e-9..=90.0 + 1e-9).contains(&metrics.turning));
+/// assert!(metrics.straight_share < 1.0 && metrics.directness < 1.0);
+/// # Ok::<(), envgen::road::RoadError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RoadMetrics {
     /// Length in metres.

@@ -46,6 +46,19 @@ impl TurnLimits {
 
     /// Least and greatest radius in metres of a turn of the given length; the first exceeds the
     /// second when no radius is allowed.
+    ///
+    /// ```
+    /// use std::f64::consts::FRAC_PI_2;
+    ///
+    /// use envgen::road::TurnLimits;
+    ///
+    /// // Turns of 45 to 90 degrees, of at least 10 m radius, without clothoids.
+    /// let (theta_min, theta_max) = (0.5 * FRAC_PI_2, FRAC_PI_2);
+    /// let limits = TurnLimits { theta_min, theta_max, least_radius: 10.0, transition: 0.0 };
+    /// // An arc of radius r that is r pi / 2 long turns by 90 degrees.
+    /// let (least, greatest) = limits.radii(20.0 * FRAC_PI_2);
+    /// assert!((least - 20.0).abs() < 1e-9 && (greatest - 40.0).abs() < 1e-9);
+    /// ```
     pub fn radii(&self, length: f64) -> (f64, f64) {
         let effective = self.effective(length);
         (self.least_radius.max(effective / self.theta_max), effective / self.theta_min)

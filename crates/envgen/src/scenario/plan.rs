@@ -16,6 +16,20 @@ use crate::world::World;
 /// What moves in a world, and how.
 ///
 /// Its lists may be edited; [`ScenarioState::new`](super::ScenarioState::new) checks them against the world.
+///
+/// ```
+/// use envgen::scenario::{Scenario, ScenarioSpec, ScenarioState};
+/// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+///
+/// let world = IndoorSpec::default().generate(Seed(7))?.to_world();
+/// let spec = ScenarioSpec { people: 3, ..Default::default() };
+/// let mut scenario = Scenario::new(&world, &spec, Seed(1))?;
+/// // One of the three people runs, and another is left out.
+/// scenario.people[0].speed = 2.5;
+/// scenario.people.pop();
+/// assert_eq!(ScenarioState::new(&world, &scenario)?.people().len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {

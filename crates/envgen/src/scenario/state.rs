@@ -146,12 +146,46 @@ impl ScenarioState {
     }
 
     /// The same scenario from its start.
+    ///
+    /// ```
+    /// use envgen::scenario::{Scenario, ScenarioSpec, ScenarioState};
+    /// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+    ///
+    /// let world = IndoorSpec::default().generate(Seed(7))?.to_world();
+    /// let spec = ScenarioSpec { doors: 1.0, ..Default::default() };
+    /// let mut state = ScenarioState::new(&world, &Scenario::new(&world, &spec, Seed(1))?)?;
+    /// let first = state.digest();
+    /// state.step(30.0, &[])?;
+    /// assert_ne!(state.digest(), first);
+    /// assert_eq!(state.restarted().digest(), first);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn restarted(&self) -> Self {
         ScenarioState::start(Arc::clone(&self.scene))
     }
 
     /// Continues by `dt` seconds, from 0 to a day, with robots at their true positions. Everything moves in
     /// whole ticks: several short steps are as a long one, to the bit, where the robots are the same.
+    ///
+    /// ```
+    /// use envgen::scenario::{Robot, Scenario, ScenarioSpec, ScenarioState};
+    /// use envgen::{Blueprint, Seed, Spec, glam::DVec2, indoor::IndoorSpec};
+    ///
+    /// let world = IndoorSpec::default().generate(Seed(7))?.to_world();
+    /// let spec = ScenarioSpec { people: 4, ..Default::default() };
+    /// let mut state = ScenarioState::new(&world, &Scenario::new(&world, &spec, Seed(1))?)?;
+    /// let mut other = state.clone();
+    /// let position = world.start.expect("a start").position;
+    /// let robot = Robot { position, velocity: DVec2::ZERO, radius: 0.36 };
+    /// state.step(2.0, &[robot])?;
+    /// assert_eq!(state.tick(), 40);
+    /// // Many short steps are as a long one.
+    /// for _ in 0..80 {
+    ///     other.step(0.025, &[robot])?;
+    /// }
+    /// assert_eq!(other.digest(), state.digest());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// When `dt` is out of range, or a number of a robot is not finite or its radius negative; then nothing

@@ -150,6 +150,19 @@ impl ScenarioState {
 
     /// Distance in metres from a point to the nearest solid, leaf or person, infinite when none is within
     /// 2 m.
+    ///
+    /// ```
+    /// use envgen::scenario::{Scenario, ScenarioSpec, ScenarioState};
+    /// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+    ///
+    /// let world = IndoorSpec::default().generate(Seed(7))?.to_world();
+    /// let spec = ScenarioSpec { people: 1, ..Default::default() };
+    /// let state = ScenarioState::new(&world, &Scenario::new(&world, &spec, Seed(1))?)?;
+    /// // Where a person is, the world itself is free.
+    /// let position = state.people()[0].position;
+    /// assert!(state.clearance(position) == 0.0 && world.clearance(position) > 0.2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn clearance(&self, p: DVec2) -> f64 {
         let mut least = f64::INFINITY;
         self.contacts(p, self.scene.index.reach(), |contact| least = least.min(contact.distance));

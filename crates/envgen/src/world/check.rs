@@ -117,6 +117,18 @@ impl World {
     /// sizes, simple counter-clockwise polygons, parts inside the bounds, doorways between rooms that
     /// exist, start and goal in free space, claims about finite numbers, a whole raster.
     ///
+    /// ```
+    /// use envgen::world::{PartId, PartKind, Violation};
+    /// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
+    ///
+    /// let mut world = ForestSpec::default().generate(Seed(7))?.to_world();
+    /// assert_eq!(world.check(), Ok(()));
+    /// world.trees[2].radius = -0.1;
+    /// let tree = PartId { kind: PartKind::Tree, index: 2 };
+    /// assert_eq!(world.check(), Err(Violation::Size(tree)));
+    /// # Ok::<(), envgen::GenerateError>(())
+    /// ```
+    ///
     /// # Errors
     /// The first invariant that does not hold.
     pub fn check(&self) -> Result<(), Violation> {

@@ -27,6 +27,20 @@ impl Digest {
 
 impl World {
     /// The digest of everything but the provenance and the certificate: of the geometry alone.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+    ///
+    /// let mut world = HallwaySpec::default().generate(Seed(7))?.to_world();
+    /// let digest = world.digest();
+    /// world.provenance.edited = true;
+    /// assert_eq!(world.digest(), digest);
+    /// world.goal = None;
+    /// assert_ne!(world.digest(), digest);
+    /// // As text it has 64 hexadecimal digits.
+    /// assert_eq!(digest.to_string().len(), 64);
+    /// # Ok::<(), envgen::GenerateError>(())
+    /// ```
     pub fn digest(&self) -> Digest {
         let parts = (
             (self.bounds, self.start, self.goal),

@@ -169,6 +169,14 @@ impl World {
 
     /// The top in metres of the highest wall, which ceilings over hallways and open areas rest on; 2.6 without
     /// walls. Partitions and kerbs are no walls here.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+    ///
+    /// let spec = HallwaySpec { wall_height: 3.0, ..Default::default() };
+    /// assert_eq!(spec.generate(Seed(7))?.to_world().wall_top(), 3.0);
+    /// # Ok::<(), envgen::GenerateError>(())
+    /// ```
     pub fn wall_top(&self) -> f64 {
         let walls = self.walls.iter().filter(|wall| wall.kind == WallKind::Wall);
         walls.map(|wall| wall.extent().top()).reduce(f64::max).unwrap_or(WALL.top())
@@ -176,6 +184,18 @@ impl World {
 
     /// The bottom and top of the lintel over each doorway: from its opening to the top of the highest wall
     /// that it touches. `None` where there is no wall, or none that is [`MIN_HEIGHT`] higher than the opening.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+    ///
+    /// let world = IndoorSpec::default().generate(Seed(7))?.to_world();
+    /// let lintels = world.lintels();
+    /// assert_eq!(lintels.len(), world.doorways.len());
+    /// let lintel = lintels[0].expect("doorways of buildings are lower than the walls");
+    /// assert_eq!(lintel.bottom(), world.doorways[0].extent().top());
+    /// assert_eq!(lintel.top(), world.wall_top());
+    /// # Ok::<(), envgen::indoor::IndoorError>(())
+    /// ```
     pub fn lintels(&self) -> Vec<Option<Extent>> {
         let mut doors: Vec<_> = (0..self.doorways.len())
             .map(|i| (self.doorways[i].shape.bounds().grown(TOUCHING), i))

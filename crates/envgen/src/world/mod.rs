@@ -124,6 +124,13 @@ impl PartKind {
 }
 
 /// The stable name of a part: its kind and its index in the world's list of that kind.
+///
+/// ```
+/// use envgen::world::{PartId, PartKind};
+///
+/// let part = PartId { kind: PartKind::RoadStrip, index: 2 };
+/// assert_eq!(part.to_string(), "road_strip 2");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct PartId {
     /// The list.
@@ -149,6 +156,20 @@ pub struct Solid<'a> {
 
 impl World {
     /// An empty world.
+    ///
+    /// ```
+    /// use envgen::geometry::{Rect, Shape};
+    /// use envgen::glam::DVec2;
+    /// use envgen::world::{Wall, WallKind};
+    /// use envgen::{Provenance, World};
+    ///
+    /// let source = Provenance::other("manual", serde_json::json!({ "note": "a test" }));
+    /// let mut world = World::new(source, Rect::new(DVec2::ZERO, DVec2::new(10.0, 5.0)));
+    /// let shape = Shape::thick_segment(DVec2::new(5.0, 0.5), DVec2::new(5.0, 3.0), 0.2, 0.0);
+    /// world.walls.push(Wall::new(WallKind::Wall, shape));
+    /// assert_eq!(world.check(), Ok(()));
+    /// assert!((world.clearance(DVec2::new(2.9, 2.0)) - 2.0).abs() < 1e-12);
+    /// ```
     pub fn new(provenance: Provenance, bounds: Rect) -> Self {
         World {
             schema: Schema,
@@ -171,6 +192,17 @@ impl World {
 
     /// Everything that stops a robot and a ray: walls, trees, closed doors and obstacles, in this
     /// order, whatever their heights. Rooms, roads and surfaces do not.
+    ///
+    /// ```
+    /// use envgen::world::{Surface, SurfaceKind};
+    /// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec, geometry::Shape};
+    ///
+    /// let mut world = ForestSpec::default().generate(Seed(7))?.to_world();
+    /// // Water stops no ray, and is no solid.
+    /// world.surfaces.push(Surface::new(SurfaceKind::Water, Shape::from_rect(world.bounds)));
+    /// assert_eq!(world.solids().count(), world.trees.len());
+    /// # Ok::<(), envgen::GenerateError>(())
+    /// ```
     pub fn solids(&self) -> impl Iterator<Item = Solid<'_>> {
         let is_open = |id: PartId| self.doorways[id.index as usize].open;
         self.uprights().filter(move |part| part.id.kind != PartKind::Doorway || !is_open(part.id))
@@ -206,6 +238,17 @@ impl World {
 
     /// The solids that a level plane meets, such as a laser's, at a height in metres above the floor: in the
     /// order of [`World::solids`], with the open doorways whose lintels it meets. None for NaN.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+    ///
+    /// let spec = HallwaySpec { wall_height: 1.0, ..Default::default() };
+    /// let world = spec.generate(Seed(7))?.to_world();
+    /// assert_eq!(world.solids_at(0.5).count(), world.walls.len());
+    /// // A laser at 1.5 m looks over the walls.
+    /// assert_eq!(world.solids_at(1.5).count(), 0);
+    /// # Ok::<(), envgen::GenerateError>(())
+    /// ```
     pub fn solids_at(&self, height: f64) -> impl Iterator<Item = Solid<'_>> {
         self.solids_where(move |part| part.contains(height))
     }

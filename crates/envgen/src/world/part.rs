@@ -30,6 +30,15 @@ impl Wall {
     }
 
     /// Its longest side in metres.
+    ///
+    /// ```
+    /// use envgen::geometry::Shape;
+    /// use envgen::glam::DVec2;
+    /// use envgen::world::{Wall, WallKind};
+    ///
+    /// let shape = Shape::thick_segment(DVec2::ZERO, DVec2::new(0.0, 3.0), 0.2, 0.0);
+    /// assert!((Wall::new(WallKind::Wall, shape).length() - 3.0).abs() < 1e-12);
+    /// ```
     pub fn length(&self) -> f64 {
         match &self.shape {
             Shape::Box { half_size, .. } => 2.0 * half_size.max_element(),
@@ -72,6 +81,17 @@ pub struct Tree {
 
 impl Tree {
     /// A tree whose height follows from its radius.
+    ///
+    /// ```
+    /// use envgen::glam::DVec2;
+    /// use envgen::world::Tree;
+    ///
+    /// // 2.5 m, and ten times the radius.
+    /// let tree = Tree::new(DVec2::new(4.0, 1.0), 0.2);
+    /// assert!((tree.extent().top() - 4.5).abs() < 1e-12);
+    /// // The trunk ends inside the crown.
+    /// assert!(tree.crown().extent.contains(tree.trunk().top()));
+    /// ```
     pub fn new(center: DVec2, radius: f64) -> Self {
         Tree { center, radius, height: None }
     }
@@ -274,6 +294,20 @@ pub struct Surface {
 
 impl Surface {
     /// Ground on which robots drive as on a plain floor.
+    ///
+    /// ```
+    /// use envgen::geometry::{Rect, Shape};
+    /// use envgen::glam::DVec2;
+    /// use envgen::surface_index::Ground;
+    /// use envgen::world::{Surface, SurfaceKind};
+    ///
+    /// let area = Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::ONE));
+    /// let floor = Surface::new(SurfaceKind::Uneven, area);
+    /// assert_eq!(Ground::from(&floor), Ground::PLAIN);
+    /// // Sand: half the speed, and wheels that measure 1.2 m for each metre.
+    /// let sand = Surface { speed: 0.5, wheel_bias: 0.2, ..floor };
+    /// assert!((Ground::from(&sand).rolled(10.0) - 12.0).abs() < 1e-12);
+    /// ```
     pub fn new(kind: SurfaceKind, shape: Shape) -> Self {
         Surface { kind, shape, speed: 1.0, odometry_noise: 1.0, wheel_bias: 0.0, height: None }
     }

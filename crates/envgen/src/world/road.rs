@@ -49,6 +49,21 @@ impl RoadStrip {
 
     /// The surface as triangles, whose edges stray from the road's by at most `tolerance` metres.
     ///
+    /// ```
+    /// use envgen::geometry::signed_area;
+    /// use envgen::road::{Prefab, RoadSpec};
+    /// use envgen::{Blueprint, Seed, Spec};
+    ///
+    /// // A straight road of 100 m by 7 m.
+    /// let spec = RoadSpec { length: 100.0, prefabs: vec![Prefab::Straight], ..Default::default() };
+    /// let world = spec.generate(Seed(7))?.to_world();
+    /// let mesh = world.road_strips[0].mesh(0.01);
+    /// let corners = |triangle: &[u32; 3]| triangle.map(|i| mesh.vertices[i as usize]);
+    /// let area: f64 = mesh.triangles.iter().map(|triangle| signed_area(&corners(triangle))).sum();
+    /// assert!((area - 700.0).abs() < 1e-6);
+    /// # Ok::<(), envgen::road::RoadError>(())
+    /// ```
+    ///
     /// # Panics
     /// When `tolerance` is not positive.
     #[track_caller]

@@ -10,6 +10,15 @@ use crate::experiment::survey::{Family, Record, Survey, SurveyError, ron_options
 const FIRST: &str = include_str!("anchors_1.ron");
 
 /// Worlds that are easy, and worlds that are as hard as robots can still pass.
+///
+/// ```
+/// use mapping_trial::difficulty::{Anchors, Panel};
+///
+/// let (anchors, panel) = (Anchors::first(), Panel::reference());
+/// // 20 easy and 20 hard worlds, under 12 conditions, once each.
+/// let survey = anchors.survey(&panel, 1);
+/// assert_eq!((survey.maps().count(), survey.trials()), (40, 480));
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Anchors {
@@ -79,6 +88,15 @@ impl Anchors {
 }
 
 /// The scale of the [reference panel](Panel::reference), as measured with the [first](Anchors::first) anchors.
+///
+/// ```
+/// use mapping_trial::difficulty::{Panel, reference_scale};
+///
+/// let (scale, panel) = (reference_scale(), Panel::reference());
+/// assert_eq!((&scale.panel, scale.panel_version), (&panel.name, panel.version));
+/// // A trial that scores as those in the easy anchors has the difficulty 0.
+/// assert_eq!(scale.dials(scale.zero).difficulty, 0.0);
+/// ```
 pub fn reference_scale() -> &'static Scale {
     &Calibration::indoor().scale
 }

@@ -22,6 +22,20 @@ const HALLWAY: &str = include_str!("atlas/hallway.ron");
 const FOREST: &str = include_str!("atlas/forest.ron");
 
 /// Which worlds an atlas has.
+///
+/// ```
+/// use envgen::WorldKind;
+/// use mapping_trial::difficulty::{AtlasDesign, Panel};
+///
+/// let design = AtlasDesign::of(WorldKind::Forest).expect("forests are calibrated");
+/// assert_eq!(design.kind(), WorldKind::Forest);
+/// // Every world under every condition once.
+/// let panel = Panel::reference();
+/// let survey = design.survey(&panel)?;
+/// assert_eq!(survey.trials(), (survey.maps().count() * panel.conditions.len()) as u64);
+/// assert_eq!(AtlasDesign::of(WorldKind::Road), None);
+/// # Ok::<(), envgen::SettingsError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum AtlasDesign {
     /// Indoor maps of several sizes, whose levers are drawn.

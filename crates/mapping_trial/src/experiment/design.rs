@@ -210,6 +210,16 @@ impl Design {
 
     /// The seed of a trial's map: with seed 0, map 4 of level 7 has seed 70004. Maps of different
     /// levels share no draws.
+    ///
+    /// ```
+    /// use mapping_trial::experiment::{Design, Trial};
+    /// use mapping_trial::policy::PolicyKind;
+    ///
+    /// let design = Design::default();
+    /// // The fourth level of the design is 7.
+    /// let trial = Trial { level: 3, map: 4, noise: 0, operator: PolicyKind::Nearest };
+    /// assert_eq!((design.level(&trial), design.world_seed(&trial).0), (7.0, 70004));
+    /// ```
     pub fn world_seed(&self, trial: &Trial) -> Seed {
         let tenths = (self.level(trial) * 10.0).round() as u64;
         let own = tenths * u64::from(MAX_MAPS) + u64::from(trial.map);
@@ -238,6 +248,16 @@ impl Design {
 }
 
 /// A share of a design's trials: every `of`-th, beginning with the `index`-th. Written `2/8`.
+///
+/// ```
+/// use mapping_trial::experiment::Shard;
+///
+/// let shard: Shard = "2/8".parse()?;
+/// let places: Vec<_> = (0..20).filter(|&place| shard.has(place)).collect();
+/// assert_eq!(places, [1, 9, 17]);
+/// assert!("9/8".parse::<Shard>().is_err());
+/// # Ok::<(), envgen::SpecError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shard {

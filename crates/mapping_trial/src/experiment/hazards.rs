@@ -50,6 +50,16 @@ impl Hazard {
     /// A hazard from its name, such as `doors`, or from a setting of scenarios and its value, such as `doors=1` or
     /// `people=20`.
     ///
+    /// ```
+    /// use mapping_trial::experiment::hazards::Hazard;
+    ///
+    /// let hazard = Hazard::parse("people=20")?;
+    /// assert_eq!((hazard.name.as_str(), hazard.scenario.people), ("people=20", 20));
+    /// assert!(!Hazard::parse("doors")?.scenario.is_still());
+    /// assert!(Hazard::parse("lions=3").is_err());
+    /// # Ok::<(), envgen::SpecError>(())
+    /// ```
+    ///
     /// # Errors
     /// When there is no such setting, or the value is not allowed.
     pub fn parse(text: &str) -> Result<Self, SpecError> {

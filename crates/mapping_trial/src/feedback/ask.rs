@@ -33,6 +33,21 @@ pub enum FeedbackError {
 /// is shown in brackets, and an empty answer keeps it; an answer that is not allowed is asked for
 /// again.
 ///
+/// ```
+/// use mapping_trial::feedback::{Connection, Experience, Session, ask};
+///
+/// let session = Session::new("office", 1);
+/// // Name and experience; the session as it is known; three ratings; five answers.
+/// let mut answers = "Ada\nexperimental\n\n\n\n\n6\n5.5\n7\ndoors\nmaze\nlobby\nnone\nno\n".as_bytes();
+/// let mut questions = Vec::new();
+/// let feedback = ask(&session, &mut answers, &mut questions)?;
+/// assert_eq!((feedback.name.as_str(), feedback.experience), ("Ada", Experience::Experimental));
+/// assert_eq!(feedback.session.connection, Connection::Direct);
+/// assert_eq!(feedback.mapping.value(), 5.5);
+/// assert!(String::from_utf8_lossy(&questions).starts_with("Robot Mapping Feedback Form"));
+/// # Ok::<(), mapping_trial::feedback::FeedbackError>(())
+/// ```
+///
 /// # Errors
 /// If the input ends, an answer is too long, or reading or writing fails.
 pub fn ask(

@@ -158,6 +158,15 @@ pub struct NoChoice {
 }
 
 /// A rating from 0 to 10.
+///
+/// ```
+/// use mapping_trial::feedback::Rating;
+///
+/// let rating: Rating = " 7.5 ".parse()?;
+/// assert_eq!(rating.value(), 7.5);
+/// assert!(Rating::try_from(10.5).is_err() && Rating::try_from(f64::NAN).is_err());
+/// # Ok::<(), mapping_trial::feedback::NoRating>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize)]
 #[serde(try_from = "f64", into = "f64")]
 pub struct Rating(f64);

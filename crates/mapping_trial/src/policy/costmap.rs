@@ -45,6 +45,23 @@ pub(super) const STEPS: [IVec2; 8] = [
 ];
 
 /// Costs of planning cells, and frontier cells, tile by tile as in the map.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, glam::DVec2, hallway::HallwaySpec};
+/// use mapping_trial::policy::costmap::{CellCost, Costmap};
+/// use mapping_trial::{robot::Robot, truth::MappableArea};
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let (robot, area) = (Robot::default(), MappableArea::new(&world, &Robot::default())?);
+/// let mut costmap = Costmap::new(&robot);
+/// costmap.refresh(&area.perfect_map());
+/// // The middle of a corridor 2 m wide, 0.2 m from its wall, and outside.
+/// let from_middle = |x| area.start() + DVec2::new(x, 0.0);
+/// assert_eq!(costmap.class_at(from_middle(0.0)), CellCost::Open);
+/// assert_eq!(costmap.class_at(from_middle(0.8)), CellCost::Inflated);
+/// assert_eq!(costmap.class_at(from_middle(50.0)), CellCost::Unknown);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Costmap {
     inflation: Inflation,

@@ -29,6 +29,24 @@ pub struct Cluster {
 }
 
 /// The clusters of frontier cells, and the planning cells to visit them from.
+///
+/// ```
+/// use mapping_trial::map::{CellIndex, MISS, OccupancyMap};
+/// use mapping_trial::policy::{costmap::Costmap, frontier::Frontiers};
+/// use mapping_trial::robot::Robot;
+///
+/// // A free square of 2 m, seen twice: its border is one frontier.
+/// let mut map = OccupancyMap::new();
+/// for (col, row) in (0..40).flat_map(|col| (0..40).map(move |row| (col, row))) {
+///     map.add(CellIndex { col, row }, -2 * MISS);
+/// }
+/// map.touch(map.bounds().expect("there are cells"));
+/// let mut costmap = Costmap::new(&Robot::default());
+/// costmap.refresh(&map);
+/// let mut frontiers = Frontiers::new();
+/// frontiers.gather(&mut costmap, |_, _| false);
+/// assert_eq!((frontiers.len(), frontiers.cells(0).len()), (1, 4 * 39));
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Frontiers {
     /// Cells of all clusters, one cluster after the other.

@@ -96,6 +96,22 @@ pub trait ExplorationPolicy {
 }
 
 /// The built-in policies.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::names::Named;
+/// use mapping_trial::policy::PolicyKind;
+/// use mapping_trial::trial::{EndReason, Trial, TrialSettings};
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let policy = Some(PolicyKind::named("wall_follow")?);
+/// let settings = TrialSettings { policy, time_limit: 60.0, ..Default::default() };
+/// let mut trial = Trial::flat(&world, settings)?;
+/// while trial.step() {}
+/// assert_eq!(trial.end_of(0).map(|end| end.reason), Some(EndReason::Explored));
+/// assert!(trial.trajectory(0).distance > 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PolicyKind {

@@ -33,6 +33,27 @@ pub struct KeepoutZone {
 }
 
 /// The state of the last search, and its memory.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, glam::DVec2, hallway::HallwaySpec};
+/// use mapping_trial::policy::costmap::Costmap;
+/// use mapping_trial::policy::search::{COST_PER_METRE, GridPlanner};
+/// use mapping_trial::{robot::Robot, truth::MappableArea};
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let area = MappableArea::new(&world, &Robot::default())?;
+/// let mut costmap = Costmap::new(&Robot::default());
+/// costmap.refresh(&area.perfect_map());
+/// let (mut planner, start) = (GridPlanner::new(), area.start());
+/// // Straight ahead 1 m: the hallway starts upwards.
+/// let goal = start + DVec2::new(0.0, 1.0);
+/// let node = planner.to(&mut costmap, start, &[], goal).expect("a free path");
+/// assert_eq!(planner.cost(node), Some(COST_PER_METRE));
+/// let mut points = Vec::new();
+/// planner.path_to(&costmap, node, &mut points);
+/// assert!(points[0].distance(start) < 0.1 && points.last().unwrap().distance(goal) < 0.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct GridPlanner {
     nodes: Vec<State>,

@@ -24,6 +24,19 @@ const MOST_STEPS: usize = 200;
 /// `map` is in its own frame. From the guess the search goes uphill, in steps that become smaller: it finds a
 /// frame that is up to about a metre and ten degrees away, and of those that look alike the first. A map without
 /// walls stays where it is.
+///
+/// ```
+/// use envgen::geometry::Pose;
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::{robot::Robot, score, truth::MappableArea};
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let area = MappableArea::new(&world, &Robot::default())?;
+/// // The perfect map is in the world's frame, which is found again from a guess beside it.
+/// let frame = score::fit(&area, &area.perfect_map(), Pose::new(0.3, -0.2, 0.05));
+/// assert!(frame.position.length() < 0.1 && frame.heading.abs() < 0.02);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fit(truth: &MappableArea, map: &OccupancyMap, guess: Pose) -> Pose {
     let points = walls(map);
     // Turning about the middle of the walls does not shift them.

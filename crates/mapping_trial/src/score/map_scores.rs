@@ -122,6 +122,21 @@ pub struct TrajectoryScores {
 impl TrajectoryScores {
     /// Scores trajectories, one pair per robot, in the world's frame.
     ///
+    /// ```
+    /// use envgen::geometry::Pose;
+    /// use mapping_trial::score::{TrajectoryPair, TrajectoryScores};
+    ///
+    /// // 5 m along +x; the estimate is always 0.3 m too far to the left.
+    /// let truth: Vec<_> = (0..=50).map(|i| Pose::new(0.1 * f64::from(i), 0.0, 0.0)).collect();
+    /// let estimated: Vec<_> = truth.iter().map(|pose| Pose::new(pose.position.x, 0.3, 0.0)).collect();
+    /// let scores = TrajectoryScores::of(&[TrajectoryPair { truth: &truth, estimated: &estimated }])?;
+    /// assert!((scores.trajectory_error - 0.3).abs() < 1e-12);
+    /// // Relative to the metre before, it is exact; nothing is known over 20 m.
+    /// assert!(scores.relative_error_near.is_some_and(|error| error < 1e-12));
+    /// assert_eq!(scores.relative_error_far, None);
+    /// # Ok::<(), mapping_trial::score::ScoreError>(())
+    /// ```
+    ///
     /// # Errors
     /// If a pair's lists differ in length, or a pose is not finite.
     pub fn of(tracks: &[TrajectoryPair<'_>]) -> Result<Self, ScoreError> {

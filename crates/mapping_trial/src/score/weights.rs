@@ -82,12 +82,31 @@ impl Weights {
     }
 
     /// The same with one weight multiplied; `None` if no weight has that name.
+    ///
+    /// ```
+    /// use mapping_trial::score::Weights;
+    ///
+    /// let weights = Weights::default().changed("hits", 2.0).expect("a weight");
+    /// assert_eq!(weights.hits, 2.0 * Weights::default().hits);
+    /// assert_eq!(Weights::default().changed("speed", 2.0), None);
+    /// ```
     pub fn changed(mut self, weight: &str, factor: f64) -> Option<Self> {
         *self.all().into_iter().find(|(name, _)| *name == weight)?.1 *= factor;
         Some(self)
     }
 
     /// M, N and D on the scale from 0 to 10, from the parts of a score.
+    ///
+    /// ```
+    /// use mapping_trial::score::{Parts, Weights};
+    ///
+    /// // A pose that drifts as much as it can, and nothing else wrong.
+    /// let parts = Parts { e_pose: 1.0, ..Default::default() };
+    /// let difficulties = Weights::default().difficulties(&parts);
+    /// assert!((difficulties.mapping - 5.0).abs() < 1e-12);
+    /// assert_eq!(difficulties.navigation, 0.0);
+    /// assert!((difficulties.overall - 0.6 * 5.0).abs() < 1e-12);
+    /// ```
     pub fn difficulties(&self, parts: &Parts) -> Difficulties {
         let mean = |weighted: &[(f64, f64)]| {
             let (sum, weight) = weighted
@@ -142,6 +161,17 @@ pub struct Sensitivity {
 
 /// Ranks trials by D with each weight in turn multiplied by 0.5 and by 1.5, and
 /// compares with the ranking by the weights as they are. O(n^2) for n trials.
+///
+/// ```
+/// use mapping_trial::score::{Parts, Weights, sensitivity};
+///
+/// // Every trial is worse in everything than the one before: no weight changes the order.
+/// let parts = |e| Parts { e_wall: e, e_pose: e, e_time: e, e_turn: e, ..Default::default() };
+/// let trials = [0.1, 0.3, 0.6].map(parts);
+/// let changes = sensitivity(&trials, Weights::default());
+/// assert_eq!(changes.len(), 2 * 10);
+/// assert!(changes.iter().all(|change| change.most_places == 0 && change.tau == Some(1.0)));
+/// ```
 pub fn sensitivity(trials: &[Parts], weights: Weights) -> Vec<Sensitivity> {
     let overall = |weights: Weights| -> Vec<f64> {
         trials.iter().map(|parts| weights.difficulties(parts).overall).collect()
@@ -170,6 +200,15 @@ pub fn sensitivity(trials: &[Parts], weights: Weights) -> Vec<Sensitivity> {
 
 /// Kendall's rank correlation tau-b (Kendall, Biometrika 33, 1945, <https://doi.org/10.1093/biomet/33.3.239>), which
 /// allows for ties; `None` for lists of different lengths, or if all values of one are equal. O(n^2).
+///
+/// ```
+/// use mapping_trial::score::kendall_tau;
+///
+/// // Of six pairs, one is in the other order.
+/// let tau = kendall_tau(&[1.0, 2.0, 3.0, 4.0], &[1.0, 3.0, 2.0, 4.0]);
+/// assert!(tau.is_some_and(|tau| (tau - 4.0 / 6.0).abs() < 1e-12));
+/// assert_eq!(kendall_tau(&[1.0, 1.0], &[1.0, 2.0]), None);
+/// ```
 pub fn kendall_tau(a: &[f64], b: &[f64]) -> Option<f64> {
     if a.len() != b.len() {
         return None;

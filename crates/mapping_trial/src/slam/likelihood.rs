@@ -29,6 +29,18 @@ const SPARE: i32 = 256;
 ///
 /// Likelihoods are in 1/255. A field covers a rectangle of at most 205 m that follows the positions
 /// it is asked to cover.
+///
+/// ```
+/// use envgen::glam::DVec2;
+/// use mapping_trial::slam::likelihood::{LikelihoodField, SIGMA};
+///
+/// let mut field = LikelihoodField::new(&[1]);
+/// field.cover(DVec2::ZERO, 5.0);
+/// field.stamp(DVec2::new(1.0, 1.0));
+/// let at = |x| field.at(DVec2::new(x, 1.0));
+/// assert!(at(1.0) > at(1.0 + SIGMA) && at(1.0 + SIGMA) > 0);
+/// assert_eq!(at(2.0), 0);
+/// ```
 #[derive(Clone, Debug)]
 pub struct LikelihoodField {
     /// The cell at the lower left.

@@ -87,6 +87,24 @@ impl SlamKind {
         [SlamKind::DeadReckoning, SlamKind::ScanToMap, SlamKind::PoseGraph];
 
     /// An estimator for robots at the poses `starts`, with one kind of body and laser.
+    ///
+    /// ```
+    /// use envgen::geometry::Pose;
+    /// use mapping_trial::backend::Observation;
+    /// use mapping_trial::lidar::{LaserProfile, Scan};
+    /// use mapping_trial::{map::Cell, map::CellIndex, robot::Robot, slam::SlamKind};
+    ///
+    /// let (robot, laser) = (Robot::default(), LaserProfile::default());
+    /// for kind in SlamKind::ALL {
+    ///     let mut slam = kind.build(&[Pose::default()], &robot, &laser);
+    ///     // A wall all around, 2 m from the laser, which is 0.21 m ahead of the robot's centre.
+    ///     let scan = Some(Scan { ranges: vec![2.0; 181] });
+    ///     slam.step(0, &Observation { scan, ..Default::default() });
+    ///     let wall = envgen::glam::DVec2::new(2.21 + 0.001, 0.0);
+    ///     assert_eq!(slam.map().cell(CellIndex::of(wall)), Cell::Occupied);
+    ///     assert_eq!(slam.trajectory(0).len(), 2);
+    /// }
+    /// ```
     pub fn build(
         self,
         starts: &[Pose],

@@ -40,6 +40,20 @@ impl ScanInserter {
 
     /// Draws a scan that was taken from `pose`, with the laser at `laser` in the robot's frame, and
     /// announces the change. Nothing is drawn from poses beyond 100 km.
+    ///
+    /// ```
+    /// use envgen::geometry::Pose;
+    /// use envgen::glam::{DVec2, Vec2};
+    /// use mapping_trial::map::{CellIndex, HIT, MISS, OccupancyMap};
+    /// use mapping_trial::slam::{scan_insertion::ScanInserter, sweep::Sweep};
+    ///
+    /// let mut map = OccupancyMap::new();
+    /// let sweep = Sweep { echoes: vec![Vec2::new(1.01, 0.01)], clear: vec![] };
+    /// // From (2, 0), looking along +x, with the laser at the robot's centre.
+    /// ScanInserter::new().draw(&mut map, Pose::new(2.0, 0.0, 0.0), Pose::default(), &sweep);
+    /// let log_odds = |x| map.log_odds(CellIndex::of(DVec2::new(x, 0.01)));
+    /// assert_eq!((log_odds(3.01), log_odds(2.5), log_odds(3.5)), (HIT, -MISS, 0));
+    /// ```
     pub fn draw(&mut self, map: &mut OccupancyMap, pose: Pose, laser: Pose, sweep: &Sweep) {
         let on_map = pose.local_to_world();
         let from = on_map(laser.position);

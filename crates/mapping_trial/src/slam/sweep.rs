@@ -68,6 +68,20 @@ impl Sweeper {
     /// The points of a scan. Ranges that are NaN, negative, or 0, which a Hokuyo gives for an error, are ignored, as
     /// are those beyond the
     /// laser's number of beams.
+    ///
+    /// ```
+    /// use envgen::glam::Vec2;
+    /// use mapping_trial::lidar::{LaserProfile, NO_ECHO, Scan};
+    /// use mapping_trial::{robot::Robot, slam::sweep::Sweeper};
+    ///
+    /// // Beams to the right, ahead and to the left, from 0.21 m ahead of the robot's centre.
+    /// let laser = LaserProfile { beams: 3, ..LaserProfile::LMS200_MM };
+    /// let sweeper = Sweeper::new(&Robot::default(), &laser);
+    /// let sweep = sweeper.sweep(&Scan { ranges: vec![2.0, NO_ECHO, f64::NAN] });
+    /// assert!(sweep.echoes[0].distance(Vec2::new(0.21, -2.0)) < 1e-6);
+    /// // Without an echo the beam is clear up to the greatest range.
+    /// assert!(sweep.clear[0].distance(Vec2::new(0.21 + 8.19, 0.0)) < 1e-6);
+    /// ```
     pub fn sweep(&self, scan: &Scan) -> Sweep {
         let mut sweep = Sweep::default();
         let ranges = scan.ranges.iter().step_by(self.stride);

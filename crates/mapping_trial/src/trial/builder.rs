@@ -157,6 +157,20 @@ impl<'w> TrialBuilder<'w> {
     /// What the trial's parts are given, for parts that need it before they are made: the settings
     /// with the time limit that holds, the poses where the robots start, and the area to map.
     ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+    /// use mapping_trial::trial::{MIN_TIME_BY_AREA, TrialBuilder, TrialSettings};
+    ///
+    /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+    /// // 2 s per square metre, but at least 300 s.
+    /// let settings = TrialSettings { time_per_area: Some(2.0), ..Default::default() };
+    /// let mut builder = TrialBuilder::new(&world, settings);
+    /// let setup = builder.setup()?;
+    /// assert_eq!(setup.settings.time_limit, MIN_TIME_BY_AREA);
+    /// assert_eq!((setup.starts.len(), setup.area), (1, world.bounds));
+    /// # Ok::<(), mapping_trial::trial::TrialError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// As [`TrialBuilder::build_flat`].

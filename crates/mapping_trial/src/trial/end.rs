@@ -3,6 +3,20 @@
 use serde::{Deserialize, Serialize};
 
 /// Why a robot's part in a trial ended.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::trial::{EndReason, Trial, TrialSettings};
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let settings = TrialSettings { time_limit: 2.0, ..Default::default() };
+/// let mut trial = Trial::flat(&world, settings)?;
+/// while trial.step() {}
+/// // Two seconds are 40 ticks.
+/// let end = trial.end_of(0).expect("the trial is over");
+/// assert_eq!((end.reason, end.tick), (EndReason::TimeLimit, 40));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EndReason {

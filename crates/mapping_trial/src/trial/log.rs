@@ -95,6 +95,22 @@ impl CommandTrack {
 }
 
 /// The log of a trial: the trial runs again from it to the last bit.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::trial::{Trial, TrialLog, TrialSettings};
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let settings = TrialSettings { time_limit: 2.0, ..Default::default() };
+/// let mut trial = Trial::flat(&world, settings)?;
+/// while trial.step() {}
+/// let mut file = Vec::new();
+/// trial.log().write(&mut file)?;
+/// let log = TrialLog::read(&mut file.as_slice())?;
+/// assert_eq!((log.ticks(), log.commands(0).count()), (40, 40));
+/// assert_eq!(log.digest(), trial.log().digest());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrialLog {

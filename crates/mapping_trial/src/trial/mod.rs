@@ -180,6 +180,22 @@ impl<B: RobotBackend> Trial<B> {
     }
 
     /// One tick with a person's commands, one per robot; false once the trial is over.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+    /// use mapping_trial::backend::Command;
+    /// use mapping_trial::trial::{Trial, TrialSettings};
+    ///
+    /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+    /// let settings = TrialSettings { policy: None, time_limit: 10.0, ..Default::default() };
+    /// let mut trial = Trial::flat(&world, settings)?;
+    /// // A person turns the robot on the spot for half a second.
+    /// for _ in 0..10 {
+    ///     assert!(trial.step_with(&[Command { speed: 0.0, turn_rate: 1.0 }]));
+    /// }
+    /// assert!(trial.trajectory(0).turning > 0.1 && trial.trajectory(0).distance < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn step_with(&mut self, commands: &[Command]) -> bool {
         self.tick(Some(commands))
     }

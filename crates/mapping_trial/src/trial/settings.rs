@@ -19,6 +19,16 @@ pub const MAX_ROBOTS: u32 = 8;
 settings! {
     /// Everything that a trial depends on except its world. The default is one P3-AT with an LMS 200,
     /// `scan_to_map` and the policy `nearest` for 20 minutes.
+    ///
+    /// ```
+    /// use mapping_trial::{slam::SlamKind, trial::TrialSettings};
+    ///
+    /// // Two robots that share one map, with loop closing.
+    /// let settings = TrialSettings { robots: 2, slam: SlamKind::PoseGraph, ..Default::default() };
+    /// assert_eq!(settings.validate(), Ok(()));
+    /// let error = TrialSettings { robots: 9, ..settings }.validate().unwrap_err();
+    /// assert_eq!(error.to_string(), "`robots` must be a whole number from 1 to 8, got 9");
+    /// ```
     pub struct TrialSettings {
         /// Seed of the sensor noise.
         seed: Seed = Seed(0) => other("", "a whole number");

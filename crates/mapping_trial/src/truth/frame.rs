@@ -12,6 +12,17 @@ pub const SCORE_CELL: f64 = 2.0 * RESOLUTION;
 /// A rectangle of cells of [`SCORE_CELL`], in rows from below, aligned with the cells of a map: each
 /// contains four of those. Unlike a [`GridFrame`] it counts its cells from the world's origin in whole
 /// numbers, so that all frames agree to the last bit on the cell of a point.
+///
+/// ```
+/// use envgen::glam::DVec2;
+/// use mapping_trial::truth::ScoreFrame;
+///
+/// // Cells of 0.1 m from (-1, 2) m on.
+/// let frame = ScoreFrame { col: -10, row: 20, cols: 5, rows: 3 };
+/// assert_eq!(frame.cell_at(DVec2::new(-0.95, 2.15)), Some(5));
+/// assert!(frame.centre(5).distance(DVec2::new(-0.95, 2.15)) < 1e-12);
+/// assert_eq!(frame.cell_at(DVec2::ZERO), None);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ScoreFrame {
     /// Column of the leftmost cells, counted from the world's origin.

@@ -231,6 +231,21 @@ impl MappableArea {
     }
 
     /// The map of a robot without any error: F free, the seen walls occupied.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+    /// use mapping_trial::map::{Cell, CellIndex};
+    /// use mapping_trial::{robot::Robot, truth::MappableArea};
+    ///
+    /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+    /// let area = MappableArea::new(&world, &Robot::default())?;
+    /// let map = area.perfect_map();
+    /// assert_eq!(map.cell(CellIndex::of(area.start())), Cell::Free);
+    /// let wall = area.walls()[0];
+    /// let inside = wall.position - 0.01 * wall.normal;
+    /// assert_eq!(map.cell(CellIndex::of(inside)), Cell::Occupied);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn perfect_map(&self) -> OccupancyMap {
         let mut map = OccupancyMap::new();
         for cell in (0..self.frame.len()).filter(|&cell| self.free[cell]) {

@@ -22,6 +22,20 @@ const SIGHT: f64 = 20.0;
 const LOOKS: usize = 64;
 
 /// A point of a wall's outline; each represents about the same length of wall.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::{robot::Robot, truth::MappableArea};
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let area = MappableArea::new(&world, &Robot::default())?;
+/// // Normals point to the side that the robot sees, away from the wall.
+/// for wall in area.walls() {
+///     assert!((wall.normal.length() - 1.0).abs() < 1e-9);
+///     assert!(world.clearance(wall.position + 0.05 * wall.normal) > 0.0);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallPoint {
     /// Its position in metres, in the world's frame.

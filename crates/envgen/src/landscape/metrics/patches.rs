@@ -29,6 +29,18 @@ pub struct Patch {
 /// data and forms none. O(N) with a union-find that sees two rows at a time; memory grows with the
 /// number of pieces found, not with the raster.
 ///
+/// ```
+/// use envgen::landscape::metrics::{Neighbourhood, Patch, patches};
+///
+/// // 1 2
+/// // 2 1
+/// let cells = [1, 2, 2, 1];
+/// assert_eq!(patches(&cells, 2, Neighbourhood::Four).len(), 4);
+/// // With corners, the cells of each class are connected.
+/// let joined = patches(&cells, 2, Neighbourhood::Eight);
+/// assert_eq!(joined, [Patch { class: 1, cells: 2 }, Patch { class: 2, cells: 2 }]);
+/// ```
+///
 /// # Panics
 /// When the number of cells is not a multiple of `cols`.
 #[track_caller]

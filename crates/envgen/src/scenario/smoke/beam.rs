@@ -48,6 +48,21 @@ impl Laser {
 
     /// What a beam reads that meets a surface at `distance` metres, or nothing within `max_range`. `stretches`
     /// is the smoke along it up to there; `stream` is the beam's own, and is drawn from for phantoms alone.
+    ///
+    /// ```
+    /// use envgen::Seed;
+    /// use envgen::scenario::FailedBeams;
+    /// use envgen::scenario::smoke::{Laser, Reading, Stretch};
+    ///
+    /// // A wall at 6 m, behind 5 m of smoke that leaves exp(-2 * 0.5 * 5) of the power.
+    /// let (laser, mut stream) = (Laser::Physical { power_range: 30.0 }, Seed(7).stream("beam", 0));
+    /// let smoke = [Stretch { from: 0.5, to: 5.5, extinction: 0.5, is_particle: false }];
+    /// let mut read = |stretches| {
+    ///     laser.read(Some(6.0), 8.0, stretches, FailedBeams::Zero, &mut stream)
+    /// };
+    /// assert_eq!(read(&[]), Reading::Echo(6.0));
+    /// assert_eq!(read(&smoke), Reading::Zero);
+    /// ```
     pub fn read(
         &self,
         distance: Option<f64>,

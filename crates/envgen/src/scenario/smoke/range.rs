@@ -46,6 +46,15 @@ pub fn lambert_w(x: f64) -> f64 {
 ///
 /// An echo's power falls as exp(-2 `extinction` R) / R^2 (the equation of a lidar with Beer and Lambert's
 /// law), so that R exp(`extinction` R) = `power_range`. NaN where an argument is negative or NaN.
+///
+/// ```
+/// use envgen::scenario::smoke::smoke_range;
+///
+/// assert_eq!(smoke_range(30.0, 0.0), 30.0);
+/// // In smoke of 1/m a laser that sees 30 m sees R with R exp(R) = 30.
+/// let range = smoke_range(30.0, 1.0);
+/// assert!((range * libm::exp(range) - 30.0).abs() < 1e-9 && range < 2.6);
+/// ```
 pub fn smoke_range(power_range: f64, extinction: f64) -> f64 {
     if power_range.is_nan() || power_range < 0.0 || extinction.is_nan() || extinction < 0.0 {
         return f64::NAN;

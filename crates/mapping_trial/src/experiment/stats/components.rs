@@ -65,6 +65,17 @@ impl Components {
 /// Estimates the components from the mean squares of a random model (Brennan, Generalizability
 /// Theory, 2001, chapter 3), each cut at 0, with a percentile bootstrap over maps. `None` if a factor
 /// has one level, trials are not repeated, values are missing, or nothing varies.
+///
+/// ```
+/// use mapping_trial::experiment::stats::{Factorial, components};
+///
+/// // Three maps, two trials on each, which differ by noise of 0.1.
+/// let values = vec![1.0, 1.1, 4.0, 4.1, 7.0, 7.1];
+/// let design = Factorial { factors: vec!["map"], sizes: vec![3], repeats: 2, values };
+/// let found = components(&design).expect("repeated trials");
+/// assert!(found.share("map").is_some_and(|share| share.value > 0.99));
+/// assert!(found.share("noise").is_some_and(|share| share.value < 0.01));
+/// ```
 pub fn components(design: &Factorial) -> Option<Components> {
     let cells: usize = design.sizes.iter().product();
     let complete = design.values.len() == cells * design.repeats

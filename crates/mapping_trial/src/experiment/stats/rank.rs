@@ -10,6 +10,15 @@ const SHUFFLES: usize = 10_000;
 
 /// Spearman's rank correlation, ties with their mean rank; `None` for lists of different lengths,
 /// or when all values of one are equal.
+///
+/// ```
+/// use mapping_trial::experiment::stats::spearman;
+///
+/// let levels = [1.0, 3.0, 5.0];
+/// assert_eq!(spearman(&levels, &[0.1, 0.2, 0.9]), Some(1.0));
+/// assert_eq!(spearman(&levels, &[0.1, 0.9, 0.2]), Some(0.5));
+/// assert_eq!(spearman(&levels, &[0.5, 0.5, 0.5]), None);
+/// ```
 pub fn spearman(a: &[f64], b: &[f64]) -> Option<f64> {
     pearson(&ranks(a), &ranks(b))
 }

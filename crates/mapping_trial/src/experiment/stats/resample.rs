@@ -8,6 +8,16 @@ use statrs::statistics::{Data, OrderStatistics};
 pub const RESAMPLES: usize = 2000;
 
 /// An estimate with its interval of 95 %.
+///
+/// ```
+/// use mapping_trial::experiment::stats::Interval;
+///
+/// let clear = Interval { value: 0.4, low: 0.1, high: 0.7 };
+/// assert!(clear.is_positive() && !clear.is_negative());
+/// // An interval around 0 is neither.
+/// let unclear = Interval { low: -0.1, ..clear };
+/// assert!(!unclear.is_positive() && !unclear.is_negative());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
     /// The estimate.
