@@ -7,7 +7,18 @@ use super::catalogue::SharedRoom;
 use super::grid::Gate;
 use crate::world::Obstacle;
 
-/// A change of a plan.
+/// A change of a plan. The provenance of an edited plan lists its changes, as JSON.
+///
+/// ```
+/// use envgen::indoor::{Edit, IndoorSpec, PlanEditor};
+/// use envgen::{Blueprint, Seed, Spec};
+///
+/// let mut editor = PlanEditor::new(IndoorSpec::default().generate(Seed(3))?);
+/// editor.apply(Edit::RemoveRoom { room: 0 })?;
+/// let world = editor.into_plan().to_world();
+/// assert_eq!(world.provenance.edits, [serde_json::json!({"remove_room": {"room": 0}})]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Edit {
