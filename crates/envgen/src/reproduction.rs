@@ -275,6 +275,56 @@ mod tests {
         assert!(reproduce(&other).to_string().contains("only indoor maps have edits"));
     }
 
+    /// The places of the numbers in a value.
+    fn numbers(value: &Value, at: String, found: &mut Vec<String>) {
+        match value {
+            Value::Number(_) => found.push(at),
+            Value::Array(list) => {
+                list.iter().enumerate().for_each(|(i, v)| numbers(v, format!("{at}/{i}"), found));
+            }
+            Value::Object(map) => {
+                map.iter().for_each(|(key, v)| numbers(v, format!("{at}/{key}"), found));
+            }
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn edits_of_broken_files_are_refused() {
+        let mut world = edited_map();
+        let known = world.provenance.edits.clone();
+        let object = json!(world.obstacles[0]);
+        let others = [
+            json!({"move_room": {"room": 0, "x": 0, "y": 0}}),
+            json!({"turn_room": {"room": 0, "quarters": 1}}),
+            json!({"add_object": {"room": 0, "object": object}}),
+            json!({"move_object": {"room": 0, "object": 0, "by": [0.1, 0.0]}}),
+            json!({"remove_object": {"room": 0, "object": 0}}),
+        ];
+        let with = |other: &Value| known.iter().chain([other]).cloned().collect::<Vec<_>>();
+        let lists = others.iter().map(with).chain([known.clone()]);
+        let broken =
+            [json!(-1), json!(255), json!(u32::MAX), json!(u64::MAX), json!(1e300), json!(-1e9)];
+        let (mut tried, mut refused) = (0, 0);
+        for edits in lists.map(Value::Array) {
+            let mut places = Vec::new();
+            numbers(&edits, String::new(), &mut places);
+            for (place, value) in places.iter().flat_map(|p| broken.iter().map(move |v| (p, v))) {
+                let mut edits = edits.clone();
+                *edits.pointer_mut(place).unwrap() = value.clone();
+                world.provenance.edits = edits.as_array().unwrap().clone();
+                let found = reproduce(&world);
+                tried += 1;
+                refused += usize::from(matches!(
+                    found,
+                    Reproduction::NoWorld(_) | Reproduction::Different
+                ));
+            }
+        }
+        // A room may look the same after other turns.
+        assert!(tried > 200 && 10 * refused > 9 * tried, "{refused} of {tried}");
+    }
+
     #[test]
     fn what_was_changed_is_found() {
         let mut moved = forest();
