@@ -273,8 +273,8 @@ pub(super) fn command(
         };
         let stop = vec![Command::STOP; run.robots.len()];
         for (&robot, &command) in run.robots.iter().zip(given.as_ref().unwrap_or(&stop)) {
-            if let Ok(mut reported) = robots.get_mut(robot) {
-                reported.set_if_neq(command.into());
+            if let Ok(mut target) = robots.get_mut(robot) {
+                target.set_if_neq(command.into());
             }
         }
         if given.is_none() {
