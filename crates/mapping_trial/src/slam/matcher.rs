@@ -135,26 +135,6 @@ impl Matcher {
     ///
     /// The field must cover the scan at every pose of the window; see
     /// [`Matcher::radius`]. `None` without an echo, or if it does not.
-    ///
-    /// ```
-    /// use envgen::geometry::Pose;
-    /// use envgen::glam::{DVec2, Vec2};
-    /// use mapping_trial::slam::likelihood::LikelihoodField;
-    /// use mapping_trial::slam::matcher::{Matcher, Window};
-    ///
-    /// // A corner of two walls as a robot at the origin sees it, stamped where it is on the map.
-    /// let side = |i: i32| 0.05 * i as f32;
-    /// let echoes: Vec<_> =
-    ///     (0..60).flat_map(|i| [Vec2::new(3.02, side(i)), Vec2::new(side(i), 3.02)]).collect();
-    /// let (mut field, truth) = (LikelihoodField::new(&[1, 4]), Pose::new(0.08, -0.06, 0.0));
-    /// field.cover(DVec2::ZERO, 6.0);
-    /// echoes.iter().for_each(|echo| field.stamp(truth.to_world(echo.as_dvec2())));
-    /// let window = Window::around(Pose::default(), 0.1, 0.02);
-    /// let found = Matcher::new().find(&field, &echoes, window).expect("the field covers the scan");
-    /// // Nearer than a cell of 5 cm.
-    /// assert!(found.pose.position.distance(truth.position) < 0.05);
-    /// assert!(found.pose.heading.abs() < 0.01 && found.response > 0.8);
-    /// ```
     pub fn find(
         &mut self,
         field: &LikelihoodField,
