@@ -70,13 +70,25 @@ pub enum RoadError {
     },
     /// The turns of the road cannot add up to whole circles.
     #[error(
-        "the road cannot close: its turns add up to {least:.1} to {greatest:.1} degrees, which \
-         holds no multiple of 360"
+        "the road cannot close: its turns add up to {least:.1} to {greatest:.1} degrees, and {} is \
+         needed",
+        if *.crosses { "a multiple of 360" } else { "360 or -360" }
     )]
     NoFullTurn {
         /// Least sum in degrees.
         least: f64,
         /// Greatest sum in degrees.
+        greatest: f64,
+        /// Whether the road may cross itself: the sum can then be any multiple of 360 degrees.
+        crosses: bool,
+    },
+    /// The road always leads away from its start.
+    #[error(
+        "the road cannot close: its directions differ by at most {greatest:.1} degrees, and more than \
+         180 are needed; give it more turns to one side or a greater `theta_max`"
+    )]
+    LeadsAway {
+        /// Greatest difference of two headings of the road in degrees.
         greatest: f64,
     },
     /// No lengths within their limits close the road.

@@ -1,6 +1,6 @@
 //! From a spec and a seed to a road.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 
 use glam::DVec2;
@@ -245,18 +245,23 @@ impl Attempt<'_> {
         let drawn: f64 = signs.iter().zip(angles).map(|(sign, angle)| sign * angle).sum();
         let (first, last) =
             ((low / TAU - 1e-12).ceil() as i64, (high / TAU + 1e-12).floor() as i64);
-        let mut turns: Vec<i64> = (first..=last)
-            .filter(|turn| self.spec.crossing == Crossing::Allow || turn.abs() == 1)
-            .collect();
+        let crosses = self.spec.crossing == Crossing::Allow;
+        let mut turns: Vec<i64> =
+            (first..=last).filter(|turn| crosses || turn.abs() == 1).collect();
         if turns.is_empty() {
             let (least, greatest) = (low.to_degrees(), high.to_degrees());
-            return Err(RoadError::NoFullTurn { least, greatest });
+            return Err(RoadError::NoFullTurn { least, greatest, crosses });
         }
         let distance = |turn: i64| (turn as f64 * TAU - drawn).abs();
         turns.sort_by(|&a, &b| {
             (a.abs() != 1).cmp(&(b.abs() != 1)).then(distance(a).total_cmp(&distance(b)))
         });
         turns.truncate(4);
+        // A figure of eight needs headings that differ by more than half a turn.
+        let greatest = widest_turning(signs, (least, most));
+        if turns == [0] && greatest <= PI + 1e-12 {
+            return Err(RoadError::LeadsAway { greatest: greatest.to_degrees() });
+        }
         Ok(turns.into_iter().map(|turn| turn as f64 * TAU).collect())
     }
 
@@ -390,6 +395,19 @@ impl Attempt<'_> {
         let edited = self.laws.any();
         Road { spec, seed, edited, attempts, length, step, segments, waypoints, path, index }
     }
+}
+
+/// The greatest difference of two headings of a road whose turns have the given signs and angles between `least` and
+/// `most`: the greatest sum of consecutive turns, to either side.
+fn widest_turning(signs: &[f64], (least, most): (f64, f64)) -> f64 {
+    let to_side = |side: f64| {
+        let mut sum = 0.0_f64;
+        signs.iter().fold(0.0_f64, |widest, sign| {
+            sum = (sum + if sign * side > 0.0 { most } else { -least }).max(0.0);
+            widest.max(sum)
+        })
+    };
+    to_side(1.0).max(to_side(-1.0))
 }
 
 fn end_of(path: &Path<'_>, start: Pose) -> Pose {

@@ -170,7 +170,11 @@ proptest! {
             Err(RoadError::NoLengths { .. }) => {
                 prop_assert_eq!(length, 0.0);
             }
-            Err(RoadError::NoFullTurn { .. } | RoadError::NotClosed { .. }) => prop_assert!(closed),
+            Err(
+                RoadError::NoFullTurn { .. }
+                | RoadError::LeadsAway { .. }
+                | RoadError::NotClosed { .. },
+            ) => prop_assert!(closed),
             Err(other) => panic!("{other}"),
         }
     }

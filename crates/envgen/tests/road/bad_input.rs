@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use envgen::road::{Concentration, Crossing, Prefab, RoadError, RoadSpec};
 use envgen::{Blueprint, Seed, Spec};
 
-use envgen::road::Prefab::{Left, Straight};
+use envgen::road::Prefab::{Left, Right, Straight};
 
 #[test]
 fn a_point_behind_is_out_of_reach() {
@@ -30,7 +30,21 @@ fn what_cannot_close_says_why() {
     };
     let error = of(vec![Straight, Left, Straight, Left, Left]);
     assert!(error.contains("90.0 to 270.0 degrees"), "{error}");
-    assert!(of(vec![Straight]).contains("no segment lengths close the road"));
+    let error = of(vec![Straight]);
+    assert!(error.contains("differ by at most 0.0 degrees"), "{error}");
+    let error = of(RoadSpec::default().prefabs);
+    assert!(error.contains("differ by at most 90.0 degrees"), "{error}");
+    let plain = RoadSpec { closed: true, crossing: Crossing::Reject, ..Default::default() };
+    let error = plain.generate(Seed(1)).unwrap_err().to_string();
+    assert!(
+        error.contains("add up to -60.0 to 60.0 degrees, and 360 or -360 is needed"),
+        "{error}"
+    );
+    // A figure of eight turns by 0 in all, and exists.
+    let eight = vec![Straight, Left, Left, Left, Straight, Right, Right, Right];
+    let spec = RoadSpec { prefabs: eight, closed: true, speed: 5.0, ..Default::default() };
+    let angle: f64 = spec.generate(Seed(1)).unwrap().segments().iter().map(|s| s.angle).sum();
+    assert!(angle.abs() < 1e-9, "{angle}");
     let spec = RoadSpec { closed: true, end_x: Some(1.0), end_y: Some(1.0), ..Default::default() };
     assert_eq!(spec.validate().unwrap_err().field, "closed");
 }
