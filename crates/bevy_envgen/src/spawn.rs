@@ -308,7 +308,7 @@ fn spawn_run(
         PartKind::Wall => spawn!(i => {
             let wall = &truth.walls[i];
             let visible_range = wall.visible_range.map(|range| range as f32);
-            let part = Wall { kind: wall.kind.into(), visible_range };
+            let part = Wall { kind: wall.kind, visible_range };
             (frame.place(&wall.shape), (part, HeightRange::from(wall.extent())))
         }),
         PartKind::Tree => spawn!(i => {
@@ -324,7 +324,7 @@ fn spawn_run(
         PartKind::Room => spawn!(i => {
             let room = &truth.rooms[i];
             let difficulty = room.difficulty.map(|difficulty| difficulty as f32);
-            let (name, contents) = (room.name.clone(), room.contents.into());
+            let (name, contents) = (room.name.clone(), room.contents);
             let part = Room { name, difficulty, lit: room.lit, contents };
             (frame.place(&room.shape), (part, HeightRange::from(room.extent())))
         }),
@@ -336,13 +336,13 @@ fn spawn_run(
         PartKind::Obstacle => spawn!(i => {
             let obstacle = &truth.obstacles[i];
             let visible_range = obstacle.visible_range.map(|range| range as f32);
-            let part = Obstacle { kind: obstacle.kind.into(), visible_range };
+            let part = Obstacle { kind: obstacle.kind, visible_range };
             (frame.place(&obstacle.shape), (part, HeightRange::from(obstacle.extent())))
         }),
         PartKind::Surface => spawn!(i => {
             let surface = &truth.surfaces[i];
             let part = Surface {
-                kind: surface.kind.into(),
+                kind: surface.kind,
                 speed: surface.speed as f32,
                 odometry_noise: surface.odometry_noise as f32,
                 wheel_bias: surface.wheel_bias as f32,

@@ -66,6 +66,7 @@
 //! | `picture` | yes | SVG and PNG pictures, drawn on the CPU |
 //! | `usd` | no | worlds as Universal Scene Description; its crate changes how PNG files are compressed in the whole build |
 //! | `rand` | no | worlds drawn from any distribution of `rand` and `rand_distr`, see [`distribution`] |
+//! | `bevy_reflect` | no | kinds of parts that Bevy's inspectors and scenes know; `bevy_envgen` turns it on |
 //! | `whole-file` | no | files that are written completely or not at all |
 //! | `cli` | no | the command `envgen` |
 

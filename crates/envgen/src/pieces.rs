@@ -291,6 +291,7 @@ fn bodies(world: &World, part: PartId, lintel: Option<Extent>) -> Option<Vec<Pie
             let form = prism(&obstacle.shape, obstacle.extent());
             body(name_of(&obstacle.kind), form, true, palette::obstacle(obstacle.kind).fill)
         }
+        PartKind::Start | PartKind::Goal | PartKind::Victim | PartKind::Ground => return None,
     })
 }
 

@@ -44,6 +44,7 @@ pub(super) fn look(
             SurfaceKind::Slippery => (Finish::Metal, own),
             _ => (Finish::Ground, own),
         },
+        PartKind::Start | PartKind::Goal | PartKind::Victim | PartKind::Ground => return None,
     })
 }
 

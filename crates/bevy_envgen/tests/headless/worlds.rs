@@ -336,6 +336,6 @@ fn rooms_tell_what_was_taken_out_of_them() {
     let mut rooms = app.world_mut().query::<(&PartId, &Room)>();
     assert!(rooms.iter(app.world()).count() >= 3);
     for (id, room) in rooms.iter(app.world()) {
-        assert_eq!(room.contents, world.rooms[id.index as usize].contents.into());
+        assert_eq!(room.contents, world.rooms[id.index as usize].contents);
     }
 }

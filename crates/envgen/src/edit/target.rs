@@ -97,7 +97,8 @@ impl World {
             PartKind::Doorway => Some(self.doorways.get(index)?.shape.clone()),
             PartKind::Obstacle => Some(self.obstacles.get(index)?.shape.clone()),
             PartKind::Surface => Some(self.surfaces.get(index)?.shape.clone()),
-            PartKind::RoadStrip => None,
+            PartKind::RoadStrip | PartKind::Ground => None,
+            PartKind::Start | PartKind::Goal | PartKind::Victim => None,
         }
     }
 }

@@ -293,9 +293,10 @@ impl WorldEditor {
                         world.obstacles.get(index).cloned().map(NewPart::Obstacle)
                     }
                     PartKind::Surface => world.surfaces.get(index).cloned().map(NewPart::Surface),
-                    PartKind::Room | PartKind::RoadStrip => {
+                    PartKind::Room | PartKind::RoadStrip | PartKind::Ground => {
                         return Err(WorldEditError::Fixed(id));
                     }
+                    PartKind::Start | PartKind::Goal | PartKind::Victim => None,
                 }
             }
         };

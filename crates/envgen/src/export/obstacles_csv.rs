@@ -63,7 +63,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
             }
             PartKind::Tree => ("tree", String::new()),
             PartKind::Doorway => ("doorway", String::new()),
-            PartKind::RoadStrip | PartKind::Room | PartKind::Surface => continue,
+            _ => continue,
         };
         let extent = world.extent(solid.id);
         let row = Row {

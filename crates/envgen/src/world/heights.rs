@@ -152,7 +152,7 @@ impl Tree {
 }
 
 impl World {
-    /// The bottom and top of a part; `None` for parts that do not exist. A doorway's are those of its
+    /// The bottom and top of a part; `None` for parts that do not exist and for marks. A doorway's are those of its
     /// opening, over which there may be a [lintel](World::lintels).
     pub fn extent(&self, part: PartId) -> Option<Extent> {
         let index = part.index as usize;
@@ -164,6 +164,7 @@ impl World {
             PartKind::Doorway => self.doorways.get(index)?.extent(),
             PartKind::Obstacle => self.obstacles.get(index)?.extent(),
             PartKind::Surface => self.surfaces.get(index)?.extent(),
+            PartKind::Start | PartKind::Goal | PartKind::Victim | PartKind::Ground => return None,
         })
     }
 

@@ -6,11 +6,11 @@ mod digest;
 mod extent;
 mod heights;
 mod part;
+mod part_id;
 mod raster;
 mod road;
 
 use std::borrow::Cow;
-use std::fmt;
 
 use glam::DVec2;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
@@ -27,6 +27,7 @@ pub use part::{
     Tree, Wall, WallKind,
 };
 pub(crate) use part::{MAX_WHEEL_BIAS, is_visible_range};
+pub use part_id::{PartId, PartKind};
 pub use raster::ClassRaster;
 pub use road::RoadMesh;
 
@@ -92,57 +93,6 @@ pub struct World {
     pub raster: Option<ClassRaster>,
     /// The promises that the generator makes of this world.
     pub certificate: Vec<Claim>,
-}
-
-/// The list that a part belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[expect(missing_docs, reason = "the names say it: each is one of World's lists")]
-pub enum PartKind {
-    Wall,
-    Tree,
-    RoadStrip,
-    Room,
-    Doorway,
-    Obstacle,
-    Surface,
-}
-
-impl PartKind {
-    /// The name of the kind, such as `road_strip`.
-    pub fn name(self) -> &'static str {
-        match self {
-            PartKind::Wall => "wall",
-            PartKind::Tree => "tree",
-            PartKind::RoadStrip => "road_strip",
-            PartKind::Room => "room",
-            PartKind::Doorway => "doorway",
-            PartKind::Obstacle => "obstacle",
-            PartKind::Surface => "surface",
-        }
-    }
-}
-
-/// The stable name of a part: its kind and its index in the world's list of that kind.
-///
-/// ```
-/// use envgen::world::{PartId, PartKind};
-///
-/// let part = PartId { kind: PartKind::RoadStrip, index: 2 };
-/// assert_eq!(part.to_string(), "road_strip 2");
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub struct PartId {
-    /// The list.
-    pub kind: PartKind,
-    /// The index in the list, from 0.
-    pub index: u32,
-}
-
-impl fmt::Display for PartId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.kind.name(), self.index)
-    }
 }
 
 /// A part that stops a robot and a ray, with its shape.

@@ -1,5 +1,7 @@
 //! The parts of a world.
 
+#[cfg(feature = "bevy_reflect")]
+use bevy_reflect::{Reflect, ReflectDeserialize, ReflectSerialize};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -52,6 +54,11 @@ impl Wall {
 /// What a wall is part of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[cfg_attr(
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Clone, Debug, PartialEq, Hash, Serialize, Deserialize)
+)]
 #[non_exhaustive]
 pub enum WallKind {
     /// The shell of a building or corridor.
@@ -151,6 +158,11 @@ pub struct Room {
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
 #[serde(rename_all = "snake_case")]
+#[cfg_attr(
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Clone, Debug, PartialEq, Hash, Serialize, Deserialize)
+)]
 pub enum Contents {
     /// All of them.
     #[default]
@@ -237,6 +249,11 @@ impl Obstacle {
 /// What an obstacle is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[cfg_attr(
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Clone, Debug, PartialEq, Hash, Serialize, Deserialize)
+)]
 #[non_exhaustive]
 pub enum ObstacleKind {
     /// One of the two posts that narrow a corridor at a door frame.
@@ -328,6 +345,11 @@ pub(crate) fn is_zero(value: &f64) -> bool {
 /// What a surface is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[cfg_attr(
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Clone, Debug, PartialEq, Hash, Serialize, Deserialize)
+)]
 #[non_exhaustive]
 pub enum SurfaceKind {
     /// Uneven ground.

@@ -40,6 +40,7 @@ fn what_breaks_the_world_is_refused_and_changes_nothing() {
         (WorldEdit::Turn { target: WorldTarget::Start, angle: f64::NAN }, "the start pose"),
         (WorldEdit::Remove(part(PartKind::Tree, 1)), "there is no tree 1"),
         (WorldEdit::Remove(WorldTarget::Goal), "there is no goal"),
+        (WorldEdit::Remove(part(PartKind::Start, 0)), "there is no start 0"),
         (WorldEdit::Remove(part(PartKind::Room, 0)), "room 0 cannot be edited"),
         (WorldEdit::SetOpen { doorway: 9, open: true }, "there is no doorway 9"),
         (WorldEdit::Add(NewPart::Tree(Tree::new(DVec2::ONE, -1.0))), "tree 1 holds a size"),
@@ -96,6 +97,8 @@ fn targets() -> impl Strategy<Value = WorldTarget> {
         PartKind::Doorway,
         PartKind::Obstacle,
         PartKind::Surface,
+        PartKind::Start,
+        PartKind::Ground,
     ];
     prop_oneof![
         4 => (prop::sample::select(kinds.to_vec()), 0..12_u32).prop_map(|(kind, i)| part(kind, i)),
