@@ -1,7 +1,8 @@
 //! Procedural roads: a length is shared out at random among straights and turns.
 //!
-//! Source: Pseudo-random procedural roads (web page): the lengths of a list of prefabs follow a
-//! Dirichlet law, the radius of a turn is uniform between what speed and angle allow.
+//! Source: [Pseudo-random procedural roads](https://pim-n.github.io/pg-rad/explainers/prefab_roads/),
+//! of the documentation of `pg-rad`: the lengths of a list of prefabs follow a Dirichlet law, the
+//! radius of a turn is uniform between what speed and angle allow.
 //!
 //! - [`RoadSpec`] and [`Road`]: the settings, and the drawn road with its exact centreline.
 //! - [`dirichlet`], [`lengths`], [`largest_remainder`]: how the length is shared out.
