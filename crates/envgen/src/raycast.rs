@@ -331,7 +331,7 @@ impl Raycaster {
         let GridFrame { origin, cols, rows, .. } = self.frame;
 
         // Where the ray enters the grid, and the cell there.
-        let (enter, leave) = slab(from, inverse, origin, self.frame.corner(cols, rows));
+        let (enter, leave) = slab::<true>(from, inverse, origin, self.frame.corner(cols, rows));
         let enter = enter.max(0.0);
         if !(enter <= leave && enter <= max_range) {
             return None;
@@ -350,11 +350,27 @@ impl Raycaster {
     fn first_met_from(
         &self,
         from: DVec2,
-        (mut col, mut row): (usize, usize),
+        cell: (usize, usize),
         direction: DVec2,
         max_range: f64,
     ) -> Option<(Hit, Option<&Outline>)> {
         let inverse = direction.recip();
+        if inverse.is_finite() {
+            self.traverse::<false>(from, cell, (direction, inverse), max_range)
+        } else {
+            self.traverse::<true>(from, cell, (direction, inverse), max_range)
+        }
+    }
+
+    /// From cell to cell. A ray along an axis is `AXIAL`: distances to lines along it are infinite or NaN.
+    #[inline]
+    fn traverse<const AXIAL: bool>(
+        &self,
+        from: DVec2,
+        (mut col, mut row): (usize, usize),
+        (direction, inverse): (DVec2, DVec2),
+        max_range: f64,
+    ) -> Option<(Hit, Option<&Outline>)> {
         let GridFrame { origin, cell_size: side, cols, rows } = self.frame;
 
         // Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, 1987.
@@ -370,7 +386,7 @@ impl Raycaster {
         let mut met: Option<&Listing> = None;
         loop {
             for listing in self.shapes.of(row * cols + col) {
-                if let Some(distance) = listing.outline.distance(from, direction, inverse)
+                if let Some(distance) = listing.outline.distance::<AXIAL>(from, direction, inverse)
                     && distance <= best
                 {
                     // Of two parts at the same distance the first in the world's order is met.
@@ -380,8 +396,8 @@ impl Raycaster {
                     }
                 }
             }
-            // A ray along an axis has an infinite or undefined border on the other one.
-            let across_x = next.x < next.y || next.y.is_nan();
+            // An axial ray has an infinite or undefined border on the other axis.
+            let across_x = next.x < next.y || (AXIAL && next.y.is_nan());
             let crossing = if across_x { next.x } else { next.y };
             let inside = crossing < best
                 && if across_x {
@@ -429,10 +445,10 @@ impl Raycaster {
         fan: &ScanPattern,
         max_range: f64,
     ) -> impl Iterator<Item = Option<Hit>> {
-        let heading = unit_vector(pose.heading);
-        fan.directions.iter().map(move |&direction| {
-            self.cast_along(pose.position, heading.rotate(direction), max_range)
-        })
+        let (heading, eye) = (unit_vector(pose.heading), self.eye(pose.position));
+        fan.directions
+            .iter()
+            .map(move |&direction| eye.cast_along(heading.rotate(direction), max_range))
     }
 
     /// The polygon that a point lies in.
@@ -451,17 +467,28 @@ pub(crate) struct Eye<'a> {
     inside: Option<((usize, usize), Option<PartId>)>,
 }
 
-impl Eye<'_> {
+impl<'a> Eye<'a> {
     /// As [`Raycaster::cast_surface`].
     #[inline]
     pub(crate) fn cast_surface(&self, direction: DVec2, max_range: f64) -> Option<SurfaceHit> {
-        let met = match self.inside {
+        let met = self.first_met(direction, max_range);
+        met.map(|met| Raycaster::surface(self.from, direction, met))
+    }
+
+    /// As [`Raycaster::cast_along`].
+    #[inline]
+    fn cast_along(&self, direction: DVec2, max_range: f64) -> Option<Hit> {
+        self.first_met(direction, max_range).map(|(hit, _)| hit)
+    }
+
+    #[inline]
+    fn first_met(&self, direction: DVec2, max_range: f64) -> Option<(Hit, Option<&'a Outline>)> {
+        match self.inside {
             None => self.rays.first_met(self.from, direction, max_range),
             Some(_) if max_range.is_nan() || max_range < 0.0 => None,
             Some((_, Some(part))) => Some((Hit { distance: 0.0, part }, None)),
             Some((cell, None)) => self.rays.first_met_from(self.from, cell, direction, max_range),
-        };
-        met.map(|met| Raycaster::surface(self.from, direction, met))
+        }
     }
 }
 
@@ -516,7 +543,12 @@ impl Outline {
 
     /// Distance along a ray, 0 inside; `None` when the ray misses.
     #[inline]
-    fn distance(&self, from: DVec2, direction: DVec2, inverse: DVec2) -> Option<f64> {
+    fn distance<const AXIAL: bool>(
+        &self,
+        from: DVec2,
+        direction: DVec2,
+        inverse: DVec2,
+    ) -> Option<f64> {
         match *self {
             Outline::Side(a, edge) => {
                 let to = a - from;
@@ -543,17 +575,23 @@ impl Outline {
                 (middle + half >= 0.0).then(|| (middle - half).max(0.0))
             }
             Outline::Aligned(min, max) => {
-                let (enter, leave) = slab(from, inverse, min, max);
+                let (enter, leave) = slab::<AXIAL>(from, inverse, min, max);
                 (enter <= leave && leave >= 0.0).then(|| enter.max(0.0))
             }
         }
     }
 }
 
-/// Where a ray's line enters and leaves an axis-aligned box. `min` and `max` ignore NaN, which a ray
-/// along the line of a side gives.
+/// Where a ray's line enters and leaves an axis-aligned box. An `AXIAL` ray along the line of a side gives NaN, which
+/// [`f64::min`] and [`f64::max`] ignore; without NaN an instruction each does.
 #[inline]
-fn slab(from: DVec2, inverse: DVec2, min: DVec2, max: DVec2) -> (f64, f64) {
+fn slab<const AXIAL: bool>(from: DVec2, inverse: DVec2, min: DVec2, max: DVec2) -> (f64, f64) {
     let (a, b) = ((min - from) * inverse, (max - from) * inverse);
-    (a.x.min(b.x).max(a.y.min(b.y)), a.x.max(b.x).min(a.y.max(b.y)))
+    if AXIAL {
+        return (a.x.min(b.x).max(a.y.min(b.y)), a.x.max(b.x).min(a.y.max(b.y)));
+    }
+    let lesser = |a: f64, b: f64| if a < b { a } else { b };
+    let greater = |a: f64, b: f64| if a > b { a } else { b };
+    let enter = greater(lesser(a.x, b.x), lesser(a.y, b.y));
+    (enter, lesser(greater(a.x, b.x), greater(a.y, b.y)))
 }

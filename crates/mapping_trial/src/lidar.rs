@@ -286,7 +286,7 @@ impl LaserSensor for Laser {
                 range += p.sigma * normal;
             }
             if p.range_step > 0.0 {
-                range = (range / p.range_step).round() * p.range_step;
+                range = rounded(range / p.range_step) * p.range_step;
             }
             if range >= p.max_range { NO_ECHO } else { range.max(0.0) }
         });
@@ -294,9 +294,37 @@ impl LaserSensor for Laser {
     }
 }
 
+/// [`f64::round`], which is a call on most processors.
+#[inline]
+fn rounded(number: f64) -> f64 {
+    // Greater numbers are whole.
+    const WHOLE: f64 = (1_u64 << 52) as f64;
+    if number.is_nan() || number.abs() >= WHOLE {
+        return number;
+    }
+    let towards_zero = number as i64 as f64;
+    let away = f64::from(u8::from((number - towards_zero).abs() >= 0.5));
+    (towards_zero.abs() + away).copysign(number)
+}
+
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    proptest! {
+        #[test]
+        fn numbers_are_rounded_as_the_standard_library_does(
+            number in any::<f64>(), halves in -20_i32..20, next: bool,
+        ) {
+            let half = 0.5 * f64::from(halves);
+            let beside = if next { half.next_up() } else { half.next_down() };
+            for number in [number, half, beside, number.fract(), -0.0] {
+                prop_assert_eq!(rounded(number).to_bits(), number.round().to_bits());
+            }
+        }
+    }
 
     #[test]
     #[should_panic(expected = "`laser.beams` must be a whole number from 1 to 4096, got 0")]

@@ -222,14 +222,15 @@ impl Costmap {
         let reach = DVec2::splat(distance.clamp(0.0, FARTHEST_LOOK));
         let (low, high) = ((p - reach) / tile, (p + reach) / tile);
         let (low, high) = (low.floor().as_ivec2(), high.floor().as_ivec2());
-        (low.y..=high.y).any(|row| {
-            (low.x..=high.x).any(|col| {
-                let at = IVec2::new(col, row);
-                let middle = (at.as_dvec2() + 0.5) * tile;
-                middle.distance(p) <= distance
-                    && self.table.get(at).is_some_and(|slot| self.tiles[slot as usize].has_occupied)
-            })
-        })
+        let is_occupied = |at: IVec2| {
+            let middle = (at.as_dvec2() + 0.5) * tile;
+            middle.distance(p) <= distance
+                && self.table.get(at).is_some_and(|slot| self.tiles[slot as usize].has_occupied)
+        };
+        // Mostly a wall is near.
+        is_occupied((p / tile).floor().as_ivec2())
+            || (low.y..=high.y)
+                .any(|row| (low.x..=high.x).any(|col| is_occupied(IVec2::new(col, row))))
     }
 
     /// Number of frontier cells: for benchmarks and tests.
@@ -564,7 +565,7 @@ pub(super) fn cell_of(p: DVec2) -> IVec2 {
 }
 
 /// The index of a step in [`STEPS`].
-fn step_index(step: IVec2) -> usize {
+pub(super) fn step_index(step: IVec2) -> usize {
     const PLACES: [[usize; 3]; 3] = [[5, 6, 7], [4, 0, 0], [3, 2, 1]];
     PLACES[(step.y + 1) as usize][(step.x + 1) as usize]
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use glam::{DVec2, IVec2};
 
-use super::costmap::{Bits, Costmap, NODES, Node, SIDE, STEPS, cell_of};
+use super::costmap::{Bits, Costmap, NODES, Node, SIDE, STEPS, cell_of, step_index};
 use crate::map::{Cell, CellIndex, RESOLUTION, TILE};
 
 /// Frontier cells that make a cluster worth a visit: 0.5 m.
@@ -90,7 +90,8 @@ impl Frontiers {
                     && costmap.class(node).is_passable()
                 {
                     fits = true;
-                    if !skip(costmap, p) {
+                    // Several cells of the map are in one planning cell.
+                    if self.cluster_at(node).is_none() && !skip(costmap, p) {
                         self.label(node, number);
                     }
                 }
@@ -197,21 +198,22 @@ impl Frontiers {
         while let Some((slot, block)) = self.open.pop() {
             let corner = costmap.tile_at(slot) * TILE;
             for row in block.y * BLOCK..(block.y + 1) * BLOCK {
-                let bits = costmap.frontier(slot)[row as usize];
-                let cols = block.x * BLOCK..(block.x + 1) * BLOCK;
-                let cells = cols.filter(|col| bits >> col & 1 == 1);
-                let index = |col| CellIndex { col: corner.x + col, row: corner.y + row };
-                self.cells.extend(cells.map(index));
+                let low = block.x * BLOCK;
+                let mut bits = costmap.frontier(slot)[row as usize] >> low & ((1 << BLOCK) - 1);
+                while bits != 0 {
+                    let col = low + bits.trailing_zeros() as i32;
+                    self.cells.push(CellIndex { col: corner.x + col, row: corner.y + row });
+                    bits &= bits - 1;
+                }
             }
             for step in STEPS {
                 let next = block + step;
                 let over = next.div_euclid(IVec2::splat(BLOCKS));
-                let slot = match STEPS.iter().position(|&step| step == over) {
-                    None => slot,
-                    Some(direction) => match costmap.beside(slot, direction) {
-                        Some(slot) => slot,
-                        None => continue,
-                    },
+                let slot = if over == IVec2::ZERO {
+                    slot
+                } else {
+                    let Some(slot) = costmap.beside(slot, step_index(over)) else { continue };
+                    slot
                 };
                 let next = next.rem_euclid(IVec2::splat(BLOCKS));
                 let bit = 1 << (next.y * BLOCKS + next.x);

@@ -29,6 +29,9 @@ const FEWEST_ECHOES: f64 = 3.0;
 const ARM: f32 = 0.15;
 const STRAIGHT: f32 = 0.03;
 
+/// Echoes that are nearer than this in metres, measured from echo to echo, are nearer than an arm, whatever rounding does.
+const SURELY_WITHIN_ARM: f64 = ARM as f64 - 1e-4;
+
 /// Longest gap in metres between neighbouring echoes of one wall.
 const GAP: f32 = 0.5;
 
@@ -65,32 +68,42 @@ pub(crate) struct WallPoint {
 
 /// The echoes of a scan that lie on a wall, seen from the laser's position.
 pub(crate) fn wall_points(echoes: &[Vec2], laser: DVec2) -> Vec<WallPoint> {
-    let is_gap: Vec<bool> = echoes.windows(2).map(|pair| pair[1].distance(pair[0]) > GAP).collect();
-    let arm = |i: usize, step: isize| -> Option<Vec2> {
-        let (mut at, from) = (i, echoes[i]);
-        loop {
-            let next = at.checked_add_signed(step)?;
-            let p = *echoes.get(next)?;
-            if is_gap[at.min(next)] {
-                return None;
+    let mut walls = Vec::with_capacity(echoes.len());
+    let mut along = Vec::with_capacity(echoes.len());
+    for row in echoes.chunk_by(|a, b| b.distance(*a) <= GAP) {
+        // Distances from echo to echo: no echo is farther from another than the way through those between them.
+        along.clear();
+        let mut sum = 0.0;
+        along.extend(row.iter().zip([&row[0]].into_iter().chain(row)).map(|(echo, before)| {
+            sum += f64::from(echo.distance(*before));
+            sum
+        }));
+        let (mut left, mut right) = (0, 0);
+        for (i, &here) in along.iter().enumerate() {
+            while left < i && here - along[left] >= SURELY_WITHIN_ARM {
+                left += 1;
             }
-            if p.distance(from) >= ARM {
-                return Some(p);
+            while right < row.len() && along[right] - here < SURELY_WITHIN_ARM {
+                right += 1;
             }
-            at = next;
+            walls.extend(on_wall(&row[..left], row[i], &row[right..], laser));
         }
-    };
-    let on_wall = |(i, &echo): (usize, &Vec2)| {
-        let (a, b) = (arm(i, -1)?, arm(i, 1)?);
-        let across = (b - a).try_normalize()?.perp();
-        if across.dot(echo - a).abs() > STRAIGHT {
-            return None;
-        }
-        let (point, normal) = (echo.as_dvec2(), across.as_dvec2());
-        let normal = if normal.dot(laser - point) < 0.0 { -normal } else { normal };
-        Some(WallPoint { point, normal })
-    };
-    echoes.iter().enumerate().filter_map(on_wall).collect()
+    }
+    walls
+}
+
+/// An echo, if it lies on a wall: `before` and `after` hold at least the echoes of its row that are an arm away.
+fn on_wall(before: &[Vec2], echo: Vec2, after: &[Vec2], laser: DVec2) -> Option<WallPoint> {
+    let is_arm = |p: &&Vec2| p.distance(echo) >= ARM;
+    let a = *before.iter().rev().find(is_arm)?;
+    let b = *after.iter().find(is_arm)?;
+    let across = (b - a).try_normalize()?.perp();
+    if across.dot(echo - a).abs() > STRAIGHT {
+        return None;
+    }
+    let (point, normal) = (echo.as_dvec2(), across.as_dvec2());
+    let normal = if normal.dot(laser - point) < 0.0 { -normal } else { normal };
+    Some(WallPoint { point, normal })
 }
 
 /// The echoes in a cell on walls that face one direction.
@@ -163,7 +176,8 @@ impl SurfelMap {
             let heading = unit_vector(pose.heading);
             let off = (expected.position - pose.position)
                 .extend(wrap_angle(expected.heading - pose.heading));
-            let mut information = DMat3::from_diagonal(prior);
+            // The information's upper triangle, row by row.
+            let mut sums = [prior.x, 0.0, 0.0, prior.y, 0.0, prior.z];
             let mut pull = prior * off;
             let mut before = Look::default();
             for (wall, look) in walls.iter().zip(&mut looks) {
@@ -189,9 +203,17 @@ impl SurfelMap {
                 let robust = 1.0 / (1.0 + relative * relative);
                 let weight = robust * robust / (SCATTER * SCATTER);
                 let row = DVec3::new(normal.x, normal.y, normal.dot(arm.perp()));
-                information += DMat3::from_cols(row * row.x, row * row.y, row * row.z) * weight;
+                let (x, y) = (row * row.x * weight, row * row.y * weight);
+                sums[0] += x.x;
+                sums[1] += x.y;
+                sums[2] += x.z;
+                sums[3] += y.y;
+                sums[4] += y.z;
+                sums[5] += row.z * row.z * weight;
                 pull += row * (weight * distance);
             }
+            let [xx, xy, xz, yy, yz, zz] = sums;
+            let information = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
             let step = information.inverse() * pull;
             if !step.is_finite() {
                 let (is_held, is_settled) = (false, false);
