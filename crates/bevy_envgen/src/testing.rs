@@ -141,7 +141,9 @@ pub fn digest(app: &App, environment: Entity) -> Digest {
         .iter()
         .map(|part| {
             let PartId { kind, tile, index } = part.id;
-            (kind.name(), tile, index, transform_bits(&part.transform), shape_bits(&part.shape))
+            // Digests have always had spaces in the names of kinds.
+            let kind = kind.name().replace('_', " ");
+            (kind, tile, index, transform_bits(&part.transform), shape_bits(&part.shape))
         })
         .collect();
     Digest::of(&parts)
