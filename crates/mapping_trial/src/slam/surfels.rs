@@ -71,7 +71,7 @@ pub(crate) fn wall_points(echoes: &[Vec2], laser: DVec2) -> Vec<WallPoint> {
     let mut walls = Vec::with_capacity(echoes.len());
     let mut along = Vec::with_capacity(echoes.len());
     for row in echoes.chunk_by(|a, b| b.distance(*a) <= GAP) {
-        // Distances from echo to echo: no echo is farther from another than the way through those between them.
+        // Distances from echo to echo: no echo is farther from another than this sum says.
         along.clear();
         let mut sum = 0.0;
         along.extend(row.iter().zip([&row[0]].into_iter().chain(row)).map(|(echo, before)| {
