@@ -415,6 +415,33 @@ mod tests {
     }
 
     proptest! {
+        /// Against a search from echo to echo.
+        #[test]
+        fn walls_are_those_of_a_plain_search(
+            steps in prop::collection::vec((-0.2..0.2_f32, -0.05..0.05_f32), 0..120),
+            scale in prop::sample::select(vec![0.05_f32, 0.3, 1.0, 4.0]),
+        ) {
+            let mut at = Vec2::new(1.0, -2.0);
+            let echoes: Vec<Vec2> = steps
+                .iter()
+                .map(|&(x, y)| {
+                    at += scale * Vec2::new(0.15 + x, y);
+                    at
+                })
+                .collect();
+            let is_gap = |a: usize, b: usize| echoes[a].distance(echoes[b]) > GAP;
+            let mut plain = Vec::new();
+            for (i, &echo) in echoes.iter().enumerate() {
+                let is_arm = |&other: &usize| echoes[other].distance(echo) >= ARM;
+                let a = (0..i).rev().take_while(|&k| !is_gap(k, k + 1)).find(is_arm);
+                let b = (i + 1..echoes.len()).take_while(|&k| !is_gap(k, k - 1)).find(is_arm);
+                if let (Some(a), Some(b)) = (a, b) {
+                    plain.extend(on_wall(&[echoes[a]], echo, &[echoes[b]], DVec2::ZERO));
+                }
+            }
+            prop_assert_eq!(wall_points(&echoes, DVec2::ZERO), plain);
+        }
+
         #[test]
         fn nothing_makes_a_pose_infinite(
             points in prop::collection::vec((-50.0..50.0_f32, -50.0..50.0_f32), 0..200),
