@@ -23,6 +23,9 @@ SHARE, CLEAR = 0.005, 24
 
 CHROMIUM = shutil.which("chromium")
 
+# Chromium takes some of a low window for itself.
+BELOW = 200
+
 
 def judge(world, report):
     """Compares the pictures of a world."""
@@ -53,14 +56,16 @@ def compare(renderer, ours, theirs, size, report):
 
 def in_chromium(svg, size):
     """A picture of a window of that size."""
+    width, height = size
     with tempfile.TemporaryDirectory() as folder:
         drawn = f"{folder}/drawn.png"
         command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
         command += [f"--user-data-dir={folder}/profile", f"--screenshot={drawn}"]
-        command += ["--window-size={},{}".format(*size), svg.resolve().as_uri()]
+        command += [f"--window-size={width},{height + BELOW}", svg.resolve().as_uri()]
         subprocess.run(command, check=True, capture_output=True, timeout=120)
-        with open(drawn, "rb") as file:
-            return file.read()
+        cut = io.BytesIO()
+        Image.open(drawn).crop((0, 0, width, height)).save(cut, "png")
+        return cut.getvalue()
 
 
 def picture(png):
