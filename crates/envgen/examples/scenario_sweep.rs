@@ -74,7 +74,7 @@ fn run(seed: Seed) -> Result<Value, Box<dyn std::error::Error>> {
         door_kind: kinds[stream.below(4) as usize],
         door_control: if stream.chance(0.3) { DoorControl::Triggered } else { DoorControl::Timed },
         slam: stream.between(0.0, 1.0),
-        // Up to one person per 12 square metres.
+        // Up to one person on 18 square metres: cells have 9.
         people: 1 + stream.below(u64::from(side * side)) as u32 / 2,
         working: 10.0,
         waiting: 5.0,
