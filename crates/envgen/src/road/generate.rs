@@ -258,9 +258,11 @@ impl Attempt<'_> {
         });
         turns.truncate(4);
         // A figure of eight needs headings that differ by more than half a turn.
-        let greatest = widest_turning(signs, (least, most));
-        if turns == [0] && greatest <= PI + 1e-12 {
-            return Err(RoadError::LeadsAway { greatest: greatest.to_degrees() });
+        if turns == [0] {
+            let greatest = widest_turning(signs, (least, most));
+            if greatest <= PI + 1e-12 {
+                return Err(RoadError::LeadsAway { greatest: greatest.to_degrees() });
+            }
         }
         Ok(turns.into_iter().map(|turn| turn as f64 * TAU).collect())
     }
