@@ -93,6 +93,10 @@ pub struct PersonState {
     pub(super) calm_until: u64,
     /// Where and when the person last came forward.
     pub(super) moved: (DVec2, u64),
+    /// Where to step aside for the leaf of a door that is to open.
+    pub(super) aside: Option<DVec2>,
+    /// Where others held the person up, and how often.
+    pub(super) held_up: (DVec2, u32),
     /// Set after a reaction, until the robot is away.
     pub(super) is_used_to_robot: bool,
 }
@@ -122,6 +126,8 @@ impl PersonState {
             steps_left: 0,
             calm_until: 0,
             moved: (person.position, 0),
+            aside: None,
+            held_up: (person.position, 0),
             is_used_to_robot: false,
         }
     }

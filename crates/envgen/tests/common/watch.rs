@@ -1,19 +1,35 @@
 //! Checks of what moves, at every step.
 
+use std::collections::{HashSet, VecDeque};
+
 use envgen::glam::DVec2;
-use envgen::scenario::{PERSON_RADIUS, Robot, ScenarioState, Target};
+use envgen::scenario::{PERSON_RADIUS, PersonState, Robot, ScenarioState, Target};
+
+/// How often it is asked whether those who wait could walk away, in ticks, and from how long a wait on.
+const ASK: u64 = 100;
+
+/// A path is free if it leads this far away, in metres.
+const AWAY: f64 = 1.5;
+
+/// Side of the cells in which free paths are searched, and how much nearer than their radius people may come to
+/// others on them, in metres: who waits touches others, and rounding is no overlap.
+const CELL: f64 = 0.05;
+const TOUCH: f64 = 0.002;
 
 /// What was seen of a scenario.
 #[derive(Default)]
 pub(crate) struct Watch {
-    /// Since when each person has been near a point while walking: the point, and the tick.
-    anchors: Vec<(DVec2, u64)>,
+    /// Since when each person has been near a point while walking: the point, and the tick. The second tick is
+    /// the last one when no path away was free, or a leaf was in front of the person.
+    anchors: Vec<(DVec2, u64, u64)>,
     /// Seconds of walking of all people.
     pub(crate) walked: f64,
     /// Of these, seconds of standing.
     pub(crate) waited: f64,
     /// The longest time in seconds that someone walked without coming half a metre far.
     pub(crate) longest: f64,
+    /// The same where a path away was free all the time, and no leaf in front of the person.
+    pub(crate) stuck: f64,
     /// The greatest overlap of a person with anything in metres, and with what.
     pub(crate) overlap: (f64, String),
 }
@@ -22,7 +38,7 @@ impl Watch {
     /// Looks at everyone; to be called after every tick.
     pub(crate) fn look(&mut self, state: &ScenarioState, robots: &[Robot]) {
         let people = state.people();
-        self.anchors.resize(people.len(), (DVec2::INFINITY, 0));
+        self.anchors.resize(people.len(), (DVec2::INFINITY, 0, 0));
         for (i, person) in people.iter().enumerate() {
             let p = person.position;
             let mut worst = (0.0, String::new());
@@ -48,7 +64,14 @@ impl Watch {
             }
             let anchor = &mut self.anchors[i];
             if !person.is_walking() || p.distance(anchor.0) > 0.5 {
-                *anchor = (p, state.tick());
+                *anchor = (p, state.tick(), state.tick());
+            }
+            let waits = state.tick() - anchor.1;
+            if waits >= ASK && waits.is_multiple_of(ASK) {
+                if is_behind_leaf(state, person) || !has_free_path(state, i) {
+                    anchor.2 = state.tick();
+                }
+                self.stuck = self.stuck.max((state.tick() - anchor.2) as f64 * 0.05);
             }
             if person.is_walking() {
                 self.walked += 0.05;
@@ -57,4 +80,39 @@ impl Watch {
             self.longest = self.longest.max((state.tick() - anchor.1) as f64 * 0.05);
         }
     }
+}
+
+/// Whether a leaf is between a person and the next corner of the path.
+fn is_behind_leaf(state: &ScenarioState, person: &PersonState) -> bool {
+    let p = person.position;
+    let Some(to) = person.path().last().map(|corner| corner - p) else { return false };
+    state.all_leaves().any(|leaf| {
+        leaf.distance_along(p, to.normalize_or_zero()).is_some_and(|d| d <= to.length())
+    })
+}
+
+/// Whether a person could walk away between all others and the leaves of doors as they are now.
+fn has_free_path(state: &ScenarioState, person: usize) -> bool {
+    let start = state.people()[person].position;
+    let at = |(right, up): (i32, i32)| start + CELL * DVec2::new(right.into(), up.into());
+    let fits = |p: DVec2| {
+        let mut fits = true;
+        state.contacts(p, PERSON_RADIUS - TOUCH, |contact| {
+            fits &= contact.target == Target::Person(person as u32);
+        });
+        fits
+    };
+    let mut seen = HashSet::from([(0, 0)]);
+    let mut queue = VecDeque::from([(0, 0)]);
+    while let Some((right, up)) = queue.pop_front() {
+        for next in [(right + 1, up), (right - 1, up), (right, up + 1), (right, up - 1)] {
+            if seen.insert(next) && fits(at(next)) {
+                if at(next).distance(start) >= AWAY {
+                    return true;
+                }
+                queue.push_back(next);
+            }
+        }
+    }
+    false
 }

@@ -95,6 +95,21 @@ fn a_commanded_door_obeys_and_never_closes_on_a_robot() {
 }
 
 #[test]
+fn a_sliding_door_opens_beside_a_robot_that_touches_it() {
+    let (world, scenario) = two_rooms("kind: sliding, control: commanded");
+    for along in [1.6, 2.0, 2.4] {
+        let mut state = ScenarioState::new(&world, &scenario).unwrap();
+        state.command_door(0, DoorCommand::Close).unwrap();
+        state.step(1.0, &[]).unwrap();
+        let robot =
+            Robot { position: DVec2::new(3.695, along), velocity: DVec2::ZERO, radius: 0.3 };
+        state.command_door(0, DoorCommand::Open).unwrap();
+        state.step(1.0, &[robot]).unwrap();
+        assert_eq!(state.doors()[0].openness, 1.0, "a robot at {along} m");
+    }
+}
+
+#[test]
 fn rays_meet_leaves_where_they_are() {
     let (world, scenario) = two_rooms("kind: hinged, control: triggered");
     let mut state = ScenarioState::new(&world, &scenario).unwrap();

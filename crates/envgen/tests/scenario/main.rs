@@ -1,5 +1,7 @@
 //! Doors, people and smoke in generated worlds.
 
+#[path = "../common/busy_map.rs"]
+mod busy_map;
 #[path = "../common/watch.rs"]
 mod watch;
 

@@ -7,6 +7,7 @@ use envgen::scenario::{
 };
 use envgen::{Seed, WorldKind};
 
+use crate::busy_map::busy_map;
 use crate::watch::Watch;
 use crate::{indoor, room_with_a_person};
 
@@ -52,6 +53,17 @@ fn nobody_is_in_anything_in_random_maps() {
     assert!(longest < 60.0, "someone was stuck for {longest} s");
     assert!(share < 0.5, "{share} of the walks are waits");
     assert!(stopped > 0, "no door met a body");
+}
+
+#[test]
+fn nobody_stays_where_a_path_away_is_free() {
+    // Maps of `scenario_sweep` with an obstacle beside the swing of a door, and with narrow passages.
+    for (seed, seconds) in [(106, 960), (36, 1500)] {
+        let (world, scenario) = busy_map(Seed(seed)).unwrap();
+        let mut state = ScenarioState::new(&world, &scenario).unwrap();
+        let watch = run(&mut state, seconds, &[]);
+        assert!(watch.stuck < 60.0, "seed {seed}: someone stayed for {} s", watch.stuck);
+    }
 }
 
 #[test]

@@ -85,11 +85,11 @@ pub(crate) struct Bodies<'a> {
 }
 
 impl Bodies<'_> {
-    /// Whether one for which a test of position and radius holds is within a distance of a point.
-    fn any_near(&self, p: DVec2, reach: f64, test: impl Fn(DVec2, f64) -> bool) -> bool {
-        self.robots.iter().any(|robot| test(robot.position, robot.radius))
+    /// Whether one for which a test of position, radius and being a person holds is within a distance of a point.
+    fn any_near(&self, p: DVec2, reach: f64, test: impl Fn(DVec2, f64, bool) -> bool) -> bool {
+        self.robots.iter().any(|robot| test(robot.position, robot.radius, false))
             || self.near.any(p, reach + PERSON_RADIUS, |i| {
-                self.people.get(i).is_some_and(|person| test(person.position, PERSON_RADIUS))
+                self.people.get(i).is_some_and(|person| test(person.position, PERSON_RADIUS, true))
             })
     }
 }
@@ -195,13 +195,17 @@ impl DoorState {
             false if self.openness - step < 1e-9 => 0.0,
             false => self.openness - step,
         };
-        let touches = |p: DVec2, radius: f64| {
-            let swept = shape.swept_distance(p, self.openness, next);
+        // A leaf that slides away touches nobody. People leave the whole swing of one that opens, rather than be
+        // shut in behind it.
+        let is_sliding_away = self.opens && !shape.swings();
+        let touches = |p: DVec2, radius: f64, is_person: bool| {
+            let end = if is_person && self.opens { 1.0 } else { next };
+            let swept = shape.swept_distance(p, self.openness, end);
             // A leaf may always leave a body that it touches.
             swept < radius + LEAF_GAP
                 && swept < shape.swept_distance(p, self.openness, self.openness) - 1e-9
         };
-        if !bodies.any_near(shape.middle(), shape.reach() + LEAF_GAP, touches) {
+        if is_sliding_away || !bodies.any_near(shape.middle(), shape.reach() + LEAF_GAP, touches) {
             self.openness = next;
         } else if !self.opens {
             self.opens = true;

@@ -3,12 +3,13 @@
 use glam::DVec2;
 
 use super::free_space::FreeSpace;
+use super::held_up::OFF_SWINGS;
 use super::orca::{Disc, HalfPlane, WALL_HORIZON, avoid, keep_off, solve};
 use super::routes::Routes;
 use crate::geometry::segments_cross;
 use crate::grid::CellBuckets;
 use crate::raycast::Raycaster;
-use crate::scenario::door::{DoorShape, DoorState, LEAF_GAP};
+use crate::scenario::door::{DoorShape, DoorState};
 use crate::scenario::neighbourhood::{Neighbourhood, RANGE, REBUILD};
 use crate::scenario::person::{MAX_CURIOUS, Person, PersonState, Reaction, Task};
 use crate::scenario::robot::Robot;
@@ -26,7 +27,7 @@ const PROGRESS: f64 = 0.4;
 const PATIENCE: u64 = 3 * TICKS_PER_SECOND;
 
 /// Someone who left the path looks for it again after this many ticks.
-const LOOK: u64 = 4;
+pub(super) const LOOK: u64 = 4;
 
 /// Someone who does not see it searches for a new path after this many ticks.
 const SEARCH: u64 = TICKS_PER_SECOND;
@@ -60,7 +61,7 @@ pub(crate) struct Crowd {
     pub(crate) people: Vec<PersonState>,
     pub(crate) near: Neighbourhood,
     /// How many people go to each place, or are there.
-    taken: Vec<u32>,
+    pub(super) taken: Vec<u32>,
     wishes: Vec<Wish>,
     planes: Vec<HalfPlane>,
 }
@@ -128,7 +129,9 @@ impl Crowd {
                 self.depart(i, false, around);
             }
             Task::Walk if around.tick - person.moved.1 > patience(i, person.draws) => {
-                self.depart(i, true, around);
+                if !self.is_held_up(i) || !self.leave_between_others(i, around) {
+                    self.depart(i, true, around);
+                }
             }
             _ => {}
         }
@@ -202,18 +205,22 @@ impl Crowd {
             }
         }
         match found {
-            Some((place, path)) => {
-                if let Some(old) = person.place.replace(place) {
-                    self.taken[old as usize] -= 1;
-                }
-                self.taken[place as usize] += 1;
-                person.path = path;
-                person.on_path = true;
-                person.task = Task::Walk;
-            }
+            Some((place, path)) => self.walk(i, place, path),
             None if is_blocked => {}
             None => person.task = Task::Stand { until: around.tick + TICKS_PER_SECOND },
         }
+    }
+
+    /// Lets a person walk to a place.
+    pub(super) fn walk(&mut self, i: usize, place: u32, path: Vec<DVec2>) {
+        let person = &mut self.people[i];
+        if let Some(old) = person.place.replace(place) {
+            self.taken[old as usize] -= 1;
+        }
+        self.taken[place as usize] += 1;
+        person.path = path;
+        person.on_path = true;
+        person.task = Task::Walk;
     }
 
     /// The velocity that a person wishes to have.
@@ -242,25 +249,16 @@ impl Crowd {
             return Wish::STAND;
         }
         let mut is_clear = person.on_path;
-        for &door in zone(around, person.position) {
-            let (shape, state) = (&around.shapes[door as usize], &around.doors[door as usize]);
-            // A door that cannot open gets room for its leaf, unless the person leaves in any case.
-            let gap = PERSON_RADIUS + 2.0 * LEAF_GAP;
-            let leaves = || {
-                person.path.last().is_some_and(|&corner| {
-                    let [a, b] = shape.ends;
-                    shape.swing_distance(corner) >= gap
-                        && !segments_cross(person.position, corner, a, b)
-                })
-            };
-            if state.opens
-                && !state.is_open()
-                && shape.swing_distance(person.position) < gap
-                && !leaves()
-            {
-                let away = (person.position - shape.middle()).normalize_or(person.facing);
-                (preferred, is_clear) = (away * max_speed, false);
-            }
+        if let Some(door) = self.is_in_the_way_of(i, around) {
+            is_clear = false;
+            let p = person.position;
+            let middle = around.shapes[door].middle();
+            let away = (p - middle).normalize_or(person.facing) * max_speed;
+            preferred = self.aside(i, door, around).map_or(away, |aside| {
+                (aside - p).normalize_or_zero() * max_speed.min((aside - p).length() / TICK)
+            });
+        } else {
+            self.people[i].aside = None;
         }
         self.avoiding(i, (preferred, max_speed, is_clear), around)
     }
@@ -424,6 +422,7 @@ impl Crowd {
                 let is_work = person.draws.is_multiple_of(2);
                 let mean = if is_work { around.spec.working } else { around.spec.waiting };
                 let stay = ticks(-mean * libm::log1p(-stream.unit()));
+                person.held_up.1 = 0;
                 person.task = Task::Stand { until: around.tick + stay };
             }
         } else if person.on_path {
@@ -509,13 +508,13 @@ fn passes_door(
     let goes_through = corner.is_some_and(|corner| segments_cross(from, corner, a, b));
     let distance = shape.swing_distance(to);
     (state.is_still() && !goes_through)
-        || distance >= PERSON_RADIUS + 2.0 * LEAF_GAP
+        || distance >= OFF_SWINGS
         || distance >= shape.swing_distance(from)
 }
 
 /// The doors whose leaves can be near a point.
 #[inline]
-fn zone<'a>(around: &Surroundings<'a>, p: DVec2) -> &'a [u32] {
+pub(super) fn zone<'a>(around: &Surroundings<'a>, p: DVec2) -> &'a [u32] {
     if around.shapes.is_empty() {
         return &[];
     }

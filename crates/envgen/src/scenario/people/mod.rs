@@ -4,7 +4,9 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 mod crowd;
+mod free_path;
 mod free_space;
+mod held_up;
 mod orca;
 mod places;
 mod routes;

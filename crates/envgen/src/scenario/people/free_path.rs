@@ -1,0 +1,115 @@
+//! Paths between people, robots and leaves as they are now, for those whom they hold up.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use glam::DVec2;
+
+use super::free_space::{FreeSpace, NEIGHBOURS};
+use crate::geometry::{distance_between_segments, distance_to_segment};
+use crate::scenario::PERSON_RADIUS;
+use crate::scenario::door::Leaf;
+
+/// Half the side of the window in which paths are searched, in cells.
+const WINDOW: isize = 25;
+const SIDE: usize = 2 * WINDOW as usize + 1;
+
+/// Paths begin at most this many columns and rows away.
+const ENTRY: isize = 3;
+
+/// Costs of a step to the side and of a diagonal one: nearly as 1 to the square root of 2.
+const COSTS: [u32; 2] = [5, 7];
+
+/// A path may come this much nearer to what its beginning touches, in metres: rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// What may stand in the way, at this moment.
+pub(super) struct Blockers {
+    /// Positions of the others, and how far from each the person must stay, in metres.
+    pub(super) discs: Vec<(DVec2, f64)>,
+    pub(super) leaves: Vec<Leaf>,
+}
+
+impl Blockers {
+    /// Whether a person can walk from `a` to `b` in a straight line; who touches something at `a` may leave it.
+    fn leave_free(&self, a: DVec2, b: DVec2) -> bool {
+        let least = |needed: f64, now: f64| needed.min(now) - ROUNDING;
+        self.discs
+            .iter()
+            .all(|&(p, needed)| distance_to_segment(p, a, b) >= least(needed, p.distance(a)))
+            && self.leaves.iter().all(|leaf| {
+                distance_between_segments(a, b, leaf.hinge, leaf.tip)
+                    >= least(PERSON_RADIUS, leaf.nearest_point(a).distance(a))
+            })
+    }
+}
+
+/// The shortest path on the grid from a point to a cell that is a goal: the cell and the corners, the last
+/// first.
+pub(super) fn free_path(
+    space: &FreeSpace,
+    from: DVec2,
+    blockers: &Blockers,
+    mut is_goal: impl FnMut(usize) -> bool,
+) -> Option<(usize, Vec<DVec2>)> {
+    let frame = space.frame;
+    let here = frame.index_at(from)?;
+    let (col, row) = frame.cell(here);
+    let local = |cell: usize| {
+        let (c, r) = frame.cell(cell);
+        let (c, r) = (c as isize - col as isize + WINDOW, r as isize - row as isize + WINDOW);
+        let inside = 0..SIDE as isize;
+        (inside.contains(&c) && inside.contains(&r)).then(|| r as usize * SIDE + c as usize)
+    };
+    let is_clear = |a: DVec2, b: DVec2| space.is_squeezed_clear(a, b) && blockers.leave_free(a, b);
+    let mut costs = vec![u32::MAX; SIDE * SIDE];
+    let mut before = vec![usize::MAX; SIDE * SIDE];
+    let mut queue = BinaryHeap::new();
+    for up in -ENTRY..=ENTRY {
+        for right in -ENTRY..=ENTRY {
+            let Some(cell) = frame.neighbour(here, right, up) else { continue };
+            let (Some(i), center) = (local(cell), frame.center_of(cell)) else { continue };
+            if is_clear(from, center) {
+                costs[i] = (f64::from(COSTS[0]) * from.distance(center) / frame.cell_size) as u32;
+                queue.push(Reverse((costs[i], cell)));
+            }
+        }
+    }
+    while let Some(Reverse((cost, cell))) = queue.pop() {
+        let Some(i) = local(cell) else { continue };
+        if costs[i] != cost {
+            continue;
+        }
+        if is_goal(cell) {
+            return Some((cell, corners(cell, |cell| local(cell).map(|i| before[i]), space)));
+        }
+        let center = frame.center_of(cell);
+        for (direction, &(right, up)) in NEIGHBOURS.iter().enumerate() {
+            let Some(other) = frame.neighbour(cell, right, up) else { continue };
+            let Some(k) = local(other) else { continue };
+            let there = cost + COSTS[direction % 2];
+            if there < costs[k] && is_clear(center, frame.center_of(other)) {
+                costs[k] = there;
+                before[k] = cell;
+                queue.push(Reverse((there, other)));
+            }
+        }
+    }
+    None
+}
+
+/// Where the path to a cell turns, the last corner first.
+fn corners(last: usize, before: impl Fn(usize) -> Option<usize>, space: &FreeSpace) -> Vec<DVec2> {
+    let cells =
+        std::iter::successors(Some(last), |&cell| before(cell).filter(|&cell| cell != usize::MAX));
+    let mut corners: Vec<DVec2> = Vec::new();
+    for p in cells.map(|cell| space.frame.center_of(cell)) {
+        if let [.., a, b] = corners[..]
+            && (b - a).perp_dot(p - b).abs() < ROUNDING
+        {
+            corners.pop();
+        }
+        corners.push(p);
+    }
+    corners
+}

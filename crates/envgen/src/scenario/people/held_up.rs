@@ -1,0 +1,116 @@
+//! People whom others hold up, and who hold up doors.
+
+use glam::DVec2;
+
+use super::crowd::{Crowd, LOOK, Surroundings, zone};
+use super::free_path::{Blockers, free_path};
+use crate::geometry::segments_cross;
+use crate::scenario::PERSON_RADIUS;
+use crate::scenario::door::LEAF_GAP;
+
+/// Someone who gave up a goal this often without coming farther than this many metres looks for a path between
+/// the others.
+const HELD_UP: u32 = 3;
+const HELD_UP_WITHIN: f64 = 0.5;
+
+/// Blockers whose middle is farther away than this are not in the way of such a path, in metres.
+const BLOCKERS: f64 = 6.0;
+
+/// People keep this far from the swing of a door that cannot open because of them, in metres.
+pub(super) const OFF_SWINGS: f64 = PERSON_RADIUS + 2.0 * LEAF_GAP;
+
+impl Crowd {
+    /// Notes that a person is blocked; whether the same happened here before.
+    pub(super) fn is_held_up(&mut self, i: usize) -> bool {
+        let person = &mut self.people[i];
+        let (p, times) = person.held_up;
+        let is_here = p.distance_squared(person.position) < HELD_UP_WITHIN * HELD_UP_WITHIN;
+        person.held_up = if is_here { (p, times + 1) } else { (person.position, 1) };
+        person.held_up.1 >= HELD_UP
+    }
+
+    /// Sends a person to the nearest free place to which a path between all others leads; whether there is one.
+    pub(super) fn leave_between_others(&mut self, i: usize, around: &Surroundings<'_>) -> bool {
+        let from = self.people[i].position;
+        let mut places: Vec<(usize, usize)> = around
+            .routes
+            .around(around.space, from)
+            .filter(|&(place, p)| {
+                let distance2 = p.distance_squared(from);
+                self.taken[place] == 0 && (1.0..=BLOCKERS * BLOCKERS).contains(&distance2)
+            })
+            .filter_map(|(place, p)| Some((around.space.frame.index_at(p)?, place)))
+            .collect();
+        places.sort_unstable();
+        let place_of = |cell| places.binary_search_by_key(&cell, |&(cell, _)| cell).ok();
+        let found = free_path(around.space, from, &self.blockers(i, around), |cell| {
+            place_of(cell).is_some()
+        });
+        let Some((place, path)) =
+            found.and_then(|(cell, path)| Some((places[place_of(cell)?].1, path)))
+        else {
+            return false;
+        };
+        let person = &mut self.people[i];
+        person.draws += 1;
+        person.moved = (from, around.tick);
+        person.steps_left = 0;
+        self.walk(i, place as u32, path);
+        true
+    }
+
+    /// Everything near a person that may move.
+    fn blockers(&self, i: usize, around: &Surroundings<'_>) -> Blockers {
+        let p = self.people[i].position;
+        let others = self.near.of(i).iter().map(|&j| self.people[j as usize].position);
+        let robots =
+            around.robots.iter().map(|robot| (robot.position, robot.radius + PERSON_RADIUS));
+        let doors = around.shapes.iter().zip(around.doors);
+        let near_doors = doors.filter(|(shape, _)| shape.middle().distance(p) < BLOCKERS);
+        Blockers {
+            discs: others.map(|other| (other, 2.0 * PERSON_RADIUS)).chain(robots).collect(),
+            leaves: near_doors.flat_map(|(shape, state)| state.leaves(shape)).collect(),
+        }
+    }
+
+    /// The door that cannot open because a person is in its swing, unless the person leaves in any case.
+    pub(super) fn is_in_the_way_of(&self, i: usize, around: &Surroundings<'_>) -> Option<usize> {
+        let person = &self.people[i];
+        let is_in_the_way = |door: &usize| {
+            let (shape, state) = (&around.shapes[*door], &around.doors[*door]);
+            let leaves = |&corner: &DVec2| {
+                let [a, b] = shape.ends;
+                shape.swing_distance(corner) >= OFF_SWINGS
+                    && !segments_cross(person.position, corner, a, b)
+            };
+            state.opens
+                && !state.is_open()
+                && shape.swing_distance(person.position) < OFF_SWINGS
+                && !person.path.last().is_some_and(leaves)
+        };
+        zone(around, person.position).iter().map(|&door| door as usize).find(is_in_the_way)
+    }
+
+    /// The point to which a person steps aside for a door.
+    pub(super) fn aside(
+        &mut self,
+        i: usize,
+        door: usize,
+        around: &Surroundings<'_>,
+    ) -> Option<DVec2> {
+        let person = &self.people[i];
+        let is_stopped = person.velocity == DVec2::ZERO;
+        let shape = &around.shapes[door];
+        let is_valid = |aside: DVec2| aside.distance_squared(person.position) > 1e-18;
+        let is_time = (around.tick + i as u64).is_multiple_of(LOOK);
+        if is_time && (is_stopped || !person.aside.is_some_and(is_valid)) {
+            let path =
+                free_path(around.space, person.position, &self.blockers(i, around), |cell| {
+                    around.space.is_free(cell)
+                        && shape.swing_distance(around.space.frame.center_of(cell)) >= OFF_SWINGS
+                });
+            self.people[i].aside = path.and_then(|(_, path)| path.last().copied());
+        }
+        self.people[i].aside
+    }
+}
