@@ -249,7 +249,7 @@ impl Crowd {
             return Wish::STAND;
         }
         let mut is_clear = person.on_path;
-        if let Some(door) = self.is_in_the_way_of(i, around) {
+        if let Some(door) = self.blocks_door(i, around) {
             is_clear = false;
             let p = person.position;
             let middle = around.shapes[door].middle();

@@ -23,7 +23,7 @@ const COSTS: [u32; 2] = [5, 7];
 /// A path may come this much nearer to what its beginning touches, in metres: rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// What may stand in the way, at this moment.
+/// What may block a path, at this moment.
 pub(super) struct Blockers {
     /// Positions of the others, and how far from each the person must stay, in metres.
     pub(super) discs: Vec<(DVec2, f64)>,

@@ -13,7 +13,7 @@ use crate::scenario::door::LEAF_GAP;
 const HELD_UP: u32 = 3;
 const HELD_UP_WITHIN: f64 = 0.5;
 
-/// Blockers whose middle is farther away than this are not in the way of such a path, in metres.
+/// Blockers whose middle is farther away than this are left out, in metres.
 const BLOCKERS: f64 = 6.0;
 
 /// People keep this far from the swing of a door that cannot open because of them, in metres.
@@ -74,9 +74,9 @@ impl Crowd {
     }
 
     /// The door that cannot open because a person is in its swing, unless the person leaves in any case.
-    pub(super) fn is_in_the_way_of(&self, i: usize, around: &Surroundings<'_>) -> Option<usize> {
+    pub(super) fn blocks_door(&self, i: usize, around: &Surroundings<'_>) -> Option<usize> {
         let person = &self.people[i];
-        let is_in_the_way = |door: &usize| {
+        let blocks = |door: &usize| {
             let (shape, state) = (&around.shapes[*door], &around.doors[*door]);
             let leaves = |&corner: &DVec2| {
                 let [a, b] = shape.ends;
@@ -88,7 +88,7 @@ impl Crowd {
                 && shape.swing_distance(person.position) < OFF_SWINGS
                 && !person.path.last().is_some_and(leaves)
         };
-        zone(around, person.position).iter().map(|&door| door as usize).find(is_in_the_way)
+        zone(around, person.position).iter().map(|&door| door as usize).find(blocks)
     }
 
     /// The point to which a person steps aside for a door.
