@@ -10,6 +10,9 @@ use crate::raycast::{Hit, Raycaster};
 use crate::seed::Stream;
 use crate::world::PartId;
 
+/// Rounding changes a distance by less than this, in metres.
+const ROUNDING: f64 = 1e-9;
+
 /// What a ray or a robot meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
@@ -137,14 +140,20 @@ impl ScenarioState {
                 visit(MovingContact { target, point, distance });
             }
         };
+        let is_within =
+            |q: DVec2, reach: f64| p.distance_squared(q) <= (reach + radius + ROUNDING).powi(2);
         for (door, (shape, state)) in (0..).zip(self.scene.shapes.iter().zip(&self.doors)) {
-            for leaf in state.leaves(shape) {
-                near(leaf.nearest_point(p), Target::Leaf(door));
+            if is_within(shape.middle(), shape.reach()) {
+                for leaf in state.leaves(shape) {
+                    near(leaf.nearest_point(p), Target::Leaf(door));
+                }
             }
         }
         for (i, person) in (0..).zip(&self.crowd.people) {
-            let from = p - person.position;
-            near(person.position + from.clamp_length_max(PERSON_RADIUS), Target::Person(i));
+            if is_within(person.position, PERSON_RADIUS) {
+                let from = p - person.position;
+                near(person.position + from.clamp_length_max(PERSON_RADIUS), Target::Person(i));
+            }
         }
     }
 
