@@ -128,8 +128,9 @@ impl Crowd {
             Task::Stand { until } | Task::React { until } if around.tick >= until => {
                 self.depart(i, false, around);
             }
+            Task::Walk if self.comes_to_jam(i, around) => self.depart(i, true, around),
             Task::Walk if around.tick - person.moved.1 > patience(i, person.draws) => {
-                if !self.is_held_up(i) || !self.leave_between_others(i, around) {
+                if !self.note_block(i) || !self.leave_between_others(i, around) {
                     self.depart(i, true, around);
                 }
             }

@@ -7,11 +7,16 @@ use super::free_path::{Blockers, free_path};
 use crate::geometry::segments_cross;
 use crate::scenario::PERSON_RADIUS;
 use crate::scenario::door::LEAF_GAP;
+use crate::scenario::person::PersonState;
 
 /// Someone who gave up a goal this often without coming farther than this many metres looks for a path between
 /// the others.
 const HELD_UP: u32 = 3;
 const HELD_UP_WITHIN: f64 = 0.5;
+
+/// People notice those who are held up within this distance in metres, once in so many ticks.
+const JAM: f64 = 1.5;
+const NOTICE: u64 = 10;
 
 /// Blockers whose middle is farther away than this are left out, in metres.
 const BLOCKERS: f64 = 6.0;
@@ -19,14 +24,35 @@ const BLOCKERS: f64 = 6.0;
 /// People keep this far from the swing of a door that cannot open because of them, in metres.
 pub(super) const OFF_SWINGS: f64 = PERSON_RADIUS + 2.0 * LEAF_GAP;
 
+impl PersonState {
+    /// Whether the person gave up several goals here.
+    fn is_held_up(&self) -> bool {
+        let (p, times) = self.held_up;
+        times >= HELD_UP && p.distance_squared(self.position) < HELD_UP_WITHIN * HELD_UP_WITHIN
+    }
+}
+
 impl Crowd {
+    /// Whether a person who is not held up comes to others who are: who would only shut them in. Asked once in a
+    /// while.
+    pub(super) fn comes_to_jam(&self, i: usize, around: &Surroundings<'_>) -> bool {
+        if !(around.tick + i as u64).is_multiple_of(NOTICE) || self.people[i].is_held_up() {
+            return false;
+        }
+        let (p, velocity) = (self.people[i].position, self.people[i].velocity);
+        self.near.of(i).iter().map(|&j| &self.people[j as usize]).any(|other| {
+            let to = other.position - p;
+            other.is_held_up() && to.length_squared() < JAM * JAM && to.dot(velocity) > 0.0
+        })
+    }
+
     /// Notes that a person is blocked; whether the same happened here before.
-    pub(super) fn is_held_up(&mut self, i: usize) -> bool {
+    pub(super) fn note_block(&mut self, i: usize) -> bool {
         let person = &mut self.people[i];
         let (p, times) = person.held_up;
         let is_here = p.distance_squared(person.position) < HELD_UP_WITHIN * HELD_UP_WITHIN;
         person.held_up = if is_here { (p, times + 1) } else { (person.position, 1) };
-        person.held_up.1 >= HELD_UP
+        person.is_held_up()
     }
 
     /// Sends a person to the nearest free place to which a path between all others leads; whether there is one.
