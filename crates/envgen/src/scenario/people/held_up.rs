@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::crowd::{Crowd, LOOK, Surroundings, zone};
 use super::free_path::{Blockers, free_path};
+use super::places::ROOMY;
 use crate::geometry::segments_cross;
 use crate::scenario::PERSON_RADIUS;
 use crate::scenario::door::LEAF_GAP;
@@ -13,6 +14,9 @@ use crate::scenario::person::PersonState;
 /// the others.
 const HELD_UP: u32 = 3;
 const HELD_UP_WITHIN: f64 = 0.5;
+
+/// Those who find no place go aside this far, in metres.
+const ASIDE: f64 = 2.0;
 
 /// People notice those who are held up within this distance in metres, once in so many ticks.
 const JAM: f64 = 1.5;
@@ -55,33 +59,42 @@ impl Crowd {
         person.is_held_up()
     }
 
-    /// Sends a person to the nearest free place to which a path between all others leads; whether there is one.
+    /// Sends a person to the nearest free place to which a path between all others leads, or aside where there is
+    /// none; whether a path leads away.
     pub(super) fn leave_between_others(&mut self, i: usize, around: &Surroundings<'_>) -> bool {
+        let Surroundings { space, routes, door_zones, .. } = *around;
         let from = self.people[i].position;
-        let mut places: Vec<(usize, usize)> = around
-            .routes
-            .around(around.space, from)
+        let mut places: Vec<(usize, usize)> = routes
+            .around(space, from)
             .filter(|&(place, p)| {
                 let distance2 = p.distance_squared(from);
                 self.taken[place] == 0 && (1.0..=BLOCKERS * BLOCKERS).contains(&distance2)
             })
-            .filter_map(|(place, p)| Some((around.space.frame.index_at(p)?, place)))
+            .filter_map(|(place, p)| Some((space.frame.index_at(p)?, place)))
             .collect();
         places.sort_unstable();
-        let place_of = |cell| places.binary_search_by_key(&cell, |&(cell, _)| cell).ok();
-        let found = free_path(around.space, from, &self.blockers(i, around), |cell| {
-            place_of(cell).is_some()
-        });
-        let Some((place, path)) =
-            found.and_then(|(cell, path)| Some((places[place_of(cell)?].1, path)))
-        else {
-            return false;
+        let place_of = |cell: usize| {
+            let found = places.binary_search_by_key(&cell, |&(cell, _)| cell);
+            found.ok().map(|i| places[i].1)
         };
+        let blockers = self.blockers(i, around);
+        let to_place = free_path(space, from, &blockers, |cell| place_of(cell).is_some());
+        let found = to_place.or_else(|| {
+            free_path(space, from, &blockers, |cell| {
+                space.frame.center_of(cell).distance_squared(from) >= ASIDE * ASIDE
+                    && space.cell_clearance(cell) >= ROOMY
+                    && door_zones.of(cell).is_empty()
+            })
+        });
+        let Some((cell, path)) = found else { return false };
         let person = &mut self.people[i];
         person.draws += 1;
         person.moved = (from, around.tick);
         person.steps_left = 0;
-        self.walk(i, place as u32, path);
+        match place_of(cell) {
+            Some(place) => self.walk(i, place as u32, path),
+            None => (person.path, person.on_path) = (path, true),
+        }
         true
     }
 

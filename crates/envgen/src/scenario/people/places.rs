@@ -13,7 +13,7 @@ use crate::world::World;
 const OFF_DOORWAYS: f64 = 0.7;
 
 /// Clearance in metres from which others can mostly pass beside a place.
-const ROOMY: f64 = 0.4;
+pub(super) const ROOMY: f64 = 0.4;
 
 /// Distances in metres between places: the second is tried where there are too few with the first.
 const SPACINGS: [f64; 2] = [1.2, 2.0 * PERSON_RADIUS + 0.1];
