@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 
 use glam::DVec2;
 
-use super::free_space::{FreeSpace, NEIGHBOURS};
+use super::free_space::{COSTS, FreeSpace, NEIGHBOURS};
 use crate::geometry::{distance_between_segments, distance_to_segment};
 use crate::scenario::PERSON_RADIUS;
 use crate::scenario::door::Leaf;
@@ -16,9 +16,6 @@ const SIDE: usize = 2 * WINDOW as usize + 1;
 
 /// Paths begin at most this many columns and rows away.
 const ENTRY: isize = 3;
-
-/// Costs of a step to the side and of a diagonal one: nearly as 1 to the square root of 2.
-const COSTS: [u32; 2] = [5, 7];
 
 /// A path may come this much nearer to what its beginning touches, in metres: rounding.
 const ROUNDING: f64 = 1e-9;

@@ -35,6 +35,9 @@ const STEP: f64 = 0.1;
 pub(super) const NEIGHBOURS: [(isize, isize); 8] =
     [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
 
+/// Costs of a step to a neighbour to the side and to a diagonal one: nearly as 1 to the square root of 2.
+pub(super) const COSTS: [u32; 2] = [5, 7];
+
 /// The free space of a disc of a person's radius.
 #[derive(Clone, Debug)]
 pub(crate) struct FreeSpace {

@@ -5,7 +5,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use glam::DVec2;
 
-use super::free_space::{FreeSpace, NEIGHBOURS};
+use super::free_space::{COSTS, FreeSpace, NEIGHBOURS};
 
 /// Half the side of the window in which paths to a place are known, in metres: people go this far at most, or
 /// less where there are so many places that the windows would take more memory than [`MAX_CELLS`].
@@ -17,9 +17,6 @@ const MAX_CELLS: f64 = (1 << 26) as f64;
 /// Paths are entered at most this many columns and rows away, and at most so many by who has to squeeze through.
 const NEAR: isize = 2;
 const FAR: isize = 8;
-
-/// Costs of a step to the side and of a diagonal one: nearly as 1 to the square root of 2.
-const COSTS: [u32; 2] = [5, 7];
 
 /// Directions of cells from which no path leads to the place, and of the place itself.
 const UNREACHED: u8 = u8::MAX;
