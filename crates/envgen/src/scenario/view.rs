@@ -140,8 +140,10 @@ impl ScenarioState {
                 visit(MovingContact { target, point, distance });
             }
         };
-        let is_within =
-            |q: DVec2, reach: f64| p.distance_squared(q) <= (reach + radius + ROUNDING).powi(2);
+        let is_within = |q: DVec2, reach: f64| {
+            let reach = reach + radius + ROUNDING;
+            p.distance_squared(q) <= reach * reach
+        };
         for (door, (shape, state)) in (0..).zip(self.scene.shapes.iter().zip(&self.doors)) {
             if is_within(shape.middle(), shape.reach()) {
                 for leaf in state.leaves(shape) {

@@ -130,7 +130,8 @@ impl Crowd {
             }
             Task::Walk if self.comes_to_jam(i, around) => self.depart(i, true, around),
             Task::Walk if around.tick - person.moved.1 > patience(i, person.draws) => {
-                if !self.note_block(i) || !self.leave_between_others(i, around) {
+                let leaves = self.note_block(i) && self.leave_between_others(i, around);
+                if !leaves {
                     self.depart(i, true, around);
                 }
             }
