@@ -1,6 +1,6 @@
 //! Checks of what moves, at every step.
 
-use std::collections::{HashSet, VecDeque};
+use std::collections::{BTreeSet, VecDeque};
 
 use envgen::glam::DVec2;
 use envgen::scenario::{PERSON_RADIUS, PersonState, Robot, ScenarioState, Target};
@@ -102,7 +102,7 @@ fn has_free_path(state: &ScenarioState, person: usize) -> bool {
         });
         fits
     };
-    let mut seen = HashSet::from([(0, 0)]);
+    let mut seen = BTreeSet::from([(0, 0)]);
     let mut queue = VecDeque::from([(0, 0)]);
     while let Some((right, up)) = queue.pop_front() {
         for next in [(right + 1, up), (right - 1, up), (right, up + 1), (right, up - 1)] {
