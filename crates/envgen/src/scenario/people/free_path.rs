@@ -1,12 +1,13 @@
 //! Paths between people, robots and leaves as they are now, for those whom they hold up.
 
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BTreeMap, BinaryHeap};
+use std::f64::consts::TAU;
 
 use glam::DVec2;
 
 use super::free_space::{COSTS, FreeSpace, NEIGHBOURS};
-use crate::geometry::{distance_between_segments, distance_to_segment};
+use crate::geometry::{distance_between_segments, distance_to_segment, unit_vector};
 use crate::scenario::PERSON_RADIUS;
 use crate::scenario::door::Leaf;
 
@@ -14,8 +15,10 @@ use crate::scenario::door::Leaf;
 const WINDOW: isize = 25;
 const SIDE: usize = 2 * WINDOW as usize + 1;
 
-/// Paths begin at most this many columns and rows away.
+/// Paths begin at a cell at most this many columns and rows away, or after a first step in one of so many directions
+/// where others and walls leave no other.
 const ENTRY: isize = 3;
+const DIRECTIONS: u32 = 32;
 
 /// A path may come this much nearer to what its beginning touches, in metres: rounding.
 const ROUNDING: f64 = 1e-9;
@@ -61,14 +64,34 @@ pub(super) fn free_path(
     let is_clear = |a: DVec2, b: DVec2| space.is_squeezed_clear(a, b) && blockers.leave_free(a, b);
     let mut costs = vec![u32::MAX; SIDE * SIDE];
     let mut before = vec![usize::MAX; SIDE * SIDE];
+    let mut first_steps = BTreeMap::new();
     let mut queue = BinaryHeap::new();
-    for up in -ENTRY..=ENTRY {
-        for right in -ENTRY..=ENTRY {
-            let Some(cell) = frame.neighbour(here, right, up) else { continue };
-            let (Some(i), center) = (local(cell), frame.center_of(cell)) else { continue };
-            if is_clear(from, center) {
-                costs[i] = (f64::from(COSTS[0]) * from.distance(center) / frame.cell_size) as u32;
-                queue.push(Reverse((costs[i], cell)));
+    let mut enter = |p: DVec2, walked: f64| {
+        for up in -ENTRY..=ENTRY {
+            for right in -ENTRY..=ENTRY {
+                let Some(cell) = frame.neighbour(here, right, up) else { continue };
+                let (Some(i), center) = (local(cell), frame.center_of(cell)) else { continue };
+                let steps = (walked + p.distance(center)) / frame.cell_size;
+                let cost = (f64::from(COSTS[0]) * steps) as u32;
+                if cost < costs[i] && is_clear(p, center) {
+                    costs[i] = cost;
+                    queue.push(Reverse((cost, cell)));
+                    if p != from {
+                        first_steps.insert(cell, p);
+                    }
+                }
+            }
+        }
+        !queue.is_empty()
+    };
+    if !enter(from, 0.0) {
+        for k in 0..DIRECTIONS {
+            let direction = unit_vector(TAU * f64::from(k) / f64::from(DIRECTIONS));
+            for length in [frame.cell_size, 2.0 * frame.cell_size] {
+                let p = from + length * direction;
+                if is_clear(from, p) {
+                    enter(p, length);
+                }
             }
         }
     }
@@ -78,7 +101,10 @@ pub(super) fn free_path(
             continue;
         }
         if is_goal(cell) {
-            return Some((cell, corners(cell, |cell| local(cell).map(|i| before[i]), space)));
+            let mut path = corners(cell, |cell| local(cell).map(|i| before[i]), space);
+            let first = path.last().and_then(|&p| frame.index_at(p));
+            path.extend(first.and_then(|cell| first_steps.get(&cell)));
+            return Some((cell, path));
         }
         let center = frame.center_of(cell);
         for (direction, &(right, up)) in NEIGHBOURS.iter().enumerate() {
