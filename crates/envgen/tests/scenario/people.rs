@@ -57,8 +57,9 @@ fn nobody_is_in_anything_in_random_maps() {
 
 #[test]
 fn nobody_stays_where_a_path_away_is_free() {
-    // Maps of `scenario_sweep` with an obstacle beside the swing of a door, and with narrow passages.
-    for (seed, seconds) in [(106, 960), (36, 1500)] {
+    // Maps of `scenario_sweep` with an obstacle beside the swing of a door, with narrow passages, and without a
+    // free place beside a jam.
+    for (seed, seconds) in [(106, 960), (36, 1500), (26, 720)] {
         let (world, scenario) = busy_map(Seed(seed)).unwrap();
         let mut state = ScenarioState::new(&world, &scenario).unwrap();
         let watch = run(&mut state, seconds, &[]);

@@ -136,3 +136,79 @@ fn corners(last: usize, before: impl Fn(usize) -> Option<usize>, space: &FreeSpa
     }
     corners
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::Provenance;
+    use crate::clearance_index::ClearanceIndex;
+    use crate::geometry::{Rect, Shape, edges};
+    use crate::scenario::REACH;
+    use crate::world::{Wall, WallKind, World};
+
+    /// A room of 8 x 8 m.
+    fn room() -> FreeSpace {
+        let bounds = Rect::new(DVec2::ZERO, DVec2::splat(8.0));
+        let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
+        let corners = Shape::from_rect(bounds).corners();
+        let wall = |(a, b)| Wall::new(WallKind::Wall, Shape::Segment { a, b });
+        world.walls = edges(&corners).map(wall).collect();
+        let index = Arc::new(ClearanceIndex::new(&world, REACH).unwrap());
+        FreeSpace::new(&world, &[], index)
+    }
+
+    fn path_away(space: &FreeSpace, from: DVec2, blockers: &Blockers) -> Option<Vec<DVec2>> {
+        let is_away = |cell| space.frame.center_of(cell).distance(from) >= 2.0;
+        free_path(space, from, blockers, is_away).map(|(_, path)| path)
+    }
+
+    #[test]
+    fn who_is_pinned_leaves_by_the_only_gap() {
+        let (space, from) = (room(), DVec2::new(4.03, 0.25));
+        // At a wall, with others in front and beside; then on the other side as well.
+        let beside = |angle: f64| (from + 0.5 * unit_vector(angle), 0.5);
+        let discs = vec![beside(0.0), beside(0.25 * TAU)];
+        let path = path_away(&space, from, &Blockers { discs: discs.clone(), leaves: Vec::new() });
+        assert!(path.is_some_and(|path| path[0].x < from.x));
+        let all = [discs, vec![beside(0.5 * TAU)]].concat();
+        let blockers = Blockers { discs: all, leaves: Vec::new() };
+        assert_eq!(path_away(&space, from, &blockers), None);
+    }
+
+    proptest! {
+        #[test]
+        fn paths_keep_away_from_everyone(
+            from in [0.3..7.7, 0.3..7.7],
+            others in prop::collection::vec([0.3..7.7, 0.3..7.7], 0..60),
+            leaf in proptest::option::of([0.5..7.5, 0.5..7.5]),
+        ) {
+            let (space, from) = (room(), DVec2::from(from));
+            let discs = others.into_iter().map(|p| (DVec2::from(p), 0.5)).collect();
+            let leaves = leaf.map(|hinge| Leaf {
+                hinge: DVec2::from(hinge),
+                tip: DVec2::from(hinge) + DVec2::new(0.7, 0.4),
+            });
+            let blockers = Blockers { discs, leaves: leaves.into_iter().collect() };
+            let Some(path) = path_away(&space, from, &blockers) else { return Ok(()) };
+            let mut at = from;
+            for &corner in path.iter().rev() {
+                prop_assert!(corner.min_element() > 0.24 && corner.max_element() < 7.76);
+                for &(p, needed) in &blockers.discs {
+                    let now = needed.min(p.distance(at));
+                    prop_assert!(distance_to_segment(p, at, corner) >= now - 1e-6);
+                }
+                for leaf in &blockers.leaves {
+                    let now = PERSON_RADIUS.min(leaf.nearest_point(at).distance(at));
+                    let found = distance_between_segments(at, corner, leaf.hinge, leaf.tip);
+                    prop_assert!(found >= now - 1e-6);
+                }
+                at = corner;
+            }
+            prop_assert!(at.distance(from) >= 2.0);
+        }
+    }
+}
