@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, VecDeque};
 use envgen::glam::DVec2;
 use envgen::scenario::{PERSON_RADIUS, PersonState, Robot, ScenarioState, Target};
 
-/// How often it is asked whether those who wait could walk away, in ticks, and from how long a wait on.
+/// Those who wait for so many ticks, and for each multiple, are looked at: could they walk away?
 const ASK: u64 = 100;
 
 /// A path is free if it leads this far away, in metres.

@@ -50,7 +50,7 @@ impl Crowd {
         })
     }
 
-    /// Notes that a person is blocked; whether the same happened here before.
+    /// Notes that a person is blocked; whether the person is held up now.
     pub(super) fn note_block(&mut self, i: usize) -> bool {
         let person = &mut self.people[i];
         let (p, times) = person.held_up;
