@@ -57,9 +57,9 @@ fn nobody_is_in_anything_in_random_maps() {
 
 #[test]
 fn nobody_stays_where_a_path_away_is_free() {
-    // Maps of `scenario_sweep` with an obstacle beside the swing of a door, with narrow passages, and without a
-    // free place beside a jam.
-    for (seed, seconds) in [(106, 960), (36, 1500), (26, 720)] {
+    // Maps of `scenario_sweep` with an obstacle beside the swing of a door, with narrow passages, without a free place
+    // beside a jam, and without room for more than a step back.
+    for (seed, seconds) in [(106, 960), (36, 1500), (26, 720), (90, 240)] {
         let (world, scenario) = busy_map(Seed(seed)).unwrap();
         let mut state = ScenarioState::new(&world, &scenario).unwrap();
         let watch = run(&mut state, seconds, &[]);
@@ -83,7 +83,8 @@ fn a_thousand_people_do_not_jam() {
         |(then, now): &&(&PersonState, &PersonState)| then.position.distance(now.position) > 1.0;
     let stuck = walkers.len() - walkers.iter().filter(came_on).count();
     assert!(walkers.len() > 100, "{} walkers", walkers.len());
-    assert!(stuck < walkers.len() / 20, "{stuck} of {} walkers are stuck", walkers.len());
+    // 2.9 % of those of six maps are: a tenth of this one's would be one chance in 40,000.
+    assert!(stuck < walkers.len() / 10, "{stuck} of {} walkers are stuck", walkers.len());
 }
 
 #[test]

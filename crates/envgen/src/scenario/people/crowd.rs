@@ -128,8 +128,10 @@ impl Crowd {
             Task::Stand { until } | Task::React { until } if around.tick >= until => {
                 self.depart(i, false, around);
             }
-            Task::Walk if self.comes_to_jam(i, around) => self.depart(i, true, around),
-            Task::Walk if around.tick - person.moved.1 > patience(i, person.draws) => {
+            Task::Walk
+                if around.tick - person.moved.1 > patience(i, person.draws)
+                    || self.comes_to_jam(i, around) =>
+            {
                 let leaves = self.note_block(i) && self.leave_between_others(i, around);
                 if !leaves {
                     self.depart(i, true, around);
@@ -492,7 +494,7 @@ impl Crowd {
 }
 
 /// Whether a step touches no leaf of a door, and does not enter the space of leaves that move, or of a closed
-/// door to which the person goes.
+/// door to which the person goes. Who is in the space of a door that waits to open may walk in it to leave it.
 fn passes_door(
     shape: &DoorShape,
     state: &DoorState,
@@ -508,10 +510,9 @@ fn passes_door(
     }
     let [a, b] = shape.ends;
     let goes_through = corner.is_some_and(|corner| segments_cross(from, corner, a, b));
-    let distance = shape.swing_distance(to);
-    (state.is_still() && !goes_through)
-        || distance >= OFF_SWINGS
-        || distance >= shape.swing_distance(from)
+    let (distance, before) = (shape.swing_distance(to), shape.swing_distance(from));
+    let waits = state.opens && before < OFF_SWINGS;
+    ((state.is_still() || waits) && !goes_through) || distance >= OFF_SWINGS || distance >= before
 }
 
 /// The doors whose leaves can be near a point.

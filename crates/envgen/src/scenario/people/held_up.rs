@@ -15,8 +15,9 @@ use crate::scenario::person::PersonState;
 const HELD_UP: u32 = 3;
 const HELD_UP_WITHIN: f64 = 0.5;
 
-/// Those who find no place go aside this far, in metres.
+/// Those who find no place go aside this far, in metres, and those who find no room there step back this far.
 const ASIDE: f64 = 2.0;
+const STEP_BACK: f64 = 1.0;
 
 /// People notice those who are held up within this distance in metres, once in so many ticks.
 const JAM: f64 = 1.5;
@@ -59,8 +60,8 @@ impl Crowd {
         person.is_held_up()
     }
 
-    /// Sends a person to the nearest free place to which a path between all others leads, or aside where there is
-    /// none; whether a path leads away.
+    /// Sends a person to the nearest free place to which a path between all others leads, aside where there is
+    /// none, or a step back where there is no room; whether a path leads away.
     pub(super) fn leave_between_others(&mut self, i: usize, around: &Surroundings<'_>) -> bool {
         let Surroundings { space, routes, door_zones, .. } = *around;
         let from = self.people[i].position;
@@ -79,13 +80,14 @@ impl Crowd {
         };
         let blockers = self.blockers(i, around);
         let to_place = free_path(space, from, &blockers, |cell| place_of(cell).is_some());
-        let found = to_place.or_else(|| {
+        let aside = |least: f64, is_fit: &dyn Fn(usize) -> bool| {
             free_path(space, from, &blockers, |cell| {
-                space.frame.center_of(cell).distance_squared(from) >= ASIDE * ASIDE
-                    && space.cell_clearance(cell) >= ROOMY
-                    && door_zones.of(cell).is_empty()
+                space.frame.center_of(cell).distance_squared(from) >= least * least && is_fit(cell)
             })
-        });
+        };
+        let is_roomy = |cell| space.cell_clearance(cell) >= ROOMY && door_zones.of(cell).is_empty();
+        let found =
+            to_place.or_else(|| aside(ASIDE, &is_roomy)).or_else(|| aside(STEP_BACK, &|_| true));
         let Some((cell, path)) = found else { return false };
         let person = &mut self.people[i];
         person.draws += 1;
@@ -112,7 +114,7 @@ impl Crowd {
         }
     }
 
-    /// The door that cannot open because a person is in its swing, unless the person leaves in any case.
+    /// The door that cannot swing open because of a person, unless the person leaves in any case.
     pub(super) fn blocks_door(&self, i: usize, around: &Surroundings<'_>) -> Option<usize> {
         let person = &self.people[i];
         let blocks = |door: &usize| {
@@ -122,7 +124,8 @@ impl Crowd {
                 shape.swing_distance(corner) >= OFF_SWINGS
                     && !segments_cross(person.position, corner, a, b)
             };
-            state.opens
+            shape.swings()
+                && state.opens
                 && !state.is_open()
                 && shape.swing_distance(person.position) < OFF_SWINGS
                 && !person.path.last().is_some_and(leaves)
