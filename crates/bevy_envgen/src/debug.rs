@@ -6,10 +6,12 @@ use bevy::gizmos::GizmoPlugin;
 use bevy::prelude::*;
 use envgen::World as EnvgenWorld;
 use envgen::glam::DVec2;
+use envgen::palette::{self, Srgb};
 use envgen::scenario::PERSON_RADIUS;
 
 use crate::environment::{Environment, GroundTruth};
 use crate::scenario::ScenarioRun;
+use crate::visuals::color;
 
 /// The gizmos of this crate, to set their line width and visibility in Bevy's `GizmoConfigStore`.
 #[derive(GizmoConfigGroup, Clone, Copy, Debug, Default, Reflect)]
@@ -35,11 +37,11 @@ impl DebugLayers {
 
 /// Colours of the layers.
 #[cfg(feature = "physics")]
-const COLLIDER: Color = Color::srgb(0.0, 0.62, 0.45);
-const ROOM: Color = Color::srgb(0.34, 0.71, 0.91);
-const OPEN: Color = Color::srgb(0.34, 0.71, 0.91);
-const CLOSED: Color = Color::srgb(0.84, 0.37, 0.0);
-const PERSON: Color = Color::srgb(0.9, 0.62, 0.0);
+const COLLIDER: Srgb = palette::GREEN;
+const ROOM: Srgb = palette::SKY_BLUE;
+const OPEN: Srgb = palette::SKY_BLUE;
+const CLOSED: Srgb = palette::VERMILION;
+const PERSON: Srgb = palette::ORANGE;
 
 /// Radius in metres of the mark of a room, and of a doorway to a hallway or the outside.
 const NODE: f32 = 0.3;
@@ -123,16 +125,16 @@ fn draw_rooms(
     for (environment, truth, frame) in &worlds {
         let place = |p: DVec2| environment.point_in_app(frame, p);
         for room in &truth.rooms {
-            gizmos.circle_2d(place(room.shape.bounds().center()), NODE, ROOM);
+            gizmos.circle_2d(place(room.shape.bounds().center()), NODE, color(ROOM));
         }
         for link in links(truth) {
-            let color = if link.open { OPEN } else { CLOSED };
+            let ink = color(if link.open { OPEN } else { CLOSED });
             let doorway = place(link.doorway);
             for room in link.rooms {
                 match room {
-                    Some(room) => gizmos.line_2d(place(room), doorway, color),
+                    Some(room) => gizmos.line_2d(place(room), doorway, ink),
                     None => {
-                        gizmos.circle_2d(doorway, WAY_OUT, color);
+                        gizmos.circle_2d(doorway, WAY_OUT, ink);
                     }
                 }
             }
@@ -152,13 +154,13 @@ fn draw_scenarios(
             gizmos.circle_2d(
                 at,
                 place(person.position + DVec2::X * PERSON_RADIUS).distance(at),
-                PERSON,
+                color(PERSON),
             );
             let ahead = std::iter::once(&person.position).chain(person.path().iter().rev());
-            gizmos.linestrip_2d(ahead.map(|&p| place(p)), PERSON);
+            gizmos.linestrip_2d(ahead.map(|&p| place(p)), color(PERSON));
         }
         for leaf in run.state().all_leaves() {
-            gizmos.line_2d(place(leaf.hinge), place(leaf.tip), CLOSED);
+            gizmos.line_2d(place(leaf.hinge), place(leaf.tip), color(CLOSED));
         }
     }
 }
@@ -174,7 +176,7 @@ fn draw_colliders(
         let (_, rotation, translation) = frame.to_scale_rotation_translation();
         let place = |p: Vec2| (translation + rotation * p.extend(0.0)).truncate();
         outline(&*collider.raw, &mut |from, to| {
-            gizmos.line_2d(place(from), place(to), COLLIDER);
+            gizmos.line_2d(place(from), place(to), color(COLLIDER));
         });
     }
 }

@@ -108,7 +108,8 @@ impl Default for Palette {
     }
 }
 
-fn color(Srgb([red, green, blue]): Srgb) -> Color {
+/// A colour of [`envgen::palette`], opaque.
+pub fn color(Srgb([red, green, blue]): Srgb) -> Color {
     Color::srgb_u8(red, green, blue)
 }
 

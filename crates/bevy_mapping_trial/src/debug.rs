@@ -5,8 +5,10 @@ use std::collections::BTreeMap;
 use bevy::prelude::*;
 use bevy_envgen::Environment;
 use bevy_envgen::debug::{DebugSystems, EnvgenDebugPlugin, EnvgenGizmos};
+use bevy_envgen::visuals::color;
 use envgen::geometry::unit_vector;
 use envgen::glam::DVec2;
+use envgen::palette::{self, Srgb};
 use mapping_trial::backend::RobotBackend;
 use mapping_trial::map::OccupancyMap;
 use mapping_trial::policy::costmap::Costmap;
@@ -35,8 +37,8 @@ impl TrialDebugLayers {
 }
 
 /// Colours of the layers.
-const BEAM: Color = Color::srgba(0.84, 0.37, 0.0, 0.35);
-const PLAN: Color = Color::srgb(0.8, 0.47, 0.65);
+const BEAM: Srgb = palette::VERMILION;
+const PLAN: Srgb = palette::PURPLE;
 
 /// Radius in metres of the mark of a goal.
 const GOAL: f32 = 0.2;
@@ -91,7 +93,9 @@ fn draw_rays<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<Envgen
     for (_, environment, frame, holder) in &trials {
         let Some(trial) = holder.watched() else { continue };
         let place = |p: DVec2| environment.point_in_app(frame, p);
-        beams(trial, |from, to| gizmos.line_2d(place(from), place(to), BEAM));
+        beams(trial, |from, to| {
+            gizmos.line_2d(place(from), place(to), color(BEAM).with_alpha(0.35))
+        });
     }
 }
 
@@ -180,9 +184,9 @@ fn draw_plans<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<Envge
         let Some(operator) = trial.autonomy().policy() else { continue };
         for robot in 0..trial.robots() {
             let path = operator.path(robot);
-            gizmos.linestrip_2d(path.iter().map(|&p| place(p)), PLAN);
+            gizmos.linestrip_2d(path.iter().map(|&p| place(p)), color(PLAN));
             if let Some(&goal) = path.last() {
-                gizmos.circle_2d(place(goal), GOAL, PLAN);
+                gizmos.circle_2d(place(goal), GOAL, color(PLAN));
             }
         }
     }

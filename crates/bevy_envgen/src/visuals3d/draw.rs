@@ -13,13 +13,14 @@ use envgen::world::Extent;
 use super::draft::Draft;
 use super::finish::{Finish, material};
 use super::look::look;
-use super::palette::{Palette3d, color};
+use super::palette::Palette3d;
 use super::tile::{TileMesh, is_shown};
 use super::{Visuals3dSettings, can_draw, marks, stage, trees};
 use crate::environment::{Environment, GroundTruth};
 use crate::part::{Ground, PartId, PartKind};
 use crate::shape::PartShape;
 use crate::spawn::TileSpawned;
+use crate::visuals::color;
 use crate::visuals::ground::class_rectangles;
 
 /// The lintels and the ceilings' height of the world of an environment, for which all its walls are looked at.

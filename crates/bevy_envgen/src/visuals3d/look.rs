@@ -6,7 +6,8 @@ use envgen::pieces::{Piece, Role};
 use envgen::world::{ObstacleKind, PartKind, SurfaceKind, WallKind};
 
 use super::finish::Finish;
-use super::palette::{Palette3d, color};
+use super::palette::Palette3d;
+use crate::visuals::color;
 
 /// How a body looks; `None` for those that something else draws: the classes of landscapes are drawn by their cells.
 pub(super) fn look(

@@ -1,7 +1,9 @@
 //! The colours of worlds in three dimensions.
 
 use bevy::prelude::*;
-use envgen::palette::{self, Srgb};
+use envgen::palette;
+
+use crate::visuals::color;
 
 /// The colours of what a world consists of in three dimensions. Obstacles, rough ground and the classes of landscapes
 /// have those of [`envgen::palette`]. Walls and floors are lighter than on plans, where they must stand out.
@@ -84,8 +86,4 @@ impl Default for Palette3d {
             smoke: Color::srgb_u8(0x77, 0x77, 0x7a),
         }
     }
-}
-
-pub(super) fn color(Srgb([red, green, blue]): Srgb) -> Color {
-    Color::srgb_u8(red, green, blue)
 }

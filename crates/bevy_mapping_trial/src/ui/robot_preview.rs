@@ -6,6 +6,7 @@ use bevy_egui::egui::{
     Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2,
     pos2, vec2,
 };
+use envgen::palette;
 use mapping_trial::backend::TICK;
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
@@ -27,7 +28,10 @@ const ARC_STEP: f32 = 4.0;
 
 const INK: Color32 = Color32::from_gray(40);
 const FAINT: Color32 = Color32::from_gray(120);
-const BODY: Color32 = Color32::from_rgb(0xd5, 0x5e, 0x00);
+const BODY: Color32 = {
+    let [red, green, blue] = palette::VERMILION.0;
+    Color32::from_rgb(red, green, blue)
+};
 /// What the laser sees: the colour of the body, lighter.
 const BEAMS: Color32 = Color32::from_rgb(0xfb, 0xe9, 0xda);
 

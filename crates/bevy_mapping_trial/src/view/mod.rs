@@ -31,9 +31,10 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 use bevy_envgen::scenario::{Door, Person, Smoke};
-use bevy_envgen::visuals::require_visibility;
+use bevy_envgen::visuals::{color, require_visibility};
 use bevy_envgen::{Environment, Tile};
 use envgen::glam::DVec2;
+use envgen::palette;
 use mapping_trial::backend::RobotBackend;
 use mapping_trial::trial::Trial;
 
@@ -97,9 +98,8 @@ impl Default for TrialPalette {
             unknown: Color::srgb_u8(0x8a, 0x8f, 0x98),
             free: Color::srgb_u8(0xf4, 0xf4, 0xf1),
             occupied: Color::srgb_u8(0x1c, 0x1f, 0x26),
-            // Okabe and Ito's colours, which most colour-blind people can distinguish.
-            truth: Color::srgb_u8(0x00, 0x9e, 0x73),
-            robots: vec![Color::srgb_u8(0xd5, 0x5e, 0x00), Color::srgb_u8(0x00, 0x72, 0xb2)],
+            truth: color(palette::GREEN),
+            robots: vec![color(palette::VERMILION), color(palette::BLUE)],
         }
     }
 }
