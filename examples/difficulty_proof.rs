@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Every finished trial is on disk at once: the same command continues an interrupted run. The output folder
-//! gets `report.html` and `summary.json`.
+//! gets `report.html`, its figures as `requested_8.svg` and so on, and `summary.json`.
 
 #[path = "../crates/mapping_trial/src/bin/envgen-trials/spinner.rs"]
 mod spinner;
@@ -24,7 +24,7 @@ use clap::Parser;
 use envgen::Seed;
 use envgen::whole_file;
 use indicatif::{ProgressBar, ProgressStyle};
-use mapping_trial::difficulty::proof::{Analysis, Part, ProofDesign, analyse, page, run};
+use mapping_trial::difficulty::proof::{Analysis, Part, ProofDesign, analyse, figure, page, run};
 use mapping_trial::difficulty::reference_scale;
 
 use crate::spinner::spinner;
@@ -133,9 +133,15 @@ fn prove(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let analysis = analyse(&design, scale, &results);
     let report = page(&analysis, scale, &results)?;
     let summary = serde_json::to_vec_pretty(&analysis)?;
-    for (name, bytes) in [("report.html", report.as_bytes()), ("summary.json", &summary)] {
+    let mut files =
+        vec![("report.html".to_owned(), report.into_bytes()), ("summary.json".to_owned(), summary)];
+    for &footprint in &design.footprints {
+        let svg = figure(footprint, scale, &results)?;
+        files.push((format!("requested_{footprint}.svg"), svg.into_bytes()));
+    }
+    for (name, bytes) in files {
         let path = arguments.out.join(name);
-        whole_file::write(&path, bytes)
+        whole_file::write(&path, &bytes)
             .map_err(|error| format!("{}: {}", path.display(), error.error))?;
     }
     analysing.finish_and_clear();

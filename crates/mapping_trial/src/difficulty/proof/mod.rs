@@ -13,5 +13,5 @@ mod run;
 pub use agreement::{Agreement, Link, agreement};
 pub use analysis::{Analysis, Level, Row, Single, analyse};
 pub use design::{Part, ProofDesign, ProofMap, panels};
-pub use report::page;
+pub use report::{figure, page};
 pub use run::{ProofResult, Watch, run};
