@@ -96,6 +96,7 @@ mod generate;
 mod height;
 mod job;
 mod landmarks;
+mod one_thread;
 pub mod part;
 #[cfg(feature = "physics")]
 pub mod physics;
@@ -136,6 +137,7 @@ pub use environment::{
 pub use generate::MAX_PARTS;
 pub use height::HeightRange;
 pub use landmarks::{EnvironmentLandmarks, Landmark};
+pub use one_thread::run_on_one_thread;
 pub use part::{PartId, PartKind, PartOf};
 pub use scenario::{
     Door, DoorChanged, EnvgenScenarioPlugin, EnvironmentScenario, Person, PersonReacted,

@@ -13,7 +13,7 @@
 
 use std::time::Duration;
 
-use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
+use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use envgen::world::Digest;
@@ -22,7 +22,9 @@ use crate::environment::{
     Environment, EnvironmentError, EnvironmentFailure, EnvironmentState, GroundTruth,
 };
 use crate::generate::finish_tasks;
-use crate::{EnvgenPlugins, HeightRange, PartId, PartShape, SolidPart, TileSolids};
+use crate::{
+    EnvgenPlugins, HeightRange, PartId, PartShape, SolidPart, TileSolids, run_on_one_thread,
+};
 
 /// Fixed steps per second of [`test_app`].
 pub const STEPS_A_SECOND: f64 = 64.0;
@@ -33,7 +35,7 @@ const MOST_FRAMES: usize = 60_000;
 
 /// A headless app with every plugin of this crate and the plugins that they need, in which a frame
 /// is exactly one fixed step of 1/64 s. It is finished and has run its first, empty frame. Its systems
-/// [run on one thread](run_on_one_thread).
+/// [run on one thread](crate::run_on_one_thread).
 pub fn test_app() -> App {
     test_app_with(EnvgenPlugins::default())
 }
@@ -71,14 +73,6 @@ fn finished<A, M>(assets: impl bevy::app::Plugins<A>, plugins: impl bevy::app::P
     // Time starts with the second frame.
     app.update();
     app
-}
-
-/// Lets the systems of all schedules that an app has run on one thread. In tests they are many and short: with
-/// threads they would mostly wait for each other.
-pub fn run_on_one_thread(app: &mut App) {
-    for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
-        schedule.set_executor(SingleThreadedExecutor::new());
-    }
 }
 
 /// Runs `frames` frames, which are as many fixed steps in a [`test_app`].

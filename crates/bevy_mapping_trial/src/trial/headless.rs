@@ -3,13 +3,12 @@
 use std::time::Duration;
 
 use bevy::app::{PluginsState, TaskPoolPlugin};
-use bevy::ecs::schedule::SingleThreadedExecutor;
 use bevy::prelude::*;
 use bevy::time::{TimePlugin, TimeUpdateStrategy};
 use bevy_envgen::physics::{ColliderSettings, EnvgenPhysicsPlugin, TopDownPhysicsPlugin};
 use bevy_envgen::{
     EnvgenCorePlugin, EnvgenScenarioPlugin, Environment, EnvironmentError, EnvironmentFailure,
-    EnvironmentScenario, GenerationMode,
+    EnvironmentScenario, GenerationMode, run_on_one_thread,
 };
 use envgen::scenario::Scenario;
 use mapping_trial::backend::TICK;
@@ -163,10 +162,7 @@ pub(crate) fn set_up(app: &mut App) {
     app.add_observer(|failed: On<TrialFailed>, mut commands: Commands| {
         commands.insert_resource(Failure(failed.error.clone()));
     });
-    // The systems are many and short: with threads they would mostly wait for each other.
-    for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
-        schedule.set_executor(SingleThreadedExecutor::new());
-    }
+    run_on_one_thread(app);
     while app.plugins_state() == PluginsState::Adding {
         bevy::tasks::tick_global_task_pools_on_main_thread();
     }
