@@ -14,6 +14,7 @@ import shapely
 import sumo
 from qc_baselib import Configuration, Result, StatusType
 
+import bodies
 from curves import Curve, Path
 
 logging.disable(logging.INFO)
@@ -52,6 +53,7 @@ def judge(world, report):
         path = read_path(road, report)
         judge_csv(strip, path, rows[rows[:, 0] == number], report)
         judge_header(tree.getroot().find("header"), strip, path, report)
+        judge_objects(road, path, world.data, report)
     judge_by_asam(world.path("xodr"), report)
     judge_by_pyxodr(world.path("xodr"), strips, report)
     judge_by_netconvert(world.path("xodr"), strips, report)
@@ -126,6 +128,28 @@ def judge_header(header, strip, path, report):
         points = path.beside(offset, 1.0)
         if (points < low - EXACT).any() or (points > high + EXACT).any():
             report.complain("the road leaves the header's box")
+
+
+def judge_objects(road, path, data, report):
+    """Kerbs and other solids are where the world has them, and as high."""
+    things = road.findall("objects/object")
+    points, headings = path.at([float(thing.get("s")) for thing in things])
+    found = {}
+    for thing, point, heading in zip(things, points, headings):
+        u = np.array([np.cos(heading), np.sin(heading)])
+        v = np.array([-u[1], u[0]])
+        origin = point + float(thing.get("t")) * v
+        if thing.get("radius"):
+            shape = shapely.Point(origin).buffer(float(thing.get("radius")), 64)
+        else:
+            corners = [
+                origin + float(corner.get("u")) * u + float(corner.get("v")) * v
+                for corner in thing.findall("outlines/outline/cornerLocal")
+            ]
+            shape = shapely.Polygon(corners)
+        bottom = float(thing.get("zOffset"))
+        found[thing.get("id")] = shape, bottom, bottom + float(thing.get("height"))
+    bodies.compare("OpenDRIVE", found, bodies.expected(data), report)
 
 
 def judge_by_asam(file, report):

@@ -316,6 +316,14 @@ CASES = [
         change("xodr", r'(<width .* a=")([^"]+)', add(0.15), 9),
         "netconvert: a lane is",
     ),
+    (roads, "road", ROAD, change("xodr", r'( u=")([^"]+)', add(1)), "wall_0 differs"),
+    (
+        roads,
+        "road",
+        ROAD,
+        change("xodr", r'(zOffset=")([^"]+)', add(0.01)),
+        "OpenDRIVE: wall_0 is from",
+    ),
     (roads, "road", ROAD, change("xodr", 'rule="RHT"', 'rule="XYZ"'), "valid_schema"),
     (roads, "road", ROAD, change("xodr", "(?s)<lanes>.*</lanes>", ""), "valid_schema"),
     (

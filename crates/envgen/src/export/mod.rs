@@ -42,6 +42,8 @@ mod opendrive;
 mod output;
 #[cfg(any(feature = "gltf", feature = "mjcf", feature = "sdf", feature = "usd"))]
 mod places;
+#[cfg(feature = "opendrive")]
+mod road_objects;
 pub mod ros_map;
 #[cfg(feature = "sdf")]
 mod sdf;

@@ -4,11 +4,13 @@
 //! spirals, exactly as the world holds them. Numbers are written with as many digits as are needed to
 //! read the same ones back, at most 17. Lanes lie beside the reference line, half of them on each
 //! side; of an odd number one more lies to the right, and a lane offset moves the border
-//! between them to its position. A closed strip is linked to itself.
+//! between them to its position. A closed strip is linked to itself. Kerbs and other solids are objects of the road
+//! nearest to them.
 
 use std::io::Write;
 
 use super::ExportError;
+use super::road_objects::RoadObjects;
 use super::xml::{Attribute, Xml, number};
 use crate::curve::{Curve, Path};
 use crate::world::{RoadStrip, World};
@@ -35,12 +37,19 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
                 ("vendor", concat!("envgen ", env!("CARGO_PKG_VERSION")).into()),
             ],
         )?;
-        world.road_strips.iter().enumerate().try_for_each(|(id, strip)| road(xml, id, strip))
+        let objects = RoadObjects::of(world);
+        let mut strips = world.road_strips.iter().enumerate();
+        strips.try_for_each(|(id, strip)| road(xml, id, strip, &objects))
     })?;
     xml.end()
 }
 
-fn road(xml: &mut Xml<'_>, id: usize, strip: &RoadStrip) -> Result<(), ExportError> {
+fn road(
+    xml: &mut Xml<'_>,
+    id: usize,
+    strip: &RoadStrip,
+    objects: &RoadObjects<'_>,
+) -> Result<(), ExportError> {
     let path = strip.path().merged();
     let attributes = [
         ("name", format!("road {id}")),
@@ -69,7 +78,8 @@ fn road(xml: &mut Xml<'_>, id: usize, strip: &RoadStrip) -> Result<(), ExportErr
                 .enumerate()
                 .try_for_each(|(i, curve)| geometry(xml, &path, i, curve))
         })?;
-        lanes(xml, strip)
+        lanes(xml, strip)?;
+        objects.write(xml, id)
     })
 }
 
