@@ -27,6 +27,7 @@ LINE = 0.01
 
 # Bottoms and tops in metres of parts that do not state theirs.
 WALLS = {"partition": 1.4, "kerb": 0.5}
+DOORWAY = 2.1
 OBSTACLES = {
     "screen": 0.5,
     "rubble": 0.6,
@@ -69,7 +70,7 @@ def expected(data):
     parts = {f"wall_{i}": wall for i, wall in enumerate(walls)}
     tree = shapely.STRtree([wall[0] for wall in walls])
     for i, trunk in enumerate(data["trees"]):
-        bottom, top = ends(trunk, min(2.5 + 10 * trunk["radius"], 40))
+        bottom, top = ends(trunk, tree_top(trunk))
         # A trunk ends in the middle of the crown, which begins at two fifths of the height.
         parts[f"tree_{i}"] = (
             outline({"disc": trunk}),
@@ -78,7 +79,7 @@ def expected(data):
         )
     for i, door in enumerate(data["doorways"]):
         opening = outline(door["shape"])
-        bottom, top = ends(door, 2.1)
+        bottom, top = ends(door, DOORWAY)
         if not door["open"]:
             parts[f"doorway_{i}"] = (opening, bottom, top)
         beside = tree.query(opening, predicate="dwithin", distance=1e-3)
@@ -97,6 +98,11 @@ def outline(shape):
     if "segment" in shape:
         return geometry.buffer(LINE / 2, cap_style="flat")
     return geometry.buffer(radius, quad_segs=64) if radius else geometry
+
+
+def tree_top(tree):
+    """The usual top of a tree."""
+    return min(2.5 + 10 * tree["radius"], 40)
 
 
 def ends(part, top):

@@ -8,6 +8,7 @@ import shapely
 import yaml
 from shapely.geometry import LineString, Point, Polygon
 
+import bodies
 import shapes
 
 # Corners of the polygon that represents a disc, which lie on its circle.
@@ -34,6 +35,8 @@ DOOR = {
     "motion_degrees": 3,
     "motion_direction": 2,
 }
+# What ours state, and RMF's tools pass over.
+HEIGHT = {"bottom": 3, "top": 3}
 LANE = {"bidirectional": 4, "graph_idx": 2, "orientation": 1}
 TYPES = {1: str, 2: int, 3: (int, float), 4: bool}
 
@@ -155,7 +158,7 @@ def judge_building(world, report):
         if not Polygon([points[i] for i in floor["vertices"]]).is_valid:
             report.complain("the building's floor is not valid")
     edges = {name: [] for name in ("walls", "doors", "lanes")}
-    for name, needed in (("walls", {}), ("doors", DOOR), ("lanes", LANE)):
+    for name, needed in (("walls", HEIGHT), ("doors", DOOR | HEIGHT), ("lanes", LANE)):
         for start, end, parameters in level[name]:
             typed(parameters, needed, report)
             if start == end:
@@ -163,6 +166,7 @@ def judge_building(world, report):
                 continue
             edges[name].append(LineString([points[start], points[end]]))
     judge_doors(world.data, edges["doors"], report)
+    judge_heights(world.data, level, report)
     solids = shapes.grown(shapes.solids(world.data), 0, outside=False)
     near, _ = within(edges["lanes"], solids, LANE_ROOM)
     if near:
@@ -208,6 +212,22 @@ def judge_doors(data, doors, report):
         middle = opening.centroid.distance(door.interpolate(0.5, normalized=True))
         if middle > EXACT or abs(door.length - max(sides)) > EXACT:
             report.complain("a door of the building is not along its doorway")
+
+
+def judge_heights(data, level, report):
+    """Doors are as high as the doorways, and walls as the other solids."""
+    stated = lambda edge: tuple(edge[2][end][1] for end in ("bottom", "top"))
+    doors = [bodies.ends(doorway, bodies.DOORWAY) for doorway in data["doorways"]]
+    if [stated(door) for door in level["doors"]] != doors:
+        report.complain("the building's doors are not as high as the doorways")
+    solids = (
+        [bodies.ends(wall, bodies.WALLS.get(wall["kind"], 2.6)) for wall in data["walls"]]
+        + [bodies.ends(tree, bodies.tree_top(tree)) for tree in data["trees"]]
+        + [bodies.ends(one, bodies.OBSTACLES[one["kind"]]) for one in data["obstacles"]]
+    )
+    rounded = lambda ends: {tuple(round(end, 9) for end in pair) for pair in ends}
+    if rounded(map(stated, level["walls"])) != rounded(solids):
+        report.complain("the building's walls are not as high as the solids")
 
 
 def judge_table(world, report):

@@ -4,7 +4,8 @@
 //! the navigation graph 0. RMF's walls are lines that its tools make 0.1 m thick: thin walls become their centre
 //! line, every other solid its outline. Each doorway is a hinged door that turns by 90 degrees about its first
 //! end. Lanes lead from the start to the goal and to the middle of every room, where a robot with a radius of
-//! 0.3 m can go. Values have a type: 1 text, 2 whole number, 3 number, 4 truth value.
+//! 0.3 m can go. Values have a type: 1 text, 2 whole number, 3 number, 4 truth value. Walls and doors state their
+//! `bottom` and `top` in metres, which RMF's tools pass over: their walls are 2.5 m high.
 
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
@@ -16,7 +17,7 @@ use crate::cellular::{CheapestPaths, c_space};
 use crate::geometry::{Shape, box_axis, edges, unit_vector};
 use crate::grid::GridFrame;
 use crate::occupancy::{Coverage, OccupancyGrid};
-use crate::world::World;
+use crate::world::{PartId, PartKind, World};
 
 /// Walls of up to this thickness in metres are drawn as their centre line.
 const THIN: f64 = 0.5;
@@ -107,28 +108,31 @@ impl Plan {
         corners.iter().map(|&corner| self.vertex(corner)).collect()
     }
 
-    fn wall(&mut self, a: DVec2, b: DVec2) {
+    fn wall(&mut self, a: DVec2, b: DVec2, height: &str) {
         let (from, to) = (self.vertex(a), self.vertex(b));
         if from != to {
-            self.walls
-                .push(format!("[{from}, {to}, {{alpha: [3, 1], texture_name: [1, default]}}]"));
+            self.walls.push(format!(
+                "[{from}, {to}, {{alpha: [3, 1], {height}, texture_name: [1, default]}}]"
+            ));
         }
     }
 
     fn add_walls(&mut self, world: &World) {
         let thin = world.walls.len();
         // Closed doors are doors.
-        let solids =
-            world.solids().filter(|solid| solid.id.kind != crate::world::PartKind::Doorway);
+        let solids = world.solids().filter(|solid| solid.id.kind != PartKind::Doorway);
         for (i, solid) in solids.enumerate() {
+            let height = height(world, solid.id);
             match centre_line(&solid.shape) {
-                Some((a, b, thickness)) if i < thin && thickness <= THIN => self.wall(a, b),
+                Some((a, b, thickness)) if i < thin && thickness <= THIN => {
+                    self.wall(a, b, &height)
+                }
                 _ => {
                     let corners = match &*solid.shape {
                         Shape::Disc { center, radius } => circle(*center, *radius),
                         shape => shape.corners(),
                     };
-                    edges(&corners).for_each(|(a, b)| self.wall(a, b));
+                    edges(&corners).for_each(|(a, b)| self.wall(a, b, &height));
                 }
             }
         }
@@ -140,8 +144,9 @@ impl Plan {
             let line = centre_line(&doorway.shape).or_else(|| centre_line(&bounds));
             let Some((a, b, _)) = line else { continue };
             let (from, to) = (self.vertex(a), self.vertex(b));
+            let height = height(world, PartId { kind: PartKind::Doorway, index: i as u32 });
             self.doors.push(format!(
-                "[{from}, {to}, {{motion_axis: [1, start], motion_degrees: [3, 90], motion_direction: \
+                "[{from}, {to}, {{{height}, motion_axis: [1, start], motion_degrees: [3, 90], motion_direction: \
                  [2, 1], name: [1, doorway_{i}], plugin: [1, normal], right_left_ratio: [3, 1], type: \
                  [1, hinged]}}]"
             ));
@@ -246,6 +251,12 @@ fn centre_line(shape: &Shape) -> Option<(DVec2, DVec2, f64)> {
         }
         Shape::Disc { .. } | Shape::Polygon { .. } => None,
     }
+}
+
+/// The bottom and top of a part.
+fn height(world: &World, part: PartId) -> String {
+    let (bottom, top) = world.extent(part).map_or((0.0, 0.0), |it| (it.bottom(), it.top()));
+    format!("bottom: [3, {bottom}], top: [3, {top}]")
 }
 
 fn circle(center: DVec2, radius: f64) -> Vec<DVec2> {
