@@ -146,11 +146,9 @@ impl Plugin for EnvgenVisuals3dPlugin {
         )
         .add_systems(
             PostUpdate,
-            (
-                smoke::place_smoke,
-                tree_levels::choose_levels.before(VisibilitySystems::CheckVisibility),
-            )
-                .after(TransformSystems::Propagate),
+            tree_levels::choose_levels
+                .after(TransformSystems::Propagate)
+                .before(VisibilitySystems::CheckVisibility),
         );
         require_visibility(app);
     }

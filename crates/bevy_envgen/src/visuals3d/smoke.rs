@@ -2,12 +2,11 @@
 
 use bevy::asset::{AssetServer, uuid_handle};
 use bevy::core_pipeline::prepass::DepthPrepass;
-use bevy::mesh::MeshVertexBufferLayoutRef;
+use bevy::mesh::{MeshTag, MeshVertexBufferLayoutRef};
 use bevy::pbr::{Material, MaterialPipeline, MaterialPipelineKey, MaterialPlugin, PbrPlugin};
 use bevy::prelude::*;
 use bevy::render::render_resource::{
-    AsBindGroup, CompareFunction, Face, RenderPipelineDescriptor, ShaderType,
-    SpecializedMeshPipelineError,
+    AsBindGroup, CompareFunction, Face, RenderPipelineDescriptor, SpecializedMeshPipelineError,
 };
 use bevy::shader::{Shader, ShaderRef};
 use envgen::World as EnvgenWorld;
@@ -28,18 +27,31 @@ const SHADER: Handle<Shader> = uuid_handle!("5c9a4a3e-5f0e-4a0c-9a57-1f7f3c9d8b2
 /// Smoke as bright as the lamps that shine on it, as a share of its colour.
 const LIT: f32 = 0.75;
 
-/// A box of smoke as its shader sees it.
+/// What all boxes of smoke are made of: how thick one is, and how bright, is its [`MeshTag`], so that boxes beside each
+/// other are one draw.
 #[derive(Asset, AsBindGroup, TypePath, Clone, Debug)]
 pub(super) struct SmokeMaterial {
     #[uniform(0)]
-    smoke: SmokeUniform,
+    color: LinearRgba,
 }
 
-#[derive(ShaderType, Clone, Debug)]
-struct SmokeUniform {
-    to_box: Mat4,
-    color: LinearRgba,
-    extinction: f32,
+/// Steps of the square root of the extinction, which is in 1/m, and of the light in a tag, of 20 and 12 bits.
+const ROOT_STEPS: f64 = 8192.0;
+const MOST_ROOT: f64 = 1_048_575.0;
+const LIGHT_BITS: u32 = 12;
+const MOST_LIGHT: f32 = 4095.0;
+
+/// The tag of a box of smoke in light of 0 to 1.
+fn tag(extinction: f64, light: f32) -> MeshTag {
+    let root = (extinction.max(0.0).sqrt() * ROOT_STEPS).min(MOST_ROOT).round() as u32;
+    MeshTag((root << LIGHT_BITS) | (light.clamp(0.0, 1.0) * MOST_LIGHT).round() as u32)
+}
+
+/// The mesh and the material that boxes share.
+#[derive(Resource)]
+pub(super) struct SharedSmoke {
+    mesh: Handle<Mesh>,
+    material: Handle<SmokeMaterial>,
 }
 
 impl Material for SmokeMaterial {
@@ -77,7 +89,10 @@ impl Material for SmokeMaterial {
 
 /// A box of smoke, a child of [`Smoke`].
 #[derive(Component)]
-pub(super) struct SmokeBox;
+pub(super) struct SmokeBox {
+    /// Of the brightest light, from 0 to 1.
+    light: f32,
+}
 
 pub(super) fn build(app: &mut App) {
     if !app.world().contains_resource::<AssetServer>() {
@@ -116,7 +131,6 @@ fn add_smoke(world: &mut World, entity: Entity, place: &SmokeOutline) {
         return;
     };
     let settings = world.resource::<Visuals3dSettings>();
-    let color = world.resource::<Palette3d>().smoke.to_linear();
     let boxes: Vec<_> = shapes
         .iter()
         .flat_map(|shape| {
@@ -128,23 +142,42 @@ fn add_smoke(world: &mut World, entity: Entity, place: &SmokeOutline) {
             let size = (2.0 * half_size).extend(height);
             let at = at.with_scale(size);
             let middle = at.translation.with_z(0.5 * height);
-            Some((at.with_translation(middle), color * light))
+            Some((at.with_translation(middle), light))
         })
         .collect();
-    for (at, color) in boxes {
-        let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(1.0));
-        let smoke = SmokeUniform { to_box: Mat4::IDENTITY, color, extinction: *extinction as f32 };
-        let material = world.resource_mut::<Assets<SmokeMaterial>>().add(SmokeMaterial { smoke });
+    let (mesh, material) = shared(world);
+    for (at, light) in boxes {
         world.spawn((
             Name::new("smoke"),
-            SmokeBox,
-            Mesh3d(mesh),
-            MeshMaterial3d(material),
+            SmokeBox { light },
+            Mesh3d(mesh.clone()),
+            MeshMaterial3d(material.clone()),
+            tag(*extinction, light),
             at,
             shown(*extinction),
             ChildOf(entity),
         ));
     }
+}
+
+/// The mesh and the material of all boxes, in the colour that smoke has now.
+fn shared(world: &mut World) -> (Handle<Mesh>, Handle<SmokeMaterial>) {
+    let brightness = world.resource::<Visuals3dSettings>().brightness;
+    let color = world.resource::<Palette3d>().smoke.to_linear() * brightness;
+    if !world.contains_resource::<SharedSmoke>() {
+        let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(1.0));
+        let material = world.resource_mut::<Assets<SmokeMaterial>>().add(SmokeMaterial { color });
+        world.insert_resource(SharedSmoke { mesh, material });
+    }
+    let SharedSmoke { mesh, material } = world.resource::<SharedSmoke>();
+    let (mesh, material) = (mesh.clone(), material.clone());
+    let mut materials = world.resource_mut::<Assets<SmokeMaterial>>();
+    if materials.get(&material).is_some_and(|known| known.color != color)
+        && let Some(mut known) = materials.get_mut(&material)
+    {
+        known.color = color;
+    }
+    (mesh, material)
 }
 
 /// Boxes in place of a shape: exactly, or the boxes around its convex pieces.
@@ -172,42 +205,19 @@ fn surroundings(truth: &EnvgenWorld, shape: &Shape, settings: &Visuals3dSettings
     let top = room.map_or_else(|| truth.wall_top(), |room| room.extent().top());
     let is_lit = room.is_none_or(|room| room.lit);
     let light = if is_lit { LIT } else { settings.darkness.clamp(0.0, 1.0) };
-    (top as f32, light * settings.brightness)
+    (top as f32, light)
 }
 
 /// Draws smoke as thick as it is.
 pub(super) fn thicken_smoke(
     smoke: Query<(&Smoke, &Children), Changed<Smoke>>,
-    mut meshes: Query<(&MeshMaterial3d<SmokeMaterial>, &mut Visibility), With<SmokeBox>>,
-    materials: Option<ResMut<Assets<SmokeMaterial>>>,
+    mut boxes: Query<(&SmokeBox, &mut MeshTag, &mut Visibility)>,
 ) {
-    let Some(mut materials) = materials else { return };
     for (smoke, children) in &smoke {
-        let mut meshes = meshes.iter_many_mut(children);
-        while let Some((material, mut visibility)) = meshes.fetch_next() {
+        let mut boxes = boxes.iter_many_mut(children);
+        while let Some((smoke_box, mut known, mut visibility)) = boxes.fetch_next() {
             visibility.set_if_neq(shown(smoke.extinction));
-            if let Some(mut material) = materials.get_mut(&material.0) {
-                material.smoke.extinction = smoke.extinction as f32;
-            }
-        }
-    }
-}
-
-/// A box of smoke in the app's space.
-type Placed = (&'static GlobalTransform, &'static MeshMaterial3d<SmokeMaterial>);
-
-/// A box that is new or moved.
-type Moved = (With<SmokeBox>, Changed<GlobalTransform>);
-
-/// Says to the shader where the boxes are.
-pub(super) fn place_smoke(
-    moved: Query<Placed, Moved>,
-    materials: Option<ResMut<Assets<SmokeMaterial>>>,
-) {
-    let Some(mut materials) = materials else { return };
-    for (at, material) in &moved {
-        if let Some(mut material) = materials.get_mut(&material.0) {
-            material.smoke.to_box = at.to_matrix().inverse();
+            known.set_if_neq(tag(smoke.extinction, smoke_box.light));
         }
     }
 }

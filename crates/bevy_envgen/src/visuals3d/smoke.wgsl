@@ -3,28 +3,23 @@
 // multiply what they let through, in any order.
 
 #import bevy_pbr::forward_io::VertexOutput
+#import bevy_pbr::mesh_functions::{get_local_from_world, get_tag}
 #import bevy_pbr::mesh_view_bindings::view
 #import bevy_pbr::view_transformations::{frag_coord_to_ndc, position_ndc_to_world}
 #ifdef DEPTH_PREPASS
 #import bevy_pbr::prepass_utils::prepass_depth
 #endif
 
-struct Smoke {
-    // From the world to a cube of side 1 around the origin.
-    to_box: mat4x4<f32>,
-    color: vec4<f32>,
-    // In 1/m.
-    extinction: f32,
-};
-
-@group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> smoke: Smoke;
+@group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> color: vec4<f32>;
 
 @fragment
 fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
     let camera = view.world_position;
     let direction = normalize(in.world_position.xyz - camera);
-    let start = (smoke.to_box * vec4(camera, 1.0)).xyz;
-    let along = (smoke.to_box * vec4(direction, 0.0)).xyz;
+    // A cube of side 1 around the origin.
+    let to_box = get_local_from_world(in.instance_index);
+    let start = (to_box * vec4(camera, 1.0)).xyz;
+    let along = (to_box * vec4(direction, 0.0)).xyz;
     let one = (-0.5 - start) / along;
     let other = (0.5 - start) / along;
     let near = min(one, other);
@@ -39,6 +34,10 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
         leaves = min(leaves, distance(position_ndc_to_world(ndc), camera));
     }
 #endif
-    let opacity = 1.0 - exp(-smoke.extinction * max(leaves - enters, 0.0));
-    return vec4(smoke.color.rgb, opacity);
+    // As `tag` in smoke.rs packs them.
+    let tag = get_tag(in.instance_index);
+    let root = f32(tag >> 12u) / 8192.0;
+    let light = f32(tag & 4095u) / 4095.0;
+    let opacity = 1.0 - exp(-root * root * max(leaves - enters, 0.0));
+    return vec4(light * color.rgb, opacity);
 }

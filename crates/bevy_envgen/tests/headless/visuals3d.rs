@@ -1,5 +1,7 @@
 //! What worlds consist of in three dimensions, without anything that draws.
 
+use std::collections::BTreeSet;
+
 use bevy::light::IrradianceVolume;
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
@@ -100,6 +102,32 @@ fn a_large_building_needs_few_draws() {
     assert!(materials <= 12, "{materials}");
 }
 
+/// Bodies with the same mesh and material are one draw.
+#[test]
+fn what_moves_needs_few_draws() {
+    let mut app = app();
+    let moving = ScenarioSpec { doors: 1.0, people: 20, smoke: 0.1, ..default() };
+    let request = EnvironmentScenario::new(moving, 1);
+    let root = app.world_mut().spawn((indoor(16), request)).id();
+    wait_until_ready(&mut app, root).unwrap();
+    step(&mut app, 70);
+    let world = app.world_mut();
+    let leaves = world.query::<&DoorLeaf>().iter(world).count();
+    assert!(leaves > 20, "{leaves} leaves");
+    let boxes = world.query::<&Name>().iter(world).filter(|name| name.as_str() == "smoke").count();
+    let mut plain = world.query::<(&Mesh3d, &MeshMaterial3d<StandardMaterial>)>();
+    let bodies = plain.iter(world).count();
+    let draws: BTreeSet<_> =
+        plain.iter(world).map(|(mesh, material)| (mesh.id(), material.id())).collect();
+    // All smoke has one mesh and one material.
+    let of_bodies: BTreeSet<_> = draws.iter().map(|(mesh, _)| *mesh).collect();
+    let meshes: BTreeSet<_> = world.query::<&Mesh3d>().iter(world).map(|mesh| mesh.id()).collect();
+    assert_eq!(meshes.len(), of_bodies.len() + 1);
+    assert!(boxes > 20 && bodies > 100, "{boxes} boxes of smoke, {bodies} other bodies");
+    let count = draws.len() + 1;
+    assert!((5..=60).contains(&count), "{count} draws");
+}
+
 #[test]
 fn trees_share_their_meshes() {
     for solids in [SolidStorage::Entities, SolidStorage::TileData] {
@@ -109,7 +137,7 @@ fn trees_share_their_meshes() {
         let root = spawn_ready(&mut app, environment).unwrap();
         let trees = truth(&app, root).trees.clone();
         let mut crowns: Vec<(Vec3, Vec3)> = Vec::new();
-        let mut handles = std::collections::BTreeSet::new();
+        let mut handles = BTreeSet::new();
         let mut drawn = app.world_mut().query::<(&TileMesh, &Mesh3d, &Transform)>();
         for (mesh, handle, at) in drawn.iter(app.world()) {
             handles.insert(handle.0.id());
