@@ -1,7 +1,7 @@
 //! Poisson forests: trees scattered uniformly, their number drawn from a Poisson law.
 //!
 //! Source: C. Richter, W. Vega-Brown and N. Roy, Markov Chain Hallway and Poisson Forest
-//! Environment Generating Distributions, MIT-CSAIL-TR-2015-014, section 2.
+//! Environment Generating Distributions, MIT-CSAIL-TR-2015-014, section 2, <https://studylib.net/doc/10593763/>.
 //!
 //! - [`ForestSpec`] and [`Forest`]: a rectangular forest, with a least distance between trees, a
 //!   law of radii and a density that may vary.

@@ -1,7 +1,7 @@
 //! Markov hallways: corridors whose turns follow a Markov chain and that never cross themselves.
 //!
 //! Source: C. Richter, W. Vega-Brown and N. Roy, Markov Chain Hallway and Poisson Forest
-//! Environment Generating Distributions, MIT-CSAIL-TR-2015-014, section 1.
+//! Environment Generating Distributions, MIT-CSAIL-TR-2015-014, section 1, <https://studylib.net/doc/10593763/>.
 //!
 //! - [`HallwayChain`]: the eight states, the transition matrix, its stationary law, sampling and
 //!   estimation from a history of states.
