@@ -574,11 +574,12 @@ pub(super) fn step_index(step: IVec2) -> usize {
 fn bits(cells: &[i16]) -> (Bits, Bits) {
     let (mut occupied, mut free) = ([0; TILE as usize], [0; TILE as usize]);
     for (row, cells) in cells.chunks_exact(TILE as usize).enumerate().take(TILE as usize) {
-        for (byte, cells) in cells.chunks_exact(8).enumerate() {
+        let (eights, _) = cells.as_chunks::<8>();
+        for (byte, cells) in eights.iter().enumerate() {
             let pack = |is: fn(i16) -> bool| {
                 let mut ones = [0_u8; 8];
-                for (one, &odds) in ones.iter_mut().zip(cells) {
-                    *one = u8::from(is(odds));
+                for i in 0..8 {
+                    ones[i] = u8::from(is(cells[i]));
                 }
                 // Gathers the lowest bit of each byte into the highest byte.
                 (u64::from_le_bytes(ones).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u32

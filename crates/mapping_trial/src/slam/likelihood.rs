@@ -219,9 +219,13 @@ impl LikelihoodField {
             for row in stamp.chunks_exact(stamps.pieces) {
                 let (cells, _) = level.cells[start..start + wide as usize].as_chunks_mut::<16>();
                 for (cells, values) in cells.iter_mut().zip(row) {
-                    // Of copies, which cannot overlap: one instruction for all 16.
-                    let (before, values) = (*cells, *values);
-                    *cells = std::array::from_fn(|i| before[i].max(values[i]));
+                    // Of copies, which cannot overlap: one instruction for all 16. Closures of the standard library
+                    // are not inlined in builds of several codegen units.
+                    let (mut greater, values) = (*cells, *values);
+                    for i in 0..16 {
+                        greater[i] = greater[i].max(values[i]);
+                    }
+                    *cells = greater;
                 }
                 start += self.cols as usize;
             }
