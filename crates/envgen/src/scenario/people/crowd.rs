@@ -2,17 +2,11 @@
 
 use glam::DVec2;
 
-use super::free_space::FreeSpace;
-use super::held_up::OFF_SWINGS;
+use super::door_passage::passes_door;
 use super::orca::{Disc, HalfPlane, WALL_HORIZON, avoid, keep_off, solve};
-use super::routes::Routes;
-use crate::geometry::segments_cross;
-use crate::grid::CellBuckets;
-use crate::raycast::Raycaster;
-use crate::scenario::door::{DoorShape, DoorState};
+use super::surroundings::{Surroundings, nearest_robot, sees, zone};
 use crate::scenario::neighbourhood::{Neighbourhood, RANGE, REBUILD};
 use crate::scenario::person::{MAX_CURIOUS, Person, PersonState, Reaction, Task};
-use crate::scenario::robot::Robot;
 use crate::scenario::{PERSON_RADIUS, ScenarioSpec, TICK, TICKS_PER_SECOND};
 use crate::seed::Seed;
 
@@ -36,24 +30,6 @@ const SEARCH: u64 = TICKS_PER_SECOND;
 /// one that is not ahead.
 const TRIES: u32 = 8;
 const BLOCKED_TRIES: u32 = 32;
-
-/// What people walk among.
-pub(crate) struct Surroundings<'a> {
-    pub(crate) space: &'a FreeSpace,
-    pub(crate) routes: &'a Routes,
-    pub(crate) rays: &'a Raycaster,
-    pub(crate) shapes: &'a [DoorShape],
-    /// The doors near each cell of the free space.
-    pub(crate) door_zones: &'a CellBuckets<u32>,
-    pub(crate) people: &'a [Person],
-    pub(crate) spec: &'a ScenarioSpec,
-    pub(crate) seed: Seed,
-    pub(crate) doors: &'a [DoorState],
-    pub(crate) robots: &'a [Robot],
-    pub(crate) tick: u64,
-    /// The greatest speed of anyone, in m/s.
-    pub(crate) max_speed: f64,
-}
 
 /// All people.
 #[derive(Clone, Debug)]
@@ -491,52 +467,6 @@ impl Crowd {
                 passes_door(shape, state, (from, to), corner)
             })
     }
-}
-
-/// Whether a step touches no leaf of a door, and does not enter the space of leaves that move, or of a closed
-/// door to which the person goes. Who is in the space of a door that waits to open may walk in it to leave it.
-fn passes_door(
-    shape: &DoorShape,
-    state: &DoorState,
-    (from, to): (DVec2, DVec2),
-    corner: Option<DVec2>,
-) -> bool {
-    let is_off_leaves = state.leaves(shape).all(|leaf| {
-        let distance = leaf.nearest_point(to).distance(to);
-        distance >= PERSON_RADIUS || distance > leaf.nearest_point(from).distance(from)
-    });
-    if !is_off_leaves || state.is_open() {
-        return is_off_leaves;
-    }
-    let [a, b] = shape.ends;
-    let goes_through = corner.is_some_and(|corner| segments_cross(from, corner, a, b));
-    let (distance, before) = (shape.swing_distance(to), shape.swing_distance(from));
-    let waits = state.opens && before < OFF_SWINGS;
-    ((state.is_still() || waits) && !goes_through) || distance >= OFF_SWINGS || distance >= before
-}
-
-/// The doors whose leaves can be near a point.
-#[inline]
-pub(super) fn zone<'a>(around: &Surroundings<'a>, p: DVec2) -> &'a [u32] {
-    if around.shapes.is_empty() {
-        return &[];
-    }
-    around.space.frame.index_at(p).map_or(&[], |cell| around.door_zones.of(cell))
-}
-
-/// Whether no solid is between a point and another one at `to` from it.
-fn sees(rays: &Raycaster, from: DVec2, to: DVec2) -> bool {
-    let distance = to.length();
-    distance == 0.0 || rays.cast_along(from, to / distance, distance).is_none()
-}
-
-/// The robot nearest to a point, of equally near ones the first; one that is infinitely far without any.
-fn nearest_robot(p: DVec2, robots: &[Robot]) -> Robot {
-    let far = Robot { position: DVec2::INFINITY, velocity: DVec2::ZERO, radius: 0.0 };
-    robots.iter().fold(far, |best, robot| {
-        let is_nearer = robot.position.distance_squared(p) < best.position.distance_squared(p);
-        if is_nearer { *robot } else { best }
-    })
 }
 
 /// The whole ticks of a time in seconds, at least one.

@@ -2,12 +2,13 @@
 
 use glam::DVec2;
 
-use super::crowd::{Crowd, LOOK, Surroundings, zone};
+use super::crowd::{Crowd, LOOK};
+use super::door_passage::OFF_SWINGS;
 use super::free_path::{Blockers, free_path};
 use super::places::ROOMY;
+use super::surroundings::{Surroundings, zone};
 use crate::geometry::segments_cross;
 use crate::scenario::PERSON_RADIUS;
-use crate::scenario::door::LEAF_GAP;
 use crate::scenario::person::PersonState;
 
 /// Someone who gave up a goal this often without coming farther than this many metres looks for a path between
@@ -25,9 +26,6 @@ const NOTICE: u64 = 10;
 
 /// Blockers whose middle is farther away than this are left out, in metres.
 const BLOCKERS: f64 = 6.0;
-
-/// People keep this far from the swing of a door that cannot open because of them, in metres.
-pub(super) const OFF_SWINGS: f64 = PERSON_RADIUS + 2.0 * LEAF_GAP;
 
 impl PersonState {
     /// Whether the person gave up several goals here.

@@ -4,17 +4,20 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 mod crowd;
+mod door_passage;
 mod free_path;
 mod free_space;
 mod held_up;
 mod orca;
 mod places;
 mod routes;
+mod surroundings;
 
-pub(super) use crowd::{Crowd, Surroundings};
+pub(super) use crowd::Crowd;
 pub(super) use free_space::FreeSpace;
 pub(super) use places::find_places;
 pub(super) use routes::Routes;
+pub(super) use surroundings::Surroundings;
 
 use crate::clearance_index::ClearanceIndex;
 use crate::distribution::standard_normal;
