@@ -95,9 +95,9 @@ pub struct TrialPalette {
 impl Default for TrialPalette {
     fn default() -> Self {
         TrialPalette {
-            unknown: Color::srgb_u8(0x8a, 0x8f, 0x98),
-            free: Color::srgb_u8(0xf4, 0xf4, 0xf1),
-            occupied: Color::srgb_u8(0x1c, 0x1f, 0x26),
+            unknown: color(palette::map::VIEW_UNKNOWN),
+            free: color(palette::map::VIEW_FREE),
+            occupied: color(palette::map::VIEW_OCCUPIED),
             truth: color(palette::GREEN),
             robots: vec![color(palette::VERMILION), color(palette::BLUE)],
         }

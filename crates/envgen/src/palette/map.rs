@@ -8,6 +8,12 @@ pub const FREE: Srgb = Srgb([254; 3]);
 pub const UNKNOWN: Srgb = Srgb([205; 3]);
 /// An occupied cell.
 pub const OCCUPIED: Srgb = Srgb([30; 3]);
+/// As [`UNKNOWN`] in windows and films, where it is the background.
+pub const VIEW_UNKNOWN: Srgb = Srgb::hex(0x8a_8f_98);
+/// As [`FREE`] in windows and films.
+pub const VIEW_FREE: Srgb = Srgb::hex(0xf4_f4_f1);
+/// As [`OCCUPIED`] in windows and films.
+pub const VIEW_OCCUPIED: Srgb = Srgb::hex(0x1c_1f_26);
 /// A wall of the map that the world does not have.
 pub const FALSE_WALL: Srgb = Srgb([213, 70, 0]);
 /// A wall of the world that the map does not show.
