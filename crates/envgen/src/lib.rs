@@ -56,7 +56,7 @@
 //! | `gltf` | yes | worlds as glTF 2.0, in one binary file |
 //! | `mesh` | yes | worlds as closed meshes of triangles |
 //! | `mjcf` | yes | worlds for MuJoCo |
-//! | `opendrive` | yes | roads as OpenDRIVE |
+//! | `opendrive` | yes | roads, and what is solid, as OpenDRIVE |
 //! | `paths` | yes | least-cost paths on landscapes, and the maps and scenarios of MovingAI |
 //! | `rmf` | yes | buildings of Open-RMF |
 //! | `ros` | yes | reading maps of ROS and Nav2; they can always be written |
@@ -101,6 +101,8 @@ pub mod located;
 #[cfg(feature = "mesh")]
 pub mod mesh;
 pub mod occupancy;
+#[cfg(any(feature = "mesh", feature = "opendrive"))]
+mod outline;
 pub mod palette;
 #[cfg(feature = "picture")]
 pub mod picture;

@@ -5,7 +5,7 @@
 //! line, every other solid its outline. Each doorway is a hinged door that turns by 90 degrees about its first
 //! end. Lanes lead from the start to the goal and to the middle of every room, where a robot with a radius of
 //! 0.3 m can go. Values have a type: 1 text, 2 whole number, 3 number, 4 truth value. Walls and doors state their
-//! `bottom` and `top` in metres, which RMF's tools pass over: their walls are 2.5 m high.
+//! `bottom` and `top` in metres, which RMF's tools ignore: their walls are 2.5 m high.
 
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
@@ -14,7 +14,7 @@ use glam::DVec2;
 
 use super::ExportError;
 use crate::cellular::{CheapestPaths, c_space};
-use crate::geometry::{Shape, box_axis, edges, unit_vector};
+use crate::geometry::{Shape, box_axis, edges, regular_polygon};
 use crate::grid::GridFrame;
 use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::world::{PartId, PartKind, World};
@@ -23,7 +23,7 @@ use crate::world::{PartId, PartKind, World};
 const THIN: f64 = 0.5;
 
 /// Corners of the outline of a disc.
-const CORNERS: u32 = 16;
+const CORNERS: usize = 16;
 
 /// Radius in metres of the robot for which lanes are free.
 const ROBOT_RADIUS: f64 = 0.3;
@@ -129,7 +129,10 @@ impl Plan {
                 }
                 _ => {
                     let corners = match &*solid.shape {
-                        Shape::Disc { center, radius } => circle(*center, *radius),
+                        Shape::Disc { center, radius } => regular_polygon(*radius, CORNERS)
+                            .into_iter()
+                            .map(|corner| *center + corner)
+                            .collect(),
                         shape => shape.corners(),
                     };
                     edges(&corners).for_each(|(a, b)| self.wall(a, b, &height));
@@ -257,9 +260,4 @@ fn centre_line(shape: &Shape) -> Option<(DVec2, DVec2, f64)> {
 fn height(world: &World, part: PartId) -> String {
     let (bottom, top) = world.extent(part).map_or((0.0, 0.0), |it| (it.bottom(), it.top()));
     format!("bottom: [3, {bottom}], top: [3, {top}]")
-}
-
-fn circle(center: DVec2, radius: f64) -> Vec<DVec2> {
-    let turn = std::f64::consts::TAU / f64::from(CORNERS);
-    (0..CORNERS).map(|i| center + radius * unit_vector(turn * f64::from(i))).collect()
 }

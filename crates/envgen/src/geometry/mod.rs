@@ -7,7 +7,7 @@ mod segment;
 mod shape;
 
 pub(crate) use polygon::polygon_contains;
-pub use polygon::{edges, signed_area};
+pub use polygon::{edges, regular_polygon, signed_area};
 pub use pose::{Pose, unit_vector, wrap_angle};
 pub use rect::Rect;
 pub(crate) use segment::{distance_between_segments, split_segment};

@@ -2,6 +2,8 @@
 
 use glam::DVec2;
 
+use super::unit_vector;
+
 /// The sides of a closed polygon.
 ///
 /// ```
@@ -31,6 +33,19 @@ pub fn edges(vertices: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
 pub fn signed_area(vertices: &[DVec2]) -> f64 {
     let Some(&origin) = vertices.first() else { return 0.0 };
     0.5 * edges(vertices).map(|(a, b)| (a - origin).perp_dot(b - origin)).sum::<f64>()
+}
+
+/// The corners of a regular polygon about the origin, counter-clockwise; the first one is on the x axis.
+///
+/// ```
+/// use envgen::geometry::{regular_polygon, signed_area};
+///
+/// let square = regular_polygon(2.0, 4);
+/// assert!((signed_area(&square) - 8.0).abs() < 1e-12);
+/// ```
+pub fn regular_polygon(radius: f64, sides: usize) -> Vec<DVec2> {
+    let corner = |i| unit_vector(std::f64::consts::TAU * i as f64 / sides as f64) * radius;
+    (0..sides).map(corner).collect()
 }
 
 /// Whether a point lies inside a polygon, by the even-odd rule.

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 
-use super::{JOINED, Mesh, ROAD_TOLERANCE, outline, regular_polygon, triangulate};
-use crate::geometry::{Shape, signed_area};
+use super::{JOINED, Mesh, ROAD_TOLERANCE, outline, triangulate};
+use crate::geometry::{Shape, regular_polygon, signed_area};
 use crate::world::{Extent, RoadMesh, RoadStrip};
 
 /// Least distance in metres between cuts across a road.

@@ -16,14 +16,8 @@ use thiserror::Error;
 pub use self::convex::convex_pieces;
 pub use self::raycast::{BodyHit, BodyRaycaster};
 pub use self::triangulate::triangulate;
-use crate::geometry::{Shape, unit_vector};
-use crate::pieces::{Form, LINE_THICKNESS, Piece};
-
-/// How far the sides of a mesh of a disc are inside it at most, in metres.
-pub const ROUNDNESS: f64 = 1e-3;
-
-/// The fewest and most sides of a mesh of a disc.
-const SIDES: std::ops::RangeInclusive<usize> = 12..=256;
+pub use crate::outline::{ROUNDNESS, outline};
+use crate::pieces::{Form, Piece};
 
 /// How far the edges of a mesh of a road stray from the road's at most, in metres.
 const ROAD_TOLERANCE: f64 = 0.02;
@@ -114,41 +108,6 @@ impl Mesh {
         let six = |&[a, b, c]: &[u32; 3]| corner(a).dot(corner(b).cross(corner(c)));
         self.triangles.iter().map(six).sum::<f64>() / 6.0
     }
-}
-
-/// The outline of a shape, counter-clockwise, relative to a point in its middle: discs have many sides,
-/// lines are [`LINE_THICKNESS`] thick.
-pub fn outline(shape: &Shape) -> (DVec2, Vec<DVec2>) {
-    match shape {
-        Shape::Disc { center, radius } => (*center, regular_polygon(*radius, sides(*radius))),
-        Shape::Box { center, half_size, heading } => {
-            let around =
-                Shape::Box { center: DVec2::ZERO, half_size: *half_size, heading: *heading };
-            (*center, around.corners())
-        }
-        Shape::Segment { a, b } => {
-            let middle = 0.5 * (*a + *b);
-            let line = Shape::thick_segment(*a - middle, *b - middle, LINE_THICKNESS, 0.0);
-            (middle, line.corners())
-        }
-        Shape::Polygon { vertices } => {
-            let middle = shape.bounds().center();
-            (middle, vertices.iter().map(|corner| *corner - middle).collect())
-        }
-    }
-}
-
-/// The corners of a regular polygon about the origin, counter-clockwise.
-fn regular_polygon(radius: f64, sides: usize) -> Vec<DVec2> {
-    let corner = |i| unit_vector(std::f64::consts::TAU * i as f64 / sides as f64) * radius;
-    (0..sides).map(corner).collect()
-}
-
-/// As many sides of a regular polygon as keep it within [`ROUNDNESS`] of its circle.
-fn sides(radius: f64) -> usize {
-    // The middle of a side is radius * (1 - cos(pi / n)) inside, about radius * pi^2 / (2 n^2).
-    let sides = std::f64::consts::PI * (radius / (2.0 * ROUNDNESS)).sqrt();
-    (sides.ceil() as usize).clamp(*SIDES.start(), *SIDES.end())
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use proptest::prelude::*;
 
 use super::*;
-use crate::geometry::signed_area;
-use crate::pieces::{Role, pieces};
+use crate::geometry::{Shape, signed_area};
+use crate::pieces::{LINE_THICKNESS, Role, pieces};
 use crate::world::{Crown, Extent};
 use crate::{Seed, WorldKind, WorldSpec};
 

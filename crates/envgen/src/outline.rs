@@ -1,0 +1,41 @@
+//! Outlines of shapes as corners, for meshes and files that have no discs.
+
+use glam::DVec2;
+
+use crate::geometry::{Shape, regular_polygon};
+use crate::pieces::LINE_THICKNESS;
+
+/// How far the sides of an outline of a disc are inside it at most, in metres.
+pub const ROUNDNESS: f64 = 1e-3;
+
+/// The fewest and most sides of an outline of a disc.
+const SIDES: std::ops::RangeInclusive<usize> = 12..=256;
+
+/// The outline of a shape, counter-clockwise, relative to a point in its middle: discs have many sides,
+/// lines are [`LINE_THICKNESS`] thick.
+pub fn outline(shape: &Shape) -> (DVec2, Vec<DVec2>) {
+    match shape {
+        Shape::Disc { center, radius } => (*center, regular_polygon(*radius, sides(*radius))),
+        Shape::Box { center, half_size, heading } => {
+            let around =
+                Shape::Box { center: DVec2::ZERO, half_size: *half_size, heading: *heading };
+            (*center, around.corners())
+        }
+        Shape::Segment { a, b } => {
+            let middle = 0.5 * (*a + *b);
+            let line = Shape::thick_segment(*a - middle, *b - middle, LINE_THICKNESS, 0.0);
+            (middle, line.corners())
+        }
+        Shape::Polygon { vertices } => {
+            let middle = shape.bounds().center();
+            (middle, vertices.iter().map(|corner| *corner - middle).collect())
+        }
+    }
+}
+
+/// As many sides of a regular polygon as keep it within [`ROUNDNESS`] of its circle.
+fn sides(radius: f64) -> usize {
+    // The middle of a side is radius * (1 - cos(pi / n)) inside, about radius * pi^2 / (2 n^2).
+    let sides = std::f64::consts::PI * (radius / (2.0 * ROUNDNESS)).sqrt();
+    (sides.ceil() as usize).clamp(*SIDES.start(), *SIDES.end())
+}
