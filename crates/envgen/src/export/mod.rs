@@ -283,7 +283,7 @@ formats! {
     Scenario, " What moves in the world as RON: doors, people and smoke.",
         ["scenario.ron" => |job, out| job.write_scenario(out)];
     #[cfg(feature = "opendrive")]
-    OpenDrive, " The roads as OpenDRIVE 1.7.",
+    OpenDrive, " The roads, and what is solid, as OpenDRIVE 1.7.",
         ["xodr" => |job, out| opendrive::write(job.world, out)];
     #[cfg(feature = "csv")]
     Csv, " The waypoints of the roads as comma-separated values.",
