@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Judges the pictures of a robot's camera that the README's command with `--camera` wrote to `out/frames`.
+"""Judges the pictures of a robot's camera that the guide's command with `--camera` wrote to `out/frames`.
 
 `trimesh` reads the camera and MuJoCo casts the rays of its pixels into the world of the trial, as MJCF: depths and
 labels must be what they meet. Exit code 1 where there is a complaint, or where a fault that is made on purpose is not
@@ -47,7 +47,7 @@ class Rays:
         mujoco.mj_forward(self.model, self.data)
 
     def cast(self, origin, directions):
-        """Distance along each direction of what it meets, -1 for nothing, and the name of it."""
+        """Distance along each direction of what it meets, -1 for nothing, and its name, or `none`."""
         count = len(directions)
         geoms, distances = np.zeros(count, np.int32), np.zeros(count)
         mujoco.mj_multiRay(
@@ -64,7 +64,7 @@ class Rays:
             count,
             1000.0,
         )
-        names = [self.model.geom(geom).name if geom >= 0 else "" for geom in geoms]
+        names = [self.model.geom(geom).name if geom >= 0 else "none" for geom in geoms]
         return distances, np.array(names)
 
 
@@ -92,8 +92,10 @@ def judge(folder, description, rays, parts):
     directions = directions[::PIXELS]
     labels = {label["id"]: label for label in description["labels"]}
     times = [frame["time"] for frame in description["frames"]]
+    # Pictures are taken at ticks of 50 ms.
+    mean = (times[-1] - times[0]) / (len(times) - 1)
     period = 1 / description["camera"]["rate"]
-    said.must(np.allclose(np.diff(times), period, atol=0.051), "pictures are not at the rate")
+    said.must(abs(mean - period) <= 0.05 / (len(times) - 1), "pictures are not at the rate")
     judged, wrong_depths, wrong_labels = 0, 0, 0
     for frame in description["frames"][::FRAMES]:
         image = lambda kind: Image.open(folder / frame[f"{kind}file_path"])
@@ -112,6 +114,7 @@ def judge(folder, description, rays, parts):
         distances, names = rays.cast(origin, towards)
         depths = np.asarray(image("depth_"))[rows, columns] * description["depth_unit_scale_factor"]
         seen = [labels.get(label) for label in np.asarray(image("label_"))[rows, columns]]
+        said.must(None not in seen, "a label is not described")
         is_seen = np.array([label is not None and label["kind"] not in UNSEEN for label in seen])
         found = np.array([label["name"] if label else "" for label in seen])
         # The camera looks along -z.
@@ -123,6 +126,7 @@ def judge(folder, description, rays, parts):
             for i in np.flatnonzero(is_seen & (found != names))
         )
         judged += np.count_nonzero(is_seen)
+    said.must(judged > 0, "nothing is seen")
     said.must(wrong_depths <= SILHOUETTES * judged, f"{wrong_depths} of {judged} depths are off")
     said.must(wrong_labels <= SILHOUETTES * judged, f"{wrong_labels} of {judged} labels are off")
     return said, judged
@@ -141,6 +145,8 @@ def faults_are_noticed(folder, description, rays, parts):
             matrix = np.array(frame["transform_matrix"])
             matrix[:3, :3] = matrix[:3, :3] @ np.diag([1, -1, -1])
             frame["transform_matrix"] = matrix.tolist()
+            x, y, z, w = frame["orientation"]
+            frame["orientation"] = [w, z, -y, -x]
 
     def move(wrong):
         for frame in wrong["frames"]:
@@ -155,7 +161,12 @@ def faults_are_noticed(folder, description, rays, parts):
     def zoom(wrong):
         wrong.update(fl_x=1.01 * wrong["fl_x"], fl_y=1.01 * wrong["fl_y"])
 
+    def slow(wrong):
+        for frame in wrong["frames"]:
+            frame["time"] *= 1.1
+
     return {
+        "pictures at another rate": complains(slow),
         "a focal length of 1 % more": complains(zoom),
         "another unit of depth": complains(lambda d: d.update(depth_unit_scale_factor=1.01e-3)),
         "the axes of OpenCV": complains(turn),

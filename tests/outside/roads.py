@@ -49,11 +49,13 @@ def judge(world, report):
     if len(roads) != len(strips):
         report.complain(f"{len(roads)} roads in OpenDRIVE, {len(strips)} in the world")
     rows = read_csv(world.path("csv"))
+    objects = {}
     for number, (road, strip) in enumerate(zip(roads, strips)):
         path = read_path(road, report)
         judge_csv(strip, path, rows[rows[:, 0] == number], report)
         judge_header(tree.getroot().find("header"), strip, path, report)
-        judge_objects(road, path, world.data, report)
+        objects |= read_objects(road, path)
+    bodies.compare("OpenDRIVE", objects, bodies.expected(world.data), report)
     judge_by_asam(world.path("xodr"), report)
     judge_by_pyxodr(world.path("xodr"), strips, report)
     judge_by_netconvert(world.path("xodr"), strips, report)
@@ -130,8 +132,8 @@ def judge_header(header, strip, path, report):
             report.complain("the road leaves the header's box")
 
 
-def judge_objects(road, path, data, report):
-    """Kerbs and other solids are where the world has them, and as high."""
+def read_objects(road, path):
+    """Kerbs and other solids beside a road: the outline, bottom and top of each, by its name."""
     things = road.findall("objects/object")
     points, headings = path.at([float(thing.get("s")) for thing in things])
     found = {}
@@ -149,7 +151,7 @@ def judge_objects(road, path, data, report):
             shape = shapely.Polygon(corners)
         bottom = float(thing.get("zOffset"))
         found[thing.get("id")] = shape, bottom, bottom + float(thing.get("height"))
-    bodies.compare("OpenDRIVE", found, bodies.expected(data), report)
+    return found
 
 
 def judge_by_asam(file, report):

@@ -32,5 +32,5 @@ rm -rf target/outside/complaints
 $venv/bin/python $here/self_test.py "$@"
 $venv/bin/python $here/judge.py --keep target/outside/complaints "$@"
 $venv/bin/python $here/bags.py
-# What the README's command with `--camera` wrote, which needs a driver for drawing.
+# What the guide's command with `--camera` wrote, which needs a driver for drawing.
 if [ -e out/frames/frames.json ]; then $venv/bin/python $here/frames.py; else echo "left out: pictures of cameras"; fi
