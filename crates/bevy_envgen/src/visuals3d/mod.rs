@@ -44,7 +44,7 @@ use crate::visuals::require_visibility;
 use crate::{EnvgenSystems, Schedules};
 
 /// What is drawn in three dimensions, and how bright. A change affects all worlds at once, except that lamps which are
-/// seen, and [`Palette3d`], are those of the time when a tile is spawned.
+/// seen, smoke, and [`Palette3d`], are those of the time when a tile or a scenario is spawned.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct Visuals3dSettings {

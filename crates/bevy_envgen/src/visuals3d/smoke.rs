@@ -27,15 +27,15 @@ const SHADER: Handle<Shader> = uuid_handle!("5c9a4a3e-5f0e-4a0c-9a57-1f7f3c9d8b2
 /// Smoke as bright as the lamps that shine on it, as a share of its colour.
 const LIT: f32 = 0.75;
 
-/// What all boxes of smoke are made of: how thick one is, and how bright, is its [`MeshTag`], so that boxes beside each
-/// other are one draw.
+/// What all boxes of smoke of a colour are made of: how thick one is, and how bright, is its [`MeshTag`], so that those
+/// with nothing else transparent between them, by distance from the camera, are one draw.
 #[derive(Asset, AsBindGroup, TypePath, Clone, Debug)]
 pub(super) struct SmokeMaterial {
     #[uniform(0)]
     color: LinearRgba,
 }
 
-/// Steps of the square root of the extinction, which is in 1/m, and of the light in a tag, of 20 and 12 bits.
+/// A tag has 20 bits for the square root of the extinction (1/m), in steps of 1/8192, and 12 for the light.
 const ROOT_STEPS: f64 = 8192.0;
 const MOST_ROOT: f64 = 1_048_575.0;
 const LIGHT_BITS: u32 = 12;
@@ -47,11 +47,11 @@ fn tag(extinction: f64, light: f32) -> MeshTag {
     MeshTag((root << LIGHT_BITS) | (light.clamp(0.0, 1.0) * MOST_LIGHT).round() as u32)
 }
 
-/// The mesh and the material that boxes share.
+/// The mesh that boxes share, and the materials by colour.
 #[derive(Resource)]
 pub(super) struct SharedSmoke {
     mesh: Handle<Mesh>,
-    material: Handle<SmokeMaterial>,
+    materials: Vec<(LinearRgba, Handle<SmokeMaterial>)>,
 }
 
 impl Material for SmokeMaterial {
@@ -90,7 +90,7 @@ impl Material for SmokeMaterial {
 /// A box of smoke, a child of [`Smoke`].
 #[derive(Component)]
 pub(super) struct SmokeBox {
-    /// Of the brightest light, from 0 to 1.
+    /// Light on it, as a share of the brightest.
     light: f32,
 }
 
@@ -160,23 +160,21 @@ fn add_smoke(world: &mut World, entity: Entity, place: &SmokeOutline) {
     }
 }
 
-/// The mesh and the material of all boxes, in the colour that smoke has now.
+/// The mesh of all boxes, and the material of those in the colour that smoke has now.
 fn shared(world: &mut World) -> (Handle<Mesh>, Handle<SmokeMaterial>) {
     let brightness = world.resource::<Visuals3dSettings>().brightness;
     let color = world.resource::<Palette3d>().smoke.to_linear() * brightness;
     if !world.contains_resource::<SharedSmoke>() {
         let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(1.0));
-        let material = world.resource_mut::<Assets<SmokeMaterial>>().add(SmokeMaterial { color });
-        world.insert_resource(SharedSmoke { mesh, material });
+        world.insert_resource(SharedSmoke { mesh, materials: Vec::new() });
     }
-    let SharedSmoke { mesh, material } = world.resource::<SharedSmoke>();
-    let (mesh, material) = (mesh.clone(), material.clone());
-    let mut materials = world.resource_mut::<Assets<SmokeMaterial>>();
-    if materials.get(&material).is_some_and(|known| known.color != color)
-        && let Some(mut known) = materials.get_mut(&material)
-    {
-        known.color = color;
+    let known = world.resource::<SharedSmoke>();
+    let mesh = known.mesh.clone();
+    if let Some((_, material)) = known.materials.iter().find(|(known, _)| *known == color) {
+        return (mesh, material.clone());
     }
+    let material = world.resource_mut::<Assets<SmokeMaterial>>().add(SmokeMaterial { color });
+    world.resource_mut::<SharedSmoke>().materials.push((color, material.clone()));
     (mesh, material)
 }
 
@@ -233,5 +231,44 @@ pub(super) fn measure_depths(
     }
     for camera in &cameras {
         commands.entity(camera).insert(DepthPrepass);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn smoke_of_a_colour_shares_its_mesh_and_material() {
+        let mut world = World::new();
+        world.init_resource::<Assets<Mesh>>();
+        world.init_resource::<Assets<SmokeMaterial>>();
+        world.init_resource::<Visuals3dSettings>();
+        world.init_resource::<Palette3d>();
+        let first = shared(&mut world);
+        assert_eq!(shared(&mut world), first);
+        world.resource_mut::<Palette3d>().smoke = Color::BLACK;
+        let other = shared(&mut world);
+        assert_eq!(other.0, first.0);
+        assert_ne!(other.1, first.1);
+        // The first one keeps its colour.
+        let materials = world.resource::<Assets<SmokeMaterial>>();
+        let color = Palette3d::default().smoke.to_linear();
+        assert_eq!(materials.get(&first.1).expect("a material").color, color);
+        assert_eq!((materials.len(), world.resource::<Assets<Mesh>>().len()), (2, 1));
+    }
+
+    #[test]
+    fn tags_hold_extinction_and_light() {
+        for (extinction, light) in [(0.0, 0.0), (0.02, 0.75), (1.3, 1.0), (40.0, 0.25)] {
+            let MeshTag(tag) = tag(extinction, light);
+            let root = f64::from(tag >> LIGHT_BITS) / ROOT_STEPS;
+            assert!((root * root - extinction).abs() <= 1e-3 * extinction, "{extinction}");
+            assert!(((tag & 0xfff) as f32 / MOST_LIGHT - light).abs() < 2e-4, "{light}");
+        }
+        // What is out of range stays in it.
+        assert_eq!(tag(f64::INFINITY, f32::INFINITY), MeshTag(u32::MAX));
+        assert_eq!(tag(-1.0, -1.0), MeshTag(0));
+        assert_eq!(tag(f64::NAN, f32::NAN), MeshTag(0));
     }
 }

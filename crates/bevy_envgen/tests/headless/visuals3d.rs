@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use bevy::light::IrradianceVolume;
-use bevy::mesh::MeshPlugin;
+use bevy::mesh::{MeshPlugin, MeshTag};
 use bevy::prelude::*;
 use bevy_envgen::EnvgenPlugins;
 use bevy_envgen::envgen::WorldKind;
@@ -119,7 +119,7 @@ fn what_moves_needs_few_draws() {
     let bodies = plain.iter(world).count();
     let draws: BTreeSet<_> =
         plain.iter(world).map(|(mesh, material)| (mesh.id(), material.id())).collect();
-    // All smoke has one mesh and one material.
+    // All smoke has one mesh; that it has one material is a test of its file.
     let of_bodies: BTreeSet<_> = draws.iter().map(|(mesh, _)| *mesh).collect();
     let meshes: BTreeSet<_> = world.query::<&Mesh3d>().iter(world).map(|mesh| mesh.id()).collect();
     assert_eq!(meshes.len(), of_bodies.len() + 1);
@@ -288,6 +288,21 @@ fn people_doors_and_smoke_have_bodies() {
         assert_eq!((scale.x, scale.y), (length.max(1e-3), 1.0));
         assert!((scale.z - 2.1).abs() < 0.02, "{scale}");
         assert_eq!(world.get::<Mesh3d>(mesh).unwrap().0, shared);
+    }
+    // The tags of boxes say how thick they are.
+    let mut smoke = world.query::<(&bevy_envgen::scenario::Smoke, &Children)>();
+    let boxes: Vec<_> = smoke
+        .iter(world)
+        .flat_map(|(smoke, boxes)| boxes.iter().map(move |entity| (smoke.extinction, entity)))
+        .collect();
+    assert!(boxes.iter().any(|(extinction, _)| *extinction > 0.01));
+    for (extinction, entity) in boxes {
+        let Some(MeshTag(tag)) = world.get::<MeshTag>(entity) else { continue };
+        let root = f64::from(tag >> 12) / 8192.0;
+        assert!((root * root - extinction).abs() < 1e-3, "{extinction} {root}");
+        // Lit rooms, and dark ones.
+        let light = f64::from(tag & 4095) / 4095.0;
+        assert!((light - 0.75).abs() < 1e-3 || light < 0.2, "{light}");
     }
     let state = world.get::<ScenarioRun>(root).unwrap().state();
     let shapes = state.smoke().flat_map(|(place, _)| state.smoke_shapes(place));

@@ -219,8 +219,8 @@ impl LikelihoodField {
             for row in stamp.chunks_exact(stamps.pieces) {
                 let (cells, _) = level.cells[start..start + wide as usize].as_chunks_mut::<16>();
                 for (cells, values) in cells.iter_mut().zip(row) {
-                    // Of copies, which cannot overlap: one instruction for all 16. Closures of the standard library
-                    // are not inlined in builds of several codegen units.
+                    // Of copies, which cannot overlap: one instruction for all 16. In builds of several codegen units
+                    // `array::from_fn` and its closure are not inlined.
                     let (mut greater, values) = (*cells, *values);
                     for i in 0..16 {
                         greater[i] = greater[i].max(values[i]);
