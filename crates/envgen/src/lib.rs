@@ -101,8 +101,7 @@ pub mod located;
 #[cfg(feature = "mesh")]
 pub mod mesh;
 pub mod occupancy;
-#[cfg(any(feature = "mesh", feature = "opendrive"))]
-mod outline;
+pub mod outline;
 pub mod palette;
 #[cfg(feature = "picture")]
 pub mod picture;

@@ -13,6 +13,17 @@ const SIDES: std::ops::RangeInclusive<usize> = 12..=256;
 
 /// The outline of a shape, counter-clockwise, relative to a point in its middle: discs have many sides,
 /// lines are [`LINE_THICKNESS`] thick.
+///
+/// ```
+/// use envgen::geometry::{Shape, signed_area};
+/// use envgen::glam::DVec2;
+/// use envgen::outline::outline;
+///
+/// let disc = Shape::Disc { center: DVec2::new(3.0, 1.0), radius: 0.5 };
+/// let (middle, corners) = outline(&disc);
+/// assert_eq!(middle, DVec2::new(3.0, 1.0));
+/// assert!((signed_area(&corners) / disc.area() - 1.0).abs() < 0.01);
+/// ```
 pub fn outline(shape: &Shape) -> (DVec2, Vec<DVec2>) {
     match shape {
         Shape::Disc { center, radius } => (*center, regular_polygon(*radius, sides(*radius))),

@@ -12,7 +12,8 @@ use bevy::shader::{Shader, ShaderRef};
 use envgen::World as EnvgenWorld;
 use envgen::geometry::Shape;
 use envgen::glam::DVec2;
-use envgen::mesh::{convex_pieces, outline};
+use envgen::mesh::convex_pieces;
+use envgen::outline::outline;
 
 use super::palette::Palette3d;
 use super::{Visuals3dSettings, can_draw};

@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 
-use super::{JOINED, Mesh, ROAD_TOLERANCE, outline, triangulate};
+use super::{JOINED, Mesh, ROAD_TOLERANCE, triangulate};
 use crate::geometry::{Shape, regular_polygon, signed_area};
+use crate::outline::outline;
 use crate::world::{Extent, RoadMesh, RoadStrip};
 
 /// Least distance in metres between cuts across a road.
@@ -26,7 +27,7 @@ pub(super) fn road_surface(strip: &RoadStrip) -> Option<RoadMesh> {
 
 impl Mesh {
     /// A shape, drawn out from a bottom to a top. A disc has flat sides with the normals of a cylinder, at
-    /// most [`ROUNDNESS`](super::ROUNDNESS) inside it; a line is [`LINE_THICKNESS`](crate::pieces::LINE_THICKNESS)
+    /// most [`ROUNDNESS`](crate::outline::ROUNDNESS) inside it; a line is [`LINE_THICKNESS`](crate::pieces::LINE_THICKNESS)
     /// thick.
     ///
     /// `None` for polygons that are not simple and counter-clockwise.

@@ -16,7 +16,6 @@ use thiserror::Error;
 pub use self::convex::convex_pieces;
 pub use self::raycast::{BodyHit, BodyRaycaster};
 pub use self::triangulate::triangulate;
-pub use crate::outline::{ROUNDNESS, outline};
 use crate::pieces::{Form, Piece};
 
 /// How far the edges of a mesh of a road stray from the road's at most, in metres.

@@ -6,6 +6,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::geometry::{Shape, signed_area};
+use crate::outline::{ROUNDNESS, outline};
 use crate::pieces::{LINE_THICKNESS, Role, pieces};
 use crate::world::{Crown, Extent};
 use crate::{Seed, WorldKind, WorldSpec};

@@ -7,8 +7,8 @@ use glam::{DVec2, DVec3};
 use super::around;
 use crate::geometry::{Rect, edges, polygon_contains, unit_vector};
 use crate::mesh::extrude::road_surface;
-use crate::mesh::outline;
 use crate::mesh::revolve::{AROUND, BANDS};
+use crate::outline::outline;
 use crate::pieces::Form;
 use crate::world::{Crown, Extent};
 
