@@ -33,7 +33,7 @@ pub struct BodyHit {
 /// a world.
 ///
 /// Bodies are as [`Mesh::of`](super::Mesh::of) has them, so that distances agree with pictures of the meshes
-/// to the rounding of these: discs are the polygons of [`outline`](super::outline), crowns of trees
+/// to the rounding of these: discs are the polygons of [`outline`](crate::outline::outline), crowns of trees
 /// have flat sides, roads have straight edges between their stations. Triangles are not involved: rays meet
 /// outlines, heights and planes. Only surfaces that face the ray are met, as cameras see them: a body that
 /// the ray starts in is not.
