@@ -37,7 +37,7 @@ DOOR = {
     "motion_degrees": 3,
     "motion_direction": 2,
 }
-# What ours state, and RMF's tools pass over.
+# What ours state, and RMF's tools ignore.
 HEIGHT = {"bottom": 3, "top": 3}
 LANE = {"bidirectional": 4, "graph_idx": 2, "orientation": 1}
 TYPES = {1: str, 2: int, 3: (int, float), 4: bool}

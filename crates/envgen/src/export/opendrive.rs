@@ -37,20 +37,21 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
                 ("vendor", concat!("envgen ", env!("CARGO_PKG_VERSION")).into()),
             ],
         )?;
-        let objects = RoadObjects::of(world);
-        let mut strips = world.road_strips.iter().enumerate();
-        strips.try_for_each(|(id, strip)| road(xml, id, strip, &objects))
+        let paths: Vec<Path<'_>> =
+            world.road_strips.iter().map(|strip| strip.path().merged()).collect();
+        let objects = RoadObjects::of(world, &paths);
+        let mut roads = world.road_strips.iter().zip(&paths).enumerate();
+        roads.try_for_each(|(id, road)| write_road(xml, id, road, &objects))
     })?;
     xml.end()
 }
 
-fn road(
+fn write_road(
     xml: &mut Xml<'_>,
     id: usize,
-    strip: &RoadStrip,
+    (strip, path): (&RoadStrip, &Path<'_>),
     objects: &RoadObjects<'_>,
 ) -> Result<(), ExportError> {
-    let path = strip.path().merged();
     let attributes = [
         ("name", format!("road {id}")),
         ("length", number(path.length())),
@@ -76,7 +77,7 @@ fn road(
             path.curves()
                 .iter()
                 .enumerate()
-                .try_for_each(|(i, curve)| geometry(xml, &path, i, curve))
+                .try_for_each(|(i, curve)| geometry(xml, path, i, curve))
         })?;
         lanes(xml, strip)?;
         objects.write(xml, id)

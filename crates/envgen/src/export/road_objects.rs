@@ -36,9 +36,8 @@ struct Object<'a> {
 }
 
 impl<'a> RoadObjects<'a> {
-    pub(super) fn of(world: &'a World) -> Self {
-        let paths: Vec<Path<'_>> =
-            world.road_strips.iter().map(|strip| strip.path().merged()).collect();
+    /// Of a world whose roads have these reference lines.
+    pub(super) fn of(world: &'a World, paths: &[Path<'_>]) -> Self {
         let indices: Vec<PathIndex> = paths.iter().map(PathIndex::new).collect();
         let mut roads: Vec<Vec<Object<'a>>> = paths.iter().map(|_| Vec::new()).collect();
         for piece in pieces(world).into_iter().filter(|piece| piece.is_solid) {
