@@ -48,7 +48,7 @@ use mapping_trial::experiment::{Design, Experiment, ExperimentError, Shard, repo
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
-use mapping_trial::slam::SlamKind;
+use mapping_trial::slam::{SlamKind, WheelCalibration};
 
 use crate::spinner::spinner;
 
@@ -93,6 +93,10 @@ struct Arguments {
     #[arg(long, default_value = "scan_to_map", value_parser = SlamKind::named)]
     slam: SlamKind,
 
+    /// Which systematic errors of the wheels are learned: none, turns or turns_and_distances.
+    #[arg(long, value_name = "ERRORS", default_value = "turns", value_parser = WheelCalibration::named)]
+    wheel_calibration: WheelCalibration,
+
     /// Laser profile: lms200_mm, lms200_mm_rough, usarsim, urg_04lx or wide_12m.
     #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named)]
     laser: LaserProfile,
@@ -120,7 +124,8 @@ struct Arguments {
 
     /// Join the folders of all shares instead of running trials.
     #[arg(long, value_name = "FOLDER", num_args = 1.., conflicts_with_all = [
-        "quick", "maps", "seeds", "levels", "operators", "profile", "size", "slam", "laser",
+        "quick", "maps", "seeds", "levels", "operators", "profile", "size", "slam", "wheel_calibration",
+        "laser",
         "time_limit", "time_per_area", "seed", "shard", "fresh",
     ])]
     merge: Vec<PathBuf>,
@@ -242,6 +247,7 @@ impl Arguments {
             profile: if self.profile == "thesis" { Profile::Thesis } else { Profile::Guaranteed },
             size: self.size,
             slam: self.slam,
+            wheel_calibration: self.wheel_calibration,
             laser: self.laser.clone(),
             time_limit: self.time_limit,
             time_per_area: self.time_per_area,

@@ -16,7 +16,7 @@ use mapping_trial::names::Named;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::PolicyKind;
 use mapping_trial::robot::Robot;
-use mapping_trial::slam::SlamKind;
+use mapping_trial::slam::{SlamKind, WheelCalibration};
 use mapping_trial::trial::TrialSettings;
 use mapping_trial::truth::MappableArea;
 
@@ -83,6 +83,11 @@ pub(crate) struct Arguments {
     /// How poses and map are estimated: scan_to_map, pose_graph or dead_reckoning.
     #[arg(long, default_value = "scan_to_map", value_parser = SlamKind::named, conflicts_with = "replay")]
     slam: SlamKind,
+
+    /// Which systematic errors of the wheels are learned: none, turns or turns_and_distances.
+    #[arg(long, value_name = "ERRORS", default_value = "turns",
+          value_parser = WheelCalibration::named, conflicts_with = "replay")]
+    wheel_calibration: WheelCalibration,
 
     /// Number of robots, which share one map.
     #[arg(long, default_value_t = 1, conflicts_with = "replay")]
@@ -257,6 +262,7 @@ impl Arguments {
             seed: self.noise_seed.unwrap_or(self.seed),
             policy: Some(self.policy),
             slam: self.slam,
+            wheel_calibration: self.wheel_calibration,
             robots: self.robots,
             time_limit: self.time_limit,
             time_per_area: self.time_per_area,

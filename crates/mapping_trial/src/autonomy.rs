@@ -21,10 +21,13 @@ use glam::DVec2;
 /// use mapping_trial::backend::{Command, Observation};
 /// use mapping_trial::odometry::Increment;
 /// use mapping_trial::policy::Decision;
-/// use mapping_trial::{autonomy::Autonomy, lidar::LaserProfile, robot::Robot, slam::SlamKind};
+/// use mapping_trial::{autonomy::Autonomy, lidar::LaserProfile, robot::Robot};
+/// use mapping_trial::slam::{SlamKind, WheelCalibration};
 ///
 /// let (robot, laser) = (Robot::default(), LaserProfile::default());
-/// let slam = SlamKind::DeadReckoning.build(&[Pose::default()], &robot, &laser);
+/// let slam = SlamKind::DeadReckoning.build(
+///     &[Pose::default()], &robot, &laser, WheelCalibration::default(),
+/// );
 /// let area = Rect::new(DVec2::splat(-5.0), DVec2::splat(5.0));
 /// let mut autonomy = Autonomy::new(slam, None, 1, &robot, &laser, area);
 /// // Ten ticks of 3 cm ahead, without a scan.

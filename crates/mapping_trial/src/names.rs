@@ -5,7 +5,7 @@ use envgen::SpecError;
 use crate::lidar::LaserProfile;
 use crate::odometry::OdometryProfile;
 use crate::policy::PolicyKind;
-use crate::slam::SlamKind;
+use crate::slam::{SlamKind, WheelCalibration};
 
 /// A value that has a name.
 ///
@@ -84,6 +84,15 @@ impl Named for SlamKind {
     ];
 }
 
+impl Named for WheelCalibration {
+    const FIELD: &'static str = "wheel_calibration";
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("none", WheelCalibration::None),
+        ("turns", WheelCalibration::Turns),
+        ("turns_and_distances", WheelCalibration::TurnsAndDistances),
+    ];
+}
+
 #[cfg(test)]
 mod tests {
     use serde::Serialize;
@@ -101,6 +110,7 @@ mod tests {
     fn names_are_those_in_files_and_each_has_one_value() {
         as_in_files::<PolicyKind>();
         as_in_files::<SlamKind>();
+        as_in_files::<WheelCalibration>();
         assert!(SlamKind::ALL.iter().all(|kind| kind.name().is_some()));
         for (name, value) in LaserProfile::NAMES {
             assert_eq!(LaserProfile::named(name).as_ref(), Ok(value));

@@ -12,7 +12,7 @@ use crate::lidar::LaserProfile;
 use crate::names::Named;
 use crate::odometry::OdometryProfile;
 use crate::policy::PolicyKind;
-use crate::slam::SlamKind;
+use crate::slam::{SlamKind, WheelCalibration};
 use crate::trial::TrialSettings;
 
 /// Greatest number of maps per level.
@@ -60,6 +60,10 @@ settings! {
         size: u32 = IndoorSpec::default().width => integer("", 4..=MAX_SIZE as u64);
         /// How poses and maps are estimated.
         slam: SlamKind = TrialSettings::default().slam => other("", "an estimator's name");
+        /// Which systematic errors of the wheels are learned.
+        #[serde(skip_serializing_if = "WheelCalibration::is_default")]
+        wheel_calibration: WheelCalibration = WheelCalibration::Turns =>
+            other("", "none, turns or turns_and_distances");
         /// What the laser measures.
         laser: LaserProfile = TrialSettings::default().laser => nested;
         /// What the wheels measure.
@@ -238,6 +242,7 @@ impl Design {
             seed: self.noise_seed(trial),
             policy: Some(trial.operator),
             slam: self.slam,
+            wheel_calibration: self.wheel_calibration,
             time_limit: self.time_limit,
             time_per_area: self.time_per_area,
             laser: self.laser.clone(),

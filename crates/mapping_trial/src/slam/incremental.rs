@@ -2,8 +2,8 @@
 
 use envgen::geometry::Pose;
 
-use super::Slam;
 use super::mapper::Mapper;
+use super::{Slam, WheelCalibration};
 use crate::backend::Observation;
 use crate::lidar::LaserProfile;
 use crate::map::{Estimate, OccupancyMap};
@@ -31,6 +31,12 @@ impl<const MATCHING: bool> Incremental<MATCHING> {
     /// For robots at the poses `starts`.
     pub fn new(starts: &[Pose], robot: &Robot, laser: &LaserProfile) -> Self {
         Incremental { mapper: Mapper::new(starts, robot, laser, MATCHING) }
+    }
+
+    /// With other errors of the wheels to be learned; without matching none is.
+    pub fn with_calibration(mut self, calibration: WheelCalibration) -> Self {
+        self.mapper.calibrate(calibration);
+        self
     }
 }
 

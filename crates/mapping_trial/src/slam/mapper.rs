@@ -11,8 +11,8 @@ use super::scan_insertion::{ScanInserter, is_near};
 use super::surfels::{MATCHED, SurfelMap, WallPoint, wall_points};
 use super::sweep::{FEWEST_ECHOES, Sweep, Sweeper};
 use super::track::{PoseTrack, Variance};
-use super::turn_scale::TurnScale;
 use super::walls::{WALL_GAP, WallPiece, constrained, walls};
+use super::wheel_calibration::{WheelCalibration, WheelScales};
 use crate::lidar::{LaserProfile, Scan};
 use crate::map::{Cell, CellIndex, Estimate, OccupancyMap, RESOLUTION};
 use crate::odometry::Increment;
@@ -50,10 +50,6 @@ const RIGHT_OF_ALL: f64 = 0.2;
 
 /// Share of all of a scan's walls from which no match is needed.
 const CERTAIN: f64 = 0.8;
-
-/// Greatest standard deviation in radians of the drift with which walls hold a heading well enough to measure
-/// the wheels by it.
-const HELD: f64 = 0.01;
 
 /// Of each scan every so many echoes are compared with the map.
 const ECHO_STEP: usize = 4;
@@ -98,8 +94,8 @@ pub(crate) struct Mapper {
     pub(crate) tracks: Vec<PoseTrack>,
     /// The drift of each robot's last keyframe against the map.
     drifts: Vec<Drift>,
-    /// What is known of the turns that each robot's wheels measure; without matching nothing is.
-    wheels: Vec<TurnScale>,
+    /// What is known of each robot's wheels; without matching nothing is.
+    wheels: Vec<WheelScales>,
 }
 
 impl Mapper {
@@ -120,8 +116,13 @@ impl Mapper {
             keyframes: Vec::new(),
             tracks: starts.iter().copied().map(PoseTrack::new).collect(),
             drifts: vec![Drift::NONE; starts.len()],
-            wheels: vec![TurnScale::new(); starts.len()],
+            wheels: vec![WheelScales::new(WheelCalibration::default()); starts.len()],
         }
+    }
+
+    /// Learns other errors of the wheels, from now on.
+    pub(crate) fn calibrate(&mut self, calibration: WheelCalibration) {
+        self.wheels.fill(WheelScales::new(calibration));
     }
 
     /// Takes a tick's measurements of one robot; returns a new keyframe, if there is one. Unknown robots
@@ -281,8 +282,7 @@ impl Mapper {
         self.drifts[robot] = if before.is_some() { drift.held(&walls, pose) } else { drift };
         if self.field.is_some() {
             let last = before.map_or(pose, |before| self.keyframes[before].pose);
-            let is_held = self.drifts[robot].heading_deviation() <= HELD;
-            self.wheels[robot].keyframe(pose.heading - last.heading, is_held);
+            self.wheels[robot].keyframe(last, pose, &self.drifts[robot]);
         }
         let variance = before.map_or(Variance::default(), |before| {
             self.variance(before, distance, turned, path, pose, &walls)

@@ -9,8 +9,8 @@
 //!
 //! All of them take a keyframe every 0.3 m or 15 degrees and draw its scan into one
 //! [`OccupancyMap`] that the robots share. In between poses come from the wheels; those that match scans
-//! also correct them by every scan of which most walls are on the map, and learn the systematic error of
-//! the wheels' turns where walls hold the heading.
+//! also correct them by every scan of which most walls are on the map, and learn the systematic errors of
+//! the wheels where walls hold the pose: those that [`WheelCalibration`] names.
 
 mod fusion;
 mod incremental;
@@ -25,14 +25,15 @@ pub mod scan_insertion;
 mod surfels;
 pub mod sweep;
 mod track;
-mod turn_scale;
 mod walls;
+mod wheel_calibration;
 
 use envgen::geometry::Pose;
 use serde::{Deserialize, Serialize};
 
 pub use incremental::{DeadReckoning, Incremental, ScanToMap};
 pub use pose_graph::PoseGraph;
+pub use wheel_calibration::WheelCalibration;
 
 use crate::backend::Observation;
 use crate::lidar::LaserProfile;
@@ -86,17 +87,20 @@ impl SlamKind {
     pub const ALL: [SlamKind; 3] =
         [SlamKind::DeadReckoning, SlamKind::ScanToMap, SlamKind::PoseGraph];
 
-    /// An estimator for robots at the poses `starts`, with one kind of body and laser.
+    /// An estimator for robots at the poses `starts`, with one kind of body and laser, which learns what
+    /// `calibration` says of their wheels.
     ///
     /// ```
     /// use envgen::geometry::Pose;
     /// use mapping_trial::backend::Observation;
     /// use mapping_trial::lidar::{LaserProfile, Scan};
-    /// use mapping_trial::{map::Cell, map::CellIndex, robot::Robot, slam::SlamKind};
+    /// use mapping_trial::{map::Cell, map::CellIndex, robot::Robot};
+    /// use mapping_trial::slam::{SlamKind, WheelCalibration};
     ///
     /// let (robot, laser) = (Robot::default(), LaserProfile::default());
+    /// let calibration = WheelCalibration::default();
     /// for kind in SlamKind::ALL {
-    ///     let mut slam = kind.build(&[Pose::default()], &robot, &laser);
+    ///     let mut slam = kind.build(&[Pose::default()], &robot, &laser, calibration);
     ///     // A wall all around, 2 m from the laser, which is 0.21 m ahead of the robot's centre.
     ///     let scan = Some(Scan { ranges: vec![2.0; 181] });
     ///     slam.step(0, &Observation { scan, ..Default::default() });
@@ -110,11 +114,16 @@ impl SlamKind {
         starts: &[Pose],
         robot: &Robot,
         laser: &LaserProfile,
+        calibration: WheelCalibration,
     ) -> Box<dyn Slam + Send + Sync> {
         match self {
             SlamKind::DeadReckoning => Box::new(DeadReckoning::new(starts, robot, laser)),
-            SlamKind::ScanToMap => Box::new(ScanToMap::new(starts, robot, laser)),
-            SlamKind::PoseGraph => Box::new(PoseGraph::new(starts, robot, laser)),
+            SlamKind::ScanToMap => {
+                Box::new(ScanToMap::new(starts, robot, laser).with_calibration(calibration))
+            }
+            SlamKind::PoseGraph => {
+                Box::new(PoseGraph::new(starts, robot, laser).with_calibration(calibration))
+            }
         }
     }
 }

@@ -2,12 +2,12 @@
 
 use envgen::geometry::Pose;
 
-use super::Slam;
 use super::loop_closing::LoopCloser;
 use super::mapper::{Added, Mapper};
 use super::pose_graph_solver::{Relation, held_by_walls, of_motion, solve};
 use super::track::Variance;
 use super::walls::{WALL_VARIANCE, constrained};
+use super::{Slam, WheelCalibration};
 use crate::backend::Observation;
 use crate::lidar::LaserProfile;
 use crate::map::{Estimate, OccupancyMap};
@@ -46,6 +46,12 @@ impl PoseGraph {
             relations: Vec::new(),
             closer: LoopCloser::new(starts.len(), laser.field_of_view),
         }
+    }
+
+    /// With other errors of the wheels to be learned.
+    pub fn with_calibration(mut self, calibration: WheelCalibration) -> Self {
+        self.mapper.calibrate(calibration);
+        self
     }
 
     fn extend(&mut self, added: Added) {

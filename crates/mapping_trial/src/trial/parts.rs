@@ -158,10 +158,10 @@ impl TrialParts {
     }
 
     pub(super) fn make_slam(&self, setup: &Setup<'_>) -> Box<dyn Slam + Send + Sync> {
-        let TrialSettings { slam, body, laser, .. } = setup.settings;
+        let TrialSettings { slam, wheel_calibration, body, laser, .. } = setup.settings;
         match &self.slam {
             Some(make) => make(setup),
-            None => slam.build(setup.starts, body, laser),
+            None => slam.build(setup.starts, body, laser, *wheel_calibration),
         }
     }
 

@@ -8,7 +8,7 @@ use crate::odometry::OdometryProfile;
 use crate::policy::PolicyKind;
 use crate::robot::Robot;
 use crate::setting_limits::{MAX_TIME_LIMIT, number};
-use crate::slam::SlamKind;
+use crate::slam::{SlamKind, WheelCalibration};
 
 /// Least time limit in seconds that follows from [`TrialSettings::time_per_area`].
 pub const MIN_TIME_BY_AREA: f64 = 300.0;
@@ -37,6 +37,10 @@ settings! {
         policy: Option<PolicyKind> = Some(PolicyKind::Nearest) => optional_other("", "a policy's name");
         /// How poses and map are estimated.
         slam: SlamKind = SlamKind::ScanToMap => other("", "an estimator's name");
+        /// Which systematic errors of the wheels are learned.
+        #[serde(skip_serializing_if = "WheelCalibration::is_default")]
+        wheel_calibration: WheelCalibration = WheelCalibration::Turns =>
+            other("", "none, turns or turns_and_distances");
         /// Number of robots, which share one map.
         robots: u32 = 1 => integer("", 1..=MAX_ROBOTS as u64);
         /// Simulated time after which the trial ends.
@@ -102,6 +106,20 @@ mod tests {
         assert!(text.contains("\"operator\":null"), "{text}");
         let text = text.replace("operator", "policy");
         assert_eq!(serde_json::from_str::<TrialSettings>(&text).expect("settings"), settings);
+    }
+
+    #[test]
+    fn logs_state_a_calibration_that_older_ones_cannot_have() {
+        let settings = TrialSettings::default();
+        let both = WheelCalibration::TurnsAndDistances;
+        let other = TrialSettings { wheel_calibration: both, ..settings.clone() };
+        let json = |settings: &TrialSettings| serde_json::to_string(settings).expect("JSON");
+        assert!(!json(&settings).contains("wheel_calibration"), "{}", json(&settings));
+        assert!(json(&other).contains("\"wheel_calibration\":\"turns_and_distances\""));
+        for settings in [settings, other] {
+            let again = serde_json::from_str::<TrialSettings>(&json(&settings));
+            assert_eq!(again.expect("settings"), settings);
+        }
     }
 
     #[test]

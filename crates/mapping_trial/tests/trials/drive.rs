@@ -10,7 +10,7 @@ use mapping_trial::backend::{Observation, TICK};
 use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor};
 use mapping_trial::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
 use mapping_trial::robot::Robot;
-use mapping_trial::slam::{Slam, SlamKind};
+use mapping_trial::slam::{Slam, SlamKind, WheelCalibration};
 
 /// Speed in m/s and rate of turning in rad/s.
 const PACE: (f64, f64) = (0.5, 0.8);
@@ -114,7 +114,17 @@ fn heading_of(v: DVec2) -> f64 {
 impl Recording<'_> {
     /// What an estimator makes of it.
     pub(crate) fn replay(&self, kind: SlamKind) -> Box<dyn Slam + Send> {
-        let mut slam = kind.build(&self.drive.truth[..1], &Robot::default(), &self.drive.laser);
+        self.replay_with(kind, WheelCalibration::default())
+    }
+
+    /// What an estimator makes of it that learns certain errors of the wheels.
+    pub(crate) fn replay_with(
+        &self,
+        kind: SlamKind,
+        calibration: WheelCalibration,
+    ) -> Box<dyn Slam + Send> {
+        let start = &self.drive.truth[..1];
+        let mut slam = kind.build(start, &Robot::default(), &self.drive.laser, calibration);
         for seen in &self.steps {
             slam.step(0, seen);
         }

@@ -13,7 +13,7 @@ use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
 use mapping_trial::robot::Robot;
-use mapping_trial::slam::SlamKind;
+use mapping_trial::slam::{SlamKind, WheelCalibration};
 
 use crate::survey;
 
@@ -36,6 +36,10 @@ pub(crate) struct PanelOptions {
     /// How poses and map are estimated in all conditions: scan_to_map, pose_graph or dead_reckoning.
     #[arg(long, value_parser = SlamKind::named)]
     slam: Option<SlamKind>,
+
+    /// Which systematic errors of the wheels are learned in all conditions: none, turns or turns_and_distances.
+    #[arg(long, value_name = "ERRORS", value_parser = WheelCalibration::named)]
+    wheel_calibration: Option<WheelCalibration>,
 
     /// The only policy that drives: nearest, info_gain, cautious, wall_follow or corridors.
     #[arg(long = "policy", alias = "operator", value_parser = PolicyKind::named)]
@@ -77,6 +81,8 @@ impl PanelOptions {
         }
         for condition in &mut panel.conditions {
             condition.slam = self.slam.unwrap_or(condition.slam);
+            condition.wheel_calibration =
+                self.wheel_calibration.unwrap_or(condition.wheel_calibration);
             condition.operator = self.policy.unwrap_or(condition.operator);
         }
         if panel.conditions != before {

@@ -12,7 +12,7 @@ use crate::names::Named;
 use crate::odometry::OdometryProfile;
 use crate::policy::PolicyKind;
 use crate::robot::Robot;
-use crate::slam::SlamKind;
+use crate::slam::{SlamKind, WheelCalibration};
 use crate::trial::TrialSettings;
 
 /// Greatest number of trials of a survey.
@@ -88,6 +88,9 @@ pub struct Condition {
     pub operator: PolicyKind,
     /// How poses and map are estimated.
     pub slam: SlamKind,
+    /// Which systematic errors of the wheels are learned.
+    #[serde(skip_serializing_if = "WheelCalibration::is_default")]
+    pub wheel_calibration: WheelCalibration,
     /// Name of the laser profile.
     pub laser: String,
     /// Name of the odometry profile.
@@ -110,6 +113,7 @@ impl Default for Condition {
             name: String::new(),
             operator: settings.policy.unwrap_or(PolicyKind::Nearest),
             slam: settings.slam,
+            wheel_calibration: settings.wheel_calibration,
             laser: settings.laser.name().unwrap_or_default().to_owned(),
             odometry: settings.odometry.name().unwrap_or_default().to_owned(),
             robot: settings.body,
@@ -165,6 +169,7 @@ impl Condition {
             seed: noise,
             policy: Some(self.operator),
             slam: self.slam,
+            wheel_calibration: self.wheel_calibration,
             laser: LaserProfile::named(&self.laser)?,
             odometry: OdometryProfile::named(&self.odometry)?,
             body: self.robot.clone(),
