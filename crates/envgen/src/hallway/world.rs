@@ -240,8 +240,8 @@ mod tests {
                     let outward = layout.legs[k].direction.perp() * side.signum();
                     for i in 0..20 {
                         let p = a.lerp(b, f64::from(i) / 20.0 + 0.025) + outward * 0.5 * spec.wall_thickness;
-                        let opening = hallway_opens(&hallway, &layout, p);
-                        prop_assert!(solid(p) || opening, "the wall has a hole at {p}");
+                        let is_closed = solid(p) || hallway_opens(&hallway, &layout, p);
+                        prop_assert!(is_closed, "the wall has a hole at {p}");
                     }
                 }
             }
