@@ -125,8 +125,7 @@ struct Arguments {
     /// Join the folders of all shares instead of running trials.
     #[arg(long, value_name = "FOLDER", num_args = 1.., conflicts_with_all = [
         "quick", "maps", "seeds", "levels", "operators", "profile", "size", "slam", "wheel_calibration",
-        "laser",
-        "time_limit", "time_per_area", "seed", "shard", "fresh",
+        "laser", "time_limit", "time_per_area", "seed", "shard", "fresh",
     ])]
     merge: Vec<PathBuf>,
 

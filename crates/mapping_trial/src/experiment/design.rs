@@ -62,7 +62,7 @@ settings! {
         slam: SlamKind = TrialSettings::default().slam => other("", "an estimator's name");
         /// Which systematic errors of the wheels are learned.
         #[serde(skip_serializing_if = "WheelCalibration::is_default")]
-        wheel_calibration: WheelCalibration = WheelCalibration::Turns =>
+        wheel_calibration: WheelCalibration = TrialSettings::default().wheel_calibration =>
             other("", "none, turns or turns_and_distances");
         /// What the laser measures.
         laser: LaserProfile = TrialSettings::default().laser => nested;

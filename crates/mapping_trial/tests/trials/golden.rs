@@ -10,7 +10,8 @@ use mapping_trial::slam::{SlamKind, WheelCalibration};
 use mapping_trial::trial::{Trial, TrialSettings};
 
 /// Digests of logs and trajectories, by policy; the last three are of two robots, of
-/// `pose_graph`, and of wheels whose distances are learned too. A change here changes what every trial measures: note it in the changelog.
+/// `pose_graph`, and of wheels whose distances are learned too. A change here changes what every trial
+/// measures: note it in the changelog.
 const GOLDEN: [&str; 8] = [
     "99e893e242f02a2cce3542c66eda0a82",
     "d6e6d481c2f86b575127a49e6fc56e7c",
