@@ -242,7 +242,7 @@ impl Studio {
         let clock = self.app.world_mut().remove_resource::<TimeUpdateStrategy>();
         self.set_frame_time(Duration::ZERO);
         let active = self.activate(camera, true);
-        let picture = self.take(target, side);
+        let picture = self.take(camera, target, side);
         self.activate(camera, active);
         if let Some(clock) = clock {
             self.app.insert_resource(clock);
@@ -256,7 +256,13 @@ impl Studio {
         camera.is_some_and(|mut camera| std::mem::replace(&mut camera.is_active, active))
     }
 
-    fn take(&mut self, target: RenderTarget, side: u32) -> Result<Picture, CaptureError> {
+    /// The picture of an active camera, which is inactive afterwards.
+    fn take(
+        &mut self,
+        camera: Entity,
+        target: RenderTarget,
+        side: u32,
+    ) -> Result<Picture, CaptureError> {
         // Draws a frame first, for entities that were spawned since the last one.
         self.step()?;
         let taken = Arc::new(Mutex::new(None));
@@ -267,6 +273,9 @@ impl Studio {
                     Some(Picture::averaged(&captured.image, side));
             },
         );
+        self.step()?;
+        // The image of that frame arrives during later ones, which need not be drawn.
+        self.activate(camera, false);
         for _ in 0..MOST_FRAMES {
             self.step()?;
             if let Some(picture) = taken.lock().unwrap_or_else(PoisonError::into_inner).take() {
