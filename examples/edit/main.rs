@@ -16,6 +16,8 @@ mod auditing;
 mod canvas;
 mod floors;
 mod keys;
+#[path = "../shared/pace.rs"]
+mod pace;
 mod painting;
 mod panels;
 #[path = "../shared/samples.rs"]
@@ -30,7 +32,6 @@ mod window;
 
 use std::error::Error;
 use std::process::ExitCode;
-use std::time::Duration;
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{CameraOutputMode, ClearColorConfig};
@@ -38,8 +39,6 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::render_resource::BlendState;
 use bevy::render::renderer::RenderAdapterInfo;
-use bevy::window::WindowEvent;
-use bevy::winit::{UpdateMode, WinitSettings};
 use bevy_envgen::prelude::{EnvgenVisuals3dPlugin, Visuals3dSettings};
 use bevy_envgen::visuals::EnvgenVisualsPlugin;
 use bevy_envgen::{EnvgenCorePlugin, EnvgenSystems};
@@ -49,22 +48,13 @@ use bevy_mapping_trial::ui::bevy_egui::{
 use clap::Parser;
 
 use crate::arguments::Arguments;
+use crate::pace::{Activity, let_panels_rest, pace};
 use crate::samples::samples;
 use crate::session::Session;
 use crate::view::WorldCamera;
 
 /// What is drawn where the world is solid ground, or ends.
 const GROUND: Color = Color::srgb(0.80, 0.81, 0.83);
-
-/// The longest time between two frames while other threads compute, whose results are seen then, and after inputs:
-/// letters that are drawn for the first time are seen in the next frame.
-const FRAME: Duration = Duration::from_millis(100);
-
-/// Frames after an input.
-const AFTER: u32 = 3;
-
-/// The longest time between two frames otherwise: old notes disappear then.
-const IDLE: Duration = Duration::from_millis(250);
 
 fn main() -> ExitCode {
     window::exit_code(run(&Arguments::parse()))
@@ -83,6 +73,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
         EnvgenCorePlugin::default(),
         EnvgenVisualsPlugin::default(),
         EnvgenVisuals3dPlugin::new(Visuals3dSettings { sky: false, ..default() }),
+        let_panels_rest,
     ))
     .insert_resource(Session::new(opened))
     .add_observer(session::show_failure)
@@ -96,7 +87,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
             session::show.before(EnvgenSystems::Request),
             floors::lay,
             session::follow,
-            pace,
+            activity.pipe(pace),
             session::close,
         )
             .chain(),
@@ -105,17 +96,9 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     Ok(app.run())
 }
 
-/// Draws what nobody has touched as rarely as can be.
-fn pace(
-    session: Res<Session>,
-    mut inputs: MessageReader<WindowEvent>,
-    mut quiet: Local<u32>,
-    mut settings: ResMut<WinitSettings>,
-) {
-    *quiet = if inputs.read().next().is_some() { 0 } else { quiet.saturating_add(1) };
-    let is_busy = session.auditing.is_running() || *quiet < AFTER;
-    let mode = UpdateMode::reactive(if is_busy { FRAME } else { IDLE });
-    *settings = WinitSettings { focused_mode: mode, unfocused_mode: mode };
+/// Why the window changes without inputs.
+fn activity(session: Res<Session>) -> Activity {
+    Activity { moves: false, computes: session.auditing.is_running() }
 }
 
 /// The camera of the world, and that of the panels over it.
@@ -126,18 +109,20 @@ fn spawn_cameras(
 ) {
     settings.auto_create_primary_context = false;
     let around = || Camera { clear_color: ClearColorConfig::Custom(GROUND), ..default() };
-    commands.spawn((Camera2d, WorldCamera::Plan, around()));
+    let samples = samples(&adapter);
+    commands.spawn((Camera2d, samples, WorldCamera::Plan, around()));
     commands.spawn((
         Camera3d::default(),
         WorldCamera::Tilted,
         Camera { is_active: false, ..around() },
-        samples(&adapter),
+        samples,
         Projection::Orthographic(OrthographicProjection::default_3d()),
         Tonemapping::KhronosPbrNeutral,
     ));
     commands.spawn((
         PrimaryEguiContext,
         Camera2d,
+        samples,
         RenderLayers::none(),
         Camera {
             order: 1,

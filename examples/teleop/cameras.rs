@@ -4,10 +4,12 @@ use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{CameraOutputMode, ClearColorConfig, Viewport};
 use bevy::prelude::*;
 use bevy::render::render_resource::BlendState;
+use bevy::render::renderer::RenderAdapterInfo;
 use bevy_mapping_trial::ui::bevy_egui::{EguiGlobalSettings, PrimaryEguiContext};
 use bevy_mapping_trial::view::{FollowRobot, ShowWholeMap, TrialPalette, minimap_layers};
 
 use crate::panels;
+use crate::samples::samples;
 use crate::session::{Phase, Session};
 
 /// Initial height of the visible area in metres.
@@ -22,19 +24,23 @@ const MARGIN: u32 = 12;
 pub(crate) fn spawn(
     session: Res<Session>,
     palette: Res<TrialPalette>,
+    adapter: Res<RenderAdapterInfo>,
     mut settings: ResMut<EguiGlobalSettings>,
     mut commands: Commands,
 ) {
     settings.auto_create_primary_context = false;
     let trial = session.world;
     let clear = ClearColorConfig::Custom(palette.unknown);
+    let samples = samples(&adapter);
     commands.spawn((
         Camera2d,
+        samples,
         Camera { clear_color: clear, ..default() },
         FollowRobot { trial, robot: 0, height: HEIGHT },
     ));
     commands.spawn((
         Camera2d,
+        samples,
         Camera { order: 1, clear_color: clear, ..default() },
         ShowWholeMap { trial, margin: 1.0 },
         minimap_layers(),
@@ -42,6 +48,7 @@ pub(crate) fn spawn(
     commands.spawn((
         PrimaryEguiContext,
         Camera2d,
+        samples,
         RenderLayers::none(),
         Camera {
             order: 2,

@@ -22,6 +22,8 @@ mod frame_log;
 mod keys;
 #[path = "../shared/output.rs"]
 mod output;
+#[path = "../shared/pace.rs"]
+mod pace;
 mod panels;
 mod pictures;
 #[path = "../shared/robot.rs"]
@@ -84,6 +86,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
         EnvgenVisualsPlugin::default(),
         TrialViewPlugin::default(),
         TrialDebugPlugin,
+        pace::let_panels_rest,
     ));
     if arguments.has_cameras() {
         let rooms = Visuals3dSettings { ceilings: true, shadows: false, ..default() };
@@ -120,6 +123,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
                 cameras::fit,
                 session::poll,
                 session::hide_lines,
+                session::activity.pipe(pace::pace),
             )
                 .chain(),
         )

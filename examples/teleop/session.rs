@@ -22,6 +22,7 @@ use mapping_trial::trial::{TrialReport, TrialSettings};
 
 use crate::arguments::{Arguments, Beginning};
 use crate::compare::{Comparison, SessionRun};
+use crate::pace::Activity;
 use crate::saving::Saving;
 use crate::{output, start};
 
@@ -427,6 +428,15 @@ pub(crate) fn poll(
     session.preview.advance();
     if session.begins && session.phase == Phase::Setup {
         session.begin(truths.get(session.world).ok(), &mut commands);
+    }
+}
+
+/// Why the window changes without inputs.
+pub(crate) fn activity(session: Res<Session>) -> Activity {
+    let compares = matches!(session.comparison, Some(Comparison::Running(_)));
+    Activity {
+        moves: matches!(session.phase, Phase::Spawning | Phase::Running) && !session.paused,
+        computes: compares || session.begins || session.preview.is_pending(),
     }
 }
 
