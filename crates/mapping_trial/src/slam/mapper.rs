@@ -193,30 +193,50 @@ impl Mapper {
         track.poses(|keyframe| self.keyframes[keyframe].pose)
     }
 
-    /// Moves all keyframes to new poses, and draws the map again; returns the poses before.
-    pub(crate) fn place(&mut self, poses: Vec<Pose>) -> Vec<Pose> {
-        let before = self.keyframes.iter_mut().zip(poses);
-        let before =
-            before.map(|(keyframe, pose)| std::mem::replace(&mut keyframe.pose, pose)).collect();
-        self.redraw();
-        before
+    /// Moves all keyframes to new poses and draws the map again, if `accepts` the poses before and the mapper with the
+    /// new map; otherwise all is as before. Returns whether it did.
+    pub(crate) fn place_if(
+        &mut self,
+        poses: Vec<Pose>,
+        accepts: impl FnOnce(&[Pose], &Mapper) -> bool,
+    ) -> bool {
+        let before = self.set_poses(poses);
+        let map = self.map.clone();
+        self.draw_map();
+        let is_accepted = accepts(&before, self);
+        if is_accepted {
+            self.draw_field();
+        } else {
+            self.set_poses(before);
+            self.map = map;
+        }
+        is_accepted
     }
 
-    /// Draws map and field again from all keyframes.
-    fn redraw(&mut self) {
+    /// Moves all keyframes; returns the poses before.
+    fn set_poses(&mut self, poses: Vec<Pose>) -> Vec<Pose> {
+        let moves = self.keyframes.iter_mut().zip(poses);
+        moves.map(|(keyframe, pose)| std::mem::replace(&mut keyframe.pose, pose)).collect()
+    }
+
+    /// Draws the map again from all keyframes.
+    fn draw_map(&mut self) {
         self.map.clear();
         for keyframe in &self.keyframes {
             draw(&mut self.painter, &mut self.map, self.sweeper.laser(), keyframe);
         }
-        if let Some(field) = &mut self.field {
-            field.clear();
-            self.surfels.clear();
-            for keyframe in &self.keyframes {
-                let walls = wall_points(&keyframe.sweep.echoes, self.sweeper.laser().position);
-                self.surfels.add(keyframe.pose, &walls);
-                cover(field, &self.keyframes, keyframe.pose, keyframe.sweep.radius());
-                stamp(field, keyframe.pose, &keyframe.sweep.echoes);
-            }
+    }
+
+    /// Draws what scans are matched against again from all keyframes.
+    fn draw_field(&mut self) {
+        let Some(field) = &mut self.field else { return };
+        field.clear();
+        self.surfels.clear();
+        for keyframe in &self.keyframes {
+            let walls = wall_points(&keyframe.sweep.echoes, self.sweeper.laser().position);
+            self.surfels.add(keyframe.pose, &walls);
+            cover(field, &self.keyframes, keyframe.pose, keyframe.sweep.radius());
+            stamp(field, keyframe.pose, &keyframe.sweep.echoes);
         }
     }
 
@@ -418,5 +438,60 @@ pub(crate) fn stamp(field: &mut LikelihoodField, pose: Pose, echoes: &[Vec2]) {
         for piece in 1..pieces as u32 {
             field.stamp(at.lerp(next, f64::from(piece) / pieces));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use envgen::geometry::unit_vector;
+    use glam::DVec2;
+
+    /// What a robot without a turn sees of a hall of 8 x 6 m around the origin.
+    fn scan(laser: &LaserProfile, at: DVec2) -> Scan {
+        let range = |beam: u32| {
+            let direction = unit_vector(laser.angle(beam as usize));
+            let walls = DVec2::new(4.0, 3.0).copysign(direction);
+            ((walls - at) / direction).min_element()
+        };
+        Scan { ranges: (0..laser.beams).map(range).collect() }
+    }
+
+    #[test]
+    fn poses_that_are_not_accepted_leave_no_trace() {
+        let (robot, laser) = (Robot::default(), LaserProfile::LMS200_MM);
+        let mut mapper = Mapper::new(&[Pose::default()], &robot, &laser, true);
+        for tick in 0..20 {
+            let distance = if tick == 0 { 0.0 } else { 0.1 };
+            let at = DVec2::new(0.1 * f64::from(tick) + robot.laser_offset, 0.0);
+            mapper.step(0, Increment { distance, turn: 0.0 }, Some(&scan(&laser, at)));
+        }
+        let poses: Vec<Pose> = mapper.keyframes.iter().map(|keyframe| keyframe.pose).collect();
+        assert!(poses.len() > 3);
+        let turned = |pose: &Pose| Pose::new(pose.position.x, pose.position.y, pose.heading + 0.3);
+        let others: Vec<Pose> = poses.iter().map(turned).collect();
+        // Without what is zero: map and field do not shrink.
+        let state = |mapper: &Mapper| {
+            let poses: Vec<Pose> = mapper.keyframes.iter().map(|keyframe| keyframe.pose).collect();
+            let field = mapper.field.iter().flat_map(|field| field.cells(0)).copied();
+            let cells = mapper.map.tiles().flat_map(|(_, cells)| cells).copied();
+            (
+                poses,
+                field.filter(|&cell| cell != 0).collect::<Vec<_>>(),
+                cells.filter(|&cell| cell != 0).collect::<Vec<_>>(),
+            )
+        };
+        let before = state(&mapper);
+        let is_placed = mapper.place_if(others.clone(), |old, mapper| {
+            assert_eq!(old, poses);
+            assert_ne!(state(mapper).2, before.2, "the map shows the new poses");
+            false
+        });
+        assert!(!is_placed && state(&mapper) == before);
+        assert!(mapper.place_if(others, |_, _| true));
+        let placed = state(&mapper);
+        assert!(placed.0 != before.0 && placed.1 != before.1 && placed.2 != before.2);
+        // And back: what is drawn is as if nothing had been.
+        assert!(mapper.place_if(poses, |_, _| true) && state(&mapper) == before);
     }
 }

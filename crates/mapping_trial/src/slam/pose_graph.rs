@@ -102,17 +102,17 @@ impl PoseGraph {
             return false;
         }
         let contradiction = self.mapper.contradiction();
-        let before = self.mapper.place(poses);
-        let moves = before.iter().zip(&self.mapper.keyframes);
-        let farthest = moves.map(|(before, now)| before.position.distance(now.pose.position));
-        let is_small = farthest.fold(0.0, f64::max) <= SMALL_MOVE;
-        let factor = if is_small { LESS_FOR_SMALL } else { LESS_CONTRADICTION };
-        if self.mapper.contradiction() > factor * contradiction {
-            self.mapper.place(before);
+        let is_closed = self.mapper.place_if(poses, |before, mapper| {
+            let moves = before.iter().zip(&mapper.keyframes);
+            let farthest = moves.map(|(before, now)| before.position.distance(now.pose.position));
+            let is_small = farthest.fold(0.0, f64::max) <= SMALL_MOVE;
+            let factor = if is_small { LESS_FOR_SMALL } else { LESS_CONTRADICTION };
+            mapper.contradiction() <= factor * contradiction
+        });
+        if !is_closed {
             self.relations.truncate(known);
-            return false;
         }
-        true
+        is_closed
     }
 }
 
