@@ -76,7 +76,7 @@ fn every_look_is_exact_where_it_reaches() {
     ] {
         let mut stream = Seed(5).stream("looks", algorithm as u64);
         let mut met = 0;
-        for seed in 0..100 {
+        for seed in 0..50 {
             let mut spec = spec(48, 48, 9, 1.9);
             spec.algorithm = algorithm;
             spec.total_edge = Some(target(&spec, &mut stream));
@@ -96,7 +96,7 @@ fn every_look_is_exact_where_it_reaches() {
                 Err(other) => panic!("{algorithm:?}: {other}"),
             }
         }
-        assert!(met >= 60, "{algorithm:?} met {met} of 100");
+        assert!(met >= 30, "{algorithm:?} met {met} of 50");
     }
 }
 

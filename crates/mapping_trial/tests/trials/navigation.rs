@@ -7,10 +7,10 @@ use envgen::{Blueprint, Seed, Spec};
 use mapping_trial::trial::{EndReason, Trial, TrialSettings};
 
 /// Maps that are driven.
-const MAPS: u64 = 40;
+const MAPS: u64 = 20;
 
-/// How the trials on maps of level 5 end in which every place can be reached: none of the 40 got
-/// stuck and 25 were explored when this was frozen. One may get stuck, and two thirds as many must be
+/// How the trials on maps of level 5 end in which every place can be reached: none of the 20 got
+/// stuck and 12 were explored when this was frozen. One may get stuck, and two thirds as many must be
 /// explored.
 #[test]
 fn hardly_any_map_ends_by_getting_stuck() {
@@ -29,5 +29,5 @@ fn hardly_any_map_ends_by_getting_stuck() {
     });
     let count = |reason| ends.iter().filter(|&&end| end == reason).count();
     assert!(count(EndReason::Stuck) <= 1, "{ends:?}");
-    assert!(count(EndReason::Explored) >= 17, "{ends:?}");
+    assert!(count(EndReason::Explored) >= 8, "{ends:?}");
 }
