@@ -28,7 +28,7 @@ pub(crate) struct Activity {
 }
 
 /// Lets the panels be drawn only when something happens to them. `bevy_egui` says in every frame which modifier keys
-/// are held, and egui draws once more after whatever it is told.
+/// are held, and egui draws once more after every input.
 pub(crate) fn let_panels_rest(app: &mut App) {
     let heard = EguiPreUpdateSet::ProcessInput;
     app.add_systems(PreUpdate, drop_repeated.after(heard).before(EguiPreUpdateSet::BeginPass));
