@@ -62,7 +62,7 @@
 //! | `ros` | yes | reading maps of ROS and Nav2; they can always be written |
 //! | `sdf` | yes | worlds for Gazebo |
 //! | `usarsim` | yes | projects and libraries of the World Generator for `USARSim` |
-//! | `parallel` | yes | large rasters are counted on all cores |
+//! | `parallel` | yes | large rasters are counted on all cores, a difficulty vector is computed on two |
 //! | `picture` | yes | SVG and PNG pictures, drawn on the CPU |
 //! | `usd` | no | worlds as Universal Scene Description; its crate changes how PNG files are compressed in the whole build |
 //! | `rand` | no | worlds drawn from any distribution of `rand` and `rand_distr`, see [`distribution`] |

@@ -46,6 +46,8 @@ mod tour;
 mod visibility;
 mod walls;
 
+#[cfg(feature = "parallel")]
+use rayon::join;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -183,24 +185,45 @@ impl DifficultyVector {
         let laser = Laser::new(&rays, platform)?;
         let ground_area = ground_area(world, &space)?;
         let by_clearance = space.by_clearance();
-        let views: Vec<View> =
-            poses(&space).into_iter().map(|pose| View::new(&laser, pose)).collect();
         let heading = world.start.map_or(0.0, |start| start.heading);
         let start = Pose { position: space.points[space.start], heading };
-        let tour = Tour::new(&space, &laser, &Floor::new(world), platform, start);
-        let vector = DifficultyVector {
-            ground: Ground { ground_area_m2: ground_area, grid_cell_m: space.frame.cell_size },
-            localization: Localization::of(&views, platform.sigma),
-            visibility: Visibility::of(&views, platform, ground_area),
-            tour: tour.features(),
-            drift: Drift::of(&tour.stops, platform),
-            clearance: Clearance::of(&space, &by_clearance, &tour),
-            walls: Walls::of(world, &space, &rays, ground_area, platform.max_range),
-            places: Places::of(&space, &by_clearance),
-            barn: barn(world, &space, &tour),
-        };
+        // With the feature `parallel` on two threads: the tour takes about as long as all that does not need it.
+        let (of_tour, of_ground) = join(
+            || {
+                let tour = Tour::new(&space, &laser, &Floor::new(world), platform, start);
+                (
+                    tour.features(),
+                    Drift::of(&tour.stops, platform),
+                    Clearance::of(&space, &by_clearance, &tour),
+                    barn(world, &space, &tour),
+                )
+            },
+            || {
+                let poses = poses(&space).into_iter();
+                let views: Vec<View> = poses.map(|pose| View::new(&laser, pose)).collect();
+                (
+                    Localization::of(&views, platform.sigma),
+                    Visibility::of(&views, platform, ground_area),
+                    Walls::of(world, &space, &rays, ground_area, platform.max_range),
+                    Places::of(&space, &by_clearance),
+                )
+            },
+        );
+        let (tour, drift, clearance, barn) = of_tour;
+        let (localization, visibility, walls, places) = of_ground;
+        let ground = Ground { ground_area_m2: ground_area, grid_cell_m: space.frame.cell_size };
         space.check_reads()?;
-        Ok(vector)
+        Ok(DifficultyVector {
+            ground,
+            localization,
+            visibility,
+            tour,
+            drift,
+            clearance,
+            walls,
+            places,
+            barn,
+        })
     }
 
     /// Every feature, in order.
@@ -252,6 +275,11 @@ impl DifficultyVector {
         let place = Self::features().iter().position(|feature| feature.name == name)?;
         self.values()[place]
     }
+}
+
+#[cfg(not(feature = "parallel"))]
+fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
+    (a(), b())
 }
 
 /// Area in square metres of the cells that a robot's body covers somewhere, and that no solid does.

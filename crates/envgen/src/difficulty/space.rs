@@ -1,6 +1,6 @@
 //! Where a robot's centre can be, on a grid.
 
-use std::cell::Cell;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec2;
 
@@ -274,7 +274,7 @@ struct Finder<'a> {
     /// Where there is ground that the robot cannot drive on.
     grounds: Option<SurfaceIndex>,
     /// Distances to solids that were taken, of [`MAX_READS`].
-    reads: Cell<usize>,
+    reads: AtomicUsize,
 }
 
 impl<'a> Finder<'a> {
@@ -295,7 +295,7 @@ impl<'a> Finder<'a> {
             far: index(SIGHT_OF_SOLIDS.max(footprint))?,
             near: index(footprint + side)?,
             grounds: has_bad_ground(world).then(|| SurfaceIndex::of(world, is_bad)),
-            reads: Cell::new(0),
+            reads: AtomicUsize::new(0),
         })
     }
 
@@ -359,23 +359,24 @@ impl<'a> Finder<'a> {
 
     /// The room in an index; none, which ends every search, once [`MAX_READS`] are spent.
     fn read(&self, index: &ClearanceIndex, p: DVec2) -> Room {
-        if self.reads.get() > MAX_READS {
+        if self.reads.load(Ordering::Relaxed) > MAX_READS {
             return Room { clearance: 0.0, nearest: None, cost: 0 };
         }
         let room = index.room(p);
-        self.reads.set(self.reads.get().saturating_add(1 + room.cost));
+        self.reads.fetch_add(1 + room.cost, Ordering::Relaxed);
         room
     }
 
     /// Distance to a solid that was the nearest of a point nearby, in metres.
     fn distance(&self, p: DVec2, shape: u32) -> f64 {
         let (distance, cost) = self.near.distance(p, shape);
-        self.reads.set(self.reads.get().saturating_add(cost));
+        self.reads.fetch_add(cost, Ordering::Relaxed);
         distance
     }
 
     fn check_reads(&self) -> Result<(), DifficultyError> {
-        if self.reads.get() > MAX_READS { Err(DifficultyError::TooDense) } else { Ok(()) }
+        let reads = self.reads.load(Ordering::Relaxed);
+        if reads > MAX_READS { Err(DifficultyError::TooDense) } else { Ok(()) }
     }
 
     /// Whether a robot can drive at a point.
