@@ -44,6 +44,7 @@ impl SetupForm {
         group(ui, section("Things that move"), true, false, |ui| self.scenario.show(ui));
         let fails = world.has_error_in_groups() || self.scenario.has_error_in_groups();
         group(ui, section("Advanced"), false, fails, |ui| {
+            choose(ui, "wheel_calibration", &mut self.settings.wheel_calibration);
             action = action.take().or(world.show_groups(ui));
             self.scenario.show_groups(ui);
         });

@@ -53,6 +53,7 @@ fn all_other_settings_are_in_groups_that_open() {
         for setting in settings() {
             assert!(shown.has(setting.name), "{kind} {}", setting.name);
         }
+        assert!(shown.has("wheel_calibration") && shown.has("turns"), "{kind}");
         // Long lists scroll in their field.
         let mut clipped = shown.clipped();
         clipped.retain(|text| !text.contains(','));
