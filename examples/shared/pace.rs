@@ -19,7 +19,7 @@ const AFTER: u32 = 3;
 const IDLE: Duration = Duration::from_millis(400);
 
 /// Why a window changes without inputs.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Activity {
     /// Simulated time passes.
     pub(crate) moves: bool,

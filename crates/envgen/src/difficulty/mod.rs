@@ -187,7 +187,7 @@ impl DifficultyVector {
         let by_clearance = space.by_clearance();
         let heading = world.start.map_or(0.0, |start| start.heading);
         let start = Pose { position: space.points[space.start], heading };
-        // With the feature `parallel` on two threads: the tour takes about as long as all that does not need it.
+        // With the feature `parallel` on two threads: the tour takes longer than all that does not need it.
         let (of_tour, of_ground) = join(
             || {
                 let tour = Tour::new(&space, &laser, &Floor::new(world), platform, start);

@@ -23,7 +23,7 @@ use mapping_trial::lidar::LaserProfile;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::slam::{Slam, SlamKind};
 
-/// Runs of each kind, and around the long loop, where each takes as long as ten others.
+/// Runs of each kind, and around the long loop, which is four times as long as the others.
 const SEEDS: u64 = 24;
 const LONG_SEEDS: u64 = 12;
 
