@@ -182,6 +182,8 @@ fn block(a: DVec2, b: DVec2, outward: DVec2, near: f64, far: f64) -> Shape {
 
 #[cfg(test)]
 mod tests {
+    use std::borrow::Cow;
+
     use super::*;
     use crate::certificate::{Verdict, verify};
     use crate::generate::Blueprint;
@@ -205,6 +207,11 @@ mod tests {
         }
     }
 
+    /// With its bounds, since a long hallway has hundreds of shapes.
+    fn with_bounds(shape: Cow<'_, Shape>) -> (Rect, Cow<'_, Shape>) {
+        (shape.bounds().grown(1e-6), shape)
+    }
+
     proptest! {
         #[test]
         fn worlds_hold_their_invariants_and_the_centreline_is_free(
@@ -225,7 +232,12 @@ mod tests {
             let world = hallway.to_world();
             prop_assert_eq!(world.check(), Ok(()));
             let layout = hallway.layout();
-            let is_free = |p: DVec2| world.walls.iter().all(|wall| !wall.shape.contains(p));
+            let walls = world.walls.iter().map(|wall| Cow::Borrowed(&wall.shape));
+            let walls: Vec<_> = walls.map(with_bounds).collect();
+            let solids: Vec<_> = world.solids().map(|solid| with_bounds(solid.shape)).collect();
+            let is_free = |p: DVec2| {
+                walls.iter().all(|(bounds, wall)| !(bounds.contains(p) && wall.contains(p)))
+            };
             for pair in layout.centreline().windows(2).filter(|p| p[0].distance(p[1]) > 1e-9) {
                 for i in 0..8 {
                     let p = pair[0].lerp(pair[1], f64::from(i) / 8.0 + 0.01);
@@ -233,27 +245,27 @@ mod tests {
                 }
             }
             // Just behind either face is a wall, except where an alcove opens.
-            let solid = |p: DVec2| world.solids().any(|s| s.shape.distance(p) < 1e-6);
+            let solid = |p: DVec2| {
+                solids.iter().any(|(bounds, s)| bounds.contains(p) && s.distance(p) < 1e-6)
+            };
+            let alcoves: Vec<Rect> = feature::place(&hallway, &layout)
+                .features
+                .iter()
+                .filter(|feature| feature.kind == FeatureKind::Alcove)
+                .map(|feature| feature.alcove_outline(&spec).grown(1e-9))
+                .collect();
             for (k, _) in layout.legs.iter().enumerate() {
                 for side in [0.5, -0.5] {
                     let (a, b) = layout.run(k, side * spec.width);
                     let outward = layout.legs[k].direction.perp() * side.signum();
                     for i in 0..20 {
                         let p = a.lerp(b, f64::from(i) / 20.0 + 0.025) + outward * 0.5 * spec.wall_thickness;
-                        let is_closed = solid(p) || hallway_opens(&hallway, &layout, p);
+                        let is_closed = solid(p) || alcoves.iter().any(|alcove| alcove.contains(p));
                         prop_assert!(is_closed, "the wall has a hole at {p}");
                     }
                 }
             }
         }
-    }
-
-    fn hallway_opens(hallway: &Hallway, layout: &HallwayLayout, p: DVec2) -> bool {
-        let spec = hallway.spec();
-        feature::place(hallway, layout).features.iter().any(|feature| {
-            feature.kind == FeatureKind::Alcove
-                && feature.alcove_outline(spec).grown(1e-9).contains(p)
-        })
     }
 
     #[test]
