@@ -1,5 +1,7 @@
 //! Pictures of maps: the robot's map, the mappable area, and both over each other, with trajectories.
 
+use std::ops::Range;
+
 use envgen::geometry::{Pose, Rect, unit_vector};
 use envgen::palette::{Srgb, map};
 use envgen::picture::Figure;
@@ -78,8 +80,11 @@ impl Picture {
     /// A map: free cells white, occupied ones black, unknown ones grey, as usual for ROS maps.
     pub fn of_map(map: &OccupancyMap, area: Rect) -> Self {
         let mut picture = Picture::empty(area);
-        for row in 0..picture.height {
-            for col in 0..picture.width {
+        // Outside of its bounds the map knows nothing.
+        let Some(known) = map.bounds() else { return picture };
+        let (cols, rows) = picture.touched(known);
+        for row in rows {
+            for col in cols.clone() {
                 picture.inks[row * picture.width + col] = match picture.look(map, col, row) {
                     Cell::Unknown => Ink::Unknown,
                     Cell::Free => Ink::Free,
@@ -161,6 +166,16 @@ impl Picture {
         let (width, height) = (cells.x as usize, cells.y as usize);
         let area = Rect::new(low, low + cells * pixel);
         Picture { area, pixel, width, height, inks: vec![Ink::Unknown; width * height] }
+    }
+
+    /// The columns and rows of the pixels that touch a rectangle.
+    fn touched(&self, rect: Rect) -> (Range<usize>, Range<usize>) {
+        let [low, high] = [rect.min, rect.max].map(|p| (p - self.area.min) / self.pixel);
+        // Negative numbers become 0.
+        let range = |low: f64, high: f64, count: usize| {
+            (low.floor() as usize).min(count)..(high.ceil() as usize).min(count)
+        };
+        (range(low.x, high.x, self.width), range(low.y, high.y, self.height))
     }
 
     /// The state of the cells under a pixel: occupied if one is, else free if one is.
@@ -287,6 +302,26 @@ mod tests {
         let mut file = Vec::new();
         figure.write_png(&mut file).expect("memory takes all");
         assert!(file.starts_with(b"\x89PNG"));
+    }
+
+    #[test]
+    fn what_is_known_is_shown_wherever_it_is() {
+        let truth = truth();
+        let map = truth.perfect_map();
+        let known = truth.frame().area();
+        // The whole map and parts of it, also with several cells per pixel, and nothing of it.
+        for (from, to) in [(-1.0, 2.0), (0.3, 0.6), (-40.0, 30.0), (0.5, 50.0), (2.0, 3.0)] {
+            let corner = |x: f64, y: f64| known.min + known.size() * DVec2::new(x, y);
+            let picture = Picture::of_map(&map, Rect::new(corner(from, -0.2), corner(to, 0.8)));
+            for (i, ink) in picture.inks.iter().enumerate() {
+                let expected = match picture.look(&map, i % picture.width, i / picture.width) {
+                    Cell::Unknown => Ink::Unknown,
+                    Cell::Free => Ink::Free,
+                    Cell::Occupied => Ink::Wall,
+                };
+                assert_eq!(*ink, expected, "from {from} to {to}, pixel {i}");
+            }
+        }
     }
 
     #[test]
