@@ -84,13 +84,14 @@ pub fn components(design: &Factorial) -> Option<Components> {
     if !complete || design.repeats < 2 || design.sizes.iter().any(|&levels| levels < 2) {
         return None;
     }
-    let found = variances(design);
+    let groupings = groupings(&design.sizes);
+    let found = variances(design, &groupings);
     if found.iter().sum::<f64>() <= 0.0 {
         return None;
     }
     let mut stream = Seed(0).stream("variance components", 0);
     let samples: Vec<Vec<f64>> =
-        (0..RESAMPLES).map(|_| variances(&resampled(design, &mut stream))).collect();
+        (0..RESAMPLES).map(|_| variances(&resampled(design, &mut stream), &groupings)).collect();
     let interval = |of: &dyn Fn(&[f64]) -> f64| {
         let values: Vec<f64> = samples.iter().map(|sample| of(sample)).collect();
         let mut values =
@@ -132,15 +133,44 @@ impl Factorial {
     }
 }
 
-/// The variances of all sets of factors, in the order of their bits, then of noise.
-fn variances(design: &Factorial) -> Vec<f64> {
-    let factors = design.sizes.len();
-    let full = (1 << factors) - 1;
-    let sums: Vec<f64> = (0..=full).map(|set| squares(design, set)).collect();
-    let levels = |set: usize| -> f64 {
-        let factors = design.sizes.iter().enumerate().filter(|(factor, _)| set >> factor & 1 == 1);
-        factors.map(|(_, &levels)| levels as f64).product()
+/// The cells of a design, each a combination of levels of all factors, grouped by the levels of a set of factors.
+struct Grouping {
+    /// Number of groups.
+    count: usize,
+    /// The group of each cell.
+    of: Vec<u32>,
+}
+
+/// The groupings by all sets of factors, in the order of their bits.
+fn groupings(sizes: &[usize]) -> Vec<Grouping> {
+    let cells: usize = sizes.iter().product();
+    let by = |set: usize| {
+        let has = |factor: usize| set >> factor & 1 == 1;
+        let group = |cell: usize| {
+            let (mut rest, mut group, mut step) = (cell, 0, 1);
+            for (factor, &levels) in sizes.iter().enumerate().rev() {
+                if has(factor) {
+                    group += rest % levels * step;
+                    step *= levels;
+                }
+                rest /= levels;
+            }
+            group as u32
+        };
+        let levels = sizes.iter().enumerate().filter(|&(factor, _)| has(factor));
+        Grouping {
+            count: levels.map(|(_, &levels)| levels).product(),
+            of: (0..cells).map(group).collect(),
+        }
     };
+    (0..1 << sizes.len()).map(by).collect()
+}
+
+/// The variances of all sets of factors, in the order of their bits, then of noise.
+fn variances(design: &Factorial, groupings: &[Grouping]) -> Vec<f64> {
+    let full = groupings.len() - 1;
+    let sums: Vec<f64> = groupings.iter().map(|by| squares(design, by)).collect();
+    let levels = |set: usize| groupings[set].count as f64;
     // The sum of squares of an interaction is what its means have beyond all smaller sets.
     let mean_square = |set: usize| {
         let own: f64 = subsets(set).map(|part| sign(set, part) * sums[part]).sum();
@@ -169,26 +199,13 @@ fn variances(design: &Factorial) -> Vec<f64> {
 
 /// The sum of the squares of the means over everything but a set of factors, weighted by how many
 /// values each is of.
-fn squares(design: &Factorial, set: usize) -> f64 {
-    let mut sums = vec![
-        0.0;
-        (0..design.sizes.len()).fold(1, |n, f| if set >> f & 1 == 1 {
-            n * design.sizes[f]
-        } else {
-            n
-        })
-    ];
-    for (i, value) in design.values.iter().enumerate() {
-        let mut rest = i / design.repeats;
-        let (mut place, mut step) = (0, 1);
-        for (factor, &levels) in design.sizes.iter().enumerate().rev() {
-            if set >> factor & 1 == 1 {
-                place += rest % levels * step;
-                step *= levels;
-            }
-            rest /= levels;
+fn squares(design: &Factorial, by: &Grouping) -> f64 {
+    let mut sums = vec![0.0; by.count];
+    for (&group, repeats) in by.of.iter().zip(design.values.chunks_exact(design.repeats)) {
+        let sum = &mut sums[group as usize];
+        for value in repeats {
+            *sum += value;
         }
-        sums[place] += value;
     }
     let values_each = design.values.len() as f64 / sums.len() as f64;
     sums.iter().map(|sum| sum * sum / values_each).sum()
@@ -213,7 +230,8 @@ fn resampled(design: &Factorial, stream: &mut Stream) -> Factorial {
         let first = stream.below(maps as u64) as usize * length;
         values.extend_from_slice(&design.values[first..first + length]);
     }
-    Factorial { values, ..design.clone() }
+    let Factorial { factors, sizes, repeats, .. } = design;
+    Factorial { factors: factors.clone(), sizes: sizes.clone(), repeats: *repeats, values }
 }
 
 #[cfg(test)]
@@ -331,7 +349,9 @@ mod tests {
             repeats: seeds,
             values,
         };
-        for (found, expected) in variances(&design).into_iter().zip(expected) {
+        for (found, expected) in
+            variances(&design, &groupings(&design.sizes)).into_iter().zip(expected)
+        {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
     }
