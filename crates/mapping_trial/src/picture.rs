@@ -85,11 +85,7 @@ impl Picture {
         let (cols, rows) = picture.touched(known);
         for row in rows {
             for col in cols.clone() {
-                picture.inks[row * picture.width + col] = match picture.look(map, col, row) {
-                    Cell::Unknown => Ink::Unknown,
-                    Cell::Free => Ink::Free,
-                    Cell::Occupied => Ink::Wall,
-                };
+                picture.inks[row * picture.width + col] = picture.look(map, col, row);
             }
         }
         picture
@@ -178,17 +174,17 @@ impl Picture {
         (range(low.x, high.x, self.width), range(low.y, high.y, self.height))
     }
 
-    /// The state of the cells under a pixel: occupied if one is, else free if one is.
-    fn look(&self, map: &OccupancyMap, col: usize, row: usize) -> Cell {
+    /// What the cells under a pixel are: a wall if one is occupied, else free if one is.
+    fn look(&self, map: &OccupancyMap, col: usize, row: usize) -> Ink {
         let corner = self.area.min + DVec2::new(col as f64, row as f64) * self.pixel;
         let first = CellIndex::of(corner + 0.5 * RESOLUTION);
         let scale = (self.pixel / RESOLUTION).round() as i32;
-        let mut found = Cell::Unknown;
+        let mut found = Ink::Unknown;
         for y in 0..scale {
             for x in 0..scale {
                 match map.cell(CellIndex { col: first.col + x, row: first.row + y }) {
-                    Cell::Occupied => return Cell::Occupied,
-                    Cell::Free => found = Cell::Free,
+                    Cell::Occupied => return Ink::Wall,
+                    Cell::Free => found = Ink::Free,
                     Cell::Unknown => {}
                 }
             }
@@ -314,11 +310,7 @@ mod tests {
             let corner = |x: f64, y: f64| known.min + known.size() * DVec2::new(x, y);
             let picture = Picture::of_map(&map, Rect::new(corner(from, -0.2), corner(to, 0.8)));
             for (i, ink) in picture.inks.iter().enumerate() {
-                let expected = match picture.look(&map, i % picture.width, i / picture.width) {
-                    Cell::Unknown => Ink::Unknown,
-                    Cell::Free => Ink::Free,
-                    Cell::Occupied => Ink::Wall,
-                };
+                let expected = picture.look(&map, i % picture.width, i / picture.width);
                 assert_eq!(*ink, expected, "from {from} to {to}, pixel {i}");
             }
         }
