@@ -240,6 +240,7 @@ mod tests {
     use envgen::{Blueprint, Seed, Spec, World};
 
     use super::*;
+    use crate::map::HIT;
     use crate::robot::Robot;
 
     fn world() -> World {
@@ -303,8 +304,13 @@ mod tests {
     #[test]
     fn what_is_known_is_shown_wherever_it_is() {
         let truth = truth();
-        let map = truth.perfect_map();
+        let mut map = truth.perfect_map();
         let known = truth.frame().area();
+        // Also in the outermost cells.
+        let bounds = map.bounds().expect("there are cells");
+        for p in [bounds.min + 0.5 * RESOLUTION, bounds.max - 0.5 * RESOLUTION] {
+            map.add(CellIndex::of(p), HIT);
+        }
         // The whole map and parts of it, also with several cells per pixel, and nothing of it.
         for (from, to) in [(-1.0, 2.0), (0.3, 0.6), (-40.0, 30.0), (0.5, 50.0), (2.0, 3.0)] {
             let corner = |x: f64, y: f64| known.min + known.size() * DVec2::new(x, y);
