@@ -59,9 +59,18 @@ struct Arguments {
     #[arg(long)]
     link: Option<u32>,
 
-    /// Trials per map and condition [default: 3, with --quick 1].
+    /// Trials per map and condition, at least [default: 3, with --quick 1].
     #[arg(long)]
     seeds: Option<u32>,
+
+    /// Trials per map and panel, at least: panels of few conditions have more trials of each [default: 12, with
+    /// --quick 1].
+    #[arg(long)]
+    panel_trials: Option<u32>,
+
+    /// A panel that is compared with the reference, by its name in the report; repeat for more [default: all].
+    #[arg(long = "panel", value_name = "NAME")]
+    held_out: Vec<String>,
 
     /// The seed of all maps and noise.
     #[arg(long, allow_negative_numbers = true)]
@@ -86,6 +95,8 @@ impl Arguments {
             thesis: self.thesis.unwrap_or(usual.thesis),
             link: self.link.unwrap_or(usual.link),
             noise_seeds: self.seeds.unwrap_or(usual.noise_seeds),
+            panel_trials: self.panel_trials.unwrap_or(usual.panel_trials),
+            held_out: self.held_out.clone(),
             seed: self.seed.unwrap_or(usual.seed),
         };
         design.validate()?;

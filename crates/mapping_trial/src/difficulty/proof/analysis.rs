@@ -7,7 +7,7 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use serde::Serialize;
 
 use super::agreement::{Agreement, Link, agreement};
-use super::design::{Part, ProofDesign, panels};
+use super::design::{Part, ProofDesign};
 use super::run::ProofResult;
 use crate::experiment::stats::spearman;
 
@@ -80,7 +80,7 @@ pub fn analyse(
     let of = |part: Part| {
         results.iter().find(|(own, _)| *own == part).map_or(&[][..], |(_, all)| all.as_slice())
     };
-    let names: Vec<String> = panels().into_iter().map(|panel| panel.name).collect();
+    let names: Vec<String> = design.panels().into_iter().map(|panel| panel.name).collect();
     let links = links(of(Part::Link), names.len());
     let unit = scale.units().difficulty;
     let dial = |score: f64| unit * (score - scale.zero.difficulty);

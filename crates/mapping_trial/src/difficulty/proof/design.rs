@@ -4,7 +4,7 @@ use envgen::indoor::{IndoorSpec, Profile};
 use envgen::{Seed, SpecError, WorldSpec, settings};
 
 use crate::difficulty::Panel;
-use crate::experiment::survey::{Condition, Family, Survey, ron_options};
+use crate::experiment::survey::{Family, Survey, ron_options};
 
 const HELD_OUT: &str = include_str!("held_out_1.ron");
 
@@ -21,8 +21,12 @@ settings! {
         thesis: u32 = 40 => integer("", 0..=10_000);
         /// Maps per footprint that link the other conditions to the reference panel.
         link: u32 = 20 => integer("", 4..=10_000);
-        /// Trials per map and condition.
+        /// Trials per map and condition, at least.
         noise_seeds: u32 = 3 => integer("", 1..=1000);
+        /// Trials per map and panel, at least: panels of few conditions have more trials of each.
+        panel_trials: u32 = 12 => integer("", 1..=1000);
+        /// Names of the held-out panels; empty for all.
+        held_out: Vec<String> = Vec::new() => list("", "names of held-out panels", "all");
         /// Seed of everything.
         seed: Seed = Seed(77_000_000) => other("", "a seed");
     }
@@ -65,6 +69,7 @@ impl ProofDesign {
             thesis: 8,
             link: 8,
             noise_seeds: 1,
+            panel_trials: 1,
             ..Default::default()
         }
     }
@@ -81,7 +86,23 @@ impl ProofDesign {
             let allowed = "one or more whole numbers from 6 to 24";
             return Err(SpecError::new("footprints", all.join(","), allowed));
         }
-        Ok(())
+        let known: Vec<String> = held_out().into_iter().map(|panel| panel.name).collect();
+        match self.held_out.iter().find(|name| !known.contains(name)) {
+            Some(name) => {
+                let allowed = format!("one of {}", known.join("; "));
+                Err(SpecError::new("held_out", format!("\"{name}\""), allowed))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The reference panel, and the chosen panels of what the calibration has not seen.
+    pub fn panels(&self) -> Vec<Panel> {
+        let is_chosen =
+            |panel: &Panel| self.held_out.is_empty() || self.held_out.contains(&panel.name);
+        std::iter::once(Panel::reference())
+            .chain(held_out().into_iter().filter(is_chosen))
+            .collect()
     }
 
     /// The maps of a part. Requests are spread evenly over what each footprint reaches, one drawn in each
@@ -118,35 +139,24 @@ impl ProofDesign {
         maps
     }
 
-    /// The survey of maps under the reference panel and all that is held out.
-    pub fn survey(&self, maps: &[ProofMap]) -> Survey {
+    /// The survey of maps under a panel.
+    pub fn survey(&self, maps: &[ProofMap], panel: Panel) -> Survey {
         let families = maps.iter().enumerate().map(|(i, map)| Family {
             name: format!("{i}: {} cells, {:.2}", map.footprint, map.requested),
             spec: WorldSpec::from(map.spec.clone()),
             maps: 1,
             first_seed: map.seed,
         });
-        let conditions = panels().into_iter().flat_map(|panel| panel.conditions).collect();
-        Survey { families: families.collect(), conditions, noise_seeds: self.noise_seeds }
+        let conditions = panel.conditions;
+        let for_panel = self.panel_trials.div_ceil(conditions.len() as u32);
+        let noise_seeds = self.noise_seeds.max(for_panel);
+        Survey { families: families.collect(), conditions, noise_seeds }
     }
 }
 
-/// The reference panel, and the panels of what the calibration has not seen.
-///
-/// # Panics
-/// Never: the file is part of the crate, and tested.
-pub fn panels() -> Vec<Panel> {
-    let held_out: Vec<Panel> = ron_options().from_str(HELD_OUT).expect("held_out_1.ron has panels");
-    std::iter::once(Panel::reference()).chain(held_out).collect()
-}
-
-/// The panel of each condition of [`ProofDesign::survey`].
-pub(super) fn panel_of_condition() -> Vec<usize> {
-    let sizes = panels().into_iter().map(|panel| panel.conditions);
-    let numbered = sizes.enumerate();
-    numbered
-        .flat_map(|(i, conditions): (usize, Vec<Condition>)| vec![i; conditions.len()])
-        .collect()
+/// All panels of what the calibration has not seen.
+fn held_out() -> Vec<Panel> {
+    ron_options().from_str(HELD_OUT).expect("held_out_1.ron has panels")
 }
 
 #[cfg(test)]
@@ -158,13 +168,47 @@ mod tests {
         for design in [ProofDesign::quick(), ProofDesign { maps: 8, ..Default::default() }] {
             assert_eq!(design.validate(), Ok(()));
             let maps = design.maps(Part::Calibrated);
-            let survey = design.survey(&maps);
-            assert_eq!(survey.validate(), Ok(()));
-            assert_eq!(survey.conditions.len(), panel_of_condition().len());
+            for panel in design.panels() {
+                assert_eq!(design.survey(&maps, panel).validate(), Ok(()));
+            }
         }
-        let bad = ProofDesign { footprints: vec![4], ..Default::default() };
-        let error = bad.validate().expect_err("too small").to_string();
-        assert!(error.starts_with("`footprints` must be one or more whole numbers"), "{error}");
+    }
+
+    #[test]
+    fn bad_designs_are_refused() {
+        let error = |design: ProofDesign| design.validate().expect_err("bad").to_string();
+        let sizes = error(ProofDesign { footprints: vec![4], ..Default::default() });
+        assert!(sizes.starts_with("`footprints` must be one or more whole numbers"), "{sizes}");
+        let name = "all at twice".to_owned();
+        let panel = error(ProofDesign { held_out: vec![name], ..Default::default() });
+        let expected = "`held_out` must be one of operator corridors; laser of 12 m, 270 degrees; \
+                        pose graph; TurtleBot3; all at once, got \"all at twice\"";
+        assert_eq!(panel, expected);
+    }
+
+    #[test]
+    fn panels_of_few_conditions_have_more_trials_of_each() {
+        let trials = |design: &ProofDesign| -> Vec<(String, usize, u32)> {
+            let each = |panel: Panel| {
+                let name = panel.name.clone();
+                let survey = design.survey(&[], panel);
+                (name, survey.conditions.len(), survey.noise_seeds)
+            };
+            design.panels().into_iter().map(each).collect()
+        };
+        let expected = [
+            ("reference", 12, 3),
+            ("operator corridors", 3, 4),
+            ("laser of 12 m, 270 degrees", 4, 3),
+            ("pose graph", 4, 3),
+            ("TurtleBot3", 4, 3),
+            ("all at once", 1, 12),
+        ];
+        assert_eq!(trials(&ProofDesign::default()), expected.map(|(a, b, c)| (a.to_owned(), b, c)));
+        let held_out = vec!["all at once".to_owned()];
+        let expected = [("reference", 12, 1), ("all at once", 1, 1)];
+        let quick = ProofDesign { held_out, ..ProofDesign::quick() };
+        assert_eq!(trials(&quick), expected.map(|(a, b, c)| (a.to_owned(), b, c)));
     }
 
     #[test]

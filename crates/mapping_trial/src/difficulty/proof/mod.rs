@@ -12,6 +12,6 @@ mod run;
 
 pub use agreement::{Agreement, Link, agreement};
 pub use analysis::{Analysis, Level, Row, Single, analyse};
-pub use design::{Part, ProofDesign, ProofMap, panels};
+pub use design::{Part, ProofDesign, ProofMap};
 pub use report::{figure, page};
 pub use run::{ProofResult, Watch, run};

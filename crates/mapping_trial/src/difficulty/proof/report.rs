@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use plotters::prelude::*;
 
 use super::analysis::{Analysis, Row};
-use super::design::Part;
+use super::design::{Part, ProofDesign};
 use super::run::ProofResult;
 use crate::experiment::ExperimentError;
 use crate::experiment::report::colors;
@@ -50,7 +50,7 @@ pub fn page(
         }
         (key())
         h2 { "Agreement" }
-        (agreement(&analysis.rows, design.noise_seeds))
+        (agreement(&analysis.rows, design))
         h2 { "Levels" }
         (levels(analysis))
         h2 { "What a single number explains" }
@@ -106,7 +106,7 @@ pub fn figure(
     Ok(svg)
 }
 
-fn agreement(rows: &[Row], noise_seeds: u32) -> Markup {
+fn agreement(rows: &[Row], design: &ProofDesign) -> Markup {
     let mut names = head(["maps", "cells", "panel", "n"]);
     names.extend(
         ["rank correlation", "Kendall's tau", "slope", "mean error", "mean error, linked"]
@@ -130,8 +130,9 @@ fn agreement(rows: &[Row], noise_seeds: u32) -> Markup {
     let rows: Vec<Vec<Markup>> = rows.iter().map(row).collect();
     html! {
         p.note {
-            (noise_seeds) " trials per map and condition. Slopes are of linked values: those of another panel are \
-             put on the reference's scale by maps of their own, by mean and deviation."
+            "At least " (design.noise_seeds) " trials per map and condition, and " (design.panel_trials) " per map and \
+             panel. Slopes are of linked values: those of another panel are put on the reference's scale by maps of \
+             their own, by mean and deviation."
         }
         (table("", &names, &rows))
     }

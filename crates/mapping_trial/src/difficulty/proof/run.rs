@@ -8,11 +8,11 @@ use envgen::Seed;
 use envgen::indoor::IndoorSpec;
 use serde::{Deserialize, Serialize};
 
-use super::design::{Part, ProofDesign, ProofMap, panel_of_condition};
+use super::design::{Part, ProofDesign, ProofMap};
 use crate::difficulty::measure::scores;
 use crate::difficulty::{Panel, reference_scale, verified};
 use crate::experiment::lines::Lines;
-use crate::experiment::survey::{SurveyFolder, SurveyProgress};
+use crate::experiment::survey::{Survey, SurveyFolder, SurveyProgress};
 use crate::experiment::{ExperimentError, Shard, write};
 
 /// A map of the proof with what each panel measured.
@@ -59,29 +59,54 @@ pub fn run(
         Part::Thesis => "thesis",
         Part::Link => "link",
     };
-    let survey = design.survey(&maps);
-    let mut folder = SurveyFolder::open(&folder.join(name), &survey, Shard::WHOLE)?;
+    let mut scores = vec![Vec::new(); maps.len()];
+    for panel in design.panels() {
+        let stage = format!("{name}, {}", panel.name);
+        let folder = folder.join(name).join(folder_name(&panel.name));
+        let survey = design.survey(&maps, panel);
+        let Some(found) = run_panel(&survey, &folder, threads, &stage, watch)? else {
+            return Ok(None);
+        };
+        for (own, mean) in scores.iter_mut().zip(found) {
+            own.push(mean);
+        }
+    }
+    // A world in which a robot cannot drive has no place in the comparison of panels.
+    let whole = maps.into_iter().zip(scores).filter_map(|(map, scores)| {
+        let scores = scores.into_iter().collect::<Option<Vec<f64>>>()?;
+        Some(ProofResult { map, scores })
+    });
+    Ok(Some(whole.collect()))
+}
+
+/// The mean score D of each map under a panel, where trials can run; `None` where `watch` stopped it.
+fn run_panel(
+    survey: &Survey,
+    folder: &Path,
+    threads: usize,
+    stage: &str,
+    watch: Watch<'_>,
+) -> Result<Option<Vec<Option<f64>>>, ExperimentError> {
+    let mut folder = SurveyFolder::open(folder, survey, Shard::WHOLE)?;
     let is_whole = folder
-        .run(threads, &|progress: SurveyProgress<'_>| watch(name, progress.done, progress.all))?;
+        .run(threads, &|progress: SurveyProgress<'_>| watch(stage, progress.done, progress.all))?;
     if !is_whole {
         return Ok(None);
     }
-    let panel_of = panel_of_condition();
-    let panels = panel_of.last().map_or(0, |last| last + 1);
-    let mut found: BTreeMap<u32, Vec<Vec<f64>>> = BTreeMap::new();
+    let mut found = vec![Vec::new(); survey.families.len()];
     for record in folder.records() {
-        let own = found.entry(record.map).or_insert_with(|| vec![Vec::new(); panels]);
         let difficulty = record.scores.as_ref().map(|one| scores(one).difficulty);
-        own[panel_of[record.condition as usize]].extend(difficulty);
+        found[record.map as usize].extend(difficulty);
     }
-    let result = |(map, scores): (ProofMap, Vec<Vec<f64>>)| {
-        let means = scores.iter().map(|all| all.iter().sum::<f64>() / all.len() as f64);
-        ProofResult { map, scores: means.collect() }
-    };
-    // A world in which a robot cannot drive has no place in the comparison of panels.
-    let pairs = maps.into_iter().zip(found.into_values());
-    let whole = pairs.filter(|(_, scores)| scores.iter().all(|all| !all.is_empty()));
-    Ok(Some(whole.map(result).collect()))
+    let mean =
+        |all: Vec<f64>| (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64);
+    Ok(Some(found.into_iter().map(mean).collect()))
+}
+
+/// The name of a panel, as a folder that needs no quotes.
+fn folder_name(panel: &str) -> String {
+    let words = panel.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    words.collect::<Vec<&str>>().join("_").to_lowercase()
 }
 
 /// Replaces each map by the winner of its race; false where `watch` stopped it.
