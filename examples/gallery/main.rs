@@ -24,6 +24,7 @@ use bevy_mapping_trial::prelude::*;
 use bevy_mapping_trial::view::{TrialPalette, TrialView, TrialViewPlugin};
 use bevy_offscreen::{Film, Picture, Studio, find_renderer};
 use clap::Parser;
+use clap::builder::PossibleValuesParser;
 use envgen::geometry::{Pose, Rect, Shape};
 use envgen::glam::DVec2;
 use envgen::indoor::IndoorSpec;
@@ -84,8 +85,8 @@ struct Arguments {
     /// The folder to write into.
     #[arg(long, default_value = "docs/gallery")]
     out: PathBuf,
-    /// Names of pictures and films to make, such as `indoor_3d`, in place of all.
-    #[arg(long, num_args = 1.., value_name = "NAME")]
+    /// Names of pictures and films to make, in place of all.
+    #[arg(long, num_args = 1.., value_name = "NAME", value_parser = PossibleValuesParser::new(names()))]
     only: Vec<String>,
 }
 
@@ -125,6 +126,15 @@ const WORLDS: &[Sketch] = &[
     ),
 ];
 
+/// A trial, people in a corridor, and what a robot sees.
+const FILMS: [&str; 3] = ["trial", "moving", "robot_camera"];
+
+/// The names of all pictures and films.
+fn names() -> impl Iterator<Item = &'static str> {
+    let worlds = WORLDS.iter().map(|&(name, ..)| name);
+    worlds.chain(height::SCENES.iter().map(|scene| scene.name)).chain(FILMS)
+}
+
 fn main() -> std::process::ExitCode {
     match gallery(&Arguments::parse()) {
         Ok(()) => std::process::ExitCode::SUCCESS,
@@ -156,17 +166,18 @@ fn gallery(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         drawing.finish_and_clear();
         println!("wrote {}", path.display());
     }
-    if let Some(path) = arguments.wanted("trial", "gif") {
+    let [trial, moving, robot_camera] = FILMS;
+    if let Some(path) = arguments.wanted(trial, "gif") {
         let spec = IndoorSpec { width: FILM_MAP, height: FILM_MAP, ..Default::default() };
         let trial = film(&path, &TRIAL, Environment::new(spec, FILM_SEED), None)?;
         println!("wrote {}, a trial of {trial:.0} simulated seconds", path.display());
     }
-    if let Some(path) = arguments.wanted("moving", "gif") {
+    if let Some(path) = arguments.wanted(moving, "gif") {
         let (world, moving) = corridor();
         film(&path, &CORRIDOR, Environment::prebuilt(world), Some(moving))?;
         println!("wrote {}, people, a door and smoke in a corridor", path.display());
     }
-    if let Some(path) = arguments.wanted("robot_camera", "gif") {
+    if let Some(path) = arguments.wanted(robot_camera, "gif") {
         let seconds = eyes::film(&path)?;
         println!("wrote {}, {seconds:.0} simulated seconds through a robot's eyes", path.display());
     }
