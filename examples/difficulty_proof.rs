@@ -68,8 +68,8 @@ struct Arguments {
     #[arg(long)]
     panel_trials: Option<u32>,
 
-    /// A panel that is compared with the reference, by its name in the report; repeat for more [default: all].
-    #[arg(long = "panel", value_name = "NAME")]
+    /// A held-out panel to compare with the reference, by its name in the report; repeat for more [default: all].
+    #[arg(long, value_name = "NAME")]
     held_out: Vec<String>,
 
     /// The seed of all maps and noise.

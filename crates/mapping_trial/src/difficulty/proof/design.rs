@@ -148,7 +148,7 @@ impl ProofDesign {
             first_seed: map.seed,
         });
         let conditions = panel.conditions;
-        let for_panel = self.panel_trials.div_ceil(conditions.len() as u32);
+        let for_panel = self.panel_trials.div_ceil(conditions.len().max(1) as u32);
         let noise_seeds = self.noise_seeds.max(for_panel);
         Survey { families: families.collect(), conditions, noise_seeds }
     }

@@ -5,11 +5,12 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use envgen::Seed;
+use envgen::calibration::Dials;
 use envgen::indoor::IndoorSpec;
 use serde::{Deserialize, Serialize};
 
 use super::design::{Part, ProofDesign, ProofMap};
-use crate::difficulty::measure::scores;
+use crate::difficulty::measure::{mean, scores};
 use crate::difficulty::{Panel, reference_scale, verified};
 use crate::experiment::lines::Lines;
 use crate::experiment::survey::{Survey, SurveyFolder, SurveyProgress};
@@ -95,12 +96,11 @@ fn run_panel(
     }
     let mut found = vec![Vec::new(); survey.families.len()];
     for record in folder.records() {
-        let difficulty = record.scores.as_ref().map(|one| scores(one).difficulty);
-        found[record.map as usize].extend(difficulty);
+        found[record.map as usize].extend(record.scores.as_ref().map(scores));
     }
-    let mean =
-        |all: Vec<f64>| (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64);
-    Ok(Some(found.into_iter().map(mean).collect()))
+    let difficulty =
+        |all: Vec<Dials<f64>>| (!all.is_empty()).then(|| mean(all.into_iter()).difficulty);
+    Ok(Some(found.into_iter().map(difficulty).collect()))
 }
 
 /// The name of a panel, as a folder that needs no quotes.
