@@ -1,5 +1,7 @@
 //! Who is near whom: cells and lists that are rebuilt from time to time.
 
+use std::ops::Range;
+
 use glam::DVec2;
 
 use super::TICK;
@@ -12,6 +14,11 @@ pub(super) const RANGE: f64 = 5.0;
 
 /// The lists are rebuilt after this many ticks.
 pub(super) const REBUILD: u64 = 10;
+
+/// How far people with a greatest speed can go until the lists are rebuilt, in metres.
+pub(super) fn drift(max_speed: f64) -> f64 {
+    max_speed * REBUILD as f64 * TICK
+}
 
 /// Least side of a cell in metres.
 const CELL: f64 = 4.0;
@@ -28,6 +35,10 @@ pub(crate) struct Neighbourhood {
     ids: Vec<u32>,
     list_starts: Vec<u32>,
     lists: Vec<u32>,
+    /// The positions of `ids`.
+    placed: Vec<DVec2>,
+    /// Those who are in each other's lists.
+    pairs: Vec<[u32; 2]>,
 }
 
 impl Neighbourhood {
@@ -39,11 +50,13 @@ impl Neighbourhood {
         let (cols, rows) = (count.x as usize, count.y as usize);
         Neighbourhood {
             frame: GridFrame { origin: bounds.min, cell_size: side, cols, rows },
-            drift: max_speed * REBUILD as f64 * TICK,
+            drift: drift(max_speed),
             starts: vec![0; cols * rows + 1],
             ids: vec![0; people],
             list_starts: vec![0; people + 1],
             lists: Vec::new(),
+            placed: Vec::new(),
+            pairs: Vec::new(),
         }
     }
 
@@ -76,38 +89,59 @@ impl Neighbourhood {
             self.starts[cell] -= 1;
             self.ids[self.starts[cell] as usize] = i as u32;
         }
-        let mut lists = std::mem::take(&mut self.lists);
-        lists.clear();
-        let range = RANGE + 2.0 * self.drift;
-        for (i, person) in people.iter().enumerate() {
-            self.list_starts[i] = lists.len() as u32;
-            self.visit(person.position, range, |j| {
-                let other = people[j].position;
-                if j != i && other.distance_squared(person.position) <= range * range {
-                    lists.push(j as u32);
-                }
-                false
-            });
+        self.find_pairs(people);
+        self.list_starts.fill(0);
+        for &i in self.pairs.as_flattened() {
+            self.list_starts[i as usize] += 1;
         }
-        self.list_starts[people.len()] = lists.len() as u32;
-        self.lists = lists;
+        let mut end = 0;
+        for start in &mut self.list_starts {
+            end += *start;
+            *start = end;
+        }
+        self.lists.resize(end as usize, 0);
+        for &[i, j] in self.pairs.iter().rev() {
+            for (one, other) in [(i, j), (j, i)] {
+                let start = &mut self.list_starts[one as usize];
+                *start -= 1;
+                self.lists[*start as usize] = other;
+            }
+        }
+    }
+
+    /// Those who can come within range of each other, of the people in the cells.
+    fn find_pairs(&mut self, people: &[PersonState]) {
+        let range = RANGE + 2.0 * self.drift;
+        let (mut placed, mut pairs) =
+            (std::mem::take(&mut self.placed), std::mem::take(&mut self.pairs));
+        placed.clear();
+        placed.extend(self.ids.iter().map(|&i| people[i as usize].position));
+        pairs.clear();
+        for (k, (&i, &p)) in self.ids.iter().zip(&placed).enumerate() {
+            for run in self.runs(p, range) {
+                // Each pair once: with those behind in the order of the cells.
+                let run = run.start.max(k + 1).min(run.end)..run.end;
+                let others = self.ids[run.clone()].iter().zip(&placed[run]);
+                let near = others.filter(|(_, q)| p.distance_squared(**q) <= range * range);
+                pairs.extend(near.map(|(&j, _)| [i, j]));
+            }
+        }
+        (self.placed, self.pairs) = (placed, pairs);
     }
 
     /// Whether a test holds for one of those who may be within `reach` metres of a point.
-    pub(crate) fn any(&self, p: DVec2, reach: f64, test: impl FnMut(usize) -> bool) -> bool {
-        self.visit(p, reach + self.drift, test)
+    pub(crate) fn any(&self, p: DVec2, reach: f64, mut test: impl FnMut(usize) -> bool) -> bool {
+        let mut runs = self.runs(p, reach + self.drift);
+        runs.any(|run| self.ids[run].iter().any(|&i| test(i as usize)))
     }
 
-    fn visit(&self, p: DVec2, reach: f64, mut test: impl FnMut(usize) -> bool) -> bool {
-        if self.ids.is_empty() {
-            return false;
-        }
+    /// The parts of `ids` that are in the cells within `reach` metres of a point.
+    fn runs(&self, p: DVec2, reach: f64) -> impl Iterator<Item = Range<usize>> + use<'_> {
         let (left, bottom) = self.clamped(p - reach);
         let (right, top) = self.clamped(p + reach);
-        (bottom..=top).any(|row| {
+        (bottom..=top).map(move |row| {
             let (from, to) = (self.frame.index(left, row), self.frame.index(right, row));
-            let ids = self.starts[from] as usize..self.starts[to + 1] as usize;
-            self.ids[ids].iter().any(|&i| test(i as usize))
+            self.starts[from] as usize..self.starts[to + 1] as usize
         })
     }
 

@@ -89,8 +89,6 @@ pub struct PersonState {
     pub(super) on_path: bool,
     /// Steps of the present velocity until the next corner.
     pub(super) steps_left: u32,
-    /// The tick until which nobody can come near.
-    pub(super) calm_until: u64,
     /// Where and when the person last came forward.
     pub(super) moved: (DVec2, u64),
     /// Where to step aside for the leaf of a door that is to open.
@@ -124,7 +122,6 @@ impl PersonState {
             draws: 0,
             on_path: false,
             steps_left: 0,
-            calm_until: 0,
             moved: (person.position, 0),
             aside: None,
             held_up: (person.position, 0),

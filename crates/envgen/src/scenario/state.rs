@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use super::door::{Bodies, DoorClock, DoorCommand, DoorShape, DoorState};
-use super::neighbourhood::Neighbourhood;
+use super::neighbourhood::{Neighbourhood, drift};
 use super::people::{Crowd, FreeSpace, Routes, Surroundings, find_places};
 use super::person::{Person, PersonState, max_speed};
 use super::plan::shapes;
@@ -73,6 +73,7 @@ struct Walk {
     space: FreeSpace,
     routes: Routes,
     door_zones: CellBuckets<u32>,
+    near_doors: CellBuckets<u32>,
 }
 
 impl Walk {
@@ -88,14 +89,18 @@ impl Walk {
         let most = (2 * people + 16).min(MAX_PLACES);
         let places = find_places(&space, world, shapes, scenario.seed, (most, most));
         let numbers: Vec<u32> = (0..shapes.len() as u32).collect();
-        let door_zones = CellBuckets::build(&space.frame, &numbers, None, |&i, frame, visit| {
-            let door = &shapes[i as usize];
-            let reach = door.reach() + PERSON_RADIUS + ZONE;
-            frame.touched_runs(&Convex::Disc(door.middle(), reach), visit);
-        })
-        .unwrap_or_else(|| unreachable!("there is no limit"));
+        let zones = |margin: f64| {
+            CellBuckets::build(&space.frame, &numbers, None, |&i, frame, visit| {
+                let door = &shapes[i as usize];
+                let reach = door.reach() + PERSON_RADIUS + margin;
+                frame.touched_runs(&Convex::Disc(door.middle(), reach), visit);
+            })
+            .unwrap_or_else(|| unreachable!("there is no limit"))
+        };
+        let door_zones = zones(ZONE);
+        let near_doors = zones(ZONE + drift(max_speed(&scenario.people)));
         let routes = Routes::new(places, &space);
-        Ok(Walk { space, routes, door_zones })
+        Ok(Walk { space, routes, door_zones, near_doors })
     }
 }
 
@@ -211,13 +216,14 @@ impl ScenarioState {
         for ((door, shape), state) in scene.doors.iter().zip(&scene.shapes).zip(&mut self.doors) {
             state.step(door, shape, &scene.clock(door, self.tick), &bodies);
         }
-        if let Some(Walk { space, routes, door_zones }) = &scene.walk {
+        if let Some(Walk { space, routes, door_zones, near_doors }) = &scene.walk {
             self.crowd.step(&Surroundings {
                 space,
                 routes,
                 rays: &scene.rays,
                 shapes: &scene.shapes,
                 door_zones,
+                near_doors,
                 people: &scene.people,
                 spec: &scene.settings,
                 seed: scene.seed,

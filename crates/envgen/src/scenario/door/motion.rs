@@ -198,14 +198,18 @@ impl DoorState {
         // A leaf that slides away touches nobody. People leave the whole swing of one that opens, rather than be
         // shut in behind it.
         let is_sliding_away = self.opens && !shape.swings();
+        let (middle, reach) = (shape.middle(), shape.reach() + LEAF_GAP);
         let touches = |p: DVec2, radius: f64, is_person: bool| {
+            if p.distance_squared(middle) > (reach + radius) * (reach + radius) {
+                return false;
+            }
             let end = if is_person && self.opens { 1.0 } else { next };
             let swept = shape.swept_distance(p, self.openness, end);
             // A leaf may always leave a body that it touches.
             swept < radius + LEAF_GAP
                 && swept < shape.swept_distance(p, self.openness, self.openness) - 1e-9
         };
-        if is_sliding_away || !bodies.any_near(shape.middle(), shape.reach() + LEAF_GAP, touches) {
+        if is_sliding_away || !bodies.any_near(middle, reach, touches) {
             self.openness = next;
         } else if !self.opens {
             self.opens = true;

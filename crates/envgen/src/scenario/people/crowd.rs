@@ -4,11 +4,15 @@ use glam::DVec2;
 
 use super::door_passage::passes_door;
 use super::orca::{Disc, HalfPlane, WALL_HORIZON, avoid, keep_off, solve};
-use super::surroundings::{Surroundings, nearest_robot, sees, zone};
+use super::surroundings::{Surroundings, nearest_robot, sees};
 use crate::scenario::neighbourhood::{Neighbourhood, RANGE, REBUILD};
 use crate::scenario::person::{MAX_CURIOUS, Person, PersonState, Reaction, Task};
 use crate::scenario::{PERSON_RADIUS, ScenarioSpec, TICK, TICKS_PER_SECOND};
 use crate::seed::Seed;
+
+/// People decide on a velocity once in so many ticks, at corners of their paths at any; between, they stop before
+/// what they would touch.
+pub(super) const DECIDE: u64 = 5;
 
 /// The most neighbours that a person avoids: the nearest.
 const MAX_NEIGHBOURS: usize = 10;
@@ -16,15 +20,23 @@ const MAX_NEIGHBOURS: usize = 10;
 /// People keep a little to the right of those they meet: the tangent of the angle by which they turn.
 const KEEP_RIGHT: f64 = 0.06;
 
-/// Someone who comes no farther than this many metres within [`PATIENCE`] ticks goes elsewhere.
+/// Someone who comes no farther than this many metres, or than a walk of so many seconds, within [`PATIENCE`] ticks
+/// goes elsewhere.
 const PROGRESS: f64 = 0.4;
+const PROGRESS_TIME: f64 = 1.5;
 const PATIENCE: u64 = 3 * TICKS_PER_SECOND;
 
 /// Someone who left the path looks for it again after this many ticks.
-pub(super) const LOOK: u64 = 4;
+const LOOK: u64 = 4;
 
 /// Someone who does not see it searches for a new path after this many ticks.
 const SEARCH: u64 = TICKS_PER_SECOND;
+
+/// Who left the path looks at more than the next corner where it is nearer than this, in metres.
+const NEAR_CORNER: f64 = 1.0;
+
+/// More than rounding changes a distance by, in metres.
+pub(super) const ROUNDING: f64 = 1e-6;
 
 /// How many goals are tried before a person waits a second, and how many by one who is blocked and looks for
 /// one that is not ahead.
@@ -38,6 +50,10 @@ pub(crate) struct Crowd {
     pub(crate) near: Neighbourhood,
     /// How many people go to each place, or are there.
     pub(super) taken: Vec<u32>,
+    /// The tick until which a person needs no decision: see the module `quiet`.
+    pub(super) quiet_until: Vec<u64>,
+    /// Whether a person can come near a door before the lists of neighbours are rebuilt.
+    comes_near_doors: Vec<bool>,
     wishes: Vec<Wish>,
     planes: Vec<HalfPlane>,
 }
@@ -46,14 +62,19 @@ pub(crate) struct Crowd {
 #[derive(Clone, Copy, Debug)]
 struct Wish {
     velocity: DVec2,
+    /// Whether nobody has to be avoided.
+    is_free: bool,
     /// Whether it leads along the path, where there are no solids.
     is_clear: bool,
-    /// Whether nobody can be met in this step.
-    is_calm: bool,
+    /// How many metres the person can walk in any direction without touching a solid, where that is known.
+    room: f64,
+    /// Whether nobody can be touched until the next decision.
+    is_apart: bool,
 }
 
 impl Wish {
-    const STAND: Wish = Wish { velocity: DVec2::ZERO, is_clear: true, is_calm: true };
+    const STAND: Wish =
+        Wish { velocity: DVec2::ZERO, is_free: true, is_clear: true, room: 0.0, is_apart: false };
 }
 
 impl Crowd {
@@ -69,7 +90,12 @@ impl Crowd {
         };
         let people: Vec<PersonState> = (0_u64..).zip(people).map(state).collect();
         let wishes = vec![Wish::STAND; people.len()];
-        let mut crowd = Crowd { people, near, taken: vec![0; places], wishes, planes: Vec::new() };
+        let quiet_until = vec![0; people.len()];
+        let taken = vec![0; places];
+        let comes_near_doors = vec![true; people.len()];
+        let planes = Vec::new();
+        let mut crowd =
+            Crowd { people, near, taken, quiet_until, comes_near_doors, wishes, planes };
         crowd.near.rebuild(&crowd.people);
         crowd
     }
@@ -77,21 +103,62 @@ impl Crowd {
     pub(crate) fn step(&mut self, around: &Surroundings<'_>) {
         if around.tick.is_multiple_of(REBUILD) {
             self.near.rebuild(&self.people);
+            for (near, person) in self.comes_near_doors.iter_mut().zip(&self.people) {
+                *near = !around.at(around.near_doors, person.position).is_empty();
+            }
+        }
+        if !around.robots.is_empty() {
+            // Robots are looked at by everyone.
+            self.quiet_until.fill(0);
         }
         for i in 0..self.people.len() {
-            self.choose(i, around);
+            if !self.is_quiet(i, around.tick) {
+                self.choose(i, around);
+            }
         }
         // All wish before anyone moves, so that none is better informed than another.
+        let is_time = around.tick.is_multiple_of(DECIDE);
         for i in 0..self.people.len() {
-            self.wishes[i] = self.wish(i, around);
+            if !self.is_quiet(i, around.tick) && (is_time || !self.keeps_wish(i)) {
+                self.wishes[i] = self.wish(i, around);
+            }
         }
         for i in 0..self.people.len() {
+            if self.is_quiet(i, around.tick) {
+                self.cruise(i, around);
+                continue;
+            }
+            let before = self.people[i].velocity;
             if self.wishes[i].velocity == DVec2::ZERO {
-                self.people[i].velocity = DVec2::ZERO;
+                self.people[i].stop();
             } else {
                 self.follow(i, around);
             }
+            if self.people[i].velocity != before {
+                self.disturb_others(i, around.tick + 1);
+            }
+            if self.people[i].is_walking() && self.people[i].velocity == DVec2::ZERO {
+                // Who is stopped looks again when it is time.
+                self.quiet_until[i] = (around.tick + 1).next_multiple_of(DECIDE);
+            }
         }
+    }
+
+    /// Whether a person still wishes what was decided before: not at a corner of the path, nor who left it.
+    fn keeps_wish(&self, i: usize) -> bool {
+        let (person, wish) = (&self.people[i], &self.wishes[i]);
+        person.task == Task::Walk && (person.steps_left > 0 || !wish.is_free)
+    }
+
+    /// Lets a person decide again in this tick.
+    pub(super) fn forget_wish(&mut self, i: usize) {
+        self.wishes[i] = Wish::STAND;
+    }
+
+    /// The doors whose leaves can be near a point to which a person comes.
+    #[inline]
+    pub(super) fn zone<'a>(&self, i: usize, p: DVec2, around: &Surroundings<'a>) -> &'a [u32] {
+        if self.comes_near_doors[i] { around.at(around.door_zones, p) } else { &[] }
     }
 
     /// Decides what a person does.
@@ -104,16 +171,15 @@ impl Crowd {
             Task::Stand { until } | Task::React { until } if around.tick >= until => {
                 self.depart(i, false, around);
             }
-            Task::Walk
-                if around.tick - person.moved.1 > patience(i, person.draws)
-                    || self.comes_to_jam(i, around) =>
-            {
-                let leaves = self.note_block(i) && self.leave_between_others(i, around);
-                if !leaves {
+            Task::Walk if is_impatient(i, person, around.tick) || self.comes_to_jam(i, around) => {
+                let is_held_up = self.note_block(i);
+                self.disturb_others(i, around.tick);
+                if !(is_held_up && self.leave_between_others(i, around)) {
                     self.depart(i, true, around);
                 }
             }
-            _ => {}
+            Task::Walk => {}
+            Task::Stand { until } | Task::React { until } => self.rest(i, until, around),
         }
     }
 
@@ -137,6 +203,7 @@ impl Crowd {
         person.task = Task::React { until: around.tick + ticks(seconds) };
         person.path.clear();
         person.on_path = false;
+        person.steps_left = 0;
         if let Some(place) = person.place.take() {
             self.taken[place as usize] -= 1;
         }
@@ -201,22 +268,26 @@ impl Crowd {
         person.path = path;
         person.on_path = true;
         person.task = Task::Walk;
+        self.forget_wish(i);
     }
 
     /// The velocity that a person wishes to have.
     fn wish(&mut self, i: usize, around: &Surroundings<'_>) -> Wish {
-        let person = &self.people[i];
-        let is_calm = around.tick < person.calm_until && around.robots.is_empty();
-        if is_calm && person.steps_left > 0 && person.task == Task::Walk {
-            return Wish { velocity: person.velocity, is_clear: true, is_calm: true };
+        if self.walks_on(i, around) {
+            return Wish { velocity: self.people[i].velocity, ..Wish::STAND };
         }
+        let person = &self.people[i];
         let (mut preferred, max_speed) = match person.task {
             Task::Stand { .. } => return Wish::STAND,
             Task::Walk => {
                 let Some(&corner) = person.path.last() else { return Wish::STAND };
-                let to = corner - person.position;
-                let speed = around.people[i].speed;
-                (to.normalize_or_zero() * speed.min(to.length() / TICK), speed)
+                let (to, speed) = (corner - person.position, around.people[i].speed);
+                if person.steps_left == 0 {
+                    (to.normalize_or_zero() * speed.min(to.length() / TICK), speed)
+                } else {
+                    // Not computed again: rounding would change it.
+                    (person.velocity, speed)
+                }
             }
             Task::React { .. } if around.robots.is_empty() => return Wish::STAND,
             Task::React { .. } => {
@@ -253,11 +324,9 @@ impl Crowd {
         let person = &self.people[i];
         let p = person.position;
         let (mut nearest, mut count) = ([(f64::INFINITY, 0_u32); MAX_NEIGHBOURS], 0);
-        let mut beyond = f64::INFINITY;
         for &j in self.near.of(i) {
             let distance2 = self.people[j as usize].position.distance_squared(p);
             if distance2 > RANGE * RANGE {
-                beyond = beyond.min(distance2);
                 continue;
             }
             let entry = (distance2, j);
@@ -269,14 +338,10 @@ impl Crowd {
             }
         }
         let me = Disc { position: p, velocity: person.velocity, radius: PERSON_RADIUS, share: 1.0 };
-        if count == 0 && around.robots.is_empty() {
-            // How long nobody can come within range, at most until the lists are rebuilt.
-            let ticks_left = REBUILD - around.tick % REBUILD;
-            let calm = (beyond.sqrt() - RANGE) / (2.0 * around.max_speed * TICK);
-            let calm = if calm < ticks_left as f64 { calm as u64 } else { ticks_left };
-            self.people[i].calm_until = around.tick + calm;
-            return Wish { velocity: preferred, is_clear, is_calm: true };
-        }
+        let apart = 2.0 * (PERSON_RADIUS + around.max_speed * TICK * DECIDE as f64);
+        let is_apart = around.robots.is_empty() && (count == 0 || nearest[0].0 > apart * apart);
+        let free = Wish { velocity: preferred, is_clear, is_apart, ..Wish::STAND };
+        let zone = self.zone(i, p, around);
         let planes = &mut self.planes;
         planes.clear();
         let disc = |j: u32| {
@@ -314,17 +379,19 @@ impl Crowd {
             planes.push(avoid(&me, &disc, TICK));
         }
         if planes.iter().all(|plane| plane.excess(preferred) <= 0.0) {
-            return Wish { velocity: preferred, is_clear, is_calm: false };
+            return free;
         }
         let reach = PERSON_RADIUS + max_speed * WALL_HORIZON;
         let before = planes.len();
+        let mut clearance = f64::INFINITY;
         around.space.index.contacts(p, reach, |contact| {
+            clearance = clearance.min(contact.distance);
             let plane = keep_off(p, PERSON_RADIUS, contact.point);
             if planes.len() < before + 4 * MAX_NEIGHBOURS {
                 planes.push(plane);
             }
         });
-        for &door in zone(around, p) {
+        for &door in zone {
             let (shape, state) = (&around.shapes[door as usize], &around.doors[door as usize]);
             planes.extend(
                 state.leaves(shape).map(|leaf| keep_off(p, PERSON_RADIUS, leaf.nearest_point(p))),
@@ -335,56 +402,56 @@ impl Crowd {
         planes.rotate_left(before);
         let turned = preferred - preferred.perp() * KEEP_RIGHT;
         let velocity = solve(planes, walls, max_speed, turned);
-        Wish { velocity, is_clear: false, is_calm: false }
+        let is_known = around.space.is_firm_everywhere();
+        let room = if is_known { clearance.min(reach) - PERSON_RADIUS - ROUNDING } else { 0.0 };
+        Wish { velocity, is_free: false, is_clear: false, room, is_apart }
     }
 
     /// Moves a person as wished, as far as that is possible.
     fn follow(&mut self, i: usize, around: &Surroundings<'_>) {
-        let Wish { velocity, is_clear, is_calm } = self.wishes[i];
-        let person = &self.people[i];
-        let from = person.position;
-        let to = from + velocity * TICK;
-        if is_calm && is_clear && zone(around, to).is_empty() {
-            let person = &mut self.people[i];
-            person.position = to;
-            person.moved.1 = around.tick;
-            if person.steps_left > 0 {
-                person.steps_left -= 1;
-            } else {
-                self.turn(i, velocity, around);
-            }
-            return;
-        }
+        let wish = self.wishes[i];
+        let from = self.people[i].position;
+        // No step is longer than that of the wish.
+        let step = if wish.room > 0.0 { wish.velocity.length() * TICK } else { f64::INFINITY };
+        self.wishes[i].room -= step;
         let allowed = |(velocity, is_clear): (DVec2, bool)| {
+            let to = from + velocity * TICK;
             let is_allowed = velocity != DVec2::ZERO
-                && (is_clear || around.space.fits(from + velocity * TICK))
-                && self.is_passable(i, from, from + velocity * TICK, around);
+                && (is_clear || step <= wish.room || around.space.fits(to))
+                && self.is_passable((i, wish.is_apart), from, to, around);
             is_allowed.then_some((velocity, is_clear))
         };
-        let allowed = allowed((velocity, is_clear))
-            .or_else(|| allowed((self.along_wall(from, velocity, around), false)))
-            .or_else(|| allowed((0.5 * velocity, is_clear)));
+        let allowed = allowed((wish.velocity, wish.is_clear))
+            .or_else(|| allowed((self.along_wall(from, wish.velocity, around), false)))
+            .or_else(|| allowed((0.5 * wish.velocity, wish.is_clear)));
         let person = &mut self.people[i];
-        person.steps_left = 0;
         match allowed {
             Some((velocity, is_clear)) => {
                 person.position = from + velocity * TICK;
                 person.on_path &= is_clear;
-                if person.position.distance_squared(person.moved.0) > PROGRESS * PROGRESS {
-                    person.moved = (person.position, around.tick);
+                person.note_progress(around.people[i].speed, around.tick);
+                let is_as_wished = velocity == wish.velocity;
+                if is_as_wished && is_clear && person.steps_left > 0 {
+                    person.steps_left -= 1;
+                    return;
                 }
-                self.turn(i, velocity, around);
-                self.people[i].steps_left = 0;
+                person.steps_left = 0;
+                self.turn(i, velocity, wish.is_free, around);
+                if !is_as_wished {
+                    self.people[i].steps_left = 0;
+                }
             }
-            None => person.velocity = DVec2::ZERO,
+            None => person.stop(),
         }
     }
 
     /// Sets the velocity of a person who moved, and what follows from the new position.
-    fn turn(&mut self, i: usize, velocity: DVec2, around: &Surroundings<'_>) {
+    fn turn(&mut self, i: usize, velocity: DVec2, is_free: bool, around: &Surroundings<'_>) {
         let person = &mut self.people[i];
-        person.velocity = velocity;
-        person.facing = velocity.normalize_or(person.facing);
+        if person.velocity != velocity {
+            person.velocity = velocity;
+            person.facing = velocity.normalize_or(person.facing);
+        }
         if person.task != Task::Walk {
             return;
         }
@@ -409,19 +476,30 @@ impl Crowd {
             let step = velocity.length() * TICK;
             // The last step to a corner is a shorter one.
             person.steps_left = (left / step - 1e-6).max(0.0) as u32;
-        } else if (around.tick + i as u64).is_multiple_of(LOOK) {
-            let p = person.position;
-            // The farthest of the next corners that is in sight.
-            let corners = person.path.len();
-            let first = corners.saturating_sub(3);
-            match (first..corners).find(|&k| around.space.is_clear_from(p, person.path[k])) {
-                Some(k) => {
-                    person.path.truncate(k + 1);
-                    person.on_path = true;
-                }
-                None if (around.tick + i as u64).is_multiple_of(SEARCH) => self.search(i, around),
-                None => {}
+        } else if (around.tick + i as u64).is_multiple_of(if is_free { LOOK } else { SEARCH }) {
+            self.look(i, around);
+        }
+    }
+
+    /// Looks for the path that a person left.
+    fn look(&mut self, i: usize, around: &Surroundings<'_>) {
+        let person = &mut self.people[i];
+        let (p, corners) = (person.position, person.path.len());
+        let sees = |k: usize| around.space.is_clear_from(p, person.path[k]);
+        // The farthest of the next corners that is in sight; mostly the next, unless it is near.
+        let next = corners - 1;
+        let is_far = person.path[next].distance_squared(p) > NEAR_CORNER * NEAR_CORNER;
+        let seen = match is_far && sees(next) {
+            true => Some(next),
+            false => (corners.saturating_sub(3)..corners).find(|&k| sees(k)),
+        };
+        match seen {
+            Some(k) => {
+                person.path.truncate(k + 1);
+                person.on_path = true;
             }
+            None if (around.tick + i as u64).is_multiple_of(SEARCH) => self.search(i, around),
+            None => {}
         }
     }
 
@@ -447,16 +525,20 @@ impl Crowd {
     }
 
     /// Whether a step touches no leaf, person or robot, or at least leads away from those that it touches.
-    fn is_passable(&self, i: usize, from: DVec2, to: DVec2, around: &Surroundings<'_>) -> bool {
+    fn is_passable(
+        &self,
+        (i, is_apart_from_people): (usize, bool),
+        from: DVec2,
+        to: DVec2,
+        around: &Surroundings<'_>,
+    ) -> bool {
         let is_apart = |p: DVec2, least: f64| {
             let distance2 = to.distance_squared(p);
             distance2 >= least * least || distance2 > from.distance_squared(p)
         };
-        let mut doors = zone(around, to).iter().map(|&door| door as usize);
-        self.near
-            .of(i)
-            .iter()
-            .all(|&j| is_apart(self.people[j as usize].position, 2.0 * PERSON_RADIUS))
+        let mut doors = self.zone(i, to, around).iter().map(|&door| door as usize);
+        let near = if is_apart_from_people { &[] } else { self.near.of(i) };
+        near.iter().all(|&j| is_apart(self.people[j as usize].position, 2.0 * PERSON_RADIUS))
             && around
                 .robots
                 .iter()
@@ -469,12 +551,28 @@ impl Crowd {
     }
 }
 
+impl PersonState {
+    fn stop(&mut self) {
+        self.velocity = DVec2::ZERO;
+        self.steps_left = 0;
+    }
+
+    /// Notes where and when a person who walks at a speed last came forward.
+    pub(super) fn note_progress(&mut self, speed: f64, tick: u64) {
+        let progress = PROGRESS.min(PROGRESS_TIME * speed);
+        if self.position.distance_squared(self.moved.0) > progress * progress {
+            self.moved = (self.position, tick);
+        }
+    }
+}
+
 /// The whole ticks of a time in seconds, at least one.
 fn ticks(seconds: f64) -> u64 {
     ((seconds * TICKS_PER_SECOND as f64).round() as u64).max(1)
 }
 
-/// How many ticks a person waits for others to move aside: not all equally long, so that one of two gives in.
-fn patience(i: usize, draws: u64) -> u64 {
-    PATIENCE + (7 * i as u64 + 13 * draws) % PATIENCE
+/// Whether a person has waited long enough for others to move aside: not all equally long, so that one of two gives in.
+fn is_impatient(i: usize, person: &PersonState, tick: u64) -> bool {
+    let waited = tick - person.moved.1;
+    waited > PATIENCE && waited > PATIENCE + (7 * i as u64 + 13 * person.draws) % PATIENCE
 }

@@ -26,7 +26,10 @@ pub(super) const CARE: f64 = 0.01;
 const TOUCH: f64 = 0.002;
 
 /// Rounding changes a distance by less than this, in metres.
-const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 1e-9;
+
+/// Near solids lines are looked at in pieces of this length in metres.
+const PIECE: f64 = 1.0;
 
 /// The ground is looked at in steps of this length in metres.
 const STEP: f64 = 0.1;
@@ -100,6 +103,11 @@ impl FreeSpace {
         space
     }
 
+    /// Whether people can walk on all of the ground.
+    pub(super) fn is_firm_everywhere(&self) -> bool {
+        self.surfaces.is_plain()
+    }
+
     fn is_firm(&self, p: DVec2) -> bool {
         is_firm(self.surfaces.at(p))
     }
@@ -160,9 +168,36 @@ impl FreeSpace {
     }
 
     fn is_clear_for(&self, needed: f64, a: DVec2, b: DVec2) -> bool {
-        self.index.is_clear_along(a, b, needed)
-            && self.leaves_are_off(needed, a, b)
-            && self.is_firm_along(a, b)
+        let length = a.distance(b);
+        let at = |along: f64| if along < length { a.lerp(b, along / length) } else { b };
+        let (mut from, mut along) = (a, 0.0);
+        loop {
+            // As far as the clearance of a cell tells, or exactly for a while.
+            let room = self.clearance_by_cell(from) - needed;
+            let is_known = room > self.frame.cell_size;
+            along += if is_known { room } else { PIECE };
+            let to = at(along);
+            if !is_known
+                && !(self.index.is_clear_along(from, to, needed)
+                    && self.leaves_are_off(needed, from, to))
+            {
+                return false;
+            }
+            if along >= length {
+                return self.is_firm_along(a, b);
+            }
+            from = to;
+        }
+    }
+
+    /// Less than the distance from a point to the nearest solid or leaf of a door that is open: what the middle of its
+    /// cell tells.
+    #[inline]
+    fn clearance_by_cell(&self, p: DVec2) -> f64 {
+        let cell = self.frame.index_at(p);
+        cell.map_or(0.0, |cell| {
+            self.cell_clearance(cell) - self.frame.center_of(cell).distance(p) - 1e-6
+        })
     }
 
     /// Whether no leaf of an open door is nearer than `needed` metres to a line.
@@ -179,7 +214,7 @@ impl FreeSpace {
     }
 
     fn is_firm_along(&self, a: DVec2, b: DVec2) -> bool {
-        if self.surfaces.is_plain() {
+        if self.is_firm_everywhere() {
             return true;
         }
         let steps = (a.distance(b) / STEP).ceil().max(1.0);
@@ -188,7 +223,9 @@ impl FreeSpace {
 
     /// Whether a person fits at a point, solids alone considered.
     pub(crate) fn fits(&self, p: DVec2) -> bool {
-        self.index.clearance(p) >= PERSON_RADIUS && self.is_firm(p)
+        let is_off_solids =
+            self.clearance_by_cell(p) >= PERSON_RADIUS || self.index.clearance(p) >= PERSON_RADIUS;
+        is_off_solids && self.is_firm(p)
     }
 
     /// For each cell whether it is in the part of the free space that is used: where `start` is, or otherwise
@@ -248,5 +285,38 @@ impl FreeSpace {
         }
         let why = format!("a whole number from 0 to {fit}: no more fit into the free space");
         setting.error_with(people, why)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::indoor::IndoorSpec;
+    use crate::scenario::Scenario;
+    use crate::scenario::plan::shapes;
+    use crate::{Blueprint, Seed, Spec};
+
+    #[test]
+    fn what_cells_tell_of_lines_and_points_is_exact() {
+        let world = IndoorSpec::default().generate(Seed(7)).unwrap().to_world();
+        let spec = ScenarioSpec { doors: 1.0, ..Default::default() };
+        let doors = shapes(&world, &Scenario::new(&world, &spec, Seed(1)).unwrap().doors);
+        let index = Arc::new(ClearanceIndex::new(&world, REACH).unwrap());
+        let space = FreeSpace::new(&world, &doors, index);
+        let mut draws = Seed(2).stream("test", 0);
+        let size = world.bounds.size();
+        let mut clear = 0;
+        for k in 0..20_000 {
+            let a = world.bounds.min + DVec2::new(draws.unit(), draws.unit()) * size;
+            let b = a + 4.0 * DVec2::new(draws.unit() - 0.5, draws.unit() - 0.5);
+            let needed = [PERSON_RADIUS - TOUCH, PERSON_RADIUS + CARE][k % 2];
+            let exact = space.index.is_clear_along(a, b, needed)
+                && space.leaves_are_off(needed, a, b)
+                && space.is_firm_along(a, b);
+            assert_eq!(space.is_clear_for(needed, a, b), exact, "{a} to {b}, {needed}");
+            clear += u32::from(exact);
+            assert_eq!(space.fits(a), space.index.clearance(a) >= PERSON_RADIUS, "{a}");
+        }
+        assert!((2000..15_000).contains(&clear), "{clear}");
     }
 }

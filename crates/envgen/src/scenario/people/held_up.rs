@@ -2,11 +2,11 @@
 
 use glam::DVec2;
 
-use super::crowd::{Crowd, LOOK};
+use super::crowd::{Crowd, DECIDE};
 use super::door_passage::OFF_SWINGS;
 use super::free_path::{Blockers, free_path};
 use super::places::ROOMY;
-use super::surroundings::{Surroundings, zone};
+use super::surroundings::Surroundings;
 use crate::geometry::segments_cross;
 use crate::scenario::PERSON_RADIUS;
 use crate::scenario::person::PersonState;
@@ -28,10 +28,15 @@ const NOTICE: u64 = 10;
 const BLOCKERS: f64 = 6.0;
 
 impl PersonState {
+    /// Whether the person gave up several goals somewhere, and reached none since.
+    pub(super) fn was_held_up(&self) -> bool {
+        self.held_up.1 >= HELD_UP
+    }
+
     /// Whether the person gave up several goals here.
     fn is_held_up(&self) -> bool {
-        let (p, times) = self.held_up;
-        times >= HELD_UP && p.distance_squared(self.position) < HELD_UP_WITHIN * HELD_UP_WITHIN
+        let p = self.held_up.0;
+        self.was_held_up() && p.distance_squared(self.position) < HELD_UP_WITHIN * HELD_UP_WITHIN
     }
 }
 
@@ -93,7 +98,10 @@ impl Crowd {
         person.steps_left = 0;
         match place_of(cell) {
             Some(place) => self.walk(i, place as u32, path),
-            None => (person.path, person.on_path) = (path, true),
+            None => {
+                (person.path, person.on_path) = (path, true);
+                self.forget_wish(i);
+            }
         }
         true
     }
@@ -128,7 +136,7 @@ impl Crowd {
                 && shape.swing_distance(person.position) < OFF_SWINGS
                 && !person.path.last().is_some_and(leaves)
         };
-        zone(around, person.position).iter().map(|&door| door as usize).find(blocks)
+        self.zone(i, person.position, around).iter().map(|&door| door as usize).find(blocks)
     }
 
     /// The point to which a person steps aside for a door.
@@ -142,7 +150,7 @@ impl Crowd {
         let is_stopped = person.velocity == DVec2::ZERO;
         let shape = &around.shapes[door];
         let is_valid = |aside: DVec2| aside.distance_squared(person.position) > 1e-18;
-        let is_time = (around.tick + i as u64).is_multiple_of(LOOK);
+        let is_time = (around.tick / DECIDE + i as u64).is_multiple_of(2);
         if is_time && (is_stopped || !person.aside.is_some_and(is_valid)) {
             let path =
                 free_path(around.space, person.position, &self.blockers(i, around), |cell| {

@@ -10,6 +10,7 @@ mod free_space;
 mod held_up;
 mod orca;
 mod places;
+mod quiet;
 mod routes;
 mod surroundings;
 

@@ -5,7 +5,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use glam::DVec2;
 
-use super::free_space::{COSTS, FreeSpace, NEIGHBOURS};
+use super::free_space::{COSTS, FreeSpace, NEIGHBOURS, ROUNDING};
 
 /// Half the side of the window in which paths to a place are known, in metres: people go this far at most, or
 /// less where there are so many places that the windows would take more memory than [`MAX_CELLS`].
@@ -17,6 +17,9 @@ const MAX_CELLS: f64 = (1 << 26) as f64;
 /// Paths are entered at most this many columns and rows away, and at most so many by who has to squeeze through.
 const NEAR: isize = 2;
 const FAR: isize = 8;
+
+/// Corners are found to one part in so many of their distance.
+const PRECISION: usize = 8;
 
 /// Directions of cells from which no path leads to the place, and of the place itself.
 const UNREACHED: u8 = u8::MAX;
@@ -40,7 +43,7 @@ struct Tree {
     cols: usize,
     rows: usize,
     steps: Vec<u8>,
-    /// The next corner after each cell that is a corner of a path so far. All paths share them: only the part
+    /// The next corner after each cell of the window that is a corner of a path so far. All paths share them: only the part
     /// before its first corner is new in each.
     corners: Mutex<BTreeMap<usize, usize>>,
 }
@@ -73,26 +76,35 @@ impl Routes {
     pub(crate) fn path(&self, space: &FreeSpace, from: DVec2, place: usize) -> Option<Vec<DVec2>> {
         let goal = *self.places.get(place)?;
         let tree = self.tree(space, place)?;
-        let first = self.entry(space, tree, from)?;
-        if space.is_clear_from(from, goal) {
-            return Some(vec![goal]);
-        }
-        let mut corner = tree.farthest_seen(space, from, first)?;
-        let mut path = vec![space.frame.center_of(corner)];
+        let here = space.frame.index_at(from)?;
+        let is_at_middle = space.frame.center_of(here).distance_squared(from) < ROUNDING * ROUNDING;
+        let mut path = Vec::new();
+        // Most who depart are at a place, which is the middle of a cell, and so a corner.
+        let mut corner = if is_at_middle && tree.is_reached(space, here) {
+            tree.index(space, here)?
+        } else {
+            let first = self.entry(space, tree, from)?;
+            if space.is_clear_from(from, goal) {
+                return Some(vec![goal]);
+            }
+            let corner = tree.farthest_seen(space, from, tree.index(space, first)?)?;
+            path.push(tree.center(space, corner));
+            corner
+        };
         let mut known = tree.corners.lock().unwrap_or_else(PoisonError::into_inner);
-        while let Some(next) = tree.next(space, corner)? {
+        while let Some(next) = tree.next(corner)? {
             corner = match known.get(&corner) {
                 Some(&seen) => seen,
                 None => {
-                    let seen = tree.farthest_seen(space, space.frame.center_of(corner), next)?;
+                    let seen = tree.farthest_seen(space, tree.center(space, corner), next)?;
                     known.insert(corner, seen);
                     seen
                 }
             };
-            path.push(space.frame.center_of(corner));
+            path.push(tree.center(space, corner));
         }
         path.reverse();
-        Some(path)
+        Some(if path.is_empty() { vec![goal] } else { path })
     }
 
     /// The direction in which a path to a place begins, as the grid knows it; much less work than the path.
@@ -107,7 +119,7 @@ impl Routes {
     /// farther one, and without care, for who was pushed to where the grid knows no path.
     fn entry(&self, space: &FreeSpace, tree: &Tree, from: DVec2) -> Option<usize> {
         let here = space.frame.index_at(from)?;
-        let is_reached = |cell: usize| tree.step(space, cell).is_some_and(|step| step != UNREACHED);
+        let is_reached = |cell: usize| tree.is_reached(space, cell);
         let is_near = |cell: usize| space.is_clear_from(from, space.frame.center_of(cell));
         if is_reached(here) && is_near(here) {
             return Some(here);
@@ -187,31 +199,37 @@ impl Tree {
         (col < self.cols && row < self.rows).then(|| row * self.cols + col)
     }
 
-    /// The next cell of the path from a cell; no cell after the last one.
+    /// The middle of a cell of the window.
+    fn center(&self, space: &FreeSpace, i: usize) -> DVec2 {
+        space.frame.center(self.corner.0 + i % self.cols, self.corner.1 + i / self.cols)
+    }
+
+    /// The next cell of the window on the path from one; no cell after the last one.
     #[expect(clippy::option_option, reason = "no path and no next cell are different")]
-    fn next(&self, space: &FreeSpace, cell: usize) -> Option<Option<usize>> {
-        match self.step(space, cell)? {
+    fn next(&self, i: usize) -> Option<Option<usize>> {
+        match *self.steps.get(i)? {
             HERE => Some(None),
             step => {
                 let &(right, up) = NEIGHBOURS.get(usize::from(step))?;
-                space.frame.neighbour(cell, right, up).map(Some)
+                i.checked_add_signed(up * self.cols as isize + right).map(Some)
             }
         }
     }
 
-    /// The farthest cell of the path that is found in sight of a point, by doubling and then by halving. The
+    /// The farthest cell of the window on the path that is found in sight of a point, by doubling and then by halving. The
     /// cell `first`, with which the path continues, can be reached.
     fn farthest_seen(&self, space: &FreeSpace, from: DVec2, first: usize) -> Option<usize> {
-        let is_seen = |cell: usize| space.is_clear(from, space.frame.center_of(cell));
-        let mut cells = vec![first];
+        let is_seen = |i: usize| space.is_clear(from, self.center(space, i));
+        let mut cells = Vec::with_capacity(64);
+        cells.push(first);
         // Numbers of cells, of which the last is seen or hidden.
         let (mut seen, mut step) = (1, 2);
-        while self.extend(space, &mut cells, step)? && is_seen(cells[step - 1]) {
+        while self.extend(&mut cells, step)? && is_seen(cells[step - 1]) {
             seen = step;
             step *= 2;
         }
         let mut hidden = step.min(cells.len() + 1);
-        while seen + 1 < hidden {
+        while hidden - seen > 1 + seen / PRECISION {
             let middle = seen.midpoint(hidden);
             if is_seen(cells[middle - 1]) {
                 seen = middle;
@@ -223,14 +241,19 @@ impl Tree {
     }
 
     /// Continues a path to a number of cells; whether it has so many.
-    fn extend(&self, space: &FreeSpace, cells: &mut Vec<usize>, count: usize) -> Option<bool> {
+    fn extend(&self, cells: &mut Vec<usize>, count: usize) -> Option<bool> {
         while cells.len() < count {
-            match self.next(space, *cells.last()?)? {
+            match self.next(*cells.last()?)? {
                 Some(cell) => cells.push(cell),
                 None => return Some(false),
             }
         }
         Some(true)
+    }
+
+    /// Whether a path leads from a cell to the place.
+    fn is_reached(&self, space: &FreeSpace, cell: usize) -> bool {
+        self.step(space, cell).is_some_and(|step| step != UNREACHED)
     }
 
     /// The direction from a cell of the window towards the place.

@@ -20,6 +20,8 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) shapes: &'a [DoorShape],
     /// The doors near each cell of the free space.
     pub(crate) door_zones: &'a CellBuckets<u32>,
+    /// The same for a point to which someone can go before the lists of neighbours are rebuilt.
+    pub(crate) near_doors: &'a CellBuckets<u32>,
     pub(crate) people: &'a [Person],
     pub(crate) spec: &'a ScenarioSpec,
     pub(crate) seed: Seed,
@@ -30,13 +32,15 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) max_speed: f64,
 }
 
-/// The doors whose leaves can be near a point.
-#[inline]
-pub(super) fn zone<'a>(around: &Surroundings<'a>, p: DVec2) -> &'a [u32] {
-    if around.shapes.is_empty() {
-        return &[];
+impl Surroundings<'_> {
+    /// The doors of a cell at a point.
+    #[inline]
+    pub(super) fn at<'a>(&self, doors: &'a CellBuckets<u32>, p: DVec2) -> &'a [u32] {
+        if self.shapes.is_empty() {
+            return &[];
+        }
+        self.space.frame.index_at(p).map_or(&[], |cell| doors.of(cell))
     }
-    around.space.frame.index_at(p).map_or(&[], |cell| around.door_zones.of(cell))
 }
 
 /// Whether no solid is between a point and another one at `to` from it.

@@ -1,0 +1,181 @@
+//! People who need no decision for some ticks: who stand, and who walk straight on where nobody comes in their way.
+
+use glam::DVec2;
+
+use super::crowd::{Crowd, ROUNDING};
+use super::orca::DISC_HORIZON;
+use super::surroundings::Surroundings;
+use crate::scenario::neighbourhood::REBUILD;
+use crate::scenario::person::Task;
+use crate::scenario::{PERSON_RADIUS, TICK};
+
+impl Crowd {
+    /// Whether a person goes on in this tick whatever others do in it.
+    #[inline]
+    pub(super) fn is_quiet(&self, i: usize, tick: u64) -> bool {
+        tick < self.quiet_until[i]
+    }
+
+    /// Lets a person who stands be until a tick.
+    pub(super) fn rest(&mut self, i: usize, until: u64, around: &Surroundings<'_>) {
+        if around.robots.is_empty() && self.people[i].velocity == DVec2::ZERO {
+            self.quiet_until[i] = until;
+        }
+    }
+
+    /// Moves a quiet person.
+    #[inline]
+    pub(super) fn cruise(&mut self, i: usize, around: &Surroundings<'_>) {
+        let person = &mut self.people[i];
+        if person.velocity != DVec2::ZERO {
+            person.position += person.velocity * TICK;
+            person.steps_left -= 1;
+            person.note_progress(around.people[i].speed, around.tick);
+        }
+    }
+
+    /// Lets those who walk near a person look again from a tick: what they expect of the person is no longer so.
+    pub(super) fn disturb_others(&mut self, i: usize, tick: u64) {
+        for &j in self.near.of(i) {
+            let j = j as usize;
+            if self.people[j].task == Task::Walk {
+                self.quiet_until[j] = self.quiet_until[j].min(tick);
+            }
+        }
+    }
+
+    /// Whether a person walks on along the path as before; then also for as many ticks as is certain while nobody near
+    /// changes the velocity.
+    pub(super) fn walks_on(&mut self, i: usize, around: &Surroundings<'_>) -> bool {
+        let ticks = self.ticks_straight_on(i, around);
+        if ticks > 0 {
+            self.quiet_until[i] = around.tick + ticks;
+            self.people[i].aside = None;
+        }
+        ticks > 0
+    }
+
+    fn ticks_straight_on(&self, i: usize, around: &Surroundings<'_>) -> u64 {
+        let person = &self.people[i];
+        let at = |ticks: u64| person.position + person.velocity * (ticks as f64 * TICK);
+        let is_off_doors = |ticks: &u64| self.zone(i, at(*ticks), around).is_empty();
+        if person.steps_left == 0 || !around.robots.is_empty() || !is_off_doors(&0) {
+            return 0;
+        }
+        // Until those who are near are others.
+        let mut most = (REBUILD - around.tick % REBUILD).min(person.steps_left.into());
+        let close = 2.0 * (PERSON_RADIUS + around.max_speed * TICK);
+        for &j in self.near.of(i) {
+            let other = &self.people[j as usize];
+            if other.was_held_up() {
+                return 0;
+            }
+            let to = other.position - person.position;
+            let ticks = seconds_free(to, person.velocity - other.velocity, close) / TICK;
+            // Rounded down.
+            most = if ticks < most as f64 { ticks as u64 } else { most };
+            if most == 0 {
+                return 0;
+            }
+        }
+        // Zones are wider than they need to be by more than a few steps: the ends tell of all between.
+        if is_off_doors(&most) {
+            most
+        } else {
+            (1..most).take_while(is_off_doors).last().unwrap_or(0)
+        }
+    }
+}
+
+/// For how many seconds a person need not avoid another at `to` from it, while their distance changes by `closing`
+/// in m/s, and stays farther than `close` metres; 0 or less where it has to now.
+fn seconds_free(to: DVec2, closing: DVec2, close: f64) -> f64 {
+    if to.length_squared() <= close * close {
+        return 0.0;
+    }
+    let approach = to.dot(closing);
+    if approach <= 0.0 {
+        return f64::INFINITY;
+    }
+    let (speed2, across) = (closing.length_squared(), to.perp_dot(closing));
+    // When they are at a distance first.
+    let until = |distance: f64| {
+        let half2 = distance * distance * speed2 - across * across;
+        if half2 < 0.0 { f64::INFINITY } else { (approach - half2.sqrt()) / speed2 }
+    };
+    until(close).min(until(2.0 * PERSON_RADIUS + ROUNDING) - DISC_HORIZON)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::indoor::IndoorSpec;
+    use crate::scenario::people::orca::{Disc, avoid};
+    use crate::scenario::{Scenario, ScenarioSpec, ScenarioState};
+    use crate::{Blueprint, Seed, Spec};
+
+    #[test]
+    fn who_is_quiet_walks_as_who_is_looked_at_in_every_tick() {
+        for seed in 1..=3 {
+            let spec = IndoorSpec { width: 6, height: 6, ..Default::default() };
+            let world = spec.generate(Seed(seed)).unwrap().to_world();
+            let spec = ScenarioSpec { people: 15, doors: 0.5, ..Default::default() };
+            let scenario = Scenario::new(&world, &spec, Seed(seed)).unwrap();
+            let mut state = ScenarioState::new(&world, &scenario).unwrap();
+            let mut looking = state.clone();
+            let mut quiet = 0;
+            for tick in 1..=6000 {
+                state.step(TICK, &[]).unwrap();
+                let people = &looking.crowd.people;
+                for (until, person) in looking.crowd.quiet_until.iter_mut().zip(people) {
+                    // Who is stopped looks again when it is time.
+                    if !person.is_walking() || person.velocity != DVec2::ZERO {
+                        *until = 0;
+                    }
+                }
+                looking.step(TICK, &[]).unwrap();
+                let walks = |i: &usize| {
+                    state.crowd.is_quiet(*i, tick) && state.crowd.people[*i].task == Task::Walk
+                };
+                quiet += (0..15).filter(walks).count();
+            }
+            assert_eq!(state.digest(), looking.digest());
+            assert!(quiet > 1000, "{quiet}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn nobody_is_avoided_while_all_are_free(
+            to in [-8.0..8.0, -8.0..8.0],
+            mine in [-1.5..1.5, -1.5..1.5],
+            theirs in [-1.5..1.5, -1.5..1.5],
+            shares in [0.0..1.0, 0.0..1.0, 0.0..1.0],
+        ) {
+            let (to, mine, theirs) = (DVec2::from(to), DVec2::from(mine), DVec2::from(theirs));
+            let seconds = seconds_free(to, mine - theirs, 0.7);
+            let disc = |position, velocity| Disc {
+                position,
+                velocity,
+                radius: PERSON_RADIUS,
+                share: 1.0,
+            };
+            for share in shares {
+                let time = share * seconds.min(10.0);
+                if time <= 0.0 {
+                    continue;
+                }
+                let other = to + theirs * time;
+                let plane = avoid(&disc(mine * time, mine), &disc(other, theirs), TICK);
+                prop_assert!(plane.excess(mine) <= 0.0);
+                prop_assert!(other.distance(mine * time) > 0.7 - 1e-9);
+            }
+            // Not less than can be: who is free long enough does not meet the other at all.
+            let gap = |time: f64| (to + (theirs - mine) * time).length();
+            let least = (0..1000).map(|k| gap(f64::from(k) * 0.02)).fold(f64::INFINITY, f64::min);
+            prop_assert!(least <= 0.75 || seconds > 10.0);
+        }
+    }
+}
