@@ -7,6 +7,7 @@ mod crowd;
 mod door_passage;
 mod free_path;
 mod free_space;
+mod goals;
 mod held_up;
 mod orca;
 mod places;
