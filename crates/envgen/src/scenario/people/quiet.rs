@@ -1,4 +1,4 @@
-//! People who need no decision for some ticks: who stand, and who walk straight on where nobody comes in their way.
+//! People who need no decision for some ticks: who stand, and who walk straight on while nobody is on a collision course with them.
 
 use glam::DVec2;
 
@@ -10,13 +10,13 @@ use crate::scenario::person::Task;
 use crate::scenario::{PERSON_RADIUS, TICK};
 
 impl Crowd {
-    /// Whether a person goes on in this tick whatever others do in it.
+    /// Whether a person continues in this tick, whatever others do in it.
     #[inline]
     pub(super) fn is_quiet(&self, i: usize, tick: u64) -> bool {
         tick < self.quiet_until[i]
     }
 
-    /// Lets a person who stands be until a tick.
+    /// Leaves a person who does not walk where it is until a tick.
     pub(super) fn rest(&mut self, i: usize, until: u64, around: &Surroundings<'_>) {
         if around.robots.is_empty() && self.people[i].velocity == DVec2::ZERO {
             self.quiet_until[i] = until;
@@ -78,7 +78,7 @@ impl Crowd {
                 return 0;
             }
         }
-        // Zones are wider than they need to be by more than a few steps: the ends tell of all between.
+        // Zones are wider than they need to be by more than a few steps: it is enough to look at the ends.
         if is_off_doors(&most) {
             most
         } else {
