@@ -177,10 +177,10 @@ impl FreeSpace {
             let is_known = room > self.frame.cell_size;
             along += if is_known { room } else { PIECE };
             let to = at(along);
-            if !is_known
-                && !(self.index.is_clear_along(from, to, needed)
-                    && self.leaves_are_off(needed, from, to))
-            {
+            let is_clear = is_known
+                || self.index.is_clear_along(from, to, needed)
+                    && self.leaves_are_off(needed, from, to);
+            if !is_clear {
                 return false;
             }
             if along >= length {
