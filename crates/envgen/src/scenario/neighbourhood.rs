@@ -79,11 +79,7 @@ impl Neighbourhood {
         for &cell in &cells {
             self.starts[cell] += 1;
         }
-        let mut end = 0;
-        for start in &mut self.starts {
-            end += *start;
-            *start = end;
-        }
+        counts_to_ends(&mut self.starts);
         // Filled from the back, each start moves from the end of its cell to its beginning.
         for (i, &cell) in cells.iter().enumerate().rev() {
             self.starts[cell] -= 1;
@@ -94,12 +90,8 @@ impl Neighbourhood {
         for &i in self.pairs.as_flattened() {
             self.list_starts[i as usize] += 1;
         }
-        let mut end = 0;
-        for start in &mut self.list_starts {
-            end += *start;
-            *start = end;
-        }
-        self.lists.resize(end as usize, 0);
+        counts_to_ends(&mut self.list_starts);
+        self.lists.resize(2 * self.pairs.len(), 0);
         for &[i, j] in self.pairs.iter().rev() {
             for (one, other) in [(i, j), (j, i)] {
                 let start = &mut self.list_starts[one as usize];
@@ -150,5 +142,14 @@ impl Neighbourhood {
         let cell = (p - self.frame.origin) / self.frame.cell_size;
         // Negative numbers and NaN become 0.
         ((cell.x as usize).min(self.frame.cols - 1), (cell.y as usize).min(self.frame.rows - 1))
+    }
+}
+
+/// Replaces the number of entries of each list by where the list ends, one after the other.
+fn counts_to_ends(counts: &mut [u32]) {
+    let mut end = 0;
+    for count in counts {
+        end += *count;
+        *count = end;
     }
 }
