@@ -30,26 +30,27 @@ pub(super) fn read<T: DeserializeOwned>(
     version: u32,
 ) -> Result<Option<T>, ExperimentError> {
     let content = |reason: String| ExperimentError::Content { path: path.to_owned(), reason };
-    let text = match std::fs::read(path) {
+    let text = match std::fs::read_to_string(path) {
         Ok(text) => text,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(source) => return Err(ExperimentError::File { path: path.to_owned(), source }),
     };
     let not = |error: serde_json::Error| content(format!("this is not {what}: {error}"));
-    let value: serde_json::Value = serde_json::from_slice(&text).map_err(not)?;
+    let value: serde_json::Value = serde_json::from_str(&text).map_err(not)?;
     // The version first: another one may have other fields.
     let found = value.get("version").and_then(serde_json::Value::as_u64);
     if let Some(found) = found.filter(|&found| found != u64::from(version)) {
         return Err(content(format!("{what} of version {found}, expected {version}")));
     }
-    serde_json::from_value(value).map(Some).map_err(not)
+    // From the text, as the records are: from the value, all of it would be compiled once more.
+    serde_json::from_str(&text).map(Some).map_err(not)
 }
 
 /// The first difference between the fields of two descriptions.
 pub(super) fn difference<T: Serialize>(found: &T, asked: &T) -> String {
-    let fields = |head: &T| match serde_json::to_value(head) {
-        Ok(serde_json::Value::Object(fields)) => fields,
-        _ => serde_json::Map::new(),
+    let fields = |head: &T| -> serde_json::Map<String, serde_json::Value> {
+        let text = serde_json::to_string(head);
+        text.and_then(|text| serde_json::from_str(&text)).unwrap_or_default()
     };
     let (found, asked) = (fields(found), fields(asked));
     let mut differ = found.iter().filter(|(name, value)| asked.get(*name) != Some(*value));
