@@ -49,7 +49,8 @@ pub(super) fn read<T: DeserializeOwned>(
 /// The first difference between the fields of two descriptions.
 pub(super) fn difference<T: Serialize>(found: &T, asked: &T) -> String {
     let fields = |head: &T| -> serde_json::Map<String, serde_json::Value> {
-        let text = serde_json::to_string(head);
+        // By the text that `write` writes: for the same reason as in `read`.
+        let text = serde_json::to_string_pretty(head);
         text.and_then(|text| serde_json::from_str(&text)).unwrap_or_default()
     };
     let (found, asked) = (fields(found), fields(asked));
