@@ -206,7 +206,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(100))]
+        #![proptest_config(ProptestConfig::with_cases(256))]
         #[test]
         fn what_has_room_to_spare_passes(
             shapes in shapes(),

@@ -25,7 +25,7 @@ use mapping_trial::slam::{Slam, SlamKind};
 
 /// Runs of each kind, and around the long loop, which is four times as long as the others.
 const SEEDS: u64 = 24;
-const LONG_SEEDS: u64 = 8;
+const LONG_SEEDS: u64 = 12;
 
 fn points(list: &[(f64, f64)]) -> Vec<DVec2> {
     list.iter().map(|&(x, y)| DVec2::new(x, y)).collect()
