@@ -4,7 +4,9 @@ use bevy::prelude::*;
 use bevy::sprite_render::AlphaMode2d;
 use envgen::scenario::PERSON_RADIUS;
 
-use super::{Drawing, Ink, LAYER, Palette, material};
+use super::drawing::Drawing;
+use super::ink::{Ink, LAYER, material};
+use super::palette::Palette;
 use crate::environment::Environment;
 use crate::part::PartOf;
 use crate::scenario::{DoorLeaf, Person, ScenarioRun, Smoke};
