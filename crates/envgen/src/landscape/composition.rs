@@ -1,5 +1,6 @@
 //! From an entropy to how many cells each class has.
 
+mod entropy_term;
 mod moves;
 mod partitions;
 
@@ -242,11 +243,6 @@ fn fill_empty(counts: &mut [u32], floor: u32) {
         }
         counts.sort_unstable_by(|a, b| b.cmp(a));
     }
-}
-
-fn n_ln_n(n: u32) -> f64 {
-    let n = f64::from(n);
-    if n > 0.0 { n * libm::log(n) } else { 0.0 }
 }
 
 #[cfg(test)]

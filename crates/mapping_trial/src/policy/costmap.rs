@@ -5,44 +5,23 @@ mod class;
 mod node;
 mod row;
 mod table;
+mod tile;
 
 use glam::{DVec2, IVec2};
 
 pub use self::class::CellCost;
 pub use self::node::Node;
 use self::row::Row;
+use self::table::NONE;
+pub(super) use self::tile::{Bits, NODES, STEPS};
+pub use self::tile::{CELLS, SIDE};
+use self::tile::{Tile, Tiles};
 use super::inflation::{Inflation, LEVELS, MOST};
 use crate::map::{Cell, CellIndex, DECIDED, OccupancyMap, RESOLUTION, TILE};
 use crate::robot::Robot;
-use table::{NONE, Table};
-
-/// Planning cells along a side of a tile of the map: each holds 2 x 2 cells of the map.
-pub const CELLS: i32 = TILE / 2;
-
-/// Side of a planning cell in metres.
-pub const SIDE: f64 = 2.0 * RESOLUTION;
-
-/// Planning cells in a tile.
-pub(super) const NODES: usize = (CELLS * CELLS) as usize;
 
 /// Farthest in metres that the search of [`Costmap::is_occupied_within`] looks: bounds its work.
 const FARTHEST_LOOK: f64 = 20.0;
-
-/// No step at all, beside the eight of [`STEPS`].
-const HERE: usize = STEPS.len();
-
-/// The eight steps from a cell to its neighbours, counter-clockwise from +x; the odd ones are
-/// diagonal.
-pub(super) const STEPS: [IVec2; 8] = [
-    IVec2::new(1, 0),
-    IVec2::new(1, 1),
-    IVec2::new(0, 1),
-    IVec2::new(-1, 1),
-    IVec2::new(-1, 0),
-    IVec2::new(-1, -1),
-    IVec2::new(0, -1),
-    IVec2::new(1, -1),
-];
 
 /// Costs of planning cells, and frontier cells, tile by tile as in the map.
 ///
@@ -66,32 +45,12 @@ pub(super) const STEPS: [IVec2; 8] = [
 pub struct Costmap {
     inflation: Inflation,
     revision: u64,
-    table: Table,
-    tiles: Vec<Tile>,
+    tiles: Tiles,
     /// [`CellCost`] in the low three bits and the best of the four cells in the high four, per node.
     classes: Vec<u8>,
     /// Tiles whose frontier is to be derived again.
     stale: Vec<u32>,
 }
-
-#[derive(Clone, Debug)]
-struct Tile {
-    at: IVec2,
-    /// Slots of the neighbouring tiles, in the order of [`STEPS`].
-    around: [u32; 8],
-    /// A bit for each occupied cell, column 0 lowest, row by row from below.
-    occupied: Bits,
-    free: Bits,
-    /// Cells where water was seen, which no map of walls shows.
-    water: Bits,
-    frontier: Bits,
-    /// Whether any cell is occupied.
-    has_occupied: bool,
-    stale_classes: bool,
-    stale_frontier: bool,
-}
-
-pub(super) type Bits = [u32; TILE as usize];
 
 impl Costmap {
     /// An unknown costmap for robots of this size.
@@ -106,8 +65,7 @@ impl Costmap {
         Costmap {
             inflation: Inflation::of(robot),
             revision: 0,
-            table: Table::default(),
-            tiles: Vec::new(),
+            tiles: Tiles::default(),
             classes: Vec::new(),
             stale: Vec::new(),
         }
@@ -116,7 +74,7 @@ impl Costmap {
     /// From now on costs are those for a robot of another circumscribed radius in metres.
     pub(super) fn set_radius(&mut self, radius: f64) {
         self.inflation = Inflation::of_radius(radius);
-        for tile in &mut self.tiles {
+        for tile in self.tiles.iter_mut() {
             tile.stale_classes = true;
         }
     }
@@ -160,7 +118,7 @@ impl Costmap {
     pub fn cell(&self, index: CellIndex) -> Cell {
         let side = IVec2::splat(TILE);
         let index = IVec2::new(index.col, index.row);
-        let Some(slot) = self.table.get(index.div_euclid(side)) else { return Cell::Unknown };
+        let Some(slot) = self.tiles.slot_of(index.div_euclid(side)) else { return Cell::Unknown };
         let cell = index.rem_euclid(side);
         let tile = &self.tiles[slot as usize];
         if tile.occupied[cell.y as usize] >> cell.x & 1 == 1 {
@@ -179,7 +137,7 @@ impl Costmap {
         let index = CellIndex::of(p);
         let index = IVec2::new(index.col, index.row);
         // Water beyond the map is seen again when the map reaches it.
-        let Some(slot) = self.table.get(index.div_euclid(side)) else { return };
+        let Some(slot) = self.tiles.slot_of(index.div_euclid(side)) else { return };
         let cell = index.rem_euclid(side);
         let tile = &mut self.tiles[slot as usize];
         let bit = 1 << cell.x;
@@ -200,8 +158,8 @@ impl Costmap {
         let side = IVec2::splat(TILE);
         let index = IVec2::new(index.col, index.row);
         let cell = index.rem_euclid(side);
-        self.table
-            .get(index.div_euclid(side))
+        self.tiles
+            .slot_of(index.div_euclid(side))
             .is_some_and(|slot| self.tiles[slot as usize].water[cell.y as usize] >> cell.x & 1 == 1)
     }
 
@@ -210,8 +168,8 @@ impl Costmap {
         let side = IVec2::splat(TILE);
         let index = IVec2::new(index.col, index.row);
         let cell = index.rem_euclid(side);
-        self.table
-            .get(index.div_euclid(side))
+        self.tiles
+            .slot_of(index.div_euclid(side))
             .is_some_and(|slot| self.frontier(slot as usize)[cell.y as usize] >> cell.x & 1 == 1)
     }
 
@@ -225,7 +183,7 @@ impl Costmap {
         let is_occupied = |at: IVec2| {
             let middle = (at.as_dvec2() + 0.5) * tile;
             middle.distance(p) <= distance
-                && self.table.get(at).is_some_and(|slot| self.tiles[slot as usize].has_occupied)
+                && self.tiles.slot_of(at).is_some_and(|slot| self.tiles[slot as usize].has_occupied)
         };
         // Mostly a wall is near.
         is_occupied((p / tile).floor().as_ivec2())
@@ -253,7 +211,7 @@ impl Costmap {
     pub fn node_at(&self, p: DVec2) -> Option<Node> {
         let cell = cell_of(p);
         let side = IVec2::splat(CELLS);
-        let slot = self.table.get(cell.div_euclid(side))?;
+        let slot = self.tiles.slot_of(cell.div_euclid(side))?;
         Some(Node::at(slot as usize, cell.rem_euclid(side)))
     }
 
@@ -325,31 +283,12 @@ impl Costmap {
     }
 
     fn slot_or_new(&mut self, at: IVec2) -> usize {
-        if let Some(slot) = self.table.get(at) {
+        if let Some(slot) = self.tiles.slot_of(at) {
             return slot as usize;
         }
-        let slot = self.tiles.len() as u32;
-        self.table.set(at, slot);
-        let around = STEPS.map(|step| self.table.get(at + step).unwrap_or(NONE));
-        for (direction, &other) in around.iter().enumerate() {
-            if other != NONE {
-                self.tiles[other as usize].around[(direction + 4) % 8] = slot;
-            }
-        }
-        let empty = [0; TILE as usize];
-        self.tiles.push(Tile {
-            at,
-            around,
-            occupied: empty,
-            free: empty,
-            water: empty,
-            frontier: empty,
-            has_occupied: false,
-            stale_classes: true,
-            stale_frontier: false,
-        });
+        let slot = self.tiles.add(at);
         self.classes.resize(self.classes.len() + NODES, CellCost::Unknown as u8);
-        slot as usize
+        slot
     }
 
     /// Sets a tile's cells, and marks what depends on those that changed.
@@ -405,7 +344,7 @@ impl Costmap {
         let at = self.tiles[slot].at;
         for y in -2..=2 {
             for x in -2..=2 {
-                if let Some(slot) = self.table.get(at + IVec2::new(x, y)) {
+                if let Some(slot) = self.tiles.slot_of(at + IVec2::new(x, y)) {
                     self.tiles[slot as usize].stale_classes = true;
                 }
             }
@@ -427,7 +366,7 @@ impl Costmap {
         let wide = |bits: u64| (bits & bits << 1 & bits >> 1, bits | bits << 1 | bits >> 1);
         // From three rows below the tile to three above it.
         let unknown: [u64; ROWS] = std::array::from_fn(|row| {
-            self.wide_row(slot, row as i32 - 3, u32::MAX, |tile, row| {
+            self.tiles.wide_row(slot, row as i32 - 3, u32::MAX, |tile, row| {
                 !(tile.free[row] | tile.occupied[row])
             })
         });
@@ -463,7 +402,7 @@ impl Costmap {
         let Inflation { margin, half_widths, .. } = &self.inflation;
         let mut near = [[0_u32; TILE as usize]; LEVELS];
         for row in -margin..TILE + margin {
-            let mut bits = R::solid(self, slot, row);
+            let mut bits = R::solid(&self.tiles, slot, row);
             if bits == R::default() {
                 continue;
             }
@@ -529,32 +468,6 @@ impl Costmap {
                 };
             }
         }
-    }
-
-    /// A row of a tile with 16 columns of the tiles on either side; rows below 0 and over the last
-    /// are those of the tiles below and above.
-    #[inline]
-    fn wide_row(
-        &self,
-        slot: usize,
-        row: i32,
-        missing: u32,
-        of: impl Fn(&Tile, usize) -> u32,
-    ) -> u64 {
-        let tile = &self.tiles[slot];
-        let directions = if row < 0 {
-            [5, 6, 7]
-        } else if row >= TILE {
-            [3, 2, 1]
-        } else {
-            [4, HERE, 0]
-        };
-        let row = row.rem_euclid(TILE) as usize;
-        let [left, middle, right] = directions.map(|direction| match tile.around.get(direction) {
-            None => of(tile, row),
-            Some(&slot) => self.tiles.get(slot as usize).map_or(missing, |tile| of(tile, row)),
-        });
-        u64::from(left >> 16) | u64::from(middle) << 16 | u64::from(right & 0xffff) << 48
     }
 }
 

@@ -1,6 +1,6 @@
 //! Moves of cells between classes that bring the entropy nearer to its target.
 
-use super::n_ln_n;
+use super::entropy_term::n_ln_n;
 
 /// What the `n`-th cell of a class adds to the sum of n ln n; rises with `n`.
 fn marginal(n: u32) -> f64 {

@@ -1,6 +1,6 @@
 //! Every partition of a few cells among the classes.
 
-use super::n_ln_n;
+use super::entropy_term::n_ln_n;
 
 /// At most this many partitions of the cells are tried one by one.
 pub(super) const EXHAUSTIVE: u64 = 1 << 19;

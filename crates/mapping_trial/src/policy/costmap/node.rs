@@ -2,7 +2,7 @@
 
 use glam::IVec2;
 
-use super::{CELLS, NODES, STEPS};
+use super::tile::{CELLS, NODES, STEPS};
 
 /// What the eight steps add to the number of a node, within a tile.
 const OFFSETS: [i32; STEPS.len()] = {

@@ -2,7 +2,7 @@
 
 use glam::IVec2;
 
-use super::{Costmap, Tile};
+use super::tile::{Tile, Tiles};
 use crate::map::TILE;
 
 /// A row of a tile with [`Row::SIDE`] columns on either side.
@@ -12,7 +12,7 @@ pub(super) trait Row: Copy + Default + Eq {
 
     /// The occupied cells, and water, in a row of a tile: rows below 0 and over the last are those of
     /// the tiles below and above.
-    fn solid(costmap: &Costmap, slot: usize, row: i32) -> Self;
+    fn solid(tiles: &Tiles, slot: usize, row: i32) -> Self;
 
     /// The tile's own columns.
     fn middle(self) -> u32;
@@ -30,8 +30,8 @@ impl Row for u64 {
     const SIDE: i32 = 16;
 
     #[inline]
-    fn solid(costmap: &Costmap, slot: usize, row: i32) -> Self {
-        costmap.wide_row(slot, row, 0, solid)
+    fn solid(tiles: &Tiles, slot: usize, row: i32) -> Self {
+        tiles.wide_row(slot, row, 0, solid)
     }
 
     #[inline]
@@ -49,13 +49,13 @@ impl Row for u64 {
 impl Row for u128 {
     const SIDE: i32 = 48;
 
-    fn solid(costmap: &Costmap, slot: usize, row: i32) -> Self {
-        let at = costmap.tiles[slot].at;
+    fn solid(tiles: &Tiles, slot: usize, row: i32) -> Self {
+        let at = tiles[slot].at;
         let (up, row) = (row.div_euclid(TILE), row.rem_euclid(TILE) as usize);
         let mut bits = 0;
         for right in -2..=2 {
-            let Some(slot) = costmap.table.get(at + IVec2::new(right, up)) else { continue };
-            let columns = u128::from(solid(&costmap.tiles[slot as usize], row));
+            let Some(slot) = tiles.slot_of(at + IVec2::new(right, up)) else { continue };
+            let columns = u128::from(solid(&tiles[slot as usize], row));
             let shift = TILE * right + u128::SIDE;
             bits |= if shift < 0 { columns >> -shift } else { columns << shift };
         }
