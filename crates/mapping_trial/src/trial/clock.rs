@@ -1,4 +1,5 @@
-//! The clock of a trial.
+//! The clock of a trial: it counts ticks of [`TICK`], the time step of every backend. The time limit is a setting, which
+//! the trial compares with the time that its backend observes.
 
 use crate::backend::TICK;
 

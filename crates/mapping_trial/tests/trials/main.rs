@@ -4,6 +4,7 @@ mod drive;
 mod empty_room;
 mod exact;
 mod golden;
+mod loop_closing;
 mod navigation;
 mod operators;
 mod robots;

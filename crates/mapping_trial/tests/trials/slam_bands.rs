@@ -23,9 +23,8 @@ use mapping_trial::lidar::LaserProfile;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::slam::{Slam, SlamKind};
 
-/// Runs of each kind, and around the long loop, which is four times as long as the others.
+/// Runs of each kind.
 const SEEDS: u64 = 24;
-const LONG_SEEDS: u64 = 12;
 
 fn points(list: &[(f64, f64)]) -> Vec<DVec2> {
     list.iter().map(|&(x, y)| DVec2::new(x, y)).collect()
@@ -37,7 +36,7 @@ fn long_range() -> LaserProfile {
 
 /// A corridor of 2 m around a block, `width` x `height` metres over all; with door frames 0.12 m
 /// deep, 1 m wide and 5 m apart on both sides.
-fn corridor_loop(width: f64, height: f64, with_frames: bool) -> Vec<Rect> {
+pub(crate) fn corridor_loop(width: f64, height: f64, with_frames: bool) -> Vec<Rect> {
     let mut walls = frame(0.0, 0.0, width, height);
     walls.push(rect(2.0, 2.0, width - 2.0, height - 2.0));
     let mut jambs = |length: f64, place: &dyn Fn(f64, f64, f64) -> [Rect; 4]| {
@@ -58,7 +57,7 @@ fn corridor_loop(width: f64, height: f64, with_frames: bool) -> Vec<Rect> {
 }
 
 /// Once around, and 5 m on.
-fn around(width: f64, height: f64, on: f64) -> Vec<DVec2> {
+pub(crate) fn around(width: f64, height: f64, on: f64) -> Vec<DVec2> {
     let (right, top) = (width - 1.0, height - 1.0);
     points(&[(4.0, 1.0), (right, 1.0), (right, top), (1.0, top), (1.0, 1.0), (4.0 + on, 1.0)])
 }
@@ -118,7 +117,7 @@ fn gap(recording: &Recording, slam: &dyn Slam) -> f64 {
 }
 
 /// The median of some numbers.
-fn median(values: &[f64]) -> f64 {
+pub(crate) fn median(values: &[f64]) -> f64 {
     let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
     let half = values.len() / 2;
@@ -128,12 +127,12 @@ fn median(values: &[f64]) -> f64 {
 /// Of one kind of estimator, the error of the trajectory and the gap where it ends, in metres, for
 /// every seed.
 #[derive(Debug, Default)]
-struct Errors {
-    errors: Vec<f64>,
-    gaps: Vec<f64>,
+pub(crate) struct Errors {
+    pub(crate) errors: Vec<f64>,
+    pub(crate) gaps: Vec<f64>,
 }
 
-fn errors(
+pub(crate) fn errors(
     (walls, path): (&[Rect], &[DVec2]),
     laser: &LaserProfile,
     kinds: &[SlamKind],
@@ -197,17 +196,4 @@ fn dead_ends_are_mapped_on_wheels_that_are_far_off() {
     let [wheels, matched] = [0, 1].map(|kind| median(&found[kind].errors));
     assert_band(matched, 0.04);
     assert!(wheels > 50.0 * matched, "{wheels} m, {matched} m");
-}
-
-/// Scan to map finds the old walls again where a loop comes back within its drift, which is nearly
-/// always; closing loops also mends the others, and is no worse where there is nothing to mend.
-#[test]
-fn loops_that_are_closed_always_come_back_to_the_old_walls() {
-    let (walls, path) = (corridor_loop(120.0, 80.0, true), around(120.0, 80.0, 20.0));
-    let kinds = [SlamKind::ScanToMap, SlamKind::PoseGraph];
-    let found = errors((&walls, &path), &LaserProfile::LMS200_MM, &kinds, LONG_SEEDS);
-    let [open, closed] = [0, 1].map(|kind| median(&found[kind].errors));
-    let [gap, mended] = [0, 1].map(|kind| found[kind].gaps.iter().copied().fold(0.0_f64, f64::max));
-    assert!(mended < 0.15 && mended < 0.5 * gap, "the worst gap of {gap} m became {mended} m");
-    assert!(closed < 1.1 * open, "an error of {open} m became {closed} m");
 }
