@@ -48,7 +48,7 @@ fn worlds_that_are_too_large_are_errors_at_once() {
     assert_eq!(error, DifficultyError::TooLarge { width: 2e8, height: 2e8 });
     assert_eq!(
         error.to_string(),
-        "the bounds of the world are 200000000 m x 200000000 m, expected at most 262144 cells of 5 m in them"
+        "the bounds of the world must hold at most 262144 cells of 5 m, got 200000000 m x 200000000 m"
     );
 }
 

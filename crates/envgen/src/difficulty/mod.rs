@@ -94,8 +94,7 @@ pub enum DifficultyError {
     Size(#[from] OccupancyError),
     /// The world is too large for cells of [`MAX_CELL`].
     #[error(
-        "the bounds of the world are {width} m x {height} m, expected at most {MAX_CELLS} cells of \
-         {MAX_CELL} m in them"
+        "the bounds of the world must hold at most {MAX_CELLS} cells of {MAX_CELL} m, got {width} m x {height} m"
     )]
     TooLarge {
         /// Their width in metres.
@@ -105,13 +104,12 @@ pub enum DifficultyError {
     },
     /// So many solids are near each other that the clearances take over [`MAX_READS`] distances to solids.
     #[error(
-        "the solids of the world are too dense, expected clearances that take at most {MAX_READS} \
-         distances to solids"
+        "the solids of the world are too dense: their clearances must take at most {MAX_READS} distances to solids"
     )]
     TooDense,
     /// The robot does not fit at the start.
     #[error(
-        "`start` is ({x}, {y}) m, expected ground to drive on with {radius} m of free ground all around"
+        "`start` must be on ground to drive on with {radius} m of free ground all around, got ({x}, {y}) m"
     )]
     Start {
         /// Its x in metres.

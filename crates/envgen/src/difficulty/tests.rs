@@ -354,7 +354,7 @@ fn robots_that_fit_nowhere_are_errors() {
     let error = DifficultyVector::of(&world, &Platform::default()).expect_err("in the wall");
     assert_eq!(
         error.to_string(),
-        "`start` is (0.2, 2.5) m, expected ground to drive on with 0.36 m of free ground all around"
+        "`start` must be on ground to drive on with 0.36 m of free ground all around, got (0.2, 2.5) m"
     );
     let mut narrow = hall(5.0, 0.6, Pose::new(2.0, 0.3, 0.0), &[]);
     narrow.start = None;

@@ -40,7 +40,7 @@ pub enum ForestError {
         distance: f64,
     },
     /// A density function gave a value outside of its own limits.
-    #[error("the density at ({x}, {y}) is {value}, expected a number from 0 to {max}")]
+    #[error("the density at ({x}, {y}) must be a number from 0 to {max}, got {value}")]
     Density {
         /// Where, in metres.
         x: f64,

@@ -35,7 +35,7 @@ pub enum ImageError {
         allowed: String,
     },
     /// There are no pixels, or too many.
-    #[error("{width} x {height} pixels, expected from 1 to {MAX_CELLS}")]
+    #[error("the image must have from 1 to {MAX_CELLS} pixels, got {width} x {height}")]
     Size {
         /// Columns.
         width: u64,
@@ -53,7 +53,7 @@ pub enum ImageError {
         unit: &'static str,
     },
     /// A value of the PGM is not a number, or above the greatest value.
-    #[error("pixel {pixel} of the PGM is {value}, expected from 0 to {greatest}")]
+    #[error("pixel {pixel} of the PGM must be from 0 to {greatest}, got {value}")]
     Value {
         /// The pixel, counted from 0 row by row from the top.
         pixel: u64,
@@ -246,18 +246,18 @@ mod tests {
                 b"P5 2 2 65536 \x00\x00\x00\x00",
                 "`maxval` of the PGM header must be from 1 to 65535, got 65536",
             ),
-            (b"P5 0 2 255 ", "0 x 2 pixels, expected from 1"),
+            (b"P5 0 2 255 ", "pixels, got 0 x 2"),
             (b"P5 4294967296 4294967296 255 ", "4294967296 x 4294967296 pixels"),
             (b"P5 99999999 1 255 ", "99999999 x 1 pixels"),
             (b"P5 2 2 255 \x00\x00\x00", "must hold 4 bytes of pixels by its header, got 3"),
             (b"P5 2 2 256 \x00\x00\x00\x00", "must hold 8 bytes of pixels by its header, got 4"),
             (b"P5 2 1 255 \x00\x00\x00", "must hold 2 bytes of pixels by its header, got 3"),
-            (b"P5 2 1 200 \x00\xc9", "pixel 1 of the PGM is 201, expected from 0 to 200"),
+            (b"P5 2 1 200 \x00\xc9", "pixel 1 of the PGM must be from 0 to 200, got 201"),
             (b"P2 2 1 9 1", "must hold 2 numbers by its header, got 1"),
             (b"P2 2 1 9 1 2 3", "must hold 2 numbers by its header, got 3"),
             (b"P2 8000 8000 9 1", "must hold 64000000 numbers by its header, got 1"),
             (b"P2 2 1 9 1 x", "pixel 1 of the PGM is x"),
-            (b"P2 2 1 9 1 10", "pixel 1 of the PGM is 10, expected from 0 to 9"),
+            (b"P2 2 1 9 1 10", "pixel 1 of the PGM must be from 0 to 9, got 10"),
             (b"P2 2 1 9 1 NaN", "pixel 1 of the PGM is NaN"),
         ] {
             let error = greys(bytes).unwrap_err();

@@ -94,7 +94,7 @@ pub enum TrialError {
         found: u32,
     },
     /// A log's world is not the one in which it was made.
-    #[error("the world has digest {found}, expected the log's digest {logged}")]
+    #[error("the world must have the log's digest {logged}, got {found}")]
     OtherWorld {
         /// Digest in the log.
         logged: String,

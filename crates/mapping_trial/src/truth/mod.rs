@@ -71,8 +71,8 @@ pub enum MappableAreaError {
     NoStart,
     /// The robot does not fit at the start.
     #[error(
-        "`start` is ({x}, {y}) m, expected ground to drive on with {radius} m \
-         of free ground all around"
+        "`start` must be on ground to drive on with {radius} m of free ground all around, \
+         got ({x}, {y}) m"
     )]
     Start {
         /// Its x in metres.

@@ -99,7 +99,7 @@ fn a_world_that_cannot_be_mapped_says_why() {
     world.start = Some(Pose::new(0.3, 2.0, 0.0));
     assert!(matches!(error(&world), MappableAreaError::Start { .. }));
     let text = error(&world).to_string();
-    assert!(text.contains("`start` is (0.3, 2) m") && text.contains("0.36 m"), "{text}");
+    assert!(text.contains("got (0.3, 2) m") && text.contains("0.36 m"), "{text}");
     world.start = Some(Pose::new(-0.1, 2.0, 0.0));
     assert!(matches!(error(&world), MappableAreaError::World(Violation::Blocked { .. })));
     world.start = Some(Pose::new(1.0, 1.9, 0.0));

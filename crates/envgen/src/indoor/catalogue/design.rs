@@ -91,7 +91,9 @@ pub enum RoomError {
     #[error("a room has no name")]
     Unnamed,
     /// Width or height is out of range.
-    #[error("room `{name}` is {width} by {height} cells, expected 1 to {MAX_ROOM_SIZE} each")]
+    #[error(
+        "width and height of room `{name}` must be 1 to {MAX_ROOM_SIZE} cells, got {width} by {height}"
+    )]
     Size {
         /// The room.
         name: String,
@@ -101,7 +103,7 @@ pub enum RoomError {
         height: u32,
     },
     /// The difficulty is out of range or not a number.
-    #[error("room `{name}` has difficulty {difficulty}, expected 0 to 10")]
+    #[error("`difficulty` of room `{name}` must be a number from 0 to 10, got {difficulty}")]
     Difficulty {
         /// The room.
         name: String,
@@ -132,7 +134,7 @@ pub enum RoomError {
         height: f64,
     },
     /// There are too many parts in the room.
-    #[error("room `{name}` holds {count} parts, expected at most {MAX_ROOM_PARTS}")]
+    #[error("room `{name}` must hold at most {MAX_ROOM_PARTS} parts, got {count}")]
     TooMany {
         /// The room.
         name: String,

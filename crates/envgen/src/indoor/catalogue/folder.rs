@@ -38,7 +38,7 @@ pub enum FolderError {
         source: Box<ron::error::SpannedError>,
     },
     /// A file is too long for a room.
-    #[error("{path} has {bytes} bytes, expected at most {MAX_FILE}")]
+    #[error("{path} must have at most {MAX_FILE} bytes, got {bytes}")]
     TooLong {
         /// The file.
         path: PathBuf,

@@ -30,7 +30,7 @@ pub enum CatalogueError {
     #[error("there are two rooms with the name `{0}`")]
     Duplicate(String),
     /// There are no rooms, or too many.
-    #[error("the catalogue has {0} rooms, expected 1 to {MAX_ROOMS}")]
+    #[error("the catalogue must have 1 to {MAX_ROOMS} rooms, got {0}")]
     Count(usize),
 }
 

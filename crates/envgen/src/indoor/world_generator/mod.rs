@@ -34,7 +34,7 @@ pub const MAX_TEXT: usize = 64 << 20;
 #[non_exhaustive]
 pub enum WorldGeneratorError {
     /// The text is longer than any file of the tool.
-    #[error("the text has {0} bytes, expected at most {MAX_TEXT}")]
+    #[error("the text must have at most {MAX_TEXT} bytes, got {0}")]
     TooLong(usize),
     /// The text is not well-formed XML, or ends early.
     #[error("not XML at byte {position}: {reason}")]
