@@ -17,7 +17,8 @@ use crate::geometry::Rect;
 use crate::seed::{Seed, Stream};
 
 /// Random sequential addition jams at intensity x distance^2 = 0.6967 (coverage 0.547 by discs of
-/// that diameter: E. L. Hinrichsen, J. Feder and T. Jossang, Physical Review A 41, 1990), and its time
+/// that diameter: E. L. Hinrichsen, J. Feder and T. Jossang, Physical Review A 41, 1990,
+/// <https://doi.org/10.1103/PhysRevA.41.4199>), and its time
 /// grows without bound near there: up to 0.65 it ends in reasonable time.
 const FILLING_LIMIT: f64 = 0.65;
 

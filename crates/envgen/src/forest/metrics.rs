@@ -16,7 +16,8 @@ use crate::world::Tree;
 
 /// Discs of equal radius r and intensity lambda percolate at lambda pi r^2 = 1.128: beyond, they
 /// form a cluster without end (J. Quintanilla, S. Torquato and R. M. Ziff, Efficient measurement of
-/// the percolation threshold for fully penetrable discs, J. Phys. A 33, 2000).
+/// the percolation threshold for fully penetrable discs, J. Phys. A 33, 2000,
+/// <https://doi.org/10.1088/0305-4470/33/42/104>).
 pub const PERCOLATION_THRESHOLD: f64 = 1.128;
 
 /// The cover is measured on a raster of about this many cells along the longer side.

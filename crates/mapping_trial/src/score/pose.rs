@@ -46,7 +46,7 @@ pub(super) fn absolute(tracks: &[TrajectoryPair<'_>]) -> f64 {
 /// Root mean squares of the errors of relations between poses that are `length` metres of true path
 /// apart: of the position in metres and of the heading in radians, over all robots. `None` if no
 /// robot drove that far. (Kuemmerle et al., On measuring the accuracy of SLAM algorithms, Autonomous
-/// Robots 27, 2009.)
+/// Robots 27, 2009, <https://doi.org/10.1007/s10514-009-9155-6>.)
 pub(super) fn relative(tracks: &[TrajectoryPair<'_>], length: f64) -> Option<(f64, f64)> {
     let (mut positions, mut headings) = (Rms::default(), Rms::default());
     for track in tracks {

@@ -116,7 +116,8 @@ enum Aim {
 /// The best value in a disc and in all half-planes; otherwise the first half-plane that leaves no value,
 /// and the best value for those before.
 ///
-/// Incremental, as in M. de Berg et al., Computational Geometry, 2008, section 4.3, in the given order.
+/// Incremental, as in M. de Berg et al., Computational Geometry, 2008, section 4.3,
+/// <https://doi.org/10.1007/978-3-540-77974-2>, in the given order.
 fn nearest(planes: &[HalfPlane], radius: f64, aim: Aim) -> Result<DVec2, (usize, DVec2)> {
     let mut best = match aim {
         Aim::Far(direction) => direction * radius,

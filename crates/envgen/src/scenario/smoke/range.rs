@@ -3,7 +3,7 @@
 /// Lambert's W: the solution w >= 0 of w exp(w) = x, for x >= 0; NaN for other numbers.
 ///
 /// Halley's iteration (R. M. Corless et al., On the Lambert W function, Advances in Computational
-/// Mathematics 5, 1996, section 5), from above, where it converges for every x.
+/// Mathematics 5, 1996, section 5, <https://doi.org/10.1007/BF02124750>), from above, where it converges for every x.
 ///
 /// ```
 /// use envgen::scenario::smoke::lambert_w;
