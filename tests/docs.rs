@@ -327,7 +327,7 @@ fn sources_below(folder: &Path) -> Vec<PathBuf> {
     sources
 }
 
-/// What a line of Rust says in English: its comment, or the texts between quotation marks.
+/// What a line of Rust says in English: its comment, or the texts between quotation marks and the name of its function.
 fn comments_and_strings(line: &str) -> Cow<'_, str> {
     let line = line.trim_start();
     if line.starts_with("//") {
@@ -335,8 +335,14 @@ fn comments_and_strings(line: &str) -> Cow<'_, str> {
     }
     let (code, comment) = line.split_once(" // ").unwrap_or((line, ""));
     let code = code.replace("'\"'", "").replace("\\\"", "");
-    let texts: Vec<&str> = code.split('"').skip(1).step_by(2).chain([comment]).collect();
-    Cow::Owned(texts.join(" ").trim().to_owned())
+    let name = match code.split_once("fn ") {
+        Some((before, name)) if !before.contains('"') => name.split(['(', '<']).next(),
+        _ => None,
+    };
+    let name = name.unwrap_or_default().replace('_', " ");
+    let texts = code.split('"').skip(1).step_by(2).chain([name.as_str(), comment]);
+    let texts: Vec<&str> = texts.map(str::trim).filter(|text| !text.is_empty()).collect();
+    Cow::Owned(texts.join(" "))
 }
 
 #[test]
@@ -382,5 +388,6 @@ fn wrong_words_are_noticed() {
     let line = r#"fail("no way", way, '"', "a \"told\" one"); // anew"#;
     assert_eq!(comments_and_strings(line), "no way a told one anew");
     assert_eq!(comments_and_strings("    let way = 1;"), "");
+    assert_eq!(comments_and_strings("    pub fn begins_anew<T>(way: T) {"), "begins anew");
     assert!(wrong_words("A wayward gateway, `way` and always a half-way house.").is_empty());
 }

@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn every_part_stands_in_one_tile_that_reaches_around_it() {
+    fn every_part_is_in_one_tile_that_reaches_around_it() {
         for &kind in WorldKind::ALL {
             let world = world(kind, 1);
             for tile in [None, Some(0.7), Some(8.0), Some(1e5)] {

@@ -97,7 +97,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn far_cells_are_as_far_as_can_be_told() {
+    fn far_cells_are_as_far_as_can_be_represented() {
         let mut marked = vec![false; 600];
         assert!(squared_distances(600, &marked).iter().all(|&d| d == FAR_SQUARED));
         marked[0] = true;

@@ -79,7 +79,7 @@ fn doorways_of_another_height_are_promised() {
 }
 
 #[test]
-fn a_wall_that_stands_askew_is_decided() {
+fn a_wall_at_an_angle_is_decided() {
     for footprint in [0.01, 0.1, 0.36] {
         let mut world = indoor(footprint);
         for turned in (0..world.walls.len()).step_by(5) {

@@ -91,7 +91,7 @@ fn sampled_lines_have_the_difficulty_that_is_shown_of_the_file() {
     let wide = ["--platform", "circumscribed_radius=2"];
     let output = run(&[&inspect[..], &wide].concat());
     let note = String::from_utf8(output.stderr).unwrap();
-    assert!(note.contains("no difficulty: `start` is ("), "{note}");
+    assert!(note.contains("no difficulty: `start` must be on ground"), "{note}");
     let shown: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(shown["difficulty"], Value::Null);
 
@@ -449,7 +449,7 @@ fn bad_arguments_are_exit_code_two_and_leave_nothing() {
 }
 
 #[test]
-fn what_fails_on_the_way_is_exit_code_one_and_leaves_nothing() {
+fn what_fails_later_is_exit_code_one_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (code, text) =

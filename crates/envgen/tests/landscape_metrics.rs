@@ -206,7 +206,7 @@ fn check(raster: &ClassRaster) {
 }
 
 #[test]
-fn many_rasters_agree_with_the_slow_way() {
+fn many_rasters_agree_with_the_slow_method() {
     let mut stream = Seed(1).stream("rasters", 0);
     for (rows, cols, classes, holes) in [
         (12, 17, 3, 0.0),

@@ -342,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn tiles_tell_of_changes_and_of_being_forgotten() {
+    fn tiles_report_changes_and_being_forgotten() {
         let mut map = OccupancyMap::new();
         map.add(at(0, 0), HIT);
         map.add(at(100, 100), HIT);

@@ -12,7 +12,7 @@ use bevy_envgen::{EnvironmentError, MAX_PARTS, Tile};
 use super::spawned;
 
 /// The app still makes worlds, and rapier still steps.
-fn goes_on(app: &mut App) {
+fn continues_to_run(app: &mut App) {
     let root = spawn_ready(app, Environment::new(HallwaySpec::default(), 1)).unwrap();
     step(app, 3);
     assert!(in_rapier(app).0 > 10);
@@ -45,11 +45,11 @@ fn impossible_specs_are_events() {
         }
     }
     assert_eq!(spawned(&mut app), 0);
-    goes_on(&mut app);
+    continues_to_run(&mut app);
 }
 
 #[test]
-fn a_world_that_stands_survives_an_impossible_change() {
+fn a_spawned_world_survives_an_impossible_change() {
     let mut app = test_app();
     let root = spawn_ready(&mut app, hallway()).unwrap();
     let before = parts(&app, root);
@@ -86,7 +86,7 @@ fn two_environments_on_one_entity_leave_the_last() {
 }
 
 #[test]
-fn an_environment_below_another_stands_on_its_own() {
+fn an_environment_below_another_is_independent() {
     let mut app = test_app();
     let outer = spawn_ready(&mut app, hallway()).unwrap();
     let inner = app.world_mut().spawn((hallway(), ChildOf(outer))).id();
@@ -139,7 +139,7 @@ fn tiles_and_parts_that_a_user_despawns_are_no_trouble() {
     app.world_mut().trigger(RebuildEnvironment { entity: root });
     let nobody = app.world_mut().spawn_empty().id();
     app.world_mut().trigger(RebuildEnvironment { entity: nobody });
-    goes_on(&mut app);
+    continues_to_run(&mut app);
 }
 
 #[test]
@@ -203,7 +203,7 @@ fn transforms_that_cannot_carry_a_world_are_named_and_mended() {
         let root = app.world_mut().spawn((hallway(), ChildOf(above))).id();
         assert!(wait_until_ready(&mut app, root).is_err());
         app.world_mut().despawn(above);
-        goes_on(&mut app);
+        continues_to_run(&mut app);
     }
 }
 
@@ -256,7 +256,7 @@ fn streams_that_cannot_be_are_named() {
     let root = app.world_mut().spawn((forest().endless(10.0), around)).id();
     step(&mut app, 20);
     app.world_mut().despawn(root);
-    goes_on(&mut app);
+    continues_to_run(&mut app);
 }
 
 #[test]
@@ -274,5 +274,5 @@ fn broken_worlds_and_worlds_of_too_many_parts_are_refused() {
     let error = spawn_ready(&mut app, Environment::prebuilt(crowded)).unwrap_err();
     assert!(matches!(error, EnvironmentError::TooMany { .. }), "{error}");
     assert_eq!(spawned(&mut app), 0);
-    goes_on(&mut app);
+    continues_to_run(&mut app);
 }

@@ -178,7 +178,7 @@ fn nothing_is_left_of_a_scenario_that_is_gone() {
 }
 
 #[test]
-fn another_world_or_scenario_begins_anew() {
+fn another_world_or_scenario_starts_from_its_beginning() {
     #[derive(Resource, Default)]
     struct Heard(Vec<String>);
     let mut app = test_app();

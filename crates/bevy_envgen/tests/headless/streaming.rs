@@ -48,7 +48,7 @@ fn travel(app: &mut App, anchor: Entity, path: &[Vec2]) {
 }
 
 #[test]
-fn an_endless_forest_stands_around_its_anchor() {
+fn an_endless_forest_is_spawned_around_its_anchor() {
     for (min_distance, pace) in
         [(0.0, GenerationMode::Blocking), (1.5, GenerationMode::Auto), (1.5, GenerationMode::Async)]
     {
@@ -81,7 +81,7 @@ fn an_endless_forest_stands_around_its_anchor() {
 }
 
 #[test]
-fn what_stands_does_not_depend_on_the_way_travelled() {
+fn what_is_spawned_does_not_depend_on_the_path_travelled() {
     let zigzag: Vec<Vec2> =
         (0..90).map(|i| Vec2::new(i as f32 * 3.0, ((i % 7) * 9) as f32 - 30.0)).collect();
     let jump = [Vec2::new(-900.0, 400.0), Vec2::new(0.0, 5000.0)];

@@ -143,7 +143,7 @@ fn no_wall_is_driven_through() {
 }
 
 #[test]
-fn a_laser_sees_what_stands_there_and_no_sensor() {
+fn a_laser_sees_what_is_there_and_no_sensor() {
     let mut app = app(room(10.0, 10.0));
     let robot = robot(&mut app, 3.0, 5.0);
     let free = 10.0 - 3.0 - 0.21;

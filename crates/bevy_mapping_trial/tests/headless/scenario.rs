@@ -192,7 +192,7 @@ fn later_trials_in_an_app_begin_with_the_scenario_and_replay_too() {
 }
 
 #[test]
-fn another_scenario_begins_the_trial_anew() {
+fn another_scenario_restarts_the_trial() {
     let world = indoor();
     let mut app = app();
     let root = spawn(&mut app, &world, &of(&world, everything()));
@@ -211,7 +211,7 @@ fn another_scenario_begins_the_trial_anew() {
 }
 
 #[test]
-fn a_person_in_the_way_is_seen_stops_the_robot_and_is_one_hit() {
+fn a_person_on_the_path_is_seen_stops_the_robot_and_is_one_collision() {
     let world = hall();
     let mut scenario = of(&world, ScenarioSpec { waiting: 1e6, ..Default::default() });
     let (position, reaction) = (DVec2::new(5.0, 2.0), Reaction::Impassive);

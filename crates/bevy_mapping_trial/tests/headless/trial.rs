@@ -140,7 +140,7 @@ fn a_person_drives_and_stops_and_nothing_is_left() {
 }
 
 #[test]
-fn another_world_begins_the_trial_anew_and_despawn_leaves_nothing() {
+fn another_world_restarts_the_trial_and_despawn_leaves_nothing() {
     let mut app = app(20.0);
     listen(&mut app);
     let root = app.world_mut().spawn((environment(), MappingTrial::new(short(60.0)))).id();
@@ -158,7 +158,7 @@ fn another_world_begins_the_trial_anew_and_despawn_leaves_nothing() {
 }
 
 #[test]
-fn what_cannot_be_is_told() {
+fn what_cannot_be_is_reported() {
     let reported = |steps: f64, settings: TrialSettings| {
         let mut app = app(steps);
         listen(&mut app);

@@ -67,7 +67,7 @@ fn an_app_asks_for_pictures_of_its_cameras() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_told() {
+fn what_cannot_be_drawn_is_reported() {
     let mut studio = studio();
     let area = Rect::new(0.0, 0.0, 10.0, 10.0);
     for size in [UVec2::ZERO, UVec2::new(MAX_SIDE + 1, 10)] {

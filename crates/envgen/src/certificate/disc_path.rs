@@ -385,7 +385,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn gaps_are_told_from_walls_to_a_nanometre_in_large_worlds() {
+    fn gaps_differ_from_walls_to_a_nanometre_in_large_worlds() {
         let area = Rect::new(DVec2::splat(-1000.0), DVec2::splat(1000.0));
         let line = [DVec2::ZERO, DVec2::new(900.0, 321.0)];
         for radius in [1e-6, 1e-3, 0.5] {

@@ -394,7 +394,7 @@ mod tests {
     }
 
     #[test]
-    fn the_union_of_trunks_and_the_flood_agree_on_ways_through() {
+    fn the_union_of_trunks_and_the_flood_agree_on_paths_through() {
         // Below and above the percolation threshold.
         let mut crossings = 0;
         for seed in 0..30 {

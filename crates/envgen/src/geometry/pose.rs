@@ -141,7 +141,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn wrapped_angles_point_the_same_way() {
+    fn wrapped_angles_point_in_the_same_direction() {
         assert_eq!(wrap_angle(PI), PI);
         assert_eq!(wrap_angle(-PI), PI);
         assert!((wrap_angle(5.0 * PI) - PI).abs() < 1e-12);

@@ -118,9 +118,9 @@ impl Interior {
 ///
 /// # Panics
 /// As [`Interior::new`].
-pub fn narrowest_way(room: &RoomDesign, unit: f64, wall: f64, doorway: f64) -> f64 {
+pub fn narrowest_passage(room: &RoomDesign, unit: f64, wall: f64, doorway: f64) -> f64 {
     let field = Field::new(room, Dimensions { unit, wall, doorway, radius: 0.0 });
-    field.narrowest_way(room, 0.5 * doorway)
+    field.narrowest_passage(room, 0.5 * doorway)
 }
 
 /// The room without the contents that block a doorway in a side, `at` half cells from its left or upper
@@ -328,7 +328,7 @@ impl Field {
     }
 
     /// Joins samples in the order of falling clearance until the middles of all sides are connected.
-    fn narrowest_way(&self, room: &RoomDesign, half_doorway: f64) -> f64 {
+    fn narrowest_passage(&self, room: &RoomDesign, half_doorway: f64) -> f64 {
         let clearance: Vec<f64> = (0..self.contents.len())
             .map(|i| {
                 // In the strip behind a doorway the wall next to it does not count.
@@ -441,14 +441,14 @@ mod tests {
     }
 
     #[test]
-    fn the_narrowest_way_is_measured() {
+    fn the_narrowest_passage_is_measured() {
         // North lies in the middle of the long side: the path west passes the shelf.
         for width in [0.4, 0.6, 0.9, 1.2] {
             let room = room(&[block(1.6, 0.05 + width, 2.0, 2.95)]);
-            let measured = narrowest_way(&room, 3.0, 0.1, 0.94);
+            let measured = narrowest_passage(&room, 3.0, 0.1, 0.94);
             assert!((measured - width).abs() <= 2.0 * STEP, "{width}: {measured}");
         }
-        assert_eq!(narrowest_way(&room(&[block(1.6, 0.0, 2.0, 3.0)]), 3.0, 0.1, 0.94), 0.0);
+        assert_eq!(narrowest_passage(&room(&[block(1.6, 0.0, 2.0, 3.0)]), 3.0, 0.1, 0.94), 0.0);
     }
 
     #[test]
@@ -479,7 +479,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_is_in_a_doorways_way_goes() {
+    fn only_what_blocks_a_doorway_goes() {
         // The zone is 1.03 to 1.97 m from the left, and 0.55 m deep.
         let (zone, ahead) = (block(0.9, 0.3, 1.2, 0.5), block(1.4, 0.7, 1.6, 0.8));
         let (beside, behind) = (block(2.0, 0.1, 2.2, 0.3), block(1.4, 1.0, 1.6, 1.2));

@@ -57,7 +57,7 @@ pub use edit::{Edit, EditError, PlanEditor, PlanTarget};
 pub use error::IndoorError;
 pub use frame::DESIGN_UNIT;
 pub use grid::{Axis, Cell, Gate, Grid, Opening, Origin, Side, Sides};
-pub use interior::{DOORWAY_DEPTH, Interior, Part, Port, narrowest_way};
+pub use interior::{DOORWAY_DEPTH, Interior, Part, Port, narrowest_passage};
 pub use metrics::{CellCounts, IndoorMetrics};
 pub use placed_room::PlacedRoom;
 pub use request::Request;

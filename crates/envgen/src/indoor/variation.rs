@@ -9,7 +9,7 @@ use glam::DVec2;
 use super::catalogue::{RoomDesign, SharedRoom};
 use super::dimensions::{Dimensions, STEP};
 use super::grid::Side;
-use super::interior::{Interior, narrowest_way};
+use super::interior::{Interior, narrowest_passage};
 use crate::geometry::{Shape, unit_vector, wrap_angle};
 use crate::seed::Stream;
 
@@ -37,7 +37,7 @@ pub(super) struct Varied {
 type Draw<'a, E> = dyn Fn(&mut Stream) -> Result<f64, E> + 'a;
 
 /// Moves, turns, removes and doubles obstacles until the narrowest passage through the room, as
-/// [`narrowest_way`] measures it, is as near to `wanted` metres as 80 changes bring it. Walls stay.
+/// [`narrowest_passage`] measures it, is as near to `wanted` metres as 80 changes bring it. Walls stay.
 /// Doorways that were clear stay clear, no free space is cut off from the doorways, and no pocket is
 /// left between parts that the footprint just fits in. A room without obstacles stays as it is.
 ///
@@ -56,7 +56,7 @@ pub(super) fn vary<E>(
 ) -> Result<Varied, E> {
     assert!(wanted >= 0.0, "`wanted` is {wanted} m");
     let measure = |room: &RoomDesign| {
-        narrowest_way(room, dimensions.unit, dimensions.wall, dimensions.doorway)
+        narrowest_passage(room, dimensions.unit, dimensions.wall, dimensions.doorway)
     };
     let before = measure(room);
     let mut best = (room.clone(), before);

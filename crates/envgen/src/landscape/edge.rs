@@ -287,7 +287,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn counting_agrees_with_the_slow_way(
+        fn counting_agrees_with_the_slow_method(
             cells in prop::collection::vec(0_u16..4, 1..300), cols in 1_usize..40,
         ) {
             let whole = cells.len() / cols * cols;

@@ -251,7 +251,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn paths_and_fields_agree_with_the_slow_way(
+        fn paths_and_fields_agree_with_the_slow_method(
             rows in 1_u32..9, cols in 1_u32..9, seed: u64, eight: bool,
         ) {
             let mut stream = Seed(seed).stream("test", 0);

@@ -214,7 +214,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_swap_changes_the_count_as_foretold(
+        fn a_swap_changes_the_count_as_predicted(
             cells in prop::collection::vec(1_u16..4, 2..120), cols in 1_usize..12, seed: u64,
         ) {
             prop_assume!(cells.len() >= cols);

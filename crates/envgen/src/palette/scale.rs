@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn difficulties_darken_all_the_way() {
+    fn difficulties_darken_throughout() {
         let lightness: Vec<_> =
             (0..=100).map(|d| difficulty(f64::from(d) / 10.0).lightness()).collect();
         assert!(lightness.windows(2).all(|pair| pair[0] > pair[1]), "{lightness:?}");

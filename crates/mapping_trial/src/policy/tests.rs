@@ -147,7 +147,7 @@ proptest! {
 
     /// Both searches find what a simple one finds, and A* the same as Dijkstra.
     #[test]
-    fn ways_are_the_cheapest(seed in 0_u64..10_000, count in 1_u32..20) {
+    fn paths_are_the_cheapest(seed in 0_u64..10_000, count in 1_u32..20) {
         let (mut map, mut costmap) = (OccupancyMap::new(), Costmap::new(&Robot::default()));
         boxes(seed, count, &mut map, |_| ());
         costmap.refresh(&map);

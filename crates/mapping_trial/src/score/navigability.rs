@@ -221,7 +221,7 @@ mod tests {
 
     /// Robots drive into walls of the world that the map does not show: a map of free floor only.
     #[test]
-    fn ways_through_walls_do_not_arrive() {
+    fn paths_through_walls_do_not_arrive() {
         let truth = truth(&two_rooms());
         let mut map = OccupancyMap::new();
         for row in 0..160 {

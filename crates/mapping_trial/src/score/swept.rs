@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_person_who_stands_sweeps_a_disc() {
+    fn a_person_who_waits_sweeps_a_disc() {
         let world = HallwaySpec { segments: 1, pitch: 8.1, width: 8.0, ..Default::default() };
         let world = world.generate(Seed(1)).expect("a hallway").to_world();
         let mut scenario =

@@ -238,7 +238,7 @@ proptest! {
     }
 
     #[test]
-    fn no_way_leads_out_of_a_map(
+    fn no_path_leads_out_of_a_map(
         map in maps(),
         heading in -4.0..4.0_f64,
         unknown in prop::sample::select(vec![UnknownCells::Solid, UnknownCells::Free]),

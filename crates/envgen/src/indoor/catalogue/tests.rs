@@ -6,7 +6,7 @@ use super::*;
 use crate::geometry::Shape;
 use crate::indoor::dimensions::Dimensions;
 use crate::indoor::grid::Side;
-use crate::indoor::interior::{Interior, Port, narrowest_way};
+use crate::indoor::interior::{Interior, Port, narrowest_passage};
 use crate::indoor::variation::cut_off;
 use crate::world::{ObstacleKind, SurfaceKind};
 
@@ -42,7 +42,7 @@ fn room(name: &str) -> &'static SharedRoom {
 }
 
 fn width_of(name: &str) -> f64 {
-    narrowest_way(room(name), 3.0, 0.1, 0.94)
+    narrowest_passage(room(name), 3.0, 0.1, 0.94)
 }
 
 /// The place for a doorway in the middle of a side.
@@ -101,7 +101,7 @@ fn the_reception_has_plenty_of_space_around_it() {
 }
 
 #[test]
-fn ways_are_as_wide_as_the_paper_says() {
+fn rooms_leave_as_much_space_as_the_paper_says() {
     // Plenty of room to move; some space to move left; tricky, but not impossible; walkways of
     // reasonable size; a slight hindrance.
     assert!(width_of("warehouse") >= 1.2);

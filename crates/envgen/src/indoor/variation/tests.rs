@@ -32,7 +32,7 @@ fn rooms_come_near_the_wanted_width() {
         assert!(is <= 2.0 * STEP, "{name} to {wanted}: {} became {}", varied.before, varied.after);
         assert!(was > is);
         // What is reported is what the room has.
-        assert_eq!(narrowest_way(&varied.room, 3.0, 0.1, 0.94), varied.after);
+        assert_eq!(narrowest_passage(&varied.room, 3.0, 0.1, 0.94), varied.after);
         assert_eq!(varied.room.validate(), Ok(()));
         assert_eq!(varied.room.walls, room.walls);
         let interior = varied.room.interior(ROBOT);

@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn all_four_ways_agree_with_the_slow_one() {
+    fn all_four_methods_agree_with_the_slow_one() {
         let mut stream = Seed(1).stream("test", 0);
         for (rows, cols, classes, spread) in [
             (20, 30, 3, 1),

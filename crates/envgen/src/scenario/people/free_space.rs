@@ -28,6 +28,9 @@ const TOUCH: f64 = 0.002;
 /// Rounding changes a distance by less than this, in metres.
 pub(super) const ROUNDING: f64 = 1e-9;
 
+/// Rounding to `f32` changes the clearance of a cell by less than this, in metres.
+const CELL_ROUNDING: f64 = 1e-6;
+
 /// Near solids lines are looked at in pieces of this length in metres.
 const PIECE: f64 = 1.0;
 
@@ -196,7 +199,7 @@ impl FreeSpace {
     fn clearance_by_cell(&self, p: DVec2) -> f64 {
         let cell = self.frame.index_at(p);
         cell.map_or(0.0, |cell| {
-            self.cell_clearance(cell) - self.frame.center_of(cell).distance(p) - 1e-6
+            self.cell_clearance(cell) - self.frame.center_of(cell).distance(p) - CELL_ROUNDING
         })
     }
 
@@ -297,7 +300,7 @@ mod tests {
     use crate::{Blueprint, Seed, Spec};
 
     #[test]
-    fn what_cells_tell_of_lines_and_points_is_exact() {
+    fn what_cells_show_of_lines_and_points_is_exact() {
         let world = IndoorSpec::default().generate(Seed(7)).unwrap().to_world();
         let spec = ScenarioSpec { doors: 1.0, ..Default::default() };
         let doors = shapes(&world, &Scenario::new(&world, &spec, Seed(1)).unwrap().doors);
