@@ -122,7 +122,7 @@ fn a_spec_depends_on_the_rooms_that_it_names() {
     wait_for(&mut app, "the failure", |app| !app.world().resource::<Failures>().0.is_empty());
     let error = app.world().resource::<Failures>().0[0].to_string();
     assert!(error.contains("map.envgen.ron") && error.contains("cell.room.ron"), "{error}");
-    assert!(error.contains("by 2 cells"), "{error}");
+    assert!(error.contains("cells, got 0 by 2"), "{error}");
     assert!(!rooms(&app).is_empty());
 }
 

@@ -247,8 +247,8 @@ mod tests {
                 "`maxval` of the PGM header must be from 1 to 65535, got 65536",
             ),
             (b"P5 0 2 255 ", "pixels, got 0 x 2"),
-            (b"P5 4294967296 4294967296 255 ", "4294967296 x 4294967296 pixels"),
-            (b"P5 99999999 1 255 ", "99999999 x 1 pixels"),
+            (b"P5 4294967296 4294967296 255 ", "pixels, got 4294967296 x 4294967296"),
+            (b"P5 99999999 1 255 ", "pixels, got 99999999 x 1"),
             (b"P5 2 2 255 \x00\x00\x00", "must hold 4 bytes of pixels by its header, got 3"),
             (b"P5 2 2 256 \x00\x00\x00\x00", "must hold 8 bytes of pixels by its header, got 4"),
             (b"P5 2 1 255 \x00\x00\x00", "must hold 2 bytes of pixels by its header, got 3"),
@@ -256,9 +256,9 @@ mod tests {
             (b"P2 2 1 9 1", "must hold 2 numbers by its header, got 1"),
             (b"P2 2 1 9 1 2 3", "must hold 2 numbers by its header, got 3"),
             (b"P2 8000 8000 9 1", "must hold 64000000 numbers by its header, got 1"),
-            (b"P2 2 1 9 1 x", "pixel 1 of the PGM is x"),
+            (b"P2 2 1 9 1 x", "pixel 1 of the PGM must be from 0 to 9, got x"),
             (b"P2 2 1 9 1 10", "pixel 1 of the PGM must be from 0 to 9, got 10"),
-            (b"P2 2 1 9 1 NaN", "pixel 1 of the PGM is NaN"),
+            (b"P2 2 1 9 1 NaN", "pixel 1 of the PGM must be from 0 to 9, got NaN"),
         ] {
             let error = greys(bytes).unwrap_err();
             assert!(error.contains(what), "{}: {error}", String::from_utf8_lossy(bytes));

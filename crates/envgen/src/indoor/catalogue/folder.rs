@@ -171,13 +171,13 @@ mod tests {
     #[test]
     fn bad_files_are_named() {
         let error = |files: &[(&str, &str)]| read(files).unwrap_err();
-        assert!(error(&[]).contains("0 rooms"));
+        assert!(error(&[]).contains("rooms, got 0"));
         assert!(error(&[("a.room.ron", CELL), ("b.room.ron", CELL)]).contains("two rooms"));
         for (text, says) in [
             ("(name: \"cell\", width: -1, height: 1, difficulty: 3)", "1:24"),
             ("(name: \"cell\", width: 1, height: 1", "1:"),
             ("", "a.room.ron"),
-            ("(name: \"cell\", width: 0, height: 1, difficulty: 3)", "by 1 cells"),
+            ("(name: \"cell\", width: 0, height: 1, difficulty: 3)", "cells, got 0 by 1"),
             ("(name: \"cell\", width: 1, height: 1, difficulty: 3, color: 4)", "color"),
             (
                 "(name: \"cell\", width: 1, height: 1, difficulty: 3, obstacles: [(kind: desk, \
