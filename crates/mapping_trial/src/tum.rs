@@ -1,5 +1,6 @@
 //! Trajectories as text: the format of the RGB-D benchmark of TU Munich (Sturm et al., A benchmark for the evaluation
-//! of RGB-D SLAM systems, IROS 2012, <https://doi.org/10.1109/IROS.2012.6385773>), which SLAM programs write and `evo` reads.
+//! of RGB-D SLAM systems, IROS 2012, <https://doi.org/10.1109/IROS.2012.6385773>), which SLAM programs write and
+//! `evo` reads.
 //!
 //! A line is `t x y z qx qy qz qw`: seconds, metres and a unit quaternion; lines that begin with `#` are comments.
 

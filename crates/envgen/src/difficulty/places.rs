@@ -87,8 +87,8 @@ struct Graph {
 
 impl Graph {
     /// Floods the clearance from its maxima down (S. Beucher and C. Lantuejoul, Use of watersheds in contour
-    /// detection, 1979, <https://people.cmm.minesparis.psl.eu/users/beucher/publi/watershed.pdf>); basins that meet where the clearance has hardly fallen, or while they are small,
-    /// become one.
+    /// detection, 1979, <https://people.cmm.minesparis.psl.eu/users/beucher/publi/watershed.pdf>); basins that meet
+    /// where the clearance has hardly fallen, or while they are small, become one.
     fn new(space: &Space<'_>, by_clearance: &[usize]) -> Self {
         let least = (LEAST_PLACE / space.cell_area()).ceil() as usize;
         let none = usize::MAX;

@@ -226,7 +226,8 @@ impl RatingLink {
     ///
     /// The standard error is that of linear equating where the same worlds have both numbers and these are normal,
     /// `sd_R sqrt((1 - r) (2 + (1 + r) z^2) / n)` at z deviations from the mean rating (M. J. Kolen and R. L. Brennan,
-    /// *Test Equating, Scaling, and Linking*, chapter 7, <https://doi.org/10.1007/978-1-4939-0317-7>), with Student's quantile for n - 2 degrees of freedom.
+    /// *Test Equating, Scaling, and Linking*, chapter 7,
+    /// <https://doi.org/10.1007/978-1-4939-0317-7>), with Student's quantile for n - 2 degrees of freedom.
     pub fn apply(&self, rating: Rating) -> Interval {
         let value = self.link.apply(rating.value());
         let n = self.link.maps as f64;

@@ -7,8 +7,8 @@ use super::TrajectoryPair;
 
 /// The pose of the estimate's frame in the world's with which the squared errors of the positions are least, without
 /// a change of scale (Umeyama, Least-squares estimation of transformation parameters between two point patterns, IEEE
-/// TPAMI 13, 1991, <https://doi.org/10.1109/34.88573>, in the plane). Without poses it is the frame itself; where no turn is better than another, it is
-/// a shift.
+/// TPAMI 13, 1991, <https://doi.org/10.1109/34.88573>, in the plane). Without poses it is the frame itself; where
+/// no turn is better than another, it is a shift.
 ///
 /// ```
 /// use envgen::geometry::Pose;

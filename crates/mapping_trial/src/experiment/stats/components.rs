@@ -309,7 +309,8 @@ mod tests {
         assert!((35..=50).contains(&found.trials_for_fifth), "{}", found.trials_for_fifth);
     }
 
-    /// The formulas of a two-way random model with repetitions (variance components by expected mean squares), written out.
+    /// The formulas of a two-way random model with repetitions, written out: variance components by expected mean
+    /// squares.
     #[test]
     fn two_factors_agree_with_their_own_formulas() {
         let mut stream = Seed(8).stream("test", 0);

@@ -32,6 +32,7 @@ pub(in crate::policy) const STEPS: [IVec2; 8] = [
     IVec2::new(1, -1),
 ];
 
+/// What is known of the cells of a tile of the map.
 #[derive(Clone, Debug)]
 pub(super) struct Tile {
     pub(super) at: IVec2,
@@ -49,6 +50,7 @@ pub(super) struct Tile {
     pub(super) stale_frontier: bool,
 }
 
+/// A bit per cell of a tile, column 0 lowest, row by row from below.
 pub(in crate::policy) type Bits = [u32; TILE as usize];
 
 /// All tiles, by slot.
