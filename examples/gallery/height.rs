@@ -8,7 +8,7 @@ use bevy_envgen::prelude::{
     EnvgenPlugins, EnvgenVisuals3dPlugin, Environment, EnvironmentFailure, EnvironmentScenario,
     GenerationMode, GroundTruth, ScenarioSpec, Visuals3dSettings,
 };
-use bevy_offscreen::{Picture, Studio};
+use bevy_offscreen::{CapturedImage, Studio};
 
 use crate::{corridor, spec};
 
@@ -173,7 +173,7 @@ pub(crate) const SCENES: &[Scene] = &[
 ];
 
 /// A picture of a world as the plugin draws it.
-pub(crate) fn draw(scene: &Scene) -> Result<Picture, Box<dyn std::error::Error>> {
+pub(crate) fn draw(scene: &Scene) -> Result<CapturedImage, Box<dyn std::error::Error>> {
     let mut studio = Studio::new()?;
     let ceilings = matches!(scene.view, View::Inside { .. });
     let settings = Visuals3dSettings { ceilings, ..default() };

@@ -22,7 +22,7 @@ use bevy_envgen::prelude::{
 };
 use bevy_mapping_trial::prelude::*;
 use bevy_mapping_trial::view::{TrialPalette, TrialView, TrialViewPlugin};
-use bevy_offscreen::{Film, Picture, Studio, find_renderer};
+use bevy_offscreen::{CapturedImage, Film, Studio, find_renderer};
 use clap::Parser;
 use clap::builder::PossibleValuesParser;
 use envgen::geometry::{Pose, Rect, Shape};
@@ -214,7 +214,7 @@ fn spawn(
 }
 
 /// A picture of a world as the plugin draws it.
-fn draw(spec: WorldSpec, seed: u64) -> Result<Picture, Box<dyn std::error::Error>> {
+fn draw(spec: WorldSpec, seed: u64) -> Result<CapturedImage, Box<dyn std::error::Error>> {
     let mut studio = Studio::new()?;
     studio.app().add_plugins(EnvgenPlugins::default()).insert_resource(ClearColor(Color::WHITE));
     let (_, camera) = spawn(&mut studio, Environment::new(spec, seed), SIZE)?;

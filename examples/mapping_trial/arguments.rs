@@ -12,13 +12,13 @@ use envgen::scenario::{Scenario, ScenarioSpec};
 use envgen::whole_file::{WholeFile, refuse_inputs};
 use envgen::{Blueprint, Seed, Spec, World, WorldSpec, import};
 use mapping_trial::lidar::LaserProfile;
+use mapping_trial::mappable_area::MappableArea;
 use mapping_trial::names::Named;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::PolicyKind;
 use mapping_trial::robot::Robot;
 use mapping_trial::slam::{SlamKind, WheelCalibration};
 use mapping_trial::trial::TrialSettings;
-use mapping_trial::truth::MappableArea;
 
 use crate::bag::Bag;
 use crate::{output, robot, start};

@@ -42,13 +42,13 @@ const SLOW: f32 = 0.1;
 /// The images that the cameras draw into.
 #[derive(Resource)]
 pub(crate) struct RobotPictures {
-    large: Picture,
-    small: Vec<Picture>,
+    large: DrawnCamera,
+    small: Vec<DrawnCamera>,
     samples: Msaa,
     frame: u32,
 }
 
-struct Picture {
+struct DrawnCamera {
     image: Handle<Image>,
     texture: egui::TextureId,
 }
@@ -78,7 +78,7 @@ pub(crate) fn spawn_pictures(
         let format = TextureFormat::Bgra8UnormSrgb;
         let image = images.add(Image::new_target_texture(width, height, format, None));
         let texture = textures.add_image(EguiTextureHandle::Strong(image.clone()));
-        Picture { image, texture }
+        DrawnCamera { image, texture }
     };
     commands.insert_resource(RobotPictures {
         large: picture(rows),
@@ -90,7 +90,7 @@ pub(crate) fn spawn_pictures(
 
 impl RobotPictures {
     /// The picture of a robot: the large one for the driven robot while that is asked for.
-    fn of(&self, robot: usize, session: &Session) -> Option<&Picture> {
+    fn of(&self, robot: usize, session: &Session) -> Option<&DrawnCamera> {
         if robot == session.driven && session.camera_is_large {
             return Some(&self.large);
         }

@@ -6,7 +6,7 @@ mod height;
 use bevy::prelude::*;
 use bevy_envgen::envgen::WorldKind;
 use bevy_envgen::prelude::*;
-use bevy_envgen::visuals::Palette;
+use bevy_envgen::visuals::WorldPalette;
 use bevy_offscreen::Studio;
 
 const SIZE: UVec2 = UVec2::new(320, 240);
@@ -44,7 +44,7 @@ fn trees_are_drawn_where_they_stand() {
     assert_eq!(picture.size(), SIZE);
     let world = studio.app().world_mut();
     let truth = world.get::<GroundTruth>(forest).unwrap().clone();
-    let green = Palette::default().tree;
+    let green = WorldPalette::default().tree;
     // As `Studio::camera` frames an area: a margin of 3 % on each side, the whole area visible.
     let area = (truth.bounds.max - truth.bounds.min).as_vec2() * 1.06;
     let scale = (SIZE.as_vec2() / area).min_element();

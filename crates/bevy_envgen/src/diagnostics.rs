@@ -9,7 +9,7 @@ use bevy::prelude::*;
 
 use crate::part::PartId;
 use crate::spawn::{Tile, TileSolids};
-use crate::{EnvgenSystems, Schedules};
+use crate::{EnvgenSchedules, EnvgenSystems};
 
 /// Measures the worlds of an app as Bevy diagnostics, for `LogDiagnosticsPlugin` and similar
 /// plugins.
@@ -40,7 +40,7 @@ impl Plugin for EnvgenDiagnosticsPlugin {
         for path in [Self::GENERATION_TIME, Self::STREAMING_TIME] {
             app.register_diagnostic(Diagnostic::new(path).with_suffix(" ms"));
         }
-        let schedule = Schedules::of(app).main;
+        let schedule = EnvgenSchedules::of(app).main;
         app.add_systems(schedule, count.after(EnvgenSystems::Notify));
     }
 }

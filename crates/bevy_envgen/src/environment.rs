@@ -51,7 +51,7 @@ pub struct Environment {
     /// Whether generation blocks the schedule or runs as a background task.
     pub pace: GenerationMode,
     /// Whether the world is finite or endless.
-    pub extent: Extent,
+    pub extent: EnvironmentExtent,
     /// The point of the world, in metres, at the entity's own origin. Single precision resolves a
     /// millimetre up to 8 km from it.
     pub origin: DVec2,
@@ -119,7 +119,7 @@ pub enum GenerationMode {
 /// Whether a world is finite or endless.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Default, Debug, PartialEq, Clone)]
-pub enum Extent {
+pub enum EnvironmentExtent {
     /// It is finite.
     #[default]
     Finite,
@@ -164,13 +164,13 @@ impl Environment {
 
     fn of(source: WorldSource, seed: u64) -> Self {
         let (pace, extent, solids) =
-            (GenerationMode::default(), Extent::default(), SolidStorage::default());
+            (GenerationMode::default(), EnvironmentExtent::default(), SolidStorage::default());
         Environment { source, seed, pace, extent, origin: DVec2::ZERO, solids }
     }
 
-    /// The same, but endless, in square tiles of `tile` metres: see [`Extent::Endless`].
+    /// The same, but endless, in square tiles of `tile` metres: see [`EnvironmentExtent::Endless`].
     pub fn endless(self, tile: f64) -> Self {
-        Environment { extent: Extent::Endless { tile }, ..self }
+        Environment { extent: EnvironmentExtent::Endless { tile }, ..self }
     }
 
     /// The same with another generation mode.
@@ -204,14 +204,14 @@ impl Environment {
     }
 
     /// How its parts are laid out.
-    pub(crate) fn layout(&self) -> Layout {
-        Layout { origin: self.origin, solids: self.solids }
+    pub(crate) fn layout(&self) -> TileLayout {
+        TileLayout { origin: self.origin, solids: self.solids }
     }
 }
 
 /// How the parts of an environment are laid out below it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout {
+pub(crate) struct TileLayout {
     pub(crate) origin: DVec2,
     pub(crate) solids: SolidStorage,
 }

@@ -11,9 +11,9 @@ use envgen::{GenerateError, Seed, WorldSpec};
 
 use crate::diagnostics::{EnvgenDiagnosticsPlugin, measure};
 use crate::environment::{
-    EndlessTruth, Environment, EnvironmentError, EnvironmentFailed, EnvironmentFailure,
-    EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GenerationMode, GroundTruth,
-    RebuildEnvironment, WorldSource,
+    EndlessTruth, Environment, EnvironmentError, EnvironmentExtent, EnvironmentFailed,
+    EnvironmentFailure, EnvironmentReady, EnvironmentState, EnvironmentStats, GenerationMode,
+    GroundTruth, RebuildEnvironment, WorldSource,
 };
 use crate::job::{Generated, GenerationJob, Job, Outcome, PendingEvents, Request, SpawnedTiles};
 use crate::landmarks::EnvironmentLandmarks;
@@ -84,7 +84,7 @@ pub(crate) fn request_worlds(
             }
         };
         let work = match (&ask.environment.source, ask.environment.extent) {
-            (_, Extent::Endless { .. }) => 0.0,
+            (_, EnvironmentExtent::Endless { .. }) => 0.0,
             (WorldSource::World(world), _) => world.trees.len() as f64 + world.walls.len() as f64,
             _ => spec.as_ref().map_or(0.0, WorldSpec::work),
         };
@@ -118,10 +118,9 @@ fn try_make(ask: &Request, spec: Option<WorldSpec>) -> Result<Generated, Environ
     }
     let seed = Seed(*seed);
     match (extent, source, spec) {
-        (Extent::Endless { .. }, WorldSource::World(_), _) | (Extent::Endless { .. }, _, None) => {
-            Err(EnvironmentError::Existing)
-        }
-        (Extent::Endless { tile }, _, Some(spec)) => {
+        (EnvironmentExtent::Endless { .. }, WorldSource::World(_), _)
+        | (EnvironmentExtent::Endless { .. }, _, None) => Err(EnvironmentError::Existing),
+        (EnvironmentExtent::Endless { tile }, _, Some(spec)) => {
             let WorldSpec::Forest(forest) = &spec else {
                 return Err(EnvironmentError::NotEndless(spec.kind()));
             };
@@ -131,18 +130,20 @@ fn try_make(ask: &Request, spec: Option<WorldSpec>) -> Result<Generated, Environ
             let forest = EndlessForest::new(forest, *tile, seed).map_err(GenerateError::from)?;
             Ok(Generated::Endless(Arc::new(forest)))
         }
-        (Extent::Finite, _, Some(spec)) => {
+        (EnvironmentExtent::Finite, _, Some(spec)) => {
             let world = spec.generate(seed)?.to_world();
             debug_assert_eq!(world.check(), Ok(()), "{spec:?}, seed {seed}");
             Ok(Generated::Finite(Arc::new(plan(Arc::new(world), ask.tile)?)))
         }
-        (Extent::Finite, WorldSource::World(world), None) => {
+        (EnvironmentExtent::Finite, WorldSource::World(world), None) => {
             world.check()?;
             Ok(Generated::Finite(Arc::new(plan(Arc::clone(&world.0), ask.tile)?)))
         }
         #[cfg(feature = "asset")]
-        (Extent::Finite, WorldSource::Asset(_), None) => Err(EnvironmentError::NoAssets),
-        (Extent::Finite, WorldSource::Spec(_), None) => unreachable!("a spec is its own"),
+        (EnvironmentExtent::Finite, WorldSource::Asset(_), None) => Err(EnvironmentError::NoAssets),
+        (EnvironmentExtent::Finite, WorldSource::Spec(_), None) => {
+            unreachable!("a spec is its own")
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use envgen::geometry::Pose;
 use envgen::glam::DVec2;
 
 use crate::part::{Goal, PartOf, Start};
-use crate::shape::Frame;
+use crate::shape::LocalFrame;
 
 /// The start and the goal of an environment's world, on the entity of the
 /// [`Environment`](crate::Environment).
@@ -61,7 +61,7 @@ pub struct Landmark {
 impl EnvironmentLandmarks {
     /// The landmarks of a world, with `origin` at the origin of its environment.
     pub(crate) fn new(world: &EnvgenWorld, origin: DVec2, environment: &GlobalTransform) -> Self {
-        let frame = Frame::new(origin);
+        let frame = LocalFrame::new(origin);
         let landmark = |pose: Pose| {
             let local = frame.pose(pose.position, pose.heading);
             Landmark { part: None, local, pose: in_space(environment, local) }

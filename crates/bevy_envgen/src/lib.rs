@@ -130,9 +130,9 @@ pub use difficulty::{
     ComputeDifficulty, DifficultyComputed, DifficultyFailure, EnvironmentDifficulty, PlatformValue,
 };
 pub use environment::{
-    EndlessTruth, Environment, EnvironmentError, EnvironmentFailed, EnvironmentFailure,
-    EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GenerationMode, GroundTruth,
-    RebuildEnvironment, SolidStorage, SourceSpec, SourceWorld, WorldSource,
+    EndlessTruth, Environment, EnvironmentError, EnvironmentExtent, EnvironmentFailed,
+    EnvironmentFailure, EnvironmentReady, EnvironmentState, EnvironmentStats, GenerationMode,
+    GroundTruth, RebuildEnvironment, SolidStorage, SourceSpec, SourceWorld, WorldSource,
 };
 pub use generate::MAX_PARTS;
 pub use height::HeightRange;
@@ -173,10 +173,10 @@ pub mod prelude {
     pub use crate::{
         ComputeDifficulty, DifficultyComputed, DifficultyFailure, EnvgenCorePlugin,
         EnvgenDiagnosticsPlugin, EnvgenPlugins, EnvgenSystems, Environment, EnvironmentDifficulty,
-        EnvironmentError, EnvironmentFailed, EnvironmentFailure, EnvironmentLandmarks,
-        EnvironmentReady, EnvironmentState, EnvironmentStats, Extent, GenerationMode, GroundTruth,
-        HeightRange, Landmark, PartShape, RebuildEnvironment, SolidStorage, StreamAround,
-        StreamingBudget, TileSolids, TileSpawned,
+        EnvironmentError, EnvironmentExtent, EnvironmentFailed, EnvironmentFailure,
+        EnvironmentLandmarks, EnvironmentReady, EnvironmentState, EnvironmentStats, GenerationMode,
+        GroundTruth, HeightRange, Landmark, PartShape, RebuildEnvironment, SolidStorage,
+        StreamAround, StreamingBudget, TileSolids, TileSpawned,
     };
     pub use envgen::WorldSpec;
     pub use envgen::cellular::CellularSpec;
@@ -231,14 +231,14 @@ impl Default for EnvgenCorePlugin {
 
 /// The schedule of the core plugin's systems, for the plugins that are added after it.
 #[derive(Resource, Clone, Copy)]
-struct Schedules {
+struct EnvgenSchedules {
     main: Interned<dyn ScheduleLabel>,
 }
 
-impl Schedules {
+impl EnvgenSchedules {
     fn of(app: &App) -> Self {
-        let known = app.world().get_resource::<Schedules>().copied();
-        known.unwrap_or(Schedules { main: Update.intern() })
+        let known = app.world().get_resource::<EnvgenSchedules>().copied();
+        known.unwrap_or(EnvgenSchedules { main: Update.intern() })
     }
 }
 
@@ -257,7 +257,7 @@ impl Plugin for EnvgenCorePlugin {
             .init_resource::<StreamingReport>()
             .init_resource::<job::PendingEvents>()
             .register_required_components::<Environment, job::GenerationJob>()
-            .insert_resource(Schedules { main: self.schedule })
+            .insert_resource(EnvgenSchedules { main: self.schedule })
             .add_observer(generate::clean_up)
             .add_observer(generate::rebuild)
             .configure_sets(

@@ -51,13 +51,13 @@ pub enum PartShape {
 /// Conversion from the world's double precision to a frame whose origin is a given point of the
 /// world.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Frame {
+pub(crate) struct LocalFrame {
     origin: DVec2,
 }
 
-impl Frame {
+impl LocalFrame {
     pub(crate) fn new(origin: DVec2) -> Self {
-        Frame { origin }
+        LocalFrame { origin }
     }
 
     /// A pose in the frame.
@@ -138,7 +138,7 @@ mod tests {
             let segment = Shape::Segment { a: turned.corners()[0], b: turned.corners()[2] };
             let origin = DVec2::new(1e6, -1e6);
             for shape in [turned, polygon, segment] {
-                for (frame, shift) in [(Frame::new(DVec2::ZERO), DVec2::ZERO), (Frame::new(center), center), (Frame::new(origin - center), origin - center)] {
+                for (frame, shift) in [(LocalFrame::new(DVec2::ZERO), DVec2::ZERO), (LocalFrame::new(center), center), (LocalFrame::new(origin - center), origin - center)] {
                     let (transform, placed) = frame.place(&shape);
                     let ours = corners(transform, &placed);
                     prop_assert_eq!(ours.len(), shape.corners().len());
@@ -156,10 +156,10 @@ mod tests {
     #[test]
     fn discs_and_poses_are_placed() {
         let disc = Shape::Disc { center: DVec2::new(3.0, 4.0), radius: 0.5 };
-        let (transform, shape) = Frame::new(DVec2::new(1.0, 1.0)).place(&disc);
+        let (transform, shape) = LocalFrame::new(DVec2::new(1.0, 1.0)).place(&disc);
         assert_eq!(transform, Transform::from_xyz(2.0, 3.0, 0.0));
         assert_eq!(shape, PartShape::Disc { radius: 0.5 });
-        let pose = Frame::new(DVec2::ZERO).pose(DVec2::ONE, std::f64::consts::FRAC_PI_2);
+        let pose = LocalFrame::new(DVec2::ZERO).pose(DVec2::ONE, std::f64::consts::FRAC_PI_2);
         assert!((pose.rotation * Vec3::X).distance(Vec3::Y) < 1e-6);
     }
 }

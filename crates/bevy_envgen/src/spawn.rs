@@ -6,7 +6,7 @@ use envgen::World as EnvgenWorld;
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
 
-use crate::environment::{Layout, SolidStorage};
+use crate::environment::{SolidStorage, TileLayout};
 use crate::height::HeightRange;
 use crate::part::{
     Doorway, Goal, Ground, Obstacle, PartId, PartKind, PartOf, RoadStrip, Room, Start, Surface,
@@ -14,7 +14,7 @@ use crate::part::{
 };
 use crate::place::global_transform;
 use crate::plan::{PartRef, Plan, TileKey, block_cells};
-use crate::shape::{Frame, PartShape};
+use crate::shape::{LocalFrame, PartShape};
 
 /// A group of neighbouring parts: the entity between an environment and its parts, which are
 /// spawned and despawned with it.
@@ -137,14 +137,14 @@ struct Ancestors {
 pub(crate) fn spawn_page(
     world: &mut World,
     environment: Entity,
-    layout: Layout,
+    layout: TileLayout,
     plan: &Plan,
     key: TileKey,
     page: usize,
 ) -> Option<Entity> {
     let parts = plan.tiles.get(&key)?.parts.chunks(plan.page).nth(page)?;
     let ancestors = spawn_tile(world, environment, key, page)?;
-    let frame = Frame::new(layout.origin);
+    let frame = LocalFrame::new(layout.origin);
     let mut entities = Vec::new();
     let mut solids = Vec::new();
     for run in parts.chunk_by(|a, b| a.kind == b.kind) {
@@ -164,13 +164,13 @@ pub(crate) fn spawn_page(
 pub(crate) fn spawn_trees(
     world: &mut World,
     environment: Entity,
-    layout: Layout,
+    layout: TileLayout,
     key: TileKey,
     (first, trees): (usize, &[envgen::world::Tree]),
     page: usize,
 ) -> Option<Entity> {
     let ancestors = spawn_tile(world, environment, key, page)?;
-    let frame = Frame::new(layout.origin);
+    let frame = LocalFrame::new(layout.origin);
     let id = |index| PartId { kind: PartKind::Tree, tile: key.at, index };
     let trees = (first as u32..).map(id).zip(trees);
     let parts = match layout.solids {
@@ -224,7 +224,7 @@ fn store_solids(world: &mut World, tile: Entity, solids: Vec<SolidPart>) {
 }
 
 /// A solid part as data; `None` for parts of other kinds.
-fn solid(frame: Frame, truth: &EnvgenWorld, part: PartRef) -> Option<SolidPart> {
+fn solid(frame: LocalFrame, truth: &EnvgenWorld, part: PartRef) -> Option<SolidPart> {
     let i = part.index as usize;
     let ((transform, shape), extent) = match part.kind {
         PartKind::Wall => (frame.place(&truth.walls[i].shape), truth.walls[i].extent()),
@@ -278,7 +278,7 @@ fn name(id: PartId) -> String {
     name
 }
 
-fn place_tree(frame: Frame, tree: &envgen::world::Tree) -> (Transform, PartShape) {
+fn place_tree(frame: LocalFrame, tree: &envgen::world::Tree) -> (Transform, PartShape) {
     (frame.pose(tree.center, 0.0), PartShape::Disc { radius: tree.radius as f32 })
 }
 
@@ -287,7 +287,7 @@ fn spawn_run(
     world: &mut World,
     entities: &mut Vec<Entity>,
     ancestors: Ancestors,
-    frame: Frame,
+    frame: LocalFrame,
     plan: &Plan,
     run: &[PartRef],
 ) {
@@ -356,7 +356,10 @@ fn spawn_run(
     }
 }
 
-fn road(frame: Frame, strip: &envgen::world::RoadStrip) -> ((Transform, PartShape), RoadStrip) {
+fn road(
+    frame: LocalFrame,
+    strip: &envgen::world::RoadStrip,
+) -> ((Transform, PartShape), RoadStrip) {
     let points: Vec<DVec2> = strip.centreline.iter().map(|point| point.pose.position).collect();
     let (transform, centreline) = frame.around(&points);
     let (width, lanes, closed) = (strip.width as f32, strip.lanes, strip.closed);
@@ -365,7 +368,7 @@ fn road(frame: Frame, strip: &envgen::world::RoadStrip) -> ((Transform, PartShap
 }
 
 fn ground(
-    frame: Frame,
+    frame: LocalFrame,
     truth: &EnvgenWorld,
     block: u32,
     index: u32,

@@ -12,7 +12,9 @@ use envgen::glam::DVec2;
 use envgen::world::Tree;
 
 use crate::diagnostics::{EnvgenDiagnosticsPlugin, measure};
-use crate::environment::{Environment, EnvironmentError, EnvironmentState, GenerationMode, Layout};
+use crate::environment::{
+    Environment, EnvironmentError, EnvironmentState, GenerationMode, TileLayout,
+};
 use crate::job::{Generated, PendingEvents, SpawnedTiles};
 use crate::place::global_transform;
 use crate::plan::{Plan, TileKey, distance};
@@ -98,7 +100,7 @@ pub struct StreamingReport {
 #[derive(Component)]
 pub(crate) struct Streaming {
     made: Generated,
-    layout: Layout,
+    layout: TileLayout,
     /// Tiles that are fully spawned.
     complete: BTreeSet<TileKey>,
     /// Tiles of an endless forest that are generated or being generated, but not fully spawned.
@@ -116,7 +118,7 @@ enum Drawing {
 }
 
 impl Streaming {
-    pub(crate) fn new(made: Generated, layout: Layout) -> Self {
+    pub(crate) fn new(made: Generated, layout: TileLayout) -> Self {
         let (complete, drawn) = (BTreeSet::new(), Vec::new());
         let (settled, refused, warned) = (false, None, false);
         Streaming { made, layout, complete, drawn, settled, refused, warned }

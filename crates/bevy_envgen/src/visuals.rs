@@ -2,9 +2,9 @@
 
 mod drawing;
 pub(crate) mod ground;
-mod ink;
 pub(crate) mod moving;
 mod palette;
+mod part_color;
 
 use std::collections::BTreeMap;
 
@@ -12,14 +12,14 @@ use bevy::prelude::*;
 
 use self::drawing::Drawing;
 use self::ground::class_rectangles;
-use self::ink::{Ink, Inks, material};
-pub use self::palette::{Palette, color};
+pub use self::palette::{WorldPalette, color};
+use self::part_color::{PartColor, PartColors, material};
 use crate::environment::{Environment, GroundTruth};
 use crate::part::{Ground, PartId, PartKind, Room, Surface, SurfaceKind};
 use crate::scenario::{Door, DoorLeaf, Person, Smoke};
 use crate::shape::PartShape;
 use crate::spawn::{Tile, TileSpawned};
-use crate::{EnvgenSystems, Schedules};
+use crate::{EnvgenSchedules, EnvgenSystems};
 
 /// The largest distance of road meshes from the exact edges, in metres.
 const ROAD_TOLERANCE: f64 = 0.01;
@@ -31,26 +31,26 @@ const ROAD_TOLERANCE: f64 = 0.01;
 /// plugin depends on it.
 #[derive(Clone, Debug, Default)]
 pub struct EnvgenVisualsPlugin {
-    palette: Palette,
+    palette: WorldPalette,
 }
 
 impl EnvgenVisualsPlugin {
     /// Uses `palette` instead of the default colours.
-    pub fn new(palette: Palette) -> Self {
+    pub fn new(palette: WorldPalette) -> Self {
         EnvgenVisualsPlugin { palette }
     }
 }
 
 impl Plugin for EnvgenVisualsPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<Palette>()
+        app.register_type::<WorldPalette>()
             .insert_resource(self.palette.clone())
-            .init_resource::<Inks>()
+            .init_resource::<PartColors>()
             .add_observer(draw)
             .add_observer(moving::draw_person)
             .add_observer(moving::draw_leaf)
             .add_observer(moving::draw_smoke);
-        let main = Schedules::of(app).main;
+        let main = EnvgenSchedules::of(app).main;
         app.add_systems(
             main,
             (moving::stretch_leaves, moving::fade_smoke).after(EnvgenSystems::Notify),
@@ -84,24 +84,24 @@ fn add_meshes(world: &mut World, spawned: &TileSpawned) {
     if !drawable || world.get_entity(spawned.tile).is_err() {
         return;
     }
-    let palette = world.get_resource::<Palette>().cloned().unwrap_or_default();
-    for (ink, drawing) in drawings(world, spawned) {
-        let Some(material) = material(world, ink, ink.color(&palette)) else { return };
+    let palette = world.get_resource::<WorldPalette>().cloned().unwrap_or_default();
+    for (color, drawing) in drawings(world, spawned) {
+        let Some(material) = material(world, color, color.color(&palette)) else { return };
         let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() else { return };
         let mesh = meshes.add(drawing.into_mesh());
         world.spawn((
-            Name::new(format!("{ink:?}")),
+            Name::new(format!("{color:?}")),
             Mesh2d(mesh),
             MeshMaterial2d(material),
-            Transform::from_xyz(0.0, 0.0, ink.layer()),
+            Transform::from_xyz(0.0, 0.0, color.layer()),
             ChildOf(spawned.tile),
         ));
     }
 }
 
-/// The parts of a tile as triangles, by ink.
-fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<Ink, Drawing> {
-    let mut drawings: BTreeMap<Ink, Drawing> = BTreeMap::new();
+/// The parts of a tile as triangles, by color.
+fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<PartColor, Drawing> {
+    let mut drawings: BTreeMap<PartColor, Drawing> = BTreeMap::new();
     for &part in &spawned.parts {
         let Ok(part) = world.get_entity(part) else { continue };
         let (Some(id), Some(at), Some(shape)) =
@@ -109,40 +109,42 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<Ink, Drawing> {
         else {
             continue;
         };
-        let ink = match id.kind {
+        let color = match id.kind {
             PartKind::Ground => {
                 if let Some(ground) = part.get::<Ground>() {
                     for (class, corners) in class_rectangles(at, shape, ground) {
-                        let drawing = drawings.entry(Ink::Class(class)).or_default();
+                        let drawing = drawings.entry(PartColor::Class(class)).or_default();
                         drawing.add(corners, &[[0, 1, 2], [0, 2, 3]]);
                     }
                 }
                 continue;
             }
             PartKind::RoadStrip => {
-                let drawing = drawings.entry(Ink::Road).or_default();
+                let drawing = drawings.entry(PartColor::Road).or_default();
                 add_road(drawing, world, spawned.environment, *id);
                 continue;
             }
             // Drawn below, together with those that are data.
             PartKind::Wall | PartKind::Tree | PartKind::Obstacle => continue,
-            PartKind::Room if part.get::<Room>().is_some_and(|room| !room.lit) => Ink::DarkRoom,
-            PartKind::Room => Ink::Room,
-            PartKind::Doorway => Ink::Doorway,
+            PartKind::Room if part.get::<Room>().is_some_and(|room| !room.lit) => {
+                PartColor::DarkRoom
+            }
+            PartKind::Room => PartColor::Room,
+            PartKind::Doorway => PartColor::Doorway,
             PartKind::Surface => match part.get::<Surface>().map(|surface| surface.kind) {
-                Some(SurfaceKind::Water) => Ink::Water,
-                Some(SurfaceKind::Hallway | SurfaceKind::OpenArea) => Ink::Floor,
-                Some(SurfaceKind::Slippery) => Ink::Slippery,
-                Some(SurfaceKind::Loose) => Ink::Loose,
+                Some(SurfaceKind::Water) => PartColor::Water,
+                Some(SurfaceKind::Hallway | SurfaceKind::OpenArea) => PartColor::Floor,
+                Some(SurfaceKind::Slippery) => PartColor::Slippery,
+                Some(SurfaceKind::Loose) => PartColor::Loose,
                 // Drawn by its ground.
                 Some(SurfaceKind::Class(_)) => continue,
-                _ => Ink::Rough,
+                _ => PartColor::Rough,
             },
-            PartKind::Start => Ink::Start,
-            PartKind::Goal => Ink::Goal,
-            PartKind::Victim => Ink::Victim,
+            PartKind::Start => PartColor::Start,
+            PartKind::Goal => PartColor::Goal,
+            PartKind::Victim => PartColor::Victim,
         };
-        drawings.entry(ink).or_default().add_shape(at, shape);
+        drawings.entry(color).or_default().add_shape(at, shape);
     }
     let truth = world.get::<GroundTruth>(spawned.environment);
     let is_dark = |id: &PartId| {
@@ -150,14 +152,14 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<Ink, Drawing> {
         part.is_some_and(|(truth, part)| truth.visible_range(part).is_some())
     };
     for (id, at, shape) in spawned.placed(world) {
-        let ink = match id.kind {
-            PartKind::Wall | PartKind::Obstacle if is_dark(&id) => Ink::Dark,
-            PartKind::Wall => Ink::Wall,
-            PartKind::Tree => Ink::Tree,
-            PartKind::Obstacle => Ink::Obstacle,
+        let color = match id.kind {
+            PartKind::Wall | PartKind::Obstacle if is_dark(&id) => PartColor::Dark,
+            PartKind::Wall => PartColor::Wall,
+            PartKind::Tree => PartColor::Tree,
+            PartKind::Obstacle => PartColor::Obstacle,
             _ => continue,
         };
-        drawings.entry(ink).or_default().add_shape(at, shape);
+        drawings.entry(color).or_default().add_shape(at, shape);
     }
     drawings.retain(|_, drawing| !drawing.triangles.is_empty());
     drawings

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use gif::{Encoder, Frame, Repeat};
 
 use crate::error::CaptureError;
-use crate::picture::Picture;
+use crate::picture::CapturedImage;
 use crate::whole_file;
 
 /// An animated GIF, which loops forever. Each frame is written when it is added, with its own
@@ -19,11 +19,11 @@ use crate::whole_file;
 /// ```
 /// use bevy_offscreen::Film;
 /// # use bevy::image::Image;
-/// # use bevy_offscreen::Picture;
+/// # use bevy_offscreen::CapturedImage;
 /// # let folder = tempfile::tempdir()?;
 /// # let path = folder.path().join("film.gif");
 /// # let image = Image::default();
-/// # let picture = Picture::of(&image)?;
+/// # let picture = CapturedImage::of(&image)?;
 /// let mut film = Film::create(&path, 10.0)?;
 /// film.push(&picture)?;
 /// film.finish()?;
@@ -36,7 +36,7 @@ pub struct Film {
     /// `None` until the first frame defines the size.
     file: Option<BufWriter<AtomicWriteFile>>,
     encoder: Option<Encoder<BufWriter<AtomicWriteFile>>>,
-    last: Option<Picture>,
+    last: Option<CapturedImage>,
     /// Hundredths of a second for which the last picture has not yet been shown.
     waiting: u16,
 }
@@ -62,7 +62,7 @@ impl Film {
     ///
     /// # Errors
     /// A size that differs from the film's, or an error of the file system.
-    pub fn push(&mut self, picture: &Picture) -> Result<(), CaptureError> {
+    pub fn push(&mut self, picture: &CapturedImage) -> Result<(), CaptureError> {
         let size = picture.size();
         let sides = u16::try_from(size.x).ok().zip(u16::try_from(size.y).ok());
         let Some((width, height)) = sides else {
@@ -147,7 +147,7 @@ fn failure(path: &Path, error: gif::EncodingError) -> CaptureError {
 }
 
 /// The smallest rectangle around all pixels that differ; `None` when none does.
-fn changes(a: &Picture, b: &Picture) -> Option<URect> {
+fn changes(a: &CapturedImage, b: &CapturedImage) -> Option<URect> {
     let width = a.size().x as usize;
     let pixels = a.rgb().as_chunks::<3>().0.iter().zip(b.rgb().as_chunks::<3>().0);
     let mut area: Option<URect> = None;
@@ -183,7 +183,7 @@ impl Frames {
     ///
     /// # Errors
     /// An error of the file system.
-    pub fn push(&mut self, picture: &Picture) -> Result<PathBuf, CaptureError> {
+    pub fn push(&mut self, picture: &CapturedImage) -> Result<PathBuf, CaptureError> {
         let path = self.folder.join(format!("frame_{:06}.png", self.count + 1));
         picture.write_png(&path)?;
         self.count += 1;

@@ -26,7 +26,7 @@
 //! | `render` | no | `Studio`, `CapturePlugin`, `TakePicture` and `find_renderer`; only this feature and those that include it need rendering crates |
 //! | `render3d` | no | cameras in three dimensions for `Studio` |
 //!
-//! Without it there are [`Picture`], [`Film`] and [`Frames`], for images that the app has.
+//! Without it there are [`CapturedImage`], [`Film`] and [`Frames`], for images that the app has.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -41,7 +41,7 @@ mod whole_file;
 
 pub use error::{CaptureError, MAX_SIDE};
 pub use film::{Film, Frames};
-pub use picture::Picture;
+pub use picture::CapturedImage;
 #[cfg(feature = "render")]
 pub use request::{CapturePlugin, PictureFailed, PictureTaken, TakePicture};
 #[cfg(feature = "render")]

@@ -10,12 +10,12 @@ use crate::whole_file;
 
 /// Pixels in red, green and blue.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Picture {
+pub struct CapturedImage {
     size: UVec2,
     rgb: Vec<u8>,
 }
 
-impl Picture {
+impl CapturedImage {
     /// The pixels of an image that Bevy drew into.
     ///
     /// # Errors
@@ -34,7 +34,7 @@ impl Picture {
             side => drawn.thumbnail_exact(drawn.width() / side, drawn.height() / side),
         };
         let size = UVec2::new(pixels.width(), pixels.height());
-        Ok(Picture { size, rgb: pixels.into_rgb8().into_raw() })
+        Ok(CapturedImage { size, rgb: pixels.into_rgb8().into_raw() })
     }
 
     /// Width and height in pixels.

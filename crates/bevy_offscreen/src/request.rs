@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
 use crate::error::CaptureError;
-use crate::picture::Picture;
+use crate::picture::CapturedImage;
 
 /// Requests a picture of what a camera draws into, an image or a window, as PNG. A few frames later
 /// [`PictureTaken`] or [`PictureFailed`] is triggered on the camera.
@@ -69,7 +69,7 @@ fn take(
     commands.spawn(Screenshot(target.clone())).observe(
         move |captured: On<ScreenshotCaptured>, mut commands: Commands| {
             let path = path.clone();
-            let picture = Picture::averaged(&captured.image, side);
+            let picture = CapturedImage::averaged(&captured.image, side);
             let written = picture.and_then(|picture| picture.write_png(&path));
             match written {
                 Ok(()) => commands.trigger(PictureTaken { entity: camera, path }),

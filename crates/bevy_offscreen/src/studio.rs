@@ -24,7 +24,7 @@ use bevy::time::{TimePlugin, TimeUpdateStrategy};
 use bevy::window::{ExitCondition, WindowPlugin};
 
 use crate::error::{CaptureError, MAX_SIDE};
-use crate::picture::Picture;
+use crate::picture::CapturedImage;
 use crate::request::{CapturePlugin, Supersampling};
 
 /// The number of frames after which a missing picture is an error.
@@ -230,7 +230,7 @@ impl Studio {
     ///
     /// # Errors
     /// An entity that is not a camera, or a failure of the driver.
-    pub fn picture(&mut self, camera: Entity) -> Result<Picture, CaptureError> {
+    pub fn picture(&mut self, camera: Entity) -> Result<CapturedImage, CaptureError> {
         let target = self.app.world().get_entity(camera).ok().filter(|c| c.contains::<Camera>());
         let found = target.and_then(|camera| {
             camera.get_components::<(&RenderTarget, Option<&Supersampling>)>().ok()
@@ -262,7 +262,7 @@ impl Studio {
         camera: Entity,
         target: RenderTarget,
         side: u32,
-    ) -> Result<Picture, CaptureError> {
+    ) -> Result<CapturedImage, CaptureError> {
         // Draws a frame first, for entities that were spawned since the last one.
         self.step()?;
         let taken = Arc::new(Mutex::new(None));
@@ -270,7 +270,7 @@ impl Studio {
         self.app.world_mut().spawn(Screenshot(target)).observe(
             move |captured: On<ScreenshotCaptured>| {
                 *film.lock().unwrap_or_else(PoisonError::into_inner) =
-                    Some(Picture::averaged(&captured.image, side));
+                    Some(CapturedImage::averaged(&captured.image, side));
             },
         );
         self.step()?;

@@ -30,7 +30,7 @@
 //! | pictures of maps | `picture` |
 //! | bags of ROS 2 | `ros_bag` |
 //! | the protocol: clock, ends, log and replay | [`trial`] |
-//! | what could be mapped, and how well it was | [`truth`], [`score`] |
+//! | what could be mapped, and how well it was | [`mappable_area`], [`score`] |
 //! | trajectories as text | [`tum`] |
 //! | the operator's rating of it | [`feedback`] |
 //! | many trials at once, and their statistics | `experiment` |
@@ -57,6 +57,7 @@ pub mod feedback;
 pub mod flat;
 pub mod lidar;
 pub mod map;
+pub mod mappable_area;
 pub mod names;
 pub mod odometry;
 #[cfg(feature = "picture")]
@@ -70,7 +71,6 @@ pub mod score;
 mod setting_limits;
 pub mod slam;
 pub mod trial;
-pub mod truth;
 pub mod tum;
 pub mod water;
 

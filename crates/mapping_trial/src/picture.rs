@@ -8,7 +8,7 @@ use envgen::picture::Figure;
 use glam::DVec2;
 
 use crate::map::{Cell, CellIndex, OccupancyMap, RESOLUTION};
-use crate::truth::MappableArea;
+use crate::mappable_area::MappableArea;
 use envgen::distance::squared_distances;
 
 /// Greatest number of pixels along a side: larger areas have coarser pixels.
@@ -20,7 +20,7 @@ const IN_PLACE: f64 = 0.30;
 /// What a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-enum Ink {
+enum PixelClass {
     Unknown,
     Free,
     Wall,
@@ -55,7 +55,7 @@ const LEGEND: [(Srgb, &str); 9] = [
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
 /// use mapping_trial::picture::Picture;
 /// use mapping_trial::robot::Robot;
-/// use mapping_trial::truth::MappableArea;
+/// use mapping_trial::mappable_area::MappableArea;
 ///
 /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
 /// let area = MappableArea::new(&world, &Robot::default())?;
@@ -73,7 +73,7 @@ pub struct Picture {
     width: usize,
     height: usize,
     /// From the lower left, row by row.
-    inks: Vec<Ink>,
+    inks: Vec<PixelClass>,
 }
 
 impl Picture {
@@ -95,8 +95,8 @@ impl Picture {
     /// from there black, the rest light grey.
     pub fn of_truth(truth: &MappableArea, area: Rect) -> Self {
         let mut picture = Picture::of_map(&truth.perfect_map(), area);
-        for ink in picture.inks.iter_mut().filter(|ink| **ink == Ink::Unknown) {
-            *ink = Ink::Outside;
+        for ink in picture.inks.iter_mut().filter(|ink| **ink == PixelClass::Unknown) {
+            *ink = PixelClass::Outside;
         }
         picture
     }
@@ -108,7 +108,8 @@ impl Picture {
         let mut picture = Picture::of_map(map, area);
         let perfect = Picture::of_truth(truth, area);
         let near = |picture: &Picture| {
-            let walls: Vec<bool> = picture.inks.iter().map(|ink| *ink == Ink::Wall).collect();
+            let walls: Vec<bool> =
+                picture.inks.iter().map(|ink| *ink == PixelClass::Wall).collect();
             let limit = IN_PLACE / picture.pixel;
             let squared = squared_distances(picture.width, &walls);
             squared.into_iter().map(|d| f64::from(d) <= limit * limit).collect::<Vec<bool>>()
@@ -116,11 +117,11 @@ impl Picture {
         let (near_map, near_truth) = (near(&picture), near(&perfect));
         for (i, ink) in picture.inks.iter_mut().enumerate() {
             *ink = match (*ink, perfect.inks[i]) {
-                (Ink::Wall, _) if near_truth[i] => Ink::Wall,
-                (Ink::Wall, _) => Ink::False,
-                (_, Ink::Wall) if !near_map[i] => Ink::Missed,
-                (Ink::Unknown, Ink::Free) => Ink::Unseen,
-                (Ink::Unknown, Ink::Outside) => Ink::Outside,
+                (PixelClass::Wall, _) if near_truth[i] => PixelClass::Wall,
+                (PixelClass::Wall, _) => PixelClass::False,
+                (_, PixelClass::Wall) if !near_map[i] => PixelClass::Missed,
+                (PixelClass::Unknown, PixelClass::Free) => PixelClass::Unseen,
+                (PixelClass::Unknown, PixelClass::Outside) => PixelClass::Outside,
                 (found, _) => found,
             };
         }
@@ -129,12 +130,12 @@ impl Picture {
 
     /// Draws a robot's true trajectory, green.
     pub fn draw_true_path(&mut self, poses: &[Pose]) {
-        self.draw_path(poses, Ink::TruePath);
+        self.draw_path(poses, PixelClass::TruePath);
     }
 
     /// Draws a robot's estimated trajectory, pink.
     pub fn draw_estimated_path(&mut self, poses: &[Pose]) {
-        self.draw_path(poses, Ink::EstimatedPath);
+        self.draw_path(poses, PixelClass::EstimatedPath);
     }
 
     /// The picture with its scale, a legend of its colours, and notes below: to be written as SVG or
@@ -161,7 +162,7 @@ impl Picture {
             ((area.max - low) / pixel).ceil().clamp(DVec2::ONE, DVec2::splat(MAX_SIDE + 1.0));
         let (width, height) = (cells.x as usize, cells.y as usize);
         let area = Rect::new(low, low + cells * pixel);
-        Picture { area, pixel, width, height, inks: vec![Ink::Unknown; width * height] }
+        Picture { area, pixel, width, height, inks: vec![PixelClass::Unknown; width * height] }
     }
 
     /// The columns and rows of the pixels that touch a rectangle.
@@ -175,16 +176,16 @@ impl Picture {
     }
 
     /// What the cells under a pixel are: a wall if one is occupied, else free if one is.
-    fn look(&self, map: &OccupancyMap, col: usize, row: usize) -> Ink {
+    fn look(&self, map: &OccupancyMap, col: usize, row: usize) -> PixelClass {
         let corner = self.area.min + DVec2::new(col as f64, row as f64) * self.pixel;
         let first = CellIndex::of(corner + 0.5 * RESOLUTION);
         let scale = (self.pixel / RESOLUTION).round() as i32;
-        let mut found = Ink::Unknown;
+        let mut found = PixelClass::Unknown;
         for y in 0..scale {
             for x in 0..scale {
                 match map.cell(CellIndex { col: first.col + x, row: first.row + y }) {
-                    Cell::Occupied => return Ink::Wall,
-                    Cell::Free => found = Ink::Free,
+                    Cell::Occupied => return PixelClass::Wall,
+                    Cell::Free => found = PixelClass::Free,
                     Cell::Unknown => {}
                 }
             }
@@ -193,7 +194,7 @@ impl Picture {
     }
 
     /// A line three pixels wide along the poses, an arrow's head at the start and a ring at the end.
-    fn draw_path(&mut self, poses: &[Pose], ink: Ink) {
+    fn draw_path(&mut self, poses: &[Pose], ink: PixelClass) {
         for pose in poses {
             self.dot(pose.position, 1.5 * self.pixel, ink);
         }
@@ -216,7 +217,7 @@ impl Picture {
         }
     }
 
-    fn dot(&mut self, at: DVec2, radius: f64, ink: Ink) {
+    fn dot(&mut self, at: DVec2, radius: f64, ink: PixelClass) {
         let middle = (at - self.area.min) / self.pixel;
         let reach = radius / self.pixel;
         if !middle.is_finite() || middle.abs().max_element() > 2.0 * MAX_SIDE {
@@ -252,7 +253,7 @@ mod tests {
         MappableArea::new(&world(), &Robot::default()).expect("a start")
     }
 
-    fn count(picture: &Picture, ink: Ink) -> usize {
+    fn count(picture: &Picture, ink: PixelClass) -> usize {
         picture.inks.iter().filter(|found| **found == ink).count()
     }
 
@@ -268,13 +269,15 @@ mod tests {
         let truth = truth();
         let area = truth.frame().area();
         let perfect = Picture::of_errors(&truth, &truth.perfect_map(), area);
-        assert!(count(&perfect, Ink::Wall) > 100 && count(&perfect, Ink::Free) > 1000);
-        for ink in [Ink::False, Ink::Missed, Ink::Unseen] {
+        assert!(
+            count(&perfect, PixelClass::Wall) > 100 && count(&perfect, PixelClass::Free) > 1000
+        );
+        for ink in [PixelClass::False, PixelClass::Missed, PixelClass::Unseen] {
             assert_eq!(count(&perfect, ink), 0, "{ink:?}");
         }
         let empty = Picture::of_errors(&truth, &OccupancyMap::new(), area);
-        assert_eq!(count(&empty, Ink::Missed), count(&perfect, Ink::Wall));
-        assert_eq!(count(&empty, Ink::Unseen), count(&perfect, Ink::Free));
+        assert_eq!(count(&empty, PixelClass::Missed), count(&perfect, PixelClass::Wall));
+        assert_eq!(count(&empty, PixelClass::Unseen), count(&perfect, PixelClass::Free));
     }
 
     #[test]
@@ -284,7 +287,7 @@ mod tests {
         let middle = world().start.expect("a start, a metre from the walls");
         map.add(CellIndex::of(middle.position), 200);
         let picture = Picture::of_errors(&truth, &map, truth.frame().area());
-        assert_eq!(count(&picture, Ink::False), 1);
+        assert_eq!(count(&picture, PixelClass::False), 1);
     }
 
     #[test]
@@ -331,6 +334,6 @@ mod tests {
             [Pose::new(0.0, 0.0, 0.0), Pose::new(1e9, 0.0, 0.0), Pose::new(f64::NAN, 0.0, 0.0)];
         picture.draw_true_path(&far);
         picture.draw_estimated_path(&far[..1]);
-        assert!(count(&picture, Ink::EstimatedPath) > 0);
+        assert!(count(&picture, PixelClass::EstimatedPath) > 0);
     }
 }

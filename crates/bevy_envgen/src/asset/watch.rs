@@ -7,7 +7,7 @@ use super::file::{RoomAsset, RoomLoader, WorldAsset, WorldLoader};
 use crate::environment::{Environment, EnvironmentError, RebuildEnvironment, WorldSource};
 use crate::generate::request_worlds;
 use crate::job::GenerationJob;
-use crate::{EnvgenSystems, Schedules};
+use crate::{EnvgenSchedules, EnvgenSystems};
 
 /// Loads `.envgen.ron` and `.room.ron` files, and rebuilds worlds whose files change.
 ///
@@ -20,7 +20,7 @@ pub struct EnvgenAssetPlugin;
 impl Plugin for EnvgenAssetPlugin {
     fn build(&self, app: &mut App) {
         register(app);
-        let schedule = Schedules::of(app).main;
+        let schedule = EnvgenSchedules::of(app).main;
         app.add_systems(
             schedule,
             watch_assets

@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn every_shape_has_its_collider() {
-        let place = |shape: &Shape| crate::shape::Frame::new(DVec2::ZERO).place(shape).1;
+        let place = |shape: &Shape| crate::shape::LocalFrame::new(DVec2::ZERO).place(shape).1;
         let disc = Shape::Disc { center: DVec2::ONE, radius: 0.5 };
         assert!(collider(&place(&disc)).unwrap().as_ball().is_some());
         let turned = Shape::Box { center: DVec2::ONE, half_size: DVec2::ONE, heading: 0.4 };

@@ -27,7 +27,7 @@ use crate::height::HeightRange;
 use crate::part::{Doorway, PartId, PartKind};
 use crate::shape::PartShape;
 use crate::spawn::{Tile, TileSolids, TileSpawned};
-use crate::{EnvgenSystems, Schedules};
+use crate::{EnvgenSchedules, EnvgenSystems};
 
 /// The collision group of people.
 pub const PERSON_GROUP: Group = Group::GROUP_29;
@@ -148,7 +148,7 @@ impl EnvgenPhysicsPlugin {
 
 impl Plugin for EnvgenPhysicsPlugin {
     fn build(&self, app: &mut App) {
-        let main = Schedules::of(app).main;
+        let main = EnvgenSchedules::of(app).main;
         app.register_type::<ColliderSettings>()
             .register_type::<EnvironmentColliders>()
             .insert_resource(self.colliders)

@@ -61,7 +61,7 @@ pub use request::{
 pub use run::ScenarioRun;
 pub(crate) use run::remove;
 
-use crate::{EnvgenSystems, Schedules};
+use crate::{EnvgenSchedules, EnvgenSystems};
 
 /// The systems that move doors, people and smoke: after rapier's `PhysicsSet::Writeback`, so that they meet the
 /// bodies where these are.
@@ -89,7 +89,7 @@ impl Default for EnvgenScenarioPlugin {
 
 impl Plugin for EnvgenScenarioPlugin {
     fn build(&self, app: &mut App) {
-        let main = Schedules::of(app).main;
+        let main = EnvgenSchedules::of(app).main;
         app.register_type::<Door>()
             .register_type::<DoorLeaf>()
             .register_type::<EnvironmentScenario>()

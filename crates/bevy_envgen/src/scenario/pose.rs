@@ -4,16 +4,16 @@ use bevy::prelude::*;
 use envgen::scenario::{Leaf, PersonState};
 
 use super::part::DoorLeaf;
-use crate::shape::Frame;
+use crate::shape::LocalFrame;
 
 /// The pose of a person in the environment's frame.
-pub(super) fn person_pose(frame: Frame, person: &PersonState) -> Transform {
+pub(super) fn person_pose(frame: LocalFrame, person: &PersonState) -> Transform {
     frame.pose(person.position, libm::atan2(person.facing.y, person.facing.x))
 }
 
 /// A leaf, and its pose in the frame of its door; without a leaf, it is in the wall.
 pub(super) fn leaf_pose(
-    frame: Frame,
+    frame: LocalFrame,
     door: &Transform,
     leaf: Option<&Leaf>,
 ) -> (DoorLeaf, Transform) {

@@ -15,7 +15,7 @@ use super::request::{
 use crate::environment::{EndlessTruth, Environment, GroundTruth};
 use crate::part::PartOf;
 use crate::place::{check_transform, global_transform};
-use crate::shape::Frame;
+use crate::shape::LocalFrame;
 
 /// The running scenario of an environment, on its entity. It is not reflected, so scenes do not hold it: it begins
 /// again.
@@ -191,7 +191,7 @@ fn spawn(
     scenario: Arc<Scenario>,
     state: ScenarioState,
 ) -> ScenarioRun {
-    let frame = Frame::new(origin);
+    let frame = LocalFrame::new(origin);
     let global = global_transform(world, environment);
     let belongs = (ChildOf(environment), PartOf(environment));
     let people = (0..).zip(state.people()).map(|(index, person)| {

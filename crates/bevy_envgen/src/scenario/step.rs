@@ -7,7 +7,7 @@ use super::part::{Door, DoorChange, DoorChanged, DoorLeaf, Person, PersonReacted
 use super::pose::{leaf_pose, person_pose};
 use super::run::ScenarioRun;
 use crate::environment::Environment;
-use crate::shape::Frame;
+use crate::shape::LocalFrame;
 
 /// A scenario that runs.
 type Running = (Entity, &'static mut ScenarioRun, &'static Environment, &'static GlobalTransform);
@@ -62,7 +62,7 @@ pub(super) fn place(
     mut commands: Commands,
 ) {
     for (run, environment, global) in &runs {
-        let frame = Frame::new(environment.origin);
+        let frame = LocalFrame::new(environment.origin);
         for (&entity, now) in run.people.iter().zip(run.state.people()) {
             let Ok((mut person, mut at, mut above)) = people.get_mut(entity) else { continue };
             let place = person_pose(frame, now);
@@ -98,7 +98,7 @@ pub(super) fn place_leaves(
     mut commands: Commands,
 ) {
     for (run, environment, global) in &runs {
-        let frame = Frame::new(environment.origin);
+        let frame = LocalFrame::new(environment.origin);
         for (index, (known, now)) in run.doors.iter().zip(run.state.doors()).enumerate() {
             let Ok(mut door) = doors.get_mut(known.door) else { continue };
             let change = if now.stopped > door.stopped {

@@ -5,12 +5,12 @@ use bevy::sprite_render::AlphaMode2d;
 use envgen::scenario::PERSON_RADIUS;
 
 use super::drawing::Drawing;
-use super::ink::{Ink, LAYER, material};
-use super::palette::Palette;
+use super::palette::WorldPalette;
+use super::part_color::{LAYER, PartColor, material};
 use crate::environment::Environment;
 use crate::part::PartOf;
 use crate::scenario::{DoorLeaf, Person, ScenarioRun, Smoke};
-use crate::shape::{Frame, PartShape};
+use crate::shape::{LocalFrame, PartShape};
 
 /// Thickness in metres of a leaf as it is drawn; in the scenario it has none.
 const THICKNESS: f32 = 0.06;
@@ -41,11 +41,11 @@ pub(super) fn draw_person(added: On<Add, Person>, mut commands: Commands) {
         let radius = PERSON_RADIUS as f32;
         let mut body = Drawing::default();
         body.add_shape(&Transform::IDENTITY, &PartShape::Disc { radius });
-        add(world, person, Ink::Person, body);
+        add(world, person, PartColor::Person, body);
         let mut face = Drawing::default();
         let corners = [Vec2::new(0.1, -0.12), Vec2::new(0.24, 0.0), Vec2::new(0.1, 0.12)];
         face.add(corners, &[[0, 1, 2]]);
-        add(world, person, Ink::Face, face);
+        add(world, person, PartColor::Face, face);
     });
 }
 
@@ -58,7 +58,7 @@ pub(super) fn draw_leaf(added: On<Add, DoorLeaf>, mut commands: Commands) {
         let at = Transform::from_xyz(0.5, 0.0, 0.0);
         let half_size = Vec2::new(0.5, 0.5 * THICKNESS);
         drawing.add_shape(&at, &PartShape::Box { half_size });
-        if let Some(mesh) = add(world, leaf, Ink::Leaf, drawing) {
+        if let Some(mesh) = add(world, leaf, PartColor::Leaf, drawing) {
             world.entity_mut(mesh).insert(LeafMesh);
             if let Some(mut at) = world.get_mut::<Transform>(mesh) {
                 at.scale.x = length;
@@ -97,14 +97,14 @@ pub(crate) struct SmokeOutline {
     pub(crate) extinction: f64,
     /// In the frame of the world.
     pub(crate) shapes: Vec<envgen::geometry::Shape>,
-    pub(crate) frame: Frame,
+    pub(crate) frame: LocalFrame,
 }
 
 fn smoke_place(world: &World, smoke: Entity) -> Option<SmokeOutline> {
     let smoke = world.get_entity(smoke).ok()?;
     let (&Smoke { index, extinction }, part) = (smoke.get::<Smoke>()?, smoke.get::<PartOf>()?);
     let run = world.get::<ScenarioRun>(part.0)?;
-    let frame = Frame::new(world.get::<Environment>(part.0)?.origin);
+    let frame = LocalFrame::new(world.get::<Environment>(part.0)?.origin);
     let (place, _) = run.state().smoke().nth(index as usize)?;
     let shapes = run.state().smoke_shapes(place);
     Some(SmokeOutline { extinction, shapes, frame })
@@ -121,18 +121,18 @@ fn add_smoke(world: &mut World, entity: Entity, place: &SmokeOutline) {
     if drawing.triangles.is_empty() {
         return;
     }
-    let palette = world.get_resource::<Palette>().cloned().unwrap_or_default();
+    let palette = world.get_resource::<WorldPalette>().cloned().unwrap_or_default();
     let color = palette.smoke.with_alpha(opacity(*extinction));
     let Some(mut materials) = world.get_resource_mut::<Assets<ColorMaterial>>() else { return };
-    let ink = ColorMaterial { alpha_mode: AlphaMode2d::Blend, ..ColorMaterial::from(color) };
-    let ink = materials.add(ink);
+    let color = ColorMaterial { alpha_mode: AlphaMode2d::Blend, ..ColorMaterial::from(color) };
+    let color = materials.add(color);
     let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() else { return };
     let mesh = meshes.add(drawing.into_mesh());
     world.spawn((
         Name::new("Smoke"),
         SmokeMesh,
         Mesh2d(mesh),
-        MeshMaterial2d(ink),
+        MeshMaterial2d(color),
         Transform::from_xyz(0.0, 0.0, SMOKE_LAYER),
         shown(*extinction),
         ChildOf(entity),
@@ -145,17 +145,17 @@ pub(crate) fn shown(extinction: f64) -> Visibility {
 }
 
 /// Spawns a mesh as a child; `None` in apps that do not draw.
-fn add(world: &mut World, parent: Entity, ink: Ink, drawing: Drawing) -> Option<Entity> {
+fn add(world: &mut World, parent: Entity, color: PartColor, drawing: Drawing) -> Option<Entity> {
     world.get_entity(parent).ok()?;
-    let palette = world.get_resource::<Palette>().cloned().unwrap_or_default();
+    let palette = world.get_resource::<WorldPalette>().cloned().unwrap_or_default();
     if !world.contains_resource::<Assets<ColorMaterial>>() {
         return None;
     }
     let mesh = world.get_resource_mut::<Assets<Mesh>>()?.add(drawing.into_mesh());
-    let material = material(world, ink, ink.color(&palette))?;
-    let at = Transform::from_xyz(0.0, 0.0, ink.layer());
+    let material = material(world, color, color.color(&palette))?;
+    let at = Transform::from_xyz(0.0, 0.0, color.layer());
     let look = (Mesh2d(mesh), MeshMaterial2d(material));
-    Some(world.spawn((Name::new(format!("{ink:?}")), look, at, ChildOf(parent))).id())
+    Some(world.spawn((Name::new(format!("{color:?}")), look, at, ChildOf(parent))).id())
 }
 
 /// Draws sliding leaves as long as they are.

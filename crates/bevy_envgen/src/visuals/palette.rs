@@ -6,7 +6,7 @@ use envgen::palette::{self, Srgb};
 /// The colours of a world's parts.
 #[derive(Resource, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
-pub struct Palette {
+pub struct WorldPalette {
     /// Walls, partitions and kerbs.
     pub wall: Color,
     /// Trees.
@@ -52,10 +52,10 @@ pub struct Palette {
 }
 
 /// The colours of [`envgen::palette`], which the SVG and PNG pictures have too.
-impl Default for Palette {
+impl Default for WorldPalette {
     fn default() -> Self {
         use envgen::world::{ObstacleKind, SurfaceKind, WallKind};
-        Palette {
+        WorldPalette {
             wall: color(palette::wall(WallKind::Wall).fill),
             tree: color(palette::TREE.fill),
             road: color(palette::ROAD.fill),

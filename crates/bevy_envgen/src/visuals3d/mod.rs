@@ -41,7 +41,7 @@ pub use stage::{Stage, Sun};
 pub use tile::TileMesh;
 
 use crate::visuals::require_visibility;
-use crate::{EnvgenSystems, Schedules};
+use crate::{EnvgenSchedules, EnvgenSystems};
 
 /// What is drawn in three dimensions, and how bright. A change affects all worlds at once, except that lamps which are
 /// seen, smoke, and [`Palette3d`], are those of the time when a tile or a scenario is spawned.
@@ -131,7 +131,7 @@ impl Plugin for EnvgenVisuals3dPlugin {
             .add_observer(moving::draw_leaf)
             .add_observer(smoke::draw_smoke);
         smoke::build(app);
-        let main = Schedules::of(app).main;
+        let main = EnvgenSchedules::of(app).main;
         app.add_systems(
             main,
             (

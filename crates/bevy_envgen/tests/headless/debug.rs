@@ -108,7 +108,7 @@ const PRIVATE: &[&str] = &[
     "bevy_envgen::job::PendingEvents",
     "bevy_envgen::job::SpawnedTiles",
     "bevy_envgen::streaming::Streaming",
-    "bevy_envgen::visuals::ink::Inks",
+    "bevy_envgen::visuals::part_color::PartColors",
     "bevy_envgen::visuals::moving::LeafMesh",
     "bevy_envgen::visuals::moving::SmokeMesh",
 ];

@@ -15,13 +15,13 @@ fn app() -> App {
     app
 }
 
-/// The area that is drawn with one ink, in square metres.
-fn area(app: &mut App, ink: &str) -> f32 {
+/// The area that is drawn with one color, in square metres.
+fn area(app: &mut App, color: &str) -> f32 {
     let mut drawn = app.world_mut().query::<(&Name, &Mesh2d)>();
     let meshes = app.world().resource::<Assets<Mesh>>();
     drawn
         .iter(app.world())
-        .filter(|(name, _)| name.starts_with(ink))
+        .filter(|(name, _)| name.starts_with(color))
         .map(|(_, mesh)| {
             let mesh = meshes.get(&mesh.0).unwrap();
             let corners = mesh.attribute(Mesh::ATTRIBUTE_POSITION).unwrap();
@@ -57,7 +57,7 @@ fn what_is_drawn_has_the_area_of_the_parts() {
         });
         let roads: f64 =
             truth.road_strips.iter().map(|strip| strip.path().length() * strip.width).sum();
-        for (ink, exact, tolerance) in [
+        for (color, exact, tolerance) in [
             ("Wall", walls, 1e-3),
             // Some are discs, which are drawn with corners, as trees are.
             ("Obstacle", things, 0.02),
@@ -65,8 +65,8 @@ fn what_is_drawn_has_the_area_of_the_parts() {
             ("Class", cells, 1e-3),
             ("Road", roads, 0.01),
         ] {
-            let drawn = f64::from(area(&mut app, ink));
-            assert!((drawn - exact).abs() <= tolerance * exact, "{kind} {ink}: {drawn} {exact}");
+            let drawn = f64::from(area(&mut app, color));
+            assert!((drawn - exact).abs() <= tolerance * exact, "{kind} {color}: {drawn} {exact}");
         }
     }
 }
@@ -113,8 +113,8 @@ fn people_leaves_and_smoke_are_drawn_as_they_are() {
         let found: Vec<_> = smoke.iter(app.world()).map(|(s, c)| (s.extinction, c[0])).collect();
         let materials = app.world().resource::<Assets<ColorMaterial>>();
         for (extinction, mesh) in found {
-            let ink = app.world().get::<MeshMaterial2d<ColorMaterial>>(mesh).unwrap();
-            let alpha = f64::from(materials.get(&ink.0).unwrap().color.alpha());
+            let color = app.world().get::<MeshMaterial2d<ColorMaterial>>(mesh).unwrap();
+            let alpha = f64::from(materials.get(&color.0).unwrap().color.alpha());
             assert!((alpha - (1.0 - (-extinction).exp())).abs() < 1e-6, "{extinction} {alpha}");
             let hidden = app.world().get::<Visibility>(mesh) == Some(&Visibility::Hidden);
             assert_eq!(hidden, extinction < 0.005, "{extinction}");
@@ -137,7 +137,7 @@ fn materials_are_shared_and_everything_goes_with_the_environment() {
         })
         .collect();
     let materials = app.world().resource::<Assets<ColorMaterial>>().len();
-    // At most one for every ink but those of classes.
+    // At most one for every color but those of classes.
     assert!(materials <= 13, "{materials}");
     assert!(app.world().resource::<Assets<Mesh>>().len() > materials);
     for root in roots {

@@ -8,7 +8,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_envgen::visuals3d::{EnvgenVisuals3dPlugin, Visuals3dSettings};
-use bevy_offscreen::{CaptureError, Film, Picture, Studio};
+use bevy_offscreen::{CaptureError, CapturedImage, Film, Studio};
 use envgen::scenario::Scenario;
 use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
 use thiserror::Error;
@@ -144,7 +144,7 @@ impl<'a> CameraTrial<'a> {
         let camera = RobotCamera { images, ..camera };
         let trial = self.watch(camera, progress, |robot, frame| match &frame.color {
             Some(color) if robot == 0 => {
-                let picture = Picture::of(&image(color, frame.optics))?;
+                let picture = CapturedImage::of(&image(color, frame.optics))?;
                 Ok(film.push(&picture)?)
             }
             _ => Ok(()),

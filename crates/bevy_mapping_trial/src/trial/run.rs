@@ -264,12 +264,14 @@ pub(super) fn command(
     mut robots: Query<&mut DriveCommand, With<TrialRobot>>,
     mut commands: Commands,
 ) {
-    for (entity, mut trial, hands) in &mut trials {
+    for (entity, mut trial, manual_control) in &mut trials {
         let MappingTrial { ask, state, .. } = &mut *trial.bypass_change_detection();
         let State::Running(run) = state else { continue };
         let given = match ask {
             Request::Replay(log) => replayed(log, run),
-            Request::New(_) => run.trial.command(hands.map(|hands| hands.commands.as_slice())),
+            Request::New(_) => run
+                .trial
+                .command(manual_control.map(|manual_control| manual_control.commands.as_slice())),
         };
         let stop = vec![Command::STOP; run.robots.len()];
         for (&robot, &command) in run.robots.iter().zip(given.as_ref().unwrap_or(&stop)) {

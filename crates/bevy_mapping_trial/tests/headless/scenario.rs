@@ -102,8 +102,8 @@ fn the_scenario_is_that_of_the_flat_simulator_to_the_bit_while_a_robot_waits() {
     let settings = TrialSettings { policy: None, start, ..settings(600.0) };
     let mut app = app();
     let root = spawn(&mut app, &world, &scenario);
-    let (held, hands) = (MappingTrial::new(settings.clone()), ManualControl::default());
-    app.world_mut().entity_mut(root).insert((held, hands));
+    let (held, manual_control) = (MappingTrial::new(settings.clone()), ManualControl::default());
+    app.world_mut().entity_mut(root).insert((held, manual_control));
     let mut flat = Trial::builder(&world, settings).scenario(scenario).build_flat().unwrap();
     let mut compared = 0;
     while compared < 600 {
@@ -159,8 +159,8 @@ fn later_trials_in_an_app_begin_with_the_scenario_and_replay_too() {
     for speed in [0.5, 0.7] {
         let held = MappingTrial::new(TrialSettings { policy: None, robots: 2, ..settings(60.0) });
         let command = Command { speed, turn_rate: 0.3 };
-        let hands = ManualControl { commands: vec![command; 2] };
-        app.world_mut().entity_mut(root).insert((held, hands));
+        let manual_control = ManualControl { commands: vec![command; 2] };
+        app.world_mut().entity_mut(root).insert((held, manual_control));
         step(&mut app, 300);
         let held = trial(&app, root);
         assert!(held.time() > 14.0 && held.trajectory(0).distance > 1.0);

@@ -192,14 +192,15 @@ fn frames_of_any_length_give_the_same_trial() {
         let environment = Environment::prebuilt(world.clone()).with_pace(GenerationMode::Blocking);
         let root = app.world_mut().spawn(environment).id();
         step(&mut app, 5);
-        let mut hands = ManualControl::default();
+        let mut manual_control = ManualControl::default();
         let trial = MappingTrial::new(settings.clone());
-        app.world_mut().entity_mut(root).insert((trial, hands.clone()));
+        app.world_mut().entity_mut(root).insert((trial, manual_control.clone()));
         // Into walls and each other, along them and back.
         for (speed, turn_rate) in [(0.7, 0.0), (0.5, 0.9), (0.7, -0.3), (-0.4, 0.2), (0.7, 0.0)] {
             let command = Command { speed, turn_rate };
-            hands.commands = vec![command, Command { speed: 0.5 * speed, turn_rate: -turn_rate }];
-            app.world_mut().entity_mut(root).insert(hands.clone());
+            manual_control.commands =
+                vec![command, Command { speed: 0.5 * speed, turn_rate: -turn_rate }];
+            app.world_mut().entity_mut(root).insert(manual_control.clone());
             step(&mut app, (4.0 * frames) as usize);
         }
         let mut held = app.world_mut().get_mut::<MappingTrial>(root).unwrap();

@@ -2,11 +2,11 @@
 
 use bevy::asset::RenderAssetUsages;
 use bevy::prelude::*;
-use bevy_offscreen::{Film, Frames, Picture};
+use bevy_offscreen::{CapturedImage, Film, Frames};
 use wgpu_types::{Extent3d, TextureDimension, TextureFormat};
 
 /// A grey picture with one white square.
-fn picture(width: u32, height: u32, square: u32) -> Picture {
+fn picture(width: u32, height: u32, square: u32) -> CapturedImage {
     let mut data = [90, 90, 90, 255].repeat((width * height) as usize);
     for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
         let at = 4 * ((square + y) * width + square + x) as usize;
@@ -15,7 +15,7 @@ fn picture(width: u32, height: u32, square: u32) -> Picture {
     let size = Extent3d { width, height, depth_or_array_layers: 1 };
     let format = TextureFormat::Rgba8UnormSrgb;
     let usage = RenderAssetUsages::MAIN_WORLD;
-    Picture::of(&Image::new(size, TextureDimension::D2, data, format, usage)).unwrap()
+    CapturedImage::of(&Image::new(size, TextureDimension::D2, data, format, usage)).unwrap()
 }
 
 /// Plays a film: every picture, and for how many hundredths of a second it is seen.
@@ -43,7 +43,7 @@ fn a_film_plays_what_was_pushed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("film.gif");
     let mut film = Film::create(&path, 20.0).unwrap();
-    let pictures: Vec<Picture> = [3, 4, 4, 4, 9].map(|at| picture(20, 15, at)).into();
+    let pictures: Vec<CapturedImage> = [3, 4, 4, 4, 9].map(|at| picture(20, 15, at)).into();
     for picture in &pictures {
         film.push(picture).unwrap();
     }

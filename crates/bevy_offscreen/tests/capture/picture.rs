@@ -2,7 +2,7 @@
 
 use bevy::asset::RenderAssetUsages;
 use bevy::prelude::*;
-use bevy_offscreen::Picture;
+use bevy_offscreen::CapturedImage;
 use wgpu_types::{Extent3d, TextureDimension, TextureFormat};
 
 fn image(format: TextureFormat, data: Vec<u8>) -> Image {
@@ -13,18 +13,18 @@ fn image(format: TextureFormat, data: Vec<u8>) -> Image {
 #[test]
 fn alpha_is_left_out_and_order_of_colours_kept() {
     let pixels = vec![10, 20, 30, 0, 40, 50, 60, 255];
-    let picture = Picture::of(&image(TextureFormat::Rgba8UnormSrgb, pixels.clone())).unwrap();
+    let picture = CapturedImage::of(&image(TextureFormat::Rgba8UnormSrgb, pixels.clone())).unwrap();
     assert_eq!(picture.rgb(), [10, 20, 30, 40, 50, 60]);
     assert_eq!(picture.pixel(1, 0), Some([40, 50, 60]));
     assert_eq!(picture.pixel(2, 0), None);
-    let swapped = Picture::of(&image(TextureFormat::Bgra8UnormSrgb, pixels)).unwrap();
+    let swapped = CapturedImage::of(&image(TextureFormat::Bgra8UnormSrgb, pixels)).unwrap();
     assert_eq!(swapped.pixel(0, 0), Some([30, 20, 10]));
 }
 
 #[test]
 fn a_depth_is_no_picture() {
     let depth = image(TextureFormat::R32Float, vec![0; 8]);
-    assert!(Picture::of(&depth).unwrap_err().to_string().contains("R32Float"));
+    assert!(CapturedImage::of(&depth).unwrap_err().to_string().contains("R32Float"));
 }
 
 #[test]
@@ -32,7 +32,7 @@ fn a_png_holds_the_pixels() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
     let pixels = vec![10, 20, 30, 0, 40, 50, 60, 255];
-    let picture = Picture::of(&image(TextureFormat::Rgba8UnormSrgb, pixels)).unwrap();
+    let picture = CapturedImage::of(&image(TextureFormat::Rgba8UnormSrgb, pixels)).unwrap();
     picture.write_png(&path).unwrap();
     let file = std::io::BufReader::new(std::fs::File::open(&path).unwrap());
     let mut reader = png::Decoder::new(file).read_info().unwrap();
@@ -47,9 +47,11 @@ fn a_png_holds_the_pixels() {
 #[cfg(unix)]
 fn a_picture_goes_where_a_link_leads_and_nothing_that_is_read_only_is_lost() {
     let folder = tempfile::tempdir().unwrap();
-    let picture =
-        Picture::of(&image(TextureFormat::Rgba8UnormSrgb, vec![10, 20, 30, 0, 40, 50, 60, 255]))
-            .unwrap();
+    let picture = CapturedImage::of(&image(
+        TextureFormat::Rgba8UnormSrgb,
+        vec![10, 20, 30, 0, 40, 50, 60, 255],
+    ))
+    .unwrap();
     let (file, link) = (folder.path().join("a.png"), folder.path().join("link.png"));
     std::fs::write(&file, "old").unwrap();
     std::os::unix::fs::symlink(&file, &link).unwrap();

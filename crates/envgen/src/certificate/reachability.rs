@@ -33,7 +33,7 @@ pub(super) fn every_place_reachable(
     radius: f64,
     budget: &mut Budget,
 ) -> Result<bool, Doubt> {
-    let Some(ground) = Ground::new(world, radius, budget)? else { return Ok(false) };
+    let Some(ground) = StartGround::new(world, radius, budget)? else { return Ok(false) };
     budget.grow(ground.pieces.list().len());
     let space = ground.space();
     let mut places = Places::new(&space, ground.start);
@@ -94,7 +94,7 @@ pub struct Unreached {
 /// When it cannot be decided.
 pub fn unreached(world: &World, radius: f64) -> Result<Option<Unreached>, Doubt> {
     let budget = &mut Budget::new(MAX_COMPARISONS);
-    let Some(ground) = Ground::new(world, radius, budget)? else { return Ok(None) };
+    let Some(ground) = StartGround::new(world, radius, budget)? else { return Ok(None) };
     let (space, barriers) = (ground.space(), ground.barriers());
     // Connections through other ground are left to the barriers.
     let around = floors(world).map(Shape::bounds).reduce(Rect::union).unwrap_or(ground.area);
@@ -156,7 +156,7 @@ pub fn unreached(world: &World, radius: f64) -> Result<Option<Unreached>, Doubt>
 }
 
 /// The ground around a disc at the start of a world.
-struct Ground<'a> {
+struct StartGround<'a> {
     pieces: Pieces,
     outlines: Outlines<'a>,
     area: Rect,
@@ -164,7 +164,7 @@ struct Ground<'a> {
     radius: f64,
 }
 
-impl<'a> Ground<'a> {
+impl<'a> StartGround<'a> {
     /// `None` where there is no start, or the disc does not fit there.
     fn new(world: &'a World, radius: f64, budget: &mut Budget) -> Result<Option<Self>, Doubt> {
         let Some(start) = world.start.map(|start| start.position) else { return Ok(None) };
@@ -178,7 +178,7 @@ impl<'a> Ground<'a> {
             Nearer::Perhaps => return Err(Doubt::TooClose),
             Nearer::No => {}
         }
-        Ok(Some(Ground { pieces, outlines, area, start, radius }))
+        Ok(Some(StartGround { pieces, outlines, area, start, radius }))
     }
 
     fn space(&self) -> Space<'_> {

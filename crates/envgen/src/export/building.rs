@@ -168,7 +168,7 @@ impl Plan {
         });
         let targets: Vec<_> = goal.into_iter().chain(rooms).collect();
         let (Some(from), Some(pose)) = (start, world.start) else { return };
-        let Some(ground) = Ground::of(world, pose.position) else { return };
+        let Some(ground) = ReachableCells::of(world, pose.position) else { return };
         let mut lanes = BTreeMap::new();
         for (at, vertex) in targets {
             let Some(turns) = ground.turns(pose.position, at) else { continue };
@@ -194,13 +194,13 @@ impl Plan {
 }
 
 /// The cells that a robot's middle can be in, and the cheapest paths from the start through them.
-struct Ground {
+struct ReachableCells {
     frame: GridFrame,
     blocked: Vec<bool>,
     paths: CheapestPaths,
 }
 
-impl Ground {
+impl ReachableCells {
     fn of(world: &World, start: DVec2) -> Option<Self> {
         let size = world.bounds.size();
         let least = (size.x * size.y / MOST_CELLS).sqrt().max(size.max_element() / MOST_CELLS);
@@ -210,7 +210,7 @@ impl Ground {
         let blocked = c_space(frame.cols, grid.cells(), reach);
         let start = frame.index_at(start).filter(|&cell| !blocked[cell])?;
         let paths = CheapestPaths::new(frame.cols, &blocked, frame.cell_size, start, None);
-        Some(Ground { frame, blocked, paths })
+        Some(ReachableCells { frame, blocked, paths })
     }
 
     /// The points at which a path turns, without its ends; `None` where there is no path.

@@ -4,10 +4,10 @@ use glam::DVec2;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-use super::frame::{DESIGN_UNIT, Frame};
 use super::grid::{Axis, Gate, Grid, Opening, Origin, Side};
 use super::placed_room::PlacedRoom;
 use super::plan_edit::Edit;
+use super::room_placement::{DESIGN_UNIT, RoomPlacement};
 use super::spec::IndoorSpec;
 use crate::dials::Prediction;
 use crate::seed::Seed;
@@ -131,17 +131,17 @@ impl FloorPlan {
     }
 
     /// The transform from a room's design to the map.
-    pub(super) fn design_frame(&self, room: usize) -> Frame {
+    pub(super) fn design_placement(&self, room: usize) -> RoomPlacement {
         let room = &self.rooms[room];
         let corner = self.point(f64::from(room.x), f64::from(room.y + room.size().1));
         let scale = self.spec.cell_size / DESIGN_UNIT;
-        Frame { corner, scale, quarters: room.quarters, size: room.room.size() }
+        RoomPlacement { corner, scale, quarters: room.quarters, size: room.room.size() }
     }
 
     /// The transform from a room's own frame, unturned and in metres of the map, to the map.
-    pub(super) fn metric_frame(&self, room: usize) -> Frame {
-        let frame = self.design_frame(room);
-        Frame { scale: 1.0, size: frame.size * frame.scale, ..frame }
+    pub(super) fn metric_placement(&self, room: usize) -> RoomPlacement {
+        let frame = self.design_placement(room);
+        RoomPlacement { scale: 1.0, size: frame.size * frame.scale, ..frame }
     }
 }
 

@@ -7,7 +7,7 @@ use super::adaptation::{self, LEAST_SPACING};
 use super::catalogue::{MAX_ROOM_SIZE, SharedRoom};
 use super::dimensions::Dimensions;
 use super::error::IndoorError;
-use super::frame::DESIGN_UNIT;
+use super::room_placement::DESIGN_UNIT;
 use super::variation::{FARTHEST_MOVE, GREATEST_TURN, Varied, vary};
 #[cfg(feature = "rand")]
 use crate::distribution::law;

@@ -9,8 +9,8 @@ use glam::DVec2;
 
 use super::catalogue::design::RoomDesign;
 use super::dimensions::{Dimensions, STEP};
-use super::frame::{DESIGN_UNIT, Frame};
 use super::grid::Side;
+use super::room_placement::{DESIGN_UNIT, RoomPlacement};
 use crate::geometry::{Rect, Shape};
 use crate::grid::GridFrame;
 use crate::union_find::UnionFind;
@@ -217,9 +217,9 @@ impl Field {
     }
 
     /// From the design of a room to the metres of the map.
-    fn frame(&self, room: &RoomDesign) -> Frame {
+    fn frame(&self, room: &RoomDesign) -> RoomPlacement {
         let scale = self.dimensions.unit / DESIGN_UNIT;
-        Frame { corner: DVec2::ZERO, scale, quarters: 0, size: room.size() }
+        RoomPlacement { corner: DVec2::ZERO, scale, quarters: 0, size: room.size() }
     }
 
     /// Clearance that the footprint's middle needs at a sample to be free.
@@ -462,7 +462,7 @@ mod tests {
                 (turned.width, turned.height) = (1, 2);
             }
             let corner = DVec2::ZERO;
-            let frame = Frame { corner, scale: 1.0, quarters, size: design.size() };
+            let frame = RoomPlacement { corner, scale: 1.0, quarters, size: design.size() };
             turned.obstacles = design.obstacles.clone();
             for obstacle in &mut turned.obstacles {
                 obstacle.shape = frame.shape(&obstacle.shape);

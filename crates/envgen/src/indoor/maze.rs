@@ -7,11 +7,11 @@ use glam::DVec2;
 
 use super::catalogue::SharedRoom;
 use super::catalogue::design::{MAX_ROOM_PARTS, RoomDesign};
-use super::frame::DESIGN_UNIT;
 use super::grid::Opening;
 use super::interior::doorway_zone;
 use super::materials::shuffled;
 use super::placed_room::PlacedRoom;
+use super::room_placement::DESIGN_UNIT;
 use super::spec::IndoorSpec;
 use crate::geometry::{Rect, Shape};
 use crate::seed::Seed;

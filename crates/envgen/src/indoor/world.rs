@@ -219,7 +219,7 @@ fn floors(plan: &FloorPlan, surfaces: &mut Vec<Surface>) {
 fn room(plan: &FloorPlan, i: usize, world: &mut World) {
     let placed = &plan.rooms[i];
     let design = &placed.room;
-    let frame = plan.design_frame(i);
+    let frame = plan.design_placement(i);
     let (width, height) = placed.size();
     let size = DVec2::new(f64::from(width), f64::from(height)) * plan.spec.cell_size;
     let floor = Rect::new(frame.corner, frame.corner + size).grown(-0.5 * plan.spec.wall_thickness);

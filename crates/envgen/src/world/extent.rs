@@ -29,7 +29,7 @@ pub const MIN_HEIGHT: f64 = 1e-3;
 /// # Ok::<(), envgen::SpecError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Ends")]
+#[serde(try_from = "UncheckedExtent")]
 pub struct Extent {
     bottom: f64,
     top: f64,
@@ -38,16 +38,16 @@ pub struct Extent {
 /// An extent as files hold it, which may be wrong.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Ends {
+struct UncheckedExtent {
     #[serde(default)]
     bottom: f64,
     top: f64,
 }
 
-impl TryFrom<Ends> for Extent {
+impl TryFrom<UncheckedExtent> for Extent {
     type Error = SpecError;
 
-    fn try_from(ends: Ends) -> Result<Self, SpecError> {
+    fn try_from(ends: UncheckedExtent) -> Result<Self, SpecError> {
         Extent::new(ends.bottom, ends.top)
     }
 }

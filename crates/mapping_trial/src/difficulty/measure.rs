@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::panel::Panel;
 use crate::experiment::survey::Site;
 use crate::score::Scores;
-use crate::trial::{EndReason, WorldSource};
+use crate::trial::{EndReason, LogWorld};
 
 /// Variance of D, M and N by noise alone where that of a world is not known yet: the mean over 76 pairs of trials
 /// of levers at 10 x 10 cells.
@@ -78,7 +78,7 @@ pub struct Measuring<'a> {
 impl<'a> Measuring<'a> {
     /// Begins to measure; trials draw their noise from `noise` and the seeds after it.
     pub fn new(world: &World, panel: &'a Panel, noise: Seed) -> Self {
-        let source = WorldSource::Given(Box::new(world.clone()));
+        let source = LogWorld::Given(Box::new(world.clone()));
         let scores = vec![Vec::new(); panel.conditions.len()];
         Measuring { site: Site::new(world.clone(), source), panel, noise, scores }
     }

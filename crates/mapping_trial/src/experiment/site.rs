@@ -12,7 +12,7 @@ use super::record::{MapFeatures, Record};
 use crate::flat::{FlatSimulator, FlatWorld};
 use crate::robot::Robot;
 use crate::score::Reference;
-use crate::trial::{self, WorldSource};
+use crate::trial::{self, LogWorld};
 
 /// A map on which trials take place.
 pub(super) struct Site {
@@ -51,7 +51,7 @@ impl Site {
         let failed = |error: &dyn Error| unusable(design, trial, error);
         let settings = design.settings(trial);
         let mut run = trial::Trial::builder(&self.world, settings)
-            .source(WorldSource::Generated(self.world.provenance.clone()))
+            .source(LogWorld::Generated(self.world.provenance.clone()))
             .reference(&self.truth)
             .build_flat_in(Arc::clone(&self.flat))
             .map_err(|error| failed(&error))?;

@@ -5,8 +5,8 @@ use glam::DVec2;
 use proptest::prelude::*;
 
 use super::*;
+use crate::mappable_area::tests::room;
 use crate::score::{Scores, TrajectoryPair};
-use crate::truth::tests::room;
 
 const ANSWERS: &str = "Okke\n3\n\n\nDistanceOnly\n2x P3AT\n6.5\n7\n5\nwater\nmaze, narrow\nnone\n\
                        dead ends\n\n";

@@ -8,8 +8,8 @@ use envgen::world::{Doorway, Extent, Obstacle, ObstacleKind, Wall, WallKind};
 use glam::DVec2;
 
 use super::*;
-use crate::truth::MappableArea;
-use crate::truth::tests::room;
+use crate::mappable_area::MappableArea;
+use crate::mappable_area::tests::room;
 
 /// A room with a block from 4 to 5 m ahead of its start, across its whole width.
 fn with_block(bottom: f64, top: f64) -> World {

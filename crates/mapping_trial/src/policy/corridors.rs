@@ -109,18 +109,18 @@ fn choose(
     let here = planning.pose.position;
     let Planning { costmap, frontiers, search, limit, .. } = planning;
     let (limit, goal) = (*limit, |node, _| frontiers.cluster_at(node).is_some());
-    search.set_limit(CellCost::Near);
+    search.set_worst_allowed(CellCost::Near);
     if here.distance(*home) < 0.5 || search.to(costmap, here, &[], *home).is_some() {
         *home = here;
         let node = search.nearest(costmap, here, planning.blocks, goal);
         if node.is_some() {
-            search.set_limit(limit);
+            search.set_worst_allowed(limit);
             return node;
         }
     } else if time >= *next_look {
         let cluster =
             search.nearest(costmap, *home, &[], goal).and_then(|node| frontiers.cluster_at(node));
-        search.set_limit(limit);
+        search.set_worst_allowed(limit);
         if let Some(cluster) = cluster
             && let Some(node) = planning.nearest_of(|other| other == cluster)
         {
@@ -128,6 +128,6 @@ fn choose(
         }
         *next_look = time + LOOK_AGAIN;
     }
-    planning.search.set_limit(limit);
+    planning.search.set_worst_allowed(limit);
     planning.nearest()
 }

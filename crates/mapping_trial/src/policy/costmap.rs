@@ -1,7 +1,7 @@
 //! What a policy derives from the map: where the robot's centre may be, what it costs to be
 //! there, and where the known world ends. Only tiles that changed are derived again.
 
-mod class;
+mod cell_cost;
 mod node;
 mod row;
 mod table;
@@ -9,7 +9,7 @@ mod tile;
 
 use glam::{DVec2, IVec2};
 
-pub use self::class::CellCost;
+pub use self::cell_cost::CellCost;
 pub use self::node::Node;
 use self::row::Row;
 use self::table::NONE;
@@ -28,7 +28,7 @@ const FARTHEST_LOOK: f64 = 20.0;
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, glam::DVec2, hallway::HallwaySpec};
 /// use mapping_trial::policy::costmap::{CellCost, Costmap};
-/// use mapping_trial::{robot::Robot, truth::MappableArea};
+/// use mapping_trial::{robot::Robot, mappable_area::MappableArea};
 ///
 /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
 /// let (robot, area) = (Robot::default(), MappableArea::new(&world, &Robot::default())?);
@@ -36,9 +36,9 @@ const FARTHEST_LOOK: f64 = 20.0;
 /// costmap.refresh(&area.perfect_map());
 /// // The middle of a corridor 2 m wide, 0.2 m from its wall, and outside.
 /// let from_middle = |x| area.start() + DVec2::new(x, 0.0);
-/// assert_eq!(costmap.class_at(from_middle(0.0)), CellCost::Open);
-/// assert_eq!(costmap.class_at(from_middle(0.8)), CellCost::Inflated);
-/// assert_eq!(costmap.class_at(from_middle(50.0)), CellCost::Unknown);
+/// assert_eq!(costmap.cell_cost_at(from_middle(0.0)), CellCost::Open);
+/// assert_eq!(costmap.cell_cost_at(from_middle(0.8)), CellCost::Inflated);
+/// assert_eq!(costmap.cell_cost_at(from_middle(50.0)), CellCost::Unknown);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -110,8 +110,8 @@ impl Costmap {
     }
 
     /// The cost of the planning cell that contains a point, for the robot's centre.
-    pub fn class_at(&mut self, p: DVec2) -> CellCost {
-        self.node_at(p).map_or(CellCost::Unknown, |node| self.class(node))
+    pub fn cell_cost_at(&mut self, p: DVec2) -> CellCost {
+        self.node_at(p).map_or(CellCost::Unknown, |node| self.cell_cost(node))
     }
 
     /// The state of a cell of the map, as of the last refresh.
@@ -235,14 +235,14 @@ impl Costmap {
     }
 
     /// A node's cost, derived now if needed.
-    pub(super) fn class(&mut self, node: Node) -> CellCost {
+    pub(super) fn cell_cost(&mut self, node: Node) -> CellCost {
         self.derive_classes(node.slot());
-        self.derived_class(node)
+        self.derived_cell_cost(node)
     }
 
     /// A node's cost in a tile that is derived.
     #[inline]
-    pub(super) fn derived_class(&self, node: Node) -> CellCost {
+    pub(super) fn derived_cell_cost(&self, node: Node) -> CellCost {
         CellCost::of(self.classes[node.0 as usize])
     }
 
@@ -446,25 +446,25 @@ impl Costmap {
                 let four = |rows: [u32; 2]| {
                     (rows[0] >> (2 * col) & 3 | (rows[1] >> (2 * col) & 3) << 2) as u8
                 };
-                let class = |class: CellCost, best: u8| class as u8 | best << 4;
+                let cell_cost = |cell_cost: CellCost, best: u8| cell_cost as u8 | best << 4;
                 classes[row * CELLS as usize + col] = if four(free[0]) == 0 {
                     if four(occupied) != 0 {
-                        class(CellCost::Occupied, 0)
+                        cell_cost(CellCost::Occupied, 0)
                     } else if four(inflated) != 0 {
-                        class(CellCost::Inflated, 0)
+                        cell_cost(CellCost::Inflated, 0)
                     } else {
-                        class(CellCost::Unknown, 0)
+                        cell_cost(CellCost::Unknown, 0)
                     }
                 } else if four(free[1]) == 0 {
-                    class(CellCost::Squeeze, four(free[0]))
+                    cell_cost(CellCost::Squeeze, four(free[0]))
                 } else if four(free[2]) == 0 {
-                    class(CellCost::Tight, four(free[1]))
+                    cell_cost(CellCost::Tight, four(free[1]))
                 } else if four(free[3]) == 0 {
-                    class(CellCost::Close, four(free[2]))
+                    cell_cost(CellCost::Close, four(free[2]))
                 } else if four(free[4]) == 0 {
-                    class(CellCost::Near, four(free[3]))
+                    cell_cost(CellCost::Near, four(free[3]))
                 } else {
-                    class(CellCost::Open, four(free[4]))
+                    cell_cost(CellCost::Open, four(free[4]))
                 };
             }
         }

@@ -87,7 +87,7 @@ impl Frontiers {
             for cell in cells.clone() {
                 let p = self.cells[cell].centre();
                 if let Some(node) = costmap.node_at(p)
-                    && costmap.class(node).is_passable()
+                    && costmap.cell_cost(node).is_passable()
                 {
                     fits = true;
                     // Several cells of the map are in one planning cell.
@@ -168,7 +168,7 @@ impl Frontiers {
                     continue;
                 }
                 if let Some(node) = costmap.node_at(p)
-                    && costmap.class(node).is_passable()
+                    && costmap.cell_cost(node).is_passable()
                     && sees(costmap, costmap.point(node), frontier)
                 {
                     self.label(node, cluster);

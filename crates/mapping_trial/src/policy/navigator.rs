@@ -452,7 +452,7 @@ impl Navigator {
             return false;
         }
         let Navigator { costmap, search, blocks, .. } = self;
-        search.set_limit(CellCost::Tight);
+        search.set_worst_allowed(CellCost::Tight);
         let Some(node) = search.to(costmap, pose.position, blocks, place) else { return false };
         self.set_path(view, node, Goal::Place(place), false);
         true
@@ -528,7 +528,7 @@ impl Navigator {
                 || (restraint.in_sight && !costmap.is_occupied_within(p, sight))
         };
         frontiers.gather(costmap, ruled_out);
-        search.set_limit(limit);
+        search.set_worst_allowed(limit);
         choose(&mut Planning { costmap, frontiers, search, pose, blocks, limit })
     }
 

@@ -26,7 +26,7 @@ impl Path {
         let (mut from, mut to) = (0, 1);
         let mut worst = CellCost::Open;
         while to < cells.len() {
-            worst = worst.max(costmap.class_at(cells[to]));
+            worst = worst.max(costmap.cell_cost_at(cells[to]));
             let straight = to == from + 1
                 || (cells[from].distance_squared(cells[to]) < LONGEST * LONGEST
                     && worst_between(costmap, cells[from], cells[to]) <= worst);
@@ -35,7 +35,7 @@ impl Path {
             } else {
                 from = to - 1;
                 self.points.push(cells[from]);
-                worst = costmap.class_at(cells[from]);
+                worst = costmap.cell_cost_at(cells[from]);
             }
         }
         if cells.len() > 1 {
@@ -116,9 +116,9 @@ impl Path {
     pub(super) fn is_passable(&self, costmap: &mut Costmap, far: f64) -> bool {
         let (mut out, mut passable) = (false, true);
         self.ahead(0.1, far, |p| {
-            let class = costmap.class_at(p);
-            out |= class.is_passable();
-            passable = class <= CellCost::Squeeze || (!out && class != CellCost::Occupied);
+            let cell_cost = costmap.cell_cost_at(p);
+            out |= cell_cost.is_passable();
+            passable = cell_cost <= CellCost::Squeeze || (!out && cell_cost != CellCost::Occupied);
             passable
         });
         passable
@@ -131,7 +131,7 @@ pub(super) fn worst_between(costmap: &mut Costmap, from: DVec2, to: DVec2) -> Ce
     let steps = (offset.length() / RESOLUTION).ceil().clamp(1.0, 1e4);
     let mut worst = CellCost::Open;
     for step in 0..=steps as usize {
-        worst = worst.max(costmap.class_at(from + offset * (step as f64 / steps)));
+        worst = worst.max(costmap.cell_cost_at(from + offset * (step as f64 / steps)));
         if worst == CellCost::Occupied {
             break;
         }

@@ -99,12 +99,12 @@ impl Pursuit {
 /// The point to drive towards: as far ahead on the path as the robot can drive straight.
 fn target(p: DVec2, path: &Path, costmap: &mut Costmap, lookahead: f64) -> Option<DVec2> {
     let mut target = None;
-    let leaving = !costmap.class_at(p).is_passable();
+    let leaving = !costmap.cell_cost_at(p).is_passable();
     let mut driven = 0.0;
     path.ahead(0.1, lookahead, |ahead| {
-        let class = if leaving { CellCost::Open } else { worst_between(costmap, p, ahead) };
-        let tight = class >= CellCost::Tight && driven > SHORT_LOOKAHEAD;
-        if driven <= 0.15 || (class.is_passable() && !tight) {
+        let cell_cost = if leaving { CellCost::Open } else { worst_between(costmap, p, ahead) };
+        let tight = cell_cost >= CellCost::Tight && driven > SHORT_LOOKAHEAD;
+        if driven <= 0.15 || (cell_cost.is_passable() && !tight) {
             target = Some(ahead);
             driven += 0.1;
             true

@@ -38,7 +38,7 @@ pub struct KeepoutZone {
 /// use envgen::{Blueprint, Seed, Spec, glam::DVec2, hallway::HallwaySpec};
 /// use mapping_trial::policy::costmap::Costmap;
 /// use mapping_trial::policy::search::{COST_PER_METRE, GridPlanner};
-/// use mapping_trial::{robot::Robot, truth::MappableArea};
+/// use mapping_trial::{robot::Robot, mappable_area::MappableArea};
 ///
 /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
 /// let area = MappableArea::new(&world, &Robot::default())?;
@@ -61,7 +61,7 @@ pub struct GridPlanner {
     used: Vec<u32>,
     search: u32,
     /// The worst cell cost on paths.
-    limit: CellCost,
+    worst_allowed: CellCost,
     queues: Vec<Vec<(Node, u32)>>,
     /// [`ESCAPE`] of the robot, in planning cells.
     escape: i32,
@@ -84,7 +84,7 @@ impl Default for GridPlanner {
             nodes: Vec::new(),
             used: Vec::new(),
             search: 0,
-            limit: CellCost::Tight,
+            worst_allowed: CellCost::Tight,
             queues: vec![Vec::new(); QUEUES],
             escape: 0,
         }
@@ -98,8 +98,8 @@ impl GridPlanner {
     }
 
     /// From now on paths lead through cells of this cost and better ones.
-    pub fn set_limit(&mut self, limit: CellCost) {
-        self.limit = limit;
+    pub fn set_worst_allowed(&mut self, worst_allowed: CellCost) {
+        self.worst_allowed = worst_allowed;
     }
 
     /// Visits cells in the order of their cost from `start` until `done` returns true, and returns the
@@ -248,13 +248,13 @@ impl GridPlanner {
         let Some(node) = costmap.node_at(start) else { return (0, 0) };
         let (mut seeds, mut least) = (0, u32::MAX);
         let body = in_cells(costmap.grown(BODY));
-        let reach = if costmap.class(node) == CellCost::Occupied { body } else { 0 };
+        let reach = if costmap.cell_cost(node) == CellCost::Occupied { body } else { 0 };
         for dy in -reach..=reach {
             for dx in -reach..=reach {
                 let p = start + DVec2::new(f64::from(dx), f64::from(dy)) * SIDE;
                 let Some(node) = costmap.node_at(p) else { continue };
                 self.enter(costmap, node.slot());
-                if costmap.derived_class(node) == CellCost::Occupied {
+                if costmap.derived_cell_cost(node) == CellCost::Occupied {
                     continue;
                 }
                 let cost = (dx * dx + dy * dy) as u32;
@@ -277,7 +277,7 @@ impl GridPlanner {
         start: IVec2,
         left: impl Fn(IVec2) -> u32,
     ) -> usize {
-        let inside = costmap.derived_class(node) <= self.limit;
+        let inside = costmap.derived_cell_cost(node) <= self.worst_allowed;
         let mut added = 0;
         let is_within_tile = node.is_within_tile();
         for direction in 0..STEPS.len() {
@@ -293,13 +293,13 @@ impl GridPlanner {
             if state.closed {
                 continue;
             }
-            let class = costmap.derived_class(next);
-            let fits = class <= self.limit;
+            let cell_cost = costmap.derived_cell_cost(next);
+            let fits = cell_cost <= self.worst_allowed;
             if !fits || !inside {
                 // A robot that does not fit where it is may drive on until it does, but not far,
                 // not between two occupied cells, and never from where it fits to where it does
                 // not.
-                if class == CellCost::Occupied
+                if cell_cost == CellCost::Occupied
                     || (inside && !fits)
                     || (costmap.place(next) - start).abs().max_element() > self.escape
                     || (direction % 2 == 1 && self.squeezes(costmap, node, direction))
@@ -307,7 +307,7 @@ impl GridPlanner {
                     continue;
                 }
             }
-            let through = cost + COSTS[class as usize][direction % 2];
+            let through = cost + COSTS[cell_cost as usize][direction % 2];
             if through < state.cost {
                 self.nodes[next.0 as usize] =
                     State { cost: through, from: direction as u8, closed: false };
@@ -322,7 +322,9 @@ impl GridPlanner {
     /// Whether one of the two cells beside a diagonal step is occupied.
     fn squeezes(&mut self, costmap: &mut Costmap, node: Node, direction: usize) -> bool {
         [direction - 1, (direction + 1) % 8].into_iter().any(|side| {
-            costmap.step(node, side).is_none_or(|node| costmap.class(node) == CellCost::Occupied)
+            costmap
+                .step(node, side)
+                .is_none_or(|node| costmap.cell_cost(node) == CellCost::Occupied)
         })
     }
 }

@@ -68,13 +68,13 @@ proptest! {
         at_once.refresh(&map);
         prop_assert_eq!(step_by_step.frontier_len(), at_once.frontier_len());
         let mut same = true;
-        every_node(|_, p| same &= step_by_step.class_at(p) == at_once.class_at(p));
+        every_node(|_, p| same &= step_by_step.cell_cost_at(p) == at_once.cell_cost_at(p));
         prop_assert!(same);
         // A map that starts again leaves nothing behind.
         map.clear();
         step_by_step.refresh(&map);
         prop_assert_eq!(step_by_step.frontier_len(), 0);
-        every_node(|_, p| same &= step_by_step.class_at(p) == CellCost::Unknown);
+        every_node(|_, p| same &= step_by_step.cell_cost_at(p) == CellCost::Unknown);
         prop_assert!(same);
     }
 
@@ -125,7 +125,7 @@ proptest! {
                 (radius + 0.005, CellCost::Tight),
                 (touches, CellCost::Squeeze),
             ];
-            let class = limits.into_iter().find(|(far, _)| best > *far + 1e-9).map_or_else(
+            let cell_cost = limits.into_iter().find(|(far, _)| best > *far + 1e-9).map_or_else(
                 || {
                     let near = |at: &IVec2| is(*at) == Cell::Free || far(*at) <= touches + 1e-9;
                     if four.iter().any(|at| is(*at) == Cell::Occupied) {
@@ -136,10 +136,10 @@ proptest! {
                         CellCost::Unknown
                     }
                 },
-                |(_, class)| class,
+                |(_, cell_cost)| cell_cost,
             );
-            if costmap.class_at(p) != class {
-                wrong = Some((p, costmap.class_at(p), class));
+            if costmap.cell_cost_at(p) != cell_cost {
+                wrong = Some((p, costmap.cell_cost_at(p), cell_cost));
             }
         });
         prop_assert_eq!(wrong, None);
@@ -153,7 +153,7 @@ proptest! {
         costmap.refresh(&map);
         let mut start = None;
         every_node(|_, p| {
-            if start.is_none() && costmap.class_at(p).is_passable() {
+            if start.is_none() && costmap.cell_cost_at(p).is_passable() {
                 start = Some(p);
             }
         });
@@ -211,8 +211,8 @@ fn plain_costs(costmap: &mut Costmap, start: DVec2) -> BTreeMap<(i32, i32), u32>
         }
         for (direction, step) in STEPS.into_iter().enumerate() {
             let next = IVec2::new(at.0, at.1) + step;
-            let class = costmap.class_at((next.as_dvec2() + 0.5) * SIDE);
-            let steps = match class {
+            let cell_cost = costmap.cell_cost_at((next.as_dvec2() + 0.5) * SIDE);
+            let steps = match cell_cost {
                 CellCost::Open => [10, 14],
                 CellCost::Near => [14, 20],
                 CellCost::Close => [22, 31],
@@ -267,7 +267,7 @@ fn a_robot_that_does_not_fit_gets_out_but_not_through_walls() {
     costmap.refresh(&map);
     let mut search = GridPlanner::new();
     let start = DVec2::new(0.15, 0.0);
-    assert_eq!(costmap.class_at(start), CellCost::Inflated);
+    assert_eq!(costmap.cell_cost_at(start), CellCost::Inflated);
     assert!(search.to(&mut costmap, start, &[], DVec2::new(1.0, 0.0)).is_some());
     assert!(search.to(&mut costmap, start, &[], DVec2::new(-1.0, 0.0)).is_none());
 }

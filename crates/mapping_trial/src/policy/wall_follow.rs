@@ -148,7 +148,7 @@ impl Follower {
         }
         let costmap = &mut navigator.costmap;
         // At least as far from the wall as it is now, but it may leave a doorway that it is in.
-        let limit = costmap.class_at(pose.position).clamp(CellCost::Close, CellCost::Tight);
+        let limit = costmap.cell_cost_at(pose.position).clamp(CellCost::Close, CellCost::Tight);
         let free = |costmap: &mut Costmap, angle: f64, far: f64| {
             let to = pose.position + unit_vector(pose.heading + angle) * far;
             let is_free = area.contains(to) && worst_between(costmap, pose.position, to) <= limit;

@@ -4,7 +4,7 @@ use envgen::geometry::{Pose, wrap_angle};
 use glam::DVec2;
 
 use crate::map::{CellIndex, DECIDED, OccupancyMap, TILE};
-use crate::truth::{MappableArea, SCORE_CELL};
+use crate::mappable_area::{MappableArea, SCORE_CELL};
 
 /// First and last steps of the search, in metres and radians.
 const FIRST: (f64, f64) = (0.64, 0.16);
@@ -28,7 +28,7 @@ const MOST_STEPS: usize = 200;
 /// ```
 /// use envgen::geometry::Pose;
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
-/// use mapping_trial::{robot::Robot, score, truth::MappableArea};
+/// use mapping_trial::{robot::Robot, score, mappable_area::MappableArea};
 ///
 /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
 /// let area = MappableArea::new(&world, &Robot::default())?;
@@ -108,9 +108,9 @@ fn neighbours(at: Pose, shift: f64, turn: f64) -> [Pose; 14] {
 mod tests {
     use super::*;
     use crate::map::RESOLUTION;
+    use crate::mappable_area::tests::{add_wall, room};
     use crate::robot::Robot;
     use crate::score::{MapScores, Reference};
-    use crate::truth::tests::{add_wall, room};
 
     /// A room that looks like itself from one side only.
     fn truth() -> Reference {

@@ -33,7 +33,7 @@ pub use self::score_1::Score1;
 pub use self::swept::SweptCells;
 pub use self::weights::{Difficulties, Sensitivity, Weights, kendall_tau, sensitivity};
 use crate::map::OccupancyMap;
-use crate::truth::{MappableArea, SCORE_CELL};
+use crate::mappable_area::{MappableArea, SCORE_CELL};
 
 /// Distances in metres up to which a wall counts as mapped in its place.
 const TOLERANCES: [f64; 2] = [0.30, 0.15];

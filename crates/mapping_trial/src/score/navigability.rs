@@ -5,9 +5,9 @@ use envgen::Seed;
 use glam::DVec2;
 
 use crate::map::{OccupancyMap, RESOLUTION};
+use crate::mappable_area::MappableArea;
 use crate::policy::costmap::{Costmap, Node, SIDE};
 use crate::policy::search::GridPlanner;
-use crate::truth::MappableArea;
 
 /// Number of starts of paths.
 const STARTS: usize = 8;
@@ -43,7 +43,7 @@ pub(crate) fn trips(truth: &MappableArea, perfect: &OccupancyMap, seed: Seed) ->
     let free = truth.free().iter().enumerate().filter(|(_, free)| **free);
     let places: Vec<DVec2> = free
         .map(|(cell, _)| truth.frame().centre(cell))
-        .filter(|&p| planner.costmap.class_at(p).is_passable() && truth.is_clear(p))
+        .filter(|&p| planner.costmap.cell_cost_at(p).is_passable() && truth.is_clear(p))
         .collect();
     if places.is_empty() {
         return Vec::new();
@@ -133,7 +133,7 @@ impl Planner {
         around.sort_unstable();
         around.into_iter().find_map(|(_, x, y)| {
             let q = p + DVec2::new(f64::from(x), f64::from(y)) * SIDE;
-            self.costmap.class_at(q).is_passable().then(|| self.costmap.node_at(q))?
+            self.costmap.cell_cost_at(q).is_passable().then(|| self.costmap.node_at(q))?
         })
     }
 }
@@ -171,9 +171,9 @@ mod tests {
 
     use super::*;
     use crate::map::{CLAMP, CellIndex};
+    use crate::mappable_area::tests::{add_wall, room};
     use crate::robot::Robot;
     use crate::score::Reference;
-    use crate::truth::tests::{add_wall, room};
 
     fn truth(world: &World) -> Reference {
         Reference::new(world, &Robot::default()).expect("a world with free space")

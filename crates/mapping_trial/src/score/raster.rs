@@ -1,7 +1,7 @@
 //! A robot's map on the grid of the scores.
 
 use crate::map::{CellIndex, DECIDED, OccupancyMap, TILE};
-use crate::truth::{MappableArea, ScoreFrame};
+use crate::mappable_area::{MappableArea, ScoreFrame};
 
 /// A robot's map on the part of the mappable area's grid that it covers.
 pub(crate) struct Raster {

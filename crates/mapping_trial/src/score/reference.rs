@@ -8,8 +8,8 @@ use glam::DVec2;
 
 use super::navigability::{Trip, trips};
 use super::walls::true_runs;
+use crate::mappable_area::{MappableArea, MappableAreaError};
 use crate::robot::Robot;
-use crate::truth::{MappableArea, MappableAreaError};
 
 /// The mappable area of a world with what its perfect map gives, computed once for any number of
 /// trials in it.

@@ -4,7 +4,7 @@ use envgen::geometry::Rect;
 use envgen::scenario::{PERSON_RADIUS, ScenarioState};
 use glam::DVec2;
 
-use crate::truth::{SCORE_CELL, ScoreFrame};
+use crate::mappable_area::{SCORE_CELL, ScoreFrame};
 
 /// Share of the time from which a cell that something was in counts as moving.
 const MOVING_SHARE: f64 = 0.05;

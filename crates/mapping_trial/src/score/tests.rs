@@ -5,8 +5,8 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::map::{CLAMP, Cell, CellIndex, TILE};
+use crate::mappable_area::tests::{add_wall, room};
 use crate::robot::Robot;
-use crate::truth::tests::{add_wall, room};
 
 fn truth(world: &World) -> Reference {
     Reference::new(world, &Robot::default()).expect("a world with free space")

@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::raster::Raster;
 use super::swept::SweptCells;
 use crate::map::{CellIndex, OccupancyMap, RESOLUTION};
-use crate::truth::{MappableArea, SCORE_CELL, WallPoint};
+use crate::mappable_area::{MappableArea, SCORE_CELL, WallPoint};
 use envgen::distance::{FAR_SQUARED, squared_distances};
 
 /// Greatest distance in metres that counts; larger ones count as this.

@@ -7,7 +7,7 @@ use envgen::geometry::Pose;
 use envgen::scenario::{Scenario, ScenarioState};
 
 use super::clock::Clock;
-use super::log::{CommandTrack, WorldSource};
+use super::log::{CommandLog, LogWorld};
 use super::parts::{Setup, TrialParts};
 use super::start::starts;
 use super::{Trajectory, Trial, TrialError, TrialSettings};
@@ -15,11 +15,11 @@ use crate::autonomy::Autonomy;
 use crate::backend::{RobotBackend, Sensors};
 use crate::flat::{FlatSimulator, FlatWorld};
 use crate::lidar::LaserSensor;
+use crate::mappable_area::MappableArea;
 use crate::odometry::WheelSensor;
 use crate::policy::ExplorationPolicy;
 use crate::score::{Reference, SweptCells};
 use crate::slam::Slam;
-use crate::truth::MappableArea;
 
 /// Builds a trial from settings and parts: parts that are not plugged in are those of the settings.
 ///
@@ -58,7 +58,7 @@ pub struct TrialBuilder<'w> {
     starts: Vec<Pose>,
     /// Area in square metres that can be mapped, if it is known.
     area: Option<f64>,
-    source: Option<WorldSource>,
+    source: Option<LogWorld>,
     scenario: Option<Scenario>,
 }
 
@@ -142,7 +142,7 @@ impl<'w> TrialBuilder<'w> {
     /// With the source of the world, if it is known: otherwise a world that says that it was
     /// generated is generated again, to see whether it still is that one.
     #[must_use]
-    pub fn source(mut self, source: WorldSource) -> Self {
+    pub fn source(mut self, source: LogWorld) -> Self {
         self.source = Some(source);
         self
     }
@@ -267,13 +267,13 @@ impl<'w> TrialBuilder<'w> {
             bodies,
             observer,
             foreign,
-            source: source.take().unwrap_or_else(|| WorldSource::of(world)),
+            source: source.take().unwrap_or_else(|| LogWorld::of(world)),
             world_digest: world.digest().to_string(),
             clock: Clock::default(),
             ends: vec![None; starts.len()],
             finished: vec![false; starts.len()],
             tracks: starts.iter().map(track).collect(),
-            commands: vec![CommandTrack::default(); starts.len()],
+            commands: vec![CommandLog::default(); starts.len()],
             script: None,
             over: false,
             scenario: moving

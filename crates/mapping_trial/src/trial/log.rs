@@ -26,20 +26,20 @@ const MAX_BYTES: u64 = 1 << 30;
 /// Where a log's world comes from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum WorldSource {
+pub enum LogWorld {
     /// Spec and seed give the same world again.
     Generated(Provenance),
     /// The world itself, where it was read from a file or changed by hand.
     Given(Box<World>),
 }
 
-impl WorldSource {
+impl LogWorld {
     /// The smaller representation of a world. Whatever its provenance claims, the cost follows from the
     /// world's size.
-    pub(super) fn of(world: &World) -> WorldSource {
+    pub(super) fn of(world: &World) -> LogWorld {
         match reproduce(world) {
-            Reproduction::Same(_) => WorldSource::Generated(world.provenance.clone()),
-            _ => WorldSource::Given(Box::new(world.clone())),
+            Reproduction::Same(_) => LogWorld::Generated(world.provenance.clone()),
+            _ => LogWorld::Given(Box::new(world.clone())),
         }
     }
 
@@ -50,8 +50,8 @@ impl WorldSource {
     /// A provenance whose spec this version cannot read or generate.
     pub fn world(&self) -> Result<World, TrialError> {
         match self {
-            WorldSource::Generated(provenance) => generate(provenance),
-            WorldSource::Given(world) => Ok((**world).clone()),
+            LogWorld::Generated(provenance) => generate(provenance),
+            LogWorld::Given(world) => Ok((**world).clone()),
         }
     }
 }
@@ -65,12 +65,12 @@ fn generate(provenance: &Provenance) -> Result<World, TrialError> {
 /// The commands of one robot, equal ones together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
-pub(super) struct CommandTrack {
+pub(super) struct CommandLog {
     /// Speed in m/s, rate of turning in rad/s, and for how many ticks.
     runs: Vec<(f64, f64, u64)>,
 }
 
-impl CommandTrack {
+impl CommandLog {
     pub(super) fn push(&mut self, command: Command) {
         let Command { speed, turn_rate } = command;
         match self.runs.last_mut() {
@@ -116,7 +116,7 @@ impl CommandTrack {
 pub struct TrialLog {
     version: u32,
     /// Where it took place.
-    pub world: WorldSource,
+    pub world: LogWorld,
     /// Digest of the world, as [`World::digest`] gives it.
     pub world_digest: String,
     /// The settings of the trial.
@@ -130,7 +130,7 @@ pub struct TrialLog {
     /// The doors, people and smoke; absent where nothing moved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scenario: Option<Scenario>,
-    pub(super) commands: Vec<CommandTrack>,
+    pub(super) commands: Vec<CommandLog>,
     /// Why and when each robot's part ended; `None` if it had not ended.
     pub ends: Vec<Option<RobotEnd>>,
     /// Number of recoveries of each robot.
@@ -200,7 +200,7 @@ impl TrialLog {
             _ => {}
         }
         let log: TrialLog = serde_json::from_str(&text)?;
-        if let WorldSource::Given(world) = &log.world {
+        if let LogWorld::Given(world) = &log.world {
             world.check()?;
         }
         log.settings.validate()?;
@@ -243,12 +243,12 @@ impl TrialLog {
 
     /// Number of ticks of the trial.
     pub fn ticks(&self) -> u64 {
-        self.commands.first().map_or(0, CommandTrack::ticks)
+        self.commands.first().map_or(0, CommandLog::ticks)
     }
 
     /// The commands of a robot, tick by tick; none for a robot that the trial did not have.
     pub fn commands(&self, robot: usize) -> impl Iterator<Item = Command> + '_ {
-        self.commands.get(robot).into_iter().flat_map(CommandTrack::iter)
+        self.commands.get(robot).into_iter().flat_map(CommandLog::iter)
     }
 }
 

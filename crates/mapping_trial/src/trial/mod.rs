@@ -19,7 +19,7 @@ use thiserror::Error;
 
 pub use builder::TrialBuilder;
 pub use end::{EndReason, RobotEnd};
-pub use log::{LOG_VERSION, LogError, TrialLog, WorldSource};
+pub use log::{LOG_VERSION, LogError, LogWorld, TrialLog};
 pub use observer::{Moment, TrialObserver};
 pub use parts::{ForeignPart, PartRole, Setup, TrialParts};
 pub use report::{REPORT_VERSION, RobotReport, TrialReport};
@@ -31,9 +31,9 @@ use self::clock::Clock;
 use crate::autonomy::Autonomy;
 use crate::backend::{Command, Condition, RobotBackend};
 use crate::flat::FlatSimulator;
+use crate::mappable_area::MappableAreaError;
 use crate::policy::{Decision, ExplorationPolicy};
 use crate::score::{self, Reference, ScoreError, Scores, SweptCells};
-use crate::truth::MappableAreaError;
 
 /// Ticks between two looks at where people and leaves are.
 const TICKS_PER_SAMPLE: u64 = 10;
@@ -142,14 +142,14 @@ pub struct Trial<B> {
     observer: Option<Box<dyn TrialObserver + Send + Sync>>,
     foreign: Vec<ForeignPart>,
     starts: Vec<Pose>,
-    source: WorldSource,
+    source: LogWorld,
     world_digest: String,
     clock: Clock,
     ends: Vec<Option<RobotEnd>>,
     /// Which robots last found that nothing is left to explore.
     finished: Vec<bool>,
     tracks: Vec<Trajectory>,
-    commands: Vec<log::CommandTrack>,
+    commands: Vec<log::CommandLog>,
     /// What a replayed log knows of its policy.
     script: Option<replay::Script>,
     over: bool,

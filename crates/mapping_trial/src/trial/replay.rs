@@ -3,7 +3,7 @@
 use envgen::World;
 
 use super::builder::TrialBuilder;
-use super::log::{CommandTrack, TrialLog};
+use super::log::{CommandLog, TrialLog};
 use super::{EndReason, RobotEnd, Trial, TrialError, TrialSettings};
 use crate::backend::{Command, RobotBackend};
 use crate::flat::FlatSimulator;
@@ -14,7 +14,7 @@ impl TrialLog {
     ///
     /// # Errors
     ///
-    /// As [`WorldSource::world`](super::WorldSource::world) and [`Trial::flat`]; or if the log's backend is not the
+    /// As [`LogWorld::world`](super::LogWorld::world) and [`Trial::flat`]; or if the log's backend is not the
     /// flat simulator.
     pub fn replay(&self) -> Result<Trial<FlatSimulator>, TrialError> {
         if self.engine != FlatSimulator::ENGINE {
@@ -67,7 +67,7 @@ impl TrialLog {
         trial: &mut Trial<B>,
         mut progress: impl FnMut(&Trial<B>),
     ) {
-        let mut tracks: Vec<_> = self.commands.iter().map(CommandTrack::iter).collect();
+        let mut tracks: Vec<_> = self.commands.iter().map(CommandLog::iter).collect();
         for _ in 0..self.ticks() {
             let commands: Vec<Command> =
                 tracks.iter_mut().map(|track| track.next().unwrap_or(Command::STOP)).collect();

@@ -171,7 +171,7 @@ fn bad_logs_are_reported() {
     let mut world = hallway();
     world.bounds.max = world.bounds.min;
     let mut broken = log.clone();
-    broken.world = WorldSource::Given(Box::new(world));
+    broken.world = LogWorld::Given(Box::new(world));
     let reported = error(&written(&broken));
     assert!(reported.starts_with("the log's world is broken: the bounds"), "{reported}");
 
@@ -185,13 +185,13 @@ fn bad_logs_are_reported() {
 #[test]
 fn only_worlds_that_their_spec_makes_are_generated_again() {
     let world = hallway();
-    assert!(matches!(WorldSource::of(&world), WorldSource::Generated(_)));
+    assert!(matches!(LogWorld::of(&world), LogWorld::Generated(_)));
     let mut older = world.clone();
     older.provenance.value_version += 1;
     let mut larger = world;
     larger.provenance.spec["segments"] = 100_000.into();
     for world in [older, larger] {
-        assert_eq!(WorldSource::of(&world), WorldSource::Given(Box::new(world)));
+        assert_eq!(LogWorld::of(&world), LogWorld::Given(Box::new(world)));
     }
 }
 

@@ -6,7 +6,7 @@ mod exact;
 mod golden;
 mod loop_closing;
 mod navigation;
-mod operators;
+mod policies;
 mod robots;
 mod ros_maps;
 mod scenario;

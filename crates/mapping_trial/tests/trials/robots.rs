@@ -11,12 +11,12 @@ use envgen::{Blueprint, Seed, Spec, World};
 use mapping_trial::backend::{Command, RobotBackend};
 use mapping_trial::flat::{FlatSimulator, FlatWorld};
 use mapping_trial::lidar::LaserProfile;
+use mapping_trial::mappable_area::MappableArea;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::costmap::{CellCost, Costmap};
 use mapping_trial::policy::search::GridPlanner;
 use mapping_trial::robot::{Footprint, Robot};
 use mapping_trial::trial::{EndReason, Trial, TrialSettings};
-use mapping_trial::truth::MappableArea;
 
 use crate::drive::{frame, rect, world_of};
 
@@ -54,7 +54,7 @@ fn plan_passes(robot: &Robot, gap: f64, limit: CellCost) -> bool {
     let mut costmap = Costmap::new(robot);
     costmap.refresh(&map);
     let mut search = GridPlanner::new();
-    search.set_limit(limit);
+    search.set_worst_allowed(limit);
     let start = DVec2::new(0.5 * ROOM, 0.5 * ROOM);
     search.to(&mut costmap, start, &[], start + DVec2::X * ROOM).is_some()
 }

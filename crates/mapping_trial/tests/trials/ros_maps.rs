@@ -2,8 +2,8 @@
 
 use envgen::Seed;
 use envgen::import::ros_map::{RosDescription, RosMode, UnknownCells};
+use mapping_trial::mappable_area::MappableArea;
 use mapping_trial::trial::{Trial, TrialSettings};
-use mapping_trial::truth::MappableArea;
 
 /// A hall of 10 x 8 m whose lower wall has a gateway of 2 m at the image's border, with a room beside it that is
 /// unknown.

@@ -28,7 +28,7 @@ pub(crate) struct Writing {
     resolution: Option<f64>,
 
     #[command(flatten)]
-    picture: Picture,
+    picture: PictureFile,
 }
 
 /// Files that were begun; they appear when they are committed.
@@ -89,7 +89,7 @@ impl Begun {
 /// How pictures are drawn.
 #[derive(Args)]
 #[command(next_help_heading = "Pictures")]
-struct Picture {
+struct PictureFile {
     /// Greatest width of pictures in px.
     #[arg(long, value_name = "PX", allow_negative_numbers = true,
           default_value_t = PictureOptions::default().width)]
@@ -113,7 +113,7 @@ struct Picture {
     curvature_profile: bool,
 }
 
-impl Picture {
+impl PictureFile {
     fn options(&self) -> Result<PictureOptions, Failure> {
         let options = PictureOptions {
             width: self.picture_width,

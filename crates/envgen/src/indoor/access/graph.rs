@@ -95,7 +95,7 @@ impl AccessGraph {
             places.push(Place { kind, at: plan.cell_middle(x, y) });
         }
         for room in 0..plan.rooms.len() {
-            let frame = plan.metric_frame(room);
+            let frame = plan.metric_placement(room);
             for (part, free) in interiors.of(room).parts().iter().enumerate() {
                 let kind = PlaceKind::Room { room: room as u32, part: part as u32 };
                 places.push(Place { kind, at: frame.point(free.anchor) });

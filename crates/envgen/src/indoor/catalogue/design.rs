@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::geometry::{Pose, Rect, Shape, edges, signed_area};
-use crate::indoor::frame::DESIGN_UNIT;
 use crate::indoor::grid::Side;
+use crate::indoor::room_placement::DESIGN_UNIT;
 use crate::world::{MAX_WHEEL_BIAS, Obstacle, Surface, Wall, is_visible_range};
 
 /// Greatest width or height of a room in cells.

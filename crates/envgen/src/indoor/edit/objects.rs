@@ -25,7 +25,7 @@ impl FloorPlan {
     /// An object of a room, with its shape in metres in the frame of the world.
     pub fn object(&self, room: usize, object: usize) -> Option<Obstacle> {
         let found = self.rooms.get(room)?.room.obstacles.get(object)?;
-        Some(Obstacle { shape: self.design_frame(room).shape(&found.shape), ..*found })
+        Some(Obstacle { shape: self.design_placement(room).shape(&found.shape), ..*found })
     }
 }
 
@@ -37,7 +37,7 @@ impl PlanEditor {
         step: &mut Vec<Change>,
     ) -> Result<(), EditError> {
         self.room(room)?;
-        let shape = self.plan.design_frame(room).inverse().shape(&object.shape);
+        let shape = self.plan.design_placement(room).inverse().shape(&object.shape);
         self.furnish(room, step, |design| design.obstacles.push(Obstacle { shape, ..object }))
     }
 
@@ -49,7 +49,7 @@ impl PlanEditor {
         step: &mut Vec<Change>,
     ) -> Result<(), EditError> {
         self.find_object(room, object)?;
-        let back = self.plan.design_frame(room).inverse();
+        let back = self.plan.design_placement(room).inverse();
         let by = back.point(by) - back.point(DVec2::ZERO);
         self.furnish(room, step, |design| {
             let shape = &mut design.obstacles[object].shape;

@@ -10,7 +10,7 @@ use envgen::located::Locate;
 use envgen::placement::pose_of_most_clearance;
 use envgen::{Seed, World, import};
 use mapping_trial::difficulty::{Measurement, Measuring, Panel};
-use mapping_trial::truth::MappableArea;
+use mapping_trial::mappable_area::MappableArea;
 use serde::Serialize;
 
 use crate::panel::PanelOptions;

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 use super::numbers::{list, number, percent, said};
 use crate::experiment::design::Design;
 use crate::experiment::stats::{
-    Analysis, Ends, FeatureEffect, MEASURES, Order, Part, Slope, Verdict,
+    Analysis, EndCounts, FeatureEffect, MEASURES, Order, Part, Slope, Verdict,
 };
 
 /// The name of the rules that make maps.
@@ -32,7 +32,7 @@ pub(super) fn findings(design: &Design, analysis: &Analysis) -> Vec<Markup> {
 
 /// Trials that end early have little time, turning and collisions: score 1 rates them as easy.
 fn how_trials_ended(design: &Design, analysis: &Analysis) -> Markup {
-    let each = |of: &dyn Fn(&Ends) -> String| -> String {
+    let each = |of: &dyn Fn(&EndCounts) -> String| -> String {
         let levels = design.levels.iter().zip(&analysis.ends);
         list(
             &levels

@@ -48,12 +48,12 @@ pub struct Analysis {
     /// How the ranking of the larger design's maps changes with the weights of the scores.
     pub weights: Vec<Weighting>,
     /// How each level's trials ended, all trials counted once.
-    pub ends: Vec<Ends>,
+    pub ends: Vec<EndCounts>,
 }
 
 /// How a level's trials ended.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Ends {
+pub struct EndCounts {
     /// Number of trials.
     pub trials: usize,
     /// Number of trials by end reason.
@@ -62,7 +62,7 @@ pub struct Ends {
     pub time: f64,
 }
 
-impl Ends {
+impl EndCounts {
     /// The share of trials that ended because the robot was lost: stuck or in water.
     pub fn share_lost(&self) -> f64 {
         let lost = [EndReason::Stuck, EndReason::Drowned];
@@ -124,7 +124,7 @@ pub fn analyse(design: &Design, records: &[&Record]) -> Analysis {
     let main = pick(&|trial| design.is_main(trial));
     let ends = (0..design.levels.len()).map(|level| {
         pick(&|trial| trial.level as usize == level).into_iter().fold(
-            Ends::default(),
+            EndCounts::default(),
             |mut ends, record| {
                 ends.trials += 1;
                 ends.time += (record.scores.time - ends.time) / ends.trials as f64;

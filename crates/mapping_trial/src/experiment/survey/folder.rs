@@ -17,7 +17,7 @@ use crate::experiment::error::ExperimentError;
 use crate::experiment::head;
 use crate::experiment::lines::{Lines, line};
 use crate::experiment::write;
-use crate::trial::WorldSource;
+use crate::trial::LogWorld;
 
 /// Version of the folders' layout; a folder of another version is refused.
 pub const SURVEY_VERSION: u32 = 2;
@@ -192,7 +192,7 @@ impl SurveyFolder {
 fn place(map: &SurveyMap<'_>) -> Result<Site, String> {
     let blueprint = map.family.spec.generate(map.seed).map_err(|error| error.to_string())?;
     let world = blueprint.to_world();
-    let source = WorldSource::Generated(world.provenance.clone());
+    let source = LogWorld::Generated(world.provenance.clone());
     Ok(Site::new(world, source))
 }
 

@@ -9,12 +9,12 @@ use super::design::Condition;
 use crate::flat::FlatWorld;
 use crate::robot::Robot;
 use crate::score::{Reference, Scores};
-use crate::trial::{EndReason, Trial, WorldSource};
+use crate::trial::{EndReason, LogWorld, Trial};
 
 /// A world, and for each robot that drives in it the indexed world and the reference.
 pub(crate) struct Site {
     world: World,
-    source: WorldSource,
+    source: LogWorld,
     robots: Mutex<Vec<(Robot, Result<Indexed, String>)>>,
 }
 
@@ -34,7 +34,7 @@ struct Indexed {
 }
 
 impl Site {
-    pub(crate) fn new(world: World, source: WorldSource) -> Self {
+    pub(crate) fn new(world: World, source: LogWorld) -> Self {
         Site { world, source, robots: Mutex::default() }
     }
 

@@ -129,7 +129,7 @@ fn search(map: &OccupancyMap, start: DVec2) {
                 for dy in -1..=1 {
                     for dx in -1..=1 {
                         let at = at + IVec2::new(dx, dy);
-                        let class = classes.class_at((at.as_dvec2() + 0.5) * SIDE);
+                        let class = classes.cell_cost_at((at.as_dvec2() + 0.5) * SIDE);
                         let steps = match class {
                             CellCost::Open => [10, 14],
                             CellCost::Near => [14, 20],

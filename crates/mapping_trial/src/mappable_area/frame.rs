@@ -15,7 +15,7 @@ pub const SCORE_CELL: f64 = 2.0 * RESOLUTION;
 ///
 /// ```
 /// use envgen::glam::DVec2;
-/// use mapping_trial::truth::ScoreFrame;
+/// use mapping_trial::mappable_area::ScoreFrame;
 ///
 /// // Cells of 0.1 m from (-1, 2) m on.
 /// let frame = ScoreFrame { col: -10, row: 20, cols: 5, rows: 3 };

@@ -25,7 +25,7 @@ const LOOKS: usize = 64;
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
-/// use mapping_trial::{robot::Robot, truth::MappableArea};
+/// use mapping_trial::{robot::Robot, mappable_area::MappableArea};
 ///
 /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
 /// let area = MappableArea::new(&world, &Robot::default())?;

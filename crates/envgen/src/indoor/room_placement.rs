@@ -9,7 +9,7 @@ pub const DESIGN_UNIT: f64 = 3.0;
 
 /// Moves shapes from a room's own frame into the map.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct RoomPlacement {
     /// Lower left corner of the turned room, in metres.
     pub(super) corner: DVec2,
     /// Metres of the map per metre of the design.
@@ -20,7 +20,7 @@ pub(super) struct Frame {
     pub(super) size: DVec2,
 }
 
-impl Frame {
+impl RoomPlacement {
     /// A point of the design in the map.
     pub(super) fn point(&self, p: DVec2) -> DVec2 {
         let turned = match self.quarters % 4 {
@@ -33,13 +33,13 @@ impl Frame {
     }
 
     /// The transform from the map to the design.
-    pub(super) fn inverse(&self) -> Frame {
+    pub(super) fn inverse(&self) -> RoomPlacement {
         let odd = self.quarters % 2 == 1;
         let size = if odd { self.size.yx() } else { self.size } * self.scale;
         let quarters = (4 - self.quarters % 4) % 4;
-        let back = Frame { corner: DVec2::ZERO, scale: 1.0 / self.scale, quarters, size };
+        let back = RoomPlacement { corner: DVec2::ZERO, scale: 1.0 / self.scale, quarters, size };
         // The corner must come to lie at the design's origin once it is turned.
-        Frame { corner: back.point(DVec2::ZERO) - back.point(self.corner), ..back }
+        RoomPlacement { corner: back.point(DVec2::ZERO) - back.point(self.corner), ..back }
     }
 
     /// A heading of the design in the map.
@@ -83,7 +83,7 @@ mod tests {
         fn four_quarters_are_a_whole_turn(x in 0.0..6.0_f64, y in 0.0..9.0_f64, h in -3.0..3.0_f64) {
             let (mut p, mut size, mut heading) = (DVec2::new(x, y), DVec2::new(6.0, 9.0), h);
             for _ in 0..4 {
-                let frame = Frame { corner: DVec2::ZERO, scale: 1.0, quarters: 1, size };
+                let frame = RoomPlacement { corner: DVec2::ZERO, scale: 1.0, quarters: 1, size };
                 p = frame.point(p);
                 heading = frame.heading(heading);
                 size = size.yx();
@@ -98,7 +98,7 @@ mod tests {
             scale in 0.3..3.0_f64,
         ) {
             let corner = DVec2::new(7.0, -3.0);
-            let frame = Frame { corner, scale, quarters, size: DVec2::new(6.0, 9.0) };
+            let frame = RoomPlacement { corner, scale, quarters, size: DVec2::new(6.0, 9.0) };
             let (there, back) = (frame.point(DVec2::new(x, y)), frame.inverse());
             prop_assert!(back.point(there).distance(DVec2::new(x, y)) < 1e-12);
             prop_assert!(wrap_angle(back.heading(frame.heading(h)) - h).abs() < 1e-12);
@@ -111,11 +111,11 @@ mod tests {
             let half_size = DVec2::new(0.3, 0.1);
             let shape = Shape::Box { center: DVec2::new(x, y), half_size, heading: h };
             let size = DVec2::new(6.0, 9.0);
-            let once = Frame { corner: DVec2::ZERO, scale: 1.0, quarters, size }.shape(&shape);
+            let once = RoomPlacement { corner: DVec2::ZERO, scale: 1.0, quarters, size }.shape(&shape);
             let mut turned = (shape, size);
             for _ in 0..quarters {
                 let frame =
-                    Frame { corner: DVec2::ZERO, scale: 1.0, quarters: 1, size: turned.1 };
+                    RoomPlacement { corner: DVec2::ZERO, scale: 1.0, quarters: 1, size: turned.1 };
                 turned = (frame.shape(&turned.0), turned.1.yx());
             }
             for (a, b) in once.corners().iter().zip(turned.0.corners()) {

@@ -89,7 +89,7 @@ pub enum MappableAreaError {
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
 /// use mapping_trial::robot::Robot;
-/// use mapping_trial::truth::MappableArea;
+/// use mapping_trial::mappable_area::MappableArea;
 ///
 /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
 /// let area = MappableArea::new(&world, &Robot::default())?;
@@ -235,7 +235,7 @@ impl MappableArea {
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
     /// use mapping_trial::map::{Cell, CellIndex};
-    /// use mapping_trial::{robot::Robot, truth::MappableArea};
+    /// use mapping_trial::{robot::Robot, mappable_area::MappableArea};
     ///
     /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
     /// let area = MappableArea::new(&world, &Robot::default())?;
