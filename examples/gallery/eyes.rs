@@ -8,7 +8,7 @@ use envgen::Seed;
 use envgen::scenario::{Scenario, ScenarioSpec};
 use mapping_trial::trial::{Trial, TrialParts, TrialSettings};
 
-use crate::spec;
+use crate::worlds::spec;
 
 /// The building, and what moves in it.
 const SETTINGS: &[(&str, &str)] = &[("difficulty", "5"), ("width", "10"), ("height", "8")];

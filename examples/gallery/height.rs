@@ -10,7 +10,7 @@ use bevy_envgen::prelude::{
 };
 use bevy_offscreen::{CapturedImage, Studio};
 
-use crate::{corridor, spec};
+use crate::worlds::{corridor, spec};
 
 /// A world, and from where it is seen.
 pub(crate) struct Scene {
