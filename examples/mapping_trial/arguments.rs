@@ -8,19 +8,18 @@ use envgen::geometry::Pose;
 use envgen::import::ros_map::RosDescription;
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::located::Locate;
-use envgen::scenario::{Scenario, ScenarioSpec};
+use envgen::scenario::Scenario;
 use envgen::whole_file::{WholeFile, refuse_inputs};
 use envgen::{Blueprint, Seed, Spec, World, WorldSpec, import};
-use mapping_trial::lidar::LaserProfile;
 use mapping_trial::mappable_area::MappableArea;
 use mapping_trial::names::Named;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::PolicyKind;
 use mapping_trial::robot::Robot;
-use mapping_trial::slam::{SlamKind, WheelCalibration};
 use mapping_trial::trial::TrialSettings;
 
 use crate::bag::Bag;
+use crate::trial_arguments::{TrialArguments, help, moving, name, named};
 use crate::{output, robot, start};
 
 /// The greatest `--size`: 192 grid units are 576 m, and a wall.
@@ -61,9 +60,9 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.yaml", conflicts_with = "replay")]
     map: Option<PathBuf>,
 
-    /// The policy that decides where to go: nearest, info_gain, cautious, wall_follow or corridors.
-    #[arg(long = "policy", alias = "operator", default_value = "nearest",
-          value_parser = PolicyKind::named, conflicts_with = "replay")]
+    /// The policy that decides where to go.
+    #[arg(long, alias = "operator", value_parser = named::<PolicyKind>(),
+          default_value = PolicyKind::Nearest.name(), conflicts_with = "replay")]
     policy: PolicyKind,
 
     /// A driver program with its arguments instead of a policy, see docs/driver-protocol.md; - for the
@@ -80,39 +79,20 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "SECONDS", default_value_t = 3600.0, requires = "driver")]
     pub(crate) driver_total: f64,
 
-    /// How poses and map are estimated: scan_to_map, pose_graph or dead_reckoning.
-    #[arg(long, default_value = "scan_to_map", value_parser = SlamKind::named, conflicts_with = "replay")]
-    slam: SlamKind,
+    #[command(flatten)]
+    trial: TrialArguments,
 
-    /// Which systematic errors of the wheels are learned: none, turns or turns_and_distances.
-    #[arg(long, value_name = "ERRORS", default_value = "turns",
-          value_parser = WheelCalibration::named, conflicts_with = "replay")]
-    wheel_calibration: WheelCalibration,
-
-    /// Number of robots, which share one map.
-    #[arg(long, default_value_t = 1, conflicts_with = "replay")]
+    #[arg(long, help = help("robots"), default_value_t = TrialSettings::default().robots, conflicts_with = "replay")]
     robots: u32,
 
     /// The robot in RON, such as `(length: 0.4, width: 0.4)`; defaults to the Pioneer 3-AT.
     #[arg(long, value_name = "FILE.ron", conflicts_with = "replay")]
     robot: Option<PathBuf>,
 
-    /// Laser profile: lms200_mm, lms200_mm_rough, usarsim, urg_04lx or wide_12m.
-    #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named, conflicts_with = "replay")]
-    laser: LaserProfile,
-
-    /// Wheel odometry profile: skid, mild, poor or exact.
-    #[arg(long, default_value = "skid", value_parser = OdometryProfile::named, conflicts_with = "replay")]
+    /// Wheel odometry profile.
+    #[arg(long, value_parser = named::<OdometryProfile>(), default_value = name(|settings| &settings.odometry),
+          conflicts_with = "replay")]
     odometry: OdometryProfile,
-
-    /// Simulated seconds after which the trial ends.
-    #[arg(long, default_value_t = 1200.0, conflicts_with = "replay")]
-    time_limit: f64,
-
-    /// Simulated seconds per square metre that can be mapped, at least 300 s in all, in place of
-    /// --time-limit.
-    #[arg(long, value_name = "SECONDS", conflicts_with_all = ["replay", "time_limit"])]
-    time_per_area: Option<f64>,
 
     /// Where the first robot starts, in metres and degrees.
     #[arg(long, value_name = "X,Y,HEADING", value_parser = pose, allow_hyphen_values = true,
@@ -124,7 +104,7 @@ pub(crate) struct Arguments {
     pub(crate) engine: String,
 
     /// Run a log again instead, in the simulator that made it.
-    #[arg(long, value_name = "LOG")]
+    #[arg(long, value_name = "LOG", conflicts_with = "TrialArguments")]
     pub(crate) replay: Option<PathBuf>,
 
     /// Writes a bag for ROS 2 too, which Foxglove shows and `ros2 bag play` plays: this file, and beside it
@@ -210,13 +190,7 @@ impl Arguments {
             let text = std::fs::read_to_string(path).in_file(path)?;
             return Ok(Some(Scenario::from_ron(&text).in_file(path)?));
         }
-        let mut spec = ScenarioSpec::default();
-        for setting in &self.settings {
-            let (name, value) = setting
-                .split_once('=')
-                .ok_or_else(|| format!("--set {setting}: not of the form NAME=VALUE"))?;
-            spec.set(name, value).map_err(|error| format!("--set {setting}: {error}"))?;
-        }
+        let spec = moving(&self.settings)?;
         if spec.is_still() {
             return Ok(None);
         }
@@ -261,13 +235,13 @@ impl Arguments {
             body: self.robot.as_deref().map_or(Ok(Robot::default()), robot::read)?,
             seed: self.noise_seed.unwrap_or(self.seed),
             policy: Some(self.policy),
-            slam: self.slam,
-            wheel_calibration: self.wheel_calibration,
+            slam: self.trial.slam,
+            wheel_calibration: self.trial.wheel_calibration,
             robots: self.robots,
-            time_limit: self.time_limit,
-            time_per_area: self.time_per_area,
+            time_limit: self.trial.time_limit,
+            time_per_area: self.trial.time_per_area,
             start: self.start,
-            laser: self.laser.clone(),
+            laser: self.trial.laser.clone(),
             odometry: self.odometry.clone(),
         };
         settings.validate()?;

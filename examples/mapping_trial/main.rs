@@ -30,6 +30,8 @@ mod spinner;
 #[path = "../shared/start.rs"]
 mod start;
 mod table;
+#[path = "../shared/trial_arguments.rs"]
+mod trial_arguments;
 #[path = "../shared/trial_bar.rs"]
 mod trial_bar;
 

@@ -8,17 +8,14 @@ use bevy_mapping_trial::ui::{ScenarioForm, SpecForm};
 use clap::Parser;
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::located::Locate;
-use envgen::scenario::ScenarioSpec;
 use envgen::{Seed, World, WorldSpec, import};
-use mapping_trial::lidar::LaserProfile;
-use mapping_trial::names::Named;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::PolicyKind;
 use mapping_trial::robot::Robot;
-use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::TrialSettings;
 
 use crate::robot;
+use crate::trial_arguments::{TrialArguments, moving, name, named};
 
 /// Side of the indoor map in grid units: about the size that one robot explores in 20 minutes.
 const SIZE: u32 = 10;
@@ -28,7 +25,6 @@ pub(crate) const MAX_ROBOTS: u32 = 4;
 
 /// Drive a simulated robot through a world that you do not know, and see how well you map it.
 #[derive(Parser, Clone)]
-#[expect(clippy::doc_markdown, reason = "these texts are for the terminal, not Markdown")]
 pub(crate) struct Arguments {
     /// Difficulty of the indoor map as trials measure it, from 0 to 10.
     #[arg(long, default_value_t = 5.0, conflicts_with = "world")]
@@ -46,29 +42,20 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_ROBOTS)))]
     robots: u32,
 
-    /// Watch a program drive: nearest, info_gain, cautious, wall_follow or corridors.
-    #[arg(long = "policy", alias = "operator", value_parser = PolicyKind::named)]
+    /// Watch a policy drive.
+    #[arg(long, alias = "operator", value_parser = named::<PolicyKind>())]
     pub(crate) policy: Option<PolicyKind>,
 
-    /// How poses and map are estimated: scan_to_map, pose_graph or dead_reckoning.
-    #[arg(long, default_value = "scan_to_map", value_parser = SlamKind::named)]
-    slam: SlamKind,
+    #[command(flatten)]
+    trial: TrialArguments,
 
     /// A robot file in RON, such as `(length: 0.4, width: 0.4)` [default: the Pioneer 3-AT].
     #[arg(long, value_name = "FILE.ron")]
     robot: Option<PathBuf>,
 
-    /// Resolution and noise of the laser: lms200_mm, lms200_mm_rough, usarsim, urg_04lx or wide_12m.
-    #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named)]
-    laser: LaserProfile,
-
-    /// Noise of the wheel odometry: skid, mild, poor or exact.
-    #[arg(long, default_value = "skid", value_parser = OdometryProfile::named)]
+    /// Wheel odometry profile.
+    #[arg(long, value_parser = named::<OdometryProfile>(), default_value = name(|settings| &settings.odometry))]
     odometry: OdometryProfile,
-
-    /// Simulated seconds after which the trial ends.
-    #[arg(long, default_value_t = 1200.0)]
-    time_limit: f64,
 
     /// Sets what moves in the world, such as doors=0.5, people=4 or smoke=0.2; may be given several times.
     #[arg(long = "set", value_name = "NAME=VALUE")]
@@ -136,14 +123,7 @@ impl Arguments {
 
     /// What moves in the world at first.
     pub(crate) fn scenario(&self) -> Result<ScenarioForm, Box<dyn Error>> {
-        let mut spec = ScenarioSpec::default();
-        for setting in &self.scenario {
-            let (name, value) = setting
-                .split_once('=')
-                .ok_or_else(|| format!("--set {setting}: not of the form NAME=VALUE"))?;
-            spec.set(name, value).map_err(|error| format!("--set {setting}: {error}"))?;
-        }
-        Ok(ScenarioForm::new(&spec))
+        Ok(ScenarioForm::new(&moving(&self.scenario)?))
     }
 
     /// The initial settings of trials.
@@ -152,12 +132,14 @@ impl Arguments {
             body: self.robot.as_deref().map_or(Ok(Robot::default()), robot::read)?,
             seed: self.seed,
             policy: self.policy,
-            slam: self.slam,
+            slam: self.trial.slam,
+            wheel_calibration: self.trial.wheel_calibration,
             robots: self.robots,
-            time_limit: self.time_limit,
-            laser: self.laser.clone(),
+            time_limit: self.trial.time_limit,
+            time_per_area: self.trial.time_per_area,
+            laser: self.trial.laser.clone(),
             odometry: self.odometry.clone(),
-            ..TrialSettings::default()
+            start: None,
         };
         settings.validate()?;
         Ok(settings)

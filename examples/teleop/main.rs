@@ -35,6 +35,8 @@ mod saving;
 mod session;
 #[path = "../shared/start.rs"]
 mod start;
+#[path = "../shared/trial_arguments.rs"]
+mod trial_arguments;
 #[path = "../shared/window.rs"]
 mod window;
 

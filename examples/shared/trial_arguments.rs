@@ -1,0 +1,65 @@
+//! The arguments of all programs that run trials. Their help, names and defaults are those of the trial's settings.
+
+use std::error::Error;
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use envgen::scenario::ScenarioSpec;
+use mapping_trial::lidar::LaserProfile;
+use mapping_trial::names::Named;
+use mapping_trial::slam::{SlamKind, WheelCalibration};
+use mapping_trial::trial::TrialSettings;
+
+/// How trials measure, and how long they take.
+#[derive(Args, Clone)]
+pub(crate) struct TrialArguments {
+    #[arg(long, help = help("slam"), value_parser = named::<SlamKind>(),
+          default_value = name(|settings| &settings.slam))]
+    pub(crate) slam: SlamKind,
+
+    #[arg(long, help = help("wheel_calibration"), value_name = "ERRORS",
+          value_parser = named::<WheelCalibration>(),
+          default_value = name(|settings| &settings.wheel_calibration))]
+    pub(crate) wheel_calibration: WheelCalibration,
+
+    /// Laser profile.
+    #[arg(long, value_parser = named::<LaserProfile>(), default_value = name(|settings| &settings.laser))]
+    pub(crate) laser: LaserProfile,
+
+    #[arg(long, help = help("time_limit"), value_name = "SECONDS",
+          default_value_t = TrialSettings::default().time_limit)]
+    pub(crate) time_limit: f64,
+
+    #[arg(long, help = help("time_per_area"), value_name = "SECONDS", conflicts_with = "time_limit")]
+    pub(crate) time_per_area: Option<f64>,
+}
+
+/// What a setting of a trial does, with its unit.
+pub(crate) fn help(setting: &str) -> String {
+    let setting = TrialSettings::setting(setting);
+    let unit = if setting.unit.is_empty() { String::new() } else { format!(" [{}]", setting.unit) };
+    format!("{}{unit}", setting.help)
+}
+
+/// A parser for the names of values.
+pub(crate) fn named<T: Named + Send + Sync>() -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(T::NAMES.iter().map(|(name, _)| *name))
+        .try_map(|name| T::named(&name))
+}
+
+/// The name of what a setting is by default.
+pub(crate) fn name<T: Named>(of: impl Fn(&TrialSettings) -> &T) -> &'static str {
+    of(&TrialSettings::default()).name().unwrap_or_default()
+}
+
+/// What moves, from settings such as `doors=0.5`.
+pub(crate) fn moving(settings: &[String]) -> Result<ScenarioSpec, Box<dyn Error>> {
+    let mut spec = ScenarioSpec::default();
+    for setting in settings {
+        let (name, value) = setting
+            .split_once('=')
+            .ok_or_else(|| format!("--set {setting}: not of the form NAME=VALUE"))?;
+        spec.set(name, value).map_err(|error| format!("--set {setting}: {error}"))?;
+    }
+    Ok(spec)
+}
