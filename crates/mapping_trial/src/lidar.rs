@@ -1,179 +1,22 @@
 //! The laser: its profiles, its scans and its errors.
 
 mod in_scenario;
+mod profile;
+mod scan;
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
-use envgen::raycast::ScanPattern;
-use envgen::scenario::{SmokeProfile, smoke};
-use envgen::{Seed, SpecError, settings};
+use envgen::Seed;
 
 pub use in_scenario::{Rays, ScenarioSight};
+pub use profile::LaserProfile;
+pub use scan::{NO_ECHO, Scan, UNSEEN};
 
 /// Random numbers per beam, used or not, so that a beam's errors do not depend on other beams.
 const DRAWS_A_BEAM: usize = 4;
 
-/// Range of a beam without echo, as in REP 117 of ROS.
-pub const NO_ECHO: f64 = f64::INFINITY;
-
-/// Exact range of a beam that ends at a part that is too dark to be seen from there
-/// ([`Obstacle::visible_range`](envgen::world::Obstacle::visible_range)).
-///
-/// The beam is to be ignored, as NaN in a scan: it is neither an echo, nor does it say that its path
-/// is free. Lasers tell the two apart: SICK's LMS 200 sends the code 0x1FFB for a signal-to-noise ratio
-/// that is too small, and 0x1FF7 for a range beyond its greatest, which by REP 117 of ROS are NaN and
-/// infinity. A real laser misses very dark walls altogether; here it always notices them within its
-/// greatest range.
-pub const UNSEEN: f64 = f64::NAN;
-
-/// Range in metres that SICK's LMS 200 has without smoke, to bright walls: more than it reports.
-const SICK_RANGE: f64 = 30.0;
-
 /// Least difference in metres between neighbouring ranges at which a beam can hit both.
 const MIXED_PIXEL_JUMP: f64 = 0.3;
-
-settings! {
-    /// What a laser measures and how well.
-    ///
-    /// ```
-    /// use mapping_trial::lidar::LaserProfile;
-    ///
-    /// // The default is SICK's LMS 200: 181 beams over 180 degrees, 5 scans per second.
-    /// let laser = LaserProfile::default();
-    /// assert_eq!((laser.beams, laser.ticks_a_scan), (181, 4));
-    /// assert_eq!(laser.fan()?.len(), 181);
-    /// let blind = LaserProfile { max_range: 0.0, ..laser };
-    /// assert_eq!(blind.validate().unwrap_err().field, "laser.max_range");
-    /// # Ok::<(), envgen::SpecError>(())
-    /// ```
-    pub struct LaserProfile {
-        /// Number of beams, spread evenly over the field of view, both ends included.
-        beams: u32 = LaserProfile::LMS200_MM.beams => integer("", 1..=4096);
-        /// Field of view, centred ahead.
-        field_of_view: f64 = LaserProfile::LMS200_MM.field_of_view => number("rad", 0.0..=TAU);
-        /// Greatest range.
-        max_range: f64 = LaserProfile::LMS200_MM.max_range => number("m", 0.1..=200.0);
-        /// Ranges are multiples of this length; 0 for no rounding.
-        range_step: f64 = LaserProfile::LMS200_MM.range_step => number("m", 0.0..=1.0);
-        /// Standard deviation of a range.
-        sigma: f64 = LaserProfile::LMS200_MM.sigma => number("m", 0.0..=1.0);
-        /// Ticks from one scan to the next.
-        ticks_a_scan: u32 = LaserProfile::LMS200_MM.ticks_a_scan => integer("", 1..=200);
-        /// Probability that a beam is lost.
-        dropout: f64 = LaserProfile::LMS200_MM.dropout => number("", 0.0..=1.0);
-        /// Probability that a beam returns too early, at any range.
-        short: f64 = LaserProfile::LMS200_MM.short => number("", 0.0..=1.0);
-        /// Probability that a beam at a jump of ranges gives a range between the two.
-        mixed_pixel: f64 = LaserProfile::LMS200_MM.mixed_pixel => number("", 0.0..=1.0);
-    }
-}
-
-impl LaserProfile {
-    /// USARSim's laser: exact but for its steps of 1 cm.
-    pub const USARSIM: LaserProfile = LaserProfile {
-        beams: 181,
-        field_of_view: PI,
-        max_range: 20.0,
-        range_step: 0.01,
-        sigma: 0.0,
-        ticks_a_scan: 4,
-        dropout: 0.0,
-        short: 0.0,
-        mixed_pixel: 0.0,
-    };
-    /// SICK's LMS 200 in millimetre mode, the default.
-    pub const LMS200_MM: LaserProfile =
-        LaserProfile { max_range: 8.19, range_step: 0.001, sigma: 0.01, ..LaserProfile::USARSIM };
-    /// The same with the errors of a real scan: lost, early and mixed echoes.
-    pub const LMS200_MM_ROUGH: LaserProfile =
-        LaserProfile { dropout: 0.005, short: 0.001, mixed_pixel: 0.3, ..LaserProfile::LMS200_MM };
-    /// Hokuyo's URG-04LX, of which every third beam and every second scan is used.
-    pub const URG_04LX: LaserProfile = LaserProfile {
-        beams: 229,
-        field_of_view: 4.0 / 3.0 * PI,
-        max_range: 5.6,
-        ..LaserProfile::LMS200_MM
-    };
-    /// A laser of 270 degrees and 12 m with a beam per degree, otherwise as SICK's LMS 200.
-    pub const WIDE_12M: LaserProfile = LaserProfile {
-        beams: 271,
-        field_of_view: 1.5 * PI,
-        max_range: 12.0,
-        ..LaserProfile::LMS200_MM
-    };
-
-    /// How it measures in smoke. Lasers of at most 180 degrees are taken for a SICK, which would see 30 m or its
-    /// `max_range` without smoke, others for a Hokuyo, which would see its `max_range`.
-    ///
-    /// ```
-    /// use envgen::scenario::{SmokeProfile, smoke};
-    /// use mapping_trial::lidar::LaserProfile;
-    ///
-    /// let physical = LaserProfile::LMS200_MM.in_smoke(SmokeProfile::Physical);
-    /// assert_eq!(physical, smoke::Laser::Physical { power_range: 30.0 });
-    /// // 240 degrees: a Hokuyo.
-    /// let hokuyo = LaserProfile::URG_04LX.in_smoke(SmokeProfile::Usarsim);
-    /// assert!(matches!(hokuyo, smoke::Laser::Hokuyo { .. }));
-    /// ```
-    pub fn in_smoke(&self, profile: SmokeProfile) -> smoke::Laser {
-        let is_sick = self.field_of_view <= PI;
-        match profile {
-            SmokeProfile::Physical => {
-                let power_range =
-                    if is_sick { self.max_range.max(SICK_RANGE) } else { self.max_range };
-                smoke::Laser::Physical { power_range }
-            }
-            SmokeProfile::Usarsim if is_sick => smoke::Laser::Sick,
-            SmokeProfile::Usarsim => smoke::Laser::Hokuyo { budget: smoke::Laser::HOKUYO_BUDGET },
-        }
-    }
-
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// The first field that is not allowed, as `laser.beams`.
-    pub fn validate(&self) -> Result<(), SpecError> {
-        self.check_fields().map_err(|error| error.within("laser"))
-    }
-
-    /// Angle of a beam relative to the laser's heading, in radians, from right to left.
-    ///
-    /// ```
-    /// use std::f64::consts::FRAC_PI_2;
-    ///
-    /// use mapping_trial::lidar::LaserProfile;
-    ///
-    /// // From 90 degrees on the right to 90 degrees on the left.
-    /// let laser = LaserProfile::LMS200_MM;
-    /// assert_eq!(laser.angle(0), -FRAC_PI_2);
-    /// assert!(laser.angle(90).abs() < 1e-12);
-    /// assert!((laser.angle(180) - FRAC_PI_2).abs() < 1e-12);
-    /// ```
-    pub fn angle(&self, beam: usize) -> f64 {
-        let step = self.field_of_view / f64::from(self.beams.saturating_sub(1).max(1));
-        let first = if self.beams > 1 { -0.5 * self.field_of_view } else { 0.0 };
-        first + step * beam as f64
-    }
-
-    /// The beams' directions, to cast them with
-    /// [`Raycaster::scan`](envgen::raycast::Raycaster::scan).
-    ///
-    /// # Errors
-    /// The first number that is not allowed.
-    pub fn fan(&self) -> Result<ScanPattern, SpecError> {
-        self.validate()?;
-        ScanPattern::new(self.field_of_view, self.beams as usize)
-    }
-}
-
-/// The ranges of one scan in metres, beam by beam from right to left. As in REP 117 of ROS,
-/// [`NO_ECHO`] is a beam without echo within the greatest range, and NaN is a beam to be
-/// ignored, as is a range of 0.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Scan {
-    /// One range per beam.
-    pub ranges: Vec<f64>,
-}
 
 /// Turns exact ranges into what a laser measures: [`Laser`], or an error model of your own.
 ///

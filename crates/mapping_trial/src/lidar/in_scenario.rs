@@ -5,7 +5,8 @@ use envgen::scenario::ScenarioState;
 use envgen::scenario::smoke::{Laser, Reading, Stretch};
 use glam::DVec2;
 
-use super::{LaserProfile, UNSEEN};
+use super::profile::LaserProfile;
+use super::scan::UNSEEN;
 
 /// The rays of a scan in the frame of the world.
 #[derive(Clone, Copy, Debug)]
