@@ -2,8 +2,9 @@
 
 use envgen::geometry::Pose;
 
+use super::estimator::Slam;
 use super::mapper::Mapper;
-use super::{Slam, WheelCalibration};
+use super::wheel_calibration::WheelCalibration;
 use crate::backend::Observation;
 use crate::lidar::LaserProfile;
 use crate::map::{Estimate, OccupancyMap};

@@ -8,10 +8,11 @@
 //! | [`PoseGraph`] | the same, and old places that are found again | little |
 //!
 //! All of them take a keyframe every 0.3 m or 15 degrees and draw its scan into one
-//! [`OccupancyMap`] that the robots share. In between poses come from the wheels; those that match scans
-//! also correct them by every scan of which most walls are on the map, and learn the systematic errors of
-//! the wheels where walls hold the pose: those that [`WheelCalibration`] names.
+//! [`OccupancyMap`](crate::map::OccupancyMap) that the robots share. In between poses come from the wheels;
+//! those that match scans also correct them by every scan of which most walls are on the map, and learn the
+//! systematic errors of the wheels where walls hold the pose: those that [`WheelCalibration`] names.
 
+mod estimator;
 mod fusion;
 mod incremental;
 pub mod likelihood;
@@ -31,41 +32,13 @@ mod wheel_calibration;
 use envgen::geometry::Pose;
 use serde::{Deserialize, Serialize};
 
+pub use estimator::Slam;
 pub use incremental::{DeadReckoning, Incremental, ScanToMap};
 pub use pose_graph::PoseGraph;
 pub use wheel_calibration::WheelCalibration;
 
-use crate::backend::Observation;
 use crate::lidar::LaserProfile;
-use crate::map::{Estimate, OccupancyMap};
 use crate::robot::Robot;
-
-/// A SLAM estimator, for one robot or several that share one map.
-///
-/// Robots know where they start; the map's frame is the one in which those poses are given. Changes of
-/// the map are announced by [`OccupancyMap::touch`]: policies and scores look only there.
-///
-/// An estimator of your own is plugged in by [`TrialBuilder::slam`](crate::trial::TrialBuilder::slam).
-pub trait Slam {
-    /// Its name in logs and reports of trials that it is plugged into; the type's path by
-    /// default.
-    fn name(&self) -> &str {
-        std::any::type_name::<Self>()
-    }
-
-    /// Takes what one robot measured in one tick.
-    fn step(&mut self, robot: usize, seen: &Observation);
-
-    /// The pose estimate of a robot, in the map's frame.
-    fn estimate(&self, robot: usize) -> Estimate;
-
-    /// The map so far.
-    fn map(&self) -> &OccupancyMap;
-
-    /// The best estimate now of a robot's pose after each of its steps, the start first: one pose
-    /// more than steps. Loop closing may change the past.
-    fn trajectory(&self, robot: usize) -> Vec<Pose>;
-}
 
 /// The built-in estimators.
 #[derive(

@@ -2,12 +2,13 @@
 
 use envgen::geometry::Pose;
 
+use super::estimator::Slam;
 use super::loop_closing::LoopCloser;
 use super::mapper::{Added, Mapper};
 use super::pose_graph_solver::{Relation, held_by_walls, of_motion, solve};
 use super::track::Variance;
 use super::walls::{WALL_VARIANCE, constrained};
-use super::{Slam, WheelCalibration};
+use super::wheel_calibration::WheelCalibration;
 use crate::backend::Observation;
 use crate::lidar::LaserProfile;
 use crate::map::{Estimate, OccupancyMap};
