@@ -6,7 +6,10 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use super::{Connection, Experience, Feedback, Rating, Session, questions};
+use super::choice::{Connection, Experience};
+use super::form::{Feedback, Session};
+use super::questions;
+use super::rating::Rating;
 
 /// The longest answer in bytes.
 pub const MAX_LINE: usize = 1 << 16;

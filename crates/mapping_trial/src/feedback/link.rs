@@ -9,7 +9,8 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use thiserror::Error;
 
-use super::{Feedback, Rating};
+use super::form::Feedback;
+use super::rating::Rating;
 use crate::difficulty::Panel;
 use crate::difficulty::proof::Link;
 use crate::experiment::stats::{Interval, pearson};

@@ -4,7 +4,9 @@ use envgen::World;
 use envgen::geometry::Pose;
 use glam::DVec2;
 
-use super::{Experience, Feedback, NoRating, Rating, Session};
+use super::choice::Experience;
+use super::form::{Feedback, Session};
+use super::rating::{NoRating, Rating};
 use crate::backend::TICK;
 use crate::score::{Scores, TrajectoryPair, Weights};
 

@@ -1,0 +1,60 @@
+//! The filled form.
+
+use serde::{Deserialize, Serialize};
+
+use super::choice::{Connection, Experience};
+use super::rating::Rating;
+
+/// The filled form.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Feedback {
+    /// Name of the operator: a person, a policy or a driver.
+    pub name: String,
+    /// Experience level as operator.
+    pub experience: Experience,
+    /// The environment and the setup, which the form asks for as well.
+    #[serde(flatten)]
+    pub session: Session,
+    /// Overall difficulty of the environment: 0 when nothing in it forces a mapping error on the
+    /// robot, 10 when the map cannot be navigated, due to excessive mapping errors.
+    pub difficulty: Rating,
+    /// How difficult it was to map. Not in the original form.
+    pub mapping: Rating,
+    /// How difficult it was to get around. Not in the original form.
+    pub getting_around: Rating,
+    /// What contributed most to the difficulty.
+    pub contributed: String,
+    /// Rooms that were particularly difficult, and why.
+    pub difficult_rooms: String,
+    /// Rooms that were particularly easy, and why.
+    pub easy_rooms: String,
+    /// Patterns in the layout (hallways, dead ends, doorways), and what they did.
+    pub patterns: String,
+    /// Anything else.
+    pub other: String,
+}
+
+/// What was mapped, and with what.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Session {
+    /// File or name of the environment.
+    pub environment: String,
+    /// Software that ran the simulation.
+    pub software: String,
+    /// How robots and operator were connected.
+    pub connection: Connection,
+    /// Number and type of robots.
+    pub robots: String,
+}
+
+impl Session {
+    /// A run of this crate: robots of this type, under direct control.
+    pub fn new(environment: &str, robots: usize) -> Self {
+        Session {
+            environment: environment.to_owned(),
+            software: format!("mapping_trial {}", env!("CARGO_PKG_VERSION")),
+            connection: Connection::Direct,
+            robots: format!("{robots}x P3AT"),
+        }
+    }
+}
