@@ -37,6 +37,7 @@
 //! ```
 
 mod cdr;
+mod error;
 mod mcap;
 mod message;
 mod metadata;
@@ -46,37 +47,15 @@ mod schema;
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use envgen::file::FileError;
-use envgen::occupancy::OccupancyError;
 use envgen::{World, WorldSpec};
-use thiserror::Error;
+
+pub use self::error::BagError;
 
 use self::mcap::{Attachment, Totals};
 use self::metadata::Topic;
 use self::recording::{Recording, nanoseconds};
 use crate::backend::RobotBackend;
 use crate::trial::{Moment, Setup, Trial, TrialObserver, TrialParts, TrialReport};
-
-/// Why a trial has no bag.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum BagError {
-    /// It could not be written.
-    #[error(transparent)]
-    Io(#[from] io::Error),
-    /// The map is too large for a message.
-    #[error("`/map`: {0}")]
-    Map(#[from] OccupancyError),
-    /// The world cannot be written.
-    #[error("the attachment `world.json`: {0}")]
-    World(#[from] FileError),
-    /// No trial was built with the recorder's parts.
-    #[error("the recorder watched no trial: build the trial with `BagRecorder::watch`")]
-    NoTrial,
-    /// More than one trial was built with the recorder's parts.
-    #[error("the recorder watched more than one trial, expected one")]
-    ManyTrials,
-}
 
 /// What a recorder holds.
 enum State<W> {

@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use envgen::export::ros_map::RosCell;
 use envgen::geometry::Pose;
 
-use super::BagError;
 use super::cdr::CdrWriter;
+use super::error::BagError;
 use super::mcap::{Attachment, ChannelId, McapWriter, SchemaId, Totals};
 use super::message::{self, Grid, Header, Transform};
 use super::metadata::{Publishing, Topic};
