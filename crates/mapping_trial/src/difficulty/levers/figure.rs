@@ -3,7 +3,7 @@
 use envgen::palette;
 use plotters::prelude::*;
 
-use super::{Lever, LeverLevel};
+use super::lever::{Lever, LeverLevel};
 use crate::experiment::ExperimentError;
 use crate::experiment::report::colors;
 use crate::experiment::report::figures::{chart_with, report_error, rgb};

@@ -1,6 +1,7 @@
 //! What each lever of a generator does to measured difficulty at a fixed footprint.
 
 mod figure;
+mod lever;
 
 use std::collections::BTreeMap;
 
@@ -9,6 +10,7 @@ use envgen::{Seed, SettingsError, WorldSpec};
 use serde::{Deserialize, Serialize};
 
 pub use figure::figure;
+pub use lever::{Lever, LeverLevel};
 
 use super::measure::{mean, scores};
 use crate::experiment::survey::{Condition, Family, Record, Survey, SurveyError, ron_options};
@@ -31,32 +33,6 @@ pub struct LeverDesign {
     pub first_seed: Seed,
     /// Trials per world and condition.
     pub noise_seeds: u32,
-}
-
-/// A setting, and the values that it takes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Lever {
-    /// Name of the setting.
-    pub setting: String,
-    /// Its unit.
-    pub unit: String,
-    /// Other settings that have a value of their own for this lever.
-    #[serde(default)]
-    pub with: BTreeMap<String, String>,
-    /// The values.
-    pub values: Vec<f64>,
-}
-
-/// What the trials of one value of a lever measured.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct LeverLevel {
-    /// The value of the setting.
-    pub value: f64,
-    /// The mean dials over its worlds, with standard errors by the spread of worlds.
-    pub dials: Dials<Estimate>,
-    /// Number of worlds.
-    pub maps: u32,
 }
 
 impl LeverDesign {
