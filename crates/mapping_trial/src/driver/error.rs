@@ -6,7 +6,7 @@ use std::time::Duration;
 use envgen::SpecError;
 use thiserror::Error;
 
-use super::MAX_LINE;
+use super::limits::MAX_LINE;
 
 /// What a driver did wrong.
 #[derive(Debug, Error)]

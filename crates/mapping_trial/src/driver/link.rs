@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{Limits, MAX_LINE};
+use super::limits::{Limits, MAX_LINE};
 
 /// Bytes that are read at once.
 const CHUNK: usize = 1 << 16;

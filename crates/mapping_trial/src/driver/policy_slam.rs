@@ -2,12 +2,27 @@
 
 use envgen::geometry::Pose;
 
-use super::Driver;
+use super::connection::Driver;
 use crate::backend::Observation;
 use crate::map::{Estimate, OccupancyMap};
 use crate::policy::{Decision, ExplorationPolicy, PolicyInput};
 use crate::slam::Slam;
 use crate::slam::motion::{advance, believable};
+use crate::trial::TrialParts;
+
+impl Driver {
+    /// The trial parts that the driver provides, after [`Driver::greet`]: the policy and, if its
+    /// hello says so, SLAM.
+    pub fn parts(&self) -> TrialParts {
+        let driver = self.clone();
+        let parts = TrialParts::default().policy(move |_| DriverPolicy::new(&driver));
+        if !self.session().has_slam() {
+            return parts;
+        }
+        let driver = self.clone();
+        parts.slam(move |setup| DriverSlam::new(&driver, setup.starts))
+    }
+}
 
 /// What logs and reports call the parts of a driver.
 fn name(driver: &Driver) -> String {

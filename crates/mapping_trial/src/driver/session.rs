@@ -4,11 +4,14 @@ use std::time::Duration;
 
 use envgen::geometry::Pose;
 
+use super::error::DriverError;
 use super::grid::Grid;
+use super::limits::Limits;
+use super::link::{Link, LinkError};
+use super::process::Process;
 use super::protocol::{
     Ended, Greeting, Hello, Observed, Odometry, Reply, Wish, excerpt, line, ranges, triple,
 };
-use super::{DriverError, Limits, Link, LinkError, Process};
 use crate::backend::{Command, Observation};
 use crate::map::OccupancyMap;
 use crate::policy::Decision;
