@@ -7,10 +7,13 @@ use envgen::geometry::Pose;
 use envgen::scenario::{Scenario, ScenarioState};
 
 use super::clock::Clock;
-use super::log::{CommandLog, LogWorld};
-use super::parts::{Setup, TrialParts};
+use super::command_log::CommandLog;
+use super::error::TrialError;
+use super::log_world::LogWorld;
+use super::parts::{PartRole, Setup, TrialParts};
+use super::running::{Trajectory, Trial};
+use super::settings::TrialSettings;
 use super::start::starts;
-use super::{Trajectory, Trial, TrialError, TrialSettings};
 use crate::autonomy::Autonomy;
 use crate::backend::{RobotBackend, Sensors};
 use crate::flat::{FlatSimulator, FlatWorld};
@@ -251,7 +254,7 @@ impl<'w> TrialBuilder<'w> {
         let foreign =
             parts.foreign(&*slam, policy.as_deref().map(|p| p as &dyn ExplorationPolicy), &sensors);
         let bodies = place(&setup, sensors);
-        if parts.has(super::PartRole::Policy) {
+        if parts.has(PartRole::Policy) {
             settings.policy = None;
         }
         let track = |&start: &_| Trajectory { poses: vec![start], ..Trajectory::default() };
@@ -281,5 +284,21 @@ impl<'w> TrialBuilder<'w> {
             starts: self.starts,
             settings: self.settings,
         })
+    }
+}
+
+impl Trial<FlatSimulator> {
+    /// A trial of built-in parts in the flat simulator.
+    ///
+    /// # Errors
+    ///
+    /// Settings that are not allowed, or a start that is missing or not free.
+    pub fn flat(world: &World, settings: TrialSettings) -> Result<Self, TrialError> {
+        TrialBuilder::new(world, settings).build_flat()
+    }
+
+    /// A builder that puts a trial together from parts: SLAM, policy, sensors and robot backend.
+    pub fn builder(world: &World, settings: TrialSettings) -> TrialBuilder<'_> {
+        TrialBuilder::new(world, settings)
     }
 }

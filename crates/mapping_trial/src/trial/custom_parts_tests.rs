@@ -1,16 +1,18 @@
 //! Trials with parts that are plugged in.
 
+use envgen::geometry::Pose;
 use envgen::hallway::HallwaySpec;
 use envgen::{Blueprint, Seed, Spec, World};
 use glam::DVec2;
 
 use super::*;
-use crate::backend::{Observation, TICK};
+use crate::backend::{Command, Condition, Observation, RobotBackend, TICK};
 use crate::flat::FlatSimulator;
 use crate::lidar::{LaserSensor, NO_ECHO, Scan};
 use crate::map::{Estimate, OccupancyMap};
 use crate::odometry::{Increment, WheelSensor};
-use crate::policy::{ExplorationPolicy, PolicyInput};
+use crate::policy::{Decision, ExplorationPolicy, PolicyInput};
+use crate::score::{Reference, ScoreError};
 use crate::slam::{DeadReckoning, Slam};
 
 fn hallway() -> World {

@@ -2,14 +2,18 @@
 
 use std::io::{Read, Write};
 
-use envgen::reproduction::{Reproduction, reproduce};
+use envgen::SpecError;
 use envgen::scenario::Scenario;
 use envgen::world::{Digest, Violation};
-use envgen::{Provenance, SpecError, World, WorldSpec};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{ForeignPart, RobotEnd, Trial, TrialError, TrialSettings};
+use super::command_log::CommandLog;
+use super::end::RobotEnd;
+use super::log_world::LogWorld;
+use super::parts::ForeignPart;
+use super::running::Trial;
+use super::settings::TrialSettings;
 use crate::backend::{Command, RobotBackend};
 
 /// Version of the logs' layout and of their replay; a log of another version is
@@ -22,77 +26,6 @@ const MAX_TICKS: u64 = 1 << 24;
 
 /// The longest log that is read, in bytes; longer ones are refused before they fill the memory.
 const MAX_BYTES: u64 = 1 << 30;
-
-/// Where a log's world comes from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LogWorld {
-    /// Spec and seed give the same world again.
-    Generated(Provenance),
-    /// The world itself, where it was read from a file or changed by hand.
-    Given(Box<World>),
-}
-
-impl LogWorld {
-    /// The smaller representation of a world. Whatever its provenance claims, the cost follows from the
-    /// world's size.
-    pub(super) fn of(world: &World) -> LogWorld {
-        match reproduce(world) {
-            Reproduction::Same(_) => LogWorld::Generated(world.provenance.clone()),
-            _ => LogWorld::Given(Box::new(world.clone())),
-        }
-    }
-
-    /// The world, generated again or as given.
-    ///
-    /// # Errors
-    ///
-    /// A provenance whose spec this version cannot read or generate.
-    pub fn world(&self) -> Result<World, TrialError> {
-        match self {
-            LogWorld::Generated(provenance) => generate(provenance),
-            LogWorld::Given(world) => Ok((**world).clone()),
-        }
-    }
-}
-
-fn generate(provenance: &Provenance) -> Result<World, TrialError> {
-    let spec = WorldSpec::from_provenance(provenance)?;
-    let seed = provenance.seed.ok_or(TrialError::NoSeed)?;
-    Ok(spec.generate(seed)?.to_world())
-}
-
-/// The commands of one robot, equal ones together.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub(super) struct CommandLog {
-    /// Speed in m/s, rate of turning in rad/s, and for how many ticks.
-    runs: Vec<(f64, f64, u64)>,
-}
-
-impl CommandLog {
-    pub(super) fn push(&mut self, command: Command) {
-        let Command { speed, turn_rate } = command;
-        match self.runs.last_mut() {
-            Some((s, t, ticks))
-                if s.to_bits() == speed.to_bits() && t.to_bits() == turn_rate.to_bits() =>
-            {
-                *ticks += 1;
-            }
-            _ => self.runs.push((speed, turn_rate, 1)),
-        }
-    }
-
-    fn ticks(&self) -> u64 {
-        self.runs.iter().fold(0, |sum, run| sum.saturating_add(run.2))
-    }
-
-    pub(super) fn iter(&self) -> impl Iterator<Item = Command> + '_ {
-        self.runs.iter().flat_map(|&(speed, turn_rate, ticks)| {
-            (0..ticks).map(move |_| Command { speed, turn_rate })
-        })
-    }
-}
 
 /// The log of a trial: the trial runs again from it to the last bit.
 ///
@@ -117,7 +50,7 @@ pub struct TrialLog {
     version: u32,
     /// Where it took place.
     pub world: LogWorld,
-    /// Digest of the world, as [`World::digest`] gives it.
+    /// Digest of the world, as [`World::digest`](envgen::World::digest) gives it.
     pub world_digest: String,
     /// The settings of the trial.
     pub settings: TrialSettings,

@@ -3,8 +3,13 @@
 use envgen::World;
 
 use super::builder::TrialBuilder;
-use super::log::{CommandLog, TrialLog};
-use super::{EndReason, RobotEnd, Trial, TrialError, TrialSettings};
+use super::command_log::CommandLog;
+use super::end::{EndReason, RobotEnd};
+use super::error::TrialError;
+use super::log::TrialLog;
+use super::running::Trial;
+use super::script::Script;
+use super::settings::TrialSettings;
 use crate::backend::{Command, RobotBackend};
 use crate::flat::FlatSimulator;
 
@@ -81,24 +86,5 @@ impl TrialLog {
             // The last observation, after which there was no decision any more.
             trial.step_with(&[]);
         }
-    }
-}
-
-/// What a log knows of a policy that is not asked again.
-#[derive(Clone, Debug)]
-pub(super) struct Script {
-    ends: Vec<Option<RobotEnd>>,
-    recoveries: Vec<u32>,
-}
-
-impl Script {
-    /// Why a robot's part ends at a tick; a stop by a person is not in the script.
-    pub(super) fn end_at(&self, robot: usize, tick: u64) -> Option<EndReason> {
-        let end = (*self.ends.get(robot)?)?;
-        (end.tick == tick && end.reason != EndReason::Stopped).then_some(end.reason)
-    }
-
-    pub(super) fn recoveries(&self, robot: usize) -> u32 {
-        self.recoveries.get(robot).copied().unwrap_or(0)
     }
 }

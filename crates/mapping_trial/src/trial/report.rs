@@ -4,7 +4,10 @@ use envgen::scenario::Scenario;
 use envgen::{Provenance, World};
 use serde::{Deserialize, Serialize};
 
-use super::{EndReason, ForeignPart, PartRole, Trial, TrialSettings};
+use super::end::EndReason;
+use super::parts::{ForeignPart, PartRole};
+use super::running::Trial;
+use super::settings::TrialSettings;
 use crate::backend::{RobotBackend, TICK};
 use crate::feedback::{Feedback, Measured, Session};
 use crate::names::Named;

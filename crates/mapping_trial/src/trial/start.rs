@@ -7,7 +7,7 @@ use envgen::raycast::Raycaster;
 use envgen::surface_index::SurfaceIndex;
 use glam::DVec2;
 
-use super::TrialError;
+use super::error::TrialError;
 use crate::robot::Robot;
 
 /// Least distance in metres between the centres of robots at their starts.

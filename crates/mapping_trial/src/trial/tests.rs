@@ -1,8 +1,12 @@
+use envgen::geometry::Pose;
 use envgen::hallway::HallwaySpec;
 use envgen::indoor::IndoorSpec;
-use envgen::{Blueprint, Seed, Spec};
+use envgen::{Blueprint, Seed, Spec, World};
 
 use super::*;
+use crate::backend::Command;
+use crate::flat::FlatSimulator;
+use crate::score::Reference;
 use crate::slam::SlamKind;
 
 fn hallway() -> World {

@@ -1,0 +1,352 @@
+//! A running trial: its clock, the battery, and what ends it.
+
+use envgen::World;
+use envgen::geometry::{Pose, wrap_angle};
+use envgen::scenario::Scenario;
+
+use super::clock::Clock;
+use super::command_log::CommandLog;
+use super::end::{EndReason, RobotEnd};
+use super::log_world::LogWorld;
+use super::observer::{Moment, TrialObserver};
+use super::parts::ForeignPart;
+use super::script::Script;
+use super::settings::TrialSettings;
+use crate::autonomy::Autonomy;
+use crate::backend::{Command, Condition, RobotBackend};
+use crate::mappable_area::MappableAreaError;
+use crate::policy::{Decision, ExplorationPolicy};
+use crate::score::{Reference, RunSummary, ScoreError, Scores, SweptCells, TrajectoryPair};
+
+/// Ticks between two looks at where people and leaves are.
+const TICKS_PER_SAMPLE: u64 = 10;
+
+/// The motion of one robot.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trajectory {
+    /// True poses after every tick, the start first. A robot whose part has ended does not move.
+    pub poses: Vec<Pose>,
+    /// Path length in metres.
+    pub distance: f64,
+    /// Total turning in radians, left and right added.
+    pub turning: f64,
+}
+
+/// A running trial: a robot backend in a world, the robots' autonomy, a clock and a log.
+///
+/// ```
+/// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+/// use mapping_trial::trial::{Trial, TrialSettings};
+///
+/// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+/// let mut trial = Trial::flat(&world, TrialSettings { time_limit: 30.0, ..Default::default() })?;
+/// while trial.step() {}
+/// assert!(trial.trajectory(0).distance > 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Trial<B> {
+    pub(super) settings: TrialSettings,
+    pub(super) bodies: B,
+    pub(super) autonomy: Autonomy,
+    pub(super) observer: Option<Box<dyn TrialObserver + Send + Sync>>,
+    pub(super) foreign: Vec<ForeignPart>,
+    pub(super) starts: Vec<Pose>,
+    pub(super) source: LogWorld,
+    pub(super) world_digest: String,
+    pub(super) clock: Clock,
+    pub(super) ends: Vec<Option<RobotEnd>>,
+    /// Which robots last found that nothing is left to explore.
+    pub(super) finished: Vec<bool>,
+    pub(super) tracks: Vec<Trajectory>,
+    pub(super) commands: Vec<CommandLog>,
+    /// What a replayed log knows of its policy.
+    pub(super) script: Option<Script>,
+    pub(super) over: bool,
+    /// What moves in the world, and where it was.
+    pub(super) scenario: Option<Box<(Scenario, SweptCells)>>,
+}
+
+impl<B: RobotBackend> Trial<B> {
+    /// One tick, driven by the policy; false once the trial is over.
+    pub fn step(&mut self) -> bool {
+        self.tick(None)
+    }
+
+    /// One tick with a person's commands, one per robot; false once the trial is over.
+    ///
+    /// ```
+    /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+    /// use mapping_trial::backend::Command;
+    /// use mapping_trial::trial::{Trial, TrialSettings};
+    ///
+    /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
+    /// let settings = TrialSettings { policy: None, time_limit: 10.0, ..Default::default() };
+    /// let mut trial = Trial::flat(&world, settings)?;
+    /// // A person turns the robot on the spot for half a second.
+    /// for _ in 0..10 {
+    ///     assert!(trial.step_with(&[Command { speed: 0.0, turn_rate: 1.0 }]));
+    /// }
+    /// assert!(trial.trajectory(0).turning > 0.1 && trial.trajectory(0).distance < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn step_with(&mut self, commands: &[Command]) -> bool {
+        self.tick(Some(commands))
+    }
+
+    fn tick(&mut self, hands: Option<&[Command]>) -> bool {
+        let Some(commands) = self.command(hands) else {
+            return false;
+        };
+        self.bodies.advance(&commands);
+        self.record();
+        true
+    }
+
+    /// The first half of a tick, for backends that are moved from outside: takes in what each robot
+    /// observes, and returns each one's command; `None` once the trial is over. The commands are
+    /// those of `hands` (manual control), one per robot, or the policy's.
+    ///
+    /// When the robots have moved for a [`TICK`](crate::backend::TICK), [`Trial::record`] is the second half.
+    /// [`Trial::step`] does both, with [`RobotBackend::advance`] in between.
+    pub fn command(&mut self, hands: Option<&[Command]>) -> Option<Vec<Command>> {
+        if self.over {
+            return None;
+        }
+        let mut commands = vec![Command::STOP; self.starts.len()];
+        for (robot, command) in commands.iter_mut().enumerate() {
+            let seen = self.bodies.observe(robot);
+            if self.ends[robot].is_some() {
+                continue;
+            }
+            self.autonomy.sense(robot, &seen);
+            if let Some(observer) = &mut self.observer {
+                let (pose, slam) = (self.bodies.pose(robot), self.autonomy.slam());
+                observer.observe(&Moment { robot, seen: &seen, pose, slam });
+            }
+            let script =
+                self.script.as_ref().and_then(|script| script.end_at(robot, self.clock.ticks()));
+            let end = if let Some(reason) = script {
+                Some(reason)
+            } else if seen.battery <= 0.0 {
+                Some(EndReason::Battery)
+            } else if seen.time >= self.settings.time_limit {
+                Some(EndReason::TimeLimit)
+            } else if self.bodies.condition(robot) == Condition::Drowned {
+                Some(EndReason::Drowned)
+            } else if let Some(hands) = hands {
+                *command = hands.get(robot).copied().unwrap_or(Command::STOP).finite();
+                None
+            } else {
+                let decision = self.autonomy.decide(robot, &seen);
+                self.finished[robot] = decision == Decision::Finished;
+                if let Decision::Drive(wanted) = decision {
+                    *command = wanted.finite();
+                }
+                match decision {
+                    Decision::Stuck => Some(EndReason::Stuck),
+                    Decision::Failed => Some(EndReason::Failed),
+                    Decision::Drive(_) | Decision::Finished => None,
+                }
+            };
+            self.ends[robot] = end.map(|reason| RobotEnd { reason, tick: self.clock.ticks() });
+        }
+        // A robot that has nothing left to do waits for the others, which may find more for it.
+        let mut robots = self.ends.iter().zip(&self.finished);
+        if robots.all(|(end, &finished)| end.is_some() || finished) {
+            self.end(EndReason::Explored);
+            return None;
+        }
+        for (track, &command) in self.commands.iter_mut().zip(&commands) {
+            track.push(command);
+        }
+        Some(commands)
+    }
+
+    /// The second half of a tick, after [`Trial::command`]: records where the robots are now.
+    pub fn record(&mut self) {
+        self.clock.advance();
+        for (robot, track) in self.tracks.iter_mut().enumerate() {
+            let (pose, last) = (self.bodies.pose(robot), track.poses[track.poses.len() - 1]);
+            track.distance += pose.position.distance(last.position);
+            track.turning += wrap_angle(pose.heading - last.heading).abs();
+            track.poses.push(pose);
+        }
+        if let (Some(moving), Some(state)) = (&mut self.scenario, self.bodies.scenario())
+            && self.clock.ticks().is_multiple_of(TICKS_PER_SAMPLE)
+        {
+            moving.1.add(state);
+        }
+    }
+
+    /// What moves in its world; `None` where nothing does.
+    pub fn scenario(&self) -> Option<&Scenario> {
+        self.scenario.as_ref().map(|moving| &moving.0)
+    }
+
+    /// Ends the trial for every robot whose part has not ended yet.
+    pub fn stop(&mut self) {
+        if !self.over {
+            self.end(EndReason::Stopped);
+        }
+    }
+
+    fn end(&mut self, reason: EndReason) {
+        self.over = true;
+        for end in &mut self.ends {
+            end.get_or_insert(RobotEnd { reason, tick: self.clock.ticks() });
+        }
+    }
+
+    /// Simulated seconds so far.
+    pub fn time(&self) -> f64 {
+        self.clock.time()
+    }
+
+    /// Number of robots.
+    pub fn robots(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// The settings of the trial.
+    pub fn settings(&self) -> &TrialSettings {
+        &self.settings
+    }
+
+    /// SLAM and the policy.
+    pub fn autonomy(&self) -> &Autonomy {
+        &self.autonomy
+    }
+
+    /// The robot backend, to move it between [`Trial::command`] and [`Trial::record`].
+    pub fn bodies_mut(&mut self) -> &mut B {
+        &mut self.bodies
+    }
+
+    /// The robot backend.
+    pub fn bodies(&self) -> &B {
+        &self.bodies
+    }
+
+    /// A robot's motion so far.
+    pub fn trajectory(&self, robot: usize) -> &Trajectory {
+        &self.tracks[robot]
+    }
+
+    /// Distance in metres of a robot's estimated position from its true one.
+    pub fn pose_error(&self, robot: usize) -> f64 {
+        let (estimated, truth) = (self.autonomy.slam().estimate(robot), self.bodies.pose(robot));
+        estimated.pose.position.distance(truth.position)
+    }
+
+    /// Why and when a robot's part ended; `None` while it continues.
+    pub fn end_of(&self, robot: usize) -> Option<RobotEnd> {
+        self.ends[robot]
+    }
+
+    /// Whether the trial is over.
+    pub fn is_over(&self) -> bool {
+        self.over
+    }
+
+    /// Number of recoveries of a robot so far.
+    pub fn recoveries(&self, robot: usize) -> u32 {
+        match (&self.script, self.autonomy.policy()) {
+            (Some(script), _) => script.recoveries(robot),
+            (None, Some(operator)) => operator.recoveries(robot),
+            (None, None) => 0,
+        }
+    }
+
+    /// The parts that were plugged in, in place of those that the settings name.
+    pub fn foreign(&self) -> &[ForeignPart] {
+        &self.foreign
+    }
+
+    /// Why the policy failed; `None` while it works.
+    pub fn failure(&self) -> Option<&str> {
+        self.autonomy.policy().and_then(ExplorationPolicy::failure)
+    }
+
+    /// The mappable area of the trial's world from its start: the reference for its scores. Trials
+    /// with the same start, world and robot may share it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Reference::from_start`].
+    pub fn reference(&self, world: &World) -> Result<Reference, MappableAreaError> {
+        Reference::from_start(world, &self.settings.body, self.starts[0].position)
+    }
+
+    /// Scores the trial so far, against the mappable area of its world.
+    ///
+    /// # Errors
+    ///
+    /// A mappable area of another start or robot; poses or counts that this crate's parts never give.
+    pub fn score(&self, truth: &Reference) -> Result<Scores, ScoreError> {
+        self.score_of(truth, &self.estimated_tracks()?)
+    }
+
+    /// Each robot's estimated poses, one for each of its true ones as far as they go: robots whose
+    /// part has ended are not estimated any more.
+    pub(super) fn estimated_tracks(&self) -> Result<Vec<Vec<Pose>>, ScoreError> {
+        let estimated = |robot| {
+            let trajectory = self.autonomy.slam().trajectory(robot);
+            let (found, expected) = (trajectory.len() as u64, self.autonomy.steps(robot) + 1);
+            if found != expected {
+                return Err(ScoreError::Trajectory { robot, found, expected });
+            }
+            // The first estimate is the start and the second the first observation's, before any
+            // motion.
+            Ok(trajectory[1..].to_vec())
+        };
+        (0..self.robots()).map(estimated).collect()
+    }
+
+    pub(super) fn score_tracks<'a>(
+        &'a self,
+        estimated: &'a [Vec<Pose>],
+    ) -> Vec<TrajectoryPair<'a>> {
+        let track = |(track, estimated): (&'a Trajectory, &'a Vec<Pose>)| {
+            let ticks = track.poses.len().min(estimated.len());
+            TrajectoryPair { truth: &track.poses[..ticks], estimated: &estimated[..ticks] }
+        };
+        self.tracks.iter().zip(estimated).map(track).collect()
+    }
+
+    pub(super) fn score_of(
+        &self,
+        truth: &Reference,
+        estimated: &[Vec<Pose>],
+    ) -> Result<Scores, ScoreError> {
+        let (start, radius) = (self.starts[0].position, self.settings.body.circumscribed_radius);
+        let (found, found_radius) = (truth.start(), truth.robot().circumscribed_radius);
+        if (found, found_radius) != (start, radius) {
+            return Err(ScoreError::Reference { found, found_radius, start, radius });
+        }
+        let robots = 0..self.robots();
+        let tracks = self.score_tracks(estimated);
+        // A robot in water is as lost as one that is stuck.
+        let lost = |end: &&Option<RobotEnd>| {
+            end.is_some_and(|end| matches!(end.reason, EndReason::Stuck | EndReason::Drowned))
+        };
+        Scores::of(
+            truth,
+            &RunSummary {
+                map: self.autonomy.slam().map(),
+                tracks: &tracks,
+                time: self.time(),
+                time_limit: self.settings.time_limit.min(self.settings.body.battery),
+                distance: self.tracks.iter().map(|track| track.distance).sum(),
+                turning: self.tracks.iter().map(|track| track.turning).sum(),
+                hits: robots.clone().map(|robot| self.bodies.hits(robot)).sum(),
+                moving: self.scenario.as_ref().map(|moving| {
+                    let hits = robots.clone().map(|robot| self.bodies.person_hits(robot)).sum();
+                    (&moving.1, hits)
+                }),
+                recoveries: robots.map(|robot| self.recoveries(robot)).sum(),
+                stuck: self.ends.iter().filter(lost).count() as u32,
+                energy_left: (self.settings.body.battery - self.time()).max(0.0),
+            },
+        )
+    }
+}
