@@ -2,48 +2,31 @@
 //! drives it to goals, looks around there and frees it when it is stuck.
 
 mod escape;
+mod goal_choice;
+mod progress;
 mod recovery;
 mod second_look;
-
-use std::collections::VecDeque;
+mod state;
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
 
-use self::escape::Escape;
-use self::recovery::Progress;
-use self::second_look::SecondLook;
-use super::costmap::{CellCost, Costmap, Node};
-use super::frontier::{Frontiers, is_left, unknown_from};
-use super::guard::Guard;
-use super::margins::Margins;
-use super::path::Path;
-use super::pursuit::{Pursuit, turn};
-use super::search::{COST_PER_METRE, GridPlanner, KeepoutZone};
+pub(super) use self::goal_choice::{Aim, Planning};
+pub(super) use self::state::Navigator;
+
+use self::progress::Progress;
+use self::state::{ARRIVED, Failure, Goal, Task};
+use super::costmap::Node;
+use super::frontier::{is_left, unknown_from};
+use super::pursuit::turn;
 use super::{Decision, PolicyInput};
 use crate::backend::{Command, TICK};
-use crate::lidar::LaserProfile;
-use crate::map::CellIndex;
-use crate::robot::Robot;
 
 /// Seconds between two updates from the map.
 const REFRESH: f64 = 1.0;
 
-/// Distance in metres from its goal at which a robot has arrived.
-const ARRIVED: f64 = 0.25;
-
 /// Metres around a frontier point within which a frontier is still the same one.
 const SAME_FRONTIER: f64 = 0.3;
-
-/// Radius in metres around a failed goal in which other goals are excluded.
-const FAILED: f64 = 0.5;
-
-/// Share of the laser's range within which a wall has to be for a goal to be in sight of it:
-/// from there at least as long a piece of the wall is seen as its distance.
-const IN_SIGHT: f64 = 0.6;
-
-/// Metres around another robot's goal that are left to it.
-const TAKEN: f64 = 2.0;
 
 /// Seconds that a robot waits for another one to pass, and seconds between two decisions.
 const PATIENCE: f64 = 4.0;
@@ -52,154 +35,7 @@ const DECISION: f64 = 2.0 * TICK;
 /// Seconds that a robot looks at an unknown place before it gives it up: two scans and the map.
 const LOOK: f64 = 0.6;
 
-/// The input for the choice of a goal: everything that is known, and the robot's pose.
-pub(super) struct Planning<'a> {
-    pub(super) costmap: &'a mut Costmap,
-    pub(super) frontiers: &'a mut Frontiers,
-    pub(super) search: &'a mut GridPlanner,
-    /// Where the robot is.
-    pub(super) pose: Pose,
-    /// Where no path may lead.
-    pub(super) blocks: &'a [KeepoutZone],
-    /// The worst cell cost on paths.
-    pub(super) limit: CellCost,
-}
-
-impl Planning<'_> {
-    /// The nearest goal.
-    pub(super) fn nearest(&mut self) -> Option<Node> {
-        self.nearest_of(|_| true)
-    }
-
-    /// The nearest goal of the clusters for which `wanted` is true.
-    pub(super) fn nearest_of(&mut self, wanted: impl Fn(usize) -> bool) -> Option<Node> {
-        let Planning { costmap, frontiers, search, pose, blocks, .. } = self;
-        if frontiers.goals() == 0 {
-            return None;
-        }
-        let goal = |node, _| frontiers.cluster_at(node).is_some_and(&wanted);
-        search.nearest(costmap, pose.position, blocks, goal)
-    }
-}
-
-/// What a robot is to do.
-pub(super) enum Aim<'a> {
-    /// Uncover the frontiers that this chooses.
-    Explore(&'a mut dyn FnMut(&mut Planning<'_>) -> Option<Node>),
-    /// Go to a position.
-    Visit(DVec2),
-}
-
-/// Drives robots to goals.
-#[derive(Debug)]
-pub(super) struct Navigator {
-    pub(super) costmap: Costmap,
-    /// Circumscribed radius of the robots in metres.
-    radius: f64,
-    /// Whether the costmap is that of a slimmer robot.
-    is_slim: bool,
-    frontiers: Frontiers,
-    search: GridPlanner,
-    pub(super) guard: Guard,
-    pilots: Vec<Pilot>,
-    failures: Vec<Failure>,
-    refreshed: f64,
-    blocks: Vec<KeepoutZone>,
-    cells: Vec<DVec2>,
-    pub(super) margins: Margins,
-}
-
-/// A frontier that could not be uncovered.
-#[derive(Clone, Copy, Debug)]
-struct Failure {
-    at: DVec2,
-    /// Whether a look at it failed, or it had its second chance.
-    is_final: bool,
-    active: bool,
-}
-
-/// The state of one robot.
-#[derive(Debug, Default)]
-struct Pilot {
-    path: Path,
-    pursuit: Pursuit,
-    task: Task,
-    progress: Progress,
-    recovered: VecDeque<f64>,
-    recoveries: u32,
-    avoid: Vec<(f64, KeepoutZone)>,
-    second: SecondLook,
-    /// How often it escaped from where it was stuck.
-    escapes: u32,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-enum Task {
-    /// Look all around: the beginning of every run, when too little may be known to choose.
-    #[default]
-    Begin,
-    /// The same, after its first heading is known: how far it has turned.
-    Survey { heading: f64, turned: f64, until: f64 },
-    /// Choose a goal.
-    Choose,
-    /// Drive to a goal.
-    Go { goal: Goal, deadline: f64, squeezes: bool, waited: f64 },
-    /// Turn to what is unknown around a frontier, and look.
-    Look { frontier: DVec2, heading: f64, until: f64 },
-    /// Back off from where the robot is stuck.
-    BackOff { from: DVec2, until: f64 },
-    /// Turn away from it.
-    TurnAway { heading: f64, until: f64 },
-    /// Drive out of where it is stuck, by the laser alone.
-    Escape { stage: Escape, until: f64 },
-    /// Nothing is left to do, as of this time.
-    Rest { since: f64 },
-}
-
-/// The goals that are excluded out of caution.
-#[derive(Clone, Copy, Debug)]
-struct Restraint {
-    /// Those from which no known wall is seen: the pose would depend on the wheels alone there.
-    in_sight: bool,
-    /// Those that are near other robots' goals.
-    others: bool,
-}
-
-/// Where a robot is going.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Goal {
-    /// A frontier cell to uncover.
-    Frontier(DVec2),
-    /// A position.
-    Place(DVec2),
-}
-
 impl Navigator {
-    pub(super) fn new(robots: usize, robot: &Robot, laser: &LaserProfile) -> Self {
-        Navigator {
-            costmap: Costmap::new(robot),
-            radius: robot.circumscribed_radius,
-            is_slim: false,
-            frontiers: Frontiers::new(),
-            search: GridPlanner::new(),
-            guard: Guard::new(robot, laser),
-            pilots: (0..robots).map(|_| Pilot::default()).collect(),
-            failures: Vec::new(),
-            refreshed: f64::NEG_INFINITY,
-            blocks: Vec::new(),
-            cells: Vec::new(),
-            margins: Margins::of(robot, laser),
-        }
-    }
-
-    pub(super) fn recoveries(&self, robot: usize) -> u32 {
-        self.pilots.get(robot).map_or(0, |pilot| pilot.recoveries)
-    }
-
-    pub(super) fn path(&self, robot: usize) -> &[DVec2] {
-        self.pilots.get(robot).map_or(&[], |pilot| pilot.path.points())
-    }
-
     /// Drives to goals that `choose` returns until none is left.
     pub(super) fn explore(
         &mut self,
@@ -360,12 +196,6 @@ impl Navigator {
         self.frontiers.goals() > 0
     }
 
-    /// Takes over the changes of the map.
-    fn refresh(&mut self, view: &PolicyInput<'_>) {
-        self.costmap.refresh(view.map);
-        self.refreshed = view.seen.time;
-    }
-
     /// Drives on; `None` when the task ends.
     fn go(&mut self, view: &PolicyInput<'_>, pose: Pose, renewed: bool) -> Option<Decision> {
         let pilot = &mut self.pilots[view.robot];
@@ -425,135 +255,6 @@ impl Navigator {
             pursuit.follow(view.body, pose, path, &mut self.costmap, &self.guard, &self.margins);
         pilot.progress.wants(command, view.seen.time);
         Some(Decision::Drive(command))
-    }
-
-    /// Chooses a goal and plans the path to it; false if no goal is left.
-    fn choose(&mut self, view: &PolicyInput<'_>, pose: Pose, aim: &mut Aim<'_>) -> bool {
-        self.costmap.refresh(view.map);
-        self.collect_blocks(view);
-        match aim {
-            Aim::Visit(place) => self.plan_visit(view, pose, *place),
-            Aim::Explore(choose) => {
-                let Some((node, squeezes)) = self.choose_frontier(view, pose, choose) else {
-                    return false;
-                };
-                let Some(cluster) = self.frontiers.cluster_at(node) else { return false };
-                let point = self.costmap.point(node);
-                let cell = self.frontiers.nearest_cell(cluster, point);
-                let frontier = cell.map_or(point, CellIndex::centre);
-                self.set_path(view, node, Goal::Frontier(frontier), squeezes);
-                true
-            }
-        }
-    }
-
-    fn plan_visit(&mut self, view: &PolicyInput<'_>, pose: Pose, place: DVec2) -> bool {
-        if place.distance(pose.position) < 2.0 * ARRIVED {
-            return false;
-        }
-        let Navigator { costmap, search, blocks, .. } = self;
-        search.set_worst_allowed(CellCost::Tight);
-        let Some(node) = search.to(costmap, pose.position, blocks, place) else { return false };
-        self.set_path(view, node, Goal::Place(place), false);
-        true
-    }
-
-    /// A goal, and whether its path leads through gaps that the robot may not fit through. Exclusions
-    /// are dropped step by step: first the sight of walls, then other robots' goals, then
-    /// where this one was stuck, then the goals that failed once, at last the width of gaps.
-    fn choose_frontier(
-        &mut self,
-        view: &PolicyInput<'_>,
-        pose: Pose,
-        choose: &mut dyn FnMut(&mut Planning<'_>) -> Option<Node>,
-    ) -> Option<(Node, bool)> {
-        let (fits, mut restraint) = (CellCost::Tight, Restraint { in_sight: true, others: true });
-        if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
-            return Some((node, false));
-        }
-        restraint.in_sight = false;
-        if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
-            return Some((node, false));
-        }
-        restraint.others = false;
-        if view.estimates.len() > 1
-            && let Some(node) = self.search_goal(view, pose, fits, restraint, choose)
-        {
-            return Some((node, false));
-        }
-        if !self.pilots[view.robot].avoid.is_empty() {
-            self.pilots[view.robot].avoid.clear();
-            self.collect_blocks(view);
-            if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
-                return Some((node, false));
-            }
-        }
-        if self.failures.iter().any(|failure| failure.active && !failure.is_final) {
-            for failure in &mut self.failures {
-                failure.active &= failure.is_final;
-            }
-            if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
-                return Some((node, false));
-            }
-        }
-        let node = self.search_goal(view, pose, CellCost::Squeeze, restraint, choose)?;
-        Some((node, true))
-    }
-
-    fn search_goal(
-        &mut self,
-        view: &PolicyInput<'_>,
-        pose: Pose,
-        limit: CellCost,
-        restraint: Restraint,
-        choose: &mut dyn FnMut(&mut Planning<'_>) -> Option<Node>,
-    ) -> Option<Node> {
-        let Navigator { costmap, frontiers, search, pilots, failures, blocks, .. } = self;
-        let near = |at: DVec2, p: DVec2, radius: f64| at.distance_squared(p) < radius * radius;
-        let others = pilots.iter().enumerate().filter(|(other, _)| *other != view.robot);
-        let taken = |p: DVec2| {
-            restraint.others
-                && others.clone().any(|(_, pilot)| match pilot.task {
-                    Task::Go { goal: Goal::Frontier(at), .. } => near(at, p, TAKEN),
-                    _ => false,
-                })
-        };
-        let sight = IN_SIGHT * view.laser.max_range;
-        let feet = self.margins.feet;
-        let ruled_out = |costmap: &Costmap, p: DVec2| {
-            near(pose.position, p, feet)
-                || !view.area.contains(p)
-                || taken(p)
-                || failures.iter().any(|failure| failure.active && near(failure.at, p, FAILED))
-                || (restraint.in_sight && !costmap.is_occupied_within(p, sight))
-        };
-        frontiers.gather(costmap, ruled_out);
-        search.set_worst_allowed(limit);
-        choose(&mut Planning { costmap, frontiers, search, pose, blocks, limit })
-    }
-
-    fn set_path(&mut self, view: &PolicyInput<'_>, node: Node, goal: Goal, squeezes: bool) {
-        let cost = self.search.cost(node).unwrap_or(0);
-        self.search.path_to(&self.costmap, node, &mut self.cells);
-        let pilot = &mut self.pilots[view.robot];
-        pilot.second.note_goal();
-        pilot.path.set(&mut self.costmap, &self.cells);
-        let length = f64::from(cost) / f64::from(COST_PER_METRE);
-        let deadline = view.seen.time + 30.0 + length / self.margins.slowest;
-        pilot.task = Task::Go { goal, deadline, squeezes, waited: 0.0 };
-    }
-
-    /// The zones where no path of a robot may lead for now.
-    fn collect_blocks(&mut self, view: &PolicyInput<'_>) {
-        let pilot = &mut self.pilots[view.robot];
-        pilot.avoid.retain(|(until, _)| *until > view.seen.time);
-        self.blocks.clear();
-        self.blocks.extend(pilot.avoid.iter().map(|(_, block)| *block));
-        let others = view.estimates.iter().enumerate().filter(|(other, _)| *other != view.robot);
-        self.blocks.extend(others.map(|(_, other)| KeepoutZone {
-            center: other.pose.position,
-            radius: 2.0 * view.body.circumscribed_radius + 0.1,
-        }));
     }
 }
 

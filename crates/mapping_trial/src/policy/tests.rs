@@ -14,7 +14,8 @@ use super::guard::Guard;
 use super::search::{GridPlanner, KeepoutZone};
 use super::*;
 use crate::backend::Observation;
-use crate::map::{Cell, CellIndex, RESOLUTION};
+use crate::lidar::Scan;
+use crate::map::{Cell, CellIndex, Estimate, OccupancyMap, RESOLUTION};
 
 const SPAN: i32 = 80;
 

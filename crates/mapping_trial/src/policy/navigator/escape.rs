@@ -4,7 +4,8 @@
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
 
-use super::{Navigator, Task};
+use super::progress::Progress;
+use super::state::{Escape, Navigator, Task};
 use crate::backend::Command;
 use crate::policy::pursuit::turn;
 use crate::policy::{Decision, PolicyInput};
@@ -24,18 +25,6 @@ const ENOUGH: f64 = 1.2;
 /// Angle in radians to either side, metres up to which free space there counts, and its weight: of two
 /// directions with as much free space ahead, the one with more room beside the body is better.
 const SIDES: (f64, f64, f64) = (1.4, 0.3, 0.1);
-
-/// The stage of an escape.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Escape {
-    /// Turns around: its last heading, how far it has turned, and the best direction so far with
-    /// its worth.
-    Look { heading: f64, turned: f64, best: (f64, f64) },
-    /// Turns to a heading.
-    Turn { heading: f64 },
-    /// Drives ahead from a position.
-    Drive { from: DVec2 },
-}
 
 impl Navigator {
     /// Begins an escape, or gives the robot up.
@@ -111,7 +100,7 @@ impl Navigator {
     fn end_escape(&mut self, view: &PolicyInput<'_>) {
         self.refresh(view);
         let pilot = &mut self.pilots[view.robot];
-        pilot.progress = super::Progress::default();
+        pilot.progress = Progress::default();
         pilot.task = Task::Choose;
     }
 }

@@ -3,31 +3,18 @@
 use envgen::geometry::{Pose, unit_vector};
 use glam::DVec2;
 
-use super::{FAILED, Failure, Goal, Navigator, Task};
-use crate::backend::Command;
+use super::progress::Progress;
+use super::state::{FAILED, Failure, Goal, Navigator, Task};
 use crate::map::{Cell, CellIndex, RESOLUTION};
 use crate::policy::search::KeepoutZone;
 use crate::policy::{Decision, PolicyInput};
 use crate::robot::Robot;
-
-/// The weight of a second of turning on the spot, relative to a second without moving.
-const TURNING: f64 = 0.3;
 
 /// After this many recoveries within so many seconds backing off does not help.
 const HOPELESS: (usize, f64) = (3, 60.0);
 
 /// Seconds for which the robot drives around a place where it got stuck.
 const AVOID: f64 = 90.0;
-
-/// How long a robot that wants to move has hardly moved.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Progress {
-    /// Its position when it last moved.
-    at: Option<DVec2>,
-    pub(super) stalled: f64,
-    time: f64,
-    weight: f64,
-}
 
 impl Navigator {
     /// Begins to free a robot that is stuck; it escapes if that has happened too often.
@@ -96,27 +83,5 @@ impl Navigator {
             echoes.map(|echo| echo.length_squared()).fold(f64::INFINITY, f64::min)
         };
         if nearest(1.0) >= nearest(-1.0) { 1.5 } else { -1.5 }
-    }
-}
-
-impl Progress {
-    /// Notes where the robot is, and returns whether it has moved less than a distance for so many
-    /// seconds.
-    pub(super) fn is_stuck(&mut self, time: f64, p: DVec2, (least, within): (f64, f64)) -> bool {
-        if self.at.is_none_or(|at| at.distance(p) >= least) {
-            (self.at, self.stalled) = (Some(p), 0.0);
-        }
-        // Time between two tasks does not count.
-        let passed = (time - self.time).clamp(0.0, 0.2);
-        self.stalled += passed * self.weight;
-        self.time = time;
-        self.stalled >= within
-    }
-
-    /// Notes the command to the robot: a turn on the spot may take its time.
-    pub(super) fn wants(&mut self, command: Command, time: f64) {
-        let turns = command.speed == 0.0 && command.turn_rate != 0.0;
-        self.weight = if turns { TURNING } else { 1.0 };
-        self.time = time;
     }
 }

@@ -3,7 +3,8 @@
 
 use envgen::geometry::Pose;
 
-use super::{Aim, Goal, Navigator, Planning, Task};
+use super::goal_choice::{Aim, Planning};
+use super::state::{Goal, Navigator, Task};
 use crate::policy::PolicyInput;
 
 /// Greatest number of times that a robot looks around again.
@@ -14,27 +15,6 @@ const NARROW_GOALS: u32 = 6;
 
 /// Frontier cells that make one of those goals worth it: 1 m, as wide as a doorway.
 const WIDE: usize = 20;
-
-/// How much slimmer the robot is taken to be for those, in metres, and at most as a share of its radius:
-/// walls of the map that are off by this much in all close the narrowest gaps that it fits through.
-const SLIMMER: (f64, f64) = (0.1, 0.3);
-
-/// What a robot has tried after it had nothing left to explore.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct SecondLook {
-    looks: u32,
-    narrow_goals: u32,
-    /// Number of goals that it drove to, and that number at its last look.
-    goals: u32,
-    goals_before: u32,
-}
-
-impl SecondLook {
-    /// Notes a goal that the robot drives to.
-    pub(super) fn note_goal(&mut self) {
-        self.goals += 1;
-    }
-}
 
 impl Navigator {
     /// Tries what is left: first the robot forgets what failed and looks all around, then it takes
@@ -82,15 +62,5 @@ impl Navigator {
             self.plan_for(false);
         }
         found
-    }
-
-    /// Plans for the robot, or for a slimmer one.
-    pub(super) fn plan_for(&mut self, slim: bool) {
-        if self.is_slim != slim {
-            let radius = self.radius;
-            let less = if slim { SLIMMER.0.min(SLIMMER.1 * radius) } else { 0.0 };
-            self.costmap.set_radius(radius - less);
-            self.is_slim = slim;
-        }
     }
 }

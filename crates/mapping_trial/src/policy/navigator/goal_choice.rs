@@ -1,0 +1,196 @@
+//! The choice of a robot's goal, and the plan of the path to it.
+
+use envgen::geometry::Pose;
+use glam::DVec2;
+
+use super::state::{ARRIVED, FAILED, Goal, Navigator, Task};
+use crate::map::CellIndex;
+use crate::policy::PolicyInput;
+use crate::policy::costmap::{CellCost, Costmap, Node};
+use crate::policy::frontier::Frontiers;
+use crate::policy::search::{COST_PER_METRE, GridPlanner, KeepoutZone};
+
+/// Share of the laser's range within which a wall has to be for a goal to be in sight of it:
+/// from there at least as long a piece of the wall is seen as its distance.
+const IN_SIGHT: f64 = 0.6;
+
+/// Metres around another robot's goal that are left to it.
+const TAKEN: f64 = 2.0;
+
+/// The input for the choice of a goal: everything that is known, and the robot's pose.
+pub(in crate::policy) struct Planning<'a> {
+    pub(in crate::policy) costmap: &'a mut Costmap,
+    pub(in crate::policy) frontiers: &'a mut Frontiers,
+    pub(in crate::policy) search: &'a mut GridPlanner,
+    /// Where the robot is.
+    pub(in crate::policy) pose: Pose,
+    /// Where no path may lead.
+    pub(in crate::policy) blocks: &'a [KeepoutZone],
+    /// The worst cell cost on paths.
+    pub(in crate::policy) limit: CellCost,
+}
+
+impl Planning<'_> {
+    /// The nearest goal.
+    pub(in crate::policy) fn nearest(&mut self) -> Option<Node> {
+        self.nearest_of(|_| true)
+    }
+
+    /// The nearest goal of the clusters for which `wanted` is true.
+    pub(in crate::policy) fn nearest_of(&mut self, wanted: impl Fn(usize) -> bool) -> Option<Node> {
+        let Planning { costmap, frontiers, search, pose, blocks, .. } = self;
+        if frontiers.goals() == 0 {
+            return None;
+        }
+        let goal = |node, _| frontiers.cluster_at(node).is_some_and(&wanted);
+        search.nearest(costmap, pose.position, blocks, goal)
+    }
+}
+
+/// What a robot is to do.
+pub(in crate::policy) enum Aim<'a> {
+    /// Uncover the frontiers that this chooses.
+    Explore(&'a mut dyn FnMut(&mut Planning<'_>) -> Option<Node>),
+    /// Go to a position.
+    Visit(DVec2),
+}
+
+/// The goals that are excluded out of caution.
+#[derive(Clone, Copy, Debug)]
+struct Restraint {
+    /// Those from which no known wall is seen: the pose would depend on the wheels alone there.
+    in_sight: bool,
+    /// Those that are near other robots' goals.
+    others: bool,
+}
+
+impl Navigator {
+    /// Chooses a goal and plans the path to it; false if no goal is left.
+    pub(super) fn choose(&mut self, view: &PolicyInput<'_>, pose: Pose, aim: &mut Aim<'_>) -> bool {
+        self.costmap.refresh(view.map);
+        self.collect_blocks(view);
+        match aim {
+            Aim::Visit(place) => self.plan_visit(view, pose, *place),
+            Aim::Explore(choose) => {
+                let Some((node, squeezes)) = self.choose_frontier(view, pose, choose) else {
+                    return false;
+                };
+                let Some(cluster) = self.frontiers.cluster_at(node) else { return false };
+                let point = self.costmap.point(node);
+                let cell = self.frontiers.nearest_cell(cluster, point);
+                let frontier = cell.map_or(point, CellIndex::centre);
+                self.set_path(view, node, Goal::Frontier(frontier), squeezes);
+                true
+            }
+        }
+    }
+
+    fn plan_visit(&mut self, view: &PolicyInput<'_>, pose: Pose, place: DVec2) -> bool {
+        if place.distance(pose.position) < 2.0 * ARRIVED {
+            return false;
+        }
+        let Navigator { costmap, search, blocks, .. } = self;
+        search.set_worst_allowed(CellCost::Tight);
+        let Some(node) = search.to(costmap, pose.position, blocks, place) else { return false };
+        self.set_path(view, node, Goal::Place(place), false);
+        true
+    }
+
+    /// A goal, and whether its path leads through gaps that the robot may not fit through. Exclusions
+    /// are dropped step by step: first the sight of walls, then other robots' goals, then
+    /// where this one was stuck, then the goals that failed once, at last the width of gaps.
+    fn choose_frontier(
+        &mut self,
+        view: &PolicyInput<'_>,
+        pose: Pose,
+        choose: &mut dyn FnMut(&mut Planning<'_>) -> Option<Node>,
+    ) -> Option<(Node, bool)> {
+        let (fits, mut restraint) = (CellCost::Tight, Restraint { in_sight: true, others: true });
+        if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
+            return Some((node, false));
+        }
+        restraint.in_sight = false;
+        if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
+            return Some((node, false));
+        }
+        restraint.others = false;
+        if view.estimates.len() > 1
+            && let Some(node) = self.search_goal(view, pose, fits, restraint, choose)
+        {
+            return Some((node, false));
+        }
+        if !self.pilots[view.robot].avoid.is_empty() {
+            self.pilots[view.robot].avoid.clear();
+            self.collect_blocks(view);
+            if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
+                return Some((node, false));
+            }
+        }
+        if self.failures.iter().any(|failure| failure.active && !failure.is_final) {
+            for failure in &mut self.failures {
+                failure.active &= failure.is_final;
+            }
+            if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
+                return Some((node, false));
+            }
+        }
+        let node = self.search_goal(view, pose, CellCost::Squeeze, restraint, choose)?;
+        Some((node, true))
+    }
+
+    fn search_goal(
+        &mut self,
+        view: &PolicyInput<'_>,
+        pose: Pose,
+        limit: CellCost,
+        restraint: Restraint,
+        choose: &mut dyn FnMut(&mut Planning<'_>) -> Option<Node>,
+    ) -> Option<Node> {
+        let Navigator { costmap, frontiers, search, pilots, failures, blocks, .. } = self;
+        let near = |at: DVec2, p: DVec2, radius: f64| at.distance_squared(p) < radius * radius;
+        let others = pilots.iter().enumerate().filter(|(other, _)| *other != view.robot);
+        let taken = |p: DVec2| {
+            restraint.others
+                && others.clone().any(|(_, pilot)| match pilot.task {
+                    Task::Go { goal: Goal::Frontier(at), .. } => near(at, p, TAKEN),
+                    _ => false,
+                })
+        };
+        let sight = IN_SIGHT * view.laser.max_range;
+        let feet = self.margins.feet;
+        let ruled_out = |costmap: &Costmap, p: DVec2| {
+            near(pose.position, p, feet)
+                || !view.area.contains(p)
+                || taken(p)
+                || failures.iter().any(|failure| failure.active && near(failure.at, p, FAILED))
+                || (restraint.in_sight && !costmap.is_occupied_within(p, sight))
+        };
+        frontiers.gather(costmap, ruled_out);
+        search.set_worst_allowed(limit);
+        choose(&mut Planning { costmap, frontiers, search, pose, blocks, limit })
+    }
+
+    fn set_path(&mut self, view: &PolicyInput<'_>, node: Node, goal: Goal, squeezes: bool) {
+        let cost = self.search.cost(node).unwrap_or(0);
+        self.search.path_to(&self.costmap, node, &mut self.cells);
+        let pilot = &mut self.pilots[view.robot];
+        pilot.second.note_goal();
+        pilot.path.set(&mut self.costmap, &self.cells);
+        let length = f64::from(cost) / f64::from(COST_PER_METRE);
+        let deadline = view.seen.time + 30.0 + length / self.margins.slowest;
+        pilot.task = Task::Go { goal, deadline, squeezes, waited: 0.0 };
+    }
+
+    /// The zones where no path of a robot may lead for now.
+    fn collect_blocks(&mut self, view: &PolicyInput<'_>) {
+        let pilot = &mut self.pilots[view.robot];
+        pilot.avoid.retain(|(until, _)| *until > view.seen.time);
+        self.blocks.clear();
+        self.blocks.extend(pilot.avoid.iter().map(|(_, block)| *block));
+        let others = view.estimates.iter().enumerate().filter(|(other, _)| *other != view.robot);
+        self.blocks.extend(others.map(|(_, other)| KeepoutZone {
+            center: other.pose.position,
+            radius: 2.0 * view.body.circumscribed_radius + 0.1,
+        }));
+    }
+}

@@ -1,0 +1,176 @@
+//! What a navigator knows: the state that it keeps for all robots and for each one.
+
+use std::collections::VecDeque;
+
+use glam::DVec2;
+
+use super::progress::Progress;
+use crate::lidar::LaserProfile;
+use crate::policy::PolicyInput;
+use crate::policy::costmap::Costmap;
+use crate::policy::frontier::Frontiers;
+use crate::policy::guard::Guard;
+use crate::policy::margins::Margins;
+use crate::policy::path::Path;
+use crate::policy::pursuit::Pursuit;
+use crate::policy::search::{GridPlanner, KeepoutZone};
+use crate::robot::Robot;
+
+/// Distance in metres from its goal at which a robot has arrived.
+pub(super) const ARRIVED: f64 = 0.25;
+
+/// Radius in metres around a failed goal in which other goals are excluded.
+pub(super) const FAILED: f64 = 0.5;
+
+/// How much slimmer the robot is taken to be for goals behind gaps that are too narrow on the map, in metres,
+/// and at most as a share of its radius: walls of the map that are off by this much in all close the narrowest
+/// gaps that it fits through.
+const SLIMMER: (f64, f64) = (0.1, 0.3);
+
+/// Drives robots to goals.
+#[derive(Debug)]
+pub(in crate::policy) struct Navigator {
+    pub(in crate::policy) costmap: Costmap,
+    /// Circumscribed radius of the robots in metres.
+    radius: f64,
+    /// Whether the costmap is that of a slimmer robot.
+    is_slim: bool,
+    pub(super) frontiers: Frontiers,
+    pub(super) search: GridPlanner,
+    pub(in crate::policy) guard: Guard,
+    pub(super) pilots: Vec<Pilot>,
+    pub(super) failures: Vec<Failure>,
+    pub(super) refreshed: f64,
+    pub(super) blocks: Vec<KeepoutZone>,
+    pub(super) cells: Vec<DVec2>,
+    pub(in crate::policy) margins: Margins,
+}
+
+/// A frontier that could not be uncovered.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Failure {
+    pub(super) at: DVec2,
+    /// Whether a look at it failed, or it had its second chance.
+    pub(super) is_final: bool,
+    pub(super) active: bool,
+}
+
+/// The state of one robot.
+#[derive(Debug, Default)]
+pub(super) struct Pilot {
+    pub(super) path: Path,
+    pub(super) pursuit: Pursuit,
+    pub(super) task: Task,
+    pub(super) progress: Progress,
+    pub(super) recovered: VecDeque<f64>,
+    pub(super) recoveries: u32,
+    pub(super) avoid: Vec<(f64, KeepoutZone)>,
+    pub(super) second: SecondLook,
+    /// How often it escaped from where it was stuck.
+    pub(super) escapes: u32,
+}
+
+/// What a robot is doing.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) enum Task {
+    /// Look all around: the beginning of every run, when too little may be known to choose.
+    #[default]
+    Begin,
+    /// The same, after its first heading is known: how far it has turned.
+    Survey { heading: f64, turned: f64, until: f64 },
+    /// Choose a goal.
+    Choose,
+    /// Drive to a goal.
+    Go { goal: Goal, deadline: f64, squeezes: bool, waited: f64 },
+    /// Turn to what is unknown around a frontier, and look.
+    Look { frontier: DVec2, heading: f64, until: f64 },
+    /// Back off from where the robot is stuck.
+    BackOff { from: DVec2, until: f64 },
+    /// Turn away from it.
+    TurnAway { heading: f64, until: f64 },
+    /// Drive out of where it is stuck, by the laser alone.
+    Escape { stage: Escape, until: f64 },
+    /// Nothing is left to do, as of this time.
+    Rest { since: f64 },
+}
+
+/// Where a robot is going.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Goal {
+    /// A frontier cell to uncover.
+    Frontier(DVec2),
+    /// A position.
+    Place(DVec2),
+}
+
+/// The stage of an escape.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Escape {
+    /// Turns around: its last heading, how far it has turned, and the best direction so far with
+    /// its worth.
+    Look { heading: f64, turned: f64, best: (f64, f64) },
+    /// Turns to a heading.
+    Turn { heading: f64 },
+    /// Drives ahead from a position.
+    Drive { from: DVec2 },
+}
+
+/// What a robot has tried after it had nothing left to explore.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SecondLook {
+    pub(super) looks: u32,
+    pub(super) narrow_goals: u32,
+    /// Number of goals that it drove to, and that number at its last look.
+    pub(super) goals: u32,
+    pub(super) goals_before: u32,
+}
+
+impl Navigator {
+    pub(in crate::policy) fn new(robots: usize, robot: &Robot, laser: &LaserProfile) -> Self {
+        Navigator {
+            costmap: Costmap::new(robot),
+            radius: robot.circumscribed_radius,
+            is_slim: false,
+            frontiers: Frontiers::new(),
+            search: GridPlanner::new(),
+            guard: Guard::new(robot, laser),
+            pilots: (0..robots).map(|_| Pilot::default()).collect(),
+            failures: Vec::new(),
+            refreshed: f64::NEG_INFINITY,
+            blocks: Vec::new(),
+            cells: Vec::new(),
+            margins: Margins::of(robot, laser),
+        }
+    }
+
+    pub(in crate::policy) fn recoveries(&self, robot: usize) -> u32 {
+        self.pilots.get(robot).map_or(0, |pilot| pilot.recoveries)
+    }
+
+    pub(in crate::policy) fn path(&self, robot: usize) -> &[DVec2] {
+        self.pilots.get(robot).map_or(&[], |pilot| pilot.path.points())
+    }
+
+    /// Takes over the changes of the map.
+    pub(super) fn refresh(&mut self, view: &PolicyInput<'_>) {
+        self.costmap.refresh(view.map);
+        self.refreshed = view.seen.time;
+    }
+
+    /// Plans for the robot, or for a slimmer one.
+    pub(super) fn plan_for(&mut self, slim: bool) {
+        if self.is_slim != slim {
+            let radius = self.radius;
+            let less = if slim { SLIMMER.0.min(SLIMMER.1 * radius) } else { 0.0 };
+            self.costmap.set_radius(radius - less);
+            self.is_slim = slim;
+        }
+    }
+}
+
+impl SecondLook {
+    /// Notes a goal that the robot drives to.
+    pub(super) fn note_goal(&mut self) {
+        self.goals += 1;
+    }
+}
