@@ -9,7 +9,7 @@ use bevy::prelude::*;
 
 use crate::part::PartId;
 use crate::spawn::{Tile, TileSolids};
-use crate::{EnvgenSchedules, EnvgenSystems};
+use crate::systems::{EnvgenSchedules, EnvgenSystems};
 
 /// Measures the worlds of an app as Bevy diagnostics, for `LogDiagnosticsPlugin` and similar
 /// plugins.

@@ -106,6 +106,7 @@ pub mod scenario;
 mod shape;
 mod spawn;
 mod streaming;
+mod systems;
 #[cfg(any(feature = "physics", feature = "render"))]
 mod tessellate;
 #[cfg(feature = "testing")]
@@ -146,6 +147,9 @@ pub use scenario::{
 pub use shape::PartShape;
 pub use spawn::{SolidPart, Tile, TileSolids, TileSpawned};
 pub use streaming::{StreamAround, StreamingBudget, StreamingReport};
+pub use systems::EnvgenSystems;
+
+use systems::EnvgenSchedules;
 
 /// What most apps need, including the specs of [`envgen`]. Items whose names an app or Bevy may use
 /// too, such as [`part::Start`] or [`Tile`], are left out.
@@ -192,21 +196,6 @@ pub mod prelude {
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-/// The systems that generate, spawn and report worlds, in this order.
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum EnvgenSystems {
-    /// Detects environments that changed and starts their generators.
-    Request,
-    /// Collects the worlds that background threads have finished.
-    Collect,
-    /// Despawns the previous parts and spawns the new ones, with all that other plugins add.
-    Spawn,
-    /// Spawns and despawns the tiles of streamed worlds around their anchors.
-    Stream,
-    /// Triggers and writes [`EnvironmentReady`] and [`EnvironmentFailed`].
-    Notify,
-}
-
 /// Generates and spawns worlds, and streams them.
 ///
 /// Adds the resources [`StreamingBudget`] and [`StreamingReport`] and the systems of
@@ -226,19 +215,6 @@ impl EnvgenCorePlugin {
 impl Default for EnvgenCorePlugin {
     fn default() -> Self {
         EnvgenCorePlugin::new(Update)
-    }
-}
-
-/// The schedule of the core plugin's systems, for the plugins that are added after it.
-#[derive(Resource, Clone, Copy)]
-struct EnvgenSchedules {
-    main: Interned<dyn ScheduleLabel>,
-}
-
-impl EnvgenSchedules {
-    fn of(app: &App) -> Self {
-        let known = app.world().get_resource::<EnvgenSchedules>().copied();
-        known.unwrap_or(EnvgenSchedules { main: Update.intern() })
     }
 }
 

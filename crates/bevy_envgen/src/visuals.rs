@@ -19,7 +19,7 @@ use crate::part::{Ground, PartId, PartKind, Room, Surface, SurfaceKind};
 use crate::scenario::{Door, DoorLeaf, Person, Smoke};
 use crate::shape::PartShape;
 use crate::spawn::{Tile, TileSpawned};
-use crate::{EnvgenSchedules, EnvgenSystems};
+use crate::systems::{EnvgenSchedules, EnvgenSystems};
 
 /// The largest distance of road meshes from the exact edges, in metres.
 const ROAD_TOLERANCE: f64 = 0.01;

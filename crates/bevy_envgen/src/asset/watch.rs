@@ -7,7 +7,7 @@ use super::file::{RoomAsset, RoomLoader, WorldAsset, WorldLoader};
 use crate::environment::{Environment, EnvironmentError, RebuildEnvironment, WorldSource};
 use crate::generate::request_worlds;
 use crate::job::GenerationJob;
-use crate::{EnvgenSchedules, EnvgenSystems};
+use crate::systems::{EnvgenSchedules, EnvgenSystems};
 
 /// Loads `.envgen.ron` and `.room.ron` files, and rebuilds worlds whose files change.
 ///

@@ -61,7 +61,7 @@ pub use request::{
 pub use run::ScenarioRun;
 pub(crate) use run::remove;
 
-use crate::{EnvgenSchedules, EnvgenSystems};
+use crate::systems::{EnvgenSchedules, EnvgenSystems};
 
 /// The systems that move doors, people and smoke: after rapier's `PhysicsSet::Writeback`, so that they meet the
 /// bodies where these are.

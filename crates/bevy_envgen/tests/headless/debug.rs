@@ -101,13 +101,13 @@ fn without_bevys_plugin_for_gizmos_nothing_is_drawn() {
 
 /// What the crate keeps to itself and no inspector needs: bookkeeping of plugins and generators.
 const PRIVATE: &[&str] = &[
-    "bevy_envgen::Schedules",
     "bevy_envgen::debug::Drawable",
     "bevy_envgen::difficulty::DifficultyTask",
     "bevy_envgen::job::GenerationJob",
     "bevy_envgen::job::PendingEvents",
     "bevy_envgen::job::SpawnedTiles",
     "bevy_envgen::streaming::Streaming",
+    "bevy_envgen::systems::EnvgenSchedules",
     "bevy_envgen::visuals::part_color::PartColors",
     "bevy_envgen::visuals::moving::LeafMesh",
     "bevy_envgen::visuals::moving::SmokeMesh",
