@@ -6,7 +6,7 @@ use bevy_rapier2d::prelude::{
 };
 use envgen::scenario::PERSON_RADIUS;
 
-use super::settings_of;
+use super::settings::settings_of;
 use crate::part::PartOf;
 use crate::scenario::{DoorLeaf, Person, leaf_collider};
 
