@@ -11,11 +11,12 @@ use envgen::pieces::pieces_of;
 use envgen::world::Extent;
 
 use super::draft::Draft;
-use super::finish::{Finish, material};
+use super::finish::{Finish, can_draw, material};
 use super::look::look;
 use super::palette::Palette3d;
+use super::settings::Visuals3dSettings;
 use super::tile::{TileMesh, is_shown};
-use super::{Visuals3dSettings, can_draw, marks, stage, trees};
+use super::{marks, stage, trees};
 use crate::environment::{Environment, GroundTruth};
 use crate::part::{Ground, PartId, PartKind};
 use crate::shape::PartShape;

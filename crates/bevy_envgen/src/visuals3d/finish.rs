@@ -80,3 +80,10 @@ pub(super) fn material(world: &mut World, finish: Finish) -> Option<Handle<Stand
     world.resource_mut::<Finishes>().0.insert(finish, handle.clone());
     Some(handle)
 }
+
+/// Whether the app has what meshes need.
+pub(super) fn can_draw(world: &World) -> bool {
+    world.contains_resource::<Assets<Mesh>>()
+        && world.contains_resource::<Assets<Image>>()
+        && world.contains_resource::<Assets<StandardMaterial>>()
+}

@@ -13,7 +13,7 @@ use envgen::geometry::{Rect as WorldRect, Shape};
 use envgen::glam::DVec2;
 use envgen::world::SurfaceKind;
 
-use super::Visuals3dSettings;
+use super::settings::Visuals3dSettings;
 
 /// Luminance of the brightest light in cd/m², which Bevy's default exposure shows as white.
 pub(super) const INTENSITY: f32 = 1000.0;

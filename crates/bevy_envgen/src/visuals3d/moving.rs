@@ -3,9 +3,8 @@
 use bevy::prelude::*;
 use envgen::world::WallKind;
 
-use super::can_draw;
 use super::draft::Draft;
-use super::finish::{Finish, material};
+use super::finish::{Finish, can_draw, material};
 use super::palette::Palette3d;
 use crate::environment::GroundTruth;
 use crate::part::PartOf;

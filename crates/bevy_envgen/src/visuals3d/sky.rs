@@ -7,8 +7,8 @@ use bevy::render::render_resource::{
     Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
 };
 
-use super::Visuals3dSettings;
 use super::glow::INTENSITY;
+use super::settings::Visuals3dSettings;
 
 /// A sky for a [`Camera3d`], with a haze over the horizon. [`Visuals3dSettings::sky`] adds it to cameras that have
 /// neither it nor Bevy's `Skybox`.

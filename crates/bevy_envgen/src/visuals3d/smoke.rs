@@ -15,8 +15,9 @@ use envgen::glam::DVec2;
 use envgen::mesh::convex_pieces;
 use envgen::outline::outline;
 
+use super::finish::can_draw;
 use super::palette::Palette3d;
-use super::{Visuals3dSettings, can_draw};
+use super::settings::Visuals3dSettings;
 use crate::environment::GroundTruth;
 use crate::part::PartOf;
 use crate::scenario::{ScenarioRun, Smoke};

@@ -12,10 +12,10 @@ use envgen::pieces::{Form, ceiling_of};
 use envgen::world::{Extent, PartId, PartKind};
 
 use super::draft::Draft;
-use super::finish::{Finish, material};
-use super::glow::is_building;
+use super::finish::{Finish, can_draw, material};
+use super::glow::{self, is_building};
 use super::palette::Palette3d;
-use super::{Visuals3dSettings, can_draw, glow};
+use super::settings::Visuals3dSettings;
 use crate::environment::{EndlessTruth, Environment, GroundTruth};
 
 /// Ground and light of a world, on a child of its [`Environment`]. Its own children are what draws.

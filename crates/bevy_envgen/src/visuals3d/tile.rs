@@ -2,8 +2,8 @@
 
 use bevy::prelude::*;
 
-use super::Visuals3dSettings;
 use super::finish::Finish;
+use super::settings::Visuals3dSettings;
 
 /// A mesh of a tile, on a child of the [`Tile`](crate::Tile): all its bodies of one finish, or a tree's trunk or
 /// crown.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
-use super::Visuals3dSettings;
+use super::settings::Visuals3dSettings;
 
 /// Number of levels.
 pub(super) const LEVELS: usize = 3;
