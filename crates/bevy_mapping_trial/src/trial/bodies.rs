@@ -8,6 +8,9 @@ use mapping_trial::lidar::Scan;
 use mapping_trial::odometry::Increment;
 use mapping_trial::trial::Setup;
 
+/// The name of the robot backend in logs.
+pub const ENGINE: &str = "rapier";
+
 /// The robots of a trial in rapier. In every tick, systems store here what the robots sensed, and
 /// the trial reads it.
 pub struct RapierRobots {
@@ -83,7 +86,7 @@ impl RapierRobots {
 
 impl RobotBackend for RapierRobots {
     fn engine(&self) -> &str {
-        super::ENGINE
+        ENGINE
     }
 
     fn observe(&mut self, robot: usize) -> Observation {

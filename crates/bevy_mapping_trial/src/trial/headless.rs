@@ -15,7 +15,12 @@ use mapping_trial::backend::TICK;
 use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
 use thiserror::Error;
 
-use super::{ForTrials, MappingTrial, MappingTrialError, RapierRobots, TrialFailed, TrialPlugin};
+use super::bodies::RapierRobots;
+use super::component::MappingTrial;
+use super::error::MappingTrialError;
+use super::event::TrialFailed;
+use super::physics::ForTrials;
+use super::plugin::TrialPlugin;
 
 /// Ticks between two calls of the progress callback.
 const TICKS_PER_CALL: u64 = 200;

@@ -14,12 +14,11 @@ use mapping_trial::lidar::Scan;
 use mapping_trial::robot::Robot;
 use mapping_trial::trial::{EndReason, Trial, TrialBuilder, TrialLog};
 
-use super::bodies::{RapierRobots, TickReport};
+use super::bodies::{ENGINE, RapierRobots, TickReport};
 use super::camera::Camera;
-use super::{
-    ENGINE, ManualControl, MappingTrial, MappingTrialError, Place, Request, Run, State, TrialEnded,
-    TrialFailed, TrialRobot, TrialStarted,
-};
+use super::component::{ManualControl, MappingTrial, Place, Request, Run, State, TrialRobot};
+use super::error::MappingTrialError;
+use super::event::{TrialEnded, TrialFailed, TrialStarted};
 use crate::robot::{
     Battery, Bumper, DriveCommand, LaserScan, LaserScanner, RobotCondition, RobotModel, TruePose,
     WheelOdometry,

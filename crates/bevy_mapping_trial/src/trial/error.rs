@@ -1,0 +1,50 @@
+//! Why a trial cannot begin in an environment.
+
+use bevy::prelude::*;
+use bevy_envgen::scenario::ScenarioError;
+use mapping_trial::trial::TrialError;
+use thiserror::Error;
+
+use super::bodies::ENGINE;
+
+/// Why a trial cannot begin in an environment.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum MappingTrialError {
+    /// The settings, the start or the log is invalid.
+    #[error(transparent)]
+    Trial(#[from] TrialError),
+    /// Bevy's fixed step is not a tick.
+    #[error(
+        "the fixed step is {found} s, but a trial needs {} s: use `TopDownPhysicsPlugin::for_trials`",
+        mapping_trial::backend::TICK
+    )]
+    FixedStep {
+        /// Seconds of the fixed step.
+        found: f64,
+    },
+    /// Rapier's step is not a tick.
+    #[error(
+        "rapier's step is {found}, but a trial needs a fixed {} s: use `TopDownPhysicsPlugin::for_trials`",
+        mapping_trial::backend::TICK
+    )]
+    RapierStep {
+        /// The mode of rapier's steps.
+        found: String,
+    },
+    /// The log was made with another engine.
+    #[error("the log's engine must be `{ENGINE}` to be replayed here, got `{found}`")]
+    Engine {
+        /// The log's engine.
+        found: String,
+    },
+    /// The environment's doors, people or smoke cannot be.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The environment is scaled.
+    #[error("the environment's scale must be 1 for a trial, got {found}")]
+    Scale {
+        /// The scale.
+        found: Vec3,
+    },
+}

@@ -1,0 +1,28 @@
+//! The events of trials.
+
+use bevy::prelude::*;
+
+use super::error::MappingTrialError;
+
+/// Triggered on an environment when its trial begins.
+#[derive(EntityEvent, Clone, Debug)]
+pub struct TrialStarted {
+    /// The environment.
+    pub entity: Entity,
+}
+
+/// Triggered on an environment when its trial has ended.
+#[derive(EntityEvent, Clone, Debug)]
+pub struct TrialEnded {
+    /// The environment.
+    pub entity: Entity,
+}
+
+/// Triggered on an environment when its trial cannot begin.
+#[derive(EntityEvent, Clone, Debug)]
+pub struct TrialFailed {
+    /// The environment.
+    pub entity: Entity,
+    /// Why.
+    pub error: MappingTrialError,
+}

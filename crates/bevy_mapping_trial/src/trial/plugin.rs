@@ -1,0 +1,65 @@
+//! The plugin of trials, and the order of its systems.
+
+use bevy::ecs::intern::Interned;
+use bevy::ecs::schedule::ScheduleLabel;
+use bevy::prelude::*;
+use bevy_rapier2d::prelude::PhysicsSet;
+
+use super::component::{ManualControl, MappingTrial, TrialRobot};
+use super::run;
+use crate::robot::{RobotPlugin, RobotSystems};
+
+/// The systems of trials, before and after those of robots.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TrialSystems {
+    /// Processes what the robots sensed and commands them; begins and ends trials.
+    Command,
+    /// Records the robots' new poses and measurements.
+    Record,
+}
+
+/// Runs the trials of [`MappingTrial`] components. Adds [`RobotPlugin`] to the same schedule,
+/// unless it is added already.
+#[derive(Clone, Copy, Debug)]
+pub struct TrialPlugin {
+    schedule: Interned<dyn ScheduleLabel>,
+}
+
+impl TrialPlugin {
+    /// Runs the systems in `schedule` instead of `FixedUpdate`; it must be rapier's schedule.
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        TrialPlugin { schedule: schedule.intern() }
+    }
+}
+
+impl Default for TrialPlugin {
+    fn default() -> Self {
+        TrialPlugin::new(FixedUpdate)
+    }
+}
+
+impl Plugin for TrialPlugin {
+    fn build(&self, app: &mut App) {
+        if !app.is_plugin_added::<RobotPlugin>() {
+            app.add_plugins(RobotPlugin::new(self.schedule));
+        }
+        app.register_type::<ManualControl>()
+            .register_type::<MappingTrial>()
+            .register_type::<TrialRobot>()
+            .add_observer(run::leave)
+            .configure_sets(
+                self.schedule,
+                (
+                    TrialSystems::Command.before(RobotSystems::Drive),
+                    TrialSystems::Record.after(RobotSystems::Sense).after(PhysicsSet::Writeback),
+                ),
+            )
+            .add_systems(
+                self.schedule,
+                (
+                    (run::begin, run::command).chain().in_set(TrialSystems::Command),
+                    run::record.in_set(TrialSystems::Record),
+                ),
+            );
+    }
+}
