@@ -1,10 +1,11 @@
 //! Cameras on robots: what a robot sees, as colours, depths and labels.
 //!
-//! [`RobotCamera`] on a robot makes it see. For colours a [`Camera3d`] follows the robot and draws into an image that
-//! the app can show, [`RobotCameraView`]; it draws what the app has in three dimensions, such as the worlds of
-//! [`bevy_envgen`] with its `EnvgenVisuals3dPlugin`. Depths and labels need no plugin for drawing: they show the
-//! bodies of the world ([`envgen::pieces`]) as meshes, with ceilings where `Visuals3dSettings` has them, the doors and
-//! people of its scenario, and the robots of its trial: as the app draws them, else as simple bodies. Each image that is complete is a [`CameraFrame`], which comes with [`CameraFrameTaken`].
+//! [`RobotCamera`] on a robot makes it see. For colours a [`Camera3d`](bevy::prelude::Camera3d) follows the robot and
+//! draws into an image that the app can show, [`RobotCameraView`]; it draws what the app has in three dimensions, such
+//! as the worlds of [`bevy_envgen`] with its `EnvgenVisuals3dPlugin`. Depths and labels need no plugin for drawing: they
+//! show the bodies of the world ([`envgen::pieces`]) as meshes, with ceilings where `Visuals3dSettings` has them, the
+//! doors and people of its scenario, and the robots of its trial: as the app draws them, else as simple bodies. Each
+//! image that is complete is a [`CameraFrame`], which comes with [`CameraFrameTaken`].
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -42,51 +43,18 @@ mod labels;
 mod moving;
 mod optics;
 mod pass;
+mod plugin;
 mod record;
 mod scene;
 mod settings;
 mod shutter;
 
-use bevy::app::PostUpdate;
-use bevy::camera::CameraUpdateSystems;
-use bevy::camera::visibility::VisibilitySystems;
-use bevy::prelude::*;
-use bevy::transform::TransformSystems;
-
 pub use files::{CameraFolder, DEPTH_UNIT, OTHER_LABEL};
 pub use frame::CameraFrame;
 pub use labels::{Label, Labels};
 pub use optics::{CameraOptics, CameraPose};
+pub use plugin::{RobotCameraPlugin, RobotCameraSystems};
 pub use record::{CameraRecording, CameraTrial, RecordingError};
 pub use scene::MAX_TRIANGLES;
 pub use settings::{CameraError, CameraImages, MAX_PIXELS, RobotCamera};
 pub use shutter::{CameraFailed, CameraFrameTaken, RobotCameraView};
-
-/// Lets robots with a [`RobotCamera`] see.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RobotCameraPlugin;
-
-/// When pictures are taken, in [`PostUpdate`], after transforms and cameras are updated.
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct RobotCameraSystems;
-
-impl Plugin for RobotCameraPlugin {
-    fn build(&self, app: &mut App) {
-        app.register_type::<RobotCamera>()
-            .register_type::<RobotCameraView>()
-            .init_resource::<shutter::Scenes>()
-            .add_observer(shutter::remove)
-            .add_observer(shutter::fit)
-            .add_observer(shutter::develop)
-            .add_systems(First, shutter::close)
-            .add_systems(
-                PostUpdate,
-                shutter::shoot
-                    .in_set(RobotCameraSystems)
-                    .after(TransformSystems::Propagate)
-                    .after(CameraUpdateSystems)
-                    .before(VisibilitySystems::UpdateFrusta)
-                    .before(VisibilitySystems::CheckVisibility),
-            );
-    }
-}

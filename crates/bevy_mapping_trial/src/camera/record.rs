@@ -13,10 +13,10 @@ use envgen::scenario::Scenario;
 use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
 use thiserror::Error;
 
-use super::RobotCameraPlugin;
 use super::files::CameraFolder;
 use super::frame::CameraFrame;
 use super::optics::CameraOptics;
+use super::plugin::RobotCameraPlugin;
 use super::settings::{CameraError, CameraImages, RobotCamera};
 use super::shutter::{CameraFailed, CameraFrameTaken, Exposure};
 use crate::trial::{HeadlessError, MappingTrial, RapierRobots, TrialRobot, drive, set_up};
