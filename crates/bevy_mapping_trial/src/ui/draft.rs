@@ -4,7 +4,7 @@ use bevy_egui::egui::{ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui}
 use envgen::serde_json::Value;
 use envgen::settings::{Allowed, Setting};
 
-use super::{error, group, row};
+use super::widgets::{error, group, row};
 
 /// The widest range for which a slider is precise enough.
 const SLIDER_RANGE: f64 = 20.0;

@@ -4,7 +4,7 @@ use bevy_egui::egui::{ComboBox, ScrollArea, Slider, TextEdit, Ui};
 use mapping_trial::feedback::{Connection, Experience, Feedback, Rating, Session, questions};
 use thiserror::Error;
 
-use super::{error, row};
+use super::widgets::{error, row};
 
 /// The ratings in the form's order.
 const RATINGS: [&str; 3] = [questions::DIFFICULTY, questions::MAPPING, questions::GETTING_AROUND];

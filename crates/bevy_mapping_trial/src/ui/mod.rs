@@ -32,6 +32,7 @@
 //! ```
 
 mod background;
+mod colors;
 mod draft;
 mod feedback;
 mod manual_control;
@@ -42,6 +43,7 @@ mod scores;
 mod setup;
 mod spec;
 mod trial;
+mod widgets;
 mod world_preview;
 
 pub use bevy_egui;
@@ -56,45 +58,3 @@ pub use setup::SetupForm;
 pub use spec::{SpecAction, SpecForm};
 pub use trial::{TrialAction, TrialStatus};
 pub use world_preview::WorldPreview;
-
-use egui::{CollapsingHeader, Color32, RichText, Ui};
-use envgen::palette::{self, Srgb};
-
-/// The colour of errors, readable on the dark theme's panels.
-const ERROR: Color32 = Color32::from_rgb(255, 140, 110);
-
-/// The colour under drawings, that of pictures of worlds.
-const PAGE: Color32 = {
-    let Srgb([red, green, blue]) = palette::PAGE;
-    Color32::from_rgb(red, green, blue)
-};
-
-/// Width in points of the names before settings.
-const NAME_WIDTH: f32 = 130.0;
-
-/// An error below the input that it is about, wrapped to the panel's width.
-fn error(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).color(ERROR));
-}
-
-/// A row with a name of fixed width, and the widgets that edit its value.
-fn row(ui: &mut Ui, name: &str, help: &str, edit: impl FnOnce(&mut Ui)) {
-    ui.horizontal(|ui| {
-        let size = egui::vec2(NAME_WIDTH, ui.spacing().interact_size.y);
-        let layout = egui::Layout::left_to_right(egui::Align::Center);
-        let label = ui.allocate_ui_with_layout(size, layout, |ui| {
-            ui.set_min_width(NAME_WIDTH);
-            ui.add(egui::Label::new(name).truncate())
-        });
-        if !help.is_empty() {
-            label.inner.on_hover_text(help);
-        }
-        edit(ui);
-    });
-}
-
-/// A group of settings below a header that opens and closes it, in another colour if there is an error in it.
-fn group(ui: &mut Ui, name: RichText, open: bool, fails: bool, contents: impl FnOnce(&mut Ui)) {
-    let name = if fails { name.color(ERROR) } else { name };
-    CollapsingHeader::new(name).default_open(open).show_unindented(ui, contents);
-}

@@ -13,7 +13,7 @@ use mapping_trial::names::Named;
 use mapping_trial::robot::{Footprint, Robot};
 use mapping_trial::trial::TrialSettings;
 
-use super::PAGE;
+use super::colors::PAGE;
 
 /// Points between the drawings and the edges.
 const MARGIN: f32 = 24.0;

@@ -7,7 +7,9 @@ use mapping_trial::policy::PolicyKind;
 use mapping_trial::trial::{MAX_TIME_LIMIT, TrialSettings};
 
 use super::draft::help;
-use super::{ScenarioForm, SpecAction, SpecForm, error, group, row};
+use super::scenario::ScenarioForm;
+use super::spec::{SpecAction, SpecForm};
+use super::widgets::{error, group, row};
 
 /// The entry for a person in the list of exploration policies.
 const PERSON: &str = "a person";

@@ -14,7 +14,7 @@ use envgen::{Seed, SettingsError, SpecError, WorldKind, WorldSpec, whole_file};
 
 use super::draft::{Draft, has_error, show_group, show_groups};
 use super::reach::Reach;
-use super::{error, row};
+use super::widgets::{error, row};
 
 /// What a person did in the panel.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use envgen::scenario::{Scenario, ScenarioSpec};
 use envgen::{Seed, SettingsError, World, WorldSpec};
 
 use super::background::Background;
-use super::{ERROR, PAGE};
+use super::colors::{ERROR, PAGE};
 
 /// Points between the picture and the edges.
 const MARGIN: f32 = 16.0;

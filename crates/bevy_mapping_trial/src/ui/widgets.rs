@@ -1,0 +1,41 @@
+//! What panels are made of: rows, groups and errors.
+
+use bevy_egui::egui::{self, CollapsingHeader, RichText, Ui};
+
+use super::colors::ERROR;
+
+/// Width in points of the names before settings.
+const NAME_WIDTH: f32 = 130.0;
+
+/// An error below the input that it is about, wrapped to the panel's width.
+pub(super) fn error(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).color(ERROR));
+}
+
+/// A row with a name of fixed width, and the widgets that edit its value.
+pub(super) fn row(ui: &mut Ui, name: &str, help: &str, edit: impl FnOnce(&mut Ui)) {
+    ui.horizontal(|ui| {
+        let size = egui::vec2(NAME_WIDTH, ui.spacing().interact_size.y);
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        let label = ui.allocate_ui_with_layout(size, layout, |ui| {
+            ui.set_min_width(NAME_WIDTH);
+            ui.add(egui::Label::new(name).truncate())
+        });
+        if !help.is_empty() {
+            label.inner.on_hover_text(help);
+        }
+        edit(ui);
+    });
+}
+
+/// A group of settings below a header that opens and closes it, in another colour if there is an error in it.
+pub(super) fn group(
+    ui: &mut Ui,
+    name: RichText,
+    open: bool,
+    fails: bool,
+    contents: impl FnOnce(&mut Ui),
+) {
+    let name = if fails { name.color(ERROR) } else { name };
+    CollapsingHeader::new(name).default_open(open).show_unindented(ui, contents);
+}
