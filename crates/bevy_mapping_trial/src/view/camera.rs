@@ -3,7 +3,8 @@
 use bevy::camera::ScalingMode;
 use bevy::prelude::*;
 
-use super::TrialView;
+use super::sights::TrialSights;
+use super::trial_view::TrialView;
 
 /// Keeps a two-dimensional camera above the estimated position of a robot of a trial.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
@@ -43,17 +44,6 @@ const ARROW: f32 = 0.06;
 /// An arrow at a robot's position, for maps.
 #[derive(Component)]
 pub(super) struct MapMark;
-
-/// The estimated positions of the robots of a trial and the bounds of their map, in the
-/// environment's frame in metres.
-#[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
-#[reflect(Component, Default, Debug, PartialEq, Clone)]
-pub struct TrialSights {
-    /// The position of each robot.
-    pub robots: Vec<Vec2>,
-    /// The bounds of the map; `None` while the map is empty.
-    pub map: Option<Rect>,
-}
 
 type Looks<'w, 's, T> =
     Query<'w, 's, (&'static T, &'static mut Transform, &'static mut Projection)>;

@@ -10,9 +10,13 @@ use mapping_trial::backend::RobotBackend;
 use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::Trial;
 
+use super::camera::MapMark;
 use super::map::{self, Paint, Sheets};
+use super::minimap::MINIMAP_LAYER;
+use super::palette::TrialPalette;
 use super::trail::Trail;
-use super::{MINIMAP_LAYER, TrialPalette, TrialView, scan, shape};
+use super::trial_view::TrialView;
+use super::{scan, shape};
 
 /// Height of the view above everything that is drawn of worlds.
 const ABOVE: f32 = 0.5;
@@ -142,11 +146,7 @@ impl Drawing {
             };
             let mark = part("mark of robot", &arrow, &ink, drawn.body);
             let above = Transform::from_xyz(0.0, 0.0, MARK - BODY);
-            commands.entity(mark).insert((
-                super::camera::MapMark,
-                above,
-                RenderLayers::layer(MINIMAP_LAYER),
-            ));
+            commands.entity(mark).insert((MapMark, above, RenderLayers::layer(MINIMAP_LAYER)));
             drawn
         });
         let robots = robots.collect();

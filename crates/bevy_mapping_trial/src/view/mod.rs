@@ -20,9 +20,13 @@
 mod camera;
 mod drawing;
 mod map;
+mod minimap;
+mod palette;
 mod scan;
 mod shape;
+mod sights;
 mod trail;
+mod trial_view;
 
 use bevy::asset::AssetEventSystems;
 use bevy::camera::CameraUpdateSystems;
@@ -31,86 +35,27 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 use bevy_envgen::scenario::{Door, Person, Smoke};
-use bevy_envgen::visuals::{color, require_visibility};
+use bevy_envgen::visuals::require_visibility;
 use bevy_envgen::{Environment, Tile};
 use envgen::glam::DVec2;
-use envgen::palette;
 use mapping_trial::backend::RobotBackend;
 use mapping_trial::trial::Trial;
 
-pub use camera::{FollowRobot, ShowWholeMap, TrialSights};
+pub use camera::{FollowRobot, ShowWholeMap};
+pub use minimap::{MINIMAP_LAYER, minimap_layers};
+pub use palette::TrialPalette;
+pub use sights::TrialSights;
+pub use trial_view::TrialView;
+
 use drawing::{Canvas, Drawing};
 
 use crate::trial::{MappingTrial, RapierRobots};
-
-/// The render layer that only minimaps show: arrows at the robots' positions.
-pub const MINIMAP_LAYER: usize = 30;
-
-/// The visible layers of a trial, on the entity of its environment.
-///
-/// Removing it shows the plain world.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
-#[reflect(Component, Default, Debug, PartialEq, Clone)]
-#[require(TrialSights)]
-pub struct TrialView {
-    /// The world with its people, doors and smoke, and the true poses and paths of the robots: for training only,
-    /// because a trial asks for them.
-    pub truth: bool,
-    /// The map.
-    pub map: bool,
-    /// The current scans.
-    pub scan: bool,
-    /// The paths of the robots, as they estimate them.
-    pub path: bool,
-}
-
-impl Default for TrialView {
-    fn default() -> Self {
-        TrialView { truth: false, map: true, scan: true, path: true }
-    }
-}
 
 /// Beside a [`TrialView`]: `Camera3d`s, such as cameras on robots, see the world although it is hidden from
 /// `Camera2d`s.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ShowIn3d;
-
-/// The colours of a trial.
-#[derive(Resource, Clone, Debug, PartialEq, Reflect)]
-#[reflect(Resource, Default, Debug, PartialEq, Clone)]
-pub struct TrialPalette {
-    /// The background of the map, where nothing is known; also for the clear colour of cameras.
-    pub unknown: Color,
-    /// Free cells of the map.
-    pub free: Color,
-    /// Occupied cells of the map.
-    pub occupied: Color,
-    /// The true poses and paths of the robots.
-    pub truth: Color,
-    /// Robots with their scans and paths; repeated when there are more robots than colours.
-    pub robots: Vec<Color>,
-}
-
-impl Default for TrialPalette {
-    fn default() -> Self {
-        TrialPalette {
-            unknown: color(palette::map::VIEW_UNKNOWN),
-            free: color(palette::map::VIEW_FREE),
-            occupied: color(palette::map::VIEW_OCCUPIED),
-            truth: color(palette::GREEN),
-            robots: vec![color(palette::VERMILION), color(palette::BLUE)],
-        }
-    }
-}
-
-impl TrialPalette {
-    /// The colour of a robot, by its index from 0.
-    pub fn robot(&self, robot: usize) -> Color {
-        let color = self.robots.get(robot % self.robots.len().max(1));
-        color.copied().unwrap_or(self.occupied)
-    }
-}
 
 /// A component that holds a trial of the [`Environment`] on the same entity.
 pub trait WatchTrial: Component {
@@ -203,12 +148,6 @@ impl Plugin for TrialViewPlugin {
         require_visibility(app);
         app.register_type::<MappingTrial>().watch_trials::<MappingTrial>();
     }
-}
-
-/// The render layers of a minimap's camera: everything that other cameras see, and arrows at the
-/// robots.
-pub fn minimap_layers() -> RenderLayers {
-    RenderLayers::from_layers(&[0, MINIMAP_LAYER])
 }
 
 /// What is hidden of a world: its parts, and what moves in it.

@@ -1,0 +1,29 @@
+//! What is visible of a trial.
+
+use bevy::prelude::*;
+
+use super::sights::TrialSights;
+
+/// The visible layers of a trial, on the entity of its environment.
+///
+/// Removing it shows the plain world.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+#[require(TrialSights)]
+pub struct TrialView {
+    /// The world with its people, doors and smoke, and the true poses and paths of the robots: for training only,
+    /// because a trial asks for them.
+    pub truth: bool,
+    /// The map.
+    pub map: bool,
+    /// The current scans.
+    pub scan: bool,
+    /// The paths of the robots, as they estimate them.
+    pub path: bool,
+}
+
+impl Default for TrialView {
+    fn default() -> Self {
+        TrialView { truth: false, map: true, scan: true, path: true }
+    }
+}
