@@ -55,7 +55,7 @@ use crate::spinner::spinner;
 /// Do the rules of Zwennes (2011) order indoor maps by difficulty? Policies map them, the maps are
 /// scored, and a report shows the results.
 ///
-/// The paper's design (levels 1, 3, 5, 7 and 9, two maps each, five operators) always runs; the
+/// The paper's design (levels 1, 3, 5, 7 and 9, two maps each, five policies) always runs; the
 /// larger design is set by the options. The same command continues an interrupted run.
 #[derive(Parser)]
 #[command(after_long_help = JOBS)]
@@ -77,9 +77,9 @@ struct Arguments {
     #[arg(long, value_delimiter = ',', default_value = "1,3,5,7,9")]
     levels: Vec<f64>,
 
-    /// Operators (policies) of the larger design [default: all five, with --quick nearest].
-    #[arg(long, value_delimiter = ',', value_parser = PolicyKind::named)]
-    operators: Option<Vec<PolicyKind>>,
+    /// Policies of the larger design [default: all five, with --quick nearest].
+    #[arg(long, alias = "operators", value_delimiter = ',', value_parser = PolicyKind::named)]
+    policies: Option<Vec<PolicyKind>>,
 
     /// The thesis's rules exactly, or with the guarantee that every cell is reachable.
     #[arg(long, default_value = "thesis", value_parser = ["thesis", "guaranteed"])]
@@ -124,7 +124,7 @@ struct Arguments {
 
     /// Join the folders of all shares instead of running trials.
     #[arg(long, value_name = "FOLDER", num_args = 1.., conflicts_with_all = [
-        "quick", "maps", "seeds", "levels", "operators", "profile", "size", "slam", "wheel_calibration",
+        "quick", "maps", "seeds", "levels", "policies", "profile", "size", "slam", "wheel_calibration",
         "laser", "time_limit", "time_per_area", "seed", "shard", "fresh",
     ])]
     merge: Vec<PathBuf>,
@@ -241,7 +241,7 @@ impl Arguments {
             levels: self.levels.clone(),
             maps,
             noise_seeds: self.seeds.unwrap_or(design.noise_seeds),
-            operators: self.operators.clone().unwrap_or(design.operators),
+            policies: self.policies.clone().unwrap_or(design.policies),
             replay,
             profile: if self.profile == "thesis" { Profile::Thesis } else { Profile::Guaranteed },
             size: self.size,
@@ -266,14 +266,14 @@ fn announce(experiment: &Experiment) {
         shard => format!(" of share {shard}"),
     };
     println!(
-        "{all} trials{share}: {} levels x {} maps x {} noise seeds x {} operators, and the paper's \
-         {} maps per level by {} operators",
+        "{all} trials{share}: {} levels x {} maps x {} noise seeds x {} policies, and the paper's \
+         {} maps per level by {} policies",
         design.levels.len(),
         design.maps,
         design.noise_seeds,
-        design.operators.len(),
+        design.policies.len(),
         design.replay.maps,
-        design.replay.operators.len(),
+        design.replay.policies.len(),
     );
     if done > 0 {
         println!("{done} of them were finished before, in {}", experiment.folder().display());

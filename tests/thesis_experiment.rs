@@ -6,7 +6,7 @@ use std::fs;
 
 use common::Example;
 
-/// Small maps and short trials: 2 levels x 2 maps, by five operators.
+/// Small maps and short trials: 2 levels x 2 maps, by five policies.
 const SMALL: [&str; 8] = [
     "--quick",
     "--levels=2,8",
@@ -27,7 +27,7 @@ fn shards_join_into_the_report_of_one_run() {
     let out = |name: &str| folder.path().join(name);
     let reported = EXAMPLE.ok(&SMALL, &out("whole"));
     assert!(
-        reported.starts_with("20 trials: 2 levels x 2 maps x 1 noise seeds x 1 operators"),
+        reported.starts_with("20 trials: 2 levels x 2 maps x 1 noise seeds x 1 policies"),
         "{reported}"
     );
     for shard in ["1/2", "2/2"] {
@@ -59,7 +59,9 @@ fn bad_arguments_are_reported() {
             .contains("`maps` must be a whole number from 2 to 1000, got 1")
     );
     assert!(EXAMPLE.error(&["--levels=9,1"], &out).contains("`levels` must be"));
-    assert!(EXAMPLE.error(&["--operators=nobody"], &out).contains("must be nearest, info_gain"));
+    for flag in ["--policies=nobody", "--operators=nobody"] {
+        assert!(EXAMPLE.error(&[flag], &out).contains("must be nearest, info_gain"), "{flag}");
+    }
     assert!(EXAMPLE.error(&["--shard=3/2"], &out).contains("`shard` must be"));
     assert!(EXAMPLE.error(&["--size=3"], &out).contains("`size` must be"));
     assert!(!out.exists(), "nothing is written for bad arguments");

@@ -181,9 +181,9 @@ fn draw_plans<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<Envge
     for (_, environment, frame, holder) in &trials {
         let Some(trial) = holder.watched() else { continue };
         let place = |p: DVec2| environment.point_in_app(frame, p);
-        let Some(operator) = trial.autonomy().policy() else { continue };
+        let Some(policy) = trial.autonomy().policy() else { continue };
         for robot in 0..trial.robots() {
-            let path = operator.path(robot);
+            let path = policy.path(robot);
             gizmos.linestrip_2d(path.iter().map(|&p| place(p)), color(PLAN));
             if let Some(&goal) = path.last() {
                 gizmos.circle_2d(place(goal), GOAL, color(PLAN));

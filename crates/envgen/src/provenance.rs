@@ -43,7 +43,7 @@ pub struct Provenance {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredDifficulty {
-    /// The panel of operators, lasers and estimators.
+    /// The panel of policies, lasers and estimators.
     pub panel: String,
     /// Its version.
     pub panel_version: u32,

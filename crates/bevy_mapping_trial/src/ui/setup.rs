@@ -67,9 +67,9 @@ impl SetupForm {
     /// Draws the settings of the trial itself.
     fn show_trial(&mut self, ui: &mut Ui) {
         let settings = &mut self.settings;
-        let driver = settings.policy.as_ref().and_then(Named::name).unwrap_or(PERSON);
-        row(ui, "operator", "Who drives: you, or a program to watch", |ui| {
-            ComboBox::from_id_salt("operator").selected_text(driver).show_ui(ui, |ui| {
+        let shown = settings.policy.as_ref().and_then(Named::name).unwrap_or(PERSON);
+        row(ui, "policy", "Who drives: you, or an exploration policy to watch", |ui| {
+            ComboBox::from_id_salt("policy").selected_text(shown).show_ui(ui, |ui| {
                 ui.selectable_value(&mut settings.policy, None, PERSON);
                 for (name, kind) in PolicyKind::NAMES {
                     ui.selectable_value(&mut settings.policy, Some(*kind), *name);

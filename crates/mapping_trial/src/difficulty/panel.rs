@@ -1,4 +1,4 @@
-//! Panels: the operators, lasers and estimators under which difficulties are measured.
+//! Panels: the policies, lasers and estimators under which difficulties are measured.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,7 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// The panel that difficulties refer to if nothing else is said: four operators, each with a SICK LMS 200,
+    /// The panel that difficulties refer to if nothing else is said: four policies, each with a SICK LMS 200,
     /// with the same laser with the errors of real scans, and with one of shorter range; a Pioneer 3-AT,
     /// scan-to-map matching, and 2 s per square metre.
     ///
@@ -72,7 +72,7 @@ mod tests {
         panel.conditions.iter_mut().for_each(|one| one.laser = "usarsim".to_owned());
         panel.drop_repeated();
         assert_eq!(panel.conditions.len(), 4);
-        panel.conditions.iter_mut().for_each(|one| one.operator = PolicyKind::Nearest);
+        panel.conditions.iter_mut().for_each(|one| one.policy = PolicyKind::Nearest);
         panel.drop_repeated();
         assert_eq!(panel.conditions.len(), 1);
     }

@@ -120,7 +120,7 @@ pub fn most_trials(panel: &Panel, seeds: u32) -> usize {
 /// The conditions of each round, spread over the panel.
 fn rounds(conditions: usize) -> [Vec<usize>; 2] {
     let count = ROUND.min(conditions);
-    // Operators and lasers both change from one to the next where operators are the inner loop.
+    // Policies and lasers both change from one to the next where policies are the inner loop.
     let spread = |from: usize| {
         (0..count).map(move |i| (from + i * (conditions + 1) / count) % conditions.max(1))
     };
@@ -164,15 +164,15 @@ mod tests {
     use crate::difficulty::reference_scale;
 
     #[test]
-    fn every_round_has_all_operators_and_lasers() {
+    fn every_round_has_all_policies_and_lasers() {
         let panel = Panel::reference();
         let [first, second] = rounds(12);
         assert!(first.iter().all(|i| !second.contains(i)));
         for round in [first, second] {
-            let operators: Vec<_> = round.iter().map(|&i| panel.conditions[i].operator).collect();
+            let policies: Vec<_> = round.iter().map(|&i| panel.conditions[i].policy).collect();
             let lasers: Vec<_> = round.iter().map(|&i| &panel.conditions[i].laser).collect();
             for i in 0..4 {
-                assert!(operators[..i].iter().all(|one| *one != operators[i]), "{operators:?}");
+                assert!(policies[..i].iter().all(|one| *one != policies[i]), "{policies:?}");
             }
             for laser in panel.conditions.iter().map(|condition| &condition.laser) {
                 assert!(lasers.contains(&laser), "{lasers:?}");

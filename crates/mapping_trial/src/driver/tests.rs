@@ -64,14 +64,14 @@ fn hello(robots: usize) -> Hello {
 
 /// The decision of a policy on an observation at a pose.
 fn decide(
-    operator: &mut DriverPolicy,
+    policy: &mut DriverPolicy,
     robot: usize,
     seen: &Observation,
     pose: Pose,
     map: &OccupancyMap,
 ) -> Decision {
     let TrialSettings { body, laser, .. } = TrialSettings::default();
-    operator.decide(&PolicyInput {
+    policy.decide(&PolicyInput {
         robot,
         estimates: &[Estimate { pose, ..Estimate::default() }; 2],
         map,
@@ -85,8 +85,8 @@ fn decide(
 }
 
 /// The same if neither pose nor map matter.
-fn decide_at(operator: &mut DriverPolicy, tick: u32) -> Decision {
-    decide(operator, 0, &seen(tick), Pose::default(), &OccupancyMap::new())
+fn decide_at(policy: &mut DriverPolicy, tick: u32) -> Decision {
+    decide(policy, 0, &seen(tick), Pose::default(), &OccupancyMap::new())
 }
 
 fn greeting(line: &Value, more: &str) -> Option<String> {
@@ -112,11 +112,11 @@ fn failure(text: &'static str) -> String {
         greeting(line, "").or_else(|| Some(text.to_owned()).filter(|text| !text.is_empty()))
     });
     driver.greet(&hello(1)).expect("a greeting");
-    let mut operator = DriverPolicy::new(&driver);
-    assert_eq!(decide_at(&mut operator, 0), Decision::Failed, "{text}");
+    let mut policy = DriverPolicy::new(&driver);
+    assert_eq!(decide_at(&mut policy, 0), Decision::Failed, "{text}");
     // It stays failed.
-    assert_eq!(decide_at(&mut operator, 1), Decision::Failed, "{text}");
-    assert_eq!(operator.failure().map(str::to_owned), driver.failure());
+    assert_eq!(decide_at(&mut policy, 1), Decision::Failed, "{text}");
+    assert_eq!(policy.failure().map(str::to_owned), driver.failure());
     driver.failure().expect("a reason")
 }
 
@@ -127,17 +127,17 @@ fn what_was_measured_between_lines_is_sent_with_the_next() {
         greeting(line, ", \"rate\": 3").or_else(|| Some(format!("{command}\n")))
     });
     assert_eq!(driver.greet(&hello(2)).expect("a greeting").rate, 3);
-    let mut operator = DriverPolicy::new(&driver);
+    let mut policy = DriverPolicy::new(&driver);
     let pose = Pose::new(3.0, 4.0, 5.0);
     for tick in 0..7 {
         for robot in 0..2 {
-            let decision = decide(&mut operator, robot, &seen(tick), pose, &OccupancyMap::new());
+            let decision = decide(&mut policy, robot, &seen(tick), pose, &OccupancyMap::new());
             let command = Drive { speed: 0.1, turn_rate: 0.2 };
             assert_eq!(decision, Decision::Drive(command));
         }
     }
     driver.end(None);
-    drop((driver, operator));
+    drop((driver, policy));
     let reported = reported.join().expect("it ends");
     assert_eq!(reported[0]["protocol"], PROTOCOL);
     assert_eq!(reported[0]["starts"], json!([[1.0, 2.0, 0.5], [1.0, 2.0, 0.5]]));
@@ -167,14 +167,14 @@ fn the_map_comes_when_it_is_wanted() {
         greeting(line, "").or(Some(reply))
     });
     driver.greet(&hello(1)).expect("a greeting");
-    let mut operator = DriverPolicy::new(&driver);
+    let mut policy = DriverPolicy::new(&driver);
     let mut map = OccupancyMap::new();
     map.add(CellIndex { col: 0, row: 1 }, CLAMP);
     for tick in 0..3 {
-        decide(&mut operator, 0, &seen(tick), Pose::default(), &map);
+        decide(&mut policy, 0, &seen(tick), Pose::default(), &map);
     }
     driver.end(None);
-    drop((driver, operator));
+    drop((driver, policy));
     let reported = reported.join().expect("it ends");
     let maps: Vec<&Value> = reported[1..4].iter().map(|line| &line["map"]).collect();
     assert!(maps[0].is_null() && maps[2].is_null());
@@ -197,10 +197,10 @@ fn a_driver_may_estimate_for_itself() {
     assert!(driver.greet(&hello(1)).expect("a greeting").slam);
     let start = Pose::new(1.0, 2.0, 0.0);
     let mut slam = DriverSlam::new(&driver, &[start]);
-    let mut operator = DriverPolicy::new(&driver);
+    let mut policy = DriverPolicy::new(&driver);
     for tick in 0..3 {
         slam.step(0, &seen(tick));
-        let decision = decide_at(&mut operator, tick);
+        let decision = decide_at(&mut policy, tick);
         assert_eq!(decision, Decision::Drive(Drive { speed: 0.1, turn_rate: 0.0 }));
     }
     let track = slam.trajectory(0);
@@ -262,8 +262,8 @@ fn a_bad_hello_is_a_failure_at_once() {
         assert_eq!(driver.greet(&hello(1)), None);
         let found = driver.failure().expect("a reason");
         assert!(found.contains(part), "{found}");
-        let mut operator = DriverPolicy::new(&driver);
-        assert_eq!(decide_at(&mut operator, 0), Decision::Failed);
+        let mut policy = DriverPolicy::new(&driver);
+        assert_eq!(decide_at(&mut policy, 0), Decision::Failed);
     }
 }
 

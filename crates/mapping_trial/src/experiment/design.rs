@@ -36,7 +36,7 @@ settings! {
     /// let design = Design::default();
     /// assert_eq!(design.validate(), Ok(()));
     /// assert_eq!(design.trials().len(), 5 * 20 * 5 * 5);
-    /// // The paper's ten maps, by five operators.
+    /// // The paper's ten maps, by five policies.
     /// assert_eq!(design.trials().iter().filter(|trial| design.is_replay(trial)).count(), 50);
     /// ```
     pub struct Design {
@@ -46,10 +46,11 @@ settings! {
         );
         /// Maps per level.
         maps: u32 = 20 => integer("", 2..=MAX_MAPS as u64);
-        /// Trials of each operator on each map, which differ in sensor noise.
+        /// Trials of each policy on each map, which differ in sensor noise.
         noise_seeds: u32 = 5 => integer("", 1..=MAX_NOISE_SEEDS as u64);
-        /// The operators: policies that stand for the thesis's operators.
-        operators: Vec<PolicyKind> = every_operator() => list(
+        /// The policies, which take the place of the thesis's operators; `operators` in files.
+        #[serde(rename = "operators", alias = "policies")]
+        policies: Vec<PolicyKind> = every_policy() => list(
             "", "one or more policies, each once", "nearest,corridors"
         );
         /// The design of the paper.
@@ -79,12 +80,13 @@ settings! {
 }
 
 settings! {
-    /// The paper's own design: a few maps per level, once by each operator.
+    /// The paper's own design: a few maps per level, once by each policy.
     pub struct Replay {
         /// Maps per level, no more than the design has.
         maps: u32 = 2 => integer("", 1..=MAX_MAPS as u64);
-        /// The operators.
-        operators: Vec<PolicyKind> = every_operator() => list(
+        /// The policies, `operators` in files.
+        #[serde(rename = "operators", alias = "policies")]
+        policies: Vec<PolicyKind> = every_policy() => list(
             "", "one or more policies, each once", "nearest,corridors"
         );
     }
@@ -100,29 +102,25 @@ pub struct Trial {
     pub map: u32,
     /// Number of the noise seed on this map.
     pub noise: u32,
-    /// The operator.
-    pub operator: PolicyKind,
+    /// The policy, `operator` in files.
+    #[serde(rename = "operator")]
+    pub policy: PolicyKind,
 }
 
-fn every_operator() -> Vec<PolicyKind> {
+fn every_policy() -> Vec<PolicyKind> {
     PolicyKind::NAMES.iter().map(|(_, kind)| *kind).collect()
 }
 
-/// The name of an operator.
-pub fn operator_name(kind: PolicyKind) -> &'static str {
+/// The name of a policy.
+pub fn policy_name(kind: PolicyKind) -> &'static str {
     kind.name().unwrap_or("custom")
 }
 
 impl Design {
-    /// The paper's design, and six maps per level once by the operator `nearest`: takes less
+    /// The paper's design, and six maps per level once by the policy `nearest`: takes less
     /// than two minutes.
     pub fn quick() -> Self {
-        Design {
-            maps: 6,
-            noise_seeds: 1,
-            operators: vec![PolicyKind::Nearest],
-            ..Design::default()
-        }
+        Design { maps: 6, noise_seeds: 1, policies: vec![PolicyKind::Nearest], ..Design::default() }
     }
 
     /// Checks every number.
@@ -145,31 +143,30 @@ impl Design {
             let error = Replay::setting("maps").error_with(self.replay.maps, allowed);
             return Err(error.within("replay"));
         }
-        each_once(&self.operators, &Design::setting("operators"))?;
-        each_once(&self.replay.operators, &Replay::setting("operators"))
+        each_once(&self.policies, &Design::setting("policies"))?;
+        each_once(&self.replay.policies, &Replay::setting("policies"))
             .map_err(|error| error.within("replay"))?;
         let main = self.levels.len() as u64 * u64::from(self.maps);
-        let all = main * u64::from(self.noise_seeds) * self.operators.len() as u64;
+        let all = main * u64::from(self.noise_seeds) * self.policies.len() as u64;
         if all > MAX_TRIALS {
             let allowed =
-                format!("at most {MAX_TRIALS} trials with levels, noise seeds and operators");
+                format!("at most {MAX_TRIALS} trials with levels, noise seeds and policies");
             return Err(Design::setting("maps").error_with(self.maps, allowed));
         }
         for &level in &self.levels {
             self.spec(level).validate()?;
         }
-        self.settings(&Trial { level: 0, map: 0, noise: 0, operator: PolicyKind::Nearest })
-            .validate()
+        self.settings(&Trial { level: 0, map: 0, noise: 0, policy: PolicyKind::Nearest }).validate()
     }
 
-    /// Every trial, in the design's order: by level, map, noise and operator.
+    /// Every trial, in the design's order: by level, map, noise and policy.
     pub fn trials(&self) -> Vec<Trial> {
         let mut trials = Vec::new();
         for level in 0..self.levels.len() as u32 {
             for map in 0..self.maps {
                 for noise in 0..self.noise_seeds {
-                    for (_, operator) in PolicyKind::NAMES {
-                        let trial = Trial { level, map, noise, operator: *operator };
+                    for (_, policy) in PolicyKind::NAMES {
+                        let trial = Trial { level, map, noise, policy: *policy };
                         if self.is_main(&trial) || self.is_replay(&trial) {
                             trials.push(trial);
                         }
@@ -182,14 +179,14 @@ impl Design {
 
     /// Whether a trial belongs to the larger design.
     pub fn is_main(&self, trial: &Trial) -> bool {
-        self.operators.contains(&trial.operator)
+        self.policies.contains(&trial.policy)
     }
 
     /// Whether a trial belongs to the paper's design.
     pub fn is_replay(&self, trial: &Trial) -> bool {
         trial.noise == 0
             && trial.map < self.replay.maps
-            && self.replay.operators.contains(&trial.operator)
+            && self.replay.policies.contains(&trial.policy)
     }
 
     /// The spec of the maps of a level.
@@ -221,7 +218,7 @@ impl Design {
     ///
     /// let design = Design::default();
     /// // The fourth level of the design is 7.
-    /// let trial = Trial { level: 3, map: 4, noise: 0, operator: PolicyKind::Nearest };
+    /// let trial = Trial { level: 3, map: 4, noise: 0, policy: PolicyKind::Nearest };
     /// assert_eq!((design.level(&trial), design.world_seed(&trial).0), (7.0, 70004));
     /// ```
     pub fn world_seed(&self, trial: &Trial) -> Seed {
@@ -230,7 +227,7 @@ impl Design {
         Seed(self.seed.0.wrapping_mul(1_000_000).wrapping_add(own))
     }
 
-    /// The seed of a trial's sensor noise: the same for all operators, another for each map.
+    /// The seed of a trial's sensor noise: the same for all policies, another for each map.
     pub fn noise_seed(&self, trial: &Trial) -> Seed {
         let maps = self.world_seed(trial).0.wrapping_mul(u64::from(MAX_NOISE_SEEDS));
         Seed(maps).offset(u64::from(trial.noise))
@@ -240,7 +237,7 @@ impl Design {
     pub fn settings(&self, trial: &Trial) -> TrialSettings {
         TrialSettings {
             seed: self.noise_seed(trial),
-            policy: Some(trial.operator),
+            policy: Some(trial.policy),
             slam: self.slam,
             wheel_calibration: self.wheel_calibration,
             time_limit: self.time_limit,
@@ -318,11 +315,11 @@ impl FromStr for Shard {
     }
 }
 
-/// Checks a list of operators.
-fn each_once(operators: &[PolicyKind], setting: &Setting) -> Result<(), SpecError> {
-    let twice = operators.iter().enumerate().any(|(i, one)| operators[..i].contains(one));
-    if operators.is_empty() || twice {
-        let names: Vec<_> = operators.iter().map(|&kind| operator_name(kind)).collect();
+/// Checks a list of policies.
+fn each_once(policies: &[PolicyKind], setting: &Setting) -> Result<(), SpecError> {
+    let twice = policies.iter().enumerate().any(|(i, one)| policies[..i].contains(one));
+    if policies.is_empty() || twice {
+        let names: Vec<_> = policies.iter().map(|&kind| policy_name(kind)).collect();
         return Err(setting.error(names.join(", ")));
     }
     Ok(())
@@ -355,12 +352,21 @@ mod tests {
         noise.sort_unstable();
         noise.dedup();
         assert_eq!(noise.len(), 5 * 40 * 7);
-        let trial = Trial { level: 3, map: 4, noise: 2, operator: PolicyKind::Nearest };
+        let trial = Trial { level: 3, map: 4, noise: 2, policy: PolicyKind::Nearest };
         assert_eq!(design.world_seed(&trial), Seed(70_004));
         assert_eq!(design.noise_seed(&trial), Seed(70_004_002));
         // Neither seed of an experiment is one of the next.
         let next = Design { seed: Seed(1), ..design };
         assert!(trials.iter().all(|trial| worlds.binary_search(&next.world_seed(trial)).is_err()));
+    }
+
+    #[test]
+    fn files_call_policies_operators() {
+        let design = Design::quick();
+        let text = serde_json::to_string(&design).expect("JSON");
+        assert!(text.contains("\"operators\":[\"nearest\"]"), "{text}");
+        let text = text.replace("operators", "policies");
+        assert_eq!(serde_json::from_str::<Design>(&text).expect("a design"), design);
     }
 
     #[test]
@@ -396,8 +402,8 @@ mod tests {
         );
         assert!(error(&|d| d.noise_seeds = 0).contains("`noise_seeds`"));
         assert!(error(&|d| d.replay.maps = 21).contains("`replay.maps`"));
-        assert!(error(&|d| d.operators.clear()).contains("`operators`"));
-        assert!(error(&|d| d.operators.push(PolicyKind::Nearest)).contains("each once"));
+        assert!(error(&|d| d.policies.clear()).contains("`policies`"));
+        assert!(error(&|d| d.policies.push(PolicyKind::Nearest)).contains("each once"));
         assert!(error(&|d| d.size = 3).contains("`size` must be"));
         assert!(error(&|d| d.size = u32::MAX).contains("`size`"));
         assert!(error(&|d| d.time_limit = f64::NAN).contains("`time_limit`"));

@@ -9,7 +9,7 @@ use envgen::scenario::ScenarioSpec;
 use envgen::{Seed, SpecError};
 use serde::Serialize;
 
-use super::design::{Design, operator_name};
+use super::design::{Design, policy_name};
 use super::stats::{Interval, bootstrap};
 use super::survey::{Condition, Family, Record, Survey};
 use crate::names::Named;
@@ -76,7 +76,7 @@ impl Hazard {
     }
 }
 
-/// The survey of a design's maps and operators without hazards and with each of them.
+/// The survey of a design's maps and policies without hazards and with each of them.
 ///
 /// # Errors
 /// A laser or wheels that have no name.
@@ -92,10 +92,10 @@ pub fn survey(design: &Design, hazards: &[Hazard]) -> Result<Survey, SpecError> 
     for (name, scenario) in std::iter::once(("nothing moves", ScenarioSpec::default()))
         .chain(hazards.iter().map(|hazard| (hazard.name.as_str(), hazard.scenario.clone())))
     {
-        for &operator in &design.operators {
+        for &policy in &design.policies {
             conditions.push(Condition {
-                name: format!("{name}, {}", operator_name(operator)),
-                operator,
+                name: format!("{name}, {}", policy_name(policy)),
+                policy,
                 slam: design.slam,
                 laser: laser.clone(),
                 odometry: odometry.clone(),
@@ -123,7 +123,7 @@ pub fn costs<'a>(
     hazards: &[Hazard],
     records: impl IntoIterator<Item = &'a Record>,
 ) -> Vec<HazardCost> {
-    let operators = survey.conditions.len() / (hazards.len() + 1);
+    let policies = survey.conditions.len() / (hazards.len() + 1);
     let mut scores: BTreeMap<(u32, u32, u32), &Scores> = BTreeMap::new();
     for record in records {
         if let Some(found) = &record.scores {
@@ -134,11 +134,11 @@ pub fn costs<'a>(
         .iter()
         .enumerate()
         .filter_map(|(number, hazard)| {
-            let shift = ((number + 1) * operators) as u32;
+            let shift = ((number + 1) * policies) as u32;
             // The pairs of each world.
             let mut worlds: BTreeMap<u32, Vec<(&Scores, &Scores)>> = BTreeMap::new();
             for (&(map, condition, noise), &without) in &scores {
-                if (condition as usize) < operators
+                if (condition as usize) < policies
                     && let Some(&with) = scores.get(&(map, condition + shift, noise))
                 {
                     worlds.entry(map).or_default().push((without, with));
@@ -207,7 +207,7 @@ mod tests {
         let hazards = [Hazard::parse("doors").expect("a hazard")];
         let survey = survey(&design(), &hazards).expect("a survey");
         assert_eq!(survey.validate(), Ok(()));
-        assert_eq!(survey.conditions.len(), 2 * design().operators.len());
+        assert_eq!(survey.conditions.len(), 2 * design().policies.len());
         assert!(survey.conditions[0].scenario.is_still());
         let text = serde_json::to_string(&survey.conditions[0]).expect("JSON");
         assert!(!text.contains("scenario"), "{text}");

@@ -1,4 +1,4 @@
-//! Experiments: repeated trials on maps of several difficulties, by several operators, and the
+//! Experiments: repeated trials on maps of several difficulties, by several policies, and the
 //! statistics of the rules that generated the maps.
 //!
 //! The design replays the experiment of O. Zwennes, *Adaptive Indoor Map Generator for USARSim*
@@ -35,7 +35,7 @@ pub mod table;
 pub(crate) mod write;
 
 pub use design::{
-    Design, MAX_MAPS, MAX_NOISE_SEEDS, MAX_SIZE, MAX_TRIALS, Replay, Shard, Trial, operator_name,
+    Design, MAX_MAPS, MAX_NOISE_SEEDS, MAX_SIZE, MAX_TRIALS, Replay, Shard, Trial, policy_name,
 };
 pub use error::ExperimentError;
 pub use record::{MapFeatures, Record};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::design::{Design, Shard, Trial, operator_name};
+use super::design::{Design, Shard, Trial, policy_name};
 use super::error::ExperimentError;
 use super::head;
 use super::lines::{Lines, TRIALS, line};
@@ -241,7 +241,7 @@ fn name(design: &Design, trial: &Trial) -> String {
         trial.map,
         design.level(trial),
         trial.noise,
-        operator_name(trial.operator)
+        policy_name(trial.policy)
     )
 }
 
@@ -265,8 +265,8 @@ fn share(head: &Head) -> Vec<(usize, Trial)> {
 /// Reads whole lines, each a trial of this share that was not there before.
 fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<usize, Record>, ExperimentError> {
     let places = share(head);
-    // Trials are sorted by level, map, noise and the operator's index among all.
-    let key = |trial: &Trial| (trial.level, trial.map, trial.noise, operator_name(trial.operator));
+    // Trials are sorted by level, map, noise and the policy's index among all.
+    let key = |trial: &Trial| (trial.level, trial.map, trial.noise, policy_name(trial.policy));
     let places: BTreeMap<_, usize> =
         places.into_iter().map(|(place, trial)| (key(&trial), place)).collect();
     let mut records = BTreeMap::new();

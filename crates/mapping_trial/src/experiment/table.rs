@@ -14,7 +14,7 @@ use serde_json::Value;
 use super::design::Design;
 use super::error::ExperimentError;
 use super::record::Record;
-use super::stats::driver;
+use super::stats::policy_of;
 
 /// A column: its name and one value per trial.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +53,7 @@ pub fn columns(design: &Design, records: &[&Record]) -> Vec<Column> {
         Column { name: "level".to_owned(), values: Values::Real(levels.collect()) },
         whole("map", &|r| u64::from(r.trial.map)),
         whole("noise", &|r| u64::from(r.trial.noise)),
-        text("operator", &|r| driver(r).to_owned()),
+        text("operator", &|r| policy_of(r).to_owned()),
         text("end", &|r| r.end.map_or("", |end| end.text()).to_owned()),
     ];
     columns.extend(numbers(records.iter().map(|record| &record.scores)));

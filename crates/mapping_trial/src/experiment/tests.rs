@@ -18,8 +18,8 @@ pub(super) fn small() -> Design {
     Design {
         maps: 2,
         noise_seeds: 2,
-        operators: nearest.clone(),
-        replay: Replay { maps: 1, operators: vec![PolicyKind::Nearest, PolicyKind::Corridors] },
+        policies: nearest.clone(),
+        replay: Replay { maps: 1, policies: vec![PolicyKind::Nearest, PolicyKind::Corridors] },
         size: 7,
         time_limit: 4.0,
         ..Design::default()
@@ -34,7 +34,7 @@ fn tiny() -> Design {
 /// A record that no trial made.
 pub(super) fn record(level: u32, map: u32, noise: u32, difficulty: f64) -> Record {
     Record {
-        trial: Trial { level, map, noise, operator: PolicyKind::Nearest },
+        trial: Trial { level, map, noise, policy: PolicyKind::Nearest },
         world_seed: Seed(0),
         noise_seed: Seed(0),
         world_digest: String::new(),
@@ -331,16 +331,16 @@ fn a_device_in_a_files_place_is_not_read() {
 }
 
 #[test]
-fn variance_belongs_to_maps_operators_and_noise() {
+fn variance_belongs_to_maps_policies_and_noise() {
     let both = vec![PolicyKind::Nearest, PolicyKind::Corridors];
-    let design = Design { operators: both, ..small() };
+    let design = Design { policies: both, ..small() };
     let records: Vec<Record> = design
         .trials()
         .into_iter()
         .map(|trial| {
-            let operator = f64::from(u8::from(trial.operator == PolicyKind::Corridors));
+            let policy = f64::from(u8::from(trial.policy == PolicyKind::Corridors));
             let noise = 0.1 * f64::from(trial.noise);
-            let difficulty = f64::from(trial.level) + 2.0 * operator + noise;
+            let difficulty = f64::from(trial.level) + 2.0 * policy + noise;
             Record { trial, ..record(0, 0, 0, difficulty) }
         })
         .collect();
@@ -348,27 +348,27 @@ fn variance_belongs_to_maps_operators_and_noise() {
     let [d, ..] = &found.main.components[..] else { panic!("no components") };
     assert_eq!(d.symbol, "D");
     let share = |effect: &str| d.components.share(effect).expect("a share").value;
-    // Five levels of two equal maps: 20 / 9; two operators 2 apart: 2; two seeds 0.1 apart: 0.005.
-    let (map, operator, noise) = (20.0 / 9.0 - 0.005 / 4.0, 2.0 - 0.005 / 20.0, 0.005);
-    let all = map + operator + noise;
+    // Five levels of two equal maps: 20 / 9; two policies 2 apart: 2; two seeds 0.1 apart: 0.005.
+    let (map, policy, noise) = (20.0 / 9.0 - 0.005 / 4.0, 2.0 - 0.005 / 20.0, 0.005);
+    let all = map + policy + noise;
     assert!((share("map") - map / all).abs() < 1e-3, "{d:?}");
-    assert!((share("operator") - operator / all).abs() < 1e-3, "{d:?}");
+    assert!((share("policy") - policy / all).abs() < 1e-3, "{d:?}");
     assert!((share("noise") - noise / all).abs() < 1e-3, "{d:?}");
-    assert_eq!(share("map x operator"), 0.0, "{d:?}");
+    assert_eq!(share("map x policy"), 0.0, "{d:?}");
     // One seed: nothing is repeated.
     assert!(found.replay.components.is_empty());
 }
 
 #[test]
-fn operators_averaged_and_alone_differ() {
+fn policies_averaged_and_alone_differ() {
     let design = small();
     let records = made_records(&design, |level, map| level as f64 + 0.1 * f64::from(map));
     let records: Vec<&Record> = records.iter().collect();
     let found = analyse(&design, &records);
     assert_eq!((found.main.trials, found.main.values.len()), (5 * 2 * 2, 10));
     assert_eq!((found.replay.trials, found.replay.values.len()), (5 * 2, 5));
-    assert_eq!(found.main.operators.len(), 1);
-    assert_eq!(found.replay.operators.len(), 2);
+    assert_eq!(found.main.policies.len(), 1);
+    assert_eq!(found.replay.policies.len(), 2);
     let order = &found.main.orders[0];
     assert_eq!((order.neighbours_in_order, order.neighbours()), (4, 4));
     let rho = order.rho.expect("a correlation");

@@ -33,7 +33,7 @@ const BACK: f64 = 0.5;
 #[derive(Clone, Copy, Debug)]
 pub struct Measured<'a> {
     /// Name of the policy or driver.
-    pub operator: &'a str,
+    pub policy: &'a str,
     /// The world, for its rooms and doorways.
     pub world: &'a World,
     /// The scores of the run.
@@ -70,7 +70,7 @@ impl Measured<'_> {
         let (difficult_rooms, easy_rooms) = self.rooms(&looks);
         let s = self.scores;
         Ok(Feedback {
-            name: self.operator.to_owned(),
+            name: self.policy.to_owned(),
             experience: Experience::None,
             session: session.clone(),
             difficulty: Rating::try_from(s.difficulty)?,

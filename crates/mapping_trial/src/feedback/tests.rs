@@ -131,8 +131,7 @@ fn a_program_states_what_it_measured() {
         ..Scores::default()
     };
     let tracks = [TrajectoryPair { truth: &truth, estimated: &estimated }];
-    let measured =
-        Measured { operator: "nearest", world: &world, scores: &scores, tracks: &tracks };
+    let measured = Measured { policy: "nearest", world: &world, scores: &scores, tracks: &tracks };
     let form = measured.fill(&session()).unwrap();
     assert_eq!(form.name, "nearest");
     let ratings = [form.difficulty, form.mapping, form.getting_around].map(Rating::value);
@@ -154,7 +153,7 @@ fn a_program_states_what_it_measured() {
 fn a_program_claims_nothing_of_what_is_not_there() {
     let world = room(20.0, 10.0);
     let scores = Scores::default();
-    let measured = Measured { operator: "nearest", world: &world, scores: &scores, tracks: &[] };
+    let measured = Measured { policy: "nearest", world: &world, scores: &scores, tracks: &[] };
     let form = measured.fill(&session()).unwrap();
     assert_eq!(form.difficult_rooms, "The world has no rooms.");
     let world = two_rooms();

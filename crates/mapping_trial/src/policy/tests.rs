@@ -314,7 +314,7 @@ fn ask(map: &OccupancyMap, estimate: Estimate, scan: &Scan, robots: usize) -> Ve
     KINDS
         .iter()
         .map(|&kind| {
-            let mut operator = build(kind, robots, &body, &laser);
+            let mut policy = build(kind, robots, &body, &laser);
             let mut last = Decision::Finished;
             for step in 0..400 {
                 let seen = Observation {
@@ -324,7 +324,7 @@ fn ask(map: &OccupancyMap, estimate: Estimate, scan: &Scan, robots: usize) -> Ve
                     ..Default::default()
                 };
                 for robot in 0..robots {
-                    last = operator.decide(&PolicyInput {
+                    last = policy.decide(&PolicyInput {
                         robot,
                         estimates: &estimates,
                         map,
@@ -341,8 +341,8 @@ fn ask(map: &OccupancyMap, estimate: Estimate, scan: &Scan, robots: usize) -> Ve
                     }
                 }
             }
-            assert_eq!(operator.recoveries(9), 0);
-            assert!(operator.path(9).is_empty());
+            assert_eq!(policy.recoveries(9), 0);
+            assert!(policy.path(9).is_empty());
             last
         })
         .collect()

@@ -111,9 +111,9 @@ impl<B: RobotBackend> Trial<B> {
         };
         let built_in = self.settings().policy.as_ref().and_then(Named::name);
         let plugged_in = part(PartRole::Policy).map(|part| part.name.as_str());
-        if let Some(operator) = plugged_in.or(built_in) {
+        if let Some(policy) = plugged_in.or(built_in) {
             let tracks = self.score_tracks(&estimated);
-            let measured = Measured { operator, world, scores: &scores, tracks: &tracks };
+            let measured = Measured { policy, world, scores: &scores, tracks: &tracks };
             // Scores are ratings from 0 to 10.
             report.feedback = measured.fill(&report.session()).ok();
         }

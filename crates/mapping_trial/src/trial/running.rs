@@ -252,7 +252,7 @@ impl<B: RobotBackend> Trial<B> {
     pub fn recoveries(&self, robot: usize) -> u32 {
         match (&self.script, self.autonomy.policy()) {
             (Some(script), _) => script.recoveries(robot),
-            (None, Some(operator)) => operator.recoveries(robot),
+            (None, Some(policy)) => policy.recoveries(robot),
             (None, None) => 0,
         }
     }

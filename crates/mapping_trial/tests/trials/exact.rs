@@ -74,7 +74,7 @@ impl Run {
     }
 
     /// Drives until the policy has finished, is stuck, or time is up.
-    pub(crate) fn drive(&mut self, operator: &mut dyn ExplorationPolicy, seconds: f64) -> Outcome {
+    pub(crate) fn drive(&mut self, policy: &mut dyn ExplorationPolicy, seconds: f64) -> Outcome {
         let robots = self.starts.len();
         let mut commands = vec![Command::STOP; robots];
         let mut ends: Vec<Option<End>> = vec![None; robots];
@@ -103,7 +103,7 @@ impl Run {
                     if matches!(ends[robot], Some(End::Stuck | End::Drowned)) {
                         continue;
                     }
-                    let decision = operator.decide(&PolicyInput {
+                    let decision = policy.decide(&PolicyInput {
                         robot,
                         estimates: &estimates,
                         map: &self.map,
@@ -143,7 +143,7 @@ impl Run {
             time: self.time,
             coverage: f64::NAN,
             hits: (0..robots).map(|robot| self.bodies.hits(robot)).sum(),
-            recoveries: (0..robots).map(|robot| operator.recoveries(robot)).sum(),
+            recoveries: (0..robots).map(|robot| policy.recoveries(robot)).sum(),
             metres,
             radians,
         }

@@ -30,10 +30,10 @@ fn world() -> World {
 
 fn settings() -> Vec<TrialSettings> {
     let short = TrialSettings { time_limit: 150.0, seed: Seed(5), ..TrialSettings::default() };
-    let operators = PolicyKind::NAMES
+    let policies = PolicyKind::NAMES
         .iter()
         .map(|(_, kind)| TrialSettings { policy: Some(*kind), ..short.clone() });
-    operators
+    policies
         .chain([
             TrialSettings { robots: 2, ..short.clone() },
             TrialSettings { slam: SlamKind::PoseGraph, ..short.clone() },

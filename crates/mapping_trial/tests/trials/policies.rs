@@ -1,4 +1,4 @@
-//! Operators in generated buildings, on maps that are drawn from true poses.
+//! Policies in generated buildings, on maps that are drawn from true poses.
 
 use crate::empty_room;
 use crate::exact::{End, Outcome, Run, coverage, reachable};
@@ -30,8 +30,8 @@ fn building(side: u32, seed: u64) -> World {
 
 fn run(world: &World, kind: PolicyKind, starts: &[Pose], seconds: f64) -> (Outcome, Run) {
     let mut run = Run::new(world, starts, LaserProfile::LMS200_MM, Seed(1));
-    let mut operator = build(kind, starts.len(), &run.robot, &run.laser);
-    let mut outcome = run.drive(&mut *operator, seconds);
+    let mut policy = build(kind, starts.len(), &run.robot, &run.laser);
+    let mut outcome = run.drive(&mut *policy, seconds);
     let places = reachable(world, starts[0].position, &run.robot);
     outcome.coverage = coverage(&run.map, &places);
     (outcome, run)

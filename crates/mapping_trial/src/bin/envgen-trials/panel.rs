@@ -83,7 +83,7 @@ impl PanelOptions {
             condition.slam = self.slam.unwrap_or(condition.slam);
             condition.wheel_calibration =
                 self.wheel_calibration.unwrap_or(condition.wheel_calibration);
-            condition.operator = self.policy.unwrap_or(condition.operator);
+            condition.policy = self.policy.unwrap_or(condition.policy);
         }
         if panel.conditions != before {
             panel.name = format!("{}, changed", panel.name);

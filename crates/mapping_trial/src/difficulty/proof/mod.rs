@@ -1,4 +1,4 @@
-//! The proof: are maps as difficult as requested, also for operators, lasers, estimators and robots that the
+//! The proof: are maps as difficult as requested, also for policies, lasers, estimators and robots that the
 //! calibration has not seen?
 //!
 //! The design is frozen: its maps, conditions and analysis follow from the files of this folder and a seed, and

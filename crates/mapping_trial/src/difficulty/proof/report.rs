@@ -41,7 +41,7 @@ pub fn page(
         p.lead {
             "Maps of a fixed size are requested with difficulties spread evenly over what their size reaches, \
              generated, and measured by trials with fresh noise: under the reference panel, and under \
-             operators, lasers, estimators and robots that the calibration has not seen."
+             policies, lasers, estimators and robots that the calibration has not seen."
         }
         h2 { "Requested and measured difficulty" }
         @for figure in &figures {

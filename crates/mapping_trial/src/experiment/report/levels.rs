@@ -45,7 +45,7 @@ pub(super) fn section(design: &Design, analysis: &Analysis) -> Result<Markup, Ex
             (key(&html! { span { i.dash {} "always in order" } }))
             p.note {
                 "Figure 7 (b) of the paper, with new data: all triples of maps of different levels, \
-                 ranked within each operator; by chance all ranks are 2. The paper states that on \
+                 ranked within each policy; by chance all ranks are 2. The paper states that on \
                  average the easiest map was rated lowest, the second higher and the hardest highest, \
                  the last two close together; it prints no numbers."
             }

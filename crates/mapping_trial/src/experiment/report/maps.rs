@@ -24,16 +24,16 @@ pub(super) struct MapPictures {
     pub(super) errors: Vec<u8>,
 }
 
-/// Runs the first operator's trials on the paper's maps again and draws them.
+/// Runs the first policy's trials on the paper's maps again and draws them.
 pub(super) fn draw(
     experiment: &Experiment,
     records: &[&Record],
     threads: usize,
 ) -> Result<Vec<MapPictures>, ExperimentError> {
     let design = experiment.design();
-    let Some(&operator) = design.replay.operators.first() else { return Ok(Vec::new()) };
+    let Some(&policy) = design.replay.policies.first() else { return Ok(Vec::new()) };
     let is_shown =
-        |trial: &Trial| design.is_replay(trial) && trial.operator == operator && trial.map < SHOWN;
+        |trial: &Trial| design.is_replay(trial) && trial.policy == policy && trial.map < SHOWN;
     let shown: Vec<&Record> =
         records.iter().filter(|record| is_shown(&record.trial)).copied().collect();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();

@@ -5,7 +5,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::maps::MapPictures;
 use super::numbers::list;
 use super::{colors, levels, rules, statistics, trials, words};
-use crate::experiment::design::{Design, operator_name};
+use crate::experiment::design::{Design, policy_name};
 use crate::experiment::error::ExperimentError;
 use crate::experiment::record::Record;
 use crate::experiment::stats::Analysis;
@@ -69,8 +69,8 @@ pub(crate) fn html_page(title: &str, content: &Markup) -> String {
     page.into_string() + "\n"
 }
 
-fn names(operators: &[PolicyKind]) -> String {
-    list(&operators.iter().map(|&kind| operator_name(kind).to_owned()).collect::<Vec<_>>())
+fn names(policies: &[PolicyKind]) -> String {
+    list(&policies.iter().map(|&kind| policy_name(kind).to_owned()).collect::<Vec<_>>())
 }
 
 fn lead(design: &Design, records: &[&Record]) -> Markup {
@@ -85,10 +85,10 @@ fn lead(design: &Design, records: &[&Record]) -> Markup {
         }
         p.note {
             "The paper's design: " (design.replay.maps) " maps per level, each once by "
-            (names(&design.replay.operators)) ". The larger design: " (design.maps)
+            (names(&design.replay.policies)) ". The larger design: " (design.maps)
             " maps per level, " (design.noise_seeds) " noise seed"
             @if design.noise_seeds != 1 { "s" }
-            " each, by " (names(&design.operators)) ". Maps of " (design.size) " x " (design.size)
+            " each, by " (names(&design.policies)) ". Maps of " (design.size) " x " (design.size)
             " cells (" (metres) " m square), estimated by " (design.slam.name().unwrap_or("custom"))
             ", laser " (design.laser.name().unwrap_or("custom"))
             ", odometry " (design.odometry.name().unwrap_or("custom"))

@@ -21,15 +21,15 @@ pub(super) fn section(design: &Design, analysis: &Analysis) -> Markup {
             (orders(part))
             (components(part))
             (means(design, part))
-            (operators(part))
+            (policies(part))
         }
         p.note {
             "The unit is the map: trials on one map are averaged first. Intervals of ρ are percentile \
              bootstraps over maps within levels (" (RESAMPLES) " samples), which are too narrow for few \
              maps per level; p is by permutation, one-sided. Shares of variance are the components of a \
-             nested analysis of variance, operators averaged; with one noise seed the map's share holds \
+             nested analysis of variance, policies averaged; with one noise seed the map's share holds \
              the noise. D1, M1, N1 and the parts that end in 1 are score 1. Where the variance of single \
-             trials comes from is estimated with crossed factors (maps of all levels by operators), if \
+             trials comes from is estimated with crossed factors (maps of all levels by policies), if \
              trials are repeated; signal to noise is the variance of maps over that of noise and of all \
              interactions with the map."
         }
@@ -66,7 +66,7 @@ fn orders(part: &Part) -> Markup {
     table("Whether measures follow the level", &head, &rows.collect::<Vec<_>>())
 }
 
-/// Which part of the variance belongs to maps, operators, both together, and noise.
+/// Which part of the variance belongs to maps, policies, both together, and noise.
 fn components(part: &Part) -> Markup {
     let Some(first) = part.components.first() else { return html! {} };
     let mut head = vec![cell("variance of single trials")];
@@ -101,9 +101,9 @@ fn means(design: &Design, part: &Part) -> Markup {
     table("", &head, &rows.collect::<Vec<_>>())
 }
 
-fn operators(part: &Part) -> Markup {
+fn policies(part: &Part) -> Markup {
     let head = [
-        cell("operator"),
+        cell("policy"),
         with_interval("ρ of D"),
         cell("ρ of M"),
         cell("ρ of N"),
@@ -111,14 +111,14 @@ fn operators(part: &Part) -> Markup {
         cell("mean M"),
         cell("mean N"),
     ];
-    let rows = part.operators.iter().map(|operator| {
-        let mut row = vec![html! { code { (operator.operator) } }];
-        row.extend(operator.orders.iter().map(|order| interval(order.rho, 2)));
-        row.extend(operator.orders.iter().map(|order| {
+    let rows = part.policies.iter().map(|policy| {
+        let mut row = vec![html! { code { (policy.policy) } }];
+        row.extend(policy.orders.iter().map(|order| interval(order.rho, 2)));
+        row.extend(policy.orders.iter().map(|order| {
             let sum: f64 = order.means.iter().map(|mean| mean.mean.value).sum();
             cell(number(sum / order.means.len() as f64, 2))
         }));
         row
     });
-    table("By operator", &head, &rows.collect::<Vec<_>>())
+    table("By policy", &head, &rows.collect::<Vec<_>>())
 }

@@ -7,7 +7,7 @@ use super::numbers::{number, percent};
 use super::pieces::{cell, head, image, table};
 use crate::experiment::design::Design;
 use crate::experiment::record::Record;
-use crate::experiment::stats::{Analysis, driver};
+use crate::experiment::stats::{Analysis, policy_of};
 use crate::trial::EndReason;
 
 /// Greatest number of trials in the page's table; the files have all.
@@ -53,7 +53,7 @@ pub(super) fn maps(design: &Design, maps: &[MapPictures]) -> Markup {
     html! {
         h2 { "Maps of each level" }
         p {
-            "The world; the map that " code { (driver(&first.record)) }
+            "The world; the map that " code { (policy_of(&first.record)) }
             " made of it, with the robot's estimated trajectory; and that map over the mappable area: \
              walls in their place black, walls that do not exist vermilion, missed walls blue, ground \
              not seen light blue, the true trajectory green."
@@ -93,7 +93,7 @@ pub(super) fn list(design: &Design, records: &[&Record]) -> Markup {
         "level",
         "map",
         "noise",
-        "operator",
+        "policy",
         "end",
         "D",
         "M",
@@ -127,7 +127,7 @@ fn row(design: &Design, record: &Record) -> Vec<Markup> {
         cell(design.level(trial)),
         cell(trial.map),
         cell(trial.noise),
-        html! { code { (driver(record)) } },
+        html! { code { (policy_of(record)) } },
         cell(record.end.map_or("–", EndReason::text)),
         cell(number(s.difficulty, 2)),
         cell(number(s.mapping, 2)),

@@ -1,8 +1,8 @@
 //! Variance components of crossed factors: how much of a measure belongs to the maps, how much to
-//! the operator, the laser or the estimator, how much to their interactions, and how much to noise.
+//! the policy, the laser or the estimator, how much to their interactions, and how much to noise.
 
 use envgen::{Seed, Stream};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use statrs::statistics::{Data, OrderStatistics};
 
 use super::resample::{Interval, RESAMPLES};
@@ -24,13 +24,19 @@ pub struct Factorial {
 /// One component of the variance.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Component {
-    /// The factors whose interaction it is, such as `map` or `map x operator`; `noise` for
-    /// what differs between trials of one combination.
+    /// The factors whose interaction it is, such as `map` or `map x policy`; `noise` for
+    /// what differs between trials of one combination. Files call the policy `operator`.
+    #[serde(serialize_with = "effect_in_files")]
     pub effect: String,
     /// Its variance, at least 0.
     pub variance: f64,
     /// Its share of the sum of all variances, with an interval of 95 % over maps.
     pub share: Interval,
+}
+
+/// The former name, which readers of earlier summaries know.
+fn effect_in_files<S: Serializer>(effect: &str, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&effect.replace("policy", "operator"))
 }
 
 /// Where the variance of a measure comes from.
@@ -251,9 +257,9 @@ mod tests {
         }
         let mut values = Vec::new();
         for map in 0..sizes[0] {
-            for operator in 0..sizes[1] {
+            for policy in 0..sizes[1] {
                 for laser in 0..sizes[2] {
-                    let place = [map, operator, laser];
+                    let place = [map, policy, laser];
                     let mut value = 0.0;
                     for set in 1..8_usize {
                         let at = (0..3)
@@ -268,7 +274,7 @@ mod tests {
             }
         }
         Factorial {
-            factors: vec!["map", "operator", "laser"],
+            factors: vec!["map", "policy", "laser"],
             sizes: sizes.to_vec(),
             repeats,
             values,
@@ -285,12 +291,12 @@ mod tests {
         let total: f64 = deviations.iter().map(|d| d * d).sum();
         let order = [
             ("map", 2.0),
-            ("operator", 1.0),
-            ("map x operator", 0.8),
+            ("policy", 1.0),
+            ("map x policy", 0.8),
             ("laser", 0.5),
             ("map x laser", 0.7),
-            ("operator x laser", 0.3),
-            ("map x operator x laser", 0.4),
+            ("policy x laser", 0.3),
+            ("map x policy x laser", 0.4),
             ("noise", 0.6),
         ];
         for (i, (effect, deviation)) in order.into_iter().enumerate() {
@@ -314,20 +320,20 @@ mod tests {
     #[test]
     fn two_factors_agree_with_their_own_formulas() {
         let mut stream = Seed(8).stream("test", 0);
-        let (maps, operators, seeds) = (7, 4, 3);
-        let values: Vec<f64> = (0..maps * operators * seeds).map(|_| stream.unit()).collect();
-        let at = |m: usize, o: usize, s: usize| values[(m * operators + o) * seeds + s];
+        let (maps, policies, seeds) = (7, 4, 3);
+        let values: Vec<f64> = (0..maps * policies * seeds).map(|_| stream.unit()).collect();
+        let at = |m: usize, o: usize, s: usize| values[(m * policies + o) * seeds + s];
         let mean = |cells: &[f64]| cells.iter().sum::<f64>() / cells.len() as f64;
         let cell = |m, o| mean(&(0..seeds).map(|s| at(m, o, s)).collect::<Vec<_>>());
-        let of_map = |m| mean(&(0..operators).map(|o| cell(m, o)).collect::<Vec<_>>());
-        let of_operator = |o| mean(&(0..maps).map(|m| cell(m, o)).collect::<Vec<_>>());
+        let of_map = |m| mean(&(0..policies).map(|o| cell(m, o)).collect::<Vec<_>>());
+        let of_policy = |o| mean(&(0..maps).map(|m| cell(m, o)).collect::<Vec<_>>());
         let all = mean(&values);
-        let (m, o, s) = (maps as f64, operators as f64, seeds as f64);
+        let (m, o, s) = (maps as f64, policies as f64, seeds as f64);
         let mut squares = [0.0; 4];
         for i in 0..maps {
             squares[0] += o * s * (of_map(i) - all) * (of_map(i) - all) / (m - 1.0);
-            for j in 0..operators {
-                let off = cell(i, j) - of_map(i) - of_operator(j) + all;
+            for j in 0..policies {
+                let off = cell(i, j) - of_map(i) - of_policy(j) + all;
                 squares[2] += s * off * off / ((m - 1.0) * (o - 1.0));
                 for k in 0..seeds {
                     let off = at(i, j, k) - cell(i, j);
@@ -335,8 +341,8 @@ mod tests {
                 }
             }
         }
-        for j in 0..operators {
-            squares[1] += m * s * (of_operator(j) - all) * (of_operator(j) - all) / (o - 1.0);
+        for j in 0..policies {
+            squares[1] += m * s * (of_policy(j) - all) * (of_policy(j) - all) / (o - 1.0);
         }
         let expected = [
             ((squares[0] - squares[2]) / (o * s)).max(0.0),
@@ -345,8 +351,8 @@ mod tests {
             squares[3],
         ];
         let design = Factorial {
-            factors: vec!["map", "operator"],
-            sizes: vec![maps, operators],
+            factors: vec!["map", "policy"],
+            sizes: vec![maps, policies],
             repeats: seeds,
             values,
         };
@@ -360,7 +366,7 @@ mod tests {
     #[test]
     fn what_cannot_be_estimated_is_absent() {
         let design = |sizes: Vec<usize>, repeats, values: Vec<f64>| Factorial {
-            factors: vec!["map", "operator"][..sizes.len()].to_vec(),
+            factors: vec!["map", "policy"][..sizes.len()].to_vec(),
             sizes,
             repeats,
             values,

@@ -1,6 +1,6 @@
 //! The statistics of an experiment.
 //!
-//! The unit of every statistic is the map: trials on one map that differ in noise or operator are
+//! The unit of every statistic is the map: trials on one map that differ in noise or policy are
 //! averaged first, since they are not independent. Intervals are of 95 %: Student's t for means of a level,
 //! the percentile bootstrap over maps, drawn within their levels, for everything else (Efron and
 //! Tibshirani, An Introduction to the Bootstrap, 1993, chapters 13 and 14).
@@ -31,7 +31,7 @@ pub use rules::{FEATURES, Feature, FeatureEffect, Slope, effects};
 pub use triples::{Relative, relative};
 pub use variance::{Shares, shares};
 
-use super::design::{Design, Trial, operator_name};
+use super::design::{Design, Trial, policy_name};
 use super::record::Record;
 use crate::score::{Parts, Sensitivity, Weights, sensitivity};
 use crate::trial::EndReason;
@@ -82,13 +82,14 @@ pub struct Part {
     pub trials: usize,
     /// The rank correlation that chance alone exceeds in 5 % of cases.
     pub critical_rho: f64,
-    /// For each measure, over all operators.
+    /// For each measure, over all policies.
     pub orders: Vec<Order>,
     /// For each measure of which trials are repeated: which part of the variance of single trials
-    /// belongs to the maps of all levels, to the operators, to both together, and to noise.
+    /// belongs to the maps of all levels, to the policies, to both together, and to noise.
     pub components: Vec<MeasureComponents>,
-    /// For D, M and N, by operator.
-    pub operators: Vec<OperatorOrders>,
+    /// For D, M and N, by policy; `operators` in files.
+    #[serde(rename = "operators")]
+    pub policies: Vec<PolicyOrders>,
     /// The order of three maps of different levels, for D, M and N.
     pub relative: Vec<Relative>,
     /// The mean of each map.
@@ -96,11 +97,12 @@ pub struct Part {
     pub values: Vec<MapValues>,
 }
 
-/// The orders of one operator.
+/// The orders of one policy.
 #[derive(Clone, Debug, Serialize)]
-pub struct OperatorOrders {
-    /// Its name.
-    pub operator: &'static str,
+pub struct PolicyOrders {
+    /// Its name, `operator` in files.
+    #[serde(rename = "operator")]
+    pub policy: &'static str,
     /// For D, M and N.
     pub orders: Vec<Order>,
 }
@@ -152,13 +154,13 @@ fn part(design: &Design, records: &[&Record]) -> Part {
     let count = |of: &dyn Fn(&Trial) -> u32| {
         records.iter().map(|record| of(&record.trial) as usize + 1).max().unwrap_or(0)
     };
-    let operators = MEASURED_OPERATORS.iter().filter_map(|&(operator, kind)| {
+    let policies = MEASURED_POLICIES.iter().filter_map(|&(policy, kind)| {
         let own: Vec<&Record> =
-            records.iter().filter(|r| r.trial.operator == kind).copied().collect();
+            records.iter().filter(|r| r.trial.policy == kind).copied().collect();
         let values = map_values(&own);
         let main = MEASURES.iter().take(3);
         let orders = main.map(|measure| order(design, measure, &own, &values, &null)).collect();
-        (!own.is_empty()).then_some(OperatorOrders { operator, orders })
+        (!own.is_empty()).then_some(PolicyOrders { policy, orders })
     });
     Part {
         maps: count(&|trial| trial.map),
@@ -170,24 +172,24 @@ fn part(design: &Design, records: &[&Record]) -> Part {
             .map(|measure| order(design, measure, records, &values, &null))
             .collect(),
         components: variance_components(records),
-        operators: operators.collect(),
+        policies: policies.collect(),
         relative: MEASURES.iter().take(3).map(|measure| relative(measure, records)).collect(),
         values,
     }
 }
 
-/// The components of maps and operators, if each operator drove as often on each map.
+/// The components of maps and policies, if each policy drove as often on each map.
 fn variance_components(records: &[&Record]) -> Vec<MeasureComponents> {
     let maps: Vec<&[&Record]> = records
         .chunk_by(|a, b| (a.trial.level, a.trial.map) == (b.trial.level, b.trial.map))
         .collect();
-    let operators: BTreeSet<&str> = records.iter().map(|record| driver(record)).collect();
-    let repeats = records.len() / (maps.len() * operators.len()).max(1);
+    let policies: BTreeSet<&str> = records.iter().map(|record| policy_of(record)).collect();
+    let repeats = records.len() / (maps.len() * policies.len()).max(1);
     let of = |measure: &Measure| {
         let mut values = Vec::with_capacity(records.len());
         for map in &maps {
-            for operator in &operators {
-                let own = map.iter().filter(|record| driver(record) == *operator);
+            for policy in &policies {
+                let own = map.iter().filter(|record| policy_of(record) == *policy);
                 let before = values.len();
                 values.extend(own.map(|record| (measure.of)(&record.scores)));
                 if values.len() - before != repeats {
@@ -196,9 +198,9 @@ fn variance_components(records: &[&Record]) -> Vec<MeasureComponents> {
             }
         }
         let (mut factors, mut sizes) = (vec!["map"], vec![maps.len()]);
-        if operators.len() > 1 {
-            factors.push("operator");
-            sizes.push(operators.len());
+        if policies.len() > 1 {
+            factors.push("policy");
+            sizes.push(policies.len());
         }
         let components = components(&Factorial { factors, sizes, repeats, values })?;
         Some(MeasureComponents { symbol: measure.symbol, components })
@@ -206,8 +208,8 @@ fn variance_components(records: &[&Record]) -> Vec<MeasureComponents> {
     MEASURES.iter().filter_map(of).collect()
 }
 
-/// The operators by name.
-const MEASURED_OPERATORS: &[(&str, crate::policy::PolicyKind)] =
+/// The policies by name.
+const MEASURED_POLICIES: &[(&str, crate::policy::PolicyKind)] =
     <crate::policy::PolicyKind as crate::names::Named>::NAMES;
 
 fn weightings(design: &Design, values: &[MapValues]) -> Vec<Weighting> {
@@ -223,7 +225,7 @@ fn weightings(design: &Design, values: &[MapValues]) -> Vec<Weighting> {
     found.into_iter().map(|s| Weighting { rho: rho(&s), sensitivity: s }).collect()
 }
 
-/// The name of an operator in tables.
-pub(super) fn driver(record: &Record) -> &'static str {
-    operator_name(record.trial.operator)
+/// The name of a policy in tables.
+pub(super) fn policy_of(record: &Record) -> &'static str {
+    policy_name(record.trial.policy)
 }

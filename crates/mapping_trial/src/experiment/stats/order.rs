@@ -29,7 +29,7 @@ pub struct Order {
     pub means: Vec<Mean>,
     /// Neighbouring levels of which the higher has the higher mean.
     pub neighbours_in_order: usize,
-    /// Where the variance of single trials comes from, operators averaged.
+    /// Where the variance of single trials comes from, policies averaged.
     pub shares: Option<Shares>,
 }
 

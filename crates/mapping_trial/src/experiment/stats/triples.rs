@@ -1,4 +1,4 @@
-//! The order of three maps of different levels, as each operator found it.
+//! The order of three maps of different levels, as each policy found it.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use crate::experiment::record::Record;
 use crate::policy::PolicyKind;
 
 /// The mean ranks of the easiest, the middle and the hardest of three maps by their levels; 1, 2
-/// and 3 if every operator finds every three in order, 2 for all by chance. Ties share ranks.
+/// and 3 if every policy finds every three in order, 2 for all by chance. Ties share ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Relative {
     /// The measure's symbol.
@@ -18,25 +18,25 @@ pub struct Relative {
     pub ranks: [f64; 3],
 }
 
-/// Ranks all triples of maps of different levels within each operator.
+/// Ranks all triples of maps of different levels within each policy.
 ///
 /// A map's rank among three is 1 and one for each of the other two that is easier, so mean ranks
 /// follow from comparisons of pairs: O(n^2) for n maps, not O(n^3).
 pub fn relative(measure: &Measure, records: &[&Record]) -> Relative {
-    // Means over noise, by operator, level and map.
+    // Means over noise, by policy, level and map.
     let mut maps: BTreeMap<(PolicyKind, u32, u32), (f64, f64)> = BTreeMap::new();
     for record in records {
         let trial = record.trial;
-        let (sum, count) = maps.entry((trial.operator, trial.level, trial.map)).or_default();
+        let (sum, count) = maps.entry((trial.policy, trial.level, trial.map)).or_default();
         *sum += (measure.of)(&record.scores);
         *count += 1.0;
     }
-    let mut operators: BTreeMap<PolicyKind, BTreeMap<u32, Vec<f64>>> = BTreeMap::new();
-    for ((operator, level, _), (sum, count)) in maps {
-        operators.entry(operator).or_default().entry(level).or_default().push(sum / count);
+    let mut policies: BTreeMap<PolicyKind, BTreeMap<u32, Vec<f64>>> = BTreeMap::new();
+    for ((policy, level, _), (sum, count)) in maps {
+        policies.entry(policy).or_default().entry(level).or_default().push(sum / count);
     }
     let (mut sums, mut count) = ([0.0; 3], 0.0);
-    for levels in operators.into_values() {
+    for levels in policies.into_values() {
         let levels: Vec<Vec<f64>> = levels.into_values().collect();
         let harder = |a: usize, b: usize| share_harder(&levels[a], &levels[b]);
         for c in 0..levels.len() {

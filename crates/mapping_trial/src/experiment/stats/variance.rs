@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::experiment::record::Record;
 use crate::score::Scores;
 
-/// Shares of the variance of a trial, operators averaged; they add up to 1.
+/// Shares of the variance of a trial, policies averaged; they add up to 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Shares {
     /// Between levels.
@@ -20,7 +20,7 @@ pub struct Shares {
 /// from the mean squares and cut at 0 (Searle and others, Variance Components, 1992,
 /// chapter 3). `None` with one map per level, or if nothing varies.
 pub fn shares(records: &[&Record], of: fn(&Scores) -> f64) -> Option<Shares> {
-    // Means over operators, by level, map and noise.
+    // Means over policies, by level, map and noise.
     let of_noise = |trials: &[&Record]| {
         trials.iter().map(|trial| of(&trial.scores)).sum::<f64>() / trials.len() as f64
     };

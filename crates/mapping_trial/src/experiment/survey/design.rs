@@ -83,9 +83,9 @@ pub struct Family {
 pub struct Condition {
     /// Its name in tables.
     pub name: String,
-    /// The policy that drives.
-    #[serde(alias = "policy")]
-    pub operator: PolicyKind,
+    /// The policy that drives, `operator` in files.
+    #[serde(rename = "operator", alias = "policy")]
+    pub policy: PolicyKind,
     /// How poses and map are estimated.
     pub slam: SlamKind,
     /// Which systematic errors of the wheels are learned.
@@ -111,7 +111,7 @@ impl Default for Condition {
         let settings = TrialSettings::default();
         Condition {
             name: String::new(),
-            operator: settings.policy.unwrap_or(PolicyKind::Nearest),
+            policy: settings.policy.unwrap_or(PolicyKind::Nearest),
             slam: settings.slam,
             wheel_calibration: settings.wheel_calibration,
             laser: settings.laser.name().unwrap_or_default().to_owned(),
@@ -167,7 +167,7 @@ impl Condition {
     pub fn settings(&self, noise: Seed) -> Result<TrialSettings, SpecError> {
         let settings = TrialSettings {
             seed: noise,
-            policy: Some(self.operator),
+            policy: Some(self.policy),
             slam: self.slam,
             wheel_calibration: self.wheel_calibration,
             laser: LaserProfile::named(&self.laser)?,

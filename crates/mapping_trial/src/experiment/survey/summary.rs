@@ -189,14 +189,14 @@ fn group(family: String, condition: String, records: &[&Record]) -> Group {
 type Facet = (&'static str, fn(&Condition) -> String);
 
 const FACETS: [Facet; 4] = [
-    ("operator", |one| format!("{:?}", one.operator)),
+    ("policy", |one| format!("{:?}", one.policy)),
     ("laser", |one| one.laser.clone()),
     ("odometry", |one| one.odometry.clone()),
     ("SLAM", |one| format!("{:?}", one.slam)),
 ];
 
 /// The factors of the conditions with the number of their levels, and the number of the condition
-/// for each combination. If the conditions are not all combinations of operator, laser, odometry and
+/// for each combination. If the conditions are not all combinations of policy, laser, odometry and
 /// SLAM, they are the levels of one factor.
 fn factors(conditions: &[Condition]) -> (Vec<(&'static str, usize)>, Vec<usize>) {
     let single = || (vec![("condition", conditions.len())], (0..conditions.len()).collect());
