@@ -92,10 +92,10 @@ settings! {
     }
 }
 
-/// One trial of a design.
+/// Which trial of a design.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Trial {
+pub struct TrialId {
     /// Index of the level in [`Design::levels`].
     pub level: u32,
     /// Number of the map within its level.
@@ -156,17 +156,18 @@ impl Design {
         for &level in &self.levels {
             self.spec(level).validate()?;
         }
-        self.settings(&Trial { level: 0, map: 0, noise: 0, policy: PolicyKind::Nearest }).validate()
+        self.settings(&TrialId { level: 0, map: 0, noise: 0, policy: PolicyKind::Nearest })
+            .validate()
     }
 
     /// Every trial, in the design's order: by level, map, noise and policy.
-    pub fn trials(&self) -> Vec<Trial> {
+    pub fn trials(&self) -> Vec<TrialId> {
         let mut trials = Vec::new();
         for level in 0..self.levels.len() as u32 {
             for map in 0..self.maps {
                 for noise in 0..self.noise_seeds {
                     for (_, policy) in PolicyKind::NAMES {
-                        let trial = Trial { level, map, noise, policy: *policy };
+                        let trial = TrialId { level, map, noise, policy: *policy };
                         if self.is_main(&trial) || self.is_replay(&trial) {
                             trials.push(trial);
                         }
@@ -178,12 +179,12 @@ impl Design {
     }
 
     /// Whether a trial belongs to the larger design.
-    pub fn is_main(&self, trial: &Trial) -> bool {
+    pub fn is_main(&self, trial: &TrialId) -> bool {
         self.policies.contains(&trial.policy)
     }
 
     /// Whether a trial belongs to the paper's design.
-    pub fn is_replay(&self, trial: &Trial) -> bool {
+    pub fn is_replay(&self, trial: &TrialId) -> bool {
         trial.noise == 0
             && trial.map < self.replay.maps
             && self.replay.policies.contains(&trial.policy)
@@ -205,7 +206,7 @@ impl Design {
     /// # Panics
     /// If the design does not have the trial's level.
     #[track_caller]
-    pub fn level(&self, trial: &Trial) -> f64 {
+    pub fn level(&self, trial: &TrialId) -> f64 {
         self.levels[trial.level as usize]
     }
 
@@ -213,28 +214,28 @@ impl Design {
     /// levels share no draws.
     ///
     /// ```
-    /// use mapping_trial::experiment::{Design, Trial};
+    /// use mapping_trial::experiment::{Design, TrialId};
     /// use mapping_trial::policy::PolicyKind;
     ///
     /// let design = Design::default();
     /// // The fourth level of the design is 7.
-    /// let trial = Trial { level: 3, map: 4, noise: 0, policy: PolicyKind::Nearest };
+    /// let trial = TrialId { level: 3, map: 4, noise: 0, policy: PolicyKind::Nearest };
     /// assert_eq!((design.level(&trial), design.world_seed(&trial).0), (7.0, 70004));
     /// ```
-    pub fn world_seed(&self, trial: &Trial) -> Seed {
+    pub fn world_seed(&self, trial: &TrialId) -> Seed {
         let tenths = (self.level(trial) * 10.0).round() as u64;
         let own = tenths * u64::from(MAX_MAPS) + u64::from(trial.map);
         Seed(self.seed.0.wrapping_mul(1_000_000).wrapping_add(own))
     }
 
     /// The seed of a trial's sensor noise: the same for all policies, another for each map.
-    pub fn noise_seed(&self, trial: &Trial) -> Seed {
+    pub fn noise_seed(&self, trial: &TrialId) -> Seed {
         let maps = self.world_seed(trial).0.wrapping_mul(u64::from(MAX_NOISE_SEEDS));
         Seed(maps).offset(u64::from(trial.noise))
     }
 
     /// The settings of a trial.
-    pub fn settings(&self, trial: &Trial) -> TrialSettings {
+    pub fn settings(&self, trial: &TrialId) -> TrialSettings {
         TrialSettings {
             seed: self.noise_seed(trial),
             policy: Some(trial.policy),
@@ -352,7 +353,7 @@ mod tests {
         noise.sort_unstable();
         noise.dedup();
         assert_eq!(noise.len(), 5 * 40 * 7);
-        let trial = Trial { level: 3, map: 4, noise: 2, policy: PolicyKind::Nearest };
+        let trial = TrialId { level: 3, map: 4, noise: 2, policy: PolicyKind::Nearest };
         assert_eq!(design.world_seed(&trial), Seed(70_004));
         assert_eq!(design.noise_seed(&trial), Seed(70_004_002));
         // Neither seed of an experiment is one of the next.

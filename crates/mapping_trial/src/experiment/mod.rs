@@ -8,7 +8,7 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | which trials | [`Design`], [`Trial`] |
+//! | which trials | [`Design`], [`TrialId`] |
 //! | the result of one | [`Record`] |
 //! | a folder of records that survives interrupts | [`Experiment`] |
 //! | the statistics | [`stats`] |
@@ -35,7 +35,7 @@ pub mod table;
 pub(crate) mod write;
 
 pub use design::{
-    Design, MAX_MAPS, MAX_NOISE_SEEDS, MAX_SIZE, MAX_TRIALS, Replay, Shard, Trial, policy_name,
+    Design, MAX_MAPS, MAX_NOISE_SEEDS, MAX_SIZE, MAX_TRIALS, Replay, Shard, TrialId, policy_name,
 };
 pub use error::ExperimentError;
 pub use record::{MapFeatures, Record};

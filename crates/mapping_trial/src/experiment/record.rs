@@ -5,7 +5,7 @@ use envgen::Seed;
 use envgen::indoor::{FloorPlan, IndoorMetrics};
 use serde::{Deserialize, Serialize};
 
-use super::design::Trial;
+use super::design::TrialId;
 use crate::score::Scores;
 use crate::trial::EndReason;
 
@@ -14,7 +14,7 @@ use crate::trial::EndReason;
 #[serde(deny_unknown_fields)]
 pub struct Record {
     /// Which trial.
-    pub trial: Trial,
+    pub trial: TrialId,
     /// The seed of its map.
     pub world_seed: Seed,
     /// The seed of the sensor noise.

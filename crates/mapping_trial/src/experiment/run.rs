@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use super::design::{Design, Trial};
+use super::design::{Design, TrialId};
 use super::error::ExperimentError;
 use super::lines::Lines;
 use super::record::Record;
@@ -26,7 +26,7 @@ pub struct Progress<'a> {
 struct Work<'a> {
     design: &'a Design,
     /// Trials still to do, with their indices in the design's order.
-    pending: &'a [(usize, Trial)],
+    pending: &'a [(usize, TrialId)],
     next: AtomicUsize,
     stop: AtomicBool,
     sites: Sites,
@@ -55,7 +55,7 @@ impl Experiment {
         threads: usize,
         watch: &(dyn Fn(Progress<'_>) -> ControlFlow<()> + Sync),
     ) -> Result<bool, ExperimentError> {
-        let pending: Vec<(usize, Trial)> = self
+        let pending: Vec<(usize, TrialId)> = self
             .trials
             .iter()
             .filter(|(place, _)| !self.records.contains_key(place))
@@ -76,7 +76,7 @@ impl Experiment {
 /// Runs trials on `threads` threads (0 for one per core), and writes each as it ends.
 fn run(
     design: &Design,
-    pending: &[(usize, Trial)],
+    pending: &[(usize, TrialId)],
     all: usize,
     threads: usize,
     lines: &mut Lines,

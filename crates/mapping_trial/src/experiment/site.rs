@@ -6,13 +6,13 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
 use envgen::{Blueprint, Spec, World};
 
-use super::design::{Design, Trial};
+use super::design::{Design, TrialId};
 use super::error::ExperimentError;
 use super::record::{MapFeatures, Record};
 use crate::flat::{FlatSimulator, FlatWorld};
 use crate::robot::Robot;
 use crate::score::Reference;
-use crate::trial::{self, LogWorld};
+use crate::trial::{LogWorld, Trial};
 
 /// A map on which trials take place.
 pub(super) struct Site {
@@ -25,7 +25,7 @@ pub(super) struct Site {
 
 impl Site {
     /// The map of a trial.
-    pub(super) fn new(design: &Design, trial: &Trial) -> Result<Self, ExperimentError> {
+    pub(super) fn new(design: &Design, trial: &TrialId) -> Result<Self, ExperimentError> {
         let plan = design.spec(design.level(trial)).generate(design.world_seed(trial));
         let plan = plan.map_err(|error| unusable(design, trial, &error))?;
         let world = plan.to_world();
@@ -46,11 +46,11 @@ impl Site {
     pub(super) fn run(
         &self,
         design: &Design,
-        trial: &Trial,
-    ) -> Result<(Record, trial::Trial<FlatSimulator>), ExperimentError> {
+        trial: &TrialId,
+    ) -> Result<(Record, Trial<FlatSimulator>), ExperimentError> {
         let failed = |error: &dyn Error| unusable(design, trial, error);
         let settings = design.settings(trial);
-        let mut run = trial::Trial::builder(&self.world, settings)
+        let mut run = Trial::builder(&self.world, settings)
             .source(LogWorld::Generated(self.world.provenance.clone()))
             .reference(&self.truth)
             .build_flat_in(Arc::clone(&self.flat))
@@ -70,7 +70,7 @@ impl Site {
     }
 }
 
-fn unusable(design: &Design, trial: &Trial, error: &dyn Error) -> ExperimentError {
+fn unusable(design: &Design, trial: &TrialId, error: &dyn Error) -> ExperimentError {
     ExperimentError::Map {
         map: trial.map,
         level: design.level(trial),
@@ -94,7 +94,7 @@ pub(super) struct Held(Arc<Slot>);
 
 impl Sites {
     /// The map of a trial.
-    pub(super) fn hold(&self, trial: &Trial) -> Held {
+    pub(super) fn hold(&self, trial: &TrialId) -> Held {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         let slot = known.entry((trial.level, trial.map)).or_default();
         let held = slot.upgrade().unwrap_or_else(|| {
@@ -108,7 +108,7 @@ impl Sites {
 
 impl Held {
     /// The map itself.
-    pub(super) fn site(&self, design: &Design, trial: &Trial) -> Result<&Site, ExperimentError> {
+    pub(super) fn site(&self, design: &Design, trial: &TrialId) -> Result<&Site, ExperimentError> {
         self.0.get_or_init(|| Site::new(design, trial)).as_ref().map_err(ExperimentError::again)
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::design::{Design, Shard, Trial, policy_name};
+use super::design::{Design, Shard, TrialId, policy_name};
 use super::error::ExperimentError;
 use super::head;
 use super::lines::{Lines, TRIALS, line};
@@ -49,7 +49,7 @@ pub struct Experiment {
     folder: PathBuf,
     pub(super) head: Head,
     /// This share's trials with their indices in the design's order.
-    pub(super) trials: Vec<(usize, Trial)>,
+    pub(super) trials: Vec<(usize, TrialId)>,
     /// Finished trials by index.
     pub(super) records: BTreeMap<usize, Record>,
     pub(super) lines: Lines,
@@ -235,7 +235,7 @@ impl Experiment {
 }
 
 /// A trial in words.
-fn name(design: &Design, trial: &Trial) -> String {
+fn name(design: &Design, trial: &TrialId) -> String {
     format!(
         "the trial of map {} of level {} with noise {} by {}",
         trial.map,
@@ -257,7 +257,7 @@ fn difference(found: &Head, asked: &Head) -> String {
     head::difference(&found.design, &asked.design)
 }
 
-fn share(head: &Head) -> Vec<(usize, Trial)> {
+fn share(head: &Head) -> Vec<(usize, TrialId)> {
     let trials = head.design.trials().into_iter().enumerate();
     trials.filter(|(place, _)| head.shard.has(*place)).collect()
 }
@@ -266,7 +266,7 @@ fn share(head: &Head) -> Vec<(usize, Trial)> {
 fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<usize, Record>, ExperimentError> {
     let places = share(head);
     // Trials are sorted by level, map, noise and the policy's index among all.
-    let key = |trial: &Trial| (trial.level, trial.map, trial.noise, policy_name(trial.policy));
+    let key = |trial: &TrialId| (trial.level, trial.map, trial.noise, policy_name(trial.policy));
     let places: BTreeMap<_, usize> =
         places.into_iter().map(|(place, trial)| (key(&trial), place)).collect();
     let mut records = BTreeMap::new();

@@ -34,7 +34,7 @@ fn tiny() -> Design {
 /// A record that no trial made.
 pub(super) fn record(level: u32, map: u32, noise: u32, difficulty: f64) -> Record {
     Record {
-        trial: Trial { level, map, noise, policy: PolicyKind::Nearest },
+        trial: TrialId { level, map, noise, policy: PolicyKind::Nearest },
         world_seed: Seed(0),
         noise_seed: Seed(0),
         world_digest: String::new(),

@@ -3,7 +3,7 @@
 use envgen::picture::{self, PictureOptions};
 use rayon::prelude::*;
 
-use crate::experiment::design::Trial;
+use crate::experiment::design::TrialId;
 use crate::experiment::error::ExperimentError;
 use crate::experiment::record::Record;
 use crate::experiment::site::Site;
@@ -33,7 +33,7 @@ pub(super) fn draw(
     let design = experiment.design();
     let Some(&policy) = design.replay.policies.first() else { return Ok(Vec::new()) };
     let is_shown =
-        |trial: &Trial| design.is_replay(trial) && trial.policy == policy && trial.map < SHOWN;
+        |trial: &TrialId| design.is_replay(trial) && trial.policy == policy && trial.map < SHOWN;
     let shown: Vec<&Record> =
         records.iter().filter(|record| is_shown(&record.trial)).copied().collect();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();

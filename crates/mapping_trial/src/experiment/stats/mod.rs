@@ -31,7 +31,7 @@ pub use rules::{FEATURES, Feature, FeatureEffect, Slope, effects};
 pub use triples::{Relative, relative};
 pub use variance::{Shares, shares};
 
-use super::design::{Design, Trial, policy_name};
+use super::design::{Design, TrialId, policy_name};
 use super::record::Record;
 use crate::score::{Parts, Sensitivity, Weights, sensitivity};
 use crate::trial::EndReason;
@@ -119,7 +119,7 @@ pub struct Weighting {
 
 /// Computes all statistics of a complete experiment.
 pub fn analyse(design: &Design, records: &[&Record]) -> Analysis {
-    let pick = |which: &dyn Fn(&Trial) -> bool| -> Vec<&Record> {
+    let pick = |which: &dyn Fn(&TrialId) -> bool| -> Vec<&Record> {
         records.iter().filter(|record| which(&record.trial)).copied().collect()
     };
     let replay = pick(&|trial| design.is_replay(trial));
@@ -151,7 +151,7 @@ pub fn analyse(design: &Design, records: &[&Record]) -> Analysis {
 fn part(design: &Design, records: &[&Record]) -> Part {
     let values = map_values(records);
     let null = Null::new(design, &values);
-    let count = |of: &dyn Fn(&Trial) -> u32| {
+    let count = |of: &dyn Fn(&TrialId) -> u32| {
         records.iter().map(|record| of(&record.trial) as usize + 1).max().unwrap_or(0)
     };
     let policies = MEASURED_POLICIES.iter().filter_map(|&(policy, kind)| {
