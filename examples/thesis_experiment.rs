@@ -210,20 +210,20 @@ fn cost(arguments: &Arguments, design: &Design) -> Result<(), ExperimentError> {
     bar.finish_and_clear();
     result?;
     println!(
-        "{:>20} maps  D more             M more             N more             people hit  ghosts",
+        "{:>20} maps  D more             M more             N more             collisions with people  ghosts",
         ""
     );
     for cost in hazards::costs(&survey, hazards, folder.records()) {
         let more =
             |one: Interval| format!("{:+5.2} [{:+.2}, {:+.2}]", one.value, one.low, one.high);
         println!(
-            "{:>20} {:4}  {} {} {} {:10.1} {:7.1} m^2",
+            "{:>20} {:4}  {} {} {} {:22.1} {:7.1} m^2",
             cost.hazard,
             cost.maps,
             more(cost.difficulty),
             more(cost.mapping),
             more(cost.navigation),
-            cost.person_hits,
+            cost.person_collisions,
             cost.ghost_area
         );
     }

@@ -65,12 +65,12 @@ fn report(time: Res<Time>, robot: Single<(&TruePose, &LaserScan)>) {
     println!("      {right:.2} m right, {ahead:.2} m ahead, {left:.2} m left");
 }
 
-/// Ends the app, with an error if the robot did not get far or hit a wall.
+/// Ends the app, with an error if the robot did not get far or collided.
 fn end(time: Res<Time>, robots: Query<(&TruePose, &Bumper)>, mut exit: MessageWriter<AppExit>) {
     if time.elapsed_secs() > END {
         // The hallway starts at the origin.
         let far = |pose: &TruePose| pose.position.length() > LEAST_DISTANCE;
-        let drove = robots.iter().any(|(pose, bumper)| far(pose) && bumper.hits == 0);
+        let drove = robots.iter().any(|(pose, bumper)| far(pose) && bumper.collisions == 0);
         exit.write(if drove { AppExit::Success } else { AppExit::error() });
     }
 }

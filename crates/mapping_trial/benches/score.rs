@@ -37,7 +37,7 @@ fn main() {
             time: 1200.0,
             distance: 480.0,
             turning: 24.0,
-            hits: 0,
+            collisions: 0,
             moving: None,
             recoveries: 0,
             stuck: 0,

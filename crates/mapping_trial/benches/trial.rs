@@ -51,8 +51,8 @@ impl RobotBackend for Recorder {
         self.bodies.condition(robot)
     }
 
-    fn hits(&self, robot: usize) -> u32 {
-        self.bodies.hits(robot)
+    fn collisions(&self, robot: usize) -> u32 {
+        self.bodies.collisions(robot)
     }
 }
 

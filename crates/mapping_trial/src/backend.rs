@@ -94,10 +94,10 @@ pub trait RobotBackend {
     fn condition(&self, robot: usize) -> Condition;
 
     /// Number of collisions of a robot so far, those with people aside.
-    fn hits(&self, robot: usize) -> u32;
+    fn collisions(&self, robot: usize) -> u32;
 
     /// Number of collisions of a robot with people so far.
-    fn person_hits(&self, robot: usize) -> u32 {
+    fn person_collisions(&self, robot: usize) -> u32 {
         let _ = robot;
         0
     }

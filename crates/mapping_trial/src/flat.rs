@@ -27,7 +27,7 @@ const PUSHES: usize = 8;
 const SLACK: f64 = 1e-6;
 
 /// Ticks without contact after which the next contact is another collision.
-const TICKS_BETWEEN_HITS: u32 = 10;
+const TICKS_BETWEEN_COLLISIONS: u32 = 10;
 
 /// A world indexed for the simulator; trials in one world may share it.
 #[derive(Clone, Debug)]
@@ -80,7 +80,7 @@ impl FlatWorld {
 /// }
 /// let driven = start.to_local(simulator.pose(0).position);
 /// assert!((0.2..0.3).contains(&driven.x) && driven.y.abs() < 1e-9);
-/// assert_eq!(simulator.hits(0), 0);
+/// assert_eq!(simulator.collisions(0), 0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct FlatSimulator {
@@ -104,8 +104,8 @@ struct Disc {
     turn_rate: f64,
     condition: Condition,
     touching: bool,
-    hits: u32,
-    person_hits: u32,
+    collisions: u32,
+    person_collisions: u32,
     /// Ticks since the last contact.
     clear: u32,
     /// What the wheels measured in the last tick.
@@ -158,9 +158,9 @@ impl FlatSimulator {
             turn_rate: 0.0,
             condition: Condition::Operational,
             touching: false,
-            hits: 0,
-            person_hits: 0,
-            clear: TICKS_BETWEEN_HITS,
+            collisions: 0,
+            person_collisions: 0,
+            clear: TICKS_BETWEEN_COLLISIONS,
             measured: Increment::default(),
             sensors,
         });
@@ -325,10 +325,10 @@ impl FlatSimulator {
         disc.speed = if touching { distance / TICK } else { speed };
         let rolled = Increment { distance: ground.rolled(distance), turn };
         disc.measured = disc.sensors.odometry.measure(rolled, ground.odometry_noise);
-        if disc.clear >= TICKS_BETWEEN_HITS {
+        if disc.clear >= TICKS_BETWEEN_COLLISIONS {
             match touched {
-                Some(Touched::Solid) => disc.hits += 1,
-                Some(Touched::Person) => disc.person_hits += 1,
+                Some(Touched::Solid) => disc.collisions += 1,
+                Some(Touched::Person) => disc.person_collisions += 1,
                 None => {}
             }
         }
@@ -408,12 +408,12 @@ impl RobotBackend for FlatSimulator {
         self.discs[robot].condition
     }
 
-    fn hits(&self, robot: usize) -> u32 {
-        self.discs[robot].hits
+    fn collisions(&self, robot: usize) -> u32 {
+        self.discs[robot].collisions
     }
 
-    fn person_hits(&self, robot: usize) -> u32 {
-        self.discs[robot].person_hits
+    fn person_collisions(&self, robot: usize) -> u32 {
+        self.discs[robot].person_collisions
     }
 
     fn scenario(&self) -> Option<&ScenarioState> {

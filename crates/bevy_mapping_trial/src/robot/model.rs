@@ -154,9 +154,9 @@ pub struct Bumper {
     /// Whether it touches a solid or a person, or is stopped by impassable ground.
     pub touching: bool,
     /// Number of collisions, those with people aside: contacts that begin after at least 10 steps without contact.
-    pub hits: u32,
+    pub collisions: u32,
     /// Number of collisions with people of a scenario.
-    pub person_hits: u32,
+    pub person_collisions: u32,
     /// Steps since the last contact.
     pub(super) clear: u32,
 }
@@ -168,8 +168,8 @@ impl Bumper {
     pub(super) fn feel(&mut self, touched: Option<Touched>) {
         if self.clear >= Bumper::STEPS_BETWEEN_COLLISIONS {
             match touched {
-                Some(Touched::Solid) => self.hits += 1,
-                Some(Touched::Person) => self.person_hits += 1,
+                Some(Touched::Solid) => self.collisions += 1,
+                Some(Touched::Person) => self.person_collisions += 1,
                 None => {}
             }
         }
@@ -181,7 +181,7 @@ impl Bumper {
 impl Default for Bumper {
     fn default() -> Self {
         let clear = Bumper::STEPS_BETWEEN_COLLISIONS;
-        Bumper { touching: false, hits: 0, person_hits: 0, clear }
+        Bumper { touching: false, collisions: 0, person_collisions: 0, clear }
     }
 }
 

@@ -29,8 +29,8 @@ pub struct RapierRobots {
 pub(super) struct TickReport {
     pub(super) pose: Pose,
     pub(super) condition: Condition,
-    pub(super) hits: u32,
-    pub(super) person_hits: u32,
+    pub(super) collisions: u32,
+    pub(super) person_collisions: u32,
     pub(super) touching: bool,
     pub(super) odometry: Increment,
     pub(super) scan: Option<Scan>,
@@ -42,8 +42,8 @@ impl RapierRobots {
         let report = |&pose: &Pose| TickReport {
             pose,
             condition: Condition::Operational,
-            hits: 0,
-            person_hits: 0,
+            collisions: 0,
+            person_collisions: 0,
             touching: false,
             odometry: Increment::default(),
             scan: None,
@@ -118,12 +118,12 @@ impl RobotBackend for RapierRobots {
         self.robots[robot].condition
     }
 
-    fn hits(&self, robot: usize) -> u32 {
-        self.robots[robot].hits
+    fn collisions(&self, robot: usize) -> u32 {
+        self.robots[robot].collisions
     }
 
-    fn person_hits(&self, robot: usize) -> u32 {
-        self.robots[robot].person_hits
+    fn person_collisions(&self, robot: usize) -> u32 {
+        self.robots[robot].person_collisions
     }
 
     fn scenario(&self) -> Option<&ScenarioState> {

@@ -363,8 +363,8 @@ pub(super) fn record(
             let report = TickReport {
                 pose,
                 condition: if lost { Condition::Drowned } else { Condition::Operational },
-                hits: bumper.hits,
-                person_hits: bumper.person_hits,
+                collisions: bumper.collisions,
+                person_collisions: bumper.person_collisions,
                 touching: bumper.touching,
                 odometry: wheels.last(),
                 scan: fresh.then(|| Scan { ranges: scan.ranges.clone() }),

@@ -50,6 +50,6 @@ pub fn comparison(ui: &mut Ui, runs: &[(&str, &Scores)]) {
         };
         fact("time", &|scores| format!("{:.0} s", scores.time));
         fact("distance", &|scores| format!("{:.0} m", scores.distance));
-        fact("collisions", &|scores| scores.hits.to_string());
+        fact("collisions", &|scores| scores.collisions.to_string());
     });
 }

@@ -19,7 +19,7 @@ pub struct TrialStatus {
     /// Distance that the driven robot has travelled, in metres.
     pub distance: f64,
     /// Number of collisions of the driven robot.
-    pub hits: u32,
+    pub collisions: u32,
     /// Index of the driven robot, from 0.
     pub driven: usize,
     /// Number of robots.
@@ -60,7 +60,7 @@ impl TrialStatus {
             battery: (settings.body.battery - trial.time()).max(0.0),
             full_battery: settings.body.battery,
             distance: trial.trajectory(driven).distance,
-            hits: trial.bodies().hits(driven),
+            collisions: trial.bodies().collisions(driven),
             driven,
             robots: trial.robots(),
             program: settings.policy.is_some(),
@@ -86,7 +86,7 @@ impl TrialStatus {
             ui.label(format!("{:.1} m", self.distance));
             ui.end_row();
             ui.label("collisions");
-            ui.label(self.hits.to_string());
+            ui.label(self.collisions.to_string());
             ui.end_row();
             ui.label("robot");
             let driver = if self.program { "a program drives" } else { "you drive" };

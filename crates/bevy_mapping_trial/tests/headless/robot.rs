@@ -75,28 +75,28 @@ fn a_robot_drives_as_its_wheels_say() {
     assert!((position(&app, robot).x - 5.0 - distance).abs() < 1e-4);
     let (_, turned) = drive(&mut app, robot, 0.0, 9.0, 5.0);
     assert!(turned < 1.4 * 5.0 && turned > 1.4 * 4.0, "{turned}");
-    assert_eq!(app.world().get::<Bumper>(robot).unwrap().hits, 0);
+    assert_eq!(app.world().get::<Bumper>(robot).unwrap().collisions, 0);
 }
 
 #[test]
-fn a_wall_stops_and_is_one_hit() {
+fn a_wall_stops_and_is_one_collision() {
     let mut app = app(room(10.0, 10.0));
     let robot = robot(&mut app, 5.0, 5.0);
     drive(&mut app, robot, 0.7, 0.0, 20.0);
     let x = position(&app, robot).x;
     assert!((x - (10.0 - 0.254)).abs() < 0.01, "{x}");
     let bumper = *app.world().get::<Bumper>(robot).unwrap();
-    assert!(bumper.touching && bumper.hits == 1, "{bumper:?}");
+    assert!(bumper.touching && bumper.collisions == 1, "{bumper:?}");
     let (stalled, _) = drive(&mut app, robot, 0.7, 0.0, 1.0);
     assert!(stalled.abs() < 0.01, "stalled wheels measure {stalled}");
     drive(&mut app, robot, -0.5, 0.0, 3.0);
     assert!(!app.world().get::<Bumper>(robot).unwrap().touching);
     drive(&mut app, robot, 0.5, 0.0, 5.0);
-    assert_eq!(app.world().get::<Bumper>(robot).unwrap().hits, 2);
+    assert_eq!(app.world().get::<Bumper>(robot).unwrap().collisions, 2);
 }
 
 #[test]
-fn what_stops_a_robot_in_a_trial_is_one_hit() {
+fn what_stops_a_robot_in_a_trial_is_one_collision() {
     // Steps of trials have several substeps, and in the last one a robot that was stopped may rest.
     let wall = Collider::segment(Vec2::new(0.0, -2.0), Vec2::new(0.0, 2.0));
     for (collider, body) in [
@@ -121,10 +121,14 @@ fn what_stops_a_robot_in_a_trial_is_one_hit() {
             let command = DriveCommand { speed, turn_rate };
             let robot = app.world_mut().spawn((RobotModel::default(), command)).id();
             step(&mut app, 20);
-            assert_eq!(app.world().get::<Bumper>(robot).unwrap().hits, 0);
+            assert_eq!(app.world().get::<Bumper>(robot).unwrap().collisions, 0);
             step(&mut app, 80);
             let bumper = app.world().get::<Bumper>(robot).unwrap();
-            assert_eq!((bumper.hits, bumper.person_hits), (1, 0), "{speed} {turn_rate} {body:?}");
+            assert_eq!(
+                (bumper.collisions, bumper.person_collisions),
+                (1, 0),
+                "{speed} {turn_rate} {body:?}"
+            );
         }
     }
 }

@@ -221,14 +221,14 @@ fn a_person_on_the_path_is_seen_stops_the_robot_and_is_one_collision() {
     let at = trial.trajectory(0).poses.last().unwrap().position;
     let front = at.x + 0.5 * trial.settings().body.length;
     assert!((front - 4.75).abs() < 0.02, "{front}");
-    assert_eq!((trial.bodies().hits(0), trial.bodies().person_hits(0)), (0, 1));
+    assert_eq!((trial.bodies().collisions(0), trial.bodies().person_collisions(0)), (0, 1));
     let range = trial.autonomy().scan(0).ranges[90];
     let expected =
         4.75 - trial.settings().body.laser_pose(Pose { position: at, heading: 0.0 }).position.x;
     assert!((range - expected).abs() < 0.05, "{range} {expected}");
     let scores = trial.score(&trial.reference(&world).unwrap()).unwrap();
     let moving = scores.moving.expect("something moves");
-    assert_eq!((scores.hits, moving.person_hits), (0, 1));
+    assert_eq!((scores.collisions, moving.person_collisions), (0, 1));
 }
 
 #[test]
@@ -250,10 +250,13 @@ fn a_closed_door_stops_the_robot_and_an_open_one_does_not() {
             let front = at.x + 0.5 * trial.settings().body.length;
             if closed {
                 assert!((front - 8.0).abs() < 0.03, "{door_kind:?}: {front}");
-                assert_eq!((trial.bodies().hits(0), trial.bodies().person_hits(0)), (1, 0));
+                assert_eq!(
+                    (trial.bodies().collisions(0), trial.bodies().person_collisions(0)),
+                    (1, 0)
+                );
             } else {
                 assert!(front > 9.0, "{door_kind:?}: {front}");
-                assert_eq!(trial.bodies().hits(0), 0);
+                assert_eq!(trial.bodies().collisions(0), 0);
             }
         }
     }

@@ -212,7 +212,7 @@ fn frames_of_any_length_give_the_same_trial() {
             "{start:?}"
         );
         assert!((1.0..14.0).contains(&track.distance), "{}", track.distance);
-        assert!(trial.bodies().hits(0) > 0);
+        assert!(trial.bodies().collisions(0) > 0);
         let again = replay_headless(&world, trial.log(), |_| ()).unwrap();
         let robots = || 0..trial.robots();
         assert!(
@@ -237,7 +237,7 @@ fn another_trial_in_the_same_app_is_as_good_as_the_first() {
             .insert((trial, ManualControl { commands: commands.clone() }));
         step(&mut app, 300);
         let trial = app.world().get::<MappingTrial>(root).unwrap().trial().unwrap();
-        assert!(trial.bodies().hits(0) > 0);
+        assert!(trial.bodies().collisions(0) > 0);
         let mut log = trial.log();
         log.ends.fill(None);
         let again = replay_headless(&hallway(), log, |_| ()).unwrap();

@@ -30,7 +30,7 @@ fn the_panel_tells_all_but_the_level() {
         battery: 600.0,
         full_battery: 1200.0,
         distance: 12.34,
-        hits: 3,
+        collisions: 3,
         robots: 2,
         ..Default::default()
     };

@@ -40,8 +40,9 @@ pub struct HazardCost {
     pub mapping: Interval,
     /// The same of N.
     pub navigation: Interval,
-    /// Mean number of collisions with people in a trial.
-    pub person_hits: f64,
+    /// Mean number of collisions with people in a trial, `person_hits` in files.
+    #[serde(rename = "person_hits")]
+    pub person_collisions: f64,
     /// Mean area in square metres of ghosts on a map.
     pub ghost_area: f64,
 }
@@ -177,7 +178,7 @@ fn cost(hazard: &Hazard, worlds: &[Vec<(&Scores, &Scores)>]) -> Option<HazardCos
         difficulty: difficulty?,
         mapping: mapping?,
         navigation: navigation?,
-        person_hits: moving(|moving| f64::from(moving.person_hits)),
+        person_collisions: moving(|moving| f64::from(moving.person_collisions)),
         ghost_area: moving(|moving| moving.ghost_area),
     })
 }
@@ -222,7 +223,7 @@ mod tests {
             let scores = Scores {
                 difficulty,
                 mapping: 2.0 * difficulty,
-                moving: Some(MovingScores { person_hits: 1, ..Default::default() }),
+                moving: Some(MovingScores { person_collisions: 1, ..Default::default() }),
                 ..Default::default()
             };
             Record { map, condition, noise, scores: Some(scores), ..Record::default() }
@@ -243,6 +244,6 @@ mod tests {
         let near =
             |a: Interval, b: f64| [a.value, a.low, a.high].iter().all(|x| (x - b).abs() < 1e-9);
         assert!(near(costs[0].difficulty, half.value) && near(costs[0].mapping, 1.0));
-        assert!(near(costs[0].navigation, 0.0) && costs[0].person_hits == 1.0);
+        assert!(near(costs[0].navigation, 0.0) && costs[0].person_collisions == 1.0);
     }
 }

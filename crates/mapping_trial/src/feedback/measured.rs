@@ -83,7 +83,7 @@ impl Measured<'_> {
             other: format!(
                 "{} collisions, {} recoveries, {} robots stuck for good; {:.0} % of the ground was \
                  mapped, {:.0} % of the walls are mapped twice.",
-                s.hits,
+                s.collisions,
                 s.recoveries,
                 s.stuck,
                 100.0 * s.coverage,
@@ -110,7 +110,7 @@ impl Measured<'_> {
         let navigation = list(vec![
             ("time", w.time * s.e_time),
             ("ground not reached", w.reach * s.e_cov),
-            ("collisions", w.hits * s.e_hit),
+            ("collisions", w.collisions * s.e_hit),
             ("turning", w.turning * s.e_turn),
         ]);
         format!(

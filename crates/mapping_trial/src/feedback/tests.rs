@@ -127,7 +127,7 @@ fn a_program_states_what_it_measured() {
         navigation: 1.0,
         e_wall: 0.5,
         e_pose: 0.7,
-        hits: 3,
+        collisions: 3,
         ..Scores::default()
     };
     let tracks = [TrajectoryPair { truth: &truth, estimated: &estimated }];

@@ -53,24 +53,24 @@ fn a_free_robot_drives_as_its_wheels_say() {
     let expected = 0.5 * 10.0 - 0.25;
     assert!((driven.distance - expected).abs() < 0.03, "{}", driven.distance);
     assert!((bodies.pose(0).position.x - 5.0 - driven.distance).abs() < 1e-9);
-    assert_eq!(bodies.hits(0), 0);
+    assert_eq!(bodies.collisions(0), 0);
     let turned = drive(&mut bodies, Command { speed: 0.0, turn_rate: 9.0 }, 5.0);
     assert!(turned.turn < 1.4 * 5.0 && turned.turn > 1.4 * 4.0, "{}", turned.turn);
 }
 
 #[test]
-fn a_wall_stops_and_is_one_hit() {
+fn a_wall_stops_and_is_one_collision() {
     let mut bodies = simulator(&room(10.0, 10.0), &[Pose::new(5.0, 5.0, 0.0)]);
     drive(&mut bodies, Command { speed: 0.7, turn_rate: 0.0 }, 20.0);
     assert!((bodies.pose(0).position.x - (10.0 - 0.355)).abs() < 1e-6);
     assert!(bodies.observe(0).bumped);
-    assert_eq!(bodies.hits(0), 1);
+    assert_eq!(bodies.collisions(0), 1);
     let stalled = drive(&mut bodies, Command { speed: 0.7, turn_rate: 0.0 }, 1.0);
     assert!(stalled.distance.abs() < 1e-6, "stalled wheels measure {}", stalled.distance);
     drive(&mut bodies, Command { speed: -0.5, turn_rate: 0.0 }, 3.0);
     assert!(!bodies.observe(0).bumped && bodies.pose(0).position.x < 9.0);
     drive(&mut bodies, Command { speed: 0.5, turn_rate: 0.0 }, 5.0);
-    assert_eq!(bodies.hits(0), 2);
+    assert_eq!(bodies.collisions(0), 2);
 }
 
 #[test]
@@ -192,7 +192,7 @@ fn robots_are_solid_and_seen() {
     }
     let gap = bodies.pose(0).position.distance(bodies.pose(1).position);
     assert!((gap - 0.71).abs() < 1e-5, "{gap}");
-    assert_eq!((bodies.hits(0), bodies.pose(1)), (1, starts[1]));
+    assert_eq!((bodies.collisions(0), bodies.pose(1)), (1, starts[1]));
 }
 
 proptest! {

@@ -39,7 +39,7 @@ use crate::mappable_area::{MappableArea, SCORE_CELL};
 const TOLERANCES: [f64; 2] = [0.30, 0.15];
 
 /// Number of collisions that a robot counts as that is stuck for good, or lost in water.
-const STUCK_HITS: f64 = 3.0;
+const STUCK_COLLISIONS: f64 = 3.0;
 
 /// The greatest coordinate of a pose in metres, and heading in radians.
 const MAX_POSITION: f64 = 1e9;
@@ -69,7 +69,7 @@ pub struct RunSummary<'a> {
     /// Turning of all robots in radians, left and right added.
     pub turning: f64,
     /// Number of collisions of all robots, those with people aside.
-    pub hits: u32,
+    pub collisions: u32,
     /// Where people and leaves were, and the number of collisions of all robots with people; `None` where
     /// nothing moves.
     pub moving: Option<(&'a SweptCells, u32)>,
@@ -146,8 +146,9 @@ pub enum ScoreError {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MovingScores {
-    /// Number of collisions with people.
-    pub person_hits: u32,
+    /// Number of collisions with people, `person_hits` in files.
+    #[serde(rename = "person_hits")]
+    pub person_collisions: u32,
     /// Area in square metres where people and leaves were for more than a twentieth of the time.
     pub swept_area: f64,
     /// Area in square metres of that which the map shows as occupied: ghosts of people, and leaves.
@@ -227,8 +228,9 @@ pub struct Scores {
     pub distance: f64,
     /// Turning of all robots in radians.
     pub turning: f64,
-    /// Number of collisions of all robots.
-    pub hits: u32,
+    /// Number of collisions of all robots, `hits` in files.
+    #[serde(rename = "hits")]
+    pub collisions: u32,
     /// Number of recoveries of all robots.
     pub recoveries: u32,
     /// Number of robots that were stuck for good, or lost in water.
@@ -299,13 +301,13 @@ impl Scores {
             time: run.time,
             distance: run.distance,
             turning: run.turning,
-            hits: run.hits,
+            collisions: run.collisions,
             recoveries: run.recoveries,
             stuck: run.stuck,
             energy_left: run.energy_left,
             score_1,
-            moving: run.moving.map(|(swept, person_hits)| MovingScores {
-                person_hits,
+            moving: run.moving.map(|(swept, person_collisions)| MovingScores {
+                person_collisions,
                 swept_area: swept.area(),
                 ghost_area: ghost_area(&raster, swept),
             }),

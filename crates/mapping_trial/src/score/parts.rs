@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::{RunSummary, STUCK_HITS, saturating};
+use super::{RunSummary, STUCK_COLLISIONS, saturating};
 use crate::policy::margins::cruising_speed;
 use crate::robot::Robot;
 
@@ -19,7 +19,7 @@ const HALF_TIME: f64 = 1.5;
 const HALF_TURNING: f64 = 1.0;
 
 /// Collisions per 100 m at which `e_hit` is 1 - 1/e.
-const MANY_HITS: f64 = 5.0;
+const MANY_COLLISIONS: f64 = 5.0;
 
 /// Path length in metres that counts at least: a robot that is stuck at once had few collisions.
 const LEAST_DISTANCE: f64 = 20.0;
@@ -83,7 +83,7 @@ impl Parts {
         let open_hall = 1.0 / (2.0 * VIEW * cruising_speed(robot));
         let time = (run.time + e_cov * run.time_limit) / covered - open_hall;
         let distance = run.distance.max(LEAST_DISTANCE);
-        let hits = f64::from(run.hits) + STUCK_HITS * f64::from(run.stuck);
+        let collisions = f64::from(run.collisions) + STUCK_COLLISIONS * f64::from(run.stuck);
         let turning = run.turning - TAU * run.tracks.len() as f64;
         Parts {
             e_wall,
@@ -91,7 +91,7 @@ impl Parts {
             e_pose: e_pose(pose_error),
             e_cov,
             e_time: saturating(time, HALF_TIME),
-            e_hit: 1.0 - libm::exp(-hits / (distance / 100.0) / MANY_HITS),
+            e_hit: 1.0 - libm::exp(-collisions / (distance / 100.0) / MANY_COLLISIONS),
             e_turn: saturating(turning / distance, HALF_TURNING),
         }
     }
@@ -154,20 +154,22 @@ mod tests {
         }
         let found = difficulties(&many, &half);
         assert!((found.mapping - 2.5).abs() < 1e-12 && (found.navigation - 3.75).abs() < 1e-12);
-        let hits = parts(&RunSummary { distance: 100.0, hits: 2, stuck: 1, ..run(&map) }, &PERFECT);
-        assert!((hits.e_hit - (1.0 - libm::exp(-1.0))).abs() < 1e-12);
+        let collisions =
+            parts(&RunSummary { distance: 100.0, collisions: 2, stuck: 1, ..run(&map) }, &PERFECT);
+        assert!((collisions.e_hit - (1.0 - libm::exp(-1.0))).abs() < 1e-12);
     }
 
     #[test]
     fn the_same_run_twice_as_large_is_as_difficult() {
         let map = OccupancyMap::new();
-        let once = RunSummary { time: 200.0, distance: 80.0, turning: 60.0, hits: 2, ..run(&map) };
+        let once =
+            RunSummary { time: 200.0, distance: 80.0, turning: 60.0, collisions: 2, ..run(&map) };
         let twice = RunSummary {
             time: 400.0,
             time_limit: 2400.0,
             distance: 160.0,
             turning: 120.0,
-            hits: 4,
+            collisions: 4,
             ..once
         };
         let large = Quality { free_area: 200.0, coverage: 0.9, ..PERFECT };

@@ -46,7 +46,11 @@ impl Scores {
         let moving = self.moving.iter().flat_map(|moving| {
             let area = |area: f64| format!("{area:.1} m^2");
             [
-                ("collisions with people", moving.person_hits.to_string(), "not among the others"),
+                (
+                    "collisions with people",
+                    moving.person_collisions.to_string(),
+                    "not among the others",
+                ),
                 ("swept area", area(moving.swept_area), "by people and doors, not scored"),
                 ("ghosts", area(moving.ghost_area), "of the swept area shown as occupied"),
             ]

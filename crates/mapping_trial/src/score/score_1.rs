@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::parts::Quality;
-use super::{Parts, RunSummary, STUCK_HITS, Weights, saturating};
+use super::{Parts, RunSummary, STUCK_COLLISIONS, Weights, saturating};
 
 /// Trajectory error in metres at which `e_pose` is 0.5.
 const HALF_ERROR: f64 = 0.5;
@@ -12,7 +12,7 @@ const HALF_ERROR: f64 = 0.5;
 const HALF_TIME: f64 = 1.5;
 
 /// Number of collisions at which `e_hit` is 1 - 1/e.
-const MANY_HITS: f64 = 5.0;
+const MANY_COLLISIONS: f64 = 5.0;
 
 /// Turning in radians at which `e_turn` is 0.5.
 const HALF_TURNING: f64 = 60.0;
@@ -48,14 +48,14 @@ impl Score1 {
     /// Scores a run whose `quality` has ATE and U.
     pub(super) fn of(run: &RunSummary<'_>, quality: &Quality) -> Self {
         let Quality { e_wall, coverage, pose_error, free_area, navigability } = *quality;
-        let hits = f64::from(run.hits) + STUCK_HITS * f64::from(run.stuck);
+        let collisions = f64::from(run.collisions) + STUCK_COLLISIONS * f64::from(run.stuck);
         let parts = Parts {
             e_wall,
             e_use: 1.0 - navigability,
             e_pose: saturating(pose_error, HALF_ERROR),
             e_cov: 1.0 - coverage,
             e_time: saturating(run.time, HALF_TIME * free_area),
-            e_hit: 1.0 - libm::exp(-hits / MANY_HITS),
+            e_hit: 1.0 - libm::exp(-collisions / MANY_COLLISIONS),
             e_turn: saturating(run.turning, HALF_TURNING),
         };
         let difficulties = Weights::SCORE_1.difficulties(&parts);

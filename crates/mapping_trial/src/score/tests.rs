@@ -33,7 +33,7 @@ pub(super) fn run(map: &OccupancyMap) -> RunSummary<'_> {
         time_limit: 1200.0,
         distance: 0.0,
         turning: 0.0,
-        hits: 0,
+        collisions: 0,
         moving: None,
         recoveries: 0,
         stuck: 0,
@@ -198,7 +198,7 @@ fn an_empty_room_driven_through_is_easy() {
 fn trouble_makes_getting_around_difficult() {
     let truth = truth(&room(6.0, 4.0));
     let map = truth.perfect_map();
-    let found = Scores::of(&truth, &RunSummary { hits: 2, stuck: 1, ..run(&map) }).unwrap();
+    let found = Scores::of(&truth, &RunSummary { collisions: 2, stuck: 1, ..run(&map) }).unwrap();
     let one = found.score_1;
     assert!((one.e_hit - (1.0 - libm::exp(-1.0))).abs() < 1e-12);
     assert!((one.navigation - 2.0 * one.e_hit).abs() < 1e-12);
@@ -247,14 +247,14 @@ proptest! {
     fn shares_are_shares_whatever_the_map(
         cells in prop::collection::vec((-60..400_i32, -60..300_i32, -400..400_i16), 0..400),
         (time, turning) in (0.0..1e300_f64, 0.0..1e300_f64),
-        hits in 0..u32::MAX,
+        collisions in 0..u32::MAX,
     ) {
         let truth = truth(&room(3.0, 2.0));
         let mut map = OccupancyMap::new();
         for (col, row, odds) in cells {
             map.add(CellIndex { col, row }, odds);
         }
-        let run = RunSummary { time, turning, hits, stuck: hits, ..run(&map) };
+        let run = RunSummary { time, turning, collisions, stuck: collisions, ..run(&map) };
         let s = Scores::of(&truth, &run).unwrap();
         for share in [
             s.e_wall, s.e_use, s.e_pose, s.e_cov, s.e_time, s.e_hit, s.e_turn, s.coverage,

@@ -1,6 +1,6 @@
 //! The weights of a score's parts, and how a ranking depends on them.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::Parts;
 
@@ -21,8 +21,9 @@ pub struct Weights {
     pub time: f64,
     /// Of `e_cov` in N.
     pub reach: f64,
-    /// Of `e_hit` in N.
-    pub hits: f64,
+    /// Of `e_hit` in N; `hits` in files.
+    #[serde(rename = "hits", alias = "collisions")]
+    pub collisions: f64,
     /// Of `e_turn` in N.
     pub turning: f64,
     /// Of M in D.
@@ -42,7 +43,7 @@ impl Default for Weights {
             time: 0.40,
             // Time already counts what was not covered.
             reach: 0.10,
-            hits: 0.15,
+            collisions: 0.15,
             turning: 0.35,
             mapping: 0.6,
             navigation: 0.4,
@@ -59,7 +60,7 @@ impl Weights {
         coverage: 0.10,
         time: 0.40,
         reach: 0.25,
-        hits: 0.20,
+        collisions: 0.20,
         turning: 0.15,
         mapping: 0.6,
         navigation: 0.4,
@@ -74,7 +75,7 @@ impl Weights {
             ("coverage", &mut self.coverage),
             ("time", &mut self.time),
             ("reach", &mut self.reach),
-            ("hits", &mut self.hits),
+            ("collisions", &mut self.collisions),
             ("turning", &mut self.turning),
             ("mapping", &mut self.mapping),
             ("navigation", &mut self.navigation),
@@ -86,8 +87,8 @@ impl Weights {
     /// ```
     /// use mapping_trial::score::Weights;
     ///
-    /// let weights = Weights::default().changed("hits", 2.0).expect("a weight");
-    /// assert_eq!(weights.hits, 2.0 * Weights::default().hits);
+    /// let weights = Weights::default().changed("collisions", 2.0).expect("a weight");
+    /// assert_eq!(weights.collisions, 2.0 * Weights::default().collisions);
     /// assert_eq!(Weights::default().changed("speed", 2.0), None);
     /// ```
     pub fn changed(mut self, weight: &str, factor: f64) -> Option<Self> {
@@ -125,7 +126,7 @@ impl Weights {
             * mean(&[
                 (self.time, parts.e_time),
                 (self.reach, parts.e_cov),
-                (self.hits, parts.e_hit),
+                (self.collisions, parts.e_hit),
                 (self.turning, parts.e_turn),
             ]);
         let overall = mean(&[(self.mapping, mapping), (self.navigation, navigation)]);
@@ -147,7 +148,8 @@ pub struct Difficulties {
 /// How a ranking changes when one weight changes by half.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sensitivity {
-    /// The weight, by the name of its field in [`Weights`].
+    /// The weight, by the name of its field in [`Weights`]. Files call that of collisions `hits`.
+    #[serde(serialize_with = "weight_in_files")]
     pub weight: &'static str,
     /// The factor of the weight: 0.5 or 1.5.
     pub factor: f64,
@@ -157,6 +159,11 @@ pub struct Sensitivity {
     /// The most positions that one trial moves in the order by D, least first; ties keep the
     /// order in which they were given.
     pub most_places: usize,
+}
+
+/// The former name, which readers of earlier summaries know.
+fn weight_in_files<S: Serializer>(weight: &str, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(if weight == "collisions" { "hits" } else { weight })
 }
 
 /// Ranks trials by D with each weight in turn multiplied by 0.5 and by 1.5, and
@@ -282,6 +289,6 @@ mod tests {
         assert!(of("wall", 0.5).tau.unwrap() < 1.0);
         assert_eq!(of("wall", 0.5).most_places, 1);
         // A weight of a part that is 0 everywhere does not change the order within M.
-        assert_eq!(of("hits", 0.5).tau, Some(1.0));
+        assert_eq!(of("collisions", 0.5).tau, Some(1.0));
     }
 }

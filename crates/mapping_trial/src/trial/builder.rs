@@ -49,7 +49,7 @@ use crate::slam::Slam;
 /// let mut trial = Trial::builder(&world, settings).policy(|_| Ahead).build_flat()?;
 /// while trial.step() {}
 /// let scores = trial.score(&trial.reference(&world)?)?;
-/// assert!(scores.coverage > 0.1 && scores.hits == 1);
+/// assert!(scores.coverage > 0.1 && scores.collisions == 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone)]

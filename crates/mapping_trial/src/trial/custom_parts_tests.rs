@@ -255,8 +255,8 @@ impl RobotBackend for Backwards {
         self.0.condition(robot)
     }
 
-    fn hits(&self, robot: usize) -> u32 {
-        self.0.hits(robot)
+    fn collisions(&self, robot: usize) -> u32 {
+        self.0.collisions(robot)
     }
 }
 

@@ -68,8 +68,9 @@ pub struct RobotReport {
     pub distance: f64,
     /// Turning in radians, left and right added.
     pub turning: f64,
-    /// Number of collisions.
-    pub hits: u32,
+    /// Number of collisions, `hits` in files.
+    #[serde(rename = "hits")]
+    pub collisions: u32,
     /// Number of recoveries.
     pub recoveries: u32,
     /// Distance in metres of the last estimated position from the true one.
@@ -89,7 +90,7 @@ impl<B: RobotBackend> Trial<B> {
             time: self.end_of(robot).map_or(self.time(), |end| end.tick as f64 * TICK),
             distance: self.trajectory(robot).distance,
             turning: self.trajectory(robot).turning,
-            hits: self.bodies().hits(robot),
+            collisions: self.bodies().collisions(robot),
             recoveries: self.recoveries(robot),
             pose_error: self.pose_error(robot),
         };

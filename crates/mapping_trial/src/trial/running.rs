@@ -338,10 +338,11 @@ impl<B: RobotBackend> Trial<B> {
                 time_limit: self.settings.time_limit.min(self.settings.body.battery),
                 distance: self.tracks.iter().map(|track| track.distance).sum(),
                 turning: self.tracks.iter().map(|track| track.turning).sum(),
-                hits: robots.clone().map(|robot| self.bodies.hits(robot)).sum(),
+                collisions: robots.clone().map(|robot| self.bodies.collisions(robot)).sum(),
                 moving: self.scenario.as_ref().map(|moving| {
-                    let hits = robots.clone().map(|robot| self.bodies.person_hits(robot)).sum();
-                    (&moving.1, hits)
+                    let collisions =
+                        robots.clone().map(|robot| self.bodies.person_collisions(robot)).sum();
+                    (&moving.1, collisions)
                 }),
                 recoveries: robots.map(|robot| self.recoveries(robot)).sum(),
                 stuck: self.ends.iter().filter(lost).count() as u32,

@@ -35,7 +35,7 @@ impl RobotReport {
             self.time,
             self.distance,
             self.turning,
-            self.hits,
+            self.collisions,
             self.recoveries
         );
         if self.pose_error > LOST {
@@ -57,7 +57,7 @@ mod tests {
             time: 100.0,
             distance: 50.0,
             turning: 20.0,
-            hits: 1,
+            collisions: 1,
             recoveries: 0,
             pose_error: 0.2,
         };

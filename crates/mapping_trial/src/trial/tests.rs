@@ -117,7 +117,7 @@ fn exact_wheels_have_no_trajectory_error() {
     }
     trial.stop();
     let scores = trial.score(&truth).expect("scores");
-    assert_eq!((scores.hits, scores.distance), (0, trial.trajectory(0).distance));
+    assert_eq!((scores.collisions, scores.distance), (0, trial.trajectory(0).distance));
     assert!(scores.distance > 4.0 && scores.turning > 4.0, "{scores:?}");
     assert!(scores.trajectory_error < 1e-9, "{}", scores.trajectory_error);
     // A replay has the same scores, to the bit.

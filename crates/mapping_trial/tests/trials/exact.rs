@@ -32,7 +32,7 @@ pub(crate) struct Outcome {
     pub(crate) time: f64,
     /// Share of the reachable free space that is free on the map.
     pub(crate) coverage: f64,
-    pub(crate) hits: u32,
+    pub(crate) collisions: u32,
     pub(crate) recoveries: u32,
     /// Metres driven and radians turned by all robots.
     pub(crate) metres: f64,
@@ -142,7 +142,7 @@ impl Run {
             end: end.flatten().unwrap_or(End::Time),
             time: self.time,
             coverage: f64::NAN,
-            hits: (0..robots).map(|robot| self.bodies.hits(robot)).sum(),
+            collisions: (0..robots).map(|robot| self.bodies.collisions(robot)).sum(),
             recoveries: (0..robots).map(|robot| policy.recoveries(robot)).sum(),
             metres,
             radians,

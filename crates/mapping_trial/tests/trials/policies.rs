@@ -97,7 +97,7 @@ fn an_empty_room_is_soon_done() {
         assert_eq!(outcome.end, End::Finished, "{kind:?}: {outcome:?}");
         assert!(outcome.coverage > 0.98, "{kind:?}: {outcome:?}");
         assert!(outcome.time < 300.0, "{kind:?}: {outcome:?}");
-        assert!(outcome.hits == 0 && outcome.recoveries == 0, "{kind:?}: {outcome:?}");
+        assert!(outcome.collisions == 0 && outcome.recoveries == 0, "{kind:?}: {outcome:?}");
     }
 }
 

@@ -69,7 +69,7 @@ fn drive_passes(robot: &Robot, gap: f64) -> (bool, u32) {
     for _ in 0..300 {
         bodies.advance(&[Command { speed: 0.5, turn_rate: 0.0 }]);
     }
-    (bodies.pose(0).position.x > ROOM + robot.circumscribed_radius, bodies.hits(0))
+    (bodies.pose(0).position.x > ROOM + robot.circumscribed_radius, bodies.collisions(0))
 }
 
 /// Square metres that the reference says can be mapped.
@@ -117,7 +117,7 @@ fn a_trial_ends_where_the_robot_no_longer_fits() {
         };
         let (x, scores, end) = run(2.0 * radius + 0.4);
         assert!(x > ROOM, "{radius}: never left the first room: {x}");
-        assert_eq!((end, scores.hits), (Some(EndReason::Explored), 0), "{radius}");
+        assert_eq!((end, scores.collisions), (Some(EndReason::Explored), 0), "{radius}");
         assert!(scores.coverage > 0.9 && scores.navigability > 0.9, "{radius}: {scores:?}");
         let (x, scores, _) = run(2.0 * radius - 0.2);
         assert!(x < ROOM, "{radius}: went through a gap that it does not fit into: {x}");
@@ -125,7 +125,7 @@ fn a_trial_ends_where_the_robot_no_longer_fits() {
     }
 }
 
-/// The robots in `assets/robots` are sound, and each maps a hallway without hitting much.
+/// The robots in `assets/robots` are sound, and each maps a hallway with few collisions.
 #[test]
 fn the_robots_that_ship_can_be_driven() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots");
@@ -145,7 +145,7 @@ fn the_robots_that_ship_can_be_driven() {
         while trial.step() {}
         let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
         assert!(scores.coverage > 0.5 && scores.stuck == 0, "{}: {scores:?}", path.display());
-        assert!(scores.hits <= 2, "{}: {scores:?}", path.display());
+        assert!(scores.collisions <= 2, "{}: {scores:?}", path.display());
         names.push(path.file_stem().expect("a name").to_string_lossy().into_owned());
     }
     names.sort();

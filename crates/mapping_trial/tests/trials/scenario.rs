@@ -58,10 +58,10 @@ fn a_person_stops_a_robot_and_is_seen() {
     let radius = trial.settings().body.circumscribed_radius;
     assert!(at.distance(person) >= radius + 0.25 - 1e-3, "{at} {person}");
     assert!(at.x < person.x);
-    assert_eq!((trial.bodies().hits(0), trial.bodies().person_hits(0)), (0, 1));
+    assert_eq!((trial.bodies().collisions(0), trial.bodies().person_collisions(0)), (0, 1));
     let scores = trial.score(&trial.reference(&world).expect("an area")).expect("scores");
     let moving = scores.moving.expect("something moves");
-    assert_eq!((scores.hits, moving.person_hits), (0, 1));
+    assert_eq!((scores.collisions, moving.person_collisions), (0, 1));
     assert!(moving.swept_area > 0.3, "{moving:?}");
 }
 

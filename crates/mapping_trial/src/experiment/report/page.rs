@@ -109,7 +109,7 @@ fn method(design: &Design) -> Markup {
             ". The robot is a P3-AT with the noise of its laser and wheels; the world is unknown to it. \
              M = 10 (" (share(w.wall)) (e("wall")) " + " (share(w.navigability)) (e("use")) " + "
             (share(w.pose)) (e("pose")) " + " (share(w.coverage)) (e("cov")) "), N = 10 ("
-            (share(w.time)) (e("time")) " + " (share(w.reach)) (e("cov")) " + " (share(w.hits))
+            (share(w.time)) (e("time")) " + " (share(w.reach)) (e("cov")) " + " (share(w.collisions))
             (e("hit")) " + " (share(w.turning)) (e("turn")) "), D = " (share(w.mapping)) "M + "
             (share(w.navigation)) "N. The same design gives the same page to the \
              last byte."

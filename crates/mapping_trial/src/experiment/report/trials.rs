@@ -139,7 +139,7 @@ fn row(design: &Design, record: &Record) -> Vec<Markup> {
         cell(number(s.time, 0)),
         cell(number(s.distance, 0)),
         cell(number(s.turning, 0)),
-        cell(s.hits),
+        cell(s.collisions),
         cell(s.recoveries),
     ]
 }
