@@ -3,7 +3,7 @@
 use envgen::geometry::Pose;
 use glam::DVec2;
 
-use super::TrajectoryPair;
+use super::trajectory_pair::TrajectoryPair;
 
 /// The pose of the estimate's frame in the world's with which the squared errors of the positions are least, without
 /// a change of scale (Umeyama, Least-squares estimation of transformation parameters between two point patterns, IEEE

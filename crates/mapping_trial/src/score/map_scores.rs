@@ -2,13 +2,19 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::parts::e_pose;
+use super::error::ScoreError;
+use super::parts::{Parts, e_pose};
 use super::raster::Raster;
-use super::{
-    Parts, Reference, ScoreError, SweptCells, TOLERANCES, TrajectoryPair, Weights, check_tracks,
-    coverage, harmonic, navigability, pose, walls,
-};
+use super::reference::Reference;
+use super::swept::SweptCells;
+use super::trajectory_pair::{TrajectoryPair, check_tracks};
+use super::weights::Weights;
+use super::{navigability, pose, walls};
 use crate::map::OccupancyMap;
+use crate::mappable_area::MappableArea;
+
+/// Distances in metres up to which a wall counts as mapped in its place.
+const TOLERANCES: [f64; 2] = [0.30, 0.15];
 
 /// The scores of a map alone; the fields are those of [`Scores`](super::Scores).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -159,4 +165,18 @@ impl TrajectoryScores {
             relative_turn_far: far.map(|(_, heading)| heading),
         }
     }
+}
+
+/// `C = |E_f and F| / |F|`.
+fn coverage(truth: &MappableArea, raster: &Raster) -> f64 {
+    let free = raster.free.iter().enumerate().filter(|(_, free)| **free);
+    let covered = free.filter(|(cell, _)| {
+        let (col, row) = raster.frame.place(*cell);
+        truth.frame().cell(col, row).is_some_and(|cell| truth.free()[cell])
+    });
+    covered.count() as f64 / truth.free_cells() as f64
+}
+
+fn harmonic(a: f64, b: f64) -> f64 {
+    if a + b > 0.0 { 2.0 * a * b / (a + b) } else { 0.0 }
 }

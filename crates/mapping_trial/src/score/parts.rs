@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::{RunSummary, STUCK_COLLISIONS, saturating};
+use super::run_summary::{RunSummary, STUCK_COLLISIONS};
 use crate::policy::margins::cruising_speed;
 use crate::robot::Robot;
 
@@ -58,6 +58,11 @@ pub struct Parts {
 /// The part of an error of the pose, in metres.
 pub(super) fn e_pose(error: f64) -> f64 {
     saturating(error - LEAST_DRIFT, HALF_DRIFT)
+}
+
+/// 0 for 0, 0.5 for `half`, towards 1 for large values.
+pub(super) fn saturating(value: f64, half: f64) -> f64 {
+    if value > 0.0 { value / (value + half) } else { 0.0 }
 }
 
 /// What the map of a run and its poses are worth.

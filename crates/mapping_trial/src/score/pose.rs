@@ -2,7 +2,7 @@
 
 use envgen::geometry::{Pose, wrap_angle};
 
-use super::TrajectoryPair;
+use super::trajectory_pair::TrajectoryPair;
 
 /// Length of true path in metres between the poses of a near relation.
 pub(super) const NEAR: f64 = 1.0;

@@ -1,6 +1,6 @@
 //! The scores as the rows of a table, for terminals and panels alike.
 
-use super::Scores;
+use super::scores::Scores;
 
 /// One row of the table of scores.
 #[derive(Clone, Debug, PartialEq, Eq)]

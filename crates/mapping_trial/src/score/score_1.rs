@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::parts::Quality;
-use super::{Parts, RunSummary, STUCK_COLLISIONS, Weights, saturating};
+use super::parts::{Parts, Quality, saturating};
+use super::run_summary::{RunSummary, STUCK_COLLISIONS};
+use super::weights::Weights;
 
 /// Trajectory error in metres at which `e_pose` is 0.5.
 const HALF_ERROR: f64 = 0.5;

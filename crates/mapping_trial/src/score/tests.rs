@@ -1,10 +1,11 @@
 use envgen::Spec;
+use envgen::geometry::Pose;
 use envgen::world::World;
 use glam::DVec2;
 use proptest::prelude::*;
 
 use super::*;
-use crate::map::{CLAMP, Cell, CellIndex, TILE};
+use crate::map::{CLAMP, Cell, CellIndex, OccupancyMap, TILE};
 use crate::mappable_area::tests::{add_wall, room};
 use crate::robot::Robot;
 

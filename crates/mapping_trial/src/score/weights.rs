@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::Parts;
+use super::parts::Parts;
 
 /// Weights of the parts; the default ones are those of [`Scores`](super::Scores). Those of M, of N and
 /// of D count in proportion: only their ratios matter.

@@ -1,0 +1,204 @@
+//! The scores of a run: every component, and M, N and D.
+
+use serde::{Deserialize, Serialize};
+
+use super::error::ScoreError;
+use super::map_scores::{MapScores, TrajectoryScores};
+use super::parts::{Parts, Quality};
+use super::raster::Raster;
+use super::reference::Reference;
+use super::run_summary::{RunSummary, check};
+use super::score_1::Score1;
+use super::swept::SweptCells;
+use super::weights::{Difficulties, Weights};
+use crate::mappable_area::SCORE_CELL;
+
+/// What a run shows of people and doors. Where one of them was for more than a twentieth of the time, the map
+/// is neither right nor wrong: those cells count in no precision and no recall.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MovingScores {
+    /// Number of collisions with people, `person_hits` in files.
+    #[serde(rename = "person_hits")]
+    pub person_collisions: u32,
+    /// Area in square metres where people and leaves were for more than a twentieth of the time.
+    pub swept_area: f64,
+    /// Area in square metres of that which the map shows as occupied: ghosts of people, and leaves.
+    pub ghost_area: f64,
+}
+
+/// The scores of a run.
+///
+/// Shares and errors `e_...` are from 0 to 1, M, N and D from 0 to 10, 10 being the most
+/// difficult. F is the ground that the robot can cover, cell by cell of 0.1 m.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scores {
+    /// D = 0.6 M + 0.4 N: overall difficulty.
+    pub difficulty: f64,
+    /// M: difficulty of mapping, `10 (0.20 e_wall + 0.20 e_use + 0.50 e_pose + 0.10 e_cov)`.
+    pub mapping: f64,
+    /// N: difficulty of navigation,
+    /// `10 (0.40 e_time + 0.10 e_cov + 0.15 e_hit + 0.35 e_turn)`.
+    pub navigation: f64,
+    /// 1 - F1 at 0.30 m.
+    pub e_wall: f64,
+    /// 1 - U', the share of the 40 paths on which a robot collides that is smaller all around by a
+    /// cell of the map, 0.05 m: what the map cannot show does not count.
+    pub e_use: f64,
+    /// d / (d + 0.05 m), where d is the error of the position relative to that 20 m of path before,
+    /// beyond 0.04 m; for robots that drove less, the trajectory error beyond it.
+    pub e_pose: f64,
+    /// 1 - C.
+    pub e_cov: f64,
+    /// t / (t + 1.5 s/m^2), where `t = (T + (1 - C) T_lim) / (C |F|) - 1 / (2 * 8 m * v)`, at least 0,
+    /// with v 5/7 of the greatest speed: time by the area that was mapped, beyond what a robot
+    /// without errors needs in an open hall. What is not mapped never helps.
+    pub e_time: f64,
+    /// 1 - exp(-h / 5), where h is collisions + 3 stuck for each 100 m driven.
+    pub e_hit: f64,
+    /// r / (r + 1 rad/m), where r is the turning per metre beyond one look around.
+    pub e_turn: f64,
+    /// C: share of F that the map shows as free.
+    pub coverage: f64,
+    /// Share of the map's occupied cells that are within 0.30 m of a wall that can be seen from F.
+    pub precision_30: f64,
+    /// Share of those walls that are within 0.30 m of an occupied cell of the map.
+    pub recall_30: f64,
+    /// Harmonic mean of the two.
+    pub f1_30: f64,
+    /// The same within 0.15 m.
+    pub precision_15: f64,
+    /// The same within 0.15 m.
+    pub recall_15: f64,
+    /// The same within 0.15 m.
+    pub f1_15: f64,
+    /// Mean distance in metres from the map's walls to the true ones and back, each at most 1 m.
+    pub wall_distance: f64,
+    /// Share of the walls that the map shows twice, within 0.7 m to either side.
+    pub ghosting: f64,
+    /// U: share of 40 paths, planned on the map and driven in the true world, that arrive without a
+    /// collision.
+    pub navigability: f64,
+    /// ATE: root mean square of the errors of position in metres over all ticks, not aligned.
+    pub trajectory_error: f64,
+    /// Root mean square error in metres of the position relative to that 1 m of path before;
+    /// absent if no robot drove that far.
+    pub relative_error_near: Option<f64>,
+    /// The same of the heading, in radians.
+    pub relative_turn_near: Option<f64>,
+    /// Root mean square error in metres of the position relative to that 20 m of path before;
+    /// absent if no robot drove that far.
+    pub relative_error_far: Option<f64>,
+    /// The same of the heading, in radians.
+    pub relative_turn_far: Option<f64>,
+    /// Area of F in square metres.
+    pub free_area: f64,
+    /// Simulated time in seconds.
+    pub time: f64,
+    /// Path length of all robots in metres.
+    pub distance: f64,
+    /// Turning of all robots in radians.
+    pub turning: f64,
+    /// Number of collisions of all robots, `hits` in files.
+    #[serde(rename = "hits")]
+    pub collisions: u32,
+    /// Number of recoveries of all robots.
+    pub recoveries: u32,
+    /// Number of robots that were stuck for good, or lost in water.
+    pub stuck: u32,
+    /// Seconds that the batteries would still have lasted, the minimum of all robots.
+    pub energy_left: f64,
+    /// The same run by the older score, which the thesis's replay compares with.
+    pub score_1: Score1,
+    /// What concerns people and doors; absent where nothing moves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moving: Option<MovingScores>,
+}
+
+impl Scores {
+    /// Scores a run against the mappable area of its world.
+    ///
+    /// # Errors
+    /// If a trajectory's lists differ in length, or a number is not finite or negative.
+    pub fn of(truth: &Reference, run: &RunSummary<'_>) -> Result<Scores, ScoreError> {
+        check(run)?;
+        let raster = Raster::of(truth, run.map);
+        let swept = run.moving.map(|(swept, _)| swept);
+        let map = MapScores::of_raster(truth, run.map, &raster, swept);
+        let poses = TrajectoryScores::of_checked(run.tracks);
+        let quality = Quality {
+            e_wall: map.e_wall,
+            coverage: map.coverage,
+            pose_error: poses.relative_error_far.unwrap_or(poses.trajectory_error),
+            free_area: map.free_area,
+            navigability: 1.0 - map.e_use,
+        };
+        let parts = Parts::of(run, truth.robot(), &quality);
+        let as_a_whole = Quality {
+            pose_error: poses.trajectory_error,
+            navigability: map.navigability,
+            ..quality
+        };
+        let score_1 = Score1::of(run, &as_a_whole);
+        let Difficulties { mapping, navigation, overall } = Weights::default().difficulties(&parts);
+        let Parts { e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn } = parts;
+        Ok(Scores {
+            difficulty: overall,
+            mapping,
+            navigation,
+            e_wall,
+            e_use,
+            e_pose,
+            e_cov,
+            e_time,
+            e_hit,
+            e_turn,
+            coverage: map.coverage,
+            precision_30: map.precision_30,
+            recall_30: map.recall_30,
+            f1_30: map.f1_30,
+            precision_15: map.precision_15,
+            recall_15: map.recall_15,
+            f1_15: map.f1_15,
+            wall_distance: map.wall_distance,
+            ghosting: map.ghosting,
+            navigability: map.navigability,
+            trajectory_error: poses.trajectory_error,
+            relative_error_near: poses.relative_error_near,
+            relative_turn_near: poses.relative_turn_near,
+            relative_error_far: poses.relative_error_far,
+            relative_turn_far: poses.relative_turn_far,
+            free_area: map.free_area,
+            time: run.time,
+            distance: run.distance,
+            turning: run.turning,
+            collisions: run.collisions,
+            recoveries: run.recoveries,
+            stuck: run.stuck,
+            energy_left: run.energy_left,
+            score_1,
+            moving: run.moving.map(|(swept, person_collisions)| MovingScores {
+                person_collisions,
+                swept_area: swept.area(),
+                ghost_area: ghost_area(&raster, swept),
+            }),
+        })
+    }
+
+    /// The parts that M and N are made of.
+    pub fn parts(&self) -> Parts {
+        let Scores { e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn, .. } = *self;
+        Parts { e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn }
+    }
+}
+
+/// Area in square metres that the map shows as occupied where people or leaves were.
+fn ghost_area(raster: &Raster, swept: &SweptCells) -> f64 {
+    let occupied = raster.occupied.iter().enumerate().filter(|(_, occupied)| **occupied);
+    let ghosts = occupied.filter(|(cell, _)| {
+        let (col, row) = raster.frame.place(*cell);
+        swept.is_moving(col, row)
+    });
+    ghosts.count() as f64 * SCORE_CELL * SCORE_CELL
+}
