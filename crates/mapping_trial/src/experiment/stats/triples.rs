@@ -73,9 +73,9 @@ fn share_harder(these: &[f64], those: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::super::measure::MEASURES;
+mod tests {
     use super::*;
+    use crate::experiment::stats::MEASURES;
     use crate::experiment::tests::record;
 
     /// Every three maps one after the other.
