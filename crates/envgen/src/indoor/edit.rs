@@ -3,6 +3,7 @@
 mod objects;
 mod target;
 
+use glam::DVec2;
 use thiserror::Error;
 
 pub use target::PlanTarget;
@@ -217,6 +218,29 @@ impl PlanEditor {
         }
         self.mark();
         is_redone
+    }
+
+    /// The position of a doorway that is nearest to a point in metres in the frame of the world. Positions where a
+    /// doorway can be come before others. `None` outside of the grid.
+    pub fn gate_at(&self, p: DVec2) -> Option<Gate> {
+        self.plan.cell_at(p)?;
+        let cells = self.plan.in_cells(p);
+        let mut best: Option<((bool, f64), Gate)> = None;
+        for wall in [Axis::Horizontal, Axis::Vertical] {
+            let (across, along) = match wall {
+                Axis::Horizontal => (cells.y, cells.x),
+                Axis::Vertical => (cells.x, cells.y),
+            };
+            for at in [(2.0 * along).floor(), (2.0 * along).ceil()] {
+                let gate = Gate { wall, line: across.round() as u32, at: (at as u32).max(1) };
+                let (x, y) = gate.middle();
+                let rank = (!self.takes_doorway(gate), DVec2::new(x, y).distance(cells));
+                if best.is_none_or(|(least, _)| rank < least) {
+                    best = Some((rank, gate));
+                }
+            }
+        }
+        best.map(|(_, gate)| gate)
     }
 
     /// Says in the plan that it was edited, and how.

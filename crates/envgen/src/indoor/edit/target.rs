@@ -2,10 +2,9 @@
 
 use glam::DVec2;
 
-use super::PlanEditor;
 use crate::geometry::{Rect, Shape};
 use crate::indoor::blueprint::FloorPlan;
-use crate::indoor::grid::{Axis, Cell, Gate};
+use crate::indoor::grid::{Cell, Gate};
 use crate::indoor::world;
 
 /// A part of a plan that can be edited.
@@ -41,7 +40,7 @@ impl FloorPlan {
     }
 
     /// The columns and rows from the upper left corner of the grid to a point.
-    fn in_cells(&self, p: DVec2) -> DVec2 {
+    pub(super) fn in_cells(&self, p: DVec2) -> DVec2 {
         let cells = p / self.spec.cell_size;
         DVec2::new(cells.x, f64::from(self.grid.height()) - cells.y)
     }
@@ -102,30 +101,5 @@ impl FloorPlan {
     /// The outline that an opening has, or would have if it were open.
     pub fn doorway_outline(&self, gate: Gate) -> Shape {
         Shape::from_rect(world::doorway_rect(self, gate))
-    }
-}
-
-impl PlanEditor {
-    /// The position of a doorway that is nearest to a point in metres in the frame of the world. Positions where a
-    /// doorway can be come before others. `None` outside of the grid.
-    pub fn gate_at(&self, p: DVec2) -> Option<Gate> {
-        self.plan.cell_at(p)?;
-        let cells = self.plan.in_cells(p);
-        let mut best: Option<((bool, f64), Gate)> = None;
-        for wall in [Axis::Horizontal, Axis::Vertical] {
-            let (across, along) = match wall {
-                Axis::Horizontal => (cells.y, cells.x),
-                Axis::Vertical => (cells.x, cells.y),
-            };
-            for at in [(2.0 * along).floor(), (2.0 * along).ceil()] {
-                let gate = Gate { wall, line: across.round() as u32, at: (at as u32).max(1) };
-                let (x, y) = gate.middle();
-                let rank = (!self.takes_doorway(gate), DVec2::new(x, y).distance(cells));
-                if best.is_none_or(|(least, _)| rank < least) {
-                    best = Some((rank, gate));
-                }
-            }
-        }
-        best.map(|(_, gate)| gate)
     }
 }
