@@ -32,9 +32,11 @@
 mod barn;
 mod clearance;
 mod drift;
+mod error;
 mod feature;
 mod information;
 mod leg;
+mod limits;
 mod localization;
 mod places;
 mod platform;
@@ -49,83 +51,35 @@ mod walls;
 #[cfg(feature = "parallel")]
 use rayon::join;
 use serde::Serialize;
-use thiserror::Error;
 
 pub use barn::{Barn, BarnMetrics, BarnMode};
 pub use clearance::Clearance;
 pub use drift::Drift;
+pub use error::DifficultyError;
 pub use feature::Feature;
 pub use information::{Echoes, ScanInformation};
+pub use limits::{MAX_CELL, MAX_CELLS, MAX_READS};
 pub use localization::Localization;
 pub use places::Places;
 pub use platform::Platform;
 pub use poses::POSES;
 pub use search::MAX_VISITS;
-pub use space::{CELL, MAX_CELL, MAX_CELLS, MAX_READS};
+pub use space::CELL;
 pub use tour::{MAX_SCANS, TourFeatures};
 pub use visibility::Visibility;
 pub use walls::Walls;
 
 use crate::distance::squared_distances;
-use crate::error::SpecError;
 use crate::geometry::Pose;
-use crate::occupancy::{Coverage, OccupancyError, OccupancyGrid};
+use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::raycast::Raycaster;
-use crate::world::{Violation, World};
+use crate::world::World;
 use feature::features;
 use leg::Floor;
 use poses::{Laser, View, poses};
 use search::Search;
 use space::Space;
 use tour::Tour;
-
-/// Why a world has no difficulty vector for a robot.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum DifficultyError {
-    /// A number of the robot or its laser is not allowed.
-    #[error(transparent)]
-    Platform(#[from] SpecError),
-    /// The world breaks an invariant.
-    #[error("the world is broken: {0}")]
-    World(#[from] Violation),
-    /// The world is too large for its grid.
-    #[error(transparent)]
-    Size(#[from] OccupancyError),
-    /// The world is too large for cells of [`MAX_CELL`].
-    #[error(
-        "the bounds of the world must hold at most {MAX_CELLS} cells of {MAX_CELL} m, got {width} m x {height} m"
-    )]
-    TooLarge {
-        /// Their width in metres.
-        width: f64,
-        /// Their height in metres.
-        height: f64,
-    },
-    /// So many solids are near each other that the clearances take over [`MAX_READS`] distances to solids.
-    #[error(
-        "the solids of the world are too dense: their clearances must take at most {MAX_READS} distances to solids"
-    )]
-    TooDense,
-    /// The robot does not fit at the start.
-    #[error(
-        "`start` must be on ground to drive on with {radius} m of free ground all around, got ({x}, {y}) m"
-    )]
-    Start {
-        /// Its x in metres.
-        x: f64,
-        /// Its y in metres.
-        y: f64,
-        /// The distance that the robot's centre keeps from solids, in metres.
-        radius: f64,
-    },
-    /// The world has no start, and the robot fits nowhere.
-    #[error("the world has no ground to drive on with {radius} m of free ground all around")]
-    NoGround {
-        /// The distance that the robot's centre keeps from solids, in metres.
-        radius: f64,
-    },
-}
 
 features! {
     /// The ground that the other features are about.

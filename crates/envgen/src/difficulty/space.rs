@@ -4,7 +4,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec2;
 
-use super::DifficultyError;
+use super::error::DifficultyError;
+use super::limits::{MAX_CELL, MAX_CELLS, MAX_READS};
 use super::platform::MARGIN;
 use crate::clearance_index::{ClearanceIndex, Room};
 use crate::geometry::Shape;
@@ -14,16 +15,6 @@ use crate::world::World;
 
 /// Side of a cell in metres, where the world is not too large for it.
 pub const CELL: f64 = 0.2;
-
-/// The most cells of the grid; larger worlds have larger cells.
-pub const MAX_CELLS: usize = 1 << 18;
-
-/// The greatest side of a cell in metres: in larger ones a robot's ground and moves mean little.
-pub const MAX_CELL: f64 = 5.0;
-
-/// The most distances to solids that all clearances take, about a second's worth, a polygon counting once for
-/// each corner: where solids are piled on each other, each clearance takes many.
-pub const MAX_READS: usize = 1 << 28;
 
 /// Clearances are measured up to this distance in metres; greater ones count as this.
 pub(super) const SIGHT_OF_SOLIDS: f64 = 1.5;
