@@ -4,10 +4,16 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 
-use super::{JOINED, Mesh, ROAD_TOLERANCE, triangulate};
+use super::{Mesh, triangulate};
 use crate::geometry::{Shape, regular_polygon, signed_area};
 use crate::outline::outline;
 use crate::world::{Extent, RoadMesh, RoadStrip};
+
+/// How far the edges of a mesh of a road stray from the road's at most, in metres.
+const ROAD_TOLERANCE: f64 = 0.02;
+
+/// Ends of a road that are this near join, in metres.
+const JOINED: f64 = 1e-6;
 
 /// Least distance in metres between cuts across a road.
 const SHORTEST: f64 = 0.01;

@@ -8,21 +8,16 @@ mod convex;
 mod extrude;
 mod raycast;
 mod revolve;
+mod triangle_mesh;
 mod triangulate;
 
-use glam::{DVec2, DVec3};
 use thiserror::Error;
 
 pub use self::convex::convex_pieces;
 pub use self::raycast::{BodyHit, BodyRaycaster};
+pub use self::triangle_mesh::Mesh;
 pub use self::triangulate::triangulate;
 use crate::pieces::{Form, Piece};
-
-/// How far the edges of a mesh of a road stray from the road's at most, in metres.
-const ROAD_TOLERANCE: f64 = 0.02;
-
-/// Ends of a road that are this near join, in metres.
-const JOINED: f64 = 1e-6;
 
 /// Why there is no mesh.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -34,55 +29,7 @@ pub struct MeshError {
     pub piece: String,
 }
 
-/// A closed surface as triangles.
-///
-/// ```
-/// use envgen::geometry::{Rect, Shape};
-/// use envgen::glam::DVec2;
-/// use envgen::mesh::Mesh;
-/// use envgen::world::Extent;
-///
-/// let shape = Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::new(4.0, 0.5)));
-/// let wall = Mesh::extruded(&shape, Extent::new(0.0, 2.6)?).expect("a box");
-/// // Positions are relative to the middle of the shape.
-/// assert_eq!(wall.pivot, DVec2::new(2.0, 0.25));
-/// assert!((wall.volume() - 4.0 * 0.5 * 2.6).abs() < 1e-12);
-/// # Ok::<(), envgen::SpecError>(())
-/// ```
-#[derive(Clone, Debug, PartialEq)]
-pub struct Mesh {
-    /// What the positions are relative to, on the plan.
-    pub pivot: DVec2,
-    /// The corners of the triangles. Corners of different normals or texture coordinates are
-    /// listed several times, with the same position to the last bit.
-    pub positions: Vec<DVec3>,
-    /// The unit normal at each corner, out of the surface.
-    pub normals: Vec<DVec3>,
-    /// Texture coordinates of each corner, in metres: on sides the distance along the outline and the
-    /// height, on tops and bottoms x and y.
-    pub uvs: Vec<DVec2>,
-    /// Three corners per triangle, counter-clockwise from outside.
-    pub triangles: Vec<[u32; 3]>,
-}
-
 impl Mesh {
-    fn empty(pivot: DVec2) -> Self {
-        Mesh {
-            pivot,
-            positions: Vec::new(),
-            normals: Vec::new(),
-            uvs: Vec::new(),
-            triangles: Vec::new(),
-        }
-    }
-
-    fn push(&mut self, position: DVec3, normal: DVec3, uv: DVec2) -> u32 {
-        self.positions.push(position);
-        self.normals.push(normal);
-        self.uvs.push(uv);
-        self.positions.len() as u32 - 1
-    }
-
     /// The mesh of a piece of a world.
     ///
     /// # Errors
@@ -99,13 +46,6 @@ impl Mesh {
             Form::Crown { center, crown } => Some(Mesh::ellipsoid(*center, *crown)),
             Form::Road { strip, extent } => Mesh::of_road(strip, *extent),
         }
-    }
-
-    /// The volume in cubic metres.
-    pub fn volume(&self) -> f64 {
-        let corner = |i: u32| self.positions[i as usize];
-        let six = |&[a, b, c]: &[u32; 3]| corner(a).dot(corner(b).cross(corner(c)));
-        self.triangles.iter().map(six).sum::<f64>() / 6.0
     }
 }
 

@@ -4,7 +4,7 @@ mod solid;
 
 use std::collections::VecDeque;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use self::solid::Solid;
 use crate::geometry::Rect;
@@ -183,11 +183,6 @@ fn slab(from: DVec3, direction: DVec3, min: DVec3, max: DVec3) -> (f64, f64) {
         (enter, leave) = (enter.max(a.min(b)), leave.min(a.max(b)));
     }
     (enter, leave)
-}
-
-/// The horizontal rectangle of some points.
-fn around(points: impl IntoIterator<Item = DVec2>) -> Rect {
-    Rect::around(points).unwrap_or(Rect::new(DVec2::ZERO, DVec2::ZERO))
 }
 
 #[cfg(test)]

@@ -4,7 +4,6 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 
-use super::around;
 use crate::geometry::{Rect, edges, polygon_contains, unit_vector};
 use crate::mesh::extrude::road_surface;
 use crate::mesh::revolve::{AROUND, BANDS};
@@ -133,4 +132,9 @@ fn to_convex(from: DVec3, direction: DVec3, planes: &[(DVec3, f64)]) -> Option<f
         }
     }
     (enter >= 0.0 && enter <= leave).then_some(enter)
+}
+
+/// The horizontal rectangle of some points.
+fn around(points: impl IntoIterator<Item = DVec2>) -> Rect {
+    Rect::around(points).unwrap_or(Rect::new(DVec2::ZERO, DVec2::ZERO))
 }

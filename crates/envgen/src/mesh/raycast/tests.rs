@@ -1,5 +1,6 @@
 //! Rays against the triangles of the meshes.
 
+use glam::DVec2;
 use proptest::prelude::*;
 
 use super::*;
