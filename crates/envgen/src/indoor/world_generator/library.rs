@@ -5,7 +5,7 @@ use std::io;
 
 use quick_xml::Writer;
 
-use super::WorldGeneratorError;
+use super::error::WorldGeneratorError;
 use super::xml::Flat;
 use crate::indoor::catalogue::{Catalogue, MAX_ROOM_SIZE, MAX_ROOMS, RoomDesign};
 

@@ -10,12 +10,12 @@
 //! The files cannot hold everything: open areas become hallways, doorways between two cells move
 //! to the middle of a cell, and difficulties and contents stay in the catalogue.
 
+mod error;
 mod library;
 mod project;
 mod xml;
 
-use thiserror::Error;
-
+pub use error::{MAX_TEXT, WorldGeneratorError};
 pub use library::{HALLWAY, LibraryRoom, read_library, write_library};
 pub use project::{Project, read_project, write_project};
 
@@ -25,82 +25,6 @@ pub const UNITS_A_METRE: f64 = 250.0;
 /// Distance between the middles of two neighbouring cells, in Unreal units: a block of 3 m and the
 /// wall between two.
 pub const PITCH_UNITS: f64 = 782.0;
-
-/// The longest text that is read, in bytes.
-pub const MAX_TEXT: usize = 64 << 20;
-
-/// Why a file of the World Generator could not be read.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum WorldGeneratorError {
-    /// The text is longer than any file of the tool.
-    #[error("the text must have at most {MAX_TEXT} bytes, got {0}")]
-    TooLong(usize),
-    /// The text is not well-formed XML, or ends early.
-    #[error("not XML at byte {position}: {reason}")]
-    Xml {
-        /// The position in bytes.
-        position: u64,
-        /// The reason.
-        reason: String,
-    },
-    /// The document declares a type or entities, which these files never do.
-    #[error("a document type at byte {0}, which these files must not have")]
-    DocumentType(u64),
-    /// The root is a different element.
-    #[error("the root element must be `{expected}`, got `{found}`")]
-    Root {
-        /// The root's name.
-        found: String,
-        /// The expected name.
-        expected: &'static str,
-    },
-    /// An element has no such attribute, or one that is not allowed.
-    #[error("`{element}` {number}: `{attribute}` must be {allowed}, got {value}")]
-    Attribute {
-        /// The element's name.
-        element: &'static str,
-        /// Which of its kind, from 1.
-        number: usize,
-        /// The attribute's name.
-        attribute: &'static str,
-        /// Its value, or `nothing`.
-        value: String,
-        /// The allowed values.
-        allowed: String,
-    },
-    /// Neither the catalogue nor the library has the room.
-    #[error("room {number}, `{name}`, is neither in the catalogue nor in a library")]
-    UnknownRoom {
-        /// Which room, from 1.
-        number: usize,
-        /// Its name.
-        name: String,
-    },
-    /// A room extends beyond the world.
-    #[error("room {number}, `{name}`, reaches outside the world")]
-    Outside {
-        /// Which room, from 1.
-        number: usize,
-        /// Its name.
-        name: String,
-    },
-    /// Two rooms overlap.
-    #[error("room {number}, `{name}`, overlaps another at x {x}, y {y}")]
-    Overlap {
-        /// Which room, from 1.
-        number: usize,
-        /// Its name.
-        name: String,
-        /// Row of the first cell that both have.
-        x: u32,
-        /// Column of the first cell that both have.
-        y: u32,
-    },
-    /// A library describes one room twice.
-    #[error("the library has two rooms with the name `{0}`")]
-    Duplicate(String),
-}
 
 #[cfg(test)]
 mod tests;

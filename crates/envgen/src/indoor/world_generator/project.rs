@@ -5,7 +5,7 @@ use std::io;
 
 use quick_xml::Writer;
 
-use super::WorldGeneratorError;
+use super::error::WorldGeneratorError;
 use super::library::{HALLWAY, LibraryRoom};
 use super::xml::{Element, Flat};
 use crate::indoor::blueprint::FloorPlan;

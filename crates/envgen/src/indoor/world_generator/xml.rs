@@ -3,7 +3,7 @@
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
-use super::{MAX_TEXT, WorldGeneratorError};
+use super::error::{MAX_TEXT, WorldGeneratorError};
 
 /// Reads a document element by element: the root first, then its children. Deeper elements, text
 /// and comments are skipped.
