@@ -1,9 +1,10 @@
 //! The cylinders of a Gazebo world.
 
+use glam::DVec2;
 use quick_xml::Reader;
 use quick_xml::events::Event;
 
-use super::{Cylinder, PlanError};
+use super::PlanError;
 use crate::world::MAX_COORDINATE;
 
 const FORMAT: &str = "a Gazebo world of cylinders";
@@ -16,6 +17,15 @@ const MAX_DEPTH: usize = 32;
 
 /// Where the geometry of a model's collision is.
 const GEOMETRY: [&str; 6] = ["sdf", "world", "model", "link", "collision", "geometry"];
+
+/// A cylinder of a Gazebo world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylinder {
+    /// Middle in metres.
+    pub center: DVec2,
+    /// Radius in metres.
+    pub radius: f64,
+}
 
 /// What is known of a model inside its element.
 #[derive(Default)]

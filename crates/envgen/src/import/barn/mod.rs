@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec2;
 
-pub use gazebo::read_cylinders;
+pub use gazebo::{Cylinder, read_cylinders};
 
 use super::PlanError;
 use crate::cellular::{c_space, middle_ends};
@@ -44,15 +44,6 @@ const HEADING: f64 = std::f64::consts::FRAC_PI_2;
 
 /// Cylinders may be this far from the middle of their cell, in metres: files have six decimals.
 const NEAR_MIDDLE: f64 = 1e-3;
-
-/// A cylinder of a Gazebo world.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cylinder {
-    /// Middle in metres.
-    pub center: DVec2,
-    /// Radius in metres.
-    pub radius: f64,
-}
 
 /// The grid of a world: which cells are filled. Cells are listed row by row.
 ///
