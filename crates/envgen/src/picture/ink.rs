@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use glam::DVec2;
 use svg::node::element::{Group, Image, Path};
 
-use super::PictureError;
+use super::error::PictureError;
 use super::path::PathData;
 use super::style::Style;
 use super::view::View;

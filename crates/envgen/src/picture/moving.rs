@@ -3,7 +3,7 @@
 use glam::DVec2;
 use svg::node::element::Group;
 
-use super::PictureError;
+use super::error::PictureError;
 use super::path::PathData;
 use super::shapes::{filled, stroked};
 use super::style;

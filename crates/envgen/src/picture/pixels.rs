@@ -5,7 +5,7 @@ use std::io::Write;
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg;
 
-use super::{MAX_PIXELS, PictureError};
+use super::error::{MAX_PIXELS, PictureError};
 use crate::palette;
 
 /// A picture in memory: rows from the top, red, green and blue of each pixel.

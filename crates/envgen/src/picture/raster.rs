@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use svg::node::element::{Group, Image};
 
-use super::PictureError;
+use super::error::PictureError;
 use super::ink::Indexed;
 use super::view::View;
 use crate::geometry::Rect;

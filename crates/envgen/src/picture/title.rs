@@ -3,7 +3,7 @@
 use glam::DVec2;
 use svg::node::element::Group;
 
-use super::PictureOptions;
+use super::options::PictureOptions;
 use super::path::PathData;
 use super::shapes::filled;
 use super::text::{Align, Typesetter};
