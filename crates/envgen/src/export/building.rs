@@ -12,7 +12,7 @@ use std::io::{self, BufWriter, Write};
 
 use glam::DVec2;
 
-use super::ExportError;
+use super::error::ExportError;
 use crate::cellular::{CheapestPaths, c_space};
 use crate::geometry::{Shape, box_axis, edges, regular_polygon};
 use crate::grid::GridFrame;

@@ -7,7 +7,7 @@
 
 use std::io::{self, Write};
 
-use super::ExportError;
+use super::error::ExportError;
 use crate::world::World;
 
 /// Writes the waypoints of a world's roads.

@@ -11,7 +11,7 @@ use glam::DVec2;
 use serde::Serialize;
 use serde_json::json;
 
-use super::ExportError;
+use super::error::ExportError;
 use crate::geometry::{Pose, Shape, unit_vector};
 use crate::world::{PartId, PartKind, World};
 

@@ -20,7 +20,7 @@ use gltf_json::{Accessor, Asset, Buffer, Extras, Index, Material, Node, Root, Sc
 use serde::Serialize;
 use serde_json::json;
 
-use super::ExportError;
+use super::error::ExportError;
 use super::places::places;
 use crate::mesh::Mesh;
 use crate::palette::Srgb;

@@ -10,7 +10,7 @@ use std::io::Write;
 use glam::DVec2;
 use serde::Serialize;
 
-use super::ExportError;
+use super::error::ExportError;
 use super::ros_map::usual_resolution;
 use crate::flood::flood;
 use crate::geometry::Pose;

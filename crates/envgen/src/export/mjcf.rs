@@ -11,8 +11,8 @@ use std::io::Write;
 
 use glam::DVec2;
 
-use super::ExportError;
 use super::body::Body;
+use super::error::ExportError;
 use super::places::places;
 use super::xml::{Attribute, Xml, number, numbers};
 use crate::mesh::convex_pieces;

@@ -12,8 +12,8 @@ use std::io::Write;
 use glam::DVec2;
 use serde::Serialize;
 
-use super::ExportError;
 use super::csv::io_error;
+use super::error::ExportError;
 use crate::geometry::{Pose, Shape};
 use crate::world::{Extent, PartKind, World};
 

@@ -9,7 +9,7 @@
 
 use std::io::Write;
 
-use super::ExportError;
+use super::error::ExportError;
 use super::road_objects::RoadObjects;
 use super::xml::{Attribute, Xml, number};
 use crate::curve::{Curve, Path};

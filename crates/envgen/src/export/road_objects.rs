@@ -6,7 +6,7 @@
 
 use glam::DVec2;
 
-use super::ExportError;
+use super::error::ExportError;
 use super::xml::{Attribute, Xml, number};
 use crate::curve::{Path, PathIndex};
 use crate::geometry::{Pose, Shape, unit_vector, wrap_angle};

@@ -9,8 +9,8 @@ use std::io::Write;
 
 use glam::DVec2;
 
-use super::ExportError;
 use super::body::Body;
+use super::error::ExportError;
 use super::places::places;
 use super::xml::{Xml, number, numbers};
 use crate::palette::Srgb;

@@ -14,8 +14,8 @@ use openusd::sdf::{ChildrenKey, Data, FieldKey, Path, SpecType, Specifier, Value
 use openusd::tf::Token;
 use openusd::usda::TextWriter;
 
-use super::ExportError;
 use super::body::Body;
+use super::error::ExportError;
 use super::places::places;
 use crate::mesh::Mesh;
 use crate::pieces::{Form, Piece, pieces};

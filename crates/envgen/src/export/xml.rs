@@ -7,7 +7,7 @@ use quick_xml::Writer;
 use quick_xml::events::BytesText;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 
-use super::ExportError;
+use super::error::ExportError;
 
 /// A name and its value.
 pub(super) type Attribute = (&'static str, String);

@@ -1,0 +1,109 @@
+//! What to write, and how.
+
+use std::io::Write;
+use std::path::Path;
+
+use super::error::ExportError;
+#[cfg(feature = "paths")]
+use super::movingai;
+use super::ros_map::{self, RosMap};
+#[cfg(feature = "picture")]
+use crate::picture::PictureOptions;
+use crate::scenario::Scenario;
+#[cfg(feature = "paths")]
+use crate::seed::Seed;
+use crate::spec::WorldBlueprint;
+use crate::world::{ClassRaster, World};
+
+/// Number of tasks in a MovingAI scenario file.
+#[cfg(feature = "paths")]
+const TASKS: usize = 100;
+
+/// What to write, and how.
+///
+/// ```
+/// use envgen::export::{Format, Job};
+/// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
+///
+/// let world = ForestSpec::default().generate(Seed(7))?.to_world();
+/// // A map for ROS with cells of 10 cm, whose description names its image `forest.pgm`.
+/// let job = Job { stem: "forest".to_owned(), resolution: Some(0.1), ..Job::new(&world) };
+/// let mut description = Vec::new();
+/// Format::from_path("forest.yaml".as_ref())?.write(&job, &mut description)?;
+/// assert!(String::from_utf8(description)?.contains("forest.pgm"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Job<'a> {
+    /// The world.
+    pub world: &'a World,
+    /// The blueprint that the world was built from, for formats that hold plans. Worlds that were
+    /// read from a file have none.
+    pub blueprint: Option<&'a WorldBlueprint>,
+    /// The file's name without its ending, for formats of several files that name each other.
+    pub stem: String,
+    /// Side in metres of the cells of maps whose cell size can be chosen; `None` for the usual one
+    /// ([`ros_map::usual_resolution`]).
+    pub resolution: Option<f64>,
+    /// What moves in the world. Pictures show it if their options hold it too.
+    pub scenario: Option<&'a Scenario>,
+    /// How pictures are drawn.
+    #[cfg(feature = "picture")]
+    pub picture: PictureOptions,
+}
+
+impl<'a> Job<'a> {
+    /// A world to write, with every option at its default and the stem `world`.
+    pub fn new(world: &'a World) -> Self {
+        Job {
+            world,
+            blueprint: None,
+            stem: "world".to_owned(),
+            resolution: None,
+            scenario: None,
+            #[cfg(feature = "picture")]
+            picture: PictureOptions::default(),
+        }
+    }
+
+    /// The job for a file of this name.
+    pub fn for_path(world: &'a World, path: &Path) -> Self {
+        let mut job = Job::new(world);
+        if let Some(stem) = path.file_stem() {
+            job.stem = stem.to_string_lossy().into_owned();
+        }
+        job
+    }
+
+    pub(super) fn raster(&self) -> Result<&'a ClassRaster, ExportError> {
+        self.world.raster.as_ref().ok_or(ExportError::Empty { part: "raster of classes" })
+    }
+
+    pub(super) fn write_scenario(&self, out: &mut dyn Write) -> Result<(), ExportError> {
+        let scenario =
+            self.scenario.ok_or(ExportError::Empty { part: "doors, people or smoke that move" })?;
+        Ok(out.write_all(scenario.to_ron()?.as_bytes())?)
+    }
+
+    fn ros_resolution(&self) -> f64 {
+        self.resolution.unwrap_or_else(|| ros_map::usual_resolution(self.world))
+    }
+
+    pub(super) fn write_ros_description(&self, out: &mut dyn Write) -> Result<(), ExportError> {
+        let (resolution, image) = (self.ros_resolution(), format!("{}.pgm", self.stem));
+        ros_map::size_in_cells(self.world, resolution)?;
+        Ok(ros_map::write_description(&image, resolution, ros_map::origin(self.world), out)?)
+    }
+
+    pub(super) fn write_ros_image(&self, out: &mut dyn Write) -> Result<(), ExportError> {
+        Ok(RosMap::of_world(self.world, self.ros_resolution())?.write_pgm(out)?)
+    }
+
+    #[cfg(feature = "paths")]
+    pub(super) fn write_scenarios(&self, out: &mut dyn Write) -> Result<(), ExportError> {
+        let seed = self.world.provenance.seed.unwrap_or(Seed(0));
+        let map = format!("{}.map", self.stem);
+        let tasks = movingai::scenarios(self.raster()?, &map, TASKS, seed)?;
+        Ok(movingai::write_scenarios(&tasks, out)?)
+    }
+}
