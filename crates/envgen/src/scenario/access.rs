@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::door::DoorShape;
+use super::doors::DoorShape;
 use super::plan::shapes;
 use super::rooms::rooms_of_cells;
 use super::{Leaf, Scenario};

@@ -31,7 +31,7 @@
 
 mod access;
 mod bodies;
-mod door;
+mod doors;
 mod neighbourhood;
 mod people;
 mod person;
@@ -41,37 +41,19 @@ mod rooms;
 pub mod smoke;
 mod spec;
 mod state;
+mod tick;
 mod view;
 
 pub use access::BehindDoor;
 pub use bodies::LEAF_THICKNESS;
-pub use door::{Door, DoorCommand, DoorKind, DoorState, Leaf};
-pub use person::{Person, PersonState, Reaction};
+pub use doors::{Door, DoorCommand, DoorKind, DoorState, Leaf};
+pub use person::{LEG_RADIUS, PERSON_RADIUS, Person, PersonState, Reaction};
 pub use plan::{Scenario, ScenarioFileError};
 pub use robot::Robot;
 pub use spec::{
-    Body, DoorControl, DoorKinds, FailedBeams, Reactions, ScenarioSpec, SmokeKind, SmokeProfile,
+    Body, DoorControl, DoorKinds, FailedBeams, MAX_PEOPLE, Reactions, ScenarioSpec, SmokeKind,
+    SmokeProfile,
 };
 pub use state::ScenarioState;
+pub use tick::TICKS_PER_SECOND;
 pub use view::{MovingContact, MovingHit, MovingShape, Target};
-
-/// Steps of a scenario per second.
-pub const TICKS_PER_SECOND: u64 = 20;
-
-/// Time between two steps in seconds.
-const TICK: f64 = 1.0 / TICKS_PER_SECOND as f64;
-
-/// Radius in metres of the disc that a person needs.
-pub const PERSON_RADIUS: f64 = 0.25;
-
-/// Radius in metres of a leg, as a laser sees it.
-pub const LEG_RADIUS: f64 = 0.07;
-
-/// The most people of a scenario.
-pub const MAX_PEOPLE: u32 = 10_000;
-
-/// The greatest speed of a person in m/s.
-const MAX_SPEED: f64 = 3.0;
-
-/// Clearances and contacts are known up to this distance in metres.
-const REACH: f64 = 2.0;

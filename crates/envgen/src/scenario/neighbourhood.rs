@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use super::TICK;
 use super::person::PersonState;
+use super::tick::TICK;
 use crate::geometry::Rect;
 use crate::grid::GridFrame;
 

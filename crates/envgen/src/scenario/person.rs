@@ -5,6 +5,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::unit_vector;
 
+/// Radius in metres of the disc that a person needs.
+pub const PERSON_RADIUS: f64 = 0.25;
+
+/// Radius in metres of a leg, as a laser sees it.
+pub const LEG_RADIUS: f64 = 0.07;
+
+/// The greatest speed of a person in m/s.
+pub(super) const MAX_SPEED: f64 = 3.0;
+
 /// A person of a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

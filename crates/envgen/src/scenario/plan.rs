@@ -4,7 +4,7 @@ use ron::ser::PrettyConfig;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::door::{DoorShape, place_doors};
+use super::doors::{DoorShape, place_doors};
 use super::people::{FreeSpace, place_people};
 use super::smoke::place_smoke;
 use super::{Door, MAX_PEOPLE, PERSON_RADIUS, Person, ScenarioSpec};

@@ -3,9 +3,11 @@
 use serde::{Deserialize, Serialize};
 use strum::VariantNames;
 
-use super::MAX_PEOPLE;
 use crate::error::SpecError;
 use crate::settings;
+
+/// The most people of a scenario.
+pub const MAX_PEOPLE: u32 = 10_000;
 
 settings! {
     /// What moves in a world. By default nothing does.

@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::door::{Bodies, DoorClock, DoorCommand, DoorShape, DoorState};
+use super::doors::{Bodies, DoorClock, DoorCommand, DoorShape, DoorState};
 use super::neighbourhood::{Neighbourhood, drift};
-use super::people::{Crowd, FreeSpace, Routes, Surroundings, find_places};
-use super::person::{Person, PersonState, max_speed};
+use super::people::{Crowd, FreeSpace, REACH, Routes, Surroundings, find_places};
+use super::person::{PERSON_RADIUS, Person, PersonState, max_speed};
 use super::plan::shapes;
 use super::robot::Robot;
 use super::smoke::{SmokeField, SmokeRegions};
-use super::{Door, Leaf, PERSON_RADIUS, REACH, Scenario, ScenarioSpec, TICK};
+use super::tick::TICK;
+use super::{Door, Leaf, Scenario, ScenarioSpec};
 use crate::clearance_index::ClearanceIndex;
 use crate::error::SpecError;
 use crate::geometry::Rect;

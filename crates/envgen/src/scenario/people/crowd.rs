@@ -5,9 +5,10 @@ use glam::DVec2;
 use super::door_passage::passes_door;
 use super::orca::{Disc, HalfPlane, WALL_HORIZON, avoid, keep_off, solve};
 use super::surroundings::{Surroundings, nearest_robot, sees};
+use crate::scenario::ScenarioSpec;
 use crate::scenario::neighbourhood::{Neighbourhood, RANGE, REBUILD};
-use crate::scenario::person::{MAX_CURIOUS, Person, PersonState, Reaction, Task};
-use crate::scenario::{PERSON_RADIUS, ScenarioSpec, TICK, TICKS_PER_SECOND};
+use crate::scenario::person::{MAX_CURIOUS, PERSON_RADIUS, Person, PersonState, Reaction, Task};
+use crate::scenario::tick::{TICK, TICKS_PER_SECOND};
 use crate::seed::Seed;
 
 /// People decide on a velocity once in so many ticks, at corners of their paths at any; between, they stop before

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::geometry::segments_cross;
 use crate::scenario::PERSON_RADIUS;
-use crate::scenario::door::{DoorShape, DoorState, LEAF_GAP};
+use crate::scenario::doors::{DoorShape, DoorState, LEAF_GAP};
 
 /// People keep this far from the swing of a door that cannot open because of them, in metres.
 pub(super) const OFF_SWINGS: f64 = PERSON_RADIUS + 2.0 * LEAF_GAP;
@@ -36,7 +36,7 @@ mod tests {
     use super::*;
     use crate::Seed;
     use crate::geometry::{Rect, Shape};
-    use crate::scenario::door::{Door, DoorClock, DoorKind};
+    use crate::scenario::doors::{Door, DoorClock, DoorKind};
     use crate::scenario::spec::DoorControl;
     use crate::world::Doorway;
 

@@ -8,8 +8,8 @@ use glam::DVec2;
 
 use super::free_space::{COSTS, FreeSpace, NEIGHBOURS};
 use crate::geometry::{distance_between_segments, distance_to_segment, unit_vector};
-use crate::scenario::PERSON_RADIUS;
-use crate::scenario::door::Leaf;
+use crate::scenario::doors::Leaf;
+use crate::scenario::person::PERSON_RADIUS;
 
 /// Half the side of the window in which paths are searched, in cells.
 const WINDOW: isize = 25;
@@ -147,7 +147,7 @@ mod tests {
     use crate::Provenance;
     use crate::clearance_index::ClearanceIndex;
     use crate::geometry::{Rect, Shape, edges};
-    use crate::scenario::REACH;
+    use crate::scenario::people::REACH;
     use crate::world::{Wall, WallKind, World};
 
     /// A room of 8 x 8 m.

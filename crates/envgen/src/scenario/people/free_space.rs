@@ -8,10 +8,14 @@ use crate::clearance_index::ClearanceIndex;
 use crate::error::SpecError;
 use crate::geometry::{distance_between_segments, distance_to_segment, split_segment};
 use crate::grid::{CellBuckets, GridFrame};
-use crate::scenario::door::{DoorShape, Leaf};
-use crate::scenario::{PERSON_RADIUS, REACH, ScenarioSpec};
+use crate::scenario::doors::{DoorShape, Leaf};
+use crate::scenario::person::PERSON_RADIUS;
+use crate::scenario::spec::ScenarioSpec;
 use crate::surface_index::{Ground, SurfaceIndex};
 use crate::world::World;
+
+/// Clearances and contacts are known up to this distance in metres.
+pub(in crate::scenario) const REACH: f64 = 2.0;
 
 /// Side of a cell in metres, where the world is not too large for it.
 const CELL: f64 = 0.2;

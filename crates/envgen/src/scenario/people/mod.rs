@@ -16,7 +16,7 @@ mod routes;
 mod surroundings;
 
 pub(super) use crowd::Crowd;
-pub(super) use free_space::FreeSpace;
+pub(super) use free_space::{FreeSpace, REACH};
 pub(super) use places::find_places;
 pub(super) use routes::Routes;
 pub(super) use surroundings::Surroundings;
@@ -24,10 +24,9 @@ pub(super) use surroundings::Surroundings;
 use crate::clearance_index::ClearanceIndex;
 use crate::distribution::standard_normal;
 use crate::error::SpecError;
-use crate::scenario::door::DoorShape;
-use crate::scenario::person::{Person, Reaction};
+use crate::scenario::doors::DoorShape;
+use crate::scenario::person::{MAX_SPEED, PERSON_RADIUS, Person, Reaction};
 use crate::scenario::spec::{Reactions, ScenarioSpec};
-use crate::scenario::{MAX_SPEED, REACH};
 use crate::seed::Seed;
 use crate::world::World;
 
@@ -96,10 +95,7 @@ impl Person {
             return Err(SpecError::new("heading", self.heading, "a finite number"));
         }
         if !space.fits(self.position) {
-            let allowed = format!(
-                "a point with {} m of free space around it",
-                crate::scenario::PERSON_RADIUS
-            );
+            let allowed = format!("a point with {} m of free space around it", PERSON_RADIUS);
             return Err(SpecError::new("position", self.position, allowed));
         }
         Ok(())

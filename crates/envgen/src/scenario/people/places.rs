@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::free_space::FreeSpace;
 use crate::scenario::PERSON_RADIUS;
-use crate::scenario::door::DoorShape;
+use crate::scenario::doors::DoorShape;
 use crate::scenario::rooms::rooms_of_cells;
 use crate::seed::Seed;
 use crate::world::World;

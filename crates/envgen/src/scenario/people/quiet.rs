@@ -6,8 +6,8 @@ use super::crowd::{Crowd, ROUNDING};
 use super::orca::DISC_HORIZON;
 use super::surroundings::Surroundings;
 use crate::scenario::neighbourhood::REBUILD;
-use crate::scenario::person::Task;
-use crate::scenario::{PERSON_RADIUS, TICK};
+use crate::scenario::person::{PERSON_RADIUS, Task};
+use crate::scenario::tick::TICK;
 
 impl Crowd {
     /// Whether a person continues in this tick, whatever others do in it.

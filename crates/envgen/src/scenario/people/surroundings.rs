@@ -7,7 +7,7 @@ use super::routes::Routes;
 use crate::grid::CellBuckets;
 use crate::raycast::Raycaster;
 use crate::scenario::ScenarioSpec;
-use crate::scenario::door::{DoorShape, DoorState};
+use crate::scenario::doors::{DoorShape, DoorState};
 use crate::scenario::person::Person;
 use crate::scenario::robot::Robot;
 use crate::seed::Seed;

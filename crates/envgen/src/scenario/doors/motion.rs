@@ -3,13 +3,13 @@
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::leaf::DoorShape;
-use super::{Door, Leaf};
+use super::door::Door;
+use super::leaf::{DoorShape, Leaf};
 use crate::scenario::neighbourhood::Neighbourhood;
-use crate::scenario::person::PersonState;
+use crate::scenario::person::{PERSON_RADIUS, PersonState};
 use crate::scenario::robot::Robot;
 use crate::scenario::spec::DoorControl;
-use crate::scenario::{PERSON_RADIUS, TICKS_PER_SECOND};
+use crate::scenario::tick::TICKS_PER_SECOND;
 use crate::seed::Seed;
 
 /// Seconds that a door takes to open or close, and to slam shut.

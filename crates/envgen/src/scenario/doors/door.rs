@@ -1,19 +1,9 @@
-//! Doors: leaves that turn or slide, and when they do.
-
-mod leaf;
-mod motion;
-mod place;
-
-pub(super) use leaf::DoorShape;
-pub use leaf::Leaf;
-pub(super) use motion::{Bodies, DoorClock, LEAF_GAP};
-pub use motion::{DoorCommand, DoorState};
-pub(super) use place::place_doors;
+//! A door, and how it moves.
 
 use serde::{Deserialize, Serialize};
 
-use super::spec::{DoorControl, ScenarioSpec};
 use crate::error::SpecError;
+use crate::scenario::spec::{DoorControl, ScenarioSpec};
 use crate::world::World;
 
 /// A door of a scenario, in an open doorway of its world.
@@ -68,7 +58,7 @@ impl Door {
     ///
     /// # Errors
     /// When there is no such doorway, or it is closed, and for times and probabilities out of range.
-    pub(super) fn check(&self, world: &World) -> Result<(), SpecError> {
+    pub(in crate::scenario) fn check(&self, world: &World) -> Result<(), SpecError> {
         match world.doorways.get(self.doorway as usize) {
             None => {
                 let allowed = match world.doorways.len() {

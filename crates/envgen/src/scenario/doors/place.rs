@@ -2,11 +2,11 @@
 
 use glam::DVec2;
 
+use super::door::{Door, DoorKind};
 use super::leaf::{DoorShape, Leaf};
-use super::{Door, DoorKind};
 use crate::error::SpecError;
 use crate::geometry::{Rect, Shape, edges, polygon_contains, segments_cross};
-use crate::scenario::PERSON_RADIUS;
+use crate::scenario::person::PERSON_RADIUS;
 use crate::scenario::spec::{DoorKinds, ScenarioSpec};
 use crate::seed::Seed;
 use crate::world::{Doorway, World};

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec2;
 
-use super::{Door, DoorKind};
+use super::door::{Door, DoorKind};
 use crate::geometry::{Shape, distance_to_segment, nearest_on_segment, unit_vector};
 use crate::world::Doorway;
 

@@ -1,0 +1,13 @@
+//! Doors: leaves that turn or slide, and when they do.
+
+mod door;
+mod leaf;
+mod motion;
+mod place;
+
+pub use door::{Door, DoorKind};
+pub(super) use leaf::DoorShape;
+pub use leaf::Leaf;
+pub(super) use motion::{Bodies, DoorClock, LEAF_GAP};
+pub use motion::{DoorCommand, DoorState};
+pub(super) use place::place_doors;
