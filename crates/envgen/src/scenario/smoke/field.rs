@@ -4,7 +4,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::chord::{Stretch, chords};
-use super::{SmokePlace, SmokeRegion, SmokeSource};
+use super::source::{SmokePlace, SmokeRegion, SmokeSource};
 use crate::geometry::{Rect, Shape};
 use crate::scenario::spec::SmokeKind;
 use crate::world::{SurfaceKind, World};

@@ -1,0 +1,83 @@
+//! A source of smoke, and the space that it fills.
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use crate::error::SpecError;
+use crate::scenario::spec::{ScenarioSpec, SmokeKind};
+use crate::world::World;
+
+/// A source of smoke.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SmokeSource {
+    /// The space that it fills.
+    pub region: SmokeRegion,
+    /// The extinction coefficient that it comes to, in 1/m.
+    pub extinction: f64,
+    /// The time in seconds in which it comes to 63 % of that, 0 where it is there from the start.
+    pub growth: f64,
+    /// What kind of smoke it is.
+    pub kind: SmokeKind,
+}
+
+/// The space that a source of smoke fills.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum SmokeRegion {
+    /// The room of this index, out of which it leaks through open doorways.
+    Room(u32),
+    /// A disc of unchanging size.
+    Disc {
+        /// Middle in metres.
+        center: DVec2,
+        /// Radius in metres.
+        radius: f64,
+    },
+}
+
+/// A place with smoke of one density: a source's own, or one to which smoke leaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SmokePlace {
+    /// The room of this index.
+    Room(u32),
+    /// All hallways and open areas.
+    Halls,
+    /// The disc of the source of this index in the scenario.
+    Source(u32),
+}
+
+impl SmokeSource {
+    /// Checks it against its world.
+    ///
+    /// # Errors
+    /// Names the first field that is not allowed, its value and its limits.
+    pub(in crate::scenario) fn check(&self, world: &World) -> Result<(), SpecError> {
+        let limited = |name: &str, setting: &str, value: f64| {
+            ScenarioSpec::SETTINGS
+                .iter()
+                .find(|known| known.name == setting)
+                .map_or(Ok(()), |known| known.check(value))
+                .map_err(|error| SpecError { field: name.to_owned(), ..error })
+        };
+        limited("extinction", "smoke", self.extinction)?;
+        limited("growth", "smoke_growth", self.growth)?;
+        match self.region {
+            SmokeRegion::Room(room) if room as usize >= world.rooms.len() => {
+                let allowed = match world.rooms.len() {
+                    0 => "absent: the world has no room".to_owned(),
+                    n => format!("the index of a room of the world, at most {}", n - 1),
+                };
+                Err(SpecError::new("region", room, allowed))
+            }
+            SmokeRegion::Room(_) => Ok(()),
+            SmokeRegion::Disc { center, radius } => {
+                if !center.is_finite() {
+                    return Err(SpecError::new("center", center, "a finite point"));
+                }
+                limited("radius", "smoke_radius", radius)
+            }
+        }
+    }
+}
