@@ -183,7 +183,6 @@ fn snippets_of_the_guide_are_compiled() {
     }
 }
 
-/// The names of a JSON value's fields, with those of the objects in it.
 /// The features that a crate's manifest declares, without `default`.
 fn features(manifest: &str) -> Vec<&str> {
     let lines = manifest.lines().skip_while(|line| *line != "[features]").skip(1);
@@ -219,6 +218,7 @@ fn the_guide_names_every_feature() {
     }
 }
 
+/// The names of a JSON value's fields, with those of the objects in it.
 fn fields(value: &Value) -> BTreeSet<String> {
     let Some(object) = value.as_object() else { return BTreeSet::new() };
     let below = |(name, value): (&String, &Value)| {
@@ -281,7 +281,7 @@ fn broken_links_are_noticed() {
 }
 
 /// What is not written, and what is written instead; `docs/glossary.md` says why.
-const WORDS: [(&str, &str); 12] = [
+const WORDS: [(&str, &str); 17] = [
     ("way", "path, direction, method"),
     ("ways", "paths, directions, methods"),
     ("anew", "again, rebuild"),
@@ -294,6 +294,11 @@ const WORDS: [(&str, &str); 12] = [
     ("dead odometry", "wheel odometry"),
     ("per cents", "percent"),
     ("a metre of", "per metre"),
+    ("brain", "autonomy"),
+    ("knob", "lever"),
+    ("knobs", "levers"),
+    ("swing radius", "circumscribed radius"),
+    ("vertical range", "extent"),
 ];
 
 /// The words of a line that are not written, each with what is; code in it may hold any word.
@@ -345,12 +350,26 @@ fn comments_and_strings(line: &str) -> Cow<'_, str> {
     Cow::Owned(texts.join(" "))
 }
 
+/// The columns of a line of the glossary before the last, which has the words that are not written.
+fn terms_and_meanings(line: &str) -> Cow<'_, str> {
+    let end = line.strip_suffix(" |").and_then(|line| line.rfind('|'));
+    Cow::Borrowed(&line[..end.unwrap_or_default()])
+}
+
+/// The words of a file's name and of the folders that it is in.
+fn names(path: &Path) -> String {
+    path.with_extension("").to_string_lossy().replace(['/', '_', '-', '.'], " ")
+}
+
 #[test]
 fn documentation_keeps_to_the_words_of_the_glossary() {
     let mut wrong = Vec::new();
     let mut read = 0;
     let mut look = |path: &Path, prose: fn(&str) -> Cow<'_, str>| {
         let text = fs::read_to_string(root().join(path)).unwrap();
+        wrong.extend(
+            wrong_words(&names(path)).iter().map(|word| format!("{}: {word}", path.display())),
+        );
         for (number, line) in text.lines().enumerate() {
             let written = prose(line);
             read += usize::from(!written.is_empty());
@@ -360,8 +379,15 @@ fn documentation_keeps_to_the_words_of_the_glossary() {
         }
     };
     look(Path::new("CHANGELOG.md"), |line| Cow::Borrowed(line));
-    for page in pages().keys().filter(|page| !page.ends_with("glossary.md")) {
-        look(page, |line| Cow::Borrowed(line));
+    for page in pages().keys() {
+        look(
+            page,
+            if page.ends_with("glossary.md") {
+                terms_and_meanings
+            } else {
+                |line| Cow::Borrowed(line)
+            },
+        );
     }
     let crates = fs::read_dir(root().join("crates")).unwrap();
     let mut folders: Vec<PathBuf> = vec!["src".into(), "examples".into(), "tests".into()];
@@ -389,5 +415,7 @@ fn wrong_words_are_noticed() {
     assert_eq!(comments_and_strings(line), "no way a told one anew");
     assert_eq!(comments_and_strings("    let way = 1;"), "");
     assert_eq!(comments_and_strings("    pub fn begins_anew<T>(way: T) {"), "begins anew");
+    assert_eq!(names(Path::new("a/new_way/b-c.rs")), "a new way b c");
+    assert_eq!(terms_and_meanings("| lever | A setting | knob |"), "| lever | A setting ");
     assert!(wrong_words("A wayward gateway, `way` and always a half-way house.").is_empty());
 }

@@ -15,7 +15,7 @@ use crate::world::Tree;
 /// let spec = ForestSpec { clearing: 5.0, ..Default::default() };
 /// let forest = spec.generate(Seed(7))?;
 /// assert_eq!((forest.seed(), forest.spec()), (Seed(7), &spec));
-/// // Trees that stood around start and goal are counted.
+/// // Trees around start and goal that were removed are counted.
 /// let all = ForestSpec { clearing: 0.0, ..spec }.generate(Seed(7))?.trees().len();
 /// assert_eq!(forest.trees().len() + forest.cleared() as usize, all);
 /// # Ok::<(), envgen::forest::ForestError>(())
