@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::distance::squared_distances;
 use crate::geometry::Pose;
-use crate::grid::GridFrame;
+use crate::grid::{GridFrame, largest_region};
 use crate::occupancy::{Coverage, OccupancyError, OccupancyGrid};
 use crate::world::World;
 
@@ -29,7 +29,8 @@ const GRID: f64 = 0.1;
 pub fn max_clearance_point(grid: &OccupancyGrid) -> Option<DVec2> {
     let frame = grid.frame();
     let GridFrame { cols, rows, .. } = frame;
-    let region = largest_region(frame, grid.cells());
+    let open = grid.cells().iter().map(|occupied| !occupied).collect();
+    let region = largest_region(frame, open);
     let distance = squared_distances(cols, grid.cells());
     let room = |cell: usize| {
         let (col, row) = frame.cell(cell);
@@ -37,7 +38,10 @@ pub fn max_clearance_point(grid: &OccupancyGrid) -> Option<DVec2> {
         u64::from(distance[cell]).min(border * border)
     };
     // `max_by_key` would take the last of equals.
-    let best = region.into_iter().min_by_key(|&cell| (std::cmp::Reverse(room(cell)), cell))?;
+    let best = region
+        .into_iter()
+        .map(|cell| cell as usize)
+        .min_by_key(|&cell| (std::cmp::Reverse(room(cell)), cell))?;
     Some(frame.center_of(best))
 }
 
@@ -59,32 +63,6 @@ pub fn max_clearance_point(grid: &OccupancyGrid) -> Option<DVec2> {
 pub fn pose_of_most_clearance(world: &World) -> Result<Option<Pose>, OccupancyError> {
     let grid = OccupancyGrid::of(world, GRID, Coverage::Conservative)?;
     Ok(max_clearance_point(&grid).map(|position| Pose { position, heading: 0.0 }))
-}
-
-/// The cells of the largest free region, in no particular order.
-fn largest_region(frame: GridFrame, occupied: &[bool]) -> Vec<usize> {
-    let mut seen = occupied.to_vec();
-    let mut largest = Vec::new();
-    for first in 0..seen.len() {
-        if std::mem::replace(&mut seen[first], true) {
-            continue;
-        }
-        // The region's own list serves as the queue.
-        let mut region = vec![first];
-        let mut next = 0;
-        while let Some(&cell) = region.get(next) {
-            next += 1;
-            for cell in frame.neighbours(cell) {
-                if !std::mem::replace(&mut seen[cell], true) {
-                    region.push(cell);
-                }
-            }
-        }
-        if region.len() > largest.len() {
-            largest = region;
-        }
-    }
-    largest
 }
 
 #[cfg(test)]

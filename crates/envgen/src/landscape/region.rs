@@ -3,35 +3,15 @@
 use glam::DVec2;
 
 use super::metrics::Neighbourhood;
+use crate::grid;
 use crate::world::ClassRaster;
 
 /// The cells of the largest region that can be passed, cells joined by their sides; of equal
-/// regions the first.
+/// regions the first. Their order is that of [`grid::largest_region`].
 pub(crate) fn largest_region(raster: &ClassRaster) -> Vec<u32> {
-    let (cols, total) = (raster.cols as usize, raster.cells.len());
-    let mut open: Vec<bool> =
+    let open =
         raster.cells.iter().map(|&class| class != 0 && raster.speed_of(class) > 0.0).collect();
-    let (mut best, mut region) = (Vec::new(), Vec::new());
-    for start in 0..total {
-        if !std::mem::take(&mut open[start]) {
-            continue;
-        }
-        region.clear();
-        region.push(start as u32);
-        let mut next = 0;
-        while let Some(&at) = region.get(next) {
-            next += 1;
-            for to in neighbours(at as usize, cols, total, Neighbourhood::Four) {
-                if std::mem::take(&mut open[to]) {
-                    region.push(to as u32);
-                }
-            }
-        }
-        if region.len() > best.len() {
-            std::mem::swap(&mut best, &mut region);
-        }
-    }
-    best
+    grid::largest_region(raster.frame(), open)
 }
 
 /// The middles of the two cells of the largest region that are nearest to the lower left and to
