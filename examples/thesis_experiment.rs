@@ -31,6 +31,8 @@
 
 #[path = "../crates/mapping_trial/src/bin/envgen-trials/spinner.rs"]
 mod spinner;
+#[path = "shared/trial_arguments.rs"]
+mod trial_arguments;
 
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
@@ -45,12 +47,10 @@ use mapping_trial::experiment::hazards::{self, Hazard};
 use mapping_trial::experiment::stats::Interval;
 use mapping_trial::experiment::survey::SurveyFolder;
 use mapping_trial::experiment::{Design, Experiment, ExperimentError, Shard, report};
-use mapping_trial::lidar::LaserProfile;
-use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
-use mapping_trial::slam::{SlamKind, WheelCalibration};
 
 use crate::spinner::spinner;
+use crate::trial_arguments::{TrialArguments, named};
 
 /// Do the rules of Zwennes (2011) order indoor maps by difficulty? Policies map them, the maps are
 /// scored, and a report shows the results.
@@ -74,11 +74,11 @@ struct Arguments {
     seeds: Option<u32>,
 
     /// Levels of difficulty.
-    #[arg(long, value_delimiter = ',', default_value = "1,3,5,7,9")]
+    #[arg(long, value_delimiter = ',', default_values_t = Design::default().levels)]
     levels: Vec<f64>,
 
     /// Policies of the larger design [default: all five, with --quick nearest].
-    #[arg(long, alias = "operators", value_delimiter = ',', value_parser = PolicyKind::named)]
+    #[arg(long, alias = "operators", value_delimiter = ',', value_parser = named::<PolicyKind>())]
     policies: Option<Vec<PolicyKind>>,
 
     /// The thesis's rules exactly, or with the guarantee that every cell is reachable.
@@ -86,29 +86,11 @@ struct Arguments {
     profile: String,
 
     /// Side of the maps in grid units of 3 m.
-    #[arg(long, default_value_t = 16)]
+    #[arg(long, default_value_t = Design::default().size)]
     size: u32,
 
-    /// How poses and maps are estimated: scan_to_map, pose_graph or dead_reckoning.
-    #[arg(long, default_value = "scan_to_map", value_parser = SlamKind::named)]
-    slam: SlamKind,
-
-    /// Which systematic errors of the wheels are learned: none, turns or turns_and_distances.
-    #[arg(long, value_name = "ERRORS", default_value = "turns", value_parser = WheelCalibration::named)]
-    wheel_calibration: WheelCalibration,
-
-    /// Laser profile: lms200_mm, lms200_mm_rough, usarsim, urg_04lx or wide_12m.
-    #[arg(long, default_value = "lms200_mm", value_parser = LaserProfile::named)]
-    laser: LaserProfile,
-
-    /// Simulated seconds after which a trial ends.
-    #[arg(long, default_value_t = 1200.0)]
-    time_limit: f64,
-
-    /// Simulated seconds per square metre that can be mapped, at least 300 s in all, in place of
-    /// --time-limit.
-    #[arg(long, value_name = "SECONDS", conflicts_with = "time_limit")]
-    time_per_area: Option<f64>,
+    #[command(flatten)]
+    trial: TrialArguments,
 
     /// The seed of all maps and noise.
     #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true)]
@@ -124,8 +106,8 @@ struct Arguments {
 
     /// Join the folders of all shares instead of running trials.
     #[arg(long, value_name = "FOLDER", num_args = 1.., conflicts_with_all = [
-        "quick", "maps", "seeds", "levels", "policies", "profile", "size", "slam", "wheel_calibration",
-        "laser", "time_limit", "time_per_area", "seed", "shard", "fresh",
+        "quick", "maps", "seeds", "levels", "policies", "profile", "size", "TrialArguments", "seed", "shard",
+        "fresh",
     ])]
     merge: Vec<PathBuf>,
 
@@ -245,11 +227,11 @@ impl Arguments {
             replay,
             profile: if self.profile == "thesis" { Profile::Thesis } else { Profile::Guaranteed },
             size: self.size,
-            slam: self.slam,
-            wheel_calibration: self.wheel_calibration,
-            laser: self.laser.clone(),
-            time_limit: self.time_limit,
-            time_per_area: self.time_per_area,
+            slam: self.trial.slam,
+            wheel_calibration: self.trial.wheel_calibration,
+            laser: self.trial.laser.clone(),
+            time_limit: self.trial.time_limit,
+            time_per_area: self.trial.time_per_area,
             seed: self.seed,
             ..design
         }

@@ -19,8 +19,8 @@ use mapping_trial::robot::Robot;
 use mapping_trial::trial::TrialSettings;
 
 use crate::bag::Bag;
-use crate::trial_arguments::{TrialArguments, help, moving, name, named};
-use crate::{output, robot, start};
+use crate::trial_arguments::{TrialArguments, help, name, named};
+use crate::{moving, output, robot, start};
 
 /// The greatest `--size`: 192 grid units are 576 m, and a wall.
 const MAX_SIZE: i64 = 192;
@@ -190,7 +190,7 @@ impl Arguments {
             let text = std::fs::read_to_string(path).in_file(path)?;
             return Ok(Some(Scenario::from_ron(&text).in_file(path)?));
         }
-        let spec = moving(&self.settings)?;
+        let spec = moving::spec(&self.settings)?;
         if spec.is_still() {
             return Ok(None);
         }

@@ -21,6 +21,8 @@ mod bag;
 #[cfg_attr(not(feature = "render"), path = "no_camera.rs")]
 mod camera;
 mod driver;
+#[path = "../shared/moving.rs"]
+mod moving;
 #[path = "../shared/output.rs"]
 mod output;
 #[path = "../shared/robot.rs"]

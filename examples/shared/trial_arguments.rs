@@ -1,10 +1,7 @@
 //! The arguments of all programs that run trials. Their help, names and defaults are those of the trial's settings.
 
-use std::error::Error;
-
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use envgen::scenario::ScenarioSpec;
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
 use mapping_trial::slam::{SlamKind, WheelCalibration};
@@ -50,16 +47,4 @@ pub(crate) fn named<T: Named + Send + Sync>() -> impl TypedValueParser<Value = T
 /// The name of what a setting is by default.
 pub(crate) fn name<T: Named>(of: impl Fn(&TrialSettings) -> &T) -> &'static str {
     of(&TrialSettings::default()).name().unwrap_or_default()
-}
-
-/// What moves, from settings such as `doors=0.5`.
-pub(crate) fn moving(settings: &[String]) -> Result<ScenarioSpec, Box<dyn Error>> {
-    let mut spec = ScenarioSpec::default();
-    for setting in settings {
-        let (name, value) = setting
-            .split_once('=')
-            .ok_or_else(|| format!("--set {setting}: not of the form NAME=VALUE"))?;
-        spec.set(name, value).map_err(|error| format!("--set {setting}: {error}"))?;
-    }
-    Ok(spec)
 }

@@ -14,8 +14,8 @@ use mapping_trial::policy::PolicyKind;
 use mapping_trial::robot::Robot;
 use mapping_trial::trial::TrialSettings;
 
-use crate::robot;
-use crate::trial_arguments::{TrialArguments, moving, name, named};
+use crate::trial_arguments::{TrialArguments, name, named};
+use crate::{moving, robot};
 
 /// Side of the indoor map in grid units: about the size that one robot explores in 20 minutes.
 const SIZE: u32 = 10;
@@ -123,7 +123,7 @@ impl Arguments {
 
     /// What moves in the world at first.
     pub(crate) fn scenario(&self) -> Result<ScenarioForm, Box<dyn Error>> {
-        Ok(ScenarioForm::new(&moving(&self.scenario)?))
+        Ok(ScenarioForm::new(&moving::spec(&self.scenario)?))
     }
 
     /// The initial settings of trials.

@@ -20,6 +20,8 @@ mod cameras;
 mod compare;
 mod frame_log;
 mod keys;
+#[path = "../shared/moving.rs"]
+mod moving;
 #[path = "../shared/output.rs"]
 mod output;
 #[path = "../shared/pace.rs"]

@@ -1,0 +1,17 @@
+//! What moves in the world, by settings on the command line.
+
+use std::error::Error;
+
+use envgen::scenario::ScenarioSpec;
+
+/// What moves, from settings such as `doors=0.5`.
+pub(crate) fn spec(settings: &[String]) -> Result<ScenarioSpec, Box<dyn Error>> {
+    let mut spec = ScenarioSpec::default();
+    for setting in settings {
+        let (name, value) = setting
+            .split_once('=')
+            .ok_or_else(|| format!("--set {setting}: not of the form NAME=VALUE"))?;
+        spec.set(name, value).map_err(|error| format!("--set {setting}: {error}"))?;
+    }
+    Ok(spec)
+}
