@@ -59,7 +59,6 @@ use crate::trial_arguments::{TrialArguments, named};
 /// larger design is set by the options. The same command continues an interrupted run.
 #[derive(Parser)]
 #[command(after_long_help = JOBS)]
-#[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
 struct Arguments {
     /// A small design for two minutes: six maps per level, one noise seed, by `nearest`.
     #[arg(long)]
