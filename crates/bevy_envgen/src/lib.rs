@@ -43,7 +43,7 @@
 //! | [`DifficultyComputed`] | a message; [`EnvironmentDifficulty`], [`DifficultyFailure`] | an environment with [`ComputeDifficulty`] |
 //! | [`TileSpawned`] | `Added<Tile>` | each tile, as it is spawned |
 //! | [`ScenarioStarted`], [`ScenarioFailed`] | messages; [`ScenarioRun`], [`ScenarioFailure`] | an environment with an [`EnvironmentScenario`] |
-//! | [`DoorChanged`], [`PersonReacted`], `PersonHit` | messages | a [`Door`], a [`Person`] |
+//! | [`DoorChanged`], [`PersonReacted`], `PersonCollision` | messages | a [`Door`], a [`Person`] |
 //!
 //! # Plugins
 //!
@@ -162,7 +162,7 @@ pub mod prelude {
     };
     #[cfg(feature = "physics")]
     pub use crate::physics::{
-        ColliderSettings, EnvgenPhysicsPlugin, EnvironmentColliders, PersonHit,
+        ColliderSettings, EnvgenPhysicsPlugin, EnvironmentColliders, PersonCollision,
         TopDownPhysicsPlugin,
     };
     pub use crate::scenario::{

@@ -20,7 +20,7 @@ use bevy_rapier2d::prelude::{
 };
 
 pub use height::HeightHooks;
-pub use moving::PersonHit;
+pub use moving::PersonCollision;
 pub use settings::{
     ColliderMerging, ColliderSettings, DOOR_GROUP, EnvironmentColliders, PERSON_GROUP,
     SENSOR_GROUP, SOLID_GROUP,
@@ -57,7 +57,7 @@ impl Plugin for EnvgenPhysicsPlugin {
         app.register_type::<ColliderSettings>()
             .register_type::<EnvironmentColliders>()
             .insert_resource(self.colliders)
-            .add_message::<PersonHit>()
+            .add_message::<PersonCollision>()
             .add_observer(collide)
             .add_observer(collide_again)
             .add_observer(height::filter_contacts)
@@ -65,7 +65,7 @@ impl Plugin for EnvgenPhysicsPlugin {
             .add_observer(moving::hang)
             .add_systems(
                 main,
-                moving::report_hits
+                moving::report_collisions
                     .after(EnvgenSystems::Notify)
                     .run_if(resource_exists::<Messages<CollisionEvent>>),
             );

@@ -12,7 +12,7 @@ use crate::scenario::{DoorLeaf, Person, leaf_collider};
 
 /// Triggered on a [`Person`], and written as a message, when a body of rapier begins to touch the person.
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PersonHit {
+pub struct PersonCollision {
     /// The person.
     pub entity: Entity,
     /// The entity of the collider that touches the person.
@@ -59,22 +59,22 @@ pub(super) fn hang(
 }
 
 /// Reports the bodies that touch people.
-pub(super) fn report_hits(
-    mut collisions: MessageReader<CollisionEvent>,
+pub(super) fn report_collisions(
+    mut events: MessageReader<CollisionEvent>,
     people: Query<(), With<Person>>,
-    mut hits: MessageWriter<PersonHit>,
+    mut collisions: MessageWriter<PersonCollision>,
     mut commands: Commands,
 ) {
-    for collision in collisions.read() {
-        let CollisionEvent::Started(first, second, flags) = *collision else { continue };
+    for event in events.read() {
+        let CollisionEvent::Started(first, second, flags) = *event else { continue };
         if flags.contains(bevy_rapier2d::rapier::geometry::CollisionEventFlags::SENSOR) {
             continue;
         }
         for (entity, collider) in [(first, second), (second, first)] {
             if people.contains(entity) {
-                let hit = PersonHit { entity, collider };
-                hits.write(hit);
-                commands.trigger(hit);
+                let collision = PersonCollision { entity, collider };
+                collisions.write(collision);
+                commands.trigger(collision);
             }
         }
     }

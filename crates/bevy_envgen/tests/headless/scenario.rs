@@ -275,7 +275,7 @@ fn people_react_to_agents_and_are_hit_by_bodies() {
     app.add_observer(|reacted: On<PersonReacted>, mut heard: ResMut<Heard>| {
         heard.0.push(reacted.begins);
     });
-    app.add_observer(|hit: On<PersonHit>, mut heard: ResMut<Heard>| {
+    app.add_observer(|hit: On<PersonCollision>, mut heard: ResMut<Heard>| {
         heard.1.push((hit.entity, hit.collider));
     });
     let spec =

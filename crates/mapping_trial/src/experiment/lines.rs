@@ -94,12 +94,12 @@ pub(super) fn line<T: Serialize>(record: &T, path: &Path) -> Result<Vec<u8>, Exp
 }
 
 #[cfg(test)]
+#[cfg(target_os = "linux")]
 mod tests {
     use super::*;
     use crate::experiment::tests::record;
 
     #[test]
-    #[cfg_attr(not(target_os = "linux"), ignore = "there is no /dev/full")]
     fn a_full_disk_is_reported() {
         let path = PathBuf::from("/dev/full");
         let file = OpenOptions::new().write(true).open(&path).unwrap();
