@@ -39,6 +39,22 @@ const IN_PLACE_TREES: f64 = 500.0;
 /// spawned parts depend only on the anchor's current position, not on where it has been. Adding or
 /// removing the component, or changing `tile`, rebuilds the world. In scenes and clones the anchor
 /// is the loaded or cloned entity, if it is among them.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_envgen::prelude::*;
+///
+/// fn stream(mut commands: Commands) {
+///     let robot = commands.spawn(Transform::default()).id();
+///     let forest = ForestSpec { width: 200.0, height: 200.0, ..default() };
+///     let around = StreamAround::new(robot, 40.0).with_tile(20.0);
+///     commands.spawn((Environment::new(forest, 7), around));
+/// }
+/// # let mut app = bevy_envgen::testing::test_app();
+/// # bevy::ecs::system::RunSystemOnce::run_system_once(app.world_mut(), stream).unwrap();
+/// # bevy_envgen::testing::step(&mut app, 3);
+/// # assert!(app.world_mut().query::<&PartId>().iter(app.world()).count() > 20);
+/// ```
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct StreamAround {

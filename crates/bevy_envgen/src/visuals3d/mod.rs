@@ -48,24 +48,18 @@ use crate::visuals::require_visibility;
 /// Draws worlds in three dimensions, for [`Camera3d`], with or without the plugin for two. Each tile has at most one
 /// mesh for each [`Finish`].
 ///
-/// Adds the resources [`Visuals3dSettings`] and [`Palette3d`], and sets Bevy's `GlobalAmbientLight` almost to none,
+/// Adds the resources [`Visuals3dSettings`] and, unless the app has one, [`Palette3d`], and sets Bevy's `GlobalAmbientLight` almost to none,
 /// since rooms have lamps and the open has a sky. Needs Bevy's plugins for meshes, light and `StandardMaterial`s, which
 /// are to be added before; without them it draws nothing.
 #[derive(Clone, Debug, Default)]
 pub struct EnvgenVisuals3dPlugin {
     settings: Visuals3dSettings,
-    palette: Palette3d,
 }
 
 impl EnvgenVisuals3dPlugin {
     /// Draws as `settings` say.
     pub fn new(settings: Visuals3dSettings) -> Self {
-        EnvgenVisuals3dPlugin { settings, ..default() }
-    }
-
-    /// Uses `palette` instead of the default colours.
-    pub fn with_palette(self, palette: Palette3d) -> Self {
-        EnvgenVisuals3dPlugin { palette, ..self }
+        EnvgenVisuals3dPlugin { settings }
     }
 }
 
@@ -81,7 +75,7 @@ impl Plugin for EnvgenVisuals3dPlugin {
             .register_type::<Sky>()
             .register_type::<Sun>()
             .insert_resource(self.settings)
-            .insert_resource(self.palette.clone())
+            .init_resource::<Palette3d>()
             .insert_resource(GlobalAmbientLight { brightness: AMBIENT, ..default() })
             .init_resource::<finish::Finishes>()
             .init_resource::<trees::TreeMeshes>()

@@ -125,11 +125,6 @@ impl WorldEditor {
         &self.world
     }
 
-    /// The world as it is now, without the editor.
-    pub fn into_world(self) -> World {
-        self.world
-    }
-
     /// Makes a change; what was undone before can no longer be redone.
     ///
     /// # Errors

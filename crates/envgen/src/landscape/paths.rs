@@ -34,6 +34,8 @@ use crate::world::ClassRaster;
 /// let last = raster.cells.len() - 1;
 /// let path = map.path(0, last).expect("all cells can be crossed");
 /// assert!((path.cost - seconds[last]).abs() < 1e-9);
+/// // Seconds per metre of each cell, such as for a map of costs.
+/// assert!(map.cost_raster().iter().all(|cost| [1.0, 0.5, 0.25].contains(cost)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

@@ -121,11 +121,6 @@ impl ScenarioState {
         leaves.chain(people)
     }
 
-    /// The rays of the world without anything that moves.
-    pub fn still_rays(&self) -> &Raycaster {
-        &self.scene.rays
-    }
-
     /// Calls `visit` for everything within `radius` metres of a point, or within 2 m where that is less. A part
     /// with a long outline may be visited several times. People are discs.
     pub fn contacts(&self, p: DVec2, radius: f64, mut visit: impl FnMut(MovingContact)) {

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use envgen::geometry::{Pose, Shape, unit_vector};
 use envgen::glam::DVec2;
+use envgen::raycast::Raycaster;
 use envgen::scenario::{Reactions, Robot, Scenario, ScenarioSpec, ScenarioState};
 use envgen::world::{Wall, WallKind};
 use envgen::{Seed, World, WorldKind};
@@ -63,9 +64,10 @@ fn without_settings_nothing_moves() {
         assert!(scenario.doors.is_empty() && scenario.people.is_empty());
         let state = ScenarioState::new(&world, &scenario).unwrap();
         let middle = world.start.map_or(world.bounds.center(), |start| start.position);
+        let rays = Raycaster::new(&world);
         for i in 0..100 {
             let direction = unit_vector(TAU * f64::from(i) / 100.0);
-            let still = state.still_rays().cast_along(middle, direction, 20.0);
+            let still = rays.cast_along(middle, direction, 20.0);
             let hit = state.cast(middle, direction, 20.0);
             assert_eq!(hit.map(|hit| hit.distance), still.map(|hit| hit.distance));
         }

@@ -94,6 +94,14 @@ impl BarnGrid {
     /// The grid of a Gazebo world. Its files leave out the cylinders that others surround; what they enclose is
     /// filled here.
     ///
+    /// ```no_run
+    /// use envgen::import::barn::{BarnGrid, read_cylinders};
+    ///
+    /// let text = std::fs::read_to_string("world_0.world")?;
+    /// let grid = BarnGrid::of_cylinders(&read_cylinders(&text)?)?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// When a cylinder is not in a cell of the data set, or there are none beside the walls around the robot's
     /// first position.
