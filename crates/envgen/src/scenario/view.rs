@@ -6,7 +6,7 @@ use super::smoke::{Laser, Reading, SmokePlace, Stretch};
 use super::spec::Body;
 use super::{LEG_RADIUS, Leaf, PERSON_RADIUS, ScenarioState};
 use crate::geometry::Shape;
-use crate::raycast::{Hit, Raycaster};
+use crate::raycast::Hit;
 use crate::seed::Stream;
 use crate::world::PartId;
 
