@@ -1,4 +1,7 @@
 //! No two files of a crate or a program need each other, directly or through others: what a file needs is below it.
+//!
+//! What a file needs are the modules in which the paths that it imports and mentions are defined. Methods that a type has in
+//! several files, and macros by their names alone, are not followed.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -6,7 +9,8 @@ use std::path::{Path, PathBuf};
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use quote::ToTokens;
-use syn::{Attribute, Item, Meta, UseTree};
+use syn::punctuated::Punctuated;
+use syn::{Attribute, Item, Meta, Token, UseTree, Visibility};
 
 /// The names of a path, below the root of its crate where it names a module.
 type Names = Vec<String>;
@@ -42,7 +46,7 @@ impl<'a> Modules<'a> {
         self.files.insert(module.clone(), file.to_owned());
         for item in items {
             match item {
-                Item::Mod(child) if is_test(&child.attrs) => {}
+                item if is_test(attributes(&item)) => {}
                 Item::Mod(child) => {
                     let name = child.ident.to_string();
                     let below = [module.clone(), vec![name.clone()]].concat();
@@ -62,30 +66,37 @@ impl<'a> Modules<'a> {
                     let (place, source) = found.unwrap_or_else(|| panic!("no {places:?}"));
                     self.read_file(place, &inner, below, &source);
                 }
-                Item::Use(import) if is_test(&import.attrs) => {}
-                Item::Use(import) => self.import(&module, &mut Names::new(), import.tree),
+                Item::Use(import) => {
+                    let is_public = !matches!(import.vis, Visibility::Inherited);
+                    self.import(&module, &mut Names::new(), import.tree, is_public);
+                }
                 item => {
                     let mut paths = Vec::new();
-                    collect_paths(item.into_token_stream(), &mut paths);
+                    collect_paths(item.into_token_stream(), &[], &mut paths);
                     self.mentions.extend(paths.into_iter().map(|path| (module.clone(), path)));
                 }
             }
         }
     }
 
-    fn import(&mut self, module: &Names, path: &mut Names, tree: UseTree) {
+    fn import(&mut self, module: &Names, path: &mut Names, tree: UseTree, is_public: bool) {
         let (name, alias) = match tree {
             UseTree::Path(part) => {
                 path.push(part.ident.to_string());
-                self.import(module, path, *part.tree);
+                self.import(module, path, *part.tree, is_public);
                 path.pop();
                 return;
             }
             UseTree::Group(group) => {
-                group.items.into_iter().for_each(|tree| self.import(module, path, tree));
+                let import = |tree| self.import(module, path, tree, is_public);
+                group.items.into_iter().for_each(import);
                 return;
             }
-            UseTree::Glob(_) => (None, None),
+            // What it exports would have to be searched in the other module.
+            UseTree::Glob(_) => {
+                assert!(!is_public, "{path:?} is exported as a whole in {module:?}");
+                (None, None)
+            }
             UseTree::Name(name) => (Some(name.ident.to_string()), None),
             UseTree::Rename(name) => (Some(name.ident.to_string()), Some(name.rename.to_string())),
         };
@@ -101,14 +112,13 @@ impl<'a> Modules<'a> {
         let from = |module: &[String]| Some([module, rest].concat());
         match first.as_str() {
             "crate" => from(&[]),
-            "self" => from(module),
-            "super" => {
-                let (_, parent) = module.split_last()?;
+            "self" | "super" => {
+                let module = if first == "self" { module } else { module.split_last()?.1 };
                 match rest.first() {
                     Some(next) if next == "super" => {
-                        self.absolute(&parent.to_vec(), &rest.to_vec(), depth)
+                        self.absolute(&module.to_vec(), &rest.to_vec(), depth)
                     }
-                    _ => from(parent),
+                    _ => from(module),
                 }
             }
             _ => {
@@ -151,14 +161,40 @@ impl<'a> Modules<'a> {
     }
 }
 
+fn attributes(item: &Item) -> &[Attribute] {
+    match item {
+        Item::Const(item) => &item.attrs,
+        Item::Enum(item) => &item.attrs,
+        Item::Fn(item) => &item.attrs,
+        Item::Impl(item) => &item.attrs,
+        Item::Macro(item) => &item.attrs,
+        Item::Mod(item) => &item.attrs,
+        Item::Static(item) => &item.attrs,
+        Item::Struct(item) => &item.attrs,
+        Item::Trait(item) => &item.attrs,
+        Item::Type(item) => &item.attrs,
+        Item::Use(item) => &item.attrs,
+        _ => &[],
+    }
+}
+
+/// Whether it is compiled for tests alone.
 fn is_test(attributes: &[Attribute]) -> bool {
-    attributes.iter().any(|attribute| match &attribute.meta {
-        Meta::List(list) if list.path.is_ident("cfg") => {
-            let condition = list.tokens.to_string();
-            condition == "test" || condition.starts_with("all (test")
+    let is_cfg = |attribute: &&Attribute| attribute.path().is_ident("cfg");
+    attributes
+        .iter()
+        .filter(is_cfg)
+        .any(|attribute| attribute.parse_args().is_ok_and(|condition: Meta| needs_test(&condition)))
+}
+
+fn needs_test(condition: &Meta) -> bool {
+    match condition {
+        Meta::List(list) if list.path.is_ident("all") => {
+            let all = list.parse_args_with(Punctuated::<Meta, Token![,]>::parse_terminated);
+            all.is_ok_and(|all| all.iter().any(needs_test))
         }
-        _ => false,
-    })
+        condition => condition.path().is_ident("test"),
+    }
 }
 
 /// The file that `#[path = "..."]` names.
@@ -172,8 +208,9 @@ fn file_attribute(attributes: &[Attribute]) -> Option<String> {
     })
 }
 
-/// The paths of at least two names in code, also in the arguments of macros.
-fn collect_paths(tokens: TokenStream, paths: &mut Vec<Names>) {
+/// The paths of at least two names in code, also in the arguments of macros and attributes. Those in braces after a path
+/// continue it.
+fn collect_paths(tokens: TokenStream, prefix: &[String], paths: &mut Vec<Names>) {
     let (mut path, mut colons) = (Names::new(), 0);
     for token in tokens {
         match token {
@@ -185,18 +222,27 @@ fn collect_paths(tokens: TokenStream, paths: &mut Vec<Names>) {
             }
             TokenTree::Ident(name) => {
                 if colons != 2 {
-                    paths.push(std::mem::take(&mut path));
+                    paths.push(std::mem::replace(&mut path, prefix.to_vec()));
                 }
                 path.push(name.to_string());
+                colons = 0;
+            }
+            TokenTree::Group(group) if !is_visibility(&group) => {
+                let is_continued = colons == 2 && group.delimiter() == Delimiter::Brace;
+                collect_paths(group.stream(), if is_continued { &path } else { &[] }, paths);
+                paths.push(std::mem::take(&mut path));
                 colons = 0;
             }
             other => {
                 paths.push(std::mem::take(&mut path));
                 colons = 0;
-                if let TokenTree::Group(group) = other
-                    && !is_visibility(&group)
-                {
-                    collect_paths(group.stream(), paths);
+                // Such as `with = "crate::module"` in an attribute.
+                if let TokenTree::Literal(literal) = other {
+                    let text = literal.to_string();
+                    let text = text.trim_matches('"');
+                    if text.starts_with("crate::") || text.starts_with("super::") {
+                        paths.push(text.split("::").map(str::to_owned).collect());
+                    }
                 }
             }
         }
@@ -252,24 +298,27 @@ fn roots(folder: &Path) -> Vec<PathBuf> {
 fn no_two_files_need_each_other() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let crates = fs::read_dir(root.join("crates")).unwrap().map(|entry| entry.unwrap().path());
-    let mut begins = roots(&root.join("examples"));
-    for krate in crates {
-        begins.extend(["src/lib.rs", "src/main.rs"].map(|file| krate.join(file)));
-        begins.extend(["src/bin", "examples"].iter().flat_map(|folder| roots(&krate.join(folder))));
-    }
     let text = |path: &Path| fs::read_to_string(path).ok();
-    let (mut read, mut found) = (0, Vec::new());
-    for begin in begins.iter().filter(|path| path.is_file()) {
-        let modules = Modules::read(begin, &text);
-        let arrows = modules.arrows();
-        read += arrows.values().map(BTreeSet::len).sum::<usize>();
-        for (from, to) in circles(&arrows) {
-            let short = |path: &Path| path.strip_prefix(root).unwrap_or(path).display().to_string();
-            let to: Vec<String> = to.into_iter().map(short).collect();
-            found.push(format!("{} needs {}", short(from), to.join(", ")));
+    let (mut read, mut found) = (BTreeSet::new(), Vec::new());
+    for krate in crates.chain([root.to_owned()]) {
+        let whole = ["src/lib.rs", "src/main.rs"].map(|file| krate.join(file));
+        let whole = whole.into_iter().filter(|path| path.is_file());
+        let folders = ["src/bin", "examples", "tests", "benches"].map(|folder| krate.join(folder));
+        let begins: Vec<PathBuf> =
+            whole.chain(folders.iter().flat_map(|folder| roots(folder))).collect();
+        assert!(!begins.is_empty(), "nothing begins in {}", krate.display());
+        for begin in begins {
+            let modules = Modules::read(&begin, &text);
+            read.extend(modules.files.values().cloned());
+            for (from, to) in circles(&modules.arrows()) {
+                let short =
+                    |path: &Path| path.strip_prefix(root).unwrap_or(path).display().to_string();
+                let to: Vec<String> = to.into_iter().map(short).collect();
+                found.push(format!("{} needs {}", short(from), to.join(", ")));
+            }
         }
     }
-    assert!(read > 2_000, "only {read} arrows were found");
+    assert!(read.len() > 900, "only {} files were read", read.len());
     assert!(found.is_empty(), "files in circles:\n{}", found.join("\n"));
 }
 
@@ -295,6 +344,22 @@ fn circles_are_noticed() {
     let far = ("src/lib.rs", "mod a; pub fn h() -> a::C {}");
     let through = ("src/a/b.rs", "use crate as root; pub struct C; pub fn g() { root::h() }");
     assert_eq!(find(&[far, alone, through]), ["src/a/b.rs", "src/lib.rs"]);
+    for inside in [
+        "pub struct C; pub fn g() { use super::super::a::{f, b::C as D}; }",
+        "#[serde(with = \"crate::a\")] pub struct C; pub fn g() {}",
+        "pub struct C; pub fn g() { self::super::f() }",
+        "pub struct C; #[cfg(any(test, unix))] pub fn g() { super::f() }",
+    ] {
+        let found = find(&[root, alone, ("src/a/b.rs", inside)]);
+        assert_eq!(found, ["src/a/b.rs", "src/a.rs"], "{inside}");
+    }
+    for inside in [
+        "pub struct C; #[cfg(test)] fn h() { super::f() } pub fn g() {}",
+        "pub struct C; #[cfg(all(unix, test))] use super::f; pub fn g() {}",
+        "pub struct C; pub fn g() { macro_rules! m { () => { $crate::a::f() } } }",
+    ] {
+        assert_eq!(find(&[root, alone, ("src/a/b.rs", inside)]), [""; 0], "{inside}");
+    }
     let only_tests = ("src/a/b.rs", "pub struct C; #[cfg(test)] mod tests { use crate::a::f; }");
     assert_eq!(find(&[root, alone, only_tests]), [""; 0]);
 }

@@ -93,8 +93,7 @@ pub(super) fn line<T: Serialize>(record: &T, path: &Path) -> Result<Vec<u8>, Exp
     Ok(bytes)
 }
 
-#[cfg(test)]
-#[cfg(target_os = "linux")]
+#[cfg(all(test, target_os = "linux"))]
 mod tests {
     use super::*;
     use crate::experiment::tests::record;
