@@ -50,7 +50,7 @@ use mapping_trial::experiment::{Design, Experiment, ExperimentError, Shard, repo
 use mapping_trial::policy::PolicyKind;
 
 use crate::spinner::spinner;
-use crate::trial_arguments::{TrialArguments, named};
+use crate::trial_arguments::{NAMES, TrialArguments, named};
 
 /// Do the rules of Zwennes (2011) order indoor maps by difficulty? Policies map them, the maps are
 /// scored, and a report shows the results.
@@ -73,7 +73,7 @@ struct Arguments {
     seeds: Option<u32>,
 
     /// Levels of difficulty.
-    #[arg(long, value_delimiter = ',', default_values_t = Design::default().levels)]
+    #[arg(long, value_delimiter = ',', default_value = "1,3,5,7,9")]
     levels: Vec<f64>,
 
     /// Policies of the larger design [default: all five, with --quick nearest].
@@ -104,8 +104,8 @@ struct Arguments {
     shard: Shard,
 
     /// Join the folders of all shares instead of running trials.
-    #[arg(long, value_name = "FOLDER", num_args = 1.., conflicts_with_all = [
-        "quick", "maps", "seeds", "levels", "policies", "profile", "size", "TrialArguments", "seed", "shard",
+    #[arg(long, value_name = "FOLDER", num_args = 1.., conflicts_with_all = NAMES, conflicts_with_all = [
+        "quick", "maps", "seeds", "levels", "policies", "profile", "size", "seed", "shard",
         "fresh",
     ])]
     merge: Vec<PathBuf>,

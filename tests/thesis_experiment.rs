@@ -60,7 +60,10 @@ fn bad_arguments_are_reported() {
     );
     assert!(EXAMPLE.error(&["--levels=9,1"], &out).contains("`levels` must be"));
     for flag in ["--policies=nobody", "--operators=nobody"] {
-        assert!(EXAMPLE.error(&[flag], &out).contains("[possible values: nearest, info_gain"), "{flag}");
+        assert!(
+            EXAMPLE.error(&[flag], &out).contains("[possible values: nearest, info_gain"),
+            "{flag}"
+        );
     }
     assert!(EXAMPLE.error(&["--shard=3/2"], &out).contains("`shard` must be"));
     assert!(EXAMPLE.error(&["--size=3"], &out).contains("`size` must be"));

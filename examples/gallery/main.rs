@@ -34,14 +34,13 @@ use mapping_trial::trial::{Trial, TrialSettings};
 
 use crate::spinner::spinner;
 use crate::trial_bar::trial_bar;
-use crate::worlds::{corridor, spec};
+use crate::worlds::{FILM_SEED, corridor, spec};
 
 /// Width and height of the pictures in pixels.
 const SIZE: UVec2 = UVec2::new(800, 600);
 
-/// Side of the map of the film of a trial in grid units of 3 m, and its seed.
+/// Side of the map of the film of a trial in grid units of 3 m.
 const FILM_MAP: u32 = 6;
-const FILM_SEED: u64 = 2;
 
 /// A film of a trial.
 struct Take {

@@ -7,6 +7,10 @@ use mapping_trial::names::Named;
 use mapping_trial::slam::{SlamKind, WheelCalibration};
 use mapping_trial::trial::TrialSettings;
 
+/// The names of the arguments, for others that exclude them.
+pub(crate) const NAMES: [&str; 5] =
+    ["slam", "wheel_calibration", "laser", "time_limit", "time_per_area"];
+
 /// How trials measure, and how long they take.
 #[derive(Args, Clone)]
 pub(crate) struct TrialArguments {
@@ -35,7 +39,7 @@ pub(crate) struct TrialArguments {
 pub(crate) fn help(setting: &str) -> String {
     let setting = TrialSettings::setting(setting);
     let unit = if setting.unit.is_empty() { String::new() } else { format!(" [{}]", setting.unit) };
-    format!("{}{unit}", setting.help)
+    format!("{}{unit}", setting.help.replace("`time_limit`", "--time-limit"))
 }
 
 /// A parser for the names of values.

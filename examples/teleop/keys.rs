@@ -24,9 +24,9 @@ pub(crate) fn steer(
     keys: Res<ButtonInput<KeyCode>>,
     pads: Query<&Gamepad>,
     panels: Res<EguiWantsInput>,
-    mut hands: Query<&mut ManualControl>,
+    mut manual: Query<&mut ManualControl>,
 ) {
-    let Ok(mut hands) = hands.get_mut(session.world) else { return };
+    let Ok(mut manual) = manual.get_mut(session.world) else { return };
     let command = if session.phase != Phase::Running || panels.wants_any_keyboard_input() {
         Command::STOP
     } else {
@@ -35,7 +35,7 @@ pub(crate) fn steer(
     // The robots that are not driven stop.
     let robots = session.setup.settings.robots as usize;
     let command_of = |robot| if robot == session.driven { command } else { Command::STOP };
-    hands.set_if_neq(ManualControl { commands: (0..robots).map(command_of).collect() });
+    manual.set_if_neq(ManualControl { commands: (0..robots).map(command_of).collect() });
 }
 
 /// Keys with a single action.

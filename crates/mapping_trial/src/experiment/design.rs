@@ -103,7 +103,7 @@ pub struct TrialId {
     /// Number of the noise seed on this map.
     pub noise: u32,
     /// The policy, `operator` in files.
-    #[serde(rename = "operator")]
+    #[serde(rename = "operator", alias = "policy")]
     pub policy: PolicyKind,
 }
 
