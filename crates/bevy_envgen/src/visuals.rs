@@ -4,7 +4,7 @@ mod drawing;
 pub(crate) mod ground;
 pub(crate) mod moving;
 mod palette;
-mod part_color;
+mod part_group;
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use bevy::prelude::*;
 use self::drawing::Drawing;
 use self::ground::class_rectangles;
 pub use self::palette::{WorldPalette, color};
-use self::part_color::{PartColor, PartColors, material};
+use self::part_group::{GroupMaterials, PartGroup, material};
 use crate::environment::{Environment, GroundTruth};
 use crate::part::{Ground, PartId, PartKind, Room, Surface, SurfaceKind};
 use crate::scenario::{Door, DoorLeaf, Person, Smoke};
@@ -45,7 +45,7 @@ impl Plugin for EnvgenVisualsPlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<WorldPalette>()
             .insert_resource(self.palette.clone())
-            .init_resource::<PartColors>()
+            .init_resource::<GroupMaterials>()
             .add_observer(draw)
             .add_observer(moving::draw_person)
             .add_observer(moving::draw_leaf)
@@ -85,23 +85,23 @@ fn add_meshes(world: &mut World, spawned: &TileSpawned) {
         return;
     }
     let palette = world.get_resource::<WorldPalette>().cloned().unwrap_or_default();
-    for (color, drawing) in drawings(world, spawned) {
-        let Some(material) = material(world, color, color.color(&palette)) else { return };
+    for (group, drawing) in drawings(world, spawned) {
+        let Some(material) = material(world, group, group.color(&palette)) else { return };
         let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() else { return };
         let mesh = meshes.add(drawing.into_mesh());
         world.spawn((
-            Name::new(format!("{color:?}")),
+            Name::new(format!("{group:?}")),
             Mesh2d(mesh),
             MeshMaterial2d(material),
-            Transform::from_xyz(0.0, 0.0, color.layer()),
+            Transform::from_xyz(0.0, 0.0, group.layer()),
             ChildOf(spawned.tile),
         ));
     }
 }
 
-/// The parts of a tile as triangles, by color.
-fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<PartColor, Drawing> {
-    let mut drawings: BTreeMap<PartColor, Drawing> = BTreeMap::new();
+/// The parts of a tile as triangles, by group.
+fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<PartGroup, Drawing> {
+    let mut drawings: BTreeMap<PartGroup, Drawing> = BTreeMap::new();
     for &part in &spawned.parts {
         let Ok(part) = world.get_entity(part) else { continue };
         let (Some(id), Some(at), Some(shape)) =
@@ -109,42 +109,42 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<PartColor, Drawing
         else {
             continue;
         };
-        let color = match id.kind {
+        let group = match id.kind {
             PartKind::Ground => {
                 if let Some(ground) = part.get::<Ground>() {
                     for (class, corners) in class_rectangles(at, shape, ground) {
-                        let drawing = drawings.entry(PartColor::Class(class)).or_default();
+                        let drawing = drawings.entry(PartGroup::Class(class)).or_default();
                         drawing.add(corners, &[[0, 1, 2], [0, 2, 3]]);
                     }
                 }
                 continue;
             }
             PartKind::RoadStrip => {
-                let drawing = drawings.entry(PartColor::Road).or_default();
+                let drawing = drawings.entry(PartGroup::Road).or_default();
                 add_road(drawing, world, spawned.environment, *id);
                 continue;
             }
             // Drawn below, together with those that are data.
             PartKind::Wall | PartKind::Tree | PartKind::Obstacle => continue,
             PartKind::Room if part.get::<Room>().is_some_and(|room| !room.lit) => {
-                PartColor::DarkRoom
+                PartGroup::DarkRoom
             }
-            PartKind::Room => PartColor::Room,
-            PartKind::Doorway => PartColor::Doorway,
+            PartKind::Room => PartGroup::Room,
+            PartKind::Doorway => PartGroup::Doorway,
             PartKind::Surface => match part.get::<Surface>().map(|surface| surface.kind) {
-                Some(SurfaceKind::Water) => PartColor::Water,
-                Some(SurfaceKind::Hallway | SurfaceKind::OpenArea) => PartColor::Floor,
-                Some(SurfaceKind::Slippery) => PartColor::Slippery,
-                Some(SurfaceKind::Loose) => PartColor::Loose,
+                Some(SurfaceKind::Water) => PartGroup::Water,
+                Some(SurfaceKind::Hallway | SurfaceKind::OpenArea) => PartGroup::Floor,
+                Some(SurfaceKind::Slippery) => PartGroup::Slippery,
+                Some(SurfaceKind::Loose) => PartGroup::Loose,
                 // Drawn by its ground.
                 Some(SurfaceKind::Class(_)) => continue,
-                _ => PartColor::Rough,
+                _ => PartGroup::Rough,
             },
-            PartKind::Start => PartColor::Start,
-            PartKind::Goal => PartColor::Goal,
-            PartKind::Victim => PartColor::Victim,
+            PartKind::Start => PartGroup::Start,
+            PartKind::Goal => PartGroup::Goal,
+            PartKind::Victim => PartGroup::Victim,
         };
-        drawings.entry(color).or_default().add_shape(at, shape);
+        drawings.entry(group).or_default().add_shape(at, shape);
     }
     let truth = world.get::<GroundTruth>(spawned.environment);
     let is_dark = |id: &PartId| {
@@ -152,14 +152,14 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<PartColor, Drawing
         part.is_some_and(|(truth, part)| truth.visible_range(part).is_some())
     };
     for (id, at, shape) in spawned.placed(world) {
-        let color = match id.kind {
-            PartKind::Wall | PartKind::Obstacle if is_dark(&id) => PartColor::Dark,
-            PartKind::Wall => PartColor::Wall,
-            PartKind::Tree => PartColor::Tree,
-            PartKind::Obstacle => PartColor::Obstacle,
+        let group = match id.kind {
+            PartKind::Wall | PartKind::Obstacle if is_dark(&id) => PartGroup::Dark,
+            PartKind::Wall => PartGroup::Wall,
+            PartKind::Tree => PartGroup::Tree,
+            PartKind::Obstacle => PartGroup::Obstacle,
             _ => continue,
         };
-        drawings.entry(color).or_default().add_shape(at, shape);
+        drawings.entry(group).or_default().add_shape(at, shape);
     }
     drawings.retain(|_, drawing| !drawing.triangles.is_empty());
     drawings

@@ -1,4 +1,4 @@
-//! A picture in memory, and as PNG.
+//! A captured image in memory, and as PNG.
 
 use std::io::BufWriter;
 use std::path::Path;

@@ -8,8 +8,8 @@ use atomic_write_file::AtomicWriteFile;
 use bevy::prelude::*;
 use gif::{Encoder, Frame, Repeat};
 
+use crate::captured_image::CapturedImage;
 use crate::error::CaptureError;
-use crate::picture::CapturedImage;
 use crate::whole_file;
 
 /// An animated GIF, which loops forever. Each frame is written when it is added, with its own

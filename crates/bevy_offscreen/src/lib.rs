@@ -30,18 +30,18 @@
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+mod captured_image;
 mod error;
 mod film;
-mod picture;
 #[cfg(feature = "render")]
 mod request;
 #[cfg(feature = "render")]
 mod studio;
 mod whole_file;
 
+pub use captured_image::CapturedImage;
 pub use error::{CaptureError, MAX_SIDE};
 pub use film::{Film, Frames};
-pub use picture::CapturedImage;
 #[cfg(feature = "render")]
 pub use request::{CapturePlugin, PictureFailed, PictureTaken, TakePicture};
 #[cfg(feature = "render")]

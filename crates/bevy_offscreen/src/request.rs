@@ -7,8 +7,8 @@ use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
+use crate::captured_image::CapturedImage;
 use crate::error::CaptureError;
-use crate::picture::CapturedImage;
 
 /// Requests a picture of what a camera draws into, an image or a window, as PNG. A few frames later
 /// [`PictureTaken`] or [`PictureFailed`] is triggered on the camera.

@@ -23,8 +23,8 @@ use bevy::tasks::block_on;
 use bevy::time::{TimePlugin, TimeUpdateStrategy};
 use bevy::window::{ExitCondition, WindowPlugin};
 
+use crate::captured_image::CapturedImage;
 use crate::error::{CaptureError, MAX_SIDE};
-use crate::picture::CapturedImage;
 use crate::request::{CapturePlugin, Supersampling};
 
 /// The number of frames after which a missing picture is an error.

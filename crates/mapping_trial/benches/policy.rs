@@ -98,7 +98,7 @@ fn frontiers(map: &OccupancyMap) {
     at_most("frontiers gathered, against the costmap again", times, 0.5);
 }
 
-/// A* across the building, against the same by `pathfinding` on the same classes.
+/// A* across the building, against the same by `pathfinding` on the same costs.
 fn search(map: &OccupancyMap, start: DVec2) {
     let mut costmap = Costmap::new(&Robot::default());
     costmap.refresh(map);
@@ -114,7 +114,7 @@ fn search(map: &OccupancyMap, start: DVec2) {
     let Some(last) = last else { return };
     search.path_to(&costmap, last, &mut points);
     let Some(&goal) = points.last() else { return };
-    let mut classes = costmap.clone();
+    let mut costs = costmap.clone();
     let ours = || {
         let node = search.to(&mut costmap, start, &[], goal);
         node.and_then(|node| search.cost(node))
@@ -129,8 +129,8 @@ fn search(map: &OccupancyMap, start: DVec2) {
                 for dy in -1..=1 {
                     for dx in -1..=1 {
                         let at = at + IVec2::new(dx, dy);
-                        let class = classes.cell_cost_at((at.as_dvec2() + 0.5) * SIDE);
-                        let steps = match class {
+                        let cost = costs.cell_cost_at((at.as_dvec2() + 0.5) * SIDE);
+                        let steps = match cost {
                             CellCost::Open => [10, 14],
                             CellCost::Near => [14, 20],
                             CellCost::Close => [22, 31],

@@ -36,7 +36,7 @@ enum PixelClass {
     Outside,
 }
 
-/// The colour of each ink, and what it means.
+/// The colour of each class, and what it means.
 const LEGEND: [(Srgb, &str); 9] = [
     (map::UNKNOWN, "unknown"),
     (map::FREE, "free"),
@@ -73,7 +73,7 @@ pub struct Picture {
     width: usize,
     height: usize,
     /// From the lower left, row by row.
-    inks: Vec<PixelClass>,
+    classes: Vec<PixelClass>,
 }
 
 impl Picture {
@@ -85,7 +85,7 @@ impl Picture {
         let (cols, rows) = picture.touched(known);
         for row in rows {
             for col in cols.clone() {
-                picture.inks[row * picture.width + col] = picture.look(map, col, row);
+                picture.classes[row * picture.width + col] = picture.look(map, col, row);
             }
         }
         picture
@@ -95,8 +95,8 @@ impl Picture {
     /// from there black, the rest light grey.
     pub fn of_truth(truth: &MappableArea, area: Rect) -> Self {
         let mut picture = Picture::of_map(&truth.perfect_map(), area);
-        for ink in picture.inks.iter_mut().filter(|ink| **ink == PixelClass::Unknown) {
-            *ink = PixelClass::Outside;
+        for class in picture.classes.iter_mut().filter(|class| **class == PixelClass::Unknown) {
+            *class = PixelClass::Outside;
         }
         picture
     }
@@ -109,14 +109,14 @@ impl Picture {
         let perfect = Picture::of_truth(truth, area);
         let near = |picture: &Picture| {
             let walls: Vec<bool> =
-                picture.inks.iter().map(|ink| *ink == PixelClass::Wall).collect();
+                picture.classes.iter().map(|class| *class == PixelClass::Wall).collect();
             let limit = IN_PLACE / picture.pixel;
             let squared = squared_distances(picture.width, &walls);
             squared.into_iter().map(|d| f64::from(d) <= limit * limit).collect::<Vec<bool>>()
         };
         let (near_map, near_truth) = (near(&picture), near(&perfect));
-        for (i, ink) in picture.inks.iter_mut().enumerate() {
-            *ink = match (*ink, perfect.inks[i]) {
+        for (i, class) in picture.classes.iter_mut().enumerate() {
+            *class = match (*class, perfect.classes[i]) {
                 (PixelClass::Wall, _) if near_truth[i] => PixelClass::Wall,
                 (PixelClass::Wall, _) => PixelClass::False,
                 (_, PixelClass::Wall) if !near_map[i] => PixelClass::Missed,
@@ -142,12 +142,12 @@ impl Picture {
     /// PNG.
     pub fn figure(&self, title: &str, notes: Vec<String>) -> Figure {
         // The top row comes first.
-        let rows = self.inks.chunks_exact(self.width).rev();
+        let rows = self.classes.chunks_exact(self.width).rev();
         Figure {
             title: title.to_owned(),
             cell: self.pixel,
             width: self.width as u32,
-            cells: rows.flatten().map(|ink| *ink as u8).collect(),
+            cells: rows.flatten().map(|class| *class as u8).collect(),
             colors: LEGEND.map(|(color, name)| (color, name.to_owned())).to_vec(),
             notes,
         }
@@ -162,7 +162,7 @@ impl Picture {
             ((area.max - low) / pixel).ceil().clamp(DVec2::ONE, DVec2::splat(MAX_SIDE + 1.0));
         let (width, height) = (cells.x as usize, cells.y as usize);
         let area = Rect::new(low, low + cells * pixel);
-        Picture { area, pixel, width, height, inks: vec![PixelClass::Unknown; width * height] }
+        Picture { area, pixel, width, height, classes: vec![PixelClass::Unknown; width * height] }
     }
 
     /// The columns and rows of the pixels that touch a rectangle.
@@ -194,9 +194,9 @@ impl Picture {
     }
 
     /// A line three pixels wide along the poses, an arrow's head at the start and a ring at the end.
-    fn draw_path(&mut self, poses: &[Pose], ink: PixelClass) {
+    fn draw_path(&mut self, poses: &[Pose], class: PixelClass) {
         for pose in poses {
-            self.dot(pose.position, 1.5 * self.pixel, ink);
+            self.dot(pose.position, 1.5 * self.pixel, class);
         }
         if let (Some(start), Some(end)) = (poses.first(), poses.last()) {
             // A triangle that points in the robot's heading.
@@ -207,17 +207,17 @@ impl Picture {
                 let middle = start.position + ahead * (0.7 * along - 0.2);
                 for side in -5..=5 {
                     let off = ahead.perp() * half * f64::from(side) / 5.0;
-                    self.dot(middle + off, 1.5 * self.pixel, ink);
+                    self.dot(middle + off, 1.5 * self.pixel, class);
                 }
             }
             for step in 0..48 {
                 let turn = std::f64::consts::TAU * f64::from(step) / 48.0;
-                self.dot(end.position + unit_vector(turn) * 0.35, 1.5 * self.pixel, ink);
+                self.dot(end.position + unit_vector(turn) * 0.35, 1.5 * self.pixel, class);
             }
         }
     }
 
-    fn dot(&mut self, at: DVec2, radius: f64, ink: PixelClass) {
+    fn dot(&mut self, at: DVec2, radius: f64, class: PixelClass) {
         let middle = (at - self.area.min) / self.pixel;
         let reach = radius / self.pixel;
         if !middle.is_finite() || middle.abs().max_element() > 2.0 * MAX_SIDE {
@@ -228,7 +228,7 @@ impl Picture {
             for col in low.x.max(0.0) as usize..(high.x.max(0.0) as usize).min(self.width) {
                 let centre = DVec2::new(col as f64, row as f64) + 0.5;
                 if centre.distance(middle) <= reach {
-                    self.inks[row * self.width + col] = ink;
+                    self.classes[row * self.width + col] = class;
                 }
             }
         }
@@ -253,8 +253,8 @@ mod tests {
         MappableArea::new(&world(), &Robot::default()).expect("a start")
     }
 
-    fn count(picture: &Picture, ink: PixelClass) -> usize {
-        picture.inks.iter().filter(|found| **found == ink).count()
+    fn count(picture: &Picture, class: PixelClass) -> usize {
+        picture.classes.iter().filter(|found| **found == class).count()
     }
 
     #[test]
@@ -272,8 +272,8 @@ mod tests {
         assert!(
             count(&perfect, PixelClass::Wall) > 100 && count(&perfect, PixelClass::Free) > 1000
         );
-        for ink in [PixelClass::False, PixelClass::Missed, PixelClass::Unseen] {
-            assert_eq!(count(&perfect, ink), 0, "{ink:?}");
+        for class in [PixelClass::False, PixelClass::Missed, PixelClass::Unseen] {
+            assert_eq!(count(&perfect, class), 0, "{class:?}");
         }
         let empty = Picture::of_errors(&truth, &OccupancyMap::new(), area);
         assert_eq!(count(&empty, PixelClass::Missed), count(&perfect, PixelClass::Wall));
@@ -318,9 +318,9 @@ mod tests {
         for (from, to) in [(-1.0, 2.0), (0.3, 0.6), (-40.0, 30.0), (0.5, 50.0), (2.0, 3.0)] {
             let corner = |x: f64, y: f64| known.min + known.size() * DVec2::new(x, y);
             let picture = Picture::of_map(&map, Rect::new(corner(from, -0.2), corner(to, 0.8)));
-            for (i, ink) in picture.inks.iter().enumerate() {
+            for (i, class) in picture.classes.iter().enumerate() {
                 let expected = picture.look(&map, i % picture.width, i / picture.width);
-                assert_eq!(*ink, expected, "from {from} to {to}, pixel {i}");
+                assert_eq!(*class, expected, "from {from} to {to}, pixel {i}");
             }
         }
     }

@@ -6,7 +6,7 @@ use envgen::scenario::PERSON_RADIUS;
 
 use super::drawing::Drawing;
 use super::palette::WorldPalette;
-use super::part_color::{LAYER, PartColor, material};
+use super::part_group::{LAYER, PartGroup, material};
 use crate::environment::Environment;
 use crate::part::PartOf;
 use crate::scenario::{DoorLeaf, Person, ScenarioRun, Smoke};
@@ -41,11 +41,11 @@ pub(super) fn draw_person(added: On<Add, Person>, mut commands: Commands) {
         let radius = PERSON_RADIUS as f32;
         let mut body = Drawing::default();
         body.add_shape(&Transform::IDENTITY, &PartShape::Disc { radius });
-        add(world, person, PartColor::Person, body);
+        add(world, person, PartGroup::Person, body);
         let mut face = Drawing::default();
         let corners = [Vec2::new(0.1, -0.12), Vec2::new(0.24, 0.0), Vec2::new(0.1, 0.12)];
         face.add(corners, &[[0, 1, 2]]);
-        add(world, person, PartColor::Face, face);
+        add(world, person, PartGroup::Face, face);
     });
 }
 
@@ -58,7 +58,7 @@ pub(super) fn draw_leaf(added: On<Add, DoorLeaf>, mut commands: Commands) {
         let at = Transform::from_xyz(0.5, 0.0, 0.0);
         let half_size = Vec2::new(0.5, 0.5 * THICKNESS);
         drawing.add_shape(&at, &PartShape::Box { half_size });
-        if let Some(mesh) = add(world, leaf, PartColor::Leaf, drawing) {
+        if let Some(mesh) = add(world, leaf, PartGroup::Leaf, drawing) {
             world.entity_mut(mesh).insert(LeafMesh);
             if let Some(mut at) = world.get_mut::<Transform>(mesh) {
                 at.scale.x = length;
@@ -124,15 +124,15 @@ fn add_smoke(world: &mut World, entity: Entity, place: &SmokeOutline) {
     let palette = world.get_resource::<WorldPalette>().cloned().unwrap_or_default();
     let color = palette.smoke.with_alpha(opacity(*extinction));
     let Some(mut materials) = world.get_resource_mut::<Assets<ColorMaterial>>() else { return };
-    let color = ColorMaterial { alpha_mode: AlphaMode2d::Blend, ..ColorMaterial::from(color) };
-    let color = materials.add(color);
+    let material = ColorMaterial { alpha_mode: AlphaMode2d::Blend, ..ColorMaterial::from(color) };
+    let material = materials.add(material);
     let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() else { return };
     let mesh = meshes.add(drawing.into_mesh());
     world.spawn((
         Name::new("Smoke"),
         SmokeMesh,
         Mesh2d(mesh),
-        MeshMaterial2d(color),
+        MeshMaterial2d(material),
         Transform::from_xyz(0.0, 0.0, SMOKE_LAYER),
         shown(*extinction),
         ChildOf(entity),
@@ -145,17 +145,17 @@ pub(crate) fn shown(extinction: f64) -> Visibility {
 }
 
 /// Spawns a mesh as a child; `None` in apps that do not draw.
-fn add(world: &mut World, parent: Entity, color: PartColor, drawing: Drawing) -> Option<Entity> {
+fn add(world: &mut World, parent: Entity, group: PartGroup, drawing: Drawing) -> Option<Entity> {
     world.get_entity(parent).ok()?;
     let palette = world.get_resource::<WorldPalette>().cloned().unwrap_or_default();
     if !world.contains_resource::<Assets<ColorMaterial>>() {
         return None;
     }
     let mesh = world.get_resource_mut::<Assets<Mesh>>()?.add(drawing.into_mesh());
-    let material = material(world, color, color.color(&palette))?;
-    let at = Transform::from_xyz(0.0, 0.0, color.layer());
+    let material = material(world, group, group.color(&palette))?;
+    let at = Transform::from_xyz(0.0, 0.0, group.layer());
     let look = (Mesh2d(mesh), MeshMaterial2d(material));
-    Some(world.spawn((Name::new(format!("{color:?}")), look, at, ChildOf(parent))).id())
+    Some(world.spawn((Name::new(format!("{group:?}")), look, at, ChildOf(parent))).id())
 }
 
 /// Draws sliding leaves as long as they are.

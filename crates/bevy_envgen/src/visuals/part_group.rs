@@ -11,7 +11,7 @@ pub(super) const LAYER: f32 = 0.01;
 
 /// The groups of parts with one colour, from the lowest layer to the highest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum PartColor {
+pub(super) enum PartGroup {
     Class(u16),
     Floor,
     Slippery,
@@ -34,55 +34,55 @@ pub(super) enum PartColor {
     Face,
 }
 
-impl PartColor {
+impl PartGroup {
     pub(super) fn layer(self) -> f32 {
         let order = match self {
-            PartColor::Class(_) => 0.0,
-            PartColor::Floor => 1.0,
-            PartColor::Slippery => 1.6,
-            PartColor::Loose => 1.8,
-            PartColor::Rough => 2.0,
-            PartColor::Water => 3.0,
-            PartColor::DarkRoom | PartColor::Room => 1.5,
-            PartColor::Road => 4.0,
-            PartColor::Doorway => 5.0,
-            PartColor::Wall => 6.0,
-            PartColor::Tree => 7.0,
-            PartColor::Obstacle | PartColor::Dark => 8.0,
-            PartColor::Start | PartColor::Goal | PartColor::Victim => 9.0,
-            PartColor::Leaf => 9.5,
-            PartColor::Person => 10.0,
-            PartColor::Face => 10.5,
+            PartGroup::Class(_) => 0.0,
+            PartGroup::Floor => 1.0,
+            PartGroup::Slippery => 1.6,
+            PartGroup::Loose => 1.8,
+            PartGroup::Rough => 2.0,
+            PartGroup::Water => 3.0,
+            PartGroup::DarkRoom | PartGroup::Room => 1.5,
+            PartGroup::Road => 4.0,
+            PartGroup::Doorway => 5.0,
+            PartGroup::Wall => 6.0,
+            PartGroup::Tree => 7.0,
+            PartGroup::Obstacle | PartGroup::Dark => 8.0,
+            PartGroup::Start | PartGroup::Goal | PartGroup::Victim => 9.0,
+            PartGroup::Leaf => 9.5,
+            PartGroup::Person => 10.0,
+            PartGroup::Face => 10.5,
         };
         order * LAYER
     }
 
     pub(super) fn color(self, palette: &WorldPalette) -> Color {
         match self {
-            PartColor::Class(class) => {
+            PartGroup::Class(class) => {
                 let classes = palette.classes.len().max(1);
                 let place = usize::from(class.max(1) - 1) % classes;
                 palette.classes.get(place).copied().unwrap_or(palette.floor)
             }
-            PartColor::Floor => palette.floor,
-            PartColor::Slippery => palette.slippery,
-            PartColor::Loose => palette.loose,
-            PartColor::Rough => palette.rough,
-            PartColor::Water => palette.water,
-            PartColor::DarkRoom => palette.dark_room,
-            PartColor::Room => palette.room,
-            PartColor::Road => palette.road,
-            PartColor::Doorway => palette.doorway,
-            PartColor::Wall => palette.wall,
-            PartColor::Tree => palette.tree,
-            PartColor::Obstacle => palette.obstacle,
-            PartColor::Dark => palette.dark,
-            PartColor::Start => palette.start,
-            PartColor::Goal => palette.goal,
-            PartColor::Victim => palette.victim,
-            PartColor::Leaf => palette.leaf,
-            PartColor::Person => palette.person,
-            PartColor::Face => palette.face,
+            PartGroup::Floor => palette.floor,
+            PartGroup::Slippery => palette.slippery,
+            PartGroup::Loose => palette.loose,
+            PartGroup::Rough => palette.rough,
+            PartGroup::Water => palette.water,
+            PartGroup::DarkRoom => palette.dark_room,
+            PartGroup::Room => palette.room,
+            PartGroup::Road => palette.road,
+            PartGroup::Doorway => palette.doorway,
+            PartGroup::Wall => palette.wall,
+            PartGroup::Tree => palette.tree,
+            PartGroup::Obstacle => palette.obstacle,
+            PartGroup::Dark => palette.dark,
+            PartGroup::Start => palette.start,
+            PartGroup::Goal => palette.goal,
+            PartGroup::Victim => palette.victim,
+            PartGroup::Leaf => palette.leaf,
+            PartGroup::Person => palette.person,
+            PartGroup::Face => palette.face,
         }
     }
 }
@@ -90,20 +90,20 @@ impl PartColor {
 /// The materials of the parts drawn so far, shared by all environments, with the colours that they
 /// were made from.
 #[derive(Resource, Default)]
-pub(super) struct PartColors(BTreeMap<PartColor, (Color, Handle<ColorMaterial>)>);
+pub(super) struct GroupMaterials(BTreeMap<PartGroup, (Color, Handle<ColorMaterial>)>);
 
-/// The material of parts that have this colour.
+/// The material of a group of parts.
 pub(super) fn material(
     world: &mut World,
-    part: PartColor,
+    group: PartGroup,
     color: Color,
 ) -> Option<Handle<ColorMaterial>> {
-    if let Some((known, handle)) = world.resource::<PartColors>().0.get(&part)
+    if let Some((known, handle)) = world.resource::<GroupMaterials>().0.get(&group)
         && *known == color
     {
         return Some(handle.clone());
     }
     let handle = world.get_resource_mut::<Assets<ColorMaterial>>()?.add(color);
-    world.resource_mut::<PartColors>().0.insert(part, (color, handle.clone()));
+    world.resource_mut::<GroupMaterials>().0.insert(group, (color, handle.clone()));
     Some(handle)
 }

@@ -48,9 +48,9 @@ use crate::visuals::require_visibility;
 /// Draws worlds in three dimensions, for [`Camera3d`], with or without the plugin for two. Each tile has at most one
 /// mesh for each [`Finish`].
 ///
-/// Adds the resources [`Visuals3dSettings`] and, unless the app has one, [`Palette3d`], and sets Bevy's `GlobalAmbientLight` almost to none,
-/// since rooms have lamps and the open has a sky. Needs Bevy's plugins for meshes, light and `StandardMaterial`s, which
-/// are to be added before; without them it draws nothing.
+/// Adds the resources [`Visuals3dSettings`] and, unless the app has one, [`Palette3d`], and sets Bevy's
+/// `GlobalAmbientLight` almost to none, since rooms have lamps and the open has a sky. Needs Bevy's plugins for meshes,
+/// light and `StandardMaterial`s, which are to be added before; without them it draws nothing.
 #[derive(Clone, Debug, Default)]
 pub struct EnvgenVisuals3dPlugin {
     settings: Visuals3dSettings,

@@ -108,7 +108,7 @@ const PRIVATE: &[&str] = &[
     "bevy_envgen::job::SpawnedTiles",
     "bevy_envgen::streaming::Streaming",
     "bevy_envgen::systems::EnvgenSchedules",
-    "bevy_envgen::visuals::part_color::PartColors",
+    "bevy_envgen::visuals::part_group::GroupMaterials",
     "bevy_envgen::visuals::moving::LeafMesh",
     "bevy_envgen::visuals::moving::SmokeMesh",
 ];

@@ -275,8 +275,8 @@ fn people_react_to_agents_and_are_hit_by_bodies() {
     app.add_observer(|reacted: On<PersonReacted>, mut heard: ResMut<Heard>| {
         heard.0.push(reacted.begins);
     });
-    app.add_observer(|hit: On<PersonCollision>, mut heard: ResMut<Heard>| {
-        heard.1.push((hit.entity, hit.collider));
+    app.add_observer(|collision: On<PersonCollision>, mut heard: ResMut<Heard>| {
+        heard.1.push((collision.entity, collision.collider));
     });
     let spec =
         ScenarioSpec { people: 1, reaction: Reactions::Surprised, waiting: 1e6, ..default() };

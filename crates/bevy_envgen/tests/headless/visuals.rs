@@ -15,13 +15,13 @@ fn app() -> App {
     app
 }
 
-/// The area that is drawn with one color, in square metres.
-fn area(app: &mut App, color: &str) -> f32 {
+/// The area that is drawn for one group of parts, in square metres.
+fn area(app: &mut App, group: &str) -> f32 {
     let mut drawn = app.world_mut().query::<(&Name, &Mesh2d)>();
     let meshes = app.world().resource::<Assets<Mesh>>();
     drawn
         .iter(app.world())
-        .filter(|(name, _)| name.starts_with(color))
+        .filter(|(name, _)| name.starts_with(group))
         .map(|(_, mesh)| {
             let mesh = meshes.get(&mesh.0).unwrap();
             let corners = mesh.attribute(Mesh::ATTRIBUTE_POSITION).unwrap();
@@ -113,8 +113,8 @@ fn people_leaves_and_smoke_are_drawn_as_they_are() {
         let found: Vec<_> = smoke.iter(app.world()).map(|(s, c)| (s.extinction, c[0])).collect();
         let materials = app.world().resource::<Assets<ColorMaterial>>();
         for (extinction, mesh) in found {
-            let color = app.world().get::<MeshMaterial2d<ColorMaterial>>(mesh).unwrap();
-            let alpha = f64::from(materials.get(&color.0).unwrap().color.alpha());
+            let material = app.world().get::<MeshMaterial2d<ColorMaterial>>(mesh).unwrap();
+            let alpha = f64::from(materials.get(&material.0).unwrap().color.alpha());
             assert!((alpha - (1.0 - (-extinction).exp())).abs() < 1e-6, "{extinction} {alpha}");
             let hidden = app.world().get::<Visibility>(mesh) == Some(&Visibility::Hidden);
             assert_eq!(hidden, extinction < 0.005, "{extinction}");
@@ -137,7 +137,7 @@ fn materials_are_shared_and_everything_goes_with_the_environment() {
         })
         .collect();
     let materials = app.world().resource::<Assets<ColorMaterial>>().len();
-    // At most one for every color but those of classes.
+    // At most one for every group but those of classes.
     assert!(materials <= 13, "{materials}");
     assert!(app.world().resource::<Assets<Mesh>>().len() > materials);
     for root in roots {

@@ -12,10 +12,10 @@ mod index;
 mod line;
 pub mod overlap;
 mod path;
-mod piece;
+mod segment;
 mod series;
 mod tree;
 
 pub use index::{Located, PathIndex};
 pub use path::{Path, Walk};
-pub use piece::Curve;
+pub use segment::Curve;

@@ -1,4 +1,4 @@
-//! A piece of a path: a line, an arc or a clothoid.
+//! A segment of a path: a line, an arc or a clothoid.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::series::displacement;
 use crate::geometry::{Pose, unit_vector};
 
-/// A piece of a curve whose curvature changes linearly with the distance along it.
+/// A segment of a path whose curvature changes linearly with the distance along it.
 ///
 /// ```
 /// use envgen::curve::Curve;

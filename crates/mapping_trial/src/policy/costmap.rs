@@ -47,7 +47,7 @@ pub struct Costmap {
     revision: u64,
     tiles: Tiles,
     /// [`CellCost`] in the low three bits and the best of the four cells in the high four, per node.
-    classes: Vec<u8>,
+    costs: Vec<u8>,
     /// Tiles whose frontier is to be derived again.
     stale: Vec<u32>,
 }
@@ -66,7 +66,7 @@ impl Costmap {
             inflation: Inflation::of(robot),
             revision: 0,
             tiles: Tiles::default(),
-            classes: Vec::new(),
+            costs: Vec::new(),
             stale: Vec::new(),
         }
     }
@@ -75,7 +75,7 @@ impl Costmap {
     pub(super) fn set_radius(&mut self, radius: f64) {
         self.inflation = Inflation::of_radius(radius);
         for tile in self.tiles.iter_mut() {
-            tile.stale_classes = true;
+            tile.stale_costs = true;
         }
     }
 
@@ -143,13 +143,13 @@ impl Costmap {
         let bit = 1 << cell.x;
         if tile.water[cell.y as usize] & bit == 0 {
             tile.water[cell.y as usize] |= bit;
-            tile.stale_classes = true;
+            tile.stale_costs = true;
             for slot in tile.around {
                 if slot != NONE {
-                    self.tiles[slot as usize].stale_classes = true;
+                    self.tiles[slot as usize].stale_costs = true;
                 }
             }
-            self.mark_far_classes(slot as usize);
+            self.mark_far_costs(slot as usize);
         }
     }
 
@@ -203,7 +203,7 @@ impl Costmap {
     #[doc(hidden)]
     pub fn derive_all(&mut self) {
         for slot in 0..self.tiles.len() {
-            self.derive_classes(slot);
+            self.derive_costs(slot);
         }
     }
 
@@ -236,20 +236,20 @@ impl Costmap {
 
     /// A node's cost, derived now if needed.
     pub(super) fn cell_cost(&mut self, node: Node) -> CellCost {
-        self.derive_classes(node.slot());
+        self.derive_costs(node.slot());
         self.derived_cell_cost(node)
     }
 
     /// A node's cost in a tile that is derived.
     #[inline]
     pub(super) fn derived_cell_cost(&self, node: Node) -> CellCost {
-        CellCost::of(self.classes[node.0 as usize])
+        CellCost::of(self.costs[node.0 as usize])
     }
 
     /// The point of a node to drive through: the centre of the best of its four cells.
     pub(super) fn point(&self, node: Node) -> DVec2 {
         let low = self.place(node).as_dvec2() * SIDE;
-        let best = self.classes[node.0 as usize] >> 4;
+        let best = self.costs[node.0 as usize] >> 4;
         let mut sum = DVec2::ZERO;
         let mut count = 0.0;
         for cell in 0..4 {
@@ -287,7 +287,7 @@ impl Costmap {
             return slot as usize;
         }
         let slot = self.tiles.add(at);
-        self.classes.resize(self.classes.len() + NODES, CellCost::Unknown as u8);
+        self.costs.resize(self.costs.len() + NODES, CellCost::Unknown as u8);
         slot
     }
 
@@ -309,7 +309,7 @@ impl Costmap {
         }
         (tile.occupied, tile.free) = (occupied, free);
         tile.has_occupied = occupied.iter().any(|&row| row != 0);
-        tile.stale_classes = true;
+        tile.stale_costs = true;
         let around = tile.around;
         self.mark_frontier(slot as u32);
         // A change matters to the tiles around that are within a margin of it.
@@ -327,17 +327,17 @@ impl Costmap {
             }
             let margin = self.inflation.margin.min(TILE);
             if reaches(cols, step.x, margin) && reaches(rows, step.y, margin) {
-                self.tiles[around[direction] as usize].stale_classes = true;
+                self.tiles[around[direction] as usize].stale_costs = true;
             }
         }
         if rows != 0 {
-            self.mark_far_classes(slot);
+            self.mark_far_costs(slot);
         }
     }
 
     /// Marks the tiles beyond the neighbours of a changed tile, if the robot is so large
     /// that their costs depend on it.
-    fn mark_far_classes(&mut self, slot: usize) {
+    fn mark_far_costs(&mut self, slot: usize) {
         if self.inflation.margin <= TILE {
             return;
         }
@@ -345,7 +345,7 @@ impl Costmap {
         for y in -2..=2 {
             for x in -2..=2 {
                 if let Some(slot) = self.tiles.slot_of(at + IVec2::new(x, y)) {
-                    self.tiles[slot as usize].stale_classes = true;
+                    self.tiles[slot as usize].stale_costs = true;
                 }
             }
         }
@@ -390,8 +390,8 @@ impl Costmap {
 
     /// Derives a tile's costs if something has changed.
     #[inline]
-    pub(super) fn derive_classes(&mut self, slot: usize) {
-        if self.tiles[slot].stale_classes {
+    pub(super) fn derive_costs(&mut self, slot: usize) {
+        if self.tiles[slot].stale_costs {
             self.inflate(slot);
         }
     }
@@ -435,8 +435,8 @@ impl Costmap {
             self.spread::<u128>(slot)
         };
         let tile = &mut self.tiles[slot];
-        tile.stale_classes = false;
-        let classes = &mut self.classes[slot * NODES..(slot + 1) * NODES];
+        tile.stale_costs = false;
+        let costs = &mut self.costs[slot * NODES..(slot + 1) * NODES];
         for row in 0..CELLS as usize {
             let rows = [2 * row, 2 * row + 1];
             let free = near.map(|near| rows.map(|row| tile.free[row] & !near[row]));
@@ -447,7 +447,7 @@ impl Costmap {
                     (rows[0] >> (2 * col) & 3 | (rows[1] >> (2 * col) & 3) << 2) as u8
                 };
                 let cell_cost = |cell_cost: CellCost, best: u8| cell_cost as u8 | best << 4;
-                classes[row * CELLS as usize + col] = if four(free[0]) == 0 {
+                costs[row * CELLS as usize + col] = if four(free[0]) == 0 {
                     if four(occupied) != 0 {
                         cell_cost(CellCost::Occupied, 0)
                     } else if four(inflated) != 0 {

@@ -209,7 +209,7 @@ impl GridPlanner {
         if self.used[slot] != self.search {
             self.used[slot] = self.search;
             self.nodes[slot * NODES..(slot + 1) * NODES].fill(UNSEEN);
-            costmap.derive_classes(slot);
+            costmap.derive_costs(slot);
         }
     }
 

@@ -82,7 +82,7 @@ proptest! {
     /// Cell costs follow from the distances to occupied cells, for robots of every size: the
     /// margins in metres around a body that touches within its radius and half a centimetre.
     #[test]
-    fn classes_are_distances(
+    fn costs_are_distances(
         seed in 0_u64..10_000,
         count in 1_u32..30,
         radius in prop_oneof![Just(0.355), Just(2.0), 0.05..2.0_f64],

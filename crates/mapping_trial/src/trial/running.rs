@@ -93,8 +93,8 @@ impl<B: RobotBackend> Trial<B> {
         self.tick(Some(commands))
     }
 
-    fn tick(&mut self, hands: Option<&[Command]>) -> bool {
-        let Some(commands) = self.command(hands) else {
+    fn tick(&mut self, manual: Option<&[Command]>) -> bool {
+        let Some(commands) = self.command(manual) else {
             return false;
         };
         self.bodies.advance(&commands);
@@ -104,11 +104,11 @@ impl<B: RobotBackend> Trial<B> {
 
     /// The first half of a tick, for backends that are moved from outside: takes in what each robot
     /// observes, and returns each one's command; `None` once the trial is over. The commands are
-    /// those of `hands` (manual control), one per robot, or the policy's.
+    /// those of `manual`, one per robot, or the policy's.
     ///
     /// When the robots have moved for a [`TICK`](crate::backend::TICK), [`Trial::record`] is the second half.
     /// [`Trial::step`] does both, with [`RobotBackend::advance`] in between.
-    pub fn command(&mut self, hands: Option<&[Command]>) -> Option<Vec<Command>> {
+    pub fn command(&mut self, manual: Option<&[Command]>) -> Option<Vec<Command>> {
         if self.over {
             return None;
         }
@@ -133,8 +133,8 @@ impl<B: RobotBackend> Trial<B> {
                 Some(EndReason::TimeLimit)
             } else if self.bodies.condition(robot) == Condition::Drowned {
                 Some(EndReason::Drowned)
-            } else if let Some(hands) = hands {
-                *command = hands.get(robot).copied().unwrap_or(Command::STOP).finite();
+            } else if let Some(manual) = manual {
+                *command = manual.get(robot).copied().unwrap_or(Command::STOP).finite();
                 None
             } else {
                 let decision = self.autonomy.decide(robot, &seen);

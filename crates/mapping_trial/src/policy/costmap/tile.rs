@@ -46,7 +46,7 @@ pub(super) struct Tile {
     pub(super) frontier: Bits,
     /// Whether any cell is occupied.
     pub(super) has_occupied: bool,
-    pub(super) stale_classes: bool,
+    pub(super) stale_costs: bool,
     pub(super) stale_frontier: bool,
 }
 
@@ -114,7 +114,7 @@ impl Tiles {
             water: empty,
             frontier: empty,
             has_occupied: false,
-            stale_classes: true,
+            stale_costs: true,
             stale_frontier: false,
         });
         slot as usize
