@@ -50,7 +50,7 @@ use mapping_trial::experiment::{Design, Experiment, ExperimentError, Shard, repo
 use mapping_trial::policy::PolicyKind;
 
 use crate::spinner::spinner;
-use crate::trial_arguments::{NAMES, TrialArguments, named};
+use crate::trial_arguments::{TrialArguments, named};
 
 /// Do the rules of Zwennes (2011) order indoor maps by difficulty? Policies map them, the maps are
 /// scored, and a report shows the results.
@@ -104,9 +104,9 @@ struct Arguments {
     shard: Shard,
 
     /// Join the folders of all shares instead of running trials.
-    #[arg(long, value_name = "FOLDER", num_args = 1.., conflicts_with_all = NAMES, conflicts_with_all = [
-        "quick", "maps", "seeds", "levels", "policies", "profile", "size", "seed", "shard",
-        "fresh",
+    #[arg(long, value_name = "FOLDER", num_args = 1.., conflicts_with_all = [
+        "quick", "maps", "seeds", "levels", "policies", "profile", "size", "slam", "wheel_calibration", "laser",
+        "time_limit", "time_per_area", "seed", "shard", "fresh",
     ])]
     merge: Vec<PathBuf>,
 

@@ -19,7 +19,7 @@ use mapping_trial::robot::Robot;
 use mapping_trial::trial::TrialSettings;
 
 use crate::bag::Bag;
-use crate::trial_arguments::{NAMES, TrialArguments, help, name, named};
+use crate::trial_arguments::{TrialArguments, help, name, named};
 use crate::{moving, output, robot, start};
 
 /// The greatest `--size`: 192 grid units are 576 m, and a wall.
@@ -104,7 +104,7 @@ pub(crate) struct Arguments {
     pub(crate) engine: String,
 
     /// Run a log again instead, in the simulator that made it.
-    #[arg(long, value_name = "LOG", conflicts_with_all = NAMES)]
+    #[arg(long, value_name = "LOG", conflicts_with_all = ["slam", "wheel_calibration", "laser", "time_limit", "time_per_area"])]
     pub(crate) replay: Option<PathBuf>,
 
     /// Writes a bag for ROS 2 too, which Foxglove shows and `ros2 bag play` plays: this file, and beside it

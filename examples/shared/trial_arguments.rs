@@ -7,10 +7,6 @@ use mapping_trial::names::Named;
 use mapping_trial::slam::{SlamKind, WheelCalibration};
 use mapping_trial::trial::TrialSettings;
 
-/// The names of the arguments, for others that exclude them.
-pub(crate) const NAMES: [&str; 5] =
-    ["slam", "wheel_calibration", "laser", "time_limit", "time_per_area"];
-
 /// How trials measure, and how long they take.
 #[derive(Args, Clone)]
 pub(crate) struct TrialArguments {
