@@ -14,7 +14,6 @@ use pathfinding::directed::{astar::astar, dijkstra::dijkstra_reach};
 use pathfinding::num_traits::Zero;
 
 use super::metrics::{Neighbourhood, RasterError};
-use super::region::neighbours;
 use crate::world::ClassRaster;
 
 /// What it costs to travel over a raster.
@@ -196,6 +195,32 @@ impl Zero for Cost {
     fn is_zero(&self) -> bool {
         self.0 == 0.0
     }
+}
+
+/// The neighbours of a cell of a grid of `cells` cells, the four of its sides first.
+fn neighbours(
+    at: usize,
+    cols: usize,
+    cells: usize,
+    neighbourhood: Neighbourhood,
+) -> impl Iterator<Item = usize> {
+    let column = at % cols;
+    let (left, right) = (column > 0, column + 1 < cols);
+    let (up, down) = (at >= cols, at + cols < cells);
+    let corners = neighbourhood == Neighbourhood::Eight;
+    [
+        (left, -1),
+        (right, 1),
+        (up, -(cols as isize)),
+        (down, cols as isize),
+        (corners && up && left, -(cols as isize) - 1),
+        (corners && up && right, -(cols as isize) + 1),
+        (corners && down && left, cols as isize - 1),
+        (corners && down && right, cols as isize + 1),
+    ]
+    .into_iter()
+    .filter(|step| step.0)
+    .map(move |(_, step)| at.wrapping_add_signed(step))
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use glam::DVec2;
 
-use super::metrics::Neighbourhood;
 use crate::grid;
 use crate::world::ClassRaster;
 
@@ -27,30 +26,4 @@ pub(super) fn ends(raster: &ClassRaster) -> Option<(DVec2, DVec2)> {
     let low = region.iter().copied().min_by_key(rise)?;
     let high = region.iter().copied().max_by_key(rise)?;
     Some((middle(low), middle(high)))
-}
-
-/// The neighbours of a cell of a grid of `cells` cells, the four of its sides first.
-pub(super) fn neighbours(
-    at: usize,
-    cols: usize,
-    cells: usize,
-    neighbourhood: Neighbourhood,
-) -> impl Iterator<Item = usize> {
-    let column = at % cols;
-    let (left, right) = (column > 0, column + 1 < cols);
-    let (up, down) = (at >= cols, at + cols < cells);
-    let corners = neighbourhood == Neighbourhood::Eight;
-    [
-        (left, -1),
-        (right, 1),
-        (up, -(cols as isize)),
-        (down, cols as isize),
-        (corners && up && left, -(cols as isize) - 1),
-        (corners && up && right, -(cols as isize) + 1),
-        (corners && down && left, cols as isize - 1),
-        (corners && down && right, cols as isize + 1),
-    ]
-    .into_iter()
-    .filter(|step| step.0)
-    .map(move |(_, step)| at.wrapping_add_signed(step))
 }
