@@ -121,7 +121,13 @@ mod tests {
         for seed in 1..=3 {
             let spec = IndoorSpec { width: 6, height: 6, ..Default::default() };
             let world = spec.generate(Seed(seed)).unwrap().to_world();
-            let spec = ScenarioSpec { people: 15, doors: 0.5, ..Default::default() };
+            let spec = ScenarioSpec {
+                people: 40,
+                doors: 0.5,
+                waiting: 1.0,
+                working: 2.0,
+                ..Default::default()
+            };
             let scenario = Scenario::new(&world, &spec, Seed(seed)).unwrap();
             let mut state = ScenarioState::new(&world, &scenario).unwrap();
             let mut looking = state.clone();
@@ -139,7 +145,7 @@ mod tests {
                 let walks = |i: &usize| {
                     state.crowd.is_quiet(*i, tick) && state.crowd.people[*i].task == Task::Walk
                 };
-                quiet += (0..15).filter(walks).count();
+                quiet += (0..40).filter(walks).count();
             }
             assert_eq!(state.digest(), looking.digest());
             assert!(quiet > 1000, "{quiet}");
