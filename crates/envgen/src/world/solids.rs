@@ -100,7 +100,7 @@ impl World {
         points + cells + self.solids().count() + self.rooms.len() + self.surfaces.len()
     }
 
-    /// Distance in metres from a point to the nearest solid part, infinite when there is none.
+    /// Distance in metres from a point to the nearest solid part, infinite in a world without any.
     /// Costs one step per part.
     pub fn clearance(&self, p: DVec2) -> f64 {
         self.solids().map(|solid| solid.shape.distance(p)).fold(f64::INFINITY, f64::min)
