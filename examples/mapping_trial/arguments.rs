@@ -104,7 +104,8 @@ pub(crate) struct Arguments {
     pub(crate) engine: String,
 
     /// Run a log again instead, in the simulator that made it.
-    #[arg(long, value_name = "LOG", conflicts_with_all = ["slam", "wheel_calibration", "laser", "time_limit", "time_per_area"])]
+    #[arg(long, value_name = "LOG",
+          conflicts_with_all = ["slam", "wheel_calibration", "laser", "time_limit", "time_per_area"])]
     pub(crate) replay: Option<PathBuf>,
 
     /// Writes a bag for ROS 2 too, which Foxglove shows and `ros2 bag play` plays: this file, and beside it

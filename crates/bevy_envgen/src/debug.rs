@@ -128,13 +128,13 @@ fn draw_rooms(
             gizmos.circle_2d(place(room.shape.bounds().center()), NODE, color(ROOM));
         }
         for link in links(truth) {
-            let color = color(if link.open { OPEN } else { CLOSED });
+            let ink = color(if link.open { OPEN } else { CLOSED });
             let doorway = place(link.doorway);
             for room in link.rooms {
                 match room {
-                    Some(room) => gizmos.line_2d(place(room), doorway, color),
+                    Some(room) => gizmos.line_2d(place(room), doorway, ink),
                     None => {
-                        gizmos.circle_2d(doorway, WAY_OUT, color);
+                        gizmos.circle_2d(doorway, WAY_OUT, ink);
                     }
                 }
             }

@@ -57,7 +57,7 @@ fn what_is_drawn_has_the_area_of_the_parts() {
         });
         let roads: f64 =
             truth.road_strips.iter().map(|strip| strip.path().length() * strip.width).sum();
-        for (color, exact, tolerance) in [
+        for (group, exact, tolerance) in [
             ("Wall", walls, 1e-3),
             // Some are discs, which are drawn with corners, as trees are.
             ("Obstacle", things, 0.02),
@@ -65,8 +65,8 @@ fn what_is_drawn_has_the_area_of_the_parts() {
             ("Class", cells, 1e-3),
             ("Road", roads, 0.01),
         ] {
-            let drawn = f64::from(area(&mut app, color));
-            assert!((drawn - exact).abs() <= tolerance * exact, "{kind} {color}: {drawn} {exact}");
+            let drawn = f64::from(area(&mut app, group));
+            assert!((drawn - exact).abs() <= tolerance * exact, "{kind} {group}: {drawn} {exact}");
         }
     }
 }

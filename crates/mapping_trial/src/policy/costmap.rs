@@ -446,25 +446,25 @@ impl Costmap {
                 let four = |rows: [u32; 2]| {
                     (rows[0] >> (2 * col) & 3 | (rows[1] >> (2 * col) & 3) << 2) as u8
                 };
-                let cell_cost = |cell_cost: CellCost, best: u8| cell_cost as u8 | best << 4;
+                let packed = |cost: CellCost, best: u8| cost as u8 | best << 4;
                 costs[row * CELLS as usize + col] = if four(free[0]) == 0 {
                     if four(occupied) != 0 {
-                        cell_cost(CellCost::Occupied, 0)
+                        packed(CellCost::Occupied, 0)
                     } else if four(inflated) != 0 {
-                        cell_cost(CellCost::Inflated, 0)
+                        packed(CellCost::Inflated, 0)
                     } else {
-                        cell_cost(CellCost::Unknown, 0)
+                        packed(CellCost::Unknown, 0)
                     }
                 } else if four(free[1]) == 0 {
-                    cell_cost(CellCost::Squeeze, four(free[0]))
+                    packed(CellCost::Squeeze, four(free[0]))
                 } else if four(free[2]) == 0 {
-                    cell_cost(CellCost::Tight, four(free[1]))
+                    packed(CellCost::Tight, four(free[1]))
                 } else if four(free[3]) == 0 {
-                    cell_cost(CellCost::Close, four(free[2]))
+                    packed(CellCost::Close, four(free[2]))
                 } else if four(free[4]) == 0 {
-                    cell_cost(CellCost::Near, four(free[3]))
+                    packed(CellCost::Near, four(free[3]))
                 } else {
-                    cell_cost(CellCost::Open, four(free[4]))
+                    packed(CellCost::Open, four(free[4]))
                 };
             }
         }

@@ -95,7 +95,7 @@ impl Person {
             return Err(SpecError::new("heading", self.heading, "a finite number"));
         }
         if !space.fits(self.position) {
-            let allowed = format!("a point with {} m of free space around it", PERSON_RADIUS);
+            let allowed = format!("a point with {PERSON_RADIUS} m of free space around it");
             return Err(SpecError::new("position", self.position, allowed));
         }
         Ok(())
