@@ -11,7 +11,8 @@ use envgen::pieces::pieces_of;
 use envgen::world::Extent;
 
 use super::draft::Draft;
-use super::finish::{Finish, can_draw, material};
+use super::finish::Finish;
+use super::finish_material::{can_draw, material};
 use super::look::look;
 use super::palette::Palette3d;
 use super::settings::Visuals3dSettings;

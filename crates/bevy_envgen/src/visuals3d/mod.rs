@@ -16,6 +16,7 @@
 mod draft;
 mod draw;
 mod finish;
+mod finish_material;
 mod glow;
 mod look;
 mod marks;
@@ -77,7 +78,7 @@ impl Plugin for EnvgenVisuals3dPlugin {
             .insert_resource(self.settings)
             .init_resource::<Palette3d>()
             .insert_resource(GlobalAmbientLight { brightness: AMBIENT, ..default() })
-            .init_resource::<finish::Finishes>()
+            .init_resource::<finish_material::Finishes>()
             .init_resource::<trees::TreeMeshes>()
             .register_type::<Figure>()
             .init_resource::<moving::FigureMesh>()

@@ -4,7 +4,8 @@ use bevy::prelude::*;
 use envgen::world::WallKind;
 
 use super::draft::Draft;
-use super::finish::{Finish, can_draw, material};
+use super::finish::Finish;
+use super::finish_material::{can_draw, material};
 use super::palette::Palette3d;
 use crate::environment::GroundTruth;
 use crate::part::PartOf;

@@ -15,7 +15,7 @@ use envgen::glam::DVec2;
 use envgen::mesh::convex_pieces;
 use envgen::outline::outline;
 
-use super::finish::can_draw;
+use super::finish_material::can_draw;
 use super::palette::Palette3d;
 use super::settings::Visuals3dSettings;
 use crate::environment::GroundTruth;

@@ -12,7 +12,8 @@ use envgen::pieces::{Form, ceiling_of};
 use envgen::world::{Extent, PartId, PartKind};
 
 use super::draft::Draft;
-use super::finish::{Finish, can_draw, material};
+use super::finish::Finish;
+use super::finish_material::{can_draw, material};
 use super::glow::{self, is_building};
 use super::palette::Palette3d;
 use super::settings::Visuals3dSettings;
