@@ -4,13 +4,16 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use super::person::PersonState;
+use super::person::{PERSON_RADIUS, PersonState};
 use super::tick::TICK;
 use crate::geometry::Rect;
 use crate::grid::GridFrame;
 
 /// People farther away than this do not avoid each other, in metres.
 pub(super) const RANGE: f64 = 5.0;
+
+/// People farther away than this do not touch each other, whatever rounding does, in metres.
+const TOUCH: f64 = 2.0 * PERSON_RADIUS + 1e-6;
 
 /// The lists are rebuilt after this many ticks.
 pub(super) const REBUILD: u64 = 10;
@@ -33,12 +36,50 @@ pub(crate) struct Neighbourhood {
     drift: f64,
     starts: Vec<u32>,
     ids: Vec<u32>,
-    list_starts: Vec<u32>,
-    lists: Vec<u32>,
     /// The positions of `ids`.
     placed: Vec<DVec2>,
+    in_range: Lists,
+    in_touch: Lists,
+}
+
+/// For each person the others who can come within a distance before the lists are rebuilt.
+#[derive(Clone, Debug)]
+struct Lists {
+    starts: Vec<u32>,
+    ids: Vec<u32>,
     /// Those who are in each other's lists.
     pairs: Vec<[u32; 2]>,
+}
+
+impl Lists {
+    fn new(people: usize) -> Self {
+        Lists { starts: vec![0; people + 1], ids: Vec::new(), pairs: Vec::new() }
+    }
+
+    #[inline]
+    fn of(&self, person: usize) -> &[u32] {
+        match self.starts.get(person..person + 2) {
+            Some(&[from, to]) => &self.ids[from as usize..to as usize],
+            _ => &[],
+        }
+    }
+
+    /// Lists the people of all pairs.
+    fn fill(&mut self) {
+        self.starts.fill(0);
+        for &i in self.pairs.as_flattened() {
+            self.starts[i as usize] += 1;
+        }
+        counts_to_ends(&mut self.starts);
+        self.ids.resize(2 * self.pairs.len(), 0);
+        for &[i, j] in self.pairs.iter().rev() {
+            for (one, other) in [(i, j), (j, i)] {
+                let start = &mut self.starts[one as usize];
+                *start -= 1;
+                self.ids[*start as usize] = other;
+            }
+        }
+    }
 }
 
 impl Neighbourhood {
@@ -53,20 +94,22 @@ impl Neighbourhood {
             drift: drift(max_speed),
             starts: vec![0; cols * rows + 1],
             ids: vec![0; people],
-            list_starts: vec![0; people + 1],
-            lists: Vec::new(),
             placed: Vec::new(),
-            pairs: Vec::new(),
+            in_range: Lists::new(people),
+            in_touch: Lists::new(people),
         }
     }
 
     /// Those who can come within [`RANGE`] of a person before the next rebuild.
     #[inline]
     pub(super) fn of(&self, person: usize) -> &[u32] {
-        match self.list_starts.get(person..person + 2) {
-            Some(&[from, to]) => &self.lists[from as usize..to as usize],
-            _ => &[],
-        }
+        self.in_range.of(person)
+    }
+
+    /// Those whom a person can touch before the next rebuild.
+    #[inline]
+    pub(super) fn touchable(&self, person: usize) -> &[u32] {
+        self.in_touch.of(person)
     }
 
     pub(crate) fn rebuild(&mut self, people: &[PersonState]) {
@@ -86,39 +129,37 @@ impl Neighbourhood {
             self.ids[self.starts[cell] as usize] = i as u32;
         }
         self.find_pairs(people);
-        self.list_starts.fill(0);
-        for &i in self.pairs.as_flattened() {
-            self.list_starts[i as usize] += 1;
-        }
-        counts_to_ends(&mut self.list_starts);
-        self.lists.resize(2 * self.pairs.len(), 0);
-        for &[i, j] in self.pairs.iter().rev() {
-            for (one, other) in [(i, j), (j, i)] {
-                let start = &mut self.list_starts[one as usize];
-                *start -= 1;
-                self.lists[*start as usize] = other;
-            }
-        }
+        self.in_range.fill();
+        self.in_touch.fill();
     }
 
     /// Those who can come within range of each other, of the people in the cells.
     fn find_pairs(&mut self, people: &[PersonState]) {
-        let range = RANGE + 2.0 * self.drift;
-        let (mut placed, mut pairs) =
-            (std::mem::take(&mut self.placed), std::mem::take(&mut self.pairs));
+        let [range, touch] = [RANGE, TOUCH].map(|reach| reach + 2.0 * self.drift);
+        let mut placed = std::mem::take(&mut self.placed);
+        let [mut pairs, mut touching] =
+            [&mut self.in_range, &mut self.in_touch].map(|lists| std::mem::take(&mut lists.pairs));
         placed.clear();
         placed.extend(self.ids.iter().map(|&i| people[i as usize].position));
         pairs.clear();
+        touching.clear();
         for (k, (&i, &p)) in self.ids.iter().zip(&placed).enumerate() {
             for run in self.runs(p, range) {
                 // Each pair once: with those behind in the order of the cells.
                 let run = run.start.max(k + 1).min(run.end)..run.end;
                 let others = self.ids[run.clone()].iter().zip(&placed[run]);
-                let near = others.filter(|(_, q)| p.distance_squared(**q) <= range * range);
-                pairs.extend(near.map(|(&j, _)| [i, j]));
+                for (&j, q) in others {
+                    let distance2 = p.distance_squared(*q);
+                    if distance2 <= range * range {
+                        pairs.push([i, j]);
+                        if distance2 <= touch * touch {
+                            touching.push([i, j]);
+                        }
+                    }
+                }
             }
         }
-        (self.placed, self.pairs) = (placed, pairs);
+        (self.placed, self.in_range.pairs, self.in_touch.pairs) = (placed, pairs, touching);
     }
 
     /// Whether a test holds for one of those who may be within `reach` metres of a point.
@@ -151,5 +192,49 @@ fn counts_to_ends(counts: &mut [u32]) {
     for count in counts {
         end += *count;
         *count = end;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::scenario::person::{Person, Reaction};
+
+    proptest! {
+        #[test]
+        fn lists_hold_whom_a_person_can_meet(
+            positions in prop::collection::vec([0.0..40.0, 0.0..20.0], 0..80),
+            max_speed in 0.6..3.0,
+        ) {
+            let person = |&p: &[f64; 2]| Person {
+                position: DVec2::from(p),
+                heading: 0.0,
+                speed: 1.0,
+                reaction: Reaction::Regular,
+            };
+            let people: Vec<PersonState> =
+                positions.iter().map(|p| PersonState::new(&person(p), 0)).collect();
+            let bounds = Rect::new(DVec2::ZERO, DVec2::new(40.0, 20.0));
+            let mut near = Neighbourhood::new(bounds, people.len(), max_speed);
+            near.rebuild(&people);
+            for (i, one) in people.iter().enumerate() {
+                let sorted = |list: &[u32]| {
+                    let mut list = list.to_vec();
+                    list.sort_unstable();
+                    list
+                };
+                let within = |reach: f64| -> Vec<u32> {
+                    let reach = reach + 2.0 * drift(max_speed);
+                    let others = (0..people.len()).filter(|&j| {
+                        i != j && one.position.distance(people[j].position) <= reach
+                    });
+                    others.map(|j| j as u32).collect()
+                };
+                prop_assert_eq!(sorted(near.of(i)), within(RANGE));
+                prop_assert_eq!(sorted(near.touchable(i)), within(TOUCH));
+            }
+        }
     }
 }

@@ -46,6 +46,8 @@ pub(crate) struct Crowd {
     comes_near_doors: Vec<bool>,
     wishes: Vec<Wish>,
     planes: Vec<HalfPlane>,
+    /// Those who are looked at in a tick.
+    awake: Vec<u32>,
 }
 
 /// The velocity that a person takes if nothing is in front of it.
@@ -84,8 +86,16 @@ impl Crowd {
         let taken = vec![0; places];
         let comes_near_doors = vec![true; people.len()];
         let planes = Vec::new();
-        let mut crowd =
-            Crowd { people, near, taken, quiet_until, comes_near_doors, wishes, planes };
+        let mut crowd = Crowd {
+            people,
+            near,
+            taken,
+            quiet_until,
+            comes_near_doors,
+            wishes,
+            planes,
+            awake: Vec::new(),
+        };
         crowd.near.rebuild(&crowd.people);
         crowd
     }
@@ -108,12 +118,20 @@ impl Crowd {
         }
         // All wish before anyone moves, so that none is better informed than another.
         let is_time = around.tick.is_multiple_of(DECIDE);
-        for i in 0..self.people.len() {
-            if !self.is_quiet(i, around.tick) && (is_time || !self.keeps_wish(i)) {
+        let mut awake = std::mem::take(&mut self.awake);
+        select(&mut awake, self.quiet_until.iter().map(|&until| until <= around.tick));
+        for &i in &awake {
+            let i = i as usize;
+            if is_time || !self.keeps_wish(i) {
                 self.wishes[i] = self.wish(i, around);
             }
         }
-        for i in 0..self.people.len() {
+        let is_awake_or_moves = |(&until, person): (&u64, &PersonState)| {
+            (until <= around.tick) | (person.velocity != DVec2::ZERO)
+        };
+        select(&mut awake, self.quiet_until.iter().zip(&self.people).map(is_awake_or_moves));
+        for &i in &awake {
+            let i = i as usize;
             if self.is_quiet(i, around.tick) {
                 self.cruise(i, around);
                 continue;
@@ -132,6 +150,7 @@ impl Crowd {
                 self.quiet_until[i] = (around.tick + 1).next_multiple_of(DECIDE);
             }
         }
+        self.awake = awake;
     }
 
     /// Whether a person still wishes what was decided before: not at a corner of the path, nor who left it.
@@ -417,7 +436,7 @@ impl Crowd {
             distance2 >= least * least || distance2 > from.distance_squared(p)
         };
         let mut doors = self.zone(i, to, around).iter().map(|&door| door as usize);
-        let near = if is_apart_from_people { &[] } else { self.near.of(i) };
+        let near = if is_apart_from_people { &[] } else { self.near.touchable(i) };
         near.iter().all(|&j| is_apart(self.people[j as usize].position, 2.0 * PERSON_RADIUS))
             && around
                 .robots
@@ -436,6 +455,19 @@ impl PersonState {
         self.velocity = DVec2::ZERO;
         self.steps_left = 0;
     }
+}
+
+/// Lists the indices of those for whom something holds.
+#[inline]
+fn select(indices: &mut Vec<u32>, holds: impl ExactSizeIterator<Item = bool>) {
+    indices.resize(holds.len(), 0);
+    let mut count = 0;
+    for (i, holds) in holds.enumerate() {
+        // Without a branch, which would be hard to predict.
+        indices[count] = i as u32;
+        count += usize::from(holds);
+    }
+    indices.truncate(count);
 }
 
 /// The whole ticks of a time in seconds, at least one.

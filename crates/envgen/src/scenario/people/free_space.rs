@@ -201,9 +201,9 @@ impl FreeSpace {
     /// cell tells.
     #[inline]
     fn clearance_by_cell(&self, p: DVec2) -> f64 {
-        let cell = self.frame.index_at(p);
-        cell.map_or(0.0, |cell| {
-            self.cell_clearance(cell) - self.frame.center_of(cell).distance(p) - CELL_ROUNDING
+        self.frame.cell_at(p).map_or(0.0, |(col, row)| {
+            let clearance = self.cell_clearance(self.frame.index(col, row));
+            clearance - self.frame.center(col, row).distance(p) - CELL_ROUNDING
         })
     }
 

@@ -160,14 +160,14 @@ impl Tree {
         let cols = (col + reach + 1).min(frame.cols) - corner.0;
         let rows = (row + reach + 1).min(frame.rows) - corner.1;
         let mut tree = Tree::of(corner, (cols, rows));
+        let moves = tree.moves(space);
+        let offsets = NEIGHBOURS.map(|(right, up)| up * cols as isize + right);
         let mut costs = vec![u32::MAX; cols * rows];
         let mut buckets: [Vec<usize>; 8] = Default::default();
-        let start = frame.index(col, row);
-        if let Some(i) = tree.index(space, start) {
-            tree.steps[i] = HERE;
-            costs[i] = 0;
-            buckets[0].push(start);
-        }
+        let start = (row - corner.1) * cols + col - corner.0;
+        tree.steps[start] = HERE;
+        costs[start] = 0;
+        buckets[0].push(start);
         let (mut cost, mut empty) = (0_u32, 0);
         while empty < buckets.len() {
             let Some(cell) = buckets[cost as usize % 8].pop() else {
@@ -176,20 +176,45 @@ impl Tree {
                 continue;
             };
             empty = 0;
-            if tree.index(space, cell).is_none_or(|i| costs[i] != cost) {
+            if costs[cell] != cost {
                 continue;
             }
-            for (direction, other) in space.reachable(cell) {
-                let Some(i) = tree.index(space, other) else { continue };
+            let mut moves = moves[cell];
+            while moves != 0 {
+                let direction = moves.trailing_zeros() as usize;
+                moves &= moves - 1;
+                let other = cell.wrapping_add_signed(offsets[direction]);
                 let there = cost + COSTS[direction % 2];
-                if there < costs[i] {
-                    costs[i] = there;
-                    tree.steps[i] = ((direction + 4) % 8) as u8;
+                if there < costs[other] {
+                    costs[other] = there;
+                    tree.steps[other] = ((direction + 4) % 8) as u8;
                     buckets[there as usize % 8].push(other);
                 }
             }
         }
         tree
+    }
+
+    /// Which neighbours in the window can be reached from each of its cells in a straight line.
+    fn moves(&self, space: &FreeSpace) -> Vec<u8> {
+        let without = |leaves: fn(&(isize, isize)) -> bool| {
+            let bits = (0..8).filter(|&i| !leaves(&NEIGHBOURS[i]));
+            bits.fold(0_u8, |bits, i| bits | 1 << i)
+        };
+        let mut moves = Vec::with_capacity(self.cols * self.rows);
+        for row in 0..self.rows {
+            let start = space.frame.index(self.corner.0, self.corner.1 + row);
+            let from = moves.len();
+            moves.extend_from_slice(&space.moves[start..start + self.cols]);
+            moves[from] &= without(|&(right, _)| right < 0);
+            if let Some(last) = moves.last_mut() {
+                *last &= without(|&(right, _)| right > 0);
+            }
+        }
+        let (below, above) = (without(|&(_, up)| up < 0), without(|&(_, up)| up > 0));
+        moves[..self.cols].iter_mut().for_each(|moves| *moves &= below);
+        moves[(self.rows - 1) * self.cols..].iter_mut().for_each(|moves| *moves &= above);
+        moves
     }
 
     /// The index of a cell in the window.
