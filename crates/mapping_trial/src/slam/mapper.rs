@@ -35,6 +35,10 @@ const WIDEST: (f64, f64) = (0.5, 0.3);
 const FITS: f64 = 0.8;
 const BETTER: f64 = 0.15;
 
+/// Mean likelihood that a match elsewhere has to reach, as those of closed loops: of echoes of something new a few
+/// always fall on walls.
+const FOUND_AGAIN: f64 = 0.45;
+
 /// Least path length in metres to an older keyframe by which a place counts as known from before.
 const OLDER: f64 = 10.0;
 
@@ -354,7 +358,7 @@ impl Mapper {
             let (position, heading) =
                 (position + drift.deviation(), heading + drift.heading_deviation());
             let far = find(position, heading)?;
-            if far.response > near.response + BETTER {
+            if far.response >= FOUND_AGAIN && far.response > near.response + BETTER {
                 return Some((far.pose, true));
             }
         }
