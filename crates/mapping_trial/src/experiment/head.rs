@@ -5,9 +5,13 @@ use std::path::Path;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
 
 use super::error::ExperimentError;
 use super::write;
+
+/// The most characters of a value in an error.
+const LONGEST: usize = 100;
 
 /// Writes the description of a folder as JSON.
 pub(super) fn write<T: Serialize>(path: &Path, head: &T) -> Result<(), ExperimentError> {
@@ -36,9 +40,9 @@ pub(super) fn read<T: DeserializeOwned>(
         Err(source) => return Err(ExperimentError::File { path: path.to_owned(), source }),
     };
     let not = |error: serde_json::Error| content(format!("this is not {what}: {error}"));
-    let value: serde_json::Value = serde_json::from_str(&text).map_err(not)?;
+    let value: Value = serde_json::from_str(&text).map_err(not)?;
     // The version first: another one may have other fields.
-    let found = value.get("version").and_then(serde_json::Value::as_u64);
+    let found = value.get("version").and_then(Value::as_u64);
     if let Some(found) = found.filter(|&found| found != u64::from(version)) {
         return Err(content(format!("{what} of version {found}, expected {version}")));
     }
@@ -46,17 +50,82 @@ pub(super) fn read<T: DeserializeOwned>(
     serde_json::from_str(&text).map(Some).map_err(not)
 }
 
-/// The first difference between the fields of two descriptions.
+/// The first difference between two descriptions: the path to a value, what it is, and what it was expected to be.
 pub(super) fn difference<T: Serialize>(found: &T, asked: &T) -> String {
-    let fields = |head: &T| -> serde_json::Map<String, serde_json::Value> {
+    let value = |head: &T| -> Value {
         // By the text that `write` writes: for the same reason as in `read`.
         let text = serde_json::to_string_pretty(head);
         text.and_then(|text| serde_json::from_str(&text)).unwrap_or_default()
     };
-    let (found, asked) = (fields(found), fields(asked));
-    let mut differ = found.iter().filter(|(name, value)| asked.get(*name) != Some(*value));
-    differ.next().map_or_else(String::new, |(name, value)| {
-        let asked = asked.get(name).unwrap_or(&serde_json::Value::Null);
-        format!("`{name}` is {value}, expected {asked}")
-    })
+    first_difference(String::new(), &value(found), &value(asked)).unwrap_or_default()
+}
+
+fn first_difference(path: String, found: &Value, asked: &Value) -> Option<String> {
+    match (found, asked) {
+        _ if found == asked => None,
+        (Value::Object(found), Value::Object(asked)) => {
+            let names = found.keys().chain(asked.keys().filter(|name| !found.contains_key(*name)));
+            let of = |fields: &Map<String, Value>, name| {
+                fields.get(name).unwrap_or(&Value::Null).clone()
+            };
+            let dot = if path.is_empty() { "" } else { "." };
+            let mut differences = names.filter_map(|name| {
+                let path = format!("{path}{dot}{name}");
+                first_difference(path, &of(found, name), &of(asked, name))
+            });
+            differences.next()
+        }
+        (Value::Array(found), Value::Array(asked)) if found.len() == asked.len() => {
+            let pairs = found.iter().zip(asked).enumerate();
+            let mut differences = pairs.filter_map(|(i, (found, asked))| {
+                first_difference(format!("{path}[{i}]"), found, asked)
+            });
+            differences.next()
+        }
+        (Value::Array(found), Value::Array(asked)) => {
+            Some(format!("`{path}` has {} entries, expected {}", found.len(), asked.len()))
+        }
+        _ => Some(format!("`{path}` is {}, expected {}", short(found), short(asked))),
+    }
+}
+
+/// A value as JSON, cut where it is long.
+fn short(value: &Value) -> String {
+    let text = value.to_string();
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn a_difference_is_named_by_its_path() {
+        let found = json!({
+            "version": 1,
+            "survey": { "families": [{ "name": "a", "maps": 2 }, { "name": "b" }], "seeds": 3 },
+        });
+        let with = |change: &dyn Fn(&mut Value)| {
+            let mut asked = found.clone();
+            change(&mut asked);
+            difference(&found, &asked)
+        };
+        assert_eq!(with(&|_| ()), "");
+        let seeds = with(&|asked| asked["survey"]["seeds"] = json!(12));
+        assert_eq!(seeds, "`survey.seeds` is 3, expected 12");
+        let name = with(&|asked| asked["survey"]["families"][1]["name"] = json!("c"));
+        assert_eq!(name, "`survey.families[1].name` is \"b\", expected \"c\"");
+        // A field that files leave out where it has its default.
+        let new = with(&|asked| asked["survey"]["families"][1]["maps"] = json!(7));
+        assert_eq!(new, "`survey.families[1].maps` is null, expected 7");
+        let fewer = with(&|asked| asked["survey"]["families"] = json!([]));
+        assert_eq!(fewer, "`survey.families` has 2 entries, expected 0");
+        let other = with(&|asked| asked["survey"] = json!("x".repeat(1000)));
+        assert!(other.len() < 300 && other.starts_with("`survey` is {\"families\""), "{other}");
+    }
 }

@@ -69,7 +69,8 @@ fn shares_have_their_own_worlds_and_other_surveys_are_refused() {
     other.noise_seeds = 3;
     let error = SurveyFolder::open(folder.path(), &other, first).expect_err("another survey");
     assert!(matches!(error, ExperimentError::Other { .. }), "{error}");
-    assert!(error.to_string().contains("`survey` is"), "{error}");
+    let difference = format!("`survey.noise_seeds` is {}, expected 3", survey().noise_seeds);
+    assert!(error.to_string().contains(&difference), "{error}");
 }
 
 #[test]
