@@ -76,9 +76,9 @@ pub struct Means {
 pub enum FaultKind {
     /// No trial could run.
     Failed,
-    /// It ended as explored with a coverage below 0.95 and a good pose.
+    /// It ended as explored with a coverage below 0.95, and was not lost: the trajectory error is at most 2 m.
     ExploredTooEarly,
-    /// It ended as stuck with a good pose.
+    /// It ended as stuck, and was not lost.
     StuckWithGoodPose,
     /// The trajectory error is above 2 m.
     Lost,
