@@ -3,10 +3,11 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use envgen::certificate::{Claim, Verdict, verify};
 use envgen::export::ros_map::RosMap;
 use envgen::hallway::HallwaySpec;
 use envgen::indoor::IndoorSpec;
-use envgen::{Blueprint, Seed, Spec};
+use envgen::{Blueprint, Seed, Spec, World};
 use mapping_trial::backend::TICK;
 use mapping_trial::difficulty::{Panel, measure, reference_scale};
 use mapping_trial::feedback::Rating;
@@ -217,6 +218,45 @@ fn mistakes_are_named_with_their_place() {
         .expect("a file");
     let panel = error(at, &["anchors", "--panel", "panel.ron"]);
     assert!(panel.starts_with("error: panel.ron: ") && panel.contains("nam"), "{panel}");
+}
+
+#[test]
+fn maps_are_made_for_the_robot_that_is_given() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let robot = |radius: f64| format!("(length: 0.6, width: 0.6, circumscribed_radius: {radius})");
+    std::fs::write(at.join("large.ron"), robot(0.55)).expect("a file");
+    std::fs::write(at.join("larger.ron"), robot(1.36)).expect("a file");
+    let condition = "(name: \"nearest\", time_limit: 8)";
+    let panel = format!("(name: \"mine\", version: 1, conditions: [{condition}])");
+    std::fs::write(at.join("panel.ron"), panel).expect("a file");
+    let size = ["--set", "width=6", "--set", "height=6", "--out", "map.json"];
+    let with =
+        |robot| [&["generate", "--robot", robot, "--panel", "panel.ron"], &size[..]].concat();
+    // What cannot be is refused before any trial.
+    let text = error(at, &with("larger.ron"));
+    assert!(text.starts_with("error: `robot_radius` must be at most 1.335 m, got 1.36"), "{text}");
+    assert!(text.ends_with("; it is that of the panel's largest robot\n"), "{text}");
+    let narrow = error(at, &[&with("large.ron")[..], &["--set", "doorway=1"]].concat());
+    assert!(
+        narrow.contains("it must pass a doorway of 1 m; it is that of the panel's"),
+        "{narrow}"
+    );
+    let own = ["--set", "doorway=1", "--set", "footprint=0.5"];
+    let own = error(at, &[&with("large.ron")[..], &own].concat());
+    assert!(own.ends_with("got 0.5: it must pass a doorway of 1 m\n"), "{own}");
+    assert!(!at.join("out").exists());
+
+    let output = run(at, &with("large.ron"));
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let world = std::fs::read_to_string(at.join("map.json")).expect("a map");
+    let world = World::from_json(&world).expect("a world");
+    assert_eq!(world.provenance.spec["robot_radius"], 0.55);
+    let fits = |claim: &Claim| matches!(claim, Claim::EveryPlaceReachable { radius: 0.55 });
+    assert!(world.certificate.iter().any(fits), "{:?}", world.certificate);
+    for (claim, verdict) in verify(&world) {
+        assert_eq!(verdict, Verdict::Holds, "{claim}");
+    }
 }
 
 #[test]

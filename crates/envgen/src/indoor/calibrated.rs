@@ -294,6 +294,36 @@ mod tests {
     }
 
     #[test]
+    fn doorways_are_drawn_for_the_robot() {
+        let wide = |robot_radius| IndoorSpec { robot_radius, ..base(7) };
+        for robot_radius in [0.5, 0.82, 1.335] {
+            let spec = wide(robot_radius);
+            assert_eq!(spec.check(), Ok(()), "{robot_radius}");
+            for seed in 0..200 {
+                let drawn = spec.draw_levers(Seed(seed));
+                assert_eq!(drawn.check(), Ok(()), "{robot_radius}, seed {seed}");
+                assert!(2.0 * robot_radius + 0.1 <= drawn.doorway + 1e-9, "{drawn:?}");
+            }
+        }
+        let spec = IndoorSpec { difficulty: middle(&wide(0.82)), ..wide(0.82) };
+        let world = spec.generate(Seed(3)).expect("a plan").to_world();
+        let claim = Claim::EveryPlaceReachable { radius: 0.82 };
+        assert!(world.certificate.contains(&claim));
+        for (claim, verdict) in crate::certificate::verify(&world) {
+            assert_eq!(verdict, crate::certificate::Verdict::Holds, "{claim}");
+        }
+        let error = |spec: IndoorSpec| spec.check().expect_err("too large").to_string();
+        let text = error(wide(1.34));
+        assert!(text.starts_with("`robot_radius` must be at most 1.335 m, got 1.34"), "{text}");
+        assert!(text.ends_with("it must pass a doorway of 2.77 m"), "{text}");
+        let mut kept = wide(0.82);
+        kept.fix("doorway");
+        assert!(error(kept).contains("must pass a doorway of 0.94 m"));
+        let guaranteed = IndoorSpec { profile: Profile::Guaranteed, ..wide(0.82) };
+        assert!(error(guaranteed).contains("must pass a doorway of 0.94 m"));
+    }
+
+    #[test]
     fn what_is_fixed_stays_and_narrows_the_reach() {
         let mut spec = base(8);
         for lever in ["floor_slip", "wheel_bias", "dark_walls", "dark_objects", "width"] {

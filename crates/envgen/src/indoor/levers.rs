@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 use super::dimensions::STEP;
-use super::spec::{Cycles, IndoorSpec, LEVERS, Layout, Profile, RoomChoice};
+use super::spec::{Cycles, IndoorSpec, LEVERS, Layout, MOST_DOORWAY, Profile, RoomChoice};
 use crate::seed::{Seed, Stream};
 
 /// Greatest factor on the variances of wheel odometry that is drawn.
@@ -137,7 +137,7 @@ impl<'a> Levers<'a> {
     fn doorways(&self, spec: &mut IndoorSpec, navigation: f64, seed: Seed) {
         let least = (2.0 * (spec.robot_radius + STEP)).max(LEAST_DOORWAY);
         let between_walls = centimetres(spec.cell_size - 2.0 * spec.wall_thickness, f64::floor);
-        let widest = between_walls.min(least + WIDER).min(3.0);
+        let widest = between_walls.min(least + WIDER).min(MOST_DOORWAY);
         let least = centimetres(least, f64::ceil);
         self.lever("doorway", seed, |stream| {
             let width = widest - (widest - least) * near(navigation, 0.2, stream);

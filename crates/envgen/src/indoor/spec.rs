@@ -45,6 +45,16 @@ pub(super) const LEVERS: [&str; 22] = [
 /// The default of [`IndoorSpec::dark_range`] in metres.
 const DARK_RANGE: f64 = 3.0;
 
+/// Width of the doorways in metres, unless set.
+const DOORWAY_WIDTH: f64 = 0.94;
+
+/// Greatest width of doorways in metres.
+pub(super) const MOST_DOORWAY: f64 = 3.0;
+
+/// How much wider than the robot's narrowest doorway the widest is at least that is drawn, in metres: both are
+/// rounded to centimetres, and must differ.
+const DOORWAY_CHOICE: f64 = 0.03;
+
 /// Width of the passages of mazes in metres, unless set.
 const MAZE_PASSAGE: f64 = 1.4;
 
@@ -139,8 +149,9 @@ settings! {
         #[serde(skip_serializing_if = "is_doorway_height")]
         doorway_height: f64 = DOORWAY.top() => number("m", 0.05..=100.0);
         /// Width of a doorway, at most a cell less two walls.
-        doorway: f64 = 0.94 => number("m", 0.2..=3.0);
-        /// Radius of the robot that must reach every place, at most half a doorway less 0.05 m.
+        doorway: f64 = DOORWAY_WIDTH => number("m", 0.2..=MOST_DOORWAY);
+        /// Radius of the robot that must reach every place, at most half a doorway less 0.05 m; doorways that the
+        /// profile `calibrated` draws are wide enough.
         #[alias = "footprint"]
         robot_radius: f64 = 0.36 => number("m", 0.01..=1.4);
         /// Width that the narrowest passage through each room should have: contents are moved, turned,
@@ -273,7 +284,8 @@ pub(super) const RULES: &[&str] = &[
     "`open_areas` is true, where `profile` is guaranteed",
     "`spacing_h` is under the `width`, `spacing_v` under the `height`",
     "`doorway` is at most the `cell_size` less two times `wall_thickness`",
-    "`robot_radius` is at most half the `doorway` less 0.05 m",
+    "`robot_radius` is at most half the `doorway` less 0.05 m; where `profile` is calibrated and draws the \
+     `doorway`, half of what a cell has between its walls, or of 3 m, less 0.065 m",
     "`maze_passage` is at least twice the `robot_radius` plus 0.1 m",
     "`doorway_narrowest` is at most the `doorway`, and at least twice the `robot_radius` plus 0.1 m",
     "one of the `rooms` fits into `width` - 1 by `height` - 1 cells; turned as well, as `turn` says",
@@ -405,16 +417,26 @@ impl IndoorSpec {
         Ok(())
     }
 
+    /// Whether the profile `calibrated` draws the width of the doorways, and so fits it to the robot.
+    fn draws_doorway(&self) -> bool {
+        let is_kept =
+            self.doorway != DOORWAY_WIDTH || self.fixed.iter().any(|one| one == "doorway");
+        self.profile == Profile::Calibrated && !is_kept
+    }
+
     fn check_metres(&self) -> Result<(), SpecError> {
         let widest = to_nanometres(self.cell_size - 2.0 * self.wall_thickness);
         if self.doorway > widest {
             let allowed = format!("at most {widest} m, what a cell has between its walls");
             return Err(SpecError::new("doorway", self.doorway, allowed));
         }
-        let largest = to_nanometres(0.5 * self.doorway - STEP);
+        let doorway = match self.draws_doorway() {
+            true => to_nanometres(widest.min(MOST_DOORWAY) - DOORWAY_CHOICE).max(self.doorway),
+            false => self.doorway,
+        };
+        let largest = to_nanometres(0.5 * doorway - STEP);
         if self.robot_radius > largest {
-            let allowed =
-                format!("at most {largest} m: it must pass a doorway of {} m", self.doorway);
+            let allowed = format!("at most {largest} m: it must pass a doorway of {doorway} m");
             return Err(SpecError::new("robot_radius", self.robot_radius, allowed));
         }
         let least = to_nanometres(2.0 * (self.robot_radius + STEP));

@@ -8,8 +8,8 @@ use envgen::export::{Job, Output};
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::located::Locate;
 use envgen::whole_file::commit_all;
-use envgen::{Seed, WorldBlueprint, WorldSpec};
-use mapping_trial::difficulty::{Verified, most_trials, verified};
+use envgen::{Seed, Spec, WorldBlueprint, WorldKind, WorldSpec};
+use mapping_trial::difficulty::{Panel, Verified, most_trials, verified};
 
 use crate::panel::PanelOptions;
 use crate::progress;
@@ -37,7 +37,8 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    fn spec(&self) -> Result<IndoorSpec, Box<dyn Error>> {
+    /// The spec, for the robots of the panel: anchors take minutes, so it is checked before.
+    fn spec(&self, panel: &Panel) -> Result<IndoorSpec, Box<dyn Error>> {
         let mut spec =
             WorldSpec::from(IndoorSpec { profile: Profile::Calibrated, ..Default::default() });
         let mut names = Vec::new();
@@ -46,19 +47,41 @@ impl Arguments {
                 .split_once('=')
                 .ok_or_else(|| format!("--set {option}: is not of the form name=value"))?;
             spec.set(name.trim(), value).in_option("--set", option)?;
-            names.push(name.trim());
+            names.push(WorldKind::Indoor.setting(name.trim())?.name);
         }
         let WorldSpec::Indoor(mut spec) = spec else { unreachable!("the kind is never set") };
-        names.into_iter().for_each(|name| spec.fix(name));
+        for name in &names {
+            spec.fix(name);
+        }
+        let is_given = names.contains(&"robot_radius");
+        if !is_given {
+            spec.robot_radius = robot_radius(panel);
+        }
+        match spec.validate() {
+            Err(error) if error.field == "robot_radius" && !is_given => {
+                return Err(format!("{error}; it is that of the panel's largest robot").into());
+            }
+            checked => checked?,
+        }
+        spec.request().check(&spec, spec.reachable())?;
         Ok(spec)
     }
 }
 
+/// The radius of the largest robot of a panel in whole centimetres, and at least that of the robot for which maps
+/// usually are.
+fn robot_radius(panel: &Panel) -> f64 {
+    let radii = panel.conditions.iter().map(|condition| condition.robot.circumscribed_radius);
+    let largest = radii.fold(0.0, f64::max);
+    // Whole centimetres stay as they are, whatever their rounding.
+    ((100.0 * largest - 1e-9).ceil() / 100.0).max(IndoorSpec::default().robot_radius)
+}
+
 pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn Error>> {
-    let spec = arguments.spec()?;
+    let panel = arguments.panel.panel()?;
+    let spec = arguments.spec(&panel)?;
     let outputs = Output::all(&arguments.out, &arguments.panel.inputs())?;
     let mut files = outputs.iter().map(Output::create).collect::<Result<Vec<_>, _>>()?;
-    let panel = arguments.panel.panel()?;
     let scale = arguments.panel.scale(&panel, threads)?;
     let bar = progress::trials(most_trials(&panel, arguments.seeds) as u64, 0);
     let found = verified(&spec, arguments.seed, &panel, &scale, arguments.seeds, &mut |trials| {
@@ -86,4 +109,23 @@ fn print(found: &Verified) {
     let race: Vec<String> =
         found.race.iter().map(|dials| format!("{:.1}", dials.difficulty.value)).collect();
     println!("measured by {} fresh trials; the race: {}", measured.trials, race.join(", "));
+}
+
+#[cfg(test)]
+mod tests {
+    use mapping_trial::robot::Robot;
+
+    use super::*;
+
+    #[test]
+    fn maps_are_for_the_largest_robot_of_the_panel() {
+        let mut panel = Panel::reference();
+        let usual = IndoorSpec::default().robot_radius;
+        assert_eq!(robot_radius(&panel), usual);
+        for (radius, expected) in [(0.208, usual), (0.814, 0.82), (0.57, 0.57), (1.1, 1.1)] {
+            panel.conditions[3].robot =
+                Robot { circumscribed_radius: radius, ..Default::default() };
+            assert_eq!(robot_radius(&panel), expected);
+        }
+    }
 }
