@@ -28,4 +28,4 @@ pub use atlas::{AtlasDesign, AtlasSize, samples, table};
 pub use fit::{Sample, calibrate};
 pub use measure::{ConditionMean, MeasureError, Measurement, Measuring, measure};
 pub use panel::Panel;
-pub use verified::{Verified, VerifyError, most_trials, verified};
+pub use verified::{NEAR_REQUEST, Verified, VerifyError, most_trials, verified};

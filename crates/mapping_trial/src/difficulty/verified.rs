@@ -9,6 +9,9 @@ use thiserror::Error;
 use super::measure::{MeasureError, Measurement, Measuring, measure};
 use super::panel::Panel;
 
+/// How near the measured difficulty of a map should be to the request.
+pub const NEAR_REQUEST: f64 = 0.7;
+
 /// Number of candidates that race.
 const RACERS: usize = 5;
 

@@ -4,12 +4,13 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use clap::Args;
+use envgen::calibration::{Dials, Estimate};
 use envgen::export::{Job, Output};
-use envgen::indoor::{IndoorSpec, Profile};
+use envgen::indoor::{IndoorSpec, Profile, Request};
 use envgen::located::Locate;
 use envgen::whole_file::commit_all;
 use envgen::{Seed, Spec, WorldBlueprint, WorldKind, WorldSpec};
-use mapping_trial::difficulty::{Panel, Verified, most_trials, verified};
+use mapping_trial::difficulty::{NEAR_REQUEST, Panel, Verified, most_trials, verified};
 
 use crate::panel::PanelOptions;
 use crate::progress;
@@ -95,20 +96,59 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
         output.write(&job, file)?;
     }
     commit_all(files)?;
-    print(&found);
+    print(&found, spec.request(), spec.reachable());
+    for text in missed(spec.request(), found.measurement.measured.dials) {
+        warn(&text);
+    }
     Ok(())
 }
 
 #[expect(clippy::print_stdout, reason = "what the command is for")]
-fn print(found: &Verified) {
+fn print(found: &Verified, request: Request, reachable: Dials<[f64; 2]>) {
     let measured = &found.measurement.measured;
-    for (name, dial) in measured.dials.named() {
-        let [low, high] = dial.interval();
-        println!("{name:>12} {:5.2}, 95 % from {low:.2} to {high:.2}", dial.value);
+    for line in compared(request, measured.dials, reachable) {
+        println!("{line}");
     }
     let race: Vec<String> =
         found.race.iter().map(|dials| format!("{:.1}", dials.difficulty.value)).collect();
     println!("measured by {} fresh trials; the race: {}", measured.trials, race.join(", "));
+}
+
+#[expect(clippy::print_stderr, reason = "where warnings belong")]
+fn warn(text: &str) {
+    eprintln!("warning: {text}");
+}
+
+/// Each dial as it was measured; beside those that are requested, the request and what the settings reach.
+fn compared(
+    request: Request,
+    measured: Dials<Estimate>,
+    reachable: Dials<[f64; 2]>,
+) -> [String; 3] {
+    request.0.zip(measured.zip(reachable)).named().map(|(name, (wanted, (dial, [least, most])))| {
+        let [low, high] = dial.interval();
+        let asked = wanted.map_or_else(String::new, |wanted| {
+            format!("; requested {wanted:.2}, predicted reach from {least:.1} to {most:.1}")
+        });
+        format!("{name:>12} {:5.2}, 95 % from {low:.2} to {high:.2}{asked}", dial.value)
+    })
+}
+
+/// A statement for each requested dial whose measured interval is not near the request.
+fn missed(request: Request, measured: Dials<Estimate>) -> Vec<String> {
+    let dials = request.0.zip(measured).named();
+    let missed = dials.into_iter().filter_map(|(name, (wanted, dial))| {
+        let wanted = wanted?;
+        let [low, high] = dial.interval();
+        let is_near = (low - NEAR_REQUEST..=high + NEAR_REQUEST).contains(&wanted);
+        (!is_near).then(|| {
+            format!(
+                "the measured {name} misses the request: {wanted:.2} is more than {NEAR_REQUEST} outside the \
+                 interval from {low:.2} to {high:.2}; another --seed has other candidates"
+            )
+        })
+    });
+    missed.collect()
 }
 
 #[cfg(test)]
@@ -127,5 +167,39 @@ mod tests {
                 Robot { circumscribed_radius: radius, ..Default::default() };
             assert_eq!(robot_radius(&panel), expected);
         }
+    }
+
+    fn measured(value: f64, standard_error: f64) -> Dials<Estimate> {
+        Dials { difficulty: (), mapping: (), navigation: () }
+            .map(|()| Estimate { value, standard_error })
+    }
+
+    #[test]
+    fn requests_are_shown_beside_what_was_measured() {
+        let request = Request(Dials { difficulty: None, mapping: Some(3.0), navigation: None });
+        let reachable = Dials::default().map(|_: f64| [0.54, 9.1]);
+        let expected = [
+            "  difficulty  4.00, 95 % from 3.61 to 4.39",
+            "     mapping  4.00, 95 % from 3.61 to 4.39; requested 3.00, predicted reach from 0.5 to 9.1",
+            "  navigation  4.00, 95 % from 3.61 to 4.39",
+        ];
+        assert_eq!(compared(request, measured(4.0, 0.2), reachable), expected);
+    }
+
+    #[test]
+    fn requests_are_missed_beyond_the_interval_and_what_is_near() {
+        let whole = |wanted| Dials { difficulty: Some(wanted), mapping: None, navigation: None };
+        let found = |wanted, value| missed(Request(whole(wanted)), measured(value, 0.2));
+        let half = 1.96 * 0.2 + NEAR_REQUEST;
+        for off in [-half - 0.01, -half + 0.01, 0.0, half - 0.01, half + 0.01] {
+            assert_eq!(found(5.0, 5.0 + off).len(), usize::from(off.abs() > half), "{off}");
+        }
+        let expected = "the measured difficulty misses the request: 5.00 is more than 0.7 outside the interval \
+                        from 6.61 to 7.39; another --seed has other candidates";
+        assert_eq!(found(5.0, 7.0), [expected]);
+        // Only what is requested is missed, and each dial by itself.
+        let both = Dials { difficulty: None, mapping: Some(3.0), navigation: Some(6.8) };
+        let texts = missed(Request(both), measured(7.0, 0.1));
+        assert!(texts.len() == 1 && texts[0].starts_with("the measured mapping "), "{texts:?}");
     }
 }
