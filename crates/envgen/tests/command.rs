@@ -4,6 +4,8 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use envgen::indoor::IndoorSpec;
+use envgen::{Seed, Spec};
 use serde_json::Value;
 
 fn command() -> Command {
@@ -107,6 +109,39 @@ fn sampled_lines_have_the_difficulty_that_is_shown_of_the_file() {
     let alone = ["sample", "indoor", "--count", "1", "--platform", "beams=9"];
     let (code, text) = failure(&alone);
     assert!(code == 2 && text.contains("`--metrics difficulty`"), "{text}");
+}
+
+#[test]
+fn predictions_and_what_is_reached_are_shown_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.json");
+    let file = path.to_str().unwrap();
+    let made = |arguments: &[&str], more: &[&str]| -> Value {
+        let output = run(&[&["generate", "--seed", "3", "--out", file], arguments].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&run(&[&["inspect", file, "--json"], more].concat()).stdout).unwrap()
+    };
+    let dry = [
+        &["indoor", "--set", "profile=calibrated", "--set", "width=6", "--set", "height=6"][..],
+        &["--set", "floor_slip=1", "--set", "difficulty=4"],
+    ]
+    .concat();
+    let shown = made(&dry, &[]);
+    let spec: IndoorSpec = serde_json::from_value(shown["provenance"]["spec"].clone()).unwrap();
+    assert_eq!(spec.fixed, ["floor_slip"]);
+    assert_eq!(shown["reachable"], serde_json::json!(spec.reachable()));
+    let plan = spec.generate(Seed(3)).unwrap();
+    assert_eq!(shown["predicted"], serde_json::json!(plan.prediction().unwrap()));
+    let predicted = shown["predicted"]["dials"]["difficulty"]["value"].as_f64().unwrap();
+    assert!((predicted - 4.0).abs() < 1.0, "{predicted}");
+    // Another robot has features of its own, but no prediction.
+    let other = made(&dry, &["--platform", "max_range=3"]);
+    assert!(other["difficulty"].is_object() && other["predicted"].is_null(), "{other}");
+
+    let guaranteed = made(&["indoor", "--set", "width=6", "--set", "height=6"], &[]);
+    assert!(guaranteed["predicted"]["dials"].is_object() && guaranteed["reachable"].is_null());
+    let road = made(&["road", "--set", "length=100"], &[]);
+    assert!(road["predicted"].is_null() && road["reachable"].is_null(), "{road}");
 }
 
 #[test]
