@@ -174,22 +174,34 @@ fn progress() -> ProgressBar {
 
 #[expect(clippy::print_stdout, reason = "what an example is for")]
 fn print(analysis: &Analysis) {
-    println!("{:>10} cells {:>26} maps    rho   tau  slope  error  linked", "", "panel");
+    println!(
+        "{:>10} cells {:>26} maps    rho   tau  slope  intercept  error  linked  near",
+        "", "panel"
+    );
     for row in &analysis.rows {
         let number = |interval: Option<mapping_trial::experiment::stats::Interval>| {
             interval.map_or_else(|| "-".to_owned(), |interval| format!("{:.2}", interval.value))
         };
         let part = format!("{:?}", row.part).to_lowercase();
         println!(
-            "{part:>10} {:5} {:>26} {:4} {:>6} {:>5} {:>6} {:>6} {:>7}",
+            "{part:>10} {:5} {:>26} {:4} {:>6} {:>5} {:>6} {:>10} {:>6} {:>7} {:>5}",
             row.footprint,
             row.panel,
             row.raw.maps,
             number(row.raw.rho),
             number(row.raw.tau),
             number(row.linked.slope),
+            number(row.linked.intercept),
             number(row.raw.error),
-            number(row.linked.error)
+            number(row.linked.error),
+            number(row.raw.near)
+        );
+    }
+    for one in &analysis.dropped {
+        let part = format!("{:?}", one.part).to_lowercase();
+        println!(
+            "{} of the {} maps of {} cells of the part {part} are left out: a panel cannot run in them",
+            one.dropped, one.maps, one.footprint
         );
     }
     for level in &analysis.levels {

@@ -3,6 +3,7 @@
 use envgen::{Seed, Stream};
 use serde::Serialize;
 
+use crate::difficulty::NEAR_REQUEST;
 use crate::experiment::stats::{Interval, bootstrap, spearman};
 use crate::score::kendall_tau;
 
@@ -21,6 +22,8 @@ pub struct Agreement {
     pub slope: Option<Interval>,
     /// What the line through them has at 0.
     pub intercept: Option<Interval>,
+    /// Share of the maps whose measured value is [near](NEAR_REQUEST) the requested one.
+    pub near: Option<Interval>,
 }
 
 /// Compares values map by map, with intervals of 95 % by the bootstrap over maps.
@@ -31,17 +34,20 @@ pub fn agreement(requested: &[f64], measured: &[f64]) -> Agreement {
         let (x, y) = (pick(requested), pick(measured));
         let line = line(&x, &y);
         let n = x.len().max(1) as f64;
-        let error = x.iter().zip(&y).map(|(x, y)| (x - y).abs()).sum::<f64>() / n;
+        let errors = || x.iter().zip(&y).map(|(x, y)| (x - y).abs());
+        let error = errors().sum::<f64>() / n;
+        let near = errors().filter(|error| *error <= NEAR_REQUEST).count() as f64 / n;
         [
             spearman(&x, &y),
             kendall_tau(&x, &y),
             Some(error),
             line.map(|(slope, _)| slope),
             line.map(|(_, intercept)| intercept),
+            Some(near),
         ]
     });
-    let [rho, tau, error, slope, intercept] = found;
-    Agreement { maps: requested.len(), rho, tau, error, slope, intercept }
+    let [rho, tau, error, slope, intercept, near] = found;
+    Agreement { maps: requested.len(), rho, tau, error, slope, intercept, near }
 }
 
 /// Slope and intercept of the least-squares line; `None` where `x` does not vary.
@@ -104,6 +110,8 @@ mod tests {
         assert!((value(found.intercept) - 3.0).abs() < 1e-9);
         let error: f64 = requested.iter().map(|x| (0.5 * x - 3.0).abs()).sum::<f64>() / 40.0;
         assert!((value(found.error) - error).abs() < 1e-12);
+        // At 5, 6 and 7, of which the line has 5.5, 6 and 6.5.
+        assert_eq!(value(found.near), 3.0 / 40.0);
     }
 
     #[test]

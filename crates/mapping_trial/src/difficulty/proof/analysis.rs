@@ -20,10 +20,25 @@ pub struct Analysis {
     pub links: Vec<Option<Link>>,
     /// Each part at each footprint under each panel.
     pub rows: Vec<Row>,
+    /// The maps that are in no comparison; absent for parts without any.
+    pub dropped: Vec<Dropped>,
     /// The means of measured difficulty of the calibrated maps, by request.
     pub levels: Vec<Level>,
     /// What a single number explains, of the calibrated maps.
     pub singles: Vec<Single>,
+}
+
+/// Maps of a part that are left out of all comparisons, since trials of a panel cannot run in them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Dropped {
+    /// The part.
+    pub part: Part,
+    /// Side of the maps in cells.
+    pub footprint: u32,
+    /// Number of maps that are left out.
+    pub dropped: u32,
+    /// Number of maps in the design.
+    pub maps: u32,
 }
 
 /// How one part agrees with its requests.
@@ -124,9 +139,24 @@ pub fn analyse(
         design: design.clone(),
         levels: levels.collect(),
         singles: singles.collect(),
+        dropped: dropped(design, results),
         links,
         rows,
     }
+}
+
+/// The maps of the parts that were run which have no result.
+fn dropped(design: &ProofDesign, results: &[(Part, Vec<ProofResult>)]) -> Vec<Dropped> {
+    let of = |(part, all): &(Part, Vec<ProofResult>)| {
+        let (part, maps) = (*part, design.count(*part));
+        let missing = |&footprint: &u32| {
+            let found = all.iter().filter(|one| one.map.footprint == footprint).count();
+            let dropped = maps.saturating_sub(found as u32);
+            (dropped > 0).then_some(Dropped { part, footprint, dropped, maps })
+        };
+        design.footprints.iter().filter_map(missing).collect::<Vec<Dropped>>()
+    };
+    results.iter().flat_map(of).collect()
 }
 
 /// The links of all panels over the same maps; the reference links to itself.
@@ -187,4 +217,98 @@ fn singles(footprint: u32, results: &[&ProofResult], measured: &[f64]) -> Vec<Si
         .into_iter()
         .flatten()
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::Seed;
+    use envgen::calibration::Dials;
+    use envgen::indoor::IndoorSpec;
+
+    use super::super::design::ProofMap;
+    use super::*;
+    use crate::experiment::stats::Interval;
+
+    const MAPS: u32 = 8;
+
+    /// Eight maps of 6 x 6 cells with requests from 1 to 8, what two panels measure of each, and four that link
+    /// them.
+    fn analysis(reference: fn(f64) -> f64, other: fn(f64) -> f64) -> Analysis {
+        let held_out = vec!["pose graph".to_owned()];
+        let footprints = vec![6];
+        let design = ProofDesign {
+            footprints,
+            maps: MAPS,
+            verified: 0,
+            link: 6,
+            held_out,
+            ..Default::default()
+        };
+        let (zero, ten) = (Dials::default(), Dials::default().map(|_: f64| 10.0));
+        let panel = "reference".to_owned();
+        let scale = Scale { panel, panel_version: 1, anchors_version: 1, zero, ten };
+        let result = |requested: u32| {
+            let spec = IndoorSpec { width: 6, height: 6, ..Default::default() };
+            let seed = Seed(u64::from(requested));
+            let requested = f64::from(requested);
+            let map = ProofMap { footprint: 6, requested, spec, seed };
+            ProofResult { map, scores: vec![reference(requested), other(requested)] }
+        };
+        // Two of the maps that link are missing.
+        let results = [
+            (Part::Link, (1..=4).map(result).collect()),
+            (Part::Calibrated, (1..=MAPS).map(result).collect()),
+        ];
+        analyse(&design, &scale, &results)
+    }
+
+    fn value(interval: Option<Interval>) -> f64 {
+        interval.expect("an interval").value
+    }
+
+    #[test]
+    fn a_perfect_line_agrees() {
+        let found = analysis(|x| x, |x| x);
+        assert_eq!(found.rows.len(), 2);
+        for row in &found.rows {
+            assert_eq!((row.part, row.footprint, row.raw.maps), (Part::Calibrated, 6, 8));
+            for agreement in [row.raw, row.linked] {
+                assert_eq!((value(agreement.rho), value(agreement.tau)), (1.0, 1.0));
+                assert!((value(agreement.slope) - 1.0).abs() < 1e-12);
+                assert!(value(agreement.intercept).abs() < 1e-9);
+                assert!(value(agreement.error) < 1e-9 && value(agreement.near) == 1.0);
+            }
+        }
+        // Requests within one unit of the level are its own: 3 alone.
+        assert!(found.levels.is_empty(), "{:?}", found.levels);
+    }
+
+    #[test]
+    fn the_link_removes_a_constant_offset() {
+        let found = analysis(|x| x, |x| x + 2.0);
+        let [reference, other] = &found.rows[..] else { panic!("two panels: {:?}", found.rows) };
+        assert_eq!((value(reference.raw.error), value(reference.raw.near)), (0.0, 1.0));
+        assert_eq!((value(other.raw.error), value(other.raw.near)), (2.0, 0.0));
+        assert_eq!((value(other.raw.rho), value(other.raw.intercept)), (1.0, 2.0));
+        assert!(value(other.linked.error) < 1e-12 && value(other.linked.near) == 1.0);
+        let link = found.links[1].expect("a link");
+        assert!((link.slope - 1.0).abs() < 1e-12 && (link.intercept + 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_reversed_order_is_minus_1() {
+        let found = analysis(|x| 9.0 - x, |x| x);
+        let reference = &found.rows[0].raw;
+        assert_eq!((value(reference.rho), value(reference.tau)), (-1.0, -1.0));
+        assert!((value(reference.slope) + 1.0).abs() < 1e-12);
+        // Of 4 and 5 the others are 5 and 4.
+        assert_eq!((value(reference.error), value(reference.near)), (4.0, 0.0));
+        assert_eq!(value(found.rows[1].raw.rho), 1.0);
+    }
+
+    #[test]
+    fn maps_without_a_result_are_counted_by_part() {
+        let found = analysis(|x| x, |x| x).dropped;
+        assert_eq!(found, [Dropped { part: Part::Link, footprint: 6, dropped: 2, maps: 6 }]);
+    }
 }

@@ -105,15 +105,20 @@ impl ProofDesign {
             .collect()
     }
 
-    /// The maps of a part. Requests are spread evenly over what each footprint reaches, one drawn in each
-    /// of as many equal intervals as there are maps.
-    pub fn maps(&self, part: Part) -> Vec<ProofMap> {
-        let count = match part {
+    /// Number of maps of a part per footprint.
+    pub fn count(&self, part: Part) -> u32 {
+        match part {
             Part::Calibrated => self.maps,
             Part::Verified => self.verified,
             Part::Thesis => self.thesis,
             Part::Link => self.link,
-        };
+        }
+    }
+
+    /// The maps of a part. Requests are spread evenly over what each footprint reaches, one drawn in each
+    /// of as many equal intervals as there are maps.
+    pub fn maps(&self, part: Part) -> Vec<ProofMap> {
+        let count = self.count(part);
         let first = self.seed.offset(1_000_000 * (part as u64 + 1));
         let mut maps = Vec::new();
         for i in 0..count {

@@ -11,7 +11,7 @@ mod report;
 mod run;
 
 pub use agreement::{Agreement, Link, agreement};
-pub use analysis::{Analysis, Level, Row, Single, analyse};
+pub use analysis::{Analysis, Dropped, Level, Row, Single, analyse};
 pub use design::{Part, ProofDesign, ProofMap};
 pub use report::{figure, page};
 pub use run::{ProofResult, Watch, run};

@@ -4,9 +4,10 @@ use envgen::calibration::Scale;
 use maud::{Markup, html};
 use plotters::prelude::*;
 
-use super::analysis::{Analysis, Row};
+use super::analysis::{Analysis, Dropped, Row};
 use super::design::{Part, ProofDesign};
 use super::run::ProofResult;
+use crate::difficulty::NEAR_REQUEST;
 use crate::experiment::ExperimentError;
 use crate::experiment::report::colors;
 use crate::experiment::report::figures::{chart, diagonal, inline, report_error, rgb};
@@ -51,6 +52,7 @@ pub fn page(
         (key())
         h2 { "Agreement" }
         (agreement(&analysis.rows, design))
+        (dropped(analysis))
         h2 { "Levels" }
         (levels(analysis))
         h2 { "What a single number explains" }
@@ -108,33 +110,64 @@ pub fn figure(
 
 fn agreement(rows: &[Row], design: &ProofDesign) -> Markup {
     let mut names = head(["maps", "cells", "panel", "n"]);
+    let near = format!("within {NEAR_REQUEST}");
     names.extend(
-        ["rank correlation", "Kendall's tau", "slope", "mean error", "mean error, linked"]
-            .map(with_interval),
+        [
+            "rank correlation",
+            "Kendall's tau",
+            "slope",
+            "intercept",
+            "mean error",
+            "mean error, linked",
+            &near,
+        ]
+        .map(with_interval),
     );
     let row = |row: &Row| {
-        let part =
-            PARTS.iter().find(|(part, ..)| *part == row.part).map_or("", |(_, name, _)| name);
         vec![
-            cell(part),
+            cell(name(row.part)),
             cell(row.footprint),
             cell(&row.panel),
             cell(row.raw.maps),
             interval(row.raw.rho, 2),
             interval(row.raw.tau, 2),
             interval(row.linked.slope, 2),
+            interval(row.linked.intercept, 2),
             interval(row.raw.error, 2),
             interval(row.linked.error, 2),
+            interval(row.raw.near, 2),
         ]
     };
     let rows: Vec<Vec<Markup>> = rows.iter().map(row).collect();
     html! {
         p.note {
             "At least " (design.noise_seeds) " trials per map and condition, and " (design.panel_trials) " per map and \
-             panel. Slopes are of linked values: those of another panel are put on the reference's scale by maps of \
-             their own, by mean and deviation."
+             panel. Slopes and intercepts are of linked values: those of another panel are put on the reference's \
+             scale by maps of their own, by mean and deviation. The last column is the share of the maps whose \
+             measured difficulty, not linked, is at most " (NEAR_REQUEST) " from the request."
         }
         (table("", &names, &rows))
+    }
+}
+
+fn name(part: Part) -> &'static str {
+    let shown = PARTS.iter().find(|(own, ..)| *own == part);
+    shown.map_or("for the links", |(_, name, _)| name)
+}
+
+fn dropped(analysis: &Analysis) -> Markup {
+    if analysis.dropped.is_empty() {
+        return html! { p.note { "Trials of every panel ran in all maps." } };
+    }
+    let row = |one: &Dropped| {
+        vec![cell(name(one.part)), cell(one.footprint), cell(one.dropped), cell(one.maps)]
+    };
+    let rows: Vec<Vec<Markup>> = analysis.dropped.iter().map(row).collect();
+    html! {
+        p.note {
+            "Maps in which trials of a panel cannot run, since its robot does not fit, are left out of all comparisons:"
+        }
+        (table("", &head(["maps", "cells", "left out", "of"]), &rows))
     }
 }
 

@@ -36,7 +36,8 @@ struct Winner {
 /// Called with the name of a stage, the number of finished steps of it and of all.
 pub type Watch<'a> = &'a (dyn Fn(&str, u64, u64) -> ControlFlow<()> + Sync);
 
-/// Runs what is left of a part and returns its results; `None` where `watch` stopped it.
+/// Runs what is left of a part and returns the results of all maps in which trials of every panel can run; `None`
+/// where `watch` stopped it.
 ///
 /// # Errors
 /// A file cannot be written, holds something else, or its trials now give other results.
@@ -72,7 +73,7 @@ pub fn run(
             own.push(mean);
         }
     }
-    // A world in which a robot cannot drive has no place in the comparison of panels.
+    // A world in which a robot cannot drive has no place in the comparison of panels; the analysis counts these.
     let whole = maps.into_iter().zip(scores).filter_map(|(map, scores)| {
         let scores = scores.into_iter().collect::<Option<Vec<f64>>>()?;
         Some(ProofResult { map, scores })
