@@ -18,7 +18,7 @@ use crate::score::Scores;
 /// Something that moves in a world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hazard {
-    /// Its name in tables: the setting with its value.
+    /// Its name in tables: the settings with their values, joined by `+`.
     pub name: String,
     /// What moves.
     pub scenario: ScenarioSpec,
@@ -48,32 +48,51 @@ pub struct HazardCost {
 }
 
 impl Hazard {
-    /// A hazard from its name, such as `doors`, or from a setting of scenarios and its value, such as `doors=1` or
-    /// `people=20`.
+    /// A hazard from its name, such as `doors`, from a setting of scenarios and its value, such as `doors=1` or
+    /// `people=20`, or from several of these joined by `+`.
     ///
     /// ```
     /// use mapping_trial::experiment::hazards::Hazard;
     ///
     /// let hazard = Hazard::parse("people=20")?;
     /// assert_eq!((hazard.name.as_str(), hazard.scenario.people), ("people=20", 20));
-    /// assert!(!Hazard::parse("doors")?.scenario.is_still());
+    /// let both = Hazard::parse("doors=1+people=20")?.scenario;
+    /// assert_eq!((both.doors, both.people), (1.0, 20));
     /// assert!(Hazard::parse("lions=3").is_err());
+    /// assert!(Hazard::parse("slam=1").is_err(), "nothing moves");
     /// # Ok::<(), envgen::SpecError>(())
     /// ```
     ///
     /// # Errors
-    /// When there is no such setting, or the value is not allowed.
+    /// When there is no such setting, its value is not allowed, it is there twice, or nothing moves.
     pub fn parse(text: &str) -> Result<Self, SpecError> {
-        let usual = || USUAL.into_iter().find(|(name, _)| *name == text);
-        let Some((name, value)) = text.split_once('=').or_else(usual) else {
-            let names = USUAL.map(|(name, _)| name).join(", ");
-            let allowed =
-                format!("one of {names}, or a setting of scenarios and its value, as doors=1");
-            return Err(SpecError::new("hazards", text, allowed));
-        };
         let mut scenario = ScenarioSpec::default();
-        scenario.set(name, value)?;
-        Ok(Hazard { name: format!("{name}={value}"), scenario })
+        let mut settings: Vec<(&str, &str)> = Vec::new();
+        for part in text.split('+') {
+            let usual = || USUAL.into_iter().find(|(name, _)| *name == part);
+            let Some((name, value)) = part.split_once('=').or_else(usual) else {
+                let names = USUAL.map(|(name, _)| name).join(", ");
+                let allowed = format!(
+                    "one of {names}, a setting of scenarios and its value, as doors=1, or several \
+                     joined by +"
+                );
+                return Err(SpecError::new("hazards", part, allowed));
+            };
+            scenario.set(name, value)?;
+            if settings.iter().any(|(other, _)| *other == name) {
+                let allowed = format!("settings of which each is there once, not {name} twice");
+                return Err(SpecError::new("hazards", text, allowed));
+            }
+            settings.push((name, value));
+        }
+        if scenario.is_still() {
+            let allowed =
+                "something that moves: nothing does without doors, people or smoke above 0";
+            return Err(SpecError::new("hazards", text, allowed));
+        }
+        let parts: Vec<_> =
+            settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
+        Ok(Hazard { name: parts.join("+"), scenario })
     }
 }
 
@@ -185,6 +204,8 @@ fn cost(hazard: &Hazard, worlds: &[Vec<(&Scores, &Scores)>]) -> Option<HazardCos
 
 #[cfg(test)]
 mod tests {
+    use envgen::scenario::FailedBeams;
+
     use super::*;
     use crate::score::MovingScores;
 
@@ -201,6 +222,41 @@ mod tests {
         assert!(error("fire").starts_with("`hazards` must be one of doors, people, smoke"));
         assert!(error("smoke=-1").starts_with("`smoke` must be a number from 0"));
         assert!(error("fire=1").starts_with("`setting` must be one of doors"));
+    }
+
+    #[test]
+    fn hazards_join_settings() {
+        let hazard = Hazard::parse("smoke=0.3+failed_beams=phantom").expect("a hazard");
+        assert_eq!(hazard.name, "smoke=0.3+failed_beams=phantom");
+        assert_eq!(
+            (hazard.scenario.smoke, hazard.scenario.failed_beams),
+            (0.3, FailedBeams::Phantom)
+        );
+        let hazard = Hazard::parse("doors+people=8+smoke=0.3").expect("a hazard");
+        assert_eq!(hazard.name, "doors=0.5+people=8+smoke=0.3");
+        let scenario = hazard.scenario;
+        assert_eq!((scenario.doors, scenario.people, scenario.smoke), (0.5, 8, 0.3));
+        let error = |text: &str| Hazard::parse(text).expect_err("no hazard").to_string();
+        for text in ["doors+", "+doors", "doors++people"] {
+            assert!(error(text).starts_with("`hazards` must be one of doors, people, smoke"));
+        }
+        let twice = error("doors=1+doors");
+        assert!(twice.ends_with("not doors twice, got doors=1+doors"), "{twice}");
+        assert!(error("doors+people=-1").starts_with("`people` must be a whole number from 0"));
+    }
+
+    #[test]
+    fn hazards_that_move_nothing_are_refused() {
+        for text in ["failed_beams=phantom", "body=legs", "slam=1", "people=0", "doors=0+smoke=0"] {
+            let error = Hazard::parse(text).expect_err("nothing moves").to_string();
+            assert_eq!(
+                error,
+                format!(
+                    "`hazards` must be something that moves, got {text}: \
+                     nothing does without doors, people or smoke above 0"
+                )
+            );
+        }
     }
 
     #[test]
