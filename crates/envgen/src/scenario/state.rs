@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::doors::{Bodies, DoorClock, DoorCommand, DoorShape, DoorState};
 use super::neighbourhood::{Neighbourhood, drift};
-use super::people::{Crowd, FreeSpace, REACH, Routes, Surroundings, find_places};
+use super::people::{Crowd, FreeSpace, REACH, Routes, Surroundings, ZONE, find_places};
 use super::person::{PERSON_RADIUS, Person, PersonState, max_speed};
 use super::plan::shapes;
 use super::robot::Robot;
@@ -33,9 +33,6 @@ const SPREAD: u64 = 10;
 
 /// The most places to which people go.
 const MAX_PLACES: usize = 1 << 14;
-
-/// Doors concern people this far beyond the reach of their leaves, in metres.
-const ZONE: f64 = 0.5;
 
 /// A scenario at a time.
 ///

@@ -2,13 +2,14 @@
 
 use envgen::glam::DVec2;
 use envgen::scenario::{
-    Body, DoorControl, DoorKinds, Reactions, Robot, Scenario, ScenarioSpec, ScenarioState, Target,
+    Body, DoorCommand, DoorControl, DoorKinds, Reactions, Robot, Scenario, ScenarioSpec,
+    ScenarioState, Target,
 };
 use envgen::{Seed, WorldKind};
 
 use crate::busy_map::busy_map;
 use crate::watch::Watch;
-use crate::{indoor, room_with_a_person};
+use crate::{indoor, room_with_a_person, two_rooms};
 
 fn run(state: &mut ScenarioState, seconds: u32, robots: &[Robot]) -> Watch {
     let mut watch = Watch::default();
@@ -151,6 +152,67 @@ fn people_react_as_their_kind() {
     // 2 m away: who is scared goes at 0.6 m/s.
     let away = at("scared", DVec2::new(2.0, 3.0), 2.0);
     assert!((away - 3.2).abs() < 0.07, "{away}");
+}
+
+#[test]
+fn who_is_surprised_looks_at_the_robot() {
+    let (world, scenario) = room_with_a_person("surprised");
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    let mut facing = |robot: DVec2, seconds: f64| {
+        let robot = Robot { position: robot, velocity: DVec2::ZERO, radius: 0.3 };
+        state.step(seconds, &[robot]).unwrap();
+        let person = &state.people()[0];
+        (person.is_reacting(), person.facing)
+    };
+    assert_eq!(facing(DVec2::new(4.0, 5.0), 0.05), (true, DVec2::Y));
+    assert_eq!(facing(DVec2::new(4.0, 1.0), 0.05), (true, DVec2::NEG_Y));
+    assert_eq!(facing(DVec2::new(1.0, 3.0), 29.9), (true, DVec2::NEG_X));
+    // After 30 s the person is used to it.
+    assert!(!facing(DVec2::new(4.0, 1.0), 0.1).0);
+}
+
+#[test]
+fn nobody_reacts_to_a_robot_behind_a_closed_door() {
+    for kind in ["hinged", "double", "sliding"] {
+        for reaction in ["surprised", "curious", "scared"] {
+            let (world, mut scenario) = two_rooms(&format!("kind: {kind}, control: commanded"));
+            let person = "position: (2.6, 2.0), heading: 0.0, speed: 1.3";
+            let person = format!("({person}, reaction: {reaction})");
+            scenario.people = vec![ron::from_str(&person).unwrap()];
+            scenario.settings.waiting = 1e6;
+            let mut state = ScenarioState::new(&world, &scenario).unwrap();
+            state.command_door(0, DoorCommand::Close).unwrap();
+            state.step(2.0, &[]).unwrap();
+            let position = DVec2::new(5.5, 2.0);
+            let robot = Robot { position, velocity: DVec2::ZERO, radius: 0.3 };
+            state.step(5.0, &[robot]).unwrap();
+            assert!(!state.people()[0].is_reacting(), "{reaction}, {kind}");
+            state.command_door(0, DoorCommand::Open).unwrap();
+            state.step(2.0, &[robot]).unwrap();
+            assert!(state.people()[0].is_reacting(), "{reaction}, {kind}");
+        }
+    }
+}
+
+#[test]
+fn nobody_avoids_a_robot_behind_a_closed_door() {
+    let (world, mut scenario) = two_rooms("kind: sliding, control: commanded");
+    let person = "(position: (2.6, 2.0), heading: 0.0, speed: 1.3, reaction: regular)";
+    scenario.people = vec![ron::from_str(person).unwrap()];
+    (scenario.settings.waiting, scenario.settings.working) = (1.0, 1.0);
+    let walk = |command: DoorCommand, x: f64| {
+        let mut state = ScenarioState::new(&world, &scenario).unwrap();
+        state.command_door(0, command).unwrap();
+        state.step(0.05, &[]).unwrap();
+        let robot = Robot { position: DVec2::new(x, 2.0), velocity: DVec2::ZERO, radius: 0.3 };
+        let position = |_| {
+            state.step(0.05, &[robot]).unwrap();
+            state.people()[0].position
+        };
+        (0..2400).map(position).collect::<Vec<_>>()
+    };
+    assert!(walk(DoorCommand::Slam, 4.5) == walk(DoorCommand::Slam, 7.5));
+    assert!(walk(DoorCommand::Open, 4.5) != walk(DoorCommand::Open, 7.5));
 }
 
 #[test]

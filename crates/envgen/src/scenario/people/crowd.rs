@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::door_passage::passes_door;
 use super::orca::{Disc, HalfPlane, WALL_HORIZON, avoid, keep_off, solve};
-use super::surroundings::{Surroundings, nearest_robot, sees};
+use super::surroundings::{Surroundings, nearest_robot};
 use crate::scenario::ScenarioSpec;
 use crate::scenario::neighbourhood::{Neighbourhood, RANGE, REBUILD};
 use crate::scenario::person::{MAX_CURIOUS, PERSON_RADIUS, Person, PersonState, Reaction, Task};
@@ -255,9 +255,9 @@ impl Crowd {
         };
         for &(_, j) in &nearest[..count] {
             let plane = avoid(&me, &disc(j), TICK);
-            // Those behind a wall are not avoided, which matters only where they would be.
+            // Those behind a wall or a leaf are not avoided, which matters only where they would be.
             let to = self.people[j as usize].position - p;
-            if plane.excess(preferred) <= 0.0 || sees(around.rays, p, to) {
+            if plane.excess(preferred) <= 0.0 || around.sees(p, to) {
                 planes.push(plane);
             }
         }
@@ -275,7 +275,10 @@ impl Crowd {
                 radius: robot.radius,
                 share,
             };
-            planes.push(avoid(&me, &disc, TICK));
+            let plane = avoid(&me, &disc, TICK);
+            if plane.excess(preferred) <= 0.0 || around.sees(p, robot.position - p) {
+                planes.push(plane);
+            }
         }
         if planes.iter().all(|plane| plane.excess(preferred) <= 0.0) {
             return free;

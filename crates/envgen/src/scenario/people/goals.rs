@@ -3,9 +3,9 @@
 use glam::DVec2;
 
 use super::crowd::{Crowd, ticks};
-use super::surroundings::{Surroundings, nearest_robot, sees};
+use super::surroundings::{Surroundings, nearest_robot};
 use crate::scenario::TICKS_PER_SECOND;
-use crate::scenario::person::{PersonState, Task};
+use crate::scenario::person::{PersonState, Reaction, Task};
 
 /// Someone who comes no farther than this many metres, or than a walk of so many seconds, within [`PATIENCE`] ticks
 /// goes elsewhere.
@@ -43,20 +43,31 @@ impl Crowd {
 
     /// Starts and ends reactions; whether the person reacts.
     fn react(&mut self, i: usize, around: &Surroundings<'_>) -> bool {
-        let Some((range, seconds)) = around.people[i].reaction.trigger() else { return false };
+        let reaction = around.people[i].reaction;
+        let Some((range, seconds)) = reaction.trigger() else { return false };
         let person = &mut self.people[i];
-        if let Task::React { until } = person.task {
-            return around.tick < until;
-        }
         let nearest = nearest_robot(person.position, around.robots);
         let to = nearest.position - person.position;
+        let look = |person: &mut PersonState| {
+            if reaction == Reaction::Surprised {
+                person.facing = to.normalize_or(person.facing);
+            }
+        };
+        if let Task::React { until } = person.task {
+            let reacts = around.tick < until;
+            if reacts {
+                look(person);
+            }
+            return reacts;
+        }
         let distance = to.length();
         if distance > 1.5 * range {
             person.is_used_to_robot = false;
         }
-        if person.is_used_to_robot || distance >= range || !sees(around.rays, person.position, to) {
+        if person.is_used_to_robot || distance >= range || !around.sees(person.position, to) {
             return false;
         }
+        look(person);
         person.is_used_to_robot = true;
         person.task = Task::React { until: around.tick + ticks(seconds) };
         person.path.clear();

@@ -19,7 +19,7 @@ pub(super) use crowd::Crowd;
 pub(super) use free_space::{FreeSpace, REACH};
 pub(super) use places::find_places;
 pub(super) use routes::Routes;
-pub(super) use surroundings::Surroundings;
+pub(super) use surroundings::{Surroundings, ZONE};
 
 use crate::clearance_index::ClearanceIndex;
 use crate::distribution::standard_normal;

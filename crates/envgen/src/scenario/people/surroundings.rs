@@ -12,6 +12,9 @@ use crate::scenario::person::Person;
 use crate::scenario::robot::Robot;
 use crate::seed::Seed;
 
+/// Doors concern people this far beyond the reach of their leaves, in metres.
+pub(crate) const ZONE: f64 = 0.5;
+
 /// What people walk among.
 pub(crate) struct Surroundings<'a> {
     pub(crate) space: &'a FreeSpace,
@@ -41,12 +44,38 @@ impl Surroundings<'_> {
         }
         self.space.frame.index_at(p).map_or(&[], |cell| doors.of(cell))
     }
-}
 
-/// Whether no solid is between a point and another one at `to` from it.
-pub(super) fn sees(rays: &Raycaster, from: DVec2, to: DVec2) -> bool {
-    let distance = to.length();
-    distance == 0.0 || rays.cast_along(from, to / distance, distance).is_none()
+    /// Whether no solid and no leaf is between a point and another one at `to` from it.
+    pub(super) fn sees(&self, from: DVec2, to: DVec2) -> bool {
+        let distance = to.length();
+        let direction = to / distance;
+        distance == 0.0
+            || (self.rays.cast_along(from, direction, distance).is_none()
+                && !self.is_leaf_between(from, direction, distance))
+    }
+
+    fn is_leaf_between(&self, from: DVec2, direction: DVec2, distance: f64) -> bool {
+        if self.shapes.is_empty() {
+            return false;
+        }
+        let hides = |&door: &u32| {
+            let (shape, state) = (&self.shapes[door as usize], &self.doors[door as usize]);
+            let mut leaves = state.leaves(shape);
+            leaves.any(|leaf| leaf.distance_along(from, direction).is_some_and(|at| at < distance))
+        };
+        // No leaf is between two of these points whose door does not concern both of them.
+        let parts = (distance / ZONE).ceil();
+        let mut before: &[u32] = &[];
+        for part in 0..=parts as u32 {
+            let p = from + direction * (distance * f64::from(part) / parts);
+            let doors = self.at(self.door_zones, p);
+            if doors != before && doors.iter().any(hides) {
+                return true;
+            }
+            before = doors;
+        }
+        false
+    }
 }
 
 /// The robot nearest to a point, of equally near ones the first; one that is infinitely far without any.
@@ -56,4 +85,70 @@ pub(super) fn nearest_robot(p: DVec2, robots: &[Robot]) -> Robot {
         let is_nearer = robot.position.distance_squared(p) < best.position.distance_squared(p);
         if is_nearer { *robot } else { best }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Rect, Shape};
+    use crate::provenance::Provenance;
+    use crate::scenario::doors::{Door, DoorKind};
+    use crate::scenario::person::{Reaction, Task};
+    use crate::scenario::spec::DoorControl;
+    use crate::scenario::tick::TICK;
+    use crate::scenario::{DoorCommand, Scenario, ScenarioState};
+    use crate::world::{Doorway, Wall, WallKind, World};
+
+    const V: fn(f64, f64) -> DVec2 = DVec2::new;
+
+    /// Where someone is who walks towards a doorway, tick by tick, while someone else stays at a point.
+    fn walk(stays: DVec2, is_closed: bool) -> Vec<DVec2> {
+        let bounds = Rect::new(V(0.0, 0.0), V(8.0, 4.0));
+        let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
+        for (from, to) in [(V(3.9, 0.0), V(4.1, 1.5)), (V(3.9, 2.5), V(4.1, 4.0))] {
+            world.walls.push(Wall::new(WallKind::Wall, Shape::from_rect(Rect::new(from, to))));
+        }
+        let opening = Shape::from_rect(Rect::new(V(3.9, 1.5), V(4.1, 2.5)));
+        world.doorways.push(Doorway::new(opening, true, [None, None]));
+        let settings = ScenarioSpec { waiting: 1e6, working: 1e6, ..Default::default() };
+        let mut scenario = Scenario::new(&world, &settings, Seed(1)).unwrap();
+        scenario.doors.push(Door {
+            doorway: 0,
+            kind: DoorKind::Sliding,
+            far_end: false,
+            to_right: false,
+            control: DoorControl::Commanded,
+            open: 30.0,
+            closed: 30.0,
+            slam: 0.0,
+        });
+        let person = |position| {
+            let reaction = Reaction::Regular;
+            Person { position, heading: 0.0, speed: 1.3, reaction }
+        };
+        scenario.people = vec![person(V(1.0, 2.0)), person(stays)];
+        let mut state = ScenarioState::new(&world, &scenario).unwrap();
+        if is_closed {
+            state.command_door(0, DoorCommand::Close).unwrap();
+        }
+        state.step(2.0, &[]).unwrap();
+        let walker = &mut state.crowd.people[0];
+        (walker.path, walker.on_path, walker.task) = (vec![V(3.6, 2.0)], true, Task::Walk);
+        state.crowd.quiet_until.fill(0);
+        let position = |_| {
+            state.step(TICK, &[]).unwrap();
+            assert_eq!(state.people()[1].position, stays);
+            state.people()[0].position
+        };
+        (0..60).map(position).collect()
+    }
+
+    #[test]
+    fn who_is_behind_a_closed_door_is_not_avoided() {
+        let (near, far) = (V(4.4, 2.0), V(7.0, 3.5));
+        assert_eq!(walk(near, true), walk(far, true));
+        let last = walk(far, true).last().copied();
+        assert!(last.is_some_and(|last| last.distance(V(3.6, 2.0)) < 1e-9), "{last:?}");
+        assert_ne!(walk(near, false), walk(far, false));
+    }
 }
