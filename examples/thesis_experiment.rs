@@ -111,7 +111,7 @@ struct Arguments {
     merge: Vec<PathBuf>,
 
     /// What moves in the same maps costs this much: doors, people, smoke, or settings of scenarios such as
-    /// people=20; several joined by +, such as smoke=0.3+failed_beams=phantom, are one hazard. Prints a table of
+    /// people=20; several joined by +, such as smoke=0.3+people=20, are one hazard. Prints a table of
     /// paired differences instead of the report.
     #[arg(long, value_delimiter = ',', value_parser = Hazard::parse, conflicts_with_all = ["merge", "fresh"])]
     hazards: Vec<Hazard>,
