@@ -446,13 +446,13 @@ pub(crate) fn stamp(field: &mut LikelihoodField, pose: Pose, echoes: &[Vec2]) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use envgen::geometry::unit_vector;
     use glam::DVec2;
 
     /// What a robot without a turn sees of a hall of 8 x 6 m around the origin.
-    fn scan(laser: &LaserProfile, at: DVec2) -> Scan {
+    pub(in crate::slam) fn hall_scan(laser: &LaserProfile, at: DVec2) -> Scan {
         let range = |beam: u32| {
             let direction = unit_vector(laser.angle(beam as usize));
             let walls = DVec2::new(4.0, 3.0).copysign(direction);
@@ -468,7 +468,7 @@ mod tests {
         for tick in 0..20 {
             let distance = if tick == 0 { 0.0 } else { 0.1 };
             let at = DVec2::new(0.1 * f64::from(tick) + robot.laser_offset, 0.0);
-            mapper.step(0, Increment { distance, turn: 0.0 }, Some(&scan(&laser, at)));
+            mapper.step(0, Increment { distance, turn: 0.0 }, Some(&hall_scan(&laser, at)));
         }
         let poses: Vec<Pose> = mapper.keyframes.iter().map(|keyframe| keyframe.pose).collect();
         assert!(poses.len() > 3);

@@ -136,3 +136,87 @@ impl Slam for PoseGraph {
         self.mapper.trajectory(robot)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DVec2};
+
+    use super::super::mapper::tests::hall_scan;
+    use super::*;
+    use crate::odometry::Increment;
+
+    /// A robot that drove 2.9 m straight on through a hall of 8 x 6 m.
+    fn driven() -> PoseGraph {
+        let (robot, laser) = (Robot::default(), LaserProfile::LMS200_MM);
+        let mut graph = PoseGraph::new(&[Pose::default()], &robot, &laser);
+        for tick in 0..30 {
+            let distance = if tick == 0 { 0.0 } else { 0.1 };
+            let at = DVec2::new(0.1 * f64::from(tick) + robot.laser_offset, 0.0);
+            let seen = Observation {
+                odometry: Increment { distance, turn: 0.0 },
+                scan: Some(hall_scan(&laser, at)),
+                ..Observation::default()
+            };
+            graph.step(0, &seen);
+        }
+        graph
+    }
+
+    /// The relations of a loop in which the last keyframe and the one before see the first one `off` metres
+    /// aside of where they are.
+    fn closed(graph: &PoseGraph, off: f64) -> [Relation; 2] {
+        let keyframes = &graph.mapper.keyframes;
+        let last = keyframes.len() - 1;
+        [last - 1, last].map(|to| {
+            let seen = keyframes[0].pose.between(keyframes[to].pose);
+            Relation {
+                from: 0,
+                to,
+                measured: Pose { position: seen.position + DVec2::new(0.0, off), ..seen },
+                information: DMat3::from_diagonal(glam::DVec3::new(1e3, 1e3, 1e4)),
+                is_robust: true,
+            }
+        })
+    }
+
+    fn poses(graph: &PoseGraph) -> Vec<Pose> {
+        graph.mapper.keyframes.iter().map(|keyframe| keyframe.pose).collect()
+    }
+
+    #[test]
+    fn a_true_loop_is_kept() {
+        let mut graph = driven();
+        let (relations, known) = (closed(&graph, 0.0), graph.relations.len());
+        assert!(known > 5 && graph.close(&relations));
+        assert_eq!(graph.relations.len(), known + 2);
+    }
+
+    #[test]
+    fn a_loop_that_walls_contradict_is_refused() {
+        let mut graph = driven();
+        let (before, known) = (poses(&graph), graph.relations.len());
+        assert!(!graph.close(&closed(&graph, 1.0)));
+        assert_eq!((poses(&graph), graph.relations.len()), (before, known));
+    }
+
+    #[test]
+    fn a_loop_that_bends_the_map_is_refused() {
+        let mut graph = driven();
+        // Between two keyframes the wheels may have done anything: no relation contradicts the loop, and the poses
+        // behind move aside by 1 m. The scans do not fit then.
+        let weak = graph.relations.len() / 2;
+        graph.relations[weak].information *= 1e-9;
+        let relations = closed(&graph, 1.0);
+        let (mut moved, before) = (poses(&graph), poses(&graph));
+        let fixed: Vec<bool> =
+            graph.mapper.keyframes.iter().map(|keyframe| keyframe.is_first).collect();
+        let all = [graph.relations.clone(), relations.to_vec()].concat();
+        assert!(solve(&mut moved, &fixed, &all));
+        assert!(relations.iter().all(|relation| relation.deviations(&moved) < INCREDIBLE));
+        assert!(moved.last().is_some_and(|pose| pose.position.y > 0.9), "{moved:?}");
+
+        let known = graph.relations.len();
+        assert!(!graph.close(&relations));
+        assert_eq!((poses(&graph), graph.relations.len()), (before, known));
+    }
+}
