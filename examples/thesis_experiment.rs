@@ -191,15 +191,16 @@ fn cost(arguments: &Arguments, design: &Design) -> Result<(), ExperimentError> {
     });
     bar.finish_and_clear();
     result?;
+    let width = hazards.iter().map(|hazard| hazard.name.len()).max().unwrap_or(0);
     println!(
-        "{:>20} maps  D more             M more             N more             collisions with people  ghosts",
+        "{:>width$} maps  D more             M more             N more             collisions with people  ghosts",
         ""
     );
     for cost in hazards::costs(&survey, hazards, folder.records()) {
         let more =
             |one: Interval| format!("{:+5.2} [{:+.2}, {:+.2}]", one.value, one.low, one.high);
         println!(
-            "{:>20} {:4}  {} {} {} {:22.1} {:7.1} m^2",
+            "{:>width$} {:4}  {} {} {} {:22.1} {:7.1} m^2",
             cost.hazard,
             cost.maps,
             more(cost.difficulty),
