@@ -147,7 +147,11 @@ fn main() {
             trial(&world, &settings, Some(&scenario))
         })
         .collect();
-    faster("trials among 50 people and 20 doors", among.summed(), REAL_TIME_PEOPLE);
+    faster(
+        "trials among 50 people and 20 doors, against real time",
+        among.summed(),
+        REAL_TIME_PEOPLE,
+    );
 }
 
 /// Trials of 20 simulated minutes in the default maps, and where their time goes.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use super::error::ExperimentError;
 use super::write;
@@ -65,13 +65,11 @@ fn first_difference(path: String, found: &Value, asked: &Value) -> Option<String
         _ if found == asked => None,
         (Value::Object(found), Value::Object(asked)) => {
             let names = found.keys().chain(asked.keys().filter(|name| !found.contains_key(*name)));
-            let of = |fields: &Map<String, Value>, name| {
-                fields.get(name).unwrap_or(&Value::Null).clone()
-            };
             let dot = if path.is_empty() { "" } else { "." };
             let mut differences = names.filter_map(|name| {
-                let path = format!("{path}{dot}{name}");
-                first_difference(path, &of(found, name), &of(asked, name))
+                let [found, asked] =
+                    [found, asked].map(|fields| fields.get(name).unwrap_or(&Value::Null));
+                first_difference(format!("{path}{dot}{name}"), found, asked)
             });
             differences.next()
         }
