@@ -35,9 +35,9 @@ const WIDEST: (f64, f64) = (0.5, 0.3);
 const FITS: f64 = 0.8;
 const BETTER: f64 = 0.15;
 
-/// Mean likelihood that a match elsewhere has to reach, as those of closed loops: of echoes of something new a few
-/// always fall on walls.
-const FOUND_AGAIN: f64 = 0.45;
+/// Mean likelihood that a match elsewhere has to reach: of echoes of something new up to a quarter fall on what is known
+/// somewhere.
+const FOUND_AGAIN: f64 = 0.3;
 
 /// Least path length in metres to an older keyframe by which a place counts as known from before.
 const OLDER: f64 = 10.0;
