@@ -92,7 +92,8 @@ fn plans(
 
 impl IndoorSpec {
     /// What maps of this size reach, with the settings that are kept: the interval of each dial, as predicted
-    /// from settings, between the .2 % and the 99.8 % quantile of what the levers give.
+    /// from settings, between the .2 % and the 99.8 % quantile of what the levers give, and within the 0 to 10 that can be
+    /// requested.
     pub fn reachable(&self) -> Dials<[f64; 2]> {
         reachable(&Levers::new(self))
     }
@@ -132,7 +133,7 @@ fn reachable(levers: &Levers<'_>) -> Dials<[f64; 2]> {
         let mut all: Vec<f64> = draws.iter().map(of).collect();
         all.sort_by(f64::total_cmp);
         let cut = (BEYOND * all.len() as f64) as usize;
-        [all[cut], all[all.len() - 1 - cut]]
+        [all[cut], all[all.len() - 1 - cut]].map(|reached| reached.clamp(0.0, 10.0))
     };
     Dials {
         difficulty: interval(|dials| dials.difficulty),
@@ -273,6 +274,20 @@ mod tests {
         let plan = spec.generate(Seed(1)).expect("a plan");
         let dials = values(plan.prediction().expect("a prediction").dials);
         assert!(spec.request().distance(dials) < 1.0, "{dials:?}");
+    }
+
+    #[test]
+    fn the_ends_of_what_is_reached_can_be_requested() {
+        let reach = base(16).reachable();
+        // Predictions are above 10 for the most difficult maps of this size.
+        assert_eq!(reach.difficulty[1], 10.0);
+        for difficulty in reach.difficulty {
+            IndoorSpec { difficulty, ..base(16) }.generate(Seed(1)).expect("a plan");
+        }
+        for (mapping, navigation) in reach.mapping.into_iter().zip(reach.navigation) {
+            let (mapping, navigation) = (Some(mapping), Some(navigation));
+            assert_eq!(IndoorSpec { mapping, navigation, ..base(16) }.check(), Ok(()));
+        }
     }
 
     #[test]
