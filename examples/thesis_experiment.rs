@@ -56,7 +56,8 @@ use crate::trial_arguments::{TrialArguments, named};
 /// scored, and a report shows the results.
 ///
 /// The paper's design (levels 1, 3, 5, 7 and 9, two maps each, five policies) always runs; the
-/// larger design is set by the options. The same command continues an interrupted run.
+/// larger design is set by the options. The same command continues an interrupted run. Policies are crossed
+/// with maps; the example `survey` also crosses lasers, odometry and SLAM.
 #[derive(Parser)]
 #[command(after_long_help = JOBS)]
 struct Arguments {

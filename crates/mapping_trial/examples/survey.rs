@@ -16,6 +16,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use envgen::whole_file;
 use indicatif::{ProgressBar, ProgressStyle};
+use mapping_trial::experiment::stats::Interval;
 use mapping_trial::experiment::survey::summary::{Summary, summarise};
 use mapping_trial::experiment::survey::{Survey, SurveyFolder};
 use mapping_trial::experiment::{ExperimentError, Shard};
@@ -137,8 +138,12 @@ fn print(summary: &Summary, faults: usize) {
     }
     for measure in &summary.measures {
         let shares = measure.components.components.iter();
-        let shares: Vec<String> =
-            shares.map(|one| format!("{} {:.0} %", one.effect, 100.0 * one.share.value)).collect();
+        let shares = shares.map(|one| {
+            let Interval { value, low, high } = one.share;
+            let [value, low, high] = [value, low, high].map(|share| 100.0 * share);
+            format!("{} {value:.0} % [{low:.0}, {high:.0}]", one.effect)
+        });
+        let shares: Vec<String> = shares.collect();
         let ratio = measure.components.signal_to_noise.map_or_else(String::new, |ratio| {
             format!("{:.2} [{:.2}, {:.2}]", ratio.value, ratio.low, ratio.high)
         });
