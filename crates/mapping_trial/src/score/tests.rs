@@ -296,3 +296,63 @@ proptest! {
 fn an_empty_room_has_all_its_trips() {
     assert_eq!(truth(&room(20.0, 20.0)).trips().len(), 8);
 }
+
+/// A map without what it shows in a rectangle of its cells.
+fn without(map: &OccupancyMap, (low, high): (CellIndex, CellIndex)) -> OccupancyMap {
+    let mut result = OccupancyMap::new();
+    for (cell, odds) in known(map) {
+        if !((low.col..high.col).contains(&cell.col) && (low.row..high.row).contains(&cell.row)) {
+            result.add(cell, odds);
+        }
+    }
+    announced(result)
+}
+
+/// Cells of a rectangle of the world of `flat`, 16 x 8 m: whole cells of the score, which are free only if
+/// nothing in them is occupied.
+fn region() -> impl Strategy<Value = (CellIndex, CellIndex)> {
+    (0..160, 0..80, 5..100, 5..60).prop_map(|(col, row, cols, rows)| {
+        let cell = |col, row| CellIndex { col: 2 * col, row: 2 * row };
+        (cell(col, row), cell(col + cols, row + rows))
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// What was not reached never helps: a map that lacks a region has no smaller part than the
+    /// whole one. Where the whole one is wrong this holds for `e_cov` and `e_time` alone: its wrong
+    /// walls count until they are taken out.
+    #[test]
+    fn what_was_not_reached_never_helps(
+        first in region(), second in region(), shift in 0..8_i32, time in 0.0..1200.0_f64,
+        (distance, turning, collisions) in (0.0..600.0_f64, 0.0..400.0_f64, 0..30_u32),
+    ) {
+        let truth = truth(&flat());
+        let perfect = truth.perfect_map();
+        let of = |map: &OccupancyMap| {
+            let run = RunSummary { time, distance, turning, collisions, ..run(map) };
+            Scores::of(&truth, &run).expect("a sound run")
+        };
+        let part = without(&perfect, first);
+        let (whole, less, least) = (of(&perfect), of(&part), of(&without(&part, second)));
+        for (more, less) in [(&whole, &less), (&less, &least)] {
+            let [before, after] = [more, less].map(Scores::parts);
+            prop_assert!(after.e_wall >= before.e_wall, "{before:?} {after:?}");
+            prop_assert!(after.e_cov >= before.e_cov && after.e_time >= before.e_time);
+            let unchanged = |parts: Parts| [parts.e_pose, parts.e_hit, parts.e_turn];
+            prop_assert_eq!(unchanged(before), unchanged(after));
+            prop_assert!(less.navigation >= more.navigation);
+        }
+        for less in [&less, &least] {
+            // Paths avoid what is not known: with more of it missing, one may miss a wall that is
+            // not on the map either.
+            prop_assert!(less.e_use >= whole.e_use);
+            prop_assert!(less.mapping >= whole.mapping && less.difficulty >= whole.difficulty);
+        }
+        let wrong = moved(&perfect, (shift, 0), false);
+        let (whole, less) = (of(&wrong), of(&without(&wrong, first)));
+        prop_assert!(less.e_cov >= whole.e_cov && less.e_time >= whole.e_time);
+        prop_assert!(less.navigation >= whole.navigation);
+    }
+}

@@ -13,6 +13,7 @@ use mapping_trial::slam::{Slam, SlamKind, WheelCalibration};
 use proptest::prelude::*;
 
 use crate::drive::{Drive, frame, rect, world_of};
+use crate::slam_bands::{around, corridor_loop};
 
 fn room() -> World {
     let mut walls = frame(0.0, 0.0, 12.0, 9.0);
@@ -57,6 +58,24 @@ fn golden() {
 }
 
 const GOLDEN: [u64; 3] = [0xe8b4_b174_b646_58c5, 0x639f_2211_4820_cb52, 0x639f_2211_4820_cb52];
+
+/// The drive above closes no loop: both estimators give the same. This one comes back after 400 m.
+#[test]
+fn golden_of_a_closed_loop() {
+    let walls = corridor_loop(120.0, 80.0, true);
+    let path = around(120.0, 80.0, 20.0);
+    let drive = Drive::new(&world_of(&walls), &path, &LaserProfile::LMS200_MM);
+    let recording = drive.record(&OdometryProfile::SKID, CLOSES);
+    let kinds = [SlamKind::ScanToMap, SlamKind::PoseGraph];
+    let found = kinds.map(|kind| digest(&*recording.replay(kind)));
+    assert_ne!(found[0], found[1], "no loop is closed");
+    assert_eq!(found, GOLDEN_LOOP, "{found:#x?}");
+}
+
+/// A seed of the wheels and the laser with which the pose graph closes the loop.
+const CLOSES: u64 = 6;
+
+const GOLDEN_LOOP: [u64; 2] = [0xf125_d7ab_2f1e_ee0f, 0xa5bd_bf07_306f_71d7];
 
 #[test]
 fn kinds_are_named_in_files() {
