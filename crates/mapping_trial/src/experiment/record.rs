@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::design::TrialId;
 use crate::score::Scores;
-use crate::trial::EndReason;
+use crate::trial::{EndReason, LOST};
 
 /// The result of one trial.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,10 +25,33 @@ pub struct Record {
     pub log_digest: String,
     /// Why it ended; `None` if it was broken off.
     pub end: Option<EndReason>,
+    /// Distance in metres of the last estimated position from the true one; absent in records of
+    /// earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pose_error: Option<f64>,
     /// What the generator's rules made of the map.
     pub features: MapFeatures,
     /// How well the map was mapped, and how difficult that was.
     pub scores: Scores,
+}
+
+impl Record {
+    /// Whether both are the result of one trial; one of an earlier version may lack the error of the
+    /// last pose.
+    pub(super) fn agrees_with(&self, other: &Record) -> bool {
+        let known = self.pose_error.and(other.pose_error);
+        let pose_error = known.and(self.pose_error);
+        Record { pose_error, ..self.clone() } == Record { pose_error: known, ..other.clone() }
+    }
+
+    /// Why it ended, in words; a robot that is lost is said to be.
+    pub(super) fn end_text(&self) -> String {
+        let text = self.end.map_or("–", EndReason::text);
+        match self.pose_error {
+            Some(error) if error > LOST => format!("{text}, lost: {error:.1} m off"),
+            _ => text.to_owned(),
+        }
+    }
 }
 
 /// The features of a map that the five rules of Zwennes (2011) control.

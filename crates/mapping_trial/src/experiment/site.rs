@@ -63,6 +63,7 @@ impl Site {
             world_digest: self.digest.clone(),
             log_digest: run.log().digest().to_string(),
             end: run.end_of(0).map(|end| end.reason),
+            pose_error: Some(run.pose_error(0)),
             features: self.features.clone(),
             scores: run.score(&self.truth).map_err(|error| failed(&error))?,
         };

@@ -37,7 +37,7 @@ pub enum Values {
 }
 
 /// The columns of all trials: which trial it was, M, N, D and their parts, the other scores, the
-/// features of the map, and the digests.
+/// features of the map, the digests, and the error of the last pose.
 pub fn columns(design: &Design, records: &[&Record]) -> Vec<Column> {
     let whole = |name: &str, of: &dyn Fn(&Record) -> u64| Column {
         name: name.to_owned(),
@@ -63,6 +63,10 @@ pub fn columns(design: &Design, records: &[&Record]) -> Vec<Column> {
         whole("noise_seed", &|r| r.noise_seed.0),
         text("world_digest", &|r| r.world_digest.clone()),
         text("log_digest", &|r| r.log_digest.clone()),
+        Column {
+            name: "pose_error".to_owned(),
+            values: Values::Real(records.iter().map(|record| record.pose_error).collect()),
+        },
     ]);
     columns
 }

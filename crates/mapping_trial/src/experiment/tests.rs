@@ -40,6 +40,7 @@ pub(super) fn record(level: u32, map: u32, noise: u32, difficulty: f64) -> Recor
         world_digest: String::new(),
         log_digest: String::new(),
         end: None,
+        pose_error: None,
         features: MapFeatures::default(),
         scores: Scores {
             difficulty,
@@ -276,6 +277,40 @@ fn bad_lines_and_other_code_are_reported() {
     fs::write(&lines, [0xff, 0xfe, b'\n']).unwrap();
     let reported = Experiment::open(folder.path(), &design, Shard::WHOLE).expect_err("bad");
     assert!(reported.to_string().contains("not text"), "{reported}");
+}
+
+#[test]
+fn records_say_how_far_off_the_last_pose_is() {
+    let folder = TempDir::new().unwrap();
+    let design = tiny();
+    let experiment = run(folder.path(), &design, Shard::WHOLE, 2);
+    let mut records: Vec<Record> = experiment.records().cloned().collect();
+    drop(experiment);
+    assert!(records.iter().all(|record| record.pose_error.is_some_and(|error| error < 0.2)));
+    records[0].pose_error = Some(4.27);
+    records[1].pose_error = None;
+    assert_eq!(records[0].end_text(), "time up, lost: 4.3 m off");
+    assert_eq!(records[1].end_text(), "time up");
+    let columns = table::columns(&design, &records.iter().collect::<Vec<_>>());
+    let last = columns.last().expect("columns");
+    assert_eq!(last.name, "pose_error");
+    let table::Values::Real(values) = &last.values else { panic!("{last:?}") };
+    assert_eq!(values[..2], [Some(4.27), None]);
+
+    // A folder of an earlier version, which continues.
+    let lines = folder.path().join("trials.jsonl");
+    let earlier = fs::read_to_string(&lines).unwrap();
+    let earlier: Vec<String> = earlier
+        .lines()
+        .map(|line| {
+            let (before, rest) = line.split_once(",\"pose_error\":").expect("a pose error");
+            let (_, after) = rest.split_once(',').expect("more fields");
+            format!("{before},{after}\n")
+        })
+        .collect();
+    fs::write(&lines, earlier.concat()).unwrap();
+    let again = Experiment::open(folder.path(), &design, Shard::WHOLE).expect("the same trials");
+    assert!(again.records().all(|record| record.pose_error.is_none()));
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::{PartRole, RobotReport, TrialReport};
 use crate::names::Named;
 
 /// Distance in metres of the last estimated position from the true one above which a summary states it.
-const LOST: f64 = 0.5;
+pub(crate) const LOST: f64 = 0.5;
 
 impl TrialReport {
     /// What drove, and with which parts: `nearest with scan_to_map and lms200_mm, 434 m^2 to map`.

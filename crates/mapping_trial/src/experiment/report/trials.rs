@@ -75,7 +75,7 @@ fn pictures(design: &Design, map: &MapPictures) -> Markup {
             small.note {
                 "seed " (record.world_seed.0) ": D " (number(scores.difficulty, 2)) ", M "
                 (number(scores.mapping, 2)) ", N " (number(scores.navigation, 2)) "; "
-                (record.end.map_or("", EndReason::text))
+                (record.end_text())
             }
         }
         div.maps {
@@ -128,7 +128,7 @@ fn row(design: &Design, record: &Record) -> Vec<Markup> {
         cell(trial.map),
         cell(trial.noise),
         html! { code { (policy_of(record)) } },
-        cell(record.end.map_or("–", EndReason::text)),
+        cell(record.end_text()),
         cell(number(s.difficulty, 2)),
         cell(number(s.mapping, 2)),
         cell(number(s.navigation, 2)),
