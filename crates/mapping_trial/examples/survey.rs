@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Every finished trial is on disk at once: the same command continues an interrupted run. The
-//! output folder gets `trials.jsonl` and `summary.json`.
+//! output folder gets `trials.jsonl`, `summary.json` and `ranks.csv`, the order of the worlds by score 1 and
+//! by score 2.
 
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
@@ -74,8 +75,15 @@ fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     let summary = summarise(&survey, &records);
     print(&summary, arguments.faults);
     let path = arguments.out.join("summary.json");
-    write(&path, &summary)?;
+    let text = serde_json::to_vec_pretty(&summary)
+        .map_err(|error| ExperimentError::Report(error.to_string()))?;
+    write(&path, &text)?;
     println!("wrote {} and {}", folder.file().display(), path.display());
+    if let Some(ranks) = &summary.ranks {
+        let path = arguments.out.join("ranks.csv");
+        write(&path, &ranks.csv()?)?;
+        println!("wrote {}", path.display());
+    }
     Ok(())
 }
 
@@ -88,10 +96,8 @@ fn read(path: &Path) -> Result<Survey, ExperimentError> {
     })
 }
 
-fn write(path: &Path, summary: &Summary) -> Result<(), ExperimentError> {
-    let text = serde_json::to_vec_pretty(summary)
-        .map_err(|error| ExperimentError::Report(error.to_string()))?;
-    whole_file::write(path, &text)
+fn write(path: &Path, text: &[u8]) -> Result<(), ExperimentError> {
+    whole_file::write(path, text)
         .map_err(|error| ExperimentError::File { path: path.to_owned(), source: error.error })
 }
 

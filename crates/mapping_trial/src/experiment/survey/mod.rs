@@ -22,7 +22,7 @@ pub mod summary;
 pub use design::{Condition, Family, MAX_SURVEY_TRIALS, Survey, SurveyError, SurveyMap};
 pub(crate) use design::{check_conditions, ron_options};
 pub use folder::{SURVEY_VERSION, SurveyFolder, SurveyProgress};
-pub use ranks::{FamilyRanks, Ranks};
+pub use ranks::{FamilyRanks, Ranks, WorldRanks};
 pub use record::Record;
 pub(crate) use site::Site;
 

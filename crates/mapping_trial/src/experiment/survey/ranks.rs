@@ -1,8 +1,10 @@
 //! How the order of a survey's worlds differs between score 1 and score 2, the default.
 
+use envgen::Seed;
 use serde::Serialize;
 
 use super::record::Record;
+use crate::experiment::error::ExperimentError;
 use crate::experiment::stats;
 use crate::score::{Scores, kendall_tau};
 
@@ -25,6 +27,8 @@ pub struct Ranks {
     pub tau: [Option<f64>; 3],
     /// For each family.
     pub families: Vec<FamilyRanks>,
+    /// For each world.
+    pub each: Vec<WorldRanks>,
 }
 
 /// The mean ranks of a family's worlds among all, 1 being the easiest.
@@ -39,6 +43,44 @@ pub struct FamilyRanks {
     /// By N.
     pub navigation: [f64; 2],
 }
+
+/// The ranks of a world among all, 1 being the easiest.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WorldRanks {
+    /// Name of its family.
+    pub family: String,
+    /// Its seed.
+    pub world_seed: Seed,
+    /// By D of score 1 and of score 2.
+    pub difficulty: [f64; 2],
+    /// By M.
+    pub mapping: [f64; 2],
+    /// By N.
+    pub navigation: [f64; 2],
+}
+
+impl Ranks {
+    /// The ranks of every world as CSV (RFC 4180).
+    ///
+    /// # Errors
+    /// [`ExperimentError::Report`] if the rows cannot be written.
+    pub fn csv(&self) -> Result<Vec<u8>, ExperimentError> {
+        let failed = |error: csv::Error| ExperimentError::Report(error.to_string());
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(CSV_HEAD).map_err(failed)?;
+        for world in &self.each {
+            let mut row = vec![world.family.clone(), world.world_seed.to_string()];
+            let ranks = [world.difficulty, world.mapping, world.navigation];
+            row.extend(ranks.iter().flatten().map(f64::to_string));
+            writer.write_record(row).map_err(failed)?;
+        }
+        writer.into_inner().map_err(|error| ExperimentError::Report(error.error().to_string()))
+    }
+}
+
+/// The columns of [`Ranks::csv`].
+const CSV_HEAD: [&str; 8] =
+    ["family", "world_seed", "rank_D1", "rank_D", "rank_M1", "rank_M", "rank_N1", "rank_N"];
 
 /// Ranks worlds, each given by the number of its family and all its trials; `None` for fewer than two.
 pub(super) fn ranks(names: &[&str], worlds: &[(usize, &[&Record])]) -> Option<Ranks> {
@@ -62,10 +104,18 @@ pub(super) fn ranks(names: &[&str], worlds: &[(usize, &[&Record])]) -> Option<Ra
         let family = names[number].to_owned();
         (!own.is_empty()).then_some(FamilyRanks { family, difficulty, mapping, navigation })
     };
+    let world = |i: usize| {
+        let [difficulty, mapping, navigation] =
+            places.each_ref().map(|pair| pair.each_ref().map(|all| all[i]));
+        let (family, trials) = worlds[i];
+        let world_seed = trials.first().map_or(Seed(0), |trial| trial.world_seed);
+        WorldRanks { family: names[family].to_owned(), world_seed, difficulty, mapping, navigation }
+    };
     Some(Ranks {
         worlds: worlds.len(),
         tau: values.each_ref().map(|[one, two]| kendall_tau(one, two)),
         families: (0..names.len()).filter_map(family).collect(),
+        each: (0..worlds.len()).map(world).collect(),
     })
 }
 
@@ -80,7 +130,8 @@ mod tests {
             score_1: Score1 { difficulty: one, ..Score1::default() },
             ..Scores::default()
         };
-        Record { map, scores: Some(scores), ..Record::default() }
+        let world_seed = Seed(40 + u64::from(map));
+        Record { map, world_seed, scores: Some(scores), ..Record::default() }
     }
 
     #[test]
@@ -100,6 +151,10 @@ mod tests {
         let found = ranks(&["a", "b"], &worlds).expect("three worlds");
         assert_eq!(found.families[0].difficulty, [1.5, 2.5]);
         assert_eq!(found.families[1].difficulty, [3.0, 1.0]);
+        let csv = String::from_utf8(found.csv().expect("rows")).expect("text");
+        let lines: Vec<&str> = csv.lines().collect();
+        assert_eq!(lines[0], "family,world_seed,rank_D1,rank_D,rank_M1,rank_M,rank_N1,rank_N");
+        assert_eq!(lines[2..], ["a,41,2,2.5,2,2,2,2", "b,42,3,1,2,2,2,2"]);
         // One of three pairs is tied by score 2, the other two are reversed.
         let tau = found.tau[0].expect("an order");
         assert!((tau + 2.0 / 6.0_f64.sqrt()).abs() < 1e-12, "{tau}");
