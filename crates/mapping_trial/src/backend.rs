@@ -1,8 +1,8 @@
 //! What a robot backend and the robots' autonomy exchange: commands and observations.
 
-use envgen::Seed;
 use envgen::geometry::Pose;
-use envgen::scenario::ScenarioState;
+use envgen::scenario::{DoorCommand, ScenarioState};
+use envgen::{Seed, SpecError};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -105,6 +105,18 @@ pub trait RobotBackend {
     /// The doors, people and smoke of its scenario as they are now; `None` where nothing moves.
     fn scenario(&self) -> Option<&ScenarioState> {
         None
+    }
+
+    /// Commands a door of its scenario, as [`ScenarioState::command_door`] does. Replays need it where logs hold
+    /// commands to doors; in a backend without it, no door obeys.
+    ///
+    /// # Errors
+    /// When there is no such door.
+    fn command_door(&mut self, door: usize, command: DoorCommand) -> Result<(), SpecError> {
+        let _ = command;
+        let engine = self.engine();
+        let allowed = format!("the index of a door that the robot backend `{engine}` commands");
+        Err(SpecError::new("door", door, allowed))
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use envgen::clearance_index::ClearanceIndex;
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use envgen::raycast::{Raycaster, ScanPattern};
-use envgen::scenario::{self, ScenarioState};
+use envgen::scenario::{self, DoorCommand, ScenarioState};
 use envgen::surface_index::SurfaceIndex;
 use envgen::{Seed, SpecError, World};
 use glam::DVec2;
@@ -418,6 +418,13 @@ impl RobotBackend for FlatSimulator {
 
     fn scenario(&self) -> Option<&ScenarioState> {
         self.moving.as_ref().map(|moving| moving.state())
+    }
+
+    fn command_door(&mut self, door: usize, command: DoorCommand) -> Result<(), SpecError> {
+        match &mut self.moving {
+            Some(moving) => moving.state_mut().command_door(door, command),
+            None => Err(SpecError::new("door", door, "in a trial with a scenario that has doors")),
+        }
     }
 }
 

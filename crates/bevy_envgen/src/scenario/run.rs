@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
+use envgen::SpecError;
 use envgen::glam::DVec2;
-use envgen::scenario::{Scenario, ScenarioState};
+use envgen::scenario::{DoorCommand, Scenario, ScenarioState};
 
 use super::part::{Door, Person, Smoke};
 use super::pose::{leaf_pose, person_pose};
@@ -25,6 +26,7 @@ pub struct ScenarioRun {
     scenario: Arc<Scenario>,
     pub(super) state: ScenarioState,
     is_paused: bool,
+    pub(super) ignores_commands: bool,
     pub(super) people: Vec<Entity>,
     pub(super) doors: Vec<DoorEntity>,
     pub(super) smoke: Vec<Entity>,
@@ -63,6 +65,19 @@ impl ScenarioRun {
     /// The entities of the places of smoke, in the order of [`ScenarioState::smoke`].
     pub fn smoke(&self) -> &[Entity] {
         &self.smoke
+    }
+
+    /// Opens, closes or slams a door at once, by its index in the scenario, as [`Door`] does in the next step.
+    ///
+    /// # Errors
+    /// When there is no such door.
+    pub fn command_door(&mut self, door: usize, command: DoorCommand) -> Result<(), SpecError> {
+        self.state.command_door(door, command)
+    }
+
+    /// Whether commands given to [`Door`] components have no effect: true in a replay, whose log has the commands.
+    pub fn set_ignores_commands(&mut self, ignores: bool) {
+        self.ignores_commands = ignores;
     }
 
     /// Whether nothing moves for now.
@@ -231,5 +246,5 @@ fn spawn(
         world.spawn((part, name, at, global.mul_transform(at), belongs.clone())).id()
     });
     let smoke = smoke.collect();
-    ScenarioRun { scenario, state, is_paused: false, people, doors, smoke }
+    ScenarioRun { scenario, state, is_paused: false, ignores_commands: false, people, doors, smoke }
 }

@@ -34,9 +34,9 @@
 //! # Scenarios
 //!
 //! A trial meets the doors, people and smoke of the [`EnvironmentScenario`](bevy_envgen::EnvironmentScenario) of its
-//! environment, from their start on: the same as in the flat simulator. The log holds them, and a replay gives
-//! its environment those of the log. Commands of an app to their doors, and everything else that an app adds to the
-//! world, are not in the log. Another scenario in the environment lets the trial begin again, as another world does.
+//! environment, from their start on: the same as in the flat simulator. The log holds them and the commands of an
+//! app to their doors, and a replay gives its environment those of the log alone. Everything else that an app adds to
+//! the world is not in the log. Another scenario in the environment lets the trial begin again, as another world does.
 
 mod bodies;
 mod camera;

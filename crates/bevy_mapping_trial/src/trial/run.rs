@@ -259,15 +259,25 @@ fn spawn(
 
 /// Passes what the robots sensed to their trials, and commands the robots.
 pub(super) fn command(
-    mut trials: Query<(Entity, &mut MappingTrial, Option<&ManualControl>)>,
+    mut trials: Query<(
+        Entity,
+        &mut MappingTrial,
+        Option<&ManualControl>,
+        Option<&mut ScenarioRun>,
+    )>,
     mut robots: Query<&mut DriveCommand, With<TrialRobot>>,
     mut commands: Commands,
 ) {
-    for (entity, mut trial, manual_control) in &mut trials {
+    for (entity, mut trial, manual_control, mut moving) in &mut trials {
         let MappingTrial { ask, state, .. } = &mut *trial.bypass_change_detection();
         let State::Running(run) = state else { continue };
         let given = match ask {
-            Request::Replay(log) => replayed(log, run),
+            Request::Replay(log) => {
+                if let Some(moving) = &mut moving {
+                    replay_doors(log, moving.bypass_change_detection());
+                }
+                replayed(log, run)
+            }
             Request::New(_) => run
                 .trial
                 .command(manual_control.map(|manual_control| manual_control.commands.as_slice())),
@@ -279,12 +289,26 @@ pub(super) fn command(
             }
         }
         if given.is_none() {
+            if let Some(moving) = &mut moving {
+                moving.bypass_change_detection().set_ignores_commands(false);
+            }
             if let State::Running(run) = std::mem::replace(state, State::Waiting) {
                 *state = State::Over(run);
             }
             trial.set_changed();
             commands.trigger(TrialEnded { entity });
         }
+    }
+}
+
+/// Gives doors the log's commands for the next tick, and lets them ignore all others.
+fn replay_doors(log: &TrialLog, moving: &mut ScenarioRun) {
+    moving.set_ignores_commands(true);
+    let (given, tick) = (log.door_commands(), moving.state().tick());
+    let first = given.partition_point(|given| given.tick < tick);
+    for given in given[first..].iter().take_while(|given| given.tick == tick) {
+        // A log that was read names doors of its scenario.
+        moving.command_door(given.door, given.command).ok();
     }
 }
 
@@ -411,10 +435,11 @@ pub(super) fn leave(
     mut commands: Commands,
 ) {
     let Ok(trial) = trials.get(gone.entity) else { return };
-    if let (Ok(mut moving), State::Waiting | State::Warming(_)) =
-        (scenarios.get_mut(gone.entity), &trial.state)
-    {
-        moving.set_paused(false);
+    if let Ok(mut moving) = scenarios.get_mut(gone.entity) {
+        if let State::Waiting | State::Warming(_) = &trial.state {
+            moving.set_paused(false);
+        }
+        moving.bypass_change_detection().set_ignores_commands(false);
     }
     dismiss(trial.robots(), &mut commands);
 }

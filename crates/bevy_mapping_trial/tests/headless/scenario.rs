@@ -191,6 +191,55 @@ fn later_trials_in_an_app_begin_with_the_scenario_and_replay_too() {
     }
 }
 
+/// Commands some doors in every tick, but for those of replays.
+fn command_doors(mut doors: Query<&mut Door>, mut ticks: Local<u32>) {
+    *ticks += 1;
+    for mut door in &mut doors {
+        match (*ticks + 17 * door.index()) % 60 {
+            0 => door.slam(),
+            20 => door.close(),
+            40 => door.open(),
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn commands_to_doors_are_in_the_log_and_replay_to_the_bit() {
+    let world = indoor();
+    let door_control = DoorControl::Commanded;
+    let scenario = of(&world, ScenarioSpec { doors: 0.6, people: 3, door_control, ..default() });
+    let mut app = app();
+    app.add_systems(FixedUpdate, command_doors);
+    let root = spawn(&mut app, &world, &scenario);
+    app.world_mut().entity_mut(root).insert(MappingTrial::new(settings(600.0)));
+    step(&mut app, 500);
+    app.world_mut().get_mut::<MappingTrial>(root).unwrap().stop();
+    step(&mut app, 1);
+    let (log, end) = (trial(&app, root).log(), digest(trial(&app, root)));
+    assert!(log.door_commands().len() > 20);
+    let again = replay_headless(&world, log.clone(), |_| ()).unwrap();
+    assert_eq!(digest(&again), end);
+    assert_eq!(again.log().digest(), log.digest());
+    assert_eq!(again.trajectory(0), trial(&app, root).trajectory(0));
+    // In the same app, whose commands come at other times.
+    step(&mut app, 7);
+    app.world_mut().entity_mut(root).insert(MappingTrial::replay(log.clone()));
+    step(&mut app, 520);
+    let held = app.world().get::<MappingTrial>(root).unwrap();
+    assert!(held.is_over());
+    assert_eq!(digest(trial(&app, root)), end);
+    assert_eq!(trial(&app, root).log().digest(), log.digest());
+    // After the replay its doors obey the app again.
+    let openness = |app: &mut App| {
+        let mut doors = app.world_mut().query::<&Door>();
+        doors.iter(app.world()).map(|door| door.openness()).collect::<Vec<_>>()
+    };
+    let before = openness(&mut app);
+    step(&mut app, 15);
+    assert_ne!(openness(&mut app), before);
+}
+
 #[test]
 fn another_scenario_restarts_the_trial() {
     let world = indoor();

@@ -46,7 +46,7 @@ mod view;
 
 pub use access::BehindDoor;
 pub use bodies::LEAF_THICKNESS;
-pub use doors::{Door, DoorCommand, DoorKind, DoorState, Leaf};
+pub use doors::{Door, DoorCommand, DoorKind, DoorState, GivenDoorCommand, Leaf};
 pub use person::{LEG_RADIUS, PERSON_RADIUS, Person, PersonState, Reaction};
 pub use plan::{Scenario, ScenarioFileError};
 pub use robot::Robot;

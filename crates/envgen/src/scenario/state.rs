@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::doors::{Bodies, DoorClock, DoorCommand, DoorShape, DoorState};
+use super::doors::{Bodies, DoorClock, DoorCommand, DoorShape, DoorState, GivenDoorCommand};
 use super::neighbourhood::{Neighbourhood, drift};
 use super::people::{Crowd, FreeSpace, REACH, Routes, Surroundings, ZONE, find_places};
 use super::person::{PERSON_RADIUS, Person, PersonState, max_speed};
@@ -43,6 +43,8 @@ pub struct ScenarioState {
     time: f64,
     tick: u64,
     pub(super) doors: Vec<DoorState>,
+    /// Commands of the last tick and since.
+    commands: Vec<GivenDoorCommand>,
     pub(super) crowd: Crowd,
     pub(super) smoke: SmokeField,
 }
@@ -145,7 +147,7 @@ impl ScenarioState {
         let places = scene.walk.as_ref().map_or(0, |walk| walk.routes.places.len());
         let crowd = Crowd::new(&scene.people, places, (&scene.settings, scene.seed), near);
         let smoke = scene.smoke.start();
-        ScenarioState { scene, time: 0.0, tick: 0, doors, crowd, smoke }
+        ScenarioState { scene, time: 0.0, tick: 0, doors, commands: Vec::new(), crowd, smoke }
     }
 
     /// The same scenario from its start.
@@ -202,6 +204,8 @@ impl ScenarioState {
         }
         self.time += dt;
         while (self.tick + 1) as f64 * TICK <= self.time + ROUNDING {
+            let last = self.tick;
+            self.commands.retain(|given| given.tick == last);
             self.tick += 1;
             self.advance(robots);
         }
@@ -265,8 +269,8 @@ impl ScenarioState {
         &self.doors
     }
 
-    /// Opens, closes or slams a door, which begins with the next tick and stops at bodies as ever. A log of a trial
-    /// does not hold commands.
+    /// Opens, closes or slams a door, which begins with the next tick and stops at bodies as ever. Logs of trials
+    /// hold what [`ScenarioState::door_commands`] lists.
     ///
     /// ```
     /// use envgen::scenario::{DoorCommand, DoorControl, Scenario, ScenarioSpec, ScenarioState};
@@ -282,6 +286,8 @@ impl ScenarioState {
     /// state.command_door(0, DoorCommand::Close)?;
     /// state.step(0.5, &[])?;
     /// assert!((state.doors()[0].openness - 0.5).abs() < 1e-9);
+    /// // The command was given before an earlier tick than the last one.
+    /// assert_eq!(state.door_commands(), []);
     /// assert!(state.command_door(1000, DoorCommand::Open).is_err());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -291,7 +297,11 @@ impl ScenarioState {
     pub fn command_door(&mut self, door: usize, command: DoorCommand) -> Result<(), SpecError> {
         match self.doors.get_mut(door) {
             Some(state) => {
+                let before = *state;
                 state.obey(command, &self.scene.doors[door], self.tick);
+                if *state != before {
+                    self.commands.push(GivenDoorCommand { tick: self.tick, door, command });
+                }
                 Ok(())
             }
             None => {
@@ -300,6 +310,12 @@ impl ScenarioState {
                 Err(SpecError::new("door", door, allowed))
             }
         }
+    }
+
+    /// The commands that doors carried out from the last tick on, and those given since, in the order in which they
+    /// were given. Commands that change nothing, such as to close a door that closes, are left out.
+    pub fn door_commands(&self) -> &[GivenDoorCommand] {
+        &self.commands
     }
 
     /// The leaves of a door; none of one that does not exist.

@@ -23,6 +23,10 @@ impl Moving {
         &self.state
     }
 
+    pub(super) fn state_mut(&mut self) -> &mut ScenarioState {
+        &mut self.state
+    }
+
     /// Moves everything for one tick.
     pub(super) fn step(&mut self, robots: &[Robot]) {
         if let Err(error) = self.state.step(TICK, robots) {

@@ -277,6 +277,7 @@ impl<'w> TrialBuilder<'w> {
             finished: vec![false; starts.len()],
             tracks: starts.iter().map(track).collect(),
             commands: vec![CommandLog::default(); starts.len()],
+            door_commands: Vec::new(),
             script: None,
             over: false,
             scenario: moving

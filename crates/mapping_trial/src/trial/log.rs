@@ -3,7 +3,7 @@
 use std::io::{Read, Write};
 
 use envgen::SpecError;
-use envgen::scenario::Scenario;
+use envgen::scenario::{GivenDoorCommand, Scenario, ScenarioState};
 use envgen::world::{Digest, Violation};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -64,6 +64,9 @@ pub struct TrialLog {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scenario: Option<Scenario>,
     pub(super) commands: Vec<CommandLog>,
+    /// The commands to its doors; absent where no program gave any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) door_commands: Vec<GivenDoorCommand>,
     /// Why and when each robot's part ended; `None` if it had not ended.
     pub ends: Vec<Option<RobotEnd>>,
     /// Number of recoveries of each robot.
@@ -155,7 +158,27 @@ impl TrialLog {
             let allowed = format!("the same for every robot, at most {MAX_TICKS} ticks");
             return Err(LogError::Content { field: "commands", value, allowed });
         }
+        log.check_door_commands()?;
         Ok(log)
+    }
+
+    /// Checks that the commands to doors are those of this trial, in their order.
+    fn check_door_commands(&self) -> Result<(), LogError> {
+        let doors = self.scenario.as_ref().map_or(0, |scenario| scenario.doors.len());
+        let mut earliest = 0;
+        for given in &self.door_commands {
+            let allowed = if given.door >= doors {
+                format!("to one of the scenario's {doors} doors")
+            } else if !(earliest..=self.ticks()).contains(&given.tick) {
+                format!("in ascending order of their ticks, at most {}", self.ticks())
+            } else {
+                earliest = given.tick;
+                continue;
+            };
+            let value = format!("one to door {} in tick {}", given.door, given.tick);
+            return Err(LogError::Content { field: "door_commands", value, allowed });
+        }
+        Ok(())
     }
 
     /// Writes the log as JSON.
@@ -179,6 +202,12 @@ impl TrialLog {
         self.commands.first().map_or(0, CommandLog::ticks)
     }
 
+    /// The commands to the doors of its scenario, in the order in which they were given. Commands that changed nothing
+    /// are left out.
+    pub fn door_commands(&self) -> &[GivenDoorCommand] {
+        &self.door_commands
+    }
+
     /// The commands of a robot, tick by tick; none for a robot that the trial did not have.
     pub fn commands(&self, robot: usize) -> impl Iterator<Item = Command> + '_ {
         self.commands.get(robot).into_iter().flat_map(CommandLog::iter)
@@ -188,6 +217,9 @@ impl TrialLog {
 impl<B: RobotBackend> Trial<B> {
     /// The log so far.
     pub fn log(&self) -> TrialLog {
+        // Those that doors obey from the next tick on.
+        let pending = self.bodies.scenario().into_iter().flat_map(ScenarioState::door_commands);
+        let pending = pending.filter(|given| given.tick == self.clock.ticks());
         TrialLog {
             version: LOG_VERSION,
             world: self.source.clone(),
@@ -197,6 +229,7 @@ impl<B: RobotBackend> Trial<B> {
             foreign: self.foreign.clone(),
             scenario: self.scenario().cloned(),
             commands: self.commands.clone(),
+            door_commands: self.door_commands.iter().chain(pending).copied().collect(),
             ends: self.ends.clone(),
             recoveries: (0..self.robots()).map(|robot| self.recoveries(robot)).collect(),
         }

@@ -73,12 +73,21 @@ impl TrialLog {
         mut progress: impl FnMut(&Trial<B>),
     ) {
         let mut tracks: Vec<_> = self.commands.iter().map(CommandLog::iter).collect();
-        for _ in 0..self.ticks() {
+        let mut doors = self.door_commands.iter().peekable();
+        let mut command_doors = |trial: &mut Trial<B>, tick: u64| {
+            while let Some(given) = doors.next_if(|given| given.tick <= tick) {
+                // A log names doors of its scenario; a backend of one's own may have none that obey.
+                trial.command_door(given.door, given.command).ok();
+            }
+        };
+        for tick in 0..self.ticks() {
+            command_doors(trial, tick);
             let commands: Vec<Command> =
                 tracks.iter_mut().map(|track| track.next().unwrap_or(Command::STOP)).collect();
             trial.step_with(&commands);
             progress(trial);
         }
+        command_doors(trial, self.ticks());
         let stopped = |end: &Option<RobotEnd>| end.is_some_and(|e| e.reason == EndReason::Stopped);
         if self.ends.iter().any(stopped) {
             trial.stop();

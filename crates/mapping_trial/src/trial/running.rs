@@ -1,8 +1,8 @@
 //! A running trial: its clock, the battery, and what ends it.
 
-use envgen::World;
 use envgen::geometry::{Pose, wrap_angle};
-use envgen::scenario::Scenario;
+use envgen::scenario::{DoorCommand, GivenDoorCommand, Scenario};
+use envgen::{SpecError, World};
 
 use super::clock::Clock;
 use super::command_log::CommandLog;
@@ -59,6 +59,7 @@ pub struct Trial<B> {
     pub(super) finished: Vec<bool>,
     pub(super) tracks: Vec<Trajectory>,
     pub(super) commands: Vec<CommandLog>,
+    pub(super) door_commands: Vec<GivenDoorCommand>,
     /// What a replayed log knows of its policy.
     pub(super) script: Option<Script>,
     pub(super) over: bool,
@@ -171,11 +172,44 @@ impl<B: RobotBackend> Trial<B> {
             track.turning += wrap_angle(pose.heading - last.heading).abs();
             track.poses.push(pose);
         }
-        if let (Some(moving), Some(state)) = (&mut self.scenario, self.bodies.scenario())
-            && self.clock.ticks().is_multiple_of(TICKS_PER_SAMPLE)
-        {
-            moving.1.add(state);
+        if let (Some(moving), Some(state)) = (&mut self.scenario, self.bodies.scenario()) {
+            let last = self.clock.ticks() - 1;
+            let given = state.door_commands().iter().filter(|given| given.tick == last);
+            self.door_commands.extend(given);
+            if self.clock.ticks().is_multiple_of(TICKS_PER_SAMPLE) {
+                moving.1.add(state);
+            }
         }
+    }
+
+    /// Opens, closes or slams a door of its scenario, which begins with the next tick; the log holds it.
+    ///
+    /// ```
+    /// use envgen::scenario::{DoorCommand, DoorControl, Scenario, ScenarioSpec};
+    /// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
+    /// use mapping_trial::backend::RobotBackend;
+    /// use mapping_trial::trial::{Trial, TrialSettings};
+    ///
+    /// let spec = IndoorSpec { width: 6, height: 6, ..Default::default() };
+    /// let world = spec.generate(Seed(3))?.to_world();
+    /// let door_control = DoorControl::Commanded;
+    /// let doors = ScenarioSpec { doors: 1.0, door_control, ..Default::default() };
+    /// let scenario = Scenario::new(&world, &doors, Seed(1))?;
+    /// let settings = TrialSettings { time_limit: 5.0, ..Default::default() };
+    /// let mut trial = Trial::builder(&world, settings).scenario(scenario).build_flat()?;
+    /// trial.command_door(0, DoorCommand::Close)?;
+    /// while trial.step() {}
+    /// assert_eq!(trial.log().door_commands().len(), 1);
+    /// let door = trial.bodies().scenario().map(|state| state.doors()[0]);
+    /// let again = trial.log().replay()?;
+    /// assert_eq!(again.bodies().scenario().map(|state| state.doors()[0]), door);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When there is no such door, or the robot backend takes no commands to doors.
+    pub fn command_door(&mut self, door: usize, command: DoorCommand) -> Result<(), SpecError> {
+        self.bodies.command_door(door, command)
     }
 
     /// What moves in its world; `None` where nothing does.

@@ -4,10 +4,13 @@ use envgen::geometry::{Pose, Rect, Shape, edges};
 use envgen::glam::DVec2;
 use envgen::indoor::IndoorSpec;
 use envgen::scenario::smoke::smoke_range;
-use envgen::scenario::{FailedBeams, Person, Reaction, Scenario, ScenarioSpec};
+use envgen::scenario::{
+    DoorCommand, DoorControl, FailedBeams, Person, Reaction, Scenario, ScenarioSpec,
+};
 use envgen::world::{Wall, WallKind};
 use envgen::{Blueprint, Provenance, Seed, Spec, World};
 use mapping_trial::backend::{Command, RobotBackend};
+use mapping_trial::flat::FlatSimulator;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::trial::{Trial, TrialLog, TrialSettings};
 
@@ -100,7 +103,7 @@ fn a_trial_with_everything_is_replayed_to_the_bit() {
         .build_flat()
         .expect("a trial");
     while trial.step() {}
-    let state = |trial: &Trial<mapping_trial::flat::FlatSimulator>| {
+    let state = |trial: &Trial<FlatSimulator>| {
         trial.bodies().scenario().expect("a scenario").digest().to_string()
     };
     let mut text = Vec::new();
@@ -112,6 +115,80 @@ fn a_trial_with_everything_is_replayed_to_the_bit() {
     assert_eq!(again.log().digest(), trial.log().digest());
     let truth = trial.reference(&world).expect("an area");
     assert_eq!(again.score(&truth), trial.score(&truth));
+}
+
+/// A trial of 60 s in an indoor map, in which a program commands doors at random.
+fn commanded(door_control: DoorControl) -> Trial<FlatSimulator> {
+    let world = indoor(3);
+    let spec = ScenarioSpec { doors: 0.6, people: 3, door_control, ..Default::default() };
+    let scenario = Scenario::new(&world, &spec, Seed(5)).expect("a scenario");
+    let doors = scenario.doors.len();
+    let mut trial =
+        Trial::builder(&world, settings(60.0)).scenario(scenario).build_flat().expect("a trial");
+    let mut stream = Seed(9).stream("test/doors", 0);
+    let kinds = [DoorCommand::Close, DoorCommand::Slam, DoorCommand::Open];
+    loop {
+        if stream.chance(0.2) {
+            let door = (stream.unit() * doors as f64) as usize;
+            let command = kinds[(stream.unit() * 3.0) as usize];
+            trial.command_door(door, command).expect("there is such a door");
+        }
+        if !trial.step() {
+            break;
+        }
+    }
+    trial
+}
+
+fn written(log: &TrialLog) -> String {
+    let mut text = Vec::new();
+    log.write(&mut text).expect("a log");
+    String::from_utf8(text).expect("text")
+}
+
+#[test]
+fn a_trial_with_commands_to_doors_is_replayed_to_the_bit() {
+    for control in [DoorControl::Commanded, DoorControl::Timed, DoorControl::Triggered] {
+        let trial = commanded(control);
+        let text = written(&trial.log());
+        let log = TrialLog::read(&mut text.as_bytes()).expect("the same log");
+        assert!(log.door_commands().len() > 50, "{control:?}");
+        let again = log.replay().expect("a trial");
+        let digest = |trial: &Trial<FlatSimulator>| {
+            trial.bodies().scenario().expect("a scenario").digest().to_string()
+        };
+        assert_eq!(digest(&again), digest(&trial), "{control:?}");
+        assert_eq!(again.trajectory(0), trial.trajectory(0));
+        assert_eq!(written(&again.log()), text);
+        // Without the commands it is another trial.
+        let mut value: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        value.as_object_mut().expect("an object").remove("door_commands");
+        let without = TrialLog::read(&mut value.to_string().as_bytes()).expect("an older log");
+        assert_ne!(digest(&without.replay().expect("a trial")), digest(&trial));
+        assert!(!written(&without).contains("door_commands"));
+    }
+}
+
+#[test]
+fn commands_to_doors_that_no_trial_has_are_refused() {
+    let text = written(&commanded(DoorControl::Commanded).log());
+    let read = |door: u64, ticks: [u64; 2]| {
+        let mut value: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let given =
+            ticks.map(|tick| serde_json::json!({ "tick": tick, "door": door, "command": "close" }));
+        value["door_commands"] = serde_json::json!(given);
+        TrialLog::read(&mut value.to_string().as_bytes()).map_err(|error| error.to_string())
+    };
+    assert!(read(0, [5, 5]).is_ok());
+    let error = read(99, [0, 1]).expect_err("no such door");
+    assert!(error.starts_with("`door_commands` must be to one of the scenario's "), "{error}");
+    for ticks in [[7, 6], [0, 1_000_000]] {
+        let error = read(0, ticks).expect_err("no such time");
+        assert!(error.contains("in ascending order of their ticks, at most 1"), "{error}");
+    }
+    let mut trial = Trial::flat(&indoor(3), settings(5.0)).expect("a trial");
+    let error = trial.command_door(0, DoorCommand::Open).expect_err("no doors").to_string();
+    assert!(error.starts_with("`door` must be in a trial with a scenario"), "{error}");
 }
 
 #[test]

@@ -9,5 +9,5 @@ pub use door::{Door, DoorKind};
 pub(super) use leaf::DoorShape;
 pub use leaf::Leaf;
 pub(super) use motion::{Bodies, DoorClock, LEAF_GAP};
-pub use motion::{DoorCommand, DoorState};
+pub use motion::{DoorCommand, DoorState, GivenDoorCommand};
 pub(super) use place::place_doors;

@@ -54,6 +54,18 @@ pub enum DoorCommand {
     Slam,
 }
 
+/// A command that a door was given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GivenDoorCommand {
+    /// Ticks from the start of the scenario until the command.
+    pub tick: u64,
+    /// The index of the door.
+    pub door: usize,
+    /// What the door is to do.
+    pub command: DoorCommand,
+}
+
 /// What a door needs to know of its schedule.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DoorClock {
