@@ -47,7 +47,7 @@ fn smoke(world: &World, scenario: &Scenario, view: &View) -> Group {
             SmokeRegion::Room(room) => {
                 world.rooms.get(room as usize).map(|room| room.shape.clone())
             }
-            SmokeRegion::Disc { center, radius } => Some(Shape::Disc { center, radius }),
+            region @ (SmokeRegion::Disc { .. } | SmokeRegion::Box { .. }) => region.shape(),
         };
         match shape {
             Some(Shape::Disc { center, radius }) => {

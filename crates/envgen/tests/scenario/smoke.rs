@@ -35,6 +35,83 @@ fn the_places_of_smoke_are_those_where_it_is() {
 }
 
 #[test]
+fn a_box_fills_what_is_between_its_corners() {
+    let (world, mut scenario) = two_rooms("kind: sliding, control: commanded");
+    let source = |growth: f64| {
+        let region = "box(min: (1.0, 1.0), max: (5.0, 3.0))";
+        let text =
+            format!("(region: {region}, extinction: 0.5, growth: {growth:?}, kind: particle)");
+        ron::from_str(&text).unwrap()
+    };
+    scenario.smoke = vec![source(0.0)];
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    assert_eq!(Scenario::from_ron(&scenario.to_ron().unwrap()).unwrap(), scenario);
+    let v = DVec2::new;
+    let diagonal = v(1.0, 1.0).normalize();
+    // Start, direction, reach, and where the ray is in smoke.
+    let rays = [
+        (v(0.0, 2.0), DVec2::X, 8.0, Some((1.0, 5.0))),
+        (v(0.0, 2.0), DVec2::X, 3.0, Some((1.0, 3.0))),
+        (v(3.0, 2.0), DVec2::NEG_Y, 8.0, Some((0.0, 1.0))),
+        (v(0.0, 0.0), diagonal, 8.0, Some((2.0_f64.sqrt(), 18.0_f64.sqrt()))),
+        // Through a corner's neighbourhood, from x = 4.5 to 5.
+        (v(6.5, 1.0), v(-1.0, 1.0).normalize(), 8.0, Some((4.5_f64.sqrt(), 8.0_f64.sqrt()))),
+        (v(0.0, 3.5), DVec2::X, 8.0, None),
+        (v(0.0, 2.0), DVec2::NEG_X, 8.0, None),
+        (v(0.0, 2.0), DVec2::X, 0.9, None),
+    ];
+    let mut stretches = Vec::new();
+    let mut depth_of = |state: &ScenarioState, (from, direction, reach): (DVec2, DVec2, f64)| {
+        state.smoke_along(from, direction, reach, &mut stretches);
+        stretches.clone()
+    };
+    for (from, direction, reach, expected) in rays {
+        let found = depth_of(&state, (from, direction, reach));
+        assert_eq!(found.len(), usize::from(expected.is_some()), "{from} {direction}");
+        for (stretch, (enter, leave)) in found.iter().zip(expected) {
+            assert!((stretch.from - enter).abs() < 1e-12, "{from} {direction}: {stretch:?}");
+            assert!((stretch.to - leave).abs() < 1e-12, "{from} {direction}: {stretch:?}");
+            assert!(stretch.extinction == 0.5 && stretch.is_particle);
+        }
+    }
+    assert_eq!(state.smoke_shapes(SmokePlace::Source(0)).len(), 1);
+    // It does not leak through the open door.
+    state.step(60.0, &[]).unwrap();
+    let at = |state: &ScenarioState, x: f64| state.extinction(v(x, 2.0));
+    assert_eq!([0.9, 1.0, 5.0, 5.1].map(|x| at(&state, x)), [0.0, 0.5, 0.5, 0.0]);
+    // It grows as a disc, and adds up with one.
+    scenario.smoke = vec![source(30.0)];
+    let disc = "(region: disc(center: (5.0, 2.0), radius: 0.5), extinction: 0.25, growth: 0.0, kind: regional)";
+    scenario.smoke.push(ron::from_str(disc).unwrap());
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    state.step(30.0, &[]).unwrap();
+    let grown = 0.5 * (1.0 - (-1.0_f64).exp());
+    assert!((at(&state, 2.0) - grown).abs() < 1e-12);
+    assert!((at(&state, 4.8) - grown - 0.25).abs() < 1e-12);
+}
+
+#[test]
+fn boxes_that_are_none_are_refused() {
+    let (world, mut scenario) = two_rooms("kind: sliding, control: commanded");
+    let mut refused = |corners: &str| {
+        let text =
+            format!("(region: box({corners}), extinction: 0.5, growth: 0.0, kind: regional)");
+        scenario.smoke = vec![ron::from_str(&text).unwrap()];
+        ScenarioState::new(&world, &scenario).unwrap_err().to_string()
+    };
+    let error = refused("min: (NaN, 1.0), max: (5.0, 3.0)");
+    assert!(error.starts_with("`smoke[0].min` must be a finite point, got"), "{error}");
+    for max in ["(0.5, 3.0)", "(5.0, 1.0)", "(5.0, NaN)", "(inf, 3.0)", "(2002.0, 3.0)"] {
+        let error = refused(&format!("min: (1.0, 1.0), max: {max}"));
+        let expected = "`smoke[0].max` must be a point 0.1 to 2000 m to the right of `min`";
+        assert!(error.starts_with(expected), "{error}");
+    }
+    let text =
+        "(region: box(min: (1.0, 1.0), size: 3.0), extinction: 0.5, growth: 0.0, kind: regional)";
+    assert!(ron::from_str::<envgen::scenario::smoke::SmokeSource>(text).is_err());
+}
+
+#[test]
 fn beams_fail_in_smoke_as_their_laser() {
     let (world, mut scenario) = two_rooms("kind: sliding, control: triggered");
     let smoke = |kind: SmokeKind| {

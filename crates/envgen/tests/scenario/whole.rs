@@ -185,11 +185,13 @@ proptest! {
             let _ = ScenarioState::new(&world, &scenario);
         }
         let mut scenario = known;
-        let text = format!(
-            "(region: disc(center: ({x:?}, {y:?}), radius: {radius:?}), extinction: {extinction:?}, \
-             growth: 0.0, kind: regional)"
-        );
-        if let Ok(source) = ron::from_str(&text) {
+        let disc = format!("disc(center: ({x:?}, {y:?}), radius: {radius:?})");
+        let rectangle = format!("box(min: ({x:?}, {y:?}), max: ({radius:?}, {speed:?}))");
+        for region in [disc, rectangle] {
+            let text = format!(
+                "(region: {region}, extinction: {extinction:?}, growth: 0.0, kind: regional)"
+            );
+            let Ok(source) = ron::from_str(&text) else { continue };
             scenario.smoke = vec![source];
             if let Ok(mut state) = ScenarioState::new(&world, &scenario) {
                 state.step(1.0, &[]).unwrap();

@@ -32,7 +32,7 @@ pub(crate) struct SmokeRegions {
 pub(crate) struct SmokeField {
     /// The mean extinction coefficients of the compartments in 1/m.
     rooms: Vec<f64>,
-    /// Those of each source's disc, 0 for sources in rooms.
+    /// Those of each source's disc or box, 0 for sources in rooms. The name is part of digests.
     discs: Vec<f64>,
 }
 
@@ -109,9 +109,11 @@ impl SmokeRegions {
         let share = |growth: f64, dt: f64| {
             if growth > 0.0 { -libm::expm1(-dt / growth) } else { 1.0 }
         };
-        for (source, disc) in self.sources.iter().zip(&mut field.discs) {
+        for (source, own) in self.sources.iter().zip(&mut field.discs) {
             match source.region {
-                SmokeRegion::Disc { .. } => *disc = source.extinction * share(source.growth, time),
+                SmokeRegion::Disc { .. } | SmokeRegion::Box { .. } => {
+                    *own = source.extinction * share(source.growth, time);
+                }
                 SmokeRegion::Room(room) => {
                     let density = &mut field.rooms[room as usize];
                     *density += (source.extinction - *density).max(0.0) * share(source.growth, dt);
@@ -144,11 +146,10 @@ impl SmokeRegions {
             }
         }
         for (source, &extinction) in self.sources.iter().zip(&field.discs) {
-            let SmokeRegion::Disc { center, radius } = source.region else { continue };
             if extinction < THINNEST {
                 continue;
             }
-            let shape = Shape::Disc { center, radius };
+            let Some(shape) = source.region.shape() else { continue };
             chords(&shape, from, direction, length, |from, to| {
                 visit(Stretch { from, to, extinction, is_particle: is_particle(source) });
             });
@@ -160,11 +161,11 @@ impl SmokeRegions {
         let rooms = self.floors.len().saturating_sub(1);
         let place = move |i| if i < rooms { SmokePlace::Room(i as u32) } else { SmokePlace::Halls };
         let compartments = field.rooms.iter().enumerate().map(move |(i, &c)| (place(i), c));
-        let discs = (0..).zip(self.sources.iter().zip(&field.discs));
-        let discs = discs
-            .filter(|(_, (source, _))| matches!(source.region, SmokeRegion::Disc { .. }))
+        let sources = (0..).zip(self.sources.iter().zip(&field.discs));
+        let sources = sources
+            .filter(|(_, (source, _))| !matches!(source.region, SmokeRegion::Room(_)))
             .map(|(i, (_, &extinction))| (SmokePlace::Source(i), extinction));
-        compartments.chain(discs)
+        compartments.chain(sources)
     }
 
     /// The shapes of a place, which may overlap; none of one that does not exist.
@@ -176,12 +177,10 @@ impl SmokeRegions {
         match place {
             SmokePlace::Room(room) => of_floor(self.floors[..rooms].get(room as usize)),
             SmokePlace::Halls => of_floor(self.floors.last()),
-            SmokePlace::Source(source) => match self.sources.get(source as usize) {
-                Some(&SmokeSource { region: SmokeRegion::Disc { center, radius }, .. }) => {
-                    vec![Shape::Disc { center, radius }]
-                }
-                _ => Vec::new(),
-            },
+            SmokePlace::Source(source) => {
+                let source = self.sources.get(source as usize);
+                source.and_then(|source| source.region.shape()).into_iter().collect()
+            }
         }
     }
 
@@ -190,12 +189,10 @@ impl SmokeRegions {
         let rooms = self.floors.iter().zip(&field.rooms).filter(|(shapes, _)| {
             shapes.iter().any(|(bounds, shape)| bounds.contains(p) && shape.contains(p))
         });
-        let discs = self.sources.iter().zip(&field.discs).filter(|(source, _)| {
-            matches!(source.region, SmokeRegion::Disc { center, radius }
-                if p.distance_squared(center) <= radius * radius)
-        });
+        let sources = self.sources.iter().zip(&field.discs);
+        let sources = sources.filter(|(source, _)| source.region.contains(p));
         rooms.map(|(_, extinction)| extinction).sum::<f64>()
-            + discs.map(|(_, extinction)| extinction).sum::<f64>()
+            + sources.map(|(_, extinction)| extinction).sum::<f64>()
     }
 }
 

@@ -4,8 +4,12 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::error::SpecError;
+use crate::geometry::{Rect, Shape};
 use crate::scenario::spec::{ScenarioSpec, SmokeKind};
 use crate::world::World;
+
+/// A box with a side out of these limits is refused, in metres: those of a disc's diameter, but for thin boxes.
+const BOX_SIDES: [f64; 2] = [0.1, 2000.0];
 
 /// A source of smoke.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,6 +38,33 @@ pub enum SmokeRegion {
         /// Radius in metres.
         radius: f64,
     },
+    /// A rectangle of unchanging size, parallel to the axes, such as a part of a hallway.
+    Box {
+        /// Corner of least x and y, in metres.
+        min: DVec2,
+        /// Corner of greatest x and y, in metres.
+        max: DVec2,
+    },
+}
+
+impl SmokeRegion {
+    /// Its shape, where it does not follow from the world: that of a disc or a box.
+    pub(crate) fn shape(self) -> Option<Shape> {
+        match self {
+            SmokeRegion::Room(_) => None,
+            SmokeRegion::Disc { center, radius } => Some(Shape::Disc { center, radius }),
+            SmokeRegion::Box { min, max } => Some(Shape::from_rect(Rect::new(min, max))),
+        }
+    }
+
+    /// Whether a point is in its own shape.
+    pub(super) fn contains(self, p: DVec2) -> bool {
+        match self {
+            SmokeRegion::Room(_) => false,
+            SmokeRegion::Disc { center, radius } => p.distance_squared(center) <= radius * radius,
+            SmokeRegion::Box { min, max } => Rect::new(min, max).contains(p),
+        }
+    }
 }
 
 /// A place with smoke of one density: a source's own, or one to which smoke leaks.
@@ -44,7 +75,7 @@ pub enum SmokePlace {
     Room(u32),
     /// All hallways and open areas.
     Halls,
-    /// The disc of the source of this index in the scenario.
+    /// The disc or box of the source of this index in the scenario.
     Source(u32),
 }
 
@@ -77,6 +108,19 @@ impl SmokeSource {
                     return Err(SpecError::new("center", center, "a finite point"));
                 }
                 limited("radius", "smoke_radius", radius)
+            }
+            SmokeRegion::Box { min, max } => {
+                if !min.is_finite() {
+                    return Err(SpecError::new("min", min, "a finite point"));
+                }
+                let [least, most] = BOX_SIDES;
+                let is_side = |side: f64| (least..=most).contains(&side);
+                if is_side(max.x - min.x) && is_side(max.y - min.y) {
+                    return Ok(());
+                }
+                let allowed =
+                    format!("a point {least} to {most} m to the right of `min` and above it");
+                Err(SpecError::new("max", max, allowed))
             }
         }
     }
