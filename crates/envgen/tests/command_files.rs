@@ -5,7 +5,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use envgen::export::ros_map::{RosCell, RosMap};
+use envgen::geometry::{Pose, Rect, Shape};
+use envgen::glam::DVec2;
 use envgen::import::{read_world, ros_map::read_ros_map};
+use envgen::world::{Claim, Doorway, Room, Surface, SurfaceKind, Wall, WallKind};
+use envgen::{Provenance, World};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -382,4 +386,79 @@ fn worlds_are_converted() {
     let error = folder.error("convert a.json --out a.xml", 1);
     assert!(error.contains("--out a.xml: a World Generator project holds"), "{error}");
     assert_eq!(folder.names().len(), names.len() + 2);
+}
+
+/// Two rooms and a hallway, each of 4 x 4 m, with a doorway of 1 m from each to the next. A box in the hallway leaves
+/// 1.5 m behind its doorway. A disc of 0.45 m can move from the second room to the goal beyond the box.
+fn two_rooms_and_a_hallway() -> World {
+    let rect = |left: f64, low: f64, right: f64, high: f64| {
+        Shape::from_rect(Rect::new(DVec2::new(left, low), DVec2::new(right, high)))
+    };
+    let bounds = Rect::new(DVec2::ZERO, DVec2::new(12.0, 4.0));
+    let mut world = World::new(Provenance::other("test", Value::Null), bounds);
+    let outer = [
+        (0.0, 0.0, 12.0, 0.1),
+        (0.0, 3.9, 12.0, 4.0),
+        (0.0, 0.0, 0.1, 4.0),
+        (11.9, 0.0, 12.0, 4.0),
+    ];
+    let inner =
+        [(3.9, 0.0, 4.1, 1.5), (3.9, 2.5, 4.1, 4.0), (7.9, 0.0, 8.1, 1.5), (7.9, 2.5, 8.1, 4.0)];
+    for (left, low, right, high) in outer.into_iter().chain(inner).chain([(9.6, 0.0, 11.9, 2.7)]) {
+        world.walls.push(Wall::new(WallKind::Wall, rect(left, low, right, high)));
+    }
+    for (name, left) in [("store", 0.0), ("office", 4.0)] {
+        world.rooms.push(Room {
+            name: name.to_owned(),
+            shape: rect(left, 0.0, left + 4.0, 4.0),
+            difficulty: None,
+            lit: true,
+            contents: Default::default(),
+            height: None,
+        });
+    }
+    world.surfaces.push(Surface::new(SurfaceKind::Hallway, rect(8.0, 0.0, 12.0, 4.0)));
+    for (x, rooms) in [(4.0, [Some(0), Some(1)]), (8.0, [Some(1), None])] {
+        world.doorways.push(Doorway::new(rect(x - 0.1, 1.5, x + 0.1, 2.5), true, rooms));
+    }
+    (world.start, world.goal) = (Some(Pose::new(6.0, 2.0, 0.0)), Some(Pose::new(11.0, 3.3, 0.0)));
+    world.certificate = vec![Claim::Connected { radius: 0.45 }];
+    world
+}
+
+#[test]
+fn promises_that_open_doors_break_end_with_exit_code_1() {
+    let folder = Folder::new();
+    folder.write("map.json", &two_rooms_and_a_hallway().to_json().unwrap());
+    let scenario = |kind: &str| {
+        let door = |doorway: u32, kind: &str| {
+            format!(
+                "(doorway: {doorway}, kind: {kind}, control: timed, open: 9.0, closed: 9.0, slam: 0.0)"
+            )
+        };
+        let doors = [door(0, "sliding"), door(1, kind)].join(", ");
+        format!("(seed: 1, settings: (), doors: [{doors}], people: [], smoke: [])")
+    };
+    folder.write("sliding.ron", &scenario("sliding"));
+    // The open leaf is across the free path around the box.
+    folder.write("hinged.ron", &scenario("hinged, far_end: true, to_right: true"));
+    let checked = |arguments: &str, code: i32| {
+        let output = folder.run(&format!("check map.json{arguments}"));
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(code), "{arguments}: {text}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let promise = two_rooms_and_a_hallway().certificate[0].to_string();
+    let still = checked("", 0);
+    assert!(still.contains(&format!("holds: {promise}")) && !still.contains("doors["), "{still}");
+    let sliding = checked(" --scenario sliding.ron", 0);
+    assert!(sliding.contains(&format!("holds: {promise}")), "{sliding}");
+    assert!(sliding.contains("only through doors[0]: room 0 (store)\n"), "{sliding}");
+    let behind = "only through doors[1]: surfaces[0] (hallway), the goal\n";
+    assert!(sliding.contains(behind), "{sliding}");
+    let hinged = checked(" --scenario hinged.ron", 1);
+    assert!(hinged.contains(&format!("broken: {promise}")), "{hinged}");
+    // With all doors open the goal is not reached either, so that it does not depend on one.
+    assert!(hinged.contains("only through doors[0]: room 0 (store)\n"), "{hinged}");
+    assert!(hinged.contains("only through doors[1]: surfaces[0] (hallway)\n"), "{hinged}");
 }

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::doors::DoorShape;
 use super::plan::shapes;
-use super::rooms::rooms_of_cells;
+use super::rooms::{places_of_cells, rooms_of_cells};
 use super::{Leaf, Scenario};
 use crate::clearance_index::ClearanceIndex;
 use crate::error::SpecError;
@@ -12,7 +12,7 @@ use crate::flood::flood;
 use crate::geometry::{Shape, distance_to_segment};
 use crate::grid::GridFrame;
 use crate::surface_index::SurfaceIndex;
-use crate::world::{Wall, WallKind, World};
+use crate::world::{SurfaceKind, Wall, WallKind, World};
 
 /// Side of a cell in metres, where the world is not too large for it and the disc not too small.
 const CELL: f64 = 0.1;
@@ -30,6 +30,8 @@ pub struct BehindDoor {
     pub door: usize,
     /// The indices of the rooms in [`World::rooms`].
     pub rooms: Vec<u32>,
+    /// The indices in [`World::surfaces`] of the floors of hallways and open areas, which have no names.
+    pub hallways: Vec<u32>,
     /// Whether the goal is there.
     pub goal: bool,
 }
@@ -50,9 +52,9 @@ impl Scenario {
         Ok(world)
     }
 
-    /// The doors that are the only path of a disc to a room or the goal, each with what is behind it: what the
-    /// disc reaches from the start with all doors open, and not with this one closed. Found on a grid of cells
-    /// of 0.1 m, or more in worlds of more than 0.16 square kilometres.
+    /// The doors that are the only path of a disc to a room, a piece of a hallway or the goal, each with what is
+    /// behind it: what the disc reaches from the start with all doors open, and not with this one closed. Found on a
+    /// grid of cells of 0.1 m, or more in worlds of more than 0.16 square kilometres.
     ///
     /// # Errors
     /// When the scenario does not fit the world, or `radius` in metres is not from 0.01 to 10.
@@ -65,14 +67,27 @@ impl Scenario {
         let Some(start) = world.start else { return Ok(Vec::new()) };
         let space = FreeCells::new(&self.with_open_doors(world)?, radius)?;
         let rooms = rooms_of_cells(world, space.frame);
+        let is_hallway = |kind| matches!(kind, SurfaceKind::Hallway | SurfaceKind::OpenArea);
+        let (indices, floors): (Vec<u32>, Vec<&Shape>) = (0..)
+            .zip(&world.surfaces)
+            .filter(|(_, surface)| is_hallway(surface.kind))
+            .map(|(index, surface)| (index, &surface.shape))
+            .unzip();
+        let hallways = places_of_cells(floors.iter().copied(), space.frame);
         let goal = world.goal.and_then(|goal| space.frame.index_at(goal.position));
-        // The rooms and the goal that are reached.
         let seen = |mut open: Vec<bool>| {
-            let mut found = (vec![false; world.rooms.len() + 1], false);
+            let mut found = Reached {
+                rooms: vec![false; world.rooms.len() + 1],
+                hallways: vec![false; floors.len() + 1],
+                goal: false,
+            };
             if let Some(first) = space.near(start.position) {
                 flood(space.frame.cols, &mut open, first, |run| {
-                    found.1 |= goal.is_some_and(|goal| run.contains(&goal));
-                    run.for_each(|cell| found.0[rooms[cell] as usize] = true);
+                    found.goal |= goal.is_some_and(|goal| run.contains(&goal));
+                    for cell in run {
+                        found.rooms[rooms[cell] as usize] = true;
+                        found.hallways[hallways[cell] as usize] = true;
+                    }
                 });
             }
             found
@@ -80,19 +95,34 @@ impl Scenario {
         let all = seen(space.cells.clone());
         let mut behind = Vec::new();
         for (door, shape) in shapes(world, &self.doors).iter().enumerate() {
-            let (rooms, goal) = seen(space.with_closed(shape, radius));
-            let is_behind = |room: &u32| {
-                let number = *room as usize + 1;
-                all.0[number] && !rooms[number]
-            };
-            let rooms: Vec<u32> = (0..world.rooms.len() as u32).filter(is_behind).collect();
-            let goal = all.1 && !goal;
-            if !rooms.is_empty() || goal {
-                behind.push(BehindDoor { door, rooms, goal });
+            let left = seen(space.with_closed(shape, radius));
+            let rooms: Vec<u32> = (0..)
+                .zip(lost(&all.rooms, &left.rooms))
+                .filter(|room| room.1)
+                .map(|room| room.0)
+                .collect();
+            let hallways = indices.iter().zip(lost(&all.hallways, &left.hallways));
+            let hallways: Vec<u32> =
+                hallways.filter(|hallway| hallway.1).map(|hallway| *hallway.0).collect();
+            let goal = all.goal && !left.goal;
+            if !rooms.is_empty() || !hallways.is_empty() || goal {
+                behind.push(BehindDoor { door, rooms, hallways, goal });
             }
         }
         Ok(behind)
     }
+}
+
+/// What a disc reaches. The first of the rooms and of the hallways is what is in none.
+struct Reached {
+    rooms: Vec<bool>,
+    hallways: Vec<bool>,
+    goal: bool,
+}
+
+/// Which places are not reached any more, without the first, which is none.
+fn lost(before: &[bool], now: &[bool]) -> impl Iterator<Item = bool> {
+    before.iter().zip(now).skip(1).map(|(before, now)| *before && !now)
 }
 
 /// The cells in whose middle a disc fits.

@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 
 use envgen::clearance_index::ClearanceIndex;
-use envgen::geometry::Pose;
+use envgen::geometry::{Pose, Rect, Shape};
 use envgen::glam::DVec2;
 use envgen::indoor::IndoorSpec;
 use envgen::scenario::{BehindDoor, Door, Scenario, ScenarioSpec};
-use envgen::world::{Wall, WallKind};
+use envgen::world::{Surface, SurfaceKind, Wall, WallKind};
 use envgen::{Blueprint, Seed, Spec, World};
 
 use crate::two_rooms;
@@ -17,7 +17,12 @@ fn the_other_room_is_behind_its_door() {
     let (mut world, scenario) = two_rooms("kind: sliding, control: triggered");
     world.start = Some(Pose::new(2.0, 2.0, 0.0));
     world.goal = Some(Pose::new(7.0, 2.0, 0.0));
-    let there = BehindDoor { door: 0, rooms: vec![1], goal: true };
+    // Half of the other room is a hallway as well.
+    for (from, kind) in [(0.0, SurfaceKind::Water), (6.0, SurfaceKind::Hallway)] {
+        let floor = Rect::new(DVec2::new(from, 0.0), DVec2::new(from + 0.5, 4.0));
+        world.surfaces.push(Surface::new(kind, Shape::from_rect(floor)));
+    }
+    let there = BehindDoor { door: 0, rooms: vec![1], hallways: vec![1], goal: true };
     assert_eq!(scenario.behind_doors(&world, 0.3).unwrap(), [there]);
     // A disc that never fits through loses nothing.
     assert_eq!(scenario.behind_doors(&world, 0.9).unwrap(), []);
@@ -32,7 +37,7 @@ fn the_other_room_is_behind_its_door() {
 }
 
 #[test]
-fn rooms_behind_doors_are_those_that_a_wall_in_the_doorway_cuts_off() {
+fn places_behind_doors_are_those_that_a_wall_in_the_doorway_cuts_off() {
     const RADIUS: f64 = 0.3;
     let mut behind = 0;
     for seed in 0..4 {
@@ -46,42 +51,55 @@ fn rooms_behind_doors_are_those_that_a_wall_in_the_doorway_cuts_off() {
         let spec = ScenarioSpec { doors: 0.8, ..Default::default() };
         let scenario = Scenario::new(&world, &spec, Seed(seed)).unwrap();
         let open = scenario.with_open_doors(&world).unwrap();
-        let all = rooms_reached(&open, RADIUS);
+        let all = places_reached(&open, RADIUS);
         let mut expected = Vec::new();
         for (door, Door { doorway, .. }) in scenario.doors.iter().enumerate() {
             let mut closed = open.clone();
             let shape = closed.doorways[*doorway as usize].shape.clone();
             closed.walls.push(Wall::new(WallKind::Wall, shape));
-            let left = rooms_reached(&closed, RADIUS);
-            let lost: Vec<u32> = (0..world.rooms.len() as u32)
-                .filter(|r| all[*r as usize] && !left[*r as usize])
-                .collect();
-            if !lost.is_empty() {
-                expected.push((door, lost));
+            let left = places_reached(&closed, RADIUS);
+            let lost = |places: usize| -> Vec<u32> {
+                let (all, left) = (&all[places], &left[places]);
+                let lost =
+                    (0..).zip(all.iter().zip(left)).filter(|(_, (all, left))| **all && !**left);
+                lost.map(|(place, _)| place).collect()
+            };
+            let (rooms, hallways) = (lost(0), lost(1));
+            if !rooms.is_empty() || !hallways.is_empty() {
+                expected.push((door, rooms, hallways));
             }
         }
         let found = scenario.behind_doors(&world, RADIUS).unwrap();
-        let found: Vec<_> = found.into_iter().map(|door| (door.door, door.rooms)).collect();
+        let found: Vec<_> =
+            found.into_iter().map(|door| (door.door, door.rooms, door.hallways)).collect();
         behind += found.len();
-        // Doors to the goal alone are no rooms.
-        let found: Vec<_> = found.into_iter().filter(|(_, rooms)| !rooms.is_empty()).collect();
+        // Doors to the goal alone are to no place.
+        let is_place =
+            |found: &(usize, Vec<u32>, Vec<u32>)| !found.1.is_empty() || !found.2.is_empty();
+        let found: Vec<_> = found.into_iter().filter(is_place).collect();
         assert_eq!(found, expected, "seed {seed}");
     }
     assert!(behind > 3, "{behind} doors have a room behind them");
 }
 
-/// Which rooms a disc reaches from the start: by steps of 0.1 m from point to point.
-fn rooms_reached(world: &World, radius: f64) -> Vec<bool> {
+/// Which rooms and which hallways, by their surfaces, a disc reaches from the start: by steps of 0.1 m from point to
+/// point.
+fn places_reached(world: &World, radius: f64) -> [Vec<bool>; 2] {
     const STEP: f64 = 0.1;
     let index = ClearanceIndex::new(world, 1.0).unwrap();
     let start = world.start.unwrap().position;
     let mut seen = BTreeSet::from([(0, 0)]);
     let mut queue = vec![(0, 0)];
-    let mut reached = vec![false; world.rooms.len()];
+    let mut reached = [vec![false; world.rooms.len()], vec![false; world.surfaces.len()]];
     while let Some((col, row)) = queue.pop() {
         let p = start + DVec2::new(f64::from(col), f64::from(row)) * STEP;
-        for (room, is_reached) in world.rooms.iter().zip(&mut reached) {
+        let [rooms, floors] = &mut reached;
+        for (room, is_reached) in world.rooms.iter().zip(rooms) {
             *is_reached |= room.shape.contains(p);
+        }
+        for (floor, is_reached) in world.surfaces.iter().zip(floors) {
+            let is_hallway = matches!(floor.kind, SurfaceKind::Hallway | SurfaceKind::OpenArea);
+            *is_reached |= is_hallway && floor.shape.contains(p);
         }
         for next in [(col + 1, row), (col - 1, row), (col, row + 1), (col, row - 1)] {
             let p = start + DVec2::new(f64::from(next.0), f64::from(next.1)) * STEP;

@@ -10,6 +10,7 @@ use envgen::certificate::{Claim, Verdict, verify_claims};
 use envgen::difficulty::Platform;
 use envgen::reproduction::{Reproduction, reproduce};
 use envgen::scenario::{BehindDoor, Scenario};
+use envgen::world::SurfaceKind;
 
 use crate::failure::Failure;
 use crate::moving::read_scenario;
@@ -72,6 +73,11 @@ fn doors(world: &World, scenario: &Scenario) -> Result<(World, Vec<BehindDoor>),
 fn describe(world: &World, behind: &BehindDoor) -> String {
     let room = |&room: &u32| format!("room {room} ({})", world.rooms[room as usize].name);
     let mut places: Vec<String> = behind.rooms.iter().map(room).collect();
+    let kind = |&index: &u32| match world.surfaces[index as usize].kind {
+        SurfaceKind::OpenArea => format!("surfaces[{index}] (open area)"),
+        _ => format!("surfaces[{index}] (hallway)"),
+    };
+    places.extend(behind.hallways.iter().map(kind));
     if behind.goal {
         places.push("the goal".to_owned());
     }
