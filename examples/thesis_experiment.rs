@@ -113,8 +113,8 @@ struct Arguments {
 
     /// What moves in the same maps costs this much: doors, people, smoke, or settings of scenarios such as
     /// people=20; several joined by +, such as smoke=0.3+people=20, are one hazard. Prints a table of
-    /// paired differences instead of the report.
-    #[arg(long, value_delimiter = ',', value_parser = Hazard::parse, conflicts_with_all = ["merge", "fresh"])]
+    /// paired differences instead of the report; with --merge, that of all shares of such a run.
+    #[arg(long, value_delimiter = ',', value_parser = Hazard::parse, conflicts_with = "fresh")]
     hazards: Vec<Hazard>,
 
     /// Delete an earlier experiment in the folder first.
@@ -155,6 +155,10 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     let threads = usize::from(arguments.threads);
     if !arguments.merge.is_empty() {
+        if !arguments.hazards.is_empty() {
+            let folder = SurveyFolder::merge(&arguments.out, &arguments.merge)?;
+            return print_costs(&arguments.hazards, &folder);
+        }
         let experiment = Experiment::merge(&arguments.out, &arguments.merge)?;
         return write_report(&experiment, threads);
     }
@@ -180,7 +184,6 @@ fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
 }
 
 /// Runs the maps with and without each hazard, and prints what each costs.
-#[expect(clippy::print_stdout, reason = "what an example is for")]
 fn cost(arguments: &Arguments, design: &Design) -> Result<(), ExperimentError> {
     let hazards = &arguments.hazards;
     let survey = hazards::survey(design, hazards)?;
@@ -192,12 +195,20 @@ fn cost(arguments: &Arguments, design: &Design) -> Result<(), ExperimentError> {
     });
     bar.finish_and_clear();
     result?;
+    print_costs(hazards, &folder)
+}
+
+/// Prints what each hazard costs.
+#[expect(clippy::print_stdout, reason = "what an example is for")]
+fn print_costs(hazards: &[Hazard], folder: &SurveyFolder) -> Result<(), ExperimentError> {
+    let survey = folder.survey();
+    hazards::check(survey, hazards)?;
     let width = hazards.iter().map(|hazard| hazard.name.len()).max().unwrap_or(0);
     println!(
         "{:>width$} maps  D more             M more             N more             collisions with people  ghosts",
         ""
     );
-    for cost in hazards::costs(&survey, hazards, folder.records()) {
+    for cost in hazards::costs(survey, hazards, folder.records()) {
         let more =
             |one: Interval| format!("{:+5.2} [{:+.2}, {:+.2}]", one.value, one.low, one.high);
         println!(

@@ -136,6 +136,33 @@ pub fn survey(design: &Design, hazards: &[Hazard]) -> Result<Survey, SpecError> 
     Ok(Survey { families, conditions, noise_seeds })
 }
 
+/// Checks that a survey, such as that of merged shares, is the one of these hazards.
+///
+/// # Errors
+/// Other hazards, or others in another order.
+pub fn check(survey: &Survey, hazards: &[Hazard]) -> Result<(), SpecError> {
+    let policies = survey.conditions.len() / (hazards.len() + 1);
+    let still = std::iter::once(ScenarioSpec::default());
+    let expected = still.chain(hazards.iter().map(|hazard| hazard.scenario.clone()));
+    let mut groups = survey.conditions.chunks(policies.max(1)).zip(expected);
+    let is_same = survey.conditions.len() == policies * (hazards.len() + 1)
+        && groups.all(|(group, scenario)| group.iter().all(|one| one.scenario == scenario));
+    if is_same {
+        return Ok(());
+    }
+    // Conditions are named after the hazard and the policy.
+    let mut names: Vec<&str> = Vec::new();
+    for condition in survey.conditions.iter().filter(|condition| !condition.scenario.is_still()) {
+        let name = condition.name.rsplit_once(", ").map_or("", |(hazard, _)| hazard);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let given: Vec<_> = hazards.iter().map(|hazard| hazard.name.as_str()).collect();
+    let allowed = format!("those of the shares, {}", names.join(","));
+    Err(SpecError::new("hazards", given.join(","), allowed))
+}
+
 /// What each hazard costs, from the records of the [`survey()`]; nothing of hazards for which no world has the
 /// trials both with and without it.
 pub fn costs<'a>(
@@ -268,6 +295,21 @@ mod tests {
         assert!(survey.conditions[0].scenario.is_still());
         let text = serde_json::to_string(&survey.conditions[0]).expect("JSON");
         assert!(!text.contains("scenario"), "{text}");
+    }
+
+    #[test]
+    fn the_hazards_of_a_survey_are_known_again() {
+        let parse = |text: &str| Hazard::parse(text).expect("a hazard");
+        let two = [parse("doors"), parse("smoke=0.3+people=8")];
+        let survey = survey(&design(), &two).expect("a survey");
+        assert_eq!(check(&survey, &two), Ok(()));
+        let turned = [two[1].clone(), two[0].clone()];
+        for other in [&two[..1], &turned[..], &[parse("doors=1"), two[1].clone()], &[]] {
+            let error = check(&survey, other).expect_err("others").to_string();
+            let expected =
+                "`hazards` must be those of the shares, doors=0.5,smoke=0.3+people=8, got";
+            assert!(error.starts_with(expected), "{error}");
+        }
     }
 
     #[test]

@@ -82,6 +82,17 @@ impl Lines {
     }
 }
 
+/// The whole lines of the file in a folder that is only read, and the path of the file.
+pub(super) fn read(folder: &Path) -> Result<(String, PathBuf), ExperimentError> {
+    let path = folder.join(TRIALS);
+    let mut text = match std::fs::read_to_string(&path) {
+        Ok(text) => text,
+        Err(source) => return Err(ExperimentError::File { path, source }),
+    };
+    text.truncate(text.rfind('\n').map_or(0, |end| end + 1));
+    Ok((text, path))
+}
+
 /// A trial as a line.
 pub(super) fn line<T: Serialize>(record: &T, path: &Path) -> Result<Vec<u8>, ExperimentError> {
     let content = |error: serde_json::Error| ExperimentError::Content {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::design::{Design, Shard, TrialId, policy_name};
 use super::error::ExperimentError;
 use super::head;
-use super::lines::{Lines, TRIALS, line};
+use super::lines::{self, Lines, TRIALS, line};
 use super::record::Record;
 use super::site::Site;
 use super::write;
@@ -138,12 +138,8 @@ impl Experiment {
                 }
                 _ => whole = Some(joined),
             }
-            let path = part.join(TRIALS);
-            let text = std::fs::read_to_string(&path);
-            let text =
-                text.map_err(|source| ExperimentError::File { path: path.clone(), source })?;
-            let text = text.rfind('\n').map_or("", |end| &text[..=end]);
-            for (place, record) in parse(text, &head, &path)? {
+            let (text, path) = lines::read(part)?;
+            for (place, record) in parse(&text, &head, &path)? {
                 if records.get(&place).is_some_and(|known| !known.agrees_with(&record)) {
                     let trial = name(&head.design, &record.trial);
                     return Err(ExperimentError::Code { path: part.clone(), trial });

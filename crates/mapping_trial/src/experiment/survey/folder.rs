@@ -15,7 +15,7 @@ use super::site::{Outcome, Site};
 use crate::experiment::design::Shard;
 use crate::experiment::error::ExperimentError;
 use crate::experiment::head;
-use crate::experiment::lines::{Lines, line};
+use crate::experiment::lines::{self, Lines, line};
 use crate::experiment::write;
 use crate::trial::LogWorld;
 
@@ -91,6 +91,70 @@ impl SurveyFolder {
         Ok(folder)
     }
 
+    /// Joins the shares of a survey in a folder of its own. Shares may overlap.
+    ///
+    /// # Errors
+    ///
+    /// Shares of different surveys, trials that differ, trials that are missing; a folder that cannot be written or
+    /// holds another survey.
+    pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Self, ExperimentError> {
+        let content = |path: &Path, reason: String| ExperimentError::Content {
+            path: path.to_owned(),
+            reason,
+        };
+        let mut whole: Option<Head> = None;
+        let mut records: BTreeMap<Key, Record> = BTreeMap::new();
+        for part in parts {
+            let path = part.join(HEAD);
+            let missing = "this file does not exist: the folder holds no share of a survey";
+            let head = head::read::<Head>(&path, "a survey", SURVEY_VERSION)?
+                .ok_or_else(|| content(&path, missing.to_owned()))?;
+            head.survey.validate().map_err(|error| content(&path, error.to_string()))?;
+            head.shard.validate().map_err(|error| content(&path, error.to_string()))?;
+            let joined = Head { shard: Shard::WHOLE, ..head.clone() };
+            match &whole {
+                Some(first) if *first != joined => {
+                    let difference = head::difference(&joined, first);
+                    return Err(ExperimentError::Other { path: part.clone(), difference });
+                }
+                _ => whole = Some(joined),
+            }
+            let (text, path) = lines::read(part)?;
+            for (key, record) in parse(&text, &head, &path)? {
+                if records.get(&key).is_some_and(|known| *known != record) {
+                    let trial = head.survey.trial(key);
+                    return Err(ExperimentError::Code { path: part.clone(), trial });
+                }
+                records.insert(key, record);
+            }
+        }
+        let Some(head) = whole else {
+            return Err(content(folder, "no folders to merge".to_owned()));
+        };
+        let mut merged = SurveyFolder::open(folder, &head.survey, Shard::WHOLE)?;
+        let keys = head.survey.maps().flat_map(|map| head.survey.keys(map.number));
+        let mut missing = keys.filter(|key| !records.contains_key(key));
+        if let Some(first) = missing.next() {
+            return Err(ExperimentError::Incomplete {
+                missing: 1 + missing.count(),
+                all: merged.trials() as usize,
+                first: head.survey.trial(first),
+            });
+        }
+        merged.records = records;
+        merged.settle()?;
+        Ok(merged)
+    }
+
+    /// Sorts the lines, whatever the threads and interrupts were.
+    fn settle(&mut self) -> Result<(), ExperimentError> {
+        let mut text = Vec::new();
+        for record in self.records.values() {
+            text.extend(line(record, &self.lines.path)?);
+        }
+        self.lines.replace(&text)
+    }
+
     /// Runs the trials that are still to do on `threads` threads, 0 for one per core. `watch` is
     /// called after every finished trial and can stop the survey, which a later call continues. True
     /// if all trials are finished; the file of the trials is then sorted.
@@ -141,11 +205,7 @@ impl SurveyFolder {
         if !self.is_complete() {
             return Ok(false);
         }
-        let mut text = Vec::new();
-        for record in self.records.values() {
-            text.extend(line(record, &self.lines.path)?);
-        }
-        self.lines.replace(&text)?;
+        self.settle()?;
         Ok(true)
     }
 
@@ -182,7 +242,7 @@ impl SurveyFolder {
         if record(survey, &map, &place(&map), known.condition, known.noise) == *known {
             return Ok(());
         }
-        let trial = format!("the trial of world {} ({})", known.map, map.family.name);
+        let trial = survey.trial((known.map, known.condition, known.noise));
         let path: PathBuf = self.lines.path.clone();
         Err(ExperimentError::Code { path, trial })
     }
@@ -252,6 +312,13 @@ impl Head {
 }
 
 impl Survey {
+    /// What errors call a trial.
+    fn trial(&self, (number, condition, noise): Key) -> String {
+        let family = self.maps().nth(number as usize).map_or("", |map| &map.family.name);
+        let condition = self.conditions.get(condition as usize).map_or("", |one| &one.name);
+        format!("the trial of world {number} ({family}) under `{condition}`, noise seed {noise}")
+    }
+
     fn keys(&self, map: u32) -> impl Iterator<Item = Key> {
         let (conditions, noise_seeds) = (self.conditions.len() as u32, self.noise_seeds);
         (0..conditions).flat_map(move |one| (0..noise_seeds).map(move |noise| (map, one, noise)))

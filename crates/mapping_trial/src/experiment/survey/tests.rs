@@ -122,3 +122,40 @@ fn trials_of_another_survey_and_trials_that_occur_twice_are_refused() {
     let twice = open(format!("{line}\n{line}\n"));
     assert!(twice.ends_with("line 2: a trial that occurs twice"), "{twice}");
 }
+
+#[test]
+fn merged_shares_are_the_whole_survey() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let mut whole = SurveyFolder::open(&path("whole"), &survey(), Shard::WHOLE).expect("a folder");
+    assert!(whole.run(2, ON).expect("trials"));
+    let shares: Vec<_> = (1..=2)
+        .map(|index| {
+            let (path, shard) = (path(&format!("part{index}")), format!("{index}/2"));
+            let shard = shard.parse().expect("a share");
+            let mut share = SurveyFolder::open(&path, &survey(), shard).expect("a folder");
+            assert!(share.run(2, ON).expect("trials"));
+            path
+        })
+        .collect();
+    let error = |name: &str, parts: &[std::path::PathBuf]| {
+        SurveyFolder::merge(&path(name), parts).expect_err("no merge").to_string()
+    };
+    assert!(error("none", &[]).contains("no folders to merge"));
+    let missing = error("half", &shares[..1]);
+    assert!(
+        missing.contains("of 12 trials are missing, the first is the trial of world"),
+        "{missing}"
+    );
+    let nothing = error("nothing", &[path("no")]);
+    assert!(nothing.contains("the folder holds no share of a survey"), "{nothing}");
+    // In another order, and one of them twice.
+    let parts = [&shares[1], &shares[0], &shares[1]].map(Clone::clone);
+    let merged = SurveyFolder::merge(&path("all"), &parts).expect("all shares");
+    let bytes = |folder: &SurveyFolder| std::fs::read(folder.file()).expect("a file");
+    assert_eq!(bytes(&merged), bytes(&whole));
+    let other = Survey { noise_seeds: 3, ..survey() };
+    SurveyFolder::open(&path("other"), &other, Shard::WHOLE).expect("a folder");
+    let differs = error("mixed", &[shares[0].clone(), path("other")]);
+    assert!(differs.contains("holds another experiment: `survey.noise_seeds` is 3"), "{differs}");
+}
