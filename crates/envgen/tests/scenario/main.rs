@@ -7,6 +7,7 @@ mod watch;
 
 mod access;
 mod doors;
+mod driven;
 mod people;
 mod smoke;
 mod whole;
