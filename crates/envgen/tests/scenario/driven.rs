@@ -51,7 +51,7 @@ impl Driver<'_> {
             if self.stream.chance(0.5) && doors > 0 {
                 let to = state.doorway_middle(self.stream.below(doors) as usize);
                 let to = to - self.robot.position;
-                self.heading = to.y.atan2(to.x);
+                self.heading = libm::atan2(to.y, to.x);
                 self.turn_rate = 0.0;
             }
         }
