@@ -1,11 +1,10 @@
 //! Drivers: other programs that drive the robots.
 
 use std::error::Error;
-use std::process::Command;
 use std::time::Duration;
 
 use envgen::World;
-use mapping_trial::driver::{Driver, Hello, Limits};
+use mapping_trial::driver::{Driver, Hello, Limits, command};
 use mapping_trial::trial::{Trial, TrialSettings};
 
 use crate::arguments::Arguments;
@@ -44,12 +43,7 @@ impl Arguments {
         } else {
             let of_program =
                 |error: &dyn std::fmt::Display| format!("--driver `{program}`: {error}");
-            let words =
-                shlex::split(program).ok_or_else(|| of_program(&"a quote is not closed"))?;
-            let (first, rest) =
-                words.split_first().ok_or_else(|| of_program(&"names no program"))?;
-            let mut command = Command::new(first);
-            command.args(rest);
+            let command = command(program).map_err(|error| of_program(&error))?;
             Driver::start(command, limits, std::io::stderr()).map_err(|error| of_program(&error))?
         };
         driver.greet(&hello);

@@ -259,6 +259,111 @@ fn maps_are_made_for_the_robot_that_is_given() {
     }
 }
 
+/// A driver in sh that answers each observation with the line that is left in the file `answer`.
+#[cfg(unix)]
+const DRIVER: &str = r#"read hello; echo '{"protocol": "envgen-driver 1", "name": "sh"}'
+read answer < answer; while read line; do echo "$answer"; done"#;
+
+/// A folder with a room, a panel of one condition of eight seconds, and the driver.
+#[cfg(unix)]
+fn folder_with_driver(answer: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).expect("a file");
+    };
+    let room = HallwaySpec { segments: 1, pitch: 8.3, width: 8.2, ..Default::default() };
+    let world = room.generate(Seed(0)).expect("a room").to_world();
+    write("room.json", &world.to_json().expect("JSON"));
+    let condition = |name: &str| format!("(name: \"{name}\", operator: {name}, time_limit: 8)");
+    let both = format!("{}, {}", condition("nearest"), condition("cautious"));
+    write("panel.ron", &format!("(name: \"mine\", version: 1, conditions: [{both}])"));
+    write("driver.sh", DRIVER);
+    write("answer", &format!("{answer}\n"));
+    folder
+}
+
+#[test]
+#[cfg(unix)]
+fn a_driver_of_your_own_takes_the_place_of_the_policies() {
+    let folder = folder_with_driver(r#"{"finished": true}"#);
+    let at = folder.path();
+    let with = |driver| {
+        ["measure", "room.json", "--seeds=1", "--json", "--panel=panel.ron", "--driver", driver]
+    };
+    let measured = |driver| -> Value {
+        let output = run(at, &with(driver));
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).expect("JSON")
+    };
+    let folders = || std::fs::read_dir(at.join("out")).map_or(0, Iterator::count);
+    let found = measured("sh driver.sh");
+    // Policies that do not drive make no conditions of their own.
+    let conditions = &found["measurement"]["conditions"];
+    assert_eq!(conditions.as_array().map(Vec::len), Some(1), "{conditions}");
+    assert_eq!((&conditions[0]["explored"], folders()), (&Value::from(1), 1));
+    assert_eq!(found["measurement"]["measured"]["panel"], "mine, changed");
+    // An empty room is an anchor, also on the scale of a driver that never moves.
+    let difficulty = found["measurement"]["measured"]["dials"]["difficulty"]["value"].as_f64();
+    assert!(difficulty.is_some_and(|value| value.abs() < 0.5), "{difficulty:?}");
+    assert_eq!((measured("sh driver.sh"), folders()), (found, 1));
+    // Another command may be another driver: its scale is measured.
+    measured("sh driver.sh --again");
+    assert_eq!(folders(), 2);
+    // What it does now is not what the scale was measured with.
+    std::fs::write(at.join("answer"), "{\"speed\": 0.4, \"turn_rate\": 0}\n").expect("a file");
+    let changed = error(at, &with("sh driver.sh"));
+    assert!(changed.contains("another version of this program or of a driver"), "{changed}");
+}
+
+#[test]
+#[cfg(unix)]
+fn maps_are_made_for_a_driver() {
+    let folder = folder_with_driver(r#"{"finished": true}"#);
+    let make = [
+        "generate",
+        "--panel=panel.ron",
+        "--driver=sh driver.sh",
+        "--set=width=6",
+        "--set=height=6",
+    ];
+    let output = run(folder.path(), &[&make[..], &["--out=map.json"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let world = std::fs::read_to_string(folder.path().join("map.json")).expect("a map");
+    let world = World::from_json(&world).expect("a world");
+    let measured = world.provenance.measured.expect("a measurement");
+    assert_eq!((measured.panel.as_str(), measured.trials), ("mine, changed", 1));
+}
+
+#[test]
+#[cfg(unix)]
+fn a_driver_that_fails_leaves_no_trial() {
+    let folder = folder_with_driver(r#"{"speed": "fast"}"#);
+    let at = folder.path();
+    let with = |driver: &str| error(at, &["anchors", "--panel=panel.ron", "--driver", driver]);
+    let text = with("sh 'driver.sh");
+    assert_eq!(text, "error: --driver sh 'driver.sh: a quote is not closed\n");
+    assert_eq!(with(" "), "error: --driver  : names no program\n");
+    assert!(!at.join("out").exists());
+    let text = with("no such program");
+    assert!(
+        text.contains("condition nearest: the driver failed: it cannot be started: "),
+        "{text}"
+    );
+    let text = with("sh driver.sh");
+    assert!(text.contains("the driver failed: a line that is not an answer"), "{text}");
+    assert!(text.contains("`speed`"), "{text}");
+    let trials = |folder: std::io::Result<std::fs::DirEntry>| {
+        std::fs::read_to_string(folder.expect("a folder").path().join("trials.jsonl"))
+    };
+    for text in std::fs::read_dir(at.join("out")).expect("a folder").map(trials) {
+        assert_eq!(text.expect("a file"), "");
+    }
+    // A world is nothing that a driver fails in either.
+    let measure =
+        ["measure", "room.json", "--panel=panel.ron", "--driver=sh driver.sh", "--anchors=anchors"];
+    assert!(error(at, &measure).contains("the driver failed: a line that is not an answer"));
+}
+
 #[test]
 fn unfinished_and_foreign_atlases_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");

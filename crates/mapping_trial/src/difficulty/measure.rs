@@ -93,7 +93,7 @@ impl<'a> Measuring<'a> {
             let noise = self.noise.offset(self.scores[condition].len() as u64);
             let failed =
                 |reason: String| MeasureError::Trial { condition: own.name.clone(), reason };
-            let outcome = self.site.run(own, noise).map_err(failed)?;
+            let outcome = self.site.run(own, noise).map_err(|failure| failed(failure.reason()))?;
             let is_explored = outcome.end == Some(EndReason::Explored);
             Ok((condition, (scores(&outcome.scores), is_explored)))
         };

@@ -12,6 +12,9 @@ use super::limits::MAX_LINE;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DriverError {
+    /// A command line that names no program.
+    #[error("{0}")]
+    Command(&'static str),
     /// It cannot be started.
     #[error("it cannot be started: {0}")]
     Start(std::io::Error),

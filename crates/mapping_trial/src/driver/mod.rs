@@ -10,6 +10,7 @@
 //!
 //! [`EndReason::Failed`]: crate::trial::EndReason::Failed
 
+mod command_line;
 mod connection;
 mod error;
 mod grid;
@@ -20,6 +21,7 @@ mod process;
 mod protocol;
 mod session;
 
+pub use command_line::command;
 pub use connection::Driver;
 pub use error::DriverError;
 pub use limits::{Limits, MAX_LINE};

@@ -45,7 +45,7 @@ pub enum ExperimentError {
     },
     /// A folder's trials now give other results.
     #[error(
-        "{} was made by another version of this program: {trial} now gives another result; \
+        "{} was made by another version of this program or of a driver: {trial} now gives another result; \
          choose another folder, or start again",
         path.display()
     )]
@@ -78,6 +78,18 @@ pub enum ExperimentError {
         /// Its seed.
         seed: Seed,
         /// Why.
+        reason: String,
+    },
+    /// A driver failed: of such a trial nothing is kept.
+    #[error("world {map} ({family}), condition {condition}: {reason}")]
+    Driver {
+        /// Number of the world in the survey.
+        map: u32,
+        /// Name of its family.
+        family: String,
+        /// Name of the condition.
+        condition: String,
+        /// What the driver did.
         reason: String,
     },
     /// The threads cannot be started.

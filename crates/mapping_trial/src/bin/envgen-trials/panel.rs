@@ -9,6 +9,7 @@ use envgen::located::Locate;
 use envgen::world::Digest;
 use mapping_trial::difficulty::{Anchors, Panel, reference_scale};
 use mapping_trial::experiment::Shard;
+use mapping_trial::experiment::survey::Condition;
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
@@ -44,6 +45,12 @@ pub(crate) struct PanelOptions {
     /// The only policy that drives: nearest, info_gain, cautious, wall_follow or corridors.
     #[arg(long = "policy", alias = "operator", value_parser = PolicyKind::named)]
     policy: Option<PolicyKind>,
+
+    /// A program of your own that drives in all conditions in place of the policy, such as
+    /// `python3 examples/drivers/explorer.py`: docs/driver-protocol.md describes the lines that it reads and writes.
+    /// One is started for each trial, several at once.
+    #[arg(long, value_name = "COMMAND", conflicts_with = "policy")]
+    driver: Option<String>,
 
     /// The folder of the anchors' trials, which make the scale of a panel that is not the reference; a panel
     /// has a folder of its own if none is given.
@@ -84,6 +91,14 @@ impl PanelOptions {
             condition.wheel_calibration =
                 self.wheel_calibration.unwrap_or(condition.wheel_calibration);
             condition.policy = self.policy.unwrap_or(condition.policy);
+        }
+        if let Some(line) = &self.driver {
+            mapping_trial::driver::command(line).in_option("--driver", line)?;
+            for condition in &mut panel.conditions {
+                // The policy does not drive: with one for all, conditions that differ by it alone are one.
+                condition.policy = Condition::default().policy;
+                condition.driver = Some(line.clone());
+            }
         }
         if panel.conditions != before {
             panel.name = format!("{}, changed", panel.name);

@@ -7,6 +7,7 @@ use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::driver::command;
 use crate::lidar::LaserProfile;
 use crate::names::Named;
 use crate::odometry::OdometryProfile;
@@ -86,6 +87,10 @@ pub struct Condition {
     /// The policy that drives, `operator` in files.
     #[serde(rename = "operator", alias = "policy")]
     pub policy: PolicyKind,
+    /// The command of a [driver](crate::driver) that drives in place of the policy, in a process of its own for
+    /// each trial.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub driver: Option<String>,
     /// How poses and map are estimated.
     pub slam: SlamKind,
     /// Which systematic errors of the wheels are learned.
@@ -112,6 +117,7 @@ impl Default for Condition {
         Condition {
             name: String::new(),
             policy: settings.policy.unwrap_or(PolicyKind::Nearest),
+            driver: None,
             slam: settings.slam,
             wheel_calibration: settings.wheel_calibration,
             laser: settings.laser.name().unwrap_or_default().to_owned(),
@@ -163,7 +169,7 @@ impl Condition {
     /// The settings of its trials with a seed of sensor noise.
     ///
     /// # Errors
-    /// A profile that has no such name, or a number that is not allowed.
+    /// A profile that has no such name, a number that is not allowed, or a driver that names no program.
     pub fn settings(&self, noise: Seed) -> Result<TrialSettings, SpecError> {
         let settings = TrialSettings {
             seed: noise,
@@ -179,6 +185,10 @@ impl Condition {
         };
         settings.validate()?;
         self.scenario.validate().map_err(|error| error.within("scenario"))?;
+        if let Some(line) = &self.driver {
+            let not = |error| SpecError::new("driver", format!("`{line}`: {error}"), "a command");
+            command(line).map_err(not)?;
+        }
         Ok(settings)
     }
 }

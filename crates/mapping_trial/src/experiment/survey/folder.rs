@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::design::{Survey, SurveyMap};
 use super::record::Record;
-use super::site::{Outcome, Site};
+use super::site::{Failure, Outcome, Site};
 use crate::experiment::design::Shard;
 use crate::experiment::error::ExperimentError;
 use crate::experiment::head;
@@ -161,8 +161,8 @@ impl SurveyFolder {
     ///
     /// # Errors
     ///
-    /// A file cannot be written. Finished trials stay. A world in which no trial can run is a
-    /// record with its failure.
+    /// A file cannot be written, or a driver fails. Finished trials stay. A world in which no trial can run
+    /// is a record with its failure.
     pub fn run(
         &mut self,
         threads: usize,
@@ -239,7 +239,7 @@ impl SurveyFolder {
         let Some(known) = self.records.values().next() else { return Ok(()) };
         let survey = &self.head.survey;
         let Some(map) = survey.maps().nth(known.map as usize) else { return Ok(()) };
-        if record(survey, &map, &place(&map), known.condition, known.noise) == *known {
+        if record(survey, &map, &place(&map), known.condition, known.noise)? == *known {
             return Ok(());
         }
         let trial = survey.trial((known.map, known.condition, known.noise));
@@ -249,34 +249,36 @@ impl SurveyFolder {
 }
 
 /// The world of a survey, or why it cannot be generated.
-fn place(map: &SurveyMap<'_>) -> Result<Site, String> {
-    let blueprint = map.family.spec.generate(map.seed).map_err(|error| error.to_string())?;
+fn place(map: &SurveyMap<'_>) -> Result<Site, Failure> {
+    let blueprint = map.family.spec.generate(map.seed).map_err(Failure::world)?;
     let world = blueprint.to_world();
     let source = LogWorld::Generated(world.provenance.clone());
     Ok(Site::new(world, source))
 }
 
-/// Runs a trial of a survey.
+/// Runs a trial of a survey. That a driver fails says nothing of the world: it is no result.
 fn record(
     survey: &Survey,
     map: &SurveyMap<'_>,
-    site: &Result<Site, String>,
+    site: &Result<Site, Failure>,
     condition: u32,
     noise: u32,
-) -> Record {
+) -> Result<Record, ExperimentError> {
     let noise_seed = Survey::noise_seed(map, noise);
-    let outcome = site
-        .as_ref()
-        .map_err(|error| error.clone())
-        .and_then(|site| site.run(&survey.conditions[condition as usize], noise_seed));
+    let own = &survey.conditions[condition as usize];
+    let outcome = site.as_ref().map_err(Failure::clone).and_then(|site| site.run(own, noise_seed));
     let (world_seed, number) = (map.seed, map.number);
     let empty =
         Record { map: number, condition, noise, world_seed, noise_seed, ..Record::default() };
     match outcome {
         Ok(Outcome { log_digest, end, pose_error, scores }) => {
-            Record { log_digest, end, pose_error, scores: Some(scores), ..empty }
+            Ok(Record { log_digest, end, pose_error, scores: Some(scores), ..empty })
         }
-        Err(failure) => Record { failure: Some(failure), ..empty },
+        Err(Failure::World(reason)) => Ok(Record { failure: Some(reason), ..empty }),
+        Err(Failure::Driver(reason)) => {
+            let (family, condition) = (map.family.name.clone(), own.name.clone());
+            Err(ExperimentError::Driver { map: number, family, condition, reason })
+        }
     }
 }
 
@@ -328,7 +330,7 @@ impl Survey {
 impl Sink<'_> {
     fn take(
         &mut self,
-        record: Record,
+        record: Result<Record, ExperimentError>,
         all: u64,
         watch: &(dyn Fn(SurveyProgress<'_>) -> ControlFlow<()> + Sync),
     ) -> ControlFlow<()> {
@@ -336,10 +338,14 @@ impl Sink<'_> {
         if self.error.is_some() {
             return ControlFlow::Break(());
         }
-        if let Err(error) = self.lines.append(&record) {
-            self.error = Some(error);
-            return ControlFlow::Break(());
-        }
+        let written = record.and_then(|record| self.lines.append(&record).map(|()| record));
+        let record = match written {
+            Ok(record) => record,
+            Err(error) => {
+                self.error = Some(error);
+                return ControlFlow::Break(());
+            }
+        };
         let key = (record.map, record.condition, record.noise);
         let done = self.records.len() as u64 + 1;
         let next = watch(SurveyProgress { done, all, last: &record });

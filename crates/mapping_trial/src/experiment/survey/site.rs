@@ -1,15 +1,17 @@
 //! A world with what the trials in it share.
 
+use std::fmt::Display;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use envgen::scenario::Scenario;
 use envgen::{Seed, World};
 
 use super::design::Condition;
+use crate::driver::{Driver, Hello, Limits, command};
 use crate::flat::FlatWorld;
 use crate::robot::Robot;
 use crate::score::{Reference, Scores};
-use crate::trial::{EndReason, LogWorld, Trial};
+use crate::trial::{EndReason, LogWorld, Trial, TrialBuilder};
 
 /// A world, and for each robot that drives in it the indexed world and the reference.
 pub(crate) struct Site {
@@ -27,6 +29,32 @@ pub(crate) struct Outcome {
     pub(crate) scores: Scores,
 }
 
+/// Why a trial has no outcome.
+#[derive(Clone, Debug)]
+pub(crate) enum Failure {
+    /// No trial can run in the world.
+    World(String),
+    /// The driver failed, which says nothing of the world.
+    Driver(String),
+}
+
+impl Failure {
+    pub(crate) fn world(error: impl Display) -> Self {
+        Failure::World(error.to_string())
+    }
+
+    fn driver(error: impl Display) -> Self {
+        Failure::Driver(format!("the driver failed: {error}"))
+    }
+
+    /// The reason in words.
+    pub(crate) fn reason(self) -> String {
+        match self {
+            Failure::World(reason) | Failure::Driver(reason) => reason,
+        }
+    }
+}
+
 #[derive(Clone)]
 struct Indexed {
     flat: Arc<FlatWorld>,
@@ -39,23 +67,35 @@ impl Site {
     }
 
     /// Runs a trial under a condition to its end, or says why it cannot run.
-    pub(crate) fn run(&self, condition: &Condition, noise: Seed) -> Result<Outcome, String> {
-        let settings = condition.settings(noise).map_err(|error| error.to_string())?;
-        let Indexed { flat, reference } = self.indexed(&settings.body)?;
+    pub(crate) fn run(&self, condition: &Condition, noise: Seed) -> Result<Outcome, Failure> {
+        let settings = condition.settings(noise).map_err(Failure::world)?;
+        let Indexed { flat, reference } = self.indexed(&settings.body).map_err(Failure::World)?;
         let mut builder =
             Trial::builder(&self.world, settings).source(self.source.clone()).reference(&reference);
         if !condition.scenario.is_still() {
             let seed = self.world.provenance.seed.unwrap_or_default();
             let scenario = Scenario::new(&self.world, &condition.scenario, seed);
-            builder = builder.scenario(scenario.map_err(|error| error.to_string())?);
+            builder = builder.scenario(scenario.map_err(Failure::world)?);
         }
-        let mut trial = builder.build_flat_in(flat).map_err(|error| error.to_string())?;
+        let driver = condition.driver.as_deref();
+        let driver = driver.map(|line| start(line, &mut builder)).transpose()?;
+        if let Some(driver) = &driver {
+            builder = builder.parts(driver.parts());
+        }
+        let mut trial = builder.build_flat_in(flat).map_err(Failure::world)?;
         while trial.step() {}
+        if let Some(driver) = driver {
+            if let Some(reason) = driver.failure() {
+                return Err(Failure::driver(reason));
+            }
+            let report = trial.report(&self.world, &reference).map_err(Failure::world)?;
+            driver.end(Some(&report));
+        }
         Ok(Outcome {
             log_digest: trial.log().digest().to_string(),
             end: trial.end_of(0).map(|end| end.reason),
             pose_error: trial.pose_error(0),
-            scores: trial.score(&reference).map_err(|error| error.to_string())?,
+            scores: trial.score(&reference).map_err(Failure::world)?,
         })
     }
 
@@ -73,5 +113,19 @@ impl Site {
         let found = index(&self.world);
         robots.push((robot.clone(), found.clone()));
         found
+    }
+}
+
+/// Starts the driver of a trial, up to its answer to the hello. What it writes to its standard error stays unread but
+/// for the last line of one that fails: many run at once.
+fn start(line: &str, builder: &mut TrialBuilder<'_>) -> Result<Driver, Failure> {
+    let hello = Hello::new(&builder.setup().map_err(Failure::world)?);
+    let command = command(line).map_err(Failure::driver)?;
+    let driver =
+        Driver::start(command, Limits::default(), std::io::sink()).map_err(Failure::driver)?;
+    driver.greet(&hello);
+    match driver.failure() {
+        Some(reason) => Err(Failure::driver(reason)),
+        None => Ok(driver),
     }
 }
