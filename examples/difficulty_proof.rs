@@ -24,8 +24,11 @@ use clap::Parser;
 use envgen::Seed;
 use envgen::whole_file;
 use indicatif::{ProgressBar, ProgressStyle};
-use mapping_trial::difficulty::proof::{Analysis, Part, ProofDesign, analyse, figure, page, run};
+use mapping_trial::difficulty::proof::{
+    Analysis, Dial, Part, ProofDesign, analyse, figure, page, run,
+};
 use mapping_trial::difficulty::reference_scale;
+use mapping_trial::names::Named;
 
 use crate::spinner::spinner;
 
@@ -51,7 +54,12 @@ struct Arguments {
     #[arg(long)]
     verified: Option<u32>,
 
-    /// Maps per footprint by the rules of the thesis [default: 40, with --quick 8].
+    /// What is requested and measured: difficulty, or that of mapping or navigation alone.
+    #[arg(long, default_value = "difficulty", value_parser = Dial::named)]
+    dial: Dial,
+
+    /// Maps per footprint by the rules of the thesis, which have a difficulty alone [default: 40, with --quick 8,
+    /// with another --dial 0].
     #[arg(long)]
     thesis: Option<u32>,
 
@@ -92,7 +100,12 @@ impl Arguments {
             footprints: self.footprints.clone().unwrap_or(usual.footprints),
             maps: self.maps.unwrap_or(usual.maps),
             verified: self.verified.unwrap_or(usual.verified),
-            thesis: self.thesis.unwrap_or(usual.thesis),
+            thesis: self.thesis.unwrap_or(if self.dial == Dial::Difficulty {
+                usual.thesis
+            } else {
+                0
+            }),
+            dial: self.dial,
             link: self.link.unwrap_or(usual.link),
             noise_seeds: self.seeds.unwrap_or(usual.noise_seeds),
             panel_trials: self.panel_trials.unwrap_or(usual.panel_trials),
@@ -147,7 +160,7 @@ fn prove(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let mut files =
         vec![("report.html".to_owned(), report.into_bytes()), ("summary.json".to_owned(), summary)];
     for &footprint in &design.footprints {
-        let svg = figure(footprint, scale, &results)?;
+        let svg = figure(design.dial, footprint, scale, &results)?;
         files.push((format!("requested_{footprint}.svg"), svg.into_bytes()));
     }
     for (name, bytes) in files {

@@ -22,7 +22,7 @@ pub struct Analysis {
     pub rows: Vec<Row>,
     /// The maps that are in no comparison; absent for parts without any.
     pub dropped: Vec<Dropped>,
-    /// The means of measured difficulty of the calibrated maps, by request.
+    /// The means of what is measured of the calibrated maps, by request.
     pub levels: Vec<Level>,
     /// What a single number explains, of the calibrated maps.
     pub singles: Vec<Single>,
@@ -50,9 +50,9 @@ pub struct Row {
     pub footprint: u32,
     /// Name of the panel.
     pub panel: String,
-    /// With the difficulties as this panel measures them, on the reference's scale.
+    /// With what this panel measures, on the reference's scale.
     pub raw: Agreement,
-    /// With difficulties linked to the reference panel.
+    /// With values linked to the reference panel.
     pub linked: Agreement,
 }
 
@@ -65,13 +65,13 @@ pub struct Level {
     pub level: f64,
     /// Number of maps.
     pub maps: usize,
-    /// Mean of their measured difficulty.
+    /// Mean of what is measured of them, by the dial.
     pub mean: f64,
     /// Half the interval of 95 % of that mean.
     pub half_interval: f64,
 }
 
-/// The largest share of the variance of measured difficulty that one number explains.
+/// The largest share of the variance of what is measured that one number explains.
 #[derive(Clone, Debug, Serialize)]
 pub struct Single {
     /// Side of the maps in cells.
@@ -80,7 +80,7 @@ pub struct Single {
     pub of: &'static str,
     /// Its name.
     pub name: String,
-    /// Squared rank correlation with the measured difficulty.
+    /// Squared rank correlation with what is measured.
     pub explained: f64,
     /// The same of the metres of wall.
     pub wall_length: f64,
@@ -97,8 +97,8 @@ pub fn analyse(
     };
     let names: Vec<String> = design.panels().into_iter().map(|panel| panel.name).collect();
     let links = links(of(Part::Link), names.len());
-    let unit = scale.units().difficulty;
-    let dial = |score: f64| unit * (score - scale.zero.difficulty);
+    let (unit, zero) = (design.dial.of(scale.units()), design.dial.of(scale.zero));
+    let dial = |score: f64| unit * (score - zero);
     let mut rows = Vec::new();
     for part in [Part::Calibrated, Part::Verified, Part::Thesis] {
         for &footprint in &design.footprints {

@@ -1,8 +1,9 @@
 //! Which worlds and trials the proof is made of.
 
-use envgen::indoor::{IndoorSpec, Profile};
+use envgen::indoor::IndoorSpec;
 use envgen::{Seed, SpecError, WorldSpec, settings};
 
+use super::dial::Dial;
 use crate::difficulty::Panel;
 use crate::experiment::survey::{Family, Survey, ron_options};
 
@@ -27,6 +28,9 @@ settings! {
         panel_trials: u32 = 12 => integer("", 1..=1000);
         /// Names of the held-out panels; empty for all.
         held_out: Vec<String> = Vec::new() => list("", "names of held-out panels", "all");
+        /// What is requested and measured; only maps of difficulties follow the rules of the thesis.
+        #[serde(skip_serializing_if = "Dial::is_default")]
+        dial: Dial = Dial::Difficulty => choice;
         /// Seed of everything.
         seed: Seed = Seed(77_000_000) => other("", "a seed");
     }
@@ -51,7 +55,7 @@ pub enum Part {
 pub struct ProofMap {
     /// Side in cells.
     pub footprint: u32,
-    /// The difficulty that is requested; of links, 0.
+    /// The value that is requested of the design's dial; of links, 0.
     pub requested: f64,
     /// What it is generated from.
     pub spec: IndoorSpec,
@@ -85,6 +89,10 @@ impl ProofDesign {
             let all: Vec<String> = self.footprints.iter().map(u32::to_string).collect();
             let allowed = "one or more whole numbers from 6 to 24";
             return Err(SpecError::new("footprints", all.join(","), allowed));
+        }
+        if self.dial != Dial::Difficulty && self.thesis > 0 {
+            let allowed = "0 where the `dial` is not difficulty";
+            return Err(SpecError::new("thesis", self.thesis, allowed));
         }
         let known: Vec<String> = held_out().into_iter().map(|panel| panel.name).collect();
         match self.held_out.iter().find(|name| !known.contains(name)) {
@@ -125,14 +133,13 @@ impl ProofDesign {
             for &footprint in &self.footprints {
                 let seed = first.offset(maps.len() as u64);
                 let base = IndoorSpec { width: footprint, height: footprint, ..Default::default() };
-                let [least, most] = base.reachable().difficulty;
+                let [least, most] = self.dial.of(base.reachable());
                 let place =
                     (f64::from(i) + seed.stream("proof/request", 0).unit()) / f64::from(count);
                 let requested = least + (most - least) * place;
                 let (requested, spec) = match part {
                     Part::Calibrated | Part::Verified => {
-                        let profile = Profile::Calibrated;
-                        (requested, IndoorSpec { profile, difficulty: requested, ..base })
+                        (requested, self.dial.request(base, requested))
                     }
                     // The rules have all levels at every size.
                     Part::Thesis => (requested, IndoorSpec { difficulty: 10.0 * place, ..base }),
@@ -166,6 +173,8 @@ fn held_out() -> Vec<Panel> {
 
 #[cfg(test)]
 mod tests {
+    use envgen::Spec;
+
     use super::*;
 
     #[test]
@@ -184,6 +193,8 @@ mod tests {
         let error = |design: ProofDesign| design.validate().expect_err("bad").to_string();
         let sizes = error(ProofDesign { footprints: vec![4], ..Default::default() });
         assert!(sizes.starts_with("`footprints` must be one or more whole numbers"), "{sizes}");
+        let thesis = error(ProofDesign { dial: Dial::Mapping, ..Default::default() });
+        assert_eq!(thesis, "`thesis` must be 0 where the `dial` is not difficulty, got 40");
         let name = "all at twice".to_owned();
         let panel = error(ProofDesign { held_out: vec![name], ..Default::default() });
         let expected = "`held_out` must be one of operator corridors; laser of 12 m, 270 degrees; \
@@ -214,6 +225,37 @@ mod tests {
         let expected = [("reference", 12, 1), ("all at once", 1, 1)];
         let quick = ProofDesign { held_out, ..ProofDesign::quick() };
         assert_eq!(trials(&quick), expected.map(|(a, b, c)| (a.to_owned(), b, c)));
+    }
+
+    #[test]
+    fn each_dial_is_requested_over_what_it_reaches() {
+        let reach = IndoorSpec { width: 16, height: 16, ..Default::default() }.reachable();
+        for dial in [Dial::Difficulty, Dial::Mapping, Dial::Navigation] {
+            let footprints = vec![16];
+            let design =
+                ProofDesign { dial, footprints, thesis: 0, maps: 40, ..Default::default() };
+            let [least, most] = dial.of(reach);
+            let (mut all, mut first, mut last) = (0, f64::MAX, f64::MIN);
+            for map in design.maps(Part::Calibrated) {
+                assert_eq!(map.spec.validate(), Ok(()));
+                let request = map.spec.request().0;
+                assert_eq!(dial.of(request), Some(map.requested));
+                all += request.named().iter().filter(|(_, asked)| asked.is_some()).count();
+                (first, last) = (first.min(map.requested), last.max(map.requested));
+            }
+            assert_eq!(all, 40, "one dial alone");
+            let step = (most - least) / 40.0;
+            assert!((least..least + step).contains(&first), "{first}");
+            assert!((most - step..=most).contains(&last), "{last}");
+        }
+    }
+
+    #[test]
+    fn designs_of_difficulties_are_written_as_before_there_were_dials() {
+        let json = serde_json::to_string(&ProofDesign::quick()).expect("JSON");
+        let expected = r#"{"footprints":[8],"maps":16,"verified":0,"thesis":8,"link":8,"noise_seeds":1,"panel_trials":1,"held_out":[],"seed":77000000}"#;
+        assert_eq!(json, expected);
+        assert_eq!(serde_json::from_str::<ProofDesign>(&json).ok(), Some(ProofDesign::quick()));
     }
 
     #[test]

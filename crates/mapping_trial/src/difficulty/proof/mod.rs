@@ -7,11 +7,13 @@
 mod agreement;
 mod analysis;
 mod design;
+mod dial;
 mod report;
 mod run;
 
 pub use agreement::{Agreement, Link, agreement};
 pub use analysis::{Analysis, Dropped, Level, Row, Single, analyse};
 pub use design::{Part, ProofDesign, ProofMap};
+pub use dial::Dial;
 pub use report::{figure, page};
 pub use run::{ProofResult, Watch, run};

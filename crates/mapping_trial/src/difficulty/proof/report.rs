@@ -6,6 +6,7 @@ use plotters::prelude::*;
 
 use super::analysis::{Analysis, Dropped, Row};
 use super::design::{Part, ProofDesign};
+use super::dial::Dial;
 use super::run::ProofResult;
 use crate::difficulty::NEAR_REQUEST;
 use crate::experiment::ExperimentError;
@@ -33,18 +34,19 @@ pub fn page(
     results: &[(Part, Vec<ProofResult>)],
 ) -> Result<String, ExperimentError> {
     let design = &analysis.design;
+    let what = design.dial.text();
     let mut figures = Vec::new();
     for &footprint in &design.footprints {
-        let svg = figure(footprint, scale, results)?;
-        figures.push(inline(svg, "Measured over requested difficulty"));
+        let svg = figure(design.dial, footprint, scale, results)?;
+        figures.push(inline(svg, &format!("Measured over requested {what}")));
     }
     let content = html! {
         p.lead {
-            "Maps of a fixed size are requested with difficulties spread evenly over what their size reaches, \
+            "Maps of a fixed size are requested with a " (what) " spread evenly over what their size reaches, \
              generated, and measured by trials with fresh noise: under the reference panel, and under \
              policies, lasers, estimators and robots that the calibration has not seen."
         }
-        h2 { "Requested and measured difficulty" }
+        h2 { "Requested and measured " (what) }
         @for figure in &figures {
             figure { (figure) }
             "\n"
@@ -72,28 +74,30 @@ fn key() -> Markup {
     }
 }
 
-/// Measured over requested difficulty at one footprint, under the reference panel, as SVG: maps by the rules of the
+/// The measured over the requested value of a dial at one footprint, under the reference panel, as SVG: maps by the rules of the
 /// thesis orange, calibrated ones blue, verified ones green.
 ///
 /// # Errors
 /// It cannot be drawn.
 pub fn figure(
+    dial: Dial,
     footprint: u32,
     scale: &Scale,
     results: &[(Part, Vec<ProofResult>)],
 ) -> Result<String, ExperimentError> {
-    let unit = scale.units().difficulty;
+    let (unit, zero, what) = (dial.of(scale.units()), dial.of(scale.zero), dial.text());
+    let requested = format!("requested {what}");
     let mut svg = String::new();
     {
         let area = SVGBackend::with_string(&mut svg, (520, 470)).into_drawing_area();
-        let name = format!("measured difficulty of {footprint} x {footprint} cells");
-        let mut chart = chart(&area, (0.0..10.0, 0.0..10.0), ("requested difficulty", &name))?;
+        let name = format!("measured {what} of {footprint} x {footprint} cells");
+        let mut chart = chart(&area, (0.0..10.0, 0.0..10.0), (&requested, &name))?;
         diagonal(&mut chart, (0.0, 0.0), (10.0, 10.0))?;
         for (part, _, color) in PARTS {
             let own = results.iter().find(|(own, _)| *own == part).map(|(_, all)| all);
             let own = own.into_iter().flatten().filter(|one| one.map.footprint == footprint);
             let dots = own.map(|one| {
-                let measured = unit * (one.scores[0] - scale.zero.difficulty);
+                let measured = unit * (one.scores[0] - zero);
                 let color = rgb(colors::MEASURED[color]);
                 Circle::new(
                     (one.map.requested, measured.clamp(0.0, 10.0)),

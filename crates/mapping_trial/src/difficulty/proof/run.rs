@@ -10,6 +10,7 @@ use envgen::indoor::IndoorSpec;
 use serde::{Deserialize, Serialize};
 
 use super::design::{Part, ProofDesign, ProofMap};
+use super::dial::Dial;
 use crate::difficulty::measure::{mean, scores};
 use crate::difficulty::{Panel, reference_scale, verified};
 use crate::experiment::lines::Lines;
@@ -21,7 +22,7 @@ use crate::experiment::{ExperimentError, Shard, write};
 pub struct ProofResult {
     /// The map.
     pub map: ProofMap,
-    /// The mean score D of each panel, the reference first.
+    /// The mean score of each panel by the design's dial, the reference first.
     pub scores: Vec<f64>,
 }
 
@@ -66,7 +67,7 @@ pub fn run(
         let stage = format!("{name}, {}", panel.name);
         let folder = folder.join(name).join(folder_name(&panel.name));
         let survey = design.survey(&maps, panel);
-        let Some(found) = run_panel(&survey, &folder, threads, &stage, watch)? else {
+        let Some(found) = run_panel(&survey, design.dial, &folder, threads, &stage, watch)? else {
             return Ok(None);
         };
         for (own, mean) in scores.iter_mut().zip(found) {
@@ -81,9 +82,10 @@ pub fn run(
     Ok(Some(whole.collect()))
 }
 
-/// The mean score D of each map under a panel, where trials can run; `None` where `watch` stopped it.
+/// The mean score of each map by a dial under a panel, where trials can run; `None` where `watch` stopped it.
 fn run_panel(
     survey: &Survey,
+    dial: Dial,
     folder: &Path,
     threads: usize,
     stage: &str,
@@ -99,9 +101,8 @@ fn run_panel(
     for record in folder.records() {
         found[record.map as usize].extend(record.scores.as_ref().map(scores));
     }
-    let difficulty =
-        |all: Vec<Dials<f64>>| (!all.is_empty()).then(|| mean(all.into_iter()).difficulty);
-    Ok(Some(found.into_iter().map(difficulty).collect()))
+    let of = |all: Vec<Dials<f64>>| (!all.is_empty()).then(|| dial.of(mean(all.into_iter())));
+    Ok(Some(found.into_iter().map(of).collect()))
 }
 
 /// The name of a panel, as a folder that needs no quotes.
@@ -120,7 +121,7 @@ fn race(maps: &mut [ProofMap], folder: &Path, watch: Watch<'_>) -> Result<bool, 
     for (map, done) in maps.iter_mut().zip(1..) {
         let seed = map.seed;
         if let Some(known) = winners.get(&seed) {
-            map.spec.clone_from(known);
+            map.win(known, &lines.path)?;
             continue;
         }
         let found = verified(&map.spec, seed, &panel, reference_scale(), 1, &mut |_| ())
@@ -132,6 +133,19 @@ fn race(maps: &mut [ProofMap], folder: &Path, watch: Watch<'_>) -> Result<bool, 
         }
     }
     Ok(true)
+}
+
+impl ProofMap {
+    /// Takes the winner of its race, which must be one of its candidates.
+    fn win(&mut self, winner: &IndoorSpec, path: &Path) -> Result<(), ExperimentError> {
+        let own = IndoorSpec { candidate: winner.candidate, ..self.spec.clone() };
+        if own != *winner {
+            let reason = format!("the winner of the seed {} is of another request", self.seed);
+            return Err(ExperimentError::Content { path: path.to_owned(), reason });
+        }
+        self.spec = own;
+        Ok(())
+    }
 }
 
 /// The winners that are known, from whole lines.
