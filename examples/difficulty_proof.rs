@@ -7,7 +7,19 @@
 //! ```
 //!
 //! Every finished trial is on disk at once: the same command continues an interrupted run. The output folder
-//! gets `report.html`, its figures as `requested_8.svg` and so on, and `summary.json`.
+//! gets `report.html`, its figures as `requested_8.svg` and so on, and `summary.json`, the same to the last byte
+//! whatever the number of threads and however often it was interrupted.
+//!
+//! # Many machines
+//!
+//! `--shard I/N` runs a share of the maps, `--merge` joins the shares into the same report. With the same other
+//! arguments in every job, and when they are merged:
+//!
+//! ```text
+//! difficulty_proof --maps 32 --threads 1 --shard 1/2 --out out/part1
+//! difficulty_proof --maps 32 --threads 1 --shard 2/2 --out out/part2
+//! difficulty_proof --maps 32 --merge out/part1 out/part2 --out out/all
+//! ```
 
 #[path = "../crates/mapping_trial/src/bin/envgen-trials/spinner.rs"]
 mod spinner;
@@ -25,9 +37,10 @@ use envgen::Seed;
 use envgen::whole_file;
 use indicatif::{ProgressBar, ProgressStyle};
 use mapping_trial::difficulty::proof::{
-    Analysis, Dial, Part, ProofDesign, analyse, figure, page, run,
+    Analysis, Dial, Part, ProofDesign, analyse, figure, merge, page, run,
 };
 use mapping_trial::difficulty::reference_scale;
+use mapping_trial::experiment::Shard;
 use mapping_trial::names::Named;
 
 use crate::spinner::spinner;
@@ -88,6 +101,14 @@ struct Arguments {
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
     threads: u16,
 
+    /// Run only a share of the maps, such as 2/8.
+    #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
+    shard: Shard,
+
+    /// Join the folders of all shares, which were run with the same other options, instead of running trials.
+    #[arg(long, value_name = "FOLDER", num_args = 1.., conflicts_with = "shard")]
+    merge: Vec<PathBuf>,
+
     /// The folder to write into.
     #[arg(long, default_value = "out/proof", value_name = "FOLDER")]
     out: PathBuf,
@@ -128,9 +149,10 @@ fn main() -> ExitCode {
     }
 }
 
+#[expect(clippy::print_stdout, reason = "what an example is for")]
 fn prove(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let design = arguments.design()?;
-    let threads = usize::from(arguments.threads);
+    let (threads, shard) = (usize::from(arguments.threads), arguments.shard);
     let bar = progress();
     let stage = Mutex::new(String::new());
     let watch = |name: &str, done: u64, all: u64| {
@@ -147,11 +169,18 @@ fn prove(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     };
     let mut results = Vec::new();
     for part in [Part::Link, Part::Calibrated, Part::Thesis, Part::Verified] {
-        if let Some(found) = run(&design, part, &arguments.out, threads, &watch)? {
+        if !arguments.merge.is_empty() {
+            merge(&design, part, &arguments.out, &arguments.merge)?;
+        }
+        if let Some(found) = run(&design, part, &arguments.out, shard, threads, &watch)? {
             results.push((part, found));
         }
     }
     bar.finish_and_clear();
+    if shard != Shard::WHOLE {
+        println!("share {shard} is finished: {}", arguments.out.display());
+        return Ok(());
+    }
     let analysing = spinner("analysing");
     let scale = reference_scale();
     let analysis = analyse(&design, scale, &results);

@@ -68,7 +68,7 @@ impl Lines {
     }
 
     /// Replaces all lines at once.
-    pub(super) fn replace(&mut self, text: &[u8]) -> Result<(), ExperimentError> {
+    pub(crate) fn replace(&mut self, text: &[u8]) -> Result<(), ExperimentError> {
         write::whole(&self.path, text)?;
         let error = |source| ExperimentError::File { path: self.path.clone(), source };
         let file = OpenOptions::new().append(true).open(&self.path).map_err(error)?;
@@ -83,7 +83,7 @@ impl Lines {
 }
 
 /// The whole lines of the file in a folder that is only read, and the path of the file.
-pub(super) fn read(folder: &Path) -> Result<(String, PathBuf), ExperimentError> {
+pub(crate) fn read(folder: &Path) -> Result<(String, PathBuf), ExperimentError> {
     let path = folder.join(TRIALS);
     let mut text = match std::fs::read_to_string(&path) {
         Ok(text) => text,
@@ -94,7 +94,7 @@ pub(super) fn read(folder: &Path) -> Result<(String, PathBuf), ExperimentError> 
 }
 
 /// A trial as a line.
-pub(super) fn line<T: Serialize>(record: &T, path: &Path) -> Result<Vec<u8>, ExperimentError> {
+pub(crate) fn line<T: Serialize>(record: &T, path: &Path) -> Result<Vec<u8>, ExperimentError> {
     let content = |error: serde_json::Error| ExperimentError::Content {
         path: path.to_owned(),
         reason: error.to_string(),

@@ -50,6 +50,18 @@ pub enum Part {
     Link,
 }
 
+impl Part {
+    /// Its name in files and folders.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Part::Calibrated => "calibrated",
+            Part::Verified => "verified",
+            Part::Thesis => "thesis",
+            Part::Link => "link",
+        }
+    }
+}
+
 /// A map of the proof.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProofMap {

@@ -16,4 +16,4 @@ pub use analysis::{Analysis, Dropped, Level, Row, Single, analyse};
 pub use design::{Part, ProofDesign, ProofMap};
 pub use dial::Dial;
 pub use report::{figure, page};
-pub use run::{ProofResult, Watch, run};
+pub use run::{ProofResult, Watch, merge, run};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use envgen::Seed;
 use envgen::calibration::Dials;
@@ -13,9 +13,12 @@ use super::design::{Part, ProofDesign, ProofMap};
 use super::dial::Dial;
 use crate::difficulty::measure::{mean, scores};
 use crate::difficulty::{Panel, reference_scale, verified};
-use crate::experiment::lines::Lines;
-use crate::experiment::survey::{Survey, SurveyFolder, SurveyProgress};
+use crate::experiment::lines::{self, Lines};
+use crate::experiment::survey::{SurveyFolder, SurveyProgress};
 use crate::experiment::{ExperimentError, Shard, write};
+
+/// The folder of the winners of races.
+const RACE: &str = "race";
 
 /// A map of the proof with what each panel measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +40,8 @@ struct Winner {
 /// Called with the name of a stage, the number of finished steps of it and of all.
 pub type Watch<'a> = &'a (dyn Fn(&str, u64, u64) -> ControlFlow<()> + Sync);
 
-/// Runs what is left of a part and returns the results of all maps in which trials of every panel can run; `None`
+/// Runs what is left of a share of a part, whose maps are dealt to the shares in order, and returns the results of its
+/// maps in which trials of every panel can run; `None`
 /// where `watch` stopped it.
 ///
 /// # Errors
@@ -46,30 +50,29 @@ pub fn run(
     design: &ProofDesign,
     part: Part,
     folder: &Path,
+    shard: Shard,
     threads: usize,
     watch: Watch<'_>,
 ) -> Result<Option<Vec<ProofResult>>, ExperimentError> {
+    shard.validate()?;
     let mut maps = design.maps(part);
     if maps.is_empty() {
         return Ok(Some(Vec::new()));
     }
-    if part == Part::Verified && !race(&mut maps, &folder.join("race"), watch)? {
+    if part == Part::Verified && !races(&mut maps, &folder.join(RACE), shard, threads, watch)? {
         return Ok(None);
     }
-    let name = match part {
-        Part::Calibrated => "calibrated",
-        Part::Verified => "verified",
-        Part::Thesis => "thesis",
-        Part::Link => "link",
-    };
     let mut scores = vec![Vec::new(); maps.len()];
     for panel in design.panels() {
-        let stage = format!("{name}, {}", panel.name);
-        let folder = folder.join(name).join(folder_name(&panel.name));
+        let stage = format!("{}, {}", part.name(), panel.name);
+        let folder = folder.join(inner_folder(part, &panel));
         let survey = design.survey(&maps, panel);
-        let Some(found) = run_panel(&survey, design.dial, &folder, threads, &stage, watch)? else {
+        let mut folder = SurveyFolder::open(&folder, &survey, shard)?;
+        let watch = |progress: SurveyProgress<'_>| watch(&stage, progress.done, progress.all);
+        if !folder.run(threads, &watch)? {
             return Ok(None);
-        };
+        }
+        let found = means(&folder, design.dial);
         for (own, mean) in scores.iter_mut().zip(found) {
             own.push(mean);
         }
@@ -82,27 +85,45 @@ pub fn run(
     Ok(Some(whole.collect()))
 }
 
-/// The mean score of each map by a dial under a panel, where trials can run; `None` where `watch` stopped it.
-fn run_panel(
-    survey: &Survey,
-    dial: Dial,
+/// Joins the folders of all shares of a part in a folder of its own, as one run would have left it.
+///
+/// # Errors
+/// Shares of another design, results that differ or are missing; a folder that cannot be written or holds something
+/// else.
+pub fn merge(
+    design: &ProofDesign,
+    part: Part,
     folder: &Path,
-    threads: usize,
-    stage: &str,
-    watch: Watch<'_>,
-) -> Result<Option<Vec<Option<f64>>>, ExperimentError> {
-    let mut folder = SurveyFolder::open(folder, survey, Shard::WHOLE)?;
-    let is_whole = folder
-        .run(threads, &|progress: SurveyProgress<'_>| watch(stage, progress.done, progress.all))?;
-    if !is_whole {
-        return Ok(None);
+    shares: &[PathBuf],
+) -> Result<(), ExperimentError> {
+    let mut maps = design.maps(part);
+    if maps.is_empty() {
+        return Ok(());
     }
-    let mut found = vec![Vec::new(); survey.families.len()];
+    if part == Part::Verified {
+        merge_races(&mut maps, &folder.join(RACE), shares)?;
+    }
+    for panel in design.panels() {
+        let inner = inner_folder(part, &panel);
+        let shares: Vec<PathBuf> = shares.iter().map(|share| share.join(&inner)).collect();
+        SurveyFolder::merge_of(&design.survey(&maps, panel), &folder.join(&inner), &shares)?;
+    }
+    Ok(())
+}
+
+/// The folder of a part's trials under a panel.
+fn inner_folder(part: Part, panel: &Panel) -> PathBuf {
+    Path::new(part.name()).join(folder_name(&panel.name))
+}
+
+/// The mean score of each map by a dial, where trials can run.
+fn means(folder: &SurveyFolder, dial: Dial) -> Vec<Option<f64>> {
+    let mut found = vec![Vec::new(); folder.survey().families.len()];
     for record in folder.records() {
         found[record.map as usize].extend(record.scores.as_ref().map(scores));
     }
     let of = |all: Vec<Dials<f64>>| (!all.is_empty()).then(|| dial.of(mean(all.into_iter())));
-    Ok(Some(found.into_iter().map(of).collect()))
+    found.into_iter().map(of).collect()
 }
 
 /// The name of a panel, as a folder that needs no quotes.
@@ -111,20 +132,32 @@ fn folder_name(panel: &str) -> String {
     words.collect::<Vec<&str>>().join("_").to_lowercase()
 }
 
-/// Replaces each map by the winner of its race; false where `watch` stopped it.
-fn race(maps: &mut [ProofMap], folder: &Path, watch: Watch<'_>) -> Result<bool, ExperimentError> {
+/// Replaces each map of a share by the winner of its race; false where `watch` stopped it.
+fn races(
+    maps: &mut [ProofMap],
+    folder: &Path,
+    shard: Shard,
+    threads: usize,
+    watch: Watch<'_>,
+) -> Result<bool, ExperimentError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| ExperimentError::Threads(error.to_string()))?;
     write::folder(folder)?;
     let (mut lines, text) = Lines::open(folder)?;
     let winners = winners(&text, &lines.path)?;
-    let all = maps.len() as u64;
+    let numbered = maps.iter_mut().enumerate();
+    let own: Vec<&mut ProofMap> =
+        numbered.filter(|(number, _)| shard.has(*number)).map(|(_, map)| map).collect();
+    let all = own.len() as u64;
     let panel = Panel::reference();
-    for (map, done) in maps.iter_mut().zip(1..) {
+    for (map, done) in own.into_iter().zip(1..) {
         let seed = map.seed;
         if let Some(known) = winners.get(&seed) {
             map.win(known, &lines.path)?;
             continue;
         }
-        let found = verified(&map.spec, seed, &panel, reference_scale(), 1, &mut |_| ())
+        let found = pool
+            .install(|| verified(&map.spec, seed, &panel, reference_scale(), 1, &mut |_| ()))
             .map_err(|error| ExperimentError::Report(format!("seed {seed}: {error}")))?;
         map.spec.candidate = found.candidate;
         lines.append(&Winner { seed, spec: map.spec.clone() })?;
@@ -133,6 +166,44 @@ fn race(maps: &mut [ProofMap], folder: &Path, watch: Watch<'_>) -> Result<bool, 
         }
     }
     Ok(true)
+}
+
+/// Joins the races of all shares, and replaces each map by its winner.
+fn merge_races(
+    maps: &mut [ProofMap],
+    folder: &Path,
+    shares: &[PathBuf],
+) -> Result<(), ExperimentError> {
+    let mut known = BTreeMap::new();
+    for share in shares {
+        let (text, path) = lines::read(&share.join(RACE))?;
+        for (seed, spec) in winners(&text, &path)? {
+            if known.get(&seed).is_some_and(|known| *known != spec) {
+                return Err(ExperimentError::Code { path, trial: race_of(seed) });
+            }
+            known.insert(seed, spec);
+        }
+    }
+    let mut missing = maps.iter().filter(|map| !known.contains_key(&map.seed));
+    if let Some(first) = missing.next() {
+        let (missing, all) = (1 + missing.count(), maps.len());
+        return Err(ExperimentError::Incomplete { missing, all, first: race_of(first.seed) });
+    }
+    write::folder(folder)?;
+    let (mut file, _) = Lines::open(folder)?;
+    let mut text = Vec::new();
+    for map in maps {
+        if let Some(spec) = known.remove(&map.seed) {
+            map.win(&spec, &file.path)?;
+            text.extend(lines::line(&Winner { seed: map.seed, spec }, &file.path)?);
+        }
+    }
+    file.replace(&text)
+}
+
+/// A race in words.
+fn race_of(seed: Seed) -> String {
+    format!("the race of the map of seed {seed}")
 }
 
 impl ProofMap {

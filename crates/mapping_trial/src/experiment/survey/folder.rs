@@ -98,49 +98,50 @@ impl SurveyFolder {
     /// Shares of different surveys, trials that differ, trials that are missing; a folder that cannot be written or
     /// holds another survey.
     pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Self, ExperimentError> {
-        let content = |path: &Path, reason: String| ExperimentError::Content {
-            path: path.to_owned(),
-            reason,
+        let Some(first) = parts.first() else {
+            let reason = "no folders to merge".to_owned();
+            return Err(ExperimentError::Content { path: folder.to_owned(), reason });
         };
-        let mut whole: Option<Head> = None;
+        SurveyFolder::merge_of(&Head::of_share(first)?.survey, folder, parts)
+    }
+
+    /// The same of a survey that is known. Of families of which a share has no world it may say something else: what
+    /// these are may not be known before the others have run.
+    pub(crate) fn merge_of(
+        survey: &Survey,
+        folder: &Path,
+        parts: &[PathBuf],
+    ) -> Result<Self, ExperimentError> {
+        survey.validate()?;
+        let whole = Head { version: SURVEY_VERSION, shard: Shard::WHOLE, survey: survey.clone() };
         let mut records: BTreeMap<Key, Record> = BTreeMap::new();
         for part in parts {
-            let path = part.join(HEAD);
-            let missing = "this file does not exist: the folder holds no share of a survey";
-            let head = head::read::<Head>(&path, "a survey", SURVEY_VERSION)?
-                .ok_or_else(|| content(&path, missing.to_owned()))?;
-            head.survey.validate().map_err(|error| content(&path, error.to_string()))?;
-            head.shard.validate().map_err(|error| content(&path, error.to_string()))?;
-            let joined = Head { shard: Shard::WHOLE, ..head.clone() };
-            match &whole {
-                Some(first) if *first != joined => {
-                    let difference = head::difference(&joined, first);
-                    return Err(ExperimentError::Other { path: part.clone(), difference });
-                }
-                _ => whole = Some(joined),
+            let head = Head::of_share(part)?;
+            let joined = Head { survey: head.with_others_of(survey), ..whole };
+            if joined != whole {
+                let difference = head::difference(&joined, &whole);
+                return Err(ExperimentError::Other { path: part.clone(), difference });
             }
             let (text, path) = lines::read(part)?;
             for (key, record) in parse(&text, &head, &path)? {
                 if records.get(&key).is_some_and(|known| *known != record) {
-                    let trial = head.survey.trial(key);
+                    let trial = survey.trial(key);
                     return Err(ExperimentError::Code { path: part.clone(), trial });
                 }
                 records.insert(key, record);
             }
         }
-        let Some(head) = whole else {
-            return Err(content(folder, "no folders to merge".to_owned()));
-        };
-        let mut merged = SurveyFolder::open(folder, &head.survey, Shard::WHOLE)?;
-        let keys = head.survey.maps().flat_map(|map| head.survey.keys(map.number));
+        let mut merged = SurveyFolder::open(folder, survey, Shard::WHOLE)?;
+        let keys = survey.maps().flat_map(|map| survey.keys(map.number));
         let mut missing = keys.filter(|key| !records.contains_key(key));
         if let Some(first) = missing.next() {
             return Err(ExperimentError::Incomplete {
                 missing: 1 + missing.count(),
                 all: merged.trials() as usize,
-                first: head.survey.trial(first),
+                first: survey.trial(first),
             });
         }
+        drop(missing);
         merged.records = records;
         merged.settle()?;
         Ok(merged)
@@ -305,6 +306,32 @@ fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<Key, Record>, 
 }
 
 impl Head {
+    /// What the folder of a share holds.
+    fn of_share(folder: &Path) -> Result<Self, ExperimentError> {
+        let path = folder.join(HEAD);
+        let content = |reason: String| ExperimentError::Content { path: path.clone(), reason };
+        let missing = "this file does not exist: the folder holds no share of a survey";
+        let head = head::read::<Head>(&path, "a survey", SURVEY_VERSION)?
+            .ok_or_else(|| content(missing.to_owned()))?;
+        head.survey.validate().map_err(|error| content(error.to_string()))?;
+        head.shard.validate().map_err(|error| content(error.to_string()))?;
+        Ok(head)
+    }
+
+    /// Its survey, with the families of another survey where no world is of this share.
+    fn with_others_of(&self, other: &Survey) -> Survey {
+        let mut survey = self.survey.clone();
+        let mut next = 0;
+        for (own, other) in survey.families.iter_mut().zip(&other.families) {
+            let mut numbers = next..next + own.maps as usize;
+            next = numbers.end;
+            if own.maps == other.maps && !numbers.any(|number| self.shard.has(number)) {
+                own.clone_from(other);
+            }
+        }
+        survey
+    }
+
     /// Number of trials of this share.
     fn all(&self) -> u64 {
         let maps = self.survey.maps().filter(|map| self.shard.has(map.number as usize)).count();

@@ -74,6 +74,40 @@ fn shares_have_their_own_worlds_and_other_surveys_are_refused() {
 }
 
 #[test]
+fn a_share_need_not_know_the_worlds_of_others() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let shares = [path("1"), path("2")];
+    for (index, path) in (1..).zip(&shares) {
+        let mut own = survey();
+        // The only world of the second family is of the first share.
+        if index == 2 {
+            own.families[1].first_seed = envgen::Seed(99);
+        }
+        let mut share = SurveyFolder::open(path, &own, Shard { index, of: 2 }).expect("a folder");
+        assert!(share.run(1, ON).expect("trials"));
+    }
+    let merged = SurveyFolder::merge_of(&survey(), &path("all"), &shares).expect("both shares");
+    assert!(merged.is_complete());
+    let mut other = survey();
+    other.families[0].first_seed = envgen::Seed(6);
+    let other = SurveyFolder::merge_of(&other, &path("other"), &shares).expect_err("others");
+    let difference = "`survey.families[0].first_seed` is 5, expected 6";
+    assert!(other.to_string().contains(difference), "{other}");
+    // A share whose trials give other results than the same trials of another.
+    let file = shares[0].join("trials.jsonl");
+    let text = std::fs::read_to_string(&file).expect("trials");
+    let cut = text.find("\"pose_error\":").expect("a number") + 13;
+    std::fs::write(&file, format!("{}1{}", &text[..cut], &text[cut..])).expect("a file");
+    let both = [shares[0].clone(), path("all")];
+    let differs = SurveyFolder::merge(&path("differs"), &both).expect_err("two results");
+    assert!(
+        differs.to_string().contains("the trial of world 0 (short) under `nearest`"),
+        "{differs}"
+    );
+}
+
+#[test]
 fn a_robot_that_does_not_fit_is_a_record_with_its_reason() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut survey = survey();
