@@ -103,6 +103,7 @@ pub fn reference_scale() -> &'static Scale {
 
 #[cfg(test)]
 mod tests {
+    use envgen::Seed;
     use envgen::calibration::Dials;
 
     use super::*;
@@ -117,6 +118,51 @@ mod tests {
             ..Default::default()
         };
         Record { map, scores: Some(scores), ..Record::default() }
+    }
+
+    /// An anchor as it was when its digest was taken.
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Known {
+        family: String,
+        seed: Seed,
+        digest: String,
+        /// Its mean scores under the reference panel.
+        scores: Dials<f64>,
+    }
+
+    fn known() -> Vec<Known> {
+        ron_options().from_str(include_str!("anchors_1_digests.ron")).expect("known anchors")
+    }
+
+    #[test]
+    fn the_anchors_are_the_worlds_that_they_were() {
+        let survey = Anchors::first().survey(&Panel::reference(), 1);
+        let known = known();
+        assert_eq!(survey.maps().count(), known.len());
+        for (map, known) in survey.maps().zip(&known) {
+            assert_eq!((&map.family.name, map.seed), (&known.family, known.seed));
+            let world = map.family.spec.generate(map.seed).expect("a world").to_world();
+            let digest = world.digest().to_string();
+            assert_eq!(
+                digest, known.digest,
+                "{}, seed {}: another world",
+                known.family, known.seed
+            );
+        }
+    }
+
+    #[test]
+    fn the_scale_is_that_of_the_known_anchors() {
+        let known = known();
+        let scale = reference_scale();
+        for (anchors, end) in known.chunks(20).zip([scale.zero, scale.ten]) {
+            for (dial, (found, end)) in mean(anchors.iter().map(|one| one.scores)).zip(end).named()
+            {
+                // Trials have changed a little since the scale was measured.
+                assert!((found - end).abs() < 0.05, "{dial}: {found}, the scale has {end}");
+            }
+        }
     }
 
     #[test]
