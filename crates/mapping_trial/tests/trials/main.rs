@@ -7,6 +7,8 @@ mod golden;
 mod loop_closing;
 mod navigation;
 mod policies;
+#[cfg(feature = "experiment")]
+mod proof;
 mod robots;
 mod ros_maps;
 mod scenario;
