@@ -74,8 +74,8 @@ fn key() -> Markup {
     }
 }
 
-/// The measured over the requested value of a dial at one footprint, under the reference panel, as SVG: maps by the rules of the
-/// thesis orange, calibrated ones blue, verified ones green.
+/// The measured over the requested value of a dial at one footprint, under the reference panel, as SVG: maps by the
+/// rules of the thesis orange, calibrated ones blue, verified ones green.
 ///
 /// # Errors
 /// It cannot be drawn.
